@@ -1,0 +1,51 @@
+# The three ways in which Atrium makes a target. Folder = module = target; every source is named, nothing is globbed.
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+    set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+endif()
+
+function(_atrium_options target)
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wshadow -Wnon-virtual-dtor>)
+    if(ATRIUM_WERROR)
+        target_compile_options(${target} PRIVATE -Werror)
+    endif()
+    if(ATRIUM_SANITIZE)
+        target_compile_options(${target} PRIVATE -fsanitize=${ATRIUM_SANITIZE} -fno-omit-frame-pointer
+                                                 -fno-sanitize-recover=all)
+        target_link_options(${target} PUBLIC -fsanitize=${ATRIUM_SANITIZE})
+    endif()
+endfunction()
+
+# atrium_library(name SOURCES a.cpp ... PUBLIC lib ... PRIVATE lib ...)
+function(atrium_library name)
+    cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+    add_library(${name} STATIC ${ARG_SOURCES})
+    target_link_libraries(${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+    _atrium_options(${name})
+endfunction()
+
+# atrium_program(name SOURCES main.cpp ... LINK lib ...)
+function(atrium_program name)
+    cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+    add_executable(${name} ${ARG_SOURCES})
+    target_link_libraries(${name} PRIVATE ${ARG_LINK})
+    _atrium_options(${name})
+endfunction()
+
+# atrium_test(name LABELS unit ... SOURCES a_test.cpp ... LINK lib ... [TIMEOUT seconds])
+# One executable and one ctest entry per module; labels: unit property golden fuzz integration gl dds threads.
+# `threads` marks what the ThreadSanitizer run executes.
+function(atrium_test name)
+    cmake_parse_arguments(ARG "" "TIMEOUT" "LABELS;SOURCES;LINK" ${ARGN})
+    add_executable(${name} ${ARG_SOURCES})
+    target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
+    target_compile_definitions(${name} PRIVATE ATRIUM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+    _atrium_options(${name})
+    add_test(NAME ${name} COMMAND ${name})
+    if(NOT ARG_TIMEOUT)
+        set(ARG_TIMEOUT 300)
+    endif()
+    set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
+endfunction()

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <utility>
+
+namespace atrium {
+
+/// Hand-over between two stages: holds at most one value, and a newer `put` replaces one that was not taken.
+/// Safe for any number of writers and readers; a value is taken once.
+template <typename T>
+class LatestSlot {
+public:
+    /// Returns true if an unread value was replaced; it is also counted in `num_dropped`.
+    bool put(T value) {
+        bool dropped = false;
+        {
+            const std::lock_guard lock(mutex_);
+            dropped = value_.has_value();
+            value_ = std::move(value);
+            if (dropped) ++num_dropped_;
+        }
+        changed_.notify_one();
+        return dropped;
+    }
+
+    /// Waits for a value; nullopt once a stop is requested.
+    std::optional<T> take(std::stop_token stop) {
+        std::unique_lock lock(mutex_);
+        if (!changed_.wait(lock, stop, [this] { return value_.has_value(); })) return std::nullopt;
+        return std::exchange(value_, std::nullopt);
+    }
+
+    /// The value that is there now, if any; never waits.
+    std::optional<T> try_take() {
+        const std::lock_guard lock(mutex_);
+        return std::exchange(value_, std::nullopt);
+    }
+
+    std::uint64_t num_dropped() const {
+        const std::lock_guard lock(mutex_);
+        return num_dropped_;
+    }
+
+private:
+    mutable std::mutex mutex_;
+    std::condition_variable_any changed_;
+    std::optional<T> value_;
+    std::uint64_t num_dropped_ = 0;
+};
+
+}  // namespace atrium

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <chrono>
+#include <compare>
+#include <cstdint>
+
+namespace atrium {
+
+/// Absolute time: nanoseconds since the Unix epoch, the form that times have on the wire.
+struct Timestamp {
+    std::int64_t ns = 0;
+
+    static Timestamp now() {
+        const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
+        return {std::chrono::duration_cast<std::chrono::nanoseconds>(since_epoch).count()};
+    }
+
+    auto operator<=>(const Timestamp&) const = default;
+};
+
+inline std::chrono::nanoseconds operator-(Timestamp a, Timestamp b) {
+    return std::chrono::nanoseconds(a.ns - b.ns);
+}
+inline Timestamp operator+(Timestamp t, std::chrono::nanoseconds d) { return {t.ns + d.count()}; }
+
+}  // namespace atrium
