@@ -9,8 +9,8 @@
 
 namespace atrium {
 
-/// Hand-over between two stages: holds at most one value, and a newer `put` replaces one that was not taken.
-/// Safe for any number of writers and readers; a value is taken once.
+/// Hand-over between two stages: holds at most one value, and a newer `put` replaces one that was
+/// not taken. Safe for any number of writers and readers; a value is taken once.
 template <typename T>
 class LatestSlot {
 public:

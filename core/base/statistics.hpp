@@ -13,7 +13,8 @@ struct Quantiles {
     std::size_t num_samples = 0;  // 0: nothing was measured, the two others mean nothing
 };
 
-/// Durations of the last `capacity` events. Not thread-safe; does not allocate after construction but in `quantiles`.
+/// Durations of the last `capacity` events. Not thread-safe; does not allocate after construction
+/// but in `quantiles`.
 class LatencyWindow {
 public:
     explicit LatencyWindow(std::size_t capacity = 512);

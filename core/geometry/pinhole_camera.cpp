@@ -1,6 +1,7 @@
 #include "core/geometry/pinhole_camera.hpp"
 
 #include <Eigen/LU>
+
 #include <cmath>
 
 namespace atrium::geometry {
@@ -18,7 +19,8 @@ Distorted distort_normalised(const std::array<double, 5>& coefficients, const Ei
     const double y = p.y();
     const double r2 = x * x + y * y;
     const double radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
-    const double radial_slope = 2.0 * (k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3));  // d radial / d r2, times 2
+    const double radial_slope =
+        2.0 * (k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3));  // d radial / d r2, times 2
     Distorted result;
     result.value = {x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
                     y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y};
@@ -47,7 +49,8 @@ std::optional<Eigen::Vector2d> PinholeCamera::undistort(const Eigen::Vector2d& d
     for (int step = 0; step < kMaxSteps; ++step) {
         const Distorted d = distort_normalised(distortion, p);
         const Eigen::Vector2d residual = target - d.value;
-        // beyond the fold of the radial polynomial the determinant changes sign: no unique ray there
+        // beyond the fold of the radial polynomial the determinant changes sign: no unique ray
+        // there
         if (!(d.jacobian.determinant() > 0.0)) return std::nullopt;
         if (residual.cwiseAbs().maxCoeff() < kConverged) {
             return Eigen::Vector2d{fx * p.x() + skew * p.y() + cx, fy * p.y() + cy};

@@ -3,6 +3,7 @@
 #include "core/geometry/rigid_transform.hpp"
 
 #include <Eigen/Core>
+
 #include <array>
 #include <optional>
 #include <string>
@@ -11,8 +12,9 @@ namespace atrium::geometry {
 
 /// Intrinsics of one camera, in pixels, pixel centres at integer coordinates (OpenCV's convention).
 ///
-/// Two kinds of pixel coordinates exist: *undistorted* ones, linear in the ray (`u = fx x + skew y + cx`, `v = fy y + cy`
-/// with x = X/Z, y = Y/Z), and *distorted* ones, which are positions in the picture that the camera delivers.
+/// Two kinds of pixel coordinates exist: *undistorted* ones, linear in the ray (`u = fx x + skew y
+/// + cx`, `v = fy y + cy` with x = X/Z, y = Y/Z), and *distorted* ones, which are positions in the
+/// picture that the camera delivers.
 struct PinholeCamera {
     int width = 0;
     int height = 0;
@@ -41,8 +43,8 @@ struct PinholeCamera {
     /// Position in the delivered picture of an undistorted pixel.
     Eigen::Vector2d distort(const Eigen::Vector2d& undistorted_px) const;
 
-    /// Inverse of `distort`, by Newton's method. nullopt where the distortion model cannot be inverted
-    /// (far outside the picture of a strongly distorted lens).
+    /// Inverse of `distort`, by Newton's method. nullopt where the distortion model cannot be
+    /// inverted (far outside the picture of a strongly distorted lens).
     std::optional<Eigen::Vector2d> undistort(const Eigen::Vector2d& distorted_px) const;
 };
 

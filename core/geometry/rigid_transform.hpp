@@ -11,10 +11,13 @@ struct RigidTransform {
     Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  // unit length
     Eigen::Vector3d translation = Eigen::Vector3d::Zero();         // [m]
 
-    Eigen::Vector3d operator*(const Eigen::Vector3d& point) const { return rotation * point + translation; }
+    Eigen::Vector3d operator*(const Eigen::Vector3d& point) const {
+        return rotation * point + translation;
+    }
 
     RigidTransform operator*(const RigidTransform& right) const {
-        return {(rotation * right.rotation).normalized(), rotation * right.translation + translation};
+        return {(rotation * right.rotation).normalized(),
+                rotation * right.translation + translation};
     }
 
     /// `camera_from_world = world_from_camera.inverse()`.

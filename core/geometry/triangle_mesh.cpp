@@ -1,6 +1,7 @@
 #include "core/geometry/triangle_mesh.hpp"
 
 #include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -22,7 +23,8 @@ std::vector<HalfEdge> sorted_half_edges(const TriangleMesh& mesh) {
         for (int k = 0; k < 3; ++k) {
             const std::uint32_t a = mesh.triangles[t][static_cast<std::size_t>(k)];
             const std::uint32_t b = mesh.triangles[t][static_cast<std::size_t>((k + 1) % 3)];
-            const std::uint64_t key = (static_cast<std::uint64_t>(std::min(a, b)) << 32) | std::max(a, b);
+            const std::uint64_t key =
+                (static_cast<std::uint64_t>(std::min(a, b)) << 32) | std::max(a, b);
             edges.push_back({key, t, a < b});
         }
     }
@@ -37,8 +39,8 @@ std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
     return i;
 }
 
-// Closed surface: the triangles at a vertex form one fan exactly if walking from one of them over shared edges
-// meets as many triangles as the vertex has.
+// Closed surface: the triangles at a vertex form one fan exactly if walking from one of them over
+// shared edges meets as many triangles as the vertex has.
 bool every_vertex_is_one_fan(const TriangleMesh& mesh) {
     std::vector<std::uint32_t> num_corners(mesh.vertices.size(), 0);
     for (const auto& t : mesh.triangles) {
@@ -47,7 +49,9 @@ bool every_vertex_is_one_fan(const TriangleMesh& mesh) {
     // successor of the edge (v -> a) around v is (v -> c) in the triangle (v, a, c)
     struct Spoke {
         std::uint32_t centre, from, to;
-        bool operator<(const Spoke& o) const { return centre != o.centre ? centre < o.centre : from < o.from; }
+        bool operator<(const Spoke& o) const {
+            return centre != o.centre ? centre < o.centre : from < o.from;
+        }
     };
     std::vector<Spoke> spokes;
     spokes.reserve(mesh.triangles.size() * 3);
@@ -84,10 +88,12 @@ MeshReport inspect(const TriangleMesh& mesh) {
     report.volume_m3 = volume_m3(mesh);
     const auto num_triangles = static_cast<std::uint32_t>(mesh.triangles.size());
     if (num_triangles == 0) return report;
-    const bool indices_valid = std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& t) {
-        return std::all_of(t.begin(), t.end(), [&](auto v) { return v < mesh.vertices.size(); }) &&
-               t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
-    });
+    const bool indices_valid =
+        std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& t) {
+            return std::all_of(
+                       t.begin(), t.end(), [&](auto v) { return v < mesh.vertices.size(); }) &&
+                   t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+        });
     if (!indices_valid) return report;
 
     const std::vector<HalfEdge> edges = sorted_half_edges(mesh);
@@ -107,10 +113,11 @@ MeshReport inspect(const TriangleMesh& mesh) {
         ++num_edges;
         i = end;
     }
-    for (std::uint32_t t = 0; t < num_triangles; ++t) report.num_components += find_root(parent, t) == t;
+    for (std::uint32_t t = 0; t < num_triangles; ++t)
+        report.num_components += find_root(parent, t) == t;
     report.manifold = report.closed && every_vertex_is_one_fan(mesh);
-    report.euler_characteristic =
-        static_cast<std::int64_t>(mesh.vertices.size()) - num_edges + static_cast<std::int64_t>(num_triangles);
+    report.euler_characteristic = static_cast<std::int64_t>(mesh.vertices.size()) - num_edges +
+                                  static_cast<std::int64_t>(num_triangles);
     return report;
 }
 
@@ -143,7 +150,8 @@ std::vector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh) {
     std::vector<Eigen::Vector3f> normals(sums.size());
     for (std::size_t i = 0; i < sums.size(); ++i) {
         const double length = sums[i].norm();
-        normals[i] = length > 0.0 ? Eigen::Vector3f((sums[i] / length).cast<float>()) : Eigen::Vector3f::Zero();
+        normals[i] = length > 0.0 ? Eigen::Vector3f((sums[i] / length).cast<float>())
+                                  : Eigen::Vector3f::Zero();
     }
     return normals;
 }

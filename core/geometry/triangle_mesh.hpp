@@ -3,6 +3,7 @@
 #include "core/geometry/aabb.hpp"
 
 #include <Eigen/Core>
+
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -23,8 +24,9 @@ struct TriangleMesh {
 
 /// What `inspect` found. All counts are of the mesh as indexed; positions are never compared.
 struct MeshReport {
-    bool closed = false;    // every half-edge has exactly one twin in the opposite direction
-    bool manifold = false;  // closed, and the triangles around every vertex form one cycle; no unused vertices
+    bool closed = false;  // every half-edge has exactly one twin in the opposite direction
+    bool manifold =
+        false;  // closed, and the triangles around every vertex form one cycle; no unused vertices
     std::size_t num_components = 0;  // connected by shared edges
     std::int64_t euler_characteristic = 0;
     double volume_m3 = 0.0;  // signed; positive when oriented outwards
@@ -38,8 +40,8 @@ Aabb bounds(const TriangleMesh& mesh);
 /// Area-weighted unit normals, one per vertex; zero where a vertex has no triangle with area.
 std::vector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh);
 
-/// Winding number of `mesh` around `p`, by solid angles (van Oosterom, Strackee 1983): 1 inside, 0 outside a closed mesh.
-/// O(triangles).
+/// Winding number of `mesh` around `p`, by solid angles (van Oosterom, Strackee 1983): 1 inside, 0
+/// outside a closed mesh. O(triangles).
 double winding_number(const TriangleMesh& mesh, const Eigen::Vector3d& p);
 
 }  // namespace atrium::geometry

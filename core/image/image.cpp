@@ -22,8 +22,8 @@ std::uint8_t clamp_byte(int v) { return static_cast<std::uint8_t>(std::clamp(v, 
 
 void luma_row(const std::uint8_t* __restrict bgr, int width, std::uint8_t* __restrict y) {
     for (int x = 0; x < width; ++x) {
-        y[x] = static_cast<std::uint8_t>((kYB * bgr[3 * x] + kYG * bgr[3 * x + 1] + kYR * bgr[3 * x + 2] + kHalf) >>
-                                         kShift);
+        y[x] = static_cast<std::uint8_t>(
+            (kYB * bgr[3 * x] + kYG * bgr[3 * x + 1] + kYR * bgr[3 * x + 2] + kHalf) >> kShift);
     }
 }
 
@@ -38,14 +38,17 @@ void chroma_row(const std::uint8_t* __restrict top,
         const int b = top[6 * x] + top[6 * x + 3] + bottom[6 * x] + bottom[6 * x + 3];
         const int g = top[6 * x + 1] + top[6 * x + 4] + bottom[6 * x + 1] + bottom[6 * x + 4];
         const int r = top[6 * x + 2] + top[6 * x + 5] + bottom[6 * x + 2] + bottom[6 * x + 5];
-        u[x] = static_cast<std::uint8_t>(std::min((kUB * b + kUG * g + kUR * r + kBias) >> (kShift + 2), 255));
-        v[x] = static_cast<std::uint8_t>(std::min((kVB * b + kVG * g + kVR * r + kBias) >> (kShift + 2), 255));
+        u[x] = static_cast<std::uint8_t>(
+            std::min((kUB * b + kUG * g + kUR * r + kBias) >> (kShift + 2), 255));
+        v[x] = static_cast<std::uint8_t>(
+            std::min((kVB * b + kVG * g + kVR * r + kBias) >> (kShift + 2), 255));
     }
 }
 
 }  // namespace
 
-void yuv_from_bgr(const std::uint8_t* bgr, int width, int height, std::size_t stride_bytes, YuvImage& out) {
+void yuv_from_bgr(
+    const std::uint8_t* bgr, int width, int height, std::size_t stride_bytes, YuvImage& out) {
     const int even_width = width & ~1;
     const int even_height = height & ~1;
     resize(out.y, even_width, even_height);
@@ -66,13 +69,15 @@ std::vector<std::uint8_t> bgr_from_yuv(const YuvImage& image) {
         const std::uint8_t* luma = image.y.row(y);
         const std::uint8_t* cb = image.u.row(y / 2);
         const std::uint8_t* cr = image.v.row(y / 2);
-        std::uint8_t* out = bgr.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width()) * 3;
+        std::uint8_t* out =
+            bgr.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width()) * 3;
         for (int x = 0; x < image.width(); ++x) {
             const int u = cb[x / 2] - 128;
             const int v = cr[x / 2] - 128;
             const int scaled = luma[x] << kShift;
             out[3 * x] = clamp_byte((scaled + fixed(1.772) * u + kHalf) >> kShift);
-            out[3 * x + 1] = clamp_byte((scaled + fixed(-0.344136) * u + fixed(-0.714136) * v + kHalf) >> kShift);
+            out[3 * x + 1] = clamp_byte(
+                (scaled + fixed(-0.344136) * u + fixed(-0.714136) * v + kHalf) >> kShift);
             out[3 * x + 2] = clamp_byte((scaled + fixed(1.402) * v + kHalf) >> kShift);
         }
     }

@@ -18,7 +18,9 @@ struct Plane {
           height(height_px),
           data(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px), value) {}
 
-    const std::uint8_t* row(int y) const { return data.data() + static_cast<std::ptrdiff_t>(y) * width; }
+    const std::uint8_t* row(int y) const {
+        return data.data() + static_cast<std::ptrdiff_t>(y) * width;
+    }
     std::uint8_t* row(int y) { return data.data() + static_cast<std::ptrdiff_t>(y) * width; }
     std::uint8_t at(int x, int y) const { return row(y)[x]; }
 };
@@ -26,11 +28,12 @@ struct Plane {
 /// A binary picture: 0 = background, 255 = foreground; nothing else.
 using Mask = Plane;
 
-/// What a camera delivers, in the form in which the whole site works: full-range BT.601 Y'CbCr (JPEG's), luma at full and
-/// chroma at half resolution (4:2:0, chroma sited in the middle of its 2x2 block). Width and height are even.
+/// What a camera delivers, in the form in which the whole site works: full-range BT.601 Y'CbCr
+/// (JPEG's), luma at full and chroma at half resolution (4:2:0, chroma sited in the middle of its
+/// 2x2 block). Width and height are even.
 ///
-/// Segmentation reads Y and UV as they are, and the half-resolution texture is U and V as they are plus a halved Y: no stage
-/// converts colours.
+/// Segmentation reads Y and UV as they are, and the half-resolution texture is U and V as they are
+/// plus a halved Y: no stage converts colours.
 struct YuvImage {
     Plane y;
     Plane u;  // y.width / 2 by y.height / 2
@@ -51,9 +54,10 @@ struct PixelRect {
     bool operator==(const PixelRect&) const = default;
 };
 
-/// Converts packed 8-bit BGR (rows of `stride_bytes`) into `out`, whose planes are resized only when the size changes.
-/// Odd sizes lose their last column or row.
-void yuv_from_bgr(const std::uint8_t* bgr, int width, int height, std::size_t stride_bytes, YuvImage& out);
+/// Converts packed 8-bit BGR (rows of `stride_bytes`) into `out`, whose planes are resized only
+/// when the size changes. Odd sizes lose their last column or row.
+void yuv_from_bgr(
+    const std::uint8_t* bgr, int width, int height, std::size_t stride_bytes, YuvImage& out);
 
 /// The reverse, for pictures that people look at: packed BGR, 3 * width * height bytes.
 std::vector<std::uint8_t> bgr_from_yuv(const YuvImage& image);

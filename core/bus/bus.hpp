@@ -1,0 +1,101 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/bus/messages.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+/// Cyclone DDS in C++: the only place of Atrium that includes its headers.
+namespace atrium::bus {
+
+struct BusOptions {
+    std::string world = "atrium";  // the DDS partition: programs of one world hear only each other
+    std::uint32_t domain = 0;      // DDS domain id, 0..230
+    std::filesystem::path
+        network_file;  // Cyclone DDS XML, for example qos/loopback.xml; empty: built-in loopback
+    std::filesystem::path
+        profiles_file;  // OMG DDS-XML profiles, qos/profiles.xml; empty: the built-in copy of it
+};
+
+/// This process in one world. Movable; Readers and Writers keep it alive.
+class Participant {
+public:
+    static Expected<Participant> create(const BusOptions& options);
+    struct Impl;
+    const std::shared_ptr<Impl>& impl() const { return impl_; }
+
+private:
+    explicit Participant(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
+    std::shared_ptr<Impl> impl_;
+};
+
+/// Publishes one topic. `Message` is any struct of messages.hpp. Thread-safe.
+template <typename Message>
+class Writer {
+public:
+    static Expected<Writer> create(const Participant& participant);
+    /// Fails with kInvalidData where `from_wire` at the other end would refuse the message. Returns
+    /// the bytes of payload handed over.
+    Expected<std::size_t> write(const Message& message);
+    /// Tells the readers that the message's key (site, object, sender) is gone.
+    Expected<void> dispose(const Message& key_holder);
+    /// Number of readers matched now.
+    int num_readers() const;
+
+private:
+    struct Impl;
+    std::shared_ptr<Impl> impl_;
+};
+
+struct TakeReport {
+    std::size_t num_taken = 0;
+    std::size_t num_rejected = 0;  // failed a check; named in `first_rejection`
+    std::string first_rejection;
+};
+
+/// Receives one topic. One thread at a time.
+template <typename Message>
+class Reader {
+public:
+    static Expected<Reader> create(const Participant& participant);
+
+    /// Hands over, oldest first, each new sample that passed its checks. `on_gone` gets a message
+    /// of which only the key fields are filled, once its writer has left, lost liveliness or
+    /// disposed it. Never waits.
+    TakeReport take(const std::function<void(Message&&)>& on_sample,
+                    const std::function<void(const Message&)>& on_gone = {});
+
+    /// Number of writers matched now.
+    int num_writers() const;
+
+private:
+    friend class Waiter;
+    struct Impl;
+    std::shared_ptr<Impl> impl_;
+};
+
+/// Sleeps until one of several readers has something to take.
+class Waiter {
+public:
+    static Expected<Waiter> create(const Participant& participant);
+    template <typename Message>
+    void add(const Reader<Message>& reader);
+    /// Returns true when a reader has something, false on the timeout or after `wake`.
+    bool wait(std::chrono::milliseconds timeout);
+    /// Ends a `wait` of another thread at once.
+    void wake();
+
+private:
+    struct Impl;
+    std::shared_ptr<Impl> impl_;
+};
+
+}  // namespace atrium::bus

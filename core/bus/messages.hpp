@@ -1,0 +1,149 @@
+#pragma once
+
+#include "core/base/timestamp.hpp"
+#include "core/geometry/aabb.hpp"
+#include "core/geometry/pinhole_camera.hpp"
+#include "core/geometry/rigid_transform.hpp"
+#include "core/image/image.hpp"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+/// What travels between the programs, as C++ values: one struct per topic (idl/README.md has the
+/// table). Everything that a Reader hands out has passed the checks of `from_wire`: finite numbers,
+/// known sizes, indices and enumerators in range.
+namespace atrium::bus {
+
+/// Transient local, on change. Names are 1..63 characters of [A-Za-z0-9_.-].
+struct SiteDescription {
+    std::string site;
+    std::vector<geometry::CalibratedCamera> cameras;  // CameraTexture::camera indexes this
+    geometry::Aabb bounds_site;                       // [m] the space in which people are seen
+};
+
+/// Every frame, latest only.
+struct SiteMesh {
+    std::string site;
+    std::uint64_t frame_id = 0;  // grows by one per metaframe of the site, dropped ones included
+    Timestamp capture_time;
+    std::vector<std::uint32_t>
+        textured_cameras;  // a viewer's pair is complete with these CameraTextures of this frame_id
+    std::vector<std::uint8_t> draco;  // empty: nobody is in the site
+};
+
+/// Every frame and camera that sees somebody, latest only.
+struct CameraTexture {
+    std::string site;
+    std::uint32_t camera = 0;
+    std::uint64_t frame_id = 0;
+    Timestamp capture_time;
+    image::PixelRect
+        crop_px;  // in the camera's full-resolution distorted picture; coded at half resolution
+    std::vector<std::uint8_t> colour;
+    std::vector<std::uint8_t> mask;
+};
+
+/// Transient local, on change; decided by the world server.
+struct SitePlacement {
+    std::string site;
+    geometry::RigidTransform world_from_site;
+};
+
+enum class Shape : std::uint8_t { kBox, kSphere, kCylinder, kCapsule, kPlane };
+
+/// Transient local, on change.
+struct SceneObject {
+    std::uint32_t object = 0;
+    std::string name;
+    Shape shape = Shape::kBox;
+    /// [m] box: full extents; sphere: diameter thrice; cylinder, capsule: diameter, diameter,
+    /// height along local z (a capsule's height includes its caps); plane: full extents x, y of
+    /// what is drawn, through the origin, normal +z, third unused.
+    Eigen::Vector3d size_m = Eigen::Vector3d::Ones();
+    double mass_kg = 0.0;                                     // 0: does not move
+    Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // linear RGB in [0, 1]
+    geometry::RigidTransform world_from_object;  // where it started; SceneState tells where it is
+};
+
+struct ObjectState {
+    std::uint32_t object = 0;
+    geometry::RigidTransform world_from_object;
+    Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();   // [m/s] world
+    Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // [rad/s] world
+};
+
+/// Every step sent, latest only.
+struct SceneState {
+    std::string world;
+    std::uint64_t tick = 0;
+    Timestamp time;
+    std::vector<ObjectState> objects;
+};
+
+enum class CommandKind : std::uint8_t { kAdd, kRemove, kReset, kPush };
+
+/// On demand, reliable. `object` is filled for kAdd; `target` names the object for kRemove and
+/// kPush.
+struct SceneCommand {
+    std::string sender;
+    CommandKind kind = CommandKind::kReset;
+    std::uint32_t target = 0;
+    Eigen::Vector3d impulse_ns =
+        Eigen::Vector3d::Zero();  // [N s] world, at the centre of mass, for kPush
+    SceneObject object;
+};
+
+struct LatencySummary {
+    double median_ms = 0.0;
+    double p99_ms = 0.0;
+    std::uint64_t num_samples = 0;
+};
+
+/// 1 Hz. Counters run since the program's start.
+struct SiteStatus {
+    std::string site;
+    Timestamp time;
+    std::uint64_t num_metaframes_captured = 0;
+    std::uint64_t num_metaframes_published = 0;
+    std::uint64_t num_dropped_incomplete = 0;  // a camera's picture was missing at the deadline
+    std::uint64_t num_dropped_late = 0;  // a newer metaframe replaced it before it was worked on
+    std::uint64_t num_failed = 0;        // a stage reported an error for it
+    std::uint64_t num_bytes_published = 0;
+    double metaframes_per_s = 0.0;
+    double bytes_per_s = 0.0;
+    LatencySummary capture_to_publish;
+    std::uint64_t resident_bytes = 0;
+};
+
+struct WorldStatus {
+    std::string world;
+    Timestamp time;
+    std::uint64_t num_steps = 0;
+    std::uint64_t num_meshes_received = 0;
+    std::uint64_t num_rejected = 0;  // samples that failed a check
+    std::uint64_t num_sites = 0;     // present now
+    std::uint64_t num_contacts =
+        0;  // between people and objects, running count of steps with at least one
+    double steps_per_s = 0.0;
+    LatencySummary capture_to_collision;  // capture_time to the step that first used the mesh
+    std::uint64_t resident_bytes = 0;
+};
+
+struct ViewerStatus {
+    std::string viewer;
+    Timestamp time;
+    std::uint64_t num_frames = 0;       // pictures drawn
+    std::uint64_t num_pairs_shown = 0;  // complete mesh + texture pairs that reached the screen
+    std::uint64_t num_pairs_skipped =
+        0;                             // complete, replaced by a newer one before they were drawn
+    std::uint64_t num_incomplete = 0;  // a newer frame was complete first
+    std::uint64_t num_rejected = 0;    // samples that failed a check
+    double frames_per_s = 0.0;
+    LatencySummary capture_to_display;
+    std::uint64_t resident_bytes = 0;
+};
+
+}  // namespace atrium::bus

@@ -1,0 +1,68 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/config/table_reader.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace atrium::config {
+
+/// The options of one program, declared once and served three ways: keys of its TOML file
+/// (`hull.threads`), options of its command line (`--hull.threads 2`), lines of its `--help` with
+/// unit and default.
+///
+/// `target` holds the default when it is declared, and must outlive the set.
+class OptionSet {
+public:
+    void add(const std::string& key, bool& target, const std::string& help);
+    void add(const std::string& key, int& target, const std::string& help, Range allowed = {});
+    void add(const std::string& key,
+             std::uint64_t& target,
+             const std::string& help,
+             Range allowed = {});
+    void add(const std::string& key, double& target, const std::string& help, Range allowed = {});
+    void add(const std::string& key,
+             std::string& target,
+             const std::string& help,
+             const std::vector<std::string>& choices = {});
+    void add(const std::string& key, std::filesystem::path& target, const std::string& help);
+
+    /// Reads every declared key that the file has. Does not call `reader.finish()`: a program may
+    /// read more from the file.
+    void read_file(TableReader& reader) const;
+
+    /// One `key = value` as text, as on the command line. `source` names it in errors.
+    Expected<void> set(const std::string& key,
+                       const std::string& text,
+                       const std::string& source) const;
+
+    struct Entry {
+        std::string key;
+        std::string help;           // says the unit
+        std::string type_name;      // for example "number in [0, 1]"
+        std::string default_value;  // as text
+        bool is_flag = false;
+        std::function<void(TableReader&)> read;
+        std::function<Expected<void>(const std::string&)> parse;
+    };
+    const std::vector<Entry>& entries() const { return entries_; }
+    /// `key = value` of every option as it is now, one per line: the effective configuration,
+    /// logged once at the start.
+    std::string effective() const;
+
+private:
+    template <typename T, typename... Limits>
+    void add_entry(const std::string& key,
+                   T& target,
+                   const std::string& help,
+                   std::string type_name,
+                   Limits... limits);
+    std::vector<Entry> entries_;
+    std::vector<std::function<std::string()>> current_;
+};
+
+}  // namespace atrium::config
