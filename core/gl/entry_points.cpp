@@ -1,0 +1,29 @@
+#include "core/gl/entry_points.hpp"
+
+#include <glad/gl.h>
+
+#include <mutex>
+
+namespace atrium::gl {
+namespace {
+
+// They guard and describe the loader's table, which is itself global.
+std::mutex table_mutex;
+EntryPointLoader table_loader = nullptr;
+
+}  // namespace
+
+Expected<void> load_entry_points(EntryPointLoader loader) {
+    const std::lock_guard lock(table_mutex);
+    if (loader == table_loader) return {};
+    const int version = gladLoadGL(loader);
+    if (version < GLAD_MAKE_VERSION(3, 3)) {
+        table_loader = nullptr;
+        return make_error(ErrorKind::kUnavailable,
+                          "OpenGL: the driver offers no version 3.3 core context");
+    }
+    table_loader = loader;
+    return {};
+}
+
+}  // namespace atrium::gl
