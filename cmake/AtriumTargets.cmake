@@ -7,7 +7,8 @@ if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
 endif()
 
 function(_atrium_options target)
-    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wshadow -Wnon-virtual-dtor>)
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wshadow -Wnon-virtual-dtor
+                           -Wno-stringop-overflow>) # g++ 12 reports fmt 9 for it, wrongly
     if(ATRIUM_WERROR)
         target_compile_options(${target} PRIVATE -Werror)
     endif()

@@ -1,0 +1,134 @@
+#include "core/config/option_set.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <type_traits>
+
+namespace atrium::config {
+namespace {
+
+std::string range_text(const char* noun, Range allowed) {
+    const bool has_min = std::isfinite(allowed.min);
+    const bool has_max = std::isfinite(allowed.max);
+    if (has_min && has_max) return fmt::format("{} in [{}, {}]", noun, allowed.min, allowed.max);
+    if (has_min) return fmt::format("{} >= {}", noun, allowed.min);
+    if (has_max) return fmt::format("{} <= {}", noun, allowed.max);
+    return noun;
+}
+
+std::string text_of(bool v) { return v ? "true" : "false"; }
+std::string text_of(const std::string& v) { return v; }
+std::string text_of(const std::filesystem::path& v) { return v.string(); }
+template <typename Number>
+std::string text_of(Number v) {
+    return fmt::format("{}", v);
+}
+
+// A value given as text goes through the same reader as one in a file: same checks, same messages.
+std::string as_toml(const std::string& text, bool quoted) {
+    if (!quoted) return text;
+    std::string literal = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') literal += '\\';
+        literal += c;
+    }
+    return literal + "\"";
+}
+
+}  // namespace
+
+template <typename T, typename... Limits>
+void OptionSet::add_entry(const std::string& key,
+                          T& target,
+                          const std::string& help,
+                          std::string type_name,
+                          Limits... limits) {
+    Entry entry;
+    entry.key = key;
+    entry.help = help;
+    entry.type_name = std::move(type_name);
+    entry.default_value = text_of(target);
+    entry.is_flag = std::is_same_v<T, bool>;
+    entry.read = [key, &target, limits...](TableReader& reader) {
+        reader.read(key, target, limits...);
+    };
+    constexpr bool kQuoted =
+        std::is_same_v<T, std::string> || std::is_same_v<T, std::filesystem::path>;
+    entry.parse =
+        [&target, type = entry.type_name, limits...](const std::string& text) -> Expected<void> {
+        auto reader = TableReader::parse("value = " + as_toml(text, kQuoted), "");
+        T value = target;
+        if (reader) {
+            reader->read("value", value, limits...);
+            if (reader->finish()) {
+                target = value;
+                return {};
+            }
+        }
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("must be {}, got '{}'", type, text));
+    };
+    entries_.push_back(std::move(entry));
+    current_.push_back([&target] { return text_of(target); });
+}
+
+void OptionSet::add(const std::string& key, bool& target, const std::string& help) {
+    add_entry(key, target, help, "true or false");
+}
+void OptionSet::add(const std::string& key, int& target, const std::string& help, Range allowed) {
+    add_entry(key, target, help, range_text("integer", allowed), allowed);
+}
+void OptionSet::add(const std::string& key,
+                    std::uint64_t& target,
+                    const std::string& help,
+                    Range allowed) {
+    allowed.min = std::max(allowed.min, 0.0);
+    add_entry(key, target, help, range_text("integer", allowed), allowed);
+}
+void OptionSet::add(const std::string& key,
+                    double& target,
+                    const std::string& help,
+                    Range allowed) {
+    add_entry(key, target, help, range_text("number", allowed), allowed);
+}
+void OptionSet::add(const std::string& key,
+                    std::string& target,
+                    const std::string& help,
+                    const std::vector<std::string>& choices) {
+    const std::string type =
+        choices.empty() ? std::string("text") : fmt::format("one of {}", fmt::join(choices, ", "));
+    add_entry(key, target, help, type, choices);
+}
+void OptionSet::add(const std::string& key,
+                    std::filesystem::path& target,
+                    const std::string& help) {
+    add_entry(key, target, help, "path");
+}
+
+void OptionSet::read_file(TableReader& reader) const {
+    for (const Entry& entry : entries_) entry.read(reader);
+}
+
+Expected<void> OptionSet::set(const std::string& key,
+                              const std::string& text,
+                              const std::string& source) const {
+    for (const Entry& entry : entries_) {
+        if (entry.key != key) continue;
+        auto parsed = entry.parse(text);
+        if (parsed) return {};
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("{}: {}", source, parsed.error().message));
+    }
+    return make_error(ErrorKind::kConfiguration, fmt::format("{}: unknown option {}", source, key));
+}
+
+std::string OptionSet::effective() const {
+    std::string text;
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+        text += fmt::format("{} = {}\n", entries_[i].key, current_[i]());
+    }
+    return text;
+}
+
+}  // namespace atrium::config

@@ -1,0 +1,138 @@
+#include "core/config/rig.hpp"
+
+#include "core/config/table_reader.hpp"
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+namespace atrium::config {
+namespace {
+
+constexpr double kMaxRotationError =
+    1e-3;  // largest |R^T R - 1|: calibration files carry 4 to 12 digits
+constexpr std::size_t kMaxCameras = 64;
+
+// The rotation nearest to `m`, or nothing where `m` is not a right-handed rotation to
+// kMaxRotationError.
+std::optional<Eigen::Quaterniond> nearest_rotation(const Eigen::Matrix3d& m) {
+    if (!m.allFinite()) return std::nullopt;
+    const double error = (m.transpose() * m - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+    if (!(error < kMaxRotationError) || !(m.determinant() > 0.0)) return std::nullopt;
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    return Eigen::Quaterniond(Eigen::Matrix3d(svd.matrixU() * svd.matrixV().transpose()))
+        .normalized();
+}
+
+geometry::CalibratedCamera read_camera(TableReader& table) {
+    geometry::CalibratedCamera camera;
+    for (const char* key :
+         {"name", "width", "height", "fx", "fy", "cx", "cy", "rotation", "translation"}) {
+        table.require(key);
+    }
+    table.read("name", camera.name);
+    if (!is_valid_name(camera.name))
+        table.reject("name", "must be 1 to 63 characters of A-Z a-z 0-9 _ . -");
+    geometry::PinholeCamera& k = camera.intrinsics;
+    table.read("width", k.width, {16, 8192});
+    table.read("height", k.height, {16, 8192});
+    table.read("fx", k.fx, {1e-3, 1e6});
+    table.read("fy", k.fy, {1e-3, 1e6});
+    table.read("cx", k.cx, {-1e6, 1e6});
+    table.read("cy", k.cy, {-1e6, 1e6});
+    table.read("skew", k.skew, {-1e4, 1e4});
+    table.read("distortion", k.distortion.data(), k.distortion.size(), {-100, 100});
+    std::array<double, 9> r{1, 0, 0, 0, 1, 0, 0, 0, 1};
+    table.read("rotation", r.data(), r.size());
+    const Eigen::Matrix3d matrix =
+        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(r.data());
+    if (const auto rotation = nearest_rotation(matrix)) {
+        camera.camera_from_site.rotation = *rotation;
+    } else {
+        table.reject(
+            "rotation",
+            fmt::format("camera '{}': must be a right-handed rotation matrix (orthonormal to {}; "
+                        "determinant here: {:.6g})",
+                        camera.name,
+                        kMaxRotationError,
+                        matrix.determinant()));
+    }
+    table.read("translation", camera.camera_from_site.translation.data(), 3, {-1e4, 1e4});
+    return camera;
+}
+
+// Where the file states none: a person-sized box around the point nearest to all optical axes,
+// reaching to the floor.
+geometry::Aabb default_bounds(const std::vector<geometry::CalibratedCamera>& cameras) {
+    Eigen::Matrix3d a = Eigen::Matrix3d::Identity() * 1e-6;
+    Eigen::Vector3d b = Eigen::Vector3d::Zero();
+    for (const auto& camera : cameras) {
+        const Eigen::Vector3d axis =
+            camera.camera_from_site.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+        const Eigen::Matrix3d off_axis = Eigen::Matrix3d::Identity() - axis * axis.transpose();
+        a += off_axis;
+        b += off_axis * camera.centre_site();
+    }
+    const Eigen::Vector3d centre = a.inverse() * b;
+    geometry::Aabb box;
+    box.min = {centre.x() - 1.0, centre.y() - 1.0, std::min(0.0, centre.z() - 1.0)};
+    box.max = {centre.x() + 1.0, centre.y() + 1.0, std::max(2.3, centre.z() + 1.0)};
+    return box;
+}
+
+}  // namespace
+
+bool is_valid_name(const std::string& name) {
+    return !name.empty() && name.size() <= 63 &&
+           std::all_of(name.begin(), name.end(), [](unsigned char c) {
+               return std::isalnum(c) != 0 || c == '_' || c == '.' || c == '-';
+           });
+}
+
+Expected<Rig> load_rig(const std::filesystem::path& path) {
+    std::error_code failure;
+    const bool is_folder = std::filesystem::is_directory(path, failure);
+    auto reader = TableReader::load(is_folder ? path / "rig.toml" : path);
+    if (!reader) return tl::unexpected(reader.error());
+
+    Rig rig;
+    std::string units = "m";
+    reader->read("units", units, {"m"});
+    reader->read("rate_hz", rig.rate_hz, {0.1, 1000});
+    reader->require("camera");
+    for (TableReader& table : reader->tables("camera")) {
+        geometry::CalibratedCamera camera = read_camera(table);
+        const bool taken =
+            std::any_of(rig.cameras.begin(), rig.cameras.end(), [&](const auto& other) {
+                return other.name == camera.name;
+            });
+        if (taken) table.reject("name", "must be different for every camera");
+        rig.cameras.push_back(std::move(camera));
+    }
+    if (rig.cameras.size() < 2 || rig.cameras.size() > kMaxCameras) {
+        reader->reject(
+            "camera",
+            fmt::format(
+                "2 to {} cameras are needed, here are {}", kMaxCameras, rig.cameras.size()));
+    }
+    if (reader->has("bounds")) {
+        TableReader bounds = reader->table("bounds");
+        bounds.require("min");
+        bounds.require("max");
+        bounds.read("min", rig.bounds_site.min.data(), 3, {-1e4, 1e4});
+        bounds.read("max", rig.bounds_site.max.data(), 3, {-1e4, 1e4});
+        if (!((rig.bounds_site.max - rig.bounds_site.min).array() > 0.0).all()) {
+            bounds.reject("max", "must be larger than min in x, y and z");
+        }
+    } else if (rig.cameras.size() >= 2) {
+        rig.bounds_site = default_bounds(rig.cameras);
+    }
+    if (auto finished = reader->finish(); !finished) return tl::unexpected(finished.error());
+    return rig;
+}
+
+}  // namespace atrium::config

@@ -1,0 +1,327 @@
+#include "core/config/table_reader.hpp"
+
+#include <fmt/format.h>
+#include <toml.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <optional>
+#include <set>
+#include <sstream>
+
+namespace atrium::config {
+
+// What all readers of one file share.
+struct TableReader::Document {
+    std::string name;
+    std::filesystem::path folder;
+    toml::value root;
+    std::optional<Error> first_problem;
+
+    void report(const std::string& where, const std::string& key, const std::string& problem) {
+        if (!first_problem) {
+            first_problem =
+                Error{ErrorKind::kConfiguration, fmt::format("{}: {}: {}", where, key, problem)};
+        }
+    }
+};
+
+// One table and which of its keys somebody asked for.
+struct TableReader::Node {
+    const toml::value* table = nullptr;  // null: absent, every key keeps its default
+    std::string path;                    // "physics." or empty at the root
+    std::set<std::string> asked;
+    std::map<std::string, std::shared_ptr<Node>> children;
+    std::map<std::string, std::vector<std::shared_ptr<Node>>> arrays;
+
+    const toml::value* find(const std::string& key) {
+        asked.insert(key);
+        if (table == nullptr) return nullptr;
+        const auto& entries = table->as_table();
+        const auto it = entries.find(key);
+        return it == entries.end() ? nullptr : &it->second;
+    }
+};
+
+namespace {
+
+std::string describe(Range allowed) {
+    const bool has_min = std::isfinite(allowed.min);
+    const bool has_max = std::isfinite(allowed.max);
+    if (has_min && has_max) return fmt::format(" in [{}, {}]", allowed.min, allowed.max);
+    if (has_min) return fmt::format(" >= {}", allowed.min);
+    if (has_max) return fmt::format(" <= {}", allowed.max);
+    return "";
+}
+
+std::string location(const std::string& file, const toml::value& value) {
+    const auto at = value.location();
+    return at.line() > 0 ? fmt::format("{}:{}", file, at.line()) : file;
+}
+
+std::string shown(const toml::value& value) {
+    std::ostringstream text;
+    text << toml::format(value, 0);
+    std::string line = text.str().substr(0, 60);
+    std::replace(line.begin(), line.end(), '\n', ' ');
+    return line;
+}
+
+std::optional<double> as_number(const toml::value& value) {
+    if (value.is_floating()) return value.as_floating();
+    if (value.is_integer()) return static_cast<double>(value.as_integer());
+    return std::nullopt;
+}
+
+bool within(double v, Range allowed) {
+    return std::isfinite(v) && v >= allowed.min && v <= allowed.max;
+}
+
+}  // namespace
+
+TableReader::TableReader(std::shared_ptr<Document> document, std::shared_ptr<Node> node)
+    : document_(std::move(document)), node_(std::move(node)) {}
+
+Expected<TableReader> TableReader::load(const std::filesystem::path& file) {
+    std::error_code failure;
+    if (std::filesystem::is_directory(file, failure)) {
+        return make_error(ErrorKind::kNotFound,
+                          fmt::format("{}: is a folder, a TOML file is needed", file.string()));
+    }
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream)
+        return make_error(ErrorKind::kNotFound, fmt::format("{}: cannot be opened", file.string()));
+    std::ostringstream text;
+    text << stream.rdbuf();
+    auto reader = parse(text.str(), file.string());
+    if (reader) reader->document_->folder = file.parent_path();
+    return reader;
+}
+
+Expected<TableReader> TableReader::parse(const std::string& toml_text, const std::string& name) {
+    auto document = std::make_shared<Document>();
+    document->name = name;
+    try {
+        std::istringstream stream(toml_text);
+        document->root = toml::parse(stream, name);
+    } catch (const toml::exception& e) {
+        // the library's text draws the place over several lines; its first line and the line number
+        // say enough
+        std::string what = e.what();
+        what = what.substr(0, what.find('\n'));
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("{}:{}: not valid TOML: {}", name, e.location().line(), what));
+    } catch (const std::exception& e) {
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("{}: not valid TOML: {}", name, e.what()));
+    }
+    auto node = std::make_shared<Node>();
+    node->table = &document->root;
+    return TableReader(std::move(document), std::move(node));
+}
+
+std::filesystem::path TableReader::folder() const { return document_->folder; }
+
+// Walks a dotted key down to the reader of the table that holds its last part.
+static std::pair<std::string, std::string> split_first(const std::string& key) {
+    const auto dot = key.find('.');
+    return dot == std::string::npos ? std::pair{std::string(), key}
+                                    : std::pair{key.substr(0, dot), key.substr(dot + 1)};
+}
+
+bool TableReader::has(const std::string& key) const {
+    const auto [head, rest] = split_first(key);
+    if (!head.empty()) return TableReader(*this).table(head).has(rest);
+    return node_->table != nullptr && node_->table->as_table().count(key) > 0;
+}
+
+TableReader TableReader::table(const std::string& key) {
+    const auto [head, rest] = split_first(key);
+    if (!head.empty()) return table(head).table(rest);
+    auto& child = node_->children[key];
+    if (!child) {
+        child = std::make_shared<Node>();
+        child->path = node_->path + key + ".";
+        if (const toml::value* value = node_->find(key)) {
+            if (value->is_table()) {
+                child->table = value;
+            } else {
+                document_->report(
+                    location(document_->name, *value), node_->path + key, "must be a table");
+            }
+        }
+    }
+    return {document_, child};
+}
+
+std::vector<TableReader> TableReader::tables(const std::string& key) {
+    const auto [head, rest] = split_first(key);
+    if (!head.empty()) return table(head).tables(rest);
+    auto& nodes = node_->arrays[key];
+    const toml::value* value = node_->find(key);
+    if (value != nullptr && nodes.empty()) {
+        const bool all_tables =
+            value->is_array() && std::all_of(value->as_array().begin(),
+                                             value->as_array().end(),
+                                             [](const auto& v) { return v.is_table(); });
+        if (!all_tables) {
+            document_->report(
+                location(document_->name, *value),
+                node_->path + key,
+                fmt::format("must be an array of tables, written [[{}{}]]", node_->path, key));
+        } else {
+            for (const toml::value& item : value->as_array()) {
+                auto node = std::make_shared<Node>();
+                node->table = &item;
+                node->path = fmt::format("{}{}[{}].", node_->path, key, nodes.size());
+                nodes.push_back(std::move(node));
+            }
+        }
+    }
+    std::vector<TableReader> readers;
+    for (const auto& node : nodes) readers.push_back(TableReader(document_, node));
+    return readers;
+}
+
+void TableReader::reject(const std::string& key, const std::string& what_is_allowed) {
+    const auto [head, rest] = split_first(key);
+    if (!head.empty()) return table(head).reject(rest, what_is_allowed);
+    const toml::value* value = node_->find(key);
+    std::string where = document_->name;
+    if (value != nullptr) {
+        where = location(document_->name, *value);
+    } else if (node_->table != nullptr && node_ != nullptr && !node_->path.empty()) {
+        where = location(document_->name, *node_->table);
+    }
+    document_->report(where,
+                      node_->path + key,
+                      value != nullptr ? fmt::format("{}, got {}", what_is_allowed, shown(*value))
+                                       : what_is_allowed);
+}
+
+void TableReader::require(const std::string& key) {
+    if (!has(key)) reject(key, "is missing");
+}
+
+void TableReader::read(const std::string& key, bool& value) {
+    const auto [head, rest] = split_first(key);
+    if (!head.empty()) return table(head).read(rest, value);
+    const toml::value* found = node_->find(key);
+    if (found == nullptr) return;
+    if (!found->is_boolean()) return reject(key, "must be true or false");
+    value = found->as_boolean();
+}
+
+void TableReader::read(const std::string& key, std::int64_t& value, Range allowed) {
+    const auto [head, rest] = split_first(key);
+    if (!head.empty()) return table(head).read(rest, value, allowed);
+    const toml::value* found = node_->find(key);
+    if (found == nullptr) return;
+    if (!found->is_integer() || !within(static_cast<double>(found->as_integer()), allowed)) {
+        return reject(key, "must be an integer" + describe(allowed));
+    }
+    value = found->as_integer();
+}
+
+void TableReader::read(const std::string& key, int& value, Range allowed) {
+    std::int64_t wide = value;
+    allowed.min = std::max<double>(allowed.min, std::numeric_limits<int>::min());
+    allowed.max = std::min<double>(allowed.max, std::numeric_limits<int>::max());
+    read(key, wide, allowed);
+    value = static_cast<int>(wide);
+}
+
+void TableReader::read(const std::string& key, std::uint64_t& value, Range allowed) {
+    auto wide = static_cast<std::int64_t>(value);
+    allowed.min = std::max(allowed.min, 0.0);
+    read(key, wide, allowed);
+    value = static_cast<std::uint64_t>(wide);
+}
+
+void TableReader::read(const std::string& key, double& value, Range allowed) {
+    const auto [head, rest] = split_first(key);
+    if (!head.empty()) return table(head).read(rest, value, allowed);
+    const toml::value* found = node_->find(key);
+    if (found == nullptr) return;
+    const auto number = as_number(*found);
+    if (!number || !within(*number, allowed))
+        return reject(key, "must be a number" + describe(allowed));
+    value = *number;
+}
+
+void TableReader::read(const std::string& key,
+                       std::string& value,
+                       const std::vector<std::string>& choices) {
+    const auto [head, rest] = split_first(key);
+    if (!head.empty()) return table(head).read(rest, value, choices);
+    const toml::value* found = node_->find(key);
+    if (found == nullptr) return;
+    if (!found->is_string()) return reject(key, "must be a string");
+    const std::string text = found->as_string();
+    if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end()) {
+        return reject(key, fmt::format("must be one of {}", fmt::join(choices, ", ")));
+    }
+    value = text;
+}
+
+void TableReader::read(const std::string& key, std::filesystem::path& value) {
+    std::string text;
+    if (!has(key)) {
+        read(key, text);  // marks it as known
+        return;
+    }
+    read(key, text);
+    const std::filesystem::path path = text;
+    value = text.empty() || path.is_absolute() ? path : document_->folder / path;
+}
+
+void TableReader::read(const std::string& key, double* values, std::size_t count, Range allowed) {
+    const auto [head, rest] = split_first(key);
+    if (!head.empty()) return table(head).read(rest, values, count, allowed);
+    const toml::value* found = node_->find(key);
+    if (found == nullptr) return;
+    const std::string rule =
+        fmt::format("must be an array of {} numbers{}", count, describe(allowed));
+    if (!found->is_array() || found->as_array().size() != count) return reject(key, rule);
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto number = as_number(found->as_array()[i]);
+        if (!number || !within(*number, allowed)) return reject(key, rule);
+        values[i] = *number;
+    }
+}
+
+Expected<void> TableReader::finish() const {
+    if (document_->first_problem) return tl::unexpected(*document_->first_problem);
+    // breadth is small: recursion over the tables that were opened
+    const std::function<std::optional<Error>(const Node&)> first_unknown =
+        [&](const Node& node) -> std::optional<Error> {
+        if (node.table == nullptr) return std::nullopt;
+        for (const auto& [key, value] : node.table->as_table()) {
+            if (node.asked.count(key) == 0) {
+                return Error{ErrorKind::kConfiguration,
+                             fmt::format("{}: {}{}: unknown key; known here: {}",
+                                         location(document_->name, value),
+                                         node.path,
+                                         key,
+                                         fmt::join(node.asked, ", "))};
+            }
+        }
+        for (const auto& [key, child] : node.children) {
+            if (auto error = first_unknown(*child)) return error;
+        }
+        for (const auto& [key, nodes] : node.arrays) {
+            for (const auto& child : nodes) {
+                if (auto error = first_unknown(*child)) return error;
+            }
+        }
+        return std::nullopt;
+    };
+    if (auto error = first_unknown(*node_)) return tl::unexpected(*error);
+    return {};
+}
+
+}  // namespace atrium::config

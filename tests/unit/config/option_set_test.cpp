@@ -1,0 +1,75 @@
+#include "core/config/option_set.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace atrium::config {
+namespace {
+
+using testing::HasSubstr;
+
+struct Options {
+    double rate_hz = 30.0;
+    int threads = 1;
+    bool loop = false;
+    std::string mode = "live";
+    std::filesystem::path file = "a.toml";
+};
+
+OptionSet declare(Options& o) {
+    OptionSet set;
+    set.add("capture.rate_hz", o.rate_hz, "pictures per second [Hz]", {1, 240});
+    set.add("hull.threads", o.threads, "worker threads", {1, 64});
+    set.add("capture.loop", o.loop, "start again at the end");
+    set.add("capture.mode", o.mode, "where pictures come from", {"live", "recording"});
+    set.add("capture.file", o.file, "description");
+    return set;
+}
+
+TEST(OptionSet, CommandLineOverridesTheFile) {
+    Options options;
+    const OptionSet set = declare(options);
+    auto reader =
+        TableReader::parse("[capture]\nrate_hz = 25\nloop = true\nmode = \"recording\"\n", "f");
+    ASSERT_TRUE(reader);
+    set.read_file(*reader);
+    ASSERT_TRUE(reader->finish()) << reader->finish().error().message;
+    ASSERT_TRUE(set.set("capture.rate_hz", "50", "--capture.rate_hz"));
+    EXPECT_EQ(options.rate_hz, 50);
+    EXPECT_TRUE(options.loop);
+    EXPECT_EQ(options.mode, "recording");
+    EXPECT_EQ(options.threads, 1);
+}
+
+TEST(OptionSet, RefusesTextOfTheWrongTypeOrRangeAndKeepsTheValue) {
+    Options options;
+    const OptionSet set = declare(options);
+    for (const char* text : {"fast", "0", "nan", "1e9", "", "3 4", "3\nx=1"}) {
+        const auto result = set.set("capture.rate_hz", text, "--capture.rate_hz");
+        ASSERT_FALSE(result) << text;
+        EXPECT_THAT(result.error().message,
+                    HasSubstr("--capture.rate_hz: must be number in [1, 240]"));
+    }
+    EXPECT_FALSE(set.set("hull.threads", "1.5", "x"));
+    EXPECT_FALSE(set.set("capture.mode", "dead", "x"));
+    EXPECT_FALSE(set.set("nonsense", "1", "x"));
+    EXPECT_EQ(options.rate_hz, 30);
+}
+
+TEST(OptionSet, TakesTextWithQuotesAndBackslashesAsItIs) {
+    Options options;
+    const OptionSet set = declare(options);
+    ASSERT_TRUE(set.set("capture.file", "/a \"b\"\\c", "x"));
+    EXPECT_EQ(options.file, "/a \"b\"\\c");
+}
+
+TEST(OptionSet, ListsTheEffectiveValues) {
+    Options options;
+    const OptionSet set = declare(options);
+    options.threads = 3;
+    EXPECT_THAT(set.effective(), HasSubstr("hull.threads = 3\n"));
+    EXPECT_THAT(set.effective(), HasSubstr("capture.rate_hz = 30\n"));
+}
+
+}  // namespace
+}  // namespace atrium::config

@@ -1,0 +1,99 @@
+#include "core/config/rig.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace atrium::config {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+const std::string kCamera = R"(width = 640
+height = 480
+fx = 500
+fy = 500
+cx = 319.5
+cy = 239.5
+rotation = [0, 1, 0, 0, 0, -1, -1, 0, 0]
+translation = [0, 1, 3]
+)";
+
+std::string camera(const std::string& name) {
+    return "[[camera]]\nname = \"" + name + "\"\n" + kCamera;
+}
+
+Expected<Rig> load(const std::string& text) {
+    const auto file = std::filesystem::path(testing::TempDir()) / "rig_under_test.toml";
+    std::ofstream(file) << text;
+    return load_rig(file);
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+    return text;
+}
+
+TEST(LoadRig, ReadsCamerasRateAndBounds) {
+    const auto rig = load("units = \"m\"\nrate_hz = 25\n" + camera("a") + camera("b") +
+                          "[bounds]\nmin = [-1, -1, 0]\nmax = [1, 1, 2]\n");
+    ASSERT_TRUE(rig) << rig.error().message;
+    EXPECT_EQ(rig->rate_hz, 25);
+    ASSERT_EQ(rig->cameras.size(), 2u);
+    EXPECT_EQ(rig->cameras[1].name, "b");
+    EXPECT_EQ(rig->bounds_site.max.z(), 2);
+    // the camera looks along -x of the site from x = 3, z = 1
+    EXPECT_LT((rig->cameras[0].centre_site() - Eigen::Vector3d(3, 0, 1)).norm(), 1e-9);
+}
+
+TEST(LoadRig, NamesTheCameraWithASingularMatrix) {
+    const auto rig = load(camera("good") + replaced(camera("bad"),
+                                                    "[0, 1, 0, 0, 0, -1, -1, 0, 0]",
+                                                    "[0, 1, 0, 0, 1, 0, 0, 1, 0]"));
+    ASSERT_FALSE(rig);
+    EXPECT_THAT(
+        rig.error().message,
+        AllOf(HasSubstr("camera[1].rotation"), HasSubstr("'bad'"), HasSubstr("rotation matrix")));
+}
+
+TEST(LoadRig, RefusesMirroredRotations) {
+    EXPECT_FALSE(load(camera("a") + replaced(camera("b"), "[0, 1, 0,", "[0, -1, 0,")));
+}
+
+TEST(LoadRig, RefusesWhatCannotBeACamera) {
+    const std::string good = camera("a");
+    for (const auto& [from, to] : {std::pair<std::string, std::string>{"fx = 500", "fx = 0"},
+                                   {"width = 640", "width = -1"},
+                                   {"width = 640", "width = 640.5"},
+                                   {"cx = 319.5", "cx = nan"},
+                                   {"translation = [0, 1, 3]", "translation = [0, 1]"},
+                                   {"translation = [0, 1, 3]", ""},
+                                   {"name = \"a\"", "name = \"a/b\""},
+                                   {"name = \"a\"", "name = \"b\""}}) {
+        EXPECT_FALSE(load(camera("b") + replaced(good, from, to))) << to;
+    }
+    EXPECT_FALSE(load(camera("only_one")));
+    EXPECT_FALSE(load("units = \"mm\"\n" + camera("a") + camera("b")));
+}
+
+TEST(LoadRig, ReportsAMissingFile) {
+    const auto rig = load_rig("/nonexistent/recording");
+    ASSERT_FALSE(rig);
+    EXPECT_EQ(rig.error().kind, ErrorKind::kNotFound);
+    EXPECT_THAT(rig.error().message, HasSubstr("/nonexistent/recording"));
+}
+
+TEST(LoadRig, ReadsTheRealRecordings) {
+    const std::filesystem::path recordings = ATRIUM_SOURCE_DIR "/../shared/data/recordings";
+    if (!std::filesystem::exists(recordings)) GTEST_SKIP() << recordings << " is not there";
+    for (const char* name : {"ring20", "dancer", "horseman", "fourpersons_a"}) {
+        const auto rig = load_rig(recordings / name);
+        EXPECT_TRUE(rig) << rig.error().message;
+    }
+}
+
+}  // namespace
+}  // namespace atrium::config

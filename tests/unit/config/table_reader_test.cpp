@@ -1,0 +1,107 @@
+#include "core/config/table_reader.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace atrium::config {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+TableReader reader_of(const std::string& text) {
+    auto reader = TableReader::parse(text, "room.toml");
+    if (!reader) throw std::runtime_error(reader.error().message);
+    return *reader;
+}
+
+TEST(TableReader, ReadsValuesAndKeepsDefaultsOfAbsentKeys) {
+    TableReader reader =
+        reader_of("rate = 25\n[hull]\nthreads = 2\nname = \"x\"\nsize = [1, 2.5, 3]\n");
+    double rate = 30;
+    int threads = 1;
+    std::string name = "default";
+    bool loop = true;
+    double size[3] = {};
+    reader.read("rate", rate, {1, 100});
+    reader.read("hull.threads", threads, {1, 64});
+    reader.read("hull.name", name);
+    reader.read("hull.size", size, 3);
+    reader.read("loop", loop);
+    ASSERT_TRUE(reader.finish()) << reader.finish().error().message;
+    EXPECT_EQ(rate, 25);
+    EXPECT_EQ(threads, 2);
+    EXPECT_EQ(name, "x");
+    EXPECT_EQ(size[1], 2.5);
+    EXPECT_TRUE(loop);
+}
+
+TEST(TableReader, NamesFileLineAndKeyOfAnUnknownKey) {
+    TableReader reader = reader_of("rate = 25\n[hull]\nthreads = 2\ntreads = 3\n");
+    double rate = 0;
+    int threads = 0;
+    reader.read("rate", rate);
+    reader.read("hull.threads", threads);
+    const auto finished = reader.finish();
+    ASSERT_FALSE(finished);
+    EXPECT_EQ(finished.error().kind, ErrorKind::kConfiguration);
+    EXPECT_THAT(finished.error().message,
+                AllOf(HasSubstr("room.toml:4"), HasSubstr("hull.treads"), HasSubstr("threads")));
+}
+
+TEST(TableReader, NamesAnUnknownTable) {
+    TableReader reader = reader_of("[hul]\nthreads = 2\n");
+    int threads = 1;
+    reader.read("hull.threads", threads);
+    const auto finished = reader.finish();
+    ASSERT_FALSE(finished);
+    EXPECT_THAT(finished.error().message, HasSubstr("hul: unknown key"));
+}
+
+TEST(TableReader, SaysWhatIsAllowedForAWrongTypeOrRange) {
+    TableReader wrong_type = reader_of("a = 1\nrate = \"fast\"\n");
+    double rate = 30;
+    wrong_type.read("rate", rate, {1, 100});
+    EXPECT_THAT(wrong_type.finish().error().message,
+                AllOf(HasSubstr("room.toml:2"),
+                      HasSubstr("rate"),
+                      HasSubstr("number in [1, 100]"),
+                      HasSubstr("fast")));
+    EXPECT_EQ(rate, 30);
+    TableReader out_of_range = reader_of("rate = 0\n");
+    out_of_range.read("rate", rate, {1, 100});
+    EXPECT_FALSE(out_of_range.finish());
+    TableReader not_finite = reader_of("rate = nan\n");
+    not_finite.read("rate", rate);
+    EXPECT_FALSE(not_finite.finish());
+    TableReader choice = reader_of("mode = \"quick\"\n");
+    std::string mode = "slow";
+    choice.read("mode", mode, {"slow", "fast"});
+    EXPECT_THAT(choice.finish().error().message, HasSubstr("one of slow, fast"));
+}
+
+TEST(TableReader, ReadsArraysOfTablesAndNamesTheElement) {
+    TableReader reader = reader_of("[[object]]\nmass = 1\n[[object]]\nmass = -2\n");
+    const auto objects = reader.tables("object");
+    ASSERT_EQ(objects.size(), 2u);
+    for (TableReader object : objects) {
+        double mass = 0;
+        object.read("mass", mass, {0, 100});
+    }
+    EXPECT_THAT(reader.finish().error().message,
+                AllOf(HasSubstr("room.toml:4"), HasSubstr("object[1].mass")));
+}
+
+TEST(TableReader, ReportsMissingFilesFoldersAndBrokenToml) {
+    const auto missing = TableReader::load("/nonexistent/x.toml");
+    ASSERT_FALSE(missing);
+    EXPECT_EQ(missing.error().kind, ErrorKind::kNotFound);
+    EXPECT_THAT(missing.error().message, HasSubstr("/nonexistent/x.toml"));
+    EXPECT_FALSE(TableReader::load("/tmp"));
+    const auto broken = TableReader::parse("a = 1\nb = = 2\n", "room.toml");
+    ASSERT_FALSE(broken);
+    EXPECT_THAT(broken.error().message, HasSubstr("room.toml:2"));
+}
+
+}  // namespace
+}  // namespace atrium::config
