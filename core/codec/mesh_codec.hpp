@@ -1,0 +1,54 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/geometry/triangle_mesh.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+/// Between values and the coded bytes that travel; nothing here knows the network.
+namespace atrium::codec {
+
+struct MeshCodecOptions {
+    /// Bits per coordinate, 8..20. Positions snap to a cubic grid of `quantisation_step_m`: with 14
+    /// bits a mesh whose longest side is 2 m has a step of 0.122 mm.
+    int position_bits = 14;
+    int speed = 7;  // Draco's: 0 smallest and slowest, 10 fastest; 7 is the best trade measured
+};
+
+/// What `decode_mesh` accepts from a stranger. One person is about 10,000 triangles.
+struct MeshLimits {
+    std::uint32_t max_triangles = 400'000;
+    std::uint32_t max_vertices = 200'004;
+    double max_coordinate_m = 1000.0;  // of |x|, |y|, |z|
+};
+
+/// Side of the grid that positions snap to; the same on all axes, set by the longest side.
+double quantisation_step_m(const geometry::TriangleMesh& mesh, const MeshCodecOptions& options);
+
+/// Replaces `out` by the Draco stream of `mesh` (edgebreaker connectivity, quantised positions) and
+/// returns its size. An empty mesh is zero bytes.
+///
+/// Order is not kept: vertices and triangles are renumbered, a triangle may begin at another of its
+/// corners, unused vertices disappear. Topology is kept as indexed: a closed 2-manifold mesh comes
+/// back closed and 2-manifold with as many vertices, even where vertices coincide on the grid. A
+/// vertex in which several fans of triangles meet comes back as one vertex per fan; triangles that
+/// use a vertex twice disappear. Each coordinate moves by at most half a step plus the rounding to
+/// float (6e-8 of its magnitude).
+///
+/// Fails with kInvalidData on indices out of range, values that are not finite, and a mesh of which
+/// nothing is left. `out` keeps its capacity; Draco itself allocates inside.
+Expected<std::size_t> encode_mesh(const geometry::TriangleMesh& mesh,
+                                  const MeshCodecOptions& options,
+                                  std::vector<std::uint8_t>& out);
+
+/// The reverse, of bytes that anyone may have sent. Only streams of the form that `encode_mesh`
+/// makes are read; the counts they declare are held against `limits` before anything is allocated
+/// for them. What comes back has finite coordinates within `limits` and indices in range; that it
+/// is closed or makes sense is not known. Zero bytes are the empty mesh. Fails with kInvalidData.
+Expected<geometry::TriangleMesh> decode_mesh(std::span<const std::uint8_t> bytes,
+                                             const MeshLimits& limits = {});
+
+}  // namespace atrium::codec
