@@ -1,0 +1,270 @@
+#include "deploy/demo/demo.hpp"
+
+#include "core/bus/bus.hpp"
+#include "deploy/demo/child_process.hpp"
+#include "deploy/demo/status_board.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <sstream>
+
+namespace atrium::demo {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kStopPatience{
+    15};  // the viewer writes its picture and closes its video meanwhile
+
+std::vector<std::string> split(const std::string& list) {
+    std::vector<std::string> parts;
+    std::istringstream stream(list);
+    for (std::string part; std::getline(stream, part, ',');) {
+        if (!part.empty()) parts.push_back(part);
+    }
+    return parts;
+}
+
+/// Refreshes its lines in place on a terminal; elsewhere prints them one below the other.
+class Display {
+public:
+    void show(const std::vector<std::string>& lines) {
+        if (in_place_ && num_shown_ > 0) fmt::print("\033[{}F\033[J", num_shown_);
+        for (const std::string& line : lines) fmt::print("{}\n", line);
+        std::fflush(stdout);
+        num_shown_ = lines.size();
+    }
+
+private:
+    bool in_place_ = isatty(STDOUT_FILENO) != 0;
+    std::size_t num_shown_ = 0;
+};
+
+class Demo {
+public:
+    Demo(const DemoConfig& config, StatusBoard board, bus::Waiter waiter, std::string world)
+        : config_(config),
+          board_(std::move(board)),
+          waiter_(std::move(waiter)),
+          world_(std::move(world)) {}
+
+    Expected<void> start_programs();
+    Expected<void> wait_until_everybody_is_on(std::stop_token stop);
+    Expected<void> measure(std::stop_token stop);
+    Expected<void> stop_programs();
+
+private:
+    Expected<void> start(const std::string& name,
+                         const std::string& program,
+                         std::vector<std::string> arguments);
+    Expected<void> check_children();
+    std::map<std::string, std::string> preparing_notes() const;
+    bool sleep(std::stop_token stop, Clock::time_point until);
+
+    const DemoConfig& config_;
+    StatusBoard board_;
+    bus::Waiter waiter_;
+    std::string world_;
+    Display display_;
+    std::vector<ChildProcess> children_;
+    double measured_seconds_ = 0.0;
+};
+
+Expected<void> Demo::start(const std::string& name,
+                           const std::string& program,
+                           std::vector<std::string> arguments) {
+    std::vector<std::string> command{(config_.programs / program).string()};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    command.insert(command.end(),
+                   {"--bus.world", world_, "--bus.domain", std::to_string(config_.domain)});
+    auto child = ChildProcess::start(name, command, config_.output / (name + ".log"));
+    if (!child) return tl::unexpected(child.error());
+    children_.push_back(std::move(*child));
+    return {};
+}
+
+Expected<void> Demo::start_programs() {
+    const bool has_display =
+        std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
+    const bool window = config_.window == "yes" || (config_.window == "auto" && has_display);
+    auto started = start("world", "world_server", {"--config", config_.world.string()});
+    if (!started) return started;
+    for (const std::string& site : split(config_.sites)) {
+        const fs::path file = config_.deploy / "sites" / (site + ".toml");
+        if (auto site_started = start(site, "site_node", {"--config", file.string()});
+            !site_started)
+            return site_started;
+    }
+    std::vector<std::string> arguments{"--config",
+                                       config_.viewer.string(),
+                                       "--output",
+                                       (config_.output / "view.png").string(),
+                                       "--video",
+                                       (config_.output / "view.avi").string()};
+    if (!window) arguments.push_back("--headless");
+    return start("viewer", "viewer", arguments);
+}
+
+Expected<void> Demo::check_children() {
+    for (ChildProcess& child : children_) {
+        if (const auto code = child.exit_code()) {
+            return make_error(ErrorKind::kInternal,
+                              fmt::format("{} ended with exit code {}; the end of {}: {}",
+                                          child.name(),
+                                          *code,
+                                          child.log_file().string(),
+                                          child.last_log_line()));
+        }
+    }
+    return {};
+}
+
+std::map<std::string, std::string> Demo::preparing_notes() const {
+    std::map<std::string, std::string> notes;
+    for (const ChildProcess& child : children_) {
+        const bool on = child.name() == "world"    ? board_.has_world()
+                        : child.name() == "viewer" ? board_.num_pairs_shown() > 0
+                                                   : board_.site_publishes(child.name());
+        if (on) continue;
+        std::string line = child.last_log_line();
+        // after "time level program " comes what it does
+        for (int i = 0; i < 3; ++i) line = line.substr(std::min(line.size(), line.find(' ') + 1));
+        notes[child.name()] = "preparing: " + line.substr(0, 68);
+    }
+    return notes;
+}
+
+// Takes status messages until then; false once a stop is requested.
+bool Demo::sleep(std::stop_token stop, Clock::time_point until) {
+    const std::stop_callback wake(stop, [this] { waiter_.wake(); });
+    while (!stop.stop_requested()) {
+        const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
+        if (left.count() <= 0) return true;
+        waiter_.wait(left);
+        board_.update();
+    }
+    return false;
+}
+
+Expected<void> Demo::wait_until_everybody_is_on(std::stop_token stop) {
+    const auto begin = Clock::now();
+    while (!stop.stop_requested()) {
+        if (auto alive = check_children(); !alive) return alive;
+        const auto notes = preparing_notes();
+        display_.show(board_.table(notes));
+        if (notes.empty()) return {};
+        if (std::chrono::duration<double>(Clock::now() - begin).count() > config_.startup_seconds) {
+            return make_error(ErrorKind::kUnavailable,
+                              fmt::format("not everybody is on after {} s: {}: {}",
+                                          config_.startup_seconds,
+                                          notes.begin()->first,
+                                          notes.begin()->second));
+        }
+        sleep(stop, Clock::now() + std::chrono::seconds(1));
+    }
+    return {};
+}
+
+Expected<void> Demo::measure(std::stop_token stop) {
+    board_.begin_report();
+    const auto begin = Clock::now();
+    for (int second = 1;; ++second) {
+        const bool go_on = sleep(stop, begin + std::chrono::seconds(second));
+        measured_seconds_ = std::chrono::duration<double>(Clock::now() - begin).count();
+        if (auto alive = check_children(); !alive) return alive;
+        const std::string length =
+            config_.seconds > 0 ? fmt::format(" of {:.0f} s", config_.seconds) : " s, Ctrl-C ends";
+        display_.show(board_.table({{"time", fmt::format("{:.0f}{}", measured_seconds_, length)}}));
+        if (!go_on || (config_.seconds > 0 && measured_seconds_ >= config_.seconds)) return {};
+    }
+}
+
+Expected<void> Demo::stop_programs() {
+    // the viewer first, while there is still something to see
+    Expected<void> result;
+    while (!children_.empty()) {
+        const int code = children_.back().stop(kStopPatience);
+        if (code != 0 && result) {
+            result = make_error(ErrorKind::kInternal,
+                                fmt::format("{} ended with exit code {}, see {}",
+                                            children_.back().name(),
+                                            code,
+                                            children_.back().log_file().string()));
+        }
+        children_.pop_back();
+    }
+    if (!result || measured_seconds_ <= 0.0) return result;
+    const fs::path report = config_.output / "report.json";
+    std::ofstream(report) << board_.report(measured_seconds_);
+    for (const char* file : {"view.png", "view.avi", "report.json"}) {
+        const fs::path path = config_.output / file;
+        if (!fs::exists(path) || fs::file_size(path) == 0) {
+            return make_error(ErrorKind::kInternal,
+                              fmt::format("{} was not written", path.string()));
+        }
+    }
+    fmt::print("picture: {}\nvideo:   {}\nfigures: {}\n",
+               (config_.output / "view.png").string(),
+               (config_.output / "view.avi").string(),
+               report.string());
+    return {};
+}
+
+}  // namespace
+
+void declare(DemoConfig& config, config::OptionSet& options) {
+    options.add(
+        "seconds", config.seconds, "length of the measured part [s]; 0: until Ctrl-C", {0, 1e6});
+    options.add(
+        "startup-seconds", config.startup_seconds, "patience until everybody is on [s]", {1, 1e5});
+    options.add("window", config.window, "open a window", {"auto", "yes", "no"});
+    options.add("output", config.output, "folder for picture, video, report and logs");
+    options.add("programs",
+                config.programs,
+                "folder of site_node, world_server and viewer; none: this program's own");
+    options.add("deploy", config.deploy, "folder that holds sites/NAME.toml");
+    options.add("sites", config.sites, "names of the sites, separated by commas");
+    options.add("world", config.world, "world description");
+    options.add("viewer", config.viewer, "viewer configuration");
+    options.add("domain", config.domain, "DDS domain", {0, 230});
+}
+
+Expected<void> run_demo(const DemoConfig& given, std::stop_token stop) {
+    DemoConfig config = given;
+    std::error_code failure;
+    if (config.programs.empty())
+        config.programs = fs::read_symlink("/proc/self/exe", failure).parent_path();
+    fs::create_directories(config.output, failure);
+    for (const char* file : {"view.png", "view.avi", "report.json"})
+        fs::remove(config.output / file, failure);
+
+    // a world of its own: two demos on one host do not meet
+    const std::string world = fmt::format("demo-{}", getpid());
+    bus::BusOptions options;
+    options.world = world;
+    options.domain = static_cast<std::uint32_t>(config.domain);
+    auto participant = bus::Participant::create(options);
+    if (!participant) return tl::unexpected(participant.error());
+    auto board = StatusBoard::create(*participant);
+    if (!board) return tl::unexpected(board.error());
+    auto waiter = bus::Waiter::create(*participant);
+    if (!waiter) return tl::unexpected(waiter.error());
+    board->attach(*waiter);
+
+    Demo demo(config, std::move(*board), std::move(*waiter), world);
+    Expected<void> result = demo.start_programs();
+    if (result) result = demo.wait_until_everybody_is_on(stop);
+    if (result && !stop.stop_requested()) result = demo.measure(stop);
+    const Expected<void> stopped = demo.stop_programs();
+    return result ? stopped : result;
+}
+
+}  // namespace atrium::demo

@@ -1,0 +1,204 @@
+#include "deploy/demo/status_board.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+
+namespace atrium::demo {
+namespace {
+
+using nlohmann::ordered_json;
+
+// More than a day of samples is not kept: the oldest go.
+constexpr std::size_t kMaxSamples = 100'000;
+
+template <typename Status, typename Value>
+double median(const std::vector<Status>& samples, Value value) {
+    std::vector<double> values;
+    for (const Status& s : samples) values.push_back(static_cast<double>(value(s)));
+    if (values.empty()) return 0.0;
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+template <typename Status, typename Value>
+auto difference(const std::vector<Status>& samples, Value value) {
+    return samples.empty() ? 0 : value(samples.back()) - value(samples.front());
+}
+
+// Medians of the seconds' medians, and the worst second's 99th percentile: never better than it
+// was.
+template <typename Status, typename Latency>
+ordered_json latency_json(const std::vector<Status>& samples, Latency latency) {
+    double worst = 0.0;
+    for (const Status& s : samples) worst = std::max(worst, latency(s).p99_ms);
+    return {{"median", median(samples, [&](const Status& s) { return latency(s).median_ms; })},
+            {"p99", worst}};
+}
+
+std::uint64_t num_dropped(const bus::SiteStatus& s) {
+    return s.num_dropped_incomplete + s.num_dropped_late + s.num_failed;
+}
+
+template <typename History, typename Status>
+void keep(History& history, const std::string& name, Status&& status) {
+    history.name = name;
+    if (history.samples.size() == kMaxSamples) history.samples.erase(history.samples.begin());
+    history.samples.push_back(std::forward<Status>(status));
+}
+
+double mega(double v) { return v / 1e6; }
+
+}  // namespace
+
+Expected<StatusBoard> StatusBoard::create(const bus::Participant& participant) {
+    auto sites = bus::Reader<bus::SiteStatus>::create(participant);
+    if (!sites) return tl::unexpected(sites.error());
+    auto world = bus::Reader<bus::WorldStatus>::create(participant);
+    if (!world) return tl::unexpected(world.error());
+    auto viewer = bus::Reader<bus::ViewerStatus>::create(participant);
+    if (!viewer) return tl::unexpected(viewer.error());
+    return StatusBoard(std::move(*sites), std::move(*world), std::move(*viewer));
+}
+
+void StatusBoard::attach(bus::Waiter& waiter) const {
+    waiter.add(site_reader_);
+    waiter.add(world_reader_);
+    waiter.add(viewer_reader_);
+}
+
+bool StatusBoard::update() {
+    const std::size_t num_taken =
+        site_reader_.take([&](bus::SiteStatus&& s) { keep(sites_[s.site], s.site, s); }).num_taken +
+        world_reader_.take([&](bus::WorldStatus&& s) { keep(world_, s.world, s); }).num_taken +
+        viewer_reader_.take([&](bus::ViewerStatus&& s) { keep(viewer_, s.viewer, s); }).num_taken;
+    return num_taken > 0;
+}
+
+void StatusBoard::begin_report() {
+    for (auto& [name, history] : sites_) history.samples.clear();
+    world_.samples.clear();
+    viewer_.samples.clear();
+}
+
+bool StatusBoard::site_publishes(const std::string& site) const {
+    const auto it = sites_.find(site);
+    return it != sites_.end() && !it->second.samples.empty() &&
+           it->second.samples.back().num_metaframes_published > 0;
+}
+
+std::uint64_t StatusBoard::num_pairs_shown() const {
+    return viewer_.samples.empty() ? 0 : viewer_.samples.back().num_pairs_shown;
+}
+
+std::vector<std::string> StatusBoard::table(const std::map<std::string, std::string>& notes) const {
+    std::vector<std::string> lines;
+    const auto line = [&]<typename... Args>(fmt::format_string<Args...> text, Args&&... args) {
+        lines.push_back(fmt::format("{:<96.96}", fmt::format(text, std::forward<Args>(args)...)));
+    };
+    line("{:<14} {:>12} {:>20} {:>9} {:>24} {:>9}",
+         "site",
+         "metaframes/s",
+         "capture-publish ms",
+         "MB/s",
+         "dropped inc/late/fail",
+         "RSS MB");
+    for (const auto& [name, history] : sites_) {
+        if (history.samples.empty()) continue;
+        const bus::SiteStatus& s = history.samples.back();
+        line("{:<14} {:>12.1f} {:>11.1f} {:>8.1f} {:>9.2f} {:>24} {:>9.0f}",
+             name,
+             s.metaframes_per_s,
+             s.capture_to_publish.median_ms,
+             s.capture_to_publish.p99_ms,
+             mega(s.bytes_per_s),
+             fmt::format("{}/{}/{}", s.num_dropped_incomplete, s.num_dropped_late, s.num_failed),
+             mega(static_cast<double>(s.resident_bytes)));
+    }
+    if (!world_.samples.empty()) {
+        const bus::WorldStatus& s = world_.samples.back();
+        line("{:<14} {:>12.1f} steps/s, {} people, {} steps with contact, {} rejected, {:.0f} MB",
+             "world",
+             s.steps_per_s,
+             s.num_sites,
+             s.num_contacts,
+             s.num_rejected,
+             mega(static_cast<double>(s.resident_bytes)));
+    }
+    if (!viewer_.samples.empty()) {
+        const bus::ViewerStatus& s = viewer_.samples.back();
+        line(
+            "{:<14} {:>12.1f} frames/s, capture-display {:.1f} ms median {:.1f} p99, {} pairs, {} "
+            "skipped, {:.0f} MB",
+            "viewer",
+            s.frames_per_s,
+            s.capture_to_display.median_ms,
+            s.capture_to_display.p99_ms,
+            s.num_pairs_shown,
+            s.num_pairs_skipped + s.num_incomplete,
+            mega(static_cast<double>(s.resident_bytes)));
+    }
+    for (const auto& [name, note] : notes) line("{:<14} {}", name, note);
+    return lines;
+}
+
+std::string StatusBoard::report(double seconds) const {
+    ordered_json root;
+    root["seconds"] = seconds;
+    root["note"] =
+        "rates and latencies: median over the seconds of the run; p99: that of its worst second";
+    for (const auto& [name, history] : sites_) {
+        const auto& samples = history.samples;
+        using S = bus::SiteStatus;
+        ordered_json site;
+        site["metaframes_per_s"] = median(samples, [](const S& s) { return s.metaframes_per_s; });
+        site["capture_to_publish_ms"] =
+            latency_json(samples, [](const S& s) { return s.capture_to_publish; });
+        site["bytes_per_s"] = median(samples, [](const S& s) { return s.bytes_per_s; });
+        site["metaframes_published"] =
+            difference(samples, [](const S& s) { return s.num_metaframes_published; });
+        site["dropped"] = difference(samples, num_dropped);
+        site["dropped_incomplete"] =
+            difference(samples, [](const S& s) { return s.num_dropped_incomplete; });
+        site["dropped_late"] = difference(samples, [](const S& s) { return s.num_dropped_late; });
+        site["failed"] = difference(samples, [](const S& s) { return s.num_failed; });
+        site["resident_bytes"] = samples.empty() ? 0 : samples.back().resident_bytes;
+        site["resident_bytes_at_start"] = samples.empty() ? 0 : samples.front().resident_bytes;
+        root["sites"][name] = std::move(site);
+    }
+    {
+        using W = bus::WorldStatus;
+        const auto& samples = world_.samples;
+        ordered_json& world = root["world"];
+        world["steps_per_s"] = median(samples, [](const W& s) { return s.steps_per_s; });
+        world["steps_with_contact"] =
+            difference(samples, [](const W& s) { return s.num_contacts; });
+        world["meshes_received"] =
+            difference(samples, [](const W& s) { return s.num_meshes_received; });
+        world["rejected"] = difference(samples, [](const W& s) { return s.num_rejected; });
+        world["capture_to_collision_ms"] =
+            latency_json(samples, [](const W& s) { return s.capture_to_collision; });
+        world["resident_bytes"] = samples.empty() ? 0 : samples.back().resident_bytes;
+        world["resident_bytes_at_start"] = samples.empty() ? 0 : samples.front().resident_bytes;
+    }
+    {
+        using V = bus::ViewerStatus;
+        const auto& samples = viewer_.samples;
+        ordered_json& viewer = root["viewer"];
+        viewer["frames_per_s"] = median(samples, [](const V& s) { return s.frames_per_s; });
+        viewer["capture_to_display_ms"] =
+            latency_json(samples, [](const V& s) { return s.capture_to_display; });
+        viewer["pairs_shown"] = difference(samples, [](const V& s) { return s.num_pairs_shown; });
+        viewer["pairs_skipped"] =
+            difference(samples, [](const V& s) { return s.num_pairs_skipped; });
+        viewer["incomplete"] = difference(samples, [](const V& s) { return s.num_incomplete; });
+        viewer["rejected"] = difference(samples, [](const V& s) { return s.num_rejected; });
+        viewer["resident_bytes"] = samples.empty() ? 0 : samples.back().resident_bytes;
+        viewer["resident_bytes_at_start"] = samples.empty() ? 0 : samples.front().resident_bytes;
+    }
+    return root.dump(2) + "\n";
+}
+
+}  // namespace atrium::demo

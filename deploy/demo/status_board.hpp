@@ -1,0 +1,60 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/bus/bus.hpp"
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace atrium::demo {
+
+/// What all programs of one world say of themselves once a second: the newest for the table, all of
+/// it for the report. One thread.
+class StatusBoard {
+public:
+    static Expected<StatusBoard> create(const bus::Participant& participant);
+
+    /// Lets `waiter` wake up for what `update` takes.
+    void attach(bus::Waiter& waiter) const;
+
+    /// Takes what has come since. Returns whether anything did.
+    bool update();
+
+    /// Forgets the history, so that a report leaves out the start-up.
+    void begin_report();
+
+    bool has_world() const { return !world_.name.empty(); }
+    bool has_viewer() const { return !viewer_.name.empty(); }
+    bool site_publishes(const std::string& site) const;
+    std::uint64_t num_pairs_shown() const;
+
+    /// Lines of equal width, with a heading.
+    std::vector<std::string> table(const std::map<std::string, std::string>& notes) const;
+
+    /// Medians over the report's seconds, and totals, as JSON text.
+    std::string report(double seconds) const;
+
+private:
+    template <typename Status>
+    struct History {
+        std::string name;
+        std::vector<Status> samples;
+    };
+    StatusBoard(bus::Reader<bus::SiteStatus> sites,
+                bus::Reader<bus::WorldStatus> world,
+                bus::Reader<bus::ViewerStatus> viewer)
+        : site_reader_(std::move(sites)),
+          world_reader_(std::move(world)),
+          viewer_reader_(std::move(viewer)) {}
+
+    bus::Reader<bus::SiteStatus> site_reader_;
+    bus::Reader<bus::WorldStatus> world_reader_;
+    bus::Reader<bus::ViewerStatus> viewer_reader_;
+    std::map<std::string, History<bus::SiteStatus>> sites_;
+    History<bus::WorldStatus> world_;
+    History<bus::ViewerStatus> viewer_;
+};
+
+}  // namespace atrium::demo

@@ -1,0 +1,31 @@
+#!/bin/sh
+# Installs what Atrium is built with and runs on, from Debian 12's own archive. Does nothing where all of it is there.
+set -eu
+
+packages="build-essential cmake ninja-build pkg-config ccache git python3 clang-format
+cyclonedds-dev cyclonedds-tools libeigen3-dev libopencv-dev libdraco-dev libturbojpeg0-dev libbullet-dev
+libglfw3-dev libosmesa6-dev python3-glad libimgui-dev libcli11-dev libtoml11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
+libexpected-dev libpugixml-dev libgtest-dev libgmock-dev libbenchmark-dev xvfb xauth"
+
+missing=""
+for package in $packages; do
+    state=$(dpkg-query -W -f '${Status}' "$package" 2>/dev/null || true)
+    [ "$state" = "install ok installed" ] || missing="$missing $package"
+done
+if [ -z "$missing" ]; then
+    echo "packages: all there"
+    exit 0
+fi
+
+as_root=""
+if [ "$(id -u)" -ne 0 ]; then
+    if ! command -v sudo >/dev/null; then
+        echo "packages: these are missing and neither root nor sudo is there to install them:$missing" >&2
+        exit 1
+    fi
+    as_root="sudo"
+fi
+echo "packages: installing$missing"
+$as_root apt-get update -qq
+$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing
+echo "packages: installed"

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/config/rig.hpp"
+#include "site_node/capture/metaframe.hpp"
+
+#include <functional>
+#include <stop_token>
+
+namespace atrium::capture {
+
+/// Where pictures come from: a simulated room, a recording, cameras.
+///
+/// One thread at a time. `run` delivers in real time and must never be held up: a sink only hands
+/// over.
+class FrameSource {
+public:
+    using Sink = std::function<void(CameraFrame)>;
+    using BackgroundSink = std::function<void(const image::YuvImage&)>;
+
+    virtual ~FrameSource() = default;
+
+    virtual const config::Rig& rig() const = 0;
+
+    /// True where every frame carries its silhouette, so that no background has to be learned.
+    virtual bool has_silhouettes() const = 0;
+
+    /// Shows the pictures of the empty room of one camera, one after another. Error kNotFound where
+    /// there are none.
+    virtual Expected<void> show_background(std::size_t camera, const BackgroundSink& sink) = 0;
+
+    /// Delivers pictures at the source's rate until the stop or the end of the source.
+    virtual Expected<void> run(std::stop_token stop, const Sink& sink) = 0;
+};
+
+}  // namespace atrium::capture

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <stop_token>
+
+namespace atrium::capture {
+
+/// Keeps a replayed source at its rate. Who is late by more than a period starts a new schedule:
+/// there is no catching up in bursts.
+class Pace {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    explicit Pace(std::chrono::nanoseconds period) : period_(period) {}
+
+    /// Waits for the next tick; false once a stop is requested.
+    bool wait(std::stop_token stop) { return wait(stop, period_); }
+
+    /// The same for a tick that is due `after` the former one.
+    bool wait(std::stop_token stop, std::chrono::nanoseconds after) {
+        const auto now = Clock::now();
+        next_ = started_ ? next_ + after : now;
+        started_ = true;
+        if (now > next_ + period_) next_ = now;
+        std::unique_lock lock(mutex_);
+        wake_.wait_until(lock, stop, next_, [] { return false; });
+        return !stop.stop_requested();
+    }
+
+private:
+    std::chrono::nanoseconds period_;
+    bool started_ = false;
+    Clock::time_point next_{};
+    std::mutex mutex_;
+    std::condition_variable_any wake_;
+};
+
+}  // namespace atrium::capture

@@ -1,0 +1,166 @@
+#include "site_node/capture/picture_file.hpp"
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+
+namespace atrium::capture {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array kVideoSuffixes{".avi", ".mp4", ".mkv"};
+constexpr std::array kImageSuffixes{".png", ".jpg", ".jpeg"};
+
+// 000123.png -> 123; anything else is not of the sequence
+std::optional<std::size_t> sequence_number(const fs::path& file) {
+    const std::string stem = file.stem().string();
+    const std::string suffix = file.extension().string();
+    const bool is_picture =
+        std::find(kImageSuffixes.begin(), kImageSuffixes.end(), suffix) != kImageSuffixes.end();
+    const bool is_number =
+        !stem.empty() && stem.size() <= 7 &&
+        std::all_of(stem.begin(), stem.end(), [](char c) { return c >= '0' && c <= '9'; });
+    if (!is_picture || !is_number) return std::nullopt;
+    return static_cast<std::size_t>(std::stoul(stem));
+}
+
+}  // namespace
+
+struct PictureFile::Impl {
+    fs::path path;
+    std::map<std::size_t, fs::path> images;  // empty for a video
+    cv::VideoCapture video;
+    bool is_video = false;
+    std::size_t num_pictures = 0;
+    std::size_t next_in_video = 0;
+    cv::Mat decoded;
+
+    Expected<void> read_video(std::size_t index) {
+        if (index < next_in_video && (!video.open(path.string()) || !video.isOpened())) {
+            return make_error(ErrorKind::kInvalidData,
+                              fmt::format("{}: cannot be opened again", path.string()));
+        }
+        if (index < next_in_video) next_in_video = 0;
+        // seeking by number is not exact for every codec: frames in between are read and left
+        for (; next_in_video < index; ++next_in_video) {
+            if (!video.grab()) break;
+        }
+        if (next_in_video != index || !video.read(decoded) || decoded.empty()) {
+            return make_error(ErrorKind::kNotFound,
+                              fmt::format("{}: has no frame {}", path.string(), index));
+        }
+        ++next_in_video;
+        return {};
+    }
+
+    Expected<void> read_image(std::size_t index, int mode) {
+        const auto it = images.find(index);
+        if (it == images.end()) {
+            return make_error(ErrorKind::kNotFound,
+                              fmt::format("{}: has no picture {}", path.string(), index));
+        }
+        decoded = cv::imread(it->second.string(), mode);
+        if (decoded.empty()) {
+            return make_error(ErrorKind::kInvalidData,
+                              fmt::format("{}: cannot be read as a picture", it->second.string()));
+        }
+        return {};
+    }
+
+    Expected<void> read(std::size_t index, int mode) {
+        try {
+            return is_video ? read_video(index) : read_image(index, mode);
+        } catch (const cv::Exception& e) {
+            return make_error(ErrorKind::kInvalidData,
+                              fmt::format("{}: {}", path.string(), e.what()));
+        }
+    }
+};
+
+PictureFile::PictureFile() : impl_(std::make_unique<Impl>()) {}
+PictureFile::PictureFile(PictureFile&&) noexcept = default;
+PictureFile& PictureFile::operator=(PictureFile&&) noexcept = default;
+PictureFile::~PictureFile() = default;
+
+Expected<PictureFile> PictureFile::find(const fs::path& folder, const std::string& stem) {
+    PictureFile file;
+    Impl& impl = *file.impl_;
+    std::error_code failure;
+    for (const char* suffix : kVideoSuffixes) {
+        impl.path = folder / (stem + suffix);
+        if (!fs::exists(impl.path, failure)) continue;
+        impl.is_video = true;
+        if (!impl.video.open(impl.path.string())) {
+            return make_error(ErrorKind::kInvalidData,
+                              fmt::format("{}: cannot be opened as a video", impl.path.string()));
+        }
+        impl.num_pictures =
+            static_cast<std::size_t>(std::max(0.0, impl.video.get(cv::CAP_PROP_FRAME_COUNT)));
+        return file;
+    }
+    impl.path = folder / stem;
+    if (fs::is_directory(impl.path, failure)) {
+        for (const auto& entry : fs::directory_iterator(impl.path, failure)) {
+            if (const auto number = sequence_number(entry.path()))
+                impl.images[*number] = entry.path();
+        }
+        if (!impl.images.empty()) impl.num_pictures = impl.images.rbegin()->first + 1;
+    } else {
+        for (const char* suffix : kImageSuffixes) {
+            const fs::path single = folder / (stem + suffix);
+            if (impl.images.empty() && fs::exists(single, failure))
+                impl.images[0] = impl.path = single;
+        }
+        impl.num_pictures = impl.images.size();
+    }
+    if (impl.images.empty()) {
+        return make_error(
+            ErrorKind::kNotFound,
+            fmt::format("{}: there is no {}.avi|mp4|mkv, no {}/%06d.png|jpg and no {}.png|jpg",
+                        folder.string(),
+                        stem,
+                        stem,
+                        stem));
+    }
+    return file;
+}
+
+const fs::path& PictureFile::path() const { return impl_->path; }
+bool PictureFile::is_video() const { return impl_->is_video; }
+std::size_t PictureFile::num_pictures() const { return impl_->num_pictures; }
+
+Expected<void> PictureFile::read(std::size_t index, image::YuvImage& out) {
+    if (auto read = impl_->read(index, cv::IMREAD_COLOR); !read) return read;
+    const cv::Mat& bgr = impl_->decoded;
+    if (bgr.type() != CV_8UC3 || bgr.cols < 2 || bgr.rows < 2) {
+        return make_error(ErrorKind::kInvalidData,
+                          fmt::format("{}: not an 8-bit colour picture", path().string()));
+    }
+    image::yuv_from_bgr(bgr.data, bgr.cols, bgr.rows, bgr.step[0], out);
+    return {};
+}
+
+Expected<void> PictureFile::read_mask(std::size_t index, image::Mask& out) {
+    if (auto read = impl_->read(index, cv::IMREAD_GRAYSCALE); !read) return read;
+    const cv::Mat& grey = impl_->decoded;
+    if (grey.type() != CV_8UC1) {
+        return make_error(ErrorKind::kInvalidData,
+                          fmt::format("{}: not an 8-bit mask", path().string()));
+    }
+    // pictures lose an odd last row or column in 4:2:0; masks follow
+    out = image::Mask(grey.cols & ~1, grey.rows & ~1);
+    for (int y = 0; y < out.height; ++y) {
+        const std::uint8_t* from = grey.ptr<std::uint8_t>(y);
+        std::transform(
+            from, from + out.width, out.row(y), [](std::uint8_t v) { return v > 127 ? 255 : 0; });
+    }
+    return {};
+}
+
+}  // namespace atrium::capture

@@ -1,0 +1,261 @@
+#include "site_node/capture/recording_source.hpp"
+
+#include "site_node/capture/pace.hpp"
+#include "site_node/capture/picture_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+
+namespace atrium::capture {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Recordings up to this size are decoded once when they loop.
+constexpr std::size_t kMaxDecodedBytes = std::size_t{1} << 30;
+constexpr std::size_t kMaxFrames = 10'000'000;
+
+std::optional<std::int64_t> parse_integer(std::string_view text) {
+    while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+    while (!text.empty() && (text.back() == ' ' || text.back() == '\r')) text.remove_suffix(1);
+    std::int64_t value = 0;
+    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (failure != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+    return value;
+}
+
+}  // namespace
+
+// Pictures of one camera: a video that is read in order, or a numbered sequence, and masks that may
+// stand beside either.
+class RecordingSource::Track {
+public:
+    static Expected<std::unique_ptr<Track>> open(const fs::path& folder,
+                                                 const geometry::PinholeCamera& expected) {
+        auto track = std::make_unique<Track>();
+        track->expected_ = expected;
+        auto pictures = PictureFile::find(folder, "frames");
+        if (!pictures) return tl::unexpected(pictures.error());
+        track->pictures_ = std::move(*pictures);
+        if (fs::is_directory(folder / "silhouettes")) {
+            auto masks = PictureFile::find(folder, "silhouettes");
+            if (!masks) return tl::unexpected(masks.error());
+            track->masks_ = std::move(*masks);
+        }
+        return track;
+    }
+
+    std::size_t num_frames() const { return pictures_.num_pictures(); }
+    bool has_masks() const { return masks_.has_value(); }
+
+    Expected<CameraFrame> read(std::size_t index) {
+        CameraFrame frame;
+        auto picture = std::make_shared<image::YuvImage>();
+        if (auto read = pictures_.read(index, *picture); !read) return tl::unexpected(read.error());
+        if (picture->width() != (expected_.width & ~1) ||
+            picture->height() != (expected_.height & ~1)) {
+            return make_error(ErrorKind::kInvalidData,
+                              fmt::format("{}: frame {} has {}x{} px, rig.toml says {}x{}",
+                                          pictures_.path().string(),
+                                          index,
+                                          picture->width(),
+                                          picture->height(),
+                                          expected_.width,
+                                          expected_.height));
+        }
+        if (masks_) {
+            auto mask = std::make_shared<image::Mask>();
+            if (auto read = masks_->read_mask(index, *mask); !read)
+                return tl::unexpected(read.error());
+            if (mask->width != picture->width() || mask->height != picture->height()) {
+                return make_error(ErrorKind::kInvalidData,
+                                  fmt::format("{}: silhouette {} is not as large as its picture",
+                                              masks_->path().string(),
+                                              index));
+            }
+            frame.silhouette = std::move(mask);
+        }
+        frame.image = std::move(picture);
+        return frame;
+    }
+
+private:
+    geometry::PinholeCamera expected_;
+    PictureFile pictures_;
+    std::optional<PictureFile> masks_;
+};
+
+RecordingSource::~RecordingSource() = default;
+
+Expected<std::unique_ptr<RecordingSource>> RecordingSource::open(const RecordingOptions& options) {
+    if (!fs::is_directory(options.folder)) {
+        return make_error(
+            ErrorKind::kNotFound,
+            fmt::format("recording '{}': there is no such folder", options.folder.string()));
+    }
+    auto rig = config::load_rig(options.folder);
+    if (!rig) return tl::unexpected(rig.error());
+    std::unique_ptr<RecordingSource> source(new RecordingSource);
+    source->options_ = options;
+    source->rig_ = std::move(*rig);
+    std::size_t num_with_masks = 0;
+    for (const auto& camera : source->rig_.cameras) {
+        auto track = Track::open(options.folder / camera.name, camera.intrinsics);
+        if (!track) return tl::unexpected(track.error());
+        source->num_frames_ = std::max(source->num_frames_, (*track)->num_frames());
+        num_with_masks += (*track)->has_masks() ? 1 : 0;
+        source->tracks_.push_back(std::move(*track));
+    }
+    if (num_with_masks != 0 && num_with_masks != source->tracks_.size()) {
+        return make_error(
+            ErrorKind::kInvalidData,
+            fmt::format("recording '{}': some cameras have silhouettes/ and others have not",
+                        options.folder.string()));
+    }
+    source->has_silhouettes_ = num_with_masks != 0;
+    if (source->num_frames_ == 0 || source->num_frames_ > kMaxFrames) {
+        return make_error(ErrorKind::kInvalidData,
+                          fmt::format("recording '{}': holds no frames", options.folder.string()));
+    }
+    if (auto loaded = source->load_times(); !loaded) return tl::unexpected(loaded.error());
+    return source;
+}
+
+Expected<void> RecordingSource::load_times() {
+    const fs::path file = options_.folder / "times.csv";
+    if (!fs::exists(file)) return {};
+    std::ifstream stream(file);
+    if (!stream)
+        return make_error(ErrorKind::kNotFound, fmt::format("{}: cannot be opened", file.string()));
+    times_ns_.assign(num_frames_, std::vector<std::optional<std::int64_t>>(tracks_.size()));
+    std::string line;
+    for (std::size_t number = 1; std::getline(stream, line); ++number) {
+        if (line.empty() || line == "\r" || (number == 1 && line.rfind("frame", 0) == 0)) continue;
+        const auto wrong = [&](const std::string& what) {
+            return make_error(ErrorKind::kInvalidData,
+                              fmt::format("{}:{}: {}", file.string(), number, what));
+        };
+        const std::size_t first = line.find(',');
+        const std::size_t second = first == std::string::npos ? first : line.find(',', first + 1);
+        if (second == std::string::npos) return wrong("expected: frame, camera, capture_time_ns");
+        const auto frame = parse_integer(std::string_view(line).substr(0, first));
+        const auto time = parse_integer(std::string_view(line).substr(second + 1));
+        std::string name = line.substr(first + 1, second - first - 1);
+        std::erase(name, ' ');
+        const auto camera = std::find_if(rig_.cameras.begin(),
+                                         rig_.cameras.end(),
+                                         [&](const auto& c) { return c.name == name; });
+        if (!frame || *frame < 0 || !time)
+            return wrong("frame and capture_time_ns must be integers");
+        if (camera == rig_.cameras.end())
+            return wrong(fmt::format("rig.toml has no camera '{}'", name));
+        if (static_cast<std::size_t>(*frame) >= num_frames_) continue;
+        times_ns_[static_cast<std::size_t>(*frame)]
+                 [static_cast<std::size_t>(camera - rig_.cameras.begin())] = *time;
+    }
+    return {};
+}
+
+Expected<void> RecordingSource::show_background(std::size_t camera, const BackgroundSink& sink) {
+    const fs::path folder = options_.folder / rig_.cameras[camera].name;
+    auto pictures = PictureFile::find(folder, "background");
+    if (!pictures) return tl::unexpected(pictures.error());
+    image::YuvImage picture;
+    for (std::size_t i = 0; i < pictures->num_pictures(); ++i) {
+        if (auto read = pictures->read(i, picture); !read) {
+            // a video's header may promise more frames than the file has
+            if (i > 0 && pictures->is_video()) break;
+            return tl::unexpected(read.error());
+        }
+        sink(picture);
+    }
+    return {};
+}
+
+std::optional<CameraFrame> RecordingSource::next_frame(std::size_t camera, std::size_t index) {
+    if (!decoded_.empty() && decoded_[index][camera]) return decoded_[index][camera];
+    auto frame = tracks_[camera]->read(index);
+    if (!frame) return std::nullopt;
+    frame->camera = camera;
+    if (!decoded_.empty()) decoded_[index][camera] = *frame;
+    return std::move(*frame);
+}
+
+Expected<void> RecordingSource::run(std::stop_token stop, const Sink& sink) {
+    const double rate_hz = options_.rate_hz > 0.0 ? options_.rate_hz : rig_.rate_hz;
+    const std::chrono::nanoseconds period(static_cast<std::int64_t>(1e9 / rate_hz));
+    std::size_t bytes_per_frame = 0;
+    for (const auto& camera : rig_.cameras) {
+        bytes_per_frame +=
+            static_cast<std::size_t>(camera.intrinsics.width * camera.intrinsics.height) * 5 / 2;
+    }
+    if (options_.loop &&
+        num_frames_ <= kMaxDecodedBytes / std::max<std::size_t>(bytes_per_frame, 1)) {
+        decoded_.assign(num_frames_, std::vector<std::optional<CameraFrame>>(tracks_.size()));
+    }
+    const bool recorded_times = options_.rate_hz <= 0.0 && !times_ns_.empty();
+    const auto offset_of = [&](std::size_t index,
+                               std::size_t camera) -> std::optional<std::int64_t> {
+        return recorded_times ? times_ns_[index][camera] : std::nullopt;
+    };
+    Pace pace(period);
+    do {
+        std::optional<std::int64_t> former_ns;
+        std::size_t num_read = 0;
+        for (std::size_t index = 0; index < num_frames_; ++index) {
+            std::vector<CameraFrame> frames;
+            for (std::size_t camera = 0; camera < tracks_.size() && !stop.stop_requested();
+                 ++camera) {
+                if (auto frame = next_frame(camera, index)) frames.push_back(std::move(*frame));
+            }
+            num_read += frames.size();
+            std::optional<std::int64_t> first_ns;
+            for (const CameraFrame& frame : frames) {
+                if (const auto t = offset_of(index, frame.camera))
+                    first_ns = std::min(first_ns.value_or(*t), *t);
+            }
+            const auto since_former =
+                first_ns && former_ns ? std::chrono::nanoseconds(*first_ns - *former_ns) : period;
+            former_ns = first_ns;
+            if (!pace.wait(stop,
+                           std::clamp(since_former, std::chrono::nanoseconds(0), 10 * period)))
+                return {};
+            const Timestamp now = Timestamp::now();
+            for (CameraFrame& frame : frames) {
+                const auto own_ns = offset_of(index, frame.camera);
+                frame.capture_time = own_ns ? Timestamp{now.ns + (*own_ns - *first_ns)} : now;
+                sink(std::move(frame));
+            }
+        }
+        if (num_read == 0) {
+            return make_error(ErrorKind::kInvalidData,
+                              fmt::format("recording '{}': no picture of it can be read",
+                                          options_.folder.string()));
+        }
+    } while (options_.loop);
+    return {};
+}
+
+Expected<Metaframe> RecordingSource::read_frame(std::size_t index) {
+    if (index >= num_frames_) {
+        return make_error(ErrorKind::kNotFound,
+                          fmt::format("recording '{}' has frames 0 to {}, not {}",
+                                      options_.folder.string(),
+                                      num_frames_ - 1,
+                                      index));
+    }
+    Metaframe metaframe;
+    metaframe.frame_id = index;
+    for (std::size_t camera = 0; camera < tracks_.size(); ++camera) {
+        auto frame = tracks_[camera]->read(index);
+        if (!frame) return tl::unexpected(frame.error());
+        frame->camera = camera;
+        metaframe.frames.push_back(std::move(*frame));
+    }
+    return metaframe;
+}
+
+}  // namespace atrium::capture

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "site_node/capture/frame_source.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace atrium::capture {
+
+struct RecordingOptions {
+    std::filesystem::path folder;
+    double rate_hz = 0.0;  // 0: as recorded (times.csv, else rate_hz of rig.toml)
+    bool loop = false;     // start again after the last frame
+};
+
+/// Plays one recording (docs/conventions.md, "Recordings") as if it were live: image sequences or
+/// video files.
+///
+/// A picture that is missing or cannot be read leaves its metaframe incomplete; it is not an error
+/// of the source.
+class RecordingSource final : public FrameSource {
+public:
+    static Expected<std::unique_ptr<RecordingSource>> open(const RecordingOptions& options);
+    ~RecordingSource() override;
+
+    const config::Rig& rig() const override { return rig_; }
+    bool has_silhouettes() const override { return has_silhouettes_; }
+    Expected<void> show_background(std::size_t camera, const BackgroundSink& sink) override;
+    Expected<void> run(std::stop_token stop, const Sink& sink) override;
+
+    /// Number of frames of the camera with the most; counts a video by its header.
+    std::size_t num_frames() const { return num_frames_; }
+
+    /// Frame `index` of every camera at once, for tools. Error naming the first camera that lacks
+    /// it.
+    Expected<Metaframe> read_frame(std::size_t index);
+
+private:
+    class Track;  // the pictures of one camera
+    RecordingSource() = default;
+    Expected<void> load_times();
+    std::optional<CameraFrame> next_frame(std::size_t camera, std::size_t index);
+
+    RecordingOptions options_;
+    config::Rig rig_;
+    bool has_silhouettes_ = false;
+    std::size_t num_frames_ = 0;
+    std::vector<std::unique_ptr<Track>> tracks_;
+    std::vector<std::vector<std::optional<std::int64_t>>>
+        times_ns_;  // [frame][camera]; empty without times.csv
+    // short recordings that loop are kept decoded, so that playing them costs what live cameras
+    // would
+    std::vector<std::vector<std::optional<CameraFrame>>> decoded_;  // [frame][camera]
+};
+
+}  // namespace atrium::capture
