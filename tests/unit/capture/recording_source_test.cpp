@@ -1,0 +1,232 @@
+#include "site_node/capture/recording_source.hpp"
+
+#include "site_node/capture/metaframe_assembler.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
+
+#include <fstream>
+
+namespace atrium::capture {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+constexpr int kWidth = 64;
+constexpr int kHeight = 48;
+
+// A recording of two cameras whose frame k is grey of value 10 (k + 1) + camera.
+class RecordingOnDisk : public testing::Test {
+protected:
+    void SetUp() override {
+        folder_ = fs::path(testing::TempDir()) /
+                  (std::string("recording_") +
+                   testing::UnitTest::GetInstance()->current_test_info()->name());
+        fs::remove_all(folder_);
+        fs::create_directories(folder_);
+        std::ofstream rig(folder_ / "rig.toml");
+        rig << "units = \"m\"\nrate_hz = 500\n";
+        for (const char* name : {"a", "b"}) {
+            rig << "[[camera]]\nname = \"" << name
+                << "\"\nwidth = 64\nheight = 48\nfx = 60\nfy = 60\ncx = 31.5\n"
+                << "cy = 23.5\nrotation = [1,0,0,0,1,0,0,0,1]\ntranslation = [0,0,3]\n";
+            fs::create_directories(folder_ / name);
+        }
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+
+    static cv::Mat grey(int value) {
+        return cv::Mat(kHeight, kWidth, CV_8UC3, cv::Scalar(value, value, value));
+    }
+    static std::string numbered(int index) { return cv::format("%06d.png", index); }
+
+    void write_sequence(const std::string& camera,
+                        int num_frames,
+                        const std::string& stem = "frames") {
+        fs::create_directories(folder_ / camera / stem);
+        for (int k = 0; k < num_frames; ++k) {
+            cv::imwrite((folder_ / camera / stem / numbered(k)).string(),
+                        grey(10 * (k + 1) + (camera == "b")));
+        }
+    }
+
+    void write_video(const std::string& camera,
+                     int num_frames,
+                     const std::string& name = "frames.avi") {
+        cv::VideoWriter writer((folder_ / camera / name).string(),
+                               cv::VideoWriter::fourcc('M', 'J', 'P', 'G'),
+                               25,
+                               cv::Size(kWidth, kHeight));
+        for (int k = 0; k < num_frames; ++k) writer.write(grey(10 * (k + 1) + (camera == "b")));
+    }
+
+    std::vector<CameraFrame> play(RecordingOptions options,
+                                  std::size_t stop_after = ~std::size_t{0}) {
+        options.folder = folder_;
+        auto source = RecordingSource::open(options);
+        EXPECT_TRUE(source) << (source ? "" : source.error().message);
+        std::vector<CameraFrame> frames;
+        if (!source) return frames;
+        std::stop_source stop;
+        const auto result = (*source)->run(stop.get_token(), [&](CameraFrame frame) {
+            frames.push_back(std::move(frame));
+            if (frames.size() >= stop_after) stop.request_stop();
+        });
+        EXPECT_TRUE(result) << (result ? "" : result.error().message);
+        return frames;
+    }
+
+    fs::path folder_;
+};
+
+TEST_F(RecordingOnDisk, PlaysSequencesInOrderWithOneTimePerTrigger) {
+    write_sequence("a", 3);
+    write_sequence("b", 3);
+    const auto frames = play({});
+    ASSERT_EQ(frames.size(), 6u);
+    for (std::size_t i = 0; i < 6; ++i) {
+        EXPECT_EQ(frames[i].camera, i % 2);
+        EXPECT_EQ(frames[i].image->y.at(5, 5), 10 * (i / 2 + 1) + i % 2);
+        EXPECT_EQ(frames[i].capture_time, frames[i / 2 * 2].capture_time);
+        EXPECT_EQ(frames[i].silhouette, nullptr);
+    }
+    EXPECT_LT(frames[0].capture_time, frames[2].capture_time);
+}
+
+TEST_F(RecordingOnDisk, PlaysVideos) {
+    write_video("a", 4);
+    write_video("b", 4);
+    const auto frames = play({});
+    ASSERT_EQ(frames.size(), 8u);
+    for (std::size_t i = 0; i < 8; ++i) {
+        EXPECT_NEAR(
+            frames[i].image->y.at(20, 20), static_cast<double>(10 * (i / 2 + 1) + i % 2), 3.0);
+    }
+}
+
+TEST_F(RecordingOnDisk, LoopsOnRequestAndOnlyThen) {
+    write_video("a", 2);
+    write_sequence("b", 2);
+    RecordingOptions loop;
+    loop.loop = true;
+    const auto frames = play(loop, 10);
+    ASSERT_GE(frames.size(), 10u);
+    EXPECT_NEAR(frames[8].image->y.at(5, 5), frames[0].image->y.at(5, 5), 1);
+    EXPECT_LT(frames[0].capture_time, frames[8].capture_time);
+}
+
+TEST_F(RecordingOnDisk, AMissingPictureLeavesItsMetaframeIncomplete) {
+    write_sequence("a", 3);
+    write_sequence("b", 3);
+    fs::remove(folder_ / "b" / "frames" / numbered(1));
+    std::ofstream(folder_ / "a" / "frames" / numbered(2)) << "not a picture";
+    const auto frames = play({});
+    EXPECT_EQ(frames.size(), 4u);
+    MetaframeAssembler assembler(2, {std::chrono::microseconds(500), std::chrono::seconds(1)});
+    std::size_t num_complete = 0;
+    for (const auto& frame : frames) num_complete += assembler.add(frame, {}).has_value();
+    EXPECT_EQ(num_complete, 1u);
+}
+
+TEST_F(RecordingOnDisk, DeliversSilhouettesAsBinaryMasks) {
+    for (const char* camera : {"a", "b"}) {
+        write_sequence(camera, 1);
+        fs::create_directories(folder_ / camera / "silhouettes");
+        cv::Mat mask(kHeight, kWidth, CV_8UC1, cv::Scalar(0));
+        mask.colRange(10, 20) = 200;
+        mask.colRange(20, 30) = 100;
+        cv::imwrite((folder_ / camera / "silhouettes" / numbered(0)).string(), mask);
+    }
+    const auto frames = play({});
+    ASSERT_EQ(frames.size(), 2u);
+    ASSERT_NE(frames[0].silhouette, nullptr);
+    EXPECT_EQ(frames[0].silhouette->at(15, 5), 255);
+    EXPECT_EQ(frames[0].silhouette->at(25, 5), 0);
+}
+
+TEST_F(RecordingOnDisk, KeepsTheRecordedTimesOfEachCamera) {
+    write_sequence("a", 2);
+    write_sequence("b", 2);
+    std::ofstream(folder_ / "times.csv")
+        << "frame, camera, capture_time_ns\n0, a, 1000\n0, b, 4000\n1, b, 2000000\n1, a, 2001500\n";
+    const auto frames = play({});
+    ASSERT_EQ(frames.size(), 4u);
+    EXPECT_EQ((frames[1].capture_time - frames[0].capture_time).count(), 3000);
+    EXPECT_EQ((frames[2].capture_time - frames[3].capture_time).count(), 1500);
+}
+
+TEST_F(RecordingOnDisk, NamesTheLineOfABadTimesFile) {
+    write_sequence("a", 1);
+    write_sequence("b", 1);
+    for (const char* line : {"0, c, 5\n", "0, a\n", "x, a, 5\n", "0, a, soon\n", "-1, a, 5\n"}) {
+        std::ofstream(folder_ / "times.csv") << "0, a, 1\n" << line;
+        const auto source = RecordingSource::open({folder_});
+        ASSERT_FALSE(source) << line;
+        EXPECT_THAT(source.error().message, HasSubstr("times.csv:2"));
+    }
+}
+
+TEST_F(RecordingOnDisk, ShowsTheBackgroundInAnyForm) {
+    write_sequence("a", 1);
+    write_sequence("b", 1);
+    cv::imwrite((folder_ / "a" / "background.png").string(), grey(77));
+    write_video("b", 5, "background.avi");
+    auto source = RecordingSource::open({folder_});
+    ASSERT_TRUE(source);
+    std::vector<int> seen;
+    const auto remember = [&](const image::YuvImage& picture) {
+        seen.push_back(picture.y.at(3, 3));
+    };
+    ASSERT_TRUE((*source)->show_background(0, remember));
+    EXPECT_THAT(seen, testing::ElementsAre(77));
+    ASSERT_TRUE((*source)->show_background(1, remember));
+    EXPECT_EQ(seen.size(), 6u);
+}
+
+TEST_F(RecordingOnDisk, SaysWhatIsMissing) {
+    const auto no_folder = RecordingSource::open({"/nonexistent/room"});
+    ASSERT_FALSE(no_folder);
+    EXPECT_EQ(no_folder.error().kind, ErrorKind::kNotFound);
+    EXPECT_THAT(no_folder.error().message, HasSubstr("/nonexistent/room"));
+    write_sequence("a", 1);
+    const auto no_frames = RecordingSource::open({folder_});
+    ASSERT_FALSE(no_frames);
+    EXPECT_THAT(no_frames.error().message, HasSubstr("frames.avi"));
+    write_sequence("b", 1);
+    auto source = RecordingSource::open({folder_});
+    ASSERT_TRUE(source);
+    const auto no_background = (*source)->show_background(0, [](const auto&) {});
+    ASSERT_FALSE(no_background);
+    EXPECT_THAT(no_background.error().message, HasSubstr("background"));
+    EXPECT_FALSE((*source)->read_frame(1));
+    EXPECT_TRUE((*source)->read_frame(0));
+}
+
+TEST_F(RecordingOnDisk, RefusesPicturesOfAnotherSizeThanTheRigSays) {
+    write_sequence("a", 1);
+    write_sequence("b", 1);
+    cv::imwrite((folder_ / "b" / "frames" / numbered(0)).string(),
+                cv::Mat(20, 20, CV_8UC3, cv::Scalar(1, 2, 3)));
+    auto source = RecordingSource::open({folder_});
+    ASSERT_TRUE(source);
+    const auto frame = (*source)->read_frame(0);
+    ASSERT_FALSE(frame);
+    EXPECT_THAT(frame.error().message, HasSubstr("20x20"));
+}
+
+TEST_F(RecordingOnDisk, GivesUpWhenNoPictureCanBeRead) {
+    for (const char* camera : {"a", "b"}) {
+        fs::create_directories(folder_ / camera / "frames");
+        std::ofstream(folder_ / camera / "frames" / numbered(0)) << "garbage";
+    }
+    RecordingOptions loop{folder_, 0.0, true};
+    auto source = RecordingSource::open(loop);
+    ASSERT_TRUE(source);
+    EXPECT_FALSE((*source)->run(std::stop_token(), [](CameraFrame) {}));
+}
+
+}  // namespace
+}  // namespace atrium::capture

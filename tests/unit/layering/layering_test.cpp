@@ -1,0 +1,150 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+// The rules of docs/architecture.md, "Layers", checked on every #include of the project.
+namespace atrium {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Include {
+    std::string file;    // from the root
+    std::string target;  // as written
+};
+
+std::vector<Include> all_includes(const fs::path& root) {
+    static const std::regex kInclude("^\\s*#\\s*include\\s*[<\"]([^>\"]+)[>\"]");
+    std::vector<Include> includes;
+    for (const char* top :
+         {"core", "simulation", "site_node", "world_server", "viewer", "deploy"}) {
+        for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
+            const std::string suffix = entry.path().extension().string();
+            if (suffix != ".hpp" && suffix != ".cpp") continue;
+            std::ifstream stream(entry.path());
+            std::smatch match;
+            for (std::string line; std::getline(stream, line);) {
+                if (std::regex_search(line, match, kInclude)) {
+                    includes.push_back({fs::relative(entry.path(), root).string(), match[1]});
+                }
+            }
+        }
+    }
+    return includes;
+}
+
+bool starts_with_any(const std::string& text, const std::vector<std::string>& prefixes) {
+    for (const auto& prefix : prefixes) {
+        if (text.rfind(prefix, 0) == 0) return true;
+    }
+    return false;
+}
+
+class Layering : public testing::Test {
+protected:
+    std::vector<Include> includes_ = all_includes(ATRIUM_SOURCE_DIR);
+};
+
+TEST_F(Layering, SeesTheProject) { EXPECT_GT(includes_.size(), 200u); }
+
+// what a module may include of the project, by folder; its own folder is always allowed
+const std::map<std::string, std::vector<std::string>> kMayInclude{
+    {"core/base/", {}},
+    {"core/geometry/", {"core/base/"}},
+    {"core/image/", {"core/base/"}},
+    {"core/config/", {"core/base/", "core/geometry/"}},
+    {"core/gl/", {"core/base/"}},
+    {"core/codec/", {"core/base/", "core/geometry/", "core/image/"}},
+    {"core/bus/", {"core/base/", "core/geometry/", "core/image/", "core/config/"}},
+    {"core/app/", {"core/base/", "core/config/"}},
+    {"simulation/", {"core/base/", "core/geometry/", "core/image/", "core/gl/", "core/config/"}},
+    {"site_node/capture/",
+     {"core/base/", "core/geometry/", "core/image/", "core/config/", "simulation/"}},
+    {"site_node/segmentation/", {"core/base/", "core/image/"}},
+    {"site_node/silhouette/", {"core/base/", "core/geometry/", "core/image/"}},
+    {"site_node/hull/", {"core/base/", "core/geometry/"}},
+    {"site_node/texture/", {"core/base/", "core/image/", "core/codec/"}},
+    {"world_server/physics/", {"core/base/", "core/geometry/"}},
+    {"viewer/renderer/", {"core/base/", "core/geometry/", "core/image/", "core/gl/"}},
+};
+
+TEST_F(Layering, DependenciesPointOneWay) {
+    const std::vector<std::string> project{
+        "core/", "simulation/", "site_node/", "world_server/", "viewer/", "deploy/"};
+    for (const auto& [module, allowed] : kMayInclude) {
+        for (const Include& include : includes_) {
+            if (include.file.rfind(module, 0) != 0 || !starts_with_any(include.target, project))
+                continue;
+            EXPECT_TRUE(include.target.rfind(module, 0) == 0 ||
+                        starts_with_any(include.target, allowed))
+                << include.file << " includes " << include.target;
+        }
+    }
+}
+
+TEST_F(Layering, NoProgramIncludesAnother) {
+    for (const Include& include : includes_) {
+        for (const std::string program : {"world_server/", "viewer/", "site_node/", "deploy/"}) {
+            if (include.target.rfind(program, 0) == 0) {
+                EXPECT_EQ(include.file.rfind(program, 0), 0u)
+                    << include.file << " includes " << include.target;
+            }
+        }
+    }
+}
+
+TEST_F(Layering, MiddlewareStaysInItsAdapters) {
+    struct Rule {
+        std::vector<std::string> headers;
+        std::vector<std::string> homes;
+    };
+    const std::vector<Rule> rules{
+        {{"dds/", "ddsc/"}, {"core/bus/"}},
+        {{"bullet/", "btBullet", "BulletCollision", "BulletDynamics", "LinearMath/"},
+         {"world_server/physics/"}},
+        {{"draco/"}, {"core/codec/"}},
+        {{"turbojpeg.h"}, {"core/codec/"}},
+        {{"GL/osmesa.h", "glad/"}, {"core/gl/", "simulation/", "viewer/"}},
+        {{"GLFW/"}, {"viewer/"}},
+        {{"imgui"}, {"viewer/"}},
+        {{"toml.hpp"}, {"core/config/"}},
+        {{"CLI/"}, {"core/app/", "site_node/hull_tool/"}},
+        {{"spdlog/"}, {"core/app/"}},
+    };
+    for (const Include& include : includes_) {
+        for (const Rule& rule : rules) {
+            if (!starts_with_any(include.target, rule.headers)) continue;
+            EXPECT_TRUE(starts_with_any(include.file, rule.homes))
+                << include.file << " includes " << include.target;
+        }
+    }
+}
+
+TEST_F(Layering, AlgorithmHeadersKeepLibrariesOut) {
+    for (const Include& include : includes_) {
+        if (!include.file.ends_with(".hpp")) continue;
+        EXPECT_FALSE(
+            starts_with_any(include.target,
+                            {"opencv2/", "bullet/", "draco/", "toml.hpp", "GLFW/", "dds/"}) &&
+            !include.file.ends_with("_internal.hpp") && include.file.rfind("core/bus/", 0) != 0 &&
+            include.file.rfind("world_server/physics/", 0) != 0)
+            << include.file << " includes " << include.target;
+    }
+}
+
+TEST_F(Layering, ThereIsNoCommonAndNoUtils) {
+    const std::set<std::string> forbidden{"common", "utils", "util", "misc", "helpers"};
+    for (const Include& include : includes_) {
+        for (const auto& part : fs::path(include.file).parent_path())
+            EXPECT_EQ(forbidden.count(part.string()), 0u);
+    }
+}
+
+}  // namespace
+}  // namespace atrium
