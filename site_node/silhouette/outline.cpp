@@ -1,0 +1,279 @@
+#include "site_node/silhouette/outline.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace atrium::silhouette {
+namespace {
+
+constexpr std::uint8_t kMaxLevel = 4;  // from here on a segment is a single step of the contour
+constexpr double kReach = 1.5;  // how far a vertex may move from its contour point, in tolerances
+constexpr int kNumBalancing =
+    2;  // moving an edge changes its neighbours a little: the second round mends that
+
+Eigen::Vector2d pixel(GridPoint p) { return {0.5 * p.x, 0.5 * p.y}; }
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    return a.x() * b.y() - a.y() * b.x();
+}
+
+// Contour index at which segment k ends; may be contour.size(), which is point 0.
+std::size_t end_of(const Outline& outline, std::size_t k, std::size_t contour_size) {
+    return k + 1 < outline.segments.size() ? outline.segments[k + 1].begin : contour_size;
+}
+
+GridPoint cyclic(std::span<const GridPoint> contour, std::size_t i) {
+    return contour[i == contour.size() ? 0 : i];
+}
+
+// Line through the middle of the contour points [begin, end] along their main direction: total
+// least squares.
+EdgeLine fitted_line(std::span<const GridPoint> contour, std::size_t begin, std::size_t end) {
+    const GridPoint a = contour[begin];
+    // sums over half pixels, relative to the first point
+    std::int64_t sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0, twice_area = 0;
+    std::int64_t last_x = 0, last_y = 0;
+    for (std::size_t i = begin; i <= end; ++i) {
+        const GridPoint p = cyclic(contour, i);
+        const std::int64_t x = p.x - a.x;
+        const std::int64_t y = p.y - a.y;
+        sx += x;
+        sy += y;
+        sxx += x * x;
+        sxy += x * y;
+        syy += y * y;
+        twice_area += last_x * y - last_y * x;
+        last_x = x;
+        last_y = y;
+    }
+    const auto n = static_cast<std::int64_t>(end - begin + 1);
+    const auto cxx = static_cast<double>(n * sxx - sx * sx);
+    const auto cxy = static_cast<double>(n * sxy - sx * sy);
+    const auto cyy = static_cast<double>(n * syy - sy * sy);
+    // the larger eigenvector of the covariance, by the formula that does not cancel
+    const double half_difference = 0.5 * (cxx - cyy);
+    const double root = std::hypot(half_difference, cxy);
+    const Eigen::Vector2d along = half_difference >= 0.0
+                                      ? Eigen::Vector2d(half_difference + root, cxy)
+                                      : Eigen::Vector2d(cxy, root - half_difference);
+    const double scale = 0.5 / static_cast<double>(n);
+    EdgeLine line;
+    line.middle_px =
+        pixel(a) + scale * Eigen::Vector2d(static_cast<double>(sx), static_cast<double>(sy));
+    line.normal = Eigen::Vector2d(along.y(), -along.x()).normalized();
+    if (along.dot(Eigen::Vector2d(static_cast<double>(last_x), static_cast<double>(last_y))) <
+        0.0) {
+        line.normal = -line.normal;
+    }
+    line.bulge_px2 = 0.125 * static_cast<double>(twice_area);
+    return line;
+}
+
+// Where the edges before and after the contour point `corner` meet; between them where they are
+// nearly parallel.
+Eigen::Vector2d meeting_point(const Eigen::Vector2d& corner,
+                              const EdgeLine& before,
+                              const EdgeLine& after,
+                              double reach_px) {
+    // below, a small error of a line would move the vertex far along the edges
+    constexpr double kMinSine = 0.1;
+    const double offset_before = before.normal.dot(before.middle_px - corner);
+    const double offset_after = after.normal.dot(after.middle_px - corner);
+    const double sine = cross(before.normal, after.normal);
+    if (std::abs(sine) >= kMinSine) {
+        const Eigen::Vector2d move(
+            (offset_before * after.normal.y() - offset_after * before.normal.y()) / sine,
+            (offset_after * before.normal.x() - offset_before * after.normal.x()) / sine);
+        if (move.squaredNorm() <= reach_px * reach_px) return corner + move;
+    }
+    return corner + 0.5 * (offset_before * before.normal + offset_after * after.normal);
+}
+
+void intersect_lines(std::span<const GridPoint> contour,
+                     double tolerance_px,
+                     OutlineScratch& scratch,
+                     Outline& outline) {
+    const std::size_t n = outline.segments.size();
+    for (std::size_t k = 0; k < n; ++k) {
+        const std::size_t before = k == 0 ? n - 1 : k - 1;
+        const Eigen::Vector2d corner = pixel(contour[outline.segments[k].begin]);
+        const bool pinned = !outline.segments[k].centred || !outline.segments[before].centred;
+        outline.vertices_px[k] =
+            pinned ? corner
+                   : meeting_point(
+                         corner, scratch.lines[before], scratch.lines[k], kReach * tolerance_px);
+    }
+}
+
+// Moves each line by the mean distance between its edge and the contour.
+void balance_areas(std::span<const GridPoint> contour,
+                   double tolerance_px,
+                   OutlineScratch& scratch,
+                   Outline& outline) {
+    const std::size_t n = outline.segments.size();
+    for (std::size_t k = 0; k < n; ++k) {
+        if (!outline.segments[k].centred) continue;
+        const Eigen::Vector2d a = pixel(contour[outline.segments[k].begin]);
+        const Eigen::Vector2d b = pixel(cyclic(contour, end_of(outline, k, contour.size())));
+        const Eigen::Vector2d& from = outline.vertices_px[k];
+        const Eigen::Vector2d& to = outline.vertices_px[k + 1 < n ? k + 1 : 0];
+        const double chord_to_edge_px2 =
+            0.5 * cross(to - a, from - b);  // of the quadrangle a, b, to, from
+        const double length_px = std::max((to - from).norm(), 1.0);
+        const double move_px = (scratch.lines[k].bulge_px2 + chord_to_edge_px2) / length_px;
+        scratch.lines[k].middle_px +=
+            std::clamp(move_px, -0.5 * tolerance_px, 0.5 * tolerance_px) * scratch.lines[k].normal;
+    }
+}
+
+void place_vertices(std::span<const GridPoint> contour,
+                    double tolerance_px,
+                    OutlineScratch& scratch,
+                    Outline& outline) {
+    const std::size_t n = outline.segments.size();
+    scratch.lines.resize(n);
+    outline.vertices_px.resize(n);
+    for (std::size_t k = 0; k < n; ++k) {
+        if (!outline.segments[k].centred) continue;
+        scratch.lines[k] =
+            fitted_line(contour, outline.segments[k].begin, end_of(outline, k, contour.size()));
+    }
+    intersect_lines(contour, tolerance_px, scratch, outline);
+    for (int i = 0; i < kNumBalancing; ++i) {
+        balance_areas(contour, tolerance_px, scratch, outline);
+        intersect_lines(contour, tolerance_px, scratch, outline);
+    }
+}
+
+double distance_to_edge_px(const Eigen::Vector2d& p,
+                           const Eigen::Vector2d& a,
+                           const Eigen::Vector2d& b) {
+    const Eigen::Vector2d along = b - a;
+    const double length_sq = along.squaredNorm();
+    const double t = length_sq > 0.0 ? std::clamp((p - a).dot(along) / length_sq, 0.0, 1.0) : 0.0;
+    return (p - a - t * along).norm();
+}
+
+// Points next to a vertex may be nearer to the other edge there.
+bool all_points_near_edge(std::span<const GridPoint> contour,
+                          double tolerance_px,
+                          const Outline& outline,
+                          std::size_t k) {
+    constexpr double kRounding =
+        1e-9;  // of coordinates up to some thousand pixels, with three digits to spare
+    const double limit_px = tolerance_px + kRounding;
+    const std::size_t n = outline.segments.size();
+    const Eigen::Vector2d& before = outline.vertices_px[(k + n - 1) % n];
+    const Eigen::Vector2d& a = outline.vertices_px[k];
+    const Eigen::Vector2d& b = outline.vertices_px[(k + 1) % n];
+    const Eigen::Vector2d& after = outline.vertices_px[(k + 2) % n];
+    const std::size_t end = end_of(outline, k, contour.size());
+    for (std::size_t i = outline.segments[k].begin; i <= end; ++i) {
+        const Eigen::Vector2d p = pixel(cyclic(contour, i));
+        if (distance_to_edge_px(p, a, b) > limit_px &&
+            distance_to_edge_px(p, before, a) > limit_px &&
+            distance_to_edge_px(p, b, after) > limit_px) {
+            return false;
+        }
+    }
+    return true;
+}
+
+// Replaces marked segments by finer ones.
+void split_marked(std::span<const GridPoint> contour,
+                  double tolerance_px,
+                  OutlineScratch& scratch,
+                  Outline& outline) {
+    scratch.segments.clear();
+    for (std::size_t k = 0; k < outline.segments.size(); ++k) {
+        OutlineSegment segment = outline.segments[k];
+        if (!scratch.marked[k]) {
+            scratch.segments.push_back(segment);
+            continue;
+        }
+        const std::size_t end = end_of(outline, k, contour.size());
+        segment.centred = false;
+        segment.level = std::min<std::uint8_t>(segment.level + 1, kMaxLevel);
+        scratch.breaks.clear();
+        if (segment.level < kMaxLevel) {
+            scratch.blurred.set_thickness_px(std::ldexp(tolerance_px, -segment.level));
+            split_into_blurred_segments(
+                contour, segment.begin, end, scratch.blurred, scratch.breaks);
+        } else {
+            for (std::size_t i = segment.begin; i < end; ++i)
+                scratch.breaks.push_back(static_cast<std::uint32_t>(i));
+        }
+        for (const std::uint32_t begin : scratch.breaks) {
+            segment.begin = begin;
+            scratch.segments.push_back(segment);
+        }
+    }
+    outline.segments.assign(scratch.segments.begin(), scratch.segments.end());
+}
+
+// Marks what breaks the tolerance after having tried it without centring. Returns false if nothing
+// had to change.
+bool repair(std::span<const GridPoint> contour,
+            double tolerance_px,
+            OutlineScratch& scratch,
+            Outline& outline) {
+    bool changed = false;
+    bool split = false;
+    scratch.marked.assign(outline.segments.size(), 0);
+    for (std::size_t k = 0; k < outline.segments.size(); ++k) {
+        if (all_points_near_edge(contour, tolerance_px, outline, k)) continue;
+        changed = true;
+        if (outline.segments[k].centred) {
+            outline.segments[k].centred = false;
+        } else {
+            scratch.marked[k] = 1;
+            split = true;
+        }
+    }
+    if (split) split_marked(contour, tolerance_px, scratch, outline);
+    return changed;
+}
+
+void place_and_repair(std::span<const GridPoint> contour,
+                      double tolerance_px,
+                      OutlineScratch& scratch,
+                      Outline& outline) {
+    // ends: segments only lose their centring and get finer, and a single step of the contour fits
+    // exactly
+    do {
+        place_vertices(contour, tolerance_px, scratch, outline);
+    } while (repair(contour, tolerance_px, scratch, outline));
+}
+
+}  // namespace
+
+void fit_outline(std::span<const GridPoint> contour,
+                 double tolerance_px,
+                 OutlineScratch& scratch,
+                 Outline& out) {
+    assert(contour.size() >= 4);
+    scratch.breaks.clear();
+    scratch.blurred.set_thickness_px(tolerance_px);
+    split_into_blurred_segments(contour, 0, contour.size(), scratch.blurred, scratch.breaks);
+    out.segments.clear();
+    for (const std::uint32_t begin : scratch.breaks) out.segments.push_back({.begin = begin});
+
+    // thin blobs: even the whole contour may be one segment
+    while (out.segments.size() < 3) {
+        scratch.marked.assign(out.segments.size(), 1);
+        split_marked(contour, tolerance_px, scratch, out);
+    }
+    place_and_repair(contour, tolerance_px, scratch, out);
+}
+
+void refine_outline(std::span<const GridPoint> contour,
+                    double tolerance_px,
+                    OutlineScratch& scratch,
+                    Outline& outline) {
+    assert(scratch.marked.size() == outline.segments.size());
+    split_marked(contour, tolerance_px, scratch, outline);
+    place_and_repair(contour, tolerance_px, scratch, outline);
+}
+
+}  // namespace atrium::silhouette

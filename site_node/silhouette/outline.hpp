@@ -1,0 +1,65 @@
+#pragma once
+
+#include "site_node/silhouette/blurred_segments.hpp"
+#include "site_node/silhouette/contours.hpp"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atrium::silhouette {
+
+/// A run of contour points that one polygon edge stands for.
+struct OutlineSegment {
+    std::uint32_t begin =
+        0;  // contour index; it ends where the next one begins (the last one at point 0)
+    std::uint8_t level = 0;  // how often it was refined
+    bool centred = true;
+};
+
+/// One contour as a polygon in the delivered picture: `vertices_px[k]` is where segment k begins.
+struct Outline {
+    std::vector<OutlineSegment> segments;
+    std::vector<Eigen::Vector2d> vertices_px;
+};
+
+/// The line of a centred edge.
+struct EdgeLine {
+    Eigen::Vector2d middle_px = Eigen::Vector2d::Zero();
+    Eigen::Vector2d normal = Eigen::Vector2d::Zero();  // unit length, away from the foreground
+    double bulge_px2 =
+        0.0;  // area between the chord and the contour points, > 0 where they lie outside
+};
+
+struct OutlineScratch {
+    BlurredSegment blurred;
+    std::vector<std::uint32_t> breaks;
+    std::vector<OutlineSegment> segments;
+    std::vector<EdgeLine> lines;
+    std::vector<std::uint8_t> marked;
+};
+
+/// Cuts `contour` into blurred segments of `tolerance_px` and places the vertices.
+///
+/// A chord of a convex arc lies inside the arc, so a polygon on contour points makes every body
+/// thinner, and the greedy cut turns a little around each corner before it stops. Therefore each
+/// edge lies on the least-squares line of its contour points, moved in parallel until it cuts off
+/// as much area as it adds; vertices are where neighbouring lines meet. Every contour point stays
+/// within `tolerance_px` (Euclidean) of the edge of its segment or of one of the two next to it:
+/// where centring would break that, the edge keeps its contour points as vertices, and where the
+/// chord itself does, it is refined.
+void fit_outline(std::span<const GridPoint> contour,
+                 double tolerance_px,
+                 OutlineScratch& scratch,
+                 Outline& out);
+
+/// Cuts the segments with `scratch.marked[k] != 0` at half their tolerance, not centred, and places
+/// the vertices anew. After a few calls a segment consists of its contour points.
+void refine_outline(std::span<const GridPoint> contour,
+                    double tolerance_px,
+                    OutlineScratch& scratch,
+                    Outline& outline);
+
+}  // namespace atrium::silhouette
