@@ -235,6 +235,14 @@ void TableReader::read(const std::string& key, int& value, Range allowed) {
     value = static_cast<int>(wide);
 }
 
+void TableReader::read(const std::string& key, std::uint32_t& value, Range allowed) {
+    std::int64_t wide = value;
+    allowed.min = std::max(allowed.min, 0.0);
+    allowed.max = std::min<double>(allowed.max, std::numeric_limits<std::uint32_t>::max());
+    read(key, wide, allowed);
+    value = static_cast<std::uint32_t>(wide);
+}
+
 void TableReader::read(const std::string& key, std::uint64_t& value, Range allowed) {
     auto wide = static_cast<std::int64_t>(value);
     allowed.min = std::max(allowed.min, 0.0);

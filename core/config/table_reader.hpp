@@ -34,6 +34,7 @@ public:
     void read(const std::string& key, bool& value);
     void read(const std::string& key, std::int64_t& value, Range allowed = {});
     void read(const std::string& key, int& value, Range allowed = {});
+    void read(const std::string& key, std::uint32_t& value, Range allowed = {});
     void read(const std::string& key, std::uint64_t& value, Range allowed = {});
     void read(const std::string& key, double& value, Range allowed = {});
     void read(const std::string& key,

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "core/bus/bus.hpp"
+#include "core/config/option_set.hpp"
+
+namespace atrium::bus {
+
+/// The options that every program has for its bus: `bus.world`, `bus.domain`, `bus.network_file`, `bus.profiles_file`.
+void declare(BusOptions& options, config::OptionSet& set);
+
+}  // namespace atrium::bus
