@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <type_traits>
+
+namespace atrium {
+
+/// Runs independent tasks. Libraries take one; only programs own the threads behind it.
+class Executor {
+public:
+    /// A task body that is called as `(task, worker)`, worker < num_workers(). A view: it stores
+    /// nothing.
+    class Body {
+    public:
+        template <typename F>
+        requires(!std::is_same_v<std::remove_const_t<F>, Body>)
+            // NOLINTNEXTLINE(google-explicit-constructor): made to be passed a lambda
+            Body(F& body)
+            : context_(const_cast<void*>(static_cast<const void*>(&body))),
+              call_([](void* context, std::size_t task, std::size_t worker) {
+                  (*static_cast<F*>(context))(task, worker);
+              }) {}
+        void operator()(std::size_t task, std::size_t worker) const {
+            call_(context_, task, worker);
+        }
+
+    private:
+        void* context_;
+        void (*call_)(void*, std::size_t, std::size_t);
+    };
+
+    virtual ~Executor() = default;
+
+    /// At least 1. Two tasks that run at the same time have different worker numbers.
+    virtual std::size_t num_workers() const = 0;
+
+    /// Calls `body` once for every task in [0, num_tasks), in any order, and returns when all are
+    /// done. `body` must not throw.
+    virtual void parallel_for(std::size_t num_tasks, Body body) = 0;
+};
+
+/// Everything on the calling thread, in order.
+class SerialExecutor final : public Executor {
+public:
+    std::size_t num_workers() const override { return 1; }
+    void parallel_for(std::size_t num_tasks, Body body) override {
+        for (std::size_t task = 0; task < num_tasks; ++task) body(task, 0);
+    }
+};
+
+}  // namespace atrium

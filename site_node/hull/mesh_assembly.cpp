@@ -1,0 +1,197 @@
+#include "site_node/hull/mesh_assembly.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <bit>
+
+namespace atrium::hull {
+namespace {
+
+constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr VertexKey kCentreBit = VertexKey{1} << 63;
+
+std::array<std::uint32_t, 3> strips_of(VertexKey key) {
+    constexpr VertexKey kMask = (1u << 21) - 1;
+    return {static_cast<std::uint32_t>(key >> 42),
+            static_cast<std::uint32_t>((key >> 21) & kMask),
+            static_cast<std::uint32_t>(key & kMask)};
+}
+
+// Two strips that both vertices lie on: the straight line between them is an edge of the hull, or
+// lies along one.
+bool share_two_strips(const Cones& cones, VertexKey a, VertexKey b) {
+    if ((a & kCentreBit) != 0) std::swap(a, b);
+    if ((a & kCentreBit) != 0) return false;
+    int shared = 0;
+    for (const std::uint32_t s : strips_of(a)) {
+        if ((b & kCentreBit) != 0) {
+            shared += cones.contour[s] == static_cast<std::uint32_t>(b & ~kCentreBit) ? 1 : 0;
+        } else {
+            const auto t = strips_of(b);
+            shared += (s == t[0] || s == t[1] || s == t[2]) ? 1 : 0;
+        }
+    }
+    return shared >= 2;
+}
+
+}  // namespace
+
+std::uint32_t MeshAssembly::index_of(VertexKey key) {
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t at = static_cast<std::size_t>((key * 0x9e3779b97f4a7c15ULL) >> 20) & mask;
+    while (slots_[at].key != 0 && slots_[at].key != key) at = (at + 1) & mask;
+    if (slots_[at].key == 0) {
+        slots_[at] = {key, static_cast<std::uint32_t>(keys_.size())};
+        keys_.push_back(key);
+        positions_.emplace_back(Eigen::Vector3d::Zero());
+        is_placed_.push_back(0);
+        on_viewing_edge_.push_back(0);
+    }
+    return slots_[at].index;
+}
+
+bool MeshAssembly::join(const Cones&, std::span<const RunFaces> runs) {
+    std::size_t num_corners = 0;
+    for (const RunFaces& run : runs) num_corners += run.vertices.size();
+    slots_.assign(std::bit_ceil(2 * num_corners + 16), Slot{});
+    keys_.clear();
+    positions_.clear();
+    is_placed_.clear();
+    on_viewing_edge_.clear();
+    global_.clear();
+    run_begin_.clear();
+    for (const RunFaces& run : runs) {
+        run_begin_.push_back(static_cast<std::uint32_t>(global_.size()));
+        for (const RunFaces::Vertex& vertex : run.vertices) {
+            const std::uint32_t v = index_of(vertex.key);
+            global_.push_back(v);
+            on_viewing_edge_[v] |= static_cast<std::uint8_t>(vertex.on_viewing_edge);
+            if (!vertex.is_owner) continue;
+            positions_[v] = vertex.position;
+            is_placed_[v] = 1;
+        }
+    }
+    return std::all_of(
+        is_placed_.begin(), is_placed_.end(), [](std::uint8_t placed) { return placed != 0; });
+}
+
+bool MeshAssembly::verify(const Cones& cones, std::span<const RunFaces> runs) {
+    corners_.assign(keys_.size(), Corners{});
+    std::size_t num_edges = 0;
+    std::size_t num_along_edges = 0;
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        const std::uint32_t* global = global_.data() + run_begin_[r];
+        for (const auto& [from, to] : runs[r].edges) {
+            const std::uint32_t a = global[from];
+            const std::uint32_t b = global[to];
+            const bool a_is_centre = (keys_[a] & kCentreBit) != 0;
+            const bool b_is_centre = (keys_[b] & kCentreBit) != 0;
+            if (!a_is_centre) {
+                if (corners_[a].num_out == 3) return false;
+                corners_[a].out[corners_[a].num_out++] = b;
+            }
+            if (!b_is_centre) {
+                if (corners_[b].num_in == 3) return false;
+                corners_[b].in[corners_[b].num_in++] = a;
+            }
+        }
+        num_edges += runs[r].edges.size();
+        for (const auto& [a, b, c] : runs[r].triangles) {
+            const VertexKey ka = keys_[global[a]];
+            const VertexKey kb = keys_[global[b]];
+            const VertexKey kc = keys_[global[c]];
+            num_along_edges += share_two_strips(cones, ka, kb) ? 1 : 0;
+            num_along_edges += share_two_strips(cones, kb, kc) ? 1 : 0;
+            num_along_edges += share_two_strips(cones, kc, ka) ? 1 : 0;
+        }
+    }
+    if (num_along_edges != num_edges) return false;
+    for (std::size_t v = 0; v < keys_.size(); ++v) {
+        if ((keys_[v] & kCentreBit) != 0) continue;
+        Corners& c = corners_[v];
+        if (c.num_in != 3 || c.num_out != 3) return false;
+        std::sort(c.in.begin(), c.in.end());
+        std::sort(c.out.begin(), c.out.end());
+        if (c.in != c.out || c.in[0] == c.in[1] || c.in[1] == c.in[2]) return false;
+    }
+    return true;
+}
+
+std::uint32_t MeshAssembly::find_root(std::uint32_t v) {
+    while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
+    return v;
+}
+
+void MeshAssembly::unite(std::uint32_t a, std::uint32_t b) {
+    a = find_root(a);
+    b = find_root(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+}
+
+void MeshAssembly::measure_components(std::span<const RunFaces> runs) {
+    parent_.resize(keys_.size());
+    for (std::uint32_t v = 0; v < parent_.size(); ++v) parent_[v] = v;
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        const std::uint32_t* global = global_.data() + run_begin_[r];
+        for (const auto& [a, b, c] : runs[r].triangles) {
+            unite(global[a], global[b]);
+            unite(global[b], global[c]);
+        }
+    }
+    components_.assign(keys_.size(), Component{});
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        const std::uint32_t* global = global_.data() + run_begin_[r];
+        for (const auto& [a, b, c] : runs[r].triangles) {
+            const std::uint32_t root = find_root(global[a]);
+            const Eigen::Vector3d& from = positions_[root];  // near by: less cancellation
+            components_[root].six_volumes +=
+                (positions_[global[a]] - from)
+                    .dot((positions_[global[b]] - from).cross(positions_[global[c]] - from));
+        }
+    }
+    for (std::uint32_t v = 0; v < keys_.size(); ++v) {
+        if (on_viewing_edge_[v] != 0) components_[find_root(v)].has_viewing_edge = true;
+    }
+}
+
+void MeshAssembly::choose_components(const HullOptions& options, VisualHull& hull) {
+    for (std::uint32_t v = 0; v < keys_.size(); ++v) {
+        if (parent_[v] != v) continue;
+        Component& component = components_[v];
+        const bool is_fragment = component.six_volumes < 6.0 * options.min_component_volume_m3;
+        component.is_kept = options.keep_phantoms || (component.has_viewing_edge && !is_fragment);
+        if (component.is_kept) {
+            ++hull.num_components;
+        } else if (!component.has_viewing_edge) {
+            ++hull.num_phantoms_dropped;
+        } else {
+            ++hull.num_fragments_dropped;
+        }
+    }
+}
+
+void MeshAssembly::extract(const Cones& cones,
+                           std::span<const RunFaces> runs,
+                           const HullOptions& options,
+                           VisualHull& hull) {
+    measure_components(runs);
+    choose_components(options, hull);
+    output_index_.assign(keys_.size(), kNone);
+    for (std::uint32_t v = 0; v < keys_.size(); ++v) {
+        if (!components_[find_root(v)].is_kept) continue;
+        output_index_[v] = static_cast<std::uint32_t>(hull.mesh.vertices.size());
+        hull.mesh.vertices.push_back(positions_[v] + cones.origin);
+    }
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        const std::uint32_t* global = global_.data() + run_begin_[r];
+        for (const auto& [a, b, c] : runs[r].triangles) {
+            const std::uint32_t first = output_index_[global[a]];
+            if (first == kNone) continue;
+            hull.mesh.triangles.push_back(
+                {first, output_index_[global[b]], output_index_[global[c]]});
+        }
+    }
+}
+
+}  // namespace atrium::hull

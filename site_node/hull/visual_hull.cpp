@@ -1,0 +1,174 @@
+#include "site_node/hull/visual_hull.hpp"
+
+#include "site_node/hull/cones.hpp"
+#include "site_node/hull/mesh_assembly.hpp"
+#include "site_node/hull/pencils.hpp"
+#include "site_node/hull/strip_sweep.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace atrium::hull {
+namespace {
+
+// Strips per run: enough to pay for its start, few enough to keep many workers busy. Part of the
+// result's order, so it does not depend on the number of workers.
+constexpr std::uint32_t kStripsPerRun = 64;
+
+constexpr std::uint32_t kMaxAttempts = 6;  // jitter from 1e-6 to 1e-1 px
+
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point& mark) {
+    const Clock::time_point now = Clock::now();
+    const double ms = std::chrono::duration<double, std::milli>(now - mark).count();
+    mark = now;
+    return ms;
+}
+
+}  // namespace
+
+struct HullScratch::Data {
+    ConeScratch cone;
+    Cones cones;
+    Pencils pencils;
+    std::vector<StripRun> runs;
+    std::vector<RunFaces> faces;     // one per run
+    std::vector<StripSweep> sweeps;  // one per worker
+    MeshAssembly assembly;
+};
+
+HullScratch::HullScratch() : data_(std::make_unique<Data>()) {}
+HullScratch::~HullScratch() = default;
+HullScratch::HullScratch(HullScratch&&) noexcept = default;
+HullScratch& HullScratch::operator=(HullScratch&&) noexcept = default;
+
+namespace {
+
+void plan_runs(const Cones& cones, std::vector<StripRun>& runs) {
+    runs.clear();
+    for (std::uint32_t v = 0; v < cones.num_views(); ++v) {
+        const Outlines& outlines = cones.outlines[v];
+        for (std::size_t c = 0; c < outlines.num_contours(); ++c) {
+            const std::uint32_t n = outlines.ends[c] - outlines.begin_of(c);
+            const std::uint32_t parts = (n + kStripsPerRun - 1) / kStripsPerRun;
+            const std::uint32_t first = cones.views[v].first + outlines.begin_of(c);
+            for (std::uint32_t part = 0; part < parts; ++part) {
+                const std::uint32_t begin = n * part / parts;
+                const std::uint32_t end = n * (part + 1) / parts;
+                runs.push_back({v, first + begin, end - begin});
+            }
+        }
+    }
+}
+
+struct SweepOutcome {
+    bool failed = false;
+    bool unbounded = false;
+    bool too_complex = false;
+};
+
+SweepOutcome sweep_all(HullScratch::Data& data, const HullOptions& options, Executor& executor) {
+    plan_runs(data.cones, data.runs);
+    if (data.faces.size() < data.runs.size()) data.faces.resize(data.runs.size());
+    if (data.sweeps.size() < executor.num_workers()) data.sweeps.resize(executor.num_workers());
+    const std::uint64_t max_steps =
+        options.max_steps / std::max<std::size_t>(data.runs.size(), 1) + 100'000;
+    const auto sweep_run = [&](std::size_t task, std::size_t worker) {
+        data.sweeps[worker].run(
+            data.cones, data.pencils, data.runs[task], max_steps, data.faces[task]);
+    };
+    executor.parallel_for(data.runs.size(), sweep_run);
+    SweepOutcome outcome;
+    for (std::size_t r = 0; r < data.runs.size(); ++r) {
+        outcome.failed |= data.faces[r].failed;
+        outcome.unbounded |= data.faces[r].unbounded;
+        outcome.too_complex |= data.faces[r].num_steps > max_steps;
+    }
+    return outcome;
+}
+
+// One jitter. kNumericFailure: worth another attempt.
+HullStatus attempt(HullScratch::Data& data,
+                   const HullOptions& options,
+                   std::uint32_t number,
+                   Executor& executor,
+                   VisualHull& hull) {
+    Clock::time_point mark = Clock::now();
+    const HullStatus built = build_cones(options, number, data.cone, data.cones, hull);
+    hull.times.silhouettes_ms += ms_since(mark);
+    if (built != HullStatus::kOk) return built;
+    build_pencils(data.cones, executor, data.pencils);
+    hull.times.pencils_ms += ms_since(mark);
+    const SweepOutcome outcome = sweep_all(data, options, executor);
+    hull.times.sweep_ms += ms_since(mark);
+    if (outcome.too_complex) return HullStatus::kTooComplex;
+    if (outcome.failed) return HullStatus::kNumericFailure;
+    if (outcome.unbounded) return HullStatus::kUnbounded;
+    const std::span<const RunFaces> faces(data.faces.data(), data.runs.size());
+    const bool is_sound =
+        data.assembly.join(data.cones, faces) && data.assembly.verify(data.cones, faces);
+    if (is_sound) data.assembly.extract(data.cones, faces, options, hull);
+    hull.times.assembly_ms += ms_since(mark);
+    if (!is_sound) return HullStatus::kNumericFailure;
+    return hull.mesh.empty() ? HullStatus::kEmptyIntersection : HullStatus::kOk;
+}
+
+void clear(VisualHull& hull) {
+    geometry::TriangleMesh mesh = std::move(hull.mesh);
+    mesh.clear();
+    hull = VisualHull{};
+    hull.mesh = std::move(mesh);
+}
+
+}  // namespace
+
+const char* to_string(HullStatus status) {
+    switch (status) {
+        case HullStatus::kOk:
+            return "ok";
+        case HullStatus::kTooFewViews:
+            return "too few views";
+        case HullStatus::kEmptyIntersection:
+            return "empty intersection";
+        case HullStatus::kUnbounded:
+            return "unbounded";
+        case HullStatus::kInvalidInput:
+            return "invalid input";
+        case HullStatus::kTooComplex:
+            return "too complex";
+        case HullStatus::kNumericFailure:
+            return "numeric failure";
+    }
+    return "unknown";
+}
+
+void compute_visual_hull(std::span<const SilhouetteView> views,
+                         const HullOptions& options,
+                         HullScratch& scratch,
+                         Executor& executor,
+                         VisualHull& hull) {
+    clear(hull);
+    HullScratch::Data& data = scratch.data();
+    Clock::time_point start = Clock::now();
+    Clock::time_point mark = start;
+    hull.status = clean_views(views, options, data.cone, hull);
+    hull.times.silhouettes_ms = ms_since(mark);
+    if (hull.status == HullStatus::kOk) {
+        do {
+            hull.status = attempt(data, options, hull.num_attempts, executor, hull);
+        } while (++hull.num_attempts < kMaxAttempts && hull.status == HullStatus::kNumericFailure);
+    }
+    hull.times.total_ms = ms_since(start);
+}
+
+VisualHull compute_visual_hull(std::span<const SilhouetteView> views,
+                               const HullOptions& options,
+                               HullScratch& scratch) {
+    VisualHull hull;
+    SerialExecutor executor;
+    compute_visual_hull(views, options, scratch, executor, hull);
+    return hull;
+}
+
+}  // namespace atrium::hull

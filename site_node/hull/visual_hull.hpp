@@ -1,0 +1,119 @@
+#pragma once
+
+#include "core/base/executor.hpp"
+#include "core/geometry/pinhole_camera.hpp"
+#include "core/geometry/rigid_transform.hpp"
+#include "core/geometry/triangle_mesh.hpp"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace atrium::hull {
+
+/// What one camera sees at one instant.
+///
+/// Contours are closed polygons in undistorted pixels, first vertex not repeated; inside by the
+/// even-odd rule, so holes need no mark and orientation and start do not matter.
+struct SilhouetteView {
+    geometry::PinholeCamera intrinsics;  // distortion is ignored: contours are undistorted already
+    geometry::RigidTransform camera_from_site;
+    std::vector<std::vector<Eigen::Vector2d>>
+        contours;  // empty: the camera sees nobody, so the hull is empty
+};
+
+struct HullOptions {
+    /// Components without any viewing edge are part of the exact intersection, but no silhouette
+    /// needs them.
+    bool keep_phantoms = false;
+    /// Components smaller than this are dropped as well, unless phantoms are kept. 5 ml: less than
+    /// a hand.
+    double min_component_volume_m3 = 5e-6;
+    /// Contours with less area are dropped and counted.
+    double min_contour_area_px2 = 1e-2;
+    /// Limits of the work for absurd input: kTooComplex beyond them. A person from 8 views has 2 k
+    /// segments and needs 2 M steps; one from 64 views 13 k and 500 M.
+    std::size_t max_segments = 200'000;
+    std::uint64_t max_steps = 5'000'000'000;
+};
+
+enum class HullStatus : std::uint8_t {
+    kOk,
+    kTooFewViews,        // less than two different views
+    kEmptyIntersection,  // no point of space is inside all silhouettes, or all components were
+                         // dropped
+    kUnbounded,          // the silhouettes leave directions open to infinity
+    kInvalidInput,    // not finite, intrinsics or rotation that are none, more than kMaxViews views
+    kTooComplex,      // beyond max_segments or max_steps
+    kNumericFailure,  // no attempt gave a closed 2-manifold
+};
+
+const char* to_string(HullStatus status);
+
+inline constexpr std::size_t kMaxViews = 64;  // one bit each in a word
+
+struct StageTimes {
+    double silhouettes_ms = 0.0;  // check and repair polygons, viewing rays
+    double pencils_ms = 0.0;      // order the rays of each camera pair around its baseline
+    double sweep_ms = 0.0;        // faces and their triangles
+    double assembly_ms = 0.0;     // join by vertex identity, verify, components
+    double total_ms = 0.0;
+};
+
+struct VisualHull {
+    HullStatus status = HullStatus::kTooFewViews;
+    /// Site frame [m], closed, 2-manifold, counter-clockwise from outside; empty unless status is
+    /// kOk.
+    geometry::TriangleMesh mesh;
+    std::uint32_t num_components = 0;         // kept
+    std::uint32_t num_phantoms_dropped = 0;   // components without a viewing edge
+    std::uint32_t num_fragments_dropped = 0;  // other components below min_component_volume_m3
+    std::uint32_t num_contours_dropped = 0;   // too small, or crossing another contour
+    std::uint32_t num_contours_repaired = 0;  // split where they crossed themselves
+    std::uint32_t num_views_merged = 0;  // the same camera with the same contours as another one
+    std::uint32_t num_attempts = 0;      // jitters tried; 1 unless the input is degenerate
+    StageTimes times;
+};
+
+/// Working memory of one caller; grows to the largest input and is then reused.
+class HullScratch {
+public:
+    HullScratch();
+    ~HullScratch();
+    HullScratch(HullScratch&&) noexcept;
+    HullScratch& operator=(HullScratch&&) noexcept;
+
+    struct Data;
+    Data& data() { return *data_; }
+
+private:
+    std::unique_ptr<Data> data_;
+};
+
+/// Intersects the viewing cones of all silhouettes, exactly: every vertex of the polyhedron is a
+/// vertex of the mesh, and nothing is welded or simplified.
+///
+/// The order of views and contours, their starts and orientations do not change a bit of the
+/// result, nor does the number of workers. Silhouettes are moved by 1e-6 px at random, but
+/// repeatably, so that degenerate input has a definite answer. Allocates only while `scratch` and
+/// `hull` grow. Not thread-safe on the same scratch.
+///
+/// The polyhedron is the one of Franco, Boyer, "Exact Polyhedral Visual Hulls" (BMVC 2003). It is
+/// found differently: instead of walking from viewing edges, each strip of each cone is swept once
+/// by a kinetic list of the strips that cut it, so that components without viewing edges are found
+/// too, and triangles come out of the same sweep.
+void compute_visual_hull(std::span<const SilhouetteView> views,
+                         const HullOptions& options,
+                         HullScratch& scratch,
+                         Executor& executor,
+                         VisualHull& hull);
+
+/// The same into a new result, on the calling thread.
+VisualHull compute_visual_hull(std::span<const SilhouetteView> views,
+                               const HullOptions& options,
+                               HullScratch& scratch);
+
+}  // namespace atrium::hull
