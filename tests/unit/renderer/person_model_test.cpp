@@ -1,0 +1,202 @@
+#include "viewer/renderer/person_model.hpp"
+
+#include "tests/unit/renderer/synthetic_person.hpp"
+#include "viewer/renderer/camera_blend.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+namespace atrium::renderer {
+namespace {
+
+using synthetic::Sphere;
+
+const Eigen::Vector3d kGreen(0.2, 0.7, 0.3);
+
+PersonModel build(const geometry::TriangleMesh& mesh, const std::vector<CameraPicture>& pictures) {
+    PersonModelScratch scratch;
+    PersonModel model;
+    build_person_model(mesh, pictures, {}, scratch, model);
+    return model;
+}
+
+PersonModel build(const std::vector<Sphere>& spheres,
+                  const std::vector<geometry::CalibratedCamera>& cameras) {
+    std::vector<CameraPicture> pictures;
+    for (const auto& camera : cameras)
+        pictures.push_back(
+            synthetic::picture_of(spheres, camera, [](const auto&) { return kGreen; }));
+    return build(synthetic::mesh_of(spheres, 24), pictures);
+}
+
+TEST(PersonModel, ACameraSeesWhatFacesItAndNothingElse) {
+    const Sphere sphere{{0.0, 0.0, 1.0}, 0.5};
+    const auto camera = synthetic::camera_at({3.0, 0.0, 1.0}, sphere.centre);
+    const PersonModel model = build({sphere}, {camera});
+    for (std::size_t v = 0; v < model.vertices_site.size(); ++v) {
+        const Eigen::Vector3d p = model.vertices_site[v].cast<double>();
+        const double cos_angle =
+            (p - sphere.centre).normalized().dot((camera.centre_site() - p).normalized());
+        if (cos_angle > 0.6) {
+            EXPECT_GT(model.cameras[0].quality[v], 0.99f) << p.transpose();
+        } else if (cos_angle < 0.05) {
+            EXPECT_EQ(model.cameras[0].quality[v], 0.0f) << p.transpose();
+        }
+    }
+}
+
+TEST(PersonModel, WhatHidesBehindAnotherPartIsNotSeen) {
+    const Sphere front{{1.0, 0.0, 1.0}, 0.12};
+    const Sphere back{{-0.5, 0.0, 1.0}, 0.35};
+    const auto camera = synthetic::camera_at({3.0, 0.0, 1.0}, {0.0, 0.0, 1.0});
+    const PersonModel model = build({front, back}, {camera});
+    int num_hidden = 0;
+    int num_seen = 0;
+    for (std::size_t v = 0; v < model.vertices_site.size(); ++v) {
+        const Eigen::Vector3d p = model.vertices_site[v].cast<double>();
+        if ((p - back.centre).norm() > back.radius_m + 0.01) continue;
+        const Eigen::Vector3d to_camera = (camera.centre_site() - p).normalized();
+        if ((p - back.centre).normalized().dot(to_camera) < 0.55) continue;
+        const double miss = (front.centre - p).cross(to_camera).norm();
+        if (miss < front.radius_m) {
+            EXPECT_EQ(model.cameras[0].quality[v], 0.0f) << p.transpose();
+            ++num_hidden;
+        } else if (miss > front.radius_m + 0.03) {
+            EXPECT_GT(model.cameras[0].quality[v], 0.9f) << p.transpose();
+            ++num_seen;
+        }
+    }
+    EXPECT_GT(num_hidden, 20);
+    EXPECT_GT(num_seen, 10);
+}
+
+TEST(PersonModel, LayerCoordinatesFollowTheLensDistortion) {
+    const Sphere sphere{{0.3, 0.2, 1.1}, 0.5};
+    auto camera = synthetic::camera_at({3.0, 0.0, 1.0}, {0.0, 0.0, 1.0});
+    camera.intrinsics.distortion = {-0.2, 0.05, 0.001, -0.002, 0.0};
+    const auto picture =
+        synthetic::picture_of({sphere}, camera, [](const auto&) { return kGreen; });
+    const PersonModel model = build(synthetic::mesh_of({sphere}, 12), {picture});
+    for (std::size_t v = 0; v < model.vertices_site.size(); ++v) {
+        const Eigen::Vector3d p_camera =
+            camera.camera_from_site * model.vertices_site[v].cast<double>();
+        const Eigen::Vector2d px = camera.intrinsics.distort(camera.intrinsics.project(p_camera));
+        const Eigen::Vector3f& st = model.cameras[0].layer_coordinates[v];
+        // half resolution: the centre of texel i lies at crop + 2 i + 0.5; one texel of border
+        const double x = st.x() / st.z() * model.layer_width - 0.5 - 1.0;
+        const double y = st.y() / st.z() * model.layer_height - 0.5 - 1.0;
+        EXPECT_NEAR(picture.crop_px.x + 2 * x + 0.5, px.x(), 0.01);
+        EXPECT_NEAR(picture.crop_px.y + 2 * y + 0.5, px.y(), 0.01);
+    }
+}
+
+TEST(PersonModel, NothingOutsideTheMaskEntersALayer) {
+    const Sphere sphere{{0.0, 0.0, 1.0}, 0.5};
+    const PersonModel model =
+        build({sphere}, {synthetic::camera_at({3.0, 0.0, 1.0}, sphere.centre)});
+    for (std::size_t i = 0; i < model.layers.size(); i += 4) {
+        // the pictures' outside is magenta; colours are multiplied by alpha
+        if (model.layers[i + 3] == 0) {
+            EXPECT_EQ(model.layers[i], 0);
+        } else {
+            EXPECT_NEAR(model.layers[i + 1], 255 * kGreen.y(), 1.0);
+        }
+    }
+}
+
+TEST(PersonModel, UnseenVerticesTakeTheColourOfTheirNeighbours) {
+    const Sphere sphere{{0.0, 0.0, 1.0}, 0.5};
+    const PersonModel model =
+        build({sphere}, {synthetic::camera_at({3.0, 0.0, 1.0}, sphere.centre)});
+    for (const Eigen::Vector3f& colour : model.fallback)
+        EXPECT_LT((colour.cast<double>() - kGreen).norm(), 0.02);
+}
+
+TEST(PersonModel, WithoutPicturesThereIsAGreyPerson) {
+    const PersonModel model = build(synthetic::mesh_of({{{0.0, 0.0, 1.0}, 0.5}}, 8), {});
+    EXPECT_TRUE(model.cameras.empty());
+    ASSERT_FALSE(model.fallback.empty());
+    EXPECT_EQ(model.fallback.front(), Eigen::Vector3f::Constant(0.5f));
+}
+
+class CameraBlend : public testing::Test {
+protected:
+    const Sphere sphere_{{0.0, 0.0, 1.0}, 0.5};
+    const std::vector<geometry::CalibratedCamera> cameras_ = synthetic::ring(8, sphere_.centre);
+    const PersonModel model_ = build({sphere_}, cameras_);
+    BlendScratch scratch_;
+
+    float weight(const BlendScratch& blend, std::size_t vertex, std::size_t camera) const {
+        const VertexBlend& b = blend.vertices[vertex];
+        for (std::size_t k = 0; k < kCamerasPerVertex; ++k)
+            if (b.cameras[k] == camera && b.weights[k] > 0.0f) return b.weights[k];
+        return 0.0f;
+    }
+};
+
+TEST_F(CameraBlend, WeightsSumToOneAndOnlySeeingCamerasHaveAny) {
+    choose_cameras(model_, Eigen::Vector3f(2.0f, 1.0f, 1.5f), scratch_);
+    for (std::size_t v = 0; v < model_.vertices_site.size(); ++v) {
+        float sum = 0.0f;
+        float best_quality = 0.0f;
+        for (std::size_t c = 0; c < model_.cameras.size(); ++c) {
+            sum += weight(scratch_, v, c);
+            best_quality = std::max(best_quality, model_.cameras[c].quality[v]);
+            if (model_.cameras[c].quality[v] == 0.0f) {
+                EXPECT_EQ(weight(scratch_, v, c), 0.0f);
+            }
+        }
+        if (best_quality > 0.3f) {
+            EXPECT_NEAR(sum, 1.0f, 1e-5f);
+        }
+    }
+}
+
+TEST_F(CameraBlend, SeenFromACameraThatCameraDominates) {
+    for (std::size_t c = 0; c < model_.cameras.size(); ++c) {
+        choose_cameras(model_, model_.cameras[c].centre_site, scratch_);
+        for (std::size_t v = 0; v < model_.vertices_site.size(); ++v)
+            if (model_.cameras[c].quality[v] > 0.95f) {
+                EXPECT_GT(weight(scratch_, v, c), 0.6f);
+            }
+    }
+}
+
+TEST_F(CameraBlend, ASmallStepOfTheEyeChangesWeightsALittle) {
+    BlendScratch next;
+    float largest = 0.0f;
+    for (int step = 0; step < 400; ++step) {
+        const auto eye = [](float angle) {
+            return Eigen::Vector3f(2.5f * std::cos(angle), 2.5f * std::sin(angle), 1.6f);
+        };
+        constexpr float kStep = 0.002f;  // [rad]: 5 mm of way
+        choose_cameras(model_, eye(0.015f * static_cast<float>(step)), scratch_);
+        choose_cameras(model_, eye(0.015f * static_cast<float>(step) + kStep), next);
+        for (std::size_t v = 0; v < model_.vertices_site.size(); ++v)
+            for (std::size_t c = 0; c < model_.cameras.size(); ++c)
+                largest = std::max(largest, std::abs(weight(scratch_, v, c) - weight(next, v, c)));
+    }
+    EXPECT_GT(largest, 0.0f);
+    EXPECT_LT(largest, 0.02f);  // a switch without fading would be near 0.3
+}
+
+TEST_F(CameraBlend, EveryTriangleThatFacesTheEyeIsLaidOutOnce) {
+    const Eigen::Vector3f eye(2.0f, 1.0f, 1.5f);
+    BlendedMesh blended;
+    blend_for_view(model_, eye, scratch_, blended);
+    std::size_t num_facing = 0;
+    for (const auto& [a, b, c] : model_.triangles) {
+        const Eigen::Vector3f& p = model_.vertices_site[a];
+        num_facing +=
+            (model_.vertices_site[b] - p).cross(model_.vertices_site[c] - p).dot(eye - p) > 0.0f;
+    }
+    std::size_t num_vertices = 0;
+    for (const BlendGroup& group : blended.groups) num_vertices += group.num_vertices;
+    EXPECT_EQ(num_vertices, 3 * num_facing);
+}
+
+}  // namespace
+}  // namespace atrium::renderer

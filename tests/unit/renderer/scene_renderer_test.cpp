@@ -1,0 +1,265 @@
+#include "viewer/renderer/scene_renderer.hpp"
+
+#include "core/gl/offscreen_context.hpp"
+#include "tests/unit/renderer/synthetic_person.hpp"
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+namespace atrium::renderer {
+namespace {
+
+using synthetic::Sphere;
+
+constexpr int kWidth = 480;
+constexpr int kHeight = 360;
+
+PersonModel person_of(const std::vector<Sphere>& spheres,
+                      const std::vector<CameraPicture>& pictures) {
+    PersonModelScratch scratch;
+    PersonModel model;
+    build_person_model(synthetic::mesh_of(spheres, 40), pictures, {}, scratch, model);
+    return model;
+}
+
+class SceneRendererTest : public testing::Test {
+protected:
+    void SetUp() override {
+        auto context = gl::OffscreenContext::create(16, 16);
+        ASSERT_TRUE(context) << context.error().message;
+        context_.emplace(std::move(*context));
+        auto renderer = SceneRenderer::create({.width = kWidth, .height = kHeight});
+        ASSERT_TRUE(renderer) << renderer.error().message;
+        renderer_.emplace(std::move(*renderer));
+    }
+    void TearDown() override { renderer_.reset(); }
+
+    void draw(const ViewCamera& camera) {
+        renderer_->draw(camera);
+        renderer_->read_pixels(picture_);
+    }
+    Eigen::Vector3d pixel(int x, int y) const {
+        const std::size_t i =
+            4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(picture_.width) +
+                 static_cast<std::size_t>(x));
+        return Eigen::Vector3d(picture_.rgba[i], picture_.rgba[i + 1], picture_.rgba[i + 2]) /
+               255.0;
+    }
+    Eigen::Vector3d pixel_at(const ViewCamera& camera, const Eigen::Vector3d& p_world) const {
+        const Eigen::Vector2d px = project_px(camera, p_world, picture_.width, picture_.height);
+        return pixel(static_cast<int>(std::lround(px.x())), static_cast<int>(std::lround(px.y())));
+    }
+
+    std::optional<gl::OffscreenContext> context_;
+    std::optional<SceneRenderer> renderer_;
+    RenderedPicture picture_;
+};
+
+// Ray of pixel (x, y) by the definition of the view, not by its matrices.
+Eigen::Vector3d ray_of(const ViewCamera& camera, int x, int y) {
+    const Eigen::Vector3d forward = (camera.target_m - camera.position_m).normalized();
+    const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
+    const Eigen::Vector3d up = right.cross(forward);
+    const double half = std::tan(camera.fov_deg * std::numbers::pi / 360.0);
+    const double u = ((x + 0.5) / kWidth * 2.0 - 1.0) * half * kWidth / kHeight;
+    const double v = (1.0 - (y + 0.5) / kHeight * 2.0) * half;
+    return (forward + u * right + v * up).normalized();
+}
+
+TEST_F(SceneRendererTest, PictureOnTheSurfaceIsThePictureOfTheSurface) {
+    const Sphere sphere{{0.0, 0.0, 1.0}, 0.5};
+    const auto colour = [&](const Eigen::Vector3d& p) {
+        const Eigen::Vector3d n = (p - sphere.centre) / sphere.radius_m;
+        return Eigen::Vector3d(0.5 + 0.3 * std::sin(9.0 * n.x()),
+                               0.5 + 0.3 * std::sin(7.0 * n.y() + 1.0),
+                               0.5 + 0.3 * std::sin(8.0 * n.z() + 2.0));
+    };
+    std::vector<CameraPicture> pictures;
+    auto cameras = synthetic::ring(8, sphere.centre);
+    cameras[1].intrinsics.distortion = {-0.15, 0.03, 0.001, 0.0, 0.0};
+    for (const auto& camera : cameras)
+        pictures.push_back(synthetic::picture_of({sphere}, camera, colour));
+    renderer_->set_person("a", person_of({sphere}, pictures));
+    // the site stands elsewhere in the world, turned
+    const geometry::RigidTransform world_from_site{
+        Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ())), {0.4, -0.3, 0.1}};
+    renderer_->set_site_pose("a", world_from_site);
+    const geometry::RigidTransform site_from_world = world_from_site.inverse();
+
+    for (const double angle : {0.1, 1.3, 2.9, 4.4}) {
+        ViewCamera camera;
+        camera.target_m = world_from_site * sphere.centre;
+        camera.position_m =
+            camera.target_m + Eigen::Vector3d(2.0 * std::cos(angle), 2.0 * std::sin(angle), 0.4);
+        draw(camera);
+        double worst = 0.0;
+        double sum = 0.0;
+        int count = 0;
+        for (int y = 0; y < kHeight; y += 3) {
+            for (int x = 0; x < kWidth; x += 3) {
+                const Eigen::Vector3d ray = ray_of(camera, x, y);
+                Eigen::Vector3d p;
+                if (!synthetic::hit({sphere},
+                                    site_from_world * camera.position_m,
+                                    site_from_world.rotation * ray,
+                                    p))
+                    continue;
+                const Eigen::Vector3d n = (p - sphere.centre) / sphere.radius_m;
+                // away from the outline and from the underside that no camera sees well
+                if (n.dot(site_from_world.rotation * ray) > -0.35 || n.z() < -0.6) continue;
+                const double error = (pixel(x, y) - colour(p)).cwiseAbs().maxCoeff();
+                worst = std::max(worst, error);
+                sum += error;
+                ++count;
+            }
+        }
+        ASSERT_GT(count, 1000);
+        EXPECT_LT(sum / count, 0.012) << "angle " << angle;  // 3 steps of 255
+        EXPECT_LT(worst, 0.10) << "angle " << angle;
+    }
+}
+
+TEST_F(SceneRendererTest, HiddenPartsTakeNoColourFromTheCameraThatDoesNotSeeThem) {
+    const std::vector<Sphere> spheres = {{{0.9, 0.0, 1.0}, 0.25}, {{-0.5, 0.0, 1.0}, 0.4}};
+    // the camera in line with both sees a red front sphere; from the side everything is green
+    const Eigen::Vector3d red(0.9, 0.1, 0.1);
+    const Eigen::Vector3d green(0.1, 0.8, 0.1);
+    const auto front = synthetic::camera_at({3.2, 0.0, 1.0}, {0.0, 0.0, 1.0});
+    const auto side = synthetic::camera_at({0.6, 3.0, 1.0}, {0.0, 0.0, 1.0});
+    renderer_->set_person(
+        "a",
+        person_of(spheres,
+                  {synthetic::picture_of(spheres, front, [&](const auto&) { return red; }),
+                   synthetic::picture_of(spheres, side, [&](const auto&) { return green; })}));
+    ViewCamera camera{.position_m = {1.2, 1.6, 2.1}, .target_m = {-0.4, 0.0, 1.0}};
+    draw(camera);
+    // on the back sphere, in the shade of the front one as the front camera has it
+    const Eigen::Vector3d hidden =
+        spheres[1].centre + 0.4 * Eigen::Vector3d(0.9, 0.42, 0.1).normalized();
+    const Eigen::Vector3d seen =
+        spheres[0].centre + 0.25 * Eigen::Vector3d(0.9, 0.3, 0.3).normalized();
+    EXPECT_LT((pixel_at(camera, hidden) - green).cwiseAbs().maxCoeff(), 0.06)
+        << pixel_at(camera, hidden).transpose();
+    EXPECT_GT(pixel_at(camera, seen).x(), 0.5);  // the test sees red where it should be
+}
+
+TEST_F(SceneRendererTest, ObjectsStandWhereTheyAre) {
+    ViewCamera camera{.position_m = {4.0, -2.0, 2.0}, .target_m = {0.0, 0.0, 0.5}};
+    draw(camera);
+    const RenderedPicture empty = picture_;
+    const ShapeKind kinds[] = {
+        ShapeKind::kBox, ShapeKind::kSphere, ShapeKind::kCylinder, ShapeKind::kCapsule};
+    for (std::uint32_t i = 0; i < 4; ++i) {
+        ObjectLook look{.shape = kinds[i], .size_m = {0.3, 0.3, 0.6}, .colour = {0.8, 0.05, 0.05}};
+        look.world_from_object.translation = {0.0, 1.2 * i - 1.8, 0.5};
+        renderer_->set_object(i, look);
+    }
+    draw(camera);
+    EXPECT_EQ(renderer_->num_objects(), 4u);
+    for (std::uint32_t i = 0; i < 4; ++i) {
+        const Eigen::Vector3d c = pixel_at(camera, {0.0, 1.2 * i - 1.8, 0.5});
+        EXPECT_GT(c.x(), 2.0 * c.y()) << "object " << i << ": " << c.transpose();
+        // only the ball ends at its radius above the middle
+        const Eigen::Vector3d above = pixel_at(camera, {0.0, 1.2 * i - 1.8, 0.5 + 0.22});
+        EXPECT_EQ(above.x() > 2.0 * above.y(), kinds[i] != ShapeKind::kSphere) << "object " << i;
+    }
+    renderer_->move_object(1, {Eigen::Quaterniond::Identity(), {0.0, 0.0, 1.4}});
+    draw(camera);
+    EXPECT_GT(pixel_at(camera, {0.0, 0.0, 1.4}).x(), 2.0 * pixel_at(camera, {0.0, 0.0, 1.4}).y());
+    for (std::uint32_t i = 0; i < 4; ++i) renderer_->remove_object(i);
+    draw(camera);
+    EXPECT_EQ(picture_.rgba, empty.rgba);
+}
+
+TEST_F(SceneRendererTest, AnObjectShadesTheFloorBelowIt) {
+    ViewCamera camera{.position_m = {0.0, -3.0, 3.0}, .target_m = {0.0, 0.0, 0.0}};
+    draw(camera);
+    const Eigen::Vector3d bright = pixel_at(camera, {0.02, 0.02, 0.0});
+    ObjectLook look{.shape = ShapeKind::kBox, .size_m = {0.5, 0.5, 0.05}};
+    look.world_from_object.translation = {0.0, 0.0, 1.0};
+    renderer_->set_object(7, look);
+    draw(camera);
+    // the light comes from (0.30, -0.22, 1): the shade lies opposite
+    const Eigen::Vector3d shaded = pixel_at(camera, {-0.30, 0.22, 0.0});
+    EXPECT_LT(shaded.x(), 0.8 * bright.x());
+    EXPECT_GT(shaded.x(), 0.5 * bright.x());
+}
+
+TEST_F(SceneRendererTest, ARemovedPersonLeavesNothing) {
+    ViewCamera camera;
+    draw(camera);
+    const RenderedPicture empty = picture_;
+    const Sphere sphere{{0.0, 0.0, 1.0}, 0.5};
+    renderer_->set_person("a", person_of({sphere}, {}));
+    draw(camera);
+    EXPECT_EQ(renderer_->num_people(), 1u);
+    EXPECT_NE(picture_.rgba, empty.rgba);
+    renderer_->remove_person("a");
+    draw(camera);
+    EXPECT_EQ(renderer_->num_people(), 0u);
+    EXPECT_EQ(picture_.rgba, empty.rgba);
+}
+
+TEST_F(SceneRendererTest, ANewModelReplacesTheFormerAndHandsItBack) {
+    ViewCamera camera;
+    renderer_->set_person("a", person_of({{{0.0, 0.0, 1.0}, 0.5}}, {}));
+    draw(camera);
+    const PersonModel former = renderer_->set_person("a", person_of({{{0.0, 0.0, 3.0}, 0.2}}, {}));
+    EXPECT_FALSE(former.triangles.empty());
+    draw(camera);
+    EXPECT_GT((pixel_at(camera, {0.0, 0.0, 1.0}) - Eigen::Vector3d::Constant(0.5)).norm(), 0.1);
+}
+
+TEST_F(SceneRendererTest, CopesWithTwentyCamerasWhoseNumberChanges) {
+    const Sphere sphere{{0.0, 0.0, 1.0}, 0.5};
+    const Eigen::Vector3d blue(0.1, 0.2, 0.9);
+    std::vector<CameraPicture> pictures;
+    for (const auto& camera : synthetic::ring(20, sphere.centre))
+        pictures.push_back(
+            synthetic::picture_of({sphere}, camera, [&](const auto&) { return blue; }));
+    ViewCamera camera;
+    for (const std::size_t count : {20u, 3u, 11u}) {
+        pictures.resize(std::min<std::size_t>(pictures.size(), count));
+        renderer_->set_person("a", person_of({sphere}, pictures));
+        draw(camera);
+        EXPECT_LT((pixel_at(camera, sphere.centre) - blue).cwiseAbs().maxCoeff(), 0.02) << count;
+    }
+}
+
+TEST_F(SceneRendererTest, ResizesItsPicture) {
+    ASSERT_TRUE(renderer_->resize(200, 100));
+    draw({});
+    EXPECT_EQ(picture_.width, 200);
+    EXPECT_EQ(picture_.height, 100);
+    EXPECT_EQ(picture_.rgba.size(), 200u * 100u * 4u);
+    EXPECT_GT(pixel(100, 5).z(), 0.3);  // sky, not black
+}
+
+TEST_F(SceneRendererTest, SmoothingSoftensEdgesAndKeepsFlatColours) {
+    auto smoothed =
+        SceneRenderer::create({.width = kWidth, .height = kHeight, .antialias = Antialias::kFxaa});
+    ASSERT_TRUE(smoothed) << smoothed.error().message;
+    ObjectLook look{.shape = ShapeKind::kBox, .colour = {0.0, 0.0, 0.0}};
+    look.world_from_object.rotation = Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 1, 0).normalized());
+    look.world_from_object.translation.z() = 1.0;
+    const ViewCamera camera;
+    renderer_->set_object(0, look);
+    smoothed->set_object(0, look);
+    draw(camera);
+    const RenderedPicture hard = picture_;
+    smoothed->draw(camera);
+    smoothed->read_pixels(picture_);
+    int num_different = 0;
+    for (std::size_t i = 0; i < hard.rgba.size(); i += 4)
+        num_different += hard.rgba[i] != picture_.rgba[i];
+    EXPECT_GT(num_different, 100);
+    EXPECT_LT(num_different, kWidth * kHeight / 10);
+}
+
+}  // namespace
+}  // namespace atrium::renderer

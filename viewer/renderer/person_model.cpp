@@ -1,0 +1,290 @@
+#include "viewer/renderer/person_model.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace atrium::renderer {
+namespace {
+
+constexpr int kBorder = 1;             // texels of alpha 0 around each picture
+constexpr int kLayerGranularity = 64;  // so that the size of layers seldom changes
+
+float smooth_step(float low, float high, float x) {
+    const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
+    return t * t * (3.0f - 2.0f * t);
+}
+
+bool is_usable(const CameraPicture& picture) {
+    return picture.width > 0 && picture.height > 0 && !picture.crop_px.empty();
+}
+
+// Area-weighted normals, smoothed once over the neighbours: those of a hull jump from strip to
+// strip.
+void compute_normals(const PersonModel& model, PersonModelScratch& scratch) {
+    auto& sums = scratch.normal_sums;
+    auto& normals = scratch.normals;
+    sums.assign(model.vertices_site.size(), Eigen::Vector3f::Zero());
+    for (const auto& [a, b, c] : model.triangles) {
+        const Eigen::Vector3f& p = model.vertices_site[a];
+        const Eigen::Vector3f twice_area =
+            (model.vertices_site[b] - p).cross(model.vertices_site[c] - p);
+        for (const std::uint32_t v : {a, b, c}) sums[v] += twice_area;
+    }
+    for (auto& n : sums) n.normalize();
+    normals = sums;
+    for (const auto& [a, b, c] : model.triangles) {
+        const Eigen::Vector3f mean = (sums[a] + sums[b] + sums[c]) * 0.25f;
+        for (const std::uint32_t v : {a, b, c}) normals[v] += mean;
+    }
+    for (auto& n : normals) n.normalize();
+}
+
+void choose_layer_size(std::span<const CameraPicture> pictures, PersonModel& out) {
+    int width = 1;
+    int height = 1;
+    for (const CameraPicture& picture : pictures) {
+        width = std::max(width, picture.width);
+        height = std::max(height, picture.height);
+    }
+    const auto round_up = [](int size) {
+        return (size + 2 * kBorder + kLayerGranularity - 1) / kLayerGranularity * kLayerGranularity;
+    };
+    out.layer_width = round_up(width);
+    out.layer_height = round_up(height);
+}
+
+std::size_t layer_bytes(const PersonModel& model) {
+    return static_cast<std::size_t>(model.layer_width) *
+           static_cast<std::size_t>(model.layer_height) * 4;
+}
+
+// Copies the picture with its colour multiplied by alpha: what lies outside the mask then has no
+// part in any filtered texel, and a weighted sum of texels divides out to a colour of the person
+// alone.
+void fill_layer(const CameraPicture& picture, const PersonModel& model, std::uint8_t* layer) {
+    for (int y = 0; y < picture.height; ++y) {
+        const std::uint8_t* from =
+            picture.rgba.data() + static_cast<std::ptrdiff_t>(y) * picture.width * 4;
+        std::uint8_t* to =
+            layer + (static_cast<std::ptrdiff_t>(y + kBorder) * model.layer_width + kBorder) * 4;
+        for (int x = 0; x < picture.width; ++x, from += 4, to += 4) {
+            // a texel half on the person shows half of what is behind: only the upper half counts
+            const int alpha = std::max(0, 2 * from[3] - 255);
+            if (alpha == 0) continue;
+            for (int i = 0; i < 3; ++i)
+                to[i] = static_cast<std::uint8_t>((from[i] * alpha + 127) / 255);
+            to[3] = static_cast<std::uint8_t>(alpha);
+        }
+    }
+}
+
+const std::uint8_t* texel(const PersonModel& model, std::size_t camera, float s, float t) {
+    const int x = static_cast<int>(s * static_cast<float>(model.layer_width));
+    const int y = static_cast<int>(t * static_cast<float>(model.layer_height));
+    if (s < 0.0f || t < 0.0f || x >= model.layer_width || y >= model.layer_height) return nullptr;
+    return model.layers.data() + camera * layer_bytes(model) +
+           (static_cast<std::size_t>(y) * static_cast<std::size_t>(model.layer_width) +
+            static_cast<std::size_t>(x)) *
+               4;
+}
+
+// How surely the mask covers the surroundings of (s, t), in [0, 1].
+float mask_near(const PersonModel& model, std::size_t camera, float s, float t) {
+    // vertices of a hull lie on outlines: they count when the person is within two texels
+    constexpr float kReach = 1.5f;
+    const float ds = kReach / static_cast<float>(model.layer_width);
+    const float dt = kReach / static_cast<float>(model.layer_height);
+    int sum = 0;
+    for (const auto& [x, y] : {std::pair{0.0f, 0.0f}, {ds, dt}, {-ds, dt}, {ds, -dt}, {-ds, -dt}}) {
+        const std::uint8_t* found = texel(model, camera, s + x, t + y);
+        if (found != nullptr) sum += found[3];
+    }
+    return std::min(1.0f, static_cast<float>(sum) / 255.0f);
+}
+
+// Mapping of undistorted pixels to the coarse picture of the mesh.
+struct DepthWindow {
+    Eigen::Vector2f origin_px = Eigen::Vector2f::Zero();
+    float scale = 1.0f;
+};
+
+struct CameraStage {
+    const CameraPicture& picture;
+    std::size_t index;  // of the camera in the model
+    const PersonModelOptions& options;
+};
+
+// Per vertex: texture coordinates, and in `scratch.corners` undistorted pixels and inverse depth.
+void project_vertices(const CameraStage& stage, PersonModel& model, PersonModelScratch& scratch) {
+    const auto& [camera, crop, width, height, rgba] = stage.picture;
+    const geometry::PinholeCamera& lens = camera.intrinsics;
+    const Eigen::Matrix3d rotation = camera.camera_from_site.rotation.toRotationMatrix();
+    const Eigen::Vector3d& translation = camera.camera_from_site.translation;
+    const Eigen::Array2d texels_per_px(static_cast<double>(width) / crop.width,
+                                       static_cast<double>(height) / crop.height);
+    const Eigen::Array2d layer_size(model.layer_width, model.layer_height);
+    const Eigen::Array2d crop_origin(crop.x - 0.5, crop.y - 0.5);
+    auto& coordinates = model.cameras[stage.index].layer_coordinates;
+    coordinates.resize(model.vertices_site.size());
+    scratch.corners.resize(model.vertices_site.size());
+    constexpr double kNearest = 0.05;  // [m] closer than this is as good as behind the camera
+    for (std::size_t v = 0; v < coordinates.size(); ++v) {
+        const Eigen::Vector3d p = rotation * model.vertices_site[v].cast<double>() + translation;
+        if (!(p.z() > kNearest)) {
+            coordinates[v] = Eigen::Vector3f(0.0f, 0.0f, 1.0f);
+            scratch.corners[v].setZero();
+            continue;
+        }
+        const Eigen::Vector2d px = lens.project(p);
+        const Eigen::Array2d st =
+            ((lens.distort(px).array() - crop_origin) * texels_per_px + kBorder) / layer_size;
+        coordinates[v] = Eigen::Vector3d(st.x() * p.z(), st.y() * p.z(), p.z()).cast<float>();
+        scratch.corners[v] = Eigen::Vector3d(px.x(), px.y(), 1.0 / p.z()).cast<float>();
+    }
+}
+
+DepthWindow fit_depth_window(int long_side_px, PersonModelScratch& scratch) {
+    Eigen::Vector2f low = Eigen::Vector2f::Constant(1e9f);
+    Eigen::Vector2f high = Eigen::Vector2f::Constant(-1e9f);
+    for (const Eigen::Vector3f& corner : scratch.corners) {
+        if (corner.z() <= 0.0f) continue;
+        low = low.cwiseMin(corner.head<2>());
+        high = high.cwiseMax(corner.head<2>());
+    }
+    DepthWindow window;
+    const float extent = std::max((high - low).maxCoeff(), 1.0f);
+    if (!(extent < 1e8f)) {
+        scratch.depth.width = scratch.depth.height = 1;
+        return window;
+    }
+    window.origin_px = low;
+    window.scale = static_cast<float>(long_side_px - 1) / extent;
+    scratch.depth.width = static_cast<int>((high.x() - low.x()) * window.scale) + 1;
+    scratch.depth.height = static_cast<int>((high.y() - low.y()) * window.scale) + 1;
+    for (Eigen::Vector3f& corner : scratch.corners)
+        corner.head<2>() = (corner.head<2>() - low) * window.scale;
+    return window;
+}
+
+void judge_vertices(const CameraStage& stage,
+                    const DepthWindow& window,
+                    PersonModelScratch& scratch,
+                    PersonModel& model) {
+    PersonModel::Camera& camera = model.cameras[stage.index];
+    const PersonModelOptions& options = stage.options;
+    const auto cos_min = static_cast<float>(options.cos_min);
+    const auto cos_full = static_cast<float>(options.cos_full);
+    // width of a pixel of the depth picture at a depth of one metre
+    const float pixel_tangent =
+        1.0f / (window.scale * static_cast<float>(stage.picture.camera.intrinsics.fx));
+    camera.quality.assign(model.vertices_site.size(), 0.0f);
+    for (std::size_t v = 0; v < camera.quality.size(); ++v) {
+        const Eigen::Vector3f& corner = scratch.corners[v];
+        if (!(corner.z() > 0.0f)) continue;
+        const Eigen::Vector3f to_camera =
+            (camera.centre_site - model.vertices_site[v]).normalized();
+        const float cos_angle = to_camera.dot(scratch.normals[v]);
+        const float frontal = smooth_step(cos_min, cos_full, cos_angle);
+        if (frontal <= 0.0f) continue;
+        const Eigen::Vector3f& st = camera.layer_coordinates[v];
+        const float mask = mask_near(model, stage.index, st.x() / st.z(), st.y() / st.z());
+        if (mask <= 0.0f) continue;
+        // slope-scaled: over the 3 x 3 pixels looked at, a slanted surface comes nearer by itself
+        const float nearest = scratch.depth.nearest_around(corner.x(), corner.y());
+        const float depth = 1.0f / corner.z();
+        const float slope = std::sqrt(1.0f - cos_angle * cos_angle) / cos_angle;
+        const float bias = static_cast<float>(options.hidden_bias_m) +
+                           1.5f * depth * pixel_tangent * std::min(slope, 4.0f);
+        const float behind = nearest > 0.0f ? depth - 1.0f / nearest : 0.0f;
+        const float hidden =
+            std::clamp((behind - bias) / static_cast<float>(options.hidden_soft_m), 0.0f, 1.0f);
+        camera.quality[v] = frontal * mask * (1.0f - hidden);
+    }
+}
+
+// Colours of the vertices: the mean of what the cameras see; where none does, what the nearest
+// vertices along the surface have.
+void colour_vertices(PersonModel& model, PersonModelScratch& scratch) {
+    Eigen::Vector3f mean = Eigen::Vector3f::Zero();
+    std::size_t num_coloured = 0;
+    model.fallback.assign(model.vertices_site.size(), Eigen::Vector3f::Zero());
+    scratch.is_coloured.assign(model.vertices_site.size(), 0);
+    for (std::size_t v = 0; v < model.vertices_site.size(); ++v) {
+        Eigen::Vector4f sum = Eigen::Vector4f::Zero();
+        for (std::size_t c = 0; c < model.cameras.size(); ++c) {
+            const float quality = model.cameras[c].quality[v];
+            if (quality <= 0.02f) continue;
+            const Eigen::Vector3f& st = model.cameras[c].layer_coordinates[v];
+            const std::uint8_t* rgba = texel(model, c, st.x() / st.z(), st.y() / st.z());
+            if (rgba == nullptr) continue;
+            sum += quality * Eigen::Vector4f(rgba[0], rgba[1], rgba[2], rgba[3]);
+        }
+        if (sum.w() <= 1.0f) continue;
+        model.fallback[v] = sum.head<3>() / sum.w();
+        scratch.is_coloured[v] = 1;
+        mean += model.fallback[v];
+        ++num_coloured;
+    }
+    mean = num_coloured > 0 ? Eigen::Vector3f(mean / static_cast<float>(num_coloured))
+                            : Eigen::Vector3f::Constant(0.5f);
+
+    constexpr int kMaxSteps = 24;  // edges; what lies farther away takes the mean colour
+    for (int step = 0; step < kMaxSteps && num_coloured < model.fallback.size(); ++step) {
+        const std::size_t before = num_coloured;
+        for (const auto& triangle : model.triangles) {
+            for (int i = 0; i < 3; ++i) {
+                const std::uint32_t from = triangle[static_cast<std::size_t>(i)];
+                const std::uint32_t to = triangle[static_cast<std::size_t>((i + 1) % 3)];
+                if (scratch.is_coloured[from] == 0 || scratch.is_coloured[to] != 0) continue;
+                model.fallback[to] = model.fallback[from];
+                scratch.is_coloured[to] = 1;
+                ++num_coloured;
+            }
+        }
+        if (num_coloured == before) break;
+    }
+    for (std::size_t v = 0; v < model.fallback.size(); ++v)
+        if (scratch.is_coloured[v] == 0) model.fallback[v] = mean;
+}
+
+}  // namespace
+
+void build_person_model(const geometry::TriangleMesh& mesh_site,
+                        std::span<const CameraPicture> pictures,
+                        const PersonModelOptions& options,
+                        PersonModelScratch& scratch,
+                        PersonModel& out) {
+    out.vertices_site.resize(mesh_site.vertices.size());
+    std::transform(mesh_site.vertices.begin(),
+                   mesh_site.vertices.end(),
+                   out.vertices_site.begin(),
+                   [](const Eigen::Vector3d& p) { return Eigen::Vector3f(p.cast<float>()); });
+    out.triangles.assign(mesh_site.triangles.begin(), mesh_site.triangles.end());
+    compute_normals(out, scratch);
+
+    choose_layer_size(pictures, out);
+    const auto num_cameras =
+        static_cast<std::size_t>(std::count_if(pictures.begin(), pictures.end(), is_usable));
+    out.cameras.resize(num_cameras);
+    out.layers.assign(num_cameras * layer_bytes(out), 0);
+    std::size_t index = 0;
+    for (const CameraPicture& picture : pictures) {
+        if (!is_usable(picture)) continue;
+        assert(picture.rgba.size() == static_cast<std::size_t>(picture.width) *
+                                          static_cast<std::size_t>(picture.height) * 4);
+        out.cameras[index].centre_site = picture.camera.centre_site().cast<float>();
+        fill_layer(picture, out, out.layers.data() + index * layer_bytes(out));
+        const CameraStage stage{picture, index, options};
+        project_vertices(stage, out, scratch);
+        const DepthWindow window = fit_depth_window(options.depth_picture_px, scratch);
+        draw_inverse_depth(scratch.corners, out.triangles, scratch.depth);
+        judge_vertices(stage, window, scratch, out);
+        ++index;
+    }
+    colour_vertices(out, scratch);
+}
+
+}  // namespace atrium::renderer

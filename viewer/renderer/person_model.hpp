@@ -1,0 +1,72 @@
+#pragma once
+
+#include "core/geometry/pinhole_camera.hpp"
+#include "core/geometry/triangle_mesh.hpp"
+#include "core/image/image.hpp"
+#include "viewer/renderer/inverse_depth.hpp"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atrium::renderer {
+
+/// What one camera saw of a person.
+struct CameraPicture {
+    geometry::CalibratedCamera camera;
+    image::PixelRect crop_px;  // part of the camera's distorted picture that `rgba` shows
+    int width = 0;             // of `rgba`, at any resolution
+    int height = 0;
+    std::vector<std::uint8_t> rgba;  // rows from the top; alpha 255 on the person, 0 elsewhere
+};
+
+/// A person ready to be textured from any viewpoint: all that does not depend on the viewpoint.
+struct PersonModel {
+    struct Camera {
+        Eigen::Vector3f centre_site = Eigen::Vector3f::Zero();
+        /// Per vertex (s z, t z, z): s, t are texture coordinates in the camera's layer, z is the
+        /// depth. Linear in the position (but for the lens distortion), so that the perspective
+        /// interpolation of triangles is right.
+        std::vector<Eigen::Vector3f> layer_coordinates;
+        /// Per vertex, in [0, 1]: 0 where the camera does not see it (facing away, hidden behind
+        /// another part, outside the mask), 1 where it sees it from the front. Continuous.
+        std::vector<float> quality;
+    };
+
+    std::vector<Eigen::Vector3f> vertices_site;
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    std::vector<Camera> cameras;
+    std::vector<Eigen::Vector3f> fallback;  // per vertex, in [0, 1]: for where no camera sees it
+    int layer_width = 0;                    // one layer per camera, all of the same size
+    int layer_height = 0;
+    std::vector<std::uint8_t> layers;  // RGBA, colour multiplied by alpha; alpha 0 at the borders
+};
+
+struct PersonModelOptions {
+    int depth_picture_px = 192;    // long side of the pictures that decide what hides what
+    double hidden_bias_m = 0.012;  // a surface this far behind another one is still not hidden
+    double hidden_soft_m = 0.02;   // over this further distance it fades out
+    double cos_min = 0.12;         // a camera that sees the surface at a more grazing angle is
+    double cos_full = 0.5;         // not used; from here on fully
+};
+
+struct PersonModelScratch {
+    std::vector<Eigen::Vector3f> normals;
+    std::vector<Eigen::Vector3f> normal_sums;
+    std::vector<Eigen::Vector3f> corners;
+    std::vector<std::uint8_t> is_coloured;
+    InverseDepthPicture depth;
+};
+
+/// Fills `out`, whose memory is used again. Pictures that are empty are left out. The mesh's
+/// indices must be valid. About 4 ms for 8 cameras and 10,000 triangles.
+void build_person_model(const geometry::TriangleMesh& mesh_site,
+                        std::span<const CameraPicture> pictures,
+                        const PersonModelOptions& options,
+                        PersonModelScratch& scratch,
+                        PersonModel& out);
+
+}  // namespace atrium::renderer

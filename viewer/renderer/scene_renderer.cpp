@@ -1,0 +1,397 @@
+#include "viewer/renderer/scene_renderer.hpp"
+
+#include "core/gl/resources.hpp"
+#include "core/gl/shader_program.hpp"
+#include "viewer/renderer/person_drawing.hpp"
+#include "viewer/renderer/shaders.hpp"
+
+#include <Eigen/Geometry>
+#include <glad/gl.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+
+namespace atrium::renderer {
+namespace {
+
+constexpr float kShadowExtentM = 10.0f;  // side of the floor's square, around the origin, that
+                                         // shadows fall on
+constexpr int kShadowPx = 512;           // 2 cm a pixel; kFloorFragment blurs by it
+const Eigen::Vector3f kLight = Eigen::Vector3f(0.30f, -0.22f, 1.0f).normalized();
+// sRGB-encoded
+const Eigen::Vector3f kHorizon(0.82f, 0.85f, 0.88f);
+const Eigen::Vector3f kZenith(0.45f, 0.54f, 0.66f);
+const Eigen::Vector3f kFloorColour(0.70f, 0.69f, 0.67f);
+constexpr double kFloorSizeM = 60.0;
+
+Eigen::Vector3f encode_srgb(const Eigen::Vector3d& linear) {
+    return linear
+        .unaryExpr([](double v) {
+            v = std::clamp(v, 0.0, 1.0);
+            return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055;
+        })
+        .cast<float>();
+}
+
+struct ObjectDrawing {
+    ObjectLook look;
+    gl::VertexArray layout;
+    gl::Buffer corners;
+    gl::Buffer indices;
+    int num_indices = 0;
+
+    bool is_floor() const {
+        return look.shape == ShapeKind::kPlane &&
+               (look.world_from_object.rotation * Eigen::Vector3d::UnitZ()).z() > 0.99;
+    }
+};
+
+ObjectDrawing make_object(const ObjectLook& look) {
+    const ShapeMesh mesh = make_shape(look.shape, look.size_m);
+    ObjectDrawing object{.look = look,
+                         .layout = gl::make_vertex_array(),
+                         .corners = gl::make_buffer(),
+                         .indices = gl::make_buffer(),
+                         .num_indices = static_cast<int>(mesh.indices.size())};
+    glBindVertexArray(object.layout.id());
+    gl::upload(object.corners,
+               GL_ARRAY_BUFFER,
+               std::span<const ShapeMesh::Corner>(mesh.corners),
+               GL_STATIC_DRAW);
+    gl::float_attribute(0, 3, sizeof(ShapeMesh::Corner), 0);
+    gl::float_attribute(1, 3, sizeof(ShapeMesh::Corner), sizeof(Eigen::Vector3f));
+    gl::upload(object.indices,
+               GL_ELEMENT_ARRAY_BUFFER,
+               std::span<const std::uint32_t>(mesh.indices),
+               GL_STATIC_DRAW);
+    glBindVertexArray(0);
+    return object;
+}
+
+struct View {
+    Eigen::Matrix4d clip_from_world;
+    Eigen::Vector3d eye_world;
+};
+
+}  // namespace
+
+struct SceneRenderer::Impl {
+    RendererOptions options;
+    PersonShaders person_shaders;
+    gl::ShaderProgram object_shader;
+    gl::ShaderProgram floor_shader;
+    gl::ShaderProgram background_shader;
+    gl::ShaderProgram shadow_shader;
+    gl::ShaderProgram smooth_shader;
+    gl::Framebuffer target;
+    gl::Framebuffer smoothed;  // only with anti-aliasing
+    gl::Framebuffer shadow;
+    gl::VertexArray square_layout;
+    gl::Buffer square;
+    std::map<std::string, PersonDrawing> people;
+    std::map<std::string, Eigen::Matrix4d> site_poses;
+    std::map<std::uint32_t, ObjectDrawing> objects;
+    bool is_shadow_current = false;
+    mutable std::vector<std::uint8_t> rows;  // of `read_pixels`, bottom row first
+
+    Expected<void> create_shaders();
+    Expected<void> create_targets(int width, int height);
+    void create_square();
+    void draw_shadow();
+    void draw_objects(const View& view);
+    void draw_floor(const View& view, const ObjectLook& look, bool is_default);
+    void draw_floors(const View& view);
+    void draw_background(const ViewCamera& camera);
+    void smooth();
+    const gl::Framebuffer& finished() const {
+        return options.antialias == Antialias::kFxaa ? smoothed : target;
+    }
+};
+
+Expected<void> SceneRenderer::Impl::create_shaders() {
+    auto person = PersonShaders::create();
+    if (!person) return tl::unexpected(person.error());
+    person_shaders = std::move(*person);
+    struct Source {
+        gl::ShaderProgram& program;
+        const char* name;
+        const char* vertex;
+        const char* fragment;
+    };
+    for (const Source& source :
+         {Source{object_shader, "object", shaders::kObjectVertex, shaders::kObjectFragment},
+          Source{floor_shader, "floor", shaders::kFloorVertex, shaders::kFloorFragment},
+          Source{background_shader,
+                 "background",
+                 shaders::kBackgroundVertex,
+                 shaders::kBackgroundFragment},
+          Source{shadow_shader, "shadow", shaders::kShadowVertex, shaders::kShadowFragment},
+          Source{smooth_shader, "smooth", shaders::kScreenVertex, shaders::kSmoothFragment}}) {
+        auto program = gl::ShaderProgram::create(source.name, source.vertex, source.fragment);
+        if (!program) return tl::unexpected(program.error());
+        source.program = std::move(*program);
+    }
+    return {};
+}
+
+Expected<void> SceneRenderer::Impl::create_targets(int width, int height) {
+    auto framebuffer = gl::make_framebuffer(width, height);
+    if (!framebuffer) return tl::unexpected(framebuffer.error());
+    target = std::move(*framebuffer);
+    if (options.antialias == Antialias::kFxaa) {
+        auto second = gl::make_framebuffer(width, height);
+        if (!second) return tl::unexpected(second.error());
+        smoothed = std::move(*second);
+    }
+    options.width = width;
+    options.height = height;
+    return {};
+}
+
+void SceneRenderer::Impl::create_square() {
+    constexpr std::array<float, 8> kCorners = {-1.0f, -1.0f, 1.0f, -1.0f, -1.0f, 1.0f, 1.0f, 1.0f};
+    square_layout = gl::make_vertex_array();
+    square = gl::make_buffer();
+    glBindVertexArray(square_layout.id());
+    gl::upload(square, GL_ARRAY_BUFFER, std::span<const float>(kCorners), GL_STATIC_DRAW);
+    gl::float_attribute(0, 2, 2 * sizeof(float), 0);
+    glBindVertexArray(0);
+}
+
+// One picture of the floor from above, white where something stands between it and the light.
+void SceneRenderer::Impl::draw_shadow() {
+    if (is_shadow_current) return;
+    is_shadow_current = true;
+    shadow.bind();
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_CULL_FACE);
+    glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
+    glClear(GL_COLOR_BUFFER_BIT);
+    shadow_shader.use();
+    shadow_shader.set("light", kLight);
+    shadow_shader.set("shadow_extent", kShadowExtentM);
+    for (const auto& [site, person] : people) person.draw_surface(shadow_shader);
+    for (const auto& [id, object] : objects) {
+        if (object.look.shape == ShapeKind::kPlane) continue;
+        shadow_shader.set("world_from_object",
+                          Eigen::Matrix4f(object.look.world_from_object.matrix().cast<float>()));
+        glBindVertexArray(object.layout.id());
+        glDrawElements(GL_TRIANGLES, object.num_indices, GL_UNSIGNED_INT, nullptr);
+    }
+}
+
+void SceneRenderer::Impl::draw_objects(const View& view) {
+    glEnable(GL_CULL_FACE);
+    object_shader.use();
+    object_shader.set("clip_from_world", Eigen::Matrix4f(view.clip_from_world.cast<float>()));
+    object_shader.set("light", kLight);
+    object_shader.set("eye", Eigen::Vector3f(view.eye_world.cast<float>()));
+    for (const auto& [id, object] : objects) {
+        if (object.is_floor()) continue;
+        object_shader.set("world_from_object",
+                          Eigen::Matrix4f(object.look.world_from_object.matrix().cast<float>()));
+        object_shader.set("colour", Eigen::Vector3f(object.look.colour.cast<float>()));
+        object_shader.set("sectors", object.look.shape == ShapeKind::kSphere ? 3.0f : 0.0f);
+        glBindVertexArray(object.layout.id());
+        glDrawElements(GL_TRIANGLES, object.num_indices, GL_UNSIGNED_INT, nullptr);
+    }
+    glDisable(GL_CULL_FACE);
+}
+
+void SceneRenderer::Impl::draw_floor(const View& view, const ObjectLook& look, bool is_default) {
+    const double height = look.world_from_object.translation.z();
+    floor_shader.use();
+    floor_shader.set("clip_from_world", Eigen::Matrix4f(view.clip_from_world.cast<float>()));
+    floor_shader.set("world_from_floor",
+                     Eigen::Matrix4f(look.world_from_object.matrix().cast<float>()));
+    floor_shader.set("half_size", Eigen::Vector2f((0.5 * look.size_m.head<2>()).cast<float>()));
+    floor_shader.set("colour", is_default ? kFloorColour : encode_srgb(look.colour));
+    floor_shader.set("horizon", kHorizon);
+    gl::bind_texture(0, shadow.colour);
+    floor_shader.set("shadow", 0);
+    floor_shader.set("shadow_extent", kShadowExtentM);
+    // shadows are cast onto the ground; a shelf somewhere above has none. Four samples are summed.
+    floor_shader.set("shadow_strength", std::abs(height) < 0.05 ? 0.30f / 4.0f : 0.0f);
+    // squared distances from the origin between which the floor fades into the horizon
+    const float begin = 5.0f * 5.0f;
+    const float end = 22.0f * 22.0f;
+    floor_shader.set("fade", Eigen::Vector2f(begin, 1.0f / (end - begin)));
+    glBindVertexArray(square_layout.id());
+    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+}
+
+void SceneRenderer::Impl::draw_floors(const View& view) {
+    bool has_floor = false;
+    for (const auto& [id, object] : objects) {
+        if (!object.is_floor()) continue;
+        draw_floor(view, object.look, false);
+        has_floor = true;
+    }
+    if (has_floor) return;
+    ObjectLook floor{.shape = ShapeKind::kPlane};
+    floor.size_m = {kFloorSizeM, kFloorSizeM, 0.0};
+    draw_floor(view, floor, true);
+}
+
+void SceneRenderer::Impl::draw_background(const ViewCamera& camera) {
+    const Eigen::Vector3d forward = (camera.target_m - camera.position_m).normalized();
+    const double half_fov = camera.fov_deg * M_PI / 360.0;
+    background_shader.use();
+    background_shader.set("slope",
+                          Eigen::Vector2f(static_cast<float>(forward.z()) + 0.1f,
+                                          static_cast<float>(std::sin(half_fov))));
+    background_shader.set("horizon", kHorizon);
+    background_shader.set("zenith", kZenith);
+    glBindVertexArray(square_layout.id());
+    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+}
+
+void SceneRenderer::Impl::smooth() {
+    smoothed.bind();
+    glDisable(GL_DEPTH_TEST);
+    smooth_shader.use();
+    gl::bind_texture(0, target.colour);
+    smooth_shader.set("picture", 0);
+    smooth_shader.set("pixel",
+                      Eigen::Vector2f(1.0f / static_cast<float>(target.width),
+                                      1.0f / static_cast<float>(target.height)));
+    glBindVertexArray(square_layout.id());
+    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+}
+
+SceneRenderer::SceneRenderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+SceneRenderer::SceneRenderer(SceneRenderer&&) noexcept = default;
+SceneRenderer& SceneRenderer::operator=(SceneRenderer&&) noexcept = default;
+SceneRenderer::~SceneRenderer() = default;
+
+Expected<SceneRenderer> SceneRenderer::create(const RendererOptions& options) {
+    auto impl = std::make_unique<Impl>();
+    impl->options = options;
+    if (auto ok = impl->create_shaders(); !ok) return tl::unexpected(ok.error());
+    if (auto ok = impl->create_targets(options.width, options.height); !ok)
+        return tl::unexpected(ok.error());
+    auto shadow = gl::make_framebuffer(kShadowPx, kShadowPx, gl::PixelFormat::kR8);
+    if (!shadow) return tl::unexpected(shadow.error());
+    impl->shadow = std::move(*shadow);
+    impl->create_square();
+    return SceneRenderer(std::move(impl));
+}
+
+PersonModel SceneRenderer::set_person(const std::string& site, PersonModel model) {
+    impl_->is_shadow_current = false;
+    const auto [found, is_new] = impl_->people.try_emplace(site);
+    if (is_new) {
+        const auto pose = impl_->site_poses.find(site);
+        if (pose != impl_->site_poses.end()) found->second.set_pose(pose->second);
+    }
+    return found->second.set_model(std::move(model));
+}
+
+void SceneRenderer::set_site_pose(const std::string& site,
+                                  const geometry::RigidTransform& world_from_site) {
+    impl_->is_shadow_current = false;
+    impl_->site_poses[site] = world_from_site.matrix();
+    const auto found = impl_->people.find(site);
+    if (found != impl_->people.end()) found->second.set_pose(world_from_site.matrix());
+}
+
+void SceneRenderer::remove_person(const std::string& site) {
+    impl_->is_shadow_current = false;
+    impl_->people.erase(site);
+}
+
+std::size_t SceneRenderer::num_people() const { return impl_->people.size(); }
+
+void SceneRenderer::set_object(std::uint32_t object, const ObjectLook& look) {
+    impl_->is_shadow_current = false;
+    impl_->objects.insert_or_assign(object, make_object(look));
+}
+
+void SceneRenderer::move_object(std::uint32_t object,
+                                const geometry::RigidTransform& world_from_object) {
+    const auto found = impl_->objects.find(object);
+    if (found == impl_->objects.end()) return;
+    geometry::RigidTransform& pose = found->second.look.world_from_object;
+    if (pose.translation == world_from_object.translation &&
+        pose.rotation.coeffs() == world_from_object.rotation.coeffs())
+        return;
+    pose = world_from_object;
+    impl_->is_shadow_current = false;
+}
+
+void SceneRenderer::remove_object(std::uint32_t object) {
+    impl_->is_shadow_current = false;
+    impl_->objects.erase(object);
+}
+
+std::size_t SceneRenderer::num_objects() const { return impl_->objects.size(); }
+
+Expected<void> SceneRenderer::resize(int width, int height) {
+    if (width == impl_->options.width && height == impl_->options.height) return {};
+    return impl_->create_targets(width, height);
+}
+
+int SceneRenderer::width() const { return impl_->options.width; }
+int SceneRenderer::height() const { return impl_->options.height; }
+
+void SceneRenderer::draw(const ViewCamera& camera) {
+    Impl& impl = *impl_;
+    impl.draw_shadow();
+    impl.target.bind();
+    // the background covers what nothing else does: colour needs no clearing
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LEQUAL);
+    glDisable(GL_BLEND);
+    glDisable(GL_SCISSOR_TEST);
+    glClear(GL_DEPTH_BUFFER_BIT);
+    const double aspect =
+        static_cast<double>(impl.options.width) / static_cast<double>(impl.options.height);
+    const View view{clip_from_view(camera, aspect) * view_from_world(camera), camera.position_m};
+    for (auto& [site, person] : impl.people)
+        person.draw(impl.person_shaders, view.clip_from_world, view.eye_world);
+    impl.draw_objects(view);
+    impl.draw_floors(view);
+    impl.draw_background(camera);
+    if (impl.options.antialias == Antialias::kFxaa) impl.smooth();
+    glBindVertexArray(0);
+}
+
+void SceneRenderer::present() const {
+    const gl::Framebuffer& from = impl_->finished();
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, from.name.id());
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+    glBlitFramebuffer(0,
+                      0,
+                      from.width,
+                      from.height,
+                      0,
+                      0,
+                      from.width,
+                      from.height,
+                      GL_COLOR_BUFFER_BIT,
+                      GL_NEAREST);
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glViewport(0, 0, from.width, from.height);
+}
+
+void SceneRenderer::read_pixels(RenderedPicture& out) const {
+    const gl::Framebuffer& from = impl_->finished();
+    const std::size_t stride = static_cast<std::size_t>(from.width) * 4;
+    const auto height = static_cast<std::size_t>(from.height);
+    impl_->rows.resize(stride * height);
+    out.rgba.resize(stride * height);
+    out.width = from.width;
+    out.height = from.height;
+    from.bind();
+    gl::read_rgba(from.width, from.height, impl_->rows);
+    for (std::size_t y = 0; y < height; ++y) {
+        std::copy_n(
+            impl_->rows.data() + (height - 1 - y) * stride, stride, out.rgba.data() + y * stride);
+    }
+}
+
+}  // namespace atrium::renderer

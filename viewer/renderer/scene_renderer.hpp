@@ -1,0 +1,83 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/geometry/rigid_transform.hpp"
+#include "viewer/renderer/person_model.hpp"
+#include "viewer/renderer/shape_mesh.hpp"
+#include "viewer/renderer/view_camera.hpp"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace atrium::renderer {
+
+/// A rigid object of the scene.
+struct ObjectLook {
+    ShapeKind shape = ShapeKind::kBox;
+    Eigen::Vector3d size_m = Eigen::Vector3d::Ones();         // as `make_shape` takes it
+    Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // linear RGB in [0, 1]
+    geometry::RigidTransform world_from_object = {};
+};
+
+/// 8-bit RGBA, rows from the top.
+struct RenderedPicture {
+    int width = 0;
+    int height = 0;
+    std::vector<std::uint8_t> rgba;
+};
+
+enum class Antialias : std::uint8_t { kNone, kFxaa };
+
+struct RendererOptions {
+    int width = 960;
+    int height = 540;
+    Antialias antialias = Antialias::kNone;
+};
+
+/// Draws people and objects on a floor, seen from anywhere. Knows no DDS and no window.
+///
+/// Every call is made on one thread, with the same GL 3.3 context current, destruction included.
+/// The picture goes into a framebuffer of its own; `present` copies it to the window's.
+class SceneRenderer {
+public:
+    static Expected<SceneRenderer> create(const RendererOptions& options);
+    SceneRenderer(SceneRenderer&&) noexcept;
+    SceneRenderer& operator=(SceneRenderer&&) noexcept;
+    ~SceneRenderer();
+
+    /// Shows `model` as the person of `site` from now on. Returns the model that was shown before,
+    /// whose memory can be used for the next one.
+    PersonModel set_person(const std::string& site, PersonModel model);
+    void set_site_pose(const std::string& site, const geometry::RigidTransform& world_from_site);
+    void remove_person(const std::string& site);
+    std::size_t num_people() const;
+
+    /// Planes with their normal up are drawn as floor; without any there is one around the origin.
+    void set_object(std::uint32_t object, const ObjectLook& look);
+    /// Unknown objects are left alone: their description has not come yet.
+    void move_object(std::uint32_t object, const geometry::RigidTransform& world_from_object);
+    void remove_object(std::uint32_t object);
+    std::size_t num_objects() const;
+
+    Expected<void> resize(int width, int height);
+    int width() const;
+    int height() const;
+
+    void draw(const ViewCamera& camera);
+
+    /// Copies the picture into the framebuffer of the window or context that is current.
+    void present() const;
+    /// The picture as last drawn. `out` keeps its memory.
+    void read_pixels(RenderedPicture& out) const;
+
+private:
+    struct Impl;
+    explicit SceneRenderer(std::unique_ptr<Impl> impl);
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace atrium::renderer

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+/// GLSL sources. Colours of people are sRGB as the cameras gave them and pass through unchanged;
+/// what the renderer lights itself is linear and encoded at the end.
+namespace atrium::renderer::shaders {
+
+/// A person's triangles that blend up to `num_cameras` pictures (see camera_blend.hpp).
+std::string person_vertex(std::size_t num_cameras);
+std::string person_fragment(std::size_t num_cameras);
+
+extern const char* const kObjectVertex;
+extern const char* const kObjectFragment;
+
+extern const char* const kFloorVertex;
+extern const char* const kFloorFragment;
+
+extern const char* const kBackgroundVertex;
+extern const char* const kBackgroundFragment;
+
+/// Flattens what it draws along the light onto the floor, in the floor's shadow picture.
+extern const char* const kShadowVertex;
+extern const char* const kShadowFragment;
+
+/// Smooths edges of the finished picture (`view.antialias = "fxaa"`).
+extern const char* const kScreenVertex;
+extern const char* const kSmoothFragment;
+
+}  // namespace atrium::renderer::shaders
