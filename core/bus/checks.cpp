@@ -1,0 +1,214 @@
+#include "core/bus/checks.hpp"
+
+#include "core/bus/limits.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+
+namespace atrium::bus {
+
+namespace {
+
+/// Collects the first thing that is wrong with a message. Formats only when something is.
+class Checker {
+public:
+    void name(std::string_view field, std::string_view value) {
+        if (!is_valid_name(value)) fail(field, "must have 1 to 63 characters of [A-Za-z0-9_.-]");
+    }
+    // All comparisons of numbers are written so that NaN fails.
+    void range(std::string_view field, double value, double low, double high) {
+        if (!(value >= low && value <= high))
+            fail(field, fmt::format("must be in [{}, {}], got {}", low, high, value));
+    }
+    void positive(std::string_view field, double value, double high) {
+        if (!(value > 0.0 && value <= high))
+            fail(field, fmt::format("must be in (0, {}], got {}", high, value));
+    }
+    void vector(std::string_view field, const Eigen::Vector3d& value, double limit) {
+        for (const double component : value) range(field, component, -limit, limit);
+    }
+    void count(std::string_view field, std::size_t value, std::size_t max) {
+        if (value > max) fail(field, fmt::format("at most {}, got {}", max, value));
+    }
+    void time(std::string_view field, Timestamp value) {
+        if (value.ns < 0 || value.ns > kMaxTime_ns)
+            fail(field, fmt::format("must be in [0, 2^62] ns, got {}", value.ns));
+    }
+    void pose(std::string_view field, const geometry::RigidTransform& value) {
+        if (!(std::abs(value.rotation.norm() - 1.0) <= kQuaternionTolerance))
+            fail(field, "rotation must be a unit quaternion");
+        vector(field, value.translation, kMaxCoordinate_m);
+    }
+    template <typename Enumerator>
+    void enumerator(std::string_view field, Enumerator value, Enumerator last) {
+        if (value > last)
+            fail(field, fmt::format("unknown value {}", static_cast<unsigned>(value)));
+    }
+    void latency(std::string_view field, const LatencySummary& value) {
+        range(field, value.median_ms, 0.0, kMaxStatistic);
+        range(field, value.p99_ms, 0.0, kMaxStatistic);
+    }
+    void fail(std::string_view field, std::string_view why) {
+        if (fault_.empty()) fault_ = fmt::format("{}: {}", field, why);
+    }
+    Expected<void> result() const {
+        if (!fault_.empty()) return make_error(ErrorKind::kInvalidData, fault_);
+        return {};
+    }
+
+private:
+    std::string fault_;
+};
+
+void check_camera(const geometry::CalibratedCamera& camera, Checker& checker) {
+    checker.name("SiteDescription.cameras.name", camera.name);
+    const geometry::PinholeCamera& intrinsics = camera.intrinsics;
+    checker.range("SiteDescription.cameras.width", intrinsics.width, 1, kMaxImageSide_px);
+    checker.range("SiteDescription.cameras.height", intrinsics.height, 1, kMaxImageSide_px);
+    checker.positive("SiteDescription.cameras.fx", intrinsics.fx, kMaxIntrinsic);
+    checker.positive("SiteDescription.cameras.fy", intrinsics.fy, kMaxIntrinsic);
+    for (const double value : {intrinsics.cx, intrinsics.cy, intrinsics.skew})
+        checker.range("SiteDescription.cameras.cx cy skew", value, -kMaxIntrinsic, kMaxIntrinsic);
+    for (const double value : intrinsics.distortion)
+        checker.range("SiteDescription.cameras.distortion", value, -kMaxIntrinsic, kMaxIntrinsic);
+    checker.pose("SiteDescription.cameras.camera_from_site", camera.camera_from_site);
+}
+
+void check_object(const SceneObject& object, Checker& checker) {
+    checker.name("SceneObject.name", object.name);
+    checker.enumerator("SceneObject.shape", object.shape, Shape::kPlane);
+    // A plane has no third size.
+    const int num_sizes = object.shape == Shape::kPlane ? 2 : 3;
+    for (int i = 0; i < num_sizes; ++i)
+        checker.positive("SceneObject.size_m", object.size_m[i], kMaxCoordinate_m);
+    checker.vector("SceneObject.size_m", object.size_m, kMaxCoordinate_m);
+    checker.range("SceneObject.mass_kg", object.mass_kg, 0.0, kMaxMass_kg);
+    for (const double component : object.colour)
+        checker.range("SceneObject.colour", component, 0.0, 1.0);
+    checker.pose("SceneObject.world_from_object", object.world_from_object);
+}
+
+}  // namespace
+
+bool is_valid_name(std::string_view name) {
+    const auto is_allowed = [](char c) {
+        return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ||
+               c == '_' || c == '.' || c == '-';
+    };
+    return !name.empty() && name.size() <= kMaxNameLength &&
+           std::all_of(name.begin(), name.end(), is_allowed);
+}
+
+Expected<void> check(const SiteDescription& message) {
+    Checker checker;
+    checker.name("SiteDescription.site", message.site);
+    checker.count("SiteDescription.cameras", message.cameras.size(), kMaxCamerasPerSite);
+    for (const auto& camera : message.cameras) check_camera(camera, checker);
+    if (message.bounds_site.empty()) checker.fail("SiteDescription.bounds_site", "is empty");
+    checker.vector("SiteDescription.bounds_site", message.bounds_site.min, kMaxCoordinate_m);
+    checker.vector("SiteDescription.bounds_site", message.bounds_site.max, kMaxCoordinate_m);
+    return checker.result();
+}
+
+Expected<void> check(const SiteMesh& message) {
+    Checker checker;
+    checker.name("SiteMesh.site", message.site);
+    checker.time("SiteMesh.capture_time", message.capture_time);
+    std::uint64_t seen = 0;  // one bit per camera
+    static_assert(kMaxCamerasPerSite == 64);
+    for (const std::uint32_t camera : message.textured_cameras) {
+        const std::uint64_t bit = camera < kMaxCamerasPerSite ? std::uint64_t{1} << camera : 0;
+        if (bit == 0) checker.fail("SiteMesh.textured_cameras", "index out of range");
+        if ((seen & bit) != 0) checker.fail("SiteMesh.textured_cameras", "names a camera twice");
+        seen |= bit;
+    }
+    checker.count("SiteMesh.draco bytes", message.draco.size(), kMaxCodedBytes);
+    return checker.result();
+}
+
+Expected<void> check(const CameraTexture& message) {
+    Checker checker;
+    checker.name("CameraTexture.site", message.site);
+    checker.time("CameraTexture.capture_time", message.capture_time);
+    checker.range("CameraTexture.camera", message.camera, 0, kMaxCamerasPerSite - 1);
+    const image::PixelRect& crop = message.crop_px;
+    checker.range("CameraTexture.crop_px.x", crop.x, 0, kMaxImageSide_px);
+    checker.range("CameraTexture.crop_px.y", crop.y, 0, kMaxImageSide_px);
+    // In double: the sum of two hostile integers may not fit.
+    checker.range(
+        "CameraTexture.crop_px.width", crop.width, 1, kMaxImageSide_px - double{1} * crop.x);
+    checker.range(
+        "CameraTexture.crop_px.height", crop.height, 1, kMaxImageSide_px - double{1} * crop.y);
+    checker.count("CameraTexture.colour bytes", message.colour.size(), kMaxCodedBytes);
+    checker.count("CameraTexture.mask bytes", message.mask.size(), kMaxCodedBytes);
+    return checker.result();
+}
+
+Expected<void> check(const SitePlacement& message) {
+    Checker checker;
+    checker.name("SitePlacement.site", message.site);
+    checker.pose("SitePlacement.world_from_site", message.world_from_site);
+    return checker.result();
+}
+
+Expected<void> check(const SceneObject& message) {
+    Checker checker;
+    check_object(message, checker);
+    return checker.result();
+}
+
+Expected<void> check(const SceneState& message) {
+    Checker checker;
+    checker.name("SceneState.world", message.world);
+    checker.time("SceneState.time", message.time);
+    checker.count("SceneState.objects", message.objects.size(), kMaxObjects);
+    for (const ObjectState& object : message.objects) {
+        checker.pose("SceneState.objects.world_from_object", object.world_from_object);
+        checker.vector("SceneState.objects.linear_velocity", object.linear_velocity, kMaxSpeed);
+        checker.vector("SceneState.objects.angular_velocity", object.angular_velocity, kMaxSpeed);
+    }
+    return checker.result();
+}
+
+Expected<void> check(const SceneCommand& message) {
+    Checker checker;
+    checker.name("SceneCommand.sender", message.sender);
+    checker.enumerator("SceneCommand.kind", message.kind, CommandKind::kPush);
+    checker.vector("SceneCommand.impulse_ns", message.impulse_ns, kMaxMass_kg);
+    if (message.kind == CommandKind::kAdd) check_object(message.object, checker);
+    return checker.result();
+}
+
+Expected<void> check(const SiteStatus& message) {
+    Checker checker;
+    checker.name("SiteStatus.site", message.site);
+    checker.time("SiteStatus.time", message.time);
+    checker.range("SiteStatus.metaframes_per_s", message.metaframes_per_s, 0.0, kMaxStatistic);
+    checker.range("SiteStatus.bytes_per_s", message.bytes_per_s, 0.0, kMaxStatistic);
+    checker.latency("SiteStatus.capture_to_publish", message.capture_to_publish);
+    return checker.result();
+}
+
+Expected<void> check(const WorldStatus& message) {
+    Checker checker;
+    checker.name("WorldStatus.world", message.world);
+    checker.time("WorldStatus.time", message.time);
+    checker.range("WorldStatus.steps_per_s", message.steps_per_s, 0.0, kMaxStatistic);
+    checker.latency("WorldStatus.capture_to_collision", message.capture_to_collision);
+    return checker.result();
+}
+
+Expected<void> check(const ViewerStatus& message) {
+    Checker checker;
+    checker.name("ViewerStatus.viewer", message.viewer);
+    checker.time("ViewerStatus.time", message.time);
+    checker.range("ViewerStatus.frames_per_s", message.frames_per_s, 0.0, kMaxStatistic);
+    checker.latency("ViewerStatus.capture_to_display", message.capture_to_display);
+    return checker.result();
+}
+
+}  // namespace atrium::bus

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/bus/messages.hpp"
+
+#include <string_view>
+
+/// The rules that every message keeps on both sides of the network (limits.hpp has the numbers). An
+/// error is kInvalidData and names the field and what is allowed.
+namespace atrium::bus {
+
+bool is_valid_name(std::string_view name);
+
+Expected<void> check(const SiteDescription& message);
+Expected<void> check(const SiteMesh& message);
+Expected<void> check(const CameraTexture& message);
+Expected<void> check(const SitePlacement& message);
+Expected<void> check(const SceneObject& message);
+Expected<void> check(const SceneState& message);
+Expected<void> check(const SceneCommand& message);
+Expected<void> check(const SiteStatus& message);
+Expected<void> check(const WorldStatus& message);
+Expected<void> check(const ViewerStatus& message);
+
+}  // namespace atrium::bus

@@ -1,0 +1,115 @@
+#include "core/bus/domain.hpp"
+
+#include "core/bus/entity.hpp"
+
+#include <map>
+#include <mutex>
+
+namespace atrium::bus {
+
+namespace {
+
+/// What Cyclone says while it creates a domain is the only place where the reason stands.
+class CapturedLog {
+public:
+    CapturedLog() { dds_set_log_sink(&CapturedLog::append, this); }
+    CapturedLog(const CapturedLog&) = delete;
+    CapturedLog& operator=(const CapturedLog&) = delete;
+    ~CapturedLog() { dds_set_log_sink(nullptr, nullptr); }
+
+    std::string text() const {
+        const std::lock_guard lock(mutex_);
+        return text_;
+    }
+
+private:
+    static void append(void* self, const dds_log_data_t* data) {
+        auto& log = *static_cast<CapturedLog*>(self);
+        const std::lock_guard lock(log.mutex_);
+        std::string_view line(data->message, data->size);
+        if (const auto end = line.find_last_not_of(" \n"); end != std::string_view::npos)
+            line = line.substr(0, end + 1);
+        if (!log.text_.empty()) log.text_ += "; ";
+        log.text_ += line;
+    }
+
+    mutable std::mutex mutex_;
+    std::string text_;
+};
+
+/// The domains that are open. Cyclone's own table of them is global to the process and cannot be
+/// asked with which settings one was made, so this one is global too.
+struct Registry {
+    struct OpenDomain {
+        Entity entity;
+        std::string network_xml;
+        std::size_t num_shares = 0;
+    };
+    std::mutex
+        mutex;  // held while a domain is opened or closed, so that neither overtakes the other
+    std::map<std::uint32_t, OpenDomain> domains;
+};
+
+Registry& registry() {
+    static Registry instance;
+    return instance;
+}
+
+tl::unexpected<Error> describe_failure(std::uint32_t id,
+                                       dds_entity_t code,
+                                       const std::string& source,
+                                       const std::string& log) {
+    const std::string said = log.empty() ? dds_strretcode(code) : log;
+    if (code == DDS_RETCODE_PRECONDITION_NOT_MET) {
+        return make_error(ErrorKind::kUnavailable,
+                          fmt::format("DDS domain {} was already opened in this process outside "
+                                      "Atrium; take another domain",
+                                      id));
+    }
+    if (log.find("config:") != std::string::npos)
+        return make_error(ErrorKind::kConfiguration, fmt::format("{}: {}", source, said));
+    return make_error(
+        ErrorKind::kUnavailable,
+        fmt::format("cannot open DDS domain {} with {} ({}). If its ports are taken, end programs "
+                    "that are not needed, raise MaxAutoParticipantIndex or take another domain; if "
+                    "an interface is missing, name one that is there",
+                    id,
+                    source,
+                    said));
+}
+
+}  // namespace
+
+Expected<Domain> Domain::open(std::uint32_t id,
+                              const std::string& network_xml,
+                              const std::string& source) {
+    Registry& all = registry();
+    const std::lock_guard lock(all.mutex);
+    if (const auto found = all.domains.find(id); found != all.domains.end()) {
+        if (found->second.network_xml != network_xml) {
+            return make_error(
+                ErrorKind::kConfiguration,
+                fmt::format("{}: DDS domain {} is already open in this process with other network "
+                            "settings; use the same file or another domain",
+                            source,
+                            id));
+        }
+        ++found->second.num_shares;
+        return Domain(id);
+    }
+    const CapturedLog log;
+    const dds_entity_t handle = dds_create_domain(id, network_xml.c_str());
+    if (handle < 0) return describe_failure(id, handle, source, log.text());
+    all.domains.emplace(id, Registry::OpenDomain{Entity(handle), network_xml, 1});
+    return Domain(id);
+}
+
+Domain::~Domain() {
+    if (!id_) return;
+    Registry& all = registry();
+    const std::lock_guard lock(all.mutex);
+    const auto found = all.domains.find(*id_);
+    if (--found->second.num_shares == 0) all.domains.erase(found);
+}
+
+}  // namespace atrium::bus

@@ -1,0 +1,208 @@
+#include "core/bus/endpoints.hpp"
+
+#include "core/bus/checks.hpp"
+
+#include <array>
+
+namespace atrium::bus {
+
+namespace {
+
+constexpr std::size_t kTakeBatch = 32;
+// A take ends even where a flood refills the reader as fast as it is emptied; 4096 samples, more
+// than any reader holds by its profile.
+constexpr std::size_t kMaxBatchesPerTake = 128;
+
+template <typename Message>
+Expected<Entity> create_topic(const Participant::Impl& participant) {
+    return own(dds_create_topic(participant.participant.get(),
+                                &Topic<Message>::kDescriptor,
+                                Topic<Message>::kName,
+                                nullptr,
+                                nullptr),
+               fmt::format("topic {}", Topic<Message>::kName));
+}
+
+/// Samples that stay Cyclone's; given back at the end of the scope, also by way of an exception.
+class Loan {
+public:
+    explicit Loan(dds_entity_t reader) : reader_(reader) {
+        num_samples_ = dds_take(reader_, samples_.data(), infos_.data(), kTakeBatch, kTakeBatch);
+    }
+    Loan(const Loan&) = delete;
+    Loan& operator=(const Loan&) = delete;
+    ~Loan() {
+        if (num_samples_ > 0) dds_return_loan(reader_, samples_.data(), num_samples_);
+    }
+    int size() const { return num_samples_; }  // negative: an error
+    const void* sample(int i) const { return samples_[static_cast<std::size_t>(i)]; }
+    const dds_sample_info_t& info(int i) const { return infos_[static_cast<std::size_t>(i)]; }
+
+private:
+    dds_entity_t reader_;
+    std::array<void*, kTakeBatch> samples_{};  // null at [0] asks for a loan
+    std::array<dds_sample_info_t, kTakeBatch> infos_{};
+    int num_samples_ = 0;
+};
+
+void reject(TakeReport& report, const Error& why) {
+    if (report.num_rejected++ == 0) report.first_rejection = why.message;
+}
+
+}  // namespace
+
+template <typename Message>
+Expected<Writer<Message>> Writer<Message>::create(const Participant& participant) {
+    auto impl = std::make_shared<Impl>();
+    impl->participant = participant.impl();
+    auto topic = create_topic<Message>(*impl->participant);
+    if (!topic) return tl::unexpected(topic.error());
+    impl->topic = std::move(*topic);
+    const auto& profile = impl->participant->profiles.find(Topic<Message>::kProfile)->second;
+    auto writer = own(dds_create_writer(impl->participant->publisher.get(),
+                                        impl->topic.get(),
+                                        make_writer_qos(profile.writer).get(),
+                                        nullptr),
+                      fmt::format("a writer of {}", Topic<Message>::kName));
+    if (!writer) return tl::unexpected(writer.error());
+    impl->writer = std::move(*writer);
+    Writer result;
+    result.impl_ = std::move(impl);
+    return result;
+}
+
+template <typename Message>
+Expected<std::size_t> Writer<Message>::write(const Message& message) {
+    if (auto result = check(message); !result) return tl::unexpected(std::move(result.error()));
+    const std::lock_guard lock(impl_->mutex);
+    to_wire(message, impl_->scratch, impl_->wire);
+    const dds_return_t result = dds_write(impl_->writer.get(), &impl_->wire);
+    if (result == DDS_RETCODE_TIMEOUT) {
+        return make_error(ErrorKind::kUnavailable,
+                          fmt::format("{}: a reader does not keep up", Topic<Message>::kName));
+    }
+    if (result == DDS_RETCODE_OUT_OF_RESOURCES) {
+        return make_error(
+            ErrorKind::kUnavailable,
+            fmt::format("{}: more keys than the QoS profile '{}' allows; dispose some",
+                        Topic<Message>::kName,
+                        Topic<Message>::kProfile));
+    }
+    if (result < 0) {
+        return make_error(
+            ErrorKind::kInternal,
+            fmt::format("{}: write: {}", Topic<Message>::kName, dds_strretcode(result)));
+    }
+    return payload_bytes(message);
+}
+
+template <typename Message>
+Expected<void> Writer<Message>::dispose(const Message& key_holder) {
+    const std::lock_guard lock(impl_->mutex);
+    typename Topic<Message>::Wire key{};
+    key_to_wire(key_holder, key);
+    if (const auto valid = key_from_wire(key); !valid) return tl::unexpected(valid.error());
+    // Dispose tells the readers; unregister lets the writer forget the key as well.
+    dds_return_t result = dds_dispose(impl_->writer.get(), &key);
+    if (result >= 0) result = dds_unregister_instance(impl_->writer.get(), &key);
+    if (result < 0) {
+        return make_error(
+            ErrorKind::kInternal,
+            fmt::format("{}: dispose: {}", Topic<Message>::kName, dds_strretcode(result)));
+    }
+    return {};
+}
+
+template <typename Message>
+int Writer<Message>::num_readers() const {
+    dds_publication_matched_status_t status{};
+    dds_get_publication_matched_status(impl_->writer.get(), &status);
+    return static_cast<int>(status.current_count);
+}
+
+template <typename Message>
+Expected<Reader<Message>> Reader<Message>::create(const Participant& participant) {
+    auto impl = std::make_shared<Impl>();
+    impl->participant = participant.impl();
+    auto topic = create_topic<Message>(*impl->participant);
+    if (!topic) return tl::unexpected(topic.error());
+    impl->topic = std::move(*topic);
+    const auto& profile = impl->participant->profiles.find(Topic<Message>::kProfile)->second;
+    auto reader = own(dds_create_reader(impl->participant->subscriber.get(),
+                                        impl->topic.get(),
+                                        make_reader_qos(profile.reader).get(),
+                                        nullptr),
+                      fmt::format("a reader of {}", Topic<Message>::kName));
+    if (!reader) return tl::unexpected(reader.error());
+    impl->reader = std::move(*reader);
+    auto condition =
+        own(dds_create_readcondition(impl->reader.get(), DDS_ANY_STATE), "a read condition");
+    if (!condition) return tl::unexpected(condition.error());
+    impl->anything = std::move(*condition);
+    Reader result;
+    result.impl_ = std::move(impl);
+    return result;
+}
+
+template <typename Message>
+TakeReport Reader<Message>::take(const std::function<void(Message&&)>& on_sample,
+                                 const std::function<void(const Message&)>& on_gone) {
+    TakeReport report;
+    for (std::size_t batch = 0; batch < kMaxBatchesPerTake; ++batch) {
+        const Loan loan(impl_->reader.get());
+        for (int i = 0; i < loan.size(); ++i) {
+            const auto& wire = *static_cast<const typename Topic<Message>::Wire*>(loan.sample(i));
+            const dds_sample_info_t& info = loan.info(i);
+            // Without valid data only the key is there: the sample tells of a change of state.
+            if (info.valid_data) {
+                if (auto message = from_wire(wire)) {
+                    ++report.num_taken;
+                    if (on_sample) on_sample(std::move(*message));
+                } else {
+                    reject(report, message.error());
+                }
+            }
+            // A last sample and the end of its writer may come as one, with valid data. The state
+            // is that of the key now; rank 0 is the key's last sample here.
+            if (info.instance_state == DDS_ALIVE_INSTANCE_STATE || info.sample_rank != 0) continue;
+            if (const auto key = key_from_wire(wire)) {
+                if (on_gone) on_gone(*key);
+            } else if (!info.valid_data) {
+                reject(report, key.error());
+            }
+        }
+        if (loan.size() < static_cast<int>(kTakeBatch)) break;
+    }
+    return report;
+}
+
+template <typename Message>
+int Reader<Message>::num_writers() const {
+    dds_subscription_matched_status_t status{};
+    dds_get_subscription_matched_status(impl_->reader.get(), &status);
+    return static_cast<int>(status.current_count);
+}
+
+template class Writer<SiteDescription>;
+template class Writer<SiteMesh>;
+template class Writer<CameraTexture>;
+template class Writer<SitePlacement>;
+template class Writer<SceneObject>;
+template class Writer<SceneState>;
+template class Writer<SceneCommand>;
+template class Writer<SiteStatus>;
+template class Writer<WorldStatus>;
+template class Writer<ViewerStatus>;
+
+template class Reader<SiteDescription>;
+template class Reader<SiteMesh>;
+template class Reader<CameraTexture>;
+template class Reader<SitePlacement>;
+template class Reader<SceneObject>;
+template class Reader<SceneState>;
+template class Reader<SceneCommand>;
+template class Reader<SiteStatus>;
+template class Reader<WorldStatus>;
+template class Reader<ViewerStatus>;
+
+}  // namespace atrium::bus

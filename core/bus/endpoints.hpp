@@ -1,0 +1,33 @@
+#pragma once
+
+#include "core/bus/bus.hpp"
+#include "core/bus/entity.hpp"
+#include "core/bus/participant.hpp"
+#include "core/bus/topics.hpp"
+#include "core/bus/wire.hpp"
+
+#include <memory>
+#include <mutex>
+
+/// What Writers and Readers are made of. Private to core/bus.
+namespace atrium::bus {
+
+template <typename Message>
+struct Writer<Message>::Impl {
+    std::shared_ptr<Participant::Impl> participant;
+    Entity topic;
+    Entity writer;
+    std::mutex mutex;  // guards the rest
+    typename Topic<Message>::Wire wire{};
+    WireScratch scratch;
+};
+
+template <typename Message>
+struct Reader<Message>::Impl {
+    std::shared_ptr<Participant::Impl> participant;
+    Entity topic;
+    Entity reader;
+    Entity anything;  // condition: there is something to take
+};
+
+}  // namespace atrium::bus

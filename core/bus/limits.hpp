@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+/// What a sample may hold; more is refused at both ends. Those that bound sequences stand in idl/
+/// as well.
+namespace atrium::bus {
+
+inline constexpr std::size_t kMaxNameLength = 63;
+inline constexpr std::size_t kMaxCamerasPerSite = 64;
+inline constexpr std::size_t kMaxCodedBytes = 8U << 20U;  // 30 times the largest sample foreseen
+inline constexpr std::size_t kMaxObjects = 2048;          // a SceneState then has 0.23 MB
+inline constexpr int kMaxImageSide_px = 16384;
+inline constexpr double kMaxCoordinate_m = 1e5;
+inline constexpr double kMaxSpeed = 1e5;       // [m/s], [rad/s]
+inline constexpr double kMaxMass_kg = 1e6;     // impulses: kMaxMass_kg * 1 m/s
+inline constexpr double kMaxIntrinsic = 1e7;   // fx, fy, cx, cy, skew [px], distortion
+inline constexpr double kMaxStatistic = 1e15;  // rates, latencies
+/// Of a quaternion's length from 1; what is nearer is normalised, what is farther is refused.
+inline constexpr double kQuaternionTolerance = 1e-3;
+/// The year 2116: differences of two times then cannot overflow.
+inline constexpr std::int64_t kMaxTime_ns = std::int64_t{1} << 62;
+
+}  // namespace atrium::bus

@@ -1,0 +1,113 @@
+#include "core/bus/participant.hpp"
+
+#include "core/bus/checks.hpp"
+#include "core/bus/network_file.hpp"
+#include "core/bus/topics.hpp"
+
+#include <algorithm>
+
+namespace atrium::bus {
+
+namespace {
+
+// Cyclone computes ports from the domain's id, 7400 + 250 id and more; beyond this they do not fit.
+constexpr std::uint32_t kMaxDomain = 230;
+
+dds_duration_t to_dds(std::chrono::nanoseconds duration) {
+    return duration == kForever ? DDS_INFINITY : duration.count();
+}
+
+dds_history_kind_t history_kind(const History& history) {
+    return history.keep_all ? DDS_HISTORY_KEEP_ALL : DDS_HISTORY_KEEP_LAST;
+}
+
+QosPointer make_qos(const EndpointQos& qos) {
+    QosPointer out(dds_create_qos());
+    dds_qset_reliability(out.get(),
+                         qos.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
+                         to_dds(qos.max_blocking_time));
+    dds_qset_durability(
+        out.get(), qos.transient_local ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+    dds_qset_history(out.get(), history_kind(qos.history), qos.history.depth);
+    dds_qset_resource_limits(out.get(),
+                             qos.limits.max_samples,
+                             qos.limits.max_instances,
+                             qos.limits.max_samples_per_instance);
+    dds_qset_liveliness(out.get(), DDS_LIVELINESS_AUTOMATIC, to_dds(qos.lease));
+    return out;
+}
+
+Expected<void> check_options(const BusOptions& options) {
+    if (!is_valid_name(options.world)) {
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("world '{}': must have 1 to 63 characters of [A-Za-z0-9_.-]",
+                                      options.world));
+    }
+    if (options.domain > kMaxDomain) {
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("domain {}: must be in 0..{}", options.domain, kMaxDomain));
+    }
+    return {};
+}
+
+Expected<void> check_profiles(const QosProfiles& profiles, const BusOptions& options) {
+    for (const std::string_view name : kProfileNames) {
+        if (!profiles.contains(name)) {
+            return make_error(
+                ErrorKind::kConfiguration,
+                fmt::format("{}: lacks the profile '{}'", options.profiles_file.string(), name));
+        }
+    }
+    return {};
+}
+
+}  // namespace
+
+QosPointer make_writer_qos(const EndpointQos& qos) {
+    QosPointer out = make_qos(qos);
+    if (qos.transient_local) {
+        dds_qset_durability_service(out.get(),
+                                    0,
+                                    history_kind(qos.late_joiner_history),
+                                    qos.late_joiner_history.depth,
+                                    qos.late_joiner_limits.max_samples,
+                                    qos.late_joiner_limits.max_instances,
+                                    qos.late_joiner_limits.max_samples_per_instance);
+    }
+    return out;
+}
+
+QosPointer make_reader_qos(const EndpointQos& qos) { return make_qos(qos); }
+
+Expected<Participant> Participant::create(const BusOptions& options) {
+    if (auto result = check_options(options); !result) return tl::unexpected(result.error());
+    auto profiles = load_qos_profiles(options.profiles_file);
+    if (!profiles) return tl::unexpected(profiles.error());
+    if (auto result = check_profiles(*profiles, options); !result)
+        return tl::unexpected(result.error());
+    const auto network_xml = load_network_file(options.network_file);
+    if (!network_xml) return tl::unexpected(network_xml.error());
+
+    const std::string source =
+        options.network_file.empty() ? "built-in network settings" : options.network_file.string();
+    auto domain = Domain::open(options.domain, *network_xml, source);
+    if (!domain) return tl::unexpected(domain.error());
+    auto participant = own(dds_create_participant(options.domain, nullptr, nullptr),
+                           "a participant; too many programs in this domain?");
+    if (!participant) return tl::unexpected(participant.error());
+    const QosPointer qos(dds_create_qos());
+    dds_qset_partition1(qos.get(), options.world.c_str());
+    auto publisher =
+        own(dds_create_publisher(participant->get(), qos.get(), nullptr), "a publisher");
+    if (!publisher) return tl::unexpected(publisher.error());
+    auto subscriber =
+        own(dds_create_subscriber(participant->get(), qos.get(), nullptr), "a subscriber");
+    if (!subscriber) return tl::unexpected(subscriber.error());
+    return Participant(std::shared_ptr<Impl>(new Impl{std::move(*domain),
+                                                      std::move(*profiles),
+                                                      std::move(*participant),
+                                                      std::move(*publisher),
+                                                      std::move(*subscriber)}));
+}
+
+}  // namespace atrium::bus

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "core/bus/bus.hpp"
+#include "core/bus/domain.hpp"
+#include "core/bus/entity.hpp"
+#include "core/bus/qos_profiles.hpp"
+
+#include <memory>
+
+namespace atrium::bus {
+
+struct DeleteQos {
+    void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
+};
+using QosPointer = std::unique_ptr<dds_qos_t, DeleteQos>;
+
+QosPointer make_writer_qos(const EndpointQos& qos);
+QosPointer make_reader_qos(const EndpointQos& qos);
+
+struct Participant::Impl {
+    // Destroyed from the last to the first.
+    Domain domain;
+    QosProfiles profiles;
+    Entity participant;
+    Entity publisher;   // in the partition of the world, like
+    Entity subscriber;  // this one
+};
+
+}  // namespace atrium::bus

@@ -1,0 +1,81 @@
+#pragma once
+
+#include "core/bus/messages.hpp"
+
+#include <site.h>
+#include <status.h>
+#include <world.h>
+
+#include <array>
+#include <string_view>
+
+/// Which topic, wire type and QoS profile each message has. Private to core/bus and its tests.
+namespace atrium::bus {
+
+inline constexpr std::string_view kDescription = "description";
+inline constexpr std::string_view kStream = "stream";
+inline constexpr std::string_view kCommand = "command";
+inline constexpr std::string_view kStatus = "status";
+inline constexpr std::array kProfileNames{kDescription, kStream, kCommand, kStatus};
+
+template <typename WireType, const dds_topic_descriptor_t& kTypeDescriptor>
+struct WireTopic {
+    using Wire = WireType;
+    static constexpr const dds_topic_descriptor_t& kDescriptor = kTypeDescriptor;
+};
+
+template <typename Message>
+struct Topic;
+
+template <>
+struct Topic<SiteDescription> : WireTopic<atrium_SiteDescription, atrium_SiteDescription_desc> {
+    static constexpr const char* kName = "SiteDescription";
+    static constexpr std::string_view kProfile = kDescription;
+};
+template <>
+struct Topic<SiteMesh> : WireTopic<atrium_SiteMesh, atrium_SiteMesh_desc> {
+    static constexpr const char* kName = "SiteMesh";
+    static constexpr std::string_view kProfile = kStream;
+};
+template <>
+struct Topic<CameraTexture> : WireTopic<atrium_CameraTexture, atrium_CameraTexture_desc> {
+    static constexpr const char* kName = "CameraTexture";
+    static constexpr std::string_view kProfile = kStream;
+};
+template <>
+struct Topic<SitePlacement> : WireTopic<atrium_SitePlacement, atrium_SitePlacement_desc> {
+    static constexpr const char* kName = "SitePlacement";
+    static constexpr std::string_view kProfile = kDescription;
+};
+template <>
+struct Topic<SceneObject> : WireTopic<atrium_SceneObject, atrium_SceneObject_desc> {
+    static constexpr const char* kName = "SceneObject";
+    static constexpr std::string_view kProfile = kDescription;
+};
+template <>
+struct Topic<SceneState> : WireTopic<atrium_SceneState, atrium_SceneState_desc> {
+    static constexpr const char* kName = "SceneState";
+    static constexpr std::string_view kProfile = kStream;
+};
+template <>
+struct Topic<SceneCommand> : WireTopic<atrium_SceneCommand, atrium_SceneCommand_desc> {
+    static constexpr const char* kName = "SceneCommand";
+    static constexpr std::string_view kProfile = kCommand;
+};
+template <>
+struct Topic<SiteStatus> : WireTopic<atrium_SiteStatus, atrium_SiteStatus_desc> {
+    static constexpr const char* kName = "SiteStatus";
+    static constexpr std::string_view kProfile = kStatus;
+};
+template <>
+struct Topic<WorldStatus> : WireTopic<atrium_WorldStatus, atrium_WorldStatus_desc> {
+    static constexpr const char* kName = "WorldStatus";
+    static constexpr std::string_view kProfile = kStatus;
+};
+template <>
+struct Topic<ViewerStatus> : WireTopic<atrium_ViewerStatus, atrium_ViewerStatus_desc> {
+    static constexpr const char* kName = "ViewerStatus";
+    static constexpr std::string_view kProfile = kStatus;
+};
+
+}  // namespace atrium::bus

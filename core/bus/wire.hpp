@@ -1,0 +1,82 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/bus/messages.hpp"
+
+#include <site.h>
+#include <status.h>
+#include <world.h>
+
+#include <cstddef>
+#include <vector>
+
+/// Messages <-> the structs that idlc makes of idl/. Private to core/bus and its tests.
+///
+/// `to_wire` points the sequences of `out` into the message and into `scratch`: `out` lives no
+/// longer than either. `from_wire` copies and trusts nothing: what it returns has passed `check`,
+/// and quaternions that are a little off are normalised. `key_to_wire` and `key_from_wire` deal
+/// with the key fields alone; `payload_bytes` counts names, numbers and coded bytes without the
+/// padding and headers of the protocol.
+namespace atrium::bus {
+
+struct WireScratch {
+    std::vector<atrium_Camera> cameras;
+    std::vector<atrium_ObjectState> objects;
+};
+
+void to_wire(const SiteDescription& message, WireScratch& scratch, atrium_SiteDescription& out);
+void to_wire(const SiteMesh& message, WireScratch& scratch, atrium_SiteMesh& out);
+void to_wire(const CameraTexture& message, WireScratch& scratch, atrium_CameraTexture& out);
+void to_wire(const SitePlacement& message, WireScratch& scratch, atrium_SitePlacement& out);
+void to_wire(const SceneObject& message, WireScratch& scratch, atrium_SceneObject& out);
+void to_wire(const SceneState& message, WireScratch& scratch, atrium_SceneState& out);
+void to_wire(const SceneCommand& message, WireScratch& scratch, atrium_SceneCommand& out);
+void to_wire(const SiteStatus& message, WireScratch& scratch, atrium_SiteStatus& out);
+void to_wire(const WorldStatus& message, WireScratch& scratch, atrium_WorldStatus& out);
+void to_wire(const ViewerStatus& message, WireScratch& scratch, atrium_ViewerStatus& out);
+
+Expected<SiteDescription> from_wire(const atrium_SiteDescription& wire);
+Expected<SiteMesh> from_wire(const atrium_SiteMesh& wire);
+Expected<CameraTexture> from_wire(const atrium_CameraTexture& wire);
+Expected<SitePlacement> from_wire(const atrium_SitePlacement& wire);
+Expected<SceneObject> from_wire(const atrium_SceneObject& wire);
+Expected<SceneState> from_wire(const atrium_SceneState& wire);
+Expected<SceneCommand> from_wire(const atrium_SceneCommand& wire);
+Expected<SiteStatus> from_wire(const atrium_SiteStatus& wire);
+Expected<WorldStatus> from_wire(const atrium_WorldStatus& wire);
+Expected<ViewerStatus> from_wire(const atrium_ViewerStatus& wire);
+
+void key_to_wire(const SiteDescription& message, atrium_SiteDescription& out);
+void key_to_wire(const SiteMesh& message, atrium_SiteMesh& out);
+void key_to_wire(const CameraTexture& message, atrium_CameraTexture& out);
+void key_to_wire(const SitePlacement& message, atrium_SitePlacement& out);
+void key_to_wire(const SceneObject& message, atrium_SceneObject& out);
+void key_to_wire(const SceneState& message, atrium_SceneState& out);
+void key_to_wire(const SceneCommand& message, atrium_SceneCommand& out);
+void key_to_wire(const SiteStatus& message, atrium_SiteStatus& out);
+void key_to_wire(const WorldStatus& message, atrium_WorldStatus& out);
+void key_to_wire(const ViewerStatus& message, atrium_ViewerStatus& out);
+
+Expected<SiteDescription> key_from_wire(const atrium_SiteDescription& wire);
+Expected<SiteMesh> key_from_wire(const atrium_SiteMesh& wire);
+Expected<CameraTexture> key_from_wire(const atrium_CameraTexture& wire);
+Expected<SitePlacement> key_from_wire(const atrium_SitePlacement& wire);
+Expected<SceneObject> key_from_wire(const atrium_SceneObject& wire);
+Expected<SceneState> key_from_wire(const atrium_SceneState& wire);
+Expected<SceneCommand> key_from_wire(const atrium_SceneCommand& wire);
+Expected<SiteStatus> key_from_wire(const atrium_SiteStatus& wire);
+Expected<WorldStatus> key_from_wire(const atrium_WorldStatus& wire);
+Expected<ViewerStatus> key_from_wire(const atrium_ViewerStatus& wire);
+
+std::size_t payload_bytes(const SiteDescription& message);
+std::size_t payload_bytes(const SiteMesh& message);
+std::size_t payload_bytes(const CameraTexture& message);
+std::size_t payload_bytes(const SitePlacement& message);
+std::size_t payload_bytes(const SceneObject& message);
+std::size_t payload_bytes(const SceneState& message);
+std::size_t payload_bytes(const SceneCommand& message);
+std::size_t payload_bytes(const SiteStatus& message);
+std::size_t payload_bytes(const WorldStatus& message);
+std::size_t payload_bytes(const ViewerStatus& message);
+
+}  // namespace atrium::bus

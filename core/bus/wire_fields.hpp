@@ -1,0 +1,94 @@
+#pragma once
+
+#include "core/bus/checks.hpp"
+#include "core/bus/wire.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+
+/// The fields that several messages have. Private to the wire_*.cpp files.
+namespace atrium::bus {
+
+// x, y, z, w and three coordinates of a pose; three vectors of an object's state and so on.
+inline constexpr std::size_t kPoseBytes = 7 * sizeof(double);
+inline constexpr std::size_t kVectorBytes = 3 * sizeof(double);
+inline constexpr std::size_t kLatencyBytes = 3 * sizeof(double);
+
+inline void put_name(std::string_view name, atrium_Name& out) {
+    const std::size_t size = std::min(name.size(), sizeof(out) - 1);
+    std::memcpy(out, name.data(), size);
+    out[size] = '\0';
+}
+
+inline std::string get_name(const atrium_Name& name) { return {name, strnlen(name, sizeof(name))}; }
+
+inline void put_vector(const Eigen::Vector3d& vector, double (&out)[3]) {
+    std::copy_n(vector.data(), 3, out);
+}
+
+inline Eigen::Vector3d get_vector(const double (&vector)[3]) {
+    return {vector[0], vector[1], vector[2]};
+}
+
+inline void put_pose(const geometry::RigidTransform& pose, atrium_Pose& out) {
+    std::copy_n(pose.rotation.coeffs().data(), 4, out.rotation);  // x, y, z, w
+    put_vector(pose.translation, out.translation);
+}
+
+/// The quaternion as sent; `settle` makes its length 1 after the check.
+inline geometry::RigidTransform get_pose(const atrium_Pose& pose) {
+    const auto& [x, y, z, w] = pose.rotation;
+    return {Eigen::Quaterniond(w, x, y, z), get_vector(pose.translation)};
+}
+
+/// Leaves alone what is of unit length but for rounding, so that a message comes out as it went in.
+inline void settle(geometry::RigidTransform& pose) {
+    constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
+    if (std::abs(pose.rotation.squaredNorm() - 1.0) > kRounding) pose.rotation.normalize();
+}
+
+inline atrium_Latency put_latency(const LatencySummary& latency) {
+    return {latency.median_ms, latency.p99_ms, latency.num_samples};
+}
+
+inline LatencySummary get_latency(const atrium_Latency& latency) {
+    return {latency.median_ms, latency.p99_ms, latency.num_samples};
+}
+
+/// Lends a vector's elements to a wire sequence, which only ever reads them.
+template <typename Sequence, typename Element>
+void lend(const std::vector<Element>& elements, Sequence& out) {
+    out._maximum = out._length = static_cast<std::uint32_t>(elements.size());
+    out._buffer = const_cast<Element*>(elements.data());
+    out._release = false;
+}
+
+template <typename Sequence>
+auto elements_of(const Sequence& sequence) {
+    return std::span(sequence._buffer, sequence._length);
+}
+
+inline tl::unexpected<Error> too_many(std::string_view field) {
+    return make_error(ErrorKind::kInvalidData, std::string(field) + ": too many elements");
+}
+
+/// What `from_wire` ends with.
+template <typename Message>
+Expected<Message> checked(Message&& message) {
+    if (auto result = check(message); !result) return tl::unexpected(std::move(result.error()));
+    return std::forward<Message>(message);
+}
+
+/// What `key_from_wire` ends with.
+template <typename Message>
+Expected<Message> with_checked_name(Message&& message, const std::string& name) {
+    if (!is_valid_name(name)) return make_error(ErrorKind::kInvalidData, "key: not a valid name");
+    return std::forward<Message>(message);
+}
+
+}  // namespace atrium::bus

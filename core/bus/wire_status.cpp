@@ -1,0 +1,135 @@
+#include "core/bus/wire_fields.hpp"
+
+namespace atrium::bus {
+
+void to_wire(const SiteStatus& message, WireScratch& /*scratch*/, atrium_SiteStatus& out) {
+    key_to_wire(message, out);
+    out.time_ns = message.time.ns;
+    out.num_metaframes_captured = message.num_metaframes_captured;
+    out.num_metaframes_published = message.num_metaframes_published;
+    out.num_dropped_incomplete = message.num_dropped_incomplete;
+    out.num_dropped_late = message.num_dropped_late;
+    out.num_failed = message.num_failed;
+    out.num_bytes_published = message.num_bytes_published;
+    out.metaframes_per_s = message.metaframes_per_s;
+    out.bytes_per_s = message.bytes_per_s;
+    out.capture_to_publish = put_latency(message.capture_to_publish);
+    out.resident_bytes = message.resident_bytes;
+}
+
+Expected<SiteStatus> from_wire(const atrium_SiteStatus& wire) {
+    SiteStatus message;
+    message.site = get_name(wire.site);
+    message.time.ns = wire.time_ns;
+    message.num_metaframes_captured = wire.num_metaframes_captured;
+    message.num_metaframes_published = wire.num_metaframes_published;
+    message.num_dropped_incomplete = wire.num_dropped_incomplete;
+    message.num_dropped_late = wire.num_dropped_late;
+    message.num_failed = wire.num_failed;
+    message.num_bytes_published = wire.num_bytes_published;
+    message.metaframes_per_s = wire.metaframes_per_s;
+    message.bytes_per_s = wire.bytes_per_s;
+    message.capture_to_publish = get_latency(wire.capture_to_publish);
+    message.resident_bytes = wire.resident_bytes;
+    return checked(std::move(message));
+}
+
+void key_to_wire(const SiteStatus& message, atrium_SiteStatus& out) {
+    put_name(message.site, out.site);
+}
+
+Expected<SiteStatus> key_from_wire(const atrium_SiteStatus& wire) {
+    SiteStatus key;
+    key.site = get_name(wire.site);
+    return with_checked_name(std::move(key), key.site);
+}
+
+std::size_t payload_bytes(const SiteStatus& message) {
+    return message.site.size() + 10 * sizeof(std::uint64_t) + kLatencyBytes;
+}
+
+void to_wire(const WorldStatus& message, WireScratch& /*scratch*/, atrium_WorldStatus& out) {
+    key_to_wire(message, out);
+    out.time_ns = message.time.ns;
+    out.num_steps = message.num_steps;
+    out.num_meshes_received = message.num_meshes_received;
+    out.num_rejected = message.num_rejected;
+    out.num_sites = message.num_sites;
+    out.num_contacts = message.num_contacts;
+    out.steps_per_s = message.steps_per_s;
+    out.capture_to_collision = put_latency(message.capture_to_collision);
+    out.resident_bytes = message.resident_bytes;
+}
+
+Expected<WorldStatus> from_wire(const atrium_WorldStatus& wire) {
+    WorldStatus message;
+    message.world = get_name(wire.world);
+    message.time.ns = wire.time_ns;
+    message.num_steps = wire.num_steps;
+    message.num_meshes_received = wire.num_meshes_received;
+    message.num_rejected = wire.num_rejected;
+    message.num_sites = wire.num_sites;
+    message.num_contacts = wire.num_contacts;
+    message.steps_per_s = wire.steps_per_s;
+    message.capture_to_collision = get_latency(wire.capture_to_collision);
+    message.resident_bytes = wire.resident_bytes;
+    return checked(std::move(message));
+}
+
+void key_to_wire(const WorldStatus& message, atrium_WorldStatus& out) {
+    put_name(message.world, out.world);
+}
+
+Expected<WorldStatus> key_from_wire(const atrium_WorldStatus& wire) {
+    WorldStatus key;
+    key.world = get_name(wire.world);
+    return with_checked_name(std::move(key), key.world);
+}
+
+std::size_t payload_bytes(const WorldStatus& message) {
+    return message.world.size() + 8 * sizeof(std::uint64_t) + kLatencyBytes;
+}
+
+void to_wire(const ViewerStatus& message, WireScratch& /*scratch*/, atrium_ViewerStatus& out) {
+    key_to_wire(message, out);
+    out.time_ns = message.time.ns;
+    out.num_frames = message.num_frames;
+    out.num_pairs_shown = message.num_pairs_shown;
+    out.num_pairs_skipped = message.num_pairs_skipped;
+    out.num_incomplete = message.num_incomplete;
+    out.num_rejected = message.num_rejected;
+    out.frames_per_s = message.frames_per_s;
+    out.capture_to_display = put_latency(message.capture_to_display);
+    out.resident_bytes = message.resident_bytes;
+}
+
+Expected<ViewerStatus> from_wire(const atrium_ViewerStatus& wire) {
+    ViewerStatus message;
+    message.viewer = get_name(wire.viewer);
+    message.time.ns = wire.time_ns;
+    message.num_frames = wire.num_frames;
+    message.num_pairs_shown = wire.num_pairs_shown;
+    message.num_pairs_skipped = wire.num_pairs_skipped;
+    message.num_incomplete = wire.num_incomplete;
+    message.num_rejected = wire.num_rejected;
+    message.frames_per_s = wire.frames_per_s;
+    message.capture_to_display = get_latency(wire.capture_to_display);
+    message.resident_bytes = wire.resident_bytes;
+    return checked(std::move(message));
+}
+
+void key_to_wire(const ViewerStatus& message, atrium_ViewerStatus& out) {
+    put_name(message.viewer, out.viewer);
+}
+
+Expected<ViewerStatus> key_from_wire(const atrium_ViewerStatus& wire) {
+    ViewerStatus key;
+    key.viewer = get_name(wire.viewer);
+    return with_checked_name(std::move(key), key.viewer);
+}
+
+std::size_t payload_bytes(const ViewerStatus& message) {
+    return message.viewer.size() + 8 * sizeof(std::uint64_t) + kLatencyBytes;
+}
+
+}  // namespace atrium::bus
