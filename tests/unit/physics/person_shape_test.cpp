@@ -1,0 +1,96 @@
+#include "world_server/physics/person_shape.hpp"
+
+#include "meshes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace atrium::physics {
+namespace {
+
+using physics_test::make_box_mesh;
+
+constexpr double kPeriodS = 1.0 / 30.0;
+Timestamp frame_time(int frame) {
+    return Timestamp{1'000'000'000} + std::chrono::nanoseconds(frame * 33'333'333LL);
+}
+
+geometry::TriangleMesh slab_at(const Eigen::Vector3d& position, int num_cuts) {
+    return make_box_mesh({0.04, 0.10, 0.18}, {Eigen::Quaterniond::Identity(), position}, num_cuts);
+}
+
+TEST(PersonShaper, MeasuresTheVelocityOfASlabAlongItsNormal) {
+    for (const double speed_mps : {1.0, 2.0, 4.0, 6.0}) {
+        PersonShaper shaper({});
+        shaper.shape(slab_at({0.0, 0.0, 1.0}, 3), frame_time(0));
+        const PersonShape shape =
+            shaper.shape(slab_at({speed_mps * kPeriodS, 0.0, 1.0}, 4), frame_time(1));
+        ASSERT_FALSE(shape.velocities.empty());
+        for (const Eigen::Vector3f& v : shape.velocities) {
+            EXPECT_NEAR(v.x(), speed_mps, 0.08 * speed_mps);
+            EXPECT_NEAR(v.y(), 0.0, 0.1 * speed_mps);
+            EXPECT_NEAR(v.z(), 0.0, 0.1 * speed_mps);
+        }
+    }
+}
+
+TEST(PersonShaper, GivesEachPartItsOwnVelocity) {
+    const auto figure = [](double offset) {
+        geometry::TriangleMesh mesh = slab_at({0.0, 0.0, 1.0}, 3);
+        physics_test::append(mesh, slab_at({offset, 1.0, 1.0}, 3));
+        return mesh;
+    };
+    PersonShaper shaper({});
+    shaper.shape(figure(0.0), frame_time(0));
+    const PersonShape shape = shaper.shape(figure(2.0 * kPeriodS), frame_time(1));
+    for (std::size_t i = 0; i < shape.velocities.size(); ++i) {
+        const double expected = shape.solid.pieces[i].centre.y() > 0.5F ? 2.0 : 0.0;
+        EXPECT_NEAR(shape.velocities[i].x(), expected, 0.2);
+    }
+}
+
+TEST(PersonShaper, TakesTheFlickerOfAStillOutlineForRest) {
+    std::mt19937 random(5);
+    std::normal_distribution<double> noise_m(0.0, 0.002);  // half a pixel at 2 m, roughly
+    PersonShaper shaper({});
+    PersonShape shape;
+    for (int frame = 0; frame < 5; ++frame) {
+        geometry::TriangleMesh mesh = physics_test::make_person_mesh({0, 0, 0}, 0.5, 8 + frame);
+        for (Eigen::Vector3d& v : mesh.vertices) {
+            v += Eigen::Vector3d(noise_m(random), noise_m(random), noise_m(random));
+        }
+        shape = shaper.shape(mesh, frame_time(frame));
+    }
+    double sum = 0.0;
+    for (const Eigen::Vector3f& v : shape.velocities) sum += v.norm();
+    EXPECT_LT(sum / static_cast<double>(shape.velocities.size()), 0.03);
+}
+
+TEST(PersonShaper, NeverExceedsItsSpeedLimit) {
+    const PersonShapeOptions options{.max_speed_mps = 3.0};
+    PersonShaper shaper(options);
+    shaper.shape(slab_at({0.0, 0.0, 1.0}, 3), frame_time(0));
+    const PersonShape shape = shaper.shape(slab_at({0.09, 0.09, 1.0}, 3), frame_time(1));
+    for (const Eigen::Vector3f& v : shape.velocities) EXPECT_LE(v.norm(), 3.0F * 1.0001F);
+}
+
+TEST(PersonShaper, GivesNoVelocityWithoutAUsableMeshBefore) {
+    PersonShaper shaper({});
+    EXPECT_EQ(shaper.shape(slab_at({0, 0, 1}, 2), frame_time(0)).period_s, 0.0);
+    EXPECT_GT(shaper.shape(slab_at({0, 0, 1}, 2), frame_time(1)).period_s, 0.0);
+    EXPECT_EQ(shaper.shape(slab_at({0, 0, 1}, 2), frame_time(1)).period_s, 0.0) << "same time";
+    EXPECT_EQ(shaper.shape(slab_at({0, 0, 1}, 2), frame_time(0)).period_s, 0.0) << "earlier";
+    EXPECT_EQ(shaper.shape(slab_at({0, 0, 1}, 2), frame_time(60)).period_s, 0.0) << "long after";
+    shaper.forget();
+    EXPECT_EQ(shaper.shape(slab_at({0, 0, 1}, 2), frame_time(61)).period_s, 0.0) << "forgotten";
+}
+
+TEST(PersonShaper, AcceptsAnEmptyMesh) {
+    PersonShaper shaper({});
+    EXPECT_TRUE(shaper.shape({}, frame_time(0)).solid.pieces.empty());
+    EXPECT_FALSE(shaper.shape(slab_at({0, 0, 1}, 2), frame_time(1)).solid.pieces.empty());
+}
+
+}  // namespace
+}  // namespace atrium::physics

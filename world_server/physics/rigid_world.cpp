@@ -1,0 +1,278 @@
+#include "world_server/physics/rigid_world.hpp"
+
+#include "world_server/physics/object_body.hpp"
+#include "world_server/physics/person_body.hpp"
+
+#include <btBulletDynamicsCommon.h>
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <map>
+
+namespace atrium::physics {
+namespace {
+
+constexpr double kContactM = 0.005;  // gap up to which a person counts as touching an object
+// An object that a person's piece reaches into deeper than this, in radii of the object, is checked
+// for being inside the person: there Bullet pushes towards the nearest side of a piece, which may
+// lie deeper inside.
+constexpr double kDeepRadii = 0.6;
+constexpr float kEscapeSearchM = 0.5F;
+// Overlap above which Bullet separates without adding velocity; its default of 4 cm makes whatever
+// is pressed by a hand pop away.
+constexpr float kPlainContactM = 0.002F;
+
+btVector3 to_bullet(const Eigen::Vector3d& v) {
+    return btVector3(btScalar(v.x()), btScalar(v.y()), btScalar(v.z()));
+}
+
+ObjectBody* object_of(const btCollisionObject* body) {
+    if (body->isKinematicObject()) return nullptr;
+    return static_cast<ObjectBody*>(body->getUserPointer());
+}
+
+const PersonBody* person_of(const btCollisionObject* body) {
+    if (!body->isKinematicObject()) return nullptr;
+    return static_cast<const PersonBody*>(body->getUserPointer());
+}
+
+// Leaves out pairs with an object that is being led out of a person.
+void collide_unless_escaping(btBroadphasePair& pair,
+                             btCollisionDispatcher& dispatcher,
+                             const btDispatcherInfo& info) {
+    const auto* a = static_cast<const btCollisionObject*>(pair.m_pProxy0->m_clientObject);
+    const auto* b = static_cast<const btCollisionObject*>(pair.m_pProxy1->m_clientObject);
+    if (person_of(a) != nullptr || person_of(b) != nullptr) {
+        const ObjectBody* object = person_of(a) != nullptr ? object_of(b) : object_of(a);
+        if (object != nullptr && object->escaping_from != nullptr) {
+            if (pair.m_algorithm != nullptr) {
+                pair.m_algorithm->~btCollisionAlgorithm();
+                dispatcher.freeCollisionAlgorithm(pair.m_algorithm);
+                pair.m_algorithm = nullptr;
+            }
+            return;
+        }
+    }
+    btCollisionDispatcher::defaultNearCallback(pair, dispatcher, info);
+}
+
+}  // namespace
+
+struct RigidWorld::Impl {
+    explicit Impl(const RigidWorldOptions& world_options);
+    ~Impl();
+    static void begin_tick(btDynamicsWorld* world, btScalar tick_s);
+    void guard(ObjectBody& object);
+    void look_at_contacts();
+    void lead_out(ObjectBody& object);
+
+    RigidWorldOptions options;
+    btDefaultCollisionConfiguration configuration;
+    btCollisionDispatcher dispatcher{&configuration};
+    btDbvtBroadphase broadphase;
+    btSequentialImpulseConstraintSolver solver;
+    btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+    std::map<std::uint32_t, std::unique_ptr<ObjectBody>> objects;
+    std::map<std::string, std::unique_ptr<PersonBody>> people;
+    std::map<std::uint32_t, Eigen::Vector3d> positions_before;  // of the objects that move
+    RigidWorldCounters counters;
+};
+
+RigidWorld::Impl::Impl(const RigidWorldOptions& world_options) : options(world_options) {
+    assert(options.tick_s > 0.0 && options.max_speed_mps > 0.0);
+    world.setGravity(to_bullet(options.gravity));
+    world.getSolverInfo().m_splitImpulsePenetrationThreshold = -kPlainContactM;
+    world.getDispatchInfo().m_deterministicOverlappingPairs = true;
+    world.setInternalTickCallback(&Impl::begin_tick, this, /*isPreTick=*/true);
+    dispatcher.setNearCallback(&collide_unless_escaping);
+}
+
+RigidWorld::Impl::~Impl() {
+    people.clear();
+    for (auto& [id, object] : objects) world.removeRigidBody(&object->body());
+}
+
+void RigidWorld::Impl::begin_tick(btDynamicsWorld* world, btScalar tick_s) {
+    Impl& self = *static_cast<Impl*>(world->getWorldUserInfo());
+    for (auto& [name, person] : self.people) person->begin_tick(tick_s);
+    for (auto& [id, object] : self.objects) {
+        if (object->escaping_from != nullptr) self.lead_out(*object);
+    }
+}
+
+// Gives an object inside a person a velocity towards the nearest place on the person's surface.
+void RigidWorld::Impl::lead_out(ObjectBody& object) {
+    const Eigen::Vector3d position = object.state().world_from_object.translation;
+    const Eigen::Vector3f centre = position.cast<float>();
+    const auto nearest = object.escaping_from->surface().nearest(
+        centre, kEscapeSearchM, [](const SurfaceSample& sample) {
+            return sample.normal.z() > -0.5F;  // not down through the soles
+        });
+    if (!nearest || nearest->normal.dot(centre - nearest->position) > 0.0F) {
+        object.escaping_from = nullptr;
+        return;
+    }
+    const Eigen::Vector3d out = nearest->normal.cast<double>();
+    const Eigen::Vector3d velocity = object.state().linear_velocity;
+    const double missing = options.escape_mps - velocity.dot(out);
+    if (missing > 0.0)
+        object.body().setLinearVelocity(to_bullet((velocity + missing * out).eval()));
+    object.body().activate();
+}
+
+void RigidWorld::Impl::look_at_contacts() {
+    bool touched = false;
+    for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
+        const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
+        const btCollisionObject* a = manifold.getBody0();
+        const btCollisionObject* b = manifold.getBody1();
+        const PersonBody* person = person_of(a) != nullptr ? person_of(a) : person_of(b);
+        if (person == nullptr) continue;
+        ObjectBody* object = person_of(a) != nullptr ? object_of(b) : object_of(a);
+        double distance_m = 1.0;
+        for (int p = 0; p < manifold.getNumContacts(); ++p) {
+            distance_m = std::min<double>(distance_m, manifold.getContactPoint(p).getDistance());
+        }
+        touched = touched || distance_m <= kContactM;
+        if (object == nullptr || object->escaping_from != nullptr) continue;
+        if (distance_m > -kDeepRadii * object->inner_radius_m()) continue;
+        const Eigen::Vector3f centre = object->state().world_from_object.translation.cast<float>();
+        const auto nearest = person->surface().nearest(
+            centre, kEscapeSearchM, [](const SurfaceSample&) { return true; });
+        if (!nearest || nearest->normal.dot(centre - nearest->position) > 0.0F) continue;
+        object->escaping_from = person;
+        ++counters.num_escapes;
+    }
+    if (touched) ++counters.num_contact_ticks;
+}
+
+void RigidWorld::Impl::guard(ObjectBody& object) {
+    if (!object.is_finite()) {
+        ++counters.num_not_finite;
+        object.put_back();
+        return;
+    }
+    if (object.body().isActive()) {
+        object.limit_motion(positions_before[object.object().id], options);
+    }
+    const Eigen::Vector3d position = object.state().world_from_object.translation;
+    const bool strayed =
+        position.z() < options.lowest_z_m || position.cwiseAbs().maxCoeff() > options.half_extent_m;
+    if (strayed) {
+        ++counters.num_strays;
+        object.put_back();
+    }
+}
+
+RigidWorld::RigidWorld(const RigidWorldOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+RigidWorld::~RigidWorld() = default;
+
+AddResult RigidWorld::add(const RigidObject& object) {
+    if (!is_valid(object)) return AddResult::kInvalid;
+    if (impl_->objects.contains(object.id)) return AddResult::kIdInUse;
+    if (impl_->objects.size() >= impl_->options.max_objects) return AddResult::kWorldFull;
+    auto body = std::make_unique<ObjectBody>(object, impl_->options);
+    const int group = body->moves() ? kObjectGroup : kStillGroup;
+    const int mask = body->moves() ? kStillGroup | kObjectGroup | kPersonGroup : kObjectGroup;
+    impl_->world.addRigidBody(&body->body(), group, mask);
+    impl_->objects.emplace(object.id, std::move(body));
+    return AddResult::kAdded;
+}
+
+bool RigidWorld::remove(std::uint32_t id) {
+    const auto found = impl_->objects.find(id);
+    if (found == impl_->objects.end()) return false;
+    impl_->world.removeRigidBody(&found->second->body());
+    impl_->objects.erase(found);
+    impl_->positions_before.erase(id);
+    // what rested on it must not go on sleeping in the air
+    for (auto& [other, object] : impl_->objects) {
+        if (object->moves()) object->body().activate();
+    }
+    return true;
+}
+
+void RigidWorld::reset() {
+    btOverlappingPairCache& pairs = *impl_->broadphase.getOverlappingPairCache();
+    for (auto& [id, object] : impl_->objects) {
+        pairs.cleanProxyFromPairs(object->body().getBroadphaseHandle(), &impl_->dispatcher);
+        object->put_back();
+    }
+}
+
+bool RigidWorld::push(std::uint32_t id, const Eigen::Vector3d& impulse_ns) {
+    const auto found = impl_->objects.find(id);
+    if (found == impl_->objects.end() || !found->second->moves()) return false;
+    if (!impulse_ns.allFinite()) return false;
+    found->second->body().activate(true);
+    found->second->body().applyCentralImpulse(to_bullet(impulse_ns));
+    return true;
+}
+
+void RigidWorld::set_person(const std::string& name, const PersonShape& shape) {
+    std::unique_ptr<PersonBody>& person = impl_->people[name];
+    if (!person) {
+        const PersonMaterial material{impl_->options.person_friction,
+                                      impl_->options.person_restitution};
+        person = std::make_unique<PersonBody>(impl_->world, material);
+    }
+    person->set_shape(shape);
+}
+
+void RigidWorld::remove_person(const std::string& name) {
+    const auto found = impl_->people.find(name);
+    if (found == impl_->people.end()) return;
+    for (auto& [id, object] : impl_->objects) {
+        if (object->escaping_from == found->second.get()) object->escaping_from = nullptr;
+        if (object->moves()) object->body().activate();  // what lay on the person falls
+    }
+    impl_->people.erase(found);
+}
+
+void RigidWorld::tick() {
+    for (auto& [id, object] : impl_->objects) {
+        if (!object->moves()) continue;
+        impl_->positions_before[id] = object->state().world_from_object.translation;
+    }
+    impl_->world.stepSimulation(static_cast<btScalar>(impl_->options.tick_s), /*maxSubSteps=*/0);
+    for (auto& [id, object] : impl_->objects) {
+        if (object->moves()) impl_->guard(*object);
+    }
+    impl_->look_at_contacts();
+    ++impl_->counters.num_ticks;
+}
+
+void RigidWorld::get_states(std::vector<RigidState>& states) const {
+    states.clear();
+    for (const auto& [id, object] : impl_->objects) states.push_back(object->state());
+}
+
+const RigidWorldCounters& RigidWorld::counters() const { return impl_->counters; }
+std::size_t RigidWorld::num_objects() const { return impl_->objects.size(); }
+std::size_t RigidWorld::num_people() const { return impl_->people.size(); }
+
+std::size_t RigidWorld::num_person_pieces() const {
+    std::size_t num_pieces = 0;
+    for (const auto& [name, person] : impl_->people) num_pieces += person->num_pieces();
+    return num_pieces;
+}
+
+std::uint64_t RigidWorld::state_hash() const {
+    std::uint64_t hash = 14695981039346656037ULL;  // FNV-1a
+    const auto add = [&](double value) {
+        hash = (hash ^ std::bit_cast<std::uint64_t>(value)) * 1099511628211ULL;
+    };
+    for (const auto& [id, object] : impl_->objects) {
+        const RigidState state = object->state();
+        add(id);
+        for (const double x : state.world_from_object.translation) add(x);
+        for (const double x : state.world_from_object.rotation.coeffs()) add(x);
+        for (const double x : state.linear_velocity) add(x);
+        for (const double x : state.angular_velocity) add(x);
+    }
+    return hash;
+}
+
+}  // namespace atrium::physics
