@@ -1,0 +1,23 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/geometry/triangle_mesh.hpp"
+
+#include <filesystem>
+
+namespace atrium::geometry {
+
+/// Writes `mesh` in the format that the suffix of `path` names:
+/// - `.ply`: binary, little-endian, positions in double precision
+/// - `.obj`: text, all digits of the doubles
+/// - `.gltf`, `.glb`: glTF 2.0 in one file; positions in single precision (the format has no
+/// other), +Z up in the file's
+///   buffer and turned to glTF's +Y up by the node
+/// An existing file is replaced. kConfiguration for an unknown suffix, kUnavailable where writing
+/// fails.
+Expected<void> write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh);
+
+/// Whether `write_mesh` knows the suffix of `path`.
+bool is_mesh_path(const std::filesystem::path& path);
+
+}  // namespace atrium::geometry

@@ -1,0 +1,66 @@
+#include "site_node/hull_tool/tool.hpp"
+
+#include <CLI/CLI.hpp>
+
+namespace atrium::hull_tool {
+namespace {
+
+constexpr const char* kSummary =
+    "Computes the exact polyhedral visual hull of a set of silhouettes and prints a report as one "
+    "JSON object.";
+
+constexpr const char* kDetails =
+    "Report: vertices, triangles, components, euler_characteristic, volume_m3, closed, manifold; "
+    "per view its name,\n"
+    "coverage (share of the silhouette's pixels that the hull projects onto) and excess_px (pixels "
+    "outside the\n"
+    "silhouette that it projects onto); milliseconds of each stage of the fastest computation and "
+    "in total.\n"
+    "Exit codes: 0 done (also where the hull is empty), 1 failed, 2 wrong command line or input "
+    "file.\n"
+    "Examples:\n"
+    "  visual_hull views.json -o hull.ply\n"
+    "  visual_hull --recording recordings/room --frame 12 --threads 2 --repeat 50";
+
+constexpr int kExitUsage = 2;
+
+}  // namespace
+
+Start parse_command_line(int argc, char** argv, ToolOptions& options) {
+    CLI::App app{kSummary, "visual_hull"};
+    app.footer(kDetails);
+    app.set_version_flag("--version", "visual_hull " ATRIUM_VERSION);
+    auto* file =
+        app.add_option("views", options.views_file, "JSON file with cameras and silhouettes");
+    auto* recording = app.add_option(
+        "--recording", options.recording, "folder of a recording, instead of a file");
+    file->excludes(recording);
+    app.add_option("--frame", options.frame, "frame of the recording")
+        ->check(CLI::Range(0, 1'000'000'000))
+        ->capture_default_str()
+        ->needs(recording);
+    app.add_option("-o,--output", options.output, "write the mesh: .ply, .obj, .gltf or .glb");
+    app.add_option("--threads", options.threads, "threads to compute with")
+        ->check(CLI::Range(1, 256))
+        ->capture_default_str();
+    app.add_option("--repeat",
+                   options.repeat,
+                   "compute this often; adds the minimum and median of the total time")
+        ->check(CLI::Range(1, 1'000'000))
+        ->capture_default_str();
+    app.add_flag("--keep-phantoms",
+                 options.keep_phantoms,
+                 "keep components that no silhouette needs (without viewing edge) or that are "
+                 "tiny: the exact intersection");
+    try {
+        app.parse(argc, argv);
+        if (options.views_file.empty() && options.recording.empty()) {
+            throw CLI::RequiredError("a views file or --recording");
+        }
+    } catch (const CLI::ParseError& error) {
+        return {false, app.exit(error) == 0 ? 0 : kExitUsage};
+    }
+    return {true, 0};
+}
+
+}  // namespace atrium::hull_tool

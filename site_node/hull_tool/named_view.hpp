@@ -1,0 +1,16 @@
+#pragma once
+
+#include "site_node/hull/visual_hull.hpp"
+
+#include <string>
+#include <vector>
+
+namespace atrium::hull_tool {
+
+/// One input of the tool; `view.intrinsics` has the picture's size.
+struct NamedView {
+    std::string name;
+    hull::SilhouetteView view;
+};
+
+}  // namespace atrium::hull_tool

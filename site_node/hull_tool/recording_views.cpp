@@ -1,0 +1,77 @@
+#include "site_node/hull_tool/recording_views.hpp"
+
+#include "site_node/capture/recording_source.hpp"
+#include "site_node/segmentation/segmentation.hpp"
+#include "site_node/silhouette/silhouette.hpp"
+
+#include <string>
+#include <utility>
+
+namespace atrium::hull_tool {
+namespace {
+
+Expected<image::Mask> segment_by_background(capture::RecordingSource& source,
+                                            const capture::CameraFrame& frame) {
+    const segmentation::SegmentationOptions options;
+    segmentation::BackgroundLearner learner;
+    Error first_error;
+    bool failed = false;
+    const auto learn = [&](const image::YuvImage& picture) {
+        const Expected<void> added = learner.add(picture);
+        if (added || failed) return;
+        failed = true;
+        first_error = added.error();
+    };
+    if (auto shown = source.show_background(frame.camera, learn); !shown)
+        return tl::unexpected(shown.error());
+    if (failed) return tl::unexpected(first_error);
+    const Expected<segmentation::BackgroundModel> model = learner.finish(options);
+    if (!model) return tl::unexpected(model.error());
+    segmentation::SegmentationScratch scratch;
+    image::Mask mask;
+    if (auto done = segmentation::segment(*frame.image, *model, options, scratch, mask); !done) {
+        return tl::unexpected(done.error());
+    }
+    return mask;
+}
+
+}  // namespace
+
+Expected<std::vector<NamedView>> load_recording_views(const std::filesystem::path& folder,
+                                                      std::size_t frame) {
+    capture::RecordingOptions options;
+    options.folder = folder;
+    auto source = capture::RecordingSource::open(options);
+    if (!source) return tl::unexpected(source.error());
+    const auto metaframe = (*source)->read_frame(frame);
+    if (!metaframe) return tl::unexpected(metaframe.error());
+
+    const silhouette::SilhouetteOptions silhouette_options;
+    silhouette::SilhouetteScratch scratch;
+    std::vector<silhouette::SilhouettePolygon> polygons;
+    std::vector<NamedView> views;
+    for (const capture::CameraFrame& picture : metaframe->frames) {
+        const geometry::CalibratedCamera& camera = (*source)->rig().cameras[picture.camera];
+        const auto name_camera = [&](const Error& error) {
+            return make_error(
+                error.kind, folder.string() + ": camera \"" + camera.name + "\": " + error.message);
+        };
+        image::Mask learned;
+        if (picture.silhouette == nullptr) {
+            Expected<image::Mask> segmented = segment_by_background(**source, picture);
+            if (!segmented) return name_camera(segmented.error());
+            learned = std::move(*segmented);
+        }
+        const image::Mask& mask = picture.silhouette != nullptr ? *picture.silhouette : learned;
+        silhouette::extract_silhouette(
+            mask, camera.intrinsics, silhouette_options, scratch, polygons);
+        NamedView view{camera.name, {camera.intrinsics, camera.camera_from_site, {}}};
+        for (silhouette::SilhouettePolygon& polygon : polygons) {
+            view.view.contours.push_back(std::move(polygon.vertices_px));
+        }
+        views.push_back(std::move(view));
+    }
+    return views;
+}
+
+}  // namespace atrium::hull_tool

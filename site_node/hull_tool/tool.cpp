@@ -1,0 +1,127 @@
+#include "site_node/hull_tool/tool.hpp"
+
+#include "core/base/thread_pool.hpp"
+#include "core/geometry/mesh_file.hpp"
+#include "core/geometry/triangle_mesh.hpp"
+#include "site_node/hull_tool/coverage.hpp"
+#include "site_node/hull_tool/recording_views.hpp"
+#include "site_node/hull_tool/views_file.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <vector>
+
+namespace atrium::hull_tool {
+namespace {
+
+struct Measured {
+    hull::VisualHull hull;
+    hull::StageTimes fastest;
+    std::vector<double> totals_ms;  // sorted
+};
+
+Measured compute(const std::vector<NamedView>& views, const ToolOptions& options) {
+    std::vector<hull::SilhouetteView> silhouettes;
+    for (const NamedView& view : views) silhouettes.push_back(view.view);
+    hull::HullOptions hull_options;
+    hull_options.keep_phantoms = options.keep_phantoms;
+    hull::HullScratch scratch;
+    ThreadPool pool(static_cast<std::size_t>(options.threads));
+    Measured measured;
+    for (int i = 0; i < options.repeat; ++i) {
+        hull::compute_visual_hull(silhouettes, hull_options, scratch, pool, measured.hull);
+        const hull::StageTimes& times = measured.hull.times;
+        if (i == 0 || times.total_ms < measured.fastest.total_ms) measured.fastest = times;
+        measured.totals_ms.push_back(times.total_ms);
+    }
+    std::sort(measured.totals_ms.begin(), measured.totals_ms.end());
+    return measured;
+}
+
+nlohmann::ordered_json report_views(const std::vector<NamedView>& views,
+                                    const geometry::TriangleMesh& mesh) {
+    CoverageScratch scratch;
+    auto list = nlohmann::ordered_json::array();
+    for (const NamedView& view : views) {
+        const Coverage coverage = measure_coverage(mesh, view.view, scratch);
+        nlohmann::ordered_json entry;
+        entry["name"] = view.name;
+        entry["coverage"] = nullptr;  // a camera that sees nobody has nothing to cover
+        if (coverage.silhouette_px > 0) entry["coverage"] = coverage.share();
+        entry["excess_px"] = coverage.excess_px;
+        list.push_back(entry);
+    }
+    return list;
+}
+
+nlohmann::ordered_json report(const std::vector<NamedView>& views, const Measured& measured) {
+    const hull::VisualHull& hull = measured.hull;
+    const geometry::MeshReport mesh = geometry::inspect(hull.mesh);
+    nlohmann::ordered_json out;
+    out["status"] = hull::to_string(hull.status);
+    out["vertices"] = hull.mesh.vertices.size();
+    out["triangles"] = hull.mesh.triangles.size();
+    out["components"] = mesh.num_components;
+    out["euler_characteristic"] = mesh.euler_characteristic;
+    out["volume_m3"] = mesh.volume_m3;
+    out["closed"] = mesh.closed;
+    out["manifold"] = mesh.manifold;
+    out["phantoms_dropped"] = hull.num_phantoms_dropped;
+    out["fragments_dropped"] = hull.num_fragments_dropped;
+    out["contours_dropped"] = hull.num_contours_dropped;
+    out["contours_repaired"] = hull.num_contours_repaired;
+    out["views_merged"] = hull.num_views_merged;
+    out["attempts"] = hull.num_attempts;
+    out["views"] = report_views(views, hull.mesh);
+    const hull::StageTimes& times = measured.fastest;
+    nlohmann::ordered_json& ms = out["milliseconds"];
+    ms["silhouettes"] = times.silhouettes_ms;
+    ms["pencils"] = times.pencils_ms;
+    ms["sweep"] = times.sweep_ms;
+    ms["assembly"] = times.assembly_ms;
+    ms["total"] = times.total_ms;
+    if (measured.totals_ms.size() > 1) {
+        const std::size_t n = measured.totals_ms.size();
+        ms["repeats"] = n;
+        ms["total_min"] = measured.totals_ms.front();
+        ms["total_median"] = 0.5 * (measured.totals_ms[(n - 1) / 2] + measured.totals_ms[n / 2]);
+    }
+    return out;
+}
+
+std::string name_of_input(const ToolOptions& options) {
+    if (options.recording.empty()) return options.views_file.string();
+    return options.recording.string() + ", frame " + std::to_string(options.frame);
+}
+
+}  // namespace
+
+Expected<std::string> run(const ToolOptions& options) {
+    if (!options.output.empty() && !geometry::is_mesh_path(options.output)) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            options.output.string() + ": unknown mesh format; use .ply, .obj, .gltf or .glb");
+    }
+    const auto views =
+        options.recording.empty()
+            ? load_views_file(options.views_file)
+            : load_recording_views(options.recording, static_cast<std::size_t>(options.frame));
+    if (!views) return tl::unexpected(views.error());
+    const Measured measured = compute(*views, options);
+    const hull::HullStatus status = measured.hull.status;
+    if (status != hull::HullStatus::kOk && status != hull::HullStatus::kEmptyIntersection) {
+        const bool is_input =
+            status == hull::HullStatus::kTooFewViews || status == hull::HullStatus::kInvalidInput;
+        return make_error(is_input ? ErrorKind::kConfiguration : ErrorKind::kInvalidData,
+                          name_of_input(options) + ": no hull: " + hull::to_string(status));
+    }
+    if (!options.output.empty()) {
+        if (auto written = geometry::write_mesh(options.output, measured.hull.mesh); !written) {
+            return tl::unexpected(written.error());
+        }
+    }
+    return report(*views, measured).dump(2);
+}
+
+}  // namespace atrium::hull_tool

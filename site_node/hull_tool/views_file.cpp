@@ -1,0 +1,154 @@
+#include "site_node/hull_tool/views_file.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <string>
+
+namespace atrium::hull_tool {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kMaxRotationError = 1e-3;  // digits that a person may have left out
+
+// What is wrong with one value; the caller adds the file.
+struct BadValue {
+    std::string message;
+};
+
+const json& member(const json& object, const std::string& where, const char* key) {
+    const auto it = object.find(key);
+    if (it == object.end()) throw BadValue{where + ": key \"" + key + "\" is missing"};
+    return *it;
+}
+
+double number(const json& value, const std::string& where) {
+    if (!value.is_number()) throw BadValue{where + ": must be a number"};
+    const double v = value.get<double>();
+    if (!std::isfinite(v)) throw BadValue{where + ": must be finite"};
+    return v;
+}
+
+double number_at(const json& object, const std::string& where, const char* key) {
+    return number(member(object, where, key), where + "." + key);
+}
+
+double positive_at(const json& object, const std::string& where, const char* key) {
+    const double v = number_at(object, where, key);
+    if (v <= 0.0) throw BadValue{where + "." + key + ": must be positive"};
+    return v;
+}
+
+int size_at(const json& object, const std::string& where, const char* key) {
+    constexpr int kMaxSize_px = 32768;
+    const json& value = member(object, where, key);
+    const bool fits = value.is_number_integer() && value.get<std::int64_t>() >= 1 &&
+                      value.get<std::int64_t>() <= kMaxSize_px;
+    if (!fits) throw BadValue{where + "." + key + ": must be an integer in [1, 32768]"};
+    return value.get<int>();
+}
+
+std::vector<double> numbers_at(const json& object,
+                               const std::string& where,
+                               const char* key,
+                               std::size_t count) {
+    const json& value = member(object, where, key);
+    const std::string here = where + "." + key;
+    if (!value.is_array() || value.size() != count) {
+        throw BadValue{here + ": must be a list of " + std::to_string(count) + " numbers"};
+    }
+    std::vector<double> out;
+    for (const json& v : value) out.push_back(number(v, here));
+    return out;
+}
+
+geometry::RigidTransform read_pose(const json& object, const std::string& where) {
+    const std::vector<double> r = numbers_at(object, where, "rotation", 9);
+    const std::vector<double> t = numbers_at(object, where, "translation", 3);
+    Eigen::Matrix3d rotation;
+    rotation << r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8];
+    const double error =
+        (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+    if (!(error < kMaxRotationError) || rotation.determinant() <= 0.0) {
+        throw BadValue{where + ".rotation: must be a rotation matrix, row by row"};
+    }
+    return {Eigen::Quaterniond(rotation).normalized(), {t[0], t[1], t[2]}};
+}
+
+std::vector<Eigen::Vector2d> read_contour(const json& value, const std::string& where) {
+    if (!value.is_array() || value.size() < 3)
+        throw BadValue{where + ": must be a list of at least 3 points"};
+    std::vector<Eigen::Vector2d> contour;
+    contour.reserve(value.size());
+    for (const json& point : value) {
+        const std::string here = where + "[" + std::to_string(contour.size()) + "]";
+        if (!point.is_array() || point.size() != 2) throw BadValue{here + ": must be [x, y]"};
+        contour.emplace_back(number(point[0], here), number(point[1], here));
+    }
+    return contour;
+}
+
+NamedView read_view(const json& object, std::size_t index) {
+    std::string where = "views[" + std::to_string(index) + "]";
+    if (!object.is_object()) throw BadValue{where + ": must be an object"};
+    NamedView out;
+    const json& name = member(object, where, "name");
+    if (!name.is_string()) throw BadValue{where + ".name: must be text"};
+    out.name = name.get<std::string>();
+    where = "view \"" + out.name + "\"";
+    geometry::PinholeCamera& camera = out.view.intrinsics;
+    camera.width = size_at(object, where, "width");
+    camera.height = size_at(object, where, "height");
+    camera.fx = positive_at(object, where, "fx");
+    camera.fy = positive_at(object, where, "fy");
+    camera.cx = number_at(object, where, "cx");
+    camera.cy = number_at(object, where, "cy");
+    if (object.contains("skew")) camera.skew = number_at(object, where, "skew");
+    out.view.camera_from_site = read_pose(object, where);
+    const json& contours = member(object, where, "contours");
+    if (!contours.is_array()) throw BadValue{where + ".contours: must be a list of polygons"};
+    for (const json& contour : contours) {
+        const std::string here =
+            where + ".contours[" + std::to_string(out.view.contours.size()) + "]";
+        out.view.contours.push_back(read_contour(contour, here));
+    }
+    return out;
+}
+
+std::vector<NamedView> read_views(const json& document) {
+    if (!document.is_object()) throw BadValue{"must be a JSON object"};
+    const json& list = member(document, "document", "views");
+    if (!list.is_array()) throw BadValue{"views: must be a list"};
+    std::vector<NamedView> views;
+    std::set<std::string> names;
+    for (const json& object : list) {
+        views.push_back(read_view(object, views.size()));
+        if (!names.insert(views.back().name).second) {
+            throw BadValue{"view \"" + views.back().name + "\": the name is used twice"};
+        }
+    }
+    return views;
+}
+
+}  // namespace
+
+Expected<std::vector<NamedView>> load_views_file(const std::filesystem::path& path) {
+    std::ifstream file(path);
+    if (!file || std::filesystem::is_directory(path)) {
+        return make_error(ErrorKind::kNotFound, path.string() + ": cannot be read");
+    }
+    try {
+        return read_views(json::parse(file));
+    } catch (const BadValue& bad) {
+        return make_error(ErrorKind::kConfiguration, path.string() + ": " + bad.message);
+    } catch (const json::exception& error) {
+        return make_error(ErrorKind::kConfiguration, path.string() + ": " + error.what());
+    }
+}
+
+}  // namespace atrium::hull_tool
