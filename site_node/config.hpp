@@ -1,0 +1,47 @@
+#pragma once
+
+#include "core/bus/bus.hpp"
+#include "core/config/option_set.hpp"
+#include "site_node/pipeline.hpp"
+
+#include <filesystem>
+#include <string>
+
+namespace atrium::site_node {
+
+struct CaptureConfig {
+    std::string source = "simulated";                   // or "recording"
+    std::filesystem::path rig;                          // simulated: the room's cameras
+    std::filesystem::path recording;                    // recording: its folder
+    double rate_hz = 0.0;                               // 0: as recorded, or the rig's rate
+    bool loop = false;                                  // recording: start again at its end
+    double deadline_ms = 100.0;                         // how long a metaframe may stay incomplete
+};
+
+struct SimulationConfig {
+    std::string look = "ada";
+    std::string motion = "walk";
+    double loop_s = 3.0;
+    double heading_deg = -90.0;  // -90 faces +X of the site
+    double noise_lsb = 2.0;
+    std::uint64_t seed = 1;
+    std::filesystem::path cache = ".cache/simulation";  // rendered loops are kept here; empty: nowhere
+};
+
+struct SiteNodeConfig {
+    std::string name = "site";
+    int threads = 1;
+    double seconds = 0.0;  // 0: until Ctrl-C or the end of the recording
+    CaptureConfig capture;
+    SimulationConfig simulation;
+    PipelineOptions pipeline;
+    bus::BusOptions bus;
+};
+
+/// Declares every option with its default; `config` must outlive `set`.
+void declare(SiteNodeConfig& config, config::OptionSet& set);
+
+/// What options cannot check one by one.
+Expected<void> check(const SiteNodeConfig& config);
+
+}  // namespace atrium::site_node

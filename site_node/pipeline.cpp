@@ -1,0 +1,144 @@
+#include "site_node/pipeline.hpp"
+
+#include <chrono>
+#include <fmt/format.h>
+
+namespace atrium::site_node {
+namespace {
+
+double milliseconds_since(std::chrono::steady_clock::time_point begin) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+}
+
+// Somebody is in the room only if every camera's cone and the hull say so; the other outcomes are answers too.
+bool is_nobody(hull::HullStatus status) { return status == hull::HullStatus::kEmptyIntersection; }
+
+}  // namespace
+
+// Everything that one camera needs, so that cameras can be worked on in parallel.
+struct Pipeline::CameraStage {
+    bool needs_segmentation = false;
+    segmentation::BackgroundModel background;
+    segmentation::SegmentationScratch segmentation;
+    image::Mask mask;
+    silhouette::SilhouetteScratch silhouette;
+    std::vector<silhouette::SilhouettePolygon> polygons;
+    texture::TextureScratch texture;
+    codec::TextureCrop crop;
+    codec::TextureEncoder encoder;
+    bool sees_somebody = false;
+    Expected<void> result;
+};
+
+Pipeline::Pipeline(std::vector<geometry::CalibratedCamera> cameras, const PipelineOptions& options)
+    : cameras_(std::move(cameras)), options_(options) {
+    views_.resize(cameras_.size());
+    for (std::size_t i = 0; i < cameras_.size(); ++i) {
+        stages_.push_back(std::make_unique<CameraStage>());
+        views_[i].intrinsics = cameras_[i].intrinsics;
+        views_[i].camera_from_site = cameras_[i].camera_from_site;
+    }
+}
+
+Pipeline::Pipeline(Pipeline&&) noexcept = default;
+Pipeline& Pipeline::operator=(Pipeline&&) noexcept = default;
+Pipeline::~Pipeline() = default;
+
+Expected<Pipeline> Pipeline::create(capture::FrameSource& source, const PipelineOptions& options, std::stop_token stop) {
+    Pipeline pipeline(source.rig().cameras, options);
+    if (source.has_silhouettes()) return pipeline;
+    for (std::size_t i = 0; i < pipeline.cameras_.size() && !stop.stop_requested(); ++i) {
+        segmentation::BackgroundLearner learner;
+        Expected<void> added;
+        const auto shown = source.show_background(i, [&](const image::YuvImage& picture) {
+            if (added) added = learner.add(picture);
+        });
+        const auto with_camera = [&](const Error& error) {
+            return make_error(error.kind,
+                              fmt::format("camera '{}': no background: {}", pipeline.cameras_[i].name, error.message));
+        };
+        if (!shown) return with_camera(shown.error());
+        if (!added) return with_camera(added.error());
+        auto model = learner.finish(options.segmentation);
+        if (!model) return with_camera(model.error());
+        pipeline.stages_[i]->background = std::move(*model);
+        pipeline.stages_[i]->needs_segmentation = true;
+    }
+    return pipeline;
+}
+
+Expected<void> Pipeline::process_camera(const capture::CameraFrame& frame, CameraStage& stage, CodedCamera& coded) {
+    const geometry::CalibratedCamera& camera = cameras_[frame.camera];
+    if (frame.silhouette != nullptr) {
+        stage.mask = *frame.silhouette;
+    } else {
+        auto segmented =
+            segmentation::segment(*frame.image, stage.background, options_.segmentation, stage.segmentation, stage.mask);
+        if (!segmented) return segmented;
+    }
+    silhouette::extract_silhouette(stage.mask, camera.intrinsics, options_.silhouette, stage.silhouette, stage.polygons);
+
+    auto& contours = views_[frame.camera].contours;
+    contours.resize(stage.polygons.size());
+    for (std::size_t p = 0; p < stage.polygons.size(); ++p) contours[p] = stage.polygons[p].vertices_px;
+
+    stage.sees_somebody =
+        !stage.polygons.empty() &&
+        texture::crop_texture(*frame.image, stage.mask, options_.texture, stage.texture, stage.crop);
+    if (!stage.sees_somebody) return {};
+    coded.camera = static_cast<std::uint32_t>(frame.camera);
+    coded.crop_px = stage.crop.crop_px;
+    return stage.encoder.encode(stage.crop, options_.jpeg_quality, coded.texture);
+}
+
+Expected<void> Pipeline::process(const capture::Metaframe& metaframe, Executor& executor, SiteFrame& frame) {
+    const auto begin = std::chrono::steady_clock::now();
+    frame.frame_id = metaframe.frame_id;
+    frame.capture_time = metaframe.capture_time;
+    frame.cameras.resize(cameras_.size());
+    frame.draco.clear();
+
+    const auto work_on_camera = [&](std::size_t i, std::size_t) {
+        stages_[i]->result = process_camera(metaframe.frames[i], *stages_[i], frame.cameras[i]);
+    };
+    executor.parallel_for(cameras_.size(), work_on_camera);
+    for (std::size_t i = 0; i < cameras_.size(); ++i) {
+        if (const auto& result = stages_[i]->result; !result) {
+            return make_error(result.error().kind,
+                              fmt::format("camera '{}': {}", cameras_[i].name, result.error().message));
+        }
+    }
+    frame.milliseconds.silhouettes = milliseconds_since(begin);
+
+    const auto hull_begin = std::chrono::steady_clock::now();
+    hull::compute_visual_hull(views_, options_.hull, hull_scratch_, executor, frame.hull);
+    frame.milliseconds.hull = milliseconds_since(hull_begin);
+
+    const auto encode_begin = std::chrono::steady_clock::now();
+    if (frame.hull.status == hull::HullStatus::kOk) {
+        if (auto coded = codec::encode_mesh(frame.hull.mesh, options_.mesh, frame.draco); !coded) {
+            return tl::unexpected(coded.error());
+        }
+        std::size_t num_kept = 0;
+        for (std::size_t i = 0; i < cameras_.size(); ++i) {
+            if (!stages_[i]->sees_somebody) continue;
+            if (num_kept != i) std::swap(frame.cameras[num_kept], frame.cameras[i]);
+            ++num_kept;
+        }
+        frame.cameras.resize(num_kept);
+    } else if (is_nobody(frame.hull.status)) {
+        frame.cameras.clear();
+    } else {
+        return make_error(ErrorKind::kInvalidData, fmt::format("no hull: {}", hull::to_string(frame.hull.status)));
+    }
+    frame.milliseconds.encode = milliseconds_since(encode_begin);
+    frame.milliseconds.total = milliseconds_since(begin);
+    return {};
+}
+
+const image::Mask& Pipeline::mask(std::size_t camera) const { return stages_[camera]->mask; }
+const std::vector<silhouette::SilhouettePolygon>& Pipeline::polygons(std::size_t camera) const {
+    return stages_[camera]->polygons;
+}
+
+}  // namespace atrium::site_node

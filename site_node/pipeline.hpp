@@ -1,0 +1,81 @@
+#pragma once
+
+#include "core/base/executor.hpp"
+#include "core/base/expected.hpp"
+#include "core/codec/mesh_codec.hpp"
+#include "core/codec/texture_codec.hpp"
+#include "core/geometry/triangle_mesh.hpp"
+#include "site_node/capture/frame_source.hpp"
+#include "site_node/hull/visual_hull.hpp"
+#include "site_node/segmentation/segmentation.hpp"
+#include "site_node/silhouette/silhouette.hpp"
+#include "site_node/texture/texture.hpp"
+
+#include <memory>
+#include <stop_token>
+#include <vector>
+
+namespace atrium::site_node {
+
+struct PipelineOptions {
+    segmentation::SegmentationOptions segmentation;
+    silhouette::SilhouetteOptions silhouette;
+    hull::HullOptions hull;
+    codec::MeshCodecOptions mesh;
+    texture::TextureOptions texture;
+    int jpeg_quality = 85;
+};
+
+/// What one camera adds to a frame.
+struct CodedCamera {
+    std::uint32_t camera = 0;
+    image::PixelRect crop_px;
+    codec::CodedTexture texture;
+};
+
+/// One metaframe, ready to be published. Reused: vectors keep their capacity.
+struct SiteFrame {
+    std::uint64_t frame_id = 0;
+    Timestamp capture_time;
+    std::vector<CodedCamera> cameras;  // those that see somebody; none where nobody is there
+    std::vector<std::uint8_t> draco;   // empty: nobody is there
+    hull::VisualHull hull;
+
+    struct Milliseconds {
+        double silhouettes = 0.0;  // segmentation, contours and texture crops of all cameras
+        double hull = 0.0;
+        double encode = 0.0;
+        double total = 0.0;
+    } milliseconds;
+};
+
+/// From the pictures of one instant to the coded mesh and textures. No network, no threads of its own.
+class Pipeline {
+public:
+    /// Learns the empty room from `source`, unless its frames carry silhouettes.
+    static Expected<Pipeline> create(capture::FrameSource& source, const PipelineOptions& options, std::stop_token stop);
+
+    Pipeline(Pipeline&&) noexcept;
+    Pipeline& operator=(Pipeline&&) noexcept;
+    ~Pipeline();
+
+    /// Not thread-safe; `executor` is lent for the call. An error leaves `frame` unspecified.
+    Expected<void> process(const capture::Metaframe& metaframe, Executor& executor, SiteFrame& frame);
+
+    /// Silhouette mask and polygons of one camera, as of the last `process`; for tools and tests.
+    const image::Mask& mask(std::size_t camera) const;
+    const std::vector<silhouette::SilhouettePolygon>& polygons(std::size_t camera) const;
+
+private:
+    struct CameraStage;
+    Pipeline(std::vector<geometry::CalibratedCamera> cameras, const PipelineOptions& options);
+    Expected<void> process_camera(const capture::CameraFrame& frame, CameraStage& stage, CodedCamera& coded);
+
+    std::vector<geometry::CalibratedCamera> cameras_;
+    PipelineOptions options_;
+    std::vector<std::unique_ptr<CameraStage>> stages_;  // one per camera
+    std::vector<hull::SilhouetteView> views_;
+    hull::HullScratch hull_scratch_;
+};
+
+}  // namespace atrium::site_node

@@ -1,0 +1,252 @@
+#include "site_node/site_node.hpp"
+
+#include "core/app/program.hpp"
+#include "site_node/capture/recording_source.hpp"
+#include "site_node/capture/simulated_source.hpp"
+
+#include <algorithm>
+#include <condition_variable>
+#include <fmt/format.h>
+#include <pthread.h>
+#include <thread>
+
+namespace atrium::site_node {
+namespace {
+
+using std::chrono::nanoseconds;
+
+template <typename Message>
+Expected<void> open(bus::Participant& participant, std::optional<bus::Writer<Message>>& writer) {
+    auto made = bus::Writer<Message>::create(participant);
+    if (!made) return tl::unexpected(made.error());
+    writer = std::move(*made);
+    return {};
+}
+
+Expected<std::unique_ptr<capture::FrameSource>> open_source(const SiteNodeConfig& config, std::stop_token stop) {
+    if (config.capture.source == "recording") {
+        auto source = capture::RecordingSource::open(
+            {config.capture.recording, config.capture.rate_hz, config.capture.loop});
+        if (!source) return tl::unexpected(source.error());
+        return std::unique_ptr<capture::FrameSource>(std::move(*source));
+    }
+    auto rig = config::load_rig(config.capture.rig);
+    if (!rig) return tl::unexpected(rig.error());
+    if (config.capture.rate_hz > 0.0) rig->rate_hz = config.capture.rate_hz;
+    simulation::RoomOptions room;
+    room.look = config.simulation.look;
+    room.motion = config.simulation.motion;
+    room.loop_s = config.simulation.loop_s;
+    room.rate_hz = rig->rate_hz;
+    room.noise_lsb = config.simulation.noise_lsb;
+    room.seed = config.simulation.seed;
+    int last_percent = -1;
+    const auto tell = [&](std::size_t done, std::size_t total) {
+        const int percent = total == 0 ? 100 : static_cast<int>(done * 100 / total);
+        if (percent / 5 == last_percent / 5 && percent != 100) return;
+        last_percent = percent;
+        app::log::info("rendering the simulated room {} %", percent);
+    };
+    auto source = capture::SimulatedSource::create(*rig, room, config.simulation.cache, tell, stop);
+    if (!source) return tl::unexpected(source.error());
+    return std::unique_ptr<capture::FrameSource>(std::move(*source));
+}
+
+bus::LatencySummary summary(const Quantiles& q) { return {q.median_ms, q.p99_ms, q.num_samples}; }
+
+std::jthread named_thread(const char* name, std::function<void(std::stop_token)> body) {
+    std::jthread thread(std::move(body));
+    pthread_setname_np(thread.native_handle(), name);
+    return thread;
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& config, std::stop_token stop) {
+    if (auto checked = check(config); !checked) return tl::unexpected(checked.error());
+    auto source = open_source(config, stop);
+    if (!source) return tl::unexpected(source.error());
+    app::log::info("source opened kind={} cameras={} rate_hz={}",
+                   config.capture.source,
+                   (*source)->rig().cameras.size(),
+                   (*source)->rig().rate_hz);
+    auto pipeline = Pipeline::create(**source, config.pipeline, stop);
+    if (!pipeline) return tl::unexpected(pipeline.error());
+
+    auto participant = bus::Participant::create(config.bus);
+    if (!participant) return tl::unexpected(participant.error());
+    std::optional<bus::Writer<bus::SiteDescription>> description;
+    std::optional<bus::Writer<bus::SiteMesh>> mesh;
+    std::optional<bus::Writer<bus::CameraTexture>> texture;
+    std::optional<bus::Writer<bus::SiteStatus>> status;
+    for (const auto& opened : {open(*participant, description),
+                               open(*participant, mesh),
+                               open(*participant, texture),
+                               open(*participant, status)}) {
+        if (!opened) return tl::unexpected(opened.error());
+    }
+    Writers writers{std::move(*description), std::move(*mesh), std::move(*texture), std::move(*status)};
+    return std::unique_ptr<SiteNode>(
+        new SiteNode(config, std::move(*source), std::move(*pipeline), std::move(writers)));
+}
+
+SiteNode::SiteNode(const SiteNodeConfig& config,
+                   std::unique_ptr<capture::FrameSource> source,
+                   Pipeline pipeline,
+                   Writers writers)
+    : config_(config),
+      source_(std::move(source)),
+      pipeline_(std::move(pipeline)),
+      writers_(std::move(writers)),
+      pool_(static_cast<std::size_t>(config.threads)) {}
+
+Expected<void> SiteNode::run(std::stop_token stop) {
+    end_ = std::stop_source();
+    end_result_ = {};
+    const std::stop_callback pass_on(stop, [this] { end_.request_stop(); });
+    const bus::SiteDescription description{config_.name, source_->rig().cameras, source_->rig().bounds_site};
+    if (auto written = writers_.description.write(description); !written) return tl::unexpected(written.error());
+    {
+        // stopped and joined from the last to the first, in the order of the data: what was captured still goes out
+        const std::jthread publisher = named_thread("publish", [this](std::stop_token s) { publish_frames(s); });
+        const std::jthread worker = named_thread("work", [this](std::stop_token s) { work(s); });
+        const std::jthread capturer =
+            named_thread("capture", [this](std::stop_token) { capture_metaframes(end_.get_token()); });
+        report_status(end_.get_token());
+    }
+    if (auto gone = writers_.description.dispose(description); !gone) app::log::warn("{}", gone.error().message);
+    const bus::SiteStatus total = status();
+    app::log::info("stopped captured={} published={} incomplete={} late={} failed={}",
+                   total.num_metaframes_captured,
+                   total.num_metaframes_published,
+                   total.num_dropped_incomplete,
+                   total.num_dropped_late,
+                   total.num_failed);
+    const std::lock_guard lock(end_mutex_);
+    return end_result_;
+}
+
+// Ends all threads; the first result is that of `run`.
+void SiteNode::finish(const Expected<void>& result) {
+    {
+        const std::lock_guard lock(end_mutex_);
+        if (end_result_) end_result_ = result;
+    }
+    end_.request_stop();
+}
+
+void SiteNode::capture_metaframes(std::stop_token stop) {
+    const double rate_hz = config_.capture.rate_hz > 0.0 ? config_.capture.rate_hz : source_->rig().rate_hz;
+    capture::AssemblerOptions options;
+    options.tolerance = nanoseconds(static_cast<std::int64_t>(0.4e9 / rate_hz));
+    options.deadline = nanoseconds(static_cast<std::int64_t>(config_.capture.deadline_ms * 1e6));
+    capture::MetaframeAssembler assembler(source_->rig().cameras.size(), options);
+    const auto hand_over = [&](capture::CameraFrame frame) {
+        auto metaframe = assembler.add(std::move(frame), std::chrono::steady_clock::now());
+        num_incomplete_ = assembler.counters().num_incomplete;
+        if (!metaframe) return;
+        ++num_captured_;
+        metaframes_.put(std::move(*metaframe));
+    };
+    finish(source_->run(stop, hand_over));
+}
+
+void SiteNode::work(std::stop_token stop) {
+    while (const auto metaframe = metaframes_.take(stop)) {
+        auto frame = spare_frames_.try_take().value_or(nullptr);
+        if (frame == nullptr) frame = std::make_unique<SiteFrame>();
+        if (auto done = pipeline_.process(*metaframe, pool_, *frame); !done) {
+            ++num_failed_;
+            complaints_.warn(fmt::format("metaframe failed id={} reason=\"{}\"", metaframe->frame_id, done.error().message));
+            continue;
+        }
+        app::log::debug("metaframe id={} triangles={} silhouettes_ms={:.2f} hull_ms={:.2f} encode_ms={:.2f} total_ms={:.2f}",
+                        frame->frame_id,
+                        frame->hull.mesh.triangles.size(),
+                        frame->milliseconds.silhouettes,
+                        frame->milliseconds.hull,
+                        frame->milliseconds.encode,
+                        frame->milliseconds.total);
+        site_frames_.put(std::move(frame));
+    }
+}
+
+void SiteNode::publish_frames(std::stop_token stop) {
+    while (auto frame = site_frames_.take(stop)) {
+        const auto num_bytes = publish(**frame);
+        if (!num_bytes) {
+            ++num_failed_;
+            complaints_.warn(fmt::format("not published id={} reason=\"{}\"", (*frame)->frame_id, num_bytes.error().message));
+            continue;
+        }
+        num_bytes_ += *num_bytes;
+        ++num_published_;
+        {
+            const std::lock_guard lock(latency_mutex_);
+            capture_to_publish_.add(Timestamp::now() - (*frame)->capture_time);
+        }
+        spare_frames_.put(std::move(*frame));
+    }
+}
+
+// Textures first: a viewer's pair is complete as soon as the mesh arrives.
+Expected<std::size_t> SiteNode::publish(const SiteFrame& frame) {
+    bus::SiteMesh mesh{config_.name, frame.frame_id, frame.capture_time, {}, frame.draco};
+    std::size_t num_bytes = 0;
+    for (const CodedCamera& camera : frame.cameras) {
+        const auto written = writers_.texture.write({config_.name,
+                                                     camera.camera,
+                                                     frame.frame_id,
+                                                     frame.capture_time,
+                                                     camera.crop_px,
+                                                     camera.texture.colour,
+                                                     camera.texture.mask});
+        if (!written) return written;
+        num_bytes += *written;
+        mesh.textured_cameras.push_back(camera.camera);
+    }
+    const auto written = writers_.mesh.write(mesh);
+    if (!written) return written;
+    return num_bytes + *written;
+}
+
+void SiteNode::report_status(std::stop_token stop) {
+    using Clock = std::chrono::steady_clock;
+    std::mutex mutex;
+    std::condition_variable_any wake;
+    const auto begin = Clock::now();
+    for (int second = 1; !stop.stop_requested(); ++second) {
+        auto until = begin + std::chrono::seconds(second);
+        const bool limited = config_.seconds > 0.0;
+        const auto end = begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(config_.seconds));
+        if (limited) until = std::min(until, end);
+        std::unique_lock lock(mutex);
+        wake.wait_until(lock, stop, until, [] { return false; });
+        if (limited && Clock::now() >= end) finish({});
+        metaframes_per_s_ = published_rate_.update(num_published_, Clock::now());
+        bytes_per_s_ = bytes_rate_.update(num_bytes_, Clock::now());
+        if (auto written = writers_.status.write(status()); !written) complaints_.warn(written.error().message);
+    }
+}
+
+bus::SiteStatus SiteNode::status() const {
+    bus::SiteStatus status;
+    status.site = config_.name;
+    status.time = Timestamp::now();
+    status.num_metaframes_captured = num_captured_;
+    status.num_metaframes_published = num_published_;
+    status.num_dropped_incomplete = num_incomplete_;
+    status.num_dropped_late = metaframes_.num_dropped() + site_frames_.num_dropped();
+    status.num_failed = num_failed_;
+    status.num_bytes_published = num_bytes_;
+    status.metaframes_per_s = metaframes_per_s_;
+    status.bytes_per_s = bytes_per_s_;
+    {
+        const std::lock_guard lock(latency_mutex_);
+        status.capture_to_publish = summary(capture_to_publish_.quantiles());
+    }
+    status.resident_bytes = app::resident_bytes();
+    return status;
+}
+
+}  // namespace atrium::site_node

@@ -1,0 +1,79 @@
+#pragma once
+
+#include "core/app/log.hpp"
+#include "core/base/expected.hpp"
+#include "core/base/latest_slot.hpp"
+#include "core/base/statistics.hpp"
+#include "core/base/thread_pool.hpp"
+#include "core/bus/bus.hpp"
+#include "site_node/capture/metaframe_assembler.hpp"
+#include "site_node/config.hpp"
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <stop_token>
+
+namespace atrium::site_node {
+
+/// One room: captures, computes, publishes. `create` prepares everything that can fail (recording, rendering of a simulated room,
+/// background, bus); `run` owns the threads.
+class SiteNode {
+public:
+    static Expected<std::unique_ptr<SiteNode>> create(const SiteNodeConfig& config, std::stop_token stop);
+
+    /// Until the stop, the end of the source or `site.seconds`. On one thread at a time.
+    Expected<void> run(std::stop_token stop);
+
+    /// Thread-safe.
+    bus::SiteStatus status() const;
+
+private:
+    struct Writers {
+        bus::Writer<bus::SiteDescription> description;
+        bus::Writer<bus::SiteMesh> mesh;
+        bus::Writer<bus::CameraTexture> texture;
+        bus::Writer<bus::SiteStatus> status;
+    };
+
+    SiteNode(const SiteNodeConfig& config,
+             std::unique_ptr<capture::FrameSource> source,
+             Pipeline pipeline,
+             Writers writers);
+
+    void capture_metaframes(std::stop_token stop);
+    void work(std::stop_token stop);
+    void publish_frames(std::stop_token stop);
+    void report_status(std::stop_token stop);
+    Expected<std::size_t> publish(const SiteFrame& frame);
+    void finish(const Expected<void>& result);
+
+    SiteNodeConfig config_;
+    std::unique_ptr<capture::FrameSource> source_;
+    Pipeline pipeline_;
+    Writers writers_;
+    ThreadPool pool_;
+
+    LatestSlot<capture::Metaframe> metaframes_;           // newest wins: a late one is worth nothing
+    LatestSlot<std::unique_ptr<SiteFrame>> site_frames_;  // newest wins: a slow link costs frames, not latency
+    LatestSlot<std::unique_ptr<SiteFrame>> spare_frames_; // buffers on their way back
+
+    std::atomic<std::uint64_t> num_captured_{0};
+    std::atomic<std::uint64_t> num_incomplete_{0};
+    std::atomic<std::uint64_t> num_failed_{0};
+    std::atomic<std::uint64_t> num_published_{0};
+    std::atomic<std::uint64_t> num_bytes_{0};
+    mutable std::mutex latency_mutex_;
+    LatencyWindow capture_to_publish_;
+    RateMeter published_rate_;
+    RateMeter bytes_rate_;
+    std::atomic<double> metaframes_per_s_{0.0};
+    std::atomic<double> bytes_per_s_{0.0};
+    app::log::OncePerSecond complaints_;
+
+    std::mutex end_mutex_;
+    Expected<void> end_result_;
+    std::stop_source end_;
+};
+
+}  // namespace atrium::site_node
