@@ -138,9 +138,10 @@ TEST(ShaderProgram, ReportsStagesThatDoNotLink) {
     ASSERT_TRUE(context) << context.error().message;
     const auto program =
         ShaderProgram::create("unlinked",
-                              kVertexShader,
-                              "#version 330 core\nin vec3 never_written;\nout vec4 c;\nvoid main() "
-                              "{ c = vec4(never_written, 1.0); }");
+                              "#version 330 core\nout vec2 shared_name;\n"
+                              "void main() { shared_name = vec2(1.0); gl_Position = vec4(0.0); }",
+                              "#version 330 core\nin vec3 shared_name;\nout vec4 c;\nvoid main() { "
+                              "c = vec4(shared_name, 1.0); }");
     ASSERT_FALSE(program);
     EXPECT_THAT(program.error().message, testing::HasSubstr("unlinked (link)"));
 }

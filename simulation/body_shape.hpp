@@ -1,0 +1,46 @@
+#pragma once
+
+#include "core/geometry/aabb.hpp"
+#include "core/geometry/triangle_mesh.hpp"
+#include "simulation/look.hpp"
+#include "simulation/skeleton.hpp"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace atrium::simulation {
+
+/// One solid of which the body is melted together: a cone with round ends, or an ellipsoid (`a` its
+/// centre).
+struct BodyPart {
+    Bone bone = kPelvis;
+    Eigen::Vector3d a, b;
+    double radius_a_m = 0.0;
+    double radius_b_m = 0.0;
+    bool is_ellipsoid = false;
+    Eigen::Vector3d radii_m;
+    Eigen::Matrix3d part_from_body;  // axes of the ellipsoid, as rows
+    double blend_m = 0.03;           // how far it melts into what came before
+};
+
+/// The rest body of a look, in the body frame of nominal height.
+std::vector<BodyPart> body_parts(const Look& look);
+
+/// Up to four bones that carry a vertex; weights are positive or zero and sum to one.
+struct SkinWeights {
+    std::array<std::uint8_t, 4> bones{};
+    std::array<float, 4> weights{};
+};
+
+/// The skin in its rest pose: one closed 2-manifold mesh.
+struct Skin {
+    geometry::TriangleMesh mesh;
+    std::vector<Eigen::Vector3d> normals;
+    std::vector<SkinWeights> weights;
+};
+
+/// About 20 000 triangles; takes some tenths of a second.
+Skin make_skin(const Look& look);
+
+}  // namespace atrium::simulation

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "simulation/skeleton.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace atrium::simulation {
+
+/// What a person does, as a closed curve of postures.
+enum class Motion : std::uint8_t {
+    kWave,        // greets with the right hand
+    kPush,        // thrusts the right palm forwards at chest height and draws it back
+    kWalk,        // walks on the spot
+    kSway,        // stands and shifts the weight
+    kRaise,       // lifts both arms overhead and lowers them
+    kTableHands,  // stands before a table and reaches over its top with both hands
+};
+
+/// nullopt if there is no motion of that name ("wave", "push", "walk", "sway", "raise",
+/// "table_hands").
+std::optional<Motion> find_motion(std::string_view name);
+
+std::vector<std::string> motion_names();
+
+/// The posture at `phase`, which runs from 0 to 1 over one loop; the posture of phase 1 is that of
+/// phase 0.
+BodyPose posture(Motion motion, double phase);
+
+/// Height of the table's top and half its side [m]; its centre stands at the origin of the body
+/// frame of kTableHands.
+constexpr double kTableHeightM = 0.75;
+constexpr double kTableHalfSideM = 0.5;
+
+}  // namespace atrium::simulation

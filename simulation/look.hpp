@@ -1,0 +1,37 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace atrium::simulation {
+
+/// Linear reflectance of red, green and blue, 0 to 1.
+using Colour = Eigen::Vector3f;
+
+enum class HairStyle : std::uint8_t { kShort, kLong, kBun };
+enum class Emblem : std::uint8_t { kStar, kNumberSeven, kHeart, kRings };
+
+/// How one of the built-in people is shaped and dressed. Left, right, front and back differ in
+/// colour, so that a texture that lands on the wrong side shows.
+struct Look {
+    std::string name;
+    double height_m = 1.75;
+    double girth = 1.0;  // factor on the thickness of trunk and limbs
+    HairStyle hair_style = HairStyle::kShort;
+    Emblem emblem = Emblem::kStar;
+    bool beard = false;
+    Colour skin, hair, shirt, back, emblem_colour, sleeve_left, sleeve_right, trousers, stripe,
+        shoes;
+};
+
+/// nullopt if there is no look of that name.
+std::optional<Look> find_look(std::string_view name);
+
+std::vector<std::string> look_names();
+
+}  // namespace atrium::simulation

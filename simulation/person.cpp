@@ -1,0 +1,121 @@
+#include "simulation/person.hpp"
+
+#include <cassert>
+#include <cmath>
+
+namespace atrium::simulation {
+namespace {
+
+std::string joined(const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+    return text;
+}
+
+tl::unexpected<Error> bad_option(const std::string& name, const std::string& rule) {
+    return make_error(ErrorKind::kConfiguration, "simulation." + name + ": " + rule);
+}
+
+}  // namespace
+
+int RoomOptions::num_frames() const {
+    return std::max(1, static_cast<int>(std::lround(loop_s * rate_hz)));
+}
+
+Expected<void> check(const RoomOptions& options) {
+    if (!find_look(options.look)) {
+        return bad_option(
+            "look", "must be one of " + joined(look_names()) + ", got '" + options.look + "'");
+    }
+    if (!find_motion(options.motion)) {
+        return bad_option(
+            "motion",
+            "must be one of " + joined(motion_names()) + ", got '" + options.motion + "'");
+    }
+    if (!(options.rate_hz >= 1.0 && options.rate_hz <= 240.0))
+        return bad_option("rate_hz", "must be 1 to 240 Hz");
+    if (!(options.loop_s > 0.0 && options.loop_s <= 60.0))
+        return bad_option("loop_s", "must be above 0 and at most 60 s");
+    if (!(options.noise_lsb >= 0.0 && options.noise_lsb <= 30.0))
+        return bad_option("noise_lsb", "must be 0 to 30");
+    if (options.num_empty_frames < 1 || options.num_empty_frames > 256) {
+        return bad_option("num_empty_frames", "must be 1 to 256");
+    }
+    if (!options.position_m.allFinite() || options.position_m.norm() > 100.0) {
+        return bad_option("position_m", "must be within 100 m of the origin");
+    }
+    if (!std::isfinite(options.heading_rad))
+        return bad_option("heading_rad", "must be a finite angle");
+    return {};
+}
+
+Expected<Person> Person::create(const RoomOptions& options) {
+    if (auto valid = check(options); !valid) return tl::unexpected(valid.error());
+    Person person;
+    person.options_ = options;
+    person.look_ = *find_look(options.look);
+    person.motion_ = *find_motion(options.motion);
+    person.skin_ = make_skin(person.look_);
+    return person;
+}
+
+// Linear blend skinning. Calls visit(index, position, normal), both in the site frame.
+template <typename Visit>
+void Person::visit_vertices(double time_s, Visit&& visit) const {
+    const double loop_s = options_.num_frames() / options_.rate_hz;
+    const double frame = std::fmod(time_s, loop_s);
+    const BoneTransforms bones = pose_bones(posture(motion_, frame / loop_s));
+    std::array<Eigen::Matrix3d, kNumBones> rotations;
+    for (std::size_t b = 0; b < kNumBones; ++b) rotations[b] = bones[b].rotation.toRotationMatrix();
+    // a person's height must not lift the hands off a table, nor the table
+    const double scale = motion_ == Motion::kTableHands ? 1.0 : look_.height_m / kNominalHeight;
+    const Eigen::Matrix3d site_from_body =
+        Eigen::AngleAxisd(options_.heading_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    for (std::size_t i = 0; i < skin_.mesh.vertices.size(); ++i) {
+        Eigen::Vector3d position = Eigen::Vector3d::Zero();
+        Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+        const SkinWeights& weights = skin_.weights[i];
+        for (std::size_t k = 0; k < weights.bones.size(); ++k) {
+            const double weight = weights.weights[k];
+            if (weight == 0.0) continue;
+            const std::size_t b = weights.bones[k];
+            position += weight * (rotations[b] * skin_.mesh.vertices[i] + bones[b].translation);
+            normal += weight * (rotations[b] * skin_.normals[i]);
+        }
+        visit(i,
+              Eigen::Vector3d(options_.position_m + scale * (site_from_body * position)),
+              Eigen::Vector3d(site_from_body * normal));
+    }
+}
+
+geometry::TriangleMesh Person::mesh(double time_s) const {
+    geometry::TriangleMesh mesh;
+    mesh.vertices.resize(skin_.mesh.vertices.size());
+    mesh.triangles = skin_.mesh.triangles;
+    visit_vertices(time_s,
+                   [&](std::size_t i, const Eigen::Vector3d& position, const Eigen::Vector3d&) {
+                       mesh.vertices[i] = position;
+                   });
+    return mesh;
+}
+
+void Person::pose(double time_s, PosedSkin& out) const {
+    out.positions.resize(skin_.mesh.vertices.size());
+    out.normals.resize(skin_.mesh.vertices.size());
+    visit_vertices(
+        time_s, [&](std::size_t i, const Eigen::Vector3d& position, const Eigen::Vector3d& normal) {
+            out.positions[i] = position.cast<float>();
+            const double length = normal.norm();
+            out.normals[i] =
+                (length > 0.0 ? Eigen::Vector3d(normal / length) : Eigen::Vector3d::UnitZ())
+                    .cast<float>();
+        });
+}
+
+geometry::TriangleMesh person_mesh(const RoomOptions& options, double time_s) {
+    const auto person = Person::create(options);
+    assert(person);
+    return person->mesh(time_s);
+}
+
+}  // namespace atrium::simulation

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "core/geometry/aabb.hpp"
+#include "core/geometry/triangle_mesh.hpp"
+
+#include <functional>
+
+namespace atrium::simulation {
+
+/// Signed distance [m], negative inside; need only be right near its zero set.
+using DistanceField = std::function<double(const Eigen::Vector3d&)>;
+
+/// Closed mesh of the zero set of `distance` inside `box`, in cells of `cell_m`, by naive surface
+/// nets (one vertex per cell that the surface passes), the vertices then moved onto the surface
+/// along its gradient.
+///
+/// The surface must keep off the walls of the box. The mesh is closed always, 2-manifold where
+/// features and gaps are wider than about two cells. Deterministic.
+geometry::TriangleMesh surface_nets(const DistanceField& distance,
+                                    const geometry::Aabb& box,
+                                    double cell_m);
+
+/// Unit gradient by central differences; `step_m` each way.
+Eigen::Vector3d gradient_direction(const DistanceField& distance,
+                                   const Eigen::Vector3d& p,
+                                   double step_m);
+
+}  // namespace atrium::simulation
