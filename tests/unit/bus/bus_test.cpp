@@ -1,0 +1,357 @@
+#include "core/bus/bus.hpp"
+
+#include "core/bus/limits.hpp"
+#include "tests/unit/bus/bus_support.hpp"
+#include "tests/unit/bus/random_messages.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+namespace atrium::bus {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using testing::Listener;
+using testing::own_world;
+using testing::Random;
+using testing::random_message;
+using testing::value;
+
+SiteMesh mesh_of(const std::string& site, std::uint64_t frame_id, std::size_t num_bytes = 100) {
+    SiteMesh mesh;
+    mesh.site = site;
+    mesh.frame_id = frame_id;
+    mesh.draco.assign(num_bytes, static_cast<std::uint8_t>(frame_id));
+    return mesh;
+}
+
+template <typename Message>
+class EveryTopic : public ::testing::Test {};
+using Messages = ::testing::Types<SiteDescription,
+                                  SiteMesh,
+                                  CameraTexture,
+                                  SitePlacement,
+                                  SceneObject,
+                                  SceneState,
+                                  SceneCommand,
+                                  SiteStatus,
+                                  WorldStatus,
+                                  ViewerStatus>;
+TYPED_TEST_SUITE(EveryTopic, Messages);
+
+TYPED_TEST(EveryTopic, CarriesAMessageToAnotherParticipantUnchanged) {
+    const BusOptions options = own_world("every");
+    const auto here = value(Participant::create(options));
+    const auto there = value(Participant::create(options));
+    auto writer = value(Writer<TypeParam>::create(here));
+    Listener<TypeParam> listener(there);
+    EXPECT_EQ(writer.num_readers(), 1);
+    EXPECT_EQ(listener.reader.num_writers(), 1);
+    Random random(11);
+    for (std::size_t i = 1; i <= 20; ++i) {
+        const auto message = random_message<TypeParam>(random);
+        const auto size = writer.write(message);
+        ASSERT_TRUE(size.has_value()) << size.error().message;
+        EXPECT_GT(*size, 0U);
+        ASSERT_TRUE(listener.await([&] { return listener.samples.size() == i; }));
+        EXPECT_TRUE(testing::same(message, listener.samples.back()));
+    }
+    EXPECT_TRUE(listener.gone.empty());
+    EXPECT_EQ(listener.num_rejected, 0U);
+}
+
+TEST(Bus, WriteRefusesWhatAReaderWouldRefuse) {
+    const auto participant = value(Participant::create(own_world("refuse")));
+    auto writer = value(Writer<SitePlacement>::create(participant));
+    Listener<SitePlacement> listener(participant);
+    SitePlacement placement;
+    placement.site = "two words";
+    const auto result = writer.write(placement);
+    ASSERT_FALSE(result.has_value());
+    EXPECT_EQ(result.error().kind, ErrorKind::kInvalidData);
+    EXPECT_THAT(result.error().message, HasSubstr("SitePlacement.site"));
+    EXPECT_FALSE(writer.dispose(placement).has_value());
+    listener.take();
+    EXPECT_TRUE(listener.samples.empty());
+}
+
+TEST(Bus, ASlowReaderFindsTheNewestOfEachKeyOnly) {
+    const auto participant = value(Participant::create(own_world("newest")));
+    auto writer = value(Writer<SiteMesh>::create(participant));
+    Listener<SiteMesh> listener(participant);
+    for (std::uint64_t frame = 1; frame <= 200; ++frame) {
+        ASSERT_TRUE(writer.write(mesh_of("a", frame, 100'000)).has_value());
+        ASSERT_TRUE(writer.write(mesh_of("b", frame + 1000, 100'000)).has_value());
+    }
+    listener.take();
+    ASSERT_EQ(listener.samples.size(), 2U) << "what waits is bounded by one sample per key";
+    std::vector<std::uint64_t> frames{listener.samples[0].frame_id, listener.samples[1].frame_id};
+    EXPECT_THAT(frames, ::testing::UnorderedElementsAre(200U, 1200U));
+}
+
+TEST(Bus, WhoJoinsLateGetsTheLastDescriptionOfEachSite) {
+    const BusOptions options = own_world("late");
+    const auto early = value(Participant::create(options));
+    auto writer = value(Writer<SitePlacement>::create(early));
+    for (const double x : {1.0, 2.0, 3.0}) {
+        for (const char* site : {"a", "b"}) {
+            SitePlacement placement;
+            placement.site = site;
+            placement.world_from_site.translation.x() = x;
+            ASSERT_TRUE(writer.write(placement).has_value());
+        }
+    }
+    const auto late = value(Participant::create(options));
+    Listener<SitePlacement> listener(late);
+    ASSERT_TRUE(listener.await([&] { return listener.samples.size() == 2; }));
+    for (const auto& placement : listener.samples)
+        EXPECT_EQ(placement.world_from_site.translation.x(), 3.0);
+}
+
+TEST(Bus, WhoJoinsLateGetsNoOldMesh) {
+    const auto participant = value(Participant::create(own_world("volatile")));
+    auto writer = value(Writer<SiteMesh>::create(participant));
+    ASSERT_TRUE(writer.write(mesh_of("a", 1)).has_value());
+    Listener<SiteMesh> listener(participant);
+    ASSERT_TRUE(writer.write(mesh_of("a", 2)).has_value());
+    ASSERT_TRUE(listener.await([&] { return !listener.samples.empty(); }));
+    EXPECT_EQ(listener.samples.front().frame_id, 2U);
+}
+
+TEST(Bus, DisposeTellsTheKeyAndTheKeyMayComeBack) {
+    const auto participant = value(Participant::create(own_world("dispose")));
+    auto writer = value(Writer<SceneObject>::create(participant));
+    Listener<SceneObject> listener(participant);
+    SceneObject object;
+    object.object = 7;
+    object.name = "ball";
+    ASSERT_TRUE(writer.write(object).has_value());
+    ASSERT_TRUE(listener.await([&] { return listener.samples.size() == 1; }));
+    ASSERT_TRUE(writer.dispose(object).has_value());
+    ASSERT_TRUE(listener.await([&] { return listener.gone.size() == 1; }));
+    EXPECT_EQ(listener.gone.front().object, 7U);
+    ASSERT_TRUE(writer.write(object).has_value());
+    ASSERT_TRUE(listener.await([&] { return listener.samples.size() == 2; }));
+    EXPECT_EQ(listener.gone.size(), 1U);
+}
+
+TEST(Bus, AnUnreadLastSampleIsDeliveredBeforeItsKeyIsGone) {
+    const auto participant = value(Participant::create(own_world("unread")));
+    auto writer = value(Writer<SceneObject>::create(participant));
+    Listener<SceneObject> listener(participant);
+    SceneObject object;
+    object.object = 9;
+    object.name = "last-words";
+    ASSERT_TRUE(writer.write(object).has_value());
+    ASSERT_TRUE(writer.dispose(object).has_value());
+    ASSERT_TRUE(listener.await([&] { return !listener.gone.empty(); }));
+    ASSERT_EQ(listener.samples.size(), 1U);
+    EXPECT_EQ(listener.samples.front().name, "last-words");
+    EXPECT_EQ(listener.gone.front().object, 9U);
+}
+
+TEST(Bus, AWriterThatIsDestroyedTakesItsKeysAlong) {
+    const auto participant = value(Participant::create(own_world("destroyed")));
+    Listener<SiteMesh> listener(participant);
+    {
+        auto writer = value(Writer<SiteMesh>::create(participant));
+        ASSERT_TRUE(writer.write(mesh_of("a", 1)).has_value());
+        ASSERT_TRUE(writer.write(mesh_of("b", 1)).has_value());
+        ASSERT_TRUE(listener.await([&] { return listener.samples.size() == 2; }));
+    }
+    ASSERT_TRUE(listener.await([&] { return listener.gone.size() == 2; }));
+    EXPECT_EQ(listener.reader.num_writers(), 0);
+}
+
+TEST(Bus, DisposedKeysDoNotCountAgainstTheLimit) {
+    const auto participant = value(Participant::create(own_world("limit")));
+    auto writer = value(Writer<SceneObject>::create(participant));
+    Listener<SceneObject> listener(participant);
+    SceneObject object;
+    object.name = "drop";
+    for (object.object = 0; object.object < 10'000; ++object.object) {  // the profile has 4096
+        const auto result = writer.write(object);
+        ASSERT_TRUE(result.has_value()) << object.object << ": " << result.error().message;
+        ASSERT_TRUE(writer.dispose(object).has_value());
+        listener.take();
+    }
+    EXPECT_EQ(listener.gone.size(), 10'000U);
+}
+
+TEST(Bus, WorldsDoNotHearEachOther) {
+    const auto one = value(Participant::create(own_world("one")));
+    const auto two = value(Participant::create(own_world("two")));
+    auto writer = value(Writer<SiteMesh>::create(one));
+    Listener<SiteMesh> same_world(one);
+    Listener<SiteMesh> other_world(two);
+    ASSERT_TRUE(writer.write(mesh_of("a", 1)).has_value());
+    ASSERT_TRUE(same_world.await([&] { return !same_world.samples.empty(); }));
+    other_world.take();
+    EXPECT_TRUE(other_world.samples.empty());
+    EXPECT_EQ(writer.num_readers(), 1);
+    EXPECT_EQ(other_world.reader.num_writers(), 0);
+}
+
+TEST(Bus, CommandsAreAllDeliveredInOrderAndAFullReaderIsReported) {
+    const auto participant = value(Participant::create(own_world("commands")));
+    auto writer = value(Writer<SceneCommand>::create(participant));
+    Listener<SceneCommand> listener(participant);
+    SceneCommand command;
+    command.sender = "viewer";
+    std::uint32_t num_written = 0;
+    Expected<std::size_t> result = 0;
+    for (; num_written < 10'000; ++num_written) {
+        command.target = num_written;
+        result = writer.write(command);
+        if (!result) break;
+    }
+    ASSERT_FALSE(result.has_value()) << "a reader that never takes must not grow for ever";
+    EXPECT_EQ(result.error().kind, ErrorKind::kUnavailable);
+    EXPECT_EQ(num_written, 256U);
+    listener.take();
+    ASSERT_EQ(listener.samples.size(), num_written);
+    for (std::uint32_t i = 0; i < num_written; ++i) ASSERT_EQ(listener.samples[i].target, i);
+    EXPECT_TRUE(writer.write(command).has_value()) << "and goes on once there is room";
+}
+
+TEST(Bus, ReadersKeepTheirParticipantAlive) {
+    const BusOptions options = own_world("alive");
+    auto listener = std::make_unique<Listener<SiteMesh>>(value(Participant::create(options)));
+    auto writer = value(Writer<SiteMesh>::create(value(Participant::create(options))));
+    ASSERT_TRUE(writer.write(mesh_of("a", 1)).has_value());
+    EXPECT_TRUE(listener->await([&] { return !listener->samples.empty(); }));
+}
+
+TEST(Waiter, WakeEndsAWaitOfAnotherThread) {
+    const auto participant = value(Participant::create(own_world("wake")));
+    auto waiter = value(Waiter::create(participant));
+    bool result = true;
+    std::jthread sleeper([&] { result = waiter.wait(60s); });
+    waiter.wake();
+    sleeper.join();
+    EXPECT_FALSE(result);
+    EXPECT_FALSE(waiter.wait(0ms)) << "one wake ends one wait";
+}
+
+TEST(Waiter, ReturnsFalseAtTheTimeoutAndTrueWithASample) {
+    const auto participant = value(Participant::create(own_world("timeout")));
+    Listener<SiteMesh> listener(participant);
+    EXPECT_FALSE(listener.waiter.wait(1ms));
+    auto writer = value(Writer<SiteMesh>::create(participant));
+    ASSERT_TRUE(writer.write(mesh_of("a", 1)).has_value());
+    EXPECT_TRUE(listener.waiter.wait(10s));
+    EXPECT_TRUE(listener.waiter.wait(0ms)) << "true as long as nobody takes it";
+    listener.take();
+    EXPECT_FALSE(listener.waiter.wait(0ms));
+}
+
+TEST(Writer, MayBeUsedByTwoThreads) {
+    const auto participant = value(Participant::create(own_world("threads")));
+    auto writer = value(Writer<SiteMesh>::create(participant));
+    Listener<SiteMesh> listener(participant);
+    const auto publish = [&](const std::string& site) {
+        for (std::uint64_t frame = 1; frame <= 300; ++frame)
+            (void)writer.write(mesh_of(site, frame, 1000));
+    };
+    {
+        const std::jthread a(publish, "a");
+        const std::jthread b(publish, "b");
+    }
+    listener.take();
+    ASSERT_EQ(listener.samples.size(), 2U);
+    for (const auto& mesh : listener.samples) {
+        EXPECT_EQ(mesh.frame_id, 300U);
+        EXPECT_THAT(mesh.draco, ::testing::Each(static_cast<std::uint8_t>(300)));
+    }
+}
+
+class TemporaryFile {
+public:
+    explicit TemporaryFile(const std::string& text)
+        : path_(std::filesystem::temp_directory_path() /
+                ("atrium-bus-" + std::to_string(::getpid()) + ".xml")) {
+        std::ofstream(path_) << text;
+    }
+    TemporaryFile(const TemporaryFile&) = delete;
+    TemporaryFile& operator=(const TemporaryFile&) = delete;
+    ~TemporaryFile() { std::filesystem::remove(path_); }
+    const std::filesystem::path& path() const { return path_; }
+
+private:
+    std::filesystem::path path_;
+};
+
+Error error_of(const BusOptions& options) {
+    const auto participant = Participant::create(options);
+    return participant ? Error{ErrorKind::kInternal, "no error"} : participant.error();
+}
+
+TEST(Participant, SaysWhatIsWrongWithItsOptions) {
+    BusOptions options = own_world("options");
+    options.world = "*";
+    EXPECT_THAT(error_of(options).message, HasSubstr("world '*'"));
+    options = own_world("options", 231);
+    EXPECT_THAT(error_of(options).message, HasSubstr("0..230"));
+    options = own_world("options");
+    options.network_file = "/nowhere/lan.xml";
+    EXPECT_EQ(error_of(options).kind, ErrorKind::kNotFound);
+    EXPECT_THAT(error_of(options).message, HasSubstr("/nowhere/lan.xml"));
+    options = own_world("options");
+    options.profiles_file = "/nowhere/profiles.xml";
+    EXPECT_EQ(error_of(options).kind, ErrorKind::kNotFound);
+    const TemporaryFile empty("<dds/>");
+    options.profiles_file = empty.path();
+    EXPECT_THAT(error_of(options).message, HasSubstr("lacks the profile 'description'"));
+}
+
+TEST(Participant, PassesOnWhatCycloneSaysOfANetworkFile) {
+    BusOptions options = own_world("network", 103);
+    const TemporaryFile file(
+        "<CycloneDDS><Domain Id='any'><Internal><Nonsense>1</Nonsense></Internal></Domain>"
+        "</CycloneDDS>");
+    options.network_file = file.path();
+    EXPECT_EQ(error_of(options).kind, ErrorKind::kConfiguration);
+    EXPECT_THAT(error_of(options).message,
+                AllOf(HasSubstr(file.path().string()), HasSubstr("Nonsense")));
+}
+
+TEST(Participant, NamesAnInterfaceThatIsNotThere) {
+    BusOptions options = own_world("interface", 104);
+    const TemporaryFile file(
+        "<CycloneDDS><Domain Id='any'><General><Interfaces><NetworkInterface name='atrium9'/>"
+        "</Interfaces></General></Domain></CycloneDDS>");
+    options.network_file = file.path();
+    EXPECT_EQ(error_of(options).kind, ErrorKind::kUnavailable);
+    EXPECT_THAT(error_of(options).message, HasSubstr("atrium9"));
+}
+
+TEST(Participant, RefusesOtherNetworkSettingsOnAnOpenDomainAndTakesThemOnceItIsClosed) {
+    BusOptions options = own_world("settings", 105);
+    BusOptions other = options;
+    other.network_file = ATRIUM_SOURCE_DIR "/qos/wan.xml";
+    {
+        const auto first = value(Participant::create(options));
+        const auto second = value(Participant::create(options));
+        EXPECT_EQ(error_of(other).kind, ErrorKind::kConfiguration);
+        EXPECT_THAT(error_of(other).message, HasSubstr("already open"));
+    }
+    EXPECT_TRUE(Participant::create(other).has_value());
+}
+
+TEST(Participant, EachNetworkFileOfTheProjectIsOneThatCycloneTakes) {
+    for (const char* name : {"loopback", "lan", "wan"}) {
+        BusOptions options = own_world("files", 106);
+        options.network_file = std::string(ATRIUM_SOURCE_DIR "/qos/") + name + ".xml";
+        const auto participant = Participant::create(options);
+        EXPECT_TRUE(participant.has_value()) << name << ": " << participant.error().message;
+    }
+}
+
+}  // namespace
+}  // namespace atrium::bus

@@ -1,0 +1,141 @@
+#include "core/bus/builtin_files.hpp"
+#include "core/bus/network_file.hpp"
+#include "core/bus/qos_profiles.hpp"
+#include "core/bus/topics.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace atrium::bus {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+std::string profile_with(const std::string& policies) {
+    return "<dds><qos_library name='l'><qos_profile name='p'><datawriter_qos>" + policies +
+           "</datawriter_qos></qos_profile></qos_library></dds>";
+}
+
+std::string error_of(const std::string& xml) {
+    const auto profiles = parse_qos_profiles(xml, "here.xml");
+    if (profiles) return "no error";
+    EXPECT_EQ(profiles.error().kind, ErrorKind::kConfiguration);
+    return profiles.error().message;
+}
+
+TEST(QosProfiles, TheBuiltInCopyIsTheFile) {
+    const auto profiles = read_text_file(ATRIUM_SOURCE_DIR "/qos/profiles.xml");
+    const auto loopback = read_text_file(ATRIUM_SOURCE_DIR "/qos/loopback.xml");
+    ASSERT_TRUE(profiles && loopback);
+    EXPECT_EQ(*profiles, kBuiltinProfiles);
+    EXPECT_EQ(*loopback, kBuiltinNetwork);
+}
+
+TEST(QosProfiles, SayWhatTheDesignPromises) {
+    const auto profiles = load_qos_profiles({});
+    ASSERT_TRUE(profiles.has_value()) << profiles.error().message;
+    ASSERT_EQ(profiles->size(), kProfileNames.size());
+    for (const auto name : kProfileNames) {
+        ASSERT_TRUE(profiles->contains(name)) << name;
+        const QosProfile& profile = profiles->find(name)->second;
+        for (const EndpointQos& qos : {profile.writer, profile.reader}) {
+            EXPECT_TRUE(qos.reliable);
+            EXPECT_EQ(qos.history.keep_all, name == kCommand);
+            EXPECT_EQ(qos.transient_local, name == kDescription);
+            EXPECT_NE(qos.limits.max_samples, kUnlimited) << "memory must be bounded";
+            EXPECT_NE(qos.limits.max_instances, kUnlimited);
+            EXPECT_LT(qos.lease, std::chrono::seconds(2)) << "gone within 2 s";
+        }
+        // A reader that asks for a shorter lease than the writer's is never matched.
+        EXPECT_GE(profile.reader.lease, profile.writer.lease);
+        EXPECT_EQ(profile.writer.history.depth, 1);
+    }
+}
+
+TEST(QosProfiles, ReadsEveryPolicy) {
+    const auto profiles = parse_qos_profiles(
+        profile_with("<reliability><kind>RELIABLE_RELIABILITY_QOS</kind><max_blocking_time>"
+                     "<sec>1</sec><nanosec>5</nanosec></max_blocking_time></reliability>"
+                     "<durability><kind>TRANSIENT_LOCAL_DURABILITY_QOS</kind></durability>"
+                     "<durability_service><history_kind>KEEP_LAST_HISTORY_QOS</history_kind>"
+                     "<history_depth>3</history_depth><max_samples>7</max_samples>"
+                     "</durability_service>"
+                     "<history><kind>KEEP_LAST_HISTORY_QOS</kind><depth>4</depth></history>"
+                     "<resource_limits><max_samples>LENGTH_UNLIMITED</max_samples>"
+                     "<max_instances>9</max_instances></resource_limits>"
+                     "<liveliness><lease_duration><sec>DURATION_INFINITE_SEC</sec>"
+                     "</lease_duration></liveliness>"),
+        "here.xml");
+    ASSERT_TRUE(profiles.has_value()) << profiles.error().message;
+    const EndpointQos& qos = profiles->at("p").writer;
+    EXPECT_TRUE(qos.reliable);
+    EXPECT_EQ(qos.max_blocking_time.count(), 1'000'000'005);
+    EXPECT_TRUE(qos.transient_local);
+    EXPECT_EQ(qos.late_joiner_history.depth, 3);
+    EXPECT_EQ(qos.late_joiner_limits.max_samples, 7);
+    EXPECT_EQ(qos.history.depth, 4);
+    EXPECT_EQ(qos.limits.max_samples, kUnlimited);
+    EXPECT_EQ(qos.limits.max_instances, 9);
+    EXPECT_EQ(qos.lease, kForever);
+}
+
+TEST(QosProfiles, NameWhatTheyDoNotKnow) {
+    EXPECT_THAT(error_of(profile_with("<latency_budget/>")),
+                AllOf(HasSubstr("here.xml"), HasSubstr("'p'"), HasSubstr("<latency_budget>")));
+    EXPECT_THAT(error_of(profile_with("<history><kind>KEEP_SOME</kind></history>")),
+                AllOf(HasSubstr("KEEP_SOME"), HasSubstr("KEEP_ALL_HISTORY_QOS")));
+    EXPECT_THAT(error_of(profile_with("<history><depth>0</depth></history>")),
+                AllOf(HasSubstr("<depth>"), HasSubstr("'0'")));
+    EXPECT_THAT(error_of(profile_with("<history><depth>1x</depth></history>")), HasSubstr("1x"));
+    EXPECT_THAT(error_of(profile_with("<history><deep>1</deep></history>")), HasSubstr("<deep>"));
+    EXPECT_THAT(
+        error_of(profile_with("<durability><kind>PERSISTENT_DURABILITY_QOS</kind></durability>")),
+        HasSubstr("PERSISTENT"));
+    EXPECT_THAT(error_of(profile_with(
+                    "<liveliness><kind>MANUAL_BY_TOPIC_LIVELINESS_QOS</kind></liveliness>")),
+                HasSubstr("MANUAL"));
+    EXPECT_THAT(error_of(profile_with("<history><depth>2</depth></history><resource_limits>"
+                                      "<max_samples_per_instance>1</max_samples_per_instance>"
+                                      "</resource_limits>")),
+                HasSubstr("depth"));
+    EXPECT_THAT(error_of("<dds><qos_profile name='q'/></dds>"), HasSubstr("<qos_profile>"));
+    EXPECT_THAT(
+        error_of("<dds><qos_library><qos_profile name='q' base_name='p'/></qos_library></dds>"),
+        HasSubstr("base_name"));
+    EXPECT_THAT(error_of("<dds><qos_library><qos_profile/></qos_library></dds>"),
+                HasSubstr("name"));
+    EXPECT_THAT(error_of("<qos/>"), HasSubstr("<dds>"));
+    EXPECT_THAT(error_of("<dds><qos_lib"), HasSubstr("at byte"));
+    EXPECT_THAT(error_of(""), HasSubstr("here.xml"));
+}
+
+TEST(QosProfiles, AFileThatIsNotThereIsNotFound) {
+    const auto profiles = load_qos_profiles("/nowhere/profiles.xml");
+    ASSERT_FALSE(profiles.has_value());
+    EXPECT_EQ(profiles.error().kind, ErrorKind::kNotFound);
+    EXPECT_THAT(profiles.error().message, HasSubstr("/nowhere/profiles.xml"));
+    EXPECT_FALSE(load_qos_profiles("/").has_value()) << "a directory";
+}
+
+TEST(NetworkFile, IsReducedToItsElements) {
+    const auto text = parse_network_file(
+        "<?xml version='1.0'?><!-- why --><CycloneDDS><!-- x --><Domain/></CycloneDDS>",
+        "here.xml");
+    ASSERT_TRUE(text.has_value());
+    EXPECT_EQ(*text, "<CycloneDDS><Domain/></CycloneDDS>");
+}
+
+TEST(NetworkFile, NamesTheFileThatIsIllFormedOrSomethingElse) {
+    const auto cut = parse_network_file("<CycloneDDS><Domain>", "here.xml");
+    ASSERT_FALSE(cut.has_value());
+    EXPECT_THAT(cut.error().message, AllOf(HasSubstr("here.xml"), HasSubstr("at byte")));
+    const auto other = parse_network_file("<dds/>", "here.xml");
+    ASSERT_FALSE(other.has_value());
+    EXPECT_THAT(other.error().message, AllOf(HasSubstr("<dds>"), HasSubstr("<CycloneDDS>")));
+}
+
+}  // namespace
+}  // namespace atrium::bus

@@ -1,0 +1,283 @@
+#include "tests/unit/bus/random_messages.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+namespace atrium::bus::testing {
+
+namespace {
+
+std::uint64_t below(Random& random, std::uint64_t end) { return random() % end; }
+
+double number(Random& random, double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+}
+
+std::string name(Random& random) {
+    constexpr std::string_view kLetters =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-";
+    std::string out(1 + below(random, 63), ' ');
+    for (char& c : out) c = kLetters[below(random, kLetters.size())];
+    return out;
+}
+
+Eigen::Vector3d vector(Random& random, double limit) {
+    return {number(random, -limit, limit),
+            number(random, -limit, limit),
+            number(random, -limit, limit)};
+}
+
+geometry::RigidTransform pose(Random& random) {
+    const Eigen::Vector3d axis = vector(random, 1.0);
+    return {Eigen::Quaterniond(number(random, 0.1, 1.0), axis.x(), axis.y(), axis.z()).normalized(),
+            vector(random, 100.0)};
+}
+
+Timestamp time(Random& random) { return {static_cast<std::int64_t>(random() >> 2U)}; }
+
+std::vector<std::uint8_t> bytes(Random& random) {
+    std::vector<std::uint8_t> out(below(random, 5000));
+    for (auto& byte : out) byte = static_cast<std::uint8_t>(random());
+    return out;
+}
+
+LatencySummary latency(Random& random) {
+    return {number(random, 0, 100), number(random, 0, 1000), random()};
+}
+
+bool same(const geometry::RigidTransform& a, const geometry::RigidTransform& b) {
+    return a.rotation.coeffs() == b.rotation.coeffs() && a.translation == b.translation;
+}
+
+bool same(const geometry::CalibratedCamera& a, const geometry::CalibratedCamera& b) {
+    const auto& p = a.intrinsics;
+    const auto& q = b.intrinsics;
+    return a.name == b.name && p.width == q.width && p.height == q.height && p.fx == q.fx &&
+           p.fy == q.fy && p.cx == q.cx && p.cy == q.cy && p.skew == q.skew &&
+           p.distortion == q.distortion && same(a.camera_from_site, b.camera_from_site);
+}
+
+bool same(const ObjectState& a, const ObjectState& b) {
+    return a.object == b.object && same(a.world_from_object, b.world_from_object) &&
+           a.linear_velocity == b.linear_velocity && a.angular_velocity == b.angular_velocity;
+}
+
+bool same(const LatencySummary& a, const LatencySummary& b) {
+    return a.median_ms == b.median_ms && a.p99_ms == b.p99_ms && a.num_samples == b.num_samples;
+}
+
+template <typename Element>
+bool same_elements(const std::vector<Element>& a, const std::vector<Element>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& x, const auto& y) {
+        return same(x, y);
+    });
+}
+
+}  // namespace
+
+template <>
+SiteDescription random_message(Random& random) {
+    SiteDescription out;
+    out.site = name(random);
+    out.cameras.resize(below(random, 65));
+    for (auto& camera : out.cameras) {
+        camera.name = name(random);
+        auto& intrinsics = camera.intrinsics;
+        intrinsics.width = 1 + static_cast<int>(below(random, 16384));
+        intrinsics.height = 1 + static_cast<int>(below(random, 16384));
+        intrinsics.fx = number(random, 1, 1e4);
+        intrinsics.fy = number(random, 1, 1e4);
+        intrinsics.cx = number(random, -1e4, 1e4);
+        intrinsics.cy = number(random, -1e4, 1e4);
+        intrinsics.skew = number(random, -1, 1);
+        for (double& k : intrinsics.distortion) k = number(random, -1, 1);
+        camera.camera_from_site = pose(random);
+    }
+    out.bounds_site.add(vector(random, 10));
+    out.bounds_site.add(vector(random, 10));
+    return out;
+}
+
+template <>
+SiteMesh random_message(Random& random) {
+    SiteMesh out;
+    out.site = name(random);
+    out.frame_id = random();
+    out.capture_time = time(random);
+    const std::uint64_t chosen = random();
+    for (std::uint32_t camera = 0; camera < 64; ++camera) {
+        if ((chosen >> camera & 1U) != 0) out.textured_cameras.push_back(camera);
+    }
+    out.draco = bytes(random);
+    return out;
+}
+
+template <>
+CameraTexture random_message(Random& random) {
+    CameraTexture out;
+    out.site = name(random);
+    out.camera = static_cast<std::uint32_t>(below(random, 64));
+    out.frame_id = random();
+    out.capture_time = time(random);
+    out.crop_px.x = static_cast<int>(below(random, 16384));
+    out.crop_px.y = static_cast<int>(below(random, 16384));
+    out.crop_px.width = 1 + static_cast<int>(below(random, 16384 - out.crop_px.x));
+    out.crop_px.height = 1 + static_cast<int>(below(random, 16384 - out.crop_px.y));
+    out.colour = bytes(random);
+    out.mask = bytes(random);
+    return out;
+}
+
+template <>
+SitePlacement random_message(Random& random) {
+    return {name(random), pose(random)};
+}
+
+template <>
+SceneObject random_message(Random& random) {
+    SceneObject out;
+    out.object = static_cast<std::uint32_t>(random());
+    out.name = name(random);
+    out.shape = static_cast<Shape>(below(random, 5));
+    out.size_m = vector(random, 10).cwiseAbs() + Eigen::Vector3d::Constant(1e-3);
+    out.mass_kg = number(random, 0, 100);
+    out.colour = vector(random, 1).cwiseAbs();
+    out.world_from_object = pose(random);
+    return out;
+}
+
+template <>
+SceneState random_message(Random& random) {
+    SceneState out;
+    out.world = name(random);
+    out.tick = random();
+    out.time = time(random);
+    out.objects.resize(below(random, 200));
+    for (ObjectState& object : out.objects) {
+        object = {static_cast<std::uint32_t>(random()),
+                  pose(random),
+                  vector(random, 20),
+                  vector(random, 20)};
+    }
+    return out;
+}
+
+template <>
+SceneCommand random_message(Random& random) {
+    SceneCommand out;
+    out.sender = name(random);
+    out.kind = static_cast<CommandKind>(below(random, 4));
+    out.target = static_cast<std::uint32_t>(random());
+    out.impulse_ns = vector(random, 100);
+    if (out.kind == CommandKind::kAdd) out.object = random_message<SceneObject>(random);
+    return out;
+}
+
+template <>
+SiteStatus random_message(Random& random) {
+    return {name(random),
+            time(random),
+            random(),
+            random(),
+            random(),
+            random(),
+            random(),
+            random(),
+            number(random, 0, 100),
+            number(random, 0, 1e9),
+            latency(random),
+            random()};
+}
+
+template <>
+WorldStatus random_message(Random& random) {
+    return {name(random),
+            time(random),
+            random(),
+            random(),
+            random(),
+            random(),
+            random(),
+            number(random, 0, 1000),
+            latency(random),
+            random()};
+}
+
+template <>
+ViewerStatus random_message(Random& random) {
+    return {name(random),
+            time(random),
+            random(),
+            random(),
+            random(),
+            random(),
+            random(),
+            number(random, 0, 1000),
+            latency(random),
+            random()};
+}
+
+bool same(const SiteDescription& a, const SiteDescription& b) {
+    return a.site == b.site && same_elements(a.cameras, b.cameras) &&
+           a.bounds_site.min == b.bounds_site.min && a.bounds_site.max == b.bounds_site.max;
+}
+
+bool same(const SiteMesh& a, const SiteMesh& b) {
+    return a.site == b.site && a.frame_id == b.frame_id && a.capture_time == b.capture_time &&
+           a.textured_cameras == b.textured_cameras && a.draco == b.draco;
+}
+
+bool same(const CameraTexture& a, const CameraTexture& b) {
+    return a.site == b.site && a.camera == b.camera && a.frame_id == b.frame_id &&
+           a.capture_time == b.capture_time && a.crop_px == b.crop_px && a.colour == b.colour &&
+           a.mask == b.mask;
+}
+
+bool same(const SitePlacement& a, const SitePlacement& b) {
+    return a.site == b.site && same(a.world_from_site, b.world_from_site);
+}
+
+bool same(const SceneObject& a, const SceneObject& b) {
+    return a.object == b.object && a.name == b.name && a.shape == b.shape && a.size_m == b.size_m &&
+           a.mass_kg == b.mass_kg && a.colour == b.colour &&
+           same(a.world_from_object, b.world_from_object);
+}
+
+bool same(const SceneState& a, const SceneState& b) {
+    return a.world == b.world && a.tick == b.tick && a.time == b.time &&
+           same_elements(a.objects, b.objects);
+}
+
+bool same(const SceneCommand& a, const SceneCommand& b) {
+    return a.sender == b.sender && a.kind == b.kind && a.target == b.target &&
+           a.impulse_ns == b.impulse_ns && same(a.object, b.object);
+}
+
+bool same(const SiteStatus& a, const SiteStatus& b) {
+    return a.site == b.site && a.time == b.time &&
+           a.num_metaframes_captured == b.num_metaframes_captured &&
+           a.num_metaframes_published == b.num_metaframes_published &&
+           a.num_dropped_incomplete == b.num_dropped_incomplete &&
+           a.num_dropped_late == b.num_dropped_late && a.num_failed == b.num_failed &&
+           a.num_bytes_published == b.num_bytes_published &&
+           a.metaframes_per_s == b.metaframes_per_s && a.bytes_per_s == b.bytes_per_s &&
+           same(a.capture_to_publish, b.capture_to_publish) && a.resident_bytes == b.resident_bytes;
+}
+
+bool same(const WorldStatus& a, const WorldStatus& b) {
+    return a.world == b.world && a.time == b.time && a.num_steps == b.num_steps &&
+           a.num_meshes_received == b.num_meshes_received && a.num_rejected == b.num_rejected &&
+           a.num_sites == b.num_sites && a.num_contacts == b.num_contacts &&
+           a.steps_per_s == b.steps_per_s && same(a.capture_to_collision, b.capture_to_collision) &&
+           a.resident_bytes == b.resident_bytes;
+}
+
+bool same(const ViewerStatus& a, const ViewerStatus& b) {
+    return a.viewer == b.viewer && a.time == b.time && a.num_frames == b.num_frames &&
+           a.num_pairs_shown == b.num_pairs_shown && a.num_pairs_skipped == b.num_pairs_skipped &&
+           a.num_incomplete == b.num_incomplete && a.num_rejected == b.num_rejected &&
+           a.frames_per_s == b.frames_per_s && same(a.capture_to_display, b.capture_to_display) &&
+           a.resident_bytes == b.resident_bytes;
+}
+
+}  // namespace atrium::bus::testing

@@ -1,0 +1,266 @@
+#include "core/bus/wire.hpp"
+
+#include "core/bus/checks.hpp"
+#include "core/bus/limits.hpp"
+#include "core/bus/topics.hpp"
+#include "tests/unit/bus/random_messages.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace atrium::bus {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::Random;
+using testing::random_message;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+template <typename Message>
+class EveryMessage : public ::testing::Test {};
+using Messages = ::testing::Types<SiteDescription,
+                                  SiteMesh,
+                                  CameraTexture,
+                                  SitePlacement,
+                                  SceneObject,
+                                  SceneState,
+                                  SceneCommand,
+                                  SiteStatus,
+                                  WorldStatus,
+                                  ViewerStatus>;
+TYPED_TEST_SUITE(EveryMessage, Messages);
+
+TYPED_TEST(EveryMessage, ComesBackFromTheWireAsItWas) {
+    Random random(7);
+    WireScratch scratch;
+    for (int round = 0; round < 200; ++round) {
+        const auto message = random_message<TypeParam>(random);
+        ASSERT_TRUE(check(message).has_value()) << check(message).error().message;
+        typename Topic<TypeParam>::Wire wire{};
+        to_wire(message, scratch, wire);
+        const auto back = from_wire(wire);
+        ASSERT_TRUE(back.has_value()) << back.error().message;
+        EXPECT_TRUE(testing::same(message, *back)) << "round " << round;
+    }
+}
+
+TYPED_TEST(EveryMessage, KeepsItsKeyWithoutItsData) {
+    Random random(8);
+    const auto message = random_message<TypeParam>(random);
+    typename Topic<TypeParam>::Wire key{};
+    typename Topic<TypeParam>::Wire again{};
+    key_to_wire(message, key);
+    const auto back = key_from_wire(key);
+    ASSERT_TRUE(back.has_value());
+    key_to_wire(*back, again);
+    EXPECT_EQ(std::memcmp(&key, &again, sizeof(key)), 0);
+}
+
+/// A good wire struct, something done to it, and what the refusal must name.
+template <typename Message>
+struct Damage {
+    std::string names;
+    std::function<void(typename Topic<Message>::Wire&)> apply;
+};
+
+template <typename Message>
+void expect_each_refused(const Message& good, const std::vector<Damage<Message>>& damages) {
+    for (const auto& damage : damages) {
+        WireScratch scratch;
+        typename Topic<Message>::Wire wire{};
+        to_wire(good, scratch, wire);
+        ASSERT_TRUE(from_wire(wire).has_value()) << from_wire(wire).error().message;
+        damage.apply(wire);
+        const auto result = from_wire(wire);
+        ASSERT_FALSE(result.has_value()) << damage.names;
+        EXPECT_EQ(result.error().kind, ErrorKind::kInvalidData);
+        EXPECT_THAT(result.error().message, HasSubstr(damage.names));
+    }
+}
+
+void spoil_name(atrium_Name& name, const char* text) {
+    std::strncpy(name, text, sizeof(name) - 1);
+    name[sizeof(name) - 1] = '\0';
+}
+
+SiteDescription good_description() {
+    SiteDescription message;
+    message.site = "room-1";
+    message.cameras.resize(2);
+    for (auto& camera : message.cameras) {
+        camera.name = "c";
+        camera.intrinsics = {640, 480, 500, 500, 320, 240, 0, {}};
+    }
+    message.bounds_site.add({-1, -1, 0});
+    message.bounds_site.add({1, 1, 2});
+    return message;
+}
+
+TEST(FromWire, RefusesEachBadFieldOfASiteDescription) {
+    using W = atrium_SiteDescription;
+    expect_each_refused<SiteDescription>(
+        good_description(),
+        {{"site", [](W& w) { spoil_name(w.site, ""); }},
+         {"site", [](W& w) { spoil_name(w.site, "a b"); }},
+         {"site", [](W& w) { spoil_name(w.site, "../etc"); }},
+         {"site", [](W& w) { std::memset(w.site, 'a', sizeof(w.site)); }},  // no end
+         {"cameras", [](W& w) { w.cameras._length = 65; }},
+         {"cameras", [](W& w) { w.cameras._length = 0xffffffff; }},
+         {"cameras.name", [](W& w) { spoil_name(w.cameras._buffer[1].name, "\xff"); }},
+         {"width", [](W& w) { w.cameras._buffer[1].width = 0; }},
+         {"width", [](W& w) { w.cameras._buffer[1].width = 0xffffffff; }},
+         {"height", [](W& w) { w.cameras._buffer[0].height = 16385; }},
+         {"fx", [](W& w) { w.cameras._buffer[0].fx = 0; }},
+         {"fx", [](W& w) { w.cameras._buffer[0].fx = kNan; }},
+         {"fy", [](W& w) { w.cameras._buffer[0].fy = -1; }},
+         {"cx", [](W& w) { w.cameras._buffer[0].cx = kInfinity; }},
+         {"cy", [](W& w) { w.cameras._buffer[0].cy = kNan; }},
+         {"skew", [](W& w) { w.cameras._buffer[0].skew = kNan; }},
+         {"distortion", [](W& w) { w.cameras._buffer[0].distortion[4] = kNan; }},
+         {"camera_from_site",
+          [](W& w) { w.cameras._buffer[0].camera_from_site.rotation[3] = 1.01; }},
+         {"camera_from_site",
+          [](W& w) { w.cameras._buffer[0].camera_from_site.rotation[0] = kNan; }},
+         {"camera_from_site",
+          [](W& w) { w.cameras._buffer[0].camera_from_site.translation[2] = 1e6; }},
+         {"bounds_site", [](W& w) { w.bounds_min[0] = 5; }},
+         {"bounds_site", [](W& w) { w.bounds_max[1] = kNan; }},
+         {"bounds_site", [](W& w) { w.bounds_max[1] = kInfinity; }}});
+}
+
+TEST(FromWire, RefusesEachBadFieldOfASiteMesh) {
+    using W = atrium_SiteMesh;
+    static std::uint32_t two_equal[] = {3, 3};
+    static std::uint32_t too_large[] = {64};
+    expect_each_refused<SiteMesh>(
+        {"room", 1, {5}, {0, 1}, {1, 2, 3}},
+        {{"site", [](W& w) { spoil_name(w.site, "a/b"); }},
+         {"capture_time", [](W& w) { w.capture_time_ns = -1; }},
+         {"capture_time", [](W& w) { w.capture_time_ns = std::numeric_limits<long>::max(); }},
+         {"textured_cameras", [](W& w) { w.textured_cameras._length = 65; }},
+         {"textured_cameras", [](W& w) { w.textured_cameras._buffer = two_equal; }},
+         {"textured_cameras",
+          [](W& w) {
+              w.textured_cameras._buffer = too_large;
+              w.textured_cameras._length = 1;
+          }},
+         {"draco", [](W& w) { w.draco._length = kMaxCodedBytes + 1; }}});
+}
+
+TEST(FromWire, RefusesEachBadFieldOfACameraTexture) {
+    using W = atrium_CameraTexture;
+    expect_each_refused<CameraTexture>(
+        {"room", 2, 1, {5}, {10, 10, 20, 20}, {1}, {2}},
+        {{"site", [](W& w) { spoil_name(w.site, ""); }},
+         {"camera", [](W& w) { w.camera = 64; }},
+         {"capture_time", [](W& w) { w.capture_time_ns = -1; }},
+         {"crop_px.x", [](W& w) { w.crop_x = 0x80000000; }},
+         {"crop_px.y", [](W& w) { w.crop_y = 0xffffffff; }},
+         {"crop_px.width", [](W& w) { w.crop_width = 0; }},
+         {"crop_px.width", [](W& w) { w.crop_width = 16375; }},
+         {"crop_px.height", [](W& w) { w.crop_height = 0x7fffffff; }},
+         {"colour", [](W& w) { w.colour._length = kMaxCodedBytes + 1; }},
+         {"mask", [](W& w) { w.mask._length = 0xffffffff; }}});
+}
+
+TEST(FromWire, RefusesEachBadFieldOfTheWorldsTopics) {
+    expect_each_refused<SitePlacement>(
+        {"room", {}},
+        {{"site", [](auto& w) { spoil_name(w.site, ""); }},
+         {"world_from_site", [](auto& w) { w.world_from_site.rotation[3] = 0; }},
+         {"world_from_site", [](auto& w) { w.world_from_site.translation[0] = -kInfinity; }}});
+    SceneObject ball;
+    ball.name = "ball";
+    expect_each_refused<SceneObject>(
+        ball,
+        {{"name", [](auto& w) { spoil_name(w.name, "a\nb"); }},
+         {"shape", [](auto& w) { w.shape = 5; }},
+         {"shape", [](auto& w) { w.shape = 255; }},
+         {"size_m", [](auto& w) { w.size_m[0] = 0; }},
+         {"size_m", [](auto& w) { w.size_m[2] = kNan; }},
+         {"mass_kg", [](auto& w) { w.mass_kg = -1; }},
+         {"mass_kg", [](auto& w) { w.mass_kg = kInfinity; }},
+         {"colour", [](auto& w) { w.colour[1] = 1.5; }},
+         {"world_from_object", [](auto& w) { w.world_from_object.rotation[1] = 1; }}});
+    expect_each_refused<SceneState>(
+        {"hall", 1, {5}, std::vector<ObjectState>(2)},
+        {{"world", [](auto& w) { spoil_name(w.world, "*"); }},
+         {"time", [](auto& w) { w.time_ns = -5; }},
+         {"objects", [](auto& w) { w.objects._length = 2049; }},
+         {"world_from_object",
+          [](auto& w) { w.objects._buffer[1].world_from_object.rotation[3] = kNan; }},
+         {"linear_velocity", [](auto& w) { w.objects._buffer[1].linear_velocity[0] = kNan; }},
+         {"angular_velocity", [](auto& w) { w.objects._buffer[0].angular_velocity[2] = 1e9; }}});
+    expect_each_refused<SceneCommand>(
+        {"viewer", CommandKind::kAdd, 0, Eigen::Vector3d::Zero(), ball},
+        {{"sender", [](auto& w) { spoil_name(w.sender, ""); }},
+         {"kind", [](auto& w) { w.kind = 4; }},
+         {"impulse_ns", [](auto& w) { w.impulse_ns[0] = kNan; }},
+         {"SceneObject.mass_kg", [](auto& w) { w.object.mass_kg = kNan; }}});
+}
+
+TEST(FromWire, RefusesEachBadFieldOfAStatus) {
+    Random random(3);
+    expect_each_refused<SiteStatus>(
+        random_message<SiteStatus>(random),
+        {{"site", [](auto& w) { spoil_name(w.site, ""); }},
+         {"time", [](auto& w) { w.time_ns = -1; }},
+         {"metaframes_per_s", [](auto& w) { w.metaframes_per_s = -1; }},
+         {"bytes_per_s", [](auto& w) { w.bytes_per_s = kInfinity; }},
+         {"capture_to_publish", [](auto& w) { w.capture_to_publish.median_ms = kNan; }}});
+    expect_each_refused<WorldStatus>(
+        random_message<WorldStatus>(random),
+        {{"world", [](auto& w) { spoil_name(w.world, ""); }},
+         {"time", [](auto& w) { w.time_ns = -1; }},
+         {"steps_per_s", [](auto& w) { w.steps_per_s = kNan; }},
+         {"capture_to_collision", [](auto& w) { w.capture_to_collision.p99_ms = -1; }}});
+    expect_each_refused<ViewerStatus>(
+        random_message<ViewerStatus>(random),
+        {{"viewer", [](auto& w) { spoil_name(w.viewer, ""); }},
+         {"time", [](auto& w) { w.time_ns = -1; }},
+         {"frames_per_s", [](auto& w) { w.frames_per_s = kNan; }},
+         {"capture_to_display", [](auto& w) { w.capture_to_display.median_ms = kInfinity; }}});
+}
+
+TEST(FromWire, NormalisesAQuaternionThatIsALittleOff) {
+    WireScratch scratch;
+    atrium_SitePlacement wire{};
+    to_wire(SitePlacement{"room", {}}, scratch, wire);
+    wire.world_from_site.rotation[3] = 1.0 + 0.9 * kQuaternionTolerance;
+    const auto placement = from_wire(wire);
+    ASSERT_TRUE(placement.has_value());
+    EXPECT_NEAR(placement->world_from_site.rotation.norm(), 1.0, 1e-15);
+}
+
+TEST(FromWire, LooksAtTheObjectOfAnAddCommandOnly) {
+    WireScratch scratch;
+    atrium_SceneCommand wire{};
+    to_wire(
+        SceneCommand{"viewer", CommandKind::kReset, 0, Eigen::Vector3d::Zero(), {}}, scratch, wire);
+    wire.object.mass_kg = kNan;
+    const auto command = from_wire(wire);
+    ASSERT_TRUE(command.has_value());
+    EXPECT_EQ(command->object.mass_kg, 0.0);
+}
+
+TEST(ToWire, LendsCodedBytesInsteadOfCopyingThem) {
+    const SiteMesh message{"room", 1, {5}, {0}, std::vector<std::uint8_t>(1000, 7)};
+    WireScratch scratch;
+    atrium_SiteMesh wire{};
+    to_wire(message, scratch, wire);
+    EXPECT_EQ(wire.draco._buffer, message.draco.data());
+    EXPECT_EQ(wire.draco._length, 1000U);
+    EXPECT_EQ(payload_bytes(message), 4U + 8U + 8U + 4U + 1000U);
+}
+
+}  // namespace
+}  // namespace atrium::bus
