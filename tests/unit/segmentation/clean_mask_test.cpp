@@ -1,0 +1,96 @@
+#include "site_node/segmentation/clean_mask.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+namespace atrium::segmentation {
+namespace {
+
+image::Mask noise(int width, int height, double density, unsigned seed) {
+    std::mt19937 random(seed);
+    std::bernoulli_distribution on(density);
+    image::Mask mask(width, height);
+    for (std::uint8_t& value : mask.data) value = on(random) ? 255 : 0;
+    return mask;
+}
+
+// The same by flood fill, part by part.
+image::Mask without_small_parts(const image::Mask& in, int min_area_px) {
+    image::Mask out = in;
+    std::vector<bool> seen(in.data.size());
+    for (int start = 0; start < static_cast<int>(in.data.size()); ++start) {
+        if (seen[static_cast<std::size_t>(start)]) continue;
+        const std::uint8_t value = in.data[static_cast<std::size_t>(start)];
+        std::vector<int> part;
+        std::vector<int> open{start};
+        while (!open.empty()) {
+            const int i = open.back();
+            open.pop_back();
+            if (seen[static_cast<std::size_t>(i)]) continue;
+            seen[static_cast<std::size_t>(i)] = true;
+            part.push_back(i);
+            for (int dy = -1; dy <= 1; ++dy) {
+                for (int dx = -1; dx <= 1; ++dx) {
+                    if (value != 0 && dx != 0 && dy != 0) continue;
+                    const int x = i % in.width + dx;
+                    const int y = i / in.width + dy;
+                    if (x < 0 || y < 0 || x >= in.width || y >= in.height || in.at(x, y) != value)
+                        continue;
+                    open.push_back(y * in.width + x);
+                }
+            }
+        }
+        if (static_cast<int>(part.size()) >= min_area_px) continue;
+        for (const int i : part)
+            out.data[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(~value);
+    }
+    return out;
+}
+
+TEST(CleanMask, MajorityIsTheCountOfNineWithRepeatedBorders) {
+    CleanScratch scratch;
+    image::Mask out;
+    for (unsigned seed = 0; seed < 8; ++seed) {
+        const image::Mask in = noise(37 - static_cast<int>(seed) * 4, 19, 0.5, seed);
+        majority_3x3(in, scratch, out);
+        for (int y = 0; y < in.height; ++y) {
+            for (int x = 0; x < in.width; ++x) {
+                int votes = 0;
+                for (int dy = -1; dy <= 1; ++dy) {
+                    for (int dx = -1; dx <= 1; ++dx) {
+                        votes += in.at(std::clamp(x + dx, 0, in.width - 1),
+                                       std::clamp(y + dy, 0, in.height - 1)) != 0;
+                    }
+                }
+                ASSERT_EQ(out.at(x, y), votes >= 5 ? 255 : 0) << x << ", " << y;
+            }
+        }
+    }
+}
+
+TEST(CleanMask, SmallPartsAreRemovedAsByFloodFill) {
+    CleanScratch scratch;
+    for (unsigned seed = 0; seed < 30; ++seed) {
+        const image::Mask in = noise(45, 31, 0.3 + 0.015 * seed, seed);
+        for (const int min_area_px : {0, 2, 7, 40}) {
+            image::Mask mask = in;
+            remove_small_parts(mask, min_area_px, scratch);
+            EXPECT_EQ(mask.data, without_small_parts(in, min_area_px).data)
+                << seed << ", " << min_area_px;
+        }
+    }
+}
+
+TEST(CleanMask, PlainMasksStayAsTheyAre) {
+    CleanScratch scratch;
+    for (const std::uint8_t value : {std::uint8_t{0}, std::uint8_t{255}}) {
+        image::Mask mask(20, 10, value);
+        remove_small_parts(mask, 50, scratch);
+        EXPECT_EQ(mask.data, image::Mask(20, 10, value).data);
+    }
+}
+
+}  // namespace
+}  // namespace atrium::segmentation
