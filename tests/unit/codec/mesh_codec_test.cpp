@@ -1,12 +1,162 @@
 #include "core/codec/mesh_codec.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <random>
+#include <set>
+#include <string>
+
+namespace atrium::codec {
 namespace {
 
-using atrium::codec::decode_mesh;
-using atrium::codec::encode_mesh;
-using atrium::geometry::TriangleMesh;
+using geometry::TriangleMesh;
+using ::testing::HasSubstr;
+using Random = std::mt19937_64;
+
+double number(Random& random, double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+}
+
+/// A tube around a circle, closed in both directions: 2 * rings * sides triangles.
+TriangleMesh make_torus(std::uint32_t rings, std::uint32_t sides, double tube_m = 0.3) {
+    TriangleMesh mesh;
+    for (std::uint32_t i = 0; i < rings; ++i) {
+        for (std::uint32_t j = 0; j < sides; ++j) {
+            const double around = 2.0 * std::numbers::pi * i / rings;
+            const double across = 2.0 * std::numbers::pi * j / sides;
+            const double radius_m = 0.7 + tube_m * std::cos(across);
+            mesh.vertices.emplace_back(radius_m * std::cos(around),
+                                       radius_m * std::sin(around),
+                                       tube_m * std::sin(across));
+            const std::uint32_t next_i = (i + 1) % rings * sides;
+            const std::uint32_t next_j = (j + 1) % sides;
+            mesh.triangles.push_back({i * sides + j, next_i + j, next_i + next_j});
+            mesh.triangles.push_back({i * sides + j, next_i + next_j, i * sides + next_j});
+        }
+    }
+    return mesh;
+}
+
+TriangleMesh make_octahedron(const Eigen::Vector3d& centre, double radius_m) {
+    TriangleMesh mesh;
+    for (const Eigen::Vector3d& axis :
+         {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, 1)}) {
+        mesh.vertices.push_back(centre + radius_m * axis);
+        mesh.vertices.push_back(centre - radius_m * axis);
+    }
+    mesh.triangles = {
+        {0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+    return mesh;
+}
+
+/// Each triangle into four, `times` times; new vertices on the sphere around the origin.
+TriangleMesh make_sphere(int times, double radius_m) {
+    TriangleMesh mesh = make_octahedron(Eigen::Vector3d::Zero(), radius_m);
+    for (; times > 0; --times) {
+        std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
+        const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+            const auto [found, is_new] =
+                middles.try_emplace(std::minmax(a, b), mesh.vertices.size());
+            if (is_new)
+                mesh.vertices.push_back((mesh.vertices[a] + mesh.vertices[b]).normalized() *
+                                        radius_m);
+            return found->second;
+        };
+        std::vector<std::array<std::uint32_t, 3>> finer;
+        for (const auto& [a, b, c] : mesh.triangles) {
+            const std::uint32_t ab = middle(a, b);
+            const std::uint32_t bc = middle(b, c);
+            const std::uint32_t ca = middle(c, a);
+            finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
+        }
+        mesh.triangles = std::move(finer);
+    }
+    return mesh;
+}
+
+void append(TriangleMesh& mesh, const TriangleMesh& more) {
+    const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), more.vertices.begin(), more.vertices.end());
+    for (const auto& [a, b, c] : more.triangles)
+        mesh.triangles.push_back({base + a, base + b, base + c});
+}
+
+std::vector<std::uint8_t> encode(const TriangleMesh& mesh, const MeshCodecOptions& options = {}) {
+    std::vector<std::uint8_t> bytes;
+    const auto size = encode_mesh(mesh, options, bytes);
+    EXPECT_TRUE(size.has_value()) << size.error().message;
+    return bytes;
+}
+
+TriangleMesh there_and_back(const TriangleMesh& mesh, const MeshCodecOptions& options = {}) {
+    auto decoded = decode_mesh(encode(mesh, options));
+    EXPECT_TRUE(decoded.has_value()) << decoded.error().message;
+    return decoded ? *decoded : TriangleMesh{};
+}
+
+/// Half a step on each axis, and what the way through float adds.
+double allowed_error_m(const TriangleMesh& mesh, const MeshCodecOptions& options) {
+    const geometry::Aabb box = geometry::bounds(mesh);
+    const double largest_m = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
+    return 0.5 * quantisation_step_m(mesh, options) + 4.0 * 6e-8 * largest_m;
+}
+
+/// Index of the vertex of `mesh` that is nearest to `p`, by the largest difference of a coordinate.
+std::uint32_t nearest(const TriangleMesh& mesh, const Eigen::Vector3d& p) {
+    const auto found =
+        std::min_element(mesh.vertices.begin(), mesh.vertices.end(), [&](auto& a, auto& b) {
+            return (a - p).cwiseAbs().maxCoeff() < (b - p).cwiseAbs().maxCoeff();
+        });
+    return static_cast<std::uint32_t>(found - mesh.vertices.begin());
+}
+
+using Triangles = std::multiset<std::array<std::uint32_t, 3>>;
+
+/// Triangles that begin with their smallest index.
+Triangles canonical(const std::vector<std::array<std::uint32_t, 3>>& triangles) {
+    Triangles out;
+    for (auto triangle : triangles) {
+        std::rotate(
+            triangle.begin(), std::min_element(triangle.begin(), triangle.end()), triangle.end());
+        out.insert(triangle);
+    }
+    return out;
+}
+
+void expect_same_mesh_renumbered(const TriangleMesh& mesh, const MeshCodecOptions& options) {
+    const TriangleMesh decoded = there_and_back(mesh, options);
+    ASSERT_EQ(decoded.vertices.size(), mesh.vertices.size());
+    std::vector<std::uint32_t> original_of;
+    for (const Eigen::Vector3d& vertex : decoded.vertices) {
+        original_of.push_back(nearest(mesh, vertex));
+        EXPECT_LE((mesh.vertices[original_of.back()] - vertex).cwiseAbs().maxCoeff(),
+                  allowed_error_m(mesh, options));
+    }
+    auto triangles = decoded.triangles;
+    for (auto& triangle : triangles) {
+        for (auto& vertex : triangle) vertex = original_of[vertex];
+    }
+    EXPECT_EQ(canonical(triangles), canonical(mesh.triangles));
+}
+
+void expect_same_topology(const TriangleMesh& mesh, const MeshCodecOptions& options = {}) {
+    const geometry::MeshReport before = geometry::inspect(mesh);
+    ASSERT_TRUE(before.closed && before.manifold) << "the test's own mesh";
+    const TriangleMesh decoded = there_and_back(mesh, options);
+    const geometry::MeshReport after = geometry::inspect(decoded);
+    EXPECT_TRUE(after.closed);
+    EXPECT_TRUE(after.manifold);
+    EXPECT_EQ(decoded.vertices.size(), mesh.vertices.size());
+    EXPECT_EQ(decoded.triangles.size(), mesh.triangles.size());
+    EXPECT_EQ(after.num_components, before.num_components);
+    EXPECT_EQ(after.euler_characteristic, before.euler_characteristic);
+}
 
 TEST(MeshCodec, AnEmptyMeshIsZeroBytesAndBack) {
     std::vector<std::uint8_t> bytes{1, 2, 3};
@@ -19,18 +169,165 @@ TEST(MeshCodec, AnEmptyMeshIsZeroBytesAndBack) {
     EXPECT_TRUE(mesh->empty());
 }
 
-TEST(MeshCodec, ATetrahedronComesBackWithItsTopologyAndVolume) {
-    TriangleMesh tetrahedron;
-    tetrahedron.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    tetrahedron.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
-    std::vector<std::uint8_t> bytes;
-    ASSERT_TRUE(encode_mesh(tetrahedron, {}, bytes).has_value());
-    const auto mesh = decode_mesh(bytes);
-    ASSERT_TRUE(mesh.has_value()) << mesh.error().message;
-    const auto report = atrium::geometry::inspect(*mesh);
+TEST(MeshCodec, TheStepOfATwoMetreBoxIsBelowAQuarterMillimetre) {
+    TriangleMesh box;
+    box.vertices = {{0, 0, 0}, {1, 0.5, 2}};
+    EXPECT_NEAR(quantisation_step_m(box, {}), 2.0 / 16383.0, 1e-12);
+    EXPECT_LT(quantisation_step_m(box, {}), 0.25e-3);
+}
+
+TEST(MeshCodec, MovesNoCoordinateByMoreThanHalfAStepAndKeepsEveryTriangle) {
+    Random random(21);
+    for (int round = 0; round < 12; ++round) {
+        MeshCodecOptions options;
+        options.position_bits = 11 + round % 6;
+        options.speed = round % 11;
+        TriangleMesh mesh = round % 2 == 0 ? make_sphere(3, number(random, 0.2, 1.5))
+                                           : make_torus(20, 12, number(random, 0.1, 0.5));
+        const Eigen::Vector3d offset_m(number(random, -9, 9), number(random, -9, 9), 1.0);
+        for (auto& vertex : mesh.vertices) {
+            for (double& component : vertex) component += number(random, -0.005, 0.005);
+            vertex += offset_m;
+        }
+        expect_same_mesh_renumbered(mesh, options);
+    }
+}
+
+TEST(MeshCodec, KeepsTheTopologyOfSphereTorusAndManyBodies) {
+    expect_same_topology(make_sphere(4, 0.9));
+    expect_same_topology(make_torus(60, 30));
+    Random random(22);
+    TriangleMesh crowd;
+    for (int i = 0; i < 300; ++i) {
+        const Eigen::Vector3d centre(number(random, -2, 2), number(random, -2, 2), 1.0);
+        append(crowd, make_octahedron(centre, number(random, 1e-6, 0.1)));
+    }
+    append(crowd, make_torus(16, 8));
+    expect_same_topology(crowd);
+}
+
+TEST(MeshCodec, KeepsTheTopologyWhereVerticesCoincideOnTheGrid) {
+    // Edges of 0.1 um in a mesh of 2 m, whose step is a thousand times as long: a tube so thin that
+    // each of its rings is one grid point, and bodies smaller than a step on top of each other.
+    TriangleMesh thin = make_torus(200, 6, 1e-7);
+    for (int i = 0; i < 20; ++i) append(thin, make_octahedron({0.1, 0.2, 0.3}, 1e-7));
+    for (const int speed : {0, 5, 7, 10}) expect_same_topology(thin, {14, speed});
+    // All of it in one point.
+    TriangleMesh point = make_torus(8, 8);
+    for (auto& vertex : point.vertices) vertex = {1, 2, 3};
+    expect_same_topology(point);
+}
+
+TEST(MeshCodec, KeepsTheTopologyOfRandomlyCrumpledMeshes) {
+    Random random(23);
+    for (int round = 0; round < 40; ++round) {
+        TriangleMesh mesh = make_torus(4 + random() % 30, 3 + random() % 20);
+        if (round % 3 == 0) append(mesh, make_sphere(2, 0.5));
+        // Half of the vertices fall onto others or into their sub-step neighbourhood.
+        for (auto& vertex : mesh.vertices) {
+            if (random() % 2 == 0) continue;
+            vertex = mesh.vertices[random() % mesh.vertices.size()];
+            vertex += Eigen::Vector3d::Constant(number(random, -1e-7, 1e-7));
+        }
+        std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
+        expect_same_topology(mesh, {14, static_cast<int>(random() % 11)});
+    }
+}
+
+TEST(MeshCodec, GivesEachFanOfASharedVertexItsOwnCopyAndDropsWhatNobodyUses) {
+    TriangleMesh mesh = make_octahedron({0, 0, 0}, 0.5);
+    append(mesh, make_octahedron({1, 0, 0}, 0.5));  // its vertex 7 is where vertex 0 is
+    for (auto& triangle : mesh.triangles) std::replace(triangle.begin(), triangle.end(), 7U, 0U);
+    ASSERT_FALSE(geometry::inspect(mesh).manifold);
+    const TriangleMesh decoded = there_and_back(mesh);
+    EXPECT_EQ(decoded.vertices.size(), 12U);  // 7 is not used by anyone; 0 is there twice
+    const auto report = geometry::inspect(decoded);
     EXPECT_TRUE(report.manifold);
-    EXPECT_EQ(mesh->vertices.size(), 4U);
-    EXPECT_NEAR(report.volume_m3, 1.0 / 6.0, 1e-3);
+    EXPECT_EQ(report.num_components, 2U);
+}
+
+TEST(MeshCodec, RefusesToEncodeWhatIsNoMesh) {
+    std::vector<std::uint8_t> bytes;
+    TriangleMesh mesh = make_octahedron({0, 0, 0}, 1.0);
+    mesh.triangles[3][1] = 6;
+    EXPECT_THAT(encode_mesh(mesh, {}, bytes).error().message, HasSubstr("index"));
+    mesh = make_octahedron({0, 0, 0}, 1.0);
+    mesh.vertices[2].y() = std::nan("");
+    EXPECT_THAT(encode_mesh(mesh, {}, bytes).error().message, HasSubstr("finite"));
+    mesh.vertices[2].y() = 1e300;  // no float
+    EXPECT_FALSE(encode_mesh(mesh, {}, bytes).has_value());
+    mesh = make_octahedron({0, 0, 0}, 1.0);
+    for (auto& triangle : mesh.triangles) triangle = {1, 1, 2};
+    EXPECT_FALSE(encode_mesh(mesh, {}, bytes).has_value()) << "nothing is left of it";
+    EXPECT_TRUE(bytes.empty());
+}
+
+TEST(MeshCodec, RefusesCoordinatesAndCountsBeyondTheLimits) {
+    const auto bytes = encode(make_torus(20, 10));  // 400 triangles, 200 vertices
+    EXPECT_THAT(decode_mesh(bytes, {.max_triangles = 399}).error().message, HasSubstr("triangles"));
+    EXPECT_THAT(decode_mesh(bytes, {.max_vertices = 199}).error().message, HasSubstr("vertices"));
+    EXPECT_THAT(decode_mesh(bytes, {.max_coordinate_m = 0.9}).error().message,
+                HasSubstr("coordinate"));
+    EXPECT_TRUE(decode_mesh(bytes, {400, 200, 1.1}).has_value());
+}
+
+TEST(MeshCodec, RefusesEveryTruncation) {
+    const auto bytes = encode(make_torus(20, 10));
+    for (std::size_t size = 1; size < bytes.size(); ++size)
+        EXPECT_FALSE(decode_mesh(std::span(bytes).first(size)).has_value()) << size;
+}
+
+void expect_harmless(std::span<const std::uint8_t> bytes, const MeshLimits& limits) {
+    const auto mesh = decode_mesh(bytes, limits);
+    if (!mesh) {
+        EXPECT_EQ(mesh.error().kind, ErrorKind::kInvalidData);
+        return;
+    }
+    EXPECT_LE(mesh->vertices.size(), limits.max_vertices);
+    EXPECT_LE(mesh->triangles.size(), limits.max_triangles);
+    for (const auto& vertex : mesh->vertices)
+        ASSERT_LE(vertex.cwiseAbs().maxCoeff(), limits.max_coordinate_m);
+    for (const auto& triangle : mesh->triangles)
+        ASSERT_LT(*std::max_element(triangle.begin(), triangle.end()), mesh->vertices.size());
+}
+
+TEST(MeshCodec, SurvivesFlippedBits) {
+    Random random(24);
+    const MeshLimits limits{.max_triangles = 5000, .max_vertices = 5000};
+    const std::array streams{encode(make_torus(12, 6)),
+                             encode(make_sphere(2, 1.0), {14, 0}),
+                             encode(make_torus(5, 5), {10, 10})};
+    for (int round = 0; round < 20'000; ++round) {
+        auto bytes = streams[static_cast<std::size_t>(round) % streams.size()];
+        for (std::uint64_t flips = 1 + random() % 4; flips > 0; --flips)
+            bytes[random() % bytes.size()] ^= static_cast<std::uint8_t>(1U << (random() % 8));
+        expect_harmless(bytes, limits);
+    }
+}
+
+TEST(MeshCodec, SurvivesRandomBytesBehindAGoodBeginning) {
+    Random random(25);
+    const auto good = encode(make_torus(12, 6));
+    for (int round = 0; round < 20'000; ++round) {
+        std::vector<std::uint8_t> bytes(random() % 600);
+        for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
+        const std::size_t num_good = random() % good.size();
+        std::copy_n(good.begin(), std::min(num_good, bytes.size()), bytes.begin());
+        expect_harmless(bytes, {});
+    }
+}
+
+TEST(MeshCodec, RefusesAStreamOfAnotherForm) {
+    const auto good = encode(make_torus(5, 5));
+    // Version, kind of geometry, method, flags, kind of symbols: each of them another decoder.
+    for (const std::size_t position : {5U, 6U, 7U, 8U, 9U, 10U, 11U}) {
+        auto bytes = good;
+        bytes[position] ^= 1U;
+        const auto mesh = decode_mesh(bytes);
+        ASSERT_FALSE(mesh.has_value());
+        EXPECT_THAT(mesh.error().message, HasSubstr("Draco 2.2 edgebreaker"));
+    }
 }
 
 }  // namespace
+}  // namespace atrium::codec
