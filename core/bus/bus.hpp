@@ -42,8 +42,10 @@ template <typename Message>
 class Writer {
 public:
     static Expected<Writer> create(const Participant& participant);
-    /// Fails with kInvalidData where `from_wire` at the other end would refuse the message. Returns
-    /// the bytes of payload handed over.
+    /// Fails with kInvalidData where `from_wire` at the other end would refuse the message, and
+    /// with kUnavailable where a reader of commands does not keep up or the topic has too many
+    /// keys. Returns the bytes of payload handed over. May wait some ten milliseconds
+    /// (qos/profiles.xml, max_blocking_time): not for a capture thread.
     Expected<std::size_t> write(const Message& message);
     /// Tells the readers that the message's key (site, object, sender) is gone.
     Expected<void> dispose(const Message& key_holder);
@@ -69,7 +71,8 @@ public:
 
     /// Hands over, oldest first, each new sample that passed its checks. `on_gone` gets a message
     /// of which only the key fields are filled, once its writer has left, lost liveliness or
-    /// disposed it. Never waits.
+    /// disposed it; after the last sample of that key, and perhaps more than once. Never waits.
+    /// The functions must not use this reader.
     TakeReport take(const std::function<void(Message&&)>& on_sample,
                     const std::function<void(const Message&)>& on_gone = {});
 
