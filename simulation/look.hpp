@@ -10,7 +10,7 @@
 
 namespace atrium::simulation {
 
-/// Linear reflectance of red, green and blue, 0 to 1.
+/// Red, green and blue in full light, 0 to 1, as a camera delivers them.
 using Colour = Eigen::Vector3f;
 
 enum class HairStyle : std::uint8_t { kShort, kLong, kBun };

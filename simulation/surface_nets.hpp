@@ -14,8 +14,8 @@ using DistanceField = std::function<double(const Eigen::Vector3d&)>;
 /// nets (one vertex per cell that the surface passes), the vertices then moved onto the surface
 /// along its gradient.
 ///
-/// The surface must keep off the walls of the box. The mesh is closed always, 2-manifold where
-/// features and gaps are wider than about two cells. Deterministic.
+/// The surface must keep off the walls of the box. The mesh is closed and 2-manifold: where the
+/// surface would touch itself within a cell, the gap is filled. Deterministic.
 geometry::TriangleMesh surface_nets(const DistanceField& distance,
                                     const geometry::Aabb& box,
                                     double cell_m);

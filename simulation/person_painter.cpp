@@ -1,0 +1,314 @@
+#include "simulation/person_painter.hpp"
+
+#include "core/gl/resources.hpp"
+#include "core/gl/shader_program.hpp"
+#include "simulation/person_shaders.hpp"
+
+#include <glad/gl.h>
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+
+namespace atrium::simulation {
+namespace {
+
+constexpr int kNumSamples = 4;
+
+void set_camera(const gl::ShaderProgram& program, const geometry::CalibratedCamera& camera) {
+    const geometry::PinholeCamera& c = camera.intrinsics;
+    const auto f = [](double v) { return static_cast<float>(v); };
+    program.set("camera_from_site",
+                Eigen::Matrix4f(camera.camera_from_site.matrix().cast<float>()));
+    program.set("focal_and_centre", Eigen::Vector4f(f(c.fx), f(c.fy), f(c.cx), f(c.cy)));
+    program.set("skew", f(c.skew));
+    const auto& k = c.distortion;
+    program.set("radial_tangential", Eigen::Vector4f(f(k[0]), f(k[1]), f(k[2]), f(k[3])));
+    program.set("radial_3", f(k[4]));
+    program.set("image_size", Eigen::Vector2f(f(c.width), f(c.height)));
+}
+
+void set_look(const gl::ShaderProgram& program, const Look& look, const Eigen::Vector3d& lamp) {
+    program.use();
+    program.set("skin", look.skin);
+    program.set("hair", look.hair);
+    program.set("shirt", look.shirt);
+    program.set("back", look.back);
+    program.set("emblem_colour", look.emblem_colour);
+    program.set("sleeve_left", look.sleeve_left);
+    program.set("sleeve_right", look.sleeve_right);
+    program.set("trousers", look.trousers);
+    program.set("stripe", look.stripe);
+    program.set("shoes", look.shoes);
+    program.set("hair_style", static_cast<int>(look.hair_style));
+    program.set("emblem", static_cast<int>(look.emblem));
+    program.set("beard", look.beard ? 1 : 0);
+    program.set("lamp", Eigen::Vector3f(lamp.cast<float>()));
+    program.set("ambient", static_cast<float>(kAmbient));
+    program.set("diffuse", static_cast<float>(kDiffuse));
+}
+
+// The table's faces cut into small triangles, for lens distortion bends straight edges.
+std::vector<Eigen::Vector3f> table_triangles(const Room& room) {
+    constexpr int kCuts = 12;
+    std::vector<Eigen::Vector3f> corners;
+    for (const geometry::Aabb& box : room.table) {
+        const Eigen::Vector3d size = box.size();
+        for (int face = 0; face < 6; ++face) {
+            const int axis = face / 2;
+            const auto at = [&](int i, int j) {
+                Eigen::Vector3d p = box.min;
+                p[axis] += face % 2 == 1 ? size[axis] : 0.0;
+                p[(axis + 1) % 3] += size[(axis + 1) % 3] * i / kCuts;
+                p[(axis + 2) % 3] += size[(axis + 2) % 3] * j / kCuts;
+                return Eigen::Vector3f(room.site_from_table(p).cast<float>());
+            };
+            for (int i = 0; i < kCuts; ++i) {
+                for (int j = 0; j < kCuts; ++j) {
+                    for (const auto& [di, dj] : std::array<std::array<int, 2>, 6>{
+                             {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}}) {
+                        corners.push_back(at(i + di, j + dj));
+                    }
+                }
+            }
+        }
+    }
+    return corners;
+}
+
+// Mean over (2 radius + 1) pixels along each row, written transposed: twice gives both directions.
+void blur_transposed(const std::vector<std::uint8_t>& in,
+                     int size,
+                     int radius,
+                     std::vector<std::uint8_t>& out) {
+    const int width = 2 * radius + 1;
+    for (int y = 0; y < size; ++y) {
+        const std::uint8_t* row = in.data() + static_cast<std::ptrdiff_t>(y) * size;
+        int sum = 0;
+        for (int x = -radius; x < size; ++x) {
+            if (x + radius < size) sum += row[x + radius];
+            if (x - radius - 1 >= 0) sum -= row[x - radius - 1];
+            if (x >= 0)
+                out[static_cast<std::size_t>(x) * static_cast<std::size_t>(size) +
+                    static_cast<std::size_t>(y)] = static_cast<std::uint8_t>(sum / width);
+        }
+    }
+}
+
+}  // namespace
+
+struct PersonPainter::Impl {
+    explicit Impl(gl::OffscreenContext owned_context) : context(std::move(owned_context)) {}
+
+    gl::OffscreenContext context;  // first: everything below is destroyed while it is there
+    gl::ShaderProgram paint, flat;
+    gl::VertexArray person_array, table_array;
+    gl::Buffer positions, normals, rest, indices, table;
+    gl::FramebufferName sampled;  // several samples per pixel
+    unsigned sampled_colour = 0;
+    unsigned sampled_depth = 0;
+    gl::Framebuffer resolved;
+    int num_indices = 0;
+    int num_table_corners = 0;
+    geometry::CalibratedCamera lamp_camera;
+    std::vector<std::uint8_t> rgba, shadow, shadow_scratch;
+
+    Impl(const Impl&) = delete;
+    Impl& operator=(const Impl&) = delete;
+    ~Impl() {
+        if (!context.make_current()) return;
+        glDeleteRenderbuffers(1, &sampled_colour);
+        glDeleteRenderbuffers(1, &sampled_depth);
+    }
+
+    Expected<void> make_targets(int width, int height) {
+        auto target = gl::make_framebuffer(width, height);
+        if (!target) return tl::unexpected(target.error());
+        resolved = std::move(*target);
+        GLuint name = 0;
+        glGenFramebuffers(1, &name);
+        sampled = gl::FramebufferName(name);
+        glBindFramebuffer(GL_FRAMEBUFFER, name);
+        const auto attach = [&](unsigned& buffer, GLenum format, GLenum attachment) {
+            glGenRenderbuffers(1, &buffer);
+            glBindRenderbuffer(GL_RENDERBUFFER, buffer);
+            glRenderbufferStorageMultisample(GL_RENDERBUFFER, kNumSamples, format, width, height);
+            glFramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, buffer);
+        };
+        attach(sampled_colour, GL_RGBA8, GL_COLOR_ATTACHMENT0);
+        attach(sampled_depth, GL_DEPTH_COMPONENT24, GL_DEPTH_ATTACHMENT);
+        if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+            return make_error(ErrorKind::kInternal,
+                              "OpenGL: cannot make a multisampled framebuffer");
+        }
+        return {};
+    }
+
+    void make_geometry(const Person& person, const Room& room) {
+        std::vector<Eigen::Vector3f> rest_positions;
+        for (const Eigen::Vector3d& p : person.skin().mesh.vertices)
+            rest_positions.push_back(p.cast<float>());
+        positions = gl::make_buffer();
+        normals = gl::make_buffer();
+        rest = gl::make_buffer();
+        indices = gl::make_buffer();
+        table = gl::make_buffer();
+        person_array = gl::make_vertex_array();
+        glBindVertexArray(person_array.id());
+        gl::upload(rest,
+                   GL_ARRAY_BUFFER,
+                   std::span<const Eigen::Vector3f>(rest_positions),
+                   GL_STATIC_DRAW);
+        gl::float_attribute(2, 3, sizeof(Eigen::Vector3f), 0);
+        gl::upload(positions,
+                   GL_ARRAY_BUFFER,
+                   std::span<const Eigen::Vector3f>(rest_positions),
+                   GL_STREAM_DRAW);
+        gl::float_attribute(0, 3, sizeof(Eigen::Vector3f), 0);
+        gl::upload(normals,
+                   GL_ARRAY_BUFFER,
+                   std::span<const Eigen::Vector3f>(rest_positions),
+                   GL_STREAM_DRAW);
+        gl::float_attribute(1, 3, sizeof(Eigen::Vector3f), 0);
+        const auto& triangles = person.skin().mesh.triangles;
+        gl::upload(indices, GL_ELEMENT_ARRAY_BUFFER, std::span(triangles), GL_STATIC_DRAW);
+        num_indices = static_cast<int>(3 * triangles.size());
+        const std::vector<Eigen::Vector3f> corners = table_triangles(room);
+        num_table_corners = static_cast<int>(corners.size());
+        if (corners.empty()) return;
+        table_array = gl::make_vertex_array();
+        glBindVertexArray(table_array.id());
+        gl::upload(
+            table, GL_ARRAY_BUFFER, std::span<const Eigen::Vector3f>(corners), GL_STATIC_DRAW);
+        gl::float_attribute(0, 3, sizeof(Eigen::Vector3f), 0);
+    }
+
+    // What hides the person: depth only, no coverage.
+    void draw_table(const geometry::CalibratedCamera& camera) {
+        if (num_table_corners == 0) return;
+        flat.use();
+        set_camera(flat, camera);
+        flat.set("value", Eigen::Vector4f(0.0f, 0.0f, 0.0f, 0.0f));
+        glBindVertexArray(table_array.id());
+        glDrawArrays(GL_TRIANGLES, 0, num_table_corners);
+    }
+
+    void draw_person(const gl::ShaderProgram& program, const geometry::CalibratedCamera& camera) {
+        program.use();
+        set_camera(program, camera);
+        glBindVertexArray(person_array.id());
+        glDrawElements(GL_TRIANGLES, num_indices, GL_UNSIGNED_INT, nullptr);
+    }
+
+    void begin(unsigned framebuffer,
+               const geometry::PinholeCamera& camera,
+               const image::PixelRect& region) {
+        glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+        glViewport(0, 0, camera.width, camera.height);
+        glScissor(region.x, region.y, region.width, region.height);
+        glEnable(GL_SCISSOR_TEST);
+        glEnable(GL_DEPTH_TEST);
+        glDisable(GL_CULL_FACE);
+        glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
+        glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    }
+};
+
+PersonPainter::PersonPainter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+PersonPainter::PersonPainter(PersonPainter&&) noexcept = default;
+PersonPainter& PersonPainter::operator=(PersonPainter&&) noexcept = default;
+PersonPainter::~PersonPainter() = default;
+
+Expected<PersonPainter> PersonPainter::create(const Person& person,
+                                              const Room& room,
+                                              int max_width,
+                                              int max_height) {
+    auto context = gl::OffscreenContext::create(8, 8);
+    if (!context) return tl::unexpected(context.error());
+    auto impl = std::make_unique<Impl>(std::move(*context));
+    auto paint = gl::ShaderProgram::create("person", kPersonVertexShader, kPersonFragmentShader);
+    if (!paint) return tl::unexpected(paint.error());
+    auto flat = gl::ShaderProgram::create("flat", kPersonVertexShader, kFlatFragmentShader);
+    if (!flat) return tl::unexpected(flat.error());
+    impl->paint = std::move(*paint);
+    impl->flat = std::move(*flat);
+    impl->lamp_camera = room.shadow_camera;
+    const geometry::PinholeCamera& lamp = room.shadow_camera.intrinsics;
+    if (auto made =
+            impl->make_targets(std::max(max_width, lamp.width), std::max(max_height, lamp.height));
+        !made) {
+        return tl::unexpected(made.error());
+    }
+    impl->make_geometry(person, room);
+    set_look(impl->paint, person.look(), room.lamp);
+    const auto num_shadow_pixels =
+        static_cast<std::size_t>(lamp.width) * static_cast<std::size_t>(lamp.height);
+    impl->shadow.resize(num_shadow_pixels);
+    impl->shadow_scratch.resize(num_shadow_pixels);
+    return PersonPainter(std::move(impl));
+}
+
+void PersonPainter::set_pose(const PosedSkin& skin) {
+    gl::upload(impl_->positions,
+               GL_ARRAY_BUFFER,
+               std::span<const Eigen::Vector3f>(skin.positions),
+               GL_STREAM_DRAW);
+    gl::upload(impl_->normals,
+               GL_ARRAY_BUFFER,
+               std::span<const Eigen::Vector3f>(skin.normals),
+               GL_STREAM_DRAW);
+}
+
+std::span<const std::uint8_t> PersonPainter::draw(const geometry::CalibratedCamera& camera,
+                                                  const image::PixelRect& region) {
+    const std::size_t num_bytes =
+        static_cast<std::size_t>(region.width) * static_cast<std::size_t>(region.height) * 4;
+    if (impl_->rgba.size() < num_bytes) impl_->rgba.resize(num_bytes);
+    impl_->begin(impl_->sampled.id(), camera.intrinsics, region);
+    impl_->draw_table(camera);
+    impl_->draw_person(impl_->paint, camera);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, impl_->sampled.id());
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, impl_->resolved.name.id());
+    const int right = region.x + region.width;
+    const int bottom = region.y + region.height;
+    glBlitFramebuffer(region.x,
+                      region.y,
+                      right,
+                      bottom,
+                      region.x,
+                      region.y,
+                      right,
+                      bottom,
+                      GL_COLOR_BUFFER_BIT,
+                      GL_NEAREST);
+    glBindFramebuffer(GL_FRAMEBUFFER, impl_->resolved.name.id());
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glReadPixels(region.x,
+                 region.y,
+                 region.width,
+                 region.height,
+                 GL_RGBA,
+                 GL_UNSIGNED_BYTE,
+                 impl_->rgba.data());
+    return std::span<const std::uint8_t>(impl_->rgba).first(num_bytes);
+}
+
+std::span<const std::uint8_t> PersonPainter::draw_shadow() {
+    const geometry::PinholeCamera& lamp = impl_->lamp_camera.intrinsics;
+    assert(lamp.width == lamp.height);
+    impl_->begin(impl_->resolved.name.id(), lamp, {0, 0, lamp.width, lamp.height});
+    impl_->draw_table(impl_->lamp_camera);
+    impl_->flat.use();
+    impl_->flat.set("value", Eigen::Vector4f(1.0f, 1.0f, 1.0f, 1.0f));
+    impl_->draw_person(impl_->flat, impl_->lamp_camera);
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glReadPixels(0, 0, lamp.width, lamp.height, GL_RED, GL_UNSIGNED_BYTE, impl_->shadow.data());
+    constexpr int kPenumbraPx = 3;
+    for (int pass = 0; pass < 2; ++pass) {
+        blur_transposed(impl_->shadow, lamp.width, kPenumbraPx, impl_->shadow_scratch);
+        blur_transposed(impl_->shadow_scratch, lamp.width, kPenumbraPx, impl_->shadow);
+    }
+    return impl_->shadow;
+}
+
+}  // namespace atrium::simulation

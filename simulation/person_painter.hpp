@@ -1,0 +1,47 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/gl/offscreen_context.hpp"
+#include "core/image/image.hpp"
+#include "simulation/person.hpp"
+#include "simulation/room.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace atrium::simulation {
+
+/// Draws the person without the room, by OSMesa. Owns its context: use it on one thread.
+class PersonPainter {
+public:
+    /// Pictures may be up to `max_width` by `max_height`.
+    static Expected<PersonPainter> create(const Person& person,
+                                          const Room& room,
+                                          int max_width,
+                                          int max_height);
+
+    PersonPainter(PersonPainter&&) noexcept;
+    PersonPainter& operator=(PersonPainter&&) noexcept;
+    ~PersonPainter();
+
+    void set_pose(const PosedSkin& skin);
+
+    /// Draws `region` of the camera's picture: RGBA rows of `region.width`, top row first; alpha is
+    /// the share of the pixel that the person covers, colours are multiplied by it. The span is
+    /// valid until the next call.
+    std::span<const std::uint8_t> draw(const geometry::CalibratedCamera& camera,
+                                       const image::PixelRect& region);
+
+    /// What the person hides from the lamp, 0 to 255, blurred; pixels of `Room::shadow_camera`.
+    std::span<const std::uint8_t> draw_shadow();
+
+private:
+    struct Impl;
+    explicit PersonPainter(std::unique_ptr<Impl> impl);
+
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace atrium::simulation
