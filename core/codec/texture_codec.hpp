@@ -1,0 +1,85 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/codec/mask_codec.hpp"
+#include "core/image/image.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace atrium::codec {
+
+/// Largest coded colour picture that is looked at; no sample on the bus is larger than a part of
+/// it.
+constexpr std::size_t kMaxColourBytes = std::size_t{1} << 20;
+
+/// The subject as one camera sees it, at half resolution. All four planes are crop_px.width / 2 by
+/// crop_px.height / 2.
+struct TextureCrop {
+    image::PixelRect
+        crop_px;     // in the delivered picture, full-resolution pixels; all four numbers are even
+    image::Plane y;  // full-range BT.601, as in image::YuvImage
+    image::Plane u;
+    image::Plane v;
+    image::Mask mask;  // 255 where the picture shows the subject
+
+    int width() const { return y.width; }
+    int height() const { return y.height; }
+};
+
+struct CodedTexture {
+    std::vector<std::uint8_t> colour;  // baseline JPEG, 4:4:4, full-range BT.601
+    std::vector<std::uint8_t> mask;    // see mask_codec.hpp
+};
+
+/// Ready for the GPU: rows from the top, R, G, B, A; alpha is 255 where the picture shows the
+/// subject, else 0.
+struct DecodedTexture {
+    int width = 0;
+    int height = 0;
+    std::vector<std::uint8_t> rgba;
+};
+
+/// Holds the JPEG library's state and memory that is reused; one per thread.
+class TextureEncoder {
+public:
+    TextureEncoder();
+    ~TextureEncoder();
+    TextureEncoder(TextureEncoder&&) noexcept;
+    TextureEncoder& operator=(TextureEncoder&&) noexcept;
+
+    /// Codes colours and mask (not crop_px); `quality` is JPEG's, 1 to 100. The planes go into the
+    /// JPEG as they are: no colours are converted. An error if the planes are empty, differ in
+    /// size, or are larger than what TextureDecoder takes.
+    Expected<void> encode(const TextureCrop& crop, int quality, CodedTexture& out);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// Holds the JPEG library's state and memory that is reused; one per thread.
+class TextureDecoder {
+public:
+    TextureDecoder();
+    ~TextureDecoder();
+    TextureDecoder(TextureDecoder&&) noexcept;
+    TextureDecoder& operator=(TextureDecoder&&) noexcept;
+
+    /// Reverse of TextureEncoder::encode. Both byte strings may come from anywhere: what is
+    /// damaged, too large, not of the kind that the encoder writes, or differs in size between
+    /// colour and mask, is an error. On error, `out` is undefined. Damage that still makes a valid
+    /// picture of that size shows wrong pixels, nothing worse.
+    Expected<void> decode(std::span<const std::uint8_t> colour,
+                          std::span<const std::uint8_t> mask,
+                          DecodedTexture& out);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace atrium::codec

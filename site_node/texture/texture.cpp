@@ -1,0 +1,198 @@
+#include "site_node/texture/texture.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+
+namespace atrium::texture {
+namespace {
+
+using Block = TextureScratch::Block;
+
+constexpr int kBlockSize = 8;  // of JPEG
+
+std::uint64_t load8(const std::uint8_t* bytes) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, bytes, sizeof word);
+    return word;
+}
+
+// First column in [0, end) with foreground; `end` if there is none.
+int first_foreground(const std::uint8_t* row, int end) {
+    int x = 0;
+    while (x + 8 <= end && load8(row + x) == 0) x += 8;
+    while (x < end && row[x] == 0) ++x;
+    return x;
+}
+
+// One past the last column in [begin, end) with foreground; `begin` if there is none.
+int last_foreground(const std::uint8_t* row, int begin, int end) {
+    while (end - 8 >= begin && load8(row + end - 8) == 0) end -= 8;
+    while (end > begin && row[end - 1] == 0) --end;
+    return end;
+}
+
+image::PixelRect padded_even(const image::PixelRect& r, int padding_px, int width, int height) {
+    const int x0 = std::max(r.x - padding_px, 0) & ~1;
+    const int y0 = std::max(r.y - padding_px, 0) & ~1;
+    const int x1 = std::min((r.x + r.width + padding_px + 1) & ~1, width & ~1);
+    const int y1 = std::min((r.y + r.height + padding_px + 1) & ~1, height & ~1);
+    return {x0, y0, x1 - x0, y1 - y0};
+}
+
+void set_size(image::Plane& plane, int width, int height) {
+    plane.width = width;
+    plane.height = height;
+    plane.data.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+}
+
+void halve(const image::YuvImage& frame,
+           const image::Mask& mask,
+           const image::PixelRect& crop,
+           codec::TextureCrop& out) {
+    const int width = crop.width / 2;
+    const int height = crop.height / 2;
+    for (image::Plane* plane : {&out.y, &out.u, &out.v, &out.mask}) set_size(*plane, width, height);
+    for (int y = 0; y < height; ++y) {
+        const std::uint8_t* __restrict top = frame.y.row(crop.y + 2 * y) + crop.x;
+        const std::uint8_t* __restrict bottom = frame.y.row(crop.y + 2 * y + 1) + crop.x;
+        const std::uint8_t* __restrict mask_top = mask.row(crop.y + 2 * y) + crop.x;
+        const std::uint8_t* __restrict mask_bottom = mask.row(crop.y + 2 * y + 1) + crop.x;
+        std::uint8_t* __restrict luma = out.y.row(y);
+        std::uint8_t* __restrict alpha = out.mask.row(y);
+        for (int x = 0; x < width; ++x) {
+            luma[x] = static_cast<std::uint8_t>(
+                (top[2 * x] + top[2 * x + 1] + bottom[2 * x] + bottom[2 * x + 1] + 2) >> 2);
+            const int votes = (mask_top[2 * x] & 1) + (mask_top[2 * x + 1] & 1) +
+                              (mask_bottom[2 * x] & 1) + (mask_bottom[2 * x + 1] & 1);
+            alpha[x] = votes >= 2 ? 255 : 0;
+        }
+        std::copy_n(frame.u.row(crop.y / 2 + y) + crop.x / 2, width, out.u.row(y));
+        std::copy_n(frame.v.row(crop.y / 2 + y) + crop.x / 2, width, out.v.row(y));
+    }
+}
+
+struct BlockGrid {
+    int columns;
+    int rows;
+};
+
+struct PixelRange {
+    int begin;
+    int end;
+};
+
+PixelRange pixels_of_block(int block, int size) {
+    return {block * kBlockSize, std::min((block + 1) * kBlockSize, size)};
+}
+
+void sum_foreground(const codec::TextureCrop& picture, BlockGrid grid, std::vector<Block>& blocks) {
+    blocks.assign(static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows),
+                  Block{});
+    for (int y = 0; y < picture.height(); ++y) {
+        const std::uint8_t* __restrict mask = picture.mask.row(y);
+        const std::uint8_t* __restrict planes[3] = {
+            picture.y.row(y), picture.u.row(y), picture.v.row(y)};
+        for (int column = 0; column < grid.columns; ++column) {
+            const PixelRange xs = pixels_of_block(column, picture.width());
+            Block& block = blocks[static_cast<std::size_t>(y / kBlockSize * grid.columns + column)];
+            std::uint32_t count = 0;
+            std::array<std::uint32_t, 3> sum{};
+            for (int x = xs.begin; x < xs.end; ++x) {
+                count += mask[x] & 1U;
+                for (std::size_t p = 0; p < 3; ++p) sum[p] += planes[p][x] & mask[x];
+            }
+            block.num_foreground += count;
+            for (std::size_t p = 0; p < 3; ++p) block.sum[p] += sum[p];
+        }
+    }
+}
+
+void add(Block& total, const Block& block) {
+    total.num_foreground += block.num_foreground;
+    for (std::size_t p = 0; p < 3; ++p) total.sum[p] += block.sum[p];
+}
+
+// The foreground of the block itself, else of the blocks around it, else of the whole picture.
+Block source_of_fill(
+    const std::vector<Block>& blocks, BlockGrid grid, int column, int row, const Block& whole) {
+    const Block& own = blocks[static_cast<std::size_t>(row * grid.columns + column)];
+    if (own.num_foreground > 0) return own;
+    Block around;
+    for (int y = std::max(row - 1, 0); y <= std::min(row + 1, grid.rows - 1); ++y) {
+        for (int x = std::max(column - 1, 0); x <= std::min(column + 1, grid.columns - 1); ++x) {
+            add(around, blocks[static_cast<std::size_t>(y * grid.columns + x)]);
+        }
+    }
+    return around.num_foreground > 0 ? around : whole;
+}
+
+void fill_background(codec::TextureCrop& picture, std::vector<Block>& blocks) {
+    const BlockGrid grid{(picture.width() + kBlockSize - 1) / kBlockSize,
+                         (picture.height() + kBlockSize - 1) / kBlockSize};
+    sum_foreground(picture, grid, blocks);
+    Block whole;
+    for (const Block& block : blocks) add(whole, block);
+    if (whole.num_foreground == 0)
+        whole = {1, {128, 128, 128}};  // only single pixels, lost by halving
+    for (int row = 0; row < grid.rows; ++row) {
+        const PixelRange ys = pixels_of_block(row, picture.height());
+        for (int column = 0; column < grid.columns; ++column) {
+            const PixelRange xs = pixels_of_block(column, picture.width());
+            const auto block = static_cast<std::size_t>(row * grid.columns + column);
+            if (blocks[block].num_foreground == kBlockSize * kBlockSize) continue;
+            const Block source = source_of_fill(blocks, grid, column, row, whole);
+            std::size_t p = 0;
+            for (image::Plane* plane : {&picture.y, &picture.u, &picture.v}) {
+                const auto value = static_cast<std::uint8_t>(
+                    (source.sum[p++] + source.num_foreground / 2) / source.num_foreground);
+                for (int y = ys.begin; y < ys.end; ++y) {
+                    std::uint8_t* pixels = plane->row(y);
+                    const std::uint8_t* mask = picture.mask.row(y);
+                    for (int x = xs.begin; x < xs.end; ++x)
+                        pixels[x] = mask[x] != 0 ? pixels[x] : value;
+                }
+            }
+        }
+    }
+}
+
+}  // namespace
+
+image::PixelRect bounding_rect(const image::Mask& mask) {
+    int left = mask.width;
+    int right = 0;
+    int top = mask.height;
+    int bottom = 0;
+    for (int y = 0; y < mask.height; ++y) {
+        const std::uint8_t* row = mask.row(y);
+        const int first = first_foreground(row, mask.width);
+        if (first == mask.width) continue;
+        left = std::min(left, first);
+        right = last_foreground(row, std::max(right, first), mask.width);
+        top = std::min(top, y);
+        bottom = y + 1;
+    }
+    if (bottom == 0) return {};
+    return {left, top, right - left, bottom - top};
+}
+
+bool crop_texture(const image::YuvImage& frame,
+                  const image::Mask& mask,
+                  const TextureOptions& options,
+                  TextureScratch& scratch,
+                  codec::TextureCrop& out) {
+    assert((mask.width & ~1) == frame.width() && (mask.height & ~1) == frame.height());
+    assert(options.padding_px >= 0);
+    const image::PixelRect subject = bounding_rect(mask);
+    if (subject.empty()) return false;
+    const image::PixelRect crop =
+        padded_even(subject, options.padding_px, frame.width(), frame.height());
+    if (crop.empty()) return false;
+    out.crop_px = crop;
+    halve(frame, mask, crop, out);
+    fill_background(out, scratch.blocks);
+    return true;
+}
+
+}  // namespace atrium::texture

@@ -1,0 +1,44 @@
+#pragma once
+
+#include "core/codec/texture_codec.hpp"
+#include "core/image/image.hpp"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace atrium::texture {
+
+struct TextureOptions {
+    int padding_px = 4;  // kept around the subject's bounding rectangle, full-resolution pixels
+};
+
+/// Reused memory; one per thread.
+struct TextureScratch {
+    struct Block {
+        std::uint32_t num_foreground = 0;
+        std::array<std::uint32_t, 3> sum{};  // of Y, U, V over the foreground
+    };
+    std::vector<Block> blocks;
+};
+
+/// Cuts out what the mask shows, at half resolution: Y is the mean of each 2x2 block, U and V are
+/// as they are, and a pixel is foreground if at least two of its four are.
+///
+/// Where the result is background it is made smooth, so that it codes small and no background
+/// shines through at the edge: each 8x8 block (the unit of JPEG) is filled with its own mean of the
+/// foreground, or that of its neighbours.
+///
+/// Returns false, with `out` as it was, if the mask is empty: there is nothing to send. `mask` is
+/// as large as `frame`; a last odd column or row, which a 4:2:0 picture cannot have, is ignored.
+/// Allocates only while `scratch` and `out` grow.
+[[nodiscard]] bool crop_texture(const image::YuvImage& frame,
+                                const image::Mask& mask,
+                                const TextureOptions& options,
+                                TextureScratch& scratch,
+                                codec::TextureCrop& out);
+
+/// Smallest rectangle that holds all foreground; empty if there is none.
+image::PixelRect bounding_rect(const image::Mask& mask);
+
+}  // namespace atrium::texture
