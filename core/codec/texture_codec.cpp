@@ -26,7 +26,17 @@ struct TextureDecoder::State {
     State() = default;
     State(const State&) = delete;
     State& operator=(const State&) = delete;
-    ~State() {
+    ~State() { close(); }
+
+    // damaged bytes may leave the library in the middle of a marker, where the next picture would
+    // continue
+    void restart() {
+        close();
+        jpeg = tjInitDecompress();
+    }
+
+private:
+    void close() {
         if (jpeg) tjDestroy(jpeg);
     }
 };
@@ -154,8 +164,10 @@ Expected<void> TextureDecoder::decode(std::span<const std::uint8_t> colour,
                                       std::span<const std::uint8_t> mask,
                                       DecodedTexture& out) {
     if (auto decoded = decode_mask(mask, state_->mask); !decoded) return decoded;
-    if (auto decoded = decode_colour(colour, state_->mask, state_->jpeg, out); !decoded)
+    if (auto decoded = decode_colour(colour, state_->mask, state_->jpeg, out); !decoded) {
+        state_->restart();
         return decoded;
+    }
     for (std::size_t i = 0; i < state_->mask.data.size(); ++i)
         out.rgba[4 * i + 3] = state_->mask.data[i];
     return {};

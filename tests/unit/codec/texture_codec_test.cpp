@@ -1,0 +1,264 @@
+#include "core/codec/texture_codec.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace atrium::codec {
+namespace {
+
+using testing::ElementsAreArray;
+using testing::HasSubstr;
+
+image::Mask noise_mask(int width, int height, double density, unsigned seed) {
+    std::mt19937 random(seed);
+    std::bernoulli_distribution on(density);
+    image::Mask mask(width, height);
+    for (std::uint8_t& value : mask.data) value = on(random) ? 255 : 0;
+    return mask;
+}
+
+// About as large and as complicated as a standing person at half of 1 MP.
+image::Mask figure_mask() {
+    image::Mask mask(200, 440);
+    for (int y = 0; y < 440; ++y) {
+        for (int x = 0; x < 200; ++x) {
+            const double waist = 45 + 10 * std::cos(y * 0.04) + 1.5 * std::sin(y * 0.9);
+            const bool body = y > 60 && y < 260 && std::abs(x - 100) < waist;
+            const bool leg =
+                y >= 250 && y < 430 && std::abs(std::abs(x - 100) - 30 - (y - 250) * 0.1) < 18;
+            const bool head = std::hypot(x - 100, y - 40) < 34;
+            const bool arm = y > 80 && y < 240 && std::abs(std::abs(x - 100) - 80) < 12;
+            if (body || leg || head || arm) mask.row(y)[x] = 255;
+        }
+    }
+    return mask;
+}
+
+TextureCrop smooth_crop(const image::Mask& mask) {
+    TextureCrop crop;
+    crop.mask = mask;
+    for (image::Plane* plane : {&crop.y, &crop.u, &crop.v})
+        *plane = image::Plane(mask.width, mask.height);
+    for (int y = 0; y < mask.height; ++y) {
+        for (int x = 0; x < mask.width; ++x) {
+            crop.y.row(y)[x] =
+                static_cast<std::uint8_t>(128 + 60 * std::sin(x * 0.11) * std::cos(y * 0.07));
+            crop.u.row(y)[x] = static_cast<std::uint8_t>(128 + 20 * std::sin(y * 0.05));
+            crop.v.row(y)[x] = static_cast<std::uint8_t>(128 - 25 * std::sin(x * 0.06));
+        }
+    }
+    return crop;
+}
+
+CodedTexture coded(const TextureCrop& crop, int quality = 85) {
+    CodedTexture result;
+    EXPECT_TRUE(TextureEncoder().encode(crop, quality, result).has_value());
+    return result;
+}
+
+TEST(MaskCodec, RoundTripIsExact) {
+    std::vector<std::uint8_t> bytes;
+    image::Mask back;
+    for (unsigned seed = 0; seed < 60; ++seed) {
+        const image::Mask mask = noise_mask(
+            1 + static_cast<int>(seed) * 3, 1 + static_cast<int>(seed * 7 % 50), seed / 59.0, seed);
+        encode_mask(mask, bytes);
+        ASSERT_TRUE(decode_mask(bytes, back).has_value()) << seed;
+        EXPECT_EQ(back.width, mask.width);
+        EXPECT_EQ(back.data, mask.data);
+    }
+    image::Mask stripes(kMaxTextureSide, 3);
+    for (int x = 0; x < stripes.width; x += 2) stripes.row(1)[x] = 255;
+    encode_mask(stripes, bytes);
+    ASSERT_TRUE(decode_mask(bytes, back).has_value());
+    EXPECT_EQ(back.data, stripes.data);
+}
+
+TEST(MaskCodec, APersonTakesLessThanAKilobyte) {
+    std::vector<std::uint8_t> bytes;
+    encode_mask(figure_mask(), bytes);
+    EXPECT_LT(bytes.size(), 1000u);
+}
+
+// These bytes are format version 1: a change here is a change on the wire.
+TEST(MaskCodec, FormatVersionOneStaysAsItIs) {
+    image::Mask mask(6, 4);
+    std::fill_n(mask.row(1) + 2, 2, 255);
+    std::fill_n(mask.row(2) + 1, 4, 255);
+    std::fill_n(mask.row(3) + 1, 5, 255);
+    std::vector<std::uint8_t> bytes;
+    encode_mask(mask, bytes);
+    // rows: 1 | 0 011 011 010 (two changes, at 2 and 2 + 1 + 1) | 1 011 010 (moved by -1 and 1) | 0
+    // 010 010 (one, at 1)
+    EXPECT_THAT(bytes, ElementsAreArray({1, 6, 0, 4, 0, 0b10011011, 0b01010110, 0b10001001, 0}));
+}
+
+TEST(MaskCodec, RejectsEveryTruncationAndTrailingBytes) {
+    std::vector<std::uint8_t> bytes;
+    encode_mask(figure_mask(), bytes);
+    image::Mask out;
+    for (std::size_t size = 0; size < bytes.size(); ++size) {
+        const std::vector<std::uint8_t> cut(bytes.begin(),
+                                            bytes.begin() + static_cast<std::ptrdiff_t>(size));
+        EXPECT_FALSE(decode_mask(cut, out).has_value()) << size;
+    }
+    bytes.push_back(0);
+    EXPECT_FALSE(decode_mask(bytes, out).has_value());
+}
+
+TEST(MaskCodec, RejectsSizesThatAreEmptyOrTooLarge) {
+    image::Mask out;
+    std::vector<std::uint8_t> bytes(8192, 0xFF);
+    const auto with_size = [&](int width, int height) {
+        bytes[0] = 1;
+        bytes[1] = static_cast<std::uint8_t>(width & 255);
+        bytes[2] = static_cast<std::uint8_t>(width >> 8);
+        bytes[3] = static_cast<std::uint8_t>(height & 255);
+        bytes[4] = static_cast<std::uint8_t>(height >> 8);
+        return decode_mask(bytes, out);
+    };
+    for (const auto& [width, height] :
+         {std::pair{0, 9}, {9, 0}, {4097, 9}, {9, 4097}, {65535, 65535}, {4096, 1025}}) {
+        EXPECT_THAT(with_size(width, height).error().message, HasSubstr("empty or too large"))
+            << width;
+    }
+    // a few bytes cannot claim thousands of rows
+    bytes.resize(20);
+    EXPECT_THAT(with_size(1000, 4000).error().message, HasSubstr("ends early"));
+}
+
+TEST(MaskCodec, SurvivesRandomBytesAndBitFlips) {
+    std::mt19937 random(9);
+    std::uniform_int_distribution<int> byte(0, 255);
+    image::Mask out;
+    for (int i = 0; i < 3000; ++i) {
+        std::vector<std::uint8_t> bytes(static_cast<std::size_t>(5 + i % 200));
+        for (std::uint8_t& b : bytes) b = static_cast<std::uint8_t>(byte(random));
+        bytes[0] = 1;
+        bytes[2] = bytes[4] = 0;
+        if (!decode_mask(bytes, out)) continue;
+        EXPECT_EQ(out.data.size(),
+                  static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height));
+    }
+    std::vector<std::uint8_t> good;
+    encode_mask(figure_mask(), good);
+    for (std::size_t bit = 0; bit < good.size() * 8; ++bit) {
+        std::vector<std::uint8_t> bad = good;
+        bad[bit / 8] ^= static_cast<std::uint8_t>(1U << bit % 8);
+        if (!decode_mask(bad, out)) continue;
+        for (const std::uint8_t value : out.data) ASSERT_TRUE(value == 0 || value == 255);
+    }
+}
+
+TEST(TextureCodec, KeepsColoursWithinAFewLevelsAndAlphaExactly) {
+    const TextureCrop crop = smooth_crop(figure_mask());
+    const CodedTexture texture = coded(crop, 90);
+    TextureDecoder decoder;
+    DecodedTexture out;
+    ASSERT_TRUE(decoder.decode(texture.colour, texture.mask, out).has_value());
+    ASSERT_EQ(out.width, crop.width());
+    ASSERT_EQ(out.height, crop.height());
+    double error_sq = 0.0;
+    for (std::size_t i = 0; i < crop.y.data.size(); ++i) {
+        const double y = crop.y.data[i];
+        const double u = crop.u.data[i] - 128.0;
+        const double v = crop.v.data[i] - 128.0;
+        const double rgb[3] = {y + 1.402 * v, y - 0.344136 * u - 0.714136 * v, y + 1.772 * u};
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double error = out.rgba[4 * i + c] - std::clamp(rgb[c], 0.0, 255.0);
+            error_sq += error * error / 3.0;
+        }
+        ASSERT_EQ(out.rgba[4 * i + 3], crop.mask.data[i]);
+    }
+    EXPECT_LT(std::sqrt(error_sq / static_cast<double>(crop.y.data.size())), 1.5);
+}
+
+TEST(TextureCodec, EncoderNamesWhatItCannotCode) {
+    TextureEncoder encoder;
+    CodedTexture out;
+    TextureCrop crop;
+    EXPECT_THAT(encoder.encode(crop, 85, out).error().message, HasSubstr("0x0"));
+    crop = smooth_crop(image::Mask(16, 16, 255));
+    crop.v = image::Plane(16, 15);
+    EXPECT_THAT(encoder.encode(crop, 85, out).error().message, HasSubstr("differ in size"));
+    crop = smooth_crop(image::Mask(kMaxTextureSide + 2, 2));
+    EXPECT_THAT(encoder.encode(crop, 85, out).error().message, HasSubstr("4098x2"));
+}
+
+TEST(TextureCodec, SmallAndOddSizesWork) {
+    TextureEncoder encoder;
+    TextureDecoder decoder;
+    CodedTexture bytes;
+    DecodedTexture out;
+    for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {7, 9}, {17, 8}}) {
+        ASSERT_TRUE(
+            encoder.encode(smooth_crop(image::Mask(width, height, 255)), 85, bytes).has_value());
+        ASSERT_TRUE(decoder.decode(bytes.colour, bytes.mask, out).has_value()) << width;
+        EXPECT_EQ(out.rgba.size(), static_cast<std::size_t>(4 * width * height));
+    }
+}
+
+TEST(TextureCodec, RejectsEveryTruncation) {
+    const CodedTexture texture = coded(smooth_crop(noise_mask(60, 50, 0.5, 1)));
+    TextureDecoder decoder;
+    DecodedTexture out;
+    for (std::size_t size = 0; size < texture.colour.size(); ++size) {
+        // a copy of that size, so that the address sanitizer sees reads past its end
+        const std::vector<std::uint8_t> cut(
+            texture.colour.begin(), texture.colour.begin() + static_cast<std::ptrdiff_t>(size));
+        EXPECT_FALSE(decoder.decode(cut, texture.mask, out).has_value()) << size;
+    }
+    const auto whole = decoder.decode(texture.colour, texture.mask, out);
+    EXPECT_TRUE(whole.has_value()) << (whole ? "" : whole.error().message);
+}
+
+TEST(TextureCodec, RejectsColoursOfAnotherSizeThanTheMask) {
+    const CodedTexture small = coded(smooth_crop(image::Mask(16, 16, 255)));
+    const CodedTexture large = coded(smooth_crop(image::Mask(16, 24, 255)));
+    DecodedTexture out;
+    EXPECT_THAT(TextureDecoder().decode(large.colour, small.mask, out).error().message,
+                HasSubstr("16x24"));
+}
+
+TEST(TextureCodec, AHugeSizeInTheHeaderIsRejectedBeforeMemoryIsTaken) {
+    CodedTexture texture = coded(smooth_crop(image::Mask(16, 16, 255)));
+    // height and width in the start-of-frame segment
+    const std::vector<std::uint8_t> marker = {0xFF, 0xC0};
+    const auto frame =
+        std::search(texture.colour.begin(), texture.colour.end(), marker.begin(), marker.end());
+    ASSERT_NE(frame, texture.colour.end());
+    std::fill_n(frame + 5, 4, 0xFF);
+    DecodedTexture out;
+    EXPECT_FALSE(TextureDecoder().decode(texture.colour, texture.mask, out).has_value());
+    EXPECT_TRUE(out.rgba.empty());
+    const std::vector<std::uint8_t> too_long(kMaxColourBytes + 1, 0);
+    EXPECT_FALSE(TextureDecoder().decode(too_long, texture.mask, out).has_value());
+}
+
+TEST(TextureCodec, SurvivesRandomBytesAndBitFlips) {
+    const CodedTexture good = coded(smooth_crop(noise_mask(40, 40, 0.5, 2)));
+    TextureDecoder decoder;
+    DecodedTexture out;
+    for (std::size_t bit = 0; bit < good.colour.size() * 8; ++bit) {
+        std::vector<std::uint8_t> bad = good.colour;
+        bad[bit / 8] ^= static_cast<std::uint8_t>(1U << bit % 8);
+        if (!decoder.decode(bad, good.mask, out)) continue;
+        EXPECT_EQ(out.rgba.size(), 40u * 40u * 4u);
+    }
+    std::mt19937 random(3);
+    std::uniform_int_distribution<int> byte(0, 255);
+    for (int i = 0; i < 500; ++i) {
+        std::vector<std::uint8_t> bytes(static_cast<std::size_t>(i));
+        for (std::uint8_t& b : bytes) b = static_cast<std::uint8_t>(byte(random));
+        EXPECT_FALSE(decoder.decode(bytes, good.mask, out).has_value());
+    }
+    // the decoder is as good as new afterwards
+    EXPECT_TRUE(decoder.decode(good.colour, good.mask, out).has_value());
+}
+
+}  // namespace
+}  // namespace atrium::codec

@@ -1,0 +1,157 @@
+#include "site_node/texture/texture.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace atrium::texture {
+namespace {
+
+image::YuvImage noise_frame(int width, int height, unsigned seed) {
+    std::mt19937 random(seed);
+    std::uniform_int_distribution<int> byte(0, 255);
+    image::YuvImage frame{image::Plane(width, height),
+                          image::Plane(width / 2, height / 2),
+                          image::Plane(width / 2, height / 2)};
+    for (image::Plane* plane : {&frame.y, &frame.u, &frame.v}) {
+        for (std::uint8_t& value : plane->data) value = static_cast<std::uint8_t>(byte(random));
+    }
+    return frame;
+}
+
+void fill(image::Plane& plane, const image::PixelRect& r, std::uint8_t value) {
+    for (int y = r.y; y < r.y + r.height; ++y) std::fill_n(plane.row(y) + r.x, r.width, value);
+}
+
+TEST(BoundingRect, IsTheSmallestThatHoldsTheForeground) {
+    std::mt19937 random(1);
+    std::uniform_int_distribution<int> column(0, 60);
+    std::uniform_int_distribution<int> row(0, 40);
+    EXPECT_TRUE(bounding_rect(image::Mask(61, 41)).empty());
+    for (int i = 0; i < 200; ++i) {
+        image::Mask mask(61, 41);
+        int left = 61, right = 0, top = 41, bottom = 0;
+        for (int point = 0; point <= i % 4; ++point) {
+            const int x = column(random);
+            const int y = row(random);
+            mask.row(y)[x] = 255;
+            left = std::min(left, x);
+            right = std::max(right, x + 1);
+            top = std::min(top, y);
+            bottom = std::max(bottom, y + 1);
+        }
+        EXPECT_EQ(bounding_rect(mask), (image::PixelRect{left, top, right - left, bottom - top}));
+    }
+}
+
+TEST(CropTexture, AnEmptyMaskLeavesNothingToSend) {
+    TextureScratch scratch;
+    codec::TextureCrop crop;
+    EXPECT_FALSE(crop_texture(noise_frame(64, 48, 1), image::Mask(64, 48), {}, scratch, crop));
+    EXPECT_TRUE(crop.crop_px.empty());
+}
+
+TEST(CropTexture, RectangleIsPaddedEvenAndInsideThePicture) {
+    TextureScratch scratch;
+    codec::TextureCrop crop;
+    image::Mask mask(64, 48);
+    fill(mask, {21, 13, 10, 9}, 255);
+    ASSERT_TRUE(crop_texture(noise_frame(64, 48, 1), mask, {.padding_px = 4}, scratch, crop));
+    EXPECT_EQ(crop.crop_px, (image::PixelRect{16, 8, 20, 18}));
+    EXPECT_EQ(crop.width(), 10);
+    EXPECT_EQ(crop.height(), 9);
+    mask = image::Mask(64, 48, 255);
+    ASSERT_TRUE(crop_texture(noise_frame(64, 48, 1), mask, {.padding_px = 4}, scratch, crop));
+    EXPECT_EQ(crop.crop_px, (image::PixelRect{0, 0, 64, 48}));
+}
+
+TEST(CropTexture, ForegroundKeepsItsColoursAndTheMaskIsTheMajorityOfFour) {
+    TextureScratch scratch;
+    codec::TextureCrop crop;
+    const image::YuvImage frame = noise_frame(128, 96, 2);
+    std::mt19937 random(3);
+    std::bernoulli_distribution on(0.6);
+    image::Mask mask(128, 96);
+    for (int y = 20; y < 80; ++y) {
+        for (int x = 30; x < 110; ++x) mask.row(y)[x] = on(random) ? 255 : 0;
+    }
+    ASSERT_TRUE(crop_texture(frame, mask, {}, scratch, crop));
+    int num_foreground = 0;
+    for (int y = 0; y < crop.height(); ++y) {
+        for (int x = 0; x < crop.width(); ++x) {
+            const int fx = crop.crop_px.x + 2 * x;
+            const int fy = crop.crop_px.y + 2 * y;
+            int votes = 0;
+            int luma = 2;
+            for (const auto& [px, py] :
+                 {std::pair{fx, fy}, {fx + 1, fy}, {fx, fy + 1}, {fx + 1, fy + 1}}) {
+                votes += mask.at(px, py) != 0;
+                luma += frame.y.at(px, py);
+            }
+            ASSERT_EQ(crop.mask.at(x, y), votes >= 2 ? 255 : 0);
+            if (votes < 2) continue;
+            ++num_foreground;
+            ASSERT_EQ(crop.y.at(x, y), luma / 4);
+            ASSERT_EQ(crop.u.at(x, y), frame.u.at(fx / 2, fy / 2));
+            ASSERT_EQ(crop.v.at(x, y), frame.v.at(fx / 2, fy / 2));
+        }
+    }
+    EXPECT_GT(num_foreground, 500);
+}
+
+TEST(CropTexture, NoBackgroundColourIsLeft) {
+    // subject: luma 100..120, chroma 90; background: 255 and 10
+    image::YuvImage frame{
+        image::Plane(200, 160, 255), image::Plane(100, 80, 10), image::Plane(100, 80, 10)};
+    image::Mask mask(200, 160);
+    for (int y = 0; y < 160; ++y) {
+        for (int x = 0; x < 200; ++x) {
+            if (std::hypot(x - 100, y - 80) > 55 && std::hypot(x - 180, y - 20) > 9) continue;
+            mask.row(y)[x] = 255;
+        }
+    }
+    for (int y = 0; y < 160; ++y) {
+        for (int x = 0; x < 200; ++x) {
+            // a pixel more than the mask, since a texel is the mean of four pixels
+            const bool near =
+                std::hypot(x - 100, y - 80) <= 58 || std::hypot(x - 180, y - 20) <= 12;
+            if (!near) continue;
+            frame.y.row(y)[x] = static_cast<std::uint8_t>(100 + x / 10);
+            frame.u.row(y / 2)[x / 2] = frame.v.row(y / 2)[x / 2] = 90;
+        }
+    }
+    TextureScratch scratch;
+    codec::TextureCrop crop;
+    ASSERT_TRUE(crop_texture(frame, mask, {.padding_px = 30}, scratch, crop));
+    const auto [y_low, y_high] = std::minmax_element(crop.y.data.begin(), crop.y.data.end());
+    EXPECT_GE(*y_low, 100);
+    EXPECT_LE(*y_high, 120);
+    EXPECT_EQ(std::count(crop.u.data.begin(), crop.u.data.end(), 90), std::ssize(crop.u.data));
+    EXPECT_EQ(std::count(crop.v.data.begin(), crop.v.data.end(), 90), std::ssize(crop.v.data));
+}
+
+TEST(CropTexture, ForegroundThatVanishesAtHalfResolutionIsGrey) {
+    image::Mask mask(32, 32);
+    mask.row(9)[9] = 255;
+    TextureScratch scratch;
+    codec::TextureCrop crop;
+    ASSERT_TRUE(crop_texture(noise_frame(32, 32, 4), mask, {}, scratch, crop));
+    EXPECT_EQ(std::count(crop.mask.data.begin(), crop.mask.data.end(), 255), 0);
+    EXPECT_EQ(std::count(crop.y.data.begin(), crop.y.data.end(), 128), std::ssize(crop.y.data));
+}
+
+TEST(CropTexture, OddMasksOfOddPicturesLoseTheirLastColumnAndRow) {
+    image::Mask mask(33, 31);
+    TextureScratch scratch;
+    codec::TextureCrop crop;
+    mask.row(30)[32] = 255;
+    EXPECT_FALSE(crop_texture(noise_frame(32, 30, 5), mask, {.padding_px = 0}, scratch, crop));
+    fill(mask, {20, 20, 13, 11}, 255);
+    ASSERT_TRUE(crop_texture(noise_frame(32, 30, 5), mask, {}, scratch, crop));
+    EXPECT_EQ(crop.crop_px, (image::PixelRect{16, 16, 16, 14}));
+}
+
+}  // namespace
+}  // namespace atrium::texture
