@@ -65,39 +65,59 @@ double volume_m3(const RigidObject& object) {
     }
 }
 
-bool has_valid_size(const RigidObject& object) {
+std::optional<ObjectProblem> find_size_problem(const RigidObject& object) {
     const Eigen::Vector3d& s = object.size_m;
-    if (object.shape == ObjectShape::kPlane) return true;
-    if ((s.array() < kMinSizeM).any() || (s.array() > kMaxSizeM).any()) return false;
-    const bool round = object.shape != ObjectShape::kBox;
-    if (round && std::abs(s.x() - s.y()) > 1e-6 * s.x()) return false;
-    if (object.shape == ObjectShape::kSphere) return std::abs(s.x() - s.z()) <= 1e-6 * s.x();
-    return object.shape != ObjectShape::kCapsule || s.z() >= s.x();
+    if (object.shape == ObjectShape::kPlane) return std::nullopt;
+    if ((s.array() < kMinSizeM).any() || (s.array() > kMaxSizeM).any()) {
+        return ObjectProblem{"size_m", "must be 0.01 m to 20 m"};
+    }
+    if (object.shape == ObjectShape::kBox) return std::nullopt;
+    const double tolerance_m = 1e-6 * s.x();
+    if (std::abs(s.x() - s.y()) > tolerance_m) {
+        return ObjectProblem{"size_m", "must have one diameter: the first two are equal"};
+    }
+    if (object.shape == ObjectShape::kSphere && std::abs(s.x() - s.z()) > tolerance_m) {
+        return ObjectProblem{"size_m", "must be the diameter thrice for a sphere"};
+    }
+    if (object.shape == ObjectShape::kCapsule && s.z() < s.x()) {
+        return ObjectProblem{"size_m", "must be at least as high as wide for a capsule"};
+    }
+    return std::nullopt;
 }
 
 }  // namespace
 
-bool is_valid(const RigidObject& object) {
+std::optional<ObjectProblem> find_problem(const RigidObject& object) {
     const geometry::RigidTransform& pose = object.world_from_object;
-    const double numbers[] = {object.mass_kg, object.friction, object.restitution};
-    const bool finite = object.size_m.allFinite() && pose.translation.allFinite() &&
-                        pose.rotation.coeffs().allFinite() &&
-                        std::all_of(std::begin(numbers), std::end(numbers), [](double x) {
-                            return std::isfinite(x);
-                        });
-    if (!finite || std::abs(pose.rotation.norm() - 1.0) > 1e-3) return false;
-    if (object.mass_kg < 0.0 || object.mass_kg > kMaxMassKg) return false;
-    if (object.friction < 0.0 || object.friction > 10.0) return false;
-    if (object.restitution < 0.0 || object.restitution > 1.0) return false;
-    if (!has_valid_size(object)) return false;
-    if (object.mass_kg == 0.0) return true;
+    if (!object.size_m.allFinite()) return ObjectProblem{"size_m", "must be finite"};
+    if (!pose.translation.allFinite()) return ObjectProblem{"position_m", "must be finite"};
+    // written so that NaN fails
+    if (!(std::abs(pose.rotation.norm() - 1.0) <= 1e-3)) {
+        return ObjectProblem{"rotation", "must be a quaternion of length 1"};
+    }
+    if (!(object.mass_kg >= 0.0 && object.mass_kg <= kMaxMassKg)) {
+        return ObjectProblem{"mass_kg", "must be 0 kg to 10000 kg"};
+    }
+    if (!(object.friction >= 0.0 && object.friction <= 10.0)) {
+        return ObjectProblem{"friction", "must be 0 to 10"};
+    }
+    if (!(object.restitution >= 0.0 && object.restitution <= 1.0)) {
+        return ObjectProblem{"restitution", "must be 0 to 1"};
+    }
+    if (const auto problem = find_size_problem(object)) return problem;
+    if (object.mass_kg == 0.0) return std::nullopt;
+    if (object.shape == ObjectShape::kPlane)
+        return ObjectProblem{"mass_kg", "must be 0 for a plane"};
     const double density = object.mass_kg / volume_m3(object);
-    return object.shape != ObjectShape::kPlane && density >= kMinDensity && density <= kMaxDensity;
+    if (density < kMinDensity || density > kMaxDensity) {
+        return ObjectProblem{"mass_kg", "must give a density of 1 to 30000 kg/m^3, or be 0"};
+    }
+    return std::nullopt;
 }
 
 ObjectBody::ObjectBody(const RigidObject& object, const RigidWorldOptions& options)
     : object_(object), inner_radius_m_(0.5 * object.size_m.minCoeff()), shape_(make_shape(object)) {
-    assert(is_valid(object));
+    assert(!find_problem(object));
     btVector3 inertia(0, 0, 0);
     if (moves()) shape_->calculateLocalInertia(btScalar(object.mass_kg), inertia);
     btRigidBody::btRigidBodyConstructionInfo info(

@@ -15,7 +15,7 @@ class PersonBody;
 /// One object of the world with what Bullet knows of it.
 class ObjectBody {
 public:
-    /// `object` must be valid.
+    /// `object` must have no problem.
     ObjectBody(const RigidObject& object, const RigidWorldOptions& options);
     ~ObjectBody();
     ObjectBody(const ObjectBody&) = delete;
@@ -42,8 +42,5 @@ private:
     std::unique_ptr<btCollisionShape> shape_;
     std::unique_ptr<btRigidBody> body_;
 };
-
-/// See RigidWorld::add.
-bool is_valid(const RigidObject& object);
 
 }  // namespace atrium::physics

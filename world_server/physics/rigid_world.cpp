@@ -170,7 +170,7 @@ RigidWorld::RigidWorld(const RigidWorldOptions& options) : impl_(std::make_uniqu
 RigidWorld::~RigidWorld() = default;
 
 AddResult RigidWorld::add(const RigidObject& object) {
-    if (!is_valid(object)) return AddResult::kInvalid;
+    if (find_problem(object)) return AddResult::kInvalid;
     if (impl_->objects.contains(object.id)) return AddResult::kIdInUse;
     if (impl_->objects.size() >= impl_->options.max_objects) return AddResult::kWorldFull;
     auto body = std::make_unique<ObjectBody>(object, impl_->options);

@@ -8,7 +8,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace atrium::physics {
@@ -27,6 +29,16 @@ struct RigidObject {
     double restitution = 0.2;
     geometry::RigidTransform world_from_object{};  // where it starts, and where `reset` puts it
 };
+
+/// What is wrong with an object, and what would be right.
+struct ObjectProblem {
+    std::string_view field;
+    std::string_view allowed;
+};
+
+/// A number is not finite, a size is outside 1 cm .. 20 m or does not fit the shape, a mass is
+/// outside 0 .. 10 t, a density outside 1 .. 30000 kg/m^3, or a plane has a mass.
+std::optional<ObjectProblem> find_problem(const RigidObject& object);
 
 struct RigidState {
     std::uint32_t id = 0;
@@ -75,8 +87,7 @@ public:
     RigidWorld(const RigidWorld&) = delete;
     RigidWorld& operator=(const RigidWorld&) = delete;
 
-    /// kInvalid: a number is not finite, a size is outside 1 cm .. 20 m, a mass is negative or
-    /// above 10 t, the density is outside 1 .. 30000 kg/m^3, or a plane has a mass.
+    /// kInvalid: see `find_problem`.
     AddResult add(const RigidObject& object);
     bool remove(std::uint32_t id);  // false: not there
     /// Puts every object back to where it started, at rest.

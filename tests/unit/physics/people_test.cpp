@@ -192,7 +192,7 @@ TEST(Person, IsAWallWhenStandingStill) {
 TEST(Person, HoldsABallOnAStillHandOrLetsItRollOff) {
     std::mt19937 random(17);
     std::uniform_real_distribution<double> offset(-0.05, 0.05);
-    for (int trial = 0; trial < 20; ++trial) {
+    for (int trial = 0; trial < 8; ++trial) {
         Stage stage;
         stage.add_ball({0.4 + offset(random), 0.17 + offset(random), 1.6});
         int ticks_inside = 0;

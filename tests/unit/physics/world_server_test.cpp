@@ -1,0 +1,200 @@
+// The whole server in this process, over the real bus on the loopback interface.
+#include "world_server/world_server.hpp"
+
+#include "core/bus/bus.hpp"
+#include "core/codec/mesh_codec.hpp"
+#include "meshes.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <functional>
+#include <map>
+#include <thread>
+
+namespace atrium::world_server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+WorldServerConfig test_world() {
+    WorldServerConfig config;
+    config.bus.world = "world-server-test-" + std::to_string(getpid());
+    config.bus.domain = 77;
+    WorldObject floor;
+    floor.scene.object = 1;
+    floor.scene.name = "floor";
+    floor.scene.shape = bus::Shape::kPlane;
+    WorldObject ball;
+    ball.scene.object = 2;
+    ball.scene.name = "ball";
+    ball.scene.shape = bus::Shape::kSphere;
+    ball.scene.size_m.setConstant(0.2);
+    ball.scene.mass_kg = 0.5;
+    ball.scene.world_from_object.translation = {0, 0, 0.1};
+    config.objects = {floor, ball};
+    config.placements = {{"alice", {Eigen::Quaterniond::Identity(), {-1, 0, 0}}}};
+    return config;
+}
+
+// A site and a viewer in one, to see what the server does.
+struct Guest {
+    bus::Participant participant;
+    bus::Writer<bus::SiteDescription> descriptions;
+    bus::Writer<bus::SiteMesh> meshes;
+    bus::Writer<bus::SceneCommand> commands;
+    bus::Reader<bus::SitePlacement> placement_reader;
+    bus::Reader<bus::SceneObject> object_reader;
+    bus::Reader<bus::SceneState> state_reader;
+    bus::Reader<bus::WorldStatus> status_reader;
+    bus::Waiter waiter;
+    std::map<std::string, bus::SitePlacement> placements;
+    std::map<std::uint32_t, bus::SceneObject> objects;
+    bus::SceneState state;
+    bus::WorldStatus status;
+
+    static Guest create(const bus::BusOptions& options) {
+        bus::Participant p = bus::Participant::create(options).value();
+        Guest guest{p,
+                    bus::Writer<bus::SiteDescription>::create(p).value(),
+                    bus::Writer<bus::SiteMesh>::create(p).value(),
+                    bus::Writer<bus::SceneCommand>::create(p).value(),
+                    bus::Reader<bus::SitePlacement>::create(p).value(),
+                    bus::Reader<bus::SceneObject>::create(p).value(),
+                    bus::Reader<bus::SceneState>::create(p).value(),
+                    bus::Reader<bus::WorldStatus>::create(p).value(),
+                    bus::Waiter::create(p).value(),
+                    {},
+                    {},
+                    {},
+                    {}};
+        guest.waiter.add(guest.placement_reader);
+        guest.waiter.add(guest.object_reader);
+        guest.waiter.add(guest.state_reader);
+        guest.waiter.add(guest.status_reader);
+        return guest;
+    }
+
+    void take() {
+        placement_reader.take([&](bus::SitePlacement&& m) { placements[m.site] = m; });
+        object_reader.take([&](bus::SceneObject&& m) { objects[m.object] = m; },
+                           [&](const bus::SceneObject& gone) { objects.erase(gone.object); });
+        state_reader.take([&](bus::SceneState&& m) { state = std::move(m); });
+        status_reader.take([&](bus::WorldStatus&& m) { status = std::move(m); });
+    }
+
+    // True once `holds()`; `meanwhile` is called about 30 times a second.
+    bool wait_until(
+        const std::function<bool()>& holds, const std::function<void()>& meanwhile = [] {}) {
+        const Clock::time_point end = Clock::now() + std::chrono::seconds(20);
+        Clock::time_point next = Clock::now();
+        while (Clock::now() < end) {
+            take();
+            if (holds()) return true;
+            if (Clock::now() >= next) {
+                next += std::chrono::milliseconds(33);
+                meanwhile();
+            }
+            waiter.wait(std::chrono::milliseconds(10));
+        }
+        return false;
+    }
+
+    double ball_x() const {
+        return state.objects.size() < 2 ? 0.0 : state.objects[1].world_from_object.translation.x();
+    }
+};
+
+TEST(WorldServer, ServesASiteAndAViewerFromTheirArrivalToTheirLeave) {
+    const WorldServerConfig config = test_world();
+    auto server = WorldServer::create(config);
+    ASSERT_TRUE(server) << server.error().message;
+    std::jthread running([&](std::stop_token stop) { EXPECT_TRUE((*server)->run(stop)); });
+    auto guest = std::make_unique<Guest>(Guest::create(config.bus));
+
+    // who joins late hears of the objects, their state, and the places of named sites
+    ASSERT_TRUE(guest->wait_until([&] {
+        return guest->objects.size() == 2 && guest->state.objects.size() == 2 &&
+               guest->placements.contains("alice");
+    }));
+    EXPECT_EQ(guest->objects[2].name, "ball");
+    EXPECT_EQ(guest->state.world, config.bus.world);
+
+    // a foot that comes along pushes the ball
+    bus::SiteDescription description;
+    description.site = "alice";
+    description.bounds_site.add({-1, -1, 0});
+    description.bounds_site.add({2, 1, 2});
+    ASSERT_TRUE(guest->descriptions.write(description));
+    bus::SiteMesh mesh;
+    mesh.site = "alice";
+    const Timestamp start = Timestamp::now();
+    const auto step_forward = [&] {
+        const Timestamp now = Timestamp::now();
+        const double seconds = std::chrono::duration<double>(now - start).count();
+        const geometry::RigidTransform pose{Eigen::Quaterniond::Identity(),
+                                            {0.5 + std::min(0.6, 0.8 * seconds), 0, 0.15}};
+        ASSERT_TRUE(codec::encode_mesh(
+            physics_test::make_box_mesh({0.1, 0.2, 0.3}, pose, 3), {}, mesh.draco));
+        mesh.capture_time = now;
+        ++mesh.frame_id;
+        ASSERT_TRUE(guest->meshes.write(mesh));
+    };
+    EXPECT_TRUE(guest->wait_until([&] { return guest->ball_x() > 0.15; }, step_forward));
+    EXPECT_TRUE(guest->wait_until([&] { return guest->status.num_contacts > 0; }));
+    EXPECT_EQ(guest->status.num_sites, 1U);
+    EXPECT_EQ(guest->status.num_rejected, 0U);
+    EXPECT_GT(guest->status.capture_to_collision.num_samples, 0U);
+
+    // commands: reset, add, and one that makes no sense
+    bus::SceneCommand command;
+    command.sender = "guest";
+    mesh.draco.clear();  // the room is empty, so that nobody is in the ball's place
+    mesh.capture_time = Timestamp::now();
+    ASSERT_TRUE(guest->meshes.write(mesh));
+    command.kind = bus::CommandKind::kAdd;
+    command.object = guest->objects[2];
+    command.object.object = 0;
+    command.object.world_from_object.translation = {1, 1, 0.1};
+    ASSERT_TRUE(guest->commands.write(command));
+    EXPECT_TRUE(guest->wait_until([&] { return guest->objects.contains(1000); }));
+    command.kind = bus::CommandKind::kRemove;
+    command.target = 1000;
+    ASSERT_TRUE(guest->commands.write(command));
+    EXPECT_TRUE(guest->wait_until([&] { return !guest->objects.contains(1000); }));
+    command.target = 1;  // the floor
+    ASSERT_TRUE(guest->commands.write(command));
+    EXPECT_TRUE(guest->wait_until([&] { return guest->status.num_rejected == 1; }));
+    command.kind = bus::CommandKind::kReset;
+    ASSERT_TRUE(guest->commands.write(command));
+    EXPECT_TRUE(guest->wait_until([&] { return std::abs(guest->ball_x()) < 0.01; }));
+
+    // the site leaves
+    guest.reset();
+    auto witness = std::make_unique<Guest>(Guest::create(config.bus));
+    EXPECT_TRUE(witness->wait_until(
+        [&] { return witness->status.num_steps > 0 && witness->status.num_sites == 0; }));
+    EXPECT_EQ((*server)->status().num_sites, 0U);
+}
+
+TEST(WorldServer, EndsByItselfAfterTheTimeItWasGiven) {
+    WorldServerConfig config = test_world();
+    config.seconds = 0.3;
+    auto server = WorldServer::create(config);
+    ASSERT_TRUE(server);
+    ASSERT_TRUE((*server)->run({}));
+    const std::uint64_t num_steps = (*server)->status().num_steps;
+    EXPECT_GT(num_steps, 3U);
+    EXPECT_LE(num_steps, 37U) << "never faster than real time";
+}
+
+TEST(WorldServer, SaysWhatIsWrongWithItsDescription) {
+    WorldServerConfig config = test_world();
+    config.objects[1].scene.mass_kg = 1e9;
+    const auto server = WorldServer::create(config);
+    ASSERT_FALSE(server);
+    EXPECT_EQ(server.error().kind, ErrorKind::kConfiguration);
+}
+
+}  // namespace
+}  // namespace atrium::world_server

@@ -1,0 +1,46 @@
+#include "world_server/endpoints.hpp"
+
+#include <utility>
+
+namespace atrium::world_server {
+namespace {
+
+// The first of several errors, if there is one.
+template <typename... Results>
+const Error* first_error(const Results&... results) {
+    const Error* first = nullptr;
+    ((first = first == nullptr && !results ? &results.error() : first), ...);
+    return first;
+}
+
+}  // namespace
+
+Expected<Endpoints> Endpoints::create(const bus::BusOptions& options) {
+    auto participant = bus::Participant::create(options);
+    if (!participant) return tl::unexpected(participant.error());
+    auto descriptions = bus::Reader<bus::SiteDescription>::create(*participant);
+    auto meshes = bus::Reader<bus::SiteMesh>::create(*participant);
+    auto commands = bus::Reader<bus::SceneCommand>::create(*participant);
+    auto objects = bus::Writer<bus::SceneObject>::create(*participant);
+    auto states = bus::Writer<bus::SceneState>::create(*participant);
+    auto placements = bus::Writer<bus::SitePlacement>::create(*participant);
+    auto statuses = bus::Writer<bus::WorldStatus>::create(*participant);
+    auto waiter = bus::Waiter::create(*participant);
+    const Error* error =
+        first_error(descriptions, meshes, commands, objects, states, placements, statuses, waiter);
+    if (error != nullptr) return tl::unexpected(*error);
+    waiter->add(*descriptions);
+    waiter->add(*meshes);
+    waiter->add(*commands);
+    return Endpoints{std::move(*participant),
+                     std::move(*descriptions),
+                     std::move(*meshes),
+                     std::move(*commands),
+                     std::move(*objects),
+                     std::move(*states),
+                     std::move(*placements),
+                     std::move(*statuses),
+                     std::move(*waiter)};
+}
+
+}  // namespace atrium::world_server

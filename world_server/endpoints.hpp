@@ -1,0 +1,23 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/bus/bus.hpp"
+
+namespace atrium::world_server {
+
+/// The topics that a world server reads and writes.
+struct Endpoints {
+    bus::Participant participant;
+    bus::Reader<bus::SiteDescription> descriptions;
+    bus::Reader<bus::SiteMesh> meshes;
+    bus::Reader<bus::SceneCommand> commands;
+    bus::Writer<bus::SceneObject> objects;
+    bus::Writer<bus::SceneState> states;
+    bus::Writer<bus::SitePlacement> placements;
+    bus::Writer<bus::WorldStatus> statuses;
+    bus::Waiter waiter;
+
+    static Expected<Endpoints> create(const bus::BusOptions& options);
+};
+
+}  // namespace atrium::world_server

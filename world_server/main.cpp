@@ -1,0 +1,32 @@
+#include "core/app/log.hpp"
+#include "core/app/program.hpp"
+#include "world_server/config.hpp"
+#include "world_server/world_server.hpp"
+
+int main(int argc, char** argv) {
+    using namespace atrium;
+    const app::StopOnSignal stop;
+    world_server::WorldServerConfig config;
+    config::OptionSet options;
+    world_server::declare(config, options);
+    const app::ProgramInfo info{
+        .name = "world_server",
+        .summary =
+            "Puts the people of all sites into one physical world, and publishes where its "
+            "objects are.",
+        .examples =
+            "world_server --config deploy/worlds/demo.toml\n"
+            "world_server --config deploy/worlds/playroom.toml --bus.network_file qos/lan.xml"};
+    const app::Start start =
+        app::start(info, options, argc, argv, [&](config::TableReader& reader) {
+            world_server::read_world(reader, config);
+        });
+    if (!start.go_on) return start.exit_code;
+    app::log::info("configuration\n{}", options.effective());
+
+    auto server = world_server::WorldServer::create(config);
+    if (!server) return app::fail(server.error());
+    app::log::info("running world={} objects={}", config.bus.world, config.objects.size());
+    if (const auto done = (*server)->run(stop.token()); !done) return app::fail(done.error());
+    return 0;
+}
