@@ -6,7 +6,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -228,6 +232,20 @@ TEST(Bus, ReadersKeepTheirParticipantAlive) {
     EXPECT_TRUE(listener->await([&] { return !listener->samples.empty(); }));
 }
 
+TEST(Bus, AnExceptionInACallbackLosesNoMemoryAndNoLaterSample) {
+    const auto participant = value(Participant::create(own_world("throw")));
+    auto writer = value(Writer<SiteMesh>::create(participant));
+    Listener<SiteMesh> listener(participant);
+    for (std::uint64_t frame = 1; frame <= 20; ++frame) {
+        ASSERT_TRUE(writer.write(mesh_of("a", frame)).has_value());
+        EXPECT_THROW(listener.reader.take([](SiteMesh&&) { throw std::runtime_error("mine"); }),
+                     std::runtime_error);
+    }
+    ASSERT_TRUE(writer.write(mesh_of("a", 21)).has_value());
+    ASSERT_TRUE(listener.await([&] { return !listener.samples.empty(); }));
+    EXPECT_EQ(listener.samples.back().frame_id, 21U);
+}
+
 TEST(Waiter, WakeEndsAWaitOfAnotherThread) {
     const auto participant = value(Participant::create(own_world("wake")));
     auto waiter = value(Waiter::create(participant));
@@ -329,6 +347,55 @@ TEST(Participant, NamesAnInterfaceThatIsNotThere) {
     options.network_file = file.path();
     EXPECT_EQ(error_of(options).kind, ErrorKind::kUnavailable);
     EXPECT_THAT(error_of(options).message, HasSubstr("atrium9"));
+}
+
+/// Takes a UDP port away from others.
+class OccupiedPort {
+public:
+    explicit OccupiedPort(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
+        sockaddr_in address{};
+        address.sin_family = AF_INET;
+        address.sin_port = htons(port);
+        is_mine_ = ::bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) == 0;
+    }
+    OccupiedPort(const OccupiedPort&) = delete;
+    OccupiedPort& operator=(const OccupiedPort&) = delete;
+    ~OccupiedPort() { ::close(socket_); }
+    bool is_mine() const { return is_mine_; }
+
+private:
+    int socket_;
+    bool is_mine_ = false;
+};
+
+TEST(Participant, SaysWhatToDoWhereItsPortsAreTaken) {
+    BusOptions options = own_world("ports", 107);
+    const TemporaryFile file(
+        "<CycloneDDS><Domain Id='any'><Discovery><ParticipantIndex>auto</ParticipantIndex>"
+        "<MaxAutoParticipantIndex>0</MaxAutoParticipantIndex></Discovery></Domain></CycloneDDS>");
+    options.network_file = file.path();
+    const OccupiedPort taken(7400 + 250 * 107 + 10);  // of the first process in the domain
+    ASSERT_TRUE(taken.is_mine());
+    EXPECT_EQ(error_of(options).kind, ErrorKind::kUnavailable);
+    EXPECT_THAT(error_of(options).message,
+                AllOf(HasSubstr("domain 107"), HasSubstr("MaxAutoParticipantIndex")));
+}
+
+TEST(Participant, MayBeCreatedAndDestroyedByManyThreadsInOneDomain) {
+    const BusOptions options = own_world("many", 108);
+    std::atomic<int> num_failed = 0;
+    {
+        std::vector<std::jthread> threads;
+        for (int i = 0; i < 4; ++i) {
+            threads.emplace_back([&] {
+                for (int round = 0; round < 10; ++round) {
+                    const auto participant = Participant::create(options);
+                    if (!participant || !Writer<SiteMesh>::create(*participant)) ++num_failed;
+                }
+            });
+        }
+    }
+    EXPECT_EQ(num_failed, 0);
 }
 
 TEST(Participant, RefusesOtherNetworkSettingsOnAnOpenDomainAndTakesThemOnceItIsClosed) {
