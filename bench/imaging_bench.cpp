@@ -1,0 +1,135 @@
+// Stages between picture and hull, each on one camera of 1 MP (1000 x 1000); so ms per run are ms
+// per megapixel. Run with --benchmark_repetitions=5 --benchmark_report_aggregates_only=true and
+// quote the minimum or the median.
+
+#include "core/codec/texture_codec.hpp"
+#include "site_node/segmentation/segmentation.hpp"
+#include "site_node/silhouette/silhouette.hpp"
+#include "site_node/texture/texture.hpp"
+#include "tests/unit/silhouette/test_masks.hpp"
+
+#include <benchmark/benchmark.h>
+
+#include <cstdlib>
+#include <random>
+
+namespace atrium {
+namespace {
+
+void require(const Expected<void>& result) {
+    if (!result) std::abort();
+}
+
+image::Mask rough_person() {
+    std::mt19937 random(1);
+    image::Mask mask = silhouette::test::person_mask();
+    silhouette::test::roughen(mask, 0.1, random);
+    return mask;
+}
+
+// A grey room with noise; where `mask` is foreground, something else.
+image::YuvImage frame_with(const image::Mask& mask, unsigned seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(0.0, 2.0);
+    const auto byte = [&](double v) {
+        return static_cast<std::uint8_t>(std::clamp(v + noise(random), 0.0, 255.0));
+    };
+    image::YuvImage frame{image::Plane(1000, 1000), image::Plane(500, 500), image::Plane(500, 500)};
+    for (int y = 0; y < 1000; ++y) {
+        for (int x = 0; x < 1000; ++x) {
+            const bool person = mask.at(x, y) != 0;
+            const double texture = 30.0 * std::sin(0.15 * x) * std::sin(0.11 * y);
+            frame.y.row(y)[x] = byte(person ? 90.0 + texture : 120.0 + 0.08 * x);
+            if ((x | y) % 2 != 0) continue;
+            frame.u.row(y / 2)[x / 2] = byte(person ? 150.0 : 120.0);
+            frame.v.row(y / 2)[x / 2] = byte(person ? 100.0 : 118.0);
+        }
+    }
+    return frame;
+}
+
+segmentation::BackgroundModel learned_room() {
+    segmentation::BackgroundLearner learner;
+    for (unsigned i = 0; i < 5; ++i) require(learner.add(frame_with(image::Mask(1000, 1000), i)));
+    return learner.finish({}).value();
+}
+
+geometry::PinholeCamera camera(bool distorted) {
+    geometry::PinholeCamera result{
+        .width = 1000, .height = 1000, .fx = 900, .fy = 900, .cx = 500, .cy = 500};
+    if (distorted) result.distortion = {-0.28, 0.08, 0.0005, -0.0003, 0.0};
+    return result;
+}
+
+void pixel_test(benchmark::State& state) {
+    const auto model = learned_room();
+    const image::YuvImage frame = frame_with(rough_person(), 9);
+    segmentation::PixelTestScratch scratch;
+    image::Mask out(1000, 1000);
+    const auto instructions = static_cast<segmentation::InstructionSet>(state.range(0));
+    for (auto _ : state) segmentation::test_pixels(frame, model, instructions, scratch, out);
+}
+BENCHMARK(pixel_test)->ArgName("avx2")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+
+void segment(benchmark::State& state) {
+    const auto model = learned_room();
+    const image::YuvImage frame = frame_with(rough_person(), 9);
+    segmentation::SegmentationScratch scratch;
+    image::Mask out;
+    for (auto _ : state) require(segmentation::segment(frame, model, {}, scratch, out));
+}
+BENCHMARK(segment)->Unit(benchmark::kMillisecond);
+
+void extract_silhouette(benchmark::State& state) {
+    const image::Mask mask = rough_person();
+    const geometry::PinholeCamera intrinsics = camera(state.range(0) != 0);
+    silhouette::SilhouetteScratch scratch;
+    std::vector<silhouette::SilhouettePolygon> out;
+    for (auto _ : state) silhouette::extract_silhouette(mask, intrinsics, {}, scratch, out);
+    std::size_t vertices = 0;
+    for (const auto& polygon : out) vertices += polygon.vertices_px.size();
+    state.counters["vertices"] = static_cast<double>(vertices);
+}
+BENCHMARK(extract_silhouette)->ArgName("distorted")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+
+void crop_texture(benchmark::State& state) {
+    const image::Mask mask = rough_person();
+    const image::YuvImage frame = frame_with(mask, 9);
+    texture::TextureScratch scratch;
+    codec::TextureCrop crop;
+    for (auto _ : state)
+        benchmark::DoNotOptimize(texture::crop_texture(frame, mask, {}, scratch, crop));
+}
+BENCHMARK(crop_texture)->Unit(benchmark::kMillisecond);
+
+codec::TextureCrop person_crop() {
+    const image::Mask mask = rough_person();
+    texture::TextureScratch scratch;
+    codec::TextureCrop crop;
+    if (!texture::crop_texture(frame_with(mask, 9), mask, {}, scratch, crop)) std::abort();
+    return crop;
+}
+
+void encode_texture(benchmark::State& state) {
+    const codec::TextureCrop crop = person_crop();
+    codec::TextureEncoder encoder;
+    codec::CodedTexture out;
+    for (auto _ : state) require(encoder.encode(crop, 85, out));
+    state.counters["colour_bytes"] = static_cast<double>(out.colour.size());
+    state.counters["mask_bytes"] = static_cast<double>(out.mask.size());
+}
+BENCHMARK(encode_texture)->Unit(benchmark::kMillisecond);
+
+void decode_texture(benchmark::State& state) {
+    codec::CodedTexture coded;
+    require(codec::TextureEncoder().encode(person_crop(), 85, coded));
+    codec::TextureDecoder decoder;
+    codec::DecodedTexture out;
+    for (auto _ : state) require(decoder.decode(coded.colour, coded.mask, out));
+}
+BENCHMARK(decode_texture)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace atrium
+
+BENCHMARK_MAIN();
