@@ -131,7 +131,7 @@ vec3 paint_trunk(vec3 p) {
     if (p.z < 0.985) return p.z > 0.958 ? (abs(p.x) < 0.025 && p.y > 0.0 ? vec3(0.85, 0.72, 0.30) : vec3(0.16, 0.11, 0.08)) : trousers;
     if (p.z > 1.455) return 0.65 * shirt;
     if (p.y > -0.005) {
-        vec2 q = (p.xz - vec2(0.0, 1.285)) / 0.078;
+        vec2 q = vec2(-p.x, p.z - 1.285) / 0.078;  // as one who stands before it reads
         if (emblem_distance(q) < 0.0) return emblem_colour;
         if (abs(p.z - 1.105) < 0.018 || abs(p.z - 1.045) < 0.010) return emblem_colour;
         return shirt;
