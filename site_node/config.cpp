@@ -10,27 +10,48 @@ namespace atrium::site_node {
 void declare(SiteNodeConfig& config, config::OptionSet& set) {
     set.add("site.name", config.name, "name of this site in its world; A-Z a-z 0-9 _ . - only");
     set.add("site.threads", config.threads, "workers for segmentation and hull", {1, 64});
-    set.add("site.seconds", config.seconds, "how long to run [s]; 0: until Ctrl-C or the end of a recording", {0, 1e9});
+    set.add("site.seconds",
+            config.seconds,
+            "how long to run [s]; 0: until Ctrl-C or the end of a recording",
+            {0, 1e9});
 
     CaptureConfig& capture = config.capture;
-    set.add("capture.source", capture.source, "where pictures come from", {"simulated", "recording"});
+    set.add(
+        "capture.source", capture.source, "where pictures come from", {"simulated", "recording"});
     set.add("capture.rig", capture.rig, "cameras of the simulated room: a rig.toml");
     set.add("capture.recording", capture.recording, "folder of the recording");
-    set.add("capture.rate_hz", capture.rate_hz, "metaframes per second [Hz]; 0: as recorded", {0, 1000});
+    set.add("capture.rate_hz",
+            capture.rate_hz,
+            "metaframes per second [Hz]; 0: as recorded",
+            {0, 1000});
     set.add("capture.loop", capture.loop, "start a recording again at its end");
-    set.add("capture.deadline_ms", capture.deadline_ms, "how long a metaframe may stay incomplete [ms]", {1, 10000});
+    set.add("capture.deadline_ms",
+            capture.deadline_ms,
+            "how long a metaframe may stay incomplete [ms]",
+            {1, 10000});
 
-    SimulationConfig& simulation = config.simulation;
-    set.add("simulation.look", simulation.look, "who stands in the simulated room", simulation::look_names());
-    set.add("simulation.motion", simulation.motion, "what they do", simulation::motion_names());
-    set.add("simulation.loop_s", simulation.loop_s, "length of the loop that is rendered once and replayed [s]", {0.1, 60});
+    SimulationConfig& room = config.simulation;
+    set.add("simulation.look",
+            room.look,
+            "who stands in the simulated room",
+            simulation::look_names());
+    set.add("simulation.motion", room.motion, "what they do", simulation::motion_names());
+    set.add("simulation.loop_s",
+            room.loop_s,
+            "length of the loop that is rendered once and replayed [s]",
+            {0.1, 60});
     set.add("simulation.heading_deg",
-            simulation.heading_deg,
+            room.heading_deg,
             "where the person looks [deg]: 0 is +Y of the site, -90 is +X",
             {-360, 360});
-    set.add("simulation.noise_lsb", simulation.noise_lsb, "camera noise, standard deviation [grey levels]", {0, 20});
-    set.add("simulation.seed", simulation.seed, "of the noise");
-    set.add("simulation.cache", simulation.cache, "folder that keeps rendered loops; empty: render at every start");
+    set.add("simulation.noise_lsb",
+            room.noise_lsb,
+            "camera noise, standard deviation [grey levels]",
+            {0, 20});
+    set.add("simulation.seed", room.seed, "of the noise");
+    set.add("simulation.cache",
+            room.cache,
+            "folder that keeps rendered loops; empty: render at every start");
 
     segmentation::SegmentationOptions& segmentation = config.pipeline.segmentation;
     set.add("segmentation.max_chroma_distance",
@@ -45,39 +66,68 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             segmentation.darkest_shadow,
             "part of its luma that a surface in shadow keeps at least",
             {0.05, 1});
-    set.add("segmentation.max_highlight", segmentation.max_highlight, "part by which a surface may brighten", {0, 1});
-    set.add("segmentation.max_luma_distance", segmentation.max_luma_distance, "noise of background luma [sigma]", {0.5, 50});
+    set.add("segmentation.max_highlight",
+            segmentation.max_highlight,
+            "part by which a surface may brighten",
+            {0, 1});
+    set.add("segmentation.max_luma_distance",
+            segmentation.max_luma_distance,
+            "noise of background luma [sigma]",
+            {0.5, 50});
     set.add("segmentation.min_luma_sigma",
             segmentation.min_luma_sigma,
             "least deviation of background luma [grey levels]",
             {0.1, 50});
-    set.add("segmentation.min_area_px", segmentation.min_area_px, "smaller specks and holes are removed [px]", {0, 1e6});
+    set.add("segmentation.min_area_px",
+            segmentation.min_area_px,
+            "smaller specks and holes are removed [px]",
+            {0, 1e6});
 
     silhouette::SilhouetteOptions& silhouette = config.pipeline.silhouette;
-    set.add("silhouette.tolerance_px", silhouette.tolerance_px, "width of the blurred segments [px]", {0.25, 20});
-    set.add("silhouette.min_area_px", silhouette.min_area_px, "smaller blobs and holes are left out [px]", {0, 1e6});
+    set.add("silhouette.tolerance_px",
+            silhouette.tolerance_px,
+            "width of the blurred segments [px]",
+            {0.25, 20});
+    set.add("silhouette.min_area_px",
+            silhouette.min_area_px,
+            "smaller blobs and holes are left out [px]",
+            {0, 1e6});
 
-    set.add("hull.keep_phantoms", config.pipeline.hull.keep_phantoms, "keep components that no silhouette needs");
+    set.add("hull.keep_phantoms",
+            config.pipeline.hull.keep_phantoms,
+            "keep components that no silhouette needs");
     set.add("hull.min_component_m3",
             config.pipeline.hull.min_component_volume_m3,
             "smaller components are dropped [m^3]",
             {0, 1});
-    set.add("codec.position_bits", config.pipeline.mesh.position_bits, "of a vertex coordinate on the wire [bits]", {8, 20});
-    set.add("codec.mesh_speed", config.pipeline.mesh.speed, "Draco's, 0 smallest to 10 fastest", {0, 10});
+    set.add("codec.position_bits",
+            config.pipeline.mesh.position_bits,
+            "of a vertex coordinate on the wire [bits]",
+            {8, 20});
+    set.add("codec.mesh_speed",
+            config.pipeline.mesh.speed,
+            "Draco's, 0 smallest to 10 fastest",
+            {0, 10});
     set.add("codec.jpeg_quality", config.pipeline.jpeg_quality, "of the textures", {10, 100});
     bus::declare(config.bus, set);
 }
 
 Expected<void> check(const SiteNodeConfig& config) {
-    const auto wrong = [](std::string text) { return make_error(ErrorKind::kConfiguration, std::move(text)); };
+    const auto wrong = [](std::string text) {
+        return make_error(ErrorKind::kConfiguration, std::move(text));
+    };
     if (!config::is_valid_name(config.name)) {
-        return wrong(fmt::format("site.name: must be 1 to 63 characters of A-Z a-z 0-9 _ . -, got '{}'", config.name));
+        return wrong(fmt::format(
+            "site.name: must be 1 to 63 characters of A-Z a-z 0-9 _ . -, got '{}'", config.name));
     }
     if (config.capture.source == "simulated" && config.capture.rig.empty()) {
-        return wrong("capture.rig: is needed for a simulated room, for example deploy/rigs/full_body.toml");
+        return wrong(
+            "capture.rig: is needed for a simulated room, for example deploy/rigs/full_body.toml");
     }
     if (config.capture.source == "recording" && config.capture.recording.empty()) {
-        return wrong("capture.recording: is needed for capture.source = \"recording\": the recording's folder");
+        return wrong(
+            "capture.recording: is needed for capture.source = \"recording\": the recording's "
+            "folder");
     }
     return {};
 }

@@ -10,12 +10,12 @@
 namespace atrium::site_node {
 
 struct CaptureConfig {
-    std::string source = "simulated";                   // or "recording"
-    std::filesystem::path rig;                          // simulated: the room's cameras
-    std::filesystem::path recording;                    // recording: its folder
-    double rate_hz = 0.0;                               // 0: as recorded, or the rig's rate
-    bool loop = false;                                  // recording: start again at its end
-    double deadline_ms = 100.0;                         // how long a metaframe may stay incomplete
+    std::string source = "simulated";  // or "recording"
+    std::filesystem::path rig;         // simulated: the room's cameras
+    std::filesystem::path recording;   // recording: its folder
+    double rate_hz = 0.0;              // 0: as recorded, or the rig's rate
+    bool loop = false;                 // recording: start again at its end
+    double deadline_ms = 100.0;        // how long a metaframe may stay incomplete
 };
 
 struct SimulationConfig {
@@ -25,7 +25,8 @@ struct SimulationConfig {
     double heading_deg = -90.0;  // -90 faces +X of the site
     double noise_lsb = 2.0;
     std::uint64_t seed = 1;
-    std::filesystem::path cache = ".cache/simulation";  // rendered loops are kept here; empty: nowhere
+    std::filesystem::path cache =
+        ".cache/simulation";  // rendered loops are kept here; empty: nowhere
 };
 
 struct SiteNodeConfig {

@@ -1,16 +1,19 @@
 #include "site_node/pipeline.hpp"
 
-#include <chrono>
 #include <fmt/format.h>
+
+#include <chrono>
 
 namespace atrium::site_node {
 namespace {
 
 double milliseconds_since(std::chrono::steady_clock::time_point begin) {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin)
+        .count();
 }
 
-// Somebody is in the room only if every camera's cone and the hull say so; the other outcomes are answers too.
+// Somebody is in the room only if every camera's cone and the hull say so; the other outcomes are
+// answers too.
 bool is_nobody(hull::HullStatus status) { return status == hull::HullStatus::kEmptyIntersection; }
 
 }  // namespace
@@ -44,7 +47,9 @@ Pipeline::Pipeline(Pipeline&&) noexcept = default;
 Pipeline& Pipeline::operator=(Pipeline&&) noexcept = default;
 Pipeline::~Pipeline() = default;
 
-Expected<Pipeline> Pipeline::create(capture::FrameSource& source, const PipelineOptions& options, std::stop_token stop) {
+Expected<Pipeline> Pipeline::create(capture::FrameSource& source,
+                                    const PipelineOptions& options,
+                                    std::stop_token stop) {
     Pipeline pipeline(source.rig().cameras, options);
     if (source.has_silhouettes()) return pipeline;
     for (std::size_t i = 0; i < pipeline.cameras_.size() && !stop.stop_requested(); ++i) {
@@ -54,8 +59,10 @@ Expected<Pipeline> Pipeline::create(capture::FrameSource& source, const Pipeline
             if (added) added = learner.add(picture);
         });
         const auto with_camera = [&](const Error& error) {
-            return make_error(error.kind,
-                              fmt::format("camera '{}': no background: {}", pipeline.cameras_[i].name, error.message));
+            return make_error(
+                error.kind,
+                fmt::format(
+                    "camera '{}': no background: {}", pipeline.cameras_[i].name, error.message));
         };
         if (!shown) return with_camera(shown.error());
         if (!added) return with_camera(added.error());
@@ -67,31 +74,38 @@ Expected<Pipeline> Pipeline::create(capture::FrameSource& source, const Pipeline
     return pipeline;
 }
 
-Expected<void> Pipeline::process_camera(const capture::CameraFrame& frame, CameraStage& stage, CodedCamera& coded) {
+Expected<void> Pipeline::process_camera(const capture::CameraFrame& frame,
+                                        CameraStage& stage,
+                                        CodedCamera& coded) {
     const geometry::CalibratedCamera& camera = cameras_[frame.camera];
     if (frame.silhouette != nullptr) {
         stage.mask = *frame.silhouette;
     } else {
-        auto segmented =
-            segmentation::segment(*frame.image, stage.background, options_.segmentation, stage.segmentation, stage.mask);
+        auto segmented = segmentation::segment(
+            *frame.image, stage.background, options_.segmentation, stage.segmentation, stage.mask);
         if (!segmented) return segmented;
     }
-    silhouette::extract_silhouette(stage.mask, camera.intrinsics, options_.silhouette, stage.silhouette, stage.polygons);
+    silhouette::extract_silhouette(
+        stage.mask, camera.intrinsics, options_.silhouette, stage.silhouette, stage.polygons);
 
     auto& contours = views_[frame.camera].contours;
     contours.resize(stage.polygons.size());
-    for (std::size_t p = 0; p < stage.polygons.size(); ++p) contours[p] = stage.polygons[p].vertices_px;
+    for (std::size_t p = 0; p < stage.polygons.size(); ++p)
+        contours[p] = stage.polygons[p].vertices_px;
 
     stage.sees_somebody =
         !stage.polygons.empty() &&
-        texture::crop_texture(*frame.image, stage.mask, options_.texture, stage.texture, stage.crop);
+        texture::crop_texture(
+            *frame.image, stage.mask, options_.texture, stage.texture, stage.crop);
     if (!stage.sees_somebody) return {};
     coded.camera = static_cast<std::uint32_t>(frame.camera);
     coded.crop_px = stage.crop.crop_px;
     return stage.encoder.encode(stage.crop, options_.jpeg_quality, coded.texture);
 }
 
-Expected<void> Pipeline::process(const capture::Metaframe& metaframe, Executor& executor, SiteFrame& frame) {
+Expected<void> Pipeline::process(const capture::Metaframe& metaframe,
+                                 Executor& executor,
+                                 SiteFrame& frame) {
     const auto begin = std::chrono::steady_clock::now();
     frame.frame_id = metaframe.frame_id;
     frame.capture_time = metaframe.capture_time;
@@ -104,8 +118,9 @@ Expected<void> Pipeline::process(const capture::Metaframe& metaframe, Executor& 
     executor.parallel_for(cameras_.size(), work_on_camera);
     for (std::size_t i = 0; i < cameras_.size(); ++i) {
         if (const auto& result = stages_[i]->result; !result) {
-            return make_error(result.error().kind,
-                              fmt::format("camera '{}': {}", cameras_[i].name, result.error().message));
+            return make_error(
+                result.error().kind,
+                fmt::format("camera '{}': {}", cameras_[i].name, result.error().message));
         }
     }
     frame.milliseconds.silhouettes = milliseconds_since(begin);
@@ -129,7 +144,8 @@ Expected<void> Pipeline::process(const capture::Metaframe& metaframe, Executor& 
     } else if (is_nobody(frame.hull.status)) {
         frame.cameras.clear();
     } else {
-        return make_error(ErrorKind::kInvalidData, fmt::format("no hull: {}", hull::to_string(frame.hull.status)));
+        return make_error(ErrorKind::kInvalidData,
+                          fmt::format("no hull: {}", hull::to_string(frame.hull.status)));
     }
     frame.milliseconds.encode = milliseconds_since(encode_begin);
     frame.milliseconds.total = milliseconds_since(begin);

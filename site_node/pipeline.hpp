@@ -49,18 +49,23 @@ struct SiteFrame {
     } milliseconds;
 };
 
-/// From the pictures of one instant to the coded mesh and textures. No network, no threads of its own.
+/// From the pictures of one instant to the coded mesh and textures. No network, no threads of its
+/// own.
 class Pipeline {
 public:
     /// Learns the empty room from `source`, unless its frames carry silhouettes.
-    static Expected<Pipeline> create(capture::FrameSource& source, const PipelineOptions& options, std::stop_token stop);
+    static Expected<Pipeline> create(capture::FrameSource& source,
+                                     const PipelineOptions& options,
+                                     std::stop_token stop);
 
     Pipeline(Pipeline&&) noexcept;
     Pipeline& operator=(Pipeline&&) noexcept;
     ~Pipeline();
 
     /// Not thread-safe; `executor` is lent for the call. An error leaves `frame` unspecified.
-    Expected<void> process(const capture::Metaframe& metaframe, Executor& executor, SiteFrame& frame);
+    Expected<void> process(const capture::Metaframe& metaframe,
+                           Executor& executor,
+                           SiteFrame& frame);
 
     /// Silhouette mask and polygons of one camera, as of the last `process`; for tools and tests.
     const image::Mask& mask(std::size_t camera) const;
@@ -69,7 +74,9 @@ public:
 private:
     struct CameraStage;
     Pipeline(std::vector<geometry::CalibratedCamera> cameras, const PipelineOptions& options);
-    Expected<void> process_camera(const capture::CameraFrame& frame, CameraStage& stage, CodedCamera& coded);
+    Expected<void> process_camera(const capture::CameraFrame& frame,
+                                  CameraStage& stage,
+                                  CodedCamera& coded);
 
     std::vector<geometry::CalibratedCamera> cameras_;
     PipelineOptions options_;

@@ -4,10 +4,13 @@
 #include "site_node/capture/recording_source.hpp"
 #include "site_node/capture/simulated_source.hpp"
 
-#include <algorithm>
-#include <condition_variable>
 #include <fmt/format.h>
 #include <pthread.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <numbers>
+#include <optional>
 #include <thread>
 
 namespace atrium::site_node {
@@ -23,7 +26,8 @@ Expected<void> open(bus::Participant& participant, std::optional<bus::Writer<Mes
     return {};
 }
 
-Expected<std::unique_ptr<capture::FrameSource>> open_source(const SiteNodeConfig& config, std::stop_token stop) {
+Expected<std::unique_ptr<capture::FrameSource>> open_source(const SiteNodeConfig& config,
+                                                            std::stop_token stop) {
     if (config.capture.source == "recording") {
         auto source = capture::RecordingSource::open(
             {config.capture.recording, config.capture.rate_hz, config.capture.loop});
@@ -38,6 +42,7 @@ Expected<std::unique_ptr<capture::FrameSource>> open_source(const SiteNodeConfig
     room.motion = config.simulation.motion;
     room.loop_s = config.simulation.loop_s;
     room.rate_hz = rig->rate_hz;
+    room.heading_rad = config.simulation.heading_deg * std::numbers::pi / 180.0;
     room.noise_lsb = config.simulation.noise_lsb;
     room.seed = config.simulation.seed;
     int last_percent = -1;
@@ -49,6 +54,9 @@ Expected<std::unique_ptr<capture::FrameSource>> open_source(const SiteNodeConfig
     };
     auto source = capture::SimulatedSource::create(*rig, room, config.simulation.cache, tell, stop);
     if (!source) return tl::unexpected(source.error());
+    if (const std::string& problem = (*source)->cache_problem(); !problem.empty()) {
+        app::log::warn("the rendered room is not kept reason=\"{}\"", problem);
+    }
     return std::unique_ptr<capture::FrameSource>(std::move(*source));
 }
 
@@ -62,7 +70,8 @@ std::jthread named_thread(const char* name, std::function<void(std::stop_token)>
 
 }  // namespace
 
-Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& config, std::stop_token stop) {
+Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& config,
+                                                     std::stop_token stop) {
     if (auto checked = check(config); !checked) return tl::unexpected(checked.error());
     auto source = open_source(config, stop);
     if (!source) return tl::unexpected(source.error());
@@ -85,7 +94,8 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& confi
                                open(*participant, status)}) {
         if (!opened) return tl::unexpected(opened.error());
     }
-    Writers writers{std::move(*description), std::move(*mesh), std::move(*texture), std::move(*status)};
+    Writers writers{
+        std::move(*description), std::move(*mesh), std::move(*texture), std::move(*status)};
     return std::unique_ptr<SiteNode>(
         new SiteNode(config, std::move(*source), std::move(*pipeline), std::move(writers)));
 }
@@ -104,17 +114,22 @@ Expected<void> SiteNode::run(std::stop_token stop) {
     end_ = std::stop_source();
     end_result_ = {};
     const std::stop_callback pass_on(stop, [this] { end_.request_stop(); });
-    const bus::SiteDescription description{config_.name, source_->rig().cameras, source_->rig().bounds_site};
-    if (auto written = writers_.description.write(description); !written) return tl::unexpected(written.error());
+    const bus::SiteDescription description{
+        config_.name, source_->rig().cameras, source_->rig().bounds_site};
+    if (auto written = writers_.description.write(description); !written)
+        return tl::unexpected(written.error());
     {
-        // stopped and joined from the last to the first, in the order of the data: what was captured still goes out
-        const std::jthread publisher = named_thread("publish", [this](std::stop_token s) { publish_frames(s); });
+        // stopped and joined from the last to the first, in the order of the data: what was
+        // captured still goes out
+        const std::jthread publisher =
+            named_thread("publish", [this](std::stop_token s) { publish_frames(s); });
         const std::jthread worker = named_thread("work", [this](std::stop_token s) { work(s); });
-        const std::jthread capturer =
-            named_thread("capture", [this](std::stop_token) { capture_metaframes(end_.get_token()); });
+        const std::jthread capturer = named_thread(
+            "capture", [this](std::stop_token) { capture_metaframes(end_.get_token()); });
         report_status(end_.get_token());
     }
-    if (auto gone = writers_.description.dispose(description); !gone) app::log::warn("{}", gone.error().message);
+    if (auto gone = writers_.description.dispose(description); !gone)
+        app::log::warn("{}", gone.error().message);
     const bus::SiteStatus total = status();
     app::log::info("stopped captured={} published={} incomplete={} late={} failed={}",
                    total.num_metaframes_captured,
@@ -136,7 +151,8 @@ void SiteNode::finish(const Expected<void>& result) {
 }
 
 void SiteNode::capture_metaframes(std::stop_token stop) {
-    const double rate_hz = config_.capture.rate_hz > 0.0 ? config_.capture.rate_hz : source_->rig().rate_hz;
+    const double rate_hz =
+        config_.capture.rate_hz > 0.0 ? config_.capture.rate_hz : source_->rig().rate_hz;
     capture::AssemblerOptions options;
     options.tolerance = nanoseconds(static_cast<std::int64_t>(0.4e9 / rate_hz));
     options.deadline = nanoseconds(static_cast<std::int64_t>(config_.capture.deadline_ms * 1e6));
@@ -157,16 +173,19 @@ void SiteNode::work(std::stop_token stop) {
         if (frame == nullptr) frame = std::make_unique<SiteFrame>();
         if (auto done = pipeline_.process(*metaframe, pool_, *frame); !done) {
             ++num_failed_;
-            complaints_.warn(fmt::format("metaframe failed id={} reason=\"{}\"", metaframe->frame_id, done.error().message));
+            complaints_.warn(fmt::format(
+                "metaframe failed id={} reason=\"{}\"", metaframe->frame_id, done.error().message));
             continue;
         }
-        app::log::debug("metaframe id={} triangles={} silhouettes_ms={:.2f} hull_ms={:.2f} encode_ms={:.2f} total_ms={:.2f}",
-                        frame->frame_id,
-                        frame->hull.mesh.triangles.size(),
-                        frame->milliseconds.silhouettes,
-                        frame->milliseconds.hull,
-                        frame->milliseconds.encode,
-                        frame->milliseconds.total);
+        app::log::debug(
+            "metaframe id={} triangles={} silhouettes_ms={:.2f} hull_ms={:.2f} encode_ms={:.2f} "
+            "total_ms={:.2f}",
+            frame->frame_id,
+            frame->hull.mesh.triangles.size(),
+            frame->milliseconds.silhouettes,
+            frame->milliseconds.hull,
+            frame->milliseconds.encode,
+            frame->milliseconds.total);
         site_frames_.put(std::move(frame));
     }
 }
@@ -176,7 +195,9 @@ void SiteNode::publish_frames(std::stop_token stop) {
         const auto num_bytes = publish(**frame);
         if (!num_bytes) {
             ++num_failed_;
-            complaints_.warn(fmt::format("not published id={} reason=\"{}\"", (*frame)->frame_id, num_bytes.error().message));
+            complaints_.warn(fmt::format("not published id={} reason=\"{}\"",
+                                         (*frame)->frame_id,
+                                         num_bytes.error().message));
             continue;
         }
         num_bytes_ += *num_bytes;
@@ -218,14 +239,16 @@ void SiteNode::report_status(std::stop_token stop) {
     for (int second = 1; !stop.stop_requested(); ++second) {
         auto until = begin + std::chrono::seconds(second);
         const bool limited = config_.seconds > 0.0;
-        const auto end = begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(config_.seconds));
+        const auto end = begin + std::chrono::duration_cast<Clock::duration>(
+                                     std::chrono::duration<double>(config_.seconds));
         if (limited) until = std::min(until, end);
         std::unique_lock lock(mutex);
         wake.wait_until(lock, stop, until, [] { return false; });
         if (limited && Clock::now() >= end) finish({});
         metaframes_per_s_ = published_rate_.update(num_published_, Clock::now());
         bytes_per_s_ = bytes_rate_.update(num_bytes_, Clock::now());
-        if (auto written = writers_.status.write(status()); !written) complaints_.warn(written.error().message);
+        if (auto written = writers_.status.write(status()); !written)
+            complaints_.warn(written.error().message);
     }
 }
 

@@ -16,11 +16,12 @@
 
 namespace atrium::site_node {
 
-/// One room: captures, computes, publishes. `create` prepares everything that can fail (recording, rendering of a simulated room,
-/// background, bus); `run` owns the threads.
+/// One room: captures, computes, publishes. `create` prepares everything that can fail (recording,
+/// rendering of a simulated room, background, bus); `run` owns the threads.
 class SiteNode {
 public:
-    static Expected<std::unique_ptr<SiteNode>> create(const SiteNodeConfig& config, std::stop_token stop);
+    static Expected<std::unique_ptr<SiteNode>> create(const SiteNodeConfig& config,
+                                                      std::stop_token stop);
 
     /// Until the stop, the end of the source or `site.seconds`. On one thread at a time.
     Expected<void> run(std::stop_token stop);
@@ -54,9 +55,10 @@ private:
     Writers writers_;
     ThreadPool pool_;
 
-    LatestSlot<capture::Metaframe> metaframes_;           // newest wins: a late one is worth nothing
-    LatestSlot<std::unique_ptr<SiteFrame>> site_frames_;  // newest wins: a slow link costs frames, not latency
-    LatestSlot<std::unique_ptr<SiteFrame>> spare_frames_; // buffers on their way back
+    LatestSlot<capture::Metaframe> metaframes_;  // newest wins: a late one is worth nothing
+    LatestSlot<std::unique_ptr<SiteFrame>>
+        site_frames_;  // newest wins: a slow link costs frames, not latency
+    LatestSlot<std::unique_ptr<SiteFrame>> spare_frames_;  // buffers on their way back
 
     std::atomic<std::uint64_t> num_captured_{0};
     std::atomic<std::uint64_t> num_incomplete_{0};

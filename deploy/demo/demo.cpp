@@ -107,7 +107,7 @@ Expected<void> Demo::start_programs() {
                                        config_.viewer.string(),
                                        "--output",
                                        (config_.output / "view.png").string(),
-                                       "--video",
+                                       "--video.file",
                                        (config_.output / "view.avi").string()};
     if (!window) arguments.push_back("--headless");
     return start("viewer", "viewer", arguments);

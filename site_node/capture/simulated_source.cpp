@@ -1,0 +1,45 @@
+#include "site_node/capture/simulated_source.hpp"
+
+#include "site_node/capture/pace.hpp"
+
+namespace atrium::capture {
+
+Expected<std::unique_ptr<SimulatedSource>> SimulatedSource::create(
+    const config::Rig& rig,
+    const simulation::RoomOptions& room,
+    const std::filesystem::path& cache,
+    const simulation::LoopProgress& progress,
+    std::stop_token stop) {
+    std::unique_ptr<SimulatedSource> source(new SimulatedSource);
+    source->rig_ = rig;
+    source->rig_.rate_hz = room.rate_hz;
+    if (cache.empty()) {
+        auto loop = simulation::render_loop(rig.cameras, room, progress, stop);
+        if (!loop) return tl::unexpected(loop.error());
+        source->loop_ = std::move(*loop);
+        return source;
+    }
+    auto cached = simulation::load_or_render_loop(rig.cameras, room, cache, progress, stop);
+    if (!cached) return tl::unexpected(cached.error());
+    source->loop_ = std::move(cached->loop);
+    if (cached->cache_problem) source->cache_problem_ = cached->cache_problem->message;
+    return source;
+}
+
+Expected<void> SimulatedSource::show_background(std::size_t camera, const BackgroundSink& sink) {
+    for (const simulation::Picture& picture : loop_.empty_room[camera]) sink(*picture);
+    return {};
+}
+
+Expected<void> SimulatedSource::run(std::stop_token stop, const Sink& sink) {
+    Pace pace(std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / rig_.rate_hz)));
+    for (std::size_t instant = 0; pace.wait(stop); instant = (instant + 1) % loop_.frames.size()) {
+        const Timestamp now = Timestamp::now();
+        for (std::size_t camera = 0; camera < rig_.cameras.size(); ++camera) {
+            sink({camera, now, loop_.frames[instant][camera], nullptr});
+        }
+    }
+    return {};
+}
+
+}  // namespace atrium::capture
