@@ -132,13 +132,7 @@ void blend_for_view(const PersonModel& model,
                     BlendScratch& scratch,
                     BlendedMesh& out) {
     choose_cameras(model, eye_site, scratch);
-    for (std::size_t g = 0; g < out.groups.size(); ++g) {
-        out.groups[g].num_vertices = 0;
-        // room for every triangle: `data` grows to its largest size once and is then reused
-        out.groups[g].data.resize(
-            std::max(out.groups[g].data.size(),
-                     3 * model.triangles.size() * floats_per_vertex(kCamerasPerTriangle[g])));
-    }
+    for (BlendGroup& group : out.groups) group.num_vertices = 0;
     for (const auto& triangle : model.triangles) {
         const Eigen::Vector3f& a = model.vertices_site[triangle[0]];
         const Eigen::Vector3f normal =
@@ -155,6 +149,9 @@ void blend_for_view(const PersonModel& model,
         while (kCamerasPerTriangle[g] < used.count) ++g;
         BlendGroup& group = out.groups[g];
         const std::size_t num_slots = kCamerasPerTriangle[g];
+        // never shrinks: after some frames it is large enough for good
+        const std::size_t needed = (group.num_vertices + 3) * floats_per_vertex(num_slots);
+        if (group.data.size() < needed) group.data.resize(needed);
         for (const std::uint32_t v : triangle) {
             emit_vertex(model,
                         scratch.vertices[v],

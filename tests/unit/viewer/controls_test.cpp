@@ -1,0 +1,97 @@
+#include "viewer/controls.hpp"
+
+#include "viewer/viewer_config.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace atrium::viewer {
+namespace {
+
+const renderer::ViewCamera kStart{.position_m = {3.0, -2.0, 1.5}, .target_m = {0.0, 0.5, 1.0}};
+
+double distance(const renderer::ViewCamera& camera) {
+    return (camera.position_m - camera.target_m).norm();
+}
+
+TEST(Controls, WithoutMotionNothingMoves) {
+    const auto camera = apply({}, kStart);
+    EXPECT_LT((camera.position_m - kStart.position_m).norm(), 1e-12);
+    EXPECT_EQ(camera.target_m, kStart.target_m);
+}
+
+TEST(Controls, OrbitKeepsTargetAndDistance) {
+    const auto camera = apply({.turn_px = {120.0, -35.0}}, kStart);
+    EXPECT_EQ(camera.target_m, kStart.target_m);
+    EXPECT_NEAR(distance(camera), distance(kStart), 1e-12);
+    EXPECT_GT((camera.position_m - kStart.position_m).norm(), 0.5);
+}
+
+TEST(Controls, DraggingDownRaisesTheOrbitingEye) {
+    EXPECT_GT(apply({.turn_px = {0.0, 20.0}}, kStart).position_m.z(), kStart.position_m.z());
+}
+
+TEST(Controls, LookingAroundKeepsTheEye) {
+    const auto camera = apply({.turn_px = {80.0, 20.0}, .look_around = true}, kStart);
+    EXPECT_EQ(camera.position_m, kStart.position_m);
+    EXPECT_NEAR(distance(camera), distance(kStart), 1e-12);
+    EXPECT_GT((camera.target_m - kStart.target_m).norm(), 0.5);
+}
+
+TEST(Controls, ZoomMovesAlongTheViewAndHasAnEnd) {
+    const auto nearer = apply({.zoom_steps = 3.0}, kStart);
+    EXPECT_LT(distance(nearer), distance(kStart));
+    const Eigen::Vector3d before = (kStart.position_m - kStart.target_m).normalized();
+    EXPECT_LT(((nearer.position_m - nearer.target_m).normalized() - before).norm(), 1e-12);
+    EXPECT_GE(distance(apply({.zoom_steps = 1000.0}, kStart)), 0.19);
+    EXPECT_LE(distance(apply({.zoom_steps = -1000.0}, kStart)), 51.0);
+}
+
+TEST(Controls, FlyingForwardCarriesTheTargetAlong) {
+    const auto camera = apply({.fly = {0.0, 1.0, 0.0}, .seconds = 0.5}, kStart);
+    const Eigen::Vector3d way = camera.position_m - kStart.position_m;
+    EXPECT_LT((way - (camera.target_m - kStart.target_m)).norm(), 1e-12);
+    EXPECT_GT(way.dot((kStart.target_m - kStart.position_m).normalized()), 0.5);
+}
+
+TEST(Controls, NoSequenceOfMotionsTipsTheEyeOver) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<> any(-400.0, 400.0);
+    renderer::ViewCamera camera = kStart;
+    for (int i = 0; i < 2000; ++i) {
+        camera = apply({.turn_px = {any(random), any(random)},
+                        .zoom_steps = any(random) / 400.0,
+                        .look_around = i % 3 == 0},
+                       camera);
+        const Eigen::Vector3d view = (camera.target_m - camera.position_m).normalized();
+        ASSERT_TRUE(view.allFinite());
+        ASSERT_LT(std::abs(view.z()), 0.9999);
+    }
+}
+
+TEST(ViewerConfig, ReadsPoints) {
+    const auto p = parse_point("view.position_m", "1, -2.5,3e-1");
+    ASSERT_TRUE(p) << p.error().message;
+    EXPECT_EQ(*p, Eigen::Vector3d(1.0, -2.5, 0.3));
+}
+
+TEST(ViewerConfig, NamesTheKeyOfABadPoint) {
+    for (const char* text : {"", "1,2", "1,2,3,4", "1 2 3", "a,b,c", "1,2,nan", "1,2,3x"}) {
+        const auto p = parse_point("view.target_m", text);
+        ASSERT_FALSE(p) << text;
+        EXPECT_EQ(p.error().kind, ErrorKind::kConfiguration);
+        EXPECT_THAT(p.error().message, testing::HasSubstr("view.target_m"));
+    }
+}
+
+TEST(ViewerConfig, RefusesToLookAtWhereItStands) {
+    ViewConfig config;
+    config.position_m = config.target_m = "1,1,1";
+    EXPECT_FALSE(make_view_camera(config));
+    EXPECT_TRUE(make_view_camera({}));
+}
+
+}  // namespace
+}  // namespace atrium::viewer

@@ -1,0 +1,180 @@
+#include "viewer/pairing.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <string>
+#include <variant>
+
+namespace atrium::viewer {
+namespace {
+
+constexpr std::int64_t kPeriodNs = 33'000'000;
+constexpr std::int64_t kStartNs = 1'700'000'000'000'000'000;
+
+bus::SiteMesh mesh(const std::string& site,
+                   std::uint64_t frame,
+                   std::vector<std::uint32_t> cameras,
+                   std::int64_t start_ns = kStartNs) {
+    bus::SiteMesh m;
+    m.site = site;
+    m.frame_id = frame;
+    m.capture_time = {start_ns + static_cast<std::int64_t>(frame) * kPeriodNs};
+    m.textured_cameras = std::move(cameras);
+    m.draco = {1, 2, 3};
+    return m;
+}
+
+bus::CameraTexture texture(const std::string& site,
+                           std::uint64_t frame,
+                           std::uint32_t camera,
+                           std::int64_t start_ns = kStartNs) {
+    bus::CameraTexture t;
+    t.site = site;
+    t.camera = camera;
+    t.frame_id = frame;
+    t.capture_time = {start_ns + static_cast<std::int64_t>(frame) * kPeriodNs};
+    return t;
+}
+
+TEST(Pairing, HandsOutAFrameWhenItsLastPartHasCome) {
+    Pairing sut;
+    EXPECT_FALSE(sut.add(texture("a", 1, 0)));
+    EXPECT_FALSE(sut.add(mesh("a", 1, {0, 3})));
+    const auto pair = sut.add(texture("a", 1, 3));
+    ASSERT_TRUE(pair);
+    EXPECT_EQ(pair->mesh.frame_id, 1u);
+    EXPECT_EQ(pair->textures.size(), 2u);
+    EXPECT_EQ(sut.num_pending("a"), 0u);
+}
+
+TEST(Pairing, AMeshWithoutTexturesIsCompleteByItself) {
+    Pairing sut;
+    EXPECT_TRUE(sut.add(mesh("a", 1, {})));
+}
+
+TEST(Pairing, DoesNotMixSites) {
+    Pairing sut;
+    EXPECT_FALSE(sut.add(mesh("a", 1, {0})));
+    EXPECT_FALSE(sut.add(texture("b", 1, 0)));
+    EXPECT_TRUE(sut.add(texture("a", 1, 0)));
+}
+
+TEST(Pairing, DropsWhatIsOlderThanWhatWasHandedOut) {
+    Pairing sut;
+    EXPECT_FALSE(sut.add(mesh("a", 1, {0})));
+    EXPECT_FALSE(sut.add(mesh("a", 2, {0})));
+    EXPECT_TRUE(sut.add(texture("a", 2, 0)));
+    EXPECT_EQ(sut.num_incomplete(), 1u);
+    EXPECT_FALSE(sut.add(texture("a", 1, 0)));
+    EXPECT_FALSE(sut.add(mesh("a", 2, {})));  // a duplicate
+    EXPECT_EQ(sut.num_late(), 2u);
+}
+
+TEST(Pairing, ASiteThatStartsAgainCountsFromZeroAndIsShown) {
+    Pairing sut;
+    ASSERT_TRUE(sut.add(mesh("a", 900, {})));
+    const std::int64_t later = kStartNs + 1000 * kPeriodNs;
+    EXPECT_FALSE(sut.add(mesh("a", 0, {0}, later)));
+    EXPECT_TRUE(sut.add(texture("a", 0, 0, later)));
+}
+
+TEST(Pairing, ForgettingASiteAcceptsAnyTimeAgain) {
+    Pairing sut;
+    ASSERT_TRUE(sut.add(mesh("a", 30, {})));
+    EXPECT_FALSE(sut.add(mesh("a", 1, {})));
+    sut.forget("a");
+    EXPECT_TRUE(sut.add(mesh("a", 1, {})));
+}
+
+TEST(Pairing, AClockSetBackDoesNotFreezeTheSite) {
+    Pairing sut;
+    ASSERT_TRUE(sut.add(mesh("a", 30, {})));
+    EXPECT_TRUE(sut.add(mesh("a", 31, {}, kStartNs - 3'600'000'000'000)));
+}
+
+TEST(Pairing, IgnoresSitesBeyondItsBound) {
+    Pairing sut({.max_sites = 2});
+    EXPECT_TRUE(sut.add(mesh("a", 1, {})));
+    EXPECT_TRUE(sut.add(mesh("b", 1, {})));
+    EXPECT_FALSE(sut.add(mesh("c", 1, {})));
+    EXPECT_TRUE(sut.add(mesh("b", 2, {})));
+}
+
+// Random loss, duplication and disorder on two sites, many times over.
+class PairingUnderFaults : public testing::TestWithParam<int> {};
+
+TEST_P(PairingUnderFaults, NeverMixesNeverGoesBackAndStaysBounded) {
+    std::mt19937 random(static_cast<unsigned>(GetParam()));
+    const auto chance = [&](double p) { return std::bernoulli_distribution(p)(random); };
+    const double loss = std::uniform_real_distribution<>(0.0, 0.3)(random);
+    using Sample = std::variant<bus::SiteMesh, bus::CameraTexture>;
+    struct Delivery {
+        double due;
+        Sample sample;
+    };
+    std::vector<Delivery> deliveries;
+    std::uniform_real_distribution<> delay(0.0, 2.5);  // frames
+    for (std::uint64_t frame = 0; frame < 200; ++frame) {
+        for (const std::string site : {"a", "b"}) {
+            std::vector<std::uint32_t> cameras;
+            for (std::uint32_t c = 0; c < 6; ++c)
+                if (chance(0.7)) cameras.push_back(c);
+            std::vector<Sample> samples = {mesh(site, frame, cameras)};
+            for (const std::uint32_t c : cameras) samples.emplace_back(texture(site, frame, c));
+            for (const Sample& sample : samples)
+                for (int copy = chance(0.05) ? 2 : 1; copy > 0; --copy)
+                    if (!chance(loss))
+                        deliveries.push_back({static_cast<double>(frame) + delay(random), sample});
+        }
+    }
+    std::stable_sort(deliveries.begin(), deliveries.end(), [](const auto& x, const auto& y) {
+        return x.due < y.due;
+    });
+
+    const PairingOptions options{.max_pending_frames = 3};
+    Pairing sut(options);
+    std::map<std::string, std::int64_t> last;
+    std::size_t num_pairs = 0;
+    for (const Delivery& delivery : deliveries) {
+        const auto pair =
+            std::visit([&](auto sample) { return sut.add(std::move(sample)); }, delivery.sample);
+        for (const std::string site : {"a", "b"})
+            ASSERT_LE(sut.num_pending(site), options.max_pending_frames);
+        if (!pair) continue;
+        ++num_pairs;
+        const bus::SiteMesh& m = pair->mesh;
+        std::vector<std::uint32_t> cameras;
+        for (const bus::CameraTexture& t : pair->textures) {
+            ASSERT_EQ(t.site, m.site);
+            ASSERT_EQ(t.frame_id, m.frame_id);
+            ASSERT_EQ(t.capture_time, m.capture_time);
+            cameras.push_back(t.camera);
+        }
+        ASSERT_THAT(cameras, testing::UnorderedElementsAreArray(m.textured_cameras));
+        const auto [previous, is_first] = last.try_emplace(m.site, m.capture_time.ns);
+        if (!is_first) {
+            ASSERT_GT(m.capture_time.ns, previous->second);
+        }
+        previous->second = m.capture_time.ns;
+    }
+    // of seven parts, (1 - loss)^7 arrive complete: with 30 % still 8 % of 400 frames
+    EXPECT_GT(num_pairs, 5u);
+}
+INSTANTIATE_TEST_SUITE_P(Seeds, PairingUnderFaults, testing::Range(0, 40));
+
+TEST(Pairing, InOrderWithoutLossEveryFrameIsHandedOut) {
+    Pairing sut;
+    for (std::uint64_t frame = 0; frame < 50; ++frame) {
+        EXPECT_FALSE(sut.add(mesh("a", frame, {0, 1})));
+        EXPECT_FALSE(sut.add(texture("a", frame, 1)));
+        EXPECT_TRUE(sut.add(texture("a", frame, 0)));
+    }
+    EXPECT_EQ(sut.num_incomplete(), 0u);
+    EXPECT_EQ(sut.num_late(), 0u);
+}
+
+}  // namespace
+}  // namespace atrium::viewer

@@ -1,0 +1,70 @@
+#include "viewer/person_decoder.hpp"
+
+#include "tests/unit/viewer/test_site.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace atrium::viewer {
+namespace {
+
+class PersonDecoderTest : public testing::Test {
+protected:
+    const bus::SiteDescription description_ = test_site::description("a");
+    FramePair pair_ = [] {
+        test_site::Frame frame = test_site::frame("a", 5, 150);
+        return FramePair{std::move(frame.mesh), std::move(frame.textures)};
+    }();
+    PersonDecodeScratch scratch_;
+    renderer::PersonModel model_;
+
+    std::string decode_error(const PersonLimits& limits = {}) {
+        const auto decoded = decode_person(pair_, description_, limits, scratch_, model_);
+        if (decoded) return "";
+        EXPECT_EQ(decoded.error().kind, ErrorKind::kInvalidData);
+        return decoded.error().message;
+    }
+};
+
+TEST_F(PersonDecoderTest, BringsShapeAndColour) {
+    EXPECT_EQ(decode_error(), "");
+    EXPECT_EQ(model_.cameras.size(), 4u);
+    ASSERT_GT(model_.vertices_site.size(), 400u);
+    for (const Eigen::Vector3f& p : model_.vertices_site)
+        EXPECT_NEAR((p - Eigen::Vector3f(0.0f, 0.0f, 1.2f)).norm(), 0.4f, 1e-3f);
+    for (const Eigen::Vector3f& colour : model_.fallback)
+        EXPECT_LT((colour - Eigen::Vector3f::Constant(150.0f / 255.0f)).norm(), 0.03f);
+}
+
+TEST_F(PersonDecoderTest, RefusesATextureOfACameraThatIsNotThere) {
+    pair_.textures[2].camera = 4;
+    EXPECT_THAT(decode_error(), testing::HasSubstr("camera 4"));
+}
+
+TEST_F(PersonDecoderTest, RefusesATextureThatIsNotOfItsCropsSize) {
+    pair_.textures[1].crop_px.width += 2;
+    EXPECT_THAT(decode_error(), testing::HasSubstr("crop"));
+}
+
+TEST_F(PersonDecoderTest, RefusesMoreThanItsLimits) {
+    EXPECT_THAT(decode_error({.max_layer_bytes = 1000}), testing::HasSubstr("too much"));
+    EXPECT_NE(decode_error({.max_triangles = 100}), "");
+    EXPECT_EQ(decode_error(), "");  // the scratch is as good as new
+}
+
+TEST_F(PersonDecoderTest, RefusesEveryTruncation) {
+    const FramePair whole = pair_;
+    for (std::size_t n = 0; n < whole.textures[0].colour.size(); n += 97) {
+        pair_.textures[0].colour.resize(n);
+        EXPECT_NE(decode_error(), "") << n;
+        pair_.textures[0].colour = whole.textures[0].colour;
+    }
+    for (std::size_t n = 1; n < whole.mesh.draco.size(); n += 211) {
+        pair_.mesh.draco.resize(n);
+        EXPECT_NE(decode_error(), "") << n;
+        pair_.mesh.draco = whole.mesh.draco;
+    }
+}
+
+}  // namespace
+}  // namespace atrium::viewer

@@ -1,0 +1,168 @@
+#include "tests/unit/viewer/test_site.hpp"
+#include "viewer/renderer/view_camera.hpp"
+#include "viewer/viewer.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+#include <unistd.h>
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <thread>
+
+namespace atrium::viewer {
+namespace {
+
+using namespace std::chrono_literals;
+
+// A headless viewer in a thread of its own, and a site and a world in this one.
+class ViewerRun : public testing::Test {
+protected:
+    void SetUp() override {
+        std::filesystem::create_directories(folder_);
+        config_.bus.world = "viewer_test_" + std::to_string(getpid());
+        config_.headless = true;
+        config_.view.width = 320;
+        config_.view.height = 180;
+        config_.view.position_m = "3,0,1.2";
+        config_.view.target_m = "0,0,1.2";
+        config_.output = folder_ / "last.png";
+        auto participant = bus::Participant::create(config_.bus);
+        ASSERT_TRUE(participant) << participant.error().message;
+        participant_.emplace(std::move(*participant));
+    }
+    void TearDown() override {
+        finish();
+        std::filesystem::remove_all(folder_);
+    }
+
+    void start() {
+        auto viewer = Viewer::create(config_);
+        ASSERT_TRUE(viewer) << viewer.error().message;
+        viewer_ = std::move(*viewer);
+        thread_ = std::jthread([this](std::stop_token stop) { result_ = viewer_->run(stop); });
+    }
+    void finish() {
+        if (!thread_.joinable()) return;
+        thread_.request_stop();
+        thread_.join();
+    }
+    // Waits for what the other side does in its own time; bounded.
+    static bool eventually(const std::function<bool()>& condition) {
+        const auto deadline = std::chrono::steady_clock::now() + 20s;
+        while (std::chrono::steady_clock::now() < deadline) {
+            if (condition()) return true;
+            std::this_thread::sleep_for(20ms);
+        }
+        return false;
+    }
+    template <typename Message>
+    bus::Writer<Message> writer() {
+        auto created = bus::Writer<Message>::create(*participant_);
+        EXPECT_TRUE(created) << created.error().message;
+        return std::move(*created);
+    }
+    cv::Vec3b centre_of_output() const {
+        const cv::Mat picture = cv::imread(config_.output.string());
+        EXPECT_EQ(picture.size(), cv::Size(320, 180));
+        return picture.empty() ? cv::Vec3b() : picture.at<cv::Vec3b>(90, 160);
+    }
+
+    const std::filesystem::path folder_ =
+        std::filesystem::temp_directory_path() / ("atrium_viewer_run_" + std::to_string(getpid()));
+    ViewerConfig config_;
+    std::optional<bus::Participant> participant_;
+    std::unique_ptr<Viewer> viewer_;
+    Expected<void> result_;
+    std::jthread thread_;
+};
+
+TEST_F(ViewerRun, ShowsAPersonAndForgetsItWithItsSite) {
+    start();
+    {
+        auto descriptions = writer<bus::SiteDescription>();
+        auto meshes = writer<bus::SiteMesh>();
+        auto textures = writer<bus::CameraTexture>();
+        ASSERT_TRUE(descriptions.write(test_site::description("alice")));
+        std::uint64_t frame_id = 0;
+        ASSERT_TRUE(eventually([&] {
+            test_site::Frame frame = test_site::frame("alice", ++frame_id, 230);
+            EXPECT_TRUE(meshes.write(frame.mesh));
+            for (const auto& texture : frame.textures) EXPECT_TRUE(textures.write(texture));
+            return viewer_->status().num_pairs_shown >= 3;
+        }));
+        EXPECT_GT(viewer_->status().capture_to_display.num_samples, 0u);
+        finish();
+        ASSERT_TRUE(result_) << result_.error().message;
+        for (int i = 0; i < 3; ++i) EXPECT_NEAR(centre_of_output()[i], 230, 6);
+        start();
+        const std::uint64_t shown = viewer_->status().num_pairs_shown;
+        ASSERT_TRUE(eventually([&] {
+            test_site::Frame frame = test_site::frame("alice", ++frame_id, 230);
+            EXPECT_TRUE(meshes.write(frame.mesh));
+            for (const auto& texture : frame.textures) EXPECT_TRUE(textures.write(texture));
+            return viewer_->status().num_pairs_shown > shown;
+        }));
+    }
+    // the writers are gone: what is shown at the end is the empty room
+    const auto frames = viewer_->status().num_frames;
+    ASSERT_TRUE(eventually([&] { return viewer_->status().num_frames > frames + 60; }));
+    finish();
+    ASSERT_TRUE(result_) << result_.error().message;
+    EXPECT_GT(std::abs(centre_of_output()[2] - 230), 10);
+}
+
+TEST_F(ViewerRun, ShowsObjectsWhereTheWorldPutsThem) {
+    auto objects = writer<bus::SceneObject>();
+    auto states = writer<bus::SceneState>();
+    bus::SceneObject ball;
+    ball.object = 3;
+    ball.name = "ball";
+    ball.shape = bus::Shape::kBox;
+    ball.size_m = {0.4, 0.4, 0.4};
+    ball.colour = {0.9, 0.0, 0.0};
+    ball.world_from_object.translation = {0.0, 5.0, 0.0};
+    ASSERT_TRUE(objects.write(ball));  // before the viewer is there
+    start();
+    std::uint64_t tick = 0;
+    ASSERT_TRUE(eventually([&] {
+        bus::SceneState state;
+        state.world = "w";
+        state.tick = ++tick;
+        state.time = Timestamp::now();
+        state.objects.resize(1);
+        state.objects[0].object = 3;
+        state.objects[0].world_from_object.translation = {0.0, 0.0, 1.2};
+        EXPECT_TRUE(states.write(state));
+        return viewer_->status().num_frames > 40;
+    }));
+    finish();
+    ASSERT_TRUE(result_) << result_.error().message;
+    EXPECT_GT(centre_of_output()[2], 2 * centre_of_output()[1]);
+}
+
+TEST_F(ViewerRun, EndsAfterTheFramesAskedFor) {
+    config_.frames = 5;
+    config_.view.max_fps = 200.0;
+    start();
+    thread_.join();
+    ASSERT_TRUE(result_) << result_.error().message;
+    EXPECT_EQ(viewer_->status().num_frames, 5u);
+    EXPECT_GT(centre_of_output()[0], 50);
+}
+
+TEST_F(ViewerRun, PeopleWhoDoNotComeAreAnError) {
+    config_.wait_people = 2;
+    config_.frames = 1;
+    config_.wait_timeout_s = 0.2;
+    start();
+    thread_.join();
+    ASSERT_FALSE(result_);
+    EXPECT_EQ(result_.error().kind, ErrorKind::kUnavailable);
+    EXPECT_THAT(result_.error().message, testing::HasSubstr("0 of 2 people"));
+}
+
+}  // namespace
+}  // namespace atrium::viewer

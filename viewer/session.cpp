@@ -1,0 +1,181 @@
+#include "viewer/session.hpp"
+
+#include "viewer/person_decoder.hpp"
+
+#include <algorithm>
+
+namespace atrium::viewer {
+namespace {
+
+constexpr std::size_t kMaxWaitingStates = 8;  // the renderer looks every few milliseconds
+
+template <typename T>
+bool assign(Expected<T> created, std::optional<T>& out, Error& error) {
+    if (created)
+        out.emplace(std::move(*created));
+    else
+        error = created.error();
+    return out.has_value();
+}
+
+}  // namespace
+
+Session::Session(Readers readers,
+                 bus::Writer<bus::ViewerStatus> status,
+                 bus::Writer<bus::SceneCommand> commands)
+    : readers_(std::move(readers)), status_(std::move(status)), commands_(std::move(commands)) {}
+
+Expected<std::unique_ptr<Session>> Session::create(const bus::BusOptions& options) {
+    auto participant = bus::Participant::create(options);
+    if (!participant) return tl::unexpected(participant.error());
+    std::optional<bus::Waiter> waiter;
+    std::optional<bus::Reader<bus::SiteDescription>> descriptions;
+    std::optional<bus::Reader<bus::SitePlacement>> placements;
+    std::optional<bus::Reader<bus::SiteMesh>> meshes;
+    std::optional<bus::Reader<bus::CameraTexture>> textures;
+    std::optional<bus::Reader<bus::SceneObject>> objects;
+    std::optional<bus::Reader<bus::SceneState>> states;
+    std::optional<bus::Writer<bus::ViewerStatus>> status;
+    std::optional<bus::Writer<bus::SceneCommand>> commands;
+    Error error;
+    const bool all_created =
+        assign(bus::Waiter::create(*participant), waiter, error) &&
+        assign(bus::Reader<bus::SiteDescription>::create(*participant), descriptions, error) &&
+        assign(bus::Reader<bus::SitePlacement>::create(*participant), placements, error) &&
+        assign(bus::Reader<bus::SiteMesh>::create(*participant), meshes, error) &&
+        assign(bus::Reader<bus::CameraTexture>::create(*participant), textures, error) &&
+        assign(bus::Reader<bus::SceneObject>::create(*participant), objects, error) &&
+        assign(bus::Reader<bus::SceneState>::create(*participant), states, error) &&
+        assign(bus::Writer<bus::ViewerStatus>::create(*participant), status, error) &&
+        assign(bus::Writer<bus::SceneCommand>::create(*participant), commands, error);
+    if (!all_created) return tl::unexpected(error);
+    waiter->add(*descriptions);
+    waiter->add(*placements);
+    waiter->add(*meshes);
+    waiter->add(*textures);
+    waiter->add(*objects);
+    waiter->add(*states);
+    return std::unique_ptr<Session>(new Session({*participant,
+                                                 std::move(*waiter),
+                                                 std::move(*descriptions),
+                                                 std::move(*placements),
+                                                 std::move(*meshes),
+                                                 std::move(*textures),
+                                                 std::move(*objects),
+                                                 std::move(*states)},
+                                                std::move(*status),
+                                                std::move(*commands)));
+}
+
+void Session::receive(std::stop_token stop) {
+    const std::stop_callback wake(stop, [this] { readers_.waiter.wake(); });
+    while (!stop.stop_requested()) {
+        readers_.waiter.wait(std::chrono::milliseconds(200));
+        take_sites();
+        take_objects();
+        num_incomplete_ = pairing_.num_incomplete();
+    }
+}
+
+void Session::take_sites() {
+    // descriptions first: a pair cannot be decoded without its cameras
+    note(readers_.descriptions.take(
+        [this](bus::SiteDescription&& description) {
+            const std::string site = description.site;
+            descriptions_[site] =
+                std::make_shared<const bus::SiteDescription>(std::move(description));
+        },
+        [this](const bus::SiteDescription& gone) {
+            descriptions_.erase(gone.site);
+            site_gone(gone.site);
+        }));
+    note(readers_.placements.take([this](bus::SitePlacement&& placement) {
+        const std::lock_guard lock(scene_mutex_);
+        scene_.placements.insert_or_assign(placement.site, std::move(placement));
+    }));
+    note(readers_.meshes.take(
+        [this](bus::SiteMesh&& mesh) { hand_to_decoder(pairing_.add(std::move(mesh))); },
+        [this](const bus::SiteMesh& gone) { site_gone(gone.site); }));
+    note(readers_.textures.take([this](bus::CameraTexture&& texture) {
+        hand_to_decoder(pairing_.add(std::move(texture)));
+    }));
+}
+
+void Session::take_objects() {
+    const auto now = std::chrono::steady_clock::now();
+    note(readers_.objects.take(
+        [this](bus::SceneObject&& object) {
+            const std::lock_guard lock(scene_mutex_);
+            scene_.objects.insert_or_assign(object.object, std::move(object));
+        },
+        [this](const bus::SceneObject& gone) {
+            const std::lock_guard lock(scene_mutex_);
+            scene_.objects.insert_or_assign(gone.object, std::nullopt);
+        }));
+    note(readers_.states.take([&](bus::SceneState&& state) {
+        const std::lock_guard lock(scene_mutex_);
+        if (scene_.states.size() >= kMaxWaitingStates) scene_.states.erase(scene_.states.begin());
+        scene_.states.emplace_back(std::move(state), now);
+    }));
+}
+
+void Session::hand_to_decoder(std::optional<FramePair> pair) {
+    if (!pair) return;
+    const std::string site = pair->mesh.site;
+    const auto description = descriptions_.find(site);
+    if (description == descriptions_.end()) {
+        ++num_pairs_skipped_;  // its cameras are not known yet
+        return;
+    }
+    const auto replaced = jobs_.put(site, {std::move(pair), description->second});
+    if (replaced && replaced->pair) ++num_pairs_skipped_;
+}
+
+void Session::site_gone(const std::string& site) {
+    pairing_.forget(site);
+    jobs_.put(site, {});
+}
+
+void Session::note(const bus::TakeReport& report) {
+    if (report.num_rejected == 0) return;
+    num_rejected_ += report.num_rejected;
+    rejections_.warn("sample_rejected " + report.first_rejection);
+}
+
+void Session::decode(std::stop_token stop) {
+    PersonDecodeScratch scratch;
+    while (auto job = jobs_.take(stop)) {
+        PersonUpdate update;
+        if (const auto& pair = job->value.pair) {
+            update.capture_time = pair->mesh.capture_time;
+            if (!pair->mesh.draco.empty()) {
+                update.model = spent_.try_take().value_or(renderer::PersonModel{});
+                const auto decoded =
+                    decode_person(*pair, *job->value.description, {}, scratch, *update.model);
+                if (!decoded) {
+                    ++num_rejected_;
+                    rejections_.warn("person_rejected site=" + job->site + " " +
+                                     decoded.error().message);
+                    recycle(std::move(*update.model));
+                    continue;
+                }
+                if (update.model->triangles.empty()) update.model.reset();
+            }
+        }
+        show(job->site, std::move(update));
+    }
+}
+
+void Session::show(const std::string& site, PersonUpdate update) {
+    auto replaced = people_.put(site, std::move(update));
+    if (!replaced || !replaced->model) return;
+    ++num_pairs_skipped_;
+    recycle(std::move(*replaced->model));
+}
+
+SceneChanges Session::take_scene() {
+    const std::lock_guard lock(scene_mutex_);
+    return std::exchange(scene_, {});
+}
+
+}  // namespace atrium::viewer

@@ -1,0 +1,107 @@
+#pragma once
+
+#include "core/app/log.hpp"
+#include "core/base/expected.hpp"
+#include "core/base/latest_slot.hpp"
+#include "core/bus/bus.hpp"
+#include "viewer/newest_per_site.hpp"
+#include "viewer/pairing.hpp"
+#include "viewer/renderer/person_model.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace atrium::viewer {
+
+/// What became of the person of one site.
+struct PersonUpdate {
+    std::optional<renderer::PersonModel> model;  // none: nobody is there any more
+    Timestamp capture_time;
+};
+
+/// What became of the scene since the last time that anybody asked.
+struct SceneChanges {
+    std::map<std::uint32_t, std::optional<bus::SceneObject>> objects;  // nullopt: removed
+    std::map<std::string, bus::SitePlacement> placements;
+    std::vector<std::pair<bus::SceneState, std::chrono::steady_clock::time_point>> states;
+};
+
+/// The viewer's side of the bus. `receive` and `decode` are the bodies of two threads that the
+/// owner starts; everything else may be called from a third.
+///
+/// Hand-overs: a complete pair waits for the decoder, one per site, newest wins; a decoded person
+/// waits for the screen likewise.
+class Session {
+public:
+    static Expected<std::unique_ptr<Session>> create(const bus::BusOptions& options);
+
+    void receive(std::stop_token stop);
+    void decode(std::stop_token stop);
+
+    std::vector<NewestPerSite<PersonUpdate>::Item> take_people() { return people_.take_all(); }
+    SceneChanges take_scene();
+    /// Gives back a model that is no longer shown, whose memory the decoder uses again.
+    void recycle(renderer::PersonModel model) { spent_.put(std::move(model)); }
+
+    Expected<std::size_t> publish(const bus::ViewerStatus& status) { return status_.write(status); }
+    Expected<std::size_t> send(const bus::SceneCommand& command) {
+        return commands_.write(command);
+    }
+
+    std::uint64_t num_pairs_skipped() const { return num_pairs_skipped_; }
+    std::uint64_t num_incomplete() const { return num_incomplete_; }
+    std::uint64_t num_rejected() const { return num_rejected_; }
+
+private:
+    struct Readers {
+        bus::Participant participant;
+        bus::Waiter waiter;
+        bus::Reader<bus::SiteDescription> descriptions;
+        bus::Reader<bus::SitePlacement> placements;
+        bus::Reader<bus::SiteMesh> meshes;
+        bus::Reader<bus::CameraTexture> textures;
+        bus::Reader<bus::SceneObject> objects;
+        bus::Reader<bus::SceneState> states;
+    };
+    using Description = std::shared_ptr<const bus::SiteDescription>;
+    struct Job {
+        std::optional<FramePair> pair;  // none: the site is gone
+        Description description;
+    };
+
+    Session(Readers readers,
+            bus::Writer<bus::ViewerStatus> status,
+            bus::Writer<bus::SceneCommand> commands);
+    void take_sites();
+    void take_objects();
+    void hand_to_decoder(std::optional<FramePair> pair);
+    void site_gone(const std::string& site);
+    void note(const bus::TakeReport& report);
+    void show(const std::string& site, PersonUpdate update);
+
+    Readers readers_;
+    bus::Writer<bus::ViewerStatus> status_;
+    bus::Writer<bus::SceneCommand> commands_;
+    Pairing pairing_;
+    std::map<std::string, Description> descriptions_;  // of the receiving thread alone
+    NewestPerSite<Job> jobs_;
+    NewestPerSite<PersonUpdate> people_;
+    LatestSlot<renderer::PersonModel> spent_;
+    std::mutex scene_mutex_;
+    SceneChanges scene_;
+    app::log::OncePerSecond rejections_;
+    std::atomic<std::uint64_t> num_pairs_skipped_ = 0;
+    std::atomic<std::uint64_t> num_incomplete_ = 0;
+    std::atomic<std::uint64_t> num_rejected_ = 0;
+};
+
+}  // namespace atrium::viewer

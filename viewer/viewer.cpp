@@ -1,0 +1,339 @@
+#include "viewer/viewer.hpp"
+
+#include "core/app/log.hpp"
+#include "core/app/program.hpp"
+#include "core/base/statistics.hpp"
+#include "viewer/picture_file.hpp"
+#include "viewer/scene_timeline.hpp"
+#include "viewer/session.hpp"
+#include "viewer/surface.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+namespace atrium::viewer {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr auto kStatusPeriod = std::chrono::seconds(1);
+constexpr double kHeadlessFps = 30.0;
+
+Clock::duration seconds(double s) {
+    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
+}
+
+renderer::ShapeKind shape_kind(bus::Shape shape) {
+    switch (shape) {
+        case bus::Shape::kBox:
+            return renderer::ShapeKind::kBox;
+        case bus::Shape::kSphere:
+            return renderer::ShapeKind::kSphere;
+        case bus::Shape::kCylinder:
+            return renderer::ShapeKind::kCylinder;
+        case bus::Shape::kCapsule:
+            return renderer::ShapeKind::kCapsule;
+        case bus::Shape::kPlane:
+            return renderer::ShapeKind::kPlane;
+    }
+    return renderer::ShapeKind::kBox;
+}
+
+Expected<std::unique_ptr<Surface>> open_surface(const ViewerConfig& config) {
+    const SurfaceOptions options{.width = config.view.width,
+                                 .height = config.view.height,
+                                 .wait_for_display = config.view.max_fps == 0.0};
+    std::string why_no_window = "asked for";
+    if (!config.headless) {
+        auto window = open_window(options);
+        if (window) return window;
+        why_no_window = window.error().message;
+    }
+    auto headless = open_headless(options);
+    if (headless) {
+        app::log::info("surface_headless reason=\"{}\"", why_no_window);
+        return headless;
+    }
+    return make_error(ErrorKind::kUnavailable,
+                      "neither a window (" + why_no_window + ") nor software rendering (" +
+                          headless.error().message + ") can be had");
+}
+
+}  // namespace
+
+struct Viewer::Impl {
+    ViewerConfig config;
+    renderer::ViewCamera start_camera;
+    renderer::ViewCamera camera;
+    std::unique_ptr<Session> session;
+
+    // of the drawing thread
+    std::unique_ptr<Surface> surface;
+    std::optional<renderer::SceneRenderer> renderer;  // goes before `surface`, its context
+    std::unique_ptr<VideoRecorder> video;
+    SceneTimeline timeline;
+    std::vector<bus::ObjectState> object_states;
+    std::map<std::string, Timestamp> shown;    // sites and the capture time of what is shown
+    std::vector<Timestamp> not_displayed_yet;  // capture times of people of this picture
+    renderer::RenderedPicture picture;
+    LatencyWindow latency;
+    RateMeter rate;
+    HudFigures hud;
+    int num_screenshots = 0;
+    std::uint64_t num_frames = 0;
+    std::uint64_t num_pairs_shown = 0;
+
+    mutable std::mutex status_mutex;
+    bus::ViewerStatus status;
+
+    Expected<void> open();
+    void close();
+    Expected<void> loop(std::stop_token stop);
+    void take_scene();
+    void take_people();
+    Expected<void> react(const SurfaceEvents& events);
+    Expected<void> draw();
+    void record();
+    Expected<void> screenshot();
+    void update_status(Clock::time_point now);
+    Expected<void> write_output();
+};
+
+Expected<void> Viewer::Impl::open() {
+    auto opened = open_surface(config);
+    if (!opened) return tl::unexpected(opened.error());
+    surface = std::move(*opened);
+    const auto [width, height] = surface->size();
+    auto created = renderer::SceneRenderer::create({.width = width,
+                                                    .height = height,
+                                                    .antialias = config.view.antialias == "fxaa"
+                                                                     ? renderer::Antialias::kFxaa
+                                                                     : renderer::Antialias::kNone});
+    if (!created) return tl::unexpected(created.error());
+    renderer.emplace(std::move(*created));
+    app::log::info("surface_open on=\"{}\" size={}x{}", surface->description(), width, height);
+    if (config.video.file.empty()) return {};
+    // video formats want even sizes
+    const int video_width = (config.video.width > 0 ? config.video.width : width) / 2 * 2;
+    const int video_height = (config.video.height > 0 ? config.video.height : height) / 2 * 2;
+    auto recorder = VideoRecorder::create({.file = config.video.file,
+                                           .fps = config.video.fps,
+                                           .width = video_width,
+                                           .height = video_height});
+    if (!recorder) return tl::unexpected(recorder.error());
+    video = std::move(*recorder);
+    return {};
+}
+
+void Viewer::Impl::close() {
+    video.reset();
+    renderer.reset();
+    surface.reset();
+    shown.clear();
+    timeline.clear();
+}
+
+void Viewer::Impl::take_scene() {
+    SceneChanges changes = session->take_scene();
+    for (const auto& [id, object] : changes.objects) {
+        if (!object) {
+            renderer->remove_object(id);
+            continue;
+        }
+        renderer->set_object(id,
+                             {.shape = shape_kind(object->shape),
+                              .size_m = object->size_m,
+                              .colour = object->colour,
+                              .world_from_object = object->world_from_object});
+    }
+    for (const auto& [site, placement] : changes.placements)
+        renderer->set_site_pose(site, placement.world_from_site);
+    for (auto& [state, arrival] : changes.states) timeline.add(std::move(state), arrival);
+    timeline.sample(Clock::now(), object_states);
+    for (const bus::ObjectState& state : object_states)
+        renderer->move_object(state.object, state.world_from_object);
+}
+
+void Viewer::Impl::take_people() {
+    for (auto& [site, update] : session->take_people()) {
+        if (!update.model) {
+            if (shown.erase(site) > 0) app::log::info("person_gone site={}", site);
+            renderer->remove_person(site);
+            continue;
+        }
+        const bool is_new = shown.insert_or_assign(site, update.capture_time).second;
+        if (is_new) app::log::info("person_shown site={}", site);
+        not_displayed_yet.push_back(update.capture_time);
+        session->recycle(renderer->set_person(site, std::move(*update.model)));
+        ++num_pairs_shown;
+    }
+}
+
+Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
+    camera = events.reset_view ? start_camera : apply(events.motion, camera);
+    if (events.screenshot) {
+        if (auto written = screenshot(); !written) app::log::warn("{}", written.error().message);
+    }
+    if (events.reset_scene) {
+        bus::SceneCommand command;
+        command.sender = config.view.name;
+        command.kind = bus::CommandKind::kReset;
+        if (const auto sent = session->send(command); !sent)
+            app::log::warn("command_failed {}", sent.error().message);
+    }
+    // a window that is minimised has no size
+    const auto [width, height] = surface->size();
+    if (width > 0 && height > 0) return renderer->resize(width, height);
+    return {};
+}
+
+Expected<void> Viewer::Impl::draw() {
+    take_scene();
+    take_people();
+    renderer->draw(camera);
+    hud.num_objects = renderer->num_objects();
+    surface->show(*renderer, hud);
+    const Timestamp displayed = Timestamp::now();
+    for (const Timestamp captured : not_displayed_yet) latency.add(displayed - captured);
+    not_displayed_yet.clear();
+    ++num_frames;
+    record();
+    return {};
+}
+
+void Viewer::Impl::record() {
+    if (!video || !video->wants_picture()) return;
+    renderer::RenderedPicture frame;
+    renderer->read_pixels(frame);
+    video->offer(std::move(frame));
+}
+
+Expected<void> Viewer::Impl::screenshot() {
+    renderer->read_pixels(picture);
+    const auto file =
+        config.screenshot_dir / fmt::format("atrium-{}-{:03}.png", getpid(), ++num_screenshots);
+    auto written = write_png(file, picture);
+    if (written) app::log::info("screenshot_written file={}", file.string());
+    return written;
+}
+
+Expected<void> Viewer::Impl::write_output() {
+    if (config.output.empty()) return {};
+    renderer->read_pixels(picture);
+    return write_png(config.output, picture);
+}
+
+void Viewer::Impl::update_status(Clock::time_point now) {
+    const Quantiles quantiles = latency.quantiles();
+    hud.capture_to_display = {quantiles.median_ms, quantiles.p99_ms, quantiles.num_samples};
+    hud.frames_per_s = rate.update(num_frames, now);
+    hud.sites.clear();
+    for (const auto& [site, captured] : shown) hud.sites.push_back("site " + site);
+    bus::ViewerStatus next;
+    next.viewer = config.view.name;
+    next.time = Timestamp::now();
+    next.num_frames = num_frames;
+    next.num_pairs_shown = num_pairs_shown;
+    next.num_pairs_skipped = session->num_pairs_skipped();
+    next.num_incomplete = session->num_incomplete();
+    next.num_rejected = session->num_rejected();
+    next.frames_per_s = hud.frames_per_s;
+    next.capture_to_display = hud.capture_to_display;
+    next.resident_bytes = app::resident_bytes();
+    const std::lock_guard lock(status_mutex);
+    status = next;
+}
+
+Expected<void> Viewer::Impl::loop(std::stop_token stop) {
+    const double max_fps =
+        config.view.max_fps > 0.0 || surface->paces_itself() ? config.view.max_fps : kHeadlessFps;
+    const Clock::time_point begin = Clock::now();
+    Clock::time_point counted_since = begin;
+    std::uint64_t counted_from = 0;
+    bool is_counting = config.wait_people == 0;
+    Clock::time_point due = begin;
+    Clock::time_point status_due = begin;
+    std::mutex mutex;
+    std::condition_variable_any never;
+    while (!stop.stop_requested()) {
+        const SurfaceEvents events = surface->poll();
+        if (events.close) break;
+        if (auto done = react(events); !done) return done;
+        if (auto done = draw(); !done) return done;
+        const Clock::time_point now = Clock::now();
+        if (now >= status_due) {
+            status_due = now + kStatusPeriod;
+            update_status(now);
+            if (auto sent = session->publish(status); !sent)
+                app::log::warn("status_failed {}", sent.error().message);
+        }
+        if (!is_counting && shown.size() >= config.wait_people) {
+            is_counting = true;
+            counted_since = now;
+            counted_from = num_frames;
+        }
+        if (!is_counting && now - begin > seconds(config.wait_timeout_s)) {
+            return make_error(ErrorKind::kUnavailable,
+                              fmt::format("{} of {} people came within {} s",
+                                          shown.size(),
+                                          config.wait_people,
+                                          config.wait_timeout_s));
+        }
+        if (is_counting && config.frames > 0 && num_frames - counted_from >= config.frames) break;
+        if (is_counting && config.seconds > 0.0 && now - counted_since >= seconds(config.seconds))
+            break;
+        if (max_fps <= 0.0) continue;
+        // what was late is not made up for
+        due = std::max(due + seconds(1.0 / max_fps), now);
+        std::unique_lock lock(mutex);
+        never.wait_until(lock, stop, due, [] { return false; });
+    }
+    return {};
+}
+
+Viewer::Viewer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Viewer::~Viewer() = default;
+
+Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config) {
+    const auto camera = make_view_camera(config.view);
+    if (!camera) return tl::unexpected(camera.error());
+    auto session = Session::create(config.bus);
+    if (!session) return tl::unexpected(session.error());
+    auto impl = std::make_unique<Impl>();
+    impl->config = config;
+    if (config.view.name.empty()) impl->config.view.name = fmt::format("viewer-{}", getpid());
+    impl->start_camera = impl->camera = *camera;
+    impl->session = std::move(*session);
+    return std::unique_ptr<Viewer>(new Viewer(std::move(impl)));
+}
+
+Expected<void> Viewer::run(std::stop_token stop) {
+    if (auto opened = impl_->open(); !opened) {
+        impl_->close();
+        return opened;
+    }
+    Expected<void> result;
+    {
+        Session& session = *impl_->session;
+        const std::jthread receiving([&](std::stop_token own) { session.receive(own); });
+        const std::jthread decoding([&](std::stop_token own) { session.decode(own); });
+        result = impl_->loop(stop);
+    }
+    impl_->update_status(Clock::now());
+    if (result) result = impl_->write_output();
+    impl_->close();
+    return result;
+}
+
+bus::ViewerStatus Viewer::status() const {
+    const std::lock_guard lock(impl_->status_mutex);
+    return impl_->status;
+}
+
+}  // namespace atrium::viewer

@@ -1,0 +1,84 @@
+#include "viewer/viewer_config.hpp"
+
+#include "core/bus/bus_options.hpp"
+
+#include <cmath>
+#include <sstream>
+
+namespace atrium::viewer {
+
+void declare(ViewerConfig& config, config::OptionSet& set) {
+    bus::declare(config.bus, set);
+    ViewConfig& view = config.view;
+    set.add("view.name", view.name, "name in status and commands; empty: viewer-<process id>");
+    set.add("view.width", view.width, "width of the picture [px]", {.min = 16, .max = 8192});
+    set.add("view.height", view.height, "height of the picture [px]", {.min = 16, .max = 8192});
+    set.add("view.max_fps",
+            view.max_fps,
+            "pictures per second [Hz]; 0: 30 without a window, the display's rate with one",
+            {.min = 0, .max = 1000});
+    set.add("view.position_m", view.position_m, "where the eye is in the world, \"x,y,z\" [m]");
+    set.add("view.target_m", view.target_m, "what it looks at, \"x,y,z\" [m]");
+    set.add(
+        "view.fov_deg", view.fov_deg, "vertical opening angle [degrees]", {.min = 5, .max = 150});
+    set.add("view.antialias",
+            view.antialias,
+            "smoothing of edges; fxaa costs about 12 ms of one core per picture in software",
+            {"none", "fxaa"});
+    set.add("headless", config.headless, "draw without a window even where there is a display");
+    set.add("frames", config.frames, "end after this many pictures; 0: go on until stopped");
+    set.add("seconds",
+            config.seconds,
+            "end after this time [s]; 0: go on until stopped",
+            {.min = 0, .max = 1e9});
+    set.add("wait_people",
+            config.wait_people,
+            "count `frames` and `seconds` only from when this many people are shown");
+    set.add("wait_timeout_s",
+            config.wait_timeout_s,
+            "how long to wait for them before it is an error [s]",
+            {.min = 0, .max = 1e9});
+    set.add("output", config.output, "PNG file for the last picture; empty: none");
+    set.add("screenshot_dir", config.screenshot_dir, "folder for screenshots (F12 or P)");
+    set.add("video.file", config.video.file, "video to write: .avi, .mp4 or .mkv; empty: none");
+    set.add(
+        "video.fps", config.video.fps, "its pictures per second [Hz]", {.min = 0.1, .max = 120});
+    set.add("video.width",
+            config.video.width,
+            "its width [px], 0: as the view",
+            {.min = 0, .max = 8192});
+    set.add("video.height",
+            config.video.height,
+            "its height [px], 0: as the view",
+            {.min = 0, .max = 8192});
+}
+
+Expected<Eigen::Vector3d> parse_point(const std::string& key, const std::string& text) {
+    std::istringstream in(text);
+    Eigen::Vector3d p = Eigen::Vector3d::Zero();
+    char comma1 = 0;
+    char comma2 = 0;
+    in >> p.x() >> comma1 >> p.y() >> comma2 >> p.z();
+    const bool is_read = static_cast<bool>(in) && comma1 == ',' && comma2 == ',' && p.allFinite();
+    if (!is_read || !(in >> std::ws).eof()) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            key + ": expected three numbers \"x,y,z\" in metres, got \"" + text + "\"");
+    }
+    return p;
+}
+
+Expected<renderer::ViewCamera> make_view_camera(const ViewConfig& config) {
+    const auto position = parse_point("view.position_m", config.position_m);
+    if (!position) return tl::unexpected(position.error());
+    const auto target = parse_point("view.target_m", config.target_m);
+    if (!target) return tl::unexpected(target.error());
+    if ((*position - *target).norm() < 1e-3) {
+        return make_error(ErrorKind::kConfiguration,
+                          "view.target_m: must differ from view.position_m");
+    }
+    return renderer::ViewCamera{
+        .position_m = *position, .target_m = *target, .fov_deg = config.fov_deg};
+}
+
+}  // namespace atrium::viewer

@@ -1,0 +1,55 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/bus/bus.hpp"
+#include "core/config/option_set.hpp"
+#include "viewer/renderer/scene_renderer.hpp"
+#include "viewer/renderer/view_camera.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace atrium::viewer {
+
+struct ViewConfig {
+    std::string name;  // in ViewerStatus and SceneCommand; empty: viewer-<process id>
+    int width = 960;
+    int height = 540;
+    double max_fps = 0.0;  // 0: 30 without a window, the display's rate with one
+    std::string position_m = "2.6,-3.6,1.9";
+    std::string target_m = "0,0,0.95";
+    double fov_deg = 38.0;
+    std::string antialias = "none";
+};
+
+struct VideoConfig {
+    std::filesystem::path file;  // empty: none
+    double fps = 10.0;
+    int width = 0;  // 0: as the view
+    int height = 0;
+};
+
+struct ViewerConfig {
+    bus::BusOptions bus;
+    ViewConfig view;
+    VideoConfig video;
+    bool headless = false;
+    std::uint64_t frames = 0;  // 0: until stopped
+    double seconds = 0.0;      // 0: until stopped
+    std::uint64_t wait_people = 0;
+    double wait_timeout_s = 30.0;
+    std::filesystem::path output;  // the last picture; empty: none
+    std::filesystem::path screenshot_dir = ".";
+};
+
+/// Declares every option, with its unit, on `set`.
+void declare(ViewerConfig& config, config::OptionSet& set);
+
+/// "x,y,z" as three numbers; error kConfiguration names `key`.
+Expected<Eigen::Vector3d> parse_point(const std::string& key, const std::string& text);
+
+/// The viewpoint that `config` describes; an error where it makes no sense.
+Expected<renderer::ViewCamera> make_view_camera(const ViewConfig& config);
+
+}  // namespace atrium::viewer

@@ -1,0 +1,153 @@
+#include "core/gl/entry_points.hpp"
+#include "viewer/hud.hpp"
+#include "viewer/surface.hpp"
+
+#include <glad/gl.h>
+// after the loader, in place of GLFW's own GL header
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+#include <imgui_impl_glfw.h>
+#include <imgui_impl_opengl3.h>
+
+#include <cstdlib>
+#include <utility>
+
+namespace atrium::viewer {
+namespace {
+
+std::string last_glfw_error() {
+    const char* text = nullptr;
+    glfwGetError(&text);
+    return text == nullptr ? "unknown reason" : text;
+}
+
+class Window : public Surface {
+public:
+    Window(GLFWwindow* window, bool wait_for_display)
+        : window_(window), wait_for_display_(wait_for_display) {
+        glfwSetWindowUserPointer(window_, this);
+        glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int) {
+            if (action == GLFW_PRESS)
+                static_cast<Window*>(glfwGetWindowUserPointer(w))->pressed(key);
+        });
+        glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double steps) {
+            static_cast<Window*>(glfwGetWindowUserPointer(w))->events_.motion.zoom_steps += steps;
+        });
+        // ImGui keeps its context in a global: one window at a time
+        ImGui::CreateContext();
+        ImGui::GetIO().IniFilename = nullptr;
+        ImGui_ImplGlfw_InitForOpenGL(window_, false);
+        ImGui_ImplOpenGL3_Init("#version 330 core");
+        last_time_s_ = glfwGetTime();
+    }
+    ~Window() override {
+        ImGui_ImplOpenGL3_Shutdown();
+        ImGui_ImplGlfw_Shutdown();
+        ImGui::DestroyContext();
+        glfwDestroyWindow(window_);
+        glfwTerminate();
+    }
+    Window(const Window&) = delete;
+    Window& operator=(const Window&) = delete;
+
+    std::string description() const override {
+        const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+        return std::string("window, ") + (name == nullptr ? "unknown renderer" : name);
+    }
+    bool paces_itself() const override { return wait_for_display_; }
+    std::array<int, 2> size() const override {
+        std::array<int, 2> size{};
+        glfwGetFramebufferSize(window_, &size[0], &size[1]);
+        return size;
+    }
+
+    SurfaceEvents poll() override {
+        glfwPollEvents();
+        events_.close = glfwWindowShouldClose(window_) != 0;
+        read_mouse();
+        read_keys();
+        return std::exchange(events_, {});
+    }
+
+    void show(const renderer::SceneRenderer& renderer, const HudFigures& figures) override {
+        renderer.present();
+        if (is_hud_shown_) {
+            ImGui_ImplOpenGL3_NewFrame();
+            ImGui_ImplGlfw_NewFrame();
+            ImGui::NewFrame();
+            draw_hud(figures);
+            ImGui::Render();
+            ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+        }
+        glfwSwapBuffers(window_);
+    }
+
+private:
+    void pressed(int key) {
+        if (key == GLFW_KEY_F12 || key == GLFW_KEY_P) events_.screenshot = true;
+        if (key == GLFW_KEY_R) events_.reset_scene = true;
+        if (key == GLFW_KEY_V) events_.reset_view = true;
+        if (key == GLFW_KEY_H) is_hud_shown_ = !is_hud_shown_;
+        if (key == GLFW_KEY_ESCAPE) glfwSetWindowShouldClose(window_, GLFW_TRUE);
+    }
+    bool is_down(int key) const { return glfwGetKey(window_, key) == GLFW_PRESS; }
+
+    void read_mouse() {
+        Eigen::Vector2d at = Eigen::Vector2d::Zero();
+        glfwGetCursorPos(window_, &at.x(), &at.y());
+        const Eigen::Vector2d way = at - last_cursor_;
+        last_cursor_ = at;
+        if (glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS)
+            events_.motion.turn_px = way;
+        if (glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS)
+            events_.motion.pan_px = way;
+        events_.motion.look_around = is_down(GLFW_KEY_LEFT_SHIFT) || is_down(GLFW_KEY_RIGHT_SHIFT);
+    }
+    void read_keys() {
+        const double now_s = glfwGetTime();
+        events_.motion.seconds = now_s - std::exchange(last_time_s_, now_s);
+        const auto axis = [this](int plus, int minus) {
+            return static_cast<double>(is_down(plus)) - static_cast<double>(is_down(minus));
+        };
+        events_.motion.fly = {axis(GLFW_KEY_D, GLFW_KEY_A),
+                              axis(GLFW_KEY_W, GLFW_KEY_S),
+                              axis(GLFW_KEY_E, GLFW_KEY_Q)};
+    }
+
+    GLFWwindow* window_;
+    bool wait_for_display_;
+    bool is_hud_shown_ = true;
+    SurfaceEvents events_;
+    Eigen::Vector2d last_cursor_ = Eigen::Vector2d::Zero();
+    double last_time_s_ = 0.0;
+};
+
+}  // namespace
+
+Expected<std::unique_ptr<Surface>> open_window(const SurfaceOptions& options) {
+    if (std::getenv("DISPLAY") == nullptr)
+        return make_error(ErrorKind::kUnavailable, "window: DISPLAY is not set");
+    if (glfwInit() == GLFW_FALSE)
+        return make_error(ErrorKind::kUnavailable, "window: " + last_glfw_error());
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    GLFWwindow* window =
+        glfwCreateWindow(options.width, options.height, "Atrium", nullptr, nullptr);
+    if (window == nullptr) {
+        const std::string reason = last_glfw_error();
+        glfwTerminate();
+        return make_error(ErrorKind::kUnavailable, "window: " + reason);
+    }
+    glfwMakeContextCurrent(window);
+    if (auto loaded = gl::load_entry_points(&glfwGetProcAddress); !loaded) {
+        glfwDestroyWindow(window);
+        glfwTerminate();
+        return tl::unexpected(loaded.error());
+    }
+    glfwSwapInterval(options.wait_for_display ? 1 : 0);
+    return std::make_unique<Window>(window, options.wait_for_display);
+}
+
+}  // namespace atrium::viewer
