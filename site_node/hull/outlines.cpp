@@ -67,6 +67,28 @@ void copy_clean(const std::vector<Point>& contour, std::vector<Point>& loop) {
     loop.erase(loop.begin(), loop.begin() + static_cast<std::ptrdiff_t>(first));
 }
 
+double swept_area_px2(std::span<const Point> loop) {
+    double twice = 0.0;
+    for (std::size_t i = 2; i < loop.size(); ++i)
+        twice += std::abs(side(loop[0], loop[i - 1], loop[i]));
+    return 0.5 * twice;
+}
+
+void drop_small(Outlines& outlines,
+                double min_area_px2,
+                OutlineScratch& scratch,
+                OutlineCounts& counts) {
+    scratch.other.clear();
+    for (std::size_t c = 0; c < outlines.num_contours(); ++c) {
+        if (std::abs(signed_area_px2(outlines.contour(c))) >= min_area_px2) {
+            scratch.other.append(outlines.contour(c));
+        } else {
+            ++counts.dropped;
+        }
+    }
+    std::swap(outlines, scratch.other);
+}
+
 std::uint64_t mix(std::uint64_t x) {  // splitmix64's finaliser
     x ^= x >> 30;
     x *= 0xbf58476d1ce4e5b9ULL;
@@ -183,12 +205,12 @@ void copy_canonical(const std::vector<std::vector<Point>>& contours,
     for (const std::vector<Point>& contour : contours) {
         copy_clean(contour, scratch.loop);
         std::vector<Point>& loop = scratch.loop;
-        const double area = signed_area_px2(loop);
-        if (loop.size() < 3 || !(std::abs(area) >= min_area_px2)) {
+        // not the area: a loop that crosses itself may have none before it is split
+        if (loop.size() < 3 || !(swept_area_px2(loop) >= min_area_px2)) {
             ++counts.dropped;
             continue;
         }
-        if (area < 0.0) std::reverse(loop.begin(), loop.end());
+        if (signed_area_px2(loop) < 0.0) std::reverse(loop.begin(), loop.end());
         std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end(), less_yx), loop.end());
         loops.append(loop);
     }
@@ -225,7 +247,10 @@ bool make_simple(Outlines& outlines,
         const CrossingFinder finder(outlines, scratch);
         const std::optional<Crossing> found = finder.find(max_tests, num_tests);
         if (num_tests > max_tests) return false;
-        if (!found) return true;
+        if (!found) {
+            drop_small(outlines, min_area_px2, scratch, counts);
+            return true;
+        }
         const std::uint32_t cp = scratch.contour_of[found->p];
         const std::uint32_t cq = scratch.contour_of[found->q];
         const auto area = [&](std::uint32_t c) {

@@ -79,9 +79,9 @@ void StripSweep::collect_events_of(std::uint32_t strip, std::uint32_t k) {
     EventRange& range = ranges_[k];
     range.first = static_cast<std::uint32_t>(events_.size());
     range.rising = rising;
-    range.count = rising ? (to >= from ? to - from : to + n - from)
-                         : (from >= to ? from - to : from + n - to);
-    // equal ranks are no events, unless the arc wraps the whole circle, which it cannot
+    // the ranks alone do not tell no ray from all rays: the arc may cross the end of the circle
+    const bool wraps = (own.position[g1] < own.position[g0]) == rising;
+    range.count = (rising ? to - from : from - to) + (wraps ? n : 0);
     range.first_position = rising ? from : from + n - 1;
     if (range.first_position >= n) range.first_position -= n;
 

@@ -1,0 +1,225 @@
+#include "site_node/hull/visual_hull.hpp"
+#include "tests/support/rig_maker.hpp"
+#include "tests/support/silhouette_maker.hpp"
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+#include <random>
+
+namespace atrium::hull {
+namespace {
+
+using test::Contour;
+using Random = std::mt19937_64;
+
+double between(Random& random, double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+}
+int between(Random& random, int low, int high) {
+    return std::uniform_int_distribution<int>(low, high)(random);
+}
+
+// Cameras anywhere on a sphere, opposite ones included, with silhouettes that have nothing to do
+// with each other: star-shaped blobs, holes, islands. Far more corner cases than real silhouettes
+// have.
+std::vector<SilhouetteView> random_scene(std::uint64_t seed) {
+    Random random(seed);
+    std::vector<SilhouetteView> views;
+    const int num_views = between(random, 3, 9);
+    Eigen::Vector3d last_centre(3.0, 0.0, 0.0);
+    for (int i = 0; i < num_views; ++i) {
+        Eigen::Vector3d centre;
+        do {
+            centre = {
+                between(random, -1.0, 1.0), between(random, -1.0, 1.0), between(random, -1.0, 1.0)};
+        } while (centre.norm() > 1.0 || centre.norm() < 0.1);
+        centre *= 3.0 / centre.norm();
+        if (i % 3 == 2) centre = -last_centre * between(random, 0.8, 1.2);
+        last_centre = centre;
+        geometry::CalibratedCamera camera;
+        camera.intrinsics = {1000, 1000, 1300.0, 1250.0, 499.5, 480.5, 2.0};
+        camera.camera_from_site = test::look_at(
+            centre,
+            {between(random, -0.1, 0.1), between(random, -0.1, 0.1), between(random, -0.1, 0.1)});
+        const Eigen::Vector2d middle(between(random, 450.0, 550.0), between(random, 450.0, 550.0));
+        const double radius_px = between(random, 100.0, 220.0);
+        std::vector<Contour> contours{
+            test::random_star(random, middle, radius_px, between(random, 3, 30))};
+        if (between(random, 0, 2) == 0) {
+            contours.push_back(
+                test::random_star(random, middle, 0.24 * radius_px, between(random, 3, 8)));
+        }
+        if (between(random, 0, 2) == 0) {
+            const Eigen::Vector2d beside = middle + Eigen::Vector2d(1.6 * radius_px, 0.0);
+            contours.push_back(
+                test::random_star(random, beside, 0.5 * radius_px, between(random, 3, 9)));
+        }
+        views.push_back(test::make_view(camera, contours));
+    }
+    return views;
+}
+
+VisualHull exact_hull_of(const std::vector<SilhouetteView>& views) {
+    HullOptions options;
+    options.keep_phantoms = true;
+    HullScratch scratch;
+    return compute_visual_hull(views, options, scratch);
+}
+
+class RandomScene : public testing::TestWithParam<int> {
+protected:
+    void SetUp() override {
+        views_ = random_scene(static_cast<std::uint64_t>(GetParam()));
+        hull_ = exact_hull_of(views_);
+        if (hull_.status == HullStatus::kEmptyIntersection)
+            GTEST_SKIP() << "the cones have no common point";
+        ASSERT_EQ(hull_.status, HullStatus::kOk) << to_string(hull_.status);
+    }
+    std::vector<SilhouetteView> views_;
+    VisualHull hull_;
+};
+
+TEST_P(RandomScene, HasAClosedManifoldHullInGeneralPosition) {
+    const geometry::MeshReport report = geometry::inspect(hull_.mesh);
+    EXPECT_TRUE(report.closed);
+    EXPECT_TRUE(report.manifold);
+    EXPECT_GT(report.volume_m3, 0.0);
+    EXPECT_EQ(hull_.num_attempts, 1u);
+    EXPECT_EQ(hull_.mesh.vertices.size() % 2, 0u);
+    EXPECT_EQ(static_cast<std::int64_t>(hull_.mesh.triangles.size()),
+              2 * static_cast<std::int64_t>(hull_.mesh.vertices.size()) -
+                  2 * report.euler_characteristic);
+}
+
+TEST_P(RandomScene, ContainsExactlyThePointsThatAllSilhouettesContain) {
+    // a point well inside or outside of all outlines: the mesh has to agree with the pictures
+    constexpr double kMargin_px = 0.01;
+    Random random(99);
+    const geometry::Aabb box = geometry::bounds(hull_.mesh);
+    int num_inside = 0;
+    for (int i = 0; i < 300; ++i) {
+        Eigen::Vector3d p;
+        if (i % 2 == 0) {
+            for (int c = 0; c < 3; ++c)
+                p[c] = between(random, box.min[c] - 0.05, box.max[c] + 0.05);
+        } else {  // near the surface
+            const auto& t = hull_.mesh.triangles[static_cast<std::size_t>(
+                between(random, 0, static_cast<int>(hull_.mesh.triangles.size()) - 1))];
+            p = (hull_.mesh.vertices[t[0]] + hull_.mesh.vertices[t[1]] +
+                 hull_.mesh.vertices[t[2]]) /
+                3.0;
+            for (int c = 0; c < 3; ++c) p[c] += between(random, -0.01, 0.01);
+        }
+        const test::Membership truth = test::membership(p, views_);
+        if (truth.margin_px < kMargin_px) continue;
+        num_inside += truth.inside ? 1 : 0;
+        EXPECT_NEAR(geometry::winding_number(hull_.mesh, p), truth.inside ? 1.0 : 0.0, 1e-3)
+            << p.transpose();
+    }
+    EXPECT_GT(num_inside, 0);
+}
+
+TEST_P(RandomScene, DoesNotDependOnTheOrderOfAnything) {
+    Random random(7);
+    std::vector<SilhouetteView> shuffled = views_;
+    std::shuffle(shuffled.begin(), shuffled.end(), random);
+    for (SilhouetteView& view : shuffled) {
+        std::shuffle(view.contours.begin(), view.contours.end(), random);
+        for (Contour& contour : view.contours) {
+            std::rotate(contour.begin(),
+                        contour.begin() + between(random, 0, static_cast<int>(contour.size()) - 1),
+                        contour.end());
+            if (between(random, 0, 1) == 0) std::reverse(contour.begin(), contour.end());
+        }
+    }
+    const VisualHull again = exact_hull_of(shuffled);
+    EXPECT_EQ(hull_.mesh.vertices, again.mesh.vertices);
+    EXPECT_EQ(hull_.mesh.triangles, again.mesh.triangles);
+}
+
+TEST_P(RandomScene, MovesWithTheRig) {
+    const geometry::RigidTransform moved_from_site{
+        Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, -2.0, 0.5).normalized())),
+        {1.0, -3.0, 2.0}};
+    std::vector<SilhouetteView> moved = views_;
+    for (SilhouetteView& view : moved)
+        view.camera_from_site = view.camera_from_site * moved_from_site.inverse();
+    const VisualHull hull = exact_hull_of(moved);
+    ASSERT_EQ(hull.status, HullStatus::kOk);
+    EXPECT_EQ(hull.mesh.vertices.size(), hull_.mesh.vertices.size());
+    const double volume = geometry::volume_m3(hull_.mesh);
+    EXPECT_NEAR(geometry::volume_m3(hull.mesh), volume, 1e-7 * volume);
+}
+
+TEST_P(RandomScene, ShrinksWithOneMoreCamera) {
+    std::vector<SilhouetteView> more = views_;
+    const auto extra = random_scene(static_cast<std::uint64_t>(GetParam()) + 1000);
+    more.push_back(extra.front());
+    const VisualHull smaller = exact_hull_of(more);
+    if (smaller.status == HullStatus::kEmptyIntersection) return;
+    ASSERT_EQ(smaller.status, HullStatus::kOk) << to_string(smaller.status);
+    const double volume = geometry::volume_m3(hull_.mesh);
+    EXPECT_LE(geometry::volume_m3(smaller.mesh), volume * (1.0 + 1e-8));
+    for (std::size_t v = 0; v < smaller.mesh.vertices.size(); v += 7) {
+        const test::Membership in_old = test::membership(smaller.mesh.vertices[v], views_);
+        EXPECT_TRUE(in_old.inside || in_old.margin_px < 1e-4);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomScene, testing::Range(0, 60));
+
+// Input that no camera delivers: any status is fine, but an OK has to be a sound mesh, and it has
+// to come soon.
+class HostileScene : public testing::TestWithParam<int> {};
+
+Contour hostile_contour(Random& random) {
+    Contour contour;
+    const int kind = between(random, 0, 5);
+    const int n = between(random, 0, 40);
+    for (int i = 0; i < n; ++i) {
+        Eigen::Vector2d p(between(random, 300.0, 700.0), between(random, 300.0, 700.0));
+        if (kind == 0)
+            p = {std::round(p.x() / 50.0) * 50.0,
+                 std::round(p.y() / 50.0) * 50.0};                    // touches itself
+        if (kind == 1) p.y() = 500.0;                                 // no area
+        if (kind == 2) p *= between(random, 0, 30) == 0 ? 1e4 : 1.0;  // far outside
+        if (kind == 3 && i > 0) p = contour.back() + 1e-7 * p;        // tiny
+        contour.push_back(p);
+    }
+    if (kind == 4 && n > 0) contour[0].x() = std::numeric_limits<double>::quiet_NaN();
+    if (kind == 5) contour = test::regular_polygon({500.0, 500.0}, 150.0, 4, 0.0);
+    return contour;
+}
+
+TEST_P(HostileScene, GivesAStatusOrASoundMesh) {
+    Random random(static_cast<std::uint64_t>(GetParam()));
+    // exactly symmetric poses: as degenerate as rigs can be
+    const auto rig =
+        test::make_ring_rig({.num_cameras = between(random, 2, 6), .heights_m = {0.9}});
+    std::vector<SilhouetteView> views;
+    for (const auto& camera : rig) {
+        std::vector<Contour> contours;
+        for (int c = between(random, 1, 4); c > 0; --c) contours.push_back(hostile_contour(random));
+        if (between(random, 0, 1) == 0)
+            contours = {test::regular_polygon({499.5, 499.5}, 150.0, 8, 0.0)};
+        views.push_back(test::make_view(camera, contours));
+    }
+    HullScratch scratch;
+    for (const bool keep : {false, true}) {
+        HullOptions options;
+        options.keep_phantoms = keep;
+        const VisualHull hull = compute_visual_hull(views, options, scratch);
+        const geometry::MeshReport report = geometry::inspect(hull.mesh);
+        EXPECT_EQ(hull.status == HullStatus::kOk, report.closed && report.manifold);
+        EXPECT_EQ(hull.status != HullStatus::kOk, hull.mesh.empty());
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, HostileScene, testing::Range(0, 150));
+
+}  // namespace
+}  // namespace atrium::hull

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <cstdint>
+
+namespace atrium::test {
+
+/// Calls of operator new in this process so far, by all threads. Link atrium_allocation_counter.
+std::uint64_t num_allocations();
+
+}  // namespace atrium::test

@@ -1,0 +1,61 @@
+#pragma once
+
+#include "core/geometry/pinhole_camera.hpp"
+#include "core/geometry/triangle_mesh.hpp"
+#include "site_node/hull/visual_hull.hpp"
+
+#include <Eigen/Core>
+
+#include <random>
+#include <span>
+#include <vector>
+
+namespace atrium::test {
+
+using Contour = std::vector<Eigen::Vector2d>;
+
+struct Sphere {
+    Eigen::Vector3d centre_site = Eigen::Vector3d::Zero();
+    double radius_m = 1.0;
+};
+
+/// Outline of a sphere: a polygon around the exact ellipse that touches it in the middle of each
+/// edge, so that the hull contains the sphere.
+Contour outline_of(const Sphere& sphere,
+                   const geometry::CalibratedCamera& camera,
+                   int num_vertices);
+
+/// Outline of the convex hull of `points_site`.
+Contour outline_of(std::span<const Eigen::Vector3d> points_site,
+                   const geometry::CalibratedCamera& camera);
+
+/// Regular polygon, counter-clockwise seen with +Y up, first vertex at `phase_rad`.
+Contour regular_polygon(const Eigen::Vector2d& centre_px,
+                        double radius_px,
+                        int num_vertices,
+                        double phase_rad = 0.1);
+
+/// Random star-shaped polygon with radii in [0.5, 1] of `radius_px`.
+Contour random_star(std::mt19937_64& random,
+                    const Eigen::Vector2d& centre_px,
+                    double radius_px,
+                    int num_vertices);
+
+hull::SilhouetteView make_view(const geometry::CalibratedCamera& camera,
+                               std::vector<Contour> contours);
+
+std::vector<hull::SilhouetteView> views_of(const Sphere& sphere,
+                                           std::span<const geometry::CalibratedCamera> rig,
+                                           int num_vertices);
+std::vector<hull::SilhouetteView> views_of(std::span<const Eigen::Vector3d> points_site,
+                                           std::span<const geometry::CalibratedCamera> rig);
+
+/// Independent of the hull: whether a point lies inside all silhouettes by the even-odd rule.
+/// `margin_px`: nearest distance to any outline, to tell undecidable points.
+struct Membership {
+    bool inside = false;
+    double margin_px = 0.0;
+};
+Membership membership(const Eigen::Vector3d& p_site, std::span<const hull::SilhouetteView> views);
+
+}  // namespace atrium::test
