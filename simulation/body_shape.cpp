@@ -154,9 +154,30 @@ double melt(double a, double b, double blend) {
     return std::min(a, b) - 0.25 * h * h * blend;
 }
 
-double body_distance(const std::vector<BodyPart>& parts, const Vector3d& p) {
+// A part farther off than this from where it could melt in is passed over.
+struct Reach {
+    Vector3d centre;
+    double radius_m = 0.0;
+};
+
+std::vector<Reach> reaches_of(const std::vector<BodyPart>& parts) {
+    constexpr double kMarginM = 0.02;  // the distance to an ellipsoid is approximate
+    std::vector<Reach> reaches;
+    for (const BodyPart& part : parts) {
+        const double radius = std::max({part.radius_a_m, part.radius_b_m, part.radii_m.maxCoeff()});
+        reaches.push_back({0.5 * (part.a + part.b),
+                           0.5 * (part.b - part.a).norm() + radius + part.blend_m + kMarginM});
+    }
+    return reaches;
+}
+
+double body_distance(const std::vector<BodyPart>& parts,
+                     const std::vector<Reach>& reaches,
+                     const Vector3d& p) {
     double distance = part_distance(parts.front(), p);
     for (std::size_t i = 1; i < parts.size(); ++i) {
+        const double reach = reaches[i].radius_m + distance;
+        if (reach < 0.0 || (p - reaches[i].centre).squaredNorm() > reach * reach) continue;
         distance = melt(distance, part_distance(parts[i], p), parts[i].blend_m);
     }
     return distance;
@@ -220,7 +241,10 @@ std::vector<BodyPart> body_parts(const Look& look) {
 
 Skin make_skin(const Look& look) {
     const std::vector<BodyPart> parts = body_parts(look);
-    const DistanceField distance = [&parts](const Vector3d& p) { return body_distance(parts, p); };
+    const std::vector<Reach> reaches = reaches_of(parts);
+    const DistanceField distance = [&parts, &reaches](const Vector3d& p) {
+        return body_distance(parts, reaches, p);
+    };
     Skin skin;
     skin.mesh = surface_nets(distance, bounds_of(parts), kCellM);
     skin.normals.reserve(skin.mesh.vertices.size());

@@ -41,7 +41,7 @@ INSTANTIATE_TEST_SUITE_P(Looks, EveryLook, testing::ValuesIn(look_names()), [](c
 INSTANTIATE_TEST_SUITE_P(Motions,
                          EveryMotion,
                          testing::ValuesIn(motion_names()),
-                         [](const auto& info) { return info.param; });
+                         [](const auto& tested) { return tested.param; });
 
 TEST_P(EveryLook, IsOneClosedManifoldSolidInEveryMotion) {
     for (const std::string& motion : motion_names()) {

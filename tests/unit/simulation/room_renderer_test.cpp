@@ -87,9 +87,10 @@ void expect_mask_is_projection(RoomRenderer& renderer) {
         ASSERT_GT(num_set(mask), 1000u) << "camera " << i;
         EXPECT_EQ(num_away(mask, projection), 0) << "camera " << i;
         EXPECT_EQ(num_away(projection, mask), 0) << "camera " << i;
-        EXPECT_NEAR(static_cast<double>(num_set(mask)),
-                    static_cast<double>(num_set(projection)),
-                    0.02 * static_cast<double>(num_set(mask)));
+        // half-covered pixels count as person: of four samples that is two, an eighth of a pixel
+        // along the outline
+        const auto area = static_cast<double>(num_set(projection));
+        EXPECT_NEAR(static_cast<double>(num_set(mask)), area, 0.05 * area) << "camera " << i;
     }
 }
 
