@@ -1,25 +1,10 @@
 #include "site_node/silhouette/silhouette.hpp"
 
+#include "tests/unit/silhouette/allocation_count.hpp"
 #include "tests/unit/silhouette/test_masks.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
-namespace {
-std::atomic<long> num_allocations{0};
-}
-
-void* operator new(std::size_t size) {
-    ++num_allocations;
-    if (void* memory = std::malloc(size ? size : 1)) return memory;
-    throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace atrium::silhouette {
 namespace {
@@ -263,9 +248,9 @@ TEST(Silhouette, WarmScratchGivesTheSameResultAndDoesNotAllocate) {
     std::vector<SilhouettePolygon> out;
     extract_silhouette(mask, camera, {}, scratch, out);
     const std::vector<SilhouettePolygon> first = out;
-    const long before = num_allocations;
+    const long before = test::num_allocations();
     extract_silhouette(mask, camera, {}, scratch, out);
-    EXPECT_EQ(num_allocations - before, 0);
+    EXPECT_EQ(test::num_allocations() - before, 0);
     ASSERT_EQ(first.size(), out.size());
     for (std::size_t p = 0; p < out.size(); ++p)
         EXPECT_EQ(first[p].vertices_px, out[p].vertices_px);
