@@ -125,9 +125,9 @@ ObjectBody::ObjectBody(const RigidObject& object, const RigidWorldOptions& optio
     info.m_startWorldTransform = to_bullet(object.world_from_object);
     info.m_friction = btScalar(object.friction);
     info.m_restitution = btScalar(object.restitution);
-    // what rolls comes to rest within metres, as on a carpet
-    info.m_rollingFriction = btScalar(0.004);
-    info.m_spinningFriction = btScalar(0.004);
+    // what rolls comes to rest within metres, as on a floor of wood
+    info.m_rollingFriction = btScalar(0.0005);
+    info.m_spinningFriction = btScalar(0.0005);
     info.m_linearDamping = btScalar(0.02);
     info.m_angularDamping = btScalar(0.1);
     body_ = std::make_unique<btRigidBody>(info);

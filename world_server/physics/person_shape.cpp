@@ -10,6 +10,7 @@ namespace {
 
 constexpr float kSameFacing = 0.5F;        // cosine: normals at most 60 degrees apart
 constexpr double kNeighbourWeight = 0.15;  // of a cell that touches the piece's own with a face
+constexpr std::size_t kMaxQueries = 2000;  // points per mesh whose motion is looked up
 constexpr double kMaxSearchM = 0.4;        // bounds the work after a gap between meshes
 // Pull towards zero, in samples' worth per sample: biases a velocity that is well determined by a
 // few percent, and decides one that is not.
@@ -33,7 +34,10 @@ std::vector<NormalEquations> displacements_by_cell(const SolidCells& solid,
                                                    const SurfaceIndex& previous,
                                                    double radius_m) {
     std::vector<NormalEquations> by_piece(solid.pieces.size());
-    for (const SurfaceSample& sample : surface.samples()) {
+    // samples lie ordered by place, so that every n-th of them still covers every cell
+    const std::size_t stride = 1 + surface.samples().size() / kMaxQueries;
+    for (std::size_t i = 0; i < surface.samples().size(); i += stride) {
+        const SurfaceSample& sample = surface.samples()[i];
         const std::int32_t piece = solid.piece_at(sample.position.cast<double>());
         if (piece < 0) continue;
         const auto before = previous.nearest(

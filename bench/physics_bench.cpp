@@ -1,0 +1,80 @@
+// What a person costs the world server: one mesh (cut, sample, measure velocities, hand to Bullet)
+// and one tick among objects. Single-threaded; the mesh is a closed figure of spheres and boxes.
+#include "tests/unit/physics/meshes.hpp"
+#include "world_server/physics/person_shape.hpp"
+#include "world_server/physics/rigid_world.hpp"
+
+#include <benchmark/benchmark.h>
+
+#include <vector>
+
+namespace atrium::physics {
+namespace {
+
+// Ten instants of somebody who reaches out at 1.5 m/s while walking at 1 m/s.
+std::vector<geometry::TriangleMesh> walking_figure(int num_cuts) {
+    std::vector<geometry::TriangleMesh> meshes;
+    for (int i = 0; i < 10; ++i) {
+        meshes.push_back(
+            physics_test::make_person_mesh({i / 30.0, 0, 0}, 0.4 + 0.05 * i, num_cuts));
+    }
+    return meshes;
+}
+
+Timestamp frame_time(std::int64_t frame) { return {1'000'000'000 + frame * 33'333'333}; }
+
+void shape_person(benchmark::State& state) {
+    const auto meshes = walking_figure(static_cast<int>(state.range(0)));
+    PersonShaper shaper({});
+    std::int64_t frame = 0;
+    std::size_t num_pieces = 0;
+    for (auto _ : state) {
+        const auto& mesh = meshes[static_cast<std::size_t>(frame) % meshes.size()];
+        const PersonShape shape = shaper.shape(mesh, frame_time(frame));
+        num_pieces = shape.solid.pieces.size();
+        benchmark::DoNotOptimize(num_pieces);
+        ++frame;
+    }
+    state.counters["triangles"] = static_cast<double>(meshes[0].triangles.size());
+    state.counters["pieces"] = static_cast<double>(num_pieces);
+}
+BENCHMARK(shape_person)->Arg(12)->Arg(24)->Arg(44)->Unit(benchmark::kMillisecond);
+
+// Two people among `range(0)` balls and boxes on the floor; a new mesh of each every 4 ticks.
+void tick_world(benchmark::State& state) {
+    RigidWorld world({});
+    world.add({.id = 1, .shape = ObjectShape::kPlane});
+    for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(state.range(0)); ++i) {
+        const bool is_ball = i % 2 == 0;
+        world.add({.id = 2 + i,
+                   .shape = is_ball ? ObjectShape::kSphere : ObjectShape::kBox,
+                   .size_m = Eigen::Vector3d::Constant(0.2),
+                   .mass_kg = 0.5,
+                   .world_from_object = {Eigen::Quaterniond::Identity(),
+                                         {0.3 * (i % 5), 0.3 * (i / 5) - 0.6, 1.0}}});
+    }
+    const auto meshes = walking_figure(24);
+    PersonShaper shaper({});
+    std::vector<PersonShape> shapes;
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+        shapes.push_back(shaper.shape(meshes[i], frame_time(static_cast<std::int64_t>(i))));
+    }
+    std::size_t tick = 0;
+    for (auto _ : state) {
+        if (tick % 4 == 0) {
+            world.set_person("anna", shapes[tick / 4 % shapes.size()]);
+            world.set_person("ben", shapes[(tick / 4 + 5) % shapes.size()]);
+        }
+        if (tick % 480 == 0) world.reset();  // keep things in the air and in the way
+        world.tick();
+        ++tick;
+    }
+    state.counters["pieces"] = static_cast<double>(world.num_person_pieces());
+    state.counters["contact_ticks"] = static_cast<double>(world.counters().num_contact_ticks);
+}
+BENCHMARK(tick_world)->Arg(20)->Arg(100)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace atrium::physics
+
+BENCHMARK_MAIN();
