@@ -1,0 +1,155 @@
+#include "core/bus/bus.hpp"
+#include "tests/unit/bus/bus_support.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+namespace atrium::bus {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using testing::own_world;
+using testing::value;
+
+class TemporaryFile {
+public:
+    explicit TemporaryFile(const std::string& text)
+        : path_(std::filesystem::temp_directory_path() /
+                ("atrium-bus-" + std::to_string(::getpid()) + ".xml")) {
+        std::ofstream(path_) << text;
+    }
+    TemporaryFile(const TemporaryFile&) = delete;
+    TemporaryFile& operator=(const TemporaryFile&) = delete;
+    ~TemporaryFile() { std::filesystem::remove(path_); }
+    const std::filesystem::path& path() const { return path_; }
+
+private:
+    std::filesystem::path path_;
+};
+
+Error error_of(const BusOptions& options) {
+    const auto participant = Participant::create(options);
+    return participant ? Error{ErrorKind::kInternal, "no error"} : participant.error();
+}
+
+TEST(Participant, SaysWhatIsWrongWithItsOptions) {
+    BusOptions options = own_world("options");
+    options.world = "*";
+    EXPECT_THAT(error_of(options).message, HasSubstr("world '*'"));
+    options = own_world("options", 231);
+    EXPECT_THAT(error_of(options).message, HasSubstr("0..230"));
+    options = own_world("options");
+    options.network_file = "/nowhere/lan.xml";
+    EXPECT_EQ(error_of(options).kind, ErrorKind::kNotFound);
+    EXPECT_THAT(error_of(options).message, HasSubstr("/nowhere/lan.xml"));
+    options = own_world("options");
+    options.profiles_file = "/nowhere/profiles.xml";
+    EXPECT_EQ(error_of(options).kind, ErrorKind::kNotFound);
+    const TemporaryFile empty("<dds/>");
+    options.profiles_file = empty.path();
+    EXPECT_THAT(error_of(options).message, HasSubstr("lacks the profile 'description'"));
+}
+
+TEST(Participant, PassesOnWhatCycloneSaysOfANetworkFile) {
+    BusOptions options = own_world("network", 103);
+    const TemporaryFile file(
+        "<CycloneDDS><Domain Id='any'><Internal><Nonsense>1</Nonsense></Internal></Domain>"
+        "</CycloneDDS>");
+    options.network_file = file.path();
+    EXPECT_EQ(error_of(options).kind, ErrorKind::kConfiguration);
+    EXPECT_THAT(error_of(options).message,
+                AllOf(HasSubstr(file.path().string()), HasSubstr("Nonsense")));
+}
+
+TEST(Participant, NamesAnInterfaceThatIsNotThere) {
+    BusOptions options = own_world("interface", 104);
+    const TemporaryFile file(
+        "<CycloneDDS><Domain Id='any'><General><Interfaces><NetworkInterface name='atrium9'/>"
+        "</Interfaces></General></Domain></CycloneDDS>");
+    options.network_file = file.path();
+    EXPECT_EQ(error_of(options).kind, ErrorKind::kUnavailable);
+    EXPECT_THAT(error_of(options).message, HasSubstr("atrium9"));
+}
+
+/// Takes a UDP port away from others.
+class OccupiedPort {
+public:
+    explicit OccupiedPort(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
+        sockaddr_in address{};
+        address.sin_family = AF_INET;
+        address.sin_port = htons(port);
+        is_mine_ = ::bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) == 0;
+    }
+    OccupiedPort(const OccupiedPort&) = delete;
+    OccupiedPort& operator=(const OccupiedPort&) = delete;
+    ~OccupiedPort() { ::close(socket_); }
+    bool is_mine() const { return is_mine_; }
+
+private:
+    int socket_;
+    bool is_mine_ = false;
+};
+
+TEST(Participant, SaysWhatToDoWhereItsPortsAreTaken) {
+    BusOptions options = own_world("ports", 107);
+    const TemporaryFile file(
+        "<CycloneDDS><Domain Id='any'><Discovery><ParticipantIndex>auto</ParticipantIndex>"
+        "<MaxAutoParticipantIndex>0</MaxAutoParticipantIndex></Discovery></Domain></CycloneDDS>");
+    options.network_file = file.path();
+    const OccupiedPort taken(7400 + 250 * 107 + 10);  // of the first process in the domain
+    ASSERT_TRUE(taken.is_mine());
+    EXPECT_EQ(error_of(options).kind, ErrorKind::kUnavailable);
+    EXPECT_THAT(error_of(options).message,
+                AllOf(HasSubstr("domain 107"), HasSubstr("MaxAutoParticipantIndex")));
+}
+
+TEST(Participant, MayBeCreatedAndDestroyedByManyThreadsInOneDomain) {
+    const BusOptions options = own_world("many", 108);
+    std::atomic<int> num_failed = 0;
+    {
+        std::vector<std::jthread> threads;
+        for (int i = 0; i < 4; ++i) {
+            threads.emplace_back([&] {
+                for (int round = 0; round < 10; ++round) {
+                    const auto participant = Participant::create(options);
+                    if (!participant || !Writer<SiteMesh>::create(*participant)) ++num_failed;
+                }
+            });
+        }
+    }
+    EXPECT_EQ(num_failed, 0);
+}
+
+TEST(Participant, RefusesOtherNetworkSettingsOnAnOpenDomainAndTakesThemOnceItIsClosed) {
+    BusOptions options = own_world("settings", 105);
+    BusOptions other = options;
+    other.network_file = ATRIUM_SOURCE_DIR "/qos/wan.xml";
+    {
+        const auto first = value(Participant::create(options));
+        const auto second = value(Participant::create(options));
+        EXPECT_EQ(error_of(other).kind, ErrorKind::kConfiguration);
+        EXPECT_THAT(error_of(other).message, HasSubstr("already open"));
+    }
+    EXPECT_TRUE(Participant::create(other).has_value());
+}
+
+TEST(Participant, EachNetworkFileOfTheProjectIsOneThatCycloneTakes) {
+    for (const char* name : {"loopback", "lan", "wan"}) {
+        BusOptions options = own_world("files", 106);
+        options.network_file = std::string(ATRIUM_SOURCE_DIR "/qos/") + name + ".xml";
+        const auto participant = Participant::create(options);
+        EXPECT_TRUE(participant.has_value()) << name << ": " << participant.error().message;
+    }
+}
+
+}  // namespace
+}  // namespace atrium::bus
