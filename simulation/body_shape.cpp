@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kCellM = 0.0155;
+constexpr double kCellM = 0.0175;
 
 class PartList {
 public:

@@ -40,7 +40,7 @@ struct Skin {
     std::vector<SkinWeights> weights;
 };
 
-/// About 20 000 triangles; takes some tenths of a second.
+/// About 16 000 triangles; takes about a tenth of a second.
 Skin make_skin(const Look& look);
 
 }  // namespace atrium::simulation

@@ -197,7 +197,12 @@ struct PersonPainter::Impl {
         program.use();
         set_camera(program, camera);
         glBindVertexArray(person_array.id());
+        // the skin is closed: its far side is never seen; rows run downwards, so its near side is
+        // clockwise
+        glEnable(GL_CULL_FACE);
+        glFrontFace(GL_CW);
         glDrawElements(GL_TRIANGLES, num_indices, GL_UNSIGNED_INT, nullptr);
+        glDisable(GL_CULL_FACE);
     }
 
     void begin(unsigned framebuffer,
@@ -208,7 +213,6 @@ struct PersonPainter::Impl {
         glScissor(region.x, region.y, region.width, region.height);
         glEnable(GL_SCISSOR_TEST);
         glEnable(GL_DEPTH_TEST);
-        glDisable(GL_CULL_FACE);
         glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
         glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     }

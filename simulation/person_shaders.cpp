@@ -157,8 +157,8 @@ vec3 paint(vec3 p) {
     vec3 q = vec3(abs(p.x), p.yz);
     float t = dot(q - kShoulder, kArm);
     float off = length(q - kShoulder - t * kArm);
-    if (t > 0.02 && off < 0.11 && q.x > 0.172 + 0.02 * step(q.z, 1.33)) return paint_arm(t, right);
-    if (p.z > 1.468 || (hair_style == 1 && p.z > 1.40 && p.y < -0.085)) return paint_head(p);
+    if (t > 0.02 && off < 0.11 && q.x > 0.172 + 0.02 * clamp((1.37 - q.z) / 0.06, 0.0, 1.0)) return paint_arm(t, right);
+    if ((p.z > 1.468 && (q.x < 0.085 || p.z > 1.51)) || (hair_style == 1 && p.z > 1.40 && p.y < -0.085)) return paint_head(p);
     return p.z > 0.90 ? paint_trunk(p) : paint_leg(p, right);
 }
 

@@ -35,8 +35,8 @@ double largest_step_m(const geometry::TriangleMesh& a, const geometry::TriangleM
 class EveryLook : public testing::TestWithParam<std::string> {};
 class EveryMotion : public testing::TestWithParam<std::string> {};
 
-INSTANTIATE_TEST_SUITE_P(Looks, EveryLook, testing::ValuesIn(look_names()), [](const auto& info) {
-    return info.param;
+INSTANTIATE_TEST_SUITE_P(Looks, EveryLook, testing::ValuesIn(look_names()), [](const auto& tested) {
+    return tested.param;
 });
 INSTANTIATE_TEST_SUITE_P(Motions,
                          EveryMotion,
