@@ -2,6 +2,8 @@
 
 #include "core/bus/bus_options.hpp"
 #include "core/config/rig.hpp"
+#include "simulation/choreography.hpp"
+#include "simulation/look.hpp"
 
 #include <fmt/format.h>
 

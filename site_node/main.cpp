@@ -6,12 +6,14 @@ int main(int argc, char** argv) {
     site_node::SiteNodeConfig config;
     config::OptionSet options;
     site_node::declare(config, options);
-    const app::ProgramInfo info{
-        "site_node",
-        "One room of a shared world: takes pictures, computes the visual hull of whoever is in it, publishes it.",
-        "Examples:\n  site_node --config deploy/sites/alice.toml\n"
-        "  site_node --site.name lab --capture.source recording --capture.recording DIR --capture.loop true"};
-    if (const app::Start start = app::start(info, options, argc, argv); !start.go_on) return start.exit_code;
+    const app::ProgramInfo info{"site_node",
+                                "One room of a shared world: takes pictures, computes the visual "
+                                "hull of whoever is in it, publishes it.",
+                                "Examples:\n  site_node --config deploy/sites/alice.toml\n"
+                                "  site_node --site.name lab --capture.source recording "
+                                "--capture.recording DIR --capture.loop true"};
+    if (const app::Start start = app::start(info, options, argc, argv); !start.go_on)
+        return start.exit_code;
     const app::StopOnSignal stop;
     auto node = site_node::SiteNode::create(config, stop.token());
     if (!node) return stop.token().stop_requested() ? 0 : app::fail(node.error());

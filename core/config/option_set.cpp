@@ -79,7 +79,10 @@ void OptionSet::add(const std::string& key, bool& target, const std::string& hel
 void OptionSet::add(const std::string& key, int& target, const std::string& help, Range allowed) {
     add_entry(key, target, help, range_text("integer", allowed), allowed);
 }
-void OptionSet::add(const std::string& key, std::int64_t& target, const std::string& help, Range allowed) {
+void OptionSet::add(const std::string& key,
+                    std::int64_t& target,
+                    const std::string& help,
+                    Range allowed) {
     add_entry(key, target, help, range_text("integer", allowed), allowed);
 }
 void OptionSet::add(const std::string& key,

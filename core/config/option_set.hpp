@@ -24,7 +24,10 @@ public:
              std::uint64_t& target,
              const std::string& help,
              Range allowed = {});
-    void add(const std::string& key, std::int64_t& target, const std::string& help, Range allowed = {});
+    void add(const std::string& key,
+             std::int64_t& target,
+             const std::string& help,
+             Range allowed = {});
     void add(const std::string& key,
              std::uint32_t& target,
              const std::string& help,
