@@ -297,7 +297,7 @@ TEST(MeshCodec, SurvivesFlippedBits) {
     const std::array streams{encode(make_torus(12, 6)),
                              encode(make_sphere(2, 1.0), {14, 0}),
                              encode(make_torus(5, 5), {10, 10})};
-    for (int round = 0; round < 20'000; ++round) {
+    for (int round = 0; round < 6'000; ++round) {
         auto bytes = streams[static_cast<std::size_t>(round) % streams.size()];
         for (std::uint64_t flips = 1 + random() % 4; flips > 0; --flips)
             bytes[random() % bytes.size()] ^= static_cast<std::uint8_t>(1U << (random() % 8));
@@ -308,7 +308,7 @@ TEST(MeshCodec, SurvivesFlippedBits) {
 TEST(MeshCodec, SurvivesRandomBytesBehindAGoodBeginning) {
     Random random(25);
     const auto good = encode(make_torus(12, 6));
-    for (int round = 0; round < 20'000; ++round) {
+    for (int round = 0; round < 6'000; ++round) {
         std::vector<std::uint8_t> bytes(random() % 600);
         for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
         const std::size_t num_good = random() % good.size();
