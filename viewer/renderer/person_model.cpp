@@ -61,21 +61,31 @@ std::size_t layer_bytes(const PersonModel& model) {
            static_cast<std::size_t>(model.layer_height) * 4;
 }
 
+bool is_masked(const std::uint8_t* rgba) { return rgba[3] >= 128; }
+
+// A texel at the outline shows some of what is behind: it counts little beside those of other
+// cameras, and takes over only where there are none.
+constexpr int kOutlineAlpha = 48;
+
 // Copies the picture with its colour multiplied by alpha: what lies outside the mask then has no
 // part in any filtered texel, and a weighted sum of texels divides out to a colour of the person
 // alone.
 void fill_layer(const CameraPicture& picture, const PersonModel& model, std::uint8_t* layer) {
+    const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(picture.width) * 4;
     for (int y = 0; y < picture.height; ++y) {
-        const std::uint8_t* from =
-            picture.rgba.data() + static_cast<std::ptrdiff_t>(y) * picture.width * 4;
+        const std::uint8_t* from = picture.rgba.data() + y * stride;
         std::uint8_t* to =
             layer + (static_cast<std::ptrdiff_t>(y + kBorder) * model.layer_width + kBorder) * 4;
+        const bool is_border_row = y == 0 || y + 1 == picture.height;
         for (int x = 0; x < picture.width; ++x, from += 4, to += 4) {
-            // a texel half on the person shows half of what is behind: only the upper half counts
-            const int alpha = std::max(0, 2 * from[3] - 255);
-            if (alpha == 0) continue;
+            if (!is_masked(from)) continue;
+            const bool is_inside = !is_border_row && x > 0 && x + 1 < picture.width &&
+                                   is_masked(from - 4) && is_masked(from + 4) &&
+                                   is_masked(from - stride) && is_masked(from + stride);
+            const int alpha = is_inside ? 255 : kOutlineAlpha;
             for (int i = 0; i < 3; ++i)
-                to[i] = static_cast<std::uint8_t>((from[i] * alpha + 127) / 255);
+                to[i] =
+                    is_inside ? from[i] : static_cast<std::uint8_t>((from[i] * alpha + 127) / 255);
             to[3] = static_cast<std::uint8_t>(alpha);
         }
     }
@@ -131,6 +141,10 @@ void project_vertices(const CameraStage& stage, PersonModel& model, PersonModelS
     coordinates.resize(model.vertices_site.size());
     scratch.corners.resize(model.vertices_site.size());
     constexpr double kNearest = 0.05;  // [m] closer than this is as good as behind the camera
+    // what faces away has no part in the picture: there, straight-line coordinates will do
+    constexpr float kCosFacingAway = -0.3f;
+    const bool is_distorted = lens.has_distortion();
+    const Eigen::Vector3f& centre = model.cameras[stage.index].centre_site;
     for (std::size_t v = 0; v < coordinates.size(); ++v) {
         const Eigen::Vector3d p = rotation * model.vertices_site[v].cast<double>() + translation;
         if (!(p.z() > kNearest)) {
@@ -139,8 +153,12 @@ void project_vertices(const CameraStage& stage, PersonModel& model, PersonModelS
             continue;
         }
         const Eigen::Vector2d px = lens.project(p);
+        const bool bends =
+            is_distorted && (centre - model.vertices_site[v]).dot(scratch.normals[v]) >
+                                kCosFacingAway * static_cast<float>(p.z());
+        const Eigen::Vector2d in_picture = bends ? lens.distort(px) : px;
         const Eigen::Array2d st =
-            ((lens.distort(px).array() - crop_origin) * texels_per_px + kBorder) / layer_size;
+            ((in_picture.array() - crop_origin) * texels_per_px + kBorder) / layer_size;
         coordinates[v] = Eigen::Vector3d(st.x() * p.z(), st.y() * p.z(), p.z()).cast<float>();
         scratch.corners[v] = Eigen::Vector3d(px.x(), px.y(), 1.0 / p.z()).cast<float>();
     }

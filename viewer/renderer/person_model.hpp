@@ -42,7 +42,8 @@ struct PersonModel {
     std::vector<Eigen::Vector3f> fallback;  // per vertex, in [0, 1]: for where no camera sees it
     int layer_width = 0;                    // one layer per camera, all of the same size
     int layer_height = 0;
-    std::vector<std::uint8_t> layers;  // RGBA, colour multiplied by alpha; alpha 0 at the borders
+    std::vector<std::uint8_t> layers;  // RGBA, colour multiplied by alpha, which is small at
+                                       // the person's outline and 0 outside
 };
 
 struct PersonModelOptions {
