@@ -1,0 +1,235 @@
+#include "site_node/hull_tool/coverage.hpp"
+#include "site_node/hull_tool/tool.hpp"
+#include "site_node/hull_tool/views_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+namespace atrium::hull_tool {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+// Three cameras 8 m away on the axes that see a square of 1 m each.
+json cube_document() {
+    const std::vector<std::vector<double>> rotations{{0, 1, 0, 0, 0, -1, -1, 0, 0},
+                                                     {-1, 0, 0, 0, 0, -1, 0, -1, 0},
+                                                     {1, 0, 0, 0, -1, 0, 0, 0, -1}};
+    json document;
+    for (std::size_t i = 0; i < rotations.size(); ++i) {
+        document["views"].push_back(
+            {{"name", "cam" + std::to_string(i)},
+             {"width", 640},
+             {"height", 480},
+             {"fx", 1600.0},
+             {"fy", 1600.0},
+             {"cx", 320.0},
+             {"cy", 240.0},
+             {"rotation", rotations[i]},
+             {"translation", {0.0, 0.0, 8.0}},
+             {"contours", {{{220.3, 140.3}, {419.7, 140.4}, {419.8, 339.7}, {220.2, 339.6}}}}});
+    }
+    return document;
+}
+
+class HullTool : public testing::Test {
+protected:
+    void SetUp() override {
+        folder_ = std::filesystem::temp_directory_path() /
+                  ("atrium_hull_tool_" + std::to_string(::getpid()));
+        std::filesystem::create_directories(folder_);
+        options_.views_file = folder_ / "views.json";
+        write(cube_document().dump());
+    }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+
+    void write(const std::string& text) const { std::ofstream(options_.views_file) << text; }
+    std::string error_with(const json& document) const {
+        write(document.dump());
+        const auto report = run(options_);
+        return report ? "no error" : report.error().message;
+    }
+    std::string written(const std::string& name) {
+        options_.output = folder_ / name;
+        EXPECT_TRUE(run(options_));
+        std::ostringstream bytes;
+        bytes << std::ifstream(options_.output, std::ios::binary).rdbuf();
+        return bytes.str();
+    }
+
+    std::filesystem::path folder_;
+    ToolOptions options_;
+};
+
+TEST_F(HullTool, ReportsOneJsonObject) {
+    options_.repeat = 3;
+    options_.threads = 2;
+    const auto text = run(options_);
+    ASSERT_TRUE(text) << text.error().message;
+    const json report = json::parse(*text);
+    EXPECT_EQ(
+        report.at("triangles").get<int>(),
+        2 * report.at("vertices").get<int>() - 2 * report.at("euler_characteristic").get<int>());
+    EXPECT_EQ(report.at("components"), 1);
+    EXPECT_EQ(report.at("closed"), true);
+    EXPECT_EQ(report.at("manifold"), true);
+    EXPECT_NEAR(report.at("volume_m3").get<double>(), 1.0, 0.1);
+    ASSERT_EQ(report.at("views").size(), 3u);
+    for (const json& view : report.at("views")) {
+        EXPECT_GT(view.at("coverage").get<double>(), 0.98);
+        EXPECT_EQ(view.at("excess_px"), 0);
+    }
+    EXPECT_EQ(report.at("views")[2].at("name"), "cam2");
+    for (const char* stage :
+         {"silhouettes", "pencils", "sweep", "assembly", "total", "total_min", "total_median"}) {
+        EXPECT_GE(report.at("milliseconds").at(stage).get<double>(), 0.0) << stage;
+    }
+}
+
+TEST_F(HullTool, ReportsAnEmptyHullWhereOneCameraSeesNobody) {
+    json document = cube_document();
+    document["views"][1]["contours"] = json::array();
+    write(document.dump());
+    const auto text = run(options_);
+    ASSERT_TRUE(text);
+    const json report = json::parse(*text);
+    EXPECT_EQ(report.at("vertices"), 0);
+    EXPECT_EQ(report.at("status"), "empty intersection");
+    EXPECT_TRUE(report.at("views")[1].at("coverage").is_null());
+    EXPECT_EQ(report.at("views")[0].at("coverage"), 0.0);
+}
+
+TEST_F(HullTool, NamesFileViewAndKeyOfWhatIsWrong) {
+    const auto error_after = [&](auto change) {
+        json document = cube_document();
+        change(document);
+        return error_with(document);
+    };
+    EXPECT_THAT(error_after([](json& d) { d.erase("views"); }),
+                HasSubstr("views.json: document: key \"views\""));
+    EXPECT_THAT(error_after([](json& d) { d["views"][1].erase("fx"); }),
+                HasSubstr("view \"cam1\": key \"fx\" is missing"));
+    EXPECT_THAT(error_after([](json& d) { d["views"][1]["fy"] = -1; }),
+                HasSubstr("view \"cam1\".fy: must be positive"));
+    EXPECT_THAT(error_after([](json& d) { d["views"][2]["width"] = 1e9; }),
+                HasSubstr("view \"cam2\".width"));
+    EXPECT_THAT(error_after([](json& d) { d["views"][0]["rotation"][4] = 0.5; }),
+                HasSubstr("view \"cam0\".rotation"));
+    EXPECT_THAT(error_after([](json& d) { d["views"][0]["contours"][0][2] = "x"; }),
+                HasSubstr("view \"cam0\".contours[0][2]: must be [x, y]"));
+    EXPECT_THAT(error_after([](json& d) { d["views"][1]["name"] = "cam0"; }),
+                HasSubstr("used twice"));
+    EXPECT_THAT(error_after([](json& d) {
+                    d["views"].erase(1);
+                    d["views"].erase(1);
+                }),
+                HasSubstr("too few views"));
+    write("{\"views\": [");
+    EXPECT_THAT(run(options_).error().message, HasSubstr("views.json: "));
+    options_.views_file = folder_ / "none.json";
+    EXPECT_EQ(run(options_).error().kind, ErrorKind::kNotFound);
+}
+
+TEST_F(HullTool, RefusesUnknownMeshFormatsBeforeItComputes) {
+    options_.output = folder_ / "hull.stl";
+    EXPECT_THAT(run(options_).error().message, HasSubstr(".ply, .obj, .gltf or .glb"));
+}
+
+TEST_F(HullTool, WritesAPlyThatSaysWhatItHolds) {
+    const json report = json::parse(*run(options_));
+    const std::string ply = written("hull.ply");
+    const std::string header = ply.substr(0, ply.find("end_header\n") + 11);
+    EXPECT_THAT(header, HasSubstr("element vertex " + report.at("vertices").dump() + "\n"));
+    EXPECT_EQ(ply.size() - header.size(),
+              24 * report.at("vertices").get<std::size_t>() +
+                  13 * report.at("triangles").get<std::size_t>());
+}
+
+TEST_F(HullTool, WritesAnObjWithOneBasedIndices) {
+    std::istringstream obj(written("hull.OBJ"));
+    int num_vertices = 0;
+    int lowest = 1 << 30;
+    int highest = 0;
+    for (std::string line; std::getline(obj, line);) {
+        std::istringstream words(line);
+        std::string kind;
+        words >> kind;
+        num_vertices += kind == "v" ? 1 : 0;
+        for (int index = 0; kind == "f" && words >> index;) {
+            lowest = std::min(lowest, index);
+            highest = std::max(highest, index);
+        }
+    }
+    EXPECT_EQ(lowest, 1);
+    EXPECT_EQ(highest, num_vertices);
+}
+
+TEST_F(HullTool, WritesGltfWithAConsistentBuffer) {
+    const json report = json::parse(*run(options_));
+    const json gltf = json::parse(written("hull.gltf"));
+    const std::size_t bytes = 12 * report.at("vertices").get<std::size_t>() +
+                              12 * report.at("triangles").get<std::size_t>();
+    EXPECT_EQ(gltf.at("buffers")[0].at("byteLength").get<std::size_t>(), bytes);
+    const std::string uri = gltf.at("buffers")[0].at("uri");
+    const std::string prefix = "data:application/octet-stream;base64,";
+    ASSERT_EQ(uri.rfind(prefix, 0), 0u);
+    EXPECT_EQ(uri.size() - prefix.size(), (bytes + 2) / 3 * 4);
+    EXPECT_EQ(gltf.at("accessors")[0].at("count"), report.at("vertices"));
+    const std::string glb = written("hull.glb");
+    EXPECT_EQ(glb.substr(0, 4), "glTF");
+    EXPECT_EQ(glb.size() % 4, 0u);
+}
+
+TEST_F(HullTool, EndsWithUsageErrorsBeforeAnyWork) {
+    const auto exit_code_of = [](std::vector<std::string> words) {
+        words.insert(words.begin(), "visual_hull");
+        std::vector<char*> argv;
+        for (std::string& word : words) argv.push_back(word.data());
+        ToolOptions options;
+        const Start start = parse_command_line(static_cast<int>(argv.size()), argv.data(), options);
+        return start.go_on ? -1 : start.exit_code;
+    };
+    EXPECT_EQ(
+        exit_code_of(
+            {"views.json", "-o", "x.ply", "--threads", "2", "--repeat", "9", "--keep-phantoms"}),
+        -1);
+    EXPECT_EQ(exit_code_of({"--recording", "room", "--frame", "3"}), -1);
+    EXPECT_EQ(exit_code_of({"--help"}), 0);
+    EXPECT_EQ(exit_code_of({"--version"}), 0);
+    EXPECT_EQ(exit_code_of({}), 2);
+    EXPECT_EQ(exit_code_of({"views.json", "--recording", "room"}), 2);
+    EXPECT_EQ(exit_code_of({"views.json", "--threads", "0"}), 2);
+    EXPECT_EQ(exit_code_of({"views.json", "--frame", "3"}), 2);
+    EXPECT_EQ(exit_code_of({"--colour"}), 2);
+}
+
+// A square plate of 1 m, 8 m in front of a camera with 80 px per metre there.
+TEST(Coverage, CountsPixelCentres) {
+    geometry::TriangleMesh plate;
+    plate.vertices = {{-0.5, -0.5, 8.0}, {0.5, -0.5, 8.0}, {0.5, 0.5, 8.0}, {-0.5, 0.5, 8.0}};
+    plate.triangles = {{0, 1, 2}, {0, 2, 3}};
+    hull::SilhouetteView view;
+    view.intrinsics = {
+        200, 150, 640.0, 640.0, 100.5, 75.5};  // covers columns 61..140 and rows 36..115
+    CoverageScratch scratch;
+    view.contours = {{{60.5, 35.5}, {140.5, 35.5}, {140.5, 115.5}, {60.5, 115.5}}};
+    Coverage exact = measure_coverage(plate, view, scratch);
+    EXPECT_EQ(exact.silhouette_px, 6400u);
+    EXPECT_EQ(exact.covered_px, 6400u);
+    EXPECT_EQ(exact.excess_px, 0u);
+    view.contours = {{{80.5, 35.5}, {160.5, 35.5}, {160.5, 115.5}, {80.5, 115.5}}};
+    const Coverage shifted = measure_coverage(plate, view, scratch);
+    EXPECT_EQ(shifted.covered_px, 4800u);
+    EXPECT_EQ(shifted.excess_px, 1600u);
+}
+
+}  // namespace
+}  // namespace atrium::hull_tool
