@@ -15,10 +15,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Version 2. Change it whenever the pictures of the same options change: body, paint, room, light,
+// Version 3. Change it whenever the pictures of the same options change: body, paint, room, light,
 // noise or layout.
 constexpr std::array<char, 16> kMagic = {
-    'a', 't', 'r', 'i', 'u', 'm', ' ', 'l', 'o', 'o', 'p', ' ', '0', '0', '0', '2'};
+    'a', 't', 'r', 'i', 'u', 'm', ' ', 'l', 'o', 'o', 'p', ' ', '0', '0', '0', '3'};
 constexpr const char* kSuffix = ".atriumloop";
 
 // Checksum and key: four lanes of multiply and rotate over 8-byte words. Against accidents, not

@@ -49,17 +49,19 @@ Vector3d planks(double x, double y) {
                          0.05 * (value_noise(2.0 * x, 2.0 * y, 3) - 0.5);
     const double across = x / kPlankM - plank;
     const double gap = across < 0.025 || across > 0.975 ? 0.86 : 1.0;
-    return Vector3d(0.70, 0.59, 0.46) * tone * grain * gap;
+    // a capture room's lilac: far in hue from skin, from wood-coloured and grey clothes, in light
+    // and in shadow
+    return Vector3d(0.61, 0.50, 0.71) * tone * grain * gap;
 }
 
 Vector3d plaster(double along, double z, int wall) {
     if (z < 0.10)
-        return Vector3d(0.80, 0.79, 0.76) * (0.97 + 0.06 * value_noise(3.0 * along, 0.0, 9));
+        return Vector3d(0.72, 0.64, 0.82) * (0.97 + 0.06 * value_noise(3.0 * along, 0.0, 9));
     const double blotches = 0.95 + 0.10 * value_noise(1.3 * along, 1.3 * z, 4 + wall);
     const double grain = 0.97 + 0.06 * value_noise(25.0 * along, 25.0 * z, 8);
     const double band = std::abs(z - 1.05) < 0.015 ? 0.88 : 1.0;
-    const Vector3d upper(0.66, 0.71, 0.72);
-    const Vector3d lower(0.58, 0.65, 0.63);
+    const Vector3d upper(0.67, 0.58, 0.78);
+    const Vector3d lower(0.60, 0.50, 0.71);
     return (z > 1.05 ? upper : lower) * blotches * grain * band;
 }
 

@@ -10,8 +10,8 @@
 
 namespace atrium::simulation {
 
-constexpr double kAmbient = 0.5;  // light from everywhere, of a total of about one
-constexpr double kDiffuse = 0.5;  // light of the lamp on a surface that faces it
+constexpr double kAmbient = 0.6;  // light from everywhere, of a total of about one
+constexpr double kDiffuse = 0.4;  // light of the lamp on a surface that faces it
 
 /// An empty room around a rig: floor, four walls and a ceiling, all matt, one soft lamp; a table
 /// where the motion has one.

@@ -228,8 +228,9 @@ TEST_F(RoomRendererTest, ShadowOnTheFloorIsSoftAndNotBlack) {
             num_half += darkening > 0.12 && darkening < 0.28;
         }
     }
-    EXPECT_GT(deepest, 0.35);
-    EXPECT_LT(deepest, 0.52);
+    // all of the lamp's light at the most: kDiffuse of kAmbient + kDiffuse, and noise
+    EXPECT_GT(deepest, 0.27);
+    EXPECT_LT(deepest, 0.42);
     EXPECT_GT(num_half, 100);  // the penumbra
 }
 
