@@ -25,8 +25,8 @@ const Eigen::Vector3f kLight = Eigen::Vector3f(0.30f, -0.22f, 1.0f).normalized()
 // sRGB-encoded
 const Eigen::Vector3f kHorizon(0.82f, 0.85f, 0.88f);
 const Eigen::Vector3f kZenith(0.45f, 0.54f, 0.66f);
-const Eigen::Vector3f kFloorColour(0.70f, 0.69f, 0.67f);
-constexpr double kFloorSizeM = 60.0;
+const Eigen::Vector3f kGroundColour(0.70f, 0.69f, 0.67f);
+constexpr double kGroundSizeM = 60.0;
 
 Eigen::Vector3f encode_srgb(const Eigen::Vector3d& linear) {
     return linear
@@ -103,7 +103,7 @@ struct SceneRenderer::Impl {
     void create_square();
     void draw_shadow();
     void draw_objects(const View& view);
-    void draw_floor(const View& view, const ObjectLook& look, bool is_default);
+    void draw_floor(const View& view, const ObjectLook& look, bool is_ground);
     void draw_floors(const View& view);
     void draw_background(const ViewCamera& camera);
     void smooth();
@@ -202,14 +202,14 @@ void SceneRenderer::Impl::draw_objects(const View& view) {
     glDisable(GL_CULL_FACE);
 }
 
-void SceneRenderer::Impl::draw_floor(const View& view, const ObjectLook& look, bool is_default) {
+void SceneRenderer::Impl::draw_floor(const View& view, const ObjectLook& look, bool is_ground) {
     const double height = look.world_from_object.translation.z();
     floor_shader.use();
     floor_shader.set("clip_from_world", Eigen::Matrix4f(view.clip_from_world.cast<float>()));
     floor_shader.set("world_from_floor",
                      Eigen::Matrix4f(look.world_from_object.matrix().cast<float>()));
     floor_shader.set("half_size", Eigen::Vector2f((0.5 * look.size_m.head<2>()).cast<float>()));
-    floor_shader.set("colour", is_default ? kFloorColour : encode_srgb(look.colour));
+    floor_shader.set("colour", is_ground ? kGroundColour : encode_srgb(look.colour));
     floor_shader.set("horizon", kHorizon);
     gl::bind_texture(0, shadow.colour);
     floor_shader.set("shadow", 0);
@@ -225,16 +225,20 @@ void SceneRenderer::Impl::draw_floor(const View& view, const ObjectLook& look, b
 }
 
 void SceneRenderer::Impl::draw_floors(const View& view) {
+    double lowest = 0.0;
     bool has_floor = false;
     for (const auto& [id, object] : objects) {
         if (!object.is_floor()) continue;
         draw_floor(view, object.look, false);
         has_floor = true;
+        lowest = std::min(lowest, object.look.world_from_object.translation.z());
     }
-    if (has_floor) return;
-    ObjectLook floor{.shape = ShapeKind::kPlane};
-    floor.size_m = {kFloorSizeM, kFloorSizeM, 0.0};
-    draw_floor(view, floor, true);
+    // the ground around, after them: what they cover of it is not drawn
+    constexpr double kBelowM = 0.01;
+    ObjectLook ground{.shape = ShapeKind::kPlane};
+    ground.size_m = {kGroundSizeM, kGroundSizeM, 0.0};
+    ground.world_from_object.translation.z() = has_floor ? lowest - kBelowM : 0.0;
+    draw_floor(view, ground, true);
 }
 
 void SceneRenderer::Impl::draw_background(const ViewCamera& camera) {

@@ -56,7 +56,7 @@ public:
     void remove_person(const std::string& site);
     std::size_t num_people() const;
 
-    /// Planes with their normal up are drawn as floor; without any there is one around the origin.
+    /// Planes with their normal up are drawn as floor, on the ground that reaches to the horizon.
     void set_object(std::uint32_t object, const ObjectLook& look);
     /// Unknown objects are left alone: their description has not come yet.
     void move_object(std::uint32_t object, const geometry::RigidTransform& world_from_object);
