@@ -50,10 +50,15 @@ private:
 
 class Demo {
 public:
-    Demo(const DemoConfig& config, StatusBoard board, bus::Waiter waiter, std::string world)
+    Demo(const DemoConfig& config,
+         StatusBoard board,
+         bus::Waiter waiter,
+         bus::Writer<bus::SceneCommand> commands,
+         std::string world)
         : config_(config),
           board_(std::move(board)),
           waiter_(std::move(waiter)),
+          commands_(std::move(commands)),
           world_(std::move(world)) {}
 
     Expected<void> start_programs();
@@ -72,6 +77,7 @@ private:
     const DemoConfig& config_;
     StatusBoard board_;
     bus::Waiter waiter_;
+    bus::Writer<bus::SceneCommand> commands_;
     std::string world_;
     Display display_;
     std::vector<ChildProcess> children_;
@@ -176,7 +182,15 @@ Expected<void> Demo::wait_until_everybody_is_on(std::stop_token stop) {
 Expected<void> Demo::measure(std::stop_token stop) {
     board_.begin_report();
     const auto begin = Clock::now();
+    double next_reset_s = 0.0;
     for (int second = 1;; ++second) {
+        if (config_.reset_seconds > 0 && measured_seconds_ >= next_reset_s) {
+            next_reset_s += config_.reset_seconds;
+            bus::SceneCommand reset;
+            reset.sender = "demo";
+            reset.kind = bus::CommandKind::kReset;
+            if (auto sent = commands_.write(reset); !sent) return tl::unexpected(sent.error());
+        }
         const bool go_on = sleep(stop, begin + std::chrono::seconds(second));
         measured_seconds_ = std::chrono::duration<double>(Clock::now() - begin).count();
         if (auto alive = check_children(); !alive) return alive;
@@ -225,6 +239,10 @@ void declare(DemoConfig& config, config::OptionSet& options) {
         "seconds", config.seconds, "length of the measured part [s]; 0: until Ctrl-C", {0, 1e6});
     options.add(
         "startup-seconds", config.startup_seconds, "patience until everybody is on [s]", {1, 1e5});
+    options.add("reset-seconds",
+                config.reset_seconds,
+                "how often the world's objects are put back [s]; 0: never",
+                {0, 1e6});
     options.add("window", config.window, "open a window", {"auto", "yes", "no"});
     options.add("output", config.output, "folder for picture, video, report and logs");
     options.add("programs",
@@ -258,8 +276,10 @@ Expected<void> run_demo(const DemoConfig& given, std::stop_token stop) {
     auto waiter = bus::Waiter::create(*participant);
     if (!waiter) return tl::unexpected(waiter.error());
     board->attach(*waiter);
+    auto commands = bus::Writer<bus::SceneCommand>::create(*participant);
+    if (!commands) return tl::unexpected(commands.error());
 
-    Demo demo(config, std::move(*board), std::move(*waiter), world);
+    Demo demo(config, std::move(*board), std::move(*waiter), std::move(*commands), world);
     Expected<void> result = demo.start_programs();
     if (result) result = demo.wait_until_everybody_is_on(stop);
     if (result && !stop.stop_requested()) result = demo.measure(stop);

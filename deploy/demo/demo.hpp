@@ -13,6 +13,8 @@ struct DemoConfig {
     double seconds = 20.0;  // measured, from the first picture with everybody on; 0: until Ctrl-C
     double startup_seconds =
         300;  // how long the rooms may take to be rendered and everybody to appear
+    double reset_seconds = 12.0;  // the world's objects are put back this often, so that there is
+                                  // something to push; 0: never
     std::string window = "auto";  // auto: where a display is; yes; no
     std::filesystem::path output = "out/demo";
     std::filesystem::path
