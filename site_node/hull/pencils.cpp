@@ -31,6 +31,8 @@ void fill_side(const Cones& cones,
     side.angle.resize(n);
     side.across.resize(n);
     side.offset.resize(n);
+    side.inverse_offset.resize(n);
+    side.end_positions.resize(n);
     side.sorted.resize(n);
     side.position.resize(n);
     side.rank.resize(n);
@@ -41,6 +43,7 @@ void fill_side(const Cones& cones,
         side.across[j] = {frame.e1.dot(ray), frame.e2.dot(ray)};
         side.angle[j] = pseudo_angle(side.across[j]);
         side.offset[j] = cones.normal[view.first + j].dot(baseline);
+        side.inverse_offset[j] = 1.0 / side.offset[j];
         buffer.emplace_back(side.angle[j], j);
     }
     std::sort(buffer.begin(), buffer.end());
@@ -54,6 +57,8 @@ void fill_side(const Cones& cones,
         if (turn >= 2.0) turn -= 4.0;
         if (turn < -2.0) turn += 4.0;
         side.rises[j] = turn > 0.0 || (turn == 0.0 && j < after);
+        side.end_positions[j] = {side.position[j], side.position[after]};
+        if (side.rises[j] == 0) std::swap(side.end_positions[j][0], side.end_positions[j][1]);
     }
 }
 

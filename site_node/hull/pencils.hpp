@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include <array>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -20,12 +21,17 @@ namespace atrium::hull {
 struct PencilSide {
     std::vector<double> angle;            // pseudo-angle around the baseline in [-2, 2)
     std::vector<Eigen::Vector2d> across;  // ray in the plane across the baseline
-    std::vector<double> offset;  // strip normal times baseline (this centre -> other centre) [m]
+    // strip normal times baseline (this centre -> other centre) [m], and its inverse
+    std::vector<double> offset;
+    std::vector<double> inverse_offset;
     std::vector<std::uint32_t> sorted;    // own rays by angle
     std::vector<std::uint32_t> position;  // inverse of `sorted`
     std::vector<std::uint32_t> rank;      // number of the other camera's rays before this ray
-    std::vector<std::uint8_t>
-        rises;  // strip g runs towards greater angles from ray g to ray next[g]
+    // strip g runs towards greater angles from ray g to ray next[g]
+    std::vector<std::uint8_t> rises;
+    // positions of the rays with the smaller (0) and the greater angle (1) of the two that bound
+    // strip g
+    std::vector<std::array<std::uint32_t, 2>> end_positions;
 };
 
 /// sides[i * num_views + k]: rays of view i in the pencil of i and k.

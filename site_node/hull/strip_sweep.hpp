@@ -126,6 +126,7 @@ private:
     void remove_pair(std::uint32_t strip_a, std::uint32_t strip_b, const Event& event);
     std::size_t find_line(std::uint32_t strip) const;
 
+    // strip_sweep_vertices.cpp: names and places
     std::uint32_t add_vertex(VertexKey key, const Corner& at, bool is_owner, bool on_viewing_edge);
     std::uint32_t ray_vertex(std::uint32_t ray, std::uint32_t strip, double u);
     std::uint32_t centre_vertex();

@@ -9,8 +9,8 @@ namespace atrium::hull {
 // Where the plane of `strip` cuts `ray` of this view: 1 / depth.
 double StripSweep::u_at_ray(std::uint32_t ray, std::uint32_t strip) const {
     const std::uint32_t k = cones_->view_of[strip];
-    const double offset = pencils_->side(k, view_).offset[strip - cones_->views[k].first];
-    return -cones_->normal[strip].dot(cones_->ray[ray]) / offset;
+    const double inverse = pencils_->side(k, view_).inverse_offset[strip - cones_->views[k].first];
+    return -cones_->normal[strip].dot(cones_->ray[ray]) * inverse;
 }
 
 // All lines at the first ray of a run, in order.
@@ -32,9 +32,7 @@ void StripSweep::start_lines(std::uint32_t ray) {
         const std::uint32_t rank = pencils_->side(view_, k).rank[local_ray];
         const std::uint32_t first = cones_->views[k].first;
         for (std::uint32_t g = first; g < cones_->views[k].last; ++g) {
-            std::uint32_t from = other.position[g - first];
-            std::uint32_t to = other.position[cones_->next[g] - first];
-            if (!other.rises[g - first]) std::swap(from, to);
+            const auto [from, to] = other.end_positions[g - first];
             // the arc (from, to] of sorted positions holds the ray's rank, maybe across the end of
             // the circle
             const bool pierced =
@@ -116,9 +114,7 @@ void StripSweep::aim(Line& line) {
     const PencilSide& other = pencils_->side(k, view_);
     const std::uint32_t first = cones_->views[k].first;
     const auto n = static_cast<std::uint32_t>(other.sorted.size());
-    const bool towards_next = static_cast<bool>(other.rises[line.strip - first]) == range.rising;
-    const std::uint32_t end_ray = towards_next ? cones_->next[line.strip] : line.strip;
-    const std::uint32_t position = other.position[end_ray - first];
+    const std::uint32_t position = other.end_positions[line.strip - first][range.rising ? 1 : 0];
     std::uint32_t steps =
         range.rising ? position + n - range.first_position : range.first_position + n - position;
     if (steps >= n) steps -= n;
