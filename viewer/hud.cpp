@@ -6,7 +6,7 @@ namespace atrium::viewer {
 
 void draw_hud(const HudFigures& figures) {
     ImGui::SetNextWindowPos({10.0f, 10.0f});
-    ImGui::SetNextWindowBgAlpha(0.45f);
+    ImGui::SetNextWindowBgAlpha(0.6f);
     const int flags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
                       ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoSavedSettings;
     ImGui::Begin("figures", nullptr, flags);
@@ -20,8 +20,8 @@ void draw_hud(const HudFigures& figures) {
     for (const std::string& site : figures.sites) ImGui::TextUnformatted(site.c_str());
     if (figures.sites.empty()) ImGui::TextUnformatted("nobody is here");
     ImGui::Separator();
-    ImGui::TextDisabled("drag: orbit   shift-drag: look   right: pan   wheel: zoom");
-    ImGui::TextDisabled("WASD QE: fly   V: view   R: reset objects   F12: picture   H: hide");
+    ImGui::TextUnformatted("drag: orbit   shift-drag: look   right: pan   wheel: zoom");
+    ImGui::TextUnformatted("WASD QE: fly   V: view   R: reset objects   F12: picture   H: hide");
     ImGui::End();
 }
 

@@ -34,8 +34,8 @@ class Surface {
 public:
     virtual ~Surface() = default;
     virtual std::string description() const = 0;
-    /// True if `show` waits for the display.
-    virtual bool paces_itself() const = 0;
+    /// Pictures per second that the display can show [Hz]; 0 where there is none.
+    virtual double display_hz() const = 0;
     virtual std::array<int, 2> size() const = 0;  // of the picture [px]
     virtual SurfaceEvents poll() = 0;
     /// Returns when the picture is finished.

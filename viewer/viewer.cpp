@@ -45,6 +45,13 @@ renderer::ShapeKind shape_kind(bus::Shape shape) {
     return renderer::ShapeKind::kBox;
 }
 
+double pictures_per_second(const ViewConfig& view, const Surface& surface) {
+    if (view.max_fps > 0.0) return view.max_fps;
+    // a display that does not wait for its turn is not outrun; one that does keeps its own time
+    constexpr double kSlack = 1.05;
+    return surface.display_hz() > 0.0 ? kSlack * surface.display_hz() : kHeadlessFps;
+}
+
 Expected<std::unique_ptr<Surface>> open_surface(const ViewerConfig& config) {
     const SurfaceOptions options{.width = config.view.width,
                                  .height = config.view.height,
@@ -251,8 +258,7 @@ void Viewer::Impl::update_status(Clock::time_point now) {
 }
 
 Expected<void> Viewer::Impl::loop(std::stop_token stop) {
-    const double max_fps =
-        config.view.max_fps > 0.0 || surface->paces_itself() ? config.view.max_fps : kHeadlessFps;
+    const double max_fps = pictures_per_second(config.view, *surface);
     const Clock::time_point begin = Clock::now();
     Clock::time_point counted_since = begin;
     std::uint64_t counted_from = 0;
@@ -288,7 +294,6 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
         if (is_counting && config.frames > 0 && num_frames - counted_from >= config.frames) break;
         if (is_counting && config.seconds > 0.0 && now - counted_since >= seconds(config.seconds))
             break;
-        if (max_fps <= 0.0) continue;
         // what was late is not made up for
         due = std::max(due + seconds(1.0 / max_fps), now);
         std::unique_lock lock(mutex);

@@ -24,8 +24,7 @@ std::string last_glfw_error() {
 
 class Window : public Surface {
 public:
-    Window(GLFWwindow* window, bool wait_for_display)
-        : window_(window), wait_for_display_(wait_for_display) {
+    explicit Window(GLFWwindow* window) : window_(window) {
         glfwSetWindowUserPointer(window_, this);
         glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int) {
             if (action == GLFW_PRESS)
@@ -55,7 +54,11 @@ public:
         const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
         return std::string("window, ") + (name == nullptr ? "unknown renderer" : name);
     }
-    bool paces_itself() const override { return wait_for_display_; }
+    double display_hz() const override {
+        constexpr int kUsualHz = 60;  // of displays that do not tell, virtual ones for example
+        const GLFWvidmode* mode = glfwGetVideoMode(glfwGetPrimaryMonitor());
+        return mode != nullptr && mode->refreshRate > 0 ? mode->refreshRate : kUsualHz;
+    }
     std::array<int, 2> size() const override {
         std::array<int, 2> size{};
         glfwGetFramebufferSize(window_, &size[0], &size[1]);
@@ -116,7 +119,6 @@ private:
     }
 
     GLFWwindow* window_;
-    bool wait_for_display_;
     bool is_hud_shown_ = true;
     SurfaceEvents events_;
     Eigen::Vector2d last_cursor_ = Eigen::Vector2d::Zero();
@@ -147,7 +149,7 @@ Expected<std::unique_ptr<Surface>> open_window(const SurfaceOptions& options) {
         return tl::unexpected(loaded.error());
     }
     glfwSwapInterval(options.wait_for_display ? 1 : 0);
-    return std::make_unique<Window>(window, options.wait_for_display);
+    return std::make_unique<Window>(window);
 }
 
 }  // namespace atrium::viewer
