@@ -331,6 +331,17 @@ Expected<void> Viewer::run(std::stop_token stop) {
         result = impl_->loop(stop);
     }
     impl_->update_status(Clock::now());
+    const bus::ViewerStatus last = status();
+    app::log::info(
+        "viewer_stopped frames={} pairs_shown={} pairs_skipped={} incomplete={} rejected={} "
+        "capture_to_display_ms={:.1f} p99_ms={:.1f}",
+        last.num_frames,
+        last.num_pairs_shown,
+        last.num_pairs_skipped,
+        last.num_incomplete,
+        last.num_rejected,
+        last.capture_to_display.median_ms,
+        last.capture_to_display.p99_ms);
     if (result) result = impl_->write_output();
     impl_->close();
     return result;

@@ -2,6 +2,7 @@
 
 #include "core/gl/resources.hpp"
 #include "core/gl/shader_program.hpp"
+#include "viewer/renderer/object_drawing.hpp"
 #include "viewer/renderer/person_drawing.hpp"
 #include "viewer/renderer/shaders.hpp"
 
@@ -35,41 +36,6 @@ Eigen::Vector3f encode_srgb(const Eigen::Vector3d& linear) {
             return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055;
         })
         .cast<float>();
-}
-
-struct ObjectDrawing {
-    ObjectLook look;
-    gl::VertexArray layout;
-    gl::Buffer corners;
-    gl::Buffer indices;
-    int num_indices = 0;
-
-    bool is_floor() const {
-        return look.shape == ShapeKind::kPlane &&
-               (look.world_from_object.rotation * Eigen::Vector3d::UnitZ()).z() > 0.99;
-    }
-};
-
-ObjectDrawing make_object(const ObjectLook& look) {
-    const ShapeMesh mesh = make_shape(look.shape, look.size_m);
-    ObjectDrawing object{.look = look,
-                         .layout = gl::make_vertex_array(),
-                         .corners = gl::make_buffer(),
-                         .indices = gl::make_buffer(),
-                         .num_indices = static_cast<int>(mesh.indices.size())};
-    glBindVertexArray(object.layout.id());
-    gl::upload(object.corners,
-               GL_ARRAY_BUFFER,
-               std::span<const ShapeMesh::Corner>(mesh.corners),
-               GL_STATIC_DRAW);
-    gl::float_attribute(0, 3, sizeof(ShapeMesh::Corner), 0);
-    gl::float_attribute(1, 3, sizeof(ShapeMesh::Corner), sizeof(Eigen::Vector3f));
-    gl::upload(object.indices,
-               GL_ELEMENT_ARRAY_BUFFER,
-               std::span<const std::uint32_t>(mesh.indices),
-               GL_STATIC_DRAW);
-    glBindVertexArray(0);
-    return object;
 }
 
 struct View {

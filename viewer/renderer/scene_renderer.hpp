@@ -2,11 +2,9 @@
 
 #include "core/base/expected.hpp"
 #include "core/geometry/rigid_transform.hpp"
+#include "viewer/renderer/object_look.hpp"
 #include "viewer/renderer/person_model.hpp"
-#include "viewer/renderer/shape_mesh.hpp"
 #include "viewer/renderer/view_camera.hpp"
-
-#include <Eigen/Core>
 
 #include <cstdint>
 #include <memory>
@@ -14,14 +12,6 @@
 #include <vector>
 
 namespace atrium::renderer {
-
-/// A rigid object of the scene.
-struct ObjectLook {
-    ShapeKind shape = ShapeKind::kBox;
-    Eigen::Vector3d size_m = Eigen::Vector3d::Ones();         // as `make_shape` takes it
-    Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // linear RGB in [0, 1]
-    geometry::RigidTransform world_from_object = {};
-};
 
 /// 8-bit RGBA, rows from the top.
 struct RenderedPicture {
