@@ -10,11 +10,12 @@ namespace {
 
 constexpr double kMaxCoordinate_px =
     1e6;  // no silhouette is larger; beyond, pixels lose their meaning in double
-constexpr double kMaxDistance_m = 1e6;      // of a camera from the origin
-constexpr std::size_t kMaxContours = 2000;  // of one view; nesting is tested pairwise
-constexpr double kFirstJitter_px = 1e-6;    // moves a surface 3 m away by 3 nm
-constexpr double kJitterGrowth = 10.0;      // per attempt
-constexpr double kSameCentre_m = 1e-6;      // two centres nearer than this span no usable baseline
+constexpr double kMaxDistance_m = 1e6;             // of a camera from the origin
+constexpr std::size_t kMaxPencilRays = 4'000'000;  // each is kept for each other view: 250 MB
+constexpr std::size_t kMaxContours = 2000;         // of one view; nesting is tested pairwise
+constexpr double kFirstJitter_px = 1e-6;           // moves a surface 3 m away by 3 nm
+constexpr double kJitterGrowth = 10.0;             // per attempt
+constexpr double kSameCentre_m = 1e-6;  // two centres nearer than this span no usable baseline
 constexpr std::uint64_t kTestsPerSegment =
     2000;  // of the search for crossings: reached only by scribbles
 
@@ -146,7 +147,9 @@ HullStatus clean_views(std::span<const SilhouetteView> views,
     for (const SilhouetteView& view : views) {
         for (const auto& contour : view.contours) num_points += contour.size();
     }
-    if (num_points > options.max_segments) return HullStatus::kTooComplex;
+    if (num_points > options.max_segments || num_points * views.size() > kMaxPencilRays) {
+        return HullStatus::kTooComplex;
+    }
     if (!std::all_of(views.begin(), views.end(), is_valid)) return HullStatus::kInvalidInput;
 
     CleanViews& clean = scratch.clean;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace atrium::hull {
 
@@ -13,6 +14,7 @@ void StripSweep::run(const Cones& cones,
     cones_ = &cones;
     pencils_ = &pencils;
     faces_ = &faces;
+    max_steps_ = max_steps;
     view_ = run.view;
     const std::size_t n = cones.num_views();
     full_ = n == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << n) - 1;
@@ -29,7 +31,7 @@ void StripSweep::run(const Cones& cones,
     }
     for (std::uint32_t s = 0, strip = run.first; s < run.count; ++s, strip = cones.next[strip]) {
         sweep_strip(strip);
-        if (faces.failed || faces.unbounded || faces.num_steps > max_steps) return;
+        if (must_stop() || faces.unbounded) return;
     }
 }
 
@@ -48,25 +50,38 @@ void StripSweep::sweep_strip(std::uint32_t strip) {
         }
     }
     begin_faces();
-    // cameras' events are in order already; few in number, so insertion is the fastest merge, and
-    // it is stable. `aim` needs them as they were: only an index is sorted
-    order_.clear();
-    for (std::uint32_t e = 0; e < events_.size(); ++e) {
-        std::size_t at = order_.size();
-        order_.push_back(e);
-        while (at > 0 && events_[order_[at - 1]].phi > events_[e].phi) {
-            order_[at] = order_[at - 1];
-            --at;
-        }
-        order_[at] = e;
-    }
+    sort_events();
     for (const std::uint32_t e : order_) {
         advance(events_[e].phi);
+        if (must_stop()) return;
         handle(events_[e]);
-        if (faces_->failed) return;
+        if (must_stop()) return;
     }
     advance(1.0);
+    if (must_stop()) return;
     end_faces();
+}
+
+// Only an index is sorted: `aim` needs the events as they were collected.
+void StripSweep::sort_events() {
+    order_.resize(events_.size());
+    std::iota(order_.begin(), order_.end(), 0u);
+    faces_->num_steps += events_.size();
+    const auto is_before = [this](std::uint32_t l, std::uint32_t r) {
+        return events_[l].phi != events_[r].phi ? events_[l].phi < events_[r].phi : l < r;
+    };
+    constexpr std::size_t kFew = 64;
+    if (order_.size() > kFew) {
+        std::sort(order_.begin(), order_.end(), is_before);
+        return;
+    }
+    // each camera's events are in order already: insertion is the fastest merge of few
+    for (std::size_t i = 1; i < order_.size(); ++i) {
+        const std::uint32_t e = order_[i];
+        std::size_t at = i;
+        for (; at > 0 && is_before(e, order_[at - 1]); --at) order_[at] = order_[at - 1];
+        order_[at] = e;
+    }
 }
 
 void StripSweep::begin_faces() {
@@ -138,6 +153,7 @@ void StripSweep::resolve_crossings(double phi) {
             }
         }
         faces_->num_steps += lines_.size();
+        if (must_stop()) return;
         if (first == 0) {
             // not a number compares as neither
             for (std::size_t p = 1; p < lines_.size(); ++p)

@@ -115,6 +115,7 @@ private:
 
     // strip_sweep.cpp: the sweep itself
     void sweep_strip(std::uint32_t strip);
+    void sort_events();
     void begin_faces();
     void end_faces();
     void advance(double phi);
@@ -135,11 +136,13 @@ private:
     void end_edge(const Line& line, std::uint32_t vertex, Side side);
 
     std::uint64_t mask_above(std::size_t p) const { return lines_[p - 1].inside_below; }
+    bool must_stop() const { return faces_->failed || faces_->num_steps > max_steps_; }
     bool is_full(std::uint64_t mask) const { return mask == full_; }
 
     const Cones* cones_ = nullptr;
     const Pencils* pencils_ = nullptr;
     RunFaces* faces_ = nullptr;
+    std::uint64_t max_steps_ = 0;
     std::uint32_t view_ = 0;
     std::uint32_t strip_ = 0;
     std::uint64_t full_ = 0;

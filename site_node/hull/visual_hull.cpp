@@ -72,8 +72,9 @@ SweepOutcome sweep_all(HullScratch::Data& data, const HullOptions& options, Exec
     plan_runs(data.cones, data.runs);
     if (data.faces.size() < data.runs.size()) data.faces.resize(data.runs.size());
     if (data.sweeps.size() < executor.num_workers()) data.sweeps.resize(executor.num_workers());
+    // the runs' shares differ: four times the mean is still a bound on the whole
     const std::uint64_t max_steps =
-        options.max_steps / std::max<std::size_t>(data.runs.size(), 1) + 100'000;
+        4 * options.max_steps / std::max<std::size_t>(data.runs.size(), 1) + 100'000;
     const auto sweep_run = [&](std::size_t task, std::size_t worker) {
         data.sweeps[worker].run(
             data.cones, data.pencils, data.runs[task], max_steps, data.faces[task]);

@@ -79,6 +79,16 @@ protected:
             GTEST_SKIP() << "the cones have no common point";
         ASSERT_EQ(hull_.status, HullStatus::kOk) << to_string(hull_.status);
     }
+    // A camera that all others see inside their silhouettes is a vertex with as many faces as its
+    // outline has edges.
+    bool has_camera_centre() const {
+        return std::any_of(views_.begin(), views_.end(), [&](const SilhouetteView& view) {
+            const Eigen::Vector3d centre = view.camera_from_site.inverse().translation;
+            return std::any_of(hull_.mesh.vertices.begin(),
+                               hull_.mesh.vertices.end(),
+                               [&](const auto& p) { return (p - centre).norm() < 1e-9; });
+        });
+    }
     std::vector<SilhouetteView> views_;
     VisualHull hull_;
 };
@@ -89,7 +99,9 @@ TEST_P(RandomScene, HasAClosedManifoldHullInGeneralPosition) {
     EXPECT_TRUE(report.manifold);
     EXPECT_GT(report.volume_m3, 0.0);
     EXPECT_EQ(hull_.num_attempts, 1u);
-    EXPECT_EQ(hull_.mesh.vertices.size() % 2, 0u);
+    if (!has_camera_centre()) {
+        EXPECT_EQ(hull_.mesh.vertices.size() % 2, 0u);
+    }
     EXPECT_EQ(static_cast<std::int64_t>(hull_.mesh.triangles.size()),
               2 * static_cast<std::int64_t>(hull_.mesh.vertices.size()) -
                   2 * report.euler_characteristic);

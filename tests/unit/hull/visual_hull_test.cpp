@@ -330,6 +330,22 @@ TEST_F(HullOfASphere, RefusesMoreWorkThanAllowed) {
     EXPECT_EQ(compute_visual_hull(views_, options, scratch_).status, HullStatus::kTooComplex);
 }
 
+TEST_F(HullOfASphere, StopsAfterTheAllowedSteps) {
+    // 40 combs across each other: many crossings on every strip
+    std::vector<SilhouetteView> views;
+    for (const auto& camera : test::make_ring_rig({.num_cameras = 40})) {
+        Contour comb;
+        for (int i = 0; i < 120; ++i)
+            comb.emplace_back(i % 2 == 0 ? 200.0 : 800.0, 200.0 + 4.0 * i);
+        for (int i = 119; i >= 0; --i)
+            comb.emplace_back(i % 2 == 0 ? 202.0 : 802.0, 202.0 + 4.0 * i);
+        views.push_back(test::make_view(camera, {comb}));
+    }
+    HullOptions options;
+    options.max_steps = 1000;
+    EXPECT_EQ(compute_visual_hull(views, options, scratch_).status, HullStatus::kTooComplex);
+}
+
 TEST_F(HullOfASphere, LeavesOutContoursWithoutArea) {
     const VisualHull clean = compute_visual_hull(views_, {}, scratch_);
     views_[0].contours.push_back({{10.0, 10.0}, {20.0, 10.0}, {30.0, 10.0}});
