@@ -8,7 +8,7 @@ endif()
 
 function(_atrium_options target)
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wshadow -Wnon-virtual-dtor
-                           -Wno-stringop-overflow>) # g++ 12 reports fmt 9 for it, wrongly
+                           -Wno-stringop-overflow -Wno-restrict>) # wrong alarms of g++ 12 in fmt and std::string
     if(ATRIUM_WERROR)
         target_compile_options(${target} PRIVATE -Werror)
     endif()
@@ -49,4 +49,15 @@ function(atrium_test name)
         set(ARG_TIMEOUT 300)
     endif()
     set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
+    if(ATRIUM_SANITIZE MATCHES thread)
+        set_tests_properties(${name} PROPERTIES ENVIRONMENT
+                             "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp")
+    endif()
+    # `cmake --build build --target tests_threads` builds what `ctest -L threads` runs
+    foreach(label ${ARG_LABELS})
+        if(NOT TARGET tests_${label})
+            add_custom_target(tests_${label})
+        endif()
+        add_dependencies(tests_${label} ${name})
+    endforeach()
 endfunction()

@@ -1,5 +1,6 @@
 #!/bin/sh
 # Packages, configuration, build: `deploy/build.sh FOLDER [cmake options]`. What is done already is not done again.
+# TARGETS="a b" builds only these.
 set -eu
 cd "$(dirname "$0")/.."
 folder=$1
@@ -9,4 +10,4 @@ echo "configure: $folder"
 cmake -S . -B "$folder" -G Ninja "$@" > "$folder.configure.log" 2>&1 || { cat "$folder.configure.log" >&2; exit 1; }
 mv "$folder.configure.log" "$folder/configure.log"
 echo "build: $folder (the first time takes some minutes)"
-cmake --build "$folder"
+cmake --build "$folder" --target ${TARGETS:-all}

@@ -33,10 +33,8 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             {1, 10000});
 
     SimulationConfig& room = config.simulation;
-    set.add("simulation.look",
-            room.look,
-            "who stands in the simulated room",
-            simulation::look_names());
+    set.add(
+        "simulation.look", room.look, "who stands in the simulated room", simulation::look_names());
     set.add("simulation.motion", room.motion, "what they do", simulation::motion_names());
     set.add("simulation.loop_s",
             room.loop_s,

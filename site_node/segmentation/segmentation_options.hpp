@@ -7,8 +7,8 @@ namespace atrium::segmentation {
 struct SegmentationOptions {
     /// Mahalanobis distance up to which the chroma of a pixel can be background.
     double max_chroma_distance = 6.0;
-    /// Least deviation of chroma (quantisation, compression, few frames), added to what was learned;
-    /// at least 1.
+    /// Least deviation of chroma (quantisation, compression, few frames), added to what was
+    /// learned; at least 1.
     double min_chroma_sigma = 1.6;
 
     /// A surface in shadow keeps at least this part of its luma, and its hue.

@@ -1,0 +1,301 @@
+#include "core/bus/bus.hpp"
+#include "core/bus/topics.hpp"
+#include "viewer/viewer.hpp"
+#include "world_server/world_server.hpp"
+
+#include <dds/dds.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstring>
+#include <random>
+#include <thread>
+#include <vector>
+
+// Somebody in the world writes whatever its memory holds, on every topic, past Atrium's own checks.
+namespace atrium {
+namespace {
+
+constexpr std::uint32_t kDomain = 178;  // of this test alone
+constexpr const char* kWorld = "hostile-peer-test";
+
+bus::BusOptions bus_options() {
+    bus::BusOptions options;
+    options.world = kWorld;
+    options.domain = kDomain;
+    return options;
+}
+
+/// Fills wire structs: sometimes plausible, sometimes bytes as they fall. Owns what their sequences
+/// point at until `forget`.
+class Garbage {
+public:
+    explicit Garbage(std::uint32_t seed) : random_(seed) {}
+
+    void forget() { memory_.clear(); }
+
+    template <typename Wire>
+    Wire any() {
+        Wire wire;
+        std::memset(static_cast<void*>(&wire), 0, sizeof wire);
+        fill(wire);
+        return wire;
+    }
+
+private:
+    std::uint32_t below(std::uint32_t limit) { return random_() % limit; }
+    bool chance(std::uint32_t percent) { return below(100) < percent; }
+
+    void number(double& v) {
+        if (chance(90)) {
+            v = std::uniform_real_distribution<double>(-2, 2)(random_);
+        } else {
+            const std::uint64_t bits = (std::uint64_t{random_()} << 32) | random_();
+            std::memcpy(&v, &bits, sizeof v);
+        }
+    }
+    template <std::size_t n>
+    void numbers(double (&values)[n]) {
+        for (double& v : values) number(v);
+    }
+    void pose(atrium_Pose& p) {
+        numbers(p.rotation);
+        numbers(p.translation);
+        if (chance(60)) std::copy_n(std::array{0.0, 0.0, 0.0, 1.0}.data(), 4, p.rotation);
+    }
+    template <std::size_t n>
+    void name(char (&text)[n]) {
+        const bool plausible = chance(80);
+        const std::size_t length = plausible ? 1 + below(3) : below(n);
+        for (std::size_t i = 0; i < length; ++i) {
+            text[i] =
+                plausible ? static_cast<char>('a' + below(3)) : static_cast<char>(1 + below(255));
+        }
+        text[length] = 0;
+    }
+    template <typename Sequence>
+    auto* elements(Sequence& sequence, std::uint32_t length) {
+        using Element = std::remove_pointer_t<decltype(sequence._buffer)>;
+        memory_.emplace_back(length * sizeof(Element) + sizeof(Element), 0);
+        sequence._buffer = reinterpret_cast<Element*>(memory_.back().data());
+        sequence._length = sequence._maximum = length;
+        return sequence._buffer;
+    }
+    template <typename Sequence>
+    void bytes(Sequence& sequence) {
+        auto* data = elements(sequence, below(chance(10) ? 60000 : 300));
+        for (std::uint32_t i = 0; i < sequence._length; ++i)
+            data[i] = static_cast<std::uint8_t>(random_());
+        // as a decoder would like to see it begin
+        if (chance(50) && sequence._length > 8)
+            std::memcpy(data, chance(50) ? "DRACO\2\2\1" : "\xff\xd8\xff\xe0\0\x10JF", 8);
+    }
+
+    void fill(atrium_SiteDescription& w) {
+        name(w.site);
+        auto* cameras = elements(w.cameras, below(5));
+        for (std::uint32_t i = 0; i < w.cameras._length; ++i) {
+            name(cameras[i].name);
+            cameras[i].width = chance(80) ? 640 : random_();
+            cameras[i].height = chance(80) ? 480 : random_();
+            for (double* v : {&cameras[i].fx,
+                              &cameras[i].fy,
+                              &cameras[i].cx,
+                              &cameras[i].cy,
+                              &cameras[i].skew}) {
+                number(*v);
+                if (chance(70)) *v = 500;
+            }
+            numbers(cameras[i].distortion);
+            pose(cameras[i].camera_from_site);
+        }
+        numbers(w.bounds_min);
+        numbers(w.bounds_max);
+    }
+    void fill(atrium_SiteMesh& w) {
+        name(w.site);
+        w.frame_id = random_();
+        w.capture_time_ns =
+            chance(50) ? Timestamp::now().ns : static_cast<std::int64_t>(random_()) << 32;
+        auto* cameras = elements(w.textured_cameras, below(6));
+        for (std::uint32_t i = 0; i < w.textured_cameras._length; ++i)
+            cameras[i] = chance(80) ? i : random_();
+        bytes(w.draco);
+    }
+    void fill(atrium_CameraTexture& w) {
+        name(w.site);
+        w.camera = chance(80) ? below(4) : random_();
+        w.frame_id = random_();
+        w.capture_time_ns = Timestamp::now().ns;
+        w.crop_x = chance(80) ? below(300) : random_();
+        w.crop_y = below(300);
+        w.crop_width = chance(80) ? 64 : random_();
+        w.crop_height = 64;
+        bytes(w.colour);
+        bytes(w.mask);
+    }
+    void fill(atrium_SitePlacement& w) {
+        name(w.site);
+        pose(w.world_from_site);
+    }
+    void fill(atrium_SceneObject& w) {
+        w.object = below(50);
+        name(w.name);
+        w.shape = static_cast<std::uint8_t>(chance(80) ? below(5) : random_());
+        numbers(w.size_m);
+        number(w.mass_kg);
+        numbers(w.colour);
+        pose(w.world_from_object);
+    }
+    void fill(atrium_SceneState& w) {
+        name(w.world);
+        w.tick = random_();
+        w.time_ns = chance(50) ? Timestamp::now().ns : -1;
+        auto* objects = elements(w.objects, below(20));
+        for (std::uint32_t i = 0; i < w.objects._length; ++i) {
+            objects[i].object = below(50);
+            pose(objects[i].world_from_object);
+            numbers(objects[i].linear_velocity);
+            numbers(objects[i].angular_velocity);
+        }
+    }
+    void fill(atrium_SceneCommand& w) {
+        name(w.sender);
+        w.kind = static_cast<std::uint8_t>(chance(80) ? below(4) : random_());
+        w.target = below(50);
+        numbers(w.impulse_ns);
+        fill(w.object);
+    }
+    void fill(atrium_SiteStatus& w) {
+        raw(w);
+        name(w.site);
+    }
+    void fill(atrium_WorldStatus& w) {
+        raw(w);
+        name(w.world);
+    }
+    void fill(atrium_ViewerStatus& w) {
+        raw(w);
+        name(w.viewer);
+    }
+    template <typename Wire>
+    void raw(Wire& w) {
+        auto* bytes_of = reinterpret_cast<std::uint8_t*>(&w);
+        for (std::size_t i = 0; i < sizeof w; ++i)
+            bytes_of[i] = static_cast<std::uint8_t>(random_());
+    }
+
+    std::mt19937 random_;
+    std::vector<std::vector<std::uint8_t>> memory_;
+};
+
+/// Writes without any check of ours.
+template <typename Message>
+class RawWriter {
+public:
+    RawWriter() {
+        participant_ = dds_create_participant(kDomain, nullptr, nullptr);
+        const dds_entity_t topic = dds_create_topic(participant_,
+                                                    &bus::Topic<Message>::kDescriptor,
+                                                    bus::Topic<Message>::kName,
+                                                    nullptr,
+                                                    nullptr);
+        dds_qos_t* qos = dds_create_qos();
+        dds_qset_partition1(qos, kWorld);
+        dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
+        dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
+        dds_qset_liveliness(qos, DDS_LIVELINESS_AUTOMATIC, DDS_MSECS(1200));
+        writer_ = dds_create_writer(participant_, topic, qos, nullptr);
+        dds_delete_qos(qos);
+    }
+    ~RawWriter() { dds_delete(participant_); }
+    RawWriter(const RawWriter&) = delete;
+    RawWriter& operator=(const RawWriter&) = delete;
+
+    bool is_open() const { return writer_ > 0; }
+    void write_any(Garbage& garbage) {
+        const auto wire = garbage.any<typename bus::Topic<Message>::Wire>();
+        dds_write(writer_, &wire);  // may time out or be refused: that is the bus's right
+        garbage.forget();
+    }
+
+private:
+    dds_entity_t participant_ = 0;
+    dds_entity_t writer_ = 0;
+};
+
+TEST(HostilePeer, GarbageOnEveryTopicIsCountedAndHarmsNobody) {
+    world_server::WorldServerConfig world_config;
+    world_config.bus = bus_options();
+    auto world = world_server::WorldServer::create(world_config);
+    ASSERT_TRUE(world) << world.error().message;
+    viewer::ViewerConfig viewer_config;
+    viewer_config.bus = bus_options();
+    viewer_config.headless = true;
+    viewer_config.view.width = 160;
+    viewer_config.view.height = 120;
+    auto viewer = viewer::Viewer::create(viewer_config);
+    ASSERT_TRUE(viewer) << viewer.error().message;
+    auto participant = bus::Participant::create(bus_options());
+    ASSERT_TRUE(participant);
+    auto status_reader = bus::Reader<bus::SiteStatus>::create(*participant);
+    ASSERT_TRUE(status_reader);
+
+    std::jthread world_thread([&](std::stop_token stop) { EXPECT_TRUE((*world)->run(stop)); });
+    std::jthread viewer_thread([&](std::stop_token stop) { EXPECT_TRUE((*viewer)->run(stop)); });
+    const auto num_status = status_reader->take([](bus::SiteStatus&&) {}).num_taken;
+    EXPECT_EQ(num_status, 0u);
+
+    RawWriter<bus::SiteDescription> descriptions;
+    RawWriter<bus::SiteMesh> meshes;
+    RawWriter<bus::CameraTexture> textures;
+    RawWriter<bus::SitePlacement> placements;
+    RawWriter<bus::SceneObject> objects;
+    RawWriter<bus::SceneState> states;
+    RawWriter<bus::SceneCommand> commands;
+    RawWriter<bus::SiteStatus> site_statuses;
+    RawWriter<bus::WorldStatus> world_statuses;
+    RawWriter<bus::ViewerStatus> viewer_statuses;
+    ASSERT_TRUE(descriptions.is_open() && meshes.is_open() && textures.is_open() &&
+                placements.is_open() && objects.is_open() && states.is_open() &&
+                commands.is_open() && site_statuses.is_open());
+
+    Garbage garbage(4711);
+    std::size_t num_status_rejected = 0;
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(120);
+    const auto harassed_enough = [&] {
+        return (*world)->status().num_rejected >= 50 && (*viewer)->status().num_rejected >= 50 &&
+               num_status_rejected > 0;
+    };
+    for (int round = 0;
+         (round < 400 || !harassed_enough()) && std::chrono::steady_clock::now() < give_up;
+         ++round) {
+        descriptions.write_any(garbage);
+        meshes.write_any(garbage);
+        textures.write_any(garbage);
+        placements.write_any(garbage);
+        objects.write_any(garbage);
+        states.write_any(garbage);
+        commands.write_any(garbage);
+        site_statuses.write_any(garbage);
+        world_statuses.write_any(garbage);
+        viewer_statuses.write_any(garbage);
+        num_status_rejected += status_reader->take([](bus::SiteStatus&&) {}).num_rejected;
+    }
+    EXPECT_TRUE(harassed_enough())
+        << "world " << (*world)->status().num_rejected << ", viewer "
+        << (*viewer)->status().num_rejected << ", status " << num_status_rejected;
+
+    // both go on
+    const auto steps_before = (*world)->status().num_steps;
+    const auto frames_before = (*viewer)->status().num_frames;
+    const auto goes_on = [&] {
+        return (*world)->status().num_steps > steps_before + 10 &&
+               (*viewer)->status().num_frames > frames_before + 3;
+    };
+    while (!goes_on() && std::chrono::steady_clock::now() < give_up) std::this_thread::yield();
+    EXPECT_TRUE(goes_on());
+}
+
+}  // namespace
+}  // namespace atrium
