@@ -1,3 +1,4 @@
+#include "core/app/program.hpp"
 #include "site_node/hull_tool/tool.hpp"
 
 #include <cstdio>
@@ -10,7 +11,7 @@ int main(int argc, char** argv) {
     const Expected<std::string> report = hull_tool::run(options);
     if (!report) {
         std::fprintf(stderr, "visual_hull: error: %s\n", report.error().message.c_str());
-        return report.error().kind == ErrorKind::kConfiguration ? 2 : 1;
+        return app::exit_code(report.error());
     }
     std::puts(report->c_str());
     return 0;

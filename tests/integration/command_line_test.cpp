@@ -1,0 +1,161 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+// The programs as a user starts them, with what users get wrong.
+namespace atrium {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+struct Outcome {
+    int exit_code = -1;
+    std::string output;  // both streams
+};
+
+Outcome run(const std::string& command) {
+    Outcome outcome;
+    // a time limit of its own, so that a program that hangs is a failure of this test
+    FILE* pipe =
+        popen(("timeout 60 " ATRIUM_BIN_DIR "/" + command + " 2>&1 </dev/null").c_str(), "r");
+    std::array<char, 4096> buffer;
+    while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
+        outcome.output.append(buffer.data(), n);
+    const int status = pclose(pipe);
+    outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+    return outcome;
+}
+
+class CommandLine : public testing::Test {
+protected:
+    void SetUp() override {
+        folder_ = fs::path(testing::TempDir()) / "atrium_command_line";
+        fs::create_directories(folder_);
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+
+    std::string file(const std::string& name, const std::string& text) {
+        fs::create_directories((folder_ / name).parent_path());
+        std::ofstream(folder_ / name) << text;
+        return (folder_ / name).string();
+    }
+
+    fs::path folder_;
+};
+
+TEST_F(CommandLine, EveryProgramExplainsItselfAndItsVersion) {
+    for (const std::string program :
+         {"site_node", "world_server", "viewer", "visual_hull", "demo"}) {
+        const Outcome help = run(program + " --help");
+        EXPECT_EQ(help.exit_code, 0) << program;
+        EXPECT_THAT(help.output, HasSubstr("--help")) << program;
+        const Outcome version = run(program + " --version");
+        EXPECT_EQ(version.exit_code, 0) << program;
+        EXPECT_THAT(version.output, HasSubstr(program)) << program;
+        const Outcome unknown = run(program + " --no-such-option");
+        EXPECT_EQ(unknown.exit_code, 2) << program;
+        EXPECT_THAT(unknown.output, HasSubstr("--no-such-option")) << program;
+    }
+}
+
+TEST_F(CommandLine, UnknownKeysAreNamedWithFileAndLine) {
+    const std::string config = file("site.toml", "[site]\nname = \"lab\"\n[capture]\nrate = 30\n");
+    const Outcome outcome = run("site_node --config " + config);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.output,
+                AllOf(HasSubstr("site.toml:4"), HasSubstr("capture.rate"), HasSubstr("rate_hz")));
+    for (const std::string program : {"world_server", "viewer"}) {
+        const Outcome other = run(program + " --config " + file("p.toml", "[bus]\nwrld = \"x\"\n"));
+        EXPECT_EQ(other.exit_code, 2);
+        EXPECT_THAT(other.output, AllOf(HasSubstr("p.toml:2"), HasSubstr("bus.wrld")));
+    }
+}
+
+TEST_F(CommandLine, IllTypedValuesSayWhatIsAllowed) {
+    const Outcome in_file =
+        run("site_node --config " + file("site.toml", "[site]\nthreads = \"two\"\n"));
+    EXPECT_EQ(in_file.exit_code, 2);
+    EXPECT_THAT(in_file.output, AllOf(HasSubstr("site.toml:2"), HasSubstr("integer in [1, 64]")));
+    const Outcome on_line = run("site_node --site.threads 0");
+    EXPECT_EQ(on_line.exit_code, 2);
+    EXPECT_THAT(on_line.output,
+                AllOf(HasSubstr("--site.threads"), HasSubstr("integer in [1, 64]")));
+    const Outcome object =
+        run("world_server --config " +
+            file("w.toml", "[[object]]\nname = \"b\"\nshape = \"cone\"\nsize_m = [1, 1, 1]\n"));
+    EXPECT_EQ(object.exit_code, 2);
+    EXPECT_THAT(object.output, AllOf(HasSubstr("w.toml:3"), HasSubstr("shape")));
+}
+
+TEST_F(CommandLine, MissingFilesAndRecordingsAreNamed) {
+    const Outcome config = run("viewer --config /nonexistent/v.toml");
+    EXPECT_EQ(config.exit_code, 3);
+    EXPECT_THAT(config.output, HasSubstr("/nonexistent/v.toml"));
+    const Outcome recording =
+        run("site_node --capture.source recording --capture.recording /nonexistent/rec");
+    EXPECT_EQ(recording.exit_code, 3);
+    EXPECT_THAT(recording.output, HasSubstr("/nonexistent/rec"));
+    const Outcome views = run("visual_hull /nonexistent/views.json");
+    EXPECT_EQ(views.exit_code, 3);
+    EXPECT_THAT(views.output, HasSubstr("/nonexistent/views.json"));
+    const Outcome network = run("world_server --bus.network_file /nonexistent/net.xml");
+    EXPECT_NE(network.exit_code, 0);
+    EXPECT_THAT(network.output, HasSubstr("/nonexistent/net.xml"));
+}
+
+const std::string kCamera =
+    "width = 64\nheight = 48\nfx = 60\nfy = 60\ncx = 31.5\ncy = 23.5\ntranslation = [0, 0, 3]\n";
+
+TEST_F(CommandLine, ACameraWithASingularMatrixIsNamed) {
+    file("rec/rig.toml",
+         "[[camera]]\nname = \"good\"\nrotation = [1,0,0,0,1,0,0,0,1]\n" + kCamera +
+             "[[camera]]\nname = \"flat\"\nrotation = [1,0,0,0,1,0,0,0,0]\n" + kCamera);
+    const Outcome outcome = run("site_node --capture.source recording --capture.recording " +
+                                (folder_ / "rec").string());
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.output,
+                AllOf(HasSubstr("rig.toml:"), HasSubstr("'flat'"), HasSubstr("rotation matrix")));
+}
+
+TEST_F(CommandLine, ARecordingWithoutBackgroundSaysWhichCamera) {
+    file("rec/rig.toml",
+         "[[camera]]\nname = \"a\"\nrotation = [1,0,0,0,1,0,0,0,1]\n" + kCamera +
+             "[[camera]]\nname = \"b\"\nrotation = [1,0,0,0,1,0,0,0,1]\n" + kCamera);
+    // a picture need not be readable for the background to be missed
+    file("rec/a/frames/000000.png", "x");
+    file("rec/b/frames/000000.png", "x");
+    const Outcome outcome = run("site_node --capture.source recording --capture.recording " +
+                                (folder_ / "rec").string());
+    EXPECT_EQ(outcome.exit_code, 3);
+    EXPECT_THAT(outcome.output, AllOf(HasSubstr("camera 'a'"), HasSubstr("no background")));
+}
+
+TEST_F(CommandLine, AWindowWithoutDisplayFallsBackAndSaysSo) {
+    unsetenv("DISPLAY");
+    unsetenv("WAYLAND_DISPLAY");
+    const Outcome outcome =
+        run("viewer --frames 1 --bus.domain 179 --output " + (folder_ / "v.png").string());
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+    EXPECT_THAT(outcome.output, HasSubstr("OSMesa"));
+    EXPECT_GT(fs::file_size(folder_ / "v.png"), 1000u);
+}
+
+TEST_F(CommandLine, VisualHullRefusesViewsThatAreNone) {
+    for (const char* text : {"", "{", "[]", "{\"views\": 3}", "{\"views\": [{\"name\": \"a\"}]}"}) {
+        const Outcome outcome = run("visual_hull " + file("views.json", text));
+        EXPECT_EQ(outcome.exit_code, 2) << text;
+        EXPECT_THAT(outcome.output, HasSubstr("views.json")) << text;
+    }
+}
+
+}  // namespace
+}  // namespace atrium
