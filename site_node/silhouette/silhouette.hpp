@@ -13,7 +13,8 @@
 namespace atrium::silhouette {
 
 struct SilhouetteOptions {
-    double tolerance_px = 1.0;       // width of the blurred segments; at least 0.25
+    double tolerance_px = 0.75;  // width of the blurred segments; at least 0.25. A person then lies
+                                 // in its hull up to a pixel
     std::int64_t min_area_px = 100;  // blobs and holes that enclose fewer pixels are left out
 };
 

@@ -1,0 +1,97 @@
+#include "core/app/program.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+namespace atrium::app {
+namespace {
+
+using testing::HasSubstr;
+
+struct Options {
+    double rate_hz = 30.0;
+    bool loop = false;
+    std::string name = "site";
+};
+
+class ProgramStart : public testing::Test {
+protected:
+    Start start_with(std::vector<std::string> arguments, const ReadMore& read_more = {}) {
+        arguments.insert(arguments.begin(), "program");
+        std::vector<char*> argv;
+        for (std::string& argument : arguments) argv.push_back(argument.data());
+        config::OptionSet set;
+        set.add("rate_hz", options_.rate_hz, "pictures per second [Hz]", {1, 240});
+        set.add("loop", options_.loop, "start again");
+        set.add("name", options_.name, "of the site");
+        testing::internal::CaptureStdout();
+        testing::internal::CaptureStderr();
+        const Start start = app::start({"program", "Does things.", ""},
+                                       set,
+                                       static_cast<int>(argv.size()),
+                                       argv.data(),
+                                       read_more);
+        output_ = testing::internal::GetCapturedStdout();
+        errors_ = testing::internal::GetCapturedStderr();
+        return start;
+    }
+    std::string file(const std::string& text) {
+        const std::string path = testing::TempDir() + "atrium_program_test.toml";
+        std::ofstream(path) << text;
+        return path;
+    }
+
+    Options options_;
+    std::string output_;
+    std::string errors_;
+};
+
+TEST_F(ProgramStart, GoesOnWithDefaults) {
+    EXPECT_TRUE(start_with({}).go_on);
+    EXPECT_EQ(options_.rate_hz, 30.0);
+}
+
+TEST_F(ProgramStart, TheCommandLineWinsOverTheFile) {
+    const std::string config = file("rate_hz = 10\nname = \"file\"\n");
+    EXPECT_TRUE(start_with({"--name", "line", "--config", config}).go_on);
+    EXPECT_EQ(options_.rate_hz, 10.0);
+    EXPECT_EQ(options_.name, "line");
+}
+
+TEST_F(ProgramStart, AFlagAloneMeansTrueAndMayBeToldFalse) {
+    EXPECT_TRUE(start_with({"--loop", "--name", "x"}).go_on);
+    EXPECT_TRUE(options_.loop);
+    EXPECT_TRUE(start_with({"--loop", "false"}).go_on);
+    EXPECT_FALSE(options_.loop);
+    EXPECT_EQ(start_with({"--loop", "maybe"}).exit_code, 2);
+}
+
+TEST_F(ProgramStart, HelpNamesEveryOptionWithUnitRangeAndDefault) {
+    const Start start = start_with({"--help"});
+    EXPECT_FALSE(start.go_on);
+    EXPECT_EQ(start.exit_code, 0);
+    EXPECT_THAT(output_, HasSubstr("--rate_hz (number in [1, 240]; default 30)"));
+    EXPECT_THAT(output_, HasSubstr("pictures per second [Hz]"));
+}
+
+TEST_F(ProgramStart, ErrorsEndItWithTheRightCode) {
+    EXPECT_EQ(start_with({"--rat_hz", "3"}).exit_code, 2);
+    EXPECT_EQ(start_with({"--rate_hz", "0"}).exit_code, 2);
+    EXPECT_THAT(errors_, HasSubstr("--rate_hz: must be number in [1, 240], got '0'"));
+    EXPECT_EQ(start_with({"--config", "/nonexistent.toml"}).exit_code, 3);
+    EXPECT_EQ(start_with({"--config", file("rat_hz = 3\n")}).exit_code, 2);
+    EXPECT_EQ(start_with({"--log-level", "loud"}).exit_code, 2);
+}
+
+TEST_F(ProgramStart, AProgramMayReadMoreOfItsFile) {
+    int extra = 0;
+    const auto more = [&](config::TableReader& reader) { reader.read("extra", extra, {0, 5}); };
+    EXPECT_TRUE(start_with({"--config", file("extra = 3\n")}, more).go_on);
+    EXPECT_EQ(extra, 3);
+    EXPECT_EQ(start_with({"--config", file("extra = 9\n")}, more).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace atrium::app
