@@ -49,10 +49,8 @@ function(atrium_test name)
         set(ARG_TIMEOUT 300)
     endif()
     set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
-    if(ATRIUM_SANITIZE MATCHES thread)
-        set_tests_properties(${name} PROPERTIES ENVIRONMENT
-                             "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp")
-    endif()
+    set_tests_properties(${name} PROPERTIES ENVIRONMENT
+                         "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp;LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp:print_suppressions=0")
     # `cmake --build build --target tests_threads` builds what `ctest -L threads` runs
     foreach(label ${ARG_LABELS})
         if(NOT TARGET tests_${label})

@@ -82,7 +82,7 @@ protected:
     double share_contained(const geometry::TriangleMesh& mesh, double slack_px) const {
         std::size_t num_contained = 0;
         std::size_t num_tried = 0;
-        constexpr std::size_t kStride = 13;  // the skin is far finer than the hull
+        constexpr std::size_t kStride = 23;  // the skin is far finer than the hull
         for (std::size_t i = 0; i < truth_.vertices.size(); i += kStride) {
             const Eigen::Vector3d& p = truth_.vertices[i];
             ++num_tried;

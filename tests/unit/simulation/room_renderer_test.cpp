@@ -276,8 +276,10 @@ TEST(RoomRenderer, TableHidesWhatIsBehindIt) {
     EXPECT_EQ(num_away(mask, whole), 0);
     const auto at = [&](const Eigen::Vector3d& p) {
         const Eigen::Vector2d px = cameras[0].intrinsics.project(cameras[0].camera_from_site * p);
-        return mask.at(static_cast<int>(std::lround(px.x())),
-                       static_cast<int>(std::lround(px.y())));
+        const int x = static_cast<int>(std::lround(px.x()));
+        const int y = static_cast<int>(std::lround(px.y()));
+        const bool in_picture = x >= 0 && x < mask.width && y >= 0 && y < mask.height;
+        return in_picture ? int{mask.at(x, y)} : 0;
     };
     EXPECT_EQ(at({0.1, -0.72, 0.45}),
               0);  // right thigh, on a line of sight that crosses the table's top
