@@ -22,7 +22,6 @@ int main(int argc, char** argv) {
             world_server::read_world(reader, config);
         });
     if (!start.go_on) return start.exit_code;
-    app::log::info("configuration\n{}", options.effective());
 
     auto server = world_server::WorldServer::create(config);
     if (!server) return app::fail(server.error());
