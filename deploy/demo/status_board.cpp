@@ -95,52 +95,56 @@ std::uint64_t StatusBoard::num_pairs_shown() const {
 
 std::vector<std::string> StatusBoard::table(const std::map<std::string, std::string>& notes) const {
     std::vector<std::string> lines;
-    const auto line = [&]<typename... Args>(fmt::format_string<Args...> text, Args&&... args) {
-        lines.push_back(fmt::format("{:<96.96}", fmt::format(text, std::forward<Args>(args)...)));
+    const auto row = [&](const std::string& name,
+                         const std::string& rate,
+                         const std::string& latency,
+                         const std::string& bytes,
+                         const std::string& dropped,
+                         const std::string& memory) {
+        const std::string text = fmt::format(
+            "{:<12} {:>18} {:>30} {:>6} {:>20} {:>6}", name, rate, latency, bytes, dropped, memory);
+        lines.push_back(fmt::format("{:<97.97}", text));
     };
-    line("{:<14} {:>12} {:>20} {:>9} {:>24} {:>9}",
-         "site",
-         "metaframes/s",
-         "capture-publish ms",
-         "MB/s",
-         "dropped inc/late/fail",
-         "RSS MB");
+    const auto latency_text = [](const char* what, const bus::LatencySummary& latency) {
+        return fmt::format("{} {:>6.1f} {:>6.1f}", what, latency.median_ms, latency.p99_ms);
+    };
+    const auto memory_text = [](std::uint64_t bytes) {
+        return fmt::format("{:.0f}", mega(static_cast<double>(bytes)));
+    };
+    row("program", "rate", "ms since capture: median p99", "MB/s", "dropped", "MB");
     for (const auto& [name, history] : sites_) {
         if (history.samples.empty()) continue;
         const bus::SiteStatus& s = history.samples.back();
-        line("{:<14} {:>12.1f} {:>11.1f} {:>8.1f} {:>9.2f} {:>24} {:>9.0f}",
-             name,
-             s.metaframes_per_s,
-             s.capture_to_publish.median_ms,
-             s.capture_to_publish.p99_ms,
-             mega(s.bytes_per_s),
-             fmt::format("{}/{}/{}", s.num_dropped_incomplete, s.num_dropped_late, s.num_failed),
-             mega(static_cast<double>(s.resident_bytes)));
+        row(name,
+            fmt::format("{:.1f} metaframes/s", s.metaframes_per_s),
+            latency_text("published", s.capture_to_publish),
+            fmt::format("{:.2f}", mega(s.bytes_per_s)),
+            fmt::format("{} inc {} late {} bad",
+                        s.num_dropped_incomplete,
+                        s.num_dropped_late,
+                        s.num_failed),
+            memory_text(s.resident_bytes));
     }
     if (!world_.samples.empty()) {
         const bus::WorldStatus& s = world_.samples.back();
-        line("{:<14} {:>12.1f} steps/s, {} people, {} steps with contact, {} rejected, {:.0f} MB",
-             "world",
-             s.steps_per_s,
-             s.num_sites,
-             s.num_contacts,
-             s.num_rejected,
-             mega(static_cast<double>(s.resident_bytes)));
+        row("world",
+            fmt::format("{:.1f} steps/s", s.steps_per_s),
+            latency_text("touched", s.capture_to_collision),
+            "",
+            fmt::format("{} rejected", s.num_rejected),
+            memory_text(s.resident_bytes));
     }
     if (!viewer_.samples.empty()) {
         const bus::ViewerStatus& s = viewer_.samples.back();
-        line(
-            "{:<14} {:>12.1f} frames/s, capture-display {:.1f} ms median {:.1f} p99, {} pairs, {} "
-            "skipped, {:.0f} MB",
-            "viewer",
-            s.frames_per_s,
-            s.capture_to_display.median_ms,
-            s.capture_to_display.p99_ms,
-            s.num_pairs_shown,
-            s.num_pairs_skipped + s.num_incomplete,
-            mega(static_cast<double>(s.resident_bytes)));
+        row("viewer",
+            fmt::format("{:.1f} frames/s", s.frames_per_s),
+            latency_text("displayed", s.capture_to_display),
+            "",
+            fmt::format("{} skipped {} inc", s.num_pairs_skipped, s.num_incomplete),
+            memory_text(s.resident_bytes));
     }
-    for (const auto& [name, note] : notes) line("{:<14} {}", name, note);
+    for (const auto& [name, note] : notes)
+        lines.push_back(fmt::format("{:<97.97}", fmt::format("{:<12} {}", name, note)));
     return lines;
 }
 
