@@ -3,6 +3,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 build=${1:-build}
+mkdir -p bench/results
 out="bench/results/$(date +%Y-%m-%d)-$(lscpu | sed -n 's/^Model name: *//p' | tr -c 'A-Za-z0-9\n' '-').txt"
 {
     echo "date: $(date -u +%Y-%m-%dT%H:%MZ)"

@@ -306,6 +306,10 @@ Viewer::Viewer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Viewer::~Viewer() = default;
 
 Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config) {
+    if (!config.output.empty() && config.output.extension() != ".png") {
+        return make_error(ErrorKind::kConfiguration,
+                          "output: must end in .png, got '" + config.output.string() + "'");
+    }
     const auto camera = make_view_camera(config.view);
     if (!camera) return tl::unexpected(camera.error());
     auto session = Session::create(config.bus);

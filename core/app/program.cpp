@@ -8,11 +8,13 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <thread>
 
 #ifndef ATRIUM_VERSION
@@ -137,13 +139,17 @@ StopOnSignal::StopOnSignal() : impl_(new Impl) {
     const sigset_t set = stop_signals();
     pthread_sigmask(SIG_BLOCK, &set, nullptr);
     impl_->waiter = std::thread([impl = impl_, set] {
-        bool asked = false;
+        std::optional<std::chrono::steady_clock::time_point> asked;
         for (;;) {
             int signal = 0;
             if (sigwait(&set, &signal) != 0) continue;
             if (impl->leaving) return;
-            if (asked) _exit(128 + signal);  // the user insists
-            asked = true;
+            // a terminal and a dying parent may both send one for the same event; later, the user
+            // insists
+            const auto now = std::chrono::steady_clock::now();
+            if (asked && now - *asked < std::chrono::seconds(1)) continue;
+            if (asked) _exit(128 + signal);
+            asked = now;
             log::info("stopping signal={}", signal);
             impl->source.request_stop();
         }

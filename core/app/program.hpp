@@ -41,7 +41,7 @@ Start start(const ProgramInfo& info,
 
 /// A stop token that is stopped by SIGINT, SIGTERM or SIGHUP. Call once, at the top of main, before
 /// any thread is started: the signals are blocked in all threads and awaited in one of its own. A
-/// second signal ends the process at once.
+/// second signal, a second or more after the first, ends the process at once.
 class StopOnSignal {
 public:
     StopOnSignal();

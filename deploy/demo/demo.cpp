@@ -5,6 +5,7 @@
 #include "deploy/demo/status_board.hpp"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -33,12 +34,24 @@ std::vector<std::string> split(const std::string& list) {
     return parts;
 }
 
+// The demo ends as its program did: docs/conventions.md, "Configuration".
+ErrorKind kind_of_exit(int code) {
+    if (code == 2) return ErrorKind::kConfiguration;
+    if (code == 3) return ErrorKind::kUnavailable;
+    return ErrorKind::kInternal;
+}
+
 /// Refreshes its lines in place on a terminal; elsewhere prints them one below the other.
 class Display {
 public:
     void show(const std::vector<std::string>& lines) {
         if (in_place_ && num_shown_ > 0) fmt::print("\033[{}F\033[J", num_shown_);
-        for (const std::string& line : lines) fmt::print("{}\n", line);
+        // a line that wraps would take two rows, and the next refresh would miss by one
+        winsize size{};
+        const bool known =
+            in_place_ && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1;
+        const std::size_t width = known ? size.ws_col - 1u : std::string::npos;
+        for (const std::string& line : lines) fmt::print("{}\n", line.substr(0, width));
         std::fflush(stdout);
         num_shown_ = lines.size();
     }
@@ -122,7 +135,7 @@ Expected<void> Demo::start_programs() {
 Expected<void> Demo::check_children() {
     for (ChildProcess& child : children_) {
         if (const auto code = child.exit_code()) {
-            return make_error(ErrorKind::kInternal,
+            return make_error(kind_of_exit(*code),
                               fmt::format("{} ended with exit code {}; the end of {}: {}",
                                           child.name(),
                                           *code,
@@ -260,7 +273,16 @@ Expected<void> run_demo(const DemoConfig& given, std::stop_token stop) {
     std::error_code failure;
     if (config.programs.empty())
         config.programs = fs::read_symlink("/proc/self/exe", failure).parent_path();
+    if (split(config.sites).empty()) {
+        return make_error(ErrorKind::kConfiguration,
+                          "sites: name at least one, for example alice,bob");
+    }
     fs::create_directories(config.output, failure);
+    if (!fs::is_directory(config.output)) {
+        return make_error(
+            ErrorKind::kUnavailable,
+            fmt::format("output: the folder '{}' cannot be made", config.output.string()));
+    }
     for (const char* file : {"view.png", "view.avi", "report.json"})
         fs::remove(config.output / file, failure);
 

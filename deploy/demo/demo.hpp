@@ -19,7 +19,8 @@ struct DemoConfig {
     std::filesystem::path output = "out/demo";
     std::filesystem::path
         programs;  // folder of site_node, world_server and viewer; empty: this program's own
-    std::filesystem::path deploy = "deploy";
+    std::filesystem::path deploy =
+        "deploy";                     // like the next two, relative to the repository's root
     std::string sites = "alice,bob";  // deploy/sites/NAME.toml each
     std::filesystem::path world = "deploy/worlds/demo.toml";
     std::filesystem::path viewer = "deploy/viewer.toml";

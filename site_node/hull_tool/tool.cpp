@@ -114,7 +114,10 @@ Expected<std::string> run(const ToolOptions& options) {
         const bool is_input =
             status == hull::HullStatus::kTooFewViews || status == hull::HullStatus::kInvalidInput;
         return make_error(is_input ? ErrorKind::kConfiguration : ErrorKind::kInvalidData,
-                          name_of_input(options) + ": no hull: " + hull::to_string(status));
+                          name_of_input(options) + ": no hull: " + hull::to_string(status) +
+                              (status == hull::HullStatus::kTooFewViews
+                                   ? "; at least two cameras at different places are needed"
+                                   : ""));
     }
     if (!options.output.empty()) {
         if (auto written = geometry::write_mesh(options.output, measured.hull.mesh); !written) {

@@ -31,6 +31,10 @@ double number(const json& value, const std::string& where) {
     if (!value.is_number()) throw BadValue{where + ": must be a number"};
     const double v = value.get<double>();
     if (!std::isfinite(v)) throw BadValue{where + ": must be finite"};
+    // pixels and metres of any room; beyond it nothing of a pixel would be left in a double's
+    // products
+    constexpr double kMax = 1e6;
+    if (std::abs(v) > kMax) throw BadValue{where + ": must be between -1e6 and 1e6"};
     return v;
 }
 

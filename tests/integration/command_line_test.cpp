@@ -157,5 +157,25 @@ TEST_F(CommandLine, VisualHullRefusesViewsThatAreNone) {
     }
 }
 
+TEST_F(CommandLine, VisualHullNamesTheNumberThatCannotBe) {
+    const Outcome outcome =
+        run("visual_hull " +
+            file("views.json",
+                 R"({"views": [{"name": "a", "width": 64, "height": 48, "fx": 1e300, "fy": 60,
+                                         "cx": 31, "cy": 23, "rotation": [1,0,0,0,1,0,0,0,1], "translation": [0,0,3],
+                                         "contours": []}]})"));
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.output, AllOf(HasSubstr("views.json"), HasSubstr("fx")));
+}
+
+TEST_F(CommandLine, TheDemoRefusesNobodyAndAFolderThatCannotBe) {
+    const Outcome no_sites = run("demo --sites ''");
+    EXPECT_EQ(no_sites.exit_code, 2);
+    EXPECT_THAT(no_sites.output, HasSubstr("sites"));
+    const Outcome no_folder = run("demo --output /proc/x");
+    EXPECT_EQ(no_folder.exit_code, 3);
+    EXPECT_THAT(no_folder.output, HasSubstr("/proc/x"));
+}
+
 }  // namespace
 }  // namespace atrium
