@@ -40,7 +40,7 @@ site_node::SiteNodeConfig site_config(const std::string& name, const std::string
     config.simulation.look = look;
     config.simulation.motion = "push";
     config.simulation.loop_s = 2.0;
-    config.simulation.cache = fs::path(testing::TempDir()) / "atrium_two_sites_cache";
+    config.simulation.cache.clear();  // nothing is left behind
     config.bus = bus_options();
     return config;
 }
