@@ -25,6 +25,13 @@ std::string text_of(Number v) {
     return fmt::format("{}", v);
 }
 
+// As the same refusal reads for a value of a file.
+std::string with_article(const std::string& type) {
+    if (type.starts_with("integer")) return "an " + type;
+    if (type.starts_with("number") || type.starts_with("path")) return "a " + type;
+    return type;
+}
+
 // A value given as text goes through the same reader as one in a file: same checks, same messages.
 std::string as_toml(const std::string& text, bool quoted) {
     if (!quoted) return text;
@@ -67,7 +74,7 @@ void OptionSet::add_entry(const std::string& key,
             }
         }
         return make_error(ErrorKind::kConfiguration,
-                          fmt::format("must be {}, got '{}'", type, text));
+                          fmt::format("must be {}, got '{}'", with_article(type), text));
     };
     entries_.push_back(std::move(entry));
     current_.push_back([&target] { return text_of(target); });

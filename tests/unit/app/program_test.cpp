@@ -79,7 +79,7 @@ TEST_F(ProgramStart, HelpNamesEveryOptionWithUnitRangeAndDefault) {
 TEST_F(ProgramStart, ErrorsEndItWithTheRightCode) {
     EXPECT_EQ(start_with({"--rat_hz", "3"}).exit_code, 2);
     EXPECT_EQ(start_with({"--rate_hz", "0"}).exit_code, 2);
-    EXPECT_THAT(errors_, HasSubstr("--rate_hz: must be number in [1, 240], got '0'"));
+    EXPECT_THAT(errors_, HasSubstr("--rate_hz: must be a number in [1, 240], got '0'"));
     EXPECT_EQ(start_with({"--config", "/nonexistent.toml"}).exit_code, 3);
     EXPECT_EQ(start_with({"--config", file("rat_hz = 3\n")}).exit_code, 2);
     EXPECT_EQ(start_with({"--log-level", "loud"}).exit_code, 2);

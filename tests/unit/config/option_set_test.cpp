@@ -48,7 +48,7 @@ TEST(OptionSet, RefusesTextOfTheWrongTypeOrRangeAndKeepsTheValue) {
         const auto result = set.set("capture.rate_hz", text, "--capture.rate_hz");
         ASSERT_FALSE(result) << text;
         EXPECT_THAT(result.error().message,
-                    HasSubstr("--capture.rate_hz: must be number in [1, 240]"));
+                    HasSubstr("--capture.rate_hz: must be a number in [1, 240]"));
     }
     EXPECT_FALSE(set.set("hull.threads", "1.5", "x"));
     EXPECT_FALSE(set.set("capture.mode", "dead", "x"));
