@@ -20,7 +20,6 @@ bool is_nobody(hull::HullStatus status) { return status == hull::HullStatus::kEm
 
 // Everything that one camera needs, so that cameras can be worked on in parallel.
 struct Pipeline::CameraStage {
-    bool needs_segmentation = false;
     segmentation::BackgroundModel background;
     segmentation::SegmentationScratch segmentation;
     image::Mask mask;
@@ -69,7 +68,6 @@ Expected<Pipeline> Pipeline::create(capture::FrameSource& source,
         auto model = learner.finish(options.segmentation);
         if (!model) return with_camera(model.error());
         pipeline.stages_[i]->background = std::move(*model);
-        pipeline.stages_[i]->needs_segmentation = true;
     }
     return pipeline;
 }
@@ -150,11 +148,6 @@ Expected<void> Pipeline::process(const capture::Metaframe& metaframe,
     frame.milliseconds.encode = milliseconds_since(encode_begin);
     frame.milliseconds.total = milliseconds_since(begin);
     return {};
-}
-
-const image::Mask& Pipeline::mask(std::size_t camera) const { return stages_[camera]->mask; }
-const std::vector<silhouette::SilhouettePolygon>& Pipeline::polygons(std::size_t camera) const {
-    return stages_[camera]->polygons;
 }
 
 }  // namespace atrium::site_node

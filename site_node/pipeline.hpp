@@ -67,10 +67,6 @@ public:
                            Executor& executor,
                            SiteFrame& frame);
 
-    /// Silhouette mask and polygons of one camera, as of the last `process`; for tools and tests.
-    const image::Mask& mask(std::size_t camera) const;
-    const std::vector<silhouette::SilhouettePolygon>& polygons(std::size_t camera) const;
-
 private:
     struct CameraStage;
     Pipeline(std::vector<geometry::CalibratedCamera> cameras, const PipelineOptions& options);
