@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/executor.hpp"
+#include "core/geometry/aabb.hpp"
 #include "core/geometry/pinhole_camera.hpp"
 #include "core/geometry/rigid_transform.hpp"
 #include "core/geometry/triangle_mesh.hpp"
@@ -9,6 +10,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -22,10 +24,21 @@ struct SilhouetteView {
     geometry::PinholeCamera intrinsics;  // distortion is ignored: contours are undistorted already
     geometry::RigidTransform camera_from_site;
     std::vector<std::vector<Eigen::Vector2d>>
-        contours;  // empty: the camera sees nobody, so the hull is empty
+        contours;  // empty: the camera sees nobody
+    /// Empty: nobody is outside of the image; the camera cuts away all that its contours do not
+    /// contain. Else a simple polygon in undistorted pixels, a little inside of the image's border:
+    /// what lies beyond it is unknown, so that the camera cuts away only the background that it sees
+    /// inside of it.
+    std::vector<Eigen::Vector2d> field;
 };
 
 struct HullOptions {
+    /// Where people can be, site frame [m]: the hull is cut there. Needed where no camera or only
+    /// partial views (`SilhouetteView::field`) close the hull.
+    std::optional<geometry::Aabb> bounds;
+    /// A point of space is in the hull only if at least this many cameras see it, that is, have it
+    /// inside of their field; a camera without a field sees all that its contours contain.
+    std::uint32_t min_views = 0;
     /// Components without any viewing edge are part of the exact intersection, but no silhouette
     /// needs them.
     bool keep_phantoms = false;
