@@ -11,9 +11,11 @@ namespace {
 constexpr double kMaxCoordinate_px =
     1e6;  // no silhouette is larger; beyond, pixels lose their meaning in double
 constexpr double kMaxDistance_m = 1e6;             // of a camera from the origin
+constexpr double kMinBounds_m = 1e-3;              // thinner ones hold nobody
 constexpr std::size_t kMaxPencilRays = 4'000'000;  // each is kept for each other view: 250 MB
 constexpr std::size_t kMaxContours = 2000;         // of one view; nesting is tested pairwise
 constexpr double kFirstJitter_px = 1e-6;           // moves a surface 3 m away by 3 nm
+constexpr double kFirstJitter_rad = 1e-8;          // the same for the edges of the bounds
 constexpr double kJitterGrowth = 10.0;             // per attempt
 constexpr double kSameCentre_m = 1e-6;  // two centres nearer than this span no usable baseline
 constexpr std::uint64_t kTestsPerSegment =
@@ -37,6 +39,19 @@ bool is_valid(const SilhouetteView& view) {
     return true;
 }
 
+bool is_valid(const geometry::Aabb& bounds) {
+    return bounds.min.allFinite() && bounds.max.allFinite() &&
+           bounds.min.cwiseAbs().maxCoeff() <= kMaxDistance_m &&
+           bounds.max.cwiseAbs().maxCoeff() <= kMaxDistance_m &&
+           (bounds.size().array() >= kMinBounds_m).all();
+}
+
+// Of silhouette points; never less than some steps of the grid on which rays end.
+double jitter_px(const SilhouetteView& view, std::uint32_t attempt) {
+    const double grid_px = 2.0 / exact::kMaxRay * std::max(view.intrinsics.fx, view.intrinsics.fy);
+    return std::max(kFirstJitter_px, 4.0 * grid_px) * std::pow(kJitterGrowth, attempt);
+}
+
 std::uint64_t combine(std::uint64_t h, double value) {
     h ^= std::bit_cast<std::uint64_t>(value + 0.0);  // -0 and 0 are one value
     h *= 0x9e3779b97f4a7c15ULL;
@@ -51,98 +66,202 @@ std::uint64_t content_hash(const SilhouetteView& view, const Outlines& outlines)
     for (int i = 0; i < 3; ++i) h = combine(h, view.camera_from_site.translation[i]);
     for (const Eigen::Vector2d& p : outlines.points) h = combine(combine(h, p.x()), p.y());
     for (const std::uint32_t end : outlines.ends) h = combine(h, end);
+    for (const Eigen::Vector2d& p : view.field) h = combine(combine(h, p.x()), p.y());
     return h;
 }
 
 // Coinciding centres (one camera's two silhouettes) leave the pencil without an axis: move one of
 // them a little.
-void separate_centres(std::vector<Cones::View>& views) {
+void separate_centres(double distance_m, std::vector<Cones::View>& views) {
     for (std::size_t i = 1; i < views.size(); ++i) {
         for (std::size_t k = 0; k < i; ++k) {
-            if ((views[i].centre - views[k].centre).norm() >= kSameCentre_m) continue;
+            if ((views[i].centre - views[k].centre).norm() >= distance_m) continue;
             const auto n = static_cast<double>(i);
-            views[i].centre +=
-                3.0 * kSameCentre_m *
-                Eigen::Vector3d(std::sin(n), std::cos(2.0 * n), std::sin(3.0 * n + 1.0));
+            views[i].centre += 3.0 * distance_m *
+                               Eigen::Vector3d(std::sin(n), std::cos(2.0 * n), std::sin(3.0 * n + 1.0));
             k = static_cast<std::size_t>(-1);  // again, against all
         }
     }
 }
 
-void append_rays(Cones& cones, std::size_t v) {
-    Cones::View& view = cones.views[v];
-    const Outlines& outlines = cones.outlines[v];
-    const Eigen::Matrix3d site_from_camera = view.camera_from_site.transpose();
-    const auto first_contour = cones.contour.empty() ? 0u : cones.contour.back() + 1;
-    view.first = static_cast<std::uint32_t>(cones.ray.size());
-    for (std::uint32_t c = 0; c < outlines.num_contours(); ++c) {
-        const std::span<const Eigen::Vector2d> loop = outlines.contour(c);
-        const auto begin = static_cast<std::uint32_t>(cones.ray.size());
-        const auto n = static_cast<std::uint32_t>(loop.size());
-        for (std::uint32_t i = 0; i < n; ++i) {
-            const Eigen::Vector2d& p = loop[i];
-            const Eigen::Vector2d& q = loop[(i + 1) % n];
-            const Eigen::Vector3d ray = site_from_camera * view.intrinsics.ray_camera(p);
-            // the difference of the two rays is exact to the last bit of the pixels, a product of
-            // the rays is not
-            const geometry::PinholeCamera& k = view.intrinsics;
-            const double dy = (q.y() - p.y()) / k.fy;
-            const Eigen::Vector3d along =
-                site_from_camera * Eigen::Vector3d((q.x() - p.x() - k.skew * dy) / k.fx, dy, 0.0);
-            cones.ray.push_back(ray);
-            cones.normal.push_back(along.cross(ray));
-            cones.next.push_back(begin + (i + 1) % n);
-            cones.prev.push_back(begin + (i + n - 1) % n);
-            cones.contour.push_back(first_contour + c);
-            cones.view_of.push_back(static_cast<std::uint8_t>(v));
-        }
+// Largest power of two by which `largest` stays below `limit`.
+double grid_scale(double largest, double limit) {
+    return std::exp2(std::floor(std::log2(limit / std::max(largest, 1e-300))));
+}
+
+exact::Vector to_grid(const Eigen::Vector3d& v, double scale) {
+    return {std::llround(v.x() * scale), std::llround(v.y() * scale), std::llround(v.z() * scale)};
+}
+
+Eigen::Vector3d from_grid(const exact::Vector& v, double scale) {
+    return Eigen::Vector3d(
+               static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])) /
+           scale;
+}
+
+// A box is the intersection of two cones: the octants at two opposite corners.
+void add_bounds(const geometry::Aabb& bounds, std::vector<Cones::View>& views) {
+    for (const double sign : {1.0, -1.0}) {
+        Cones::View view;
+        view.centre = sign > 0.0 ? bounds.min : bounds.max;
+        view.axis = Eigen::Vector3d::Constant(sign / std::sqrt(3.0));
+        view.camera_from_site.setIdentity();
+        view.is_bounds = true;
+        views.push_back(view);
     }
-    view.last = static_cast<std::uint32_t>(cones.ray.size());
+}
+
+void place_views(const CleanViews& clean, const HullOptions& options, Cones& cones) {
+    cones.views.clear();
+    cones.origin.setZero();
+    for (const CleanViews::View& clean_view : clean.views) {
+        const SilhouetteView& source = *clean_view.source;
+        Cones::View view;
+        view.camera_from_site = source.camera_from_site.rotation.normalized().toRotationMatrix();
+        view.axis = view.camera_from_site.row(2).transpose();
+        view.centre = -(view.camera_from_site.transpose() * source.camera_from_site.translation);
+        view.is_partial = !source.field.empty();
+        cones.origin += view.centre / static_cast<double>(clean.views.size());
+        cones.views.push_back(view);
+    }
+    if (options.bounds) add_bounds(*options.bounds, cones.views);
+    double largest = 0.0;
+    for (Cones::View& view : cones.views) {
+        view.centre -= cones.origin;
+        largest = std::max(largest, view.centre.cwiseAbs().maxCoeff());
+    }
+    // half of the range is left for centres that have to be separated
+    const double scale = grid_scale(largest, 0.5 * exact::kMaxCentre);
+    cones.centre_unit_m = 1.0 / scale;
+    separate_centres(std::max(kSameCentre_m, 64.0 * cones.centre_unit_m), cones.views);
+    for (Cones::View& view : cones.views) {
+        view.exact_centre = to_grid(view.centre, scale);
+        view.centre = from_grid(view.exact_centre, scale);
+    }
+}
+
+// The rays of `view` onto their grid; rays of one view share the scale.
+void append_rays(std::span<const Eigen::Vector3d> rays, Cones::View& view, Cones& cones) {
+    double largest = 0.0;
+    for (const Eigen::Vector3d& ray : rays) largest = std::max(largest, ray.cwiseAbs().maxCoeff());
+    const double scale = grid_scale(largest, exact::kMaxRay);
+    view.ray_unit = 1.0 / scale;
+    view.first_ray = static_cast<std::uint32_t>(cones.ray.size());
+    for (const Eigen::Vector3d& ray : rays) {
+        const exact::Vector on_grid = to_grid(ray, scale);
+        cones.exact_ray.push_back(on_grid);
+        cones.ray.push_back(from_grid(on_grid, scale));
+        cones.incidence.emplace_back();
+    }
+    view.last_ray = static_cast<std::uint32_t>(cones.ray.size());
+}
+
+Cones::Strip make_strip(const Cones& cones, std::size_t v, SegmentKind kind) {
+    Cones::Strip strip;
+    strip.view = static_cast<std::uint8_t>(v);
+    strip.kind = kind;
+    const std::uint64_t bit = std::uint64_t{1} << v;
+    const bool counts = cones.views[v].is_partial && cones.min_seen > 0;
+    if (kind != SegmentKind::kUnseen) strip.toggles.carved = bit;
+    if (counts && kind != SegmentKind::kOutside) strip.toggles.seen = bit;
+    strip.min_seen = cones.min_seen;
+    if (counts && kind != SegmentKind::kOutside) strip.min_seen -= 1;  // its own view sees
+    // on both sides nobody carves: the view's own sight has to decide
+    if (kind == SegmentKind::kUnseen) strip.max_seen = strip.min_seen;
+    return strip;
+}
+
+void append_strips(const LabelledOutlines& labelled, std::size_t v, Cones& cones) {
+    Cones::View& view = cones.views[v];
+    view.first_strip = static_cast<std::uint32_t>(cones.strips.size());
+    std::uint32_t num_loops = 0;
+    for (const LabelledOutlines::Segment& segment : labelled.segments) {
+        Cones::Strip strip = make_strip(cones, v, segment.kind);
+        strip.from = view.first_ray + segment.from;
+        strip.to = view.first_ray + segment.to;
+        strip.foreground_loop = cones.num_loops + segment.foreground_loop;
+        strip.background_loop = cones.num_loops + segment.background_loop;
+        if (segment.kind != SegmentKind::kOutside)
+            num_loops = std::max(num_loops, segment.foreground_loop + 1);
+        if (segment.kind != SegmentKind::kUnseen)
+            num_loops = std::max(num_loops, segment.background_loop + 1);
+        const auto id = static_cast<std::uint32_t>(cones.strips.size());
+        for (const std::uint32_t ray : {strip.from, strip.to}) {
+            Cones::Incidence& at = cones.incidence[ray];
+            if (at.count < at.strips.size()) at.strips[at.count] = id;
+            ++at.count;
+        }
+        // the difference is exact, a product of the rays would not be
+        const Eigen::Vector3d along = cones.ray[strip.to] - cones.ray[strip.from];
+        cones.normal.push_back(along.cross(cones.ray[strip.from]));
+        cones.normal_bound.push_back(along.norm() * cones.ray[strip.from].norm());
+        cones.strips.push_back(strip);
+    }
+    cones.num_loops += num_loops;
+    std::uint32_t first = view.first_strip;
+    for (const std::uint32_t end : labelled.chain_ends) {
+        cones.chains.push_back({first, view.first_strip + end});
+        first = view.first_strip + end;
+    }
+    view.last_strip = static_cast<std::uint32_t>(cones.strips.size());
+}
+
+void append_camera(const SilhouetteView& source, std::size_t v, ConeScratch& scratch, Cones& cones) {
+    const Eigen::Matrix3d site_from_camera = cones.views[v].camera_from_site.transpose();
+    scratch.rays.clear();
+    for (const Eigen::Vector2d& p : scratch.labelled.points)
+        scratch.rays.emplace_back(site_from_camera * source.intrinsics.ray_camera(p));
+    append_rays(scratch.rays, cones.views[v], cones);
+    append_strips(scratch.labelled, v, cones);
+}
+
+// Three rays along the edges that leave one corner of the bounds.
+void append_bounds(std::size_t v, std::uint32_t attempt, ConeScratch& scratch, Cones& cones) {
+    const double sign = cones.views[v].axis.x() > 0.0 ? 1.0 : -1.0;
+    Outlines& nudges = scratch.outlines;
+    nudges.clear();
+    const std::array<Eigen::Vector2d, 3> zeros{
+        Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(0.0, sign), Eigen::Vector2d(sign, 0.0)};
+    nudges.append(zeros);
+    jitter(nudges, kFirstJitter_rad * std::pow(kJitterGrowth, attempt), attempt);
+    scratch.rays.clear();
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        const Eigen::Vector2d nudge = nudges.points[a] - zeros[a];
+        Eigen::Vector3d ray = Eigen::Vector3d::Zero();
+        ray[axis] = sign;
+        ray[(axis + 1) % 3] = nudge.x();
+        ray[(axis + 2) % 3] = nudge.y();
+        scratch.rays.push_back(ray);
+    }
+    // the mirrored corner sees its edges the other way round
+    if (sign < 0.0) std::swap(scratch.rays[1], scratch.rays[2]);
+    append_rays(scratch.rays, cones.views[v], cones);
+    scratch.outlines.clear();
+    scratch.outlines.append(zeros);
+    label_whole(scratch.outlines, scratch.labelled);
+    append_strips(scratch.labelled, v, cones);
 }
 
 void clear_rays(Cones& cones) {
     cones.ray.clear();
+    cones.exact_ray.clear();
+    cones.incidence.clear();
+    cones.strips.clear();
     cones.normal.clear();
-    cones.next.clear();
-    cones.prev.clear();
-    cones.contour.clear();
-    cones.view_of.clear();
-}
-
-void place_cameras(const CleanViews& clean, Cones& cones) {
-    cones.views.resize(clean.views.size());
-    cones.origin.setZero();
-    for (std::size_t v = 0; v < clean.views.size(); ++v) {
-        const SilhouetteView& source = *clean.views[v].source;
-        Cones::View& view = cones.views[v];
-        view.intrinsics = source.intrinsics;
-        view.camera_from_site = source.camera_from_site.rotation.normalized().toRotationMatrix();
-        view.axis = view.camera_from_site.row(2).transpose();
-        view.centre = -(view.camera_from_site.transpose() * source.camera_from_site.translation);
-        cones.origin += view.centre / static_cast<double>(clean.views.size());
-    }
-    for (Cones::View& view : cones.views) view.centre -= cones.origin;
-    separate_centres(cones.views);
+    cones.normal_bound.clear();
+    cones.chains.clear();
+    cones.num_loops = 0;
 }
 
 }  // namespace
-
-std::uint64_t Cones::views_around_centre(std::size_t i) const {
-    std::uint64_t mask = std::uint64_t{1} << i;
-    for (std::size_t k = 0; k < views.size(); ++k) {
-        if (k == i) continue;
-        const Eigen::Vector3d p = views[k].camera_from_site * (views[i].centre - views[k].centre);
-        if (p.z() > 0.0 && contains(outlines[k], views[k].intrinsics.project(p)))
-            mask |= std::uint64_t{1} << k;
-    }
-    return mask;
-}
 
 HullStatus clean_views(std::span<const SilhouetteView> views,
                        const HullOptions& options,
                        ConeScratch& scratch,
                        VisualHull& hull) {
-    if (views.size() > kMaxViews) return HullStatus::kInvalidInput;
+    if (views.size() + (options.bounds ? 2 : 0) > kMaxViews) return HullStatus::kInvalidInput;
+    if (options.bounds && !is_valid(*options.bounds)) return HullStatus::kInvalidInput;
     std::size_t num_points = 0;
     for (const SilhouetteView& view : views) {
         for (const auto& contour : view.contours) num_points += contour.size();
@@ -150,7 +269,8 @@ HullStatus clean_views(std::span<const SilhouetteView> views,
     if (num_points > options.max_segments || num_points * views.size() > kMaxPencilRays) {
         return HullStatus::kTooComplex;
     }
-    if (!std::all_of(views.begin(), views.end(), is_valid)) return HullStatus::kInvalidInput;
+    if (!std::all_of(
+            views.begin(), views.end(), [](const SilhouetteView& view) { return is_valid(view); })) return HullStatus::kInvalidInput;
 
     CleanViews& clean = scratch.clean;
     clean.views.clear();
@@ -172,7 +292,7 @@ HullStatus clean_views(std::span<const SilhouetteView> views,
     const auto last = std::unique(clean.views.begin(), clean.views.end(), same);
     hull.num_views_merged = static_cast<std::uint32_t>(clean.views.end() - last);
     clean.views.erase(last, clean.views.end());
-    return clean.views.size() < 2 ? HullStatus::kTooFewViews : HullStatus::kOk;
+    return clean.views.size() < (options.bounds ? 1u : 2u) ? HullStatus::kTooFewViews : HullStatus::kOk;
 }
 
 HullStatus build_cones(const HullOptions& options,
@@ -181,30 +301,35 @@ HullStatus build_cones(const HullOptions& options,
                        Cones& cones,
                        VisualHull& hull) {
     const CleanViews& clean = scratch.clean;
-    const std::size_t n = clean.views.size();
-    place_cameras(clean, cones);
-    if (cones.outlines.size() < n) cones.outlines.resize(n);
+    place_views(clean, options, cones);
     clear_rays(cones);
+    const auto num_partial = static_cast<std::uint32_t>(std::count_if(
+        cones.views.begin(), cones.views.end(), [](const auto& view) { return view.is_partial; }));
+    const auto num_whole = static_cast<std::uint32_t>(clean.views.size()) - num_partial;
+    cones.min_seen = options.min_views > num_whole ? options.min_views - num_whole : 0;
     OutlineCounts counts = scratch.clean_counts;
-    bool sees_nobody = false;
-    for (std::size_t v = 0; v < n; ++v) {
-        Outlines& outlines = cones.outlines[v];
+    bool sees_nobody = cones.min_seen > num_partial;
+    for (std::size_t v = 0; v < clean.views.size(); ++v) {
+        const SilhouetteView& source = *clean.views[v].source;
+        Outlines& outlines = scratch.outlines;
         outlines = clean.outlines[clean.views[v].outlines_index];
-        jitter(outlines,
-               kFirstJitter_px * std::pow(kJitterGrowth, attempt),
-               clean.views[v].hash + attempt);
+        jitter(outlines, jitter_px(source, attempt), clean.views[v].hash + attempt);
         const std::uint64_t max_tests = 100'000 + kTestsPerSegment * outlines.points.size();
         if (!make_simple(
                 outlines, options.min_contour_area_px2, max_tests, scratch.outline, counts)) {
             return HullStatus::kTooComplex;
         }
         orient_by_nesting(outlines);
-        append_rays(cones, v);
-        sees_nobody |= outlines.num_contours() == 0;
+        label_whole(outlines, scratch.labelled);
+        append_camera(source, v, scratch, cones);
+        sees_nobody |= outlines.num_contours() == 0 && !cones.views[v].is_partial;
     }
+    for (std::size_t v = clean.views.size(); v < cones.num_views(); ++v)
+        append_bounds(v, attempt, scratch, cones);
     hull.num_contours_dropped = counts.dropped;
     hull.num_contours_repaired = counts.repaired;
-    return sees_nobody ? HullStatus::kEmptyIntersection : HullStatus::kOk;
+    if (sees_nobody) return HullStatus::kEmptyIntersection;
+    return cones.strips.size() <= kMaxStrips ? HullStatus::kOk : HullStatus::kTooComplex;
 }
 
 }  // namespace atrium::hull

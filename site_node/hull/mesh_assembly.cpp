@@ -9,27 +9,23 @@ namespace atrium::hull {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
-constexpr VertexKey kCentreBit = VertexKey{1} << 63;
-
-std::array<std::uint32_t, 3> strips_of(VertexKey key) {
-    constexpr VertexKey kMask = (1u << 21) - 1;
-    return {static_cast<std::uint32_t>(key >> 42),
-            static_cast<std::uint32_t>((key >> 21) & kMask),
-            static_cast<std::uint32_t>(key & kMask)};
-}
 
 // Two strips that both vertices lie on: the straight line between them is an edge of the hull, or
 // lies along one.
 bool share_two_strips(const Cones& cones, VertexKey a, VertexKey b) {
     if ((a & kCentreBit) != 0) std::swap(a, b);
     if ((a & kCentreBit) != 0) return false;
+    const VertexStrips of_a = strips_of(cones, a);
+    const bool b_is_centre = (b & kCentreBit) != 0;
+    const VertexStrips of_b = b_is_centre ? VertexStrips{} : strips_of(cones, b);
     int shared = 0;
-    for (const std::uint32_t s : strips_of(a)) {
-        if ((b & kCentreBit) != 0) {
-            shared += cones.contour[s] == static_cast<std::uint32_t>(b & ~kCentreBit) ? 1 : 0;
+    for (std::uint32_t i = 0; i < of_a.count; ++i) {
+        const std::uint32_t s = of_a.strips[i];
+        if (b_is_centre) {
+            shared += is_on_loop(cones, b, s) ? 1 : 0;
         } else {
-            const auto t = strips_of(b);
-            shared += (s == t[0] || s == t[1] || s == t[2]) ? 1 : 0;
+            const auto end = of_b.strips.begin() + of_b.count;
+            shared += std::find(of_b.strips.begin(), end, s) != end ? 1 : 0;
         }
     }
     return shared >= 2;
@@ -88,11 +84,11 @@ bool MeshAssembly::verify(const Cones& cones, std::span<const RunFaces> runs) {
             const bool a_is_centre = (keys_[a] & kCentreBit) != 0;
             const bool b_is_centre = (keys_[b] & kCentreBit) != 0;
             if (!a_is_centre) {
-                if (corners_[a].num_out == 3) return false;
+                if (corners_[a].num_out == 3) return cones.min_seen > 0;
                 corners_[a].out[corners_[a].num_out++] = b;
             }
             if (!b_is_centre) {
-                if (corners_[b].num_in == 3) return false;
+                if (corners_[b].num_in == 3) return cones.min_seen > 0;
                 corners_[b].in[corners_[b].num_in++] = a;
             }
         }

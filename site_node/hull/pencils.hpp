@@ -12,39 +12,43 @@
 
 namespace atrium::hull {
 
-/// The rays of one camera in the pencil of half-planes around its baseline to another camera. A
-/// half-plane meets a strip of the one and a strip of the other cone in one point at most, and a
-/// ray lies in exactly one, so the order of all rays around the baseline decides which ray pierces
-/// which strip. It is decided here, once, for both roles.
+/// The rays and strips of one camera in the pencil of half-planes around its baseline to another
+/// camera. A half-plane meets a strip of the one and a strip of the other cone in one point at most,
+/// and a ray lies in exactly one, so the order of all rays around the baseline decides which ray
+/// pierces which strip. It is decided here, once and exactly, for both roles.
 ///
-/// Indices are local: ray - view.first.
+/// Indices are local: ray - view.first_ray, strip - view.first_strip.
 struct PencilSide {
-    std::vector<double> angle;            // pseudo-angle around the baseline in [-2, 2)
     std::vector<Eigen::Vector2d> across;  // ray in the plane across the baseline
-    // strip normal times baseline (this centre -> other centre) [m], and its inverse
-    std::vector<double> offset;
-    std::vector<double> inverse_offset;
-    std::vector<std::uint32_t> sorted;    // own rays by angle
+    std::vector<std::uint32_t> sorted;    // own rays by angle around the baseline
     std::vector<std::uint32_t> position;  // inverse of `sorted`
     std::vector<std::uint32_t> rank;      // number of the other camera's rays before this ray
-    // strip g runs towards greater angles from ray g to ray next[g]
-    std::vector<std::uint8_t> rises;
-    // positions of the rays with the smaller (0) and the greater angle (1) of the two that bound
-    // strip g
+
+    std::vector<double> offset;          // strip normal . (other centre - this centre) [m] ...
+    std::vector<double> offset_error;    // ... and what rounding may have changed
+    std::vector<std::uint8_t> rises;     // the strip runs towards greater angles
+    // positions of the strip's rays with the smaller (0) and the greater angle (1)
     std::vector<std::array<std::uint32_t, 2>> end_positions;
 };
 
 /// sides[i * num_views + k]: rays of view i in the pencil of i and k.
 struct Pencils {
+    struct Entry {  // a ray that is being sorted
+        double angle = 0.0;
+        double error = 0.0;
+        std::uint32_t ray = 0;
+    };
     std::size_t num_views = 0;
     std::vector<PencilSide> sides;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
-    std::vector<std::vector<std::pair<double, std::uint32_t>>> sort_buffers;  // one per worker
+    std::vector<std::array<std::vector<Entry>, 2>> sort_buffers;  // one per worker
+    std::vector<std::uint8_t> is_degenerate;                      // one per pair
 
     const PencilSide& side(std::size_t i, std::size_t k) const { return sides[i * num_views + k]; }
     PencilSide& side(std::size_t i, std::size_t k) { return sides[i * num_views + k]; }
 };
 
-void build_pencils(const Cones& cones, Executor& executor, Pencils& pencils);
+/// False if two rays lie in one half-plane, or a strip in one: no general position.
+bool build_pencils(const Cones& cones, Executor& executor, Pencils& pencils);
 
 }  // namespace atrium::hull

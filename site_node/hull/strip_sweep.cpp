@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace atrium::hull {
 
@@ -12,305 +11,284 @@ void StripSweep::run(const Cones& cones,
                      std::uint64_t max_steps,
                      RunFaces& faces) {
     cones_ = &cones;
-    pencils_ = &pencils;
     faces_ = &faces;
     max_steps_ = max_steps;
-    view_ = run.view;
-    const std::size_t n = cones.num_views();
-    full_ = n == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << n) - 1;
+    num_steps_ = 0;
     faces.clear();
-    start_lines(run.first);
-    for (Line& line : lines_) line.ray_vertex = std::numeric_limits<std::uint32_t>::max();
-    strip_ = run.first;
-    // the faces on the first strip begin at vertices on its first ray
-    for (std::size_t p = 0; p < lines_.size(); ++p) {
-        if (!is_full(lines_[p].inside_below)) continue;
-        lines_[p].ray_vertex = ray_vertex(run.first, lines_[p].strip, lines_[p].u);
-        if (p + 1 < lines_.size())
-            lines_[p + 1].ray_vertex = ray_vertex(run.first, lines_[p + 1].strip, lines_[p + 1].u);
+    ray_vertices_.clear();
+    chart_.start(cones, pencils, run.first);
+    for (std::uint32_t strip = run.first; strip < run.first + run.count; ++strip) {
+        if (strip > run.first) chart_.go_on(strip);
+        strip_ = strip;
+        own_ = cones.strips[strip];
+        sweep_strip();
+        if (must_stop()) break;
     }
-    for (std::uint32_t s = 0, strip = run.first; s < run.count; ++s, strip = cones.next[strip]) {
-        sweep_strip(strip);
-        if (must_stop() || faces.unbounded) return;
-    }
+    faces.failed |= chart_.is_degenerate();
+    faces.num_steps = num_steps_ + chart_.num_steps();
 }
 
-void StripSweep::sweep_strip(std::uint32_t strip) {
-    strip_ = strip;
+void StripSweep::sweep_strip() {
     phi_ = 0.0;
-    collect_events(strip);
-    for (std::size_t p = 1; p < lines_.size(); ++p) {
-        Line& line = lines_[p];
-        line.phi0 = 0.0;
-        line.u0 = line.u;
-        if (line.strip == kInfinityStrip) {
-            line.phi1 = 1.0;
-        } else {
-            aim(line);
-        }
+    if (!chart_.collect()) {
+        faces_->failed = true;
+        return;
     }
+    if (!chart_.may_have_faces()) {
+        ray_vertices_.clear();
+        return;
+    }
+    enter_lines();
     begin_faces();
-    sort_events();
-    for (const std::uint32_t e : order_) {
-        advance(events_[e].phi);
+    for (const std::uint32_t e : chart_.order()) {
         if (must_stop()) return;
-        handle(events_[e]);
+        advance({chart_.event(e).phi, e});
         if (must_stop()) return;
+        handle(e);
     }
-    advance(1.0);
+    if (must_stop()) return;
+    advance({1.0, StripChart::kNone});
     if (must_stop()) return;
     end_faces();
 }
 
-// Only an index is sorted: `aim` needs the events as they were collected.
-void StripSweep::sort_events() {
-    order_.resize(events_.size());
-    std::iota(order_.begin(), order_.end(), 0u);
-    faces_->num_steps += events_.size();
-    const auto is_before = [this](std::uint32_t l, std::uint32_t r) {
-        return events_[l].phi != events_[r].phi ? events_[l].phi < events_[r].phi : l < r;
-    };
-    constexpr std::size_t kFew = 64;
-    if (order_.size() > kFew) {
-        std::sort(order_.begin(), order_.end(), is_before);
-        return;
-    }
-    // each camera's events are in order already: insertion is the fastest merge of few
-    for (std::size_t i = 1; i < order_.size(); ++i) {
-        const std::uint32_t e = order_[i];
-        std::size_t at = i;
-        for (; at > 0 && is_before(e, order_[at - 1]); --at) order_[at] = order_[at - 1];
-        order_[at] = e;
-    }
+StripSweep::Line StripSweep::make_line(std::uint32_t piece) const {
+    Line line;
+    line.piece = piece;
+    line.strip = chart_.piece(piece).strip;
+    return line;
 }
 
-void StripSweep::begin_faces() {
-    triangulator_.reset(faces_->triangles);
-    for (std::size_t p = 0; p + 1 < lines_.size(); ++p) {
-        Line& top = lines_[p];
-        if (!is_full(top.inside_below)) continue;
-        Line& bottom = lines_[p + 1];
-        top.region_below =
-            triangulator_.open({top.ray_vertex, 0.0, top.u}, {bottom.ray_vertex, 0.0, bottom.u});
-        top.edge_start = top.ray_vertex;
-        bottom.edge_start = bottom.ray_vertex;
-        faces_->edges.emplace_back(bottom.ray_vertex, top.ray_vertex);
-    }
-}
-
-void StripSweep::end_faces() {
-    const std::uint32_t ray = cones_->next[strip_];
-    for (std::size_t p = 0; p < lines_.size(); ++p) {
-        Line& top = lines_[p];
-        if (!is_full(top.inside_below)) continue;
-        if (p + 1 == lines_.size()) {
-            faces_->failed = true;
-            return;
+// All visible lines at the strip's first ray, in order.
+void StripSweep::enter_lines() {
+    const Place start{0.0, StripChart::kNone};
+    lines_.clear();
+    Line centre;
+    centre.strip = kNoStrip;
+    centre.u = std::numeric_limits<double>::infinity();
+    lines_.push_back(centre);
+    for (std::uint32_t p = 0; p < chart_.pieces().size(); ++p) {
+        const StripChart::Piece& piece = chart_.piece(p);
+        if (piece.start_event != StripChart::kNone ||
+            piece.visibility != StripChart::Visibility::kVisible) {
+            continue;
         }
-        Line& bottom = lines_[p + 1];
-        bottom.ray_vertex = ray_vertex(ray, bottom.strip, bottom.u);
-        if (top.strip != kCentreStrip) {
-            top.ray_vertex = ray_vertex(ray, top.strip, top.u);
-            triangulator_.add(top.region_below, {top.ray_vertex, 1.0, top.u}, Side::kTop);
-            end_edge(top, top.ray_vertex, Side::kTop);
-        }
-        triangulator_.close(top.region_below, {bottom.ray_vertex, 1.0, bottom.u});
-        end_edge(bottom, bottom.ray_vertex, Side::kBottom);
-        faces_->edges.emplace_back(top.ray_vertex, bottom.ray_vertex);
+        std::size_t at = lines_.size();
+        while (at > 1 && chart_.is_above(p, lines_[at - 1].piece, start)) --at;
+        lines_.insert(lines_.begin() + static_cast<std::ptrdiff_t>(at), make_line(p));
     }
-}
-
-// Moves all lines on to `phi`.
-void StripSweep::advance(double phi) {
-    bool in_order = true;
-    double above = std::numeric_limits<double>::infinity();
+    num_steps_ += lines_.size();
+    Verdict verdict = chart_.verdict_above();
+    set_below(lines_[0], verdict);
     for (std::size_t p = 1; p < lines_.size(); ++p) {
-        Line& line = lines_[p];
-        line.u_before = line.u;
-        line.u = phi >= line.phi1 ? line.u1 : line.u0 + (phi - line.phi0) * line.slope;
-        in_order &= above >= line.u;
-        above = line.u;
-    }
-    faces_->num_steps += lines_.size();
-    if (!in_order) resolve_crossings(phi);
-    phi_ = phi;
-}
-
-// Exchanges neighbours in the order in which they cross between phi_ and `phi`.
-void StripSweep::resolve_crossings(double phi) {
-    // each pair crosses once: more exchanges than pairs mean numbers that are none
-    for (std::size_t budget = lines_.size() * lines_.size(); budget > 0; --budget) {
-        std::size_t first = 0;
-        double first_share = 2.0;
-        for (std::size_t p = 1; p + 1 < lines_.size(); ++p) {
-            const double before = lines_[p].u_before - lines_[p + 1].u_before;
-            const double now = lines_[p].u - lines_[p + 1].u;
-            if (now >= 0.0) continue;
-            const double share = before > 0.0 ? before / (before - now) : 0.0;
-            if (share < first_share) {
-                first_share = share;
-                first = p;
-            }
-        }
-        faces_->num_steps += lines_.size();
-        if (must_stop()) return;
-        if (first == 0) {
-            // not a number compares as neither
-            for (std::size_t p = 1; p < lines_.size(); ++p)
-                faces_->failed |= !std::isfinite(lines_[p].u);
-            return;
-        }
-        const Line& line = lines_[first];
-        cross(first,
-              phi_ + first_share * (phi - phi_),
-              line.u_before + first_share * (line.u - line.u_before));
-    }
-    faces_->failed = true;
-}
-
-// Lines p and p + 1 cross at (phi, u).
-void StripSweep::cross(std::size_t p, double phi, double u) {
-    const std::uint64_t above = mask_above(p);
-    const std::uint64_t between = lines_[p].inside_below;
-    const std::uint64_t below = lines_[p + 1].inside_below;
-    const std::uint64_t between_after = above ^ (std::uint64_t{1} << lines_[p + 1].view);
-    if (is_full(above) || is_full(between) || is_full(below) || is_full(between_after)) {
-        if (lines_[p].view == lines_[p + 1].view) {
-            faces_->failed = true;  // one silhouette's outline crosses itself: only by rounding
-            return;
-        }
-        const std::uint32_t v = triple_vertex(lines_[p].strip, lines_[p + 1].strip, phi, u);
-        const Corner corner{v, phi, u};
-        Line& upper = lines_[p];
-        Line& lower = lines_[p + 1];
-        if (is_full(above)) {
-            triangulator_.add(lines_[p - 1].region_below, corner, Side::kBottom);
-            end_edge(upper, v, Side::kBottom);
-            lower.edge_start = v;
-        } else if (is_full(between)) {
-            triangulator_.close(upper.region_below, corner);
-            end_edge(upper, v, Side::kTop);
-            end_edge(lower, v, Side::kBottom);
-        } else if (is_full(below)) {
-            triangulator_.add(lower.region_below, corner, Side::kTop);
-            end_edge(lower, v, Side::kTop);
-            upper.region_below = lower.region_below;
-            upper.edge_start = v;
-        } else {
-            lower.region_below = triangulator_.open(corner);
-            lower.edge_start = upper.edge_start = v;
-        }
-    }
-    std::swap(lines_[p], lines_[p + 1]);
-    lines_[p].inside_below = between_after;
-    lines_[p + 1].inside_below = below;
-}
-
-void StripSweep::handle(const Event& event) {
-    const PencilSide& other = pencils_->side(event.view, view_);
-    const std::uint32_t first = cones_->views[event.view].first;
-    const std::uint32_t before = cones_->prev[event.ray];
-    const std::uint32_t after = event.ray;
-    const bool before_arrives = static_cast<bool>(other.rises[before - first]) == event.rising;
-    const bool after_leaves = static_cast<bool>(other.rises[after - first]) == event.rising;
-    if (before_arrives && after_leaves) {
-        pass(find_line(before), after, event);
-    } else if (!before_arrives && !after_leaves) {
-        pass(find_line(after), before, event);
-    } else if (before_arrives) {
-        remove_pair(before, after, event);
-    } else {
-        insert_pair(before, after, event);
+        lines_[p].u = chart_.u(lines_[p].piece, 0.0);
+        verdict ^= chart_.toggles(lines_[p].piece);
+        set_below(lines_[p], verdict);
     }
 }
 
-std::size_t StripSweep::find_line(std::uint32_t strip) const {
-    for (std::size_t p = 1; p < lines_.size(); ++p) {
-        if (lines_[p].strip == strip) return p;
+// The line that ends the face below line `top`; 0 if none does.
+std::size_t StripSweep::end_of_face(std::size_t top) const {
+    for (std::size_t p = top + 1; p < lines_.size(); ++p) {
+        if (!lines_[p].face_below) return p;
     }
     return 0;
 }
 
-// The line of one strip goes on as that of its neighbour.
-void StripSweep::pass(std::size_t p, std::uint32_t strip, const Event& event) {
-    if (p == 0) {
-        faces_->failed = true;
-        return;
-    }
-    Line& line = lines_[p];
-    const bool face_above = is_full(mask_above(p));
-    if (face_above || is_full(line.inside_below)) {
-        const std::uint32_t v = event_vertex(event);
-        const Side side = face_above ? Side::kBottom : Side::kTop;
-        triangulator_.add(
-            face_above ? lines_[p - 1].region_below : line.region_below, {v, phi_, event.u}, side);
-        end_edge(line, v, side);
-        line.edge_start = v;
-    }
-    line.strip = strip;
-    line.u = line.u0 = event.u;
-    line.phi0 = phi_;
-    aim(line);
+// Inside of a face, on a ray of three strips: whether faces on the other two begin or end here.
+bool StripSweep::is_ray_vertex(const Line& line, const Line& above) const {
+    if (own_.kind != SegmentKind::kSilhouette) return false;
+    const int seen_above = std::popcount(above.below.seen);
+    const int seen_below = std::popcount(line.below.seen);
+    const auto least = static_cast<int>(own_.min_seen);
+    return seen_above != seen_below && std::min(seen_above, seen_below) == least;
 }
 
-// Two lines begin in one point.
-void StripSweep::insert_pair(std::uint32_t strip_a, std::uint32_t strip_b, const Event& event) {
-    Line upper;
-    upper.strip = strip_a;
-    upper.view = event.view;
-    upper.phi0 = phi_;
-    upper.u = upper.u0 = event.u;
-    Line lower = upper;
-    lower.strip = strip_b;
-    aim(upper);
-    aim(lower);
-    if (upper.slope < lower.slope) std::swap(upper, lower);
-
-    std::size_t p = 1;
-    while (p < lines_.size() && lines_[p].u >= event.u) ++p;
-    const std::uint64_t around = mask_above(p);
-    upper.inside_below = around ^ (std::uint64_t{1} << event.view);
-    lower.inside_below = around;
-    if (is_full(around)) {
-        const std::uint32_t v = event_vertex(event);
-        lower.region_below = triangulator_.split(lines_[p - 1].region_below, {v, phi_, event.u});
-        upper.edge_start = lower.edge_start = v;
-    } else if (is_full(upper.inside_below)) {
-        const std::uint32_t v = event_vertex(event);
-        upper.region_below = triangulator_.open({v, phi_, event.u});
-        upper.edge_start = lower.edge_start = v;
-    }
-    const Line pair[] = {upper, lower};
-    lines_.insert(
-        lines_.begin() + static_cast<std::ptrdiff_t>(p), std::begin(pair), std::end(pair));
-}
-
-// Two lines end in one point.
-void StripSweep::remove_pair(std::uint32_t strip_a, std::uint32_t strip_b, const Event& event) {
-    std::size_t p = find_line(strip_a);
-    std::size_t q = find_line(strip_b);
-    if (p == 0 || q == 0) {
-        faces_->failed = true;
-        return;
-    }
-    if (p > q) std::swap(p, q);
-    // rounding may leave another line between the two ends: it crosses one of them just before
-    for (; q > p + 1; --q) cross(q - 1, phi_, event.u);
-    if (faces_->failed) return;
-    const bool face_around = is_full(mask_above(p));
-    if (face_around || is_full(lines_[p].inside_below)) {
-        const std::uint32_t v = event_vertex(event);
-        const Corner corner{v, phi_, event.u};
-        if (face_around) {
-            triangulator_.merge(lines_[p - 1].region_below, lines_[q].region_below, corner);
-        } else {
-            triangulator_.close(lines_[p].region_below, corner);
+void StripSweep::begin_faces() {
+    triangulator_.reset(faces_->triangles);
+    const std::uint32_t ray = own_.from;
+    const bool has_three = cones_->incidence[ray].count == 3;
+    for (std::size_t top = 0; top < lines_.size(); ++top) {
+        if (!lines_[top].face_below) continue;
+        const std::size_t bottom = end_of_face(top);
+        if (bottom == 0) {
+            faces_->failed = true;
+            return;
         }
-        end_edge(lines_[p], v, face_around ? Side::kBottom : Side::kTop);
-        end_edge(lines_[q], v, face_around ? Side::kTop : Side::kBottom);
+        std::uint32_t last = lines_[top].edge_start = ray_vertex(ray, lines_[top]);
+        Corner corner{last, 0.0, lines_[top].u};
+        RegionId region = -1;
+        for (std::size_t p = top + 1; p <= bottom; ++p) {
+            if (p < bottom && !(has_three && is_ray_vertex(lines_[p], lines_[p - 1]))) continue;
+            const std::uint32_t v = ray_vertex(ray, lines_[p]);
+            const Corner next{v, 0.0, lines_[p].u};
+            if (region < 0) {
+                region = triangulator_.open(corner, next);
+            } else {
+                triangulator_.add(region, next, Side::kBottom);
+            }
+            faces_->edges.emplace_back(v, last);
+            last = v;
+        }
+        lines_[bottom].edge_start = last;
+        for (std::size_t p = top; p < bottom; ++p) lines_[p].region_below = region;
+        top = bottom - 1;
     }
-    lines_.erase(lines_.begin() + static_cast<std::ptrdiff_t>(p),
-                 lines_.begin() + static_cast<std::ptrdiff_t>(q + 1));
+}
+
+void StripSweep::end_faces() {
+    ray_vertices_.clear();
+    const std::uint32_t ray = own_.to;
+    const bool has_three = cones_->incidence[ray].count == 3;
+    for (std::size_t top = 0; top < lines_.size(); ++top) {
+        if (!lines_[top].face_below) continue;
+        const std::size_t bottom = end_of_face(top);
+        if (bottom == 0) {
+            faces_->failed = true;
+            return;
+        }
+        const RegionId region = lines_[top].region_below;
+        std::uint32_t last = lines_[top].edge_start;  // the centre stays where it is
+        if (top > 0) {
+            last = ray_vertex(ray, lines_[top]);
+            ray_vertices_.emplace_back(lines_[top].strip, last);
+            triangulator_.add(region, {last, 1.0, lines_[top].u}, Side::kTop);
+            end_edge(lines_[top], last, Side::kTop);
+        }
+        for (std::size_t p = top + 1; p <= bottom; ++p) {
+            if (p < bottom && !(has_three && is_ray_vertex(lines_[p], lines_[p - 1]))) continue;
+            const std::uint32_t v = ray_vertex(ray, lines_[p]);
+            ray_vertices_.emplace_back(lines_[p].strip, v);
+            const Corner corner{v, 1.0, lines_[p].u};
+            if (p < bottom) {
+                triangulator_.add(region, corner, Side::kTop);
+            } else {
+                triangulator_.close(region, corner);
+                end_edge(lines_[p], v, Side::kBottom);
+            }
+            faces_->edges.emplace_back(last, v);
+            last = v;
+        }
+        top = bottom - 1;
+    }
+}
+
+// Two lines that end in this very event meet there; all others have an order.
+bool StripSweep::is_reversed(std::size_t p, const Place& at) {
+    const Line& upper = lines_[p];
+    const Line& lower = lines_[p + 1];
+    const StripChart::Piece& a = chart_.piece(upper.piece);
+    const StripChart::Piece& b = chart_.piece(lower.piece);
+    if (upper.u - lower.u > a.error + b.error) return false;
+    if (at.event != StripChart::kNone && a.end_event == at.event && b.end_event == at.event)
+        return false;
+    return chart_.is_above(lower.piece, upper.piece, at);
+}
+
+// Moves all lines on, exchanging neighbours in the order in which they cross on the way.
+void StripSweep::advance(const Place& at) {
+    for (std::size_t p = 1; p < lines_.size(); ++p)
+        lines_[p].u = chart_.u(lines_[p].piece, at.phi);
+    num_steps_ += lines_.size();
+    for (;;) {
+        // the next crossing is always one of neighbours
+        std::size_t first = 0;
+        for (std::size_t p = 1; p + 1 < lines_.size(); ++p) {
+            if (!is_reversed(p, at)) continue;
+            if (first == 0 || chart_.crosses_before(lines_[p].piece,
+                                                    lines_[p + 1].piece,
+                                                    lines_[first].piece,
+                                                    lines_[first + 1].piece)) {
+                first = p;
+            }
+        }
+        if (first == 0) break;
+        cross(first, at);
+        num_steps_ += lines_.size();
+        if (must_stop()) return;
+    }
+    phi_ = at.phi;
+}
+
+void StripSweep::cross(std::size_t p, const Place& at) {
+    const StripChart::Point point =
+        chart_.crossing(lines_[p].piece, lines_[p + 1].piece, phi_, at.phi);
+    leaving_.clear();
+    leaving_.push_back(lines_[p + 1]);
+    leaving_.push_back(lines_[p]);
+    turn_at_crossing(p, point);
+}
+
+// Lines that begin in the event, from the upper to the lower.
+void StripSweep::collect_leaving(const StripChart::Event& event) {
+    leaving_.clear();
+    for (std::uint32_t j = 0; j < event.num_leaving; ++j) {
+        const std::uint32_t piece = event.leaving[j];
+        if (chart_.piece(piece).visibility != StripChart::Visibility::kVisible) continue;
+        std::size_t at = leaving_.size();
+        while (at > 0 && chart_.is_steeper(piece, leaving_[at - 1].piece)) --at;
+        leaving_.insert(leaving_.begin() + static_cast<std::ptrdiff_t>(at), make_line(piece));
+        leaving_[at].u = chart_.u(piece, event.phi);
+    }
+}
+
+// Where a line belongs that begins at `at`.
+std::size_t StripSweep::place_of(std::uint32_t piece, const Place& at) {
+    std::size_t p = 1;
+    while (p < lines_.size() && chart_.is_above(lines_[p].piece, piece, at)) ++p;
+    num_steps_ += p;
+    return p;
+}
+
+void StripSweep::handle(std::uint32_t e) {
+    const StripChart::Event& event = chart_.event(e);
+    const Place at{event.phi, e};
+    const auto arrives = [&](const Line& line) {
+        return line.piece != StripChart::kNone && chart_.piece(line.piece).end_event == e;
+    };
+    collect_leaving(event);
+    if (!event.is_wholly_visible) {
+        // no face is near: only the verdicts have to stay right
+        const bool is_above = chart_.is_above_faces(event);
+        for (std::size_t p = lines_.size(); p-- > 1;) {
+            if (arrives(lines_[p])) hide(p, is_above);
+        }
+        if (leaving_.empty()) return;
+        std::size_t p = place_of(leaving_[0].piece, at);
+        for (const Line& line : leaving_) show(p++, line, is_above);
+        return;
+    }
+    if (event.num_arriving == 0) {
+        turn_at_event(place_of(leaving_[0].piece, at), 0, e);
+        return;
+    }
+    std::size_t first = 1;
+    while (first < lines_.size() && !arrives(lines_[first])) ++first;
+    for (std::size_t j = 0; j < event.num_arriving; ++j) {
+        if (first + j < lines_.size() && arrives(lines_[first + j])) continue;
+        faces_->failed = true;
+        return;
+    }
+    turn_at_event(first, event.num_arriving, e);
+}
+
+// A line leaves the visible range upwards or downwards, crossing all that are on its way.
+void StripSweep::hide(std::size_t p, bool upwards) {
+    const Verdict toggles = chart_.toggles(lines_[p].piece);
+    lines_.erase(lines_.begin() + static_cast<std::ptrdiff_t>(p));
+    const std::size_t begin = upwards ? 0 : p;
+    const std::size_t end = upwards ? p : lines_.size();
+    for (std::size_t q = begin; q < end; ++q) set_below(lines_[q], lines_[q].below ^ toggles);
+}
+
+void StripSweep::show(std::size_t p, const Line& line, bool from_above) {
+    const Verdict toggles = chart_.toggles(line.piece);
+    const Verdict around = lines_[p - 1].below;
+    lines_.insert(lines_.begin() + static_cast<std::ptrdiff_t>(p), line);
+    set_below(lines_[p], from_above ? around : around ^ toggles);
+    const std::size_t begin = from_above ? 0 : p + 1;
+    const std::size_t end = from_above ? p : lines_.size();
+    for (std::size_t q = begin; q < end; ++q) set_below(lines_[q], lines_[q].below ^ toggles);
 }
 
 }  // namespace atrium::hull

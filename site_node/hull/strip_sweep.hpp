@@ -3,26 +3,35 @@
 #include "site_node/hull/cones.hpp"
 #include "site_node/hull/face_triangulator.hpp"
 #include "site_node/hull/pencils.hpp"
+#include "site_node/hull/strip_chart.hpp"
 
 #include <Eigen/Core>
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
 namespace atrium::hull {
 
-/// Ids of a hull vertex: the sorted triple of strips that meet in it, 21 bits each; bit 63 marks a
-/// camera centre.
+/// Name of a hull vertex, by what meets in it: three strips (sorted, 20 bits each), or a ray and a
+/// strip (bit 62), or a camera's centre in one of its loops (bit 63).
 using VertexKey = std::uint64_t;
-inline constexpr std::uint32_t kMaxStrips = (1u << 21) - 2;
+inline constexpr VertexKey kCentreBit = VertexKey{1} << 63;
+inline constexpr VertexKey kRayBit = VertexKey{1} << 62;
 
-/// A run of neighbouring strips of one contour: the unit of parallel work.
+/// The planes of a vertex: up to four strips where a ray has three.
+struct VertexStrips {
+    std::array<std::uint32_t, 4> strips{};
+    std::uint32_t count = 0;
+};
+VertexStrips strips_of(const Cones& cones, VertexKey key);  // not of a camera's centre
+bool is_on_loop(const Cones& cones, VertexKey centre, std::uint32_t strip);
+
+/// A run of neighbouring strips of one chain: the unit of parallel work.
 struct StripRun {
-    std::uint32_t view = 0;
     std::uint32_t first = 0;
     std::uint32_t count = 0;
 };
@@ -40,8 +49,7 @@ struct RunFaces {
     std::vector<std::pair<std::uint32_t, std::uint32_t>>
         edges;  // directed, face to the left seen from outside
     std::uint64_t num_steps = 0;
-    bool failed =
-        false;  // the order of events contradicts itself: not in general position for double
+    bool failed = false;  // not in general position
     bool unbounded = false;
 
     void clear() {
@@ -55,11 +63,9 @@ struct RunFaces {
 
 /// Finds the faces strip by strip.
 ///
-/// Chart of a strip: phi in [0, 1] from ray g to ray next[g], u = 1 / depth, so that the lines in
-/// which other strips cut this one are straight. From left to right it keeps the lines in order of
-/// u, with the set of cones that the gap below each line is in; the face is where that set is full.
-/// The order at the strip's last ray is the order with which the next strip starts, so one run is
-/// one sweep.
+/// From left to right in the strip's chart it keeps the lines in order of u, with the cameras'
+/// verdict on the gap below each line; faces are where that verdict makes a face. Every decision is
+/// exact (`StripChart`), so that all strips find the same polyhedron.
 class StripSweep {
 public:
     void run(const Cones& cones,
@@ -70,87 +76,92 @@ public:
 
 private:
     using Corner = FaceTriangulator::Corner;
+    using RegionId = FaceTriangulator::RegionId;
     using Side = FaceTriangulator::Side;
+    using Place = StripChart::Place;
 
     struct Line {
-        double u_before = 0.0;  // at the last event
-        double u = 0.0;         // now
-        double phi0 = 0.0;      // this strip's part of the line, from (phi0, u0)
-        double u0 = 0.0;
-        double phi1 = 0.0;  // to (phi1, u1)
-        double u1 = 0.0;
-        double slope = 0.0;
-        std::uint64_t inside_below = 0;  // bit k: the gap below is inside cone k
-        std::int32_t region_below = -1;
+        std::uint32_t piece = StripChart::kNone;  // none: the camera's centre
         std::uint32_t strip = 0;
-        std::uint32_t edge_start =
-            0;  // vertex at which its current edge began, where it bounds a face
-        std::uint32_t ray_vertex = 0;  // vertex on the ray that ends the strip
-        std::uint32_t view = 0;
+        double u = 0.0;  // at the place where the sweep is
+        Verdict below;   // of other cameras, on the gap below
+        bool face_below = false;
+        RegionId region_below = -1;
+        std::uint32_t edge_start = 0;  // vertex at which its current edge began, if it bounds a face
     };
-    /// A ray of another camera pierces this strip.
-    struct Event {
-        double phi = 0.0;
-        double u = 0.0;
-        std::uint32_t ray = 0;
-        std::uint32_t view = 0;
-        bool rising = false;  // the sweep meets the rays of that camera by growing angle
-    };
-    struct EventRange {  // events of one camera in the current strip, before they are sorted
-        std::uint32_t first = 0;
-        std::uint32_t count = 0;
-        std::uint32_t first_position = 0;
-        bool rising = false;
+    /// Around a point in which lines end and others begin. Sector j lies between lines j - 1 and j of
+    /// those: arriving ones from the upper to the lower, then leaving ones from the lower to the
+    /// upper. Sector 0 is above the point, sector `below()` below; that is one and the same where no
+    /// line arrives or none leaves.
+    struct Turn {
+        static constexpr std::size_t kMost = 6;
+        std::array<Line*, kMost> lines{};
+        std::array<bool, kMost> is_face{};
+        std::array<RegionId, kMost> region{};
+        RegionId region_below = -1;
+        std::size_t num_arriving = 0;
+        std::size_t num_lines = 0;
+        std::size_t below() const { return num_arriving % num_lines; }
+        std::size_t after(std::size_t j) const { return j + 1 == num_lines ? 0 : j + 1; }
+        std::size_t before(std::size_t j) const { return j == 0 ? num_lines - 1 : j - 1; }
     };
 
-    static constexpr std::uint32_t kCentreStrip = std::numeric_limits<std::uint32_t>::max();
-    static constexpr std::uint32_t kInfinityStrip = kCentreStrip - 1;
-
-    // strip_sweep_events.cpp: what happens where
-    void start_lines(std::uint32_t ray);
-    void collect_events(std::uint32_t strip);
-    void collect_events_of(std::uint32_t strip, std::uint32_t k);
-    void aim(Line& line);
-    double u_at_ray(std::uint32_t ray, std::uint32_t strip) const;
-
-    // strip_sweep.cpp: the sweep itself
-    void sweep_strip(std::uint32_t strip);
-    void sort_events();
+    void sweep_strip();
+    void enter_lines();
     void begin_faces();
     void end_faces();
-    void advance(double phi);
-    void resolve_crossings(double phi);
-    void cross(std::size_t p, double phi, double u);
-    void handle(const Event& event);
-    void pass(std::size_t p, std::uint32_t strip, const Event& event);
-    void insert_pair(std::uint32_t strip_a, std::uint32_t strip_b, const Event& event);
-    void remove_pair(std::uint32_t strip_a, std::uint32_t strip_b, const Event& event);
-    std::size_t find_line(std::uint32_t strip) const;
+    bool is_ray_vertex(const Line& line, const Line& above) const;
+    std::size_t end_of_face(std::size_t top) const;
+
+    void advance(const Place& at);
+    bool is_reversed(std::size_t p, const Place& at);
+    void cross(std::size_t p, const Place& at);
+    void handle(std::uint32_t event);
+    void collect_leaving(const StripChart::Event& event);
+    void hide(std::size_t p, bool upwards);
+    void show(std::size_t p, const Line& line, bool from_above);
+    std::size_t place_of(std::uint32_t piece, const Place& at);
+
+    // strip_sweep_turn.cpp: what happens to faces around a point
+    template <typename MakeVertex>
+    void turn(std::size_t first, std::size_t num_arriving, const MakeVertex& make_vertex);
+    void turn_at_crossing(std::size_t p, const StripChart::Point& at);
+    void turn_at_event(std::size_t first, std::size_t num_arriving, std::uint32_t event);
+    bool gather(std::size_t first, std::size_t num_arriving, Turn& turn);
+    bool goes_straight(Turn& turn, std::size_t begin, std::size_t end);
+    void end_edges(const Turn& turn, std::size_t begin, std::size_t end, std::uint32_t vertex);
+    void pass_face(Turn& turn, std::size_t begin, std::size_t end, const Corner& corner);
+    void part_face(Turn& turn, const Corner& corner);
+    void replace_lines(std::size_t first, const Turn& turn);
 
     // strip_sweep_vertices.cpp: names and places
-    std::uint32_t add_vertex(VertexKey key, const Corner& at, bool is_owner, bool on_viewing_edge);
-    std::uint32_t ray_vertex(std::uint32_t ray, std::uint32_t strip, double u);
+    std::uint32_t add_vertex(VertexKey key, bool on_viewing_edge, const Eigen::Vector3d* position);
+    std::uint32_t ray_vertex(std::uint32_t ray, const Line& line);
     std::uint32_t centre_vertex();
-    std::uint32_t triple_vertex(std::uint32_t strip_x, std::uint32_t strip_y, double phi, double u);
-    std::uint32_t event_vertex(const Event& event);
+    std::uint32_t triple_vertex(std::uint32_t x, std::uint32_t y, const StripChart::Point& at);
+    std::uint32_t event_vertex(const StripChart::Event& event);
     void end_edge(const Line& line, std::uint32_t vertex, Side side);
 
-    std::uint64_t mask_above(std::size_t p) const { return lines_[p - 1].inside_below; }
-    bool must_stop() const { return faces_->failed || faces_->num_steps > max_steps_; }
-    bool is_full(std::uint64_t mask) const { return mask == full_; }
+    bool must_stop() const {
+        return faces_->failed || faces_->unbounded || chart_.num_steps() + num_steps_ > max_steps_;
+    }
+    Line make_line(std::uint32_t piece) const;
+    void set_below(Line& line, const Verdict& verdict) const {
+        line.below = verdict;
+        line.face_below = cones_->has_face(own_, verdict);
+    }
 
     const Cones* cones_ = nullptr;
-    const Pencils* pencils_ = nullptr;
     RunFaces* faces_ = nullptr;
     std::uint64_t max_steps_ = 0;
-    std::uint32_t view_ = 0;
+    std::uint64_t num_steps_ = 0;
     std::uint32_t strip_ = 0;
-    std::uint64_t full_ = 0;
+    Cones::Strip own_;
     double phi_ = 0.0;
-    std::vector<Line> lines_;           // by falling u; the first is the camera's centre
-    std::vector<Event> events_;         // by camera, then along the strip
-    std::vector<std::uint32_t> order_;  // events along the strip
-    std::vector<EventRange> ranges_;
+    StripChart chart_;
+    std::vector<Line> lines_;  // by falling u; the first is the camera's centre
+    std::vector<Line> leaving_;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> ray_vertices_;  // strip, vertex: on a ray
     FaceTriangulator triangulator_;
 };
 

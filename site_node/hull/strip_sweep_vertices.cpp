@@ -1,18 +1,50 @@
 #include "site_node/hull/strip_sweep.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace atrium::hull {
 namespace {
 
-VertexKey key_of(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+constexpr VertexKey kBits = 20;
+constexpr VertexKey kMask = (VertexKey{1} << kBits) - 1;
+constexpr VertexKey kForegroundBit = VertexKey{1} << 62;  // of a camera's centre
+
+VertexKey triple_key(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     if (a > b) std::swap(a, b);
     if (b > c) std::swap(b, c);
     if (a > b) std::swap(a, b);
-    return (static_cast<VertexKey>(a) << 42) | (static_cast<VertexKey>(b) << 21) | c;
+    return (VertexKey{a} << (2 * kBits)) | (VertexKey{b} << kBits) | c;
+}
+
+VertexKey ray_key(std::uint32_t ray, std::uint32_t strip) {
+    return kRayBit | (VertexKey{ray} << 32) | strip;
 }
 
 }  // namespace
+
+VertexStrips strips_of(const Cones& cones, VertexKey key) {
+    VertexStrips result;
+    const auto add = [&](VertexKey strip) {
+        result.strips[result.count++] = static_cast<std::uint32_t>(strip);
+    };
+    if ((key & kRayBit) != 0) {
+        const Cones::Incidence& at = cones.incidence[(key & ~kRayBit) >> 32];
+        for (std::uint32_t j = 0; j < at.count; ++j) add(at.strips[j]);
+        add(key & 0xffffffffu);
+    } else {
+        add(key >> (2 * kBits));
+        add((key >> kBits) & kMask);
+        add(key & kMask);
+    }
+    return result;
+}
+
+bool is_on_loop(const Cones& cones, VertexKey centre, std::uint32_t strip) {
+    const auto loop = static_cast<std::uint32_t>(centre & 0xffffffffu);
+    return (centre & kForegroundBit) != 0 ? cones.strips[strip].foreground_loop == loop
+                                          : cones.strips[strip].background_loop == loop;
+}
 
 // `line` bounds a face from the given side up to `vertex`. Faces lie left of their edges seen from
 // outside, which is right of them in the chart.
@@ -25,54 +57,64 @@ void StripSweep::end_edge(const Line& line, std::uint32_t vertex, Side side) {
 }
 
 std::uint32_t StripSweep::add_vertex(VertexKey key,
-                                     const Corner& at,
-                                     bool is_owner,
-                                     bool on_viewing_edge) {
+                                     bool on_viewing_edge,
+                                     const Eigen::Vector3d* position) {
     const auto index = static_cast<std::uint32_t>(faces_->vertices.size());
-    RunFaces::Vertex vertex{key, is_owner, on_viewing_edge, Eigen::Vector3d::Zero()};
-    if (is_owner) {
-        const Eigen::Vector3d& ray0 = cones_->ray[strip_];
-        const Eigen::Vector3d& ray1 = cones_->ray[cones_->next[strip_]];
-        vertex.position = cones_->views[view_].centre + (ray0 + at.phi * (ray1 - ray0)) / at.u;
-    }
+    RunFaces::Vertex vertex{key, position != nullptr, on_viewing_edge, Eigen::Vector3d::Zero()};
+    if (position != nullptr) vertex.position = *position;
     faces_->vertices.push_back(vertex);
     return index;
 }
 
-std::uint32_t StripSweep::ray_vertex(std::uint32_t ray, std::uint32_t strip, double u) {
-    if (strip == kCentreStrip) return centre_vertex();
-    if (strip == kInfinityStrip) {
+// Where `line` meets one of the strip's two rays; where that ends the strip before as well, it has
+// its number already.
+std::uint32_t StripSweep::ray_vertex(std::uint32_t ray, const Line& line) {
+    if (line.piece == StripChart::kNone) return centre_vertex();
+    if (line.strip == StripChart::kInfinityStrip) {
         faces_->unbounded = true;
         return 0;
     }
-    const auto index = static_cast<std::uint32_t>(faces_->vertices.size());
-    RunFaces::Vertex vertex{
-        key_of(cones_->prev[ray], ray, strip), true, true, Eigen::Vector3d::Zero()};
-    vertex.position = cones_->views[view_].centre + cones_->ray[ray] / u;
-    faces_->vertices.push_back(vertex);
-    return index;
+    if (ray == own_.from) {
+        for (const auto& [strip, vertex] : ray_vertices_) {
+            if (strip == line.strip) return vertex;
+        }
+    }
+    const double phi = ray == own_.from ? 0.0 : 1.0;
+    const Eigen::Vector3d position =
+        chart_.position(chart_.point(line.piece, {phi, StripChart::kNone}));
+    const bool is_camera = !cones_->views[own_.view].is_bounds;
+    return add_vertex(ray_key(ray, line.strip), is_camera, &position);
 }
 
 std::uint32_t StripSweep::centre_vertex() {
-    // one per contour: the cones of two contours only touch in their apex
-    const auto index = static_cast<std::uint32_t>(faces_->vertices.size());
-    const VertexKey key = (VertexKey{1} << 63) | cones_->contour[strip_];
-    faces_->vertices.push_back({key, true, true, cones_->views[view_].centre});
-    return index;
+    // one per loop: the cones of two loops only touch in their apex
+    const auto seen = static_cast<std::uint32_t>(std::popcount(lines_[0].below.seen));
+    const bool only_foreground = cones_->min_seen > 0 && seen + 1 == cones_->min_seen &&
+                                 own_.kind != SegmentKind::kOutside &&
+                                 cones_->views[own_.view].is_partial;
+    const VertexKey key = only_foreground
+                              ? kCentreBit | kForegroundBit | own_.foreground_loop
+                              : kCentreBit | own_.background_loop;
+    return add_vertex(key, !cones_->views[own_.view].is_bounds, &cones_->views[own_.view].centre);
 }
 
-std::uint32_t StripSweep::triple_vertex(std::uint32_t x, std::uint32_t y, double phi, double u) {
-    if (x == kInfinityStrip || y == kInfinityStrip) {
+std::uint32_t StripSweep::triple_vertex(std::uint32_t x,
+                                        std::uint32_t y,
+                                        const StripChart::Point& at) {
+    if (x == StripChart::kInfinityStrip || y == StripChart::kInfinityStrip) {
         faces_->unbounded = true;
         return 0;
     }
-    return add_vertex(key_of(strip_, x, y), {0, phi, u}, strip_ < x && strip_ < y, false);
+    const bool is_owner = strip_ < x && strip_ < y;
+    if (!is_owner) return add_vertex(triple_key(strip_, x, y), false, nullptr);
+    const Eigen::Vector3d position = chart_.position(at);
+    return add_vertex(triple_key(strip_, x, y), false, &position);
 }
 
 // A ray of another camera ends here; that camera's own sweep places it.
-std::uint32_t StripSweep::event_vertex(const Event& event) {
+std::uint32_t StripSweep::event_vertex(const StripChart::Event& event) {
     return add_vertex(
-        key_of(strip_, cones_->prev[event.ray], event.ray), {0, event.phi, event.u}, false, true);
+        ray_key(event.ray, strip_), !cones_->views[event.view].is_bounds, nullptr);
 }
 
 }  // namespace atrium::hull

@@ -47,17 +47,13 @@ namespace {
 
 void plan_runs(const Cones& cones, std::vector<StripRun>& runs) {
     runs.clear();
-    for (std::uint32_t v = 0; v < cones.num_views(); ++v) {
-        const Outlines& outlines = cones.outlines[v];
-        for (std::size_t c = 0; c < outlines.num_contours(); ++c) {
-            const std::uint32_t n = outlines.ends[c] - outlines.begin_of(c);
-            const std::uint32_t parts = (n + kStripsPerRun - 1) / kStripsPerRun;
-            const std::uint32_t first = cones.views[v].first + outlines.begin_of(c);
-            for (std::uint32_t part = 0; part < parts; ++part) {
-                const std::uint32_t begin = n * part / parts;
-                const std::uint32_t end = n * (part + 1) / parts;
-                runs.push_back({v, first + begin, end - begin});
-            }
+    for (const Cones::Chain& chain : cones.chains) {
+        const std::uint32_t n = chain.last_strip - chain.first_strip;
+        const std::uint32_t parts = (n + kStripsPerRun - 1) / kStripsPerRun;
+        for (std::uint32_t part = 0; part < parts; ++part) {
+            const std::uint32_t begin = n * part / parts;
+            const std::uint32_t end = n * (part + 1) / parts;
+            runs.push_back({chain.first_strip + begin, end - begin});
         }
     }
 }
@@ -99,8 +95,9 @@ HullStatus attempt(HullScratch::Data& data,
     const HullStatus built = build_cones(options, number, data.cone, data.cones, hull);
     hull.times.silhouettes_ms += ms_since(mark);
     if (built != HullStatus::kOk) return built;
-    build_pencils(data.cones, executor, data.pencils);
+    const bool is_general = build_pencils(data.cones, executor, data.pencils);
     hull.times.pencils_ms += ms_since(mark);
+    if (!is_general) return HullStatus::kNumericFailure;
     const SweepOutcome outcome = sweep_all(data, options, executor);
     hull.times.sweep_ms += ms_since(mark);
     if (outcome.too_complex) return HullStatus::kTooComplex;
@@ -123,6 +120,8 @@ void clear(VisualHull& hull) {
 }
 
 }  // namespace
+
+const Cones& intersected_cones(const HullScratch& scratch) { return scratch.data().cones; }
 
 const char* to_string(HullStatus status) {
     switch (status) {

@@ -1,0 +1,161 @@
+#pragma once
+
+#include "site_node/hull/cones.hpp"
+#include "site_node/hull/exact_predicates.hpp"
+#include "site_node/hull/pencils.hpp"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace atrium::hull {
+
+/// How all other cones cut one strip.
+///
+/// Chart of a strip: phi in [0, 1] from its first ray to its second, u = 1 / depth, so that other
+/// strips cut it in straight lines. A line is cut into *pieces* by *events*: rays of its own camera
+/// that pierce this strip, where it goes on as the line of the next segment of that silhouette.
+///
+/// Only what may matter is shown. Along a contour the ray only grazes the body: a face lies between
+/// the nearest depth at which all cameras may see somebody and the farthest one, and most pieces
+/// are in front of or behind all that.
+class StripChart {
+public:
+    static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+    static constexpr std::uint32_t kInfinityStrip = kNoStrip - 1;
+
+    enum class Visibility : std::uint8_t { kVisible, kAbove, kBelow };
+    struct Piece {
+        double at_from = 0.0;  // u = at_from + phi * slope
+        double slope = 0.0;
+        double error = 0.0;  // of u, anywhere on the piece
+        double min_u = 0.0;  // bounds over the piece
+        double max_u = 0.0;
+        double start_phi = 0.0;
+        double end_phi = 1.0;
+        std::uint32_t strip = 0;
+        std::uint32_t start_event = kNone;  // none: the strip's first ray
+        std::uint32_t end_event = kNone;    // none: its second
+        std::uint8_t view = 0;
+        Visibility visibility = Visibility::kVisible;
+    };
+    struct Event {
+        double phi = 0.0;
+        std::uint32_t ray = 0;
+        std::uint32_t view = 0;
+        std::array<std::uint32_t, 3> arriving{};  // pieces
+        std::array<std::uint32_t, 3> leaving{};
+        std::uint32_t num_arriving = 0;
+        std::uint32_t num_leaving = 0;
+        bool is_wholly_visible = true;
+    };
+    /// A place at which lines are compared: an event, or one of the strip's two rays.
+    struct Place {
+        double phi = 0.0;
+        std::uint32_t event = kNone;
+    };
+
+    /// Goes to a strip; all lines at its first ray are looked up.
+    void start(const Cones& cones, const Pencils& pencils, std::uint32_t strip);
+    /// Goes to the strip that begins where the last one ended.
+    void go_on(std::uint32_t strip);
+
+    /// Collects pieces and events of the strip. False: the pencils contradict each other.
+    bool collect();
+
+    /// False: no face can be on this strip; the rest is then not prepared.
+    bool may_have_faces() const { return lowest_ <= highest_; }
+    /// The hull may reach infinity within this strip.
+    bool shows_infinity() const { return infinity_ != kNone; }
+    std::uint32_t infinity() const { return infinity_; }  // its piece
+    /// Visible events along the strip.
+    std::span<const std::uint32_t> order() const { return order_; }
+    const Piece& piece(std::uint32_t p) const { return pieces_[p]; }
+    std::span<const Piece> pieces() const { return pieces_; }
+    const Event& event(std::uint32_t e) const { return events_[e]; }
+    /// Of an event that is not wholly visible: above all faces, or below.
+    bool is_above_faces(const Event& event) const;
+    /// At the camera, as far as visible pieces tell: pieces above the visible ones are crossed.
+    const Verdict& verdict_above() const { return verdict_above_; }
+    Verdict toggles(std::uint32_t piece) const {
+        return pieces_[piece].strip == kInfinityStrip ? infinity_toggles_
+                                                      : cones_->strips[pieces_[piece].strip].toggles;
+    }
+
+    double u(std::uint32_t piece, double phi) const {
+        return pieces_[piece].at_from + phi * pieces_[piece].slope;
+    }
+    // Exact decisions. Equality is not in general position, and sets `is_degenerate`.
+    bool is_above(std::uint32_t upper, std::uint32_t lower, const Place& at);
+    bool is_steeper(std::uint32_t l, std::uint32_t r);
+    bool crosses_before(std::uint32_t l1, std::uint32_t l2, std::uint32_t r1, std::uint32_t r2);
+    bool is_degenerate() const { return is_degenerate_; }
+
+    /// Chart coordinates, good to some 1e-10 relative.
+    struct Point {
+        double phi = 0.0;
+        double u = 0.0;
+    };
+    Point crossing(std::uint32_t l, std::uint32_t r, double min_phi, double max_phi) const;
+    Point point(std::uint32_t piece, const Place& at) const;
+    Eigen::Vector3d position(const Point& p) const;  // relative to Cones::origin
+
+    /// Pieces, events and comparisons so far: what `HullOptions::max_steps` bounds.
+    std::uint64_t num_steps() const { return num_steps_; }
+
+private:
+    struct Active {  // a line at the current ray
+        std::uint32_t strip = 0;
+        double u = 0.0;
+        double error = 0.0;
+        std::uint32_t piece = 0;
+    };
+    struct Value {
+        double u = 0.0;
+        double error = 0.0;
+    };
+
+    Value value_at(std::uint32_t strip, const Eigen::Vector3d& ray, double ray_norm) const;
+    void find_active(std::uint32_t ray);
+    bool collect_events(std::uint32_t k);
+    double phi_of(const PencilSide& own, const Eigen::Vector2d& across, double ray_norm);
+    bool add_event(std::uint32_t k, std::uint32_t ray, double phi, bool rising);
+    void open_piece(Active& active, std::uint32_t view, std::uint32_t start_event, double phi);
+    void bound_pieces();
+    void bound_faces(std::uint32_t k);
+    void hide_pieces();
+    void sort_events();
+    bool is_before(std::uint32_t l, std::uint32_t r);
+    exact::Line exact_line(std::uint32_t piece) const;
+    exact::Place exact_place(const Place& at) const;
+    double exact_unit() const {  // of u, from the grid's units to 1 / m
+        return cones_->views[view_].ray_unit / cones_->centre_unit_m;
+    }
+
+    const Cones* cones_ = nullptr;
+    const Pencils* pencils_ = nullptr;
+    std::uint32_t strip_ = 0;
+    std::uint32_t view_ = 0;
+    Verdict verdict_at_centre_;
+    Verdict verdict_above_;
+    Verdict infinity_toggles_;
+    double phi_error_ = 0.0;  // of all events
+    double highest_ = 0.0;    // faces are between these
+    double lowest_ = 0.0;
+    double from_norm_ = 0.0;  // lengths of the strip's rays
+    double to_norm_ = 0.0;
+    std::uint32_t infinity_ = kNone;
+    bool is_degenerate_ = false;
+    std::uint64_t num_steps_ = 0;
+    std::vector<std::vector<Active>> active_;  // by view
+    std::vector<Piece> pieces_;                // by view
+    std::vector<std::uint32_t> first_piece_;   // of each view, and one past the last
+    std::vector<Event> events_;                // by view, then along the strip
+    std::vector<std::uint32_t> order_;
+};
+
+}  // namespace atrium::hull

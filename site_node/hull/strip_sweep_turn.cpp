@@ -1,0 +1,202 @@
+#include "site_node/hull/strip_sweep.hpp"
+
+#include <algorithm>
+
+namespace atrium::hull {
+
+// What is around the point, and the verdicts below the leaving lines. False if these contradict what
+// is below the arriving ones.
+bool StripSweep::gather(std::size_t first, std::size_t num_arriving, Turn& turn) {
+    turn.num_arriving = num_arriving;
+    turn.num_lines = num_arriving + leaving_.size();
+    const Line& above = lines_[first - 1];
+    const Line& lowest = lines_[first + num_arriving - 1];
+    Verdict verdict = above.below;
+    for (Line& line : leaving_) {
+        verdict ^= chart_.toggles(line.piece);
+        set_below(line, verdict);
+    }
+    if (!(verdict == lowest.below)) return false;
+    turn.is_face[0] = above.face_below;
+    turn.region[0] = above.region_below;
+    turn.region_below = lowest.region_below;
+    for (std::size_t j = 0; j < num_arriving; ++j) {
+        turn.lines[j] = &lines_[first + j];
+        const std::size_t sector = turn.after(j);
+        if (sector == 0) continue;
+        turn.is_face[sector] = lines_[first + j].face_below;
+        turn.region[sector] = lines_[first + j].region_below;
+    }
+    for (std::size_t j = 0; j < leaving_.size(); ++j) {
+        const std::size_t at = turn.num_lines - 1 - j;
+        turn.lines[at] = &leaving_[j];
+        if (at > num_arriving) turn.is_face[at] = leaving_[j].face_below;
+    }
+    return true;
+}
+
+// A face whose boundary passes the point along one line has no vertex there: what crosses that line
+// does not matter to the hull.
+bool StripSweep::goes_straight(Turn& turn, std::size_t begin, std::size_t end) {
+    const std::size_t into = turn.before(begin);
+    if (turn.lines[into]->strip != turn.lines[end]->strip) return false;
+    if ((into < turn.num_arriving) == (end < turn.num_arriving)) return false;
+    const bool begins_left = into < turn.num_arriving;
+    Line& arriving = *turn.lines[begins_left ? into : end];
+    Line& leaving = *turn.lines[begins_left ? end : into];
+    leaving.edge_start = arriving.edge_start;
+    // it lies above the line or below it
+    const RegionId region = begins_left ? turn.region_below : turn.region[0];
+    for (std::size_t j = begin;; j = turn.after(j)) {
+        turn.region[j] = region;
+        if (j == end) break;
+    }
+    return true;
+}
+
+void StripSweep::end_edges(const Turn& turn,
+                           std::size_t begin,
+                           std::size_t end,
+                           std::uint32_t vertex) {
+    const std::size_t into = turn.before(begin);
+    if (into < turn.num_arriving) {
+        end_edge(*turn.lines[into], vertex, Side::kTop);
+    } else {
+        turn.lines[into]->edge_start = vertex;
+    }
+    if (end < turn.num_arriving) {
+        end_edge(*turn.lines[end], vertex, Side::kBottom);
+    } else {
+        turn.lines[end]->edge_start = vertex;
+    }
+}
+
+// A face in the sectors [begin, end], which do not reach around the point from above to below.
+void StripSweep::pass_face(Turn& turn, std::size_t begin, std::size_t end, const Corner& corner) {
+    bool is_above = false;
+    bool is_below = false;
+    for (std::size_t j = begin;; j = turn.after(j)) {
+        is_above |= j == 0;
+        is_below |= j == turn.below();
+        if (j == end) break;
+    }
+    RegionId region = -1;
+    if (is_above) {
+        region = turn.region[0];
+        triangulator_.add(region, corner, Side::kBottom);
+    } else if (is_below) {
+        region = turn.region_below;
+        triangulator_.add(region, corner, Side::kTop);
+    } else if (begin < turn.num_arriving) {
+        triangulator_.close(turn.region[begin], corner);
+    } else {
+        region = triangulator_.open(corner);
+    }
+    for (std::size_t j = begin;; j = turn.after(j)) {
+        turn.region[j] = region;
+        if (j == end) break;
+    }
+}
+
+// A face above and below the point: a gap in it begins there, or ends.
+void StripSweep::part_face(Turn& turn, const Corner& corner) {
+    const std::size_t first_leaving = turn.num_arriving + 1;  // sector
+    bool begins = turn.num_arriving < turn.num_lines;
+    for (std::size_t j = 1; j < turn.num_arriving; ++j) begins &= turn.is_face[j];
+    if (!begins) {
+        triangulator_.merge(turn.region[0], turn.region_below, corner);
+        turn.region_below = turn.region[0];
+        for (std::size_t j = first_leaving; j < turn.num_lines; ++j) turn.region[j] = turn.region[0];
+        return;
+    }
+    turn.region_below = triangulator_.split(turn.region[0], corner);
+    for (std::size_t j = turn.num_lines - 1; j >= first_leaving && turn.is_face[j]; --j)
+        turn.region[j] = turn.region[0];
+    for (std::size_t j = first_leaving; j < turn.num_lines && turn.is_face[j]; ++j)
+        turn.region[j] = turn.region_below;
+}
+
+void StripSweep::replace_lines(std::size_t first, const Turn& turn) {
+    const std::size_t num_leaving = leaving_.size();
+    for (std::size_t j = 0; j < num_leaving; ++j) {
+        leaving_[j].region_below =
+            j + 1 == num_leaving ? turn.region_below : turn.region[turn.num_lines - 1 - j];
+    }
+    const auto begin = lines_.begin() + static_cast<std::ptrdiff_t>(first);
+    const std::size_t num_common = std::min(turn.num_arriving, num_leaving);
+    const auto rest = std::copy_n(leaving_.begin(), num_common, begin);
+    if (turn.num_arriving > num_common) {
+        lines_.erase(rest, begin + static_cast<std::ptrdiff_t>(turn.num_arriving));
+    } else {
+        lines_.insert(
+            rest, leaving_.begin() + static_cast<std::ptrdiff_t>(num_common), leaving_.end());
+    }
+    // a face may go on below lines that do not bound it
+    for (std::size_t p = first + num_leaving;
+         p < lines_.size() && lines_[p].face_below && lines_[p - 1].face_below;
+         ++p) {
+        lines_[p].region_below = lines_[p - 1].region_below;
+    }
+}
+
+// Replaces `num_arriving` lines from `first` on by `leaving_`, all of which meet in one point.
+// `make_vertex()` is called at most once.
+template <typename MakeVertex>
+void StripSweep::turn(std::size_t first, std::size_t num_arriving, const MakeVertex& make_vertex) {
+    Turn turn;
+    if (!gather(first, num_arriving, turn)) {
+        faces_->failed = true;
+        return;
+    }
+    std::size_t num_faces = 0;
+    for (std::size_t j = 0; j < turn.num_lines; ++j) num_faces += turn.is_face[j] ? 1 : 0;
+    if (num_faces == turn.num_lines) {
+        std::fill_n(turn.region.begin(), turn.num_lines, turn.region[0]);
+    } else if (num_faces > 0) {
+        Corner corner;
+        bool has_corner = false;
+        for (std::size_t begin = 0; begin < turn.num_lines; ++begin) {
+            if (!turn.is_face[begin] || turn.is_face[turn.before(begin)]) continue;
+            std::size_t end = begin;
+            bool is_above = begin == 0;
+            bool is_below = begin == turn.below();
+            while (turn.is_face[turn.after(end)]) {
+                end = turn.after(end);
+                is_above |= end == 0;
+                is_below |= end == turn.below();
+            }
+            if (goes_straight(turn, begin, end)) continue;
+            if (!has_corner) corner = make_vertex();
+            has_corner = true;
+            if (must_stop()) return;
+            end_edges(turn, begin, end, corner.vertex);
+            if (is_above && is_below) {
+                part_face(turn, corner);
+            } else {
+                pass_face(turn, begin, end, corner);
+            }
+        }
+    }
+    replace_lines(first, turn);
+}
+
+void StripSweep::turn_at_crossing(std::size_t p, const StripChart::Point& at) {
+    turn(p, 2, [&]() -> Corner {
+        const Line& upper = lines_[p];
+        const Line& lower = lines_[p + 1];
+        // one silhouette's outline crosses itself
+        if (chart_.piece(upper.piece).view == chart_.piece(lower.piece).view) faces_->failed = true;
+        return {triple_vertex(upper.strip, lower.strip, at), at.phi, at.u};
+    });
+}
+
+void StripSweep::turn_at_event(std::size_t first, std::size_t num_arriving, std::uint32_t e) {
+    const StripChart::Event& event = chart_.event(e);
+    turn(first, num_arriving, [&]() -> Corner {
+        const std::uint32_t piece = event.num_arriving > 0 ? event.arriving[0] : event.leaving[0];
+        const StripChart::Point at = chart_.point(piece, {event.phi, e});
+        return {event_vertex(event), at.phi, at.u};
+    });
+}
+
+}  // namespace atrium::hull
