@@ -151,6 +151,7 @@ void append_rays(std::span<const Eigen::Vector3d> rays, Cones::View& view, Cones
         const exact::Vector on_grid = to_grid(ray, scale);
         cones.exact_ray.push_back(on_grid);
         cones.ray.push_back(from_grid(on_grid, scale));
+        cones.ray_length.push_back(cones.ray.back().norm());
         cones.incidence.emplace_back();
     }
     view.last_ray = static_cast<std::uint32_t>(cones.ray.size());
@@ -194,7 +195,7 @@ void append_strips(const LabelledOutlines& labelled, std::size_t v, Cones& cones
         // the difference is exact, a product of the rays would not be
         const Eigen::Vector3d along = cones.ray[strip.to] - cones.ray[strip.from];
         cones.normal.push_back(along.cross(cones.ray[strip.from]));
-        cones.normal_bound.push_back(along.norm() * cones.ray[strip.from].norm());
+        cones.normal_bound.push_back(along.norm() * cones.ray_length[strip.from]);
         cones.strips.push_back(strip);
     }
     cones.num_loops += num_loops;
@@ -245,6 +246,7 @@ void append_bounds(std::size_t v, std::uint32_t attempt, ConeScratch& scratch, C
 
 void clear_rays(Cones& cones) {
     cones.ray.clear();
+    cones.ray_length.clear();
     cones.exact_ray.clear();
     cones.incidence.clear();
     cones.strips.clear();

@@ -82,6 +82,7 @@ struct Cones {
     std::uint32_t min_seen = 0;  // partial views that have to see a point of the hull
 
     std::vector<Eigen::Vector3d> ray;  // site frame; depth about 1 along the camera's axis
+    std::vector<double> ray_length;
     std::vector<exact::Vector> exact_ray;
     std::vector<Incidence> incidence;  // by ray
     std::vector<Strip> strips;

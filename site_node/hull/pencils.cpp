@@ -6,11 +6,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace atrium::hull {
 namespace {
 
 using Entry = Pencils::Entry;
+
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 // Antipodal directions differ by exactly 2, a full turn is 4; grows with the angle.
 double pseudo_angle(const Eigen::Vector2d& v) {
@@ -41,7 +44,7 @@ public:
     Eigen::Vector2d across(const Eigen::Vector3d& ray) const { return {e1_.dot(ray), e2_.dot(ray)}; }
     Entry entry(std::uint32_t ray, const Eigen::Vector2d& across) const {
         const double length = std::abs(across.x()) + std::abs(across.y());
-        const double error = 16.0 * kRounding * cones_.ray[ray].norm();
+        const double error = 16.0 * kRounding * cones_.ray_length[ray];
         return {pseudo_angle(across), error < length ? error / length : 4.0, ray};
     }
     bool is_before(const Entry& l, const Entry& r) {
@@ -144,7 +147,6 @@ bool place_strips(const Cones& cones,
                   PencilSide& side) {
     const std::uint32_t n = view.last_strip - view.first_strip;
     side.offset.resize(n);
-    side.offset_error.resize(n);
     side.rises.resize(n);
     side.end_positions.resize(n);
     const double error_scale = 10.0 * kRounding * baseline.norm();
@@ -152,11 +154,16 @@ bool place_strips(const Cones& cones,
         const std::uint32_t strip = view.first_strip + s;
         const std::uint32_t from = cones.strips[strip].from;
         const std::uint32_t to = cones.strips[strip].to;
-        side.offset[s] = cones.normal[strip].dot(baseline);
-        side.offset_error[s] = error_scale * cones.normal_bound[strip];
+        const double offset = cones.normal[strip].dot(baseline);
+        const double error = error_scale * cones.normal_bound[strip];
+        const bool is_certain = std::abs(offset) > error;
+        side.offset[s] = {is_certain ? 1.0 / offset : 0.0,
+                          is_certain ? 1.0 / (std::abs(offset) - error) : kUnbounded,
+                          error,
+                          10.0 * kRounding * cones.normal_bound[strip]};
         // normal = to x from, so baseline . (from x to) is the offset's negative
-        int turn = side.offset[s] > 0.0 ? -1 : 1;
-        if (!(std::abs(side.offset[s]) > side.offset_error[s])) {
+        int turn = offset > 0.0 ? -1 : 1;
+        if (!is_certain) {
             turn = exact::sign_of_determinant(
                 exact_baseline, cones.exact_ray[from], cones.exact_ray[to]);
         }

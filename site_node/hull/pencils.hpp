@@ -24,8 +24,14 @@ struct PencilSide {
     std::vector<std::uint32_t> position;  // inverse of `sorted`
     std::vector<std::uint32_t> rank;      // number of the other camera's rays before this ray
 
-    std::vector<double> offset;          // strip normal . (other centre - this centre) [m] ...
-    std::vector<double> offset_error;    // ... and what rounding may have changed
+    /// For the depth at which the strip cuts the other camera's rays.
+    struct Offset {
+        double inverse = 0.0;     // 1 / (strip normal . (other centre - this centre)), 0: too uncertain
+        double certain = 0.0;     // 1 / the least that the product can be without rounding errors
+        double error = 0.0;       // of the product
+        double dot_error = 0.0;   // of strip normal . ray, for a ray of length 1
+    };
+    std::vector<Offset> offset;
     std::vector<std::uint8_t> rises;     // the strip runs towards greater angles
     // positions of the strip's rays with the smaller (0) and the greater angle (1)
     std::vector<std::array<std::uint32_t, 2>> end_positions;

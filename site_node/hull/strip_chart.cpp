@@ -21,15 +21,15 @@ void StripChart::start(const Cones& cones, const Pencils& pencils, std::uint32_t
     is_degenerate_ = false;
     num_steps_ = 0;
     if (active_.size() < cones.num_views()) active_.resize(cones.num_views());
-    to_norm_ = cones.ray[cones.strips[strip].from].norm();
     find_active(cones.strips[strip].from);
     go_on(strip);
 }
 
 void StripChart::go_on(std::uint32_t strip) {
     strip_ = strip;
-    from_norm_ = to_norm_;
-    to_norm_ = cones_->ray[cones_->strips[strip].to].norm();
+    own_ = cones_->strips[strip];
+    phi_error_scale_ =
+        64.0 * kRounding * std::max(cones_->ray_length[own_.from], cones_->ray_length[own_.to]);
 }
 
 // The lines that meet `ray`, and what the cameras say about this camera's own place.
@@ -51,7 +51,7 @@ void StripChart::find_active(std::uint32_t ray) {
                 from < to ? (from < rank && rank <= to) : (from < rank || rank <= to);
             if (!is_pierced) continue;
             const std::uint32_t strip = view.first_strip + s;
-            const Value value = value_at(strip, cones_->ray[ray], to_norm_);
+            const Value value = value_at(other, strip, ray);
             active_[k].push_back({strip, value.u, value.error, 0});
             crossed ^= cones_->strips[strip].toggles;
         }
@@ -65,60 +65,58 @@ void StripChart::find_active(std::uint32_t ray) {
 }
 
 // Where the plane of `strip` cuts a ray of this view: 1 / depth.
-StripChart::Value StripChart::value_at(std::uint32_t strip,
-                                       const Eigen::Vector3d& ray,
-                                       double ray_norm) const {
-    const std::uint32_t k = cones_->strips[strip].view;
-    const PencilSide& other = pencils_->side(k, view_);
-    const std::uint32_t local = strip - cones_->views[k].first_strip;
-    const double offset = other.offset[local];
-    const double certain = std::abs(offset) - other.offset_error[local];
-    if (!(certain > 0.0)) return {0.0, kInfinity};
-    const double u = -cones_->normal[strip].dot(ray) / offset;
-    const double numerator_error = 10.0 * kRounding * cones_->normal_bound[strip] * ray_norm;
-    return {u, (numerator_error + std::abs(u) * other.offset_error[local]) / certain};
+StripChart::Value StripChart::value_at(const PencilSide& other,
+                                       std::uint32_t strip,
+                                       std::uint32_t ray) const {
+    const PencilSide::Offset& offset =
+        other.offset[strip - cones_->views[cones_->strips[strip].view].first_strip];
+    const double u = -cones_->normal[strip].dot(cones_->ray[ray]) * offset.inverse;
+    const double error = offset.dot_error * cones_->ray_length[ray] + std::abs(u) * offset.error;
+    return {u, error * offset.certain};
 }
 
-void StripChart::open_piece(Active& active,
-                            std::uint32_t view,
-                            std::uint32_t start_event,
-                            double phi) {
-    const Value at_to = value_at(active.strip, cones_->ray[cones_->strips[strip_].to], to_norm_);
-    Piece piece;
+void StripChart::open_piece(const PencilSide& other, Active& active, const Place& at) {
+    const Value at_to = value_at(other, active.strip, own_.to);
+    Piece& piece = pieces_.emplace_back();
     piece.strip = active.strip;
-    piece.view = static_cast<std::uint8_t>(view);
+    piece.view = static_cast<std::uint8_t>(other_view_);
     piece.at_from = active.u;
     piece.slope = at_to.u - active.u;
-    piece.error = std::max(active.error, at_to.error);
-    piece.start_event = start_event;
-    piece.start_phi = phi;
-    active.piece = static_cast<std::uint32_t>(pieces_.size());
+    piece.error = std::max(active.error, at_to.error) +
+                  8.0 * kRounding * (std::abs(active.u) + std::abs(piece.slope));
+    piece.start_event = at.event;
+    const double start = piece.at_from + at.phi * piece.slope;
+    const double margin = piece.error + std::abs(piece.slope) * at.phi_error;
+    piece.min_u = start - margin;
+    piece.max_u = start + margin;
+    active.piece = static_cast<std::uint32_t>(pieces_.size()) - 1;
     active.u = at_to.u;  // for the next strip
     active.error = at_to.error;
-    pieces_.push_back(piece);
+}
+
+void StripChart::close_piece(std::uint32_t p, const Place& at) {
+    Piece& piece = pieces_[p];
+    piece.end_event = at.event;
+    const double end = piece.at_from + at.phi * piece.slope;
+    const double margin = piece.error + std::abs(piece.slope) * at.phi_error;
+    piece.min_u = std::min(piece.min_u, end - margin);
+    piece.max_u = std::max(piece.max_u, end + margin);
+    if (cones_->strips[piece.strip].toggles.carved == 0) return;
+    nearest_ = std::max(nearest_, piece.max_u);
+    farthest_ = std::min(farthest_, piece.min_u);
 }
 
 bool StripChart::collect() {
     pieces_.clear();
     events_.clear();
     order_.clear();
-    phi_error_ = 4.0 * kRounding;
     infinity_ = kNone;
-    first_piece_.resize(cones_->num_views() + 1);
-    for (std::uint32_t k = 0; k < cones_->num_views(); ++k) {
-        first_piece_[k] = static_cast<std::uint32_t>(pieces_.size());
-        if (k == view_) continue;
-        for (Active& active : active_[k]) open_piece(active, k, kNone, 0.0);
-        if (!collect_events(k)) return false;
-    }
-    first_piece_[cones_->num_views()] = static_cast<std::uint32_t>(pieces_.size());
-    num_steps_ += pieces_.size();
-    bound_pieces();
     highest_ = kInfinity;
     lowest_ = -kInfinity;
     for (std::uint32_t k = 0; k < cones_->num_views(); ++k) {
-        if (k != view_) bound_faces(k);
+        if (k != view_ && !collect_from(k)) return false;
     }
+    num_steps_ += pieces_.size();
     // faces end at infinity, u = 0
     const bool may_reach_infinity = lowest_ <= 0.0;
     lowest_ = std::max(lowest_, 0.0);
@@ -135,27 +133,35 @@ bool StripChart::collect() {
     return true;
 }
 
-double StripChart::phi_of(const PencilSide& own, const Eigen::Vector2d& across, double ray_norm) {
-    const std::uint32_t first = cones_->views[view_].first_ray;
-    const Eigen::Vector2d& a0 = own.across[cones_->strips[strip_].from - first];
-    const Eigen::Vector2d& a1 = own.across[cones_->strips[strip_].to - first];
-    const double w_to = std::abs(across.x() * a0.y() - across.y() * a0.x());
-    const double w_from = std::abs(across.x() * a1.y() - across.y() * a1.x());
-    const double sum = w_from + w_to;
-    const double error = 32.0 * kRounding * ray_norm * std::max(from_norm_, to_norm_);
-    phi_error_ = std::max(phi_error_, error < sum ? 2.0 * error / sum : 1.0);
-    return sum > 0.0 ? w_to / sum : 0.0;
-}
-
-bool StripChart::collect_events(std::uint32_t k) {
+// Pieces and events of camera k, and where it leaves room for faces.
+bool StripChart::collect_from(std::uint32_t k) {
+    other_view_ = k;
     const PencilSide& own = pencils_->side(view_, k);
     const PencilSide& other = pencils_->side(k, view_);
-    const Cones::Strip& strip = cones_->strips[strip_];
-    const std::uint32_t from_ray = strip.from - cones_->views[view_].first_ray;
-    const std::uint32_t to_ray = strip.to - cones_->views[view_].first_ray;
+    const std::uint64_t bit = std::uint64_t{1} << k;
+    std::uint64_t carved = verdict_at_centre_.carved & bit;
+    const bool carves_near = carved != 0;
+    nearest_ = -kInfinity;
+    farthest_ = kInfinity;
+    for (Active& active : active_[k]) {
+        carved ^= cones_->strips[active.strip].toggles.carved;
+        open_piece(other, active, kStart);
+    }
+    if (!collect_events(own, other)) return false;
+    for (const Active& active : active_[k]) close_piece(active.piece, kEnd);
+    if (carves_near) highest_ = std::min(highest_, nearest_);
+    if (carved != 0) lowest_ = std::max(lowest_, farthest_);
+    return true;
+}
+
+// The rays of the other camera that pierce this strip, along it.
+bool StripChart::collect_events(const PencilSide& own, const PencilSide& other) {
+    const Cones::View& view = cones_->views[view_];
+    const std::uint32_t from_ray = own_.from - view.first_ray;
+    const std::uint32_t to_ray = own_.to - view.first_ray;
     const auto n = static_cast<std::uint32_t>(other.sorted.size());
     if (n == 0) return true;
-    const bool rising = own.rises[strip_ - cones_->views[view_].first_strip] != 0;
+    const bool rising = own.rises[strip_ - view.first_strip] != 0;
     const std::uint32_t from = own.rank[from_ray];
     const std::uint32_t to = own.rank[to_ray];
     // the ranks alone do not tell no ray from all rays: the arc may cross the end of the circle
@@ -163,14 +169,23 @@ bool StripChart::collect_events(std::uint32_t k) {
     const std::uint32_t count = (rising ? to - from : from - to) + (wraps ? n : 0);
     std::uint32_t position = rising ? from : from + n - 1;
     if (position >= n) position -= n;
+    const Eigen::Vector2d& a0 = own.across[from_ray];
+    const Eigen::Vector2d& a1 = own.across[to_ray];
     double last_phi = 0.0;
     for (std::uint32_t e = 0; e < count; ++e) {
         const std::uint32_t local = other.sorted[position];
-        const std::uint32_t ray = cones_->views[k].first_ray + local;
-        const double phi = phi_of(own, other.across[local], cones_->ray[ray].norm());
+        const std::uint32_t ray = cones_->views[other_view_].first_ray + local;
+        const Eigen::Vector2d& across = other.across[local];
+        const double w_to = std::abs(across.x() * a0.y() - across.y() * a0.x());
+        const double w_from = std::abs(across.x() * a1.y() - across.y() * a1.x());
+        const double error = phi_error_scale_ * cones_->ray_length[ray];
+        const double inverse = 1.0 / (w_from + w_to);
+        const bool is_good = error * inverse < 1.0;
         // the order around the baseline is what counts; phi only has to follow it
-        last_phi = std::clamp(phi, last_phi, 1.0);
-        if (!add_event(k, ray, last_phi, rising)) return false;
+        if (is_good) last_phi = std::clamp(w_to * inverse, last_phi, 1.0);
+        const Place at{
+            last_phi, is_good ? error * inverse : 1.0, static_cast<std::uint32_t>(events_.size())};
+        if (!add_event(other, ray, at, rising)) return false;
         position = rising ? (position + 1 == n ? 0 : position + 1)
                           : (position == 0 ? n - 1 : position - 1);
     }
@@ -178,20 +193,23 @@ bool StripChart::collect_events(std::uint32_t k) {
 }
 
 // The strips that meet in `ray` end or begin here, seen along this strip.
-bool StripChart::add_event(std::uint32_t k, std::uint32_t ray, double phi, bool rising) {
-    const PencilSide& other = pencils_->side(k, view_);
+bool StripChart::add_event(const PencilSide& other,
+                           std::uint32_t ray,
+                           const Place& at,
+                           bool rising) {
     const Cones::Incidence& incidence = cones_->incidence[ray];
     if (incidence.count > incidence.strips.size()) return false;
-    const auto index = static_cast<std::uint32_t>(events_.size());
-    std::vector<Active>& active = active_[k];
-    Event event;
-    event.phi = phi;
+    const std::uint32_t first = cones_->views[other_view_].first_strip;
+    std::vector<Active>& active = active_[other_view_];
+    Event& event = events_.emplace_back();
+    event.phi = at.phi;
+    event.phi_error = at.phi_error;
     event.ray = ray;
-    event.view = k;
+    event.view = other_view_;
     std::array<std::uint32_t, 3> leaving{};
     for (std::uint32_t j = 0; j < incidence.count; ++j) {
         const std::uint32_t strip = incidence.strips[j];
-        const bool strip_rises = other.rises[strip - cones_->views[k].first_strip] != 0;
+        const bool strip_rises = other.rises[strip - first] != 0;
         const bool is_upper_end = (cones_->strips[strip].to == ray) == strip_rises;
         if (is_upper_end != rising) {
             leaving[event.num_leaving++] = strip;
@@ -201,50 +219,18 @@ bool StripChart::add_event(std::uint32_t k, std::uint32_t ray, double phi, bool 
             return a.strip == strip;
         });
         if (found == active.end()) return false;
-        pieces_[found->piece].end_event = index;
-        pieces_[found->piece].end_phi = phi;
+        close_piece(found->piece, at);
         event.arriving[event.num_arriving++] = found->piece;
         *found = active.back();
         active.pop_back();
     }
-    const Eigen::Vector3d& from_ray = cones_->ray[cones_->strips[strip_].from];
     for (std::uint32_t j = 0; j < event.num_leaving; ++j) {
-        const Value at_from = value_at(leaving[j], from_ray, from_norm_);
+        const Value at_from = value_at(other, leaving[j], own_.from);
         active.push_back({leaving[j], at_from.u, at_from.error, 0});
-        open_piece(active.back(), k, index, phi);
+        open_piece(other, active.back(), at);
         event.leaving[j] = active.back().piece;
     }
-    events_.push_back(event);
     return true;
-}
-
-void StripChart::bound_pieces() {
-    for (Piece& piece : pieces_) {
-        const double at_start = piece.at_from + piece.start_phi * piece.slope;
-        const double at_end = piece.at_from + piece.end_phi * piece.slope;
-        piece.error += std::abs(piece.slope) * phi_error_ +
-                       8.0 * kRounding * (std::abs(piece.at_from) + std::abs(piece.slope));
-        piece.min_u = std::min(at_start, at_end) - piece.error;
-        piece.max_u = std::max(at_start, at_end) + piece.error;
-    }
-}
-
-// Where camera k leaves room for faces.
-void StripChart::bound_faces(std::uint32_t k) {
-    const std::uint64_t bit = std::uint64_t{1} << k;
-    double nearest = -kInfinity;
-    double farthest = kInfinity;
-    std::uint64_t crossed_at_start = 0;
-    for (std::uint32_t p = first_piece_[k]; p < first_piece_[k + 1]; ++p) {
-        const Piece& piece = pieces_[p];
-        if (cones_->strips[piece.strip].toggles.carved == 0) continue;
-        nearest = std::max(nearest, piece.max_u);
-        farthest = std::min(farthest, piece.min_u);
-        if (piece.start_event == kNone) crossed_at_start ^= bit;
-    }
-    const std::uint64_t above = verdict_at_centre_.carved & bit;
-    if (above != 0) highest_ = std::min(highest_, nearest);
-    if ((above ^ crossed_at_start) != 0) lowest_ = std::max(lowest_, farthest);
 }
 
 void StripChart::hide_pieces() {
@@ -300,15 +286,15 @@ bool StripChart::is_before(std::uint32_t l, std::uint32_t r) {
     if (l == r) return false;
     if (events_[l].view == events_[r].view) return l < r;
     const double difference = events_[r].phi - events_[l].phi;
-    if (std::abs(difference) > 2.0 * phi_error_) return difference > 0.0;
-    const int order = exact::compare_phi(exact_place({0.0, l}), exact_place({0.0, r}));
+    if (std::abs(difference) > events_[l].phi_error + events_[r].phi_error) return difference > 0.0;
+    const int order = exact::compare_phi(exact_place(place(l)), exact_place(place(r)));
     is_degenerate_ |= order == 0;
     return order < 0;
 }
 
 bool StripChart::is_above(std::uint32_t upper, std::uint32_t lower, const Place& at) {
     const double difference = u(upper, at.phi) - u(lower, at.phi);
-    if (std::abs(difference) > pieces_[upper].error + pieces_[lower].error) return difference > 0.0;
+    if (std::abs(difference) > error(upper, lower, at)) return difference > 0.0;
     const int order = exact::compare_u(exact_line(upper), exact_line(lower), exact_place(at));
     is_degenerate_ |= order == 0;
     return order > 0;

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -32,11 +33,9 @@ public:
     struct Piece {
         double at_from = 0.0;  // u = at_from + phi * slope
         double slope = 0.0;
-        double error = 0.0;  // of u, anywhere on the piece
-        double min_u = 0.0;  // bounds over the piece
+        double error = 0.0;  // of u at a given phi
+        double min_u = 0.0;  // bounds over the piece; until it ends, u where it starts
         double max_u = 0.0;
-        double start_phi = 0.0;
-        double end_phi = 1.0;
         std::uint32_t strip = 0;
         std::uint32_t start_event = kNone;  // none: the strip's first ray
         std::uint32_t end_event = kNone;    // none: its second
@@ -45,6 +44,7 @@ public:
     };
     struct Event {
         double phi = 0.0;
+        double phi_error = 0.0;
         std::uint32_t ray = 0;
         std::uint32_t view = 0;
         std::array<std::uint32_t, 3> arriving{};  // pieces
@@ -56,8 +56,14 @@ public:
     /// A place at which lines are compared: an event, or one of the strip's two rays.
     struct Place {
         double phi = 0.0;
+        double phi_error = 0.0;
         std::uint32_t event = kNone;
     };
+    static constexpr Place kStart{0.0, 0.0, kNone};
+    static constexpr Place kEnd{1.0, 0.0, kNone};
+    Place place(std::uint32_t event) const {
+        return {events_[event].phi, events_[event].phi_error, event};
+    }
 
     /// Goes to a strip; all lines at its first ray are looked up.
     void start(const Cones& cones, const Pencils& pencils, std::uint32_t strip);
@@ -89,6 +95,12 @@ public:
     double u(std::uint32_t piece, double phi) const {
         return pieces_[piece].at_from + phi * pieces_[piece].slope;
     }
+    /// What rounding may have changed in u(l) - u(r).
+    double error(std::uint32_t l, std::uint32_t r, const Place& at) const {
+        const Piece& a = pieces_[l];
+        const Piece& b = pieces_[r];
+        return a.error + b.error + std::abs(a.slope - b.slope) * at.phi_error;
+    }
     // Exact decisions. Equality is not in general position, and sets `is_degenerate`.
     bool is_above(std::uint32_t upper, std::uint32_t lower, const Place& at);
     bool is_steeper(std::uint32_t l, std::uint32_t r);
@@ -119,14 +131,13 @@ private:
         double error = 0.0;
     };
 
-    Value value_at(std::uint32_t strip, const Eigen::Vector3d& ray, double ray_norm) const;
+    Value value_at(const PencilSide& other, std::uint32_t strip, std::uint32_t ray) const;
     void find_active(std::uint32_t ray);
-    bool collect_events(std::uint32_t k);
-    double phi_of(const PencilSide& own, const Eigen::Vector2d& across, double ray_norm);
-    bool add_event(std::uint32_t k, std::uint32_t ray, double phi, bool rising);
-    void open_piece(Active& active, std::uint32_t view, std::uint32_t start_event, double phi);
-    void bound_pieces();
-    void bound_faces(std::uint32_t k);
+    bool collect_from(std::uint32_t k);
+    bool collect_events(const PencilSide& own, const PencilSide& other);
+    bool add_event(const PencilSide& other, std::uint32_t ray, const Place& at, bool rising);
+    void open_piece(const PencilSide& other, Active& active, const Place& at);
+    void close_piece(std::uint32_t p, const Place& at);
     void hide_pieces();
     void sort_events();
     bool is_before(std::uint32_t l, std::uint32_t r);
@@ -140,20 +151,21 @@ private:
     const Pencils* pencils_ = nullptr;
     std::uint32_t strip_ = 0;
     std::uint32_t view_ = 0;
+    Cones::Strip own_;
+    std::uint32_t other_view_ = 0;  // the camera whose lines are being collected
     Verdict verdict_at_centre_;
     Verdict verdict_above_;
     Verdict infinity_toggles_;
-    double phi_error_ = 0.0;  // of all events
     double highest_ = 0.0;    // faces are between these
     double lowest_ = 0.0;
-    double from_norm_ = 0.0;  // lengths of the strip's rays
-    double to_norm_ = 0.0;
+    double phi_error_scale_ = 0.0;
+    double nearest_ = 0.0;  // bounds of one camera's pieces at which it begins or ends to carve
+    double farthest_ = 0.0;
     std::uint32_t infinity_ = kNone;
     bool is_degenerate_ = false;
     std::uint64_t num_steps_ = 0;
     std::vector<std::vector<Active>> active_;  // by view
     std::vector<Piece> pieces_;                // by view
-    std::vector<std::uint32_t> first_piece_;   // of each view, and one past the last
     std::vector<Event> events_;                // by view, then along the strip
     std::vector<std::uint32_t> order_;
 };

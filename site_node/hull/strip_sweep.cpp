@@ -42,12 +42,12 @@ void StripSweep::sweep_strip() {
     begin_faces();
     for (const std::uint32_t e : chart_.order()) {
         if (must_stop()) return;
-        advance({chart_.event(e).phi, e});
+        advance(chart_.place(e));
         if (must_stop()) return;
         handle(e);
     }
     if (must_stop()) return;
-    advance({1.0, StripChart::kNone});
+    advance(StripChart::kEnd);
     if (must_stop()) return;
     end_faces();
 }
@@ -61,7 +61,6 @@ StripSweep::Line StripSweep::make_line(std::uint32_t piece) const {
 
 // All visible lines at the strip's first ray, in order.
 void StripSweep::enter_lines() {
-    const Place start{0.0, StripChart::kNone};
     lines_.clear();
     Line centre;
     centre.strip = kNoStrip;
@@ -74,7 +73,7 @@ void StripSweep::enter_lines() {
             continue;
         }
         std::size_t at = lines_.size();
-        while (at > 1 && chart_.is_above(p, lines_[at - 1].piece, start)) --at;
+        while (at > 1 && chart_.is_above(p, lines_[at - 1].piece, StripChart::kStart)) --at;
         lines_.insert(lines_.begin() + static_cast<std::ptrdiff_t>(at), make_line(p));
     }
     num_steps_ += lines_.size();
@@ -179,7 +178,7 @@ bool StripSweep::is_reversed(std::size_t p, const Place& at) {
     const Line& lower = lines_[p + 1];
     const StripChart::Piece& a = chart_.piece(upper.piece);
     const StripChart::Piece& b = chart_.piece(lower.piece);
-    if (upper.u - lower.u > a.error + b.error) return false;
+    if (upper.u - lower.u > chart_.error(upper.piece, lower.piece, at)) return false;
     if (at.event != StripChart::kNone && a.end_event == at.event && b.end_event == at.event)
         return false;
     return chart_.is_above(lower.piece, upper.piece, at);
@@ -242,7 +241,7 @@ std::size_t StripSweep::place_of(std::uint32_t piece, const Place& at) {
 
 void StripSweep::handle(std::uint32_t e) {
     const StripChart::Event& event = chart_.event(e);
-    const Place at{event.phi, e};
+    const Place at = chart_.place(e);
     const auto arrives = [&](const Line& line) {
         return line.piece != StripChart::kNone && chart_.piece(line.piece).end_event == e;
     };

@@ -194,7 +194,7 @@ void StripSweep::turn_at_event(std::size_t first, std::size_t num_arriving, std:
     const StripChart::Event& event = chart_.event(e);
     turn(first, num_arriving, [&]() -> Corner {
         const std::uint32_t piece = event.num_arriving > 0 ? event.arriving[0] : event.leaving[0];
-        const StripChart::Point at = chart_.point(piece, {event.phi, e});
+        const StripChart::Point at = chart_.point(piece, chart_.place(e));
         return {event_vertex(event), at.phi, at.u};
     });
 }

@@ -79,9 +79,8 @@ std::uint32_t StripSweep::ray_vertex(std::uint32_t ray, const Line& line) {
             if (strip == line.strip) return vertex;
         }
     }
-    const double phi = ray == own_.from ? 0.0 : 1.0;
-    const Eigen::Vector3d position =
-        chart_.position(chart_.point(line.piece, {phi, StripChart::kNone}));
+    const Place& at = ray == own_.from ? StripChart::kStart : StripChart::kEnd;
+    const Eigen::Vector3d position = chart_.position(chart_.point(line.piece, at));
     const bool is_camera = !cones_->views[own_.view].is_bounds;
     return add_vertex(ray_key(ray, line.strip), is_camera, &position);
 }
