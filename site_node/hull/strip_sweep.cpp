@@ -55,7 +55,11 @@ void StripSweep::sweep_strip() {
 StripSweep::Line StripSweep::make_line(std::uint32_t piece) const {
     Line line;
     line.piece = piece;
-    line.strip = chart_.piece(piece).strip;
+    const StripChart::Piece& of = chart_.piece(piece);
+    line.strip = of.strip;
+    line.at_from = of.at_from;
+    line.slope = of.slope;
+    line.error = of.error;
     return line;
 }
 
@@ -176,18 +180,21 @@ void StripSweep::end_faces() {
 bool StripSweep::is_reversed(std::size_t p, const Place& at) {
     const Line& upper = lines_[p];
     const Line& lower = lines_[p + 1];
-    const StripChart::Piece& a = chart_.piece(upper.piece);
-    const StripChart::Piece& b = chart_.piece(lower.piece);
-    if (upper.u - lower.u > chart_.error(upper.piece, lower.piece, at)) return false;
-    if (at.event != StripChart::kNone && a.end_event == at.event && b.end_event == at.event)
+    if (upper.u - lower.u > upper.u_error + lower.u_error) return false;
+    if (at.event != StripChart::kNone && chart_.piece(upper.piece).end_event == at.event &&
+        chart_.piece(lower.piece).end_event == at.event) {
         return false;
+    }
     return chart_.is_above(lower.piece, upper.piece, at);
 }
 
 // Moves all lines on, exchanging neighbours in the order in which they cross on the way.
 void StripSweep::advance(const Place& at) {
-    for (std::size_t p = 1; p < lines_.size(); ++p)
-        lines_[p].u = chart_.u(lines_[p].piece, at.phi);
+    for (std::size_t p = 1; p < lines_.size(); ++p) {
+        Line& line = lines_[p];
+        line.u = line.at_from + at.phi * line.slope;
+        line.u_error = line.error + at.phi_error * std::abs(line.slope);
+    }
     num_steps_ += lines_.size();
     for (;;) {
         // the next crossing is always one of neighbours

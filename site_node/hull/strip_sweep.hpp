@@ -84,6 +84,11 @@ private:
         std::uint32_t piece = StripChart::kNone;  // none: the camera's centre
         std::uint32_t strip = 0;
         double u = 0.0;  // at the place where the sweep is
+        double u_error = 0.0;
+        // of the piece, kept near for the innermost loop
+        double at_from = 0.0;
+        double slope = 0.0;
+        double error = 0.0;
         Verdict below;   // of other cameras, on the gap below
         bool face_below = false;
         RegionId region_below = -1;
