@@ -303,6 +303,7 @@ HullStatus build_cones(const HullOptions& options,
                        Cones& cones,
                        VisualHull& hull) {
     const CleanViews& clean = scratch.clean;
+    cones.only_exact = options.only_exact;
     place_views(clean, options, cones);
     clear_rays(cones);
     const auto num_partial = static_cast<std::uint32_t>(std::count_if(

@@ -10,27 +10,6 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 
-// Two strips that both vertices lie on: the straight line between them is an edge of the hull, or
-// lies along one.
-bool share_two_strips(const Cones& cones, VertexKey a, VertexKey b) {
-    if ((a & kCentreBit) != 0) std::swap(a, b);
-    if ((a & kCentreBit) != 0) return false;
-    const VertexStrips of_a = strips_of(cones, a);
-    const bool b_is_centre = (b & kCentreBit) != 0;
-    const VertexStrips of_b = b_is_centre ? VertexStrips{} : strips_of(cones, b);
-    int shared = 0;
-    for (std::uint32_t i = 0; i < of_a.count; ++i) {
-        const std::uint32_t s = of_a.strips[i];
-        if (b_is_centre) {
-            shared += is_on_loop(cones, b, s) ? 1 : 0;
-        } else {
-            const auto end = of_b.strips.begin() + of_b.count;
-            shared += std::find(of_b.strips.begin(), end, s) != end ? 1 : 0;
-        }
-    }
-    return shared >= 2;
-}
-
 }  // namespace
 
 std::uint32_t MeshAssembly::index_of(VertexKey key) {
@@ -93,14 +72,7 @@ bool MeshAssembly::verify(const Cones& cones, std::span<const RunFaces> runs) {
             }
         }
         num_edges += runs[r].edges.size();
-        for (const auto& [a, b, c] : runs[r].triangles) {
-            const VertexKey ka = keys_[global[a]];
-            const VertexKey kb = keys_[global[b]];
-            const VertexKey kc = keys_[global[c]];
-            num_along_edges += share_two_strips(cones, ka, kb) ? 1 : 0;
-            num_along_edges += share_two_strips(cones, kb, kc) ? 1 : 0;
-            num_along_edges += share_two_strips(cones, kc, ka) ? 1 : 0;
-        }
+        num_along_edges += runs[r].num_sides_on_lines;
     }
     if (num_along_edges != num_edges) return false;
     for (std::size_t v = 0; v < keys_.size(); ++v) {

@@ -52,7 +52,8 @@ public:
         // near the ends of the interval a rounded angle may have come out at the other end
         const double error = l.error + r.error;
         const double extent = std::max(std::abs(l.angle), std::abs(r.angle));
-        if (std::abs(difference) > error && extent < 2.0 - error) return difference > 0.0;
+        if (std::abs(difference) > error && extent < 2.0 - error && !cones_.only_exact)
+            return difference > 0.0;
         return is_before_exactly(l.ray, r.ray);
     }
     bool is_degenerate() const { return is_degenerate_; }
@@ -163,7 +164,7 @@ bool place_strips(const Cones& cones,
                           10.0 * kRounding * cones.normal_bound[strip]};
         // normal = to x from, so baseline . (from x to) is the offset's negative
         int turn = offset > 0.0 ? -1 : 1;
-        if (!is_certain) {
+        if (!is_certain || cones.only_exact) {
             turn = exact::sign_of_determinant(
                 exact_baseline, cones.exact_ray[from], cones.exact_ray[to]);
         }

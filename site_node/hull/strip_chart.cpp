@@ -286,7 +286,7 @@ bool StripChart::is_before(std::uint32_t l, std::uint32_t r) {
     if (l == r) return false;
     if (events_[l].view == events_[r].view) return l < r;
     const double difference = events_[r].phi - events_[l].phi;
-    if (std::abs(difference) > events_[l].phi_error + events_[r].phi_error) return difference > 0.0;
+    if (is_certain(difference, events_[l].phi_error + events_[r].phi_error)) return difference > 0.0;
     const int order = exact::compare_phi(exact_place(place(l)), exact_place(place(r)));
     is_degenerate_ |= order == 0;
     return order < 0;
@@ -294,7 +294,7 @@ bool StripChart::is_before(std::uint32_t l, std::uint32_t r) {
 
 bool StripChart::is_above(std::uint32_t upper, std::uint32_t lower, const Place& at) {
     const double difference = u(upper, at.phi) - u(lower, at.phi);
-    if (std::abs(difference) > error(upper, lower, at)) return difference > 0.0;
+    if (is_certain(difference, error(upper, lower, at))) return difference > 0.0;
     const int order = exact::compare_u(exact_line(upper), exact_line(lower), exact_place(at));
     is_degenerate_ |= order == 0;
     return order > 0;
@@ -303,7 +303,7 @@ bool StripChart::is_above(std::uint32_t upper, std::uint32_t lower, const Place&
 bool StripChart::is_steeper(std::uint32_t l, std::uint32_t r) {
     const double difference = pieces_[l].slope - pieces_[r].slope;
     // the error of u holds at both rays
-    if (std::abs(difference) > 2.0 * (pieces_[l].error + pieces_[r].error)) return difference > 0.0;
+    if (is_certain(difference, 2.0 * (pieces_[l].error + pieces_[r].error))) return difference > 0.0;
     const int order = exact::compare_slope(exact_line(l), exact_line(r));
     is_degenerate_ |= order == 0;
     return order > 0;
@@ -324,7 +324,7 @@ bool StripChart::crosses_before(std::uint32_t l1,
     const double l = phi_with_error(l1, l2, l_error);
     const double r = phi_with_error(r1, r2, r_error);
     // an error that is not small says nothing about itself
-    if (l_error < 1e-3 && r_error < 1e-3 && std::abs(l - r) > l_error + r_error) return l < r;
+    if (l_error < 1e-3 && r_error < 1e-3 && is_certain(l - r, l_error + r_error)) return l < r;
     const int order = exact::compare_crossings(
         exact_line(l1), exact_line(l2), exact_line(r1), exact_line(r2));
     is_degenerate_ |= order == 0;

@@ -164,6 +164,9 @@ private:
     std::uint32_t infinity_ = kNone;
     bool is_degenerate_ = false;
     std::uint64_t num_steps_ = 0;
+    bool is_certain(double difference, double error) const {
+        return std::abs(difference) > error && !cones_->only_exact;
+    }
     std::vector<std::vector<Active>> active_;  // by view
     std::vector<Piece> pieces_;                // by view
     std::vector<Event> events_;                // by view, then along the strip

@@ -24,6 +24,7 @@ void StripSweep::run(const Cones& cones,
         sweep_strip();
         if (must_stop()) break;
     }
+    count_sides_on_lines();
     faces.failed |= chart_.is_degenerate();
     faces.num_steps = num_steps_ + chart_.num_steps();
 }
@@ -180,7 +181,7 @@ void StripSweep::end_faces() {
 bool StripSweep::is_reversed(std::size_t p, const Place& at) {
     const Line& upper = lines_[p];
     const Line& lower = lines_[p + 1];
-    if (upper.u - lower.u > upper.u_error + lower.u_error) return false;
+    if (upper.u - lower.u > upper.u_error + lower.u_error && !cones_->only_exact) return false;
     if (at.event != StripChart::kNone && chart_.piece(upper.piece).end_event == at.event &&
         chart_.piece(lower.piece).end_event == at.event) {
         return false;

@@ -22,14 +22,6 @@ using VertexKey = std::uint64_t;
 inline constexpr VertexKey kCentreBit = VertexKey{1} << 63;
 inline constexpr VertexKey kRayBit = VertexKey{1} << 62;
 
-/// The planes of a vertex: up to four strips where a ray has three.
-struct VertexStrips {
-    std::array<std::uint32_t, 4> strips{};
-    std::uint32_t count = 0;
-};
-VertexStrips strips_of(const Cones& cones, VertexKey key);  // not of a camera's centre
-bool is_on_loop(const Cones& cones, VertexKey centre, std::uint32_t strip);
-
 /// A run of neighbouring strips of one chain: the unit of parallel work.
 struct StripRun {
     std::uint32_t first = 0;
@@ -48,6 +40,7 @@ struct RunFaces {
     std::vector<std::array<std::uint32_t, 3>> triangles;
     std::vector<std::pair<std::uint32_t, std::uint32_t>>
         edges;  // directed, face to the left seen from outside
+    std::size_t num_sides_on_lines = 0;  // sides of triangles that both ends' names put on a line
     std::uint64_t num_steps = 0;
     bool failed = false;  // not in general position
     bool unbounded = false;
@@ -56,6 +49,7 @@ struct RunFaces {
         vertices.clear();
         triangles.clear();
         edges.clear();
+        num_sides_on_lines = 0;
         num_steps = 0;
         failed = unbounded = false;
     }
@@ -145,6 +139,7 @@ private:
     std::uint32_t centre_vertex();
     std::uint32_t triple_vertex(std::uint32_t x, std::uint32_t y, const StripChart::Point& at);
     std::uint32_t event_vertex(const StripChart::Event& event);
+    void count_sides_on_lines();
     void end_edge(const Line& line, std::uint32_t vertex, Side side);
 
     bool must_stop() const {

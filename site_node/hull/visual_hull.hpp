@@ -47,6 +47,8 @@ struct HullOptions {
     double min_component_volume_m3 = 5e-6;
     /// Contours with less area are dropped and counted.
     double min_contour_area_px2 = 1e-2;
+    /// Every decision in integers, also where doubles are certain: slow, and the same result.
+    bool only_exact = false;
     /// Limits for absurd input, kTooComplex beyond them. A person from 8 views has 2 k segments and
     /// needs 2 M steps, one from 64 views 13 k and some 500 M; 1 G steps take about 5 s.
     std::size_t max_segments = 200'000;
