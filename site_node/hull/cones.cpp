@@ -258,34 +258,34 @@ void clear_rays(Cones& cones) {
 
 }  // namespace
 
-HullStatus clean_views(std::span<const SilhouetteView> views,
+HullStatus clean_views(std::span<const SilhouetteView* const> views,
                        const HullOptions& options,
                        ConeScratch& scratch,
                        VisualHull& hull) {
     if (views.size() + (options.bounds ? 2 : 0) > kMaxViews) return HullStatus::kInvalidInput;
     if (options.bounds && !is_valid(*options.bounds)) return HullStatus::kInvalidInput;
     std::size_t num_points = 0;
-    for (const SilhouetteView& view : views) {
-        for (const auto& contour : view.contours) num_points += contour.size();
+    for (const SilhouetteView* view : views) {
+        for (const auto& contour : view->contours) num_points += contour.size();
     }
     if (num_points > options.max_segments || num_points * views.size() > kMaxPencilRays) {
         return HullStatus::kTooComplex;
     }
     if (!std::all_of(
-            views.begin(), views.end(), [](const SilhouetteView& view) { return is_valid(view); })) return HullStatus::kInvalidInput;
+            views.begin(), views.end(), [](const SilhouetteView* view) { return is_valid(*view); })) return HullStatus::kInvalidInput;
 
     CleanViews& clean = scratch.clean;
     clean.views.clear();
     if (clean.outlines.size() < views.size()) clean.outlines.resize(views.size());
     scratch.clean_counts = {};
     for (std::size_t v = 0; v < views.size(); ++v) {
-        copy_canonical(views[v].contours,
+        copy_canonical(views[v]->contours,
                        options.min_contour_area_px2,
                        scratch.outline,
                        clean.outlines[v],
                        scratch.clean_counts);
         if (clean.outlines[v].num_contours() > kMaxContours) return HullStatus::kTooComplex;
-        clean.views.push_back({&views[v], content_hash(views[v], clean.outlines[v]), v});
+        clean.views.push_back({views[v], content_hash(*views[v], clean.outlines[v]), v});
     }
     std::sort(clean.views.begin(), clean.views.end(), [](const auto& l, const auto& r) {
         return l.hash < r.hash;

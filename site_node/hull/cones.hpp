@@ -132,7 +132,7 @@ struct ConeScratch {
 };
 
 /// Step 1, once per frame. kOk, or what is wrong with the input.
-HullStatus clean_views(std::span<const SilhouetteView> views,
+HullStatus clean_views(std::span<const SilhouetteView* const> views,
                        const HullOptions& options,
                        ConeScratch& scratch,
                        VisualHull& hull);

@@ -29,6 +29,7 @@ double ms_since(Clock::time_point& mark) {
 }  // namespace
 
 struct HullScratch::Data {
+    std::vector<const SilhouetteView*> views;
     ConeScratch cone;
     Cones cones;
     Pencils pencils;
@@ -104,13 +105,18 @@ HullStatus attempt(HullScratch::Data& data,
     if (outcome.failed) return HullStatus::kNumericFailure;
     if (outcome.unbounded) return HullStatus::kUnbounded;
     const std::span<const RunFaces> faces(data.faces.data(), data.runs.size());
-    const bool is_sound =
+    bool is_sound =
         data.assembly.join(data.cones, faces) && data.assembly.verify(data.cones, faces);
     if (is_sound) data.assembly.extract(data.cones, faces, options, hull);
+    // where views are counted, more than three faces meet in some vertices
+    if (is_sound && data.cones.min_seen > 0 && !hull.mesh.empty())
+        is_sound = geometry::inspect(hull.mesh).manifold;
     hull.times.assembly_ms += ms_since(mark);
     if (!is_sound) return HullStatus::kNumericFailure;
     return hull.mesh.empty() ? HullStatus::kEmptyIntersection : HullStatus::kOk;
 }
+
+}  // namespace
 
 void clear(VisualHull& hull) {
     geometry::TriangleMesh mesh = std::move(hull.mesh);
@@ -118,8 +124,6 @@ void clear(VisualHull& hull) {
     hull = VisualHull{};
     hull.mesh = std::move(mesh);
 }
-
-}  // namespace
 
 const Cones& intersected_cones(const HullScratch& scratch) { return scratch.data().cones; }
 
@@ -148,6 +152,18 @@ void compute_visual_hull(std::span<const SilhouetteView> views,
                          HullScratch& scratch,
                          Executor& executor,
                          VisualHull& hull) {
+    std::vector<const SilhouetteView*>& pointers = scratch.data().views;
+    pointers.clear();
+    for (const SilhouetteView& view : views) pointers.push_back(&view);
+    compute_visual_hull(
+        std::span<const SilhouetteView* const>(pointers), options, scratch, executor, hull);
+}
+
+void compute_visual_hull(std::span<const SilhouetteView* const> views,
+                         const HullOptions& options,
+                         HullScratch& scratch,
+                         Executor& executor,
+                         VisualHull& hull) {
     clear(hull);
     HullScratch::Data& data = scratch.data();
     Clock::time_point start = Clock::now();
@@ -159,6 +175,7 @@ void compute_visual_hull(std::span<const SilhouetteView> views,
             hull.status = attempt(data, options, hull.num_attempts, executor, hull);
         } while (++hull.num_attempts < kMaxAttempts && hull.status == HullStatus::kNumericFailure);
     }
+    if (hull.status != HullStatus::kOk) hull.mesh.clear();
     hull.times.total_ms = ms_since(start);
 }
 

@@ -90,8 +90,12 @@ struct VisualHull {
     std::uint32_t num_contours_repaired = 0;  // split where they crossed themselves
     std::uint32_t num_views_merged = 0;  // the same camera with the same contours as another one
     std::uint32_t num_attempts = 0;      // jitters tried; 1 unless the input is degenerate
+    std::uint32_t num_regions_failed = 0;  // see regions.hpp
     StageTimes times;
 };
+
+/// Keeps the memory of the mesh.
+void clear(VisualHull& hull);
 
 /// Working memory of one caller; grows to the largest input and is then reused.
 class HullScratch {
@@ -122,6 +126,13 @@ private:
 /// by a kinetic list of the strips that cut it, so that components without viewing edges are found
 /// too, and triangles come out of the same sweep.
 void compute_visual_hull(std::span<const SilhouetteView> views,
+                         const HullOptions& options,
+                         HullScratch& scratch,
+                         Executor& executor,
+                         VisualHull& hull);
+
+/// The same of views that are not one after the other.
+void compute_visual_hull(std::span<const SilhouetteView* const> views,
                          const HullOptions& options,
                          HullScratch& scratch,
                          Executor& executor,

@@ -153,6 +153,17 @@ TEST_P(RandomScene, DoesNotDependOnTheOrderOfAnything) {
     EXPECT_EQ(hull_.mesh.triangles, again.mesh.triangles);
 }
 
+// The filter in front of the exact decisions may only be faster.
+TEST_P(RandomScene, IsTheSameWhenAllIsDecidedInIntegers) {
+    HullOptions options;
+    options.keep_phantoms = true;
+    options.only_exact = true;
+    HullScratch scratch;
+    const VisualHull exact = compute_visual_hull(views_, options, scratch);
+    EXPECT_EQ(hull_.mesh.vertices, exact.mesh.vertices);
+    EXPECT_EQ(hull_.mesh.triangles, exact.mesh.triangles);
+}
+
 TEST_P(RandomScene, MovesWithTheRig) {
     const geometry::RigidTransform moved_from_site{
         Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, -2.0, 0.5).normalized())),

@@ -1,0 +1,80 @@
+#include "site_node/hull/regions.hpp"
+
+namespace atrium::hull {
+namespace {
+
+// False: the region names a view that is not there.
+bool choose_views(std::span<const SilhouetteView* const> views,
+                  const Region& region,
+                  std::vector<const SilhouetteView*>& chosen) {
+    chosen.clear();
+    if (region.views.empty()) {
+        for (const SilhouetteView* view : views) {
+            if (view != nullptr) chosen.push_back(view);
+        }
+        return true;
+    }
+    for (const std::uint32_t v : region.views) {
+        if (v >= views.size()) return false;
+        if (views[v] != nullptr) chosen.push_back(views[v]);
+    }
+    return true;
+}
+
+void add_times(const StageTimes& part, StageTimes& sum) {
+    sum.silhouettes_ms += part.silhouettes_ms;
+    sum.pencils_ms += part.pencils_ms;
+    sum.sweep_ms += part.sweep_ms;
+    sum.assembly_ms += part.assembly_ms;
+    sum.total_ms += part.total_ms;
+}
+
+void add_part(const VisualHull& part, VisualHull& hull) {
+    const auto offset = static_cast<std::uint32_t>(hull.mesh.vertices.size());
+    hull.mesh.vertices.insert(
+        hull.mesh.vertices.end(), part.mesh.vertices.begin(), part.mesh.vertices.end());
+    for (const auto& [a, b, c] : part.mesh.triangles)
+        hull.mesh.triangles.push_back({a + offset, b + offset, c + offset});
+    hull.num_components += part.num_components;
+    hull.num_phantoms_dropped += part.num_phantoms_dropped;
+    hull.num_fragments_dropped += part.num_fragments_dropped;
+    hull.num_contours_dropped += part.num_contours_dropped;
+    hull.num_contours_repaired += part.num_contours_repaired;
+    hull.num_views_merged += part.num_views_merged;
+    hull.num_attempts += part.num_attempts;
+    add_times(part.times, hull.times);
+}
+
+}  // namespace
+
+void compute_region_hulls(std::span<const SilhouetteView* const> views,
+                          std::span<const Region> regions,
+                          const HullOptions& options,
+                          RegionScratch& scratch,
+                          Executor& executor,
+                          VisualHull& hull) {
+    clear(hull);
+    hull.status = HullStatus::kEmptyIntersection;
+    HullStatus failure = HullStatus::kEmptyIntersection;
+    HullOptions region_options = options;
+    for (const Region& region : regions) {
+        if (!choose_views(views, region, scratch.views)) {
+            clear(hull);
+            hull.status = HullStatus::kInvalidInput;
+            return;
+        }
+        region_options.bounds = region.bounds;
+        compute_visual_hull(scratch.views, region_options, scratch.hull, executor, scratch.part);
+        const HullStatus status = scratch.part.status;
+        add_part(scratch.part, hull);
+        if (status == HullStatus::kOk) {
+            hull.status = HullStatus::kOk;
+        } else if (status != HullStatus::kEmptyIntersection) {
+            ++hull.num_regions_failed;
+            failure = status;
+        }
+    }
+    if (hull.status != HullStatus::kOk) hull.status = failure;
+}
+
+}  // namespace atrium::hull
