@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
 #include <vector>
 
 namespace atrium::hull {
@@ -110,8 +111,10 @@ TEST_F(Bounds, OfNoExtentAreRefused) {
 
 class Regions : public Bounds {
 protected:
-    // two bodies, 3 m apart, seen by all cameras
+    // two bodies, 3 m apart, seen side by side by all cameras
     Regions() {
+        rig_ = test::make_ring_rig(
+            {.num_cameras = 8, .first_angle_rad = std::numbers::pi / 8.0});
         for (const double x : {-1.5, 1.5}) {
             for (std::size_t v = 0; v < rig_.size(); ++v) {
                 const test::Sphere body{{x, 0.0, 0.9}, 0.3};
