@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <optional>
 
 namespace atrium::hull {
 namespace {
@@ -11,6 +12,7 @@ namespace {
 constexpr double kMaxCoordinate_px =
     1e6;  // no silhouette is larger; beyond, pixels lose their meaning in double
 constexpr double kMaxDistance_m = 1e6;             // of a camera from the origin
+constexpr double kBoundsMargin_px = 1.0;           // far more than any jitter
 constexpr double kMinBounds_m = 1e-3;              // thinner ones hold nobody
 constexpr std::size_t kMaxPencilRays = 4'000'000;  // each is kept for each other view: 250 MB
 constexpr std::size_t kMaxContours = 2000;         // of one view; nesting is tested pairwise
@@ -30,6 +32,10 @@ bool is_valid(const SilhouetteView& view) {
     if (!finite || c.fx <= 0.0 || c.fy <= 0.0) return false;
     if (std::abs(pose.rotation.squaredNorm() - 1.0) > 1e-6) return false;
     if (pose.translation.cwiseAbs().maxCoeff() > kMaxDistance_m) return false;
+    if (!view.field.empty() && !is_usable_field(view.field)) return false;
+    for (const Eigen::Vector2d& p : view.field) {
+        if (p.cwiseAbs().maxCoeff() > kMaxCoordinate_px) return false;
+    }
     for (const auto& contour : view.contours) {
         for (const Eigen::Vector2d& p : contour) {
             if (!(std::abs(p.x()) <= kMaxCoordinate_px && std::abs(p.y()) <= kMaxCoordinate_px))
@@ -68,6 +74,23 @@ std::uint64_t content_hash(const SilhouetteView& view, const Outlines& outlines)
     for (const std::uint32_t end : outlines.ends) h = combine(h, end);
     for (const Eigen::Vector2d& p : view.field) h = combine(combine(h, p.x()), p.y());
     return h;
+}
+
+// The part of the picture that shows the bounds, with room for the jitter; nullopt where some of
+// them are behind the camera.
+std::optional<Eigen::AlignedBox2d> project(const geometry::Aabb& bounds, const SilhouetteView& view) {
+    Eigen::AlignedBox2d box;
+    for (int corner = 0; corner < 8; ++corner) {
+        const Eigen::Vector3d p_site((corner & 1) != 0 ? bounds.max.x() : bounds.min.x(),
+                                     (corner & 2) != 0 ? bounds.max.y() : bounds.min.y(),
+                                     (corner & 4) != 0 ? bounds.max.z() : bounds.min.z());
+        const Eigen::Vector3d p_camera = view.camera_from_site * p_site;
+        if (p_camera.z() < 1e-3) return std::nullopt;
+        box.extend(view.intrinsics.project(p_camera));
+    }
+    box.min().array() -= kBoundsMargin_px;
+    box.max().array() += kBoundsMargin_px;
+    return box;
 }
 
 // Coinciding centres (one camera's two silhouettes) leave the pencil without an axis: move one of
@@ -175,17 +198,13 @@ Cones::Strip make_strip(const Cones& cones, std::size_t v, SegmentKind kind) {
 void append_strips(const LabelledOutlines& labelled, std::size_t v, Cones& cones) {
     Cones::View& view = cones.views[v];
     view.first_strip = static_cast<std::uint32_t>(cones.strips.size());
-    std::uint32_t num_loops = 0;
     for (const LabelledOutlines::Segment& segment : labelled.segments) {
         Cones::Strip strip = make_strip(cones, v, segment.kind);
         strip.from = view.first_ray + segment.from;
         strip.to = view.first_ray + segment.to;
+        // kNoLoop wraps to some number that nobody asks for
         strip.foreground_loop = cones.num_loops + segment.foreground_loop;
         strip.background_loop = cones.num_loops + segment.background_loop;
-        if (segment.kind != SegmentKind::kOutside)
-            num_loops = std::max(num_loops, segment.foreground_loop + 1);
-        if (segment.kind != SegmentKind::kUnseen)
-            num_loops = std::max(num_loops, segment.background_loop + 1);
         const auto id = static_cast<std::uint32_t>(cones.strips.size());
         for (const std::uint32_t ray : {strip.from, strip.to}) {
             Cones::Incidence& at = cones.incidence[ray];
@@ -198,7 +217,7 @@ void append_strips(const LabelledOutlines& labelled, std::size_t v, Cones& cones
         cones.normal_bound.push_back(along.norm() * cones.ray_length[strip.from]);
         cones.strips.push_back(strip);
     }
-    cones.num_loops += num_loops;
+    cones.num_loops += std::max(labelled.num_foreground_loops, labelled.num_background_loops);
     std::uint32_t first = view.first_strip;
     for (const std::uint32_t end : labelled.chain_ends) {
         cones.chains.push_back({first, view.first_strip + end});
@@ -214,6 +233,26 @@ void append_camera(const SilhouetteView& source, std::size_t v, ConeScratch& scr
         scratch.rays.emplace_back(site_from_camera * source.intrinsics.ray_camera(p));
     append_rays(scratch.rays, cones.views[v], cones);
     append_strips(scratch.labelled, v, cones);
+}
+
+// What the outlines of a view and its field say about directions.
+bool label(const SilhouetteView& source,
+           std::uint32_t attempt,
+           std::uint64_t hash,
+           bool keep_unseen,
+           ConeScratch& scratch) {
+    if (source.field.empty()) {
+        label_without_field(scratch.outlines, scratch.labelled);
+        return true;
+    }
+    scratch.field.clear();
+    scratch.field.append(source.field);
+    jitter(scratch.field, jitter_px(source, attempt), ~hash + attempt);
+    return cut_by_field(scratch.outlines,
+                        scratch.field.points,
+                        keep_unseen,
+                        scratch.field_scratch,
+                        scratch.labelled);
 }
 
 // Three rays along the edges that leave one corner of the bounds.
@@ -240,7 +279,7 @@ void append_bounds(std::size_t v, std::uint32_t attempt, ConeScratch& scratch, C
     append_rays(scratch.rays, cones.views[v], cones);
     scratch.outlines.clear();
     scratch.outlines.append(zeros);
-    label_whole(scratch.outlines, scratch.labelled);
+    label_without_field(scratch.outlines, scratch.labelled);
     append_strips(scratch.labelled, v, cones);
 }
 
@@ -284,6 +323,10 @@ HullStatus clean_views(std::span<const SilhouetteView* const> views,
                        scratch.outline,
                        clean.outlines[v],
                        scratch.clean_counts);
+        if (options.bounds) {
+            if (const auto box = project(*options.bounds, *views[v]))
+                drop_outside(clean.outlines[v], *box);
+        }
         if (clean.outlines[v].num_contours() > kMaxContours) return HullStatus::kTooComplex;
         clean.views.push_back({views[v], content_hash(*views[v], clean.outlines[v]), v});
     }
@@ -323,7 +366,8 @@ HullStatus build_cones(const HullOptions& options,
             return HullStatus::kTooComplex;
         }
         orient_by_nesting(outlines);
-        label_whole(outlines, scratch.labelled);
+        if (!label(source, attempt, clean.views[v].hash, cones.min_seen > 0, scratch))
+            return HullStatus::kNumericFailure;
         append_camera(source, v, scratch, cones);
         sees_nobody |= outlines.num_contours() == 0 && !cones.views[v].is_partial;
     }

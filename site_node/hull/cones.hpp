@@ -125,6 +125,8 @@ struct CleanViews {
 struct ConeScratch {
     CleanViews clean;
     Outlines outlines;
+    Outlines field;
+    FieldScratch field_scratch;
     LabelledOutlines labelled;
     OutlineScratch outline;
     OutlineCounts clean_counts;

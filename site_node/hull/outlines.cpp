@@ -1,42 +1,16 @@
 #include "site_node/hull/outlines.hpp"
 
+#include "site_node/hull/outlines_predicates.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <numeric>
-#include <optional>
 
 namespace atrium::hull {
 namespace {
 
 using Point = Eigen::Vector2d;
-
-// Points closer than this are one: far below any picture's resolution, far above the jitter.
-constexpr double kSamePoint_px = 1e-4;
-
-// Per view and frame. A real contour crosses itself a few times at most; what does it more often is
-// a scribble.
-constexpr int kMaxRepairs = 300;
-
-bool less_yx(const Point& a, const Point& b) {
-    return a.y() != b.y() ? a.y() < b.y() : a.x() < b.x();
-}
-
-double cross(const Point& a, const Point& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-// > 0: c lies left of a -> b in x-right, y-up axes
-double side(const Point& a, const Point& b, const Point& c) { return cross(b - a, c - a); }
-
-bool segments_cross(const Point& a, const Point& b, const Point& c, const Point& d) {
-    return (side(a, b, c) > 0.0) != (side(a, b, d) > 0.0) &&
-           (side(c, d, a) > 0.0) != (side(c, d, b) > 0.0);
-}
-
-Point crossing_point(const Point& a, const Point& b, const Point& c, const Point& d) {
-    const double at_a = side(c, d, a);
-    const double at_b = side(c, d, b);
-    return a + (b - a) * (at_a / (at_a - at_b));
-}
 
 // A spike goes out and comes back the same way: the middle point bounds nothing.
 bool is_spike(const Point& before, const Point& tip, const Point& after) {
@@ -67,26 +41,41 @@ void copy_clean(const std::vector<Point>& contour, std::vector<Point>& loop) {
     loop.erase(loop.begin(), loop.begin() + static_cast<std::ptrdiff_t>(first));
 }
 
-double swept_area_px2(std::span<const Point> loop) {
-    double twice = 0.0;
-    for (std::size_t i = 2; i < loop.size(); ++i)
-        twice += std::abs(side(loop[0], loop[i - 1], loop[i]));
-    return 0.5 * twice;
+// Where the rotation of `loop` starts that comes first in the order of its points (less_yx).
+std::size_t least_rotation(std::span<const Point> loop) {
+    const std::size_t n = loop.size();
+    std::size_t i = 0;
+    std::size_t j = 1;
+    std::size_t same = 0;  // so many points from i on equal those from j on
+    while (i < n && j < n && same < n) {
+        const Point& a = loop[(i + same) % n];
+        const Point& b = loop[(j + same) % n];
+        if (a == b) {
+            ++same;
+            continue;
+        }
+        (less_yx(b, a) ? i : j) += same + 1;
+        if (i == j) ++j;
+        same = 0;
+    }
+    return std::min(i, j);
 }
 
-void drop_small(Outlines& outlines,
-                double min_area_px2,
-                OutlineScratch& scratch,
-                OutlineCounts& counts) {
-    scratch.other.clear();
-    for (std::size_t c = 0; c < outlines.num_contours(); ++c) {
-        if (std::abs(signed_area_px2(outlines.contour(c))) >= min_area_px2) {
-            scratch.other.append(outlines.contour(c));
-        } else {
-            ++counts.dropped;
-        }
-    }
-    std::swap(outlines, scratch.other);
+void rotate_to_least(std::vector<Point>& loop) {
+    const auto first = static_cast<std::ptrdiff_t>(least_rotation(loop));
+    std::rotate(loop.begin(), loop.begin() + first, loop.end());
+}
+
+bool is_before(std::span<const Point> a, std::span<const Point> b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(), less_yx);
+}
+
+// One of the 2n ways to write a loop down, the same one for all of them.
+void make_canonical(std::vector<Point>& loop, std::vector<Point>& reversed) {
+    reversed.assign(loop.rbegin(), loop.rend());
+    rotate_to_least(loop);
+    rotate_to_least(reversed);
+    if (is_before(reversed, loop)) std::swap(loop, reversed);
 }
 
 std::uint64_t mix(std::uint64_t x) {  // splitmix64's finaliser
@@ -97,97 +86,14 @@ std::uint64_t mix(std::uint64_t x) {  // splitmix64's finaliser
     return x ^ (x >> 31);
 }
 
-struct Crossing {
-    std::uint32_t p = 0;  // segment p -> next(p)
-    std::uint32_t q = 0;
-};
-
-// Finds one crossing; segments are taken by rising y so that only those that overlap in y meet.
-class CrossingFinder {
-public:
-    CrossingFinder(const Outlines& outlines, OutlineScratch& scratch)
-        : outlines_(outlines), scratch_(scratch) {
-        const auto n = static_cast<std::uint32_t>(outlines.points.size());
-        scratch.contour_of.resize(n);
-        for (std::uint32_t c = 0; c < outlines.num_contours(); ++c) {
-            for (std::uint32_t i = outlines.begin_of(c); i < outlines.ends[c]; ++i)
-                scratch.contour_of[i] = c;
-        }
-        scratch.order.resize(n);
-        std::iota(scratch.order.begin(), scratch.order.end(), 0u);
-        std::sort(
-            scratch.order.begin(), scratch.order.end(), [&](std::uint32_t l, std::uint32_t r) {
-                const double yl = low(l);
-                const double yr = low(r);
-                return yl != yr ? yl < yr : l < r;
-            });
-    }
-
-    std::uint32_t next(std::uint32_t i) const {
-        const std::uint32_t c = scratch_.contour_of[i];
-        return i + 1 < outlines_.ends[c] ? i + 1 : outlines_.begin_of(c);
-    }
-
-    std::optional<Crossing> find(std::uint64_t max_tests, std::uint64_t& num_tests) const {
-        const auto& order = scratch_.order;
-        const auto& points = outlines_.points;
-        for (std::size_t a = 0; a < order.size(); ++a) {
-            const std::uint32_t p = order[a];
-            const Point& p0 = points[p];
-            const Point& p1 = points[next(p)];
-            const double high = std::max(p0.y(), p1.y());
-            const double left = std::min(p0.x(), p1.x());
-            const double right = std::max(p0.x(), p1.x());
-            for (std::size_t b = a + 1; b < order.size() && low(order[b]) <= high; ++b) {
-                const std::uint32_t q = order[b];
-                if (++num_tests > max_tests) return std::nullopt;
-                const Point& q0 = points[q];
-                const Point& q1 = points[next(q)];
-                if (std::max(q0.x(), q1.x()) < left || std::min(q0.x(), q1.x()) > right) continue;
-                if (next(p) == q || next(q) == p) continue;
-                if (segments_cross(p0, p1, q0, q1)) return Crossing{std::min(p, q), std::max(p, q)};
-            }
-        }
-        return std::nullopt;
-    }
-
-private:
-    double low(std::uint32_t i) const {
-        return std::min(outlines_.points[i].y(), outlines_.points[next(i)].y());
-    }
-
-    const Outlines& outlines_;
-    OutlineScratch& scratch_;
-};
-
-// Appends the loop `x, points[first .. last]` (cyclic inside its contour), x moved a little into
-// its corner so that the two halves of a split do not touch.
-void append_half(const Outlines& from,
-                 std::uint32_t contour,
-                 std::uint32_t first,
-                 std::uint32_t last,
-                 const Point& x,
-                 double min_area_px2,
-                 OutlineScratch& scratch,
-                 OutlineCounts& counts) {
-    std::vector<Point>& loop = scratch.loop;
-    loop.clear();
-    loop.push_back(x);
-    for (std::uint32_t i = first;;
-         i = i + 1 < from.ends[contour] ? i + 1 : from.begin_of(contour)) {
-        loop.push_back(from.points[i]);
-        if (i == last) break;
-    }
-    const Point bisector = (loop[1] - x).stableNormalized() + (loop.back() - x).stableNormalized();
-    loop[0] += 10.0 * kSamePoint_px * bisector.stableNormalized();
-    if (loop.size() < 3 || std::abs(signed_area_px2(loop)) < min_area_px2) {
-        ++counts.dropped;
-        return;
-    }
-    scratch.other.append(loop);
-}
-
 }  // namespace
+
+double swept_area_px2(std::span<const Point> loop) {
+    double twice = 0.0;
+    for (std::size_t i = 2; i < loop.size(); ++i)
+        twice += std::abs(side(loop[0], loop[i - 1], loop[i]));
+    return 0.5 * twice;
+}
 
 double signed_area_px2(std::span<const Point> loop) {
     double twice = 0.0;
@@ -203,23 +109,29 @@ void copy_canonical(const std::vector<std::vector<Point>>& contours,
     Outlines& loops = scratch.other;
     loops.clear();
     for (const std::vector<Point>& contour : contours) {
-        copy_clean(contour, scratch.loop);
+        // cleaning goes round from the first point, so that must not be chance either
+        std::vector<Point>& raw = scratch.raw;
+        raw.clear();
+        for (const Point& p : contour) raw.emplace_back(p.x() + 0.0, p.y() + 0.0);  // no -0
+        make_canonical(raw, scratch.loop);
         std::vector<Point>& loop = scratch.loop;
+        copy_clean(raw, loop);
         // not the area: a loop that crosses itself may have none before it is split
         if (loop.size() < 3 || !(swept_area_px2(loop) >= min_area_px2)) {
             ++counts.dropped;
             continue;
         }
-        if (signed_area_px2(loop) < 0.0) std::reverse(loop.begin(), loop.end());
-        std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end(), less_yx), loop.end());
+        make_canonical(loop, raw);
+        if (signed_area_px2(loop) < 0.0) {
+            std::reverse(loop.begin(), loop.end());
+            rotate_to_least(loop);
+        }
         loops.append(loop);
     }
     scratch.order.resize(loops.num_contours());
     std::iota(scratch.order.begin(), scratch.order.end(), 0u);
     std::sort(scratch.order.begin(), scratch.order.end(), [&](std::uint32_t l, std::uint32_t r) {
-        const auto cl = loops.contour(l);
-        const auto cr = loops.contour(r);
-        return std::lexicographical_compare(cl.begin(), cl.end(), cr.begin(), cr.end(), less_yx);
+        return is_before(loops.contour(l), loops.contour(r));
     });
     out.clear();
     for (const std::uint32_t c : scratch.order) out.append(loops.contour(c));
@@ -237,62 +149,12 @@ void jitter(Outlines& outlines, double amplitude_px, std::uint64_t seed) {
     }
 }
 
-bool make_simple(Outlines& outlines,
-                 double min_area_px2,
-                 std::uint64_t max_tests,
-                 OutlineScratch& scratch,
-                 OutlineCounts& counts) {
-    std::uint64_t num_tests = 0;
-    for (int repairs = 0; repairs < kMaxRepairs; ++repairs) {
-        const CrossingFinder finder(outlines, scratch);
-        const std::optional<Crossing> found = finder.find(max_tests, num_tests);
-        if (num_tests > max_tests) return false;
-        if (!found) {
-            drop_small(outlines, min_area_px2, scratch, counts);
-            return true;
-        }
-        const std::uint32_t cp = scratch.contour_of[found->p];
-        const std::uint32_t cq = scratch.contour_of[found->q];
-        const auto area = [&](std::uint32_t c) {
-            return std::abs(signed_area_px2(outlines.contour(c)));
-        };
-        const std::uint32_t smaller = area(cp) < area(cq) ? cp : cq;
-        scratch.other.clear();
-        for (std::uint32_t c = 0; c < outlines.num_contours(); ++c) {
-            if (c != (cp == cq ? cp : smaller)) {
-                scratch.other.append(outlines.contour(c));
-            } else if (cp != cq) {
-                ++counts.dropped;
-            } else {
-                const std::uint32_t after_p = finder.next(found->p);
-                const std::uint32_t after_q = finder.next(found->q);
-                const Point x = crossing_point(outlines.points[found->p],
-                                               outlines.points[after_p],
-                                               outlines.points[found->q],
-                                               outlines.points[after_q]);
-                append_half(outlines, c, after_p, found->q, x, min_area_px2, scratch, counts);
-                append_half(outlines, c, after_q, found->p, x, min_area_px2, scratch, counts);
-                ++counts.repaired;
-            }
-        }
-        std::swap(outlines, scratch.other);
-    }
-    return false;
-}
-
 void orient_by_nesting(Outlines& outlines) {
     for (std::size_t c = 0; c < outlines.num_contours(); ++c) {
         const std::span<const Point> loop = outlines.contour(c);
         bool is_hole = false;
         for (std::size_t other = 0; other < outlines.num_contours(); ++other) {
-            if (other == c) continue;
-            const std::span<const Point> fence = outlines.contour(other);
-            const Point& p = loop.front();
-            for (std::size_t i = 0, j = fence.size() - 1; i < fence.size(); j = i++) {
-                if ((fence[i].y() > p.y()) == (fence[j].y() > p.y())) continue;
-                const bool rising = fence[i].y() > fence[j].y();
-                if ((side(fence[j], fence[i], p) > 0.0) == rising) is_hole = !is_hole;
-            }
+            if (other != c && contains(outlines.contour(other), loop.front())) is_hole = !is_hole;
         }
         if ((signed_area_px2(loop) < 0.0) != is_hole) {
             std::reverse(outlines.points.begin() + outlines.begin_of(c),
@@ -301,17 +163,45 @@ void orient_by_nesting(Outlines& outlines) {
     }
 }
 
+bool contains(std::span<const Point> loop, const Point& p) {
+    bool inside = false;
+    for (std::size_t i = 0, j = loop.size() - 1; i < loop.size(); j = i++) {
+        if ((loop[i].y() > p.y()) == (loop[j].y() > p.y())) continue;
+        const bool rising = loop[i].y() > loop[j].y();
+        if ((side(loop[j], loop[i], p) > 0.0) == rising) inside = !inside;
+    }
+    return inside;
+}
+
 bool contains(const Outlines& outlines, const Point& p) {
     bool inside = false;
     for (std::size_t c = 0; c < outlines.num_contours(); ++c) {
-        const std::span<const Point> fence = outlines.contour(c);
-        for (std::size_t i = 0, j = fence.size() - 1; i < fence.size(); j = i++) {
-            if ((fence[i].y() > p.y()) == (fence[j].y() > p.y())) continue;
-            const bool rising = fence[i].y() > fence[j].y();
-            if ((side(fence[j], fence[i], p) > 0.0) == rising) inside = !inside;
-        }
+        if (contains(outlines.contour(c), p)) inside = !inside;
     }
     return inside;
+}
+
+std::uint32_t drop_outside(Outlines& outlines, const Eigen::AlignedBox2d& box) {
+    std::uint32_t num_points = 0;
+    std::size_t num_kept = 0;
+    std::uint32_t begin = 0;
+    const std::size_t n = outlines.num_contours();
+    for (std::size_t c = 0; c < n; ++c) {
+        const std::uint32_t end = outlines.ends[c];
+        Eigen::AlignedBox2d extent;
+        for (std::uint32_t i = begin; i < end; ++i) extent.extend(outlines.points[i]);
+        if (extent.intersects(box)) {
+            std::copy(outlines.points.begin() + begin,
+                      outlines.points.begin() + end,
+                      outlines.points.begin() + num_points);
+            num_points += end - begin;
+            outlines.ends[num_kept++] = num_points;
+        }
+        begin = end;
+    }
+    outlines.points.resize(num_points);
+    outlines.ends.resize(num_kept);
+    return static_cast<std::uint32_t>(n - num_kept);
 }
 
 }  // namespace atrium::hull

@@ -52,11 +52,42 @@ TEST_F(OutlinesTest, DropsTheTinyLoopOfASimplifiedCorner) {
     EXPECT_NEAR(total_area(outlines), 100.0, 0.5);
 }
 
-TEST_F(OutlinesTest, DropsTheSmallerOfTwoThatCross) {
+TEST_F(OutlinesTest, JoinsTwoThatCrossAndCutsOutWhatBothEnclose) {
     const Outlines outlines = prepare({kSquare, {{8, 8}, {12, 8}, {12, 12}, {8, 12}}});
-    EXPECT_EQ(outlines.num_contours(), 1u);
-    EXPECT_EQ(counts_.dropped, 1u);
+    EXPECT_EQ(outlines.num_contours(), 2u);  // joined at one crossing, split at the other
+    EXPECT_EQ(counts_.dropped, 0u);
+    EXPECT_EQ(counts_.repaired, 2u);
+    EXPECT_NEAR(total_area(outlines), 100.0 - 4.0 + 16.0 - 4.0, 0.02);
+    EXPECT_TRUE(contains(outlines, {11.0, 11.0}));
+    EXPECT_TRUE(contains(outlines, {7.0, 7.0}));
+    EXPECT_FALSE(contains(outlines, {9.0, 9.0}));
+}
+
+TEST_F(OutlinesTest, DoNotDependOnOrderStartOrOrientation) {
+    // no signed area, the lowest point twice, and repeated points to choose from
+    const Contour eight{{0, 0}, {10, 10}, {10, 10.00006}, {10, 10.00012}, {10, 0}, {0, 10}};
+    const Contour pinched{{20, 0}, {25, 5}, {22, 9}, {20, 0}, {18, 9}, {15, 5}};
+    const Contour turned{{10, 0}, {10, 10.00012}, {10, 10.00006}, {10, 10}, {0, 0}, {0, 10}};
+    const Contour rotated{{20, 0}, {22, 9}, {25, 5}, {20, 0}, {15, 5}, {18, 9}};
+    const Outlines one = prepare({eight, pinched});
+    const Outlines other = prepare({rotated, turned});
+    EXPECT_EQ(one.points, other.points);
+    EXPECT_EQ(one.ends, other.ends);
+}
+
+TEST_F(OutlinesTest, LeaveOutWhatLiesBesideABox) {
+    const Contour hole{{2, 2}, {2, 8}, {8, 8}, {8, 2}};
+    const Contour far{{20, 0}, {30, 0}, {30, 10}};
+    Outlines outlines = prepare({far, kSquare, hole});
+    ASSERT_EQ(outlines.num_contours(), 3u);
+    const Eigen::AlignedBox2d box(Eigen::Vector2d(-5.0, 4.0), Eigen::Vector2d(1.0, 5.0));
+    EXPECT_EQ(drop_outside(outlines, box), 2u);
+    ASSERT_EQ(outlines.num_contours(), 1u);
+    EXPECT_EQ(outlines.points.size(), 4u);
     EXPECT_NEAR(total_area(outlines), 100.0, 1e-9);
+    EXPECT_EQ(drop_outside(outlines, box), 0u);
+    EXPECT_EQ(drop_outside(outlines, Eigen::AlignedBox2d()), 1u);
+    EXPECT_TRUE(outlines.points.empty());
 }
 
 TEST_F(OutlinesTest, RemovesRepeatedPointsAndSpikes) {
