@@ -72,4 +72,7 @@ HullStatus build_cones(const HullOptions& options,
                        Cones& cones,
                        VisualHull& hull);
 
+/// The cones of the last computation with `scratch`, for checks from outside.
+const Cones& intersected_cones(const HullScratch& scratch);
+
 }  // namespace atrium::hull

@@ -43,6 +43,8 @@ HullScratch::~HullScratch() = default;
 HullScratch::HullScratch(HullScratch&&) noexcept = default;
 HullScratch& HullScratch::operator=(HullScratch&&) noexcept = default;
 
+const Cones& intersected_cones(const HullScratch& scratch) { return scratch.data().cones; }
+
 namespace {
 
 void plan_runs(const Cones& cones, std::vector<StripRun>& runs) {

@@ -101,6 +101,7 @@ public:
 
     struct Data;
     Data& data() { return *data_; }
+    const Data& data() const { return *data_; }
 
 private:
     std::unique_ptr<Data> data_;
