@@ -22,6 +22,8 @@ double distance_to_segment(const Eigen::Vector2d& p,
     return (p - a - t * ab).norm();
 }
 
+}  // namespace
+
 // Monotone chain.
 Contour convex_hull(Contour points) {
     std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
@@ -40,8 +42,6 @@ Contour convex_hull(Contour points) {
     }
     return hull;
 }
-
-}  // namespace
 
 Contour outline_of(const Sphere& sphere,
                    const geometry::CalibratedCamera& camera,
@@ -97,7 +97,7 @@ Contour random_star(std::mt19937_64& random,
 
 hull::SilhouetteView make_view(const geometry::CalibratedCamera& camera,
                                std::vector<Contour> contours) {
-    return {camera.intrinsics, camera.camera_from_site, std::move(contours)};
+    return {camera.intrinsics, camera.camera_from_site, std::move(contours), {}};
 }
 
 std::vector<hull::SilhouetteView> views_of(const Sphere& sphere,

@@ -29,6 +29,9 @@ Contour outline_of(const Sphere& sphere,
 Contour outline_of(std::span<const Eigen::Vector3d> points_site,
                    const geometry::CalibratedCamera& camera);
 
+/// Counter-clockwise as seen with +Y up, without collinear points.
+Contour convex_hull(Contour points);
+
 /// Regular polygon, counter-clockwise seen with +Y up, first vertex at `phase_rad`.
 Contour regular_polygon(const Eigen::Vector2d& centre_px,
                         double radius_px,
