@@ -38,7 +38,7 @@ struct Verdict {
 /// chain. They name everything else: a vertex of the hull is the meeting of three strips, or of a
 /// ray and a strip.
 ///
-/// All numbers are integers on a grid (`exact_*`, some 2e-8 px and less than 1 nm); the doubles are
+/// All numbers are integers on a grid (`exact_*`, some 2e-8 px and 1 pm); the doubles are
 /// the same numbers without rounding.
 struct Cones {
     struct View {

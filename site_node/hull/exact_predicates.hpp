@@ -6,18 +6,18 @@
 namespace atrium::hull::exact {
 
 /// The numbers that are intersected, on an integer grid: viewing rays have up to 38 bits, camera
-/// centres up to 36 (relative to the rig's middle), and every decision below is the sign of a
-/// polynomial of these with at most 460 bits. It is computed without rounding, so that no two
+/// centres up to 45 (relative to the rig's middle), and every decision below is the sign of a
+/// polynomial of these with at most 480 bits. It is computed without rounding, so that no two
 /// decisions contradict each other; callers first try doubles with an error bound.
 ///
 /// Zero is an answer as well: the input is not in general position.
 using Vector = std::array<std::int64_t, 3>;
-inline constexpr double kMaxRay = 137438953472.0;    // 2^37
-inline constexpr double kMaxCentre = 34359738368.0;  // 2^35: a baseline has one bit more
+inline constexpr double kMaxRay = 137438953472.0;       // 2^37
+inline constexpr double kMaxCentre = 17592186044416.0;  // 2^44: a baseline has one bit more
 
 __extension__ typedef __int128 Int128;
 
-/// Sign of a . (b x c), |a| < 2^37 and |b|, |c| <= 2^37.
+/// Sign of a . (b x c), |a| <= 2^45 and |b|, |c| <= 2^37.
 int sign_of_determinant(const Vector& a, const Vector& b, const Vector& c);
 
 /// The line in which another camera's strip cuts a strip, in the chart of the latter: phi = 0 and 1

@@ -13,7 +13,8 @@ using Point = Eigen::Vector2d;
 
 constexpr double kTolerance_px =
     1e-3;  // the jitter is 1e-6 px at first, 1e-3 px where input is very degenerate
-constexpr double kNear_m = 1e-6;
+// Nearer to the camera the hull's own rounding, 1e-12 m, would be pixels.
+constexpr double kNear_m = 1e-4;
 
 struct Raster {
     std::vector<std::uint8_t>& pixels;
