@@ -74,6 +74,7 @@ double SurfaceDistance::largest_m(const geometry::TriangleMesh& from, int num_ra
         for (std::size_t k = 0; k < 3; ++k) look(0.5 * (t[k] + t[(k + 1) % 3]));
         areas.push_back((t[1] - t[0]).cross(t[2] - t[0]).norm());
     }
+    if (num_random == 0) return largest;
     std::mt19937_64 random(1);
     std::discrete_distribution<std::size_t> triangle(areas.begin(), areas.end());
     std::uniform_real_distribution<double> share(0.0, 1.0);
