@@ -17,7 +17,7 @@ public:
     double distance_m(const Eigen::Vector3d& p) const;
 
     /// Largest distance of `from`'s vertices, edge middles, triangle middles and `num_random`
-    /// points, spread evenly over its area.
+    /// points, spread evenly over its area, which is not zero unless `num_random` is.
     double largest_m(const geometry::TriangleMesh& from, int num_random) const;
 
 private:
