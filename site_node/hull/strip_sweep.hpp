@@ -1,5 +1,6 @@
 #pragma once
 
+#include "site_node/hull/better_diagonals.hpp"
 #include "site_node/hull/cones.hpp"
 #include "site_node/hull/face_triangulator.hpp"
 #include "site_node/hull/pencils.hpp"
@@ -70,9 +71,14 @@ public:
 
 private:
     using Corner = FaceTriangulator::Corner;
+    using Lines = BetterDiagonals::Lines;
     using RegionId = FaceTriangulator::RegionId;
     using Side = FaceTriangulator::Side;
     using Place = StripChart::Place;
+
+    // The strip's own rays, among the lines of a corner.
+    static constexpr std::uint32_t kFromRay = kNoStrip - 2;
+    static constexpr std::uint32_t kToRay = kNoStrip - 3;
 
     struct Line {
         std::uint32_t piece = StripChart::kNone;  // none: the camera's centre
@@ -139,6 +145,10 @@ private:
     std::uint32_t centre_vertex();
     std::uint32_t triple_vertex(std::uint32_t x, std::uint32_t y, const StripChart::Point& at);
     std::uint32_t event_vertex(const StripChart::Event& event);
+    void start_corners();
+    Corner make_corner(std::uint32_t vertex, const StripChart::Point& at, Lines lines);
+    Corner ray_corner(std::uint32_t vertex, double phi, const Line& line);
+    void finish_triangles();
     void count_sides_on_lines();
     void end_edge(const Line& line, std::uint32_t vertex, Side side);
 
@@ -163,6 +173,14 @@ private:
     std::vector<Line> leaving_;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> ray_vertices_;  // strip, vertex: on a ray
     FaceTriangulator triangulator_;
+    BetterDiagonals diagonals_;
+    // of the current strip: triangles index corners, each a vertex of the run
+    std::vector<std::array<std::uint32_t, 3>> triangles_;
+    std::vector<std::uint32_t> corner_vertices_;
+    std::vector<Eigen::Vector2d> corners_m_;
+    std::vector<Lines> corner_lines_;
+    Eigen::Vector2d from_ray_;  // the strip's rays in a frame of its plane
+    Eigen::Vector2d to_ray_;
 };
 
 }  // namespace atrium::hull

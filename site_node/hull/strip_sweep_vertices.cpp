@@ -73,6 +73,45 @@ bool share_two_strips(const Cones& cones, VertexKey a, VertexKey b) {
 
 }  // namespace
 
+void StripSweep::start_corners() {
+    triangles_.clear();
+    corner_vertices_.clear();
+    corners_m_.clear();
+    corner_lines_.clear();
+    triangulator_.reset(triangles_);
+    const Eigen::Vector3d& from = cones_->ray[own_.from];
+    const Eigen::Vector3d along = cones_->ray[own_.to] - from;
+    const double length = cones_->ray_length[own_.from];
+    const double aside = along.dot(from) / length;
+    from_ray_ = {length, 0.0};
+    to_ray_ = {length + aside, (along - from * (aside / length)).norm()};
+}
+
+StripSweep::Corner StripSweep::make_corner(std::uint32_t vertex,
+                                           const StripChart::Point& at,
+                                           Lines lines) {
+    const auto corner = static_cast<std::uint32_t>(corner_vertices_.size());
+    corner_vertices_.push_back(vertex);
+    corners_m_.emplace_back((from_ray_ + at.phi * (to_ray_ - from_ray_)) / at.u);
+    corner_lines_.push_back(lines);
+    return {corner, at.phi, at.u};
+}
+
+StripSweep::Corner StripSweep::ray_corner(std::uint32_t vertex, double phi, const Line& line) {
+    const bool is_centre = line.piece == StripChart::kNone;
+    const std::uint32_t own = phi < 0.5 ? kFromRay : kToRay;
+    return make_corner(vertex, {phi, line.u}, {own, is_centre ? kFromRay + kToRay - own : line.strip});
+}
+
+void StripSweep::finish_triangles() {
+    if (must_stop()) return;
+    diagonals_.improve(corners_m_, triangles_, corner_lines_);
+    for (const auto& [a, b, c] : triangles_) {
+        faces_->triangles.push_back(
+            {corner_vertices_[a], corner_vertices_[b], corner_vertices_[c]});
+    }
+}
+
 // For the assembly: a side of a triangle that lies on a line of two strips has to be an edge.
 void StripSweep::count_sides_on_lines() {
     const auto& vertices = faces_->vertices;
