@@ -24,7 +24,6 @@ void StripSweep::run(const Cones& cones,
         sweep_strip();
         if (must_stop()) break;
     }
-    count_sides_on_lines();
     faces.failed |= chart_.is_degenerate();
     faces.num_steps = num_steps_ + chart_.num_steps();
 }

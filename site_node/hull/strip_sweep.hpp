@@ -41,7 +41,7 @@ struct RunFaces {
     std::vector<std::array<std::uint32_t, 3>> triangles;
     std::vector<std::pair<std::uint32_t, std::uint32_t>>
         edges;  // directed, face to the left seen from outside
-    std::size_t num_sides_on_lines = 0;  // sides of triangles that both ends' names put on a line
+    std::size_t num_sides_on_lines = 0;  // sides of triangles with both ends on one line
     std::uint64_t num_steps = 0;
     bool failed = false;  // not in general position
     bool unbounded = false;
@@ -149,7 +149,7 @@ private:
     Corner make_corner(std::uint32_t vertex, const StripChart::Point& at, Lines lines);
     Corner ray_corner(std::uint32_t vertex, double phi, const Line& line);
     void finish_triangles();
-    void count_sides_on_lines();
+    bool are_on_one_line(std::uint32_t corner_a, std::uint32_t corner_b) const;
     void end_edge(const Line& line, std::uint32_t vertex, Side side);
 
     bool must_stop() const {
