@@ -12,6 +12,7 @@ namespace {
 constexpr double kMaxCoordinate_px =
     1e6;  // no silhouette is larger; beyond, pixels lose their meaning in double
 constexpr double kMaxDistance_m = 1e6;             // of a camera from the origin
+constexpr std::size_t kMaxFieldPoints = 1000;      // contact with itself is tested pairwise
 constexpr double kBoundsMargin_px = 1.0;           // far more than any jitter
 constexpr double kMinBounds_m = 1e-3;              // thinner ones hold nobody
 constexpr std::size_t kMaxPencilRays = 4'000'000;  // each is kept for each other view: 250 MB
@@ -306,6 +307,8 @@ HullStatus clean_views(std::span<const SilhouetteView* const> views,
     std::size_t num_points = 0;
     for (const SilhouetteView* view : views) {
         for (const auto& contour : view->contours) num_points += contour.size();
+        if (view->field.size() > kMaxFieldPoints) return HullStatus::kTooComplex;
+        num_points += view->field.size();
     }
     if (num_points > options.max_segments || num_points * views.size() > kMaxPencilRays) {
         return HullStatus::kTooComplex;

@@ -110,7 +110,7 @@ HullStatus attempt(HullScratch::Data& data,
     if (is_sound) data.assembly.extract(data.cones, faces, options, hull);
     // where views are counted, more than three faces meet in some vertices
     if (is_sound && data.cones.min_seen > 0 && !hull.mesh.empty())
-        is_sound = geometry::inspect(hull.mesh).manifold;
+        is_sound = data.assembly.is_manifold(hull.mesh);
     hull.times.assembly_ms += ms_since(mark);
     if (!is_sound) return HullStatus::kNumericFailure;
     return hull.mesh.empty() ? HullStatus::kEmptyIntersection : HullStatus::kOk;

@@ -1,5 +1,6 @@
 #include "site_node/hull/regions.hpp"
 
+#include "tests/support/allocation_counter.hpp"
 #include "tests/support/rig_maker.hpp"
 #include "tests/support/silhouette_maker.hpp"
 
@@ -21,11 +22,15 @@ geometry::Aabb box(const Eigen::Vector3d& min, const Eigen::Vector3d& max) {
     return result;
 }
 
-void expect_sound(const VisualHull& hull) {
+void expect_closed(const VisualHull& hull) {
     ASSERT_EQ(hull.status, HullStatus::kOk) << to_string(hull.status);
     const geometry::MeshReport report = geometry::inspect(hull.mesh);
     EXPECT_TRUE(report.closed);
     EXPECT_TRUE(report.manifold);
+}
+
+void expect_sound(const VisualHull& hull) {
+    expect_closed(hull);
     EXPECT_EQ(hull.mesh.vertices.size() % 2, 0u);
 }
 
@@ -155,6 +160,22 @@ TEST_F(Regions, GoOnWithoutALostCamera) {
     expect_sound(hull);
     EXPECT_EQ(hull.num_components, 2u);
     EXPECT_GT(geometry::volume_m3(hull.mesh), geometry::volume_m3(all.mesh));
+}
+
+TEST_F(Regions, AllocateNothingOnceWarm) {
+    for (SilhouetteView& view : two_)
+        view.field = {{300.0, 2.0}, {997.0, 2.0}, {997.0, 997.0}, {300.0, 997.0}};
+    options_.min_views = 3;
+    VisualHull hull;
+    SerialExecutor executor;
+    const auto compute = [&] {
+        compute_region_hulls(pointers_, regions_, options_, region_scratch_, executor, hull);
+    };
+    for (int i = 0; i < 2; ++i) compute();
+    const std::uint64_t before = test::num_allocations();
+    compute();
+    EXPECT_EQ(test::num_allocations() - before, 0u);
+    expect_closed(hull);
 }
 
 TEST_F(Regions, UseOnlyTheirOwnCameras) {
