@@ -110,7 +110,6 @@ bool StripChart::collect() {
     pieces_.clear();
     events_.clear();
     order_.clear();
-    infinity_ = kNone;
     highest_ = kInfinity;
     lowest_ = -kInfinity;
     for (std::uint32_t k = 0; k < cones_->num_views(); ++k) {
@@ -123,11 +122,9 @@ bool StripChart::collect() {
     if (!may_have_faces()) return true;
     hide_pieces();
     if (may_reach_infinity) {
-        infinity_ = static_cast<std::uint32_t>(pieces_.size());
-        Piece infinity;
+        Piece& infinity = pieces_.emplace_back();  // u = 0 all along
         infinity.strip = kInfinityStrip;
         infinity.view = static_cast<std::uint8_t>(view_);
-        pieces_.push_back(infinity);
     }
     sort_events();
     return true;

@@ -75,9 +75,6 @@ public:
 
     /// False: no face can be on this strip; the rest is then not prepared.
     bool may_have_faces() const { return lowest_ <= highest_; }
-    /// The hull may reach infinity within this strip.
-    bool shows_infinity() const { return infinity_ != kNone; }
-    std::uint32_t infinity() const { return infinity_; }  // its piece
     /// Visible events along the strip.
     std::span<const std::uint32_t> order() const { return order_; }
     const Piece& piece(std::uint32_t p) const { return pieces_[p]; }
@@ -161,7 +158,6 @@ private:
     double phi_error_scale_ = 0.0;
     double nearest_ = 0.0;  // bounds of one camera's pieces at which it begins or ends to carve
     double farthest_ = 0.0;
-    std::uint32_t infinity_ = kNone;
     bool is_degenerate_ = false;
     std::uint64_t num_steps_ = 0;
     bool is_certain(double difference, double error) const {
