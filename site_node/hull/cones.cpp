@@ -20,6 +20,7 @@ constexpr std::size_t kMaxContours = 2000;         // of one view; nesting is te
 constexpr double kFirstJitter_px = 1e-6;           // moves a surface 3 m away by 3 nm
 constexpr double kFirstJitter_rad = 1e-8;          // the same for the edges of the bounds
 constexpr double kJitterGrowth = 10.0;             // per attempt
+constexpr double kMinExtent_m = 1e-3;   // a rig of cameras in one place is spread to a part of this
 constexpr double kSameCentre_m = 1e-6;  // two centres nearer than this span no usable baseline
 constexpr std::uint64_t kTestsPerSegment =
     2000;  // of the search for crossings: reached only by scribbles
@@ -149,7 +150,7 @@ void place_views(const CleanViews& clean, const HullOptions& options, Cones& con
         cones.views.push_back(view);
     }
     if (options.bounds) add_bounds(*options.bounds, cones.views);
-    double largest = 0.0;
+    double largest = kMinExtent_m;
     for (Cones::View& view : cones.views) {
         view.centre -= cones.origin;
         largest = std::max(largest, view.centre.cwiseAbs().maxCoeff());

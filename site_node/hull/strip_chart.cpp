@@ -122,6 +122,7 @@ bool StripChart::collect() {
     if (!may_have_faces()) return true;
     hide_pieces();
     if (may_reach_infinity) {
+        visible_at_start_.push_back(static_cast<std::uint32_t>(pieces_.size()));
         Piece& infinity = pieces_.emplace_back();  // u = 0 all along
         infinity.strip = kInfinityStrip;
         infinity.view = static_cast<std::uint8_t>(view_);
@@ -232,23 +233,26 @@ bool StripChart::add_event(const PencilSide& other,
 
 void StripChart::hide_pieces() {
     verdict_above_ = verdict_at_centre_;
-    for (Piece& piece : pieces_) {
+    visible_at_start_.clear();
+    num_visible_.assign(events_.size(), 0);
+    for (std::uint32_t p = 0; p < pieces_.size(); ++p) {
+        Piece& piece = pieces_[p];
         if (piece.min_u > highest_) {
             piece.visibility = Visibility::kAbove;
             if (piece.start_event == kNone) verdict_above_ ^= cones_->strips[piece.strip].toggles;
         } else if (piece.max_u < lowest_) {
             piece.visibility = Visibility::kBelow;
+        } else {
+            if (piece.start_event == kNone) visible_at_start_.push_back(p);
+            if (piece.start_event != kNone) ++num_visible_[piece.start_event];
+            if (piece.end_event != kNone) ++num_visible_[piece.end_event];
         }
     }
-    for (std::uint32_t e = 0; e < events_.size(); ++e) {
+    for (std::uint32_t e = 0; e < num_visible_.size(); ++e) {
+        if (num_visible_[e] == 0) continue;
+        order_.push_back(e);
         Event& event = events_[e];
-        std::uint32_t num_visible = 0;
-        for (std::uint32_t j = 0; j < event.num_arriving; ++j)
-            num_visible += pieces_[event.arriving[j]].visibility == Visibility::kVisible ? 1u : 0u;
-        for (std::uint32_t j = 0; j < event.num_leaving; ++j)
-            num_visible += pieces_[event.leaving[j]].visibility == Visibility::kVisible ? 1u : 0u;
-        event.is_wholly_visible = num_visible == event.num_arriving + event.num_leaving;
-        if (num_visible > 0) order_.push_back(e);
+        event.is_wholly_visible = num_visible_[e] == event.num_arriving + event.num_leaving;
     }
 }
 

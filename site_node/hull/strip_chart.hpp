@@ -75,10 +75,11 @@ public:
 
     /// False: no face can be on this strip; the rest is then not prepared.
     bool may_have_faces() const { return lowest_ <= highest_; }
+    /// Visible pieces on the strip's first ray, in no order.
+    std::span<const std::uint32_t> visible_at_start() const { return visible_at_start_; }
     /// Visible events along the strip.
     std::span<const std::uint32_t> order() const { return order_; }
     const Piece& piece(std::uint32_t p) const { return pieces_[p]; }
-    std::span<const Piece> pieces() const { return pieces_; }
     const Event& event(std::uint32_t e) const { return events_[e]; }
     /// Of an event that is not wholly visible: above all faces, or below.
     bool is_above_faces(const Event& event) const;
@@ -167,6 +168,8 @@ private:
     std::vector<Piece> pieces_;                // by view
     std::vector<Event> events_;                // by view, then along the strip
     std::vector<std::uint32_t> order_;
+    std::vector<std::uint32_t> visible_at_start_;
+    std::vector<std::uint8_t> num_visible_;  // pieces of each event
 };
 
 }  // namespace atrium::hull

@@ -72,12 +72,7 @@ void StripSweep::enter_lines() {
     centre.strip = kNoStrip;
     centre.u = std::numeric_limits<double>::infinity();
     lines_.push_back(centre);
-    for (std::uint32_t p = 0; p < chart_.pieces().size(); ++p) {
-        const StripChart::Piece& piece = chart_.piece(p);
-        if (piece.start_event != StripChart::kNone ||
-            piece.visibility != StripChart::Visibility::kVisible) {
-            continue;
-        }
+    for (const std::uint32_t p : chart_.visible_at_start()) {
         std::size_t at = lines_.size();
         while (at > 1 && chart_.is_above(p, lines_[at - 1].piece, StripChart::kStart)) --at;
         lines_.insert(lines_.begin() + static_cast<std::ptrdiff_t>(at), make_line(p));
