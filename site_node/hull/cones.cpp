@@ -11,10 +11,12 @@ namespace {
 
 constexpr double kMaxCoordinate_px =
     1e6;  // no silhouette is larger; beyond, pixels lose their meaning in double
-constexpr double kMaxDistance_m = 1e6;             // of a camera from the origin
-constexpr std::size_t kMaxFieldPoints = 1000;      // contact with itself is tested pairwise
-constexpr double kBoundsMargin_px = 1.0;           // far more than any jitter
-constexpr double kMinBounds_m = 1e-3;              // thinner ones hold nobody
+constexpr double kMinFocal_px = 1e-3;          // rays stay far from what doubles can hold,
+constexpr double kMaxFocal_px = 1e7;           // and the grid on which they end finer than 1e-3 px
+constexpr double kMaxDistance_m = 1e6;         // of a camera from the origin
+constexpr std::size_t kMaxFieldPoints = 1000;  // contact with itself is tested pairwise
+constexpr double kBoundsMargin_px = 1.0;       // far more than any jitter
+constexpr double kMinBounds_m = 1e-3;          // thinner ones hold nobody
 constexpr std::size_t kMaxPencilRays = 4'000'000;  // each is kept for each other view: 250 MB
 constexpr std::size_t kMaxContours = 2000;         // of one view; nesting is tested pairwise
 constexpr double kFirstJitter_px = 1e-6;           // moves a surface 3 m away by 3 nm
@@ -31,7 +33,10 @@ bool is_valid(const SilhouetteView& view) {
     const bool finite = std::isfinite(c.fx) && std::isfinite(c.fy) && std::isfinite(c.cx) &&
                         std::isfinite(c.cy) && std::isfinite(c.skew) &&
                         pose.translation.allFinite() && pose.rotation.coeffs().allFinite();
-    if (!finite || c.fx <= 0.0 || c.fy <= 0.0) return false;
+    if (!finite) return false;
+    if (std::min(c.fx, c.fy) < kMinFocal_px || std::max(c.fx, c.fy) > kMaxFocal_px) return false;
+    if (std::max({std::abs(c.cx), std::abs(c.cy), std::abs(c.skew)}) > kMaxCoordinate_px)
+        return false;
     if (std::abs(pose.rotation.squaredNorm() - 1.0) > 1e-6) return false;
     if (pose.translation.cwiseAbs().maxCoeff() > kMaxDistance_m) return false;
     if (!view.field.empty() && !is_usable_field(view.field)) return false;
@@ -80,7 +85,8 @@ std::uint64_t content_hash(const SilhouetteView& view, const Outlines& outlines)
 
 // The part of the picture that shows the bounds, with room for the jitter; nullopt where some of
 // them are behind the camera.
-std::optional<Eigen::AlignedBox2d> project(const geometry::Aabb& bounds, const SilhouetteView& view) {
+std::optional<Eigen::AlignedBox2d> project(const geometry::Aabb& bounds,
+                                           const SilhouetteView& view) {
     Eigen::AlignedBox2d box;
     for (int corner = 0; corner < 8; ++corner) {
         const Eigen::Vector3d p_site((corner & 1) != 0 ? bounds.max.x() : bounds.min.x(),
@@ -102,8 +108,9 @@ void separate_centres(double distance_m, std::vector<Cones::View>& views) {
         for (std::size_t k = 0; k < i; ++k) {
             if ((views[i].centre - views[k].centre).norm() >= distance_m) continue;
             const auto n = static_cast<double>(i);
-            views[i].centre += 3.0 * distance_m *
-                               Eigen::Vector3d(std::sin(n), std::cos(2.0 * n), std::sin(3.0 * n + 1.0));
+            views[i].centre +=
+                3.0 * distance_m *
+                Eigen::Vector3d(std::sin(n), std::cos(2.0 * n), std::sin(3.0 * n + 1.0));
             k = static_cast<std::size_t>(-1);  // again, against all
         }
     }
@@ -228,7 +235,10 @@ void append_strips(const LabelledOutlines& labelled, std::size_t v, Cones& cones
     view.last_strip = static_cast<std::uint32_t>(cones.strips.size());
 }
 
-void append_camera(const SilhouetteView& source, std::size_t v, ConeScratch& scratch, Cones& cones) {
+void append_camera(const SilhouetteView& source,
+                   std::size_t v,
+                   ConeScratch& scratch,
+                   Cones& cones) {
     const Eigen::Matrix3d site_from_camera = cones.views[v].camera_from_site.transpose();
     scratch.rays.clear();
     for (const Eigen::Vector2d& p : scratch.labelled.points)
@@ -315,7 +325,8 @@ HullStatus clean_views(std::span<const SilhouetteView* const> views,
         return HullStatus::kTooComplex;
     }
     if (!std::all_of(
-            views.begin(), views.end(), [](const SilhouetteView* view) { return is_valid(*view); })) return HullStatus::kInvalidInput;
+            views.begin(), views.end(), [](const SilhouetteView* view) { return is_valid(*view); }))
+        return HullStatus::kInvalidInput;
 
     CleanViews& clean = scratch.clean;
     clean.views.clear();
@@ -341,7 +352,8 @@ HullStatus clean_views(std::span<const SilhouetteView* const> views,
     const auto last = std::unique(clean.views.begin(), clean.views.end(), same);
     hull.num_views_merged = static_cast<std::uint32_t>(clean.views.end() - last);
     clean.views.erase(last, clean.views.end());
-    return clean.views.size() < (options.bounds ? 1u : 2u) ? HullStatus::kTooFewViews : HullStatus::kOk;
+    return clean.views.size() < (options.bounds ? 1u : 2u) ? HullStatus::kTooFewViews
+                                                           : HullStatus::kOk;
 }
 
 HullStatus build_cones(const HullOptions& options,

@@ -81,7 +81,7 @@ struct Cones {
     double centre_unit_m = 1.0;
     std::uint32_t min_seen = 0;  // partial views that have to see a point of the hull
 
-    bool only_exact = false;     // see HullOptions
+    bool only_exact = false;  // see HullOptions
 
     std::vector<Eigen::Vector3d> ray;  // site frame; depth about 1 along the camera's axis
     std::vector<double> ray_length;

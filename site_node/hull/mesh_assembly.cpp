@@ -109,8 +109,7 @@ bool MeshAssembly::is_manifold(const geometry::TriangleMesh& mesh) {
         const HalfEdge& edge = half_edges_[e];
         if (e > 0 && half_edges_[e - 1].ends == edge.ends) return false;
         const HalfEdge wanted{ends(edge.ends & 0xffffffffu, edge.ends >> 32), 0};
-        const auto twin =
-            std::lower_bound(half_edges_.begin(), half_edges_.end(), wanted, by_ends);
+        const auto twin = std::lower_bound(half_edges_.begin(), half_edges_.end(), wanted, by_ends);
         if (twin == half_edges_.end() || twin->ends != wanted.ends) return false;
         const std::uint32_t here = find_root(edge.corner);
         const std::uint32_t there = find_root(next(twin->corner));

@@ -27,8 +27,8 @@ public:
                  const HullOptions& options,
                  VisualHull& hull);
 
-    /// Closed, and the triangles around each vertex form one cycle; for any mesh. `verify` is faster
-    /// where three faces meet in every vertex.
+    /// Closed, and the triangles around each vertex form one cycle; for any mesh. `verify` is
+    /// faster where three faces meet in every vertex.
     bool is_manifold(const geometry::TriangleMesh& mesh);
 
 private:

@@ -213,9 +213,8 @@ bool StripChart::add_event(const PencilSide& other,
             leaving[event.num_leaving++] = strip;
             continue;
         }
-        const auto found = std::find_if(active.begin(), active.end(), [strip](const Active& a) {
-            return a.strip == strip;
-        });
+        const auto found = std::find_if(
+            active.begin(), active.end(), [strip](const Active& a) { return a.strip == strip; });
         if (found == active.end()) return false;
         close_piece(found->piece, at);
         event.arriving[event.num_arriving++] = found->piece;
@@ -260,8 +259,9 @@ bool StripChart::is_above_faces(const Event& event) const {
     const auto is_above_them = [this](std::uint32_t p) {
         return pieces_[p].visibility == Visibility::kAbove;
     };
-    return std::any_of(
-               event.arriving.begin(), event.arriving.begin() + event.num_arriving, is_above_them) ||
+    return std::any_of(event.arriving.begin(),
+                       event.arriving.begin() + event.num_arriving,
+                       is_above_them) ||
            std::any_of(
                event.leaving.begin(), event.leaving.begin() + event.num_leaving, is_above_them);
 }
@@ -287,7 +287,8 @@ bool StripChart::is_before(std::uint32_t l, std::uint32_t r) {
     if (l == r) return false;
     if (events_[l].view == events_[r].view) return l < r;
     const double difference = events_[r].phi - events_[l].phi;
-    if (is_certain(difference, events_[l].phi_error + events_[r].phi_error)) return difference > 0.0;
+    if (is_certain(difference, events_[l].phi_error + events_[r].phi_error))
+        return difference > 0.0;
     const int order = exact::compare_phi(exact_place(place(l)), exact_place(place(r)));
     is_degenerate_ |= order == 0;
     return order < 0;
@@ -304,7 +305,8 @@ bool StripChart::is_above(std::uint32_t upper, std::uint32_t lower, const Place&
 bool StripChart::is_steeper(std::uint32_t l, std::uint32_t r) {
     const double difference = pieces_[l].slope - pieces_[r].slope;
     // the error of u holds at both rays
-    if (is_certain(difference, 2.0 * (pieces_[l].error + pieces_[r].error))) return difference > 0.0;
+    if (is_certain(difference, 2.0 * (pieces_[l].error + pieces_[r].error)))
+        return difference > 0.0;
     const int order = exact::compare_slope(exact_line(l), exact_line(r));
     is_degenerate_ |= order == 0;
     return order > 0;
@@ -326,8 +328,8 @@ bool StripChart::crosses_before(std::uint32_t l1,
     const double r = phi_with_error(r1, r2, r_error);
     // an error that is not small says nothing about itself
     if (l_error < 1e-3 && r_error < 1e-3 && is_certain(l - r, l_error + r_error)) return l < r;
-    const int order = exact::compare_crossings(
-        exact_line(l1), exact_line(l2), exact_line(r1), exact_line(r2));
+    const int order =
+        exact::compare_crossings(exact_line(l1), exact_line(l2), exact_line(r1), exact_line(r2));
     is_degenerate_ |= order == 0;
     return order < 0;
 }

@@ -86,8 +86,9 @@ public:
     /// At the camera, as far as visible pieces tell: pieces above the visible ones are crossed.
     const Verdict& verdict_above() const { return verdict_above_; }
     Verdict toggles(std::uint32_t piece) const {
-        return pieces_[piece].strip == kInfinityStrip ? infinity_toggles_
-                                                      : cones_->strips[pieces_[piece].strip].toggles;
+        return pieces_[piece].strip == kInfinityStrip
+                   ? infinity_toggles_
+                   : cones_->strips[pieces_[piece].strip].toggles;
     }
 
     double u(std::uint32_t piece, double phi) const {
@@ -154,7 +155,7 @@ private:
     Verdict verdict_at_centre_;
     Verdict verdict_above_;
     Verdict infinity_toggles_;
-    double highest_ = 0.0;    // faces are between these
+    double highest_ = 0.0;  // faces are between these
     double lowest_ = 0.0;
     double phi_error_scale_ = 0.0;
     double nearest_ = 0.0;  // bounds of one camera's pieces at which it begins or ends to carve

@@ -40,7 +40,7 @@ struct RunFaces {
     std::vector<Vertex> vertices;
     std::vector<std::array<std::uint32_t, 3>> triangles;
     std::vector<std::pair<std::uint32_t, std::uint32_t>>
-        edges;  // directed, face to the left seen from outside
+        edges;                           // directed, face to the left seen from outside
     std::size_t num_sides_on_lines = 0;  // sides of triangles with both ends on one line
     std::uint64_t num_steps = 0;
     bool failed = false;  // not in general position
@@ -89,15 +89,16 @@ private:
         double at_from = 0.0;
         double slope = 0.0;
         double error = 0.0;
-        Verdict below;   // of other cameras, on the gap below
+        Verdict below;  // of other cameras, on the gap below
         bool face_below = false;
         RegionId region_below = -1;
-        std::uint32_t edge_start = 0;  // vertex at which its current edge began, if it bounds a face
+        std::uint32_t edge_start =
+            0;  // vertex at which its current edge began, if it bounds a face
     };
-    /// Around a point in which lines end and others begin. Sector j lies between lines j - 1 and j of
-    /// those: arriving ones from the upper to the lower, then leaving ones from the lower to the
-    /// upper. Sector 0 is above the point, sector `below()` below; that is one and the same where no
-    /// line arrives or none leaves.
+    /// Around a point in which lines end and others begin. Sector j lies between lines j - 1 and j
+    /// of those: arriving ones from the upper to the lower, then leaving ones from the lower to the
+    /// upper. Sector 0 is above the point, sector `below()` below; that is one and the same where
+    /// no line arrives or none leaves.
     struct Turn {
         static constexpr std::size_t kMost = 6;
         std::array<Line*, kMost> lines{};

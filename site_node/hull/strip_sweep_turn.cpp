@@ -4,8 +4,8 @@
 
 namespace atrium::hull {
 
-// What is around the point, and the verdicts below the leaving lines. False if these contradict what
-// is below the arriving ones.
+// What is around the point, and the verdicts below the leaving lines. False if these contradict
+// what is below the arriving ones.
 bool StripSweep::gather(std::size_t first, std::size_t num_arriving, Turn& turn) {
     turn.num_arriving = num_arriving;
     turn.num_lines = num_arriving + leaving_.size();
@@ -106,7 +106,8 @@ void StripSweep::part_face(Turn& turn, const Corner& corner) {
     if (!begins) {
         triangulator_.merge(turn.region[0], turn.region_below, corner);
         turn.region_below = turn.region[0];
-        for (std::size_t j = first_leaving; j < turn.num_lines; ++j) turn.region[j] = turn.region[0];
+        for (std::size_t j = first_leaving; j < turn.num_lines; ++j)
+            turn.region[j] = turn.region[0];
         return;
     }
     turn.region_below = triangulator_.split(turn.region[0], corner);

@@ -50,7 +50,8 @@ StripSweep::Corner StripSweep::make_corner(std::uint32_t vertex,
 StripSweep::Corner StripSweep::ray_corner(std::uint32_t vertex, double phi, const Line& line) {
     const bool is_centre = line.piece == StripChart::kNone;
     const std::uint32_t own = phi < 0.5 ? kFromRay : kToRay;
-    return make_corner(vertex, {phi, line.u}, {own, is_centre ? kFromRay + kToRay - own : line.strip});
+    return make_corner(
+        vertex, {phi, line.u}, {own, is_centre ? kFromRay + kToRay - own : line.strip});
 }
 
 void StripSweep::finish_triangles() {
@@ -116,9 +117,8 @@ std::uint32_t StripSweep::centre_vertex() {
     const bool only_foreground = cones_->min_seen > 0 && seen + 1 == cones_->min_seen &&
                                  own_.kind != SegmentKind::kOutside &&
                                  cones_->views[own_.view].is_partial;
-    const VertexKey key = only_foreground
-                              ? kCentreBit | kForegroundBit | own_.foreground_loop
-                              : kCentreBit | own_.background_loop;
+    const VertexKey key = only_foreground ? kCentreBit | kForegroundBit | own_.foreground_loop
+                                          : kCentreBit | own_.background_loop;
     return add_vertex(key, !cones_->views[own_.view].is_bounds, &cones_->views[own_.view].centre);
 }
 
@@ -137,8 +137,7 @@ std::uint32_t StripSweep::triple_vertex(std::uint32_t x,
 
 // A ray of another camera ends here; that camera's own sweep places it.
 std::uint32_t StripSweep::event_vertex(const StripChart::Event& event) {
-    return add_vertex(
-        ray_key(event.ray, strip_), !cones_->views[event.view].is_bounds, nullptr);
+    return add_vertex(ray_key(event.ray, strip_), !cones_->views[event.view].is_bounds, nullptr);
 }
 
 }  // namespace atrium::hull

@@ -23,12 +23,11 @@ namespace atrium::hull {
 struct SilhouetteView {
     geometry::PinholeCamera intrinsics;  // distortion is ignored: contours are undistorted already
     geometry::RigidTransform camera_from_site;
-    std::vector<std::vector<Eigen::Vector2d>>
-        contours;  // empty: the camera sees nobody
+    std::vector<std::vector<Eigen::Vector2d>> contours;  // empty: the camera sees nobody
     /// Empty: nobody is outside of the image; the camera cuts away all that its contours do not
     /// contain. Else a simple polygon in undistorted pixels, a little inside of the image's border:
-    /// what lies beyond it is unknown, so that the camera cuts away only the background that it sees
-    /// inside of it.
+    /// what lies beyond it is unknown, so that the camera cuts away only the background that it
+    /// sees inside of it.
     std::vector<Eigen::Vector2d> field;
 };
 
@@ -88,8 +87,8 @@ struct VisualHull {
     std::uint32_t num_fragments_dropped = 0;  // other components below min_component_volume_m3
     std::uint32_t num_contours_dropped = 0;   // too small, or crossing another contour
     std::uint32_t num_contours_repaired = 0;  // split where they crossed themselves
-    std::uint32_t num_views_merged = 0;  // the same camera with the same contours as another one
-    std::uint32_t num_attempts = 0;      // jitters tried; 1 unless the input is degenerate
+    std::uint32_t num_views_merged = 0;    // the same camera with the same contours as another one
+    std::uint32_t num_attempts = 0;        // jitters tried; 1 unless the input is degenerate
     std::uint32_t num_regions_failed = 0;  // see regions.hpp
     StageTimes times;
 };

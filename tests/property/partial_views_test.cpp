@@ -64,8 +64,7 @@ Scene random_scene(std::uint64_t seed) {
             const double right = left + between(random, 150.0, 500.0);
             const double bottom = top + between(random, 150.0, 500.0);
             view.field = {{left, top}, {right, top}, {right, bottom}, {left, bottom}};
-            if (field == 4)
-                view.field.emplace_back(0.6 * left + 0.4 * right, 0.5 * (top + bottom));
+            if (field == 4) view.field.emplace_back(0.6 * left + 0.4 * right, 0.5 * (top + bottom));
         }
         scene.views.push_back(view);
     }

@@ -61,7 +61,8 @@ struct Setting {
             } while (lines[i].offset == 0);
         }
     }
-    // 1 / depth at which plane i cuts the ray from this camera along own_from + phi (own_to - own_from)
+    // 1 / depth at which plane i cuts the ray from this camera along own_from + phi (own_to -
+    // own_from)
     Fraction u(std::size_t i, const Fraction& phi) const {
         const Big normal = cross(big(from[i]), big(to[i]));
         Big ray;
@@ -90,14 +91,10 @@ TEST_F(ExactPredicates, OrderLinesAlongARay) {
     for (int i = 0; i < 1000; ++i) {
         const Setting s(random_);
         const Vector baseline = random_vector(random_, kBaseline);
-        const Place place =
-            place_of(random_vector(random_, kRay), baseline, s.own_from, s.own_to);
+        const Place place = place_of(random_vector(random_, kRay), baseline, s.own_from, s.own_to);
         if (place.w_from + place.w_to == 0) continue;
-        const auto fraction = [](Int128 v) {
-            return Fraction(boost::multiprecision::cpp_int(v));
-        };
-        const Fraction phi =
-            fraction(place.w_to) / (fraction(place.w_from) + fraction(place.w_to));
+        const auto fraction = [](Int128 v) { return Fraction(boost::multiprecision::cpp_int(v)); };
+        const Fraction phi = fraction(place.w_to) / (fraction(place.w_from) + fraction(place.w_to));
         const Fraction u0 = s.u(0, phi);
         const Fraction u1 = s.u(1, phi);
         EXPECT_EQ(compare_u(s.lines[0], s.lines[1], place), sign(Fraction(u0 - u1)));

@@ -82,8 +82,8 @@ TEST_F(Bounds, CloseWhatOneCameraLeavesOpen) {
     geometry::CalibratedCamera camera;
     camera.intrinsics = {1000, 1000, 1000.0, 1000.0, 499.5, 499.5};
     camera.camera_from_site = test::look_at({3.0, 0.0, 1.0}, {0.0, 0.0, 1.0});
-    const SilhouetteView view = test::make_view(
-        camera, {{{449.5, 449.5}, {549.5, 449.5}, {549.5, 549.5}, {449.5, 549.5}}});
+    const SilhouetteView view =
+        test::make_view(camera, {{{449.5, 449.5}, {549.5, 449.5}, {549.5, 549.5}, {449.5, 549.5}}});
     const VisualHull hull = compute_visual_hull(std::vector{view}, options, scratch_);
     expect_sound(hull);
     // widths grow by 0.1 m per metre of distance: 2.5 m to 3.5 m
@@ -118,8 +118,7 @@ class Regions : public Bounds {
 protected:
     // two bodies, 3 m apart, seen side by side by all cameras
     Regions() {
-        rig_ = test::make_ring_rig(
-            {.num_cameras = 8, .first_angle_rad = std::numbers::pi / 8.0});
+        rig_ = test::make_ring_rig({.num_cameras = 8, .first_angle_rad = std::numbers::pi / 8.0});
         for (const double x : {-1.5, 1.5}) {
             for (std::size_t v = 0; v < rig_.size(); ++v) {
                 const test::Sphere body{{x, 0.0, 0.9}, 0.3};
