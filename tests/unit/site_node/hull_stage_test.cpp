@@ -1,10 +1,13 @@
 #include "site_node/hull_stage.hpp"
 
+#include "tests/support/allocation_counter.hpp"
 #include "tests/support/rig_maker.hpp"
 #include "tests/support/silhouette_maker.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <array>
 
 namespace atrium::site_node {
 namespace {
@@ -126,6 +129,25 @@ TEST_F(TwoBodies, LoseTheRegionThatHasTooFewCamerasUntilTheyReturn) {
     stage.compute(delivered, executor_, hull_);
     EXPECT_EQ(hull_.num_regions_failed, 0u);
     EXPECT_EQ(hull_.mesh.vertices, all.vertices);
+}
+
+TEST_F(TwoBodies, AllocateNothingOnceWarmAlsoWhenCamerasComeAndGo) {
+    for (const bool with_regions : {true, false}) {
+        if (!with_regions) options_.regions.clear();
+        HullStage stage = make_stage();
+        std::uint64_t warm = 0;
+        for (int round = 0; round < 4; ++round) {
+            if (round == 2) warm = atrium::test::num_allocations();
+            for (int lost = 0; lost < 8; ++lost) {
+                std::array<std::uint8_t, 8> delivered;
+                delivered.fill(1);
+                delivered[static_cast<std::size_t>(lost)] = 0;
+                delivered[4] = lost == 0 ? 0 : 1;
+                stage.compute(delivered, executor_, hull_);
+            }
+        }
+        EXPECT_EQ(atrium::test::num_allocations() - warm, 0u) << "regions " << with_regions;
+    }
 }
 
 TEST_F(TwoBodies, NeedAsManyCamerasAsHaveToSeeThem) {
