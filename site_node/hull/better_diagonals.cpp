@@ -115,6 +115,7 @@ bool BetterDiagonals::on_one_line(std::uint32_t a, std::uint32_t b) const {
 // be convex at a and b, and the angles at c and d together larger than two right ones.
 bool BetterDiagonals::exchange_helps(Edge e) {
     const Edge twin = twin_[static_cast<std::size_t>(e)];
+    if (twin == kNone) return false;  // an exchange has made it a boundary since it was listed
     const std::uint32_t ic = from(next(next(e)));
     const std::uint32_t id = from(next(next(twin)));
     const Eigen::Vector2d& a = corners_m_[from(e)];
