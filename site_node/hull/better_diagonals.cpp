@@ -16,18 +16,17 @@ constexpr std::size_t kMaxExchanges = 16;
 
 /// The angle at `apex` from `a` to `b`, times the lengths of both legs.
 struct Angle {
-    Angle(const Eigen::Vector2d& apex, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-        const double ax = a.x() - apex.x();
-        const double ay = a.y() - apex.y();
-        const double bx = b.x() - apex.x();
-        const double by = b.y() - apex.y();
-        sine = ax * by - ay * bx;
-        cosine = ax * bx + ay * by;
-        size = std::abs(ax * by) + std::abs(ay * bx) + std::abs(ax * bx) + std::abs(ay * by);
+    Angle(const Eigen::Vector2d& apex, const Eigen::Vector2d& a, const Eigen::Vector2d& b)
+        : to_a(a - apex), to_b(b - apex) {}
+    double sine() const { return to_a.x() * to_b.y() - to_a.y() * to_b.x(); }
+    double cosine() const { return to_a.x() * to_b.x() + to_a.y() * to_b.y(); }
+    /// 1 to 2 times the product of the lengths.
+    double size() const {
+        return (std::abs(to_a.x()) + std::abs(to_a.y())) *
+               (std::abs(to_b.x()) + std::abs(to_b.y()));
     }
-    double sine;
-    double cosine;
-    double size;  // 1 to 2 times the product of the lengths
+    Eigen::Vector2d to_a;
+    Eigen::Vector2d to_b;
 };
 
 }  // namespace
@@ -60,7 +59,7 @@ bool BetterDiagonals::can_be_improved() {
     for (const auto& [a, b, c] : triangles_) {
         if (std::max({a, b, c}) >= corners_m_.size()) return false;
         if (a == b || b == c || c == a) return false;
-        twice_area += Angle(corners_m_[a], corners_m_[b], corners_m_[c]).sine;
+        twice_area += Angle(corners_m_[a], corners_m_[b], corners_m_[c]).sine();
     }
     orientation_ = twice_area < 0.0 ? -1.0 : 1.0;
     return std::abs(twice_area) > 0.0;
@@ -132,12 +131,14 @@ bool BetterDiagonals::exchange_helps(Edge e) {
     const Eigen::Vector2d& d = corners_m_[id];
     const Angle at_c(c, a, b);
     const Angle at_d(d, b, a);
-    const double sine_of_sum = orientation_ * (at_c.sine * at_d.cosine + at_c.cosine * at_d.sine);
-    if (!(sine_of_sum < -kMargin * (at_c.size * at_d.size))) return false;
+    const double sine_of_sum =
+        orientation_ * (at_c.sine() * at_d.cosine() + at_c.cosine() * at_d.sine());
+    if (sine_of_sum >= 0.0) return false;
+    if (!(sine_of_sum < -kMargin * (at_c.size() * at_d.size()))) return false;
     const Angle at_a(a, d, c);
-    if (!(orientation_ * at_a.sine > kMargin * at_a.size)) return false;
+    if (!(orientation_ * at_a.sine() > kMargin * at_a.size())) return false;
     const Angle at_b(b, c, d);
-    if (!(orientation_ * at_b.sine > kMargin * at_b.size)) return false;
+    if (!(orientation_ * at_b.sine() > kMargin * at_b.size())) return false;
     return ic != id && !on_one_line(ic, id) && !are_joined(ic, id);
 }
 

@@ -133,12 +133,16 @@ private:
     void turn(std::size_t first, std::size_t num_arriving, const MakeVertex& make_vertex);
     void turn_at_crossing(std::size_t p, const StripChart::Point& at);
     void turn_at_event(std::size_t first, std::size_t num_arriving, std::uint32_t event);
-    bool gather(std::size_t first, std::size_t num_arriving, Turn& turn);
+    bool judge_leaving(std::size_t first, std::size_t num_arriving);
+    bool has_face_around(std::size_t first, std::size_t num_arriving) const;
+    void bend(std::size_t p, const Corner& corner);
+    void gather(std::size_t first, std::size_t num_arriving, Turn& turn);
     bool goes_straight(Turn& turn, std::size_t begin, std::size_t end);
     void end_edges(const Turn& turn, std::size_t begin, std::size_t end, std::uint32_t vertex);
     void pass_face(Turn& turn, std::size_t begin, std::size_t end, const Corner& corner);
     void part_face(Turn& turn, const Corner& corner);
-    void replace_lines(std::size_t first, const Turn& turn);
+    void exchange_lines(std::size_t first, std::size_t num_arriving);
+    void hand_over_regions(std::size_t first, const Turn& turn);
 
     // strip_sweep_vertices.cpp: names and places
     std::uint32_t add_vertex(VertexKey key, bool on_viewing_edge, const Eigen::Vector3d* position);

@@ -4,19 +4,30 @@
 
 namespace atrium::hull {
 
-// What is around the point, and the verdicts below the leaving lines. False if these contradict
-// what is below the arriving ones.
-bool StripSweep::gather(std::size_t first, std::size_t num_arriving, Turn& turn) {
-    turn.num_arriving = num_arriving;
-    turn.num_lines = num_arriving + leaving_.size();
-    const Line& above = lines_[first - 1];
-    const Line& lowest = lines_[first + num_arriving - 1];
-    Verdict verdict = above.below;
+// Sets the verdicts below the leaving lines; false if they contradict those below the arriving
+// ones.
+bool StripSweep::judge_leaving(std::size_t first, std::size_t num_arriving) {
+    Verdict verdict = lines_[first - 1].below;
     for (Line& line : leaving_) {
         verdict ^= chart_.toggles(line.piece);
         set_below(line, verdict);
     }
-    if (!(verdict == lowest.below)) return false;
+    return verdict == lines_[first + num_arriving - 1].below;
+}
+
+bool StripSweep::has_face_around(std::size_t first, std::size_t num_arriving) const {
+    bool has_face = lines_[first - 1].face_below;
+    for (std::size_t j = 0; j < num_arriving; ++j) has_face |= lines_[first + j].face_below;
+    for (const Line& line : leaving_) has_face |= line.face_below;
+    return has_face;
+}
+
+// What is around the point.
+void StripSweep::gather(std::size_t first, std::size_t num_arriving, Turn& turn) {
+    turn.num_arriving = num_arriving;
+    turn.num_lines = num_arriving + leaving_.size();
+    const Line& above = lines_[first - 1];
+    const Line& lowest = lines_[first + num_arriving - 1];
     turn.is_face[0] = above.face_below;
     turn.region[0] = above.region_below;
     turn.region_below = lowest.region_below;
@@ -32,7 +43,6 @@ bool StripSweep::gather(std::size_t first, std::size_t num_arriving, Turn& turn)
         turn.lines[at] = &leaving_[j];
         if (at > num_arriving) turn.is_face[at] = leaving_[j].face_below;
     }
-    return true;
 }
 
 // A face whose boundary passes the point along one line has no vertex there: what crosses that line
@@ -117,21 +127,26 @@ void StripSweep::part_face(Turn& turn, const Corner& corner) {
         turn.region[j] = turn.region_below;
 }
 
-void StripSweep::replace_lines(std::size_t first, const Turn& turn) {
+void StripSweep::exchange_lines(std::size_t first, std::size_t num_arriving) {
+    const std::size_t num_leaving = leaving_.size();
+    const auto begin = lines_.begin() + static_cast<std::ptrdiff_t>(first);
+    const std::size_t num_common = std::min(num_arriving, num_leaving);
+    const auto rest = std::copy_n(leaving_.begin(), num_common, begin);
+    if (num_arriving > num_common) {
+        lines_.erase(rest, begin + static_cast<std::ptrdiff_t>(num_arriving));
+    } else if (num_leaving > num_common) {
+        lines_.insert(
+            rest, leaving_.begin() + static_cast<std::ptrdiff_t>(num_common), leaving_.end());
+    }
+}
+
+void StripSweep::hand_over_regions(std::size_t first, const Turn& turn) {
     const std::size_t num_leaving = leaving_.size();
     for (std::size_t j = 0; j < num_leaving; ++j) {
         leaving_[j].region_below =
             j + 1 == num_leaving ? turn.region_below : turn.region[turn.num_lines - 1 - j];
     }
-    const auto begin = lines_.begin() + static_cast<std::ptrdiff_t>(first);
-    const std::size_t num_common = std::min(turn.num_arriving, num_leaving);
-    const auto rest = std::copy_n(leaving_.begin(), num_common, begin);
-    if (turn.num_arriving > num_common) {
-        lines_.erase(rest, begin + static_cast<std::ptrdiff_t>(turn.num_arriving));
-    } else {
-        lines_.insert(
-            rest, leaving_.begin() + static_cast<std::ptrdiff_t>(num_common), leaving_.end());
-    }
+    exchange_lines(first, turn.num_arriving);
     // a face may go on below lines that do not bound it
     for (std::size_t p = first + num_leaving;
          p < lines_.size() && lines_[p].face_below && lines_[p - 1].face_below;
@@ -140,20 +155,46 @@ void StripSweep::replace_lines(std::size_t first, const Turn& turn) {
     }
 }
 
+// The usual turn: one line goes on as another, with a face on one side of it.
+void StripSweep::bend(std::size_t p, const Corner& corner) {
+    Line& arriving = lines_[p];
+    Line& leaving = leaving_[0];
+    const std::uint32_t vertex = corner_vertices_[corner.vertex];
+    const bool is_above = lines_[p - 1].face_below;
+    const Side side = is_above ? Side::kBottom : Side::kTop;
+    triangulator_.add(is_above ? lines_[p - 1].region_below : arriving.region_below, corner, side);
+    end_edge(arriving, vertex, side);
+    leaving.edge_start = vertex;
+    leaving.region_below = arriving.region_below;
+    arriving = leaving;
+}
+
 // Replaces `num_arriving` lines from `first` on by `leaving_`, all of which meet in one point.
 // `make_vertex()` is called at most once, and returns its corner.
 template <typename MakeVertex>
 void StripSweep::turn(std::size_t first, std::size_t num_arriving, const MakeVertex& make_vertex) {
-    Turn turn;
-    if (!gather(first, num_arriving, turn)) {
+    if (!judge_leaving(first, num_arriving)) {
         faces_->failed = true;
         return;
     }
+    if (!has_face_around(first, num_arriving)) {
+        exchange_lines(first, num_arriving);
+        return;
+    }
+    const bool goes_on = num_arriving == 1 && leaving_.size() == 1;
+    if (goes_on && lines_[first - 1].face_below != lines_[first].face_below &&
+        lines_[first].strip != leaving_[0].strip) {
+        const Corner corner = make_vertex();
+        if (!must_stop()) bend(first, corner);
+        return;
+    }
+    Turn turn;
+    gather(first, num_arriving, turn);
     std::size_t num_faces = 0;
     for (std::size_t j = 0; j < turn.num_lines; ++j) num_faces += turn.is_face[j] ? 1 : 0;
     if (num_faces == turn.num_lines) {
         std::fill_n(turn.region.begin(), turn.num_lines, turn.region[0]);
-    } else if (num_faces > 0) {
+    } else {
         Corner corner;
         bool has_corner = false;
         for (std::size_t begin = 0; begin < turn.num_lines; ++begin) {
@@ -178,7 +219,7 @@ void StripSweep::turn(std::size_t first, std::size_t num_arriving, const MakeVer
             }
         }
     }
-    replace_lines(first, turn);
+    hand_over_regions(first, turn);
 }
 
 void StripSweep::turn_at_crossing(std::size_t p, const StripChart::Point& at) {
