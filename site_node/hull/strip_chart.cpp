@@ -230,33 +230,46 @@ bool StripChart::add_event(const PencilSide& other,
     return true;
 }
 
+// No branch that depends on where a piece is: that cannot be foreseen, and there are many.
 void StripChart::hide_pieces() {
     verdict_above_ = verdict_at_centre_;
-    visible_at_start_.clear();
-    num_visible_.assign(events_.size(), 0);
+    const std::size_t num_events = events_.size();
+    const auto nowhere = static_cast<std::uint32_t>(num_events);
+    num_visible_.assign(num_events + 1, 0);
+    visible_at_start_.resize(pieces_.size());
+    std::size_t num_at_start = 0;
     for (std::uint32_t p = 0; p < pieces_.size(); ++p) {
         Piece& piece = pieces_[p];
-        if (piece.min_u > highest_) {
-            piece.visibility = Visibility::kAbove;
-            if (piece.start_event != kNone) continue;
-            if (all_carve_) {
-                verdict_above_.carved ^= std::uint64_t{1} << piece.view;
-            } else {
-                verdict_above_ ^= cones_->strips[piece.strip].toggles;
-            }
-        } else if (piece.max_u < lowest_) {
-            piece.visibility = Visibility::kBelow;
-        } else {
-            if (piece.start_event == kNone) visible_at_start_.push_back(p);
-            if (piece.start_event != kNone) ++num_visible_[piece.start_event];
-            if (piece.end_event != kNone) ++num_visible_[piece.end_event];
-        }
+        const bool is_above = piece.min_u > highest_;
+        const bool is_below = piece.max_u < lowest_;
+        const bool is_visible = !(is_above | is_below);
+        const bool is_at_start = piece.start_event == kNone;
+        piece.visibility = static_cast<Visibility>((is_above ? 1 : 0) | (is_below ? 2 : 0));
+        num_visible_[std::min(piece.start_event, nowhere)] += is_visible ? 1 : 0;
+        num_visible_[std::min(piece.end_event, nowhere)] += is_visible ? 1 : 0;
+        visible_at_start_[num_at_start] = p;
+        num_at_start += (is_visible & is_at_start) ? 1 : 0;
+        verdict_above_.carved ^= static_cast<std::uint64_t>(is_above & is_at_start) << piece.view;
     }
-    for (std::uint32_t e = 0; e < num_visible_.size(); ++e) {
-        if (num_visible_[e] == 0) continue;
-        order_.push_back(e);
+    visible_at_start_.resize(num_at_start);
+    if (!all_carve_) judge_above();
+    order_.resize(num_events);
+    std::size_t num_in_order = 0;
+    for (std::uint32_t e = 0; e < num_events; ++e) {
         Event& event = events_[e];
+        order_[num_in_order] = e;
+        num_in_order += num_visible_[e] != 0 ? 1 : 0;
         event.is_wholly_visible = num_visible_[e] == event.num_arriving + event.num_leaving;
+    }
+    order_.resize(num_in_order);
+}
+
+// The verdict above the visible pieces, where not every piece carves.
+void StripChart::judge_above() {
+    verdict_above_ = verdict_at_centre_;
+    for (const Piece& piece : pieces_) {
+        if (piece.visibility == Visibility::kAbove && piece.start_event == kNone)
+            verdict_above_ ^= cones_->strips[piece.strip].toggles;
     }
 }
 

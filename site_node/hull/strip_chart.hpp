@@ -29,7 +29,7 @@ public:
     static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
     static constexpr std::uint32_t kInfinityStrip = kNoStrip - 1;
 
-    enum class Visibility : std::uint8_t { kVisible, kAbove, kBelow };
+    enum class Visibility : std::uint8_t { kVisible = 0, kAbove = 1, kBelow = 2 };
     struct Piece {
         double at_from = 0.0;  // u = at_from + phi * slope
         double slope = 0.0;
@@ -138,6 +138,7 @@ private:
     void open_piece(const PencilSide& other, Active& active, const Place& at);
     void close_piece(std::uint32_t p, const Place& at);
     void hide_pieces();
+    void judge_above();
     void sort_events();
     bool is_before(std::uint32_t l, std::uint32_t r);
     exact::Line exact_line(std::uint32_t piece) const;
