@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cassert>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -12,7 +13,7 @@
 #include <fstream>
 #include <limits>
 #include <string>
-#include <vector>
+#include <utility>
 
 namespace atrium::geometry {
 namespace {
@@ -24,16 +25,28 @@ void append_bytes(std::string& out, const T& value) {
     out.append(reinterpret_cast<const char*>(&value), sizeof(T));
 }
 
-std::string as_ply(const TriangleMesh& mesh) {
+using Normals = std::span<const Eigen::Vector3f>;
+
+Eigen::Vector3f unit(const Eigen::Vector3f& normal) {
+    return normal.isZero() ? Eigen::Vector3f::UnitZ() : normal;
+}
+
+std::string as_ply(const TriangleMesh& mesh, Normals normals) {
     std::string out =
         "ply\nformat binary_little_endian 1.0\ncomment metres, +Z up\nelement vertex " +
         std::to_string(mesh.vertices.size()) +
-        "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
-        std::to_string(mesh.triangles.size()) +
+        "\nproperty double x\nproperty double y\nproperty double z" +
+        (normals.empty() ? "" : "\nproperty float nx\nproperty float ny\nproperty float nz") +
+        "\nelement face " + std::to_string(mesh.triangles.size()) +
         "\nproperty list uchar int vertex_indices\nend_header\n";
-    out.reserve(out.size() + 24 * mesh.vertices.size() + 13 * mesh.triangles.size());
-    for (const Eigen::Vector3d& p : mesh.vertices) {
+    out.reserve(out.size() + 24 * mesh.vertices.size() + 12 * normals.size() +
+                13 * mesh.triangles.size());
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+        const Eigen::Vector3d& p = mesh.vertices[i];
         for (const double c : {p.x(), p.y(), p.z()}) append_bytes(out, c);
+        if (normals.empty()) continue;
+        const Eigen::Vector3f n = unit(normals[i]);
+        for (const float c : {n.x(), n.y(), n.z()}) append_bytes(out, c);
     }
     for (const auto& triangle : mesh.triangles) {
         append_bytes(out, std::uint8_t{3});
@@ -42,7 +55,7 @@ std::string as_ply(const TriangleMesh& mesh) {
     return out;
 }
 
-std::string as_obj(const TriangleMesh& mesh) {
+std::string as_obj(const TriangleMesh& mesh, Normals normals) {
     std::string out = "# metres, +Z up\n";
     std::array<char, 32> digits{};
     const auto append = [&](char before, auto value) {
@@ -55,9 +68,20 @@ std::string as_obj(const TriangleMesh& mesh) {
         for (const double c : {p.x(), p.y(), p.z()}) append(' ', c);
         out += '\n';
     }
+    for (const Eigen::Vector3f& normal : normals) {
+        const Eigen::Vector3f n = unit(normal);
+        out += "vn";
+        for (const float c : {n.x(), n.y(), n.z()}) append(' ', c);
+        out += '\n';
+    }
     for (const auto& triangle : mesh.triangles) {
         out += 'f';
-        for (const std::uint32_t v : triangle) append(' ', std::uint64_t{v} + 1);
+        for (const std::uint32_t v : triangle) {
+            append(' ', std::uint64_t{v} + 1);
+            if (normals.empty()) continue;
+            out += '/';  // no texture
+            append('/', std::uint64_t{v} + 1);
+        }
         out += '\n';
     }
     return out;
@@ -85,65 +109,96 @@ struct GltfParts {
     std::string buffer;
 };
 
-GltfParts as_gltf_parts(const TriangleMesh& mesh) {
-    GltfParts parts;
-    constexpr int kFloat = 5126;
-    constexpr int kUnsignedInt = 5125;
-    constexpr int kVertices = 34962;
-    constexpr int kIndices = 34963;
-    parts.document["asset"] = {{"version", "2.0"}, {"generator", "atrium"}};
-    parts.document["scene"] = 0;
-    if (mesh.empty()) {  // glTF has no empty accessors
-        parts.document["scenes"] = nlohmann::json::array({nlohmann::json::object()});
-        return parts;
-    }
+// The part of the buffer from `begin` to its end so far becomes one accessor; returns its number.
+std::size_t add_accessor(GltfParts& parts, std::size_t begin, int target, nlohmann::json accessor) {
+    const std::size_t number = parts.document["accessors"].size();
+    parts.document["bufferViews"].push_back({{"buffer", 0},
+                                             {"byteOffset", begin},
+                                             {"byteLength", parts.buffer.size() - begin},
+                                             {"target", target}});
+    accessor["bufferView"] = number;
+    parts.document["accessors"].push_back(std::move(accessor));
+    return number;
+}
+
+constexpr int kFloat = 5126;
+constexpr int kUnsignedInt = 5125;
+constexpr int kVertices = 34962;
+constexpr int kIndices = 34963;
+
+std::size_t add_positions(GltfParts& parts, const TriangleMesh& mesh) {
     std::array<float, 3> low{};
     std::array<float, 3> high{};
     low.fill(std::numeric_limits<float>::infinity());
     high.fill(-std::numeric_limits<float>::infinity());
+    const std::size_t begin = parts.buffer.size();
     for (const Eigen::Vector3d& p : mesh.vertices) {
-        for (int i = 0; i < 3; ++i) {
-            const auto c = static_cast<float>(p[i]);
+        for (std::size_t i = 0; i < 3; ++i) {
+            const auto c = static_cast<float>(p[static_cast<Eigen::Index>(i)]);
             append_bytes(parts.buffer, c);
-            low[static_cast<std::size_t>(i)] = std::min(low[static_cast<std::size_t>(i)], c);
-            high[static_cast<std::size_t>(i)] = std::max(high[static_cast<std::size_t>(i)], c);
+            low[i] = std::min(low[i], c);
+            high[i] = std::max(high[i], c);
         }
     }
-    const std::size_t index_begin = parts.buffer.size();
+    return add_accessor(parts,
+                        begin,
+                        kVertices,
+                        {{"componentType", kFloat},
+                         {"count", mesh.vertices.size()},
+                         {"type", "VEC3"},
+                         {"min", low},
+                         {"max", high}});
+}
+
+std::size_t add_normals(GltfParts& parts, Normals normals) {
+    const std::size_t begin = parts.buffer.size();
+    for (const Eigen::Vector3f& normal : normals) {
+        const Eigen::Vector3f n = unit(normal);
+        for (const float c : {n.x(), n.y(), n.z()}) append_bytes(parts.buffer, c);
+    }
+    return add_accessor(parts,
+                        begin,
+                        kVertices,
+                        {{"componentType", kFloat}, {"count", normals.size()}, {"type", "VEC3"}});
+}
+
+std::size_t add_indices(GltfParts& parts, const TriangleMesh& mesh) {
+    const std::size_t begin = parts.buffer.size();
     for (const auto& triangle : mesh.triangles) {
         for (const std::uint32_t v : triangle) append_bytes(parts.buffer, v);
     }
-    const std::size_t index_bytes = parts.buffer.size() - index_begin;
+    return add_accessor(parts,
+                        begin,
+                        kIndices,
+                        {{"componentType", kUnsignedInt},
+                         {"count", 3 * mesh.triangles.size()},
+                         {"type", "SCALAR"}});
+}
+
+GltfParts as_gltf_parts(const TriangleMesh& mesh, Normals normals) {
+    GltfParts parts;
     nlohmann::json& doc = parts.document;
+    doc["asset"] = {{"version", "2.0"}, {"generator", "atrium"}};
+    doc["scene"] = 0;
+    if (mesh.empty()) {  // glTF has no empty accessors
+        doc["scenes"] = nlohmann::json::array({nlohmann::json::object()});
+        return parts;
+    }
     const double half = std::sqrt(0.5);
-    doc["scenes"] = nlohmann::json::array({{{"nodes", nlohmann::json::array({0})}}});
     const auto z_up_to_y_up = nlohmann::json::array({-half, 0.0, 0.0, half});
+    doc["scenes"] = nlohmann::json::array({{{"nodes", nlohmann::json::array({0})}}});
     doc["nodes"] = nlohmann::json::array({{{"mesh", 0}, {"rotation", z_up_to_y_up}}});
-    nlohmann::json primitive = {{"indices", 1}, {"mode", 4}};
-    primitive["attributes"]["POSITION"] = 0;
+    nlohmann::json primitive = {{"mode", 4}};
+    primitive["attributes"]["POSITION"] = add_positions(parts, mesh);
+    primitive["indices"] = add_indices(parts, mesh);
+    if (!normals.empty()) primitive["attributes"]["NORMAL"] = add_normals(parts, normals);
     doc["meshes"] = nlohmann::json::array({{{"primitives", nlohmann::json::array({primitive})}}});
     doc["buffers"] = nlohmann::json::array({{{"byteLength", parts.buffer.size()}}});
-    doc["bufferViews"] = nlohmann::json::array(
-        {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", index_begin}, {"target", kVertices}},
-         {{"buffer", 0},
-          {"byteOffset", index_begin},
-          {"byteLength", index_bytes},
-          {"target", kIndices}}});
-    doc["accessors"] = nlohmann::json::array({{{"bufferView", 0},
-                                               {"componentType", kFloat},
-                                               {"count", mesh.vertices.size()},
-                                               {"type", "VEC3"},
-                                               {"min", low},
-                                               {"max", high}},
-                                              {{"bufferView", 1},
-                                               {"componentType", kUnsignedInt},
-                                               {"count", 3 * mesh.triangles.size()},
-                                               {"type", "SCALAR"}}});
     return parts;
 }
 
-std::string as_gltf(const TriangleMesh& mesh) {
-    GltfParts parts = as_gltf_parts(mesh);
+std::string as_gltf(const TriangleMesh& mesh, Normals normals) {
+    GltfParts parts = as_gltf_parts(mesh, normals);
     if (!mesh.empty()) {
         parts.document["buffers"][0]["uri"] =
             "data:application/octet-stream;base64," + base64(parts.buffer);
@@ -151,8 +206,8 @@ std::string as_gltf(const TriangleMesh& mesh) {
     return parts.document.dump();
 }
 
-std::string as_glb(const TriangleMesh& mesh) {
-    GltfParts parts = as_gltf_parts(mesh);
+std::string as_glb(const TriangleMesh& mesh, Normals normals) {
+    GltfParts parts = as_gltf_parts(mesh, normals);
     std::string text = parts.document.dump();
     text.resize((text.size() + 3) / 4 * 4, ' ');
     std::string out = "glTF";
@@ -169,7 +224,7 @@ std::string as_glb(const TriangleMesh& mesh) {
     return out;
 }
 
-using Encoder = std::string (*)(const TriangleMesh&);
+using Encoder = std::string (*)(const TriangleMesh&, Normals);
 
 Encoder encoder_for(const std::filesystem::path& path) {
     std::string suffix = path.extension().string();
@@ -187,13 +242,16 @@ Encoder encoder_for(const std::filesystem::path& path) {
 
 bool is_mesh_path(const std::filesystem::path& path) { return encoder_for(path) != nullptr; }
 
-Expected<void> write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh) {
+Expected<void> write_mesh(const std::filesystem::path& path,
+                          const TriangleMesh& mesh,
+                          std::span<const Eigen::Vector3f> normals) {
+    assert(normals.empty() || normals.size() == mesh.vertices.size());
     const Encoder encode = encoder_for(path);
     if (encode == nullptr) {
         return make_error(ErrorKind::kConfiguration,
                           path.string() + ": unknown mesh format; use .ply, .obj, .gltf or .glb");
     }
-    const std::string bytes = encode(mesh);
+    const std::string bytes = encode(mesh, normals);
     std::ofstream file(path, std::ios::binary | std::ios::trunc);
     file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     file.close();

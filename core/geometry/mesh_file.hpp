@@ -4,6 +4,7 @@
 #include "core/geometry/triangle_mesh.hpp"
 
 #include <filesystem>
+#include <span>
 
 namespace atrium::geometry {
 
@@ -13,9 +14,13 @@ namespace atrium::geometry {
 /// - `.gltf`, `.glb`: glTF 2.0 in one file; positions in single precision (the format has no
 /// other), +Z up in the file's
 ///   buffer and turned to glTF's +Y up by the node
+/// `normals`, if not empty: one unit vector per vertex, which is written along with it in single
+/// precision; a zero one becomes +Z, as glTF has to have unit vectors.
 /// An existing file is replaced. kConfiguration for an unknown suffix, kUnavailable where writing
 /// fails.
-Expected<void> write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh);
+Expected<void> write_mesh(const std::filesystem::path& path,
+                          const TriangleMesh& mesh,
+                          std::span<const Eigen::Vector3f> normals = {});
 
 /// Whether `write_mesh` knows the suffix of `path`.
 bool is_mesh_path(const std::filesystem::path& path);

@@ -3,7 +3,9 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -141,11 +143,26 @@ Aabb bounds(const TriangleMesh& mesh) {
 }
 
 std::vector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh) {
+    const Aabb box = bounds(mesh);
+    const double largest_m = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
+    // a few thousand roundings of a position: hull vertices come from long computations
+    const double min_height_m = 4096.0 * std::numeric_limits<double>::epsilon() * largest_m;
     std::vector<Eigen::Vector3d> sums(mesh.vertices.size(), Eigen::Vector3d::Zero());
-    for (const auto& [a, b, c] : mesh.triangles) {
-        const Eigen::Vector3d twice_area =
-            (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
-        for (const std::uint32_t v : {a, b, c}) sums[v] += twice_area;
+    for (const auto& triangle : mesh.triangles) {
+        std::array<Eigen::Vector3d, 3> sides;  // each opposite to the corner with its number
+        double longest_sq = 0.0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            sides[k] = mesh.vertices[triangle[(k + 2) % 3]] - mesh.vertices[triangle[(k + 1) % 3]];
+            longest_sq = std::max(longest_sq, sides[k].squaredNorm());
+        }
+        const Eigen::Vector3d normal = sides[0].cross(sides[1]);
+        const double twice_area = normal.norm();
+        if (!(twice_area > min_height_m * std::sqrt(longest_sq))) continue;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double angle =
+                std::atan2(twice_area, -sides[(k + 1) % 3].dot(sides[(k + 2) % 3]));
+            sums[triangle[k]] += (angle / twice_area) * normal;
+        }
     }
     std::vector<Eigen::Vector3f> normals(sums.size());
     for (std::size_t i = 0; i < sums.size(); ++i) {

@@ -37,7 +37,13 @@ MeshReport inspect(const TriangleMesh& mesh);
 double volume_m3(const TriangleMesh& mesh);
 Aabb bounds(const TriangleMesh& mesh);
 
-/// Area-weighted unit normals, one per vertex; zero where a vertex has no triangle with area.
+/// Unit normals for display, one per vertex: the mean of the triangles' normals by their angles at
+/// the vertex (Thürmer, Wüthrich, "Computing Vertex Normals from Polygonal Facets", 1998); zero
+/// where a vertex has no triangle with area.
+///
+/// Angles of a planar face add up to the same however it is cut into triangles, so thin triangles
+/// and large neighbours do not bend the shading, as they do when areas are the weights. Triangles
+/// so thin that rounding decides where they face are left out.
 std::vector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh);
 
 /// Winding number of `mesh` around `p`, by solid angles (van Oosterom, Strackee 1983): 1 inside, 0

@@ -2,95 +2,23 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <optional>
 
 namespace atrium::hull {
 namespace {
 
-constexpr double kMaxCoordinate_px =
-    1e6;  // no silhouette is larger; beyond, pixels lose their meaning in double
-constexpr double kMaxDistance_m = 1e6;             // of a camera from the origin
-constexpr double kBoundsMargin_px = 1.0;           // far more than any jitter
-constexpr double kMinBounds_m = 1e-3;              // thinner ones hold nobody
-constexpr std::size_t kMaxPencilRays = 4'000'000;  // each is kept for each other view: 250 MB
-constexpr std::size_t kMaxContours = 2000;         // of one view; nesting is tested pairwise
-constexpr double kFirstJitter_px = 1e-6;           // moves a surface 3 m away by 3 nm
-constexpr double kFirstJitter_rad = 1e-8;          // the same for the edges of the bounds
-constexpr double kJitterGrowth = 10.0;             // per attempt
+constexpr double kFirstJitter_px = 1e-6;   // moves a surface 3 m away by 3 nm
+constexpr double kFirstJitter_rad = 1e-8;  // the same for the edges of the bounds
+constexpr double kJitterGrowth = 10.0;     // per attempt
+constexpr double kMinExtent_m = 1e-3;   // a rig of cameras in one place is spread to a part of this
 constexpr double kSameCentre_m = 1e-6;  // two centres nearer than this span no usable baseline
 constexpr std::uint64_t kTestsPerSegment =
     2000;  // of the search for crossings: reached only by scribbles
-
-bool is_valid(const SilhouetteView& view) {
-    const geometry::PinholeCamera& c = view.intrinsics;
-    const auto& pose = view.camera_from_site;
-    const bool finite = std::isfinite(c.fx) && std::isfinite(c.fy) && std::isfinite(c.cx) &&
-                        std::isfinite(c.cy) && std::isfinite(c.skew) &&
-                        pose.translation.allFinite() && pose.rotation.coeffs().allFinite();
-    if (!finite || c.fx <= 0.0 || c.fy <= 0.0) return false;
-    if (std::abs(pose.rotation.squaredNorm() - 1.0) > 1e-6) return false;
-    if (pose.translation.cwiseAbs().maxCoeff() > kMaxDistance_m) return false;
-    if (!view.field.empty() && !is_usable_field(view.field)) return false;
-    for (const Eigen::Vector2d& p : view.field) {
-        if (p.cwiseAbs().maxCoeff() > kMaxCoordinate_px) return false;
-    }
-    for (const auto& contour : view.contours) {
-        for (const Eigen::Vector2d& p : contour) {
-            if (!(std::abs(p.x()) <= kMaxCoordinate_px && std::abs(p.y()) <= kMaxCoordinate_px))
-                return false;
-        }
-    }
-    return true;
-}
-
-bool is_valid(const geometry::Aabb& bounds) {
-    return bounds.min.allFinite() && bounds.max.allFinite() &&
-           bounds.min.cwiseAbs().maxCoeff() <= kMaxDistance_m &&
-           bounds.max.cwiseAbs().maxCoeff() <= kMaxDistance_m &&
-           (bounds.size().array() >= kMinBounds_m).all();
-}
 
 // Of silhouette points; never less than some steps of the grid on which rays end.
 double jitter_px(const SilhouetteView& view, std::uint32_t attempt) {
     const double grid_px = 2.0 / exact::kMaxRay * std::max(view.intrinsics.fx, view.intrinsics.fy);
     return std::max(kFirstJitter_px, 4.0 * grid_px) * std::pow(kJitterGrowth, attempt);
-}
-
-std::uint64_t combine(std::uint64_t h, double value) {
-    h ^= std::bit_cast<std::uint64_t>(value + 0.0);  // -0 and 0 are one value
-    h *= 0x9e3779b97f4a7c15ULL;
-    return h ^ (h >> 29);
-}
-
-std::uint64_t content_hash(const SilhouetteView& view, const Outlines& outlines) {
-    const geometry::PinholeCamera& c = view.intrinsics;
-    std::uint64_t h = 0x243f6a8885a308d3ULL;
-    for (const double v : {c.fx, c.fy, c.cx, c.cy, c.skew}) h = combine(h, v);
-    for (int i = 0; i < 4; ++i) h = combine(h, view.camera_from_site.rotation.coeffs()[i]);
-    for (int i = 0; i < 3; ++i) h = combine(h, view.camera_from_site.translation[i]);
-    for (const Eigen::Vector2d& p : outlines.points) h = combine(combine(h, p.x()), p.y());
-    for (const std::uint32_t end : outlines.ends) h = combine(h, end);
-    for (const Eigen::Vector2d& p : view.field) h = combine(combine(h, p.x()), p.y());
-    return h;
-}
-
-// The part of the picture that shows the bounds, with room for the jitter; nullopt where some of
-// them are behind the camera.
-std::optional<Eigen::AlignedBox2d> project(const geometry::Aabb& bounds, const SilhouetteView& view) {
-    Eigen::AlignedBox2d box;
-    for (int corner = 0; corner < 8; ++corner) {
-        const Eigen::Vector3d p_site((corner & 1) != 0 ? bounds.max.x() : bounds.min.x(),
-                                     (corner & 2) != 0 ? bounds.max.y() : bounds.min.y(),
-                                     (corner & 4) != 0 ? bounds.max.z() : bounds.min.z());
-        const Eigen::Vector3d p_camera = view.camera_from_site * p_site;
-        if (p_camera.z() < 1e-3) return std::nullopt;
-        box.extend(view.intrinsics.project(p_camera));
-    }
-    box.min().array() -= kBoundsMargin_px;
-    box.max().array() += kBoundsMargin_px;
-    return box;
 }
 
 // Coinciding centres (one camera's two silhouettes) leave the pencil without an axis: move one of
@@ -100,8 +28,9 @@ void separate_centres(double distance_m, std::vector<Cones::View>& views) {
         for (std::size_t k = 0; k < i; ++k) {
             if ((views[i].centre - views[k].centre).norm() >= distance_m) continue;
             const auto n = static_cast<double>(i);
-            views[i].centre += 3.0 * distance_m *
-                               Eigen::Vector3d(std::sin(n), std::cos(2.0 * n), std::sin(3.0 * n + 1.0));
+            views[i].centre +=
+                3.0 * distance_m *
+                Eigen::Vector3d(std::sin(n), std::cos(2.0 * n), std::sin(3.0 * n + 1.0));
             k = static_cast<std::size_t>(-1);  // again, against all
         }
     }
@@ -148,7 +77,7 @@ void place_views(const CleanViews& clean, const HullOptions& options, Cones& con
         cones.views.push_back(view);
     }
     if (options.bounds) add_bounds(*options.bounds, cones.views);
-    double largest = 0.0;
+    double largest = kMinExtent_m;
     for (Cones::View& view : cones.views) {
         view.centre -= cones.origin;
         largest = std::max(largest, view.centre.cwiseAbs().maxCoeff());
@@ -226,7 +155,10 @@ void append_strips(const LabelledOutlines& labelled, std::size_t v, Cones& cones
     view.last_strip = static_cast<std::uint32_t>(cones.strips.size());
 }
 
-void append_camera(const SilhouetteView& source, std::size_t v, ConeScratch& scratch, Cones& cones) {
+void append_camera(const SilhouetteView& source,
+                   std::size_t v,
+                   ConeScratch& scratch,
+                   Cones& cones) {
     const Eigen::Matrix3d site_from_camera = cones.views[v].camera_from_site.transpose();
     scratch.rays.clear();
     for (const Eigen::Vector2d& p : scratch.labelled.points)
@@ -297,55 +229,12 @@ void clear_rays(Cones& cones) {
 
 }  // namespace
 
-HullStatus clean_views(std::span<const SilhouetteView* const> views,
+HullStatus build_cones(const CleanViews& clean,
                        const HullOptions& options,
-                       ConeScratch& scratch,
-                       VisualHull& hull) {
-    if (views.size() + (options.bounds ? 2 : 0) > kMaxViews) return HullStatus::kInvalidInput;
-    if (options.bounds && !is_valid(*options.bounds)) return HullStatus::kInvalidInput;
-    std::size_t num_points = 0;
-    for (const SilhouetteView* view : views) {
-        for (const auto& contour : view->contours) num_points += contour.size();
-    }
-    if (num_points > options.max_segments || num_points * views.size() > kMaxPencilRays) {
-        return HullStatus::kTooComplex;
-    }
-    if (!std::all_of(
-            views.begin(), views.end(), [](const SilhouetteView* view) { return is_valid(*view); })) return HullStatus::kInvalidInput;
-
-    CleanViews& clean = scratch.clean;
-    clean.views.clear();
-    if (clean.outlines.size() < views.size()) clean.outlines.resize(views.size());
-    scratch.clean_counts = {};
-    for (std::size_t v = 0; v < views.size(); ++v) {
-        copy_canonical(views[v]->contours,
-                       options.min_contour_area_px2,
-                       scratch.outline,
-                       clean.outlines[v],
-                       scratch.clean_counts);
-        if (options.bounds) {
-            if (const auto box = project(*options.bounds, *views[v]))
-                drop_outside(clean.outlines[v], *box);
-        }
-        if (clean.outlines[v].num_contours() > kMaxContours) return HullStatus::kTooComplex;
-        clean.views.push_back({views[v], content_hash(*views[v], clean.outlines[v]), v});
-    }
-    std::sort(clean.views.begin(), clean.views.end(), [](const auto& l, const auto& r) {
-        return l.hash < r.hash;
-    });
-    const auto same = [](const auto& l, const auto& r) { return l.hash == r.hash; };
-    const auto last = std::unique(clean.views.begin(), clean.views.end(), same);
-    hull.num_views_merged = static_cast<std::uint32_t>(clean.views.end() - last);
-    clean.views.erase(last, clean.views.end());
-    return clean.views.size() < (options.bounds ? 1u : 2u) ? HullStatus::kTooFewViews : HullStatus::kOk;
-}
-
-HullStatus build_cones(const HullOptions& options,
                        std::uint32_t attempt,
                        ConeScratch& scratch,
                        Cones& cones,
                        VisualHull& hull) {
-    const CleanViews& clean = scratch.clean;
     cones.only_exact = options.only_exact;
     place_views(clean, options, cones);
     clear_rays(cones);
@@ -353,7 +242,7 @@ HullStatus build_cones(const HullOptions& options,
         cones.views.begin(), cones.views.end(), [](const auto& view) { return view.is_partial; }));
     const auto num_whole = static_cast<std::uint32_t>(clean.views.size()) - num_partial;
     cones.min_seen = options.min_views > num_whole ? options.min_views - num_whole : 0;
-    OutlineCounts counts = scratch.clean_counts;
+    OutlineCounts counts = clean.counts;
     bool sees_nobody = cones.min_seen > num_partial;
     for (std::size_t v = 0; v < clean.views.size(); ++v) {
         const SilhouetteView& source = *clean.views[v].source;

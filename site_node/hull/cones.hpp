@@ -1,5 +1,6 @@
 #pragma once
 
+#include "site_node/hull/clean_views.hpp"
 #include "site_node/hull/exact_predicates.hpp"
 #include "site_node/hull/field_of_view.hpp"
 #include "site_node/hull/outlines.hpp"
@@ -81,7 +82,7 @@ struct Cones {
     double centre_unit_m = 1.0;
     std::uint32_t min_seen = 0;  // partial views that have to see a point of the hull
 
-    bool only_exact = false;     // see HullOptions
+    bool only_exact = false;  // see HullOptions
 
     std::vector<Eigen::Vector3d> ray;  // site frame; depth about 1 along the camera's axis
     std::vector<double> ray_length;
@@ -111,36 +112,18 @@ struct Cones {
     }
 };
 
-/// The input in canonical form, checked, before any jitter.
-struct CleanViews {
-    struct View {
-        const SilhouetteView* source = nullptr;
-        std::uint64_t hash = 0;
-        std::size_t outlines_index = 0;
-    };
-    std::vector<View> views;  // sorted by content
-    std::vector<Outlines> outlines;
-};
-
 struct ConeScratch {
-    CleanViews clean;
     Outlines outlines;
     Outlines field;
     FieldScratch field_scratch;
     LabelledOutlines labelled;
     OutlineScratch outline;
-    OutlineCounts clean_counts;
     std::vector<Eigen::Vector3d> rays;  // of one view, before they are rounded
 };
 
-/// Step 1, once per frame. kOk, or what is wrong with the input.
-HullStatus clean_views(std::span<const SilhouetteView* const> views,
+/// Once per attempt: jitter, simple polygons, rays on the grid. Never kInvalidInput.
+HullStatus build_cones(const CleanViews& clean,
                        const HullOptions& options,
-                       ConeScratch& scratch,
-                       VisualHull& hull);
-
-/// Step 2, once per attempt: jitter, simple polygons, rays.
-HullStatus build_cones(const HullOptions& options,
                        std::uint32_t attempt,
                        ConeScratch& scratch,
                        Cones& cones,

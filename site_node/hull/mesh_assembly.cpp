@@ -74,7 +74,8 @@ bool MeshAssembly::verify(const Cones& cones, std::span<const RunFaces> runs) {
         num_edges += runs[r].edges.size();
         num_along_edges += runs[r].num_sides_on_lines;
     }
-    if (num_along_edges != num_edges) return false;
+    // any other side on a line would be the diagonal of two faces
+    if (num_along_edges != num_edges) return cones.min_seen > 0;
     for (std::size_t v = 0; v < keys_.size(); ++v) {
         if ((keys_[v] & kCentreBit) != 0) continue;
         Corners& c = corners_[v];
@@ -84,6 +85,39 @@ bool MeshAssembly::verify(const Cones& cones, std::span<const RunFaces> runs) {
         if (c.in != c.out || c.in[0] == c.in[1] || c.in[1] == c.in[2]) return false;
     }
     return true;
+}
+
+bool MeshAssembly::is_manifold(const geometry::TriangleMesh& mesh) {
+    const auto ends = [](std::uint64_t from, std::uint64_t to) { return (from << 32) | to; };
+    const auto by_ends = [](const HalfEdge& l, const HalfEdge& r) { return l.ends < r.ends; };
+    half_edges_.clear();
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const auto& [a, b, c] = mesh.triangles[t];
+        half_edges_.push_back({ends(a, b), 3 * t});
+        half_edges_.push_back({ends(b, c), 3 * t + 1});
+        half_edges_.push_back({ends(c, a), 3 * t + 2});
+    }
+    std::sort(half_edges_.begin(), half_edges_.end(), by_ends);
+    // corners at one vertex are one cycle if shared edges lead to all of them
+    parent_.resize(half_edges_.size());
+    for (std::uint32_t corner = 0; corner < parent_.size(); ++corner) parent_[corner] = corner;
+    std::size_t num_cycles = parent_.size();
+    const auto next = [](std::uint32_t corner) {
+        return corner % 3 == 2 ? corner - 2 : corner + 1;
+    };
+    for (std::size_t e = 0; e < half_edges_.size(); ++e) {
+        const HalfEdge& edge = half_edges_[e];
+        if (e > 0 && half_edges_[e - 1].ends == edge.ends) return false;
+        const HalfEdge wanted{ends(edge.ends & 0xffffffffu, edge.ends >> 32), 0};
+        const auto twin = std::lower_bound(half_edges_.begin(), half_edges_.end(), wanted, by_ends);
+        if (twin == half_edges_.end() || twin->ends != wanted.ends) return false;
+        const std::uint32_t here = find_root(edge.corner);
+        const std::uint32_t there = find_root(next(twin->corner));
+        if (here == there) continue;
+        unite(here, there);
+        --num_cycles;
+    }
+    return num_cycles == mesh.vertices.size();
 }
 
 std::uint32_t MeshAssembly::find_root(std::uint32_t v) {

@@ -27,7 +27,15 @@ public:
                  const HullOptions& options,
                  VisualHull& hull);
 
+    /// Closed, and the triangles around each vertex form one cycle; for any mesh. `verify` is
+    /// faster where three faces meet in every vertex.
+    bool is_manifold(const geometry::TriangleMesh& mesh);
+
 private:
+    struct HalfEdge {
+        std::uint64_t ends = 0;    // first corner's vertex, second corner's vertex
+        std::uint32_t corner = 0;  // 3 * triangle + place of the first one
+    };
     struct Slot {
         VertexKey key = 0;  // 0: free; no vertex has strip 0 three times
         std::uint32_t index = 0;
@@ -61,6 +69,7 @@ private:
     std::vector<std::uint32_t> parent_;
     std::vector<Component> components_;  // by root vertex
     std::vector<std::uint32_t> output_index_;
+    std::vector<HalfEdge> half_edges_;
 };
 
 }  // namespace atrium::hull

@@ -41,7 +41,9 @@ public:
 
     const Eigen::Vector3d& baseline() const { return baseline_; }
     const exact::Vector& exact_baseline() const { return exact_baseline_; }
-    Eigen::Vector2d across(const Eigen::Vector3d& ray) const { return {e1_.dot(ray), e2_.dot(ray)}; }
+    Eigen::Vector2d across(const Eigen::Vector3d& ray) const {
+        return {e1_.dot(ray), e2_.dot(ray)};
+    }
     Entry entry(std::uint32_t ray, const Eigen::Vector2d& across) const {
         const double length = std::abs(across.x()) + std::abs(across.y());
         const double error = 16.0 * kRounding * cones_.ray_length[ray];

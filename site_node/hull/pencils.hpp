@@ -13,9 +13,9 @@
 namespace atrium::hull {
 
 /// The rays and strips of one camera in the pencil of half-planes around its baseline to another
-/// camera. A half-plane meets a strip of the one and a strip of the other cone in one point at most,
-/// and a ray lies in exactly one, so the order of all rays around the baseline decides which ray
-/// pierces which strip. It is decided here, once and exactly, for both roles.
+/// camera. A half-plane meets a strip of the one and a strip of the other cone in one point at
+/// most, and a ray lies in exactly one, so the order of all rays around the baseline decides which
+/// ray pierces which strip. It is decided here, once and exactly, for both roles.
 ///
 /// Indices are local: ray - view.first_ray, strip - view.first_strip.
 struct PencilSide {
@@ -26,13 +26,14 @@ struct PencilSide {
 
     /// For the depth at which the strip cuts the other camera's rays.
     struct Offset {
-        double inverse = 0.0;     // 1 / (strip normal . (other centre - this centre)), 0: too uncertain
-        double certain = 0.0;     // 1 / the least that the product can be without rounding errors
-        double error = 0.0;       // of the product
-        double dot_error = 0.0;   // of strip normal . ray, for a ray of length 1
+        double inverse =
+            0.0;  // 1 / (strip normal . (other centre - this centre)), 0: too uncertain
+        double certain = 0.0;    // 1 / the least that the product can be without rounding errors
+        double error = 0.0;      // of the product
+        double dot_error = 0.0;  // of strip normal . ray, for a ray of length 1
     };
     std::vector<Offset> offset;
-    std::vector<std::uint8_t> rises;     // the strip runs towards greater angles
+    std::vector<std::uint8_t> rises;  // the strip runs towards greater angles
     // positions of the strip's rays with the smaller (0) and the greater angle (1)
     std::vector<std::array<std::uint32_t, 2>> end_positions;
 };

@@ -11,10 +11,10 @@
 
 namespace atrium::hull {
 
-/// A part of a large space with the cameras that watch it. One hull is computed in each region, from
-/// its own cameras and with silhouettes outside of it left out, so that people in different regions
-/// neither multiply each other's cost nor make phantoms with each other: the paper's "3D models
-/// computed per subsets of cameras".
+/// A part of a large space with the cameras that watch it. One hull is computed in each region,
+/// from its own cameras and with silhouettes outside of it left out, so that people in different
+/// regions neither multiply each other's cost nor make phantoms with each other: the paper's "3D
+/// models computed per subsets of cameras".
 struct Region {
     std::string name;
     geometry::Aabb bounds;             // site frame [m]; regions should not overlap

@@ -110,7 +110,6 @@ bool StripChart::collect() {
     pieces_.clear();
     events_.clear();
     order_.clear();
-    infinity_ = kNone;
     highest_ = kInfinity;
     lowest_ = -kInfinity;
     for (std::uint32_t k = 0; k < cones_->num_views(); ++k) {
@@ -123,11 +122,10 @@ bool StripChart::collect() {
     if (!may_have_faces()) return true;
     hide_pieces();
     if (may_reach_infinity) {
-        infinity_ = static_cast<std::uint32_t>(pieces_.size());
-        Piece infinity;
+        visible_at_start_.push_back(static_cast<std::uint32_t>(pieces_.size()));
+        Piece& infinity = pieces_.emplace_back();  // u = 0 all along
         infinity.strip = kInfinityStrip;
         infinity.view = static_cast<std::uint8_t>(view_);
-        pieces_.push_back(infinity);
     }
     sort_events();
     return true;
@@ -215,9 +213,8 @@ bool StripChart::add_event(const PencilSide& other,
             leaving[event.num_leaving++] = strip;
             continue;
         }
-        const auto found = std::find_if(active.begin(), active.end(), [strip](const Active& a) {
-            return a.strip == strip;
-        });
+        const auto found = std::find_if(
+            active.begin(), active.end(), [strip](const Active& a) { return a.strip == strip; });
         if (found == active.end()) return false;
         close_piece(found->piece, at);
         event.arriving[event.num_arriving++] = found->piece;
@@ -235,23 +232,26 @@ bool StripChart::add_event(const PencilSide& other,
 
 void StripChart::hide_pieces() {
     verdict_above_ = verdict_at_centre_;
-    for (Piece& piece : pieces_) {
+    visible_at_start_.clear();
+    num_visible_.assign(events_.size(), 0);
+    for (std::uint32_t p = 0; p < pieces_.size(); ++p) {
+        Piece& piece = pieces_[p];
         if (piece.min_u > highest_) {
             piece.visibility = Visibility::kAbove;
             if (piece.start_event == kNone) verdict_above_ ^= cones_->strips[piece.strip].toggles;
         } else if (piece.max_u < lowest_) {
             piece.visibility = Visibility::kBelow;
+        } else {
+            if (piece.start_event == kNone) visible_at_start_.push_back(p);
+            if (piece.start_event != kNone) ++num_visible_[piece.start_event];
+            if (piece.end_event != kNone) ++num_visible_[piece.end_event];
         }
     }
-    for (std::uint32_t e = 0; e < events_.size(); ++e) {
+    for (std::uint32_t e = 0; e < num_visible_.size(); ++e) {
+        if (num_visible_[e] == 0) continue;
+        order_.push_back(e);
         Event& event = events_[e];
-        std::uint32_t num_visible = 0;
-        for (std::uint32_t j = 0; j < event.num_arriving; ++j)
-            num_visible += pieces_[event.arriving[j]].visibility == Visibility::kVisible ? 1u : 0u;
-        for (std::uint32_t j = 0; j < event.num_leaving; ++j)
-            num_visible += pieces_[event.leaving[j]].visibility == Visibility::kVisible ? 1u : 0u;
-        event.is_wholly_visible = num_visible == event.num_arriving + event.num_leaving;
-        if (num_visible > 0) order_.push_back(e);
+        event.is_wholly_visible = num_visible_[e] == event.num_arriving + event.num_leaving;
     }
 }
 
@@ -259,8 +259,9 @@ bool StripChart::is_above_faces(const Event& event) const {
     const auto is_above_them = [this](std::uint32_t p) {
         return pieces_[p].visibility == Visibility::kAbove;
     };
-    return std::any_of(
-               event.arriving.begin(), event.arriving.begin() + event.num_arriving, is_above_them) ||
+    return std::any_of(event.arriving.begin(),
+                       event.arriving.begin() + event.num_arriving,
+                       is_above_them) ||
            std::any_of(
                event.leaving.begin(), event.leaving.begin() + event.num_leaving, is_above_them);
 }
@@ -280,116 +281,6 @@ void StripChart::sort_events() {
         for (; at > 0 && is_before(e, order_[at - 1]); --at) order_[at] = order_[at - 1];
         order_[at] = e;
     }
-}
-
-bool StripChart::is_before(std::uint32_t l, std::uint32_t r) {
-    if (l == r) return false;
-    if (events_[l].view == events_[r].view) return l < r;
-    const double difference = events_[r].phi - events_[l].phi;
-    if (is_certain(difference, events_[l].phi_error + events_[r].phi_error)) return difference > 0.0;
-    const int order = exact::compare_phi(exact_place(place(l)), exact_place(place(r)));
-    is_degenerate_ |= order == 0;
-    return order < 0;
-}
-
-bool StripChart::is_above(std::uint32_t upper, std::uint32_t lower, const Place& at) {
-    const double difference = u(upper, at.phi) - u(lower, at.phi);
-    if (is_certain(difference, error(upper, lower, at))) return difference > 0.0;
-    const int order = exact::compare_u(exact_line(upper), exact_line(lower), exact_place(at));
-    is_degenerate_ |= order == 0;
-    return order > 0;
-}
-
-bool StripChart::is_steeper(std::uint32_t l, std::uint32_t r) {
-    const double difference = pieces_[l].slope - pieces_[r].slope;
-    // the error of u holds at both rays
-    if (is_certain(difference, 2.0 * (pieces_[l].error + pieces_[r].error))) return difference > 0.0;
-    const int order = exact::compare_slope(exact_line(l), exact_line(r));
-    is_degenerate_ |= order == 0;
-    return order > 0;
-}
-
-bool StripChart::crosses_before(std::uint32_t l1,
-                                std::uint32_t l2,
-                                std::uint32_t r1,
-                                std::uint32_t r2) {
-    const auto phi_with_error = [this](std::uint32_t a, std::uint32_t b, double& error) {
-        const double from = pieces_[a].at_from - pieces_[b].at_from;
-        const double turn = pieces_[b].slope - pieces_[a].slope;
-        error = 4.0 * (pieces_[a].error + pieces_[b].error) / std::abs(turn);
-        return from / turn;
-    };
-    double l_error = 0.0;
-    double r_error = 0.0;
-    const double l = phi_with_error(l1, l2, l_error);
-    const double r = phi_with_error(r1, r2, r_error);
-    // an error that is not small says nothing about itself
-    if (l_error < 1e-3 && r_error < 1e-3 && is_certain(l - r, l_error + r_error)) return l < r;
-    const int order = exact::compare_crossings(
-        exact_line(l1), exact_line(l2), exact_line(r1), exact_line(r2));
-    is_degenerate_ |= order == 0;
-    return order < 0;
-}
-
-exact::Line StripChart::exact_line(std::uint32_t piece) const {
-    const std::uint32_t other = pieces_[piece].strip;
-    if (other == kInfinityStrip) return exact::kInfinity;
-    const Cones::Strip& cut = cones_->strips[other];
-    const Cones::Strip& own = cones_->strips[strip_];
-    return exact::line_of(cones_->exact_ray[cut.from],
-                          cones_->exact_ray[cut.to],
-                          cones_->exact_ray[own.from],
-                          cones_->exact_ray[own.to],
-                          cones_->exact_baseline(cut.view, view_));
-}
-
-exact::Place StripChart::exact_place(const Place& at) const {
-    if (at.event == kNone) return at.phi < 0.5 ? exact::Place{1, 0} : exact::Place{0, 1};
-    const Event& event = events_[at.event];
-    const Cones::Strip& own = cones_->strips[strip_];
-    return exact::place_of(cones_->exact_ray[event.ray],
-                           cones_->exact_baseline(view_, event.view),
-                           cones_->exact_ray[own.from],
-                           cones_->exact_ray[own.to]);
-}
-
-namespace {
-
-// Beyond this the doubles are too rough for a vertex.
-constexpr double kGoodEnough = 1e-10;
-
-}  // namespace
-
-StripChart::Point StripChart::point(std::uint32_t piece, const Place& at) const {
-    const double approximate = u(piece, at.phi);
-    if (pieces_[piece].error < kGoodEnough * std::abs(approximate)) return {at.phi, approximate};
-    const double scale = exact_unit();
-    return {at.phi, scale * exact::u_of(exact_line(piece), exact_place(at))};
-}
-
-StripChart::Point StripChart::crossing(std::uint32_t l,
-                                       std::uint32_t r,
-                                       double min_phi,
-                                       double max_phi) const {
-    const Piece& a = pieces_[l];
-    const Piece& b = pieces_[r];
-    const double turn = b.slope - a.slope;
-    const double phi = (a.at_from - b.at_from) / turn;
-    const Piece& better = a.error < b.error ? a : b;
-    const Point point{phi, better.at_from + phi * better.slope};
-    const double phi_error = (a.error + b.error) / std::abs(turn);
-    if (phi_error < kGoodEnough && min_phi <= phi && phi <= max_phi &&
-        better.error < kGoodEnough * std::abs(point.u)) {
-        return point;
-    }
-    const exact::Point exact = exact::crossing_of(exact_line(l), exact_line(r));
-    return {std::clamp(exact.phi, 0.0, 1.0), exact_unit() * exact.u};
-}
-
-Eigen::Vector3d StripChart::position(const Point& p) const {
-    const Eigen::Vector3d& from = cones_->ray[cones_->strips[strip_].from];
-    const Eigen::Vector3d& to = cones_->ray[cones_->strips[strip_].to];
-    return cones_->views[view_].centre + (from + p.phi * (to - from)) / p.u;
 }
 
 }  // namespace atrium::hull

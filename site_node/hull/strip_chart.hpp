@@ -75,21 +75,20 @@ public:
 
     /// False: no face can be on this strip; the rest is then not prepared.
     bool may_have_faces() const { return lowest_ <= highest_; }
-    /// The hull may reach infinity within this strip.
-    bool shows_infinity() const { return infinity_ != kNone; }
-    std::uint32_t infinity() const { return infinity_; }  // its piece
+    /// Visible pieces on the strip's first ray, in no order.
+    std::span<const std::uint32_t> visible_at_start() const { return visible_at_start_; }
     /// Visible events along the strip.
     std::span<const std::uint32_t> order() const { return order_; }
     const Piece& piece(std::uint32_t p) const { return pieces_[p]; }
-    std::span<const Piece> pieces() const { return pieces_; }
     const Event& event(std::uint32_t e) const { return events_[e]; }
     /// Of an event that is not wholly visible: above all faces, or below.
     bool is_above_faces(const Event& event) const;
     /// At the camera, as far as visible pieces tell: pieces above the visible ones are crossed.
     const Verdict& verdict_above() const { return verdict_above_; }
     Verdict toggles(std::uint32_t piece) const {
-        return pieces_[piece].strip == kInfinityStrip ? infinity_toggles_
-                                                      : cones_->strips[pieces_[piece].strip].toggles;
+        return pieces_[piece].strip == kInfinityStrip
+                   ? infinity_toggles_
+                   : cones_->strips[pieces_[piece].strip].toggles;
     }
 
     double u(std::uint32_t piece, double phi) const {
@@ -156,12 +155,11 @@ private:
     Verdict verdict_at_centre_;
     Verdict verdict_above_;
     Verdict infinity_toggles_;
-    double highest_ = 0.0;    // faces are between these
+    double highest_ = 0.0;  // faces are between these
     double lowest_ = 0.0;
     double phi_error_scale_ = 0.0;
     double nearest_ = 0.0;  // bounds of one camera's pieces at which it begins or ends to carve
     double farthest_ = 0.0;
-    std::uint32_t infinity_ = kNone;
     bool is_degenerate_ = false;
     std::uint64_t num_steps_ = 0;
     bool is_certain(double difference, double error) const {
@@ -171,6 +169,8 @@ private:
     std::vector<Piece> pieces_;                // by view
     std::vector<Event> events_;                // by view, then along the strip
     std::vector<std::uint32_t> order_;
+    std::vector<std::uint32_t> visible_at_start_;
+    std::vector<std::uint8_t> num_visible_;  // pieces of each event
 };
 
 }  // namespace atrium::hull

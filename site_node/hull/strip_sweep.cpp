@@ -24,7 +24,6 @@ void StripSweep::run(const Cones& cones,
         sweep_strip();
         if (must_stop()) break;
     }
-    count_sides_on_lines();
     faces.failed |= chart_.is_degenerate();
     faces.num_steps = num_steps_ + chart_.num_steps();
 }
@@ -40,6 +39,7 @@ void StripSweep::sweep_strip() {
         return;
     }
     enter_lines();
+    start_corners();
     begin_faces();
     for (const std::uint32_t e : chart_.order()) {
         if (must_stop()) return;
@@ -51,6 +51,7 @@ void StripSweep::sweep_strip() {
     advance(StripChart::kEnd);
     if (must_stop()) return;
     end_faces();
+    finish_triangles();
 }
 
 StripSweep::Line StripSweep::make_line(std::uint32_t piece) const {
@@ -71,12 +72,7 @@ void StripSweep::enter_lines() {
     centre.strip = kNoStrip;
     centre.u = std::numeric_limits<double>::infinity();
     lines_.push_back(centre);
-    for (std::uint32_t p = 0; p < chart_.pieces().size(); ++p) {
-        const StripChart::Piece& piece = chart_.piece(p);
-        if (piece.start_event != StripChart::kNone ||
-            piece.visibility != StripChart::Visibility::kVisible) {
-            continue;
-        }
+    for (const std::uint32_t p : chart_.visible_at_start()) {
         std::size_t at = lines_.size();
         while (at > 1 && chart_.is_above(p, lines_[at - 1].piece, StripChart::kStart)) --at;
         lines_.insert(lines_.begin() + static_cast<std::ptrdiff_t>(at), make_line(p));
@@ -109,7 +105,6 @@ bool StripSweep::is_ray_vertex(const Line& line, const Line& above) const {
 }
 
 void StripSweep::begin_faces() {
-    triangulator_.reset(faces_->triangles);
     const std::uint32_t ray = own_.from;
     const bool has_three = cones_->incidence[ray].count == 3;
     for (std::size_t top = 0; top < lines_.size(); ++top) {
@@ -120,14 +115,14 @@ void StripSweep::begin_faces() {
             return;
         }
         std::uint32_t last = lines_[top].edge_start = ray_vertex(ray, lines_[top]);
-        Corner corner{last, 0.0, lines_[top].u};
+        const Corner first = ray_corner(last, 0.0, lines_[top]);
         RegionId region = -1;
         for (std::size_t p = top + 1; p <= bottom; ++p) {
             if (p < bottom && !(has_three && is_ray_vertex(lines_[p], lines_[p - 1]))) continue;
             const std::uint32_t v = ray_vertex(ray, lines_[p]);
-            const Corner next{v, 0.0, lines_[p].u};
+            const Corner next = ray_corner(v, 0.0, lines_[p]);
             if (region < 0) {
-                region = triangulator_.open(corner, next);
+                region = triangulator_.open(first, next);
             } else {
                 triangulator_.add(region, next, Side::kBottom);
             }
@@ -156,14 +151,14 @@ void StripSweep::end_faces() {
         if (top > 0) {
             last = ray_vertex(ray, lines_[top]);
             ray_vertices_.emplace_back(lines_[top].strip, last);
-            triangulator_.add(region, {last, 1.0, lines_[top].u}, Side::kTop);
+            triangulator_.add(region, ray_corner(last, 1.0, lines_[top]), Side::kTop);
             end_edge(lines_[top], last, Side::kTop);
         }
         for (std::size_t p = top + 1; p <= bottom; ++p) {
             if (p < bottom && !(has_three && is_ray_vertex(lines_[p], lines_[p - 1]))) continue;
             const std::uint32_t v = ray_vertex(ray, lines_[p]);
             ray_vertices_.emplace_back(lines_[p].strip, v);
-            const Corner corner{v, 1.0, lines_[p].u};
+            const Corner corner = ray_corner(v, 1.0, lines_[p]);
             if (p < bottom) {
                 triangulator_.add(region, corner, Side::kTop);
             } else {

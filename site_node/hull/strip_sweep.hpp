@@ -1,5 +1,6 @@
 #pragma once
 
+#include "site_node/hull/better_diagonals.hpp"
 #include "site_node/hull/cones.hpp"
 #include "site_node/hull/face_triangulator.hpp"
 #include "site_node/hull/pencils.hpp"
@@ -39,8 +40,8 @@ struct RunFaces {
     std::vector<Vertex> vertices;
     std::vector<std::array<std::uint32_t, 3>> triangles;
     std::vector<std::pair<std::uint32_t, std::uint32_t>>
-        edges;  // directed, face to the left seen from outside
-    std::size_t num_sides_on_lines = 0;  // sides of triangles that both ends' names put on a line
+        edges;                           // directed, face to the left seen from outside
+    std::size_t num_sides_on_lines = 0;  // sides of triangles with both ends on one line
     std::uint64_t num_steps = 0;
     bool failed = false;  // not in general position
     bool unbounded = false;
@@ -70,9 +71,14 @@ public:
 
 private:
     using Corner = FaceTriangulator::Corner;
+    using Lines = BetterDiagonals::Lines;
     using RegionId = FaceTriangulator::RegionId;
     using Side = FaceTriangulator::Side;
     using Place = StripChart::Place;
+
+    // The strip's own rays, among the lines of a corner.
+    static constexpr std::uint32_t kFromRay = kNoStrip - 2;
+    static constexpr std::uint32_t kToRay = kNoStrip - 3;
 
     struct Line {
         std::uint32_t piece = StripChart::kNone;  // none: the camera's centre
@@ -83,15 +89,16 @@ private:
         double at_from = 0.0;
         double slope = 0.0;
         double error = 0.0;
-        Verdict below;   // of other cameras, on the gap below
+        Verdict below;  // of other cameras, on the gap below
         bool face_below = false;
         RegionId region_below = -1;
-        std::uint32_t edge_start = 0;  // vertex at which its current edge began, if it bounds a face
+        std::uint32_t edge_start =
+            0;  // vertex at which its current edge began, if it bounds a face
     };
-    /// Around a point in which lines end and others begin. Sector j lies between lines j - 1 and j of
-    /// those: arriving ones from the upper to the lower, then leaving ones from the lower to the
-    /// upper. Sector 0 is above the point, sector `below()` below; that is one and the same where no
-    /// line arrives or none leaves.
+    /// Around a point in which lines end and others begin. Sector j lies between lines j - 1 and j
+    /// of those: arriving ones from the upper to the lower, then leaving ones from the lower to the
+    /// upper. Sector 0 is above the point, sector `below()` below; that is one and the same where
+    /// no line arrives or none leaves.
     struct Turn {
         static constexpr std::size_t kMost = 6;
         std::array<Line*, kMost> lines{};
@@ -139,7 +146,11 @@ private:
     std::uint32_t centre_vertex();
     std::uint32_t triple_vertex(std::uint32_t x, std::uint32_t y, const StripChart::Point& at);
     std::uint32_t event_vertex(const StripChart::Event& event);
-    void count_sides_on_lines();
+    void start_corners();
+    Corner make_corner(std::uint32_t vertex, const StripChart::Point& at, Lines lines);
+    Corner ray_corner(std::uint32_t vertex, double phi, const Line& line);
+    void finish_triangles();
+    bool are_on_one_line(std::uint32_t corner_a, std::uint32_t corner_b) const;
     void end_edge(const Line& line, std::uint32_t vertex, Side side);
 
     bool must_stop() const {
@@ -163,6 +174,14 @@ private:
     std::vector<Line> leaving_;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> ray_vertices_;  // strip, vertex: on a ray
     FaceTriangulator triangulator_;
+    BetterDiagonals diagonals_;
+    // of the current strip: triangles index corners, each a vertex of the run
+    std::vector<std::array<std::uint32_t, 3>> triangles_;
+    std::vector<std::uint32_t> corner_vertices_;
+    std::vector<Eigen::Vector2d> corners_m_;
+    std::vector<Lines> corner_lines_;
+    Eigen::Vector2d from_ray_;  // the strip's rays in a frame of its plane
+    Eigen::Vector2d to_ray_;
 };
 
 }  // namespace atrium::hull

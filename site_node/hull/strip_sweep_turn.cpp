@@ -4,8 +4,8 @@
 
 namespace atrium::hull {
 
-// What is around the point, and the verdicts below the leaving lines. False if these contradict what
-// is below the arriving ones.
+// What is around the point, and the verdicts below the leaving lines. False if these contradict
+// what is below the arriving ones.
 bool StripSweep::gather(std::size_t first, std::size_t num_arriving, Turn& turn) {
     turn.num_arriving = num_arriving;
     turn.num_lines = num_arriving + leaving_.size();
@@ -106,7 +106,8 @@ void StripSweep::part_face(Turn& turn, const Corner& corner) {
     if (!begins) {
         triangulator_.merge(turn.region[0], turn.region_below, corner);
         turn.region_below = turn.region[0];
-        for (std::size_t j = first_leaving; j < turn.num_lines; ++j) turn.region[j] = turn.region[0];
+        for (std::size_t j = first_leaving; j < turn.num_lines; ++j)
+            turn.region[j] = turn.region[0];
         return;
     }
     turn.region_below = triangulator_.split(turn.region[0], corner);
@@ -140,7 +141,7 @@ void StripSweep::replace_lines(std::size_t first, const Turn& turn) {
 }
 
 // Replaces `num_arriving` lines from `first` on by `leaving_`, all of which meet in one point.
-// `make_vertex()` is called at most once.
+// `make_vertex()` is called at most once, and returns its corner.
 template <typename MakeVertex>
 void StripSweep::turn(std::size_t first, std::size_t num_arriving, const MakeVertex& make_vertex) {
     Turn turn;
@@ -169,7 +170,7 @@ void StripSweep::turn(std::size_t first, std::size_t num_arriving, const MakeVer
             if (!has_corner) corner = make_vertex();
             has_corner = true;
             if (must_stop()) return;
-            end_edges(turn, begin, end, corner.vertex);
+            end_edges(turn, begin, end, corner_vertices_[corner.vertex]);
             if (is_above && is_below) {
                 part_face(turn, corner);
             } else {
@@ -186,7 +187,8 @@ void StripSweep::turn_at_crossing(std::size_t p, const StripChart::Point& at) {
         const Line& lower = lines_[p + 1];
         // one silhouette's outline crosses itself
         if (chart_.piece(upper.piece).view == chart_.piece(lower.piece).view) faces_->failed = true;
-        return {triple_vertex(upper.strip, lower.strip, at), at.phi, at.u};
+        const std::uint32_t vertex = triple_vertex(upper.strip, lower.strip, at);
+        return make_corner(vertex, at, {upper.strip, lower.strip});
     });
 }
 
@@ -195,7 +197,8 @@ void StripSweep::turn_at_event(std::size_t first, std::size_t num_arriving, std:
     turn(first, num_arriving, [&]() -> Corner {
         const std::uint32_t piece = event.num_arriving > 0 ? event.arriving[0] : event.leaving[0];
         const StripChart::Point at = chart_.point(piece, chart_.place(e));
-        return {event_vertex(event), at.phi, at.u};
+        const auto& strips = cones_->incidence[event.ray].strips;
+        return make_corner(event_vertex(event), at, {strips[0], strips[1]});
     });
 }
 

@@ -21,67 +21,55 @@ VertexKey ray_key(std::uint32_t ray, std::uint32_t strip) {
     return kRayBit | (VertexKey{ray} << 32) | strip;
 }
 
-// The planes of a vertex: up to four strips where a ray has three.
-struct VertexStrips {
-    std::array<std::uint32_t, 4> strips{};
-    std::uint32_t count = 0;
-};
-
-VertexStrips strips_of(const Cones& cones, VertexKey key) {
-    VertexStrips result;
-    const auto add = [&](VertexKey strip) {
-        result.strips[result.count++] = static_cast<std::uint32_t>(strip);
-    };
-    if ((key & kRayBit) != 0) {
-        const Cones::Incidence& at = cones.incidence[(key & ~kRayBit) >> 32];
-        for (std::uint32_t j = 0; j < at.count; ++j) add(at.strips[j]);
-        add(key & 0xffffffffu);
-    } else {
-        add(key >> (2 * kBits));
-        add((key >> kBits) & kMask);
-        add(key & kMask);
-    }
-    return result;
-}
-
-bool is_on_loop(const Cones& cones, VertexKey centre, std::uint32_t strip) {
-    const auto loop = static_cast<std::uint32_t>(centre & 0xffffffffu);
-    return (centre & kForegroundBit) != 0 ? cones.strips[strip].foreground_loop == loop
-                                          : cones.strips[strip].background_loop == loop;
-}
-
-// Two strips that both vertices lie on: the straight line between them is an edge of the hull, or
-// lies along one.
-bool share_two_strips(const Cones& cones, VertexKey a, VertexKey b) {
-    if ((a & kCentreBit) != 0) std::swap(a, b);
-    if ((a & kCentreBit) != 0) return false;
-    const VertexStrips of_a = strips_of(cones, a);
-    const bool b_is_centre = (b & kCentreBit) != 0;
-    const VertexStrips of_b = b_is_centre ? VertexStrips{} : strips_of(cones, b);
-    int shared = 0;
-    for (std::uint32_t i = 0; i < of_a.count; ++i) {
-        const std::uint32_t s = of_a.strips[i];
-        if (b_is_centre) {
-            shared += is_on_loop(cones, b, s) ? 1 : 0;
-        } else {
-            const auto end = of_b.strips.begin() + of_b.count;
-            shared += std::find(of_b.strips.begin(), end, s) != end ? 1 : 0;
-        }
-    }
-    return shared >= 2;
-}
-
 }  // namespace
 
-// For the assembly: a side of a triangle that lies on a line of two strips has to be an edge.
-void StripSweep::count_sides_on_lines() {
-    const auto& vertices = faces_->vertices;
-    for (const auto& [a, b, c] : faces_->triangles) {
-        for (const auto& [from, to] : {std::pair{a, b}, std::pair{b, c}, std::pair{c, a}}) {
-            if (share_two_strips(*cones_, vertices[from].key, vertices[to].key))
-                ++faces_->num_sides_on_lines;
-        }
+void StripSweep::start_corners() {
+    triangles_.clear();
+    corner_vertices_.clear();
+    corners_m_.clear();
+    corner_lines_.clear();
+    triangulator_.reset(triangles_);
+    const Eigen::Vector3d& from = cones_->ray[own_.from];
+    const Eigen::Vector3d along = cones_->ray[own_.to] - from;
+    const double length = cones_->ray_length[own_.from];
+    const double aside = along.dot(from) / length;
+    from_ray_ = {length, 0.0};
+    to_ray_ = {length + aside, (along - from * (aside / length)).norm()};
+}
+
+StripSweep::Corner StripSweep::make_corner(std::uint32_t vertex,
+                                           const StripChart::Point& at,
+                                           Lines lines) {
+    const auto corner = static_cast<std::uint32_t>(corner_vertices_.size());
+    corner_vertices_.push_back(vertex);
+    corners_m_.emplace_back((from_ray_ + at.phi * (to_ray_ - from_ray_)) / at.u);
+    corner_lines_.push_back(lines);
+    return {corner, at.phi, at.u};
+}
+
+StripSweep::Corner StripSweep::ray_corner(std::uint32_t vertex, double phi, const Line& line) {
+    const bool is_centre = line.piece == StripChart::kNone;
+    const std::uint32_t own = phi < 0.5 ? kFromRay : kToRay;
+    return make_corner(
+        vertex, {phi, line.u}, {own, is_centre ? kFromRay + kToRay - own : line.strip});
+}
+
+void StripSweep::finish_triangles() {
+    if (must_stop()) return;
+    diagonals_.improve(corners_m_, triangles_, corner_lines_);
+    for (const auto& [a, b, c] : triangles_) {
+        faces_->triangles.push_back(
+            {corner_vertices_[a], corner_vertices_[b], corner_vertices_[c]});
+        faces_->num_sides_on_lines += (are_on_one_line(a, b) ? 1u : 0u) +
+                                      (are_on_one_line(b, c) ? 1u : 0u) +
+                                      (are_on_one_line(c, a) ? 1u : 0u);
     }
+}
+
+bool StripSweep::are_on_one_line(std::uint32_t a, std::uint32_t b) const {
+    const auto& [a0, a1] = corner_lines_[a];
+    const auto& [b0, b1] = corner_lines_[b];
+    return a0 == b0 || a0 == b1 || a1 == b0 || a1 == b1;
 }
 
 // `line` bounds a face from the given side up to `vertex`. Faces lie left of their edges seen from
@@ -129,9 +117,8 @@ std::uint32_t StripSweep::centre_vertex() {
     const bool only_foreground = cones_->min_seen > 0 && seen + 1 == cones_->min_seen &&
                                  own_.kind != SegmentKind::kOutside &&
                                  cones_->views[own_.view].is_partial;
-    const VertexKey key = only_foreground
-                              ? kCentreBit | kForegroundBit | own_.foreground_loop
-                              : kCentreBit | own_.background_loop;
+    const VertexKey key = only_foreground ? kCentreBit | kForegroundBit | own_.foreground_loop
+                                          : kCentreBit | own_.background_loop;
     return add_vertex(key, !cones_->views[own_.view].is_bounds, &cones_->views[own_.view].centre);
 }
 
@@ -150,8 +137,7 @@ std::uint32_t StripSweep::triple_vertex(std::uint32_t x,
 
 // A ray of another camera ends here; that camera's own sweep places it.
 std::uint32_t StripSweep::event_vertex(const StripChart::Event& event) {
-    return add_vertex(
-        ray_key(event.ray, strip_), !cones_->views[event.view].is_bounds, nullptr);
+    return add_vertex(ray_key(event.ray, strip_), !cones_->views[event.view].is_bounds, nullptr);
 }
 
 }  // namespace atrium::hull

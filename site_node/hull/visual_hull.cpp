@@ -30,6 +30,7 @@ double ms_since(Clock::time_point& mark) {
 
 struct HullScratch::Data {
     std::vector<const SilhouetteView*> views;
+    CleanViews clean;
     ConeScratch cone;
     Cones cones;
     Pencils pencils;
@@ -93,7 +94,7 @@ HullStatus attempt(HullScratch::Data& data,
                    Executor& executor,
                    VisualHull& hull) {
     Clock::time_point mark = Clock::now();
-    const HullStatus built = build_cones(options, number, data.cone, data.cones, hull);
+    const HullStatus built = build_cones(data.clean, options, number, data.cone, data.cones, hull);
     hull.times.silhouettes_ms += ms_since(mark);
     if (built != HullStatus::kOk) return built;
     const bool is_general = build_pencils(data.cones, executor, data.pencils);
@@ -110,7 +111,7 @@ HullStatus attempt(HullScratch::Data& data,
     if (is_sound) data.assembly.extract(data.cones, faces, options, hull);
     // where views are counted, more than three faces meet in some vertices
     if (is_sound && data.cones.min_seen > 0 && !hull.mesh.empty())
-        is_sound = geometry::inspect(hull.mesh).manifold;
+        is_sound = data.assembly.is_manifold(hull.mesh);
     hull.times.assembly_ms += ms_since(mark);
     if (!is_sound) return HullStatus::kNumericFailure;
     return hull.mesh.empty() ? HullStatus::kEmptyIntersection : HullStatus::kOk;
@@ -168,7 +169,7 @@ void compute_visual_hull(std::span<const SilhouetteView* const> views,
     HullScratch::Data& data = scratch.data();
     Clock::time_point start = Clock::now();
     Clock::time_point mark = start;
-    hull.status = clean_views(views, options, data.cone, hull);
+    hull.status = clean_views(views, options, data.clean, hull);
     hull.times.silhouettes_ms = ms_since(mark);
     if (hull.status == HullStatus::kOk) {
         do {

@@ -23,12 +23,11 @@ namespace atrium::hull {
 struct SilhouetteView {
     geometry::PinholeCamera intrinsics;  // distortion is ignored: contours are undistorted already
     geometry::RigidTransform camera_from_site;
-    std::vector<std::vector<Eigen::Vector2d>>
-        contours;  // empty: the camera sees nobody
+    std::vector<std::vector<Eigen::Vector2d>> contours;  // empty: the camera sees nobody
     /// Empty: nobody is outside of the image; the camera cuts away all that its contours do not
     /// contain. Else a simple polygon in undistorted pixels, a little inside of the image's border:
-    /// what lies beyond it is unknown, so that the camera cuts away only the background that it sees
-    /// inside of it.
+    /// what lies beyond it is unknown, so that the camera cuts away only the background that it
+    /// sees inside of it.
     std::vector<Eigen::Vector2d> field;
 };
 
@@ -86,10 +85,10 @@ struct VisualHull {
     std::uint32_t num_components = 0;         // kept
     std::uint32_t num_phantoms_dropped = 0;   // components without a viewing edge
     std::uint32_t num_fragments_dropped = 0;  // other components below min_component_volume_m3
-    std::uint32_t num_contours_dropped = 0;   // too small, or crossing another contour
-    std::uint32_t num_contours_repaired = 0;  // split where they crossed themselves
-    std::uint32_t num_views_merged = 0;  // the same camera with the same contours as another one
-    std::uint32_t num_attempts = 0;      // jitters tried; 1 unless the input is degenerate
+    std::uint32_t num_contours_dropped = 0;   // too small, or still crossing when repairs ran out
+    std::uint32_t num_contours_repaired = 0;  // crossings of outlines that were taken apart
+    std::uint32_t num_views_merged = 0;    // the same camera with the same contours as another one
+    std::uint32_t num_attempts = 0;        // jitters tried; 1 unless the input is degenerate
     std::uint32_t num_regions_failed = 0;  // see regions.hpp
     StageTimes times;
 };
@@ -116,9 +115,13 @@ private:
 /// Intersects the viewing cones of all silhouettes, exactly: every vertex of the polyhedron is a
 /// vertex of the mesh, and nothing is welded or simplified.
 ///
+/// Silhouettes are moved by 1e-6 px at random, but repeatably, so that degenerate input has a
+/// definite answer, and put on a grid of integers. What is decided about these is decided without
+/// rounding (`exact_predicates.hpp`), so that decisions cannot contradict each other; only the
+/// positions of the vertices are rounded. docs/hull.md explains it.
+///
 /// The order of views and contours, their starts and orientations do not change a bit of the
-/// result, nor does the number of workers. Silhouettes are moved by 1e-6 px at random, but
-/// repeatably, so that degenerate input has a definite answer. Allocates only while `scratch` and
+/// result, nor does the number of workers. Allocates only while `scratch` and
 /// `hull` grow. Not thread-safe on the same scratch.
 ///
 /// The polyhedron is the one of Franco, Boyer, "Exact Polyhedral Visual Hulls" (BMVC 2003). It is

@@ -52,6 +52,12 @@ Start parse_command_line(int argc, char** argv, ToolOptions& options) {
                  options.keep_phantoms,
                  "keep components that no silhouette needs (without viewing edge) or that are "
                  "tiny: the exact intersection");
+    app.add_option("--decimate",
+                   options.decimate_mm,
+                   "leave out vertices while the surface stays within this distance, in "
+                   "millimetres; adds decimated_triangles and distance_bound_mm to the report")
+        ->check(CLI::Range(1e-3, 1e3));
+    app.add_flag("--normals", options.normals, "write vertex normals as well");
     try {
         app.parse(argc, argv);
         if (options.views_file.empty() && options.recording.empty()) {

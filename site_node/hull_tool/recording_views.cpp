@@ -65,7 +65,7 @@ Expected<std::vector<NamedView>> load_recording_views(const std::filesystem::pat
         const image::Mask& mask = picture.silhouette != nullptr ? *picture.silhouette : learned;
         silhouette::extract_silhouette(
             mask, camera.intrinsics, silhouette_options, scratch, polygons);
-        NamedView view{camera.name, {camera.intrinsics, camera.camera_from_site, {}}};
+        NamedView view{camera.name, {camera.intrinsics, camera.camera_from_site, {}, {}}};
         for (silhouette::SilhouettePolygon& polygon : polygons) {
             view.view.contours.push_back(std::move(polygon.vertices_px));
         }

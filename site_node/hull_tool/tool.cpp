@@ -1,6 +1,7 @@
 #include "site_node/hull_tool/tool.hpp"
 
 #include "core/base/thread_pool.hpp"
+#include "core/geometry/decimate.hpp"
 #include "core/geometry/mesh_file.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 #include "site_node/hull_tool/coverage.hpp"
@@ -10,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 namespace atrium::hull_tool {
@@ -17,6 +19,8 @@ namespace {
 
 struct Measured {
     hull::VisualHull hull;
+    std::optional<geometry::TriangleMesh> decimated;
+    double distance_bound_m = 0.0;
     hull::StageTimes fastest;
     std::vector<double> totals_ms;  // sorted
 };
@@ -73,6 +77,10 @@ nlohmann::ordered_json report(const std::vector<NamedView>& views, const Measure
     out["contours_repaired"] = hull.num_contours_repaired;
     out["views_merged"] = hull.num_views_merged;
     out["attempts"] = hull.num_attempts;
+    if (measured.decimated) {
+        out["decimated_triangles"] = measured.decimated->triangles.size();
+        out["distance_bound_mm"] = 1e3 * measured.distance_bound_m;
+    }
     out["views"] = report_views(views, hull.mesh);
     const hull::StageTimes& times = measured.fastest;
     nlohmann::ordered_json& ms = out["milliseconds"];
@@ -88,6 +96,23 @@ nlohmann::ordered_json report(const std::vector<NamedView>& views, const Measure
         ms["total_median"] = 0.5 * (measured.totals_ms[(n - 1) / 2] + measured.totals_ms[n / 2]);
     }
     return out;
+}
+
+Expected<void> decimate(Measured& measured, const ToolOptions& options) {
+    geometry::DecimateScratch scratch;
+    const auto report = geometry::decimate(measured.hull.mesh,
+                                           {.max_distance_m = 1e-3 * options.decimate_mm},
+                                           scratch,
+                                           measured.decimated.emplace());
+    if (!report) return tl::unexpected(report.error());
+    measured.distance_bound_m = report->distance_bound_m;
+    return {};
+}
+
+Expected<void> write(const geometry::TriangleMesh& mesh, const ToolOptions& options) {
+    std::vector<Eigen::Vector3f> normals;
+    if (options.normals) normals = geometry::vertex_normals(mesh);
+    return geometry::write_mesh(options.output, mesh, normals);
 }
 
 std::string name_of_input(const ToolOptions& options) {
@@ -108,7 +133,7 @@ Expected<std::string> run(const ToolOptions& options) {
             ? load_views_file(options.views_file)
             : load_recording_views(options.recording, static_cast<std::size_t>(options.frame));
     if (!views) return tl::unexpected(views.error());
-    const Measured measured = compute(*views, options);
+    Measured measured = compute(*views, options);
     const hull::HullStatus status = measured.hull.status;
     if (status != hull::HullStatus::kOk && status != hull::HullStatus::kEmptyIntersection) {
         const bool is_input =
@@ -119,10 +144,12 @@ Expected<std::string> run(const ToolOptions& options) {
                                    ? "; at least two cameras at different places are needed"
                                    : ""));
     }
+    if (options.decimate_mm > 0.0) {
+        if (auto done = decimate(measured, options); !done) return tl::unexpected(done.error());
+    }
     if (!options.output.empty()) {
-        if (auto written = geometry::write_mesh(options.output, measured.hull.mesh); !written) {
-            return tl::unexpected(written.error());
-        }
+        const auto& mesh = measured.decimated ? *measured.decimated : measured.hull.mesh;
+        if (auto written = write(mesh, options); !written) return tl::unexpected(written.error());
     }
     return report(*views, measured).dump(2);
 }

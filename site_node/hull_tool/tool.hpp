@@ -15,6 +15,8 @@ struct ToolOptions {
     int threads = 1;
     int repeat = 1;
     bool keep_phantoms = false;
+    double decimate_mm = 0.0;  // 0: the mesh is written as it is
+    bool normals = false;      // written with the mesh
 };
 
 /// Reads the command line; where the program is to end at once (help, version, an error, which was

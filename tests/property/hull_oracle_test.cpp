@@ -34,7 +34,7 @@ std::vector<ExactCone> exact_cones(const HullScratch& scratch) {
 constexpr double kSamePlace_m = 1e-6;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::uint64_t kNumScenes = 6;
+constexpr std::uint64_t kNumScenes = 15;
 #else
 constexpr std::uint64_t kNumScenes = 60;
 #endif

@@ -99,5 +99,27 @@ TEST(VertexNormals, PointOutOfABox) {
     }
 }
 
+// A corner of a box has three faces with the same angle, however they are cut and however long they
+// are.
+TEST(VertexNormals, DoNotDependOnHowFacesAreCut) {
+    const TriangleMesh mesh = box({-1, -2, -3}, {2, 4, 6});
+    const auto normals = vertex_normals(mesh);
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+        const Eigen::Vector3d diagonal = mesh.vertices[i].cwiseSign().normalized();
+        EXPECT_LT((normals[i] - diagonal.cast<float>()).norm(), 1e-6f);
+    }
+}
+
+TEST(VertexNormals, LeaveOutTrianglesThatAreNothingButRounding) {
+    TriangleMesh mesh;
+    mesh.vertices = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {0.5, 0, 1.0 - 1e-15}, {5, 5, 5}};
+    mesh.triangles = {{0, 1, 2}, {1, 0, 3}};
+    const auto normals = vertex_normals(mesh);
+    for (const std::size_t v : {0u, 1u, 2u})
+        EXPECT_LT((normals[v] - Eigen::Vector3f::UnitZ()).norm(), 1e-6f);
+    EXPECT_TRUE(normals[3].isZero());
+    EXPECT_TRUE(normals[4].isZero());
+}
+
 }  // namespace
 }  // namespace atrium::geometry

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -188,6 +189,81 @@ TEST_F(HullTool, WritesGltfWithAConsistentBuffer) {
     EXPECT_EQ(glb.size() % 4, 0u);
 }
 
+TEST_F(HullTool, WritesUnitNormalsThatPointOutwardsToPly) {
+    const json report = json::parse(*run(options_));
+    const std::size_t plain = written("plain.ply").size();
+    options_.normals = true;
+    const std::string ply = written("hull.ply");
+    const std::size_t begin = ply.find("end_header\n") + 11;
+    const std::string declared = "property float nx\nproperty float ny\nproperty float nz\n";
+    EXPECT_THAT(ply.substr(0, begin), HasSubstr(declared));
+    const auto num_vertices = report.at("vertices").get<std::size_t>();
+    EXPECT_EQ(ply.size(), plain + declared.size() + 12 * num_vertices);
+    for (std::size_t i = 0; i < num_vertices; ++i) {
+        Eigen::Vector3d p;
+        Eigen::Vector3f n;
+        std::memcpy(p.data(), ply.data() + begin + 36 * i, 24);
+        std::memcpy(n.data(), ply.data() + begin + 36 * i + 24, 12);
+        EXPECT_NEAR(n.norm(), 1.0f, 1e-5f);
+        EXPECT_GT(n.cast<double>().dot(p), 0.0);  // the cube is around the origin
+    }
+}
+
+TEST_F(HullTool, WritesNormalsToObjAndGltf) {
+    const json report = json::parse(*run(options_));
+    const auto num_vertices = report.at("vertices").get<std::size_t>();
+    const auto num_triangles = report.at("triangles").get<std::size_t>();
+    options_.normals = true;
+    std::istringstream obj(written("hull.obj"));
+    std::size_t num_normals = 0;
+    for (std::string line; std::getline(obj, line);) {
+        num_normals += line.rfind("vn ", 0) == 0 ? 1 : 0;
+        if (line.rfind("f ", 0) != 0) continue;
+        std::istringstream words(line.substr(2));
+        for (std::string word; words >> word;) {
+            const std::size_t slashes = word.find("//");
+            ASSERT_NE(slashes, std::string::npos);
+            EXPECT_EQ(word.substr(0, slashes), word.substr(slashes + 2));
+        }
+    }
+    EXPECT_EQ(num_normals, num_vertices);
+    const json gltf = json::parse(written("hull.gltf"));
+    const json& primitive = gltf.at("meshes")[0].at("primitives")[0];
+    const json& accessor = gltf.at("accessors")[primitive["attributes"]["NORMAL"].get<int>()];
+    EXPECT_EQ(accessor.at("count"), num_vertices);
+    EXPECT_EQ(accessor.at("type"), "VEC3");
+    const json& view = gltf.at("bufferViews")[accessor.at("bufferView").get<int>()];
+    EXPECT_EQ(view.at("byteLength"), 12 * num_vertices);
+    EXPECT_EQ(gltf.at("buffers")[0].at("byteLength"), 24 * num_vertices + 12 * num_triangles);
+}
+
+TEST_F(HullTool, DecimatesTheMeshThatItWrites) {
+    // a square with corners cut off: short edges to leave out
+    json document = cube_document();
+    for (json& view : document["views"]) {
+        view["contours"] = {{{220.3, 150.1},
+                             {230.2, 140.3},
+                             {409.6, 140.4},
+                             {419.7, 150.2},
+                             {419.8, 329.5},
+                             {409.4, 339.7},
+                             {230.5, 339.6},
+                             {220.2, 329.8}}};
+    }
+    write(document.dump());
+    const json exact = json::parse(*run(options_));
+    EXPECT_FALSE(exact.contains("decimated_triangles"));
+    options_.decimate_mm = 60.0;
+    options_.output = folder_ / "hull.ply";
+    const json report = json::parse(*run(options_));
+    EXPECT_EQ(report.at("triangles"), exact.at("triangles"));
+    EXPECT_LT(report.at("decimated_triangles"), exact.at("triangles"));
+    EXPECT_GT(report.at("distance_bound_mm").get<double>(), 1.0);
+    EXPECT_LE(report.at("distance_bound_mm").get<double>(), 60.0);
+    EXPECT_THAT(written("hull.ply"),
+                HasSubstr("element face " + report.at("decimated_triangles").dump() + "\n"));
+}
+
 TEST_F(HullTool, EndsWithUsageErrorsBeforeAnyWork) {
     const auto exit_code_of = [](std::vector<std::string> words) {
         words.insert(words.begin(), "visual_hull");
@@ -202,6 +278,9 @@ TEST_F(HullTool, EndsWithUsageErrorsBeforeAnyWork) {
             {"views.json", "-o", "x.ply", "--threads", "2", "--repeat", "9", "--keep-phantoms"}),
         -1);
     EXPECT_EQ(exit_code_of({"--recording", "room", "--frame", "3"}), -1);
+    EXPECT_EQ(exit_code_of({"views.json", "--decimate", "5", "--normals"}), -1);
+    EXPECT_EQ(exit_code_of({"views.json", "--decimate", "0"}), 2);
+    EXPECT_EQ(exit_code_of({"views.json", "--decimate", "-2"}), 2);
     EXPECT_EQ(exit_code_of({"--help"}), 0);
     EXPECT_EQ(exit_code_of({"--version"}), 0);
     EXPECT_EQ(exit_code_of({}), 2);

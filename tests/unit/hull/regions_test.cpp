@@ -1,5 +1,6 @@
 #include "site_node/hull/regions.hpp"
 
+#include "tests/support/allocation_counter.hpp"
 #include "tests/support/rig_maker.hpp"
 #include "tests/support/silhouette_maker.hpp"
 
@@ -21,11 +22,15 @@ geometry::Aabb box(const Eigen::Vector3d& min, const Eigen::Vector3d& max) {
     return result;
 }
 
-void expect_sound(const VisualHull& hull) {
+void expect_closed(const VisualHull& hull) {
     ASSERT_EQ(hull.status, HullStatus::kOk) << to_string(hull.status);
     const geometry::MeshReport report = geometry::inspect(hull.mesh);
     EXPECT_TRUE(report.closed);
     EXPECT_TRUE(report.manifold);
+}
+
+void expect_sound(const VisualHull& hull) {
+    expect_closed(hull);
     EXPECT_EQ(hull.mesh.vertices.size() % 2, 0u);
 }
 
@@ -77,8 +82,8 @@ TEST_F(Bounds, CloseWhatOneCameraLeavesOpen) {
     geometry::CalibratedCamera camera;
     camera.intrinsics = {1000, 1000, 1000.0, 1000.0, 499.5, 499.5};
     camera.camera_from_site = test::look_at({3.0, 0.0, 1.0}, {0.0, 0.0, 1.0});
-    const SilhouetteView view = test::make_view(
-        camera, {{{449.5, 449.5}, {549.5, 449.5}, {549.5, 549.5}, {449.5, 549.5}}});
+    const SilhouetteView view =
+        test::make_view(camera, {{{449.5, 449.5}, {549.5, 449.5}, {549.5, 549.5}, {449.5, 549.5}}});
     const VisualHull hull = compute_visual_hull(std::vector{view}, options, scratch_);
     expect_sound(hull);
     // widths grow by 0.1 m per metre of distance: 2.5 m to 3.5 m
@@ -113,8 +118,7 @@ class Regions : public Bounds {
 protected:
     // two bodies, 3 m apart, seen side by side by all cameras
     Regions() {
-        rig_ = test::make_ring_rig(
-            {.num_cameras = 8, .first_angle_rad = std::numbers::pi / 8.0});
+        rig_ = test::make_ring_rig({.num_cameras = 8, .first_angle_rad = std::numbers::pi / 8.0});
         for (const double x : {-1.5, 1.5}) {
             for (std::size_t v = 0; v < rig_.size(); ++v) {
                 const test::Sphere body{{x, 0.0, 0.9}, 0.3};
@@ -155,6 +159,22 @@ TEST_F(Regions, GoOnWithoutALostCamera) {
     expect_sound(hull);
     EXPECT_EQ(hull.num_components, 2u);
     EXPECT_GT(geometry::volume_m3(hull.mesh), geometry::volume_m3(all.mesh));
+}
+
+TEST_F(Regions, AllocateNothingOnceWarm) {
+    for (SilhouetteView& view : two_)
+        view.field = {{300.0, 2.0}, {997.0, 2.0}, {997.0, 997.0}, {300.0, 997.0}};
+    options_.min_views = 3;
+    VisualHull hull;
+    SerialExecutor executor;
+    const auto compute = [&] {
+        compute_region_hulls(pointers_, regions_, options_, region_scratch_, executor, hull);
+    };
+    for (int i = 0; i < 2; ++i) compute();
+    const std::uint64_t before = test::num_allocations();
+    compute();
+    EXPECT_EQ(test::num_allocations() - before, 0u);
+    expect_closed(hull);
 }
 
 TEST_F(Regions, UseOnlyTheirOwnCameras) {

@@ -1,0 +1,138 @@
+#include "core/geometry/collapse_map.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace atrium::geometry {
+namespace {
+
+using Eigen::Vector3d;
+
+double share(double part, double whole) {
+    return whole > 0.0 ? std::clamp(part / whole, 0.0, 1.0) : 0.0;
+}
+
+Vector3d nearest_on_segment(const Vector3d& p, const Vector3d& a, const Vector3d& b) {
+    const Vector3d ab = b - a;
+    return a + share((p - a).dot(ab), ab.squaredNorm()) * ab;
+}
+
+// Any point of the triangle would do for the bound; a nearer one makes it tighter.
+Vector3d nearest_on_triangle(const Vector3d& p,
+                             const Vector3d& a,
+                             const Vector3d& b,
+                             const Vector3d& c) {
+    const Vector3d ab = b - a;
+    const Vector3d ac = c - a;
+    const Vector3d ap = p - a;
+    const double bb = ab.squaredNorm();
+    const double bc = ab.dot(ac);
+    const double cc = ac.squaredNorm();
+    const double pb = ap.dot(ab);
+    const double pc = ap.dot(ac);
+    const double determinant = bb * cc - bc * bc;
+    const double s = cc * pb - bc * pc;
+    const double t = bb * pc - bc * pb;
+    if (s > 0.0 && t > 0.0 && s + t < determinant)
+        return a + (s / determinant) * ab + (t / determinant) * ac;
+    const std::array<Vector3d, 3> feet{
+        nearest_on_segment(p, a, b), nearest_on_segment(p, b, c), nearest_on_segment(p, c, a)};
+    return *std::min_element(feet.begin(), feet.end(), [&](const auto& l, const auto& r) {
+        return (l - p).squaredNorm() < (r - p).squaredNorm();
+    });
+}
+
+// Parameter in [from, 1] of the point of the segment p q that is nearest to the segment a b.
+double nearest_parameter(
+    const Vector3d& p, const Vector3d& q, const Vector3d& a, const Vector3d& b, double from) {
+    const Vector3d pq = q - p;
+    const Vector3d ab = b - a;
+    const Vector3d ap = p - a;
+    const double pp = pq.squaredNorm();
+    const double pa = pq.dot(ab);
+    const double aa = ab.squaredNorm();
+    const double c = pq.dot(ap);
+    const double f = ab.dot(ap);
+    const double determinant = pp * aa - pa * pa;
+    double s = determinant > 0.0 ? std::clamp((pa * f - c * aa) / determinant, from, 1.0) : from;
+    const double t = aa > 0.0 ? (pa * s + f) / aa : 0.0;
+    // where the foot on a b lies beyond its end: nearest to that end
+    if (t < 0.0 && pp > 0.0) s = std::clamp(-c / pp, from, 1.0);
+    if (t > 1.0 && pp > 0.0) s = std::clamp((pa - c) / pp, from, 1.0);
+    return s;
+}
+
+}  // namespace
+
+bool CollapseMap::bound(const Vector3d& u,
+                        std::span<const Vector3d> ring,
+                        std::span<const DisplacementBox> before,
+                        double max_m,
+                        double rounding_m) {
+    assert(ring.size() >= 3 && ring.size() <= kMaxRing && before.size() == ring.size());
+    ring_ = ring;
+    find_nearest(u);
+    // u itself has not moved so far: it is a vertex of the input
+    if (!(at_u_.matrix().squaredNorm() <= max_m * max_m)) return false;
+    const std::size_t k = ring.size();
+    for (std::size_t l = 0; l < k; ++l) crossing_[0][l] = crossing_[k][l] = Eigen::Array3d::Zero();
+    for (std::size_t i = 1; i < k; ++i) cross_edges(u, i);
+    for (std::size_t l = 1; l + 1 < k; ++l) after_[l] = DisplacementBox::none();
+    for (std::size_t i = 0; i < k; ++i) map_triangle(i, before[i]);
+    for (std::size_t l = 1; l + 1 < k; ++l) {
+        after_[l].low -= rounding_m;
+        after_[l].high += rounding_m;
+        if (!(after_[l].longest_m() <= max_m)) return false;
+    }
+    return true;
+}
+
+void CollapseMap::find_nearest(const Vector3d& u) {
+    double best = std::numeric_limits<double>::infinity();
+    nearest_ = 1;
+    at_u_ = ring_[0] - u;
+    for (std::size_t l = 1; l + 1 < ring_.size(); ++l) {
+        const Vector3d d = nearest_on_triangle(u, ring_[0], ring_[l], ring_[l + 1]) - u;
+        if (!(d.squaredNorm() < best)) continue;
+        best = d.squaredNorm();
+        nearest_ = l;
+        at_u_ = d;
+    }
+}
+
+void CollapseMap::cross_edges(const Vector3d& u, std::size_t spoke) {
+    const Vector3d& w = ring_[spoke];
+    crossing_[spoke][spoke] = Eigen::Array3d::Zero();
+    double s = 0.0;
+    const auto cross = [&](std::size_t l) {
+        s = nearest_parameter(u, w, ring_[0], ring_[l], s);
+        const Vector3d p = u + s * (w - u);
+        crossing_[spoke][l] = nearest_on_segment(p, ring_[0], ring_[l]) - p;
+    };
+    for (std::size_t l = nearest_ + 1; l < spoke; ++l) cross(l);
+    for (std::size_t l = nearest_; l > spoke; --l) cross(l);
+}
+
+// T_i goes to S_j and to those between it and its own place in the fan.
+void CollapseMap::map_triangle(std::size_t i, const DisplacementBox& before) {
+    const std::size_t own = std::clamp<std::size_t>(i, 1, ring_.size() - 2);
+    const std::size_t first = std::min(own, nearest_);
+    const std::size_t last = std::max(own, nearest_);
+    for (std::size_t l = first; l <= last; ++l) {
+        DisplacementBox moved = DisplacementBox::none();
+        if (l == nearest_) moved.add(at_u_);
+        if (l == own) moved.add(Eigen::Array3d::Zero());  // its side between w_i and w_(i+1)
+        // corners on the two edges of S_l, where T_i reaches beyond them
+        const auto add_corners = [&](std::size_t edge) {
+            moved.add(crossing_[i][edge]);
+            moved.add(crossing_[i + 1][edge]);
+        };
+        if (l > first) add_corners(l);
+        if (l < last) add_corners(l + 1);
+        moved.low += before.low;
+        moved.high += before.high;
+        after_[l].add(moved);
+    }
+}
+
+}  // namespace atrium::geometry

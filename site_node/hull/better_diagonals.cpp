@@ -1,0 +1,169 @@
+#include "site_node/hull/better_diagonals.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace atrium::hull {
+namespace {
+
+// Share of a product's size that has to be left of a difference of such products: 1000 times what
+// rounding can do, so that no two exchanges undo each other.
+constexpr double kMargin = 1e-12;
+
+// Exchanges per triangle. Faces of people need about one; this ends a dispute that rounding of
+// absurd coordinates may start.
+constexpr std::size_t kMaxExchanges = 16;
+
+/// The angle at `apex` from `a` to `b`, times the lengths of both legs.
+struct Angle {
+    Angle(const Eigen::Vector2d& apex, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+        const double ax = a.x() - apex.x();
+        const double ay = a.y() - apex.y();
+        const double bx = b.x() - apex.x();
+        const double by = b.y() - apex.y();
+        sine = ax * by - ay * bx;
+        cosine = ax * bx + ay * by;
+        size = std::abs(ax * by) + std::abs(ay * bx) + std::abs(ax * bx) + std::abs(ay * by);
+    }
+    double sine;
+    double cosine;
+    double size;  // 1 to 2 times the product of the lengths
+};
+
+}  // namespace
+
+void BetterDiagonals::improve(std::span<const Eigen::Vector2d> corners_m,
+                              std::span<std::array<std::uint32_t, 3>> triangles,
+                              std::span<const Lines> lines) {
+    if (triangles.size() < 2) return;
+    corners_m_ = corners_m;
+    triangles_ = triangles;
+    lines_ = lines;
+    if (!can_be_improved()) return;
+    find_twins();
+    to_check_.clear();
+    for (Edge e = 0; e < static_cast<Edge>(twin_.size()); ++e) {
+        if (twin_[static_cast<std::size_t>(e)] > e) to_check_.push_back(e);
+    }
+    std::size_t num_left = kMaxExchanges * triangles.size();
+    while (!to_check_.empty() && num_left > 0) {
+        const Edge e = to_check_.back();
+        to_check_.pop_back();
+        if (!exchange_helps(e)) continue;
+        exchange(e);
+        --num_left;
+    }
+}
+
+bool BetterDiagonals::can_be_improved() {
+    double twice_area = 0.0;
+    for (const auto& [a, b, c] : triangles_) {
+        if (std::max({a, b, c}) >= corners_m_.size()) return false;
+        if (a == b || b == c || c == a) return false;
+        twice_area += Angle(corners_m_[a], corners_m_[b], corners_m_[c]).sine;
+    }
+    orientation_ = twice_area < 0.0 ? -1.0 : 1.0;
+    return std::abs(twice_area) > 0.0;
+}
+
+void BetterDiagonals::find_twins() {
+    const auto num_edges = static_cast<Edge>(3 * triangles_.size());
+    first_at_.assign(corners_m_.size(), kNone);
+    next_at_.resize(static_cast<std::size_t>(num_edges));
+    for (Edge e = 0; e < num_edges; ++e) {
+        Edge& first = first_at_[from(e)];
+        next_at_[static_cast<std::size_t>(e)] = first;
+        first = e;
+    }
+    twin_.assign(static_cast<std::size_t>(num_edges), kNone);
+    for (Edge e = 0; e < num_edges; ++e) {
+        if (twin_[static_cast<std::size_t>(e)] != kNone) continue;
+        const Edge twin = only_edge(to(e), from(e));
+        // an edge that more than two triangles share, or two in the same direction, has to stay
+        if (twin == kNone || only_edge(from(e), to(e)) != e) continue;
+        twin_[static_cast<std::size_t>(e)] = twin;
+        twin_[static_cast<std::size_t>(twin)] = e;
+    }
+}
+
+// kNone also where there are several.
+BetterDiagonals::Edge BetterDiagonals::only_edge(std::uint32_t a, std::uint32_t b) {
+    Edge found = kNone;
+    for (Edge e = first_at_[a]; e != kNone; e = next_at_[static_cast<std::size_t>(e)]) {
+        if (to(e) != b) continue;
+        if (found != kNone) return kNone;
+        found = e;
+    }
+    return found;
+}
+
+bool BetterDiagonals::are_joined(std::uint32_t a, std::uint32_t b) {
+    for (Edge e = first_at_[a]; e != kNone; e = next_at_[static_cast<std::size_t>(e)]) {
+        if (to(e) == b || from(next(next(e))) == b) return true;
+    }
+    return false;
+}
+
+bool BetterDiagonals::on_one_line(std::uint32_t a, std::uint32_t b) const {
+    if (lines_.empty()) return false;
+    const Lines& l = lines_[a];
+    const Lines& m = lines_[b];
+    return l[0] == m[0] || l[0] == m[1] || l[1] == m[0] || l[1] == m[1];
+}
+
+// The triangles (a, b, c) and (b, a, d) on the two sides of `e`: the quadrilateral a d b c has to
+// be convex at a and b, and the angles at c and d together larger than two right ones.
+bool BetterDiagonals::exchange_helps(Edge e) {
+    const Edge twin = twin_[static_cast<std::size_t>(e)];
+    if (twin == kNone) return false;  // an exchange has made it a boundary since it was listed
+    const std::uint32_t ic = from(next(next(e)));
+    const std::uint32_t id = from(next(next(twin)));
+    const Eigen::Vector2d& a = corners_m_[from(e)];
+    const Eigen::Vector2d& b = corners_m_[to(e)];
+    const Eigen::Vector2d& c = corners_m_[ic];
+    const Eigen::Vector2d& d = corners_m_[id];
+    const Angle at_c(c, a, b);
+    const Angle at_d(d, b, a);
+    const double sine_of_sum = orientation_ * (at_c.sine * at_d.cosine + at_c.cosine * at_d.sine);
+    if (!(sine_of_sum < -kMargin * (at_c.size * at_d.size))) return false;
+    const Angle at_a(a, d, c);
+    if (!(orientation_ * at_a.sine > kMargin * at_a.size)) return false;
+    const Angle at_b(b, c, d);
+    if (!(orientation_ * at_b.sine > kMargin * at_b.size)) return false;
+    return ic != id && !on_one_line(ic, id) && !are_joined(ic, id);
+}
+
+// (a, b, c) becomes (a, d, c) and (b, a, d) becomes (b, c, d).
+void BetterDiagonals::exchange(Edge e) {
+    const auto twin_of = [&](Edge edge) -> Edge& { return twin_[static_cast<std::size_t>(edge)]; };
+    const Edge f = twin_of(e);
+    const Edge bc = next(e);
+    const Edge ad = next(f);
+    const Edge beyond_bc = twin_of(bc);
+    const Edge beyond_ad = twin_of(ad);
+    const std::uint32_t c = to(bc);
+    const std::uint32_t d = to(ad);
+    move(bc, d);  // now d c
+    move(ad, c);  // now c d
+    twin_of(bc) = ad;
+    twin_of(ad) = bc;
+    twin_of(e) = beyond_ad;
+    twin_of(f) = beyond_bc;
+    if (beyond_ad != kNone) twin_of(beyond_ad) = e;
+    if (beyond_bc != kNone) twin_of(beyond_bc) = f;
+    for (const Edge edge : {e, f, next(bc), next(ad)}) {
+        if (twin_of(edge) != kNone) to_check_.push_back(edge);
+    }
+}
+
+// Lets `e` begin at another corner.
+void BetterDiagonals::move(Edge e, std::uint32_t corner) {
+    Edge* link = &first_at_[from(e)];
+    while (*link != e) link = &next_at_[static_cast<std::size_t>(*link)];
+    *link = next_at_[static_cast<std::size_t>(e)];
+    from(e) = corner;
+    next_at_[static_cast<std::size_t>(e)] = first_at_[corner];
+    first_at_[corner] = e;
+}
+
+}  // namespace atrium::hull

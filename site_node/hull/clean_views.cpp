@@ -1,0 +1,142 @@
+#include "site_node/hull/clean_views.hpp"
+
+#include "site_node/hull/field_of_view.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <optional>
+
+namespace atrium::hull {
+namespace {
+
+constexpr double kMaxCoordinate_px =
+    1e6;  // no silhouette is larger; beyond, pixels lose their meaning in double
+constexpr double kMinFocal_px = 1e-3;          // rays stay far from what doubles can hold,
+constexpr double kMaxFocal_px = 1e7;           // and the grid on which they end finer than 1e-3 px
+constexpr double kMaxDistance_m = 1e6;         // of a camera from the origin
+constexpr std::size_t kMaxFieldPoints = 1000;  // contact with itself is tested pairwise
+constexpr double kBoundsMargin_px = 1.0;       // far more than any jitter
+constexpr double kMinBounds_m = 1e-3;          // thinner ones hold nobody
+constexpr std::size_t kMaxPencilRays = 4'000'000;  // each is kept for each other view: 250 MB
+constexpr std::size_t kMaxContours = 2000;         // of one view; nesting is tested pairwise
+
+bool is_valid(const SilhouetteView& view) {
+    const geometry::PinholeCamera& c = view.intrinsics;
+    const auto& pose = view.camera_from_site;
+    const bool finite = std::isfinite(c.fx) && std::isfinite(c.fy) && std::isfinite(c.cx) &&
+                        std::isfinite(c.cy) && std::isfinite(c.skew) &&
+                        pose.translation.allFinite() && pose.rotation.coeffs().allFinite();
+    if (!finite) return false;
+    if (std::min(c.fx, c.fy) < kMinFocal_px || std::max(c.fx, c.fy) > kMaxFocal_px) return false;
+    if (std::max({std::abs(c.cx), std::abs(c.cy), std::abs(c.skew)}) > kMaxCoordinate_px)
+        return false;
+    if (std::abs(pose.rotation.squaredNorm() - 1.0) > 1e-6) return false;
+    if (pose.translation.cwiseAbs().maxCoeff() > kMaxDistance_m) return false;
+    if (!view.field.empty() && !is_usable_field(view.field)) return false;
+    for (const Eigen::Vector2d& p : view.field) {
+        if (p.cwiseAbs().maxCoeff() > kMaxCoordinate_px) return false;
+    }
+    for (const auto& contour : view.contours) {
+        for (const Eigen::Vector2d& p : contour) {
+            if (!(std::abs(p.x()) <= kMaxCoordinate_px && std::abs(p.y()) <= kMaxCoordinate_px))
+                return false;
+        }
+    }
+    return true;
+}
+
+bool is_valid(const geometry::Aabb& bounds) {
+    return bounds.min.allFinite() && bounds.max.allFinite() &&
+           bounds.min.cwiseAbs().maxCoeff() <= kMaxDistance_m &&
+           bounds.max.cwiseAbs().maxCoeff() <= kMaxDistance_m &&
+           (bounds.size().array() >= kMinBounds_m).all();
+}
+
+std::uint64_t combine(std::uint64_t h, double value) {
+    h ^= std::bit_cast<std::uint64_t>(value + 0.0);  // -0 and 0 are one value
+    h *= 0x9e3779b97f4a7c15ULL;
+    return h ^ (h >> 29);
+}
+
+std::uint64_t content_hash(const SilhouetteView& view, const Outlines& outlines) {
+    const geometry::PinholeCamera& c = view.intrinsics;
+    std::uint64_t h = 0x243f6a8885a308d3ULL;
+    for (const double v : {c.fx, c.fy, c.cx, c.cy, c.skew}) h = combine(h, v);
+    for (int i = 0; i < 4; ++i) h = combine(h, view.camera_from_site.rotation.coeffs()[i]);
+    for (int i = 0; i < 3; ++i) h = combine(h, view.camera_from_site.translation[i]);
+    for (const Eigen::Vector2d& p : outlines.points) h = combine(combine(h, p.x()), p.y());
+    for (const std::uint32_t end : outlines.ends) h = combine(h, end);
+    for (const Eigen::Vector2d& p : view.field) h = combine(combine(h, p.x()), p.y());
+    return h;
+}
+
+// The part of the picture that shows the bounds, with room for the jitter; nullopt where some of
+// them are behind the camera.
+std::optional<Eigen::AlignedBox2d> project(const geometry::Aabb& bounds,
+                                           const SilhouetteView& view) {
+    Eigen::AlignedBox2d box;
+    for (int corner = 0; corner < 8; ++corner) {
+        const Eigen::Vector3d p_site((corner & 1) != 0 ? bounds.max.x() : bounds.min.x(),
+                                     (corner & 2) != 0 ? bounds.max.y() : bounds.min.y(),
+                                     (corner & 4) != 0 ? bounds.max.z() : bounds.min.z());
+        const Eigen::Vector3d p_camera = view.camera_from_site * p_site;
+        if (p_camera.z() < 1e-3) return std::nullopt;
+        box.extend(view.intrinsics.project(p_camera));
+    }
+    box.min().array() -= kBoundsMargin_px;
+    box.max().array() += kBoundsMargin_px;
+    return box;
+}
+
+}  // namespace
+
+HullStatus clean_views(std::span<const SilhouetteView* const> views,
+                       const HullOptions& options,
+                       CleanViews& clean,
+                       VisualHull& hull) {
+    if (views.size() + (options.bounds ? 2 : 0) > kMaxViews) return HullStatus::kInvalidInput;
+    if (options.bounds && !is_valid(*options.bounds)) return HullStatus::kInvalidInput;
+    std::size_t num_points = 0;
+    for (const SilhouetteView* view : views) {
+        for (const auto& contour : view->contours) num_points += contour.size();
+        if (view->field.size() > kMaxFieldPoints) return HullStatus::kTooComplex;
+        num_points += view->field.size();
+    }
+    if (num_points > options.max_segments || num_points * views.size() > kMaxPencilRays) {
+        return HullStatus::kTooComplex;
+    }
+    if (!std::all_of(
+            views.begin(), views.end(), [](const SilhouetteView* view) { return is_valid(*view); }))
+        return HullStatus::kInvalidInput;
+
+    clean.views.clear();
+    if (clean.outlines.size() < views.size()) clean.outlines.resize(views.size());
+    clean.counts = {};
+    for (std::size_t v = 0; v < views.size(); ++v) {
+        copy_canonical(views[v]->contours,
+                       options.min_contour_area_px2,
+                       clean.scratch,
+                       clean.outlines[v],
+                       clean.counts);
+        if (options.bounds) {
+            if (const auto box = project(*options.bounds, *views[v]))
+                drop_outside(clean.outlines[v], *box);
+        }
+        if (clean.outlines[v].num_contours() > kMaxContours) return HullStatus::kTooComplex;
+        clean.views.push_back({views[v], content_hash(*views[v], clean.outlines[v]), v});
+    }
+    std::sort(clean.views.begin(), clean.views.end(), [](const auto& l, const auto& r) {
+        return l.hash < r.hash;
+    });
+    const auto same = [](const auto& l, const auto& r) { return l.hash == r.hash; };
+    const auto last = std::unique(clean.views.begin(), clean.views.end(), same);
+    hull.num_views_merged = static_cast<std::uint32_t>(clean.views.end() - last);
+    clean.views.erase(last, clean.views.end());
+    return clean.views.size() < (options.bounds ? 1u : 2u) ? HullStatus::kTooFewViews
+                                                           : HullStatus::kOk;
+}
+
+}  // namespace atrium::hull
