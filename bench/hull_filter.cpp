@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -134,8 +135,14 @@ hull::exact::Line line_of(const Cones& cones, std::uint32_t own, std::uint32_t o
 void check_chart(const Cones& cones, std::uint32_t own, const StripChart& chart, Report& report) {
     const Cones::Strip& strip = cones.strips[own];
     const Real unit = static_cast<Real>(cones.views[strip.view].ray_unit) / cones.centre_unit_m;
-    std::vector<Real> phi;
-    for (std::uint32_t p = 0; p < chart.pieces().size(); ++p) {
+    std::set<std::uint32_t> pieces(chart.visible_at_start().begin(),
+                                   chart.visible_at_start().end());
+    for (const std::uint32_t e : chart.order()) {
+        const StripChart::Event& event = chart.event(e);
+        pieces.insert(event.arriving.begin(), event.arriving.begin() + event.num_arriving);
+        pieces.insert(event.leaving.begin(), event.leaving.begin() + event.num_leaving);
+    }
+    for (const std::uint32_t p : pieces) {
         const StripChart::Piece& piece = chart.piece(p);
         if (piece.strip == StripChart::kInfinityStrip) continue;
         const hull::exact::Line line = line_of(cones, own, piece.strip);
