@@ -47,9 +47,9 @@ class Drawing:
         edge = f' stroke="{stroke}" stroke-width="{width:g}"' if stroke else ""
         self.add(f'<circle cx="{p[0]:.1f}" cy="{p[1]:.1f}" r="{radius:g}" fill="{fill}"{edge}/>')
 
-    def text(self, p, text, size=12, anchor="start", fill=BLACK, bold=False, italic=False, turn=0):
+    def text(self, p, text, size=12, anchor="start", fill=BLACK, bold=False, turn=0, halo=False):
         extra = ' font-weight="bold"' if bold else ""
-        extra += ' font-style="italic"' if italic else ""
+        extra += ' stroke="#ffffff" stroke-width="4" paint-order="stroke"' if halo else ""
         extra += f' transform="rotate({turn:g} {p[0]:.1f} {p[1]:.1f})"' if turn else ""
         self.add(f'<text x="{p[0]:.1f}" y="{p[1]:.1f}" font-size="{size:g}" text-anchor="{anchor}" '
                  f'fill="{fill}"{extra}>{escape(text)}</text>')

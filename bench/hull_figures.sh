@@ -1,0 +1,8 @@
+#!/bin/sh
+# Draws docs/figures/hull_1_cones.svg to hull_6_fields.svg from real data: `bench/hull_figures.sh [BUILD]`, a build folder that is
+# configured with -DATRIUM_BENCH=ON. The same tree gives the same pictures.
+set -eu
+cd "$(dirname "$0")/.."
+build=${1:-build}
+cmake --build "$build" --target hull_charts > /dev/null
+"$build"/bin/hull_charts | python3 bench/hull_figures.py docs/figures
