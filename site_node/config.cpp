@@ -7,7 +7,43 @@
 
 #include <fmt/format.h>
 
+#include <set>
+
 namespace atrium::site_node {
+namespace {
+
+constexpr config::Range kPosition{-1e4, 1e4};  // [m], as in rigs
+
+// A box of this many metres holds somebody's hand at least.
+constexpr double kMinExtent_m = 0.01;
+
+geometry::Aabb read_bounds(config::TableReader& owner) {
+    config::TableReader table = owner.table("bounds");
+    geometry::Aabb box{Eigen::Vector3d::Zero(), Eigen::Vector3d::Ones()};
+    table.require("min");
+    table.require("max");
+    table.read("min", box.min.data(), 3, kPosition);
+    table.read("max", box.max.data(), 3, kPosition);
+    if (!(box.size().array() >= kMinExtent_m).all()) {
+        table.reject("max",
+                     fmt::format("must be larger than min by {} m in x, y and z", kMinExtent_m));
+    }
+    return box;
+}
+
+RegionOptions read_region(config::TableReader& table) {
+    RegionOptions region;
+    table.require("name");
+    table.read("name", region.name);
+    if (!config::is_valid_name(region.name))
+        table.reject("name", "must be 1 to 63 characters of A-Z a-z 0-9 _ . -");
+    table.require("bounds");
+    region.bounds = read_bounds(table);
+    table.read("cameras", region.cameras);
+    return region;
+}
+
+}  // namespace
 
 void declare(SiteNodeConfig& config, config::OptionSet& set) {
     set.add("site.name", config.name, "name of this site in its world; A-Z a-z 0-9 _ . - only");
@@ -31,6 +67,11 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             capture.deadline_ms,
             "how long a metaframe may stay incomplete [ms]",
             {1, 10000});
+    set.add("capture.min_cameras",
+            capture.min_cameras,
+            "a metaframe that lacks pictures at its deadline is used if so many cameras delivered; "
+            "0: all must",
+            {0, 64});
 
     SimulationConfig& room = config.simulation;
     set.add(
@@ -93,13 +134,20 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             "smaller blobs and holes are left out [px]",
             {0, 1e6});
 
-    set.add("hull.keep_phantoms",
-            config.pipeline.hull.keep_phantoms,
-            "keep components that no silhouette needs");
-    set.add("hull.min_component_m3",
-            config.pipeline.hull.min_component_volume_m3,
-            "smaller components are dropped [m^3]",
-            {0, 1});
+    HullStageOptions& hull = config.pipeline.hull;
+    set.add("hull.min_views",
+            hull.min_views,
+            "where fewer cameras see a point of space, it is not in the hull; 0: off",
+            {0, 64});
+    set.add("hull.min_component_l",
+            hull.min_component_l,
+            "smaller components are dropped, unless phantoms are kept [l]",
+            {0, 1000});
+    set.add("hull.keep_phantoms", hull.keep_phantoms, "keep components that no silhouette needs");
+    set.add("hull.partial_views",
+            hull.partial_views,
+            "true: people may reach out of the pictures, and what is outside is unknown; needs "
+            "bounds");
     set.add("codec.position_bits",
             config.pipeline.mesh.position_bits,
             "of a vertex coordinate on the wire [bits]",
@@ -110,6 +158,19 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             {0, 10});
     set.add("codec.jpeg_quality", config.pipeline.jpeg_quality, "of the textures", {10, 100});
     bus::declare(config.bus, set);
+}
+
+void read_hull(config::TableReader& reader, SiteNodeConfig& config) {
+    config::TableReader table = reader.table("hull");
+    HullStageOptions& hull = config.pipeline.hull;
+    if (table.has("bounds")) hull.bounds = read_bounds(table);
+    table.read("whole_cameras", hull.whole_cameras);
+    std::set<std::string> names;
+    for (config::TableReader& region : table.tables("region")) {
+        hull.regions.push_back(read_region(region));
+        if (!names.insert(hull.regions.back().name).second)
+            region.reject("name", "must be different for every region");
+    }
 }
 
 Expected<void> check(const SiteNodeConfig& config) {
@@ -129,7 +190,12 @@ Expected<void> check(const SiteNodeConfig& config) {
             "capture.recording: is needed for capture.source = \"recording\": the recording's "
             "folder");
     }
-    return {};
+    if (config.capture.min_cameras == 1) {
+        return wrong(
+            "capture.min_cameras: must be 0 (all) or at least 2: one camera is not enough "
+            "for a hull");
+    }
+    return check(config.pipeline.hull);
 }
 
 }  // namespace atrium::site_node

@@ -2,6 +2,7 @@
 
 #include "core/bus/bus.hpp"
 #include "core/config/option_set.hpp"
+#include "core/config/table_reader.hpp"
 #include "site_node/pipeline.hpp"
 
 #include <filesystem>
@@ -16,6 +17,7 @@ struct CaptureConfig {
     double rate_hz = 0.0;              // 0: as recorded, or the rig's rate
     bool loop = false;                 // recording: start again at its end
     double deadline_ms = 100.0;        // how long a metaframe may stay incomplete
+    int min_cameras = 0;               // with so many it is used all the same then; 0: all
 };
 
 struct SimulationConfig {
@@ -41,6 +43,9 @@ struct SiteNodeConfig {
 
 /// Declares every option with its default; `config` must outlive `set`.
 void declare(SiteNodeConfig& config, config::OptionSet& set);
+
+/// What is no option: bounds and lists of `[hull]`. Problems are kept by `reader`.
+void read_hull(config::TableReader& reader, SiteNodeConfig& config);
 
 /// What options cannot check one by one.
 Expected<void> check(const SiteNodeConfig& config);

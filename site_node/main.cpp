@@ -12,8 +12,11 @@ int main(int argc, char** argv) {
                                 "Examples:\n  site_node --config deploy/sites/alice.toml\n"
                                 "  site_node --site.name lab --capture.source recording "
                                 "--capture.recording DIR --capture.loop true"};
-    if (const app::Start start = app::start(info, options, argc, argv); !start.go_on)
-        return start.exit_code;
+    const app::Start start =
+        app::start(info, options, argc, argv, [&](config::TableReader& reader) {
+            site_node::read_hull(reader, config);
+        });
+    if (!start.go_on) return start.exit_code;
     const app::StopOnSignal stop;
     auto node = site_node::SiteNode::create(config, stop.token());
     if (!node) return stop.token().stop_requested() ? 0 : app::fail(node.error());

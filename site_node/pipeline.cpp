@@ -25,6 +25,7 @@ struct Pipeline::CameraStage {
     image::Mask mask;
     silhouette::SilhouetteScratch silhouette;
     std::vector<silhouette::SilhouettePolygon> polygons;
+    silhouette::SilhouetteCounts counts;
     texture::TextureScratch texture;
     codec::TextureCrop crop;
     codec::TextureEncoder encoder;
@@ -32,14 +33,15 @@ struct Pipeline::CameraStage {
     Expected<void> result;
 };
 
-Pipeline::Pipeline(std::vector<geometry::CalibratedCamera> cameras, const PipelineOptions& options)
-    : cameras_(std::move(cameras)), options_(options) {
-    views_.resize(cameras_.size());
-    for (std::size_t i = 0; i < cameras_.size(); ++i) {
+Pipeline::Pipeline(std::vector<geometry::CalibratedCamera> cameras,
+                   const PipelineOptions& options,
+                   HullStage hull)
+    : cameras_(std::move(cameras)),
+      options_(options),
+      delivered_(cameras_.size(), 0),
+      hull_(std::move(hull)) {
+    for (std::size_t i = 0; i < cameras_.size(); ++i)
         stages_.push_back(std::make_unique<CameraStage>());
-        views_[i].intrinsics = cameras_[i].intrinsics;
-        views_[i].camera_from_site = cameras_[i].camera_from_site;
-    }
 }
 
 Pipeline::Pipeline(Pipeline&&) noexcept = default;
@@ -49,7 +51,10 @@ Pipeline::~Pipeline() = default;
 Expected<Pipeline> Pipeline::create(capture::FrameSource& source,
                                     const PipelineOptions& options,
                                     std::stop_token stop) {
-    Pipeline pipeline(source.rig().cameras, options);
+    const auto& cameras = source.rig().cameras;
+    auto hull = HullStage::create(cameras, options.hull, options.silhouette.tolerance_px);
+    if (!hull) return tl::unexpected(hull.error());
+    Pipeline pipeline(cameras, options, std::move(*hull));
     if (source.has_silhouettes()) return pipeline;
     for (std::size_t i = 0; i < pipeline.cameras_.size() && !stop.stop_requested(); ++i) {
         segmentation::BackgroundLearner learner;
@@ -83,10 +88,10 @@ Expected<void> Pipeline::process_camera(const capture::CameraFrame& frame,
             *frame.image, stage.background, options_.segmentation, stage.segmentation, stage.mask);
         if (!segmented) return segmented;
     }
-    silhouette::extract_silhouette(
+    stage.counts = silhouette::extract_silhouette(
         stage.mask, camera.intrinsics, options_.silhouette, stage.silhouette, stage.polygons);
 
-    auto& contours = views_[frame.camera].contours;
+    auto& contours = hull_.contours(frame.camera);
     contours.resize(stage.polygons.size());
     for (std::size_t p = 0; p < stage.polygons.size(); ++p)
         contours[p] = stage.polygons[p].vertices_px;
@@ -101,17 +106,17 @@ Expected<void> Pipeline::process_camera(const capture::CameraFrame& frame,
     return stage.encoder.encode(stage.crop, options_.jpeg_quality, coded.texture);
 }
 
-Expected<void> Pipeline::process(const capture::Metaframe& metaframe,
-                                 Executor& executor,
-                                 SiteFrame& frame) {
-    const auto begin = std::chrono::steady_clock::now();
-    frame.frame_id = metaframe.frame_id;
-    frame.capture_time = metaframe.capture_time;
-    frame.cameras.resize(cameras_.size());
-    frame.draco.clear();
-
+Expected<void> Pipeline::process_cameras(const capture::Metaframe& metaframe,
+                                         Executor& executor,
+                                         SiteFrame& frame) {
     const auto work_on_camera = [&](std::size_t i, std::size_t) {
-        stages_[i]->result = process_camera(metaframe.frames[i], *stages_[i], frame.cameras[i]);
+        CameraStage& stage = *stages_[i];
+        stage.result = {};
+        stage.counts = {};
+        stage.sees_somebody = false;
+        delivered_[i] = metaframe.frames[i].image != nullptr ? 1 : 0;
+        if (delivered_[i] == 0) return;
+        stage.result = process_camera(metaframe.frames[i], stage, frame.cameras[i]);
     };
     executor.parallel_for(cameras_.size(), work_on_camera);
     for (std::size_t i = 0; i < cameras_.size(); ++i) {
@@ -121,10 +126,36 @@ Expected<void> Pipeline::process(const capture::Metaframe& metaframe,
                 fmt::format("camera '{}': {}", cameras_[i].name, result.error().message));
         }
     }
+    return {};
+}
+
+void Pipeline::count_left_out(SiteFrame& frame) const {
+    const hull::VisualHull& hull = frame.hull;
+    frame.left_out = {hull.num_phantoms_dropped,
+                      hull.num_fragments_dropped,
+                      hull.num_contours_dropped,
+                      hull.num_contours_repaired,
+                      hull.num_regions_failed};
+    for (const auto& stage : stages_) {
+        frame.left_out.contours_dropped +=
+            stage->counts.num_not_undistorted + stage->counts.num_not_simple;
+    }
+}
+
+Expected<void> Pipeline::process(const capture::Metaframe& metaframe,
+                                 Executor& executor,
+                                 SiteFrame& frame) {
+    const auto begin = std::chrono::steady_clock::now();
+    frame.frame_id = metaframe.frame_id;
+    frame.capture_time = metaframe.capture_time;
+    frame.cameras.resize(cameras_.size());
+    frame.draco.clear();
+    if (auto done = process_cameras(metaframe, executor, frame); !done) return done;
     frame.milliseconds.silhouettes = milliseconds_since(begin);
 
     const auto hull_begin = std::chrono::steady_clock::now();
-    hull::compute_visual_hull(views_, options_.hull, hull_scratch_, executor, frame.hull);
+    hull_.compute(delivered_, executor, frame.hull);
+    count_left_out(frame);
     frame.milliseconds.hull = milliseconds_since(hull_begin);
 
     const auto encode_begin = std::chrono::steady_clock::now();

@@ -7,6 +7,7 @@
 #include "core/geometry/triangle_mesh.hpp"
 #include "site_node/capture/frame_source.hpp"
 #include "site_node/hull/visual_hull.hpp"
+#include "site_node/hull_stage.hpp"
 #include "site_node/segmentation/segmentation.hpp"
 #include "site_node/silhouette/silhouette.hpp"
 #include "site_node/texture/texture.hpp"
@@ -20,7 +21,7 @@ namespace atrium::site_node {
 struct PipelineOptions {
     segmentation::SegmentationOptions segmentation;
     silhouette::SilhouetteOptions silhouette;
-    hull::HullOptions hull;
+    HullStageOptions hull;
     codec::MeshCodecOptions mesh;
     texture::TextureOptions texture;
     int jpeg_quality = 85;
@@ -33,6 +34,15 @@ struct CodedCamera {
     codec::CodedTexture texture;
 };
 
+/// What was left out of the hull of one metaframe, or mended in it.
+struct LeftOut {
+    std::uint32_t phantoms = 0;          // components that no silhouette needs
+    std::uint32_t fragments = 0;         // components below hull.min_component_l
+    std::uint32_t contours_dropped = 0;  // too small, or could neither be undistorted nor mended
+    std::uint32_t contours_repaired = 0;
+    std::uint32_t regions_failed = 0;  // beside others that did not
+};
+
 /// One metaframe, ready to be published. Reused: vectors keep their capacity.
 struct SiteFrame {
     std::uint64_t frame_id = 0;
@@ -40,6 +50,7 @@ struct SiteFrame {
     std::vector<CodedCamera> cameras;  // those that see somebody; none where nobody is there
     std::vector<std::uint8_t> draco;   // empty: nobody is there
     hull::VisualHull hull;
+    LeftOut left_out;
 
     struct Milliseconds {
         double silhouettes = 0.0;  // segmentation, contours and texture crops of all cameras
@@ -62,23 +73,31 @@ public:
     Pipeline& operator=(Pipeline&&) noexcept;
     ~Pipeline();
 
-    /// Not thread-safe; `executor` is lent for the call. An error leaves `frame` unspecified.
+    /// Cameras that the metaframe lacks are left out of hull and textures. Not thread-safe;
+    /// `executor` is lent for the call. An error leaves `frame` unspecified; too few cameras are
+    /// one.
     Expected<void> process(const capture::Metaframe& metaframe,
                            Executor& executor,
                            SiteFrame& frame);
 
 private:
     struct CameraStage;
-    Pipeline(std::vector<geometry::CalibratedCamera> cameras, const PipelineOptions& options);
+    Pipeline(std::vector<geometry::CalibratedCamera> cameras,
+             const PipelineOptions& options,
+             HullStage hull);
     Expected<void> process_camera(const capture::CameraFrame& frame,
                                   CameraStage& stage,
                                   CodedCamera& coded);
+    Expected<void> process_cameras(const capture::Metaframe& metaframe,
+                                   Executor& executor,
+                                   SiteFrame& frame);
+    void count_left_out(SiteFrame& frame) const;
 
     std::vector<geometry::CalibratedCamera> cameras_;
     PipelineOptions options_;
     std::vector<std::unique_ptr<CameraStage>> stages_;  // one per camera
-    std::vector<hull::SilhouetteView> views_;
-    hull::HullScratch hull_scratch_;
+    std::vector<std::uint8_t> delivered_;               // per camera
+    HullStage hull_;
 };
 
 }  // namespace atrium::site_node

@@ -62,6 +62,26 @@ Expected<std::unique_ptr<capture::FrameSource>> open_source(const SiteNodeConfig
 
 bus::LatencySummary summary(const Quantiles& q) { return {q.median_ms, q.p99_ms, q.num_samples}; }
 
+// What the configuration says that may be meant otherwise, or does not fit this rig.
+Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
+    if (config.capture.min_cameras > static_cast<int>(rig.cameras.size())) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("capture.min_cameras: must not exceed the number of cameras, {}, got {}",
+                        rig.cameras.size(),
+                        config.capture.min_cameras));
+    }
+    const HullStageOptions& hull = config.pipeline.hull;
+    for (const std::string& pair : overlapping_regions(hull.regions)) {
+        app::log::warn("hull.region: {} overlap; who stands there is in the mesh twice", pair);
+    }
+    if (hull.partial_views && hull.min_views == 0) {
+        app::log::warn(
+            "hull.partial_views without hull.min_views: what no camera sees counts as somebody's");
+    }
+    return {};
+}
+
 std::jthread named_thread(const char* name, std::function<void(std::stop_token)> body) {
     std::jthread thread(std::move(body));
     pthread_setname_np(thread.native_handle(), name);
@@ -79,6 +99,7 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& confi
                    config.capture.source,
                    (*source)->rig().cameras.size(),
                    (*source)->rig().rate_hz);
+    if (auto fits = check(config, (*source)->rig()); !fits) return tl::unexpected(fits.error());
     auto pipeline = Pipeline::create(**source, config.pipeline, stop);
     if (!pipeline) return tl::unexpected(pipeline.error());
 
@@ -137,6 +158,8 @@ Expected<void> SiteNode::run(std::stop_token stop) {
                    total.num_dropped_incomplete,
                    total.num_dropped_late,
                    total.num_failed);
+    if (const std::string line = to_line(counts()); !line.empty())
+        app::log::info("counted {}", line);
     const std::lock_guard lock(end_mutex_);
     return end_result_;
 }
@@ -156,15 +179,32 @@ void SiteNode::capture_metaframes(std::stop_token stop) {
     capture::AssemblerOptions options;
     options.tolerance = nanoseconds(static_cast<std::int64_t>(0.4e9 / rate_hz));
     options.deadline = nanoseconds(static_cast<std::int64_t>(config_.capture.deadline_ms * 1e6));
+    options.min_cameras = static_cast<std::size_t>(config_.capture.min_cameras);
     capture::MetaframeAssembler assembler(source_->rig().cameras.size(), options);
-    const auto hand_over = [&](capture::CameraFrame frame) {
-        auto metaframe = assembler.add(std::move(frame), std::chrono::steady_clock::now());
+    const auto take = [&](std::optional<capture::Metaframe> metaframe) {
         num_incomplete_ = assembler.counters().num_incomplete;
-        if (!metaframe) return;
-        ++num_captured_;
-        metaframes_.put(std::move(*metaframe));
+        num_incomplete_used_ = assembler.counters().num_incomplete_used;
+        if (metaframe) hand_over(std::move(*metaframe));
     };
-    finish(source_->run(stop, hand_over));
+    const auto result = source_->run(stop, [&](capture::CameraFrame frame) {
+        take(assembler.add(std::move(frame), std::chrono::steady_clock::now()));
+    });
+    if (!stop.stop_requested()) take(assembler.finish());
+    finish(result);
+}
+
+void SiteNode::hand_over(capture::Metaframe metaframe) {
+    std::string missing;
+    for (const capture::CameraFrame& frame : metaframe.frames) {
+        if (frame.image == nullptr) missing += " " + source_->rig().cameras[frame.camera].name;
+    }
+    if (!missing.empty()) {
+        complaints_.warn(fmt::format("metaframe goes on without cameras id={} missing=\"{}\"",
+                                     metaframe.frame_id,
+                                     missing.substr(1)));
+    }
+    ++num_captured_;
+    metaframes_.put(std::move(metaframe));
 }
 
 void SiteNode::work(std::stop_token stop) {
@@ -177,6 +217,7 @@ void SiteNode::work(std::stop_token stop) {
                 "metaframe failed id={} reason=\"{}\"", metaframe->frame_id, done.error().message));
             continue;
         }
+        count(*frame);
         app::log::debug(
             "metaframe id={} triangles={} silhouettes_ms={:.2f} hull_ms={:.2f} encode_ms={:.2f} "
             "total_ms={:.2f}",
@@ -188,6 +229,16 @@ void SiteNode::work(std::stop_token stop) {
             frame->milliseconds.total);
         site_frames_.put(std::move(frame));
     }
+}
+
+void SiteNode::count(const SiteFrame& frame) {
+    const LeftOut& left_out = frame.left_out;
+    if (left_out.regions_failed > 0) {
+        complaints_.warn(fmt::format(
+            "metaframe lacks regions id={} failed={}", frame.frame_id, left_out.regions_failed));
+    }
+    const std::lock_guard lock(counts_mutex_);
+    add(left_out, counts_);
 }
 
 void SiteNode::publish_frames(std::stop_token stop) {
@@ -236,6 +287,7 @@ void SiteNode::report_status(std::stop_token stop) {
     std::mutex mutex;
     std::condition_variable_any wake;
     const auto begin = Clock::now();
+    SiteCounts former;
     for (int second = 1; !stop.stop_requested(); ++second) {
         auto until = begin + std::chrono::seconds(second);
         const bool limited = config_.seconds > 0.0;
@@ -249,7 +301,18 @@ void SiteNode::report_status(std::stop_token stop) {
         bytes_per_s_ = bytes_rate_.update(num_bytes_, Clock::now());
         if (auto written = writers_.status.write(status()); !written)
             complaints_.warn(written.error().message);
+        const SiteCounts now = counts();
+        if (const std::string line = to_line(now - former); !line.empty())
+            app::log::debug("this second {}", line);
+        former = now;
     }
+}
+
+SiteCounts SiteNode::counts() const {
+    const std::lock_guard lock(counts_mutex_);
+    SiteCounts counts = counts_;
+    counts.num_incomplete_used = num_incomplete_used_;
+    return counts;
 }
 
 bus::SiteStatus SiteNode::status() const {

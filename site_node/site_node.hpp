@@ -8,6 +8,7 @@
 #include "core/bus/bus.hpp"
 #include "site_node/capture/metaframe_assembler.hpp"
 #include "site_node/config.hpp"
+#include "site_node/site_counts.hpp"
 
 #include <atomic>
 #include <memory>
@@ -28,6 +29,7 @@ public:
 
     /// Thread-safe.
     bus::SiteStatus status() const;
+    SiteCounts counts() const;
 
 private:
     struct Writers {
@@ -43,7 +45,9 @@ private:
              Writers writers);
 
     void capture_metaframes(std::stop_token stop);
+    void hand_over(capture::Metaframe metaframe);
     void work(std::stop_token stop);
+    void count(const SiteFrame& frame);
     void publish_frames(std::stop_token stop);
     void report_status(std::stop_token stop);
     Expected<std::size_t> publish(const SiteFrame& frame);
@@ -62,9 +66,12 @@ private:
 
     std::atomic<std::uint64_t> num_captured_{0};
     std::atomic<std::uint64_t> num_incomplete_{0};
+    std::atomic<std::uint64_t> num_incomplete_used_{0};
     std::atomic<std::uint64_t> num_failed_{0};
     std::atomic<std::uint64_t> num_published_{0};
     std::atomic<std::uint64_t> num_bytes_{0};
+    mutable std::mutex counts_mutex_;
+    SiteCounts counts_;  // without num_incomplete_used
     mutable std::mutex latency_mutex_;
     LatencyWindow capture_to_publish_;
     RateMeter published_rate_;

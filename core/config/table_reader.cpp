@@ -302,6 +302,20 @@ void TableReader::read(const std::string& key, double* values, std::size_t count
     }
 }
 
+void TableReader::read(const std::string& key, std::vector<std::string>& values) {
+    const auto [head, rest] = split_first(key);
+    if (!head.empty()) return table(head).read(rest, values);
+    const toml::value* found = node_->find(key);
+    if (found == nullptr) return;
+    const bool all_strings =
+        found->is_array() && std::all_of(found->as_array().begin(),
+                                         found->as_array().end(),
+                                         [](const auto& v) { return v.is_string(); });
+    if (!all_strings) return reject(key, "must be an array of strings");
+    values.clear();
+    for (const toml::value& v : found->as_array()) values.push_back(v.as_string());
+}
+
 Expected<void> TableReader::finish() const {
     if (document_->first_problem) return tl::unexpected(*document_->first_problem);
     // breadth is small: recursion over the tables that were opened

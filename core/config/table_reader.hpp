@@ -44,6 +44,8 @@ public:
     void read(const std::string& key, std::filesystem::path& value);
     /// Exactly `count` numbers.
     void read(const std::string& key, double* values, std::size_t count, Range allowed = {});
+    /// Any number of strings.
+    void read(const std::string& key, std::vector<std::string>& values);
 
     /// Turns the absence of `key` into an error.
     void require(const std::string& key);

@@ -15,11 +15,12 @@ struct CameraFrame {
     std::size_t camera = 0;  // index into the rig
     Timestamp
         capture_time;  // the camera's own, on the site's clock; what metaframes are matched by
-    std::shared_ptr<const image::YuvImage> image;
+    std::shared_ptr<const image::YuvImage> image;   // null: this camera delivered nothing
     std::shared_ptr<const image::Mask> silhouette;  // null: to be segmented
 };
 
-/// The pictures of one trigger, one per camera of the rig, none missing.
+/// The pictures of one trigger, one per camera of the rig. Those that are missing, if any, have no
+/// image.
 struct Metaframe {
     std::uint64_t frame_id = 0;       // grows with every trigger, those that were dropped included
     Timestamp capture_time;           // the earliest of its pictures

@@ -16,20 +16,58 @@ MetaframeAssembler::MetaframeAssembler(std::size_t num_cameras, const AssemblerO
     assert(num_cameras > 0);
 }
 
+bool MetaframeAssembler::is_enough(const Pending& pending) const {
+    return pending.num_present == num_cameras_ ||
+           (options_.min_cameras > 0 && pending.num_present >= options_.min_cameras);
+}
+
+// `pending` has left the queue: from now on it is ready or dropped.
+void MetaframeAssembler::retire(Pending&& pending) {
+    if (!is_enough(pending) || (ready_ && ready_->time > pending.time)) {
+        ++counters_.num_incomplete;
+        return;
+    }
+    if (ready_) ++counters_.num_incomplete;
+    ready_ = std::move(pending);
+    last_emitted_ = ready_->time;
+}
+
+template <typename IsDue>
+void MetaframeAssembler::retire_all(IsDue is_due) {
+    const auto due = std::stable_partition(
+        pending_.begin(), pending_.end(), [&](const Pending& p) { return !is_due(p); });
+    for (auto p = due; p != pending_.end(); ++p) retire(std::move(*p));
+    pending_.erase(due, pending_.end());
+    if (!ready_) return;
+    while (!pending_.empty() && pending_.front().time < ready_->time) {
+        pending_.pop_front();
+        ++counters_.num_incomplete;
+    }
+}
+
+bool MetaframeAssembler::is_too_old(Timestamp time) const {
+    return last_emitted_.ns != std::numeric_limits<std::int64_t>::min() &&
+           time <= last_emitted_ + options_.tolerance;
+}
+
+// Null: there is none, and none can be opened any more.
 MetaframeAssembler::Pending* MetaframeAssembler::find_or_open(
     Timestamp time, std::chrono::steady_clock::time_point arrival) {
+    if (is_too_old(time)) return nullptr;
     for (Pending& p : pending_) {
         if (std::chrono::abs(time - p.time) <= options_.tolerance) return &p;
     }
     if (pending_.size() == kMaxPending) {
+        retire(std::move(pending_.front()));
         pending_.pop_front();
-        ++counters_.num_incomplete;
+        if (is_too_old(time)) return nullptr;
     }
     Pending opened;
     opened.frame_id = next_frame_id_++;
     opened.time = time;
     opened.first_arrival = arrival;
     opened.frames.resize(num_cameras_);
+    for (std::size_t i = 0; i < num_cameras_; ++i) opened.frames[i].camera = i;
     const auto place =
         std::upper_bound(pending_.begin(), pending_.end(), time, [](Timestamp t, const Pending& p) {
             return t < p.time;
@@ -37,50 +75,52 @@ MetaframeAssembler::Pending* MetaframeAssembler::find_or_open(
     return &*pending_.insert(place, std::move(opened));
 }
 
-std::optional<Metaframe> MetaframeAssembler::add(CameraFrame frame,
-                                                 std::chrono::steady_clock::time_point arrival) {
-    expire(arrival);
-    const bool too_old = last_emitted_.ns != std::numeric_limits<std::int64_t>::min() &&
-                         frame.capture_time <= last_emitted_ + options_.tolerance;
-    if (frame.camera >= num_cameras_ || frame.image == nullptr || too_old) {
+void MetaframeAssembler::place(CameraFrame frame, std::chrono::steady_clock::time_point arrival) {
+    Pending* const pending = frame.camera < num_cameras_ && frame.image != nullptr
+                                 ? find_or_open(frame.capture_time, arrival)
+                                 : nullptr;
+    if (pending == nullptr || pending->frames[frame.camera].image != nullptr) {
         ++counters_.num_stray;
-        return std::nullopt;
+        return;
     }
-    Pending* const pending = find_or_open(frame.capture_time, arrival);
-    CameraFrame& place = pending->frames[frame.camera];
-    if (place.image != nullptr) {
-        ++counters_.num_stray;
-        return std::nullopt;
-    }
-    place = std::move(frame);
-    if (++pending->num_present < num_cameras_) return std::nullopt;
-
-    Metaframe complete;
-    complete.frame_id = pending->frame_id;
-    complete.frames = std::move(pending->frames);
-    complete.capture_time = std::min_element(complete.frames.begin(),
-                                             complete.frames.end(),
-                                             [](const auto& a, const auto& b) {
-                                                 return a.capture_time < b.capture_time;
-                                             })
-                                ->capture_time;
-    last_emitted_ = pending->time;
-    ++counters_.num_complete;
-    while (pending_.front().time < last_emitted_) {
-        pending_.pop_front();
-        ++counters_.num_incomplete;
-    }
-    pending_.pop_front();
-    return complete;
+    const std::size_t camera = frame.camera;
+    pending->frames[camera] = std::move(frame);
+    if (++pending->num_present < num_cameras_) return;
+    const Timestamp time = pending->time;
+    retire_all([&](const Pending& p) { return p.time == time; });
 }
 
-void MetaframeAssembler::expire(std::chrono::steady_clock::time_point now) {
-    const auto is_late = [&](const Pending& p) {
-        return now - p.first_arrival > options_.deadline;
-    };
-    const auto kept = std::remove_if(pending_.begin(), pending_.end(), is_late);
-    counters_.num_incomplete += static_cast<std::uint64_t>(pending_.end() - kept);
-    pending_.erase(kept, pending_.end());
+std::optional<Metaframe> MetaframeAssembler::take_ready() {
+    if (!ready_) return std::nullopt;
+    const bool complete = ready_->num_present == num_cameras_;
+    ++(complete ? counters_.num_complete : counters_.num_incomplete_used);
+    Metaframe metaframe;
+    metaframe.frame_id = ready_->frame_id;
+    metaframe.capture_time = {std::numeric_limits<std::int64_t>::max()};
+    for (const CameraFrame& frame : ready_->frames) {
+        if (frame.image != nullptr)
+            metaframe.capture_time = std::min(metaframe.capture_time, frame.capture_time);
+    }
+    metaframe.frames = std::move(ready_->frames);
+    ready_.reset();
+    return metaframe;
+}
+
+std::optional<Metaframe> MetaframeAssembler::add(CameraFrame frame,
+                                                 std::chrono::steady_clock::time_point arrival) {
+    retire_all([&](const Pending& p) { return arrival - p.first_arrival > options_.deadline; });
+    place(std::move(frame), arrival);
+    return take_ready();
+}
+
+std::optional<Metaframe> MetaframeAssembler::expire(std::chrono::steady_clock::time_point now) {
+    retire_all([&](const Pending& p) { return now - p.first_arrival > options_.deadline; });
+    return take_ready();
+}
+
+std::optional<Metaframe> MetaframeAssembler::finish() {
+    retire_all([](const Pending&) { return true; });
+    return take_ready();
 }
 
 }  // namespace atrium::capture

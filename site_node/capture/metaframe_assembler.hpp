@@ -14,12 +14,13 @@ struct AssemblerOptions {
         tolerance{};  // pictures of one trigger differ by at most this; below half a period
     std::chrono::nanoseconds
         deadline{};  // after its first picture arrived, how long a metaframe may stay incomplete
+    std::size_t min_cameras = 0;  // so many are enough at the deadline; 0: all are needed
 };
 
 struct AssemblerCounters {
     std::uint64_t num_complete = 0;
-    std::uint64_t num_incomplete =
-        0;  // dropped: a picture was missing at the deadline or when a later one was complete
+    std::uint64_t num_incomplete_used = 0;  // returned at the deadline, with enough cameras
+    std::uint64_t num_incomplete = 0;  // dropped: too few at the deadline, or a later one was ready
     std::uint64_t num_stray =
         0;  // single pictures: of an older trigger, of a camera twice, of no camera of the rig
 };
@@ -30,12 +31,16 @@ class MetaframeAssembler {
 public:
     MetaframeAssembler(std::size_t num_cameras, const AssemblerOptions& options);
 
-    /// Returns the metaframe that this picture completes. Older incomplete ones are dropped then:
-    /// newest wins. `arrival` is what deadlines are measured by; it must not decrease.
+    /// Returns the metaframe that this picture completes, else one whose deadline has passed with
+    /// enough cameras. Older ones are dropped then: newest wins. `arrival` is what deadlines are
+    /// measured by; it must not decrease.
     std::optional<Metaframe> add(CameraFrame frame, std::chrono::steady_clock::time_point arrival);
 
-    /// Drops what is past its deadline.
-    void expire(std::chrono::steady_clock::time_point now);
+    /// What no further picture has to arrive for: as `add`, but nothing is completed.
+    std::optional<Metaframe> expire(std::chrono::steady_clock::time_point now);
+
+    /// No picture will follow: what is still pending counts as past its deadline.
+    std::optional<Metaframe> finish();
 
     const AssemblerCounters& counters() const { return counters_; }
 
@@ -47,11 +52,19 @@ private:
         std::vector<CameraFrame> frames;
         std::size_t num_present = 0;
     };
+    bool is_enough(const Pending& pending) const;
+    void retire(Pending&& pending);
+    template <typename IsDue>
+    void retire_all(IsDue is_due);
+    bool is_too_old(Timestamp time) const;
     Pending* find_or_open(Timestamp time, std::chrono::steady_clock::time_point arrival);
+    void place(CameraFrame frame, std::chrono::steady_clock::time_point arrival);
+    std::optional<Metaframe> take_ready();
 
     std::size_t num_cameras_;
     AssemblerOptions options_;
-    std::deque<Pending> pending_;  // by time
+    std::deque<Pending> pending_;   // by time
+    std::optional<Pending> ready_;  // newest of those that are to be returned
     Timestamp last_emitted_{std::numeric_limits<std::int64_t>::min()};
     std::uint64_t next_frame_id_ = 1;
     AssemblerCounters counters_;

@@ -239,7 +239,8 @@ Expected<void> RecordingSource::run(std::stop_token stop, const Sink& sink) {
     return {};
 }
 
-Expected<Metaframe> RecordingSource::read_frame(std::size_t index) {
+Expected<Metaframe> RecordingSource::read_frame(std::size_t index,
+                                                const std::vector<std::string>& without) {
     if (index >= num_frames_) {
         return make_error(ErrorKind::kNotFound,
                           fmt::format("recording '{}' has frames 0 to {}, not {}",
@@ -250,6 +251,12 @@ Expected<Metaframe> RecordingSource::read_frame(std::size_t index) {
     Metaframe metaframe;
     metaframe.frame_id = index;
     for (std::size_t camera = 0; camera < tracks_.size(); ++camera) {
+        const bool left_out =
+            std::find(without.begin(), without.end(), rig_.cameras[camera].name) != without.end();
+        if (left_out) {
+            metaframe.frames.push_back({camera, {}, nullptr, nullptr});
+            continue;
+        }
         auto frame = tracks_[camera]->read(index);
         if (!frame) return tl::unexpected(frame.error());
         frame->camera = camera;

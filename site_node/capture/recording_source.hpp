@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace atrium::capture {
@@ -33,9 +34,9 @@ public:
     /// Number of frames of the camera with the most; counts a video by its header.
     std::size_t num_frames() const { return num_frames_; }
 
-    /// Frame `index` of every camera at once, for tools. Error naming the first camera that lacks
-    /// it.
-    Expected<Metaframe> read_frame(std::size_t index);
+    /// Frame `index` of every camera at once, for tools, but of those named in `without`. Error
+    /// naming the first camera that lacks it.
+    Expected<Metaframe> read_frame(std::size_t index, const std::vector<std::string>& without = {});
 
 private:
     class Track;  // the pictures of one camera

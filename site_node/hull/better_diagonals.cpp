@@ -76,13 +76,21 @@ void BetterDiagonals::find_twins() {
         first = e;
     }
     twin_.assign(static_cast<std::size_t>(num_edges), kNone);
+    bool is_sound = true;
     for (Edge e = 0; e < num_edges; ++e) {
         if (twin_[static_cast<std::size_t>(e)] != kNone) continue;
         const Edge twin = only_edge(to(e), from(e));
-        // an edge that more than two triangles share, or two in the same direction, has to stay
-        if (twin == kNone || only_edge(from(e), to(e)) != e) continue;
+        if (twin == kNone) continue;
+        is_sound &= twin_[static_cast<std::size_t>(twin)] == kNone;
         twin_[static_cast<std::size_t>(e)] = twin;
         twin_[static_cast<std::size_t>(twin)] = e;
+    }
+    if (is_sound) return;
+    // an edge that more than two triangles share, or two in the same direction, has to stay
+    for (Edge e = 0; e < num_edges; ++e) {
+        const Edge twin = only_edge(to(e), from(e));
+        const bool is_pair = twin != kNone && only_edge(from(e), to(e)) == e;
+        twin_[static_cast<std::size_t>(e)] = is_pair ? twin : kNone;
     }
 }
 

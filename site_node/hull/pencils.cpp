@@ -152,6 +152,7 @@ bool place_strips(const Cones& cones,
     side.offset.resize(n);
     side.rises.resize(n);
     side.end_positions.resize(n);
+    side.is_upper_end.assign(view.last_ray - view.first_ray, 0);
     const double error_scale = 10.0 * kRounding * baseline.norm();
     for (std::uint32_t s = 0; s < n; ++s) {
         const std::uint32_t strip = view.first_strip + s;
@@ -176,6 +177,10 @@ bool place_strips(const Cones& cones,
         const std::uint32_t begin = side.position[from - view.first_ray];
         const std::uint32_t end = side.position[to - view.first_ray];
         side.end_positions[s] = {rises ? begin : end, rises ? end : begin};
+        const std::uint32_t upper = rises ? to : from;
+        const auto& incident = cones.incidence[upper].strips;
+        const auto j = std::find(incident.begin(), incident.end(), strip) - incident.begin();
+        side.is_upper_end[upper - view.first_ray] |= static_cast<std::uint8_t>(1u << j);
     }
     return true;
 }

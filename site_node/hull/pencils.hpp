@@ -23,6 +23,8 @@ struct PencilSide {
     std::vector<std::uint32_t> sorted;    // own rays by angle around the baseline
     std::vector<std::uint32_t> position;  // inverse of `sorted`
     std::vector<std::uint32_t> rank;      // number of the other camera's rays before this ray
+    // by ray, bit j: it is the end with the greater angle of its incident strip j
+    std::vector<std::uint8_t> is_upper_end;
 
     /// For the depth at which the strip cuts the other camera's rays.
     struct Offset {

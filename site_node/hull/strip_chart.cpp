@@ -19,6 +19,7 @@ void StripChart::start(const Cones& cones, const Pencils& pencils, std::uint32_t
     view_ = cones.strips[strip].view;
     infinity_toggles_ = {std::uint64_t{1} << view_, 0};
     is_degenerate_ = false;
+    all_carve_ = cones.min_seen == 0;
     num_steps_ = 0;
     if (active_.size() < cones.num_views()) active_.resize(cones.num_views());
     find_active(cones.strips[strip].from);
@@ -40,6 +41,7 @@ void StripChart::find_active(std::uint32_t ray) {
         active_[k].clear();
         if (k == view_) continue;
         const Cones::View& view = cones_->views[k];
+        other_first_strip_ = view.first_strip;
         const PencilSide& other = pencils_->side(k, view_);
         const std::uint32_t rank = pencils_->side(view_, k).rank[local_ray];
         Verdict crossed;
@@ -68,8 +70,7 @@ void StripChart::find_active(std::uint32_t ray) {
 StripChart::Value StripChart::value_at(const PencilSide& other,
                                        std::uint32_t strip,
                                        std::uint32_t ray) const {
-    const PencilSide::Offset& offset =
-        other.offset[strip - cones_->views[cones_->strips[strip].view].first_strip];
+    const PencilSide::Offset& offset = other.offset[strip - other_first_strip_];
     const double u = -cones_->normal[strip].dot(cones_->ray[ray]) * offset.inverse;
     const double error = offset.dot_error * cones_->ray_length[ray] + std::abs(u) * offset.error;
     return {u, error * offset.certain};
@@ -101,7 +102,7 @@ void StripChart::close_piece(std::uint32_t p, const Place& at) {
     const double margin = piece.error + std::abs(piece.slope) * at.phi_error;
     piece.min_u = std::min(piece.min_u, end - margin);
     piece.max_u = std::max(piece.max_u, end + margin);
-    if (cones_->strips[piece.strip].toggles.carved == 0) return;
+    if (!carves(piece.strip)) return;
     nearest_ = std::max(nearest_, piece.max_u);
     farthest_ = std::min(farthest_, piece.min_u);
 }
@@ -136,19 +137,19 @@ bool StripChart::collect_from(std::uint32_t k) {
     other_view_ = k;
     const PencilSide& own = pencils_->side(view_, k);
     const PencilSide& other = pencils_->side(k, view_);
-    const std::uint64_t bit = std::uint64_t{1} << k;
-    std::uint64_t carved = verdict_at_centre_.carved & bit;
-    const bool carves_near = carved != 0;
+    other_first_strip_ = cones_->views[k].first_strip;
+    const bool carves_near = (verdict_at_centre_.carved >> k & 1) != 0;
+    bool carves_far = carves_near;
     nearest_ = -kInfinity;
     farthest_ = kInfinity;
     for (Active& active : active_[k]) {
-        carved ^= cones_->strips[active.strip].toggles.carved;
+        if (carves(active.strip)) carves_far = !carves_far;
         open_piece(other, active, kStart);
     }
     if (!collect_events(own, other)) return false;
     for (const Active& active : active_[k]) close_piece(active.piece, kEnd);
     if (carves_near) highest_ = std::min(highest_, nearest_);
-    if (carved != 0) lowest_ = std::max(lowest_, farthest_);
+    if (carves_far) lowest_ = std::max(lowest_, farthest_);
     return true;
 }
 
@@ -197,19 +198,18 @@ bool StripChart::add_event(const PencilSide& other,
                            bool rising) {
     const Cones::Incidence& incidence = cones_->incidence[ray];
     if (incidence.count > incidence.strips.size()) return false;
-    const std::uint32_t first = cones_->views[other_view_].first_strip;
+    const std::uint32_t upper_ends = other.is_upper_end[ray - cones_->views[other_view_].first_ray];
+    const std::uint32_t arriving = rising ? upper_ends : ~upper_ends;
     std::vector<Active>& active = active_[other_view_];
     Event& event = events_.emplace_back();
     event.phi = at.phi;
     event.phi_error = at.phi_error;
     event.ray = ray;
-    event.view = other_view_;
+    event.view = static_cast<std::uint8_t>(other_view_);
     std::array<std::uint32_t, 3> leaving{};
     for (std::uint32_t j = 0; j < incidence.count; ++j) {
         const std::uint32_t strip = incidence.strips[j];
-        const bool strip_rises = other.rises[strip - first] != 0;
-        const bool is_upper_end = (cones_->strips[strip].to == ray) == strip_rises;
-        if (is_upper_end != rising) {
+        if ((arriving >> j & 1) == 0) {
             leaving[event.num_leaving++] = strip;
             continue;
         }
@@ -238,7 +238,12 @@ void StripChart::hide_pieces() {
         Piece& piece = pieces_[p];
         if (piece.min_u > highest_) {
             piece.visibility = Visibility::kAbove;
-            if (piece.start_event == kNone) verdict_above_ ^= cones_->strips[piece.strip].toggles;
+            if (piece.start_event != kNone) continue;
+            if (all_carve_) {
+                verdict_above_.carved ^= std::uint64_t{1} << piece.view;
+            } else {
+                verdict_above_ ^= cones_->strips[piece.strip].toggles;
+            }
         } else if (piece.max_u < lowest_) {
             piece.visibility = Visibility::kBelow;
         } else {

@@ -46,11 +46,11 @@ public:
         double phi = 0.0;
         double phi_error = 0.0;
         std::uint32_t ray = 0;
-        std::uint32_t view = 0;
         std::array<std::uint32_t, 3> arriving{};  // pieces
         std::array<std::uint32_t, 3> leaving{};
-        std::uint32_t num_arriving = 0;
-        std::uint32_t num_leaving = 0;
+        std::uint8_t view = 0;
+        std::uint8_t num_arriving = 0;
+        std::uint8_t num_leaving = 0;
         bool is_wholly_visible = true;
     };
     /// A place at which lines are compared: an event, or one of the strip's two rays.
@@ -152,6 +152,8 @@ private:
     std::uint32_t view_ = 0;
     Cones::Strip own_;
     std::uint32_t other_view_ = 0;  // the camera whose lines are being collected
+    std::uint32_t other_first_strip_ = 0;
+    bool all_carve_ = true;  // whoever crosses a line crosses a border of what is carved
     Verdict verdict_at_centre_;
     Verdict verdict_above_;
     Verdict infinity_toggles_;
@@ -162,6 +164,9 @@ private:
     double farthest_ = 0.0;
     bool is_degenerate_ = false;
     std::uint64_t num_steps_ = 0;
+    bool carves(std::uint32_t strip) const {
+        return all_carve_ || cones_->strips[strip].toggles.carved != 0;
+    }
     bool is_certain(double difference, double error) const {
         return std::abs(difference) > error && !cones_->only_exact;
     }

@@ -186,13 +186,17 @@ bool StripSweep::is_reversed(std::size_t p, const Place& at) {
 
 // Moves all lines on, exchanging neighbours in the order in which they cross on the way.
 void StripSweep::advance(const Place& at) {
+    num_steps_ += lines_.size();
+    bool are_in_order = !cones_->only_exact;
+    double least_above = std::numeric_limits<double>::infinity();
     for (std::size_t p = 1; p < lines_.size(); ++p) {
         Line& line = lines_[p];
         line.u = line.at_from + at.phi * line.slope;
         line.u_error = line.error + at.phi_error * std::abs(line.slope);
+        are_in_order &= least_above > line.u + line.u_error;
+        least_above = line.u - line.u_error;
     }
-    num_steps_ += lines_.size();
-    for (;;) {
+    while (!are_in_order) {
         // the next crossing is always one of neighbours
         std::size_t first = 0;
         for (std::size_t p = 1; p + 1 < lines_.size(); ++p) {

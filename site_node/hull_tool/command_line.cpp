@@ -2,6 +2,11 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cmath>
+#include <optional>
+#include <sstream>
+#include <string>
+
 namespace atrium::hull_tool {
 namespace {
 
@@ -20,9 +25,67 @@ constexpr const char* kDetails =
     "file.\n"
     "Examples:\n"
     "  visual_hull views.json -o hull.ply\n"
-    "  visual_hull --recording recordings/room --frame 12 --threads 2 --repeat 50";
+    "  visual_hull --recording recordings/room --frame 12 --threads 2 --repeat 50\n"
+    "  visual_hull views.json --partial --bounds -1,-1,0,1,1,2.3 --min-views 3 --without cam4";
 
 constexpr int kExitUsage = 2;
+constexpr double kMaxCoordinate_m = 1e4;
+constexpr double kMinExtent_m = 0.01;
+
+// Six numbers, the corners of a box that has an extent.
+std::optional<geometry::Aabb> parse_bounds(const std::string& text) {
+    geometry::Aabb box;
+    std::istringstream stream(text);
+    for (int i = 0; i < 6; ++i) {
+        double& value = i < 3 ? box.min[i] : box.max[i - 3];
+        char comma = ',';
+        if ((i > 0 && !(stream >> comma)) || comma != ',' || !(stream >> value) ||
+            !(std::abs(value) <= kMaxCoordinate_m)) {
+            return std::nullopt;
+        }
+    }
+    if (stream.peek() != std::istringstream::traits_type::eof()) return std::nullopt;
+    if (!(box.size().array() >= kMinExtent_m).all()) return std::nullopt;
+    return box;
+}
+
+// What decides which hull it is.
+void add_hull_options(CLI::App& app, ToolOptions& options) {
+    auto* bounds =
+        app.add_option_function<std::string>(
+               "--bounds",
+               [&](const std::string& text) { options.bounds = parse_bounds(text); },
+               "where people can be: the hull is cut there; lowest and highest corner in metres")
+            ->type_name("X0,Y0,Z0,X1,Y1,Z1")
+            ->check(CLI::Validator(
+                [](std::string& text) {
+                    return parse_bounds(text) ? std::string()
+                                              : "must be six numbers X0,Y0,Z0,X1,Y1,Z1 [m], the "
+                                                "second corner higher than the first, got " +
+                                                    text;
+                },
+                ""));
+    app.add_flag("--partial",
+                 options.partial,
+                 "people may reach out of the pictures: what lies beyond 2 px inside of the border "
+                 "is unknown and not cut away; needs --bounds")
+        ->needs(bounds);
+    app.add_option("--min-views",
+                   options.min_views,
+                   "where fewer cameras see a point of space, it is not in the hull")
+        ->check(CLI::Range(0, 64))
+        ->capture_default_str();
+    app.add_option("--min-litres", options.min_litres, "drop smaller components, in litres")
+        ->check(CLI::Range(0.0, 1e6))
+        ->capture_default_str();
+    app.add_option("--without", options.without, "leave out the view of this name; may be repeated")
+        ->type_name("NAME")
+        ->allow_extra_args(false);
+    app.add_flag("--keep-phantoms",
+                 options.keep_phantoms,
+                 "keep components that no silhouette needs (without viewing edge) or that are "
+                 "tiny: the exact intersection");
+}
 
 }  // namespace
 
@@ -48,10 +111,7 @@ Start parse_command_line(int argc, char** argv, ToolOptions& options) {
                    "compute this often; adds the minimum and median of the total time")
         ->check(CLI::Range(1, 1'000'000))
         ->capture_default_str();
-    app.add_flag("--keep-phantoms",
-                 options.keep_phantoms,
-                 "keep components that no silhouette needs (without viewing edge) or that are "
-                 "tiny: the exact intersection");
+    add_hull_options(app, options);
     app.add_option("--decimate",
                    options.decimate_mm,
                    "leave out vertices while the surface stays within this distance, in "

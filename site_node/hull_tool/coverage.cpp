@@ -143,8 +143,14 @@ Coverage measure_coverage(const geometry::TriangleMesh& mesh,
         fill_even_odd(view.contours, dy * kTolerance_px, 2.0 * kTolerance_px, near_silhouette);
     }
     draw_mesh(mesh, view, hull);
+    scratch.field.assign(num_pixels, view.field.empty() ? 1 : 0);
+    if (!view.field.empty()) {
+        Raster field{scratch.field, width, height};
+        fill_even_odd({view.field}, 0.0, 0.0, field);
+    }
     Coverage coverage;
     for (std::size_t i = 0; i < num_pixels; ++i) {
+        if (scratch.field[i] == 0) continue;
         coverage.silhouette_px += scratch.silhouette[i];
         coverage.covered_px += scratch.silhouette[i] & scratch.hull[i];
         coverage.excess_px += scratch.hull[i] & ~scratch.near_silhouette[i] & 1u;

@@ -26,11 +26,12 @@ struct CoverageScratch {
     std::vector<std::uint8_t> silhouette;
     std::vector<std::uint8_t> near_silhouette;
     std::vector<std::uint8_t> hull;
+    std::vector<std::uint8_t> field;
 };
 
 /// A pixel whose centre is nearer than 1e-3 px to an outline counts in the hull's favour: there the
 /// two only differ by the hull's jitter and by rounding. Triangles are cut at the camera; any mesh
-/// will do.
+/// will do. Of a view with a field only pixels inside of it count.
 Coverage measure_coverage(const geometry::TriangleMesh& mesh,
                           const hull::SilhouetteView& view,
                           CoverageScratch& scratch);

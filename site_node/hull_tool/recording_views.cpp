@@ -38,12 +38,13 @@ Expected<image::Mask> segment_by_background(capture::RecordingSource& source,
 }  // namespace
 
 Expected<std::vector<NamedView>> load_recording_views(const std::filesystem::path& folder,
-                                                      std::size_t frame) {
+                                                      std::size_t frame,
+                                                      const std::vector<std::string>& without) {
     capture::RecordingOptions options;
     options.folder = folder;
     auto source = capture::RecordingSource::open(options);
     if (!source) return tl::unexpected(source.error());
-    const auto metaframe = (*source)->read_frame(frame);
+    const auto metaframe = (*source)->read_frame(frame, without);
     if (!metaframe) return tl::unexpected(metaframe.error());
 
     const silhouette::SilhouetteOptions silhouette_options;
@@ -52,6 +53,10 @@ Expected<std::vector<NamedView>> load_recording_views(const std::filesystem::pat
     std::vector<NamedView> views;
     for (const capture::CameraFrame& picture : metaframe->frames) {
         const geometry::CalibratedCamera& camera = (*source)->rig().cameras[picture.camera];
+        if (picture.image == nullptr) {
+            views.push_back({camera.name, {camera.intrinsics, camera.camera_from_site, {}, {}}});
+            continue;
+        }
         const auto name_camera = [&](const Error& error) {
             return make_error(
                 error.kind, folder.string() + ": camera \"" + camera.name + "\": " + error.message);

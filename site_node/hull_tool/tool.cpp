@@ -4,9 +4,12 @@
 #include "core/geometry/decimate.hpp"
 #include "core/geometry/mesh_file.hpp"
 #include "core/geometry/triangle_mesh.hpp"
+#include "site_node/hull/field_of_view.hpp"
 #include "site_node/hull_tool/coverage.hpp"
 #include "site_node/hull_tool/recording_views.hpp"
 #include "site_node/hull_tool/views_file.hpp"
+#include "site_node/silhouette/picture_field.hpp"
+#include "site_node/silhouette/silhouette.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -16,6 +19,55 @@
 
 namespace atrium::hull_tool {
 namespace {
+
+// Views of which any part is unknown get a field; it is that of the silhouettes of a recording.
+Expected<void> add_fields(std::vector<NamedView>& views) {
+    const double inset_px =
+        silhouette::field_inset_px(silhouette::SilhouetteOptions{}.tolerance_px);
+    for (NamedView& view : views) {
+        auto field = silhouette::picture_field(view.view.intrinsics, inset_px);
+        if (!field || !hull::is_usable_field(*field)) {
+            return make_error(ErrorKind::kConfiguration,
+                              "--partial: view \"" + view.name +
+                                  "\": the lens distortion cannot be taken out along the border "
+                                  "of its picture");
+        }
+        view.view.field = std::move(*field);
+    }
+    return {};
+}
+
+Expected<void> leave_out(const std::vector<std::string>& names, std::vector<NamedView>& views) {
+    for (const std::string& name : names) {
+        const auto has_name = [&](const NamedView& view) { return view.name == name; };
+        if (std::erase_if(views, has_name) > 0) continue;
+        std::string known;
+        for (const NamedView& view : views) known += (known.empty() ? "" : ", ") + view.name;
+        return make_error(ErrorKind::kConfiguration,
+                          "--without: there is no view \"" + name + "\" to leave out of " + known);
+    }
+    return {};
+}
+
+// The views as they are to be intersected.
+Expected<std::vector<NamedView>> load_views(const ToolOptions& options) {
+    auto views =
+        options.recording.empty()
+            ? load_views_file(options.views_file)
+            : load_recording_views(
+                  options.recording, static_cast<std::size_t>(options.frame), options.without);
+    if (!views) return views;
+    if (auto done = leave_out(options.without, *views); !done) return tl::unexpected(done.error());
+    if (options.min_views > views->size()) {
+        return make_error(ErrorKind::kConfiguration,
+                          "--min-views: must not exceed the number of views, " +
+                              std::to_string(views->size()) + ", got " +
+                              std::to_string(options.min_views));
+    }
+    if (!options.partial) return views;
+    if (auto added = add_fields(*views); !added) return tl::unexpected(added.error());
+    return views;
+}
 
 struct Measured {
     hull::VisualHull hull;
@@ -29,7 +81,10 @@ Measured compute(const std::vector<NamedView>& views, const ToolOptions& options
     std::vector<hull::SilhouetteView> silhouettes;
     for (const NamedView& view : views) silhouettes.push_back(view.view);
     hull::HullOptions hull_options;
+    hull_options.bounds = options.bounds;
+    hull_options.min_views = options.min_views;
     hull_options.keep_phantoms = options.keep_phantoms;
+    hull_options.min_component_volume_m3 = 1e-3 * options.min_litres;
     hull::HullScratch scratch;
     ThreadPool pool(static_cast<std::size_t>(options.threads));
     Measured measured;
@@ -59,7 +114,9 @@ nlohmann::ordered_json report_views(const std::vector<NamedView>& views,
     return list;
 }
 
-nlohmann::ordered_json report(const std::vector<NamedView>& views, const Measured& measured) {
+nlohmann::ordered_json report(const std::vector<NamedView>& views,
+                              const ToolOptions& options,
+                              const Measured& measured) {
     const hull::VisualHull& hull = measured.hull;
     const geometry::MeshReport mesh = geometry::inspect(hull.mesh);
     nlohmann::ordered_json out;
@@ -81,6 +138,7 @@ nlohmann::ordered_json report(const std::vector<NamedView>& views, const Measure
         out["decimated_triangles"] = measured.decimated->triangles.size();
         out["distance_bound_mm"] = 1e3 * measured.distance_bound_m;
     }
+    if (!options.without.empty()) out["views_left_out"] = options.without;
     out["views"] = report_views(views, hull.mesh);
     const hull::StageTimes& times = measured.fastest;
     nlohmann::ordered_json& ms = out["milliseconds"];
@@ -120,6 +178,13 @@ std::string name_of_input(const ToolOptions& options) {
     return options.recording.string() + ", frame " + std::to_string(options.frame);
 }
 
+std::string advice(hull::HullStatus status) {
+    if (status == hull::HullStatus::kTooFewViews)
+        return "; at least two cameras at different places are needed";
+    if (status == hull::HullStatus::kUnbounded) return "; --bounds close it";
+    return "";
+}
+
 }  // namespace
 
 Expected<std::string> run(const ToolOptions& options) {
@@ -128,21 +193,16 @@ Expected<std::string> run(const ToolOptions& options) {
             ErrorKind::kConfiguration,
             options.output.string() + ": unknown mesh format; use .ply, .obj, .gltf or .glb");
     }
-    const auto views =
-        options.recording.empty()
-            ? load_views_file(options.views_file)
-            : load_recording_views(options.recording, static_cast<std::size_t>(options.frame));
+    const auto views = load_views(options);
     if (!views) return tl::unexpected(views.error());
     Measured measured = compute(*views, options);
     const hull::HullStatus status = measured.hull.status;
     if (status != hull::HullStatus::kOk && status != hull::HullStatus::kEmptyIntersection) {
         const bool is_input =
             status == hull::HullStatus::kTooFewViews || status == hull::HullStatus::kInvalidInput;
-        return make_error(is_input ? ErrorKind::kConfiguration : ErrorKind::kInvalidData,
-                          name_of_input(options) + ": no hull: " + hull::to_string(status) +
-                              (status == hull::HullStatus::kTooFewViews
-                                   ? "; at least two cameras at different places are needed"
-                                   : ""));
+        return make_error(
+            is_input ? ErrorKind::kConfiguration : ErrorKind::kInvalidData,
+            name_of_input(options) + ": no hull: " + hull::to_string(status) + advice(status));
     }
     if (options.decimate_mm > 0.0) {
         if (auto done = decimate(measured, options); !done) return tl::unexpected(done.error());
@@ -151,7 +211,7 @@ Expected<std::string> run(const ToolOptions& options) {
         const auto& mesh = measured.decimated ? *measured.decimated : measured.hull.mesh;
         if (auto written = write(mesh, options); !written) return tl::unexpected(written.error());
     }
-    return report(*views, measured).dump(2);
+    return report(*views, options, measured).dump(2);
 }
 
 }  // namespace atrium::hull_tool

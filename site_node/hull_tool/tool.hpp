@@ -1,9 +1,13 @@
 #pragma once
 
 #include "core/base/expected.hpp"
+#include "core/geometry/aabb.hpp"
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace atrium::hull_tool {
 
@@ -14,6 +18,11 @@ struct ToolOptions {
     std::filesystem::path output;  // empty: no mesh is written
     int threads = 1;
     int repeat = 1;
+    std::vector<std::string> without;  // names of views that are left out
+    std::optional<geometry::Aabb> bounds;
+    bool partial = false;  // what lies outside of the pictures is unknown; needs bounds
+    std::uint32_t min_views = 0;
+    double min_litres = 0.005;
     bool keep_phantoms = false;
     double decimate_mm = 0.0;  // 0: the mesh is written as it is
     bool normals = false;      // written with the mesh

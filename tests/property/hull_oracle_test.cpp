@@ -1,20 +1,22 @@
 #include "site_node/hull/cones.hpp"
 #include "site_node/hull/visual_hull.hpp"
 #include "tests/support/exact_intersection.hpp"
+#include "tests/support/random.hpp"
 #include "tests/support/scene_maker.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
-#include <random>
 
 // The hull against the exact intersection of the same cones by somebody else's code.
 namespace atrium::hull {
 namespace {
 
+using test::between;
 using test::ExactCone;
 using test::ExactSolid;
+using test::Random;
 
 // The cones of the last computation, after jitter and rounding: what the hull has to be exact for.
 std::vector<ExactCone> exact_cones(const HullScratch& scratch) {
@@ -39,14 +41,10 @@ constexpr std::uint64_t kNumScenes = 15;
 constexpr std::uint64_t kNumScenes = 60;
 #endif
 
-int between(std::mt19937_64& random, int low, int high) {
-    return std::uniform_int_distribution<int>(low, high)(random);
-}
-
 // Stars with holes and islands that have nothing to do with each other: more crossings, phantoms
 // and handles than silhouettes of bodies have.
 std::vector<SilhouetteView> random_stars(std::uint64_t seed) {
-    std::mt19937_64 random(seed);
+    Random random(seed);
     test::Bodies bodies;
     const int num_views = between(random, 3, 5);
     const auto rig =
@@ -77,7 +75,7 @@ std::vector<SilhouetteView> random_stars(std::uint64_t seed) {
 
 std::vector<SilhouetteView> small_scene(std::uint64_t seed) {
     if (seed % 3 == 0) return random_stars(seed);
-    std::mt19937_64 random(seed);
+    Random random(seed);
     test::SceneOptions options;
     options.bodies = static_cast<test::BodyKind>(between(random, 0, 4));
     options.rig = static_cast<test::RigKind>(seed % 7);

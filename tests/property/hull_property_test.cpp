@@ -1,4 +1,5 @@
 #include "site_node/hull/visual_hull.hpp"
+#include "tests/support/random.hpp"
 #include "tests/support/rig_maker.hpp"
 #include "tests/support/silhouette_maker.hpp"
 
@@ -8,20 +9,13 @@
 #include <algorithm>
 #include <limits>
 #include <numbers>
-#include <random>
 
 namespace atrium::hull {
 namespace {
 
+using test::between;
 using test::Contour;
-using Random = std::mt19937_64;
-
-double between(Random& random, double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-}
-int between(Random& random, int low, int high) {
-    return std::uniform_int_distribution<int>(low, high)(random);
-}
+using test::Random;
 
 // Cameras anywhere on a sphere, opposite ones included, with silhouettes that have nothing to do
 // with each other: star-shaped blobs, holes, islands. Far more corner cases than real silhouettes

@@ -1,27 +1,21 @@
 #include "site_node/hull/visual_hull.hpp"
+#include "tests/support/polygons.hpp"
+#include "tests/support/random.hpp"
 #include "tests/support/rig_maker.hpp"
 #include "tests/support/silhouette_maker.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <random>
 #include <vector>
 
 // Cameras that see only a part of the space: against the definition, point by point.
 namespace atrium::hull {
 namespace {
 
+using test::between;
 using test::Contour;
-using Random = std::mt19937_64;
-
-double between(Random& random, double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-}
-int between(Random& random, int low, int high) {
-    return std::uniform_int_distribution<int>(low, high)(random);
-}
+using test::Random;
 
 struct Scene {
     std::vector<SilhouetteView> views;
@@ -77,33 +71,6 @@ Scene random_scene(std::uint64_t seed) {
     return scene;
 }
 
-bool is_inside(const std::vector<Contour>& contours, const Eigen::Vector2d& p) {
-    bool inside = false;
-    for (const Contour& contour : contours) {
-        for (std::size_t i = 0, j = contour.size() - 1; i < contour.size(); j = i++) {
-            const Eigen::Vector2d& a = contour[j];
-            const Eigen::Vector2d& b = contour[i];
-            if ((a.y() > p.y()) == (b.y() > p.y())) continue;
-            if (p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x())
-                inside = !inside;
-        }
-    }
-    return inside;
-}
-
-double distance_px(const std::vector<Contour>& contours, const Eigen::Vector2d& p) {
-    double nearest = 1e9;
-    for (const Contour& contour : contours) {
-        for (std::size_t i = 0, j = contour.size() - 1; i < contour.size(); j = i++) {
-            const Eigen::Vector2d along = contour[i] - contour[j];
-            const double t =
-                std::clamp((p - contour[j]).dot(along) / along.squaredNorm(), 0.0, 1.0);
-            nearest = std::min(nearest, (contour[j] + t * along - p).norm());
-        }
-    }
-    return nearest;
-}
-
 struct Truth {
     bool inside = false;
     bool is_clear = false;  // far enough from every border for the jitter not to matter
@@ -126,10 +93,10 @@ Truth truth_of(const Eigen::Vector3d& p, const Scene& scene) {
         }
         const Eigen::Vector2d px = view.intrinsics.project(p_camera);
         const std::vector<Contour> field{view.field};
-        truth.is_clear &= distance_px(view.contours, px) > kMargin_px;
-        if (!view.field.empty()) truth.is_clear &= distance_px(field, px) > kMargin_px;
-        const bool in_field = view.field.empty() || is_inside(field, px);
-        const bool in_silhouette = is_inside(view.contours, px);
+        truth.is_clear &= test::distance_to_edges(view.contours, px) > kMargin_px;
+        if (!view.field.empty()) truth.is_clear &= test::distance_to_edges(field, px) > kMargin_px;
+        const bool in_field = view.field.empty() || test::even_odd(field, px);
+        const bool in_silhouette = test::even_odd(view.contours, px);
         if (in_field && !in_silhouette) truth.inside = false;
         num_seeing += in_field && in_silhouette ? 1 : 0;
     }

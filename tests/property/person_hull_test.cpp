@@ -39,7 +39,7 @@ protected:
 
     hull::SilhouetteView view_of(std::size_t camera, const image::Mask& mask) {
         hull::SilhouetteView view{
-            cameras_[camera].intrinsics, cameras_[camera].camera_from_site, {}};
+            cameras_[camera].intrinsics, cameras_[camera].camera_from_site, {}, {}};
         std::vector<silhouette::SilhouettePolygon> polygons;
         silhouette::extract_silhouette(
             mask, cameras_[camera].intrinsics, {}, silhouette_scratch_, polygons);

@@ -1,5 +1,6 @@
 #include "tests/support/scene_maker.hpp"
 
+#include "tests/support/random.hpp"
 #include "tests/support/rig_maker.hpp"
 
 #include <Eigen/Geometry>
@@ -13,14 +14,7 @@ namespace atrium::test {
 namespace {
 
 using Eigen::Vector3d;
-using Random = std::mt19937_64;
-
-double between(Random& random, double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-}
-int between(Random& random, int low, int high) {
-    return std::uniform_int_distribution<int>(low, high)(random);
-}
+using test::between;  // beside the one below
 bool chance(Random& random, double share) { return between(random, 0.0, 1.0) < share; }
 
 // One number after the other: arguments of one call have no order that all compilers share.

@@ -14,14 +14,6 @@ double cross(const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Ve
     return (a.x() - o.x()) * (b.y() - o.y()) - (a.y() - o.y()) * (b.x() - o.x());
 }
 
-double distance_to_segment(const Eigen::Vector2d& p,
-                           const Eigen::Vector2d& a,
-                           const Eigen::Vector2d& b) {
-    const Eigen::Vector2d ab = b - a;
-    const double t = std::clamp((p - a).dot(ab) / ab.squaredNorm(), 0.0, 1.0);
-    return (p - a - t * ab).norm();
-}
-
 }  // namespace
 
 // Monotone chain.
@@ -123,19 +115,8 @@ Membership membership(const Eigen::Vector3d& p_site, std::span<const hull::Silho
         const Eigen::Vector3d p_camera = view.camera_from_site * p_site;
         if (p_camera.z() <= 0.0) return {false, std::numeric_limits<double>::infinity()};
         const Eigen::Vector2d p = view.intrinsics.project(p_camera);
-        bool inside = false;
-        double nearest = std::numeric_limits<double>::infinity();
-        for (const Contour& contour : view.contours) {
-            for (std::size_t i = 0, j = contour.size() - 1; i < contour.size(); j = i++) {
-                const Eigen::Vector2d& a = contour[j];
-                const Eigen::Vector2d& b = contour[i];
-                nearest = std::min(nearest, distance_to_segment(p, a, b));
-                if ((a.y() > p.y()) == (b.y() > p.y())) continue;
-                if ((cross(a, b, p) > 0.0) == (b.y() > a.y())) inside = !inside;
-            }
-        }
-        result.inside = result.inside && inside;
-        result.margin_px = std::min(result.margin_px, nearest);
+        result.inside = result.inside && even_odd(view.contours, p);
+        result.margin_px = std::min(result.margin_px, distance_to_edges(view.contours, p));
     }
     return result;
 }

@@ -3,6 +3,7 @@
 #include "core/geometry/pinhole_camera.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 #include "site_node/hull/visual_hull.hpp"
+#include "tests/support/polygons.hpp"
 
 #include <Eigen/Core>
 
@@ -11,8 +12,6 @@
 #include <vector>
 
 namespace atrium::test {
-
-using Contour = std::vector<Eigen::Vector2d>;
 
 struct Sphere {
     Eigen::Vector3d centre_site = Eigen::Vector3d::Zero();

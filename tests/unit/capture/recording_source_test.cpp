@@ -205,6 +205,20 @@ TEST_F(RecordingOnDisk, SaysWhatIsMissing) {
     EXPECT_TRUE((*source)->read_frame(0));
 }
 
+TEST_F(RecordingOnDisk, ReadsAFrameWithoutACameraThatLacksIt) {
+    write_sequence("a", 1);
+    write_sequence("b", 2);
+    auto source = RecordingSource::open({folder_});
+    ASSERT_TRUE(source);
+    EXPECT_FALSE((*source)->read_frame(1));
+    const auto frame = (*source)->read_frame(1, {"a"});
+    ASSERT_TRUE(frame) << frame.error().message;
+    ASSERT_EQ(frame->frames.size(), 2u);
+    EXPECT_EQ(frame->frames[0].image, nullptr);
+    EXPECT_EQ(frame->frames[1].camera, 1u);
+    EXPECT_EQ(frame->frames[1].image->y.at(5, 5), 21);
+}
+
 TEST_F(RecordingOnDisk, RefusesPicturesOfAnotherSizeThanTheRigSays) {
     write_sequence("a", 1);
     write_sequence("b", 1);

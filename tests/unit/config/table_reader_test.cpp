@@ -36,6 +36,27 @@ TEST(TableReader, ReadsValuesAndKeepsDefaultsOfAbsentKeys) {
     EXPECT_TRUE(loop);
 }
 
+TEST(TableReader, ReadsListsOfStrings) {
+    TableReader reader = reader_of("cameras = [\"north\", \"south\"]\n[a]\nnone = []\n");
+    std::vector<std::string> cameras{"default"};
+    std::vector<std::string> none{"default"};
+    std::vector<std::string> absent{"default"};
+    reader.read("cameras", cameras);
+    reader.read("a.none", none);
+    reader.read("a.absent", absent);
+    ASSERT_TRUE(reader.finish()) << reader.finish().error().message;
+    EXPECT_THAT(cameras, testing::ElementsAre("north", "south"));
+    EXPECT_TRUE(none.empty());
+    EXPECT_THAT(absent, testing::ElementsAre("default"));
+    for (const char* wrong : {"cameras = \"north\"\n", "cameras = [1]\n"}) {
+        TableReader other = reader_of(wrong);
+        other.read("cameras", cameras);
+        ASSERT_FALSE(other.finish());
+        EXPECT_THAT(other.finish().error().message,
+                    AllOf(HasSubstr("room.toml:1: cameras"), HasSubstr("array of strings")));
+    }
+}
+
 TEST(TableReader, NamesFileLineAndKeyOfAnUnknownKey) {
     TableReader reader = reader_of("rate = 25\n[hull]\nthreads = 2\ntreads = 3\n");
     double rate = 0;

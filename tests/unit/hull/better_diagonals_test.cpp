@@ -1,6 +1,7 @@
 #include "site_node/hull/better_diagonals.hpp"
 
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/random.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -9,7 +10,6 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <random>
 #include <utility>
 
 namespace atrium::hull {
@@ -18,12 +18,9 @@ namespace {
 using Points = std::vector<Eigen::Vector2d>;
 using Triangle = std::array<std::uint32_t, 3>;
 using Triangles = std::vector<Triangle>;
-using Random = std::mt19937_64;
+using test::between;
+using test::Random;
 using DirectedEdge = std::pair<std::uint32_t, std::uint32_t>;
-
-double between(Random& random, double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-}
 
 double twice_area(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
     return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());

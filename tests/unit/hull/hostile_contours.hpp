@@ -1,5 +1,7 @@
 #pragma once
 
+#include "tests/support/polygons.hpp"
+
 #include <Eigen/Core>
 
 #include <algorithm>
@@ -11,8 +13,6 @@
 namespace atrium::test {
 
 using Point = Eigen::Vector2d;
-using Contour = std::vector<Point>;
-using Contours = std::vector<Contour>;
 
 /// Contours of some 20 px that cross and touch themselves and each other, a pure function of the
 /// seed.
@@ -121,34 +121,5 @@ private:
 
     std::mt19937 random_;
 };
-
-// What tests know by themselves, apart from the code under test.
-template <typename OnSegment>
-void for_each_segment(const Contours& contours, OnSegment on_segment) {
-    for (const Contour& contour : contours) {
-        for (std::size_t i = 0; i < contour.size(); ++i)
-            on_segment(contour[i], contour[(i + 1) % contour.size()]);
-    }
-}
-
-inline bool even_odd(const Contours& contours, const Point& p) {
-    bool inside = false;
-    for_each_segment(contours, [&](const Point& a, const Point& b) {
-        if ((a.y() > p.y()) == (b.y() > p.y())) return;
-        if (a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()) > p.x()) inside = !inside;
-    });
-    return inside;
-}
-
-inline double distance_to_edges(const Contours& contours, const Point& p) {
-    double least = 1e9;
-    for_each_segment(contours, [&](const Point& a, const Point& b) {
-        const Point along = b - a;
-        const double length2 = along.squaredNorm();
-        const double t = length2 > 0.0 ? std::clamp(along.dot(p - a) / length2, 0.0, 1.0) : 0.0;
-        least = std::min(least, (p - a - t * along).norm());
-    });
-    return least;
-}
 
 }  // namespace atrium::test

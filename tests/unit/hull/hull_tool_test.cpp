@@ -1,4 +1,3 @@
-#include "site_node/hull_tool/coverage.hpp"
 #include "site_node/hull_tool/tool.hpp"
 #include "site_node/hull_tool/views_file.hpp"
 
@@ -106,6 +105,64 @@ TEST_F(HullTool, ReportsAnEmptyHullWhereOneCameraSeesNobody) {
     EXPECT_EQ(report.at("status"), "empty intersection");
     EXPECT_TRUE(report.at("views")[1].at("coverage").is_null());
     EXPECT_EQ(report.at("views")[0].at("coverage"), 0.0);
+}
+
+// The first camera sees only one half of the cube, the other one is beyond its picture.
+json half_seen_document() {
+    json document = cube_document();
+    document["views"][0]["cx"] = 639.5;
+    document["views"][0]["contours"] = {
+        {{539.8, 140.3}, {639.5, 140.4}, {639.5, 339.7}, {539.7, 339.6}}};
+    return document;
+}
+
+TEST_F(HullTool, CutsAtTheBoundsAndDropsWhatIsSmall) {
+    const json whole = json::parse(*run(options_));
+    options_.bounds = geometry::Aabb{{-1, -1, 0.01}, {1, 1, 1}};
+    const json upper = json::parse(*run(options_));
+    options_.bounds = geometry::Aabb{{-1, -1, -1}, {1, 1, 0.01}};
+    const json lower = json::parse(*run(options_));
+    EXPECT_NEAR(upper.at("volume_m3").get<double>() + lower.at("volume_m3").get<double>(),
+                whole.at("volume_m3").get<double>(),
+                1e-6);
+    EXPECT_NEAR(upper.at("volume_m3").get<double>(), 0.5, 0.06);
+    options_.min_litres = 2000.0;
+    const json none = json::parse(*run(options_));
+    EXPECT_EQ(none.at("status"), "empty intersection");
+    EXPECT_EQ(none.at("fragments_dropped"), 1);
+}
+
+TEST_F(HullTool, LeavesOutViews) {
+    const double volume = json::parse(*run(options_)).at("volume_m3");
+    options_.without = {"cam1"};
+    const json report = json::parse(*run(options_));
+    ASSERT_EQ(report.at("views").size(), 2u);
+    EXPECT_EQ(report.at("views")[1].at("name"), "cam2");
+    EXPECT_EQ(report.at("views_left_out"), json({"cam1"}));
+    EXPECT_GT(report.at("volume_m3").get<double>(), volume);
+    options_.without = {"cam1", "north"};
+    EXPECT_THAT(run(options_).error().message,
+                testing::AllOf(HasSubstr("--without"), HasSubstr("\"north\""), HasSubstr("cam2")));
+    options_.without = {"cam1", "cam0"};
+    EXPECT_THAT(run(options_).error().message, HasSubstr("too few views"));
+}
+
+TEST_F(HullTool, KeepsWhatIsBeyondAPictureOnlyAsPartialViews) {
+    write(half_seen_document().dump());
+    EXPECT_NEAR(json::parse(*run(options_)).at("volume_m3").get<double>(), 0.5, 0.06);
+    options_.partial = true;
+    options_.bounds = geometry::Aabb{{-0.8, -0.8, -0.8}, {0.8, 0.8, 0.8}};
+    const json report = json::parse(*run(options_));
+    EXPECT_NEAR(report.at("volume_m3").get<double>(), 1.0, 0.1);
+    EXPECT_EQ(report.at("manifold"), true);
+    for (const json& view : report.at("views")) {
+        EXPECT_GT(view.at("coverage").get<double>(), 0.98);
+        EXPECT_EQ(view.at("excess_px"), 0);
+    }
+    options_.min_views = 3;  // of one half there are only two
+    EXPECT_NEAR(json::parse(*run(options_)).at("volume_m3").get<double>(), 0.5, 0.06);
+    options_.min_views = 4;
+    EXPECT_THAT(run(options_).error().message, HasSubstr("--min-views"));
 }
 
 TEST_F(HullTool, NamesFileViewAndKeyOfWhatIsWrong) {
@@ -262,52 +319,6 @@ TEST_F(HullTool, DecimatesTheMeshThatItWrites) {
     EXPECT_LE(report.at("distance_bound_mm").get<double>(), 60.0);
     EXPECT_THAT(written("hull.ply"),
                 HasSubstr("element face " + report.at("decimated_triangles").dump() + "\n"));
-}
-
-TEST_F(HullTool, EndsWithUsageErrorsBeforeAnyWork) {
-    const auto exit_code_of = [](std::vector<std::string> words) {
-        words.insert(words.begin(), "visual_hull");
-        std::vector<char*> argv;
-        for (std::string& word : words) argv.push_back(word.data());
-        ToolOptions options;
-        const Start start = parse_command_line(static_cast<int>(argv.size()), argv.data(), options);
-        return start.go_on ? -1 : start.exit_code;
-    };
-    EXPECT_EQ(
-        exit_code_of(
-            {"views.json", "-o", "x.ply", "--threads", "2", "--repeat", "9", "--keep-phantoms"}),
-        -1);
-    EXPECT_EQ(exit_code_of({"--recording", "room", "--frame", "3"}), -1);
-    EXPECT_EQ(exit_code_of({"views.json", "--decimate", "5", "--normals"}), -1);
-    EXPECT_EQ(exit_code_of({"views.json", "--decimate", "0"}), 2);
-    EXPECT_EQ(exit_code_of({"views.json", "--decimate", "-2"}), 2);
-    EXPECT_EQ(exit_code_of({"--help"}), 0);
-    EXPECT_EQ(exit_code_of({"--version"}), 0);
-    EXPECT_EQ(exit_code_of({}), 2);
-    EXPECT_EQ(exit_code_of({"views.json", "--recording", "room"}), 2);
-    EXPECT_EQ(exit_code_of({"views.json", "--threads", "0"}), 2);
-    EXPECT_EQ(exit_code_of({"views.json", "--frame", "3"}), 2);
-    EXPECT_EQ(exit_code_of({"--colour"}), 2);
-}
-
-// A square plate of 1 m, 8 m in front of a camera with 80 px per metre there.
-TEST(Coverage, CountsPixelCentres) {
-    geometry::TriangleMesh plate;
-    plate.vertices = {{-0.5, -0.5, 8.0}, {0.5, -0.5, 8.0}, {0.5, 0.5, 8.0}, {-0.5, 0.5, 8.0}};
-    plate.triangles = {{0, 1, 2}, {0, 2, 3}};
-    hull::SilhouetteView view;
-    view.intrinsics = {
-        200, 150, 640.0, 640.0, 100.5, 75.5};  // covers columns 61..140 and rows 36..115
-    CoverageScratch scratch;
-    view.contours = {{{60.5, 35.5}, {140.5, 35.5}, {140.5, 115.5}, {60.5, 115.5}}};
-    Coverage exact = measure_coverage(plate, view, scratch);
-    EXPECT_EQ(exact.silhouette_px, 6400u);
-    EXPECT_EQ(exact.covered_px, 6400u);
-    EXPECT_EQ(exact.excess_px, 0u);
-    view.contours = {{{80.5, 35.5}, {160.5, 35.5}, {160.5, 115.5}, {80.5, 115.5}}};
-    const Coverage shifted = measure_coverage(plate, view, scratch);
-    EXPECT_EQ(shifted.covered_px, 4800u);
-    EXPECT_EQ(shifted.excess_px, 1600u);
 }
 
 }  // namespace

@@ -1,0 +1,203 @@
+#include "site_node/hull_stage.hpp"
+
+#include "site_node/hull/field_of_view.hpp"
+#include "site_node/silhouette/picture_field.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+
+namespace atrium::site_node {
+namespace {
+
+constexpr double kLitresPerM3 = 1000.0;
+constexpr std::size_t kFewestViews = 2;  // one camera's cone is not a shape
+constexpr std::size_t kViewsOfBounds = 2;
+
+tl::unexpected<Error> wrong(std::string text) {
+    return make_error(ErrorKind::kConfiguration, std::move(text));
+}
+
+Expected<std::uint32_t> find_camera(std::span<const geometry::CalibratedCamera> cameras,
+                                    const std::string& name,
+                                    const std::string& key) {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+        if (cameras[i].name == name) return static_cast<std::uint32_t>(i);
+        names.push_back(cameras[i].name);
+    }
+    return wrong(fmt::format(
+        "{}: there is no camera '{}'; this rig has {}", key, name, fmt::join(names, ", ")));
+}
+
+Expected<void> check_count(std::size_t num_cameras, const HullStageOptions& options) {
+    const bool bounded = options.bounds || !options.regions.empty();
+    const std::size_t most = hull::kMaxViews - (bounded ? kViewsOfBounds : 0);
+    if (num_cameras > most) {
+        return wrong(
+            fmt::format("hull.bounds: up to {} cameras are possible with bounds, here are {}",
+                        most,
+                        num_cameras));
+    }
+    if (options.min_views > num_cameras) {
+        return wrong(
+            fmt::format("hull.min_views: must not exceed the number of cameras, {}, got {}",
+                        num_cameras,
+                        options.min_views));
+    }
+    return {};
+}
+
+bool overlap(const geometry::Aabb& a, const geometry::Aabb& b) {
+    return (a.min.array() < b.max.array()).all() && (b.min.array() < a.max.array()).all();
+}
+
+}  // namespace
+
+Expected<void> check(const HullStageOptions& options) {
+    if (options.bounds && !options.regions.empty()) {
+        return wrong(
+            "hull.bounds: has no meaning beside [[hull.region]], which has bounds of its "
+            "own; leave one of them out");
+    }
+    if (options.partial_views && !options.bounds && options.regions.empty()) {
+        return wrong(
+            "hull.partial_views: needs hull.bounds or [[hull.region]]: where what a "
+            "camera does not see is unknown, they say where the space ends");
+    }
+    if (!options.partial_views && !options.whole_cameras.empty()) {
+        return wrong("hull.whole_cameras: has a meaning only with hull.partial_views = true");
+    }
+    return {};
+}
+
+std::vector<std::string> overlapping_regions(std::span<const RegionOptions> regions) {
+    std::vector<std::string> pairs;
+    for (std::size_t i = 0; i < regions.size(); ++i) {
+        for (std::size_t k = i + 1; k < regions.size(); ++k) {
+            if (overlap(regions[i].bounds, regions[k].bounds))
+                pairs.push_back(fmt::format("{} and {}", regions[i].name, regions[k].name));
+        }
+    }
+    return pairs;
+}
+
+Expected<HullStage> HullStage::create(std::span<const geometry::CalibratedCamera> cameras,
+                                      const HullStageOptions& options,
+                                      double tolerance_px) {
+    if (auto checked = check(options); !checked) return tl::unexpected(checked.error());
+    if (auto counted = check_count(cameras.size(), options); !counted)
+        return tl::unexpected(counted.error());
+    HullStage stage;
+    stage.options_.bounds = options.bounds;
+    stage.options_.min_views = options.min_views;
+    stage.options_.keep_phantoms = options.keep_phantoms;
+    stage.options_.min_component_volume_m3 = options.min_component_l / kLitresPerM3;
+    stage.min_delivered_ = std::max<std::size_t>(kFewestViews, options.min_views);
+    stage.views_.resize(cameras.size());
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+        stage.views_[i].intrinsics = cameras[i].intrinsics;
+        stage.views_[i].camera_from_site = cameras[i].camera_from_site;
+    }
+    if (auto added = stage.add_regions(cameras, options); !added)
+        return tl::unexpected(added.error());
+    if (auto added = stage.add_fields(cameras, options, tolerance_px); !added)
+        return tl::unexpected(added.error());
+    return stage;
+}
+
+Expected<void> HullStage::add_regions(std::span<const geometry::CalibratedCamera> cameras,
+                                      const HullStageOptions& options) {
+    for (const RegionOptions& region : options.regions) {
+        const std::string key = fmt::format("hull.region '{}': cameras", region.name);
+        std::vector<std::uint32_t> indices;
+        for (const std::string& name : region.cameras) {
+            const auto index = find_camera(cameras, name, key);
+            if (!index) return tl::unexpected(index.error());
+            if (std::find(indices.begin(), indices.end(), *index) != indices.end())
+                return wrong(fmt::format("{}: '{}' is named twice", key, name));
+            indices.push_back(*index);
+        }
+        if (region.cameras.empty()) {
+            for (std::uint32_t i = 0; i < cameras.size(); ++i) indices.push_back(i);
+        }
+        if (indices.size() < min_delivered_) {
+            return wrong(fmt::format(
+                "{}: at least {} are needed, got {}", key, min_delivered_, indices.size()));
+        }
+        regions_.push_back({region.name, region.bounds, indices});
+        region_cameras_.push_back(std::move(indices));
+    }
+    return {};
+}
+
+Expected<void> HullStage::add_fields(std::span<const geometry::CalibratedCamera> cameras,
+                                     const HullStageOptions& options,
+                                     double tolerance_px) {
+    std::vector<std::uint8_t> whole(cameras.size(), options.partial_views ? 0 : 1);
+    for (const std::string& name : options.whole_cameras) {
+        const auto index = find_camera(cameras, name, "hull.whole_cameras");
+        if (!index) return tl::unexpected(index.error());
+        whole[*index] = 1;
+    }
+    const double inset_px = silhouette::field_inset_px(tolerance_px);
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+        if (whole[i] != 0) continue;
+        auto field = silhouette::picture_field(cameras[i].intrinsics, inset_px);
+        if (!field || !hull::is_usable_field(*field)) {
+            return wrong(fmt::format(
+                "hull.partial_views: the lens distortion of camera '{}' cannot be taken out along "
+                "the border of its picture; name it in hull.whole_cameras if it sees everybody",
+                cameras[i].name));
+        }
+        views_[i].field = std::move(*field);
+    }
+    return {};
+}
+
+// A region with too few cameras gets one that did not deliver instead, so that it counts as failed:
+// a list without any would mean all of them.
+void HullStage::choose_region_views(std::span<const std::uint8_t> delivered) {
+    for (std::size_t r = 0; r < regions_.size(); ++r) {
+        std::vector<std::uint32_t>& chosen = regions_[r].views;
+        chosen.clear();
+        std::uint32_t missing = 0;
+        for (const std::uint32_t camera : region_cameras_[r]) {
+            if (delivered[camera] != 0) {
+                chosen.push_back(camera);
+            } else {
+                missing = camera;
+            }
+        }
+        if (chosen.size() < min_delivered_) chosen.assign(1, missing);
+    }
+}
+
+void HullStage::compute(std::span<const std::uint8_t> delivered,
+                        Executor& executor,
+                        hull::VisualHull& hull) {
+    const auto num_delivered = static_cast<std::size_t>(
+        std::count_if(delivered.begin(), delivered.end(), [](std::uint8_t d) { return d != 0; }));
+    if (num_delivered < min_delivered_) {
+        clear(hull);
+        hull.status = hull::HullStatus::kTooFewViews;
+        return;
+    }
+    pointers_.clear();
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+        if (delivered[i] != 0) {
+            pointers_.push_back(&views_[i]);
+        } else if (!regions_.empty()) {
+            pointers_.push_back(nullptr);  // regions name cameras by their index
+        }
+    }
+    if (regions_.empty()) {
+        hull::compute_visual_hull(pointers_, options_, hull_scratch_, executor, hull);
+        return;
+    }
+    choose_region_views(delivered);
+    hull::compute_region_hulls(pointers_, regions_, options_, region_scratch_, executor, hull);
+}
+
+}  // namespace atrium::site_node

@@ -1,0 +1,114 @@
+#include "tests/unit/site_node/capsule_room.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <random>
+
+namespace atrium::site_node::test {
+namespace {
+
+// Whether the line from `origin` along the unit vector `ray` passes the segment nearer than the
+// radius. The squared distance along the segment is a parabola.
+bool meets(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray, const Capsule& capsule) {
+    const auto across = [&](const Eigen::Vector3d& v) -> Eigen::Vector3d {
+        return v - v.dot(ray) * ray;
+    };
+    const Eigen::Vector3d from = across(capsule.a - origin);
+    const Eigen::Vector3d along = across(capsule.b - capsule.a);
+    const double t = std::clamp(-from.dot(along) / std::max(along.squaredNorm(), 1e-12), 0.0, 1.0);
+    return (from + t * along).norm() <= capsule.radius_m;
+}
+
+}  // namespace
+
+std::vector<Capsule> make_body(const Eigen::Vector3d& floor_site) {
+    std::vector<Capsule> body{{{0, 0, 1.55}, {0, 0, 1.65}, 0.10},  // head
+                              {{0, 0, 0.95}, {0, 0, 1.35}, 0.16},  // trunk
+                              {{0, -0.1, 0.85}, {0, -0.14, 0.08}, 0.07},
+                              {{0, 0.1, 0.85}, {0, 0.14, 0.08}, 0.07},
+                              {{0, -0.15, 1.4}, {0.1, -0.5, 1.2}, 0.05},
+                              {{0, 0.15, 1.4}, {0.1, 0.5, 1.5}, 0.05}};
+    for (Capsule& limb : body) {
+        limb.a += floor_site;
+        limb.b += floor_site;
+    }
+    return body;
+}
+
+image::Mask draw(std::span<const Capsule> body, const geometry::CalibratedCamera& camera) {
+    const geometry::PinholeCamera& lens = camera.intrinsics;
+    const Eigen::Matrix3d site_from_camera =
+        camera.camera_from_site.rotation.conjugate().toRotationMatrix();
+    const Eigen::Vector3d centre = camera.centre_site();
+    image::Mask mask(lens.width, lens.height);
+    for (int y = 0; y < mask.height; ++y) {
+        for (int x = 0; x < mask.width; ++x) {
+            const auto straight = lens.undistort(Eigen::Vector2d(x, y));
+            if (!straight) continue;
+            const Eigen::Vector3d ray =
+                (site_from_camera * lens.ray_camera(*straight)).normalized();
+            const bool on = std::any_of(body.begin(), body.end(), [&](const Capsule& limb) {
+                return meets(centre, ray, limb);
+            });
+            mask.row(y)[x] = on ? 255 : 0;
+        }
+    }
+    return mask;
+}
+
+capture::Metaframe take_pictures(std::span<const Capsule> body, const config::Rig& rig) {
+    capture::Metaframe metaframe;
+    metaframe.frame_id = 1;
+    metaframe.capture_time = {1'000'000'000};
+    for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+        const geometry::PinholeCamera& lens = rig.cameras[i].intrinsics;
+        auto image = std::make_shared<image::YuvImage>();
+        image->y = image::Plane(lens.width, lens.height, 90);
+        image->u = image->v = image::Plane(lens.width / 2, lens.height / 2, 128);
+        metaframe.frames.push_back(
+            {i,
+             metaframe.capture_time,
+             std::move(image),
+             std::make_shared<const image::Mask>(draw(body, rig.cameras[i]))});
+    }
+    return metaframe;
+}
+
+std::vector<Eigen::Vector3d> points_inside(std::span<const Capsule> body,
+                                           double margin_m,
+                                           std::size_t count) {
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<double> unit(0.0, 1.0);
+    std::normal_distribution<double> normal;
+    std::vector<Eigen::Vector3d> points;
+    while (points.size() < count) {
+        const Capsule& limb = body[points.size() % body.size()];
+        const Eigen::Vector3d direction(normal(random), normal(random), normal(random));
+        points.push_back(limb.a + unit(random) * (limb.b - limb.a) +
+                         std::cbrt(unit(random)) * (limb.radius_m - margin_m) *
+                             direction.normalized());
+    }
+    return points;
+}
+
+int winding_number(const geometry::TriangleMesh& mesh, const Eigen::Vector3d& p) {
+    double solid_angle = 0.0;
+    for (const auto& triangle : mesh.triangles) {
+        const Eigen::Vector3d a = mesh.vertices[triangle[0]] - p;
+        const Eigen::Vector3d b = mesh.vertices[triangle[1]] - p;
+        const Eigen::Vector3d c = mesh.vertices[triangle[2]] - p;
+        const double la = a.norm();
+        const double lb = b.norm();
+        const double lc = c.norm();
+        solid_angle +=
+            2.0 * std::atan2(a.dot(b.cross(c)),
+                             la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+    }
+    return static_cast<int>(std::lround(solid_angle / (4.0 * std::numbers::pi)));
+}
+
+}  // namespace atrium::site_node::test

@@ -1,0 +1,50 @@
+#pragma once
+
+#include "core/geometry/triangle_mesh.hpp"
+#include "site_node/capture/frame_source.hpp"
+
+#include <Eigen/Core>
+
+#include <span>
+#include <vector>
+
+namespace atrium::site_node::test {
+
+/// All points nearer than `radius_m` to the segment from `a` to `b`, site frame.
+struct Capsule {
+    Eigen::Vector3d a;
+    Eigen::Vector3d b;
+    double radius_m = 0.1;
+};
+
+/// Somebody who stands at `floor_site`, 1.75 m tall with both arms held out.
+std::vector<Capsule> make_body(const Eigen::Vector3d& floor_site);
+
+/// Pixels whose rays meet a capsule, lens distortion included.
+image::Mask draw(std::span<const Capsule> body, const geometry::CalibratedCamera& camera);
+
+/// All cameras at one instant, with silhouettes.
+capture::Metaframe take_pictures(std::span<const Capsule> body, const config::Rig& rig);
+
+/// Cameras that bring their silhouettes along; `run` has nothing to deliver.
+class StillSource final : public capture::FrameSource {
+public:
+    explicit StillSource(config::Rig rig) : rig_(std::move(rig)) {}
+    const config::Rig& rig() const override { return rig_; }
+    bool has_silhouettes() const override { return true; }
+    Expected<void> show_background(std::size_t, const BackgroundSink&) override { return {}; }
+    Expected<void> run(std::stop_token, const Sink&) override { return {}; }
+
+private:
+    config::Rig rig_;
+};
+
+/// Random points of the body that are at least `margin_m` below its surface.
+std::vector<Eigen::Vector3d> points_inside(std::span<const Capsule> body,
+                                           double margin_m,
+                                           std::size_t count);
+
+/// Winding number of a closed mesh around `p`, rounded: 1 inside, 0 outside.
+int winding_number(const geometry::TriangleMesh& mesh, const Eigen::Vector3d& p);
+
+}  // namespace atrium::site_node::test

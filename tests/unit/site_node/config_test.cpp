@@ -1,0 +1,164 @@
+#include "site_node/config.hpp"
+
+#include "site_node/site_counts.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+namespace atrium::site_node {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const std::string kRoom = "[capture]\nrig = \"rig.toml\"\n";
+
+Expected<SiteNodeConfig> parse(const std::string& text) {
+    SiteNodeConfig config;
+    config::OptionSet set;
+    declare(config, set);
+    auto reader = config::TableReader::parse(text, "site.toml");
+    if (!reader) return tl::unexpected(reader.error());
+    set.read_file(*reader);
+    read_hull(*reader, config);
+    if (const auto read = reader->finish(); !read) return tl::unexpected(read.error());
+    if (const auto valid = check(config); !valid) return tl::unexpected(valid.error());
+    return config;
+}
+
+TEST(SiteConfig, SeesNobodyOutsideOfThePicturesByDefault) {
+    const auto config = parse(kRoom);
+    ASSERT_TRUE(config) << config.error().message;
+    const HullStageOptions& hull = config->pipeline.hull;
+    EXPECT_FALSE(hull.bounds);
+    EXPECT_FALSE(hull.partial_views);
+    EXPECT_EQ(hull.min_views, 0u);
+    EXPECT_EQ(hull.min_component_l, 0.005);
+    EXPECT_TRUE(hull.regions.empty());
+    EXPECT_EQ(config->capture.min_cameras, 0);
+}
+
+TEST(SiteConfig, ReadsBoundsAndPartialViews) {
+    const auto config = parse(kRoom +
+                              "min_cameras = 6\n[hull]\nmin_views = 3\nmin_component_l = 0.5\n"
+                              "partial_views = true\nwhole_cameras = [\"top\"]\n"
+                              "[hull.bounds]\nmin = [-1, -2, 0]\nmax = [1, 2, 2.5]\n");
+    ASSERT_TRUE(config) << config.error().message;
+    const HullStageOptions& hull = config->pipeline.hull;
+    ASSERT_TRUE(hull.bounds);
+    EXPECT_EQ(hull.bounds->min, Eigen::Vector3d(-1, -2, 0));
+    EXPECT_EQ(hull.bounds->max, Eigen::Vector3d(1, 2, 2.5));
+    EXPECT_EQ(hull.min_views, 3u);
+    EXPECT_EQ(hull.min_component_l, 0.5);
+    EXPECT_TRUE(hull.partial_views);
+    EXPECT_THAT(hull.whole_cameras, ElementsAre("top"));
+    EXPECT_EQ(config->capture.min_cameras, 6);
+}
+
+TEST(SiteConfig, ReadsRegions) {
+    const auto config = parse(
+        kRoom +
+        "[[hull.region]]\nname = \"stage\"\nbounds = { min = [0, 0, 0], max = [2, 2, 2] }\n"
+        "cameras = [\"a\", \"b\"]\n"
+        "[[hull.region]]\nname = \"stairs\"\nbounds = { min = [2, 0, 0], max = [4, 2, 2] }\n");
+    ASSERT_TRUE(config) << config.error().message;
+    const auto& regions = config->pipeline.hull.regions;
+    ASSERT_EQ(regions.size(), 2u);
+    EXPECT_EQ(regions[0].name, "stage");
+    EXPECT_THAT(regions[0].cameras, ElementsAre("a", "b"));
+    EXPECT_EQ(regions[1].bounds.max, Eigen::Vector3d(4, 2, 2));
+    EXPECT_TRUE(regions[1].cameras.empty());
+    EXPECT_TRUE(overlapping_regions(regions).empty());  // they touch
+}
+
+TEST(SiteConfig, ErrorsNameFileLineKeyAndWhatIsAllowed) {
+    const std::string box = "bounds = { min = [0, 0, 0], max = [1, 1, 1] }\n";
+    const std::string region = "[[hull.region]]\nname = \"a\"\n";
+    const struct {
+        std::string text;
+        std::vector<std::string> named;
+    } cases[] = {
+        {"min_cameras = 65\n", {"site.toml:3", "capture.min_cameras", "[0, 64]", "65"}},
+        {"min_cameras = 1\n", {"capture.min_cameras", "at least 2"}},
+        {"[hull]\nmin_views = -1\n", {"site.toml:4", "hull.min_views"}},
+        {"[hull]\nmin_component_l = \"x\"\n", {"site.toml:4", "hull.min_component_l"}},
+        {"[hull]\nmin_component_m3 = 1\n", {"hull.min_component_m3", "unknown", "component_l"}},
+        {"[hull]\nbounds = [0, 1]\n", {"site.toml:4", "hull.bounds", "table"}},
+        {"[hull.bounds]\nmin = [0, 0, 0]\n", {"hull.bounds.max", "missing"}},
+        {"[hull.bounds]\nmin = [0, 0]\nmax = [1, 1, 1]\n",
+         {"site.toml:4", "hull.bounds.min", "3 numbers"}},
+        {"[hull.bounds]\nmin = [0, 0, 0]\nmax = [1, 1, 0]\n",
+         {"site.toml:5", "hull.bounds.max", "larger than min"}},
+        {"[hull]\npartial_views = true\n", {"hull.partial_views", "hull.bounds"}},
+        {"[hull]\nwhole_cameras = [\"a\"]\n", {"hull.whole_cameras", "hull.partial_views"}},
+        {"[hull]\nwhole_cameras = \"a\"\n", {"site.toml:4", "hull.whole_cameras", "strings"}},
+        {"[[hull.region]]\n" + box, {"site.toml:3", "hull.region[0].name", "missing"}},
+        {"[[hull.region]]\nname = \"a b\"\n" + box, {"site.toml:4", "hull.region[0].name"}},
+        {region, {"hull.region[0].bounds", "missing"}},
+        {region + box + "cameras = [1]\n", {"site.toml:6", "hull.region[0].cameras", "strings"}},
+        {region + box + "colour = 1\n", {"site.toml:6", "hull.region[0].colour", "unknown"}},
+        {region + box + region + box, {"site.toml:7", "hull.region[1].name", "different"}},
+        {"[hull]\n" + box + region + box, {"hull.bounds", "[[hull.region]]"}},
+    };
+    for (const auto& c : cases) {
+        const auto config = parse(kRoom + c.text);
+        const std::string message = config ? "no error" : config.error().message;
+        for (const std::string& part : c.named) EXPECT_THAT(message, HasSubstr(part)) << c.text;
+        if (config) continue;
+        EXPECT_EQ(config.error().kind, ErrorKind::kConfiguration);
+    }
+}
+
+TEST(SiteConfig, NamesRegionsThatOverlap) {
+    const geometry::Aabb left{{0, 0, 0}, {2, 2, 2}};
+    const geometry::Aabb right{{1.9, 0, 0}, {4, 2, 2}};
+    const geometry::Aabb above{{0, 0, 2}, {4, 2, 4}};
+    EXPECT_THAT(overlapping_regions(std::vector<RegionOptions>{
+                    {"left", left, {}}, {"above", above, {}}, {"right", right, {}}}),
+                ElementsAre("left and right"));
+}
+
+TEST(SiteConfig, OfEverySiteThatIsDeliveredIsValid) {
+    int num_sites = 0;
+    for (const auto& entry :
+         std::filesystem::directory_iterator(ATRIUM_SOURCE_DIR "/deploy/sites")) {
+        if (entry.path().extension() != ".toml") continue;
+        ++num_sites;
+        auto reader = config::TableReader::load(entry.path());
+        ASSERT_TRUE(reader) << reader.error().message;
+        SiteNodeConfig config;
+        config::OptionSet set;
+        declare(config, set);
+        set.read_file(*reader);
+        read_hull(*reader, config);
+        const auto read = reader->finish();
+        ASSERT_TRUE(read) << read.error().message;
+        if (config.capture.source != "simulated") continue;  // which one is the user's to say
+        const auto valid = check(config);
+        ASSERT_TRUE(valid) << valid.error().message;
+        const auto rig = config::load_rig(config.capture.rig);
+        ASSERT_TRUE(rig) << rig.error().message;
+        const auto stage = HullStage::create(
+            rig->cameras, config.pipeline.hull, config.pipeline.silhouette.tolerance_px);
+        EXPECT_TRUE(stage) << entry.path() << ": " << stage.error().message;
+    }
+    EXPECT_GT(num_sites, 3);
+}
+
+TEST(SiteCounts, AddUpAndAreShownWhereTheyAreNotZero) {
+    SiteCounts counts;
+    EXPECT_EQ(to_line(counts), "");
+    add(LeftOut{1, 2, 3, 4, 5}, counts);
+    const SiteCounts former = counts;
+    add(LeftOut{10, 20, 30, 40, 50}, counts);
+    counts.num_incomplete_used = 7;
+    EXPECT_EQ(to_line(counts),
+              "incomplete_used=7 phantoms=11 fragments=22 contours_dropped=33 "
+              "contours_repaired=44 regions_failed=55");
+    EXPECT_EQ(counts - former, (SiteCounts{7, 10, 20, 30, 40, 50}));
+}
+
+}  // namespace
+}  // namespace atrium::site_node

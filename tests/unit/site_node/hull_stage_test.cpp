@@ -1,0 +1,171 @@
+#include "site_node/hull_stage.hpp"
+
+#include "tests/support/allocation_counter.hpp"
+#include "tests/support/rig_maker.hpp"
+#include "tests/support/silhouette_maker.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace atrium::site_node {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kTolerance_px = 0.75;
+const geometry::Aabb kRoom{{-1, -1, 0}, {1, 1, 2}};
+
+std::string error_of(const std::vector<geometry::CalibratedCamera>& cameras,
+                     const HullStageOptions& options) {
+    const auto stage = HullStage::create(cameras, options, kTolerance_px);
+    if (stage) return "no error";
+    EXPECT_EQ(stage.error().kind, ErrorKind::kConfiguration);
+    return stage.error().message;
+}
+
+TEST(HullStage, NamesTheKeyThatDoesNotFitTheRig) {
+    auto cameras = atrium::test::make_ring_rig({.num_cameras = 4});
+    HullStageOptions options;
+    options.min_views = 5;
+    EXPECT_THAT(error_of(cameras, options),
+                testing::AllOf(HasSubstr("hull.min_views"), HasSubstr("4"), HasSubstr("5")));
+    options = {};
+    options.regions = {{"stage", kRoom, {"cam0", "cam7"}}};
+    EXPECT_THAT(error_of(cameras, options),
+                testing::AllOf(HasSubstr("hull.region 'stage': cameras"),
+                               HasSubstr("no camera 'cam7'"),
+                               HasSubstr("cam0, cam1, cam2, cam3")));
+    options.regions[0].cameras = {"cam0", "cam0"};
+    EXPECT_THAT(error_of(cameras, options), HasSubstr("'cam0' is named twice"));
+    options.regions[0].cameras = {"cam0"};
+    EXPECT_THAT(error_of(cameras, options), HasSubstr("at least 2"));
+    options.regions[0].cameras = {"cam0", "cam1"};
+    options.min_views = 3;
+    EXPECT_THAT(error_of(cameras, options), HasSubstr("at least 3"));
+    options = {};
+    options.partial_views = true;
+    EXPECT_THAT(error_of(cameras, options), HasSubstr("hull.partial_views: needs hull.bounds"));
+    options.bounds = kRoom;
+    options.whole_cameras = {"top"};
+    EXPECT_THAT(error_of(cameras, options), HasSubstr("hull.whole_cameras: there is no camera"));
+    options.whole_cameras.clear();
+    cameras[2].intrinsics.distortion[0] = -30.0;
+    EXPECT_THAT(error_of(cameras, options),
+                testing::AllOf(HasSubstr("distortion"), HasSubstr("'cam2'")));
+    options.whole_cameras = {"cam2"};
+    EXPECT_EQ(error_of(cameras, options), "no error");
+}
+
+TEST(HullStage, HasRoomForBoundsBesideTheCameras) {
+    HullStageOptions options;
+    EXPECT_EQ(error_of(atrium::test::make_ring_rig({.num_cameras = 64}), options), "no error");
+    options.bounds = kRoom;
+    EXPECT_EQ(error_of(atrium::test::make_ring_rig({.num_cameras = 62}), options), "no error");
+    EXPECT_THAT(error_of(atrium::test::make_ring_rig({.num_cameras = 63}), options),
+                testing::AllOf(HasSubstr("hull.bounds"), HasSubstr("62"), HasSubstr("63")));
+}
+
+class TwoBodies : public testing::Test {
+protected:
+    TwoBodies() {
+        options_.min_component_l = 30.0;  // where cones past both bodies meet is nobody
+        options_.regions = {{"left", {{-2, -0.6, 0.2}, {-1, 0.6, 1.6}}, {"cam0", "cam2", "cam4"}},
+                            {"right", {{1, -0.6, 0.2}, {2, 0.6, 1.6}}, {}}};
+    }
+    HullStage make_stage() {
+        auto stage = HullStage::create(rig_, options_, kTolerance_px);
+        EXPECT_TRUE(stage) << stage.error().message;
+        for (std::size_t v = 0; v < rig_.size(); ++v) {
+            for (const double x : {-1.5, 1.5}) {
+                stage->contours(v).push_back(atrium::test::outline_of(
+                    atrium::test::Sphere{{x, 0.0, 0.9}, 0.3}, rig_[v], 30));
+            }
+        }
+        return std::move(*stage);
+    }
+    std::vector<geometry::CalibratedCamera> rig_ =
+        atrium::test::make_ring_rig({.num_cameras = 8, .first_angle_rad = 0.4});
+    HullStageOptions options_;
+    SerialExecutor executor_;
+    hull::VisualHull hull_;
+};
+
+TEST_F(TwoBodies, AreComputedInTheirRegions) {
+    HullStage stage = make_stage();
+    stage.compute(std::vector<std::uint8_t>(8, 1), executor_, hull_);
+    ASSERT_EQ(hull_.status, hull::HullStatus::kOk) << to_string(hull_.status);
+    EXPECT_EQ(hull_.num_components, 2u);
+    EXPECT_EQ(hull_.num_regions_failed, 0u);
+    double left_l = 0.0;
+    // three cameras' hull of a ball is larger than eight cameras'
+    for (const bool with_left : {true, false}) {
+        options_.regions[0].cameras.clear();
+        if (with_left) options_.regions[0].cameras = {"cam0", "cam2", "cam4"};
+        HullStage other = make_stage();
+        other.compute(std::vector<std::uint8_t>(8, 1), executor_, hull_);
+        const double volume = geometry::volume_m3(hull_.mesh);
+        if (with_left) {
+            left_l = volume;
+        } else {
+            EXPECT_LT(volume, left_l);
+        }
+    }
+}
+
+TEST_F(TwoBodies, LoseTheRegionThatHasTooFewCamerasUntilTheyReturn) {
+    HullStage stage = make_stage();
+    std::vector<std::uint8_t> delivered(8, 1);
+    stage.compute(delivered, executor_, hull_);
+    const geometry::TriangleMesh all = hull_.mesh;
+    delivered[0] = delivered[4] = 0;  // one of three is left to the first region
+    stage.compute(delivered, executor_, hull_);
+    ASSERT_EQ(hull_.status, hull::HullStatus::kOk);
+    EXPECT_EQ(hull_.num_components, 1u);
+    EXPECT_EQ(hull_.num_regions_failed, 1u);
+    EXPECT_GT(geometry::bounds(hull_.mesh).min.x(), 1.0 - 1e-5);
+    delivered.assign(8, 1);
+    stage.compute(delivered, executor_, hull_);
+    EXPECT_EQ(hull_.num_regions_failed, 0u);
+    EXPECT_EQ(hull_.mesh.vertices, all.vertices);
+}
+
+TEST_F(TwoBodies, AllocateNothingOnceWarmAlsoWhenCamerasComeAndGo) {
+    for (const bool with_regions : {true, false}) {
+        if (!with_regions) options_.regions.clear();
+        HullStage stage = make_stage();
+        std::uint64_t warm = 0;
+        for (int round = 0; round < 4; ++round) {
+            if (round == 2) warm = atrium::test::num_allocations();
+            for (int lost = 0; lost < 8; ++lost) {
+                std::array<std::uint8_t, 8> delivered;
+                delivered.fill(1);
+                delivered[static_cast<std::size_t>(lost)] = 0;
+                delivered[4] = lost == 0 ? 0 : 1;
+                stage.compute(delivered, executor_, hull_);
+            }
+        }
+        EXPECT_EQ(atrium::test::num_allocations() - warm, 0u) << "regions " << with_regions;
+    }
+}
+
+TEST_F(TwoBodies, NeedAsManyCamerasAsHaveToSeeThem) {
+    options_ = {};
+    options_.bounds = geometry::Aabb{{-2, -1, 0}, {2, 1, 2}};
+    HullStage two = make_stage();
+    std::vector<std::uint8_t> delivered{0, 0, 0, 1, 0, 0, 0, 0};
+    two.compute(delivered, executor_, hull_);
+    EXPECT_EQ(hull_.status, hull::HullStatus::kTooFewViews);  // bounds are no second camera
+    EXPECT_TRUE(hull_.mesh.empty());
+    delivered[5] = 1;
+    two.compute(delivered, executor_, hull_);
+    EXPECT_EQ(hull_.status, hull::HullStatus::kOk);
+    options_.min_views = 3;
+    HullStage three = make_stage();
+    three.compute(delivered, executor_, hull_);
+    EXPECT_EQ(hull_.status, hull::HullStatus::kTooFewViews);
+}
+
+}  // namespace
+}  // namespace atrium::site_node

@@ -1,0 +1,198 @@
+#include "site_node/pipeline.hpp"
+
+#include "tests/support/rig_maker.hpp"
+#include "tests/unit/site_node/capsule_room.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace atrium::site_node {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const geometry::Aabb kSpace{{-0.7, -0.8, 0.0}, {0.7, 0.8, 1.9}};
+const std::vector<test::Capsule> kBody = test::make_body({0, 0, 0});
+// A pixel of these cameras is some 7 mm wide at the body; outlines are true to a pixel or so.
+constexpr double kMargin_m = 0.02;
+
+config::Rig make_rig(double focal_px) {
+    config::Rig rig;
+    rig.cameras = atrium::test::make_ring_rig({.num_cameras = 8,
+                                               .radius_m = 3.0,
+                                               .heights_m = {1.0, 2.2},
+                                               .size_px = 240,
+                                               .focal_px = focal_px});
+    rig.bounds_site = kSpace;
+    return rig;
+}
+
+// Four cameras look at the upper half of the body and four at the lower one; nobody is seen whole.
+config::Rig make_close_rig() {
+    config::Rig rig = make_rig(500.0);
+    for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+        geometry::CalibratedCamera& camera = rig.cameras[i];
+        camera.camera_from_site =
+            atrium::test::look_at(camera.centre_site(), {0.0, 0.0, (i / 2) % 2 == 0 ? 1.25 : 0.45});
+        if (i % 3 == 0) camera.intrinsics.distortion = {-0.3, 0.1, 0.001, -0.002, 0.0};
+    }
+    return rig;
+}
+
+class SitePipeline : public testing::Test {
+protected:
+    Pipeline make(const config::Rig& rig, const PipelineOptions& options = {}) {
+        test::StillSource source(rig);
+        auto pipeline = Pipeline::create(source, options, {});
+        EXPECT_TRUE(pipeline) << pipeline.error().message;
+        return std::move(*pipeline);
+    }
+    void process(Pipeline& pipeline, const capture::Metaframe& metaframe) {
+        const auto done = pipeline.process(metaframe, executor_, frame_);
+        ASSERT_TRUE(done) << done.error().message;
+    }
+    std::size_t num_outside(const std::vector<Eigen::Vector3d>& points) const {
+        return static_cast<std::size_t>(
+            std::count_if(points.begin(), points.end(), [&](const Eigen::Vector3d& p) {
+                return test::winding_number(frame_.hull.mesh, p) != 1;
+            }));
+    }
+    std::vector<std::uint32_t> textured() const {
+        std::vector<std::uint32_t> cameras;
+        for (const CodedCamera& camera : frame_.cameras) cameras.push_back(camera.camera);
+        std::sort(cameras.begin(), cameras.end());
+        return cameras;
+    }
+
+    SerialExecutor executor_;
+    SiteFrame frame_;
+    const std::vector<Eigen::Vector3d> points_ = test::points_inside(kBody, kMargin_m, 300);
+};
+
+TEST_F(SitePipeline, HullContainsWhoIsSeenWhole) {
+    const config::Rig rig = make_rig(250.0);
+    Pipeline pipeline = make(rig);
+    process(pipeline, test::take_pictures(kBody, rig));
+    EXPECT_EQ(frame_.hull.status, hull::HullStatus::kOk);
+    EXPECT_EQ(num_outside(points_), 0u);
+    EXPECT_FALSE(frame_.draco.empty());
+    EXPECT_THAT(textured(), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
+}
+
+TEST_F(SitePipeline, ClosedBordersCutWhoReachesOutOfThePictures) {
+    const config::Rig rig = make_close_rig();
+    Pipeline pipeline = make(rig);
+    process(pipeline, test::take_pictures(kBody, rig));
+    EXPECT_GT(num_outside(points_), points_.size() / 4);
+}
+
+TEST_F(SitePipeline, PartialViewsContainWhoReachesOutOfThePictures) {
+    const config::Rig rig = make_close_rig();
+    const capture::Metaframe metaframe = test::take_pictures(kBody, rig);
+    PipelineOptions options;
+    options.hull.partial_views = true;
+    options.hull.bounds = kSpace;
+    for (const std::uint32_t min_views : {0u, 3u}) {
+        options.hull.min_views = min_views;
+        Pipeline pipeline = make(rig, options);
+        process(pipeline, metaframe);
+        EXPECT_EQ(frame_.hull.status, hull::HullStatus::kOk);
+        EXPECT_EQ(num_outside(points_), 0u) << "min_views " << min_views;
+        const geometry::MeshReport report = geometry::inspect(frame_.hull.mesh);
+        EXPECT_TRUE(report.closed && report.manifold);
+        const geometry::Aabb extent = geometry::bounds(frame_.hull.mesh);
+        EXPECT_TRUE((extent.min.array() > kSpace.min.array() - 1e-5).all());
+        EXPECT_TRUE((extent.max.array() < kSpace.max.array() + 1e-5).all());
+    }
+    // the body has 0.09 m3; what less than three cameras see is not in it
+    EXPECT_LT(geometry::volume_m3(frame_.hull.mesh), 0.2);
+}
+
+TEST_F(SitePipeline, WholeCamerasCutAmongPartialOnes) {
+    const config::Rig rig = make_close_rig();
+    PipelineOptions options;
+    options.hull.partial_views = true;
+    options.hull.bounds = kSpace;
+    options.hull.whole_cameras = {"cam0"};  // which is not true of it
+    Pipeline pipeline = make(rig, options);
+    process(pipeline, test::take_pictures(kBody, rig));
+    EXPECT_GT(num_outside(points_), 0u);
+}
+
+TEST_F(SitePipeline, GoesOnWithoutALostCameraAndWithItAgain) {
+    const config::Rig rig = make_rig(250.0);
+    const capture::Metaframe all = test::take_pictures(kBody, rig);
+    capture::Metaframe seven = all;
+    seven.frames[2].image = nullptr;
+    seven.frames[2].silhouette = nullptr;
+    Pipeline pipeline = make(rig);
+    process(pipeline, all);
+    const std::vector<std::uint8_t> draco = frame_.draco;
+    const double volume = geometry::volume_m3(frame_.hull.mesh);
+
+    process(pipeline, seven);
+    EXPECT_EQ(num_outside(points_), 0u);
+    EXPECT_GT(geometry::volume_m3(frame_.hull.mesh), volume);
+    EXPECT_THAT(textured(), ElementsAre(0, 1, 3, 4, 5, 6, 7));
+
+    // the same as if the camera had never been there
+    config::Rig smaller = rig;
+    smaller.cameras.erase(smaller.cameras.begin() + 2);
+    Pipeline other = make(smaller);
+    SiteFrame expected;
+    capture::Metaframe without = all;
+    without.frames.erase(without.frames.begin() + 2);
+    for (std::size_t i = 0; i < without.frames.size(); ++i) without.frames[i].camera = i;
+    ASSERT_TRUE(other.process(without, executor_, expected));
+    EXPECT_EQ(frame_.draco, expected.draco);
+
+    process(pipeline, all);
+    EXPECT_EQ(frame_.draco, draco);
+    EXPECT_THAT(textured(), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
+}
+
+TEST_F(SitePipeline, RefusesOneCameraAlone) {
+    const config::Rig rig = make_rig(250.0);
+    const capture::Metaframe all = test::take_pictures(kBody, rig);
+    capture::Metaframe one = all;
+    for (std::size_t i = 1; i < one.frames.size(); ++i) one.frames[i].image = nullptr;
+    for (const bool bounded : {false, true}) {
+        PipelineOptions options;
+        if (bounded) options.hull.bounds = kSpace;
+        Pipeline pipeline = make(rig, options);
+        const auto done = pipeline.process(one, executor_, frame_);
+        ASSERT_FALSE(done);
+        EXPECT_THAT(done.error().message, HasSubstr("too few views"));
+        process(pipeline, all);
+    }
+}
+
+TEST_F(SitePipeline, CountsWhatItLeavesOut) {
+    const config::Rig rig = make_rig(250.0);
+    capture::Metaframe metaframe = test::take_pictures(kBody, rig);
+    PipelineOptions options;
+    options.hull.min_component_l = 1000.0;
+    Pipeline pipeline = make(rig, options);
+    process(pipeline, metaframe);
+    EXPECT_EQ(frame_.left_out.fragments, 1u);
+    EXPECT_TRUE(frame_.draco.empty());  // nobody
+
+    options = {};
+    options.hull.regions = {{"here", kSpace, {}},
+                            {"elsewhere", {{5, 5, 0}, {6, 6, 2}}, {"cam0", "cam1"}}};
+    Pipeline with_regions = make(rig, options);
+    process(with_regions, metaframe);
+    EXPECT_EQ(frame_.left_out.fragments, 0u);
+    EXPECT_EQ(frame_.left_out.regions_failed, 0u);
+    EXPECT_EQ(num_outside(points_), 0u);
+    metaframe.frames[1].image = nullptr;
+    process(with_regions, metaframe);
+    EXPECT_EQ(frame_.left_out.regions_failed, 1u);
+    EXPECT_EQ(num_outside(points_), 0u);
+}
+
+}  // namespace
+}  // namespace atrium::site_node

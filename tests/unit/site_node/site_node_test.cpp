@@ -1,0 +1,162 @@
+// The whole site in this process: from a recording on disk to the real bus.
+#include "site_node/site_node.hpp"
+
+#include "tests/support/rig_maker.hpp"
+#include "tests/unit/site_node/capsule_room.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace atrium::site_node {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+constexpr int kNumFrames = 8;
+
+// Four cameras at 20 Hz; "cam1" lacks frames 3 to 5, and after 5 nothing comes for half a second.
+class SiteFromRecording : public testing::Test {
+protected:
+    void SetUp() override {
+        folder_ = fs::path(testing::TempDir()) / ("atrium_site_node_" + std::to_string(getpid()));
+        config::Rig rig;
+        rig.cameras = atrium::test::make_ring_rig({.num_cameras = 4,
+                                                   .heights_m = {1.0, 2.2},
+                                                   .first_angle_rad = 0.3,
+                                                   .size_px = 120,
+                                                   .focal_px = 125.0});
+        for (const auto& camera : rig.cameras) {
+            fs::create_directories(folder_ / camera.name / "frames");
+            fs::create_directories(folder_ / camera.name / "silhouettes");
+        }
+        write_rig(rig);
+        const auto metaframe = test::take_pictures(test::make_body({0, 0, 0}), rig);
+        std::ofstream times(folder_ / "times.csv");
+        for (int k = 0; k < kNumFrames; ++k) {
+            for (const capture::CameraFrame& frame : metaframe.frames) {
+                const std::string& name = rig.cameras[frame.camera].name;
+                const std::int64_t time_ms = 50 * k + (k > 5 ? 450 : 0);
+                times << k << ',' << name << ',' << time_ms * 1'000'000 << '\n';
+                if (name == "cam1" && k >= 3 && k <= 5) continue;
+                write(folder_ / name, k, *frame.silhouette);
+            }
+        }
+        config_.name = "lab";
+        config_.capture.source = "recording";
+        config_.capture.recording = folder_;
+        config_.capture.deadline_ms = 300.0;
+        config_.bus.world = "site-node-test-" + std::to_string(getpid());
+        config_.bus.domain = 181;  // of this test alone
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+
+    void write_rig(const config::Rig& rig) const {
+        std::ofstream file(folder_ / "rig.toml");
+        const Eigen::IOFormat row_major(17, Eigen::DontAlignCols, ", ", ", ");
+        file << "units = \"m\"\nrate_hz = 20\n";
+        for (const auto& camera : rig.cameras) {
+            const geometry::PinholeCamera& lens = camera.intrinsics;
+            const Eigen::Matrix3d rotation = camera.camera_from_site.rotation.toRotationMatrix();
+            const Eigen::RowVector3d translation = camera.camera_from_site.translation.transpose();
+            file << "[[camera]]\nname = \"" << camera.name << "\"\nwidth = " << lens.width
+                 << "\nheight = " << lens.height << "\nfx = " << lens.fx << "\nfy = " << lens.fy
+                 << "\ncx = " << lens.cx << "\ncy = " << lens.cy << "\nrotation = ["
+                 << rotation.format(row_major) << "]\ntranslation = ["
+                 << translation.format(row_major) << "]\n";
+        }
+    }
+
+    static void write(const fs::path& folder, int k, const image::Mask& silhouette) {
+        const std::string name = cv::format("%06d.png", k);
+        const cv::Mat picture(silhouette.height, silhouette.width, CV_8UC3, cv::Scalar(9, 9, 9));
+        cv::Mat mask(silhouette.height, silhouette.width, CV_8UC1);
+        std::copy(silhouette.data.begin(), silhouette.data.end(), mask.data);
+        ASSERT_TRUE(cv::imwrite((folder / "frames" / name).string(), picture));
+        ASSERT_TRUE(cv::imwrite((folder / "silhouettes" / name).string(), mask));
+    }
+
+    void lose_for_good(const std::string& camera) const {
+        for (const int k : {6, 7})
+            ASSERT_TRUE(fs::remove(folder_ / camera / "frames" / cv::format("%06d.png", k)));
+    }
+
+    std::unique_ptr<SiteNode> run_to_the_end() const {
+        auto node = SiteNode::create(config_, {});
+        EXPECT_TRUE(node) << node.error().message;
+        const auto done = (*node)->run({});
+        EXPECT_TRUE(done) << done.error().message;
+        return std::move(*node);
+    }
+
+    fs::path folder_;
+    SiteNodeConfig config_;
+};
+
+TEST_F(SiteFromRecording, GoesOnWithoutALostCameraAndCountsIt) {
+    config_.capture.min_cameras = 3;
+    const auto node = run_to_the_end();
+    const bus::SiteStatus status = node->status();
+    // of the three without cam1 two are past their deadline together with a newer one
+    EXPECT_EQ(node->counts().num_incomplete_used, 1u);
+    EXPECT_EQ(status.num_dropped_incomplete, 2u);
+    EXPECT_EQ(status.num_metaframes_captured, 6u);
+    EXPECT_EQ(status.num_failed, 0u);
+    EXPECT_EQ(status.num_metaframes_published + status.num_dropped_late, 6u);
+}
+
+TEST_F(SiteFromRecording, DropsIncompleteMetaframesByDefault) {
+    const auto node = run_to_the_end();
+    EXPECT_EQ(node->counts().num_incomplete_used, 0u);
+    EXPECT_EQ(node->status().num_dropped_incomplete, 3u);
+    EXPECT_EQ(node->status().num_metaframes_captured, 5u);
+}
+
+TEST_F(SiteFromRecording, WorksOnWhatACameraThatNeverReturnsLeaves) {
+    lose_for_good("cam1");
+    config_.capture.min_cameras = 3;
+    const auto node = run_to_the_end();
+    const bus::SiteStatus status = node->status();
+    EXPECT_EQ(node->counts().num_incomplete_used, 2u);  // the sixth, and the last as it ends
+    EXPECT_EQ(status.num_dropped_incomplete, 3u);
+    EXPECT_EQ(status.num_metaframes_captured, 5u);
+    EXPECT_EQ(status.num_failed, 0u);
+    EXPECT_EQ(status.num_metaframes_published + status.num_dropped_late, 5u);
+}
+
+TEST_F(SiteFromRecording, CountsMetaframesOfTooFewCamerasAsFailed) {
+    lose_for_good("cam1");
+    config_.capture.min_cameras = 3;
+    config_.pipeline.hull.min_views = 4;
+    const auto node = run_to_the_end();
+    const bus::SiteStatus status = node->status();
+    EXPECT_EQ(node->counts().num_incomplete_used, 2u);
+    EXPECT_GE(status.num_failed, 1u);  // nothing can overtake the last one
+    EXPECT_EQ(status.num_metaframes_published + status.num_dropped_late + status.num_failed, 5u);
+}
+
+TEST_F(SiteFromRecording, CountsTheFragmentsOfAllMetaframes) {
+    config_.pipeline.hull.min_component_l = 1000.0;
+    const auto node = run_to_the_end();
+    // one each, but for those that were replaced before they were worked on
+    EXPECT_GE(node->counts().num_fragments + node->status().num_dropped_late, 5u);
+    EXPECT_GE(node->counts().num_fragments, 1u);
+    EXPECT_LE(node->counts().num_fragments, 5u);
+}
+
+TEST_F(SiteFromRecording, RefusesMoreCamerasThanThereAre) {
+    config_.capture.min_cameras = 5;
+    const auto node = SiteNode::create(config_, {});
+    ASSERT_FALSE(node);
+    EXPECT_EQ(node.error().kind, ErrorKind::kConfiguration);
+    EXPECT_THAT(node.error().message,
+                testing::AllOf(HasSubstr("capture.min_cameras"), HasSubstr("4"), HasSubstr("5")));
+}
+
+}  // namespace
+}  // namespace atrium::site_node
