@@ -166,7 +166,7 @@ void run_masks(int repetitions) {
                                                                      {"dancer", {8}}};
     std::vector<Case> cases;
     for (const auto& [name, counts] : recordings) {
-        const auto all = hull_tool::load_recording_views(recording_folder(name), 0);
+        const auto all = hull_tool::load_recording_views(recording_folder(name), 0, {});
         if (!all) {
             std::fprintf(stderr, "hull_curves: %s\n", all.error().message.c_str());
             continue;

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Draws docs/figures/hull_curves.svg from the tables that hull_curves.sh writes, and prints those of docs/hull.md.
+"""Draws docs/figures/hull_curves.svg from the tables that hull_curves.sh writes, prints them, and renews those of docs/hull.md.
 
-usage: hull_curves.py PREFIX PICTURE    reads PREFIX-segments.csv and so on
+usage: hull_curves.py PREFIX PICTURE PAGE    reads PREFIX-segments.csv and so on; tables go between <!-- name --> and <!-- /name -->
 """
 
 import csv
@@ -107,11 +107,21 @@ def threads(d, rows):
 
 
 def table(title, header, rows):
-    print(f"\n{title}\n")
-    print("| " + " | ".join(header) + " |")
-    print("|" + "---|" * len(header))
-    for row in rows:
-        print("| " + " | ".join(row) + " |")
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    lines += ["| " + " | ".join(row) + " |" for row in rows]
+    print(f"\n{title}\n\n" + "\n".join(lines))
+    return "\n".join(lines)
+
+
+def renew(page, name, comment, text):
+    """Puts a table into its place of a page; nothing happens where there are no rows."""
+    with open(page, encoding="utf-8") as file:
+        content = file.read()
+    begin, end = f"<!-- {name} -->", f"<!-- /{name} -->"
+    head, rest = content.split(begin)
+    content = head + begin + f"\n{comment}:\n\n{text}\n" + end + rest.split(end)[1]
+    with open(page, "w", encoding="utf-8") as file:
+        file.write(content)
 
 
 def pairs(rows, key):
@@ -126,7 +136,7 @@ def ms(value):
     return f"{value:.0f}" if value >= 99.5 else f"{value:.1f}"
 
 
-def print_tables(prefix):
+def print_tables(prefix, page):
     for name, key in (("segments", "segments_per_view"), ("views", "num_views")):
         rows, comment = read(prefix, name)
         table(f"{name} ({comment})", [key, "segments", "triangles"] + [s[1] for s in STAGES],
@@ -139,27 +149,32 @@ def print_tables(prefix):
             nlogn = [(row[key], row["total_ms"] / (row[key] * math.log2(row[key]))) for row in upper]
             print("total / (n log2 n) [us]: " + ", ".join(f"{1e3 * y:.2f}" for _, y in nlogn)
                   + f"; exponent of what is left: {exponent(nlogn):.2f}")
-    rows, _ = read(prefix, "sets")
-    table("sets", ["set", "views", "segments", "triangles", "1 thread [ms]", "2 threads [ms]"],
-          [[p[1]["set"], f"{p[1]['views']:.0f}", f"{p[1]['segments']:.0f}", f"{p[1]['triangles']:.0f}",
-            ms(p[1]["total_ms"]), ms(p[2]["total_ms"])] for p in pairs(rows, "set")])
-    rows, _ = read(prefix, "masks")
-    table("masks", ["recording", "cameras", "segments", "triangles", "volume [l]", "coverage mean; worst [%]",
-                    "excess [px]", "1 thread [ms]", "2 threads [ms]"],
-          [[p[1]["recording"], f"{p[1]['views']:.0f}", f"{p[1]['segments']:.0f}", f"{p[1]['triangles']:.0f}",
-            f"{p[1]['volume_l']:.1f}",
-            f"{p[1]['coverage_mean_percent']:.1f}; {p[1]['coverage_worst_percent']:.1f}",
-            f"{p[1]['excess_px']:.0f}", ms(p[1]["total_ms"]), ms(p[2]["total_ms"])]
-           for p in pairs(rows, "recording")])
-    rows, _ = read(prefix, "memory")
-    table("memory", ["scene", "views", "segments", "triangles", "scratch [MB]", "with 2 threads [MB]", "mesh [MB]"],
-          [[p[1]["scene"], f"{p[1]['views']:.0f}", f"{p[1]['segments']:.0f}", f"{p[1]['triangles']:.0f}",
-            f"{p[1]['scratch_mb']:.1f}", f"{p[2]['scratch_mb']:.1f}", f"{p[1]['mesh_mb']:.1f}"]
-           for p in pairs(rows, "scene")])
+    rows, comment = read(prefix, "sets")
+    text = table("sets", ["set", "views", "segments", "triangles", "1 thread [ms]", "2 threads [ms]"],
+                 [[p[1]["set"], f"{p[1]['views']:.0f}", f"{p[1]['segments']:.0f}", f"{p[1]['triangles']:.0f}",
+                   ms(p[1]["total_ms"]), ms(p[2]["total_ms"])] for p in pairs(rows, "set")])
+    if rows:
+        renew(page, "sets", comment, text)
+    rows, comment = read(prefix, "masks")
+    text = table("masks", ["recording", "cameras", "segments", "triangles", "volume [l]", "coverage mean; worst [%]",
+                           "excess [px]", "1 thread [ms]", "2 threads [ms]"],
+                 [[p[1]["recording"], f"{p[1]['views']:.0f}", f"{p[1]['segments']:.0f}", f"{p[1]['triangles']:.0f}",
+                   f"{p[1]['volume_l']:.1f}",
+                   f"{p[1]['coverage_mean_percent']:.1f}; {p[1]['coverage_worst_percent']:.1f}",
+                   f"{p[1]['excess_px']:.0f}", ms(p[1]["total_ms"]), ms(p[2]["total_ms"])]
+                  for p in pairs(rows, "recording")])
+    if rows:
+        renew(page, "masks", comment, text)
+    rows, comment = read(prefix, "memory")
+    text = table("memory", ["scene", "views", "segments", "triangles", "scratch [MB]", "with 2 threads [MB]", "mesh [MB]"],
+                 [[p[1]["scene"], f"{p[1]['views']:.0f}", f"{p[1]['segments']:.0f}", f"{p[1]['triangles']:.0f}",
+                   f"{p[1]['scratch_mb']:.1f}", f"{p[2]['scratch_mb']:.1f}", f"{p[1]['mesh_mb']:.1f}"]
+                  for p in pairs(rows, "scene")])
+    renew(page, "memory", comment.split(", least")[0], text)
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 3:
+    if len(sys.argv) != 4:
         sys.exit(__doc__)
     draw(sys.argv[1], sys.argv[2])
-    print_tables(sys.argv[1])
+    print_tables(sys.argv[1], sys.argv[3])

@@ -220,7 +220,7 @@ std::vector<Panel> simulated_panels() {
 }
 
 std::vector<Panel> recorded_panels(const std::string& folder) {
-    const auto named = hull_tool::load_recording_views(folder, 0);
+    const auto named = hull_tool::load_recording_views(folder, 0, {});
     if (!named) fail(named.error().message);
     std::vector<hull::SilhouetteView> views;
     for (const auto& view : *named) views.push_back(view.view);
