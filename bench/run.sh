@@ -16,3 +16,4 @@ out="bench/results/$(date +%Y-%m-%d)-$(lscpu | sed -n 's/^Model name: *//p' | tr
     done
 } 2>&1 | tee "$out"
 echo "kept in $out"
+bench/hull_curves.sh "$build"
