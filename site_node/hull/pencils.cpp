@@ -47,7 +47,7 @@ public:
     Entry entry(std::uint32_t ray, const Eigen::Vector2d& across) const {
         const double length = std::abs(across.x()) + std::abs(across.y());
         const double error = 16.0 * kRounding * cones_.ray_length[ray];
-        return {pseudo_angle(across), error < length ? error / length : 4.0, ray};
+        return {pseudo_angle(across), 2.0 * error < length ? error / length : 4.0, ray};
     }
     bool is_before(const Entry& l, const Entry& r) {
         const double difference = r.angle - l.angle;

@@ -170,7 +170,7 @@ bool StripChart::collect_events(const PencilSide& own, const PencilSide& other) 
     if (position >= n) position -= n;
     const Eigen::Vector2d& a0 = own.across[from_ray];
     const Eigen::Vector2d& a1 = own.across[to_ray];
-    double last_phi = 0.0;
+    Place last = kStart;
     for (std::uint32_t e = 0; e < count; ++e) {
         const std::uint32_t local = other.sorted[position];
         const std::uint32_t ray = cones_->views[other_view_].first_ray + local;
@@ -179,11 +179,15 @@ bool StripChart::collect_events(const PencilSide& own, const PencilSide& other) 
         const double w_from = std::abs(across.x() * a1.y() - across.y() * a1.x());
         const double error = phi_error_scale_ * cones_->ray_length[ray];
         const double inverse = 1.0 / (w_from + w_to);
-        const bool is_good = error * inverse < 1.0;
         // the order around the baseline is what counts; phi only has to follow it
-        if (is_good) last_phi = std::clamp(w_to * inverse, last_phi, 1.0);
-        const Place at{
-            last_phi, is_good ? error * inverse : 1.0, static_cast<std::uint32_t>(events_.size())};
+        const double phi = w_to * inverse;
+        Place at{last.phi, 1.0, static_cast<std::uint32_t>(events_.size())};
+        if (error * inverse < 1.0) {
+            at.phi = std::clamp(phi, last.phi, 1.0);
+            at.phi_error = phi < last.phi ? std::max(error * inverse, last.phi_error)
+                                          : error * inverse;
+        }
+        last = at;
         if (!add_event(other, ray, at, rising)) return false;
         position = rising ? (position + 1 == n ? 0 : position + 1)
                           : (position == 0 ? n - 1 : position - 1);
