@@ -184,8 +184,8 @@ bool StripChart::collect_events(const PencilSide& own, const PencilSide& other) 
         Place at{last.phi, 1.0, static_cast<std::uint32_t>(events_.size())};
         if (error * inverse < 1.0) {
             at.phi = std::clamp(phi, last.phi, 1.0);
-            at.phi_error = phi < last.phi ? std::max(error * inverse, last.phi_error)
-                                          : error * inverse;
+            at.phi_error =
+                phi < last.phi ? std::max(error * inverse, last.phi_error) : error * inverse;
         }
         last = at;
         if (!add_event(other, ray, at, rising)) return false;
