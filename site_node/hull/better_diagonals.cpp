@@ -36,15 +36,18 @@ void BetterDiagonals::improve(std::span<const Eigen::Vector2d> corners_m,
                               std::span<const Lines> lines) {
     if (triangles.size() < 2) return;
     corners_m_ = corners_m;
-    triangles_ = triangles;
     lines_ = lines;
-    if (!can_be_improved()) return;
+    if (!can_be_improved(triangles)) return;
+    first_corner_.clear();
+    for (const auto& triangle : triangles)
+        first_corner_.insert(first_corner_.end(), triangle.begin(), triangle.end());
     find_twins();
     to_check_.clear();
     for (Edge e = 0; e < static_cast<Edge>(twin_.size()); ++e) {
         if (twin_[static_cast<std::size_t>(e)] > e) to_check_.push_back(e);
     }
-    std::size_t num_left = kMaxExchanges * triangles.size();
+    const std::size_t most = kMaxExchanges * triangles.size();
+    std::size_t num_left = most;
     while (!to_check_.empty() && num_left > 0) {
         const Edge e = to_check_.back();
         to_check_.pop_back();
@@ -52,11 +55,15 @@ void BetterDiagonals::improve(std::span<const Eigen::Vector2d> corners_m,
         exchange(e);
         --num_left;
     }
+    if (num_left == most) return;
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+        std::copy_n(
+            first_corner_.begin() + static_cast<std::ptrdiff_t>(3 * t), 3, triangles[t].begin());
 }
 
-bool BetterDiagonals::can_be_improved() {
+bool BetterDiagonals::can_be_improved(std::span<const std::array<std::uint32_t, 3>> triangles) {
     double twice_area = 0.0;
-    for (const auto& [a, b, c] : triangles_) {
+    for (const auto& [a, b, c] : triangles) {
         if (std::max({a, b, c}) >= corners_m_.size()) return false;
         if (a == b || b == c || c == a) return false;
         twice_area += Angle(corners_m_[a], corners_m_[b], corners_m_[c]).sine();
@@ -66,7 +73,7 @@ bool BetterDiagonals::can_be_improved() {
 }
 
 void BetterDiagonals::find_twins() {
-    const auto num_edges = static_cast<Edge>(3 * triangles_.size());
+    const auto num_edges = static_cast<Edge>(first_corner_.size());
     first_at_.assign(corners_m_.size(), kNone);
     next_at_.resize(static_cast<std::size_t>(num_edges));
     for (Edge e = 0; e < num_edges; ++e) {

@@ -37,12 +37,10 @@ private:
     static constexpr Edge kNone = -1;
 
     static Edge next(Edge e) { return e % 3 == 2 ? e - 2 : e + 1; }
-    std::uint32_t& from(Edge e) {
-        return triangles_[static_cast<std::size_t>(e / 3)][static_cast<std::size_t>(e % 3)];
-    }
+    std::uint32_t& from(Edge e) { return first_corner_[static_cast<std::size_t>(e)]; }
     std::uint32_t to(Edge e) { return from(next(e)); }
 
-    bool can_be_improved();
+    bool can_be_improved(std::span<const std::array<std::uint32_t, 3>> triangles);
     void find_twins();
     Edge only_edge(std::uint32_t a, std::uint32_t b);
     bool are_joined(std::uint32_t a, std::uint32_t b);
@@ -52,9 +50,10 @@ private:
     void move(Edge e, std::uint32_t corner);
 
     std::span<const Eigen::Vector2d> corners_m_;
-    std::span<std::array<std::uint32_t, 3>> triangles_;
     std::span<const Lines> lines_;
-    double orientation_ = 1.0;    // -1: the triangles are clockwise
+    double orientation_ = 1.0;  // -1: the triangles are clockwise
+    std::vector<std::uint32_t>
+        first_corner_;            // per edge: the triangles, one corner after the other
     std::vector<Edge> twin_;      // per edge; kNone on the boundary
     std::vector<Edge> first_at_;  // per corner: one edge from it,
     std::vector<Edge> next_at_;   // per edge: another one from the same corner

@@ -29,7 +29,8 @@ std::uint32_t MeshAssembly::index_of(VertexKey key) {
 bool MeshAssembly::join(const Cones&, std::span<const RunFaces> runs) {
     std::size_t num_corners = 0;
     for (const RunFaces& run : runs) num_corners += run.vertices.size();
-    slots_.assign(std::bit_ceil(2 * num_corners + 16), Slot{});
+    // each vertex of a sound mesh comes three times
+    slots_.assign(std::bit_ceil(num_corners + 16), Slot{});
     keys_.clear();
     positions_.clear();
     is_placed_.clear();
