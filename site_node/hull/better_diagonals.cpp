@@ -41,7 +41,8 @@ void BetterDiagonals::improve(std::span<const Eigen::Vector2d> corners_m,
     first_corner_.clear();
     for (const auto& triangle : triangles)
         first_corner_.insert(first_corner_.end(), triangle.begin(), triangle.end());
-    find_twins();
+    are_few_ = first_corner_.size() <= kFewEdges;
+    if (!are_few_ || !find_twins_of_few()) find_twins();
     to_check_.clear();
     for (Edge e = 0; e < static_cast<Edge>(twin_.size()); ++e) {
         if (twin_[static_cast<std::size_t>(e)] > e) to_check_.push_back(e);
@@ -72,7 +73,25 @@ bool BetterDiagonals::can_be_improved(std::span<const std::array<std::uint32_t, 
     return std::abs(twice_area) > 0.0;
 }
 
+// False if an edge has more than one twin, or two edges have the same.
+bool BetterDiagonals::find_twins_of_few() {
+    const std::size_t n = first_corner_.size();
+    std::array<std::uint32_t, kFewEdges> end;
+    for (std::size_t e = 0; e < n; ++e) end[e] = to(static_cast<Edge>(e));
+    twin_.assign(n, kNone);
+    for (std::size_t e = 0; e < n; ++e) {
+        for (std::size_t f = e + 1; f < n; ++f) {
+            if (first_corner_[f] != end[e] || end[f] != first_corner_[e]) continue;
+            if (twin_[e] != kNone || twin_[f] != kNone) return false;
+            twin_[e] = static_cast<Edge>(f);
+            twin_[f] = static_cast<Edge>(e);
+        }
+    }
+    return true;
+}
+
 void BetterDiagonals::find_twins() {
+    are_few_ = false;
     const auto num_edges = static_cast<Edge>(first_corner_.size());
     first_at_.assign(corners_m_.size(), kNone);
     next_at_.resize(static_cast<std::size_t>(num_edges));
@@ -112,6 +131,12 @@ BetterDiagonals::Edge BetterDiagonals::only_edge(std::uint32_t a, std::uint32_t 
 }
 
 bool BetterDiagonals::are_joined(std::uint32_t a, std::uint32_t b) {
+    if (are_few_) {
+        for (Edge e = 0; e < static_cast<Edge>(first_corner_.size()); ++e) {
+            if ((from(e) == a && to(e) == b) || (from(e) == b && to(e) == a)) return true;
+        }
+        return false;
+    }
     for (Edge e = first_at_[a]; e != kNone; e = next_at_[static_cast<std::size_t>(e)]) {
         if (to(e) == b || from(next(next(e))) == b) return true;
     }
@@ -174,6 +199,10 @@ void BetterDiagonals::exchange(Edge e) {
 
 // Lets `e` begin at another corner.
 void BetterDiagonals::move(Edge e, std::uint32_t corner) {
+    if (are_few_) {
+        from(e) = corner;
+        return;
+    }
     Edge* link = &first_at_[from(e)];
     while (*link != e) link = &next_at_[static_cast<std::size_t>(*link)];
     *link = next_at_[static_cast<std::size_t>(e)];

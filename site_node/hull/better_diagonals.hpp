@@ -41,6 +41,7 @@ private:
     std::uint32_t to(Edge e) { return from(next(e)); }
 
     bool can_be_improved(std::span<const std::array<std::uint32_t, 3>> triangles);
+    bool find_twins_of_few();
     void find_twins();
     Edge only_edge(std::uint32_t a, std::uint32_t b);
     bool are_joined(std::uint32_t a, std::uint32_t b);
@@ -51,6 +52,9 @@ private:
 
     std::span<const Eigen::Vector2d> corners_m_;
     std::span<const Lines> lines_;
+    // few edges are compared with each other, more are listed by corner
+    static constexpr std::size_t kFewEdges = 21;
+    bool are_few_ = false;
     double orientation_ = 1.0;  // -1: the triangles are clockwise
     std::vector<std::uint32_t>
         first_corner_;            // per edge: the triangles, one corner after the other

@@ -178,6 +178,8 @@ void MeshAssembly::extract(const Cones& cones,
                            std::span<const RunFaces> runs,
                            const HullOptions& options,
                            VisualHull& hull) {
+    hull.mesh.clear();
+    hull.num_components = hull.num_phantoms_dropped = hull.num_fragments_dropped = 0;
     measure_components(runs);
     choose_components(options, hull);
     output_index_.assign(keys_.size(), kNone);

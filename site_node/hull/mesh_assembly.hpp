@@ -16,12 +16,14 @@ public:
     /// Numbers the vertices of all runs. False if a vertex was named but never placed.
     bool join(const Cones& cones, std::span<const RunFaces> runs);
 
+    // The next two may run at the same time.
+
     /// True if the joined faces are a closed 2-manifold: every vertex has three faces, every edge
     /// has its twin, and no two faces use the same diagonal. Combinatorial; positions are not
     /// looked at.
     bool verify(const Cones& cones, std::span<const RunFaces> runs);
 
-    /// Chooses the components and writes the mesh, in the site frame.
+    /// Chooses the components and writes the mesh, in the site frame, over what `hull` had before.
     void extract(const Cones& cones,
                  std::span<const RunFaces> runs,
                  const HullOptions& options,

@@ -13,7 +13,7 @@ namespace {
 
 // Strips per run: enough to pay for its start, few enough to keep many workers busy. Part of the
 // result's order, so it does not depend on the number of workers.
-constexpr std::uint32_t kStripsPerRun = 64;
+constexpr std::uint32_t kStripsPerRun = 96;
 
 constexpr std::uint32_t kMaxAttempts = 6;  // jitter from 1e-6 to 1e-1 px
 
@@ -106,9 +106,17 @@ HullStatus attempt(HullScratch::Data& data,
     if (outcome.failed) return HullStatus::kNumericFailure;
     if (outcome.unbounded) return HullStatus::kUnbounded;
     const std::span<const RunFaces> faces(data.faces.data(), data.runs.size());
-    bool is_sound =
-        data.assembly.join(data.cones, faces) && data.assembly.verify(data.cones, faces);
-    if (is_sound) data.assembly.extract(data.cones, faces, options, hull);
+    bool is_sound = data.assembly.join(data.cones, faces);
+    if (is_sound) {  // neither needs the other
+        const auto finish = [&](std::size_t task, std::size_t) {
+            if (task == 0) {
+                data.assembly.extract(data.cones, faces, options, hull);
+            } else {
+                is_sound = data.assembly.verify(data.cones, faces);
+            }
+        };
+        executor.parallel_for(2, finish);
+    }
     // where views are counted, more than three faces meet in some vertices
     if (is_sound && data.cones.min_seen > 0 && !hull.mesh.empty())
         is_sound = data.assembly.is_manifold(hull.mesh);
