@@ -41,7 +41,7 @@ void BetterDiagonals::improve(std::span<const Eigen::Vector2d> corners_m,
     first_corner_.clear();
     for (const auto& triangle : triangles)
         first_corner_.insert(first_corner_.end(), triangle.begin(), triangle.end());
-    are_few_ = first_corner_.size() <= kFewEdges;
+    are_few_ = corners_m.size() <= kFewCorners && first_corner_.size() <= kFewEdges;
     if (!are_few_ || !find_twins_of_few()) find_twins();
     to_check_.clear();
     for (Edge e = 0; e < static_cast<Edge>(twin_.size()); ++e) {
@@ -73,21 +73,20 @@ bool BetterDiagonals::can_be_improved(std::span<const std::array<std::uint32_t, 
     return std::abs(twice_area) > 0.0;
 }
 
-// False if an edge has more than one twin, or two edges have the same.
+// False if two edges run from one corner to the same other one.
 bool BetterDiagonals::find_twins_of_few() {
-    const std::size_t n = first_corner_.size();
-    std::array<std::uint32_t, kFewEdges> end;
-    for (std::size_t e = 0; e < n; ++e) end[e] = to(static_cast<Edge>(e));
-    twin_.assign(n, kNone);
-    for (std::size_t e = 0; e < n; ++e) {
-        for (std::size_t f = e + 1; f < n; ++f) {
-            if (first_corner_[f] != end[e] || end[f] != first_corner_[e]) continue;
-            if (twin_[e] != kNone || twin_[f] != kNone) return false;
-            twin_[e] = static_cast<Edge>(f);
-            twin_[f] = static_cast<Edge>(e);
-        }
+    const auto n = static_cast<Edge>(first_corner_.size());
+    bool is_sound = true;
+    few_.fill(0);
+    for (Edge e = 0; e < n; ++e) {
+        std::uint8_t& entry = few(from(e), to(e));
+        is_sound &= entry == 0;
+        entry = static_cast<std::uint8_t>(e + 1);
     }
-    return true;
+    twin_.resize(first_corner_.size());
+    for (Edge e = 0; e < n; ++e)
+        twin_[static_cast<std::size_t>(e)] = static_cast<Edge>(few(to(e), from(e))) - 1;
+    return is_sound;
 }
 
 void BetterDiagonals::find_twins() {
@@ -131,12 +130,7 @@ BetterDiagonals::Edge BetterDiagonals::only_edge(std::uint32_t a, std::uint32_t 
 }
 
 bool BetterDiagonals::are_joined(std::uint32_t a, std::uint32_t b) {
-    if (are_few_) {
-        for (Edge e = 0; e < static_cast<Edge>(first_corner_.size()); ++e) {
-            if ((from(e) == a && to(e) == b) || (from(e) == b && to(e) == a)) return true;
-        }
-        return false;
-    }
+    if (are_few_) return (few(a, b) | few(b, a)) != 0;
     for (Edge e = first_at_[a]; e != kNone; e = next_at_[static_cast<std::size_t>(e)]) {
         if (to(e) == b || from(next(next(e))) == b) return true;
     }
@@ -184,6 +178,13 @@ void BetterDiagonals::exchange(Edge e) {
     const Edge beyond_ad = twin_of(ad);
     const std::uint32_t c = to(bc);
     const std::uint32_t d = to(ad);
+    if (are_few_) {
+        few(from(e), to(e)) = few(to(e), from(e)) = 0;
+        few(d, c) = static_cast<std::uint8_t>(bc + 1);
+        few(c, d) = static_cast<std::uint8_t>(ad + 1);
+        few(from(e), d) = static_cast<std::uint8_t>(e + 1);
+        few(from(f), c) = static_cast<std::uint8_t>(f + 1);
+    }
     move(bc, d);  // now d c
     move(ad, c);  // now c d
     twin_of(bc) = ad;

@@ -42,6 +42,7 @@ private:
 
     bool can_be_improved(std::span<const std::array<std::uint32_t, 3>> triangles);
     bool find_twins_of_few();
+    std::uint8_t& few(std::uint32_t a, std::uint32_t b) { return few_[a * kFewCorners + b]; }
     void find_twins();
     Edge only_edge(std::uint32_t a, std::uint32_t b);
     bool are_joined(std::uint32_t a, std::uint32_t b);
@@ -52,10 +53,12 @@ private:
 
     std::span<const Eigen::Vector2d> corners_m_;
     std::span<const Lines> lines_;
-    // few edges are compared with each other, more are listed by corner
-    static constexpr std::size_t kFewEdges = 21;
+    // edges of few corners are in a table, others are listed by corner
+    static constexpr std::size_t kFewCorners = 32;
+    static constexpr std::size_t kFewEdges = 254;
     bool are_few_ = false;
-    double orientation_ = 1.0;  // -1: the triangles are clockwise
+    std::array<std::uint8_t, kFewCorners * kFewCorners> few_{};  // edge + 1, by its two corners
+    double orientation_ = 1.0;                                   // -1: the triangles are clockwise
     std::vector<std::uint32_t>
         first_corner_;            // per edge: the triangles, one corner after the other
     std::vector<Edge> twin_;      // per edge; kNone on the boundary

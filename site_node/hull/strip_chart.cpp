@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace atrium::hull {
 namespace {
@@ -93,6 +92,14 @@ void StripChart::open_piece(const PencilSide& other, Active& active, const Place
     active.piece = static_cast<std::uint32_t>(pieces_.size()) - 1;
     active.u = at_to.u;  // for the next strip
     active.error = at_to.error;
+}
+
+// Of a line that does not come from the strip's first ray.
+void StripChart::begin_piece(const PencilSide& other, Active& active, const Place& at) {
+    const Value at_from = value_at(other, active.strip, own_.from);
+    active.u = at_from.u;
+    active.error = at_from.error;
+    open_piece(other, active, at);
 }
 
 void StripChart::close_piece(std::uint32_t p, const Place& at) {
@@ -195,6 +202,12 @@ bool StripChart::collect_events(const PencilSide& own, const PencilSide& other) 
     return true;
 }
 
+std::vector<StripChart::Active>::iterator StripChart::find(std::vector<Active>& active,
+                                                           std::uint32_t strip) {
+    return std::find_if(
+        active.begin(), active.end(), [strip](const Active& a) { return a.strip == strip; });
+}
+
 // The strips that meet in `ray` end or begin here, seen along this strip.
 bool StripChart::add_event(const PencilSide& other,
                            std::uint32_t ray,
@@ -210,6 +223,18 @@ bool StripChart::add_event(const PencilSide& other,
     event.phi_error = at.phi_error;
     event.ray = ray;
     event.view = static_cast<std::uint8_t>(other_view_);
+    if (incidence.count == 2 && (arriving & 3) != 0 && (arriving & 3) != 3) {
+        // the usual event: one line goes on as another
+        const std::uint32_t ends = incidence.strips[(arriving & 1) != 0 ? 0 : 1];
+        const auto found = find(active, ends);
+        if (found == active.end()) return false;
+        close_piece(found->piece, at);
+        event.arriving[event.num_arriving++] = found->piece;
+        found->strip = incidence.strips[(arriving & 1) != 0 ? 1 : 0];
+        begin_piece(other, *found, at);
+        event.leaving[event.num_leaving++] = found->piece;
+        return true;
+    }
     std::array<std::uint32_t, 3> leaving{};
     for (std::uint32_t j = 0; j < incidence.count; ++j) {
         const std::uint32_t strip = incidence.strips[j];
@@ -217,8 +242,7 @@ bool StripChart::add_event(const PencilSide& other,
             leaving[event.num_leaving++] = strip;
             continue;
         }
-        const auto found = std::find_if(
-            active.begin(), active.end(), [strip](const Active& a) { return a.strip == strip; });
+        const auto found = find(active, strip);
         if (found == active.end()) return false;
         close_piece(found->piece, at);
         event.arriving[event.num_arriving++] = found->piece;
@@ -226,9 +250,8 @@ bool StripChart::add_event(const PencilSide& other,
         active.pop_back();
     }
     for (std::uint32_t j = 0; j < event.num_leaving; ++j) {
-        const Value at_from = value_at(other, leaving[j], own_.from);
-        active.push_back({leaving[j], at_from.u, at_from.error, 0});
-        open_piece(other, active.back(), at);
+        active.push_back({leaving[j], 0.0, 0.0, 0});
+        begin_piece(other, active.back(), at);
         event.leaving[j] = active.back().piece;
     }
     return true;

@@ -135,6 +135,8 @@ private:
     bool collect_from(std::uint32_t k);
     bool collect_events(const PencilSide& own, const PencilSide& other);
     bool add_event(const PencilSide& other, std::uint32_t ray, const Place& at, bool rising);
+    static std::vector<Active>::iterator find(std::vector<Active>& active, std::uint32_t strip);
+    void begin_piece(const PencilSide& other, Active& active, const Place& at);
     void open_piece(const PencilSide& other, Active& active, const Place& at);
     void close_piece(std::uint32_t p, const Place& at);
     void hide_pieces();

@@ -67,23 +67,26 @@ StripSweep::Line StripSweep::make_line(std::uint32_t piece) const {
 
 // All visible lines at the strip's first ray, in order.
 void StripSweep::enter_lines() {
+    const std::span<const std::uint32_t> visible = chart_.visible_at_start();
+    entering_.resize(visible.size());
+    for (std::size_t n = 0; n < visible.size(); ++n) {
+        std::size_t at = n;
+        for (; at > 0 && chart_.is_above(visible[n], entering_[at - 1], StripChart::kStart); --at)
+            entering_[at] = entering_[at - 1];
+        entering_[at] = visible[n];
+    }
+    num_steps_ += visible.size() + 1;
+    Verdict verdict = chart_.verdict_above();
     lines_.clear();
-    Line centre;
+    Line& centre = lines_.emplace_back();
     centre.strip = kNoStrip;
     centre.u = std::numeric_limits<double>::infinity();
-    lines_.push_back(centre);
-    for (const std::uint32_t p : chart_.visible_at_start()) {
-        std::size_t at = lines_.size();
-        while (at > 1 && chart_.is_above(p, lines_[at - 1].piece, StripChart::kStart)) --at;
-        lines_.insert(lines_.begin() + static_cast<std::ptrdiff_t>(at), make_line(p));
-    }
-    num_steps_ += lines_.size();
-    Verdict verdict = chart_.verdict_above();
-    set_below(lines_[0], verdict);
-    for (std::size_t p = 1; p < lines_.size(); ++p) {
-        lines_[p].u = chart_.u(lines_[p].piece, 0.0);
-        verdict ^= chart_.toggles(lines_[p].piece);
-        set_below(lines_[p], verdict);
+    set_below(centre, verdict);
+    for (const std::uint32_t p : entering_) {
+        Line& line = lines_.emplace_back(make_line(p));
+        line.u = line.at_from;
+        verdict ^= chart_.toggles(p);
+        set_below(line, verdict);
     }
 }
 

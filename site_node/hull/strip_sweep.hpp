@@ -176,6 +176,7 @@ private:
     StripChart chart_;
     std::vector<Line> lines_;  // by falling u; the first is the camera's centre
     std::vector<Line> leaving_;
+    std::vector<std::uint32_t> entering_;  // pieces on the strip's first ray, by falling u
     std::vector<std::pair<std::uint32_t, std::uint32_t>> ray_vertices_;  // strip, vertex: on a ray
     FaceTriangulator triangulator_;
     BetterDiagonals diagonals_;
