@@ -149,6 +149,13 @@ private:
         return cones_->views[view_].ray_unit / cones_->centre_unit_m;
     }
 
+    bool carves(std::uint32_t strip) const {
+        return all_carve_ || cones_->strips[strip].toggles.carved != 0;
+    }
+    bool is_certain(double difference, double error) const {
+        return std::abs(difference) > error && !cones_->only_exact;
+    }
+
     const Cones* cones_ = nullptr;
     const Pencils* pencils_ = nullptr;
     std::uint32_t strip_ = 0;
@@ -167,12 +174,6 @@ private:
     double farthest_ = 0.0;
     bool is_degenerate_ = false;
     std::uint64_t num_steps_ = 0;
-    bool carves(std::uint32_t strip) const {
-        return all_carve_ || cones_->strips[strip].toggles.carved != 0;
-    }
-    bool is_certain(double difference, double error) const {
-        return std::abs(difference) > error && !cones_->only_exact;
-    }
     std::vector<std::vector<Active>> active_;  // by view
     std::vector<Piece> pieces_;                // by view
     std::vector<Event> events_;                // by view, then along the strip

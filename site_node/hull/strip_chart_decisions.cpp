@@ -67,22 +67,20 @@ exact::Line StripChart::exact_line(std::uint32_t piece) const {
     const std::uint32_t other = pieces_[piece].strip;
     if (other == kInfinityStrip) return exact::kInfinity;
     const Cones::Strip& cut = cones_->strips[other];
-    const Cones::Strip& own = cones_->strips[strip_];
     return exact::line_of(cones_->exact_ray[cut.from],
                           cones_->exact_ray[cut.to],
-                          cones_->exact_ray[own.from],
-                          cones_->exact_ray[own.to],
+                          cones_->exact_ray[own_.from],
+                          cones_->exact_ray[own_.to],
                           cones_->exact_baseline(cut.view, view_));
 }
 
 exact::Place StripChart::exact_place(const Place& at) const {
     if (at.event == kNone) return at.phi < 0.5 ? exact::Place{1, 0} : exact::Place{0, 1};
     const Event& event = events_[at.event];
-    const Cones::Strip& own = cones_->strips[strip_];
     return exact::place_of(cones_->exact_ray[event.ray],
                            cones_->exact_baseline(view_, event.view),
-                           cones_->exact_ray[own.from],
-                           cones_->exact_ray[own.to]);
+                           cones_->exact_ray[own_.from],
+                           cones_->exact_ray[own_.to]);
 }
 
 StripChart::Point StripChart::point(std::uint32_t piece, const Place& at) const {
@@ -112,8 +110,8 @@ StripChart::Point StripChart::crossing(std::uint32_t l,
 }
 
 Eigen::Vector3d StripChart::position(const Point& p) const {
-    const Eigen::Vector3d& from = cones_->ray[cones_->strips[strip_].from];
-    const Eigen::Vector3d& to = cones_->ray[cones_->strips[strip_].to];
+    const Eigen::Vector3d& from = cones_->ray[own_.from];
+    const Eigen::Vector3d& to = cones_->ray[own_.to];
     return cones_->views[view_].centre + (from + p.phi * (to - from)) / p.u;
 }
 

@@ -107,9 +107,9 @@ bool StripSweep::is_ray_vertex(const Line& line, const Line& above) const {
     return seen_above != seen_below && std::min(seen_above, seen_below) == least;
 }
 
-void StripSweep::begin_faces() {
-    const std::uint32_t ray = own_.from;
-    const bool has_three = cones_->incidence[ray].count == 3;
+// Calls `visit(top, bottom)` for the lines that bound each face at the place of the sweep.
+template <typename Visit>
+void StripSweep::for_each_face(const Visit& visit) {
     for (std::size_t top = 0; top < lines_.size(); ++top) {
         if (!lines_[top].face_below) continue;
         const std::size_t bottom = end_of_face(top);
@@ -117,6 +117,15 @@ void StripSweep::begin_faces() {
             faces_->failed = true;
             return;
         }
+        visit(top, bottom);
+        top = bottom - 1;
+    }
+}
+
+void StripSweep::begin_faces() {
+    const std::uint32_t ray = own_.from;
+    const bool has_three = cones_->incidence[ray].count == 3;
+    for_each_face([&](std::size_t top, std::size_t bottom) {
         std::uint32_t last = lines_[top].edge_start = ray_vertex(ray, lines_[top]);
         const Corner first = ray_corner(last, 0.0, lines_[top]);
         RegionId region = -1;
@@ -134,21 +143,14 @@ void StripSweep::begin_faces() {
         }
         lines_[bottom].edge_start = last;
         for (std::size_t p = top; p < bottom; ++p) lines_[p].region_below = region;
-        top = bottom - 1;
-    }
+    });
 }
 
 void StripSweep::end_faces() {
     ray_vertices_.clear();
     const std::uint32_t ray = own_.to;
     const bool has_three = cones_->incidence[ray].count == 3;
-    for (std::size_t top = 0; top < lines_.size(); ++top) {
-        if (!lines_[top].face_below) continue;
-        const std::size_t bottom = end_of_face(top);
-        if (bottom == 0) {
-            faces_->failed = true;
-            return;
-        }
+    for_each_face([&](std::size_t top, std::size_t bottom) {
         const RegionId region = lines_[top].region_below;
         std::uint32_t last = lines_[top].edge_start;  // the centre stays where it is
         if (top > 0) {
@@ -171,8 +173,7 @@ void StripSweep::end_faces() {
             faces_->edges.emplace_back(last, v);
             last = v;
         }
-        top = bottom - 1;
-    }
+    });
 }
 
 // Two lines that end in this very event meet there; all others have an order.

@@ -112,8 +112,18 @@ private:
         std::size_t before(std::size_t j) const { return j == 0 ? num_lines - 1 : j - 1; }
     };
 
+    /// A face in the sectors from `begin` to `end` of a turn, both included.
+    struct Sectors {
+        std::size_t begin = 0;
+        std::size_t end = 0;
+        bool is_above = false;  // has the sector above the point
+        bool is_below = false;
+    };
+
     void sweep_strip();
     void enter_lines();
+    template <typename Visit>
+    void for_each_face(const Visit& visit);
     void begin_faces();
     void end_faces();
     bool is_ray_vertex(const Line& line, const Line& above) const;
@@ -137,9 +147,9 @@ private:
     bool has_face_around(std::size_t first, std::size_t num_arriving) const;
     void bend(std::size_t p, const Corner& corner);
     void gather(std::size_t first, std::size_t num_arriving, Turn& turn);
-    bool goes_straight(Turn& turn, std::size_t begin, std::size_t end);
-    void end_edges(const Turn& turn, std::size_t begin, std::size_t end, std::uint32_t vertex);
-    void pass_face(Turn& turn, std::size_t begin, std::size_t end, const Corner& corner);
+    bool goes_straight(Turn& turn, const Sectors& face);
+    void end_edges(const Turn& turn, const Sectors& face, std::uint32_t vertex);
+    void pass_face(Turn& turn, const Sectors& face, const Corner& corner);
     void part_face(Turn& turn, const Corner& corner);
     void exchange_lines(std::size_t first, std::size_t num_arriving);
     void hand_over_regions(std::size_t first, const Turn& turn);

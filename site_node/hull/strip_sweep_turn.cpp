@@ -47,8 +47,9 @@ void StripSweep::gather(std::size_t first, std::size_t num_arriving, Turn& turn)
 
 // A face whose boundary passes the point along one line has no vertex there: what crosses that line
 // does not matter to the hull.
-bool StripSweep::goes_straight(Turn& turn, std::size_t begin, std::size_t end) {
-    const std::size_t into = turn.before(begin);
+bool StripSweep::goes_straight(Turn& turn, const Sectors& face) {
+    const std::size_t into = turn.before(face.begin);
+    const std::size_t end = face.end;
     if (turn.lines[into]->strip != turn.lines[end]->strip) return false;
     if ((into < turn.num_arriving) == (end < turn.num_arriving)) return false;
     const bool begins_left = into < turn.num_arriving;
@@ -57,18 +58,16 @@ bool StripSweep::goes_straight(Turn& turn, std::size_t begin, std::size_t end) {
     leaving.edge_start = arriving.edge_start;
     // it lies above the line or below it
     const RegionId region = begins_left ? turn.region_below : turn.region[0];
-    for (std::size_t j = begin;; j = turn.after(j)) {
+    for (std::size_t j = face.begin;; j = turn.after(j)) {
         turn.region[j] = region;
         if (j == end) break;
     }
     return true;
 }
 
-void StripSweep::end_edges(const Turn& turn,
-                           std::size_t begin,
-                           std::size_t end,
-                           std::uint32_t vertex) {
-    const std::size_t into = turn.before(begin);
+void StripSweep::end_edges(const Turn& turn, const Sectors& face, std::uint32_t vertex) {
+    const std::size_t into = turn.before(face.begin);
+    const std::size_t end = face.end;
     if (into < turn.num_arriving) {
         end_edge(*turn.lines[into], vertex, Side::kTop);
     } else {
@@ -81,30 +80,23 @@ void StripSweep::end_edges(const Turn& turn,
     }
 }
 
-// A face in the sectors [begin, end], which do not reach around the point from above to below.
-void StripSweep::pass_face(Turn& turn, std::size_t begin, std::size_t end, const Corner& corner) {
-    bool is_above = false;
-    bool is_below = false;
-    for (std::size_t j = begin;; j = turn.after(j)) {
-        is_above |= j == 0;
-        is_below |= j == turn.below();
-        if (j == end) break;
-    }
+// A face that does not reach around the point from above to below.
+void StripSweep::pass_face(Turn& turn, const Sectors& face, const Corner& corner) {
     RegionId region = -1;
-    if (is_above) {
+    if (face.is_above) {
         region = turn.region[0];
         triangulator_.add(region, corner, Side::kBottom);
-    } else if (is_below) {
+    } else if (face.is_below) {
         region = turn.region_below;
         triangulator_.add(region, corner, Side::kTop);
-    } else if (begin < turn.num_arriving) {
-        triangulator_.close(turn.region[begin], corner);
+    } else if (face.begin < turn.num_arriving) {
+        triangulator_.close(turn.region[face.begin], corner);
     } else {
         region = triangulator_.open(corner);
     }
-    for (std::size_t j = begin;; j = turn.after(j)) {
+    for (std::size_t j = face.begin;; j = turn.after(j)) {
         turn.region[j] = region;
-        if (j == end) break;
+        if (j == face.end) break;
     }
 }
 
@@ -199,23 +191,21 @@ void StripSweep::turn(std::size_t first, std::size_t num_arriving, const MakeVer
         bool has_corner = false;
         for (std::size_t begin = 0; begin < turn.num_lines; ++begin) {
             if (!turn.is_face[begin] || turn.is_face[turn.before(begin)]) continue;
-            std::size_t end = begin;
-            bool is_above = begin == 0;
-            bool is_below = begin == turn.below();
-            while (turn.is_face[turn.after(end)]) {
-                end = turn.after(end);
-                is_above |= end == 0;
-                is_below |= end == turn.below();
+            Sectors face{begin, begin, begin == 0, begin == turn.below()};
+            while (turn.is_face[turn.after(face.end)]) {
+                face.end = turn.after(face.end);
+                face.is_above |= face.end == 0;
+                face.is_below |= face.end == turn.below();
             }
-            if (goes_straight(turn, begin, end)) continue;
+            if (goes_straight(turn, face)) continue;
             if (!has_corner) corner = make_vertex();
             has_corner = true;
             if (must_stop()) return;
-            end_edges(turn, begin, end, corner_vertices_[corner.vertex]);
-            if (is_above && is_below) {
+            end_edges(turn, face, corner_vertices_[corner.vertex]);
+            if (face.is_above && face.is_below) {
                 part_face(turn, corner);
             } else {
-                pass_face(turn, begin, end, corner);
+                pass_face(turn, face, corner);
             }
         }
     }
