@@ -20,6 +20,7 @@ bool is_nobody(hull::HullStatus status) { return status == hull::HullStatus::kEm
 
 // Everything that one camera needs, so that cameras can be worked on in parallel.
 struct Pipeline::CameraStage {
+    image::YuvImage picture;  // what the camera does not deliver in the working form
     segmentation::BackgroundModel background;
     segmentation::SegmentationScratch segmentation;
     image::Mask mask;
@@ -59,7 +60,7 @@ Expected<Pipeline> Pipeline::create(capture::FrameSource& source,
     for (std::size_t i = 0; i < pipeline.cameras_.size() && !stop.stop_requested(); ++i) {
         segmentation::BackgroundLearner learner;
         Expected<void> added;
-        const auto shown = source.show_background(i, [&](const image::YuvImage& picture) {
+        const auto shown = source.show_background(i, [&](const image::YuvView& picture) {
             if (added) added = learner.add(picture);
         });
         const auto with_camera = [&](const Error& error) {
@@ -81,11 +82,12 @@ Expected<void> Pipeline::process_camera(const capture::CameraFrame& frame,
                                         CameraStage& stage,
                                         CodedCamera& coded) {
     const geometry::CalibratedCamera& camera = cameras_[frame.camera];
+    const image::YuvView picture = image::working_view(frame.image, stage.picture);
     if (frame.silhouette != nullptr) {
         stage.mask = *frame.silhouette;
     } else {
         auto segmented = segmentation::segment(
-            *frame.image, stage.background, options_.segmentation, stage.segmentation, stage.mask);
+            picture, stage.background, options_.segmentation, stage.segmentation, stage.mask);
         if (!segmented) return segmented;
     }
     stage.counts = silhouette::extract_silhouette(
@@ -98,8 +100,7 @@ Expected<void> Pipeline::process_camera(const capture::CameraFrame& frame,
 
     stage.sees_somebody =
         !stage.polygons.empty() &&
-        texture::crop_texture(
-            *frame.image, stage.mask, options_.texture, stage.texture, stage.crop);
+        texture::crop_texture(picture, stage.mask, options_.texture, stage.texture, stage.crop);
     if (!stage.sees_somebody) return {};
     coded.camera = static_cast<std::uint32_t>(frame.camera);
     coded.crop_px = stage.crop.crop_px;
@@ -114,7 +115,7 @@ Expected<void> Pipeline::process_cameras(const capture::Metaframe& metaframe,
         stage.result = {};
         stage.counts = {};
         stage.sees_somebody = false;
-        delivered_[i] = metaframe.frames[i].image != nullptr ? 1 : 0;
+        delivered_[i] = metaframe.frames[i].image.empty() ? 0 : 1;
         if (delivered_[i] == 0) return;
         stage.result = process_camera(metaframe.frames[i], stage, frame.cameras[i]);
     };

@@ -196,7 +196,7 @@ void SiteNode::capture_metaframes(std::stop_token stop) {
 void SiteNode::hand_over(capture::Metaframe metaframe) {
     std::string missing;
     for (const capture::CameraFrame& frame : metaframe.frames) {
-        if (frame.image == nullptr) missing += " " + source_->rig().cameras[frame.camera].name;
+        if (frame.image.empty()) missing += " " + source_->rig().cameras[frame.camera].name;
     }
     if (!missing.empty()) {
         complaints_.warn(fmt::format("metaframe goes on without cameras id={} missing=\"{}\"",

@@ -20,14 +20,18 @@ void resize(Plane& plane, int width, int height) {
 
 std::uint8_t clamp_byte(int v) { return static_cast<std::uint8_t>(std::clamp(v, 0, 255)); }
 
-void luma_row(const std::uint8_t* __restrict bgr, int width, std::uint8_t* __restrict y) {
+// kBlue: where in a pixel blue is, 0 or 2; red is at the other end.
+template <int kBlue>
+void luma_row(const std::uint8_t* __restrict pixels, int width, std::uint8_t* __restrict y) {
     for (int x = 0; x < width; ++x) {
-        y[x] = static_cast<std::uint8_t>(
-            (kYB * bgr[3 * x] + kYG * bgr[3 * x + 1] + kYR * bgr[3 * x + 2] + kHalf) >> kShift);
+        y[x] = static_cast<std::uint8_t>((kYB * pixels[3 * x + kBlue] + kYG * pixels[3 * x + 1] +
+                                          kYR * pixels[3 * x + 2 - kBlue] + kHalf) >>
+                                         kShift);
     }
 }
 
 // Chroma of the mean of each 2x2 block.
+template <int kBlue>
 void chroma_row(const std::uint8_t* __restrict top,
                 const std::uint8_t* __restrict bottom,
                 int half_width,
@@ -35,9 +39,13 @@ void chroma_row(const std::uint8_t* __restrict top,
                 std::uint8_t* __restrict v) {
     constexpr int kBias = (128 << (kShift + 2)) + (1 << (kShift + 1));
     for (int x = 0; x < half_width; ++x) {
-        const int b = top[6 * x] + top[6 * x + 3] + bottom[6 * x] + bottom[6 * x + 3];
+        const std::uint8_t* __restrict tb = top + 6 * x + kBlue;
+        const std::uint8_t* __restrict bb = bottom + 6 * x + kBlue;
+        const std::uint8_t* __restrict tr = top + 6 * x + 2 - kBlue;
+        const std::uint8_t* __restrict br = bottom + 6 * x + 2 - kBlue;
+        const int b = tb[0] + tb[3] + bb[0] + bb[3];
         const int g = top[6 * x + 1] + top[6 * x + 4] + bottom[6 * x + 1] + bottom[6 * x + 4];
-        const int r = top[6 * x + 2] + top[6 * x + 5] + bottom[6 * x + 2] + bottom[6 * x + 5];
+        const int r = tr[0] + tr[3] + br[0] + br[3];
         u[x] = static_cast<std::uint8_t>(
             std::min((kUB * b + kUG * g + kUR * r + kBias) >> (kShift + 2), 255));
         v[x] = static_cast<std::uint8_t>(
@@ -45,28 +53,58 @@ void chroma_row(const std::uint8_t* __restrict top,
     }
 }
 
-}  // namespace
+// Of the blocks in rows y and y + 1, each twice.
+void luma_of_mosaic(const YuvView& image, int y, std::vector<std::uint8_t>& luma) {
+    const RedAt red = red_at(image.mosaic);
+    const std::uint8_t* red_row = image.y.row(y + red.y);
+    const std::uint8_t* blue_row = image.y.row(y + 1 - red.y);
+    for (int x = 0; x + 1 < image.width(); x += 2) {
+        const int green = red_row[x + 1 - red.x] + blue_row[x + red.x];
+        const auto at = static_cast<std::size_t>(x);
+        luma[at] = luma[at + 1] = luma_of_block(red_row[x + red.x], green, blue_row[x + 1 - red.x]);
+    }
+}
 
-void yuv_from_bgr(
-    const std::uint8_t* bgr, int width, int height, std::size_t stride_bytes, YuvImage& out) {
+template <int kBlue>
+void yuv_from_packed(
+    const std::uint8_t* pixels, int width, int height, std::size_t stride_bytes, YuvImage& out) {
     const int even_width = width & ~1;
     const int even_height = height & ~1;
     resize(out.y, even_width, even_height);
     resize(out.u, even_width / 2, even_height / 2);
     resize(out.v, even_width / 2, even_height / 2);
     for (int y = 0; y < even_height; y += 2) {
-        const std::uint8_t* top = bgr + static_cast<std::size_t>(y) * stride_bytes;
+        const std::uint8_t* top = pixels + static_cast<std::size_t>(y) * stride_bytes;
         const std::uint8_t* bottom = top + stride_bytes;
-        luma_row(top, even_width, out.y.row(y));
-        luma_row(bottom, even_width, out.y.row(y + 1));
-        chroma_row(top, bottom, even_width / 2, out.u.row(y / 2), out.v.row(y / 2));
+        luma_row<kBlue>(top, even_width, out.y.row(y));
+        luma_row<kBlue>(bottom, even_width, out.y.row(y + 1));
+        chroma_row<kBlue>(top, bottom, even_width / 2, out.u.row(y / 2), out.v.row(y / 2));
     }
 }
 
-std::vector<std::uint8_t> bgr_from_yuv(const YuvImage& image) {
-    std::vector<std::uint8_t> bgr(image.y.data.size() * 3);
+}  // namespace
+
+void yuv_from_bgr(
+    const std::uint8_t* bgr, int width, int height, std::size_t stride_bytes, YuvImage& out) {
+    yuv_from_packed<0>(bgr, width, height, stride_bytes, out);
+}
+
+void yuv_from_rgb(
+    const std::uint8_t* rgb, int width, int height, std::size_t stride_bytes, YuvImage& out) {
+    yuv_from_packed<2>(rgb, width, height, stride_bytes, out);
+}
+
+std::vector<std::uint8_t> bgr_from_yuv(const YuvView& image) {
+    std::vector<std::uint8_t> bgr(static_cast<std::size_t>(image.width()) *
+                                  static_cast<std::size_t>(image.height()) * 3);
+    std::vector<std::uint8_t> block_luma;
     for (int y = 0; y < image.height(); ++y) {
         const std::uint8_t* luma = image.y.row(y);
+        if (image.mosaic != Mosaic::kNone) {
+            block_luma.resize(static_cast<std::size_t>(image.width()));
+            luma_of_mosaic(image, y & ~1, block_luma);
+            luma = block_luma.data();
+        }
         const std::uint8_t* cb = image.u.row(y / 2);
         const std::uint8_t* cr = image.v.row(y / 2);
         std::uint8_t* out =

@@ -43,6 +43,58 @@ struct YuvImage {
     int height() const { return y.height; }
 };
 
+/// The colours of a sensor with one colour filter per pixel, by the first two of its first row.
+enum class Mosaic : std::uint8_t { kNone, kRG, kGR, kGB, kBG };
+
+/// A plane in memory that somebody else owns.
+struct PlaneView {
+    int width = 0;
+    int height = 0;
+    std::ptrdiff_t stride_bytes = 0;
+    const std::uint8_t* data = nullptr;
+
+    PlaneView() = default;
+    PlaneView(int width_px, int height_px, std::ptrdiff_t stride, const std::uint8_t* bytes)
+        : width(width_px), height(height_px), stride_bytes(stride), data(bytes) {}
+    PlaneView(const Plane& plane)  // NOLINT(google-explicit-constructor): a view of it
+        : PlaneView(plane.width, plane.height, plane.width, plane.data.data()) {}
+
+    const std::uint8_t* row(int y) const { return data + y * stride_bytes; }
+    std::uint8_t at(int x, int y) const { return row(y)[x]; }
+};
+
+/// A picture in the form of YuvImage, in memory that somebody else owns. Where `mosaic` is not
+/// kNone, `y` holds the sensor's samples instead of luma, each in its own colour.
+struct YuvView {
+    PlaneView y;
+    PlaneView u;
+    PlaneView v;
+    Mosaic mosaic = Mosaic::kNone;
+
+    YuvView() = default;
+    YuvView(const YuvImage& image)  // NOLINT(google-explicit-constructor): a view of it
+        : y(image.y), u(image.u), v(image.v) {}
+
+    int width() const { return y.width; }
+    int height() const { return y.height; }
+};
+
+/// Position of the red sample in each 2x2 block of a mosaic; blue is diagonally opposite.
+struct RedAt {
+    int x = 0;
+    int y = 0;
+};
+inline RedAt red_at(Mosaic mosaic) {
+    return {mosaic == Mosaic::kGR || mosaic == Mosaic::kBG ? 1 : 0,
+            mosaic == Mosaic::kGB || mosaic == Mosaic::kBG ? 1 : 0};
+}
+
+/// Luma of a 2x2 block of a mosaic, from its red, its blue and the sum of its greens.
+inline std::uint8_t luma_of_block(int red, int green_sum, int blue) {
+    return static_cast<std::uint8_t>((9798 * red + 9617 * green_sum + 3736 * blue + (1 << 14)) >>
+                                     15);
+}
+
 /// Rectangle of pixels: columns [x, x + width), rows [y, y + height).
 struct PixelRect {
     int x = 0;
@@ -59,7 +111,12 @@ struct PixelRect {
 void yuv_from_bgr(
     const std::uint8_t* bgr, int width, int height, std::size_t stride_bytes, YuvImage& out);
 
-/// The reverse, for pictures that people look at: packed BGR, 3 * width * height bytes.
-std::vector<std::uint8_t> bgr_from_yuv(const YuvImage& image);
+/// The same for packed RGB.
+void yuv_from_rgb(
+    const std::uint8_t* rgb, int width, int height, std::size_t stride_bytes, YuvImage& out);
+
+/// The reverse of yuv_from_bgr, for pictures that people look at: packed BGR, 3 * width * height
+/// bytes. Of a mosaic each block becomes one colour.
+std::vector<std::uint8_t> bgr_from_yuv(const YuvView& image);
 
 }  // namespace atrium::image

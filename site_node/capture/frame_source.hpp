@@ -16,7 +16,7 @@ namespace atrium::capture {
 class FrameSource {
 public:
     using Sink = std::function<void(CameraFrame)>;
-    using BackgroundSink = std::function<void(const image::YuvImage&)>;
+    using BackgroundSink = std::function<void(const image::YuvView&)>;
 
     virtual ~FrameSource() = default;
 

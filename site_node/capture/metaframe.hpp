@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/base/timestamp.hpp"
-#include "core/image/image.hpp"
+#include "core/image/raw_image.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -14,8 +14,8 @@ namespace atrium::capture {
 struct CameraFrame {
     std::size_t camera = 0;  // index into the rig
     Timestamp
-        capture_time;  // the camera's own, on the site's clock; what metaframes are matched by
-    std::shared_ptr<const image::YuvImage> image;   // null: this camera delivered nothing
+        capture_time;       // the camera's own, on the site's clock; what metaframes are matched by
+    image::RawImage image;  // empty: this camera delivered nothing
     std::shared_ptr<const image::Mask> silhouette;  // null: to be segmented
 };
 

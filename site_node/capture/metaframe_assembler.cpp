@@ -76,10 +76,10 @@ MetaframeAssembler::Pending* MetaframeAssembler::find_or_open(
 }
 
 void MetaframeAssembler::place(CameraFrame frame, std::chrono::steady_clock::time_point arrival) {
-    Pending* const pending = frame.camera < num_cameras_ && frame.image != nullptr
+    Pending* const pending = frame.camera < num_cameras_ && !frame.image.empty()
                                  ? find_or_open(frame.capture_time, arrival)
                                  : nullptr;
-    if (pending == nullptr || pending->frames[frame.camera].image != nullptr) {
+    if (pending == nullptr || !pending->frames[frame.camera].image.empty()) {
         ++counters_.num_stray;
         return;
     }
@@ -98,7 +98,7 @@ std::optional<Metaframe> MetaframeAssembler::take_ready() {
     metaframe.frame_id = ready_->frame_id;
     metaframe.capture_time = {std::numeric_limits<std::int64_t>::max()};
     for (const CameraFrame& frame : ready_->frames) {
-        if (frame.image != nullptr)
+        if (!frame.image.empty())
             metaframe.capture_time = std::min(metaframe.capture_time, frame.capture_time);
     }
     metaframe.frames = std::move(ready_->frames);

@@ -78,7 +78,7 @@ public:
             }
             frame.silhouette = std::move(mask);
         }
-        frame.image = std::move(picture);
+        frame.image = image::RawImage(std::move(picture));
         return frame;
     }
 
@@ -254,7 +254,7 @@ Expected<Metaframe> RecordingSource::read_frame(std::size_t index,
         const bool left_out =
             std::find(without.begin(), without.end(), rig_.cameras[camera].name) != without.end();
         if (left_out) {
-            metaframe.frames.push_back({camera, {}, nullptr, nullptr});
+            metaframe.frames.push_back({camera, {}, {}, nullptr});
             continue;
         }
         auto frame = tracks_[camera]->read(index);

@@ -16,7 +16,7 @@ Expected<image::Mask> segment_by_background(capture::RecordingSource& source,
     segmentation::BackgroundLearner learner;
     Error first_error;
     bool failed = false;
-    const auto learn = [&](const image::YuvImage& picture) {
+    const auto learn = [&](const image::YuvView& picture) {
         const Expected<void> added = learner.add(picture);
         if (added || failed) return;
         failed = true;
@@ -29,7 +29,9 @@ Expected<image::Mask> segment_by_background(capture::RecordingSource& source,
     if (!model) return tl::unexpected(model.error());
     segmentation::SegmentationScratch scratch;
     image::Mask mask;
-    if (auto done = segmentation::segment(*frame.image, *model, options, scratch, mask); !done) {
+    image::YuvImage buffer;
+    const image::YuvView picture = image::working_view(frame.image, buffer);
+    if (auto done = segmentation::segment(picture, *model, options, scratch, mask); !done) {
         return tl::unexpected(done.error());
     }
     return mask;
@@ -53,7 +55,7 @@ Expected<std::vector<NamedView>> load_recording_views(const std::filesystem::pat
     std::vector<NamedView> views;
     for (const capture::CameraFrame& picture : metaframe->frames) {
         const geometry::CalibratedCamera& camera = (*source)->rig().cameras[picture.camera];
-        if (picture.image == nullptr) {
+        if (picture.image.empty()) {
             views.push_back({camera.name, {camera.intrinsics, camera.camera_from_site, {}, {}}});
             continue;
         }

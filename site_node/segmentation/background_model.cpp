@@ -68,7 +68,7 @@ void set_luma(double mean,
 
 }  // namespace
 
-Expected<void> BackgroundLearner::add(const image::YuvImage& frame) {
+Expected<void> BackgroundLearner::add(const image::YuvView& frame) {
     const int width = frame.width();
     const int height = frame.height();
     if (width <= 0 || height <= 0 || width % 2 != 0 || height % 2 != 0 ||
@@ -81,10 +81,11 @@ Expected<void> BackgroundLearner::add(const image::YuvImage& frame) {
     if (num_frames_ == 0) {
         width_ = width;
         height_ = height;
-        sum_y_.assign(frame.y.data.size(), 0);
-        sum_yy_.assign(frame.y.data.size(), 0);
+        const auto num_pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+        sum_y_.assign(num_pixels, 0);
+        sum_yy_.assign(num_pixels, 0);
         for (auto* sums : {&sum_u_, &sum_v_, &sum_uu_, &sum_uv_, &sum_vv_})
-            sums->assign(frame.u.data.size(), 0.0F);
+            sums->assign(num_pixels / 4, 0.0F);
     } else if (width != width_ || height != height_) {
         return make_error(ErrorKind::kInvalidData,
                           "background pictures differ in size: first " + std::to_string(width_) +
@@ -98,19 +99,26 @@ Expected<void> BackgroundLearner::add(const image::YuvImage& frame) {
                           "more than " + std::to_string(kMaxFrames) + " background pictures");
     }
     ++num_frames_;
-    for (std::size_t i = 0; i < sum_y_.size(); ++i) {
-        const std::uint32_t y = frame.y.data[i];
-        sum_y_[i] += y;
-        sum_yy_[i] += y * y;
+    std::size_t i = 0;
+    for (int row = 0; row < height; ++row) {
+        const std::uint8_t* samples = frame.y.row(row);
+        for (int x = 0; x < width; ++x, ++i) {
+            const std::uint32_t y = samples[x];
+            sum_y_[i] += y;
+            sum_yy_[i] += y * y;
+        }
     }
-    for (std::size_t i = 0; i < sum_u_.size(); ++i) {
-        const float u = static_cast<float>(frame.u.data[i]) - 128.0F;
-        const float v = static_cast<float>(frame.v.data[i]) - 128.0F;
-        sum_u_[i] += u;
-        sum_v_[i] += v;
-        sum_uu_[i] += u * u;
-        sum_uv_[i] += u * v;
-        sum_vv_[i] += v * v;
+    i = 0;
+    for (int row = 0; row < height / 2; ++row) {
+        for (int x = 0; x < width / 2; ++x, ++i) {
+            const float u = static_cast<float>(frame.u.at(x, row)) - 128.0F;
+            const float v = static_cast<float>(frame.v.at(x, row)) - 128.0F;
+            sum_u_[i] += u;
+            sum_v_[i] += v;
+            sum_uu_[i] += u * u;
+            sum_uv_[i] += u * v;
+            sum_vv_[i] += v * v;
+        }
     }
     return {};
 }

@@ -38,7 +38,7 @@ struct BackgroundModel {
 class BackgroundLearner {
 public:
     /// Any number of frames of one size, even and not empty; the first one sets the size.
-    Expected<void> add(const image::YuvImage& frame);
+    Expected<void> add(const image::YuvView& frame);
 
     /// An error if no frame was added. One frame is enough (its noise is then taken from the
     /// options' floors).

@@ -72,7 +72,7 @@ ATRIUM_INLINE void test_luma(const std::uint8_t* __restrict y,
     }
 }
 
-ATRIUM_INLINE void test_all(const image::YuvImage& frame,
+ATRIUM_INLINE void test_all(const image::YuvView& frame,
                             const BackgroundModel& model,
                             PixelTestScratch& scratch,
                             image::Mask& out) {
@@ -105,7 +105,7 @@ ATRIUM_INLINE void test_all(const image::YuvImage& frame,
     }
 }
 
-void test_baseline(const image::YuvImage& frame,
+void test_baseline(const image::YuvView& frame,
                    const BackgroundModel& model,
                    PixelTestScratch& scratch,
                    image::Mask& out) {
@@ -113,7 +113,7 @@ void test_baseline(const image::YuvImage& frame,
 }
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) void test_avx2(const image::YuvImage& frame,
+__attribute__((target("avx2"))) void test_avx2(const image::YuvView& frame,
                                                const BackgroundModel& model,
                                                PixelTestScratch& scratch,
                                                image::Mask& out) {
@@ -132,7 +132,7 @@ InstructionSet best_instruction_set() {
     return InstructionSet::kBaseline;
 }
 
-void test_pixels(const image::YuvImage& frame,
+void test_pixels(const image::YuvView& frame,
                  const BackgroundModel& model,
                  InstructionSet instructions,
                  PixelTestScratch& scratch,

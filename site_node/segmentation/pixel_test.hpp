@@ -21,6 +21,8 @@ InstructionSet best_instruction_set();
 
 /// Writes 255 where a pixel cannot be background, else 0. Sizes of frame, model and `out` agree.
 ///
+/// In a mosaic each sample is tested as luma is, against the empty room's sample of the same place.
+///
 /// A pixel is background if its luma lies in its interval, and the chroma of its block is that of
 /// the empty room, scaled by the ratio of the lumas, up to noise. So a shadow, which scales luma
 /// and chroma alike, is background. All sets of instructions give the same bits.
@@ -29,7 +31,7 @@ InstructionSet best_instruction_set();
 /// Collaboration (2010): Gaussian on chroma, interval on luma; and Horprasert et al., A Statistical
 /// Approach for Real-time Robust Background Subtraction (1999): the brightness ratio. We differ:
 /// integers only, chroma once per 2x2 block, no division.
-void test_pixels(const image::YuvImage& frame,
+void test_pixels(const image::YuvView& frame,
                  const BackgroundModel& model,
                  InstructionSet instructions,
                  PixelTestScratch& scratch,

@@ -4,7 +4,7 @@
 
 namespace atrium::segmentation {
 
-Expected<void> segment(const image::YuvImage& frame,
+Expected<void> segment(const image::YuvView& frame,
                        const BackgroundModel& model,
                        const SegmentationOptions& options,
                        SegmentationScratch& scratch,

@@ -19,7 +19,7 @@ struct SegmentationScratch {
 /// Tells who does not belong to the empty room: per-pixel test, 3x3 majority, removal of small
 /// parts. `model` was finished with the same options. An error if the sizes of frame and model
 /// differ. Allocates only while `scratch` and `out` grow.
-Expected<void> segment(const image::YuvImage& frame,
+Expected<void> segment(const image::YuvView& frame,
                        const BackgroundModel& model,
                        const SegmentationOptions& options,
                        SegmentationScratch& scratch,

@@ -46,7 +46,33 @@ void set_size(image::Plane& plane, int width, int height) {
     plane.data.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
 }
 
-void halve(const image::YuvImage& frame,
+void mean_of_blocks(const std::uint8_t* __restrict top,
+                    const std::uint8_t* __restrict bottom,
+                    int num_blocks,
+                    std::uint8_t* __restrict luma) {
+    for (int x = 0; x < num_blocks; ++x) {
+        luma[x] = static_cast<std::uint8_t>(
+            (top[2 * x] + top[2 * x + 1] + bottom[2 * x] + bottom[2 * x + 1] + 2) >> 2);
+    }
+}
+
+// Of a mosaic: blocks begin at even places, as the crop does.
+void luma_of_blocks(const std::uint8_t* __restrict top,
+                    const std::uint8_t* __restrict bottom,
+                    image::Mosaic mosaic,
+                    int num_blocks,
+                    std::uint8_t* __restrict luma) {
+    const image::RedAt red = image::red_at(mosaic);
+    const std::uint8_t* __restrict red_row = red.y == 0 ? top : bottom;
+    const std::uint8_t* __restrict blue_row = red.y == 0 ? bottom : top;
+    for (int x = 0; x < num_blocks; ++x) {
+        luma[x] = image::luma_of_block(red_row[2 * x + red.x],
+                                       red_row[2 * x + 1 - red.x] + blue_row[2 * x + red.x],
+                                       blue_row[2 * x + 1 - red.x]);
+    }
+}
+
+void halve(const image::YuvView& frame,
            const image::Mask& mask,
            const image::PixelRect& crop,
            codec::TextureCrop& out) {
@@ -60,9 +86,12 @@ void halve(const image::YuvImage& frame,
         const std::uint8_t* __restrict mask_bottom = mask.row(crop.y + 2 * y + 1) + crop.x;
         std::uint8_t* __restrict luma = out.y.row(y);
         std::uint8_t* __restrict alpha = out.mask.row(y);
+        if (frame.mosaic == image::Mosaic::kNone) {
+            mean_of_blocks(top, bottom, width, luma);
+        } else {
+            luma_of_blocks(top, bottom, frame.mosaic, width, luma);
+        }
         for (int x = 0; x < width; ++x) {
-            luma[x] = static_cast<std::uint8_t>(
-                (top[2 * x] + top[2 * x + 1] + bottom[2 * x] + bottom[2 * x + 1] + 2) >> 2);
             const int votes = (mask_top[2 * x] & 1) + (mask_top[2 * x + 1] & 1) +
                               (mask_bottom[2 * x] & 1) + (mask_bottom[2 * x + 1] & 1);
             alpha[x] = votes >= 2 ? 255 : 0;
@@ -177,7 +206,7 @@ image::PixelRect bounding_rect(const image::Mask& mask) {
     return {left, top, right - left, bottom - top};
 }
 
-bool crop_texture(const image::YuvImage& frame,
+bool crop_texture(const image::YuvView& frame,
                   const image::Mask& mask,
                   const TextureOptions& options,
                   TextureScratch& scratch,

@@ -22,7 +22,8 @@ struct TextureScratch {
     std::vector<Block> blocks;
 };
 
-/// Cuts out what the mask shows, at half resolution: Y is the mean of each 2x2 block, U and V are
+/// Cuts out what the mask shows, at half resolution: Y is the mean of each 2x2 block (of a mosaic:
+/// the block's luma), U and V are
 /// as they are, and a pixel is foreground if at least two of its four are.
 ///
 /// Where the result is background it is made smooth, so that it codes small and no background
@@ -32,7 +33,7 @@ struct TextureScratch {
 /// Returns false, with `out` as it was, if the mask is empty: there is nothing to send. `mask` is
 /// as large as `frame`; a last odd column or row, which a 4:2:0 picture cannot have, is ignored.
 /// Allocates only while `scratch` and `out` grow.
-[[nodiscard]] bool crop_texture(const image::YuvImage& frame,
+[[nodiscard]] bool crop_texture(const image::YuvView& frame,
                                 const image::Mask& mask,
                                 const TextureOptions& options,
                                 TextureScratch& scratch,

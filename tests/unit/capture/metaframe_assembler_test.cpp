@@ -18,7 +18,9 @@ CameraFrame frame(std::size_t camera, std::int64_t time_ns) {
     CameraFrame f;
     f.camera = camera;
     f.capture_time = {time_ns};
-    f.image = std::make_shared<const image::YuvImage>();
+    static const auto picture = std::make_shared<const image::YuvImage>(
+        image::YuvImage{image::Plane(2, 2), image::Plane(1, 1), image::Plane(1, 1)});
+    f.image = picture;
     return f;
 }
 
@@ -74,7 +76,7 @@ TEST(MetaframeAssembler, CountsStraysAndKeepsTheFirstOfTwoPicturesOfOneCamera) {
     MetaframeAssembler assembler(2, kOptions);
     EXPECT_FALSE(assembler.add(frame(5, kPeriodNs), at(0)));
     CameraFrame empty = frame(0, kPeriodNs);
-    empty.image = nullptr;
+    empty.image = {};
     EXPECT_FALSE(assembler.add(empty, at(0)));
     EXPECT_FALSE(assembler.add(frame(0, kPeriodNs + 1), at(0)));
     EXPECT_FALSE(assembler.add(frame(0, kPeriodNs + 2), at(0)));
@@ -101,8 +103,8 @@ TEST(MetaframeAssembler, UsesWhatHasEnoughCamerasAtItsDeadline) {
     ASSERT_TRUE(metaframe);
     ASSERT_EQ(metaframe->frames.size(), 3u);
     for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(metaframe->frames[i].camera, i);
-    EXPECT_NE(metaframe->frames[0].image, nullptr);
-    EXPECT_EQ(metaframe->frames[1].image, nullptr);
+    EXPECT_FALSE(metaframe->frames[0].image.empty());
+    EXPECT_TRUE(metaframe->frames[1].image.empty());
     EXPECT_EQ(metaframe->capture_time.ns, kPeriodNs + 5);
     EXPECT_EQ(assembler.counters().num_incomplete_used, 1u);
     EXPECT_EQ(assembler.counters().num_incomplete, 0u);
@@ -130,7 +132,7 @@ TEST(MetaframeAssembler, GoesOnWithoutALostCameraAndWithItAgain) {
                 assembler.add(frame(camera, trigger * kPeriodNs), at(33 * trigger));
             if (!metaframe) continue;
             ids.push_back(metaframe->frame_id);
-            has_camera1.push_back(metaframe->frames[1].image != nullptr);
+            has_camera1.push_back(!metaframe->frames[1].image.empty());
         }
     }
     EXPECT_TRUE(std::is_sorted(ids.begin(), ids.end()));
@@ -232,7 +234,7 @@ TEST(MetaframeAssembler, NeverMixesTriggersAndNeverGoesBack) {
             last_trigger = trigger;
             std::size_t num_present = 0;
             for (const CameraFrame& f : metaframe->frames) {
-                if (f.image == nullptr) continue;
+                if (f.image.empty()) continue;
                 ++num_present;
                 EXPECT_EQ(f.capture_time.ns / kPeriodNs, trigger);
             }

@@ -72,7 +72,7 @@ capture::Metaframe take_pictures(std::span<const Capsule> body, const config::Ri
         metaframe.frames.push_back(
             {i,
              metaframe.capture_time,
-             std::move(image),
+             image::RawImage(std::move(image)),
              std::make_shared<const image::Mask>(draw(body, rig.cameras[i]))});
     }
     return metaframe;

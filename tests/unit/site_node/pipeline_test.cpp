@@ -126,7 +126,7 @@ TEST_F(SitePipeline, GoesOnWithoutALostCameraAndWithItAgain) {
     const config::Rig rig = make_rig(250.0);
     const capture::Metaframe all = test::take_pictures(kBody, rig);
     capture::Metaframe seven = all;
-    seven.frames[2].image = nullptr;
+    seven.frames[2].image = {};
     seven.frames[2].silhouette = nullptr;
     Pipeline pipeline = make(rig);
     process(pipeline, all);
@@ -158,7 +158,7 @@ TEST_F(SitePipeline, RefusesOneCameraAlone) {
     const config::Rig rig = make_rig(250.0);
     const capture::Metaframe all = test::take_pictures(kBody, rig);
     capture::Metaframe one = all;
-    for (std::size_t i = 1; i < one.frames.size(); ++i) one.frames[i].image = nullptr;
+    for (std::size_t i = 1; i < one.frames.size(); ++i) one.frames[i].image = {};
     for (const bool bounded : {false, true}) {
         PipelineOptions options;
         if (bounded) options.hull.bounds = kSpace;
@@ -188,7 +188,7 @@ TEST_F(SitePipeline, CountsWhatItLeavesOut) {
     EXPECT_EQ(frame_.left_out.fragments, 0u);
     EXPECT_EQ(frame_.left_out.regions_failed, 0u);
     EXPECT_EQ(num_outside(points_), 0u);
-    metaframe.frames[1].image = nullptr;
+    metaframe.frames[1].image = {};
     process(with_regions, metaframe);
     EXPECT_EQ(frame_.left_out.regions_failed, 1u);
     EXPECT_EQ(num_outside(points_), 0u);
