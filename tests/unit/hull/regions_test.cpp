@@ -1,6 +1,7 @@
 #include "site_node/hull/regions.hpp"
 
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/hull_checks.hpp"
 #include "tests/support/rig_maker.hpp"
 #include "tests/support/silhouette_maker.hpp"
 
@@ -12,6 +13,9 @@
 namespace atrium::hull {
 namespace {
 
+using test::expect_closed;
+using test::expect_sound;
+
 constexpr double kRadius_m = 0.4;
 const Eigen::Vector3d kMiddle(0.0, 0.0, 0.9);
 
@@ -20,18 +24,6 @@ geometry::Aabb box(const Eigen::Vector3d& min, const Eigen::Vector3d& max) {
     result.add(min);
     result.add(max);
     return result;
-}
-
-void expect_closed(const VisualHull& hull) {
-    ASSERT_EQ(hull.status, HullStatus::kOk) << to_string(hull.status);
-    const geometry::MeshReport report = geometry::inspect(hull.mesh);
-    EXPECT_TRUE(report.closed);
-    EXPECT_TRUE(report.manifold);
-}
-
-void expect_sound(const VisualHull& hull) {
-    expect_closed(hull);
-    EXPECT_EQ(hull.mesh.vertices.size() % 2, 0u);
 }
 
 class Bounds : public testing::Test {
