@@ -12,7 +12,7 @@ namespace atrium::site_node {
 namespace {
 
 constexpr double kLitresPerM3 = 1000.0;
-constexpr std::size_t kFewestViews = 2;  // one camera's cone is not a shape
+constexpr std::uint32_t kFewestViews = 2;  // one camera's cone is not a shape
 constexpr std::size_t kViewsOfBounds = 2;
 
 tl::unexpected<Error> wrong(std::string text) {
@@ -94,7 +94,7 @@ Expected<HullStage> HullStage::create(std::span<const geometry::CalibratedCamera
     stage.options_.min_views = options.min_views;
     stage.options_.keep_phantoms = options.keep_phantoms;
     stage.options_.min_component_volume_m3 = options.min_component_l / kLitresPerM3;
-    stage.min_delivered_ = std::max<std::size_t>(kFewestViews, options.min_views);
+    stage.min_delivered_ = std::max(kFewestViews, options.min_views);
     stage.views_.resize(cameras.size());
     for (std::size_t i = 0; i < cameras.size(); ++i) {
         stage.views_[i].intrinsics = cameras[i].intrinsics;
@@ -126,8 +126,7 @@ Expected<void> HullStage::add_regions(std::span<const geometry::CalibratedCamera
             return wrong(fmt::format(
                 "{}: at least {} are needed, got {}", key, min_delivered_, indices.size()));
         }
-        regions_.push_back({region.name, region.bounds, indices});
-        region_cameras_.push_back(std::move(indices));
+        regions_.push_back({region.name, region.bounds, std::move(indices), min_delivered_});
     }
     return {};
 }
@@ -156,24 +155,6 @@ Expected<void> HullStage::add_fields(std::span<const geometry::CalibratedCamera>
     return {};
 }
 
-// A region with too few cameras gets one that did not deliver instead, so that it counts as failed:
-// a list without any would mean all of them.
-void HullStage::choose_region_views(std::span<const std::uint8_t> delivered) {
-    for (std::size_t r = 0; r < regions_.size(); ++r) {
-        std::vector<std::uint32_t>& chosen = regions_[r].views;
-        chosen.clear();
-        std::uint32_t missing = 0;
-        for (const std::uint32_t camera : region_cameras_[r]) {
-            if (delivered[camera] != 0) {
-                chosen.push_back(camera);
-            } else {
-                missing = camera;
-            }
-        }
-        if (chosen.size() < min_delivered_) chosen.assign(1, missing);
-    }
-}
-
 void HullStage::compute(std::span<const std::uint8_t> delivered,
                         Executor& executor,
                         hull::VisualHull& hull) {
@@ -196,7 +177,6 @@ void HullStage::compute(std::span<const std::uint8_t> delivered,
         hull::compute_visual_hull(pointers_, options_, hull_scratch_, executor, hull);
         return;
     }
-    choose_region_views(delivered);
     hull::compute_region_hulls(pointers_, regions_, options_, region_scratch_, executor, hull);
 }
 

@@ -72,13 +72,11 @@ private:
     Expected<void> add_fields(std::span<const geometry::CalibratedCamera> cameras,
                               const HullStageOptions& options,
                               double tolerance_px);
-    void choose_region_views(std::span<const std::uint8_t> delivered);
 
     hull::HullOptions options_;
-    std::size_t min_delivered_ = 2;
-    std::vector<hull::SilhouetteView> views_;                 // one per camera
-    std::vector<std::vector<std::uint32_t>> region_cameras_;  // all of them, per region
-    std::vector<hull::Region> regions_;                       // with those that delivered
+    std::uint32_t min_delivered_ = 2;
+    std::vector<hull::SilhouetteView> views_;  // one per camera
+    std::vector<hull::Region> regions_;
     std::vector<const hull::SilhouetteView*> pointers_;
     hull::HullScratch hull_scratch_;
     hull::RegionScratch region_scratch_;

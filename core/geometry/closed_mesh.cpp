@@ -1,6 +1,5 @@
 #include "core/geometry/closed_mesh.hpp"
 
-#include <algorithm>
 #include <cassert>
 #include <limits>
 #include <string>
@@ -8,7 +7,7 @@
 namespace atrium::geometry {
 
 Expected<void> ClosedMesh::assign(const TriangleMesh& mesh) {
-    if (auto checked = check_indices(mesh); !checked) return checked;
+    if (auto grouped = groups_.assign(mesh); !grouped) return grouped;
     num_triangles_ = mesh.triangles.size();
     corner_.resize(3 * num_triangles_);
     edge_at_.assign(mesh.vertices.size(), kNone);
@@ -22,58 +21,30 @@ Expected<void> ClosedMesh::assign(const TriangleMesh& mesh) {
     return check_fans();
 }
 
-Expected<void> ClosedMesh::check_indices(const TriangleMesh& mesh) const {
-    if (mesh.triangles.size() >= kNone / 3 || mesh.vertices.size() >= kNone)
-        return make_error(ErrorKind::kInvalidData, "mesh: more than 1.4 G triangles");
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        const auto& [a, b, c] = mesh.triangles[t];
-        if (std::max({a, b, c}) < mesh.vertices.size() && a != b && b != c && c != a) continue;
-        return make_error(ErrorKind::kInvalidData,
-                          "mesh: triangle " + std::to_string(t) +
-                              " needs three different vertices below " +
-                              std::to_string(mesh.vertices.size()));
-    }
-    return {};
-}
-
-// Edges between the same two vertices meet in the list of the smaller one.
 Expected<void> ClosedMesh::find_twins() {
-    const auto num_edges = static_cast<Edge>(corner_.size());
-    first_.assign(edge_at_.size() + 1, 0);
-    for (Edge e = 0; e < num_edges; ++e) ++first_[std::min(from(e), to(e)) + 1];
-    for (std::size_t v = 1; v < first_.size(); ++v) first_[v] += first_[v - 1];
-    by_smaller_.resize(num_edges);
-    for (Edge e = 0; e < num_edges; ++e)
-        by_smaller_[first_[std::min(from(e), to(e))]++] = {std::max(from(e), to(e)), e};
-    twin_.resize(num_edges);
-    std::uint32_t begin = 0;
-    for (std::size_t v = 0; v < edge_at_.size(); ++v) {
-        const std::uint32_t end = first_[v];  // moved on while the list was filled
-        std::sort(by_smaller_.begin() + begin, by_smaller_.begin() + end);
-        for (std::uint32_t i = begin; i < end; i += 2) {
-            const auto [other, e] = by_smaller_[i];
-            const bool is_pair = i + 1 < end && by_smaller_[i + 1].first == other &&
-                                 from(by_smaller_[i + 1].second) != from(e);
-            const bool has_third = i + 2 < end && by_smaller_[i + 2].first == other;
-            if (!is_pair || has_third) {
-                return make_error(ErrorKind::kInvalidData,
-                                  "mesh: not closed: the edge between vertices " +
-                                      std::to_string(v) + " and " + std::to_string(other) +
-                                      " needs two triangles in opposite directions");
-            }
-            join(e, by_smaller_[i + 1].second);
+    twin_.resize(corner_.size());
+    Expected<void> result;
+    groups_.for_each([&](std::uint32_t smaller, std::span<const EdgeGroups::Entry> group) {
+        if (EdgeGroups::is_pair(group)) {
+            join(group[0].edge, group[1].edge);
+            return true;
         }
-        begin = end;
-    }
-    return {};
+        result = make_error(
+            ErrorKind::kInvalidData,
+            "mesh: not closed: the edge between vertices " + std::to_string(smaller) + " and " +
+                std::to_string(group[0].larger) + " needs two triangles in opposite directions");
+        return false;
+    });
+    return result;
 }
 
 // All edges from a vertex are met by turning around it.
 Expected<void> ClosedMesh::check_fans() {
-    first_.assign(edge_at_.size(), 0);
-    for (const std::uint32_t v : corner_) ++first_[v];
+    per_vertex_.assign(edge_at_.size(), 0);
+    for (const std::uint32_t v : corner_) ++per_vertex_[v];
     for (std::uint32_t v = 0; v < edge_at_.size(); ++v) {
-        if (first_[v] != 0 && degree(v, std::numeric_limits<std::uint32_t>::max()) == first_[v])
+        const std::uint32_t num_edges = per_vertex_[v];
+        if (num_edges != 0 && degree(v, std::numeric_limits<std::uint32_t>::max()) == num_edges)
             continue;
         return make_error(ErrorKind::kInvalidData,
                           "mesh: not 2-manifold: vertex " + std::to_string(v) +
@@ -143,16 +114,16 @@ void ClosedMesh::collapse(Edge e) {
 void ClosedMesh::extract(const std::vector<Eigen::Vector3d>& vertices, TriangleMesh& out) {
     assert(vertices.size() == edge_at_.size());
     out.clear();
-    first_.resize(edge_at_.size());
+    per_vertex_.resize(edge_at_.size());
     for (std::size_t v = 0; v < edge_at_.size(); ++v) {
         if (edge_at_[v] == kNone) continue;
-        first_[v] = static_cast<std::uint32_t>(out.vertices.size());
+        per_vertex_[v] = static_cast<std::uint32_t>(out.vertices.size());
         out.vertices.push_back(vertices[v]);
     }
     for (std::size_t e = 0; e < corner_.size(); e += 3) {
         if (corner_[e] == kNone) continue;
         out.triangles.push_back(
-            {first_[corner_[e]], first_[corner_[e + 1]], first_[corner_[e + 2]]});
+            {per_vertex_[corner_[e]], per_vertex_[corner_[e + 1]], per_vertex_[corner_[e + 2]]});
     }
 }
 

@@ -1,11 +1,10 @@
 #pragma once
 
 #include "core/base/expected.hpp"
+#include "core/geometry/edge_groups.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 
-#include <array>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 namespace atrium::geometry {
@@ -51,7 +50,6 @@ public:
     void extract(const std::vector<Eigen::Vector3d>& vertices, TriangleMesh& out);
 
 private:
-    Expected<void> check_indices(const TriangleMesh& mesh) const;
     Expected<void> find_twins();
     Expected<void> check_fans();
     void join(Edge a, Edge b);
@@ -62,8 +60,8 @@ private:
     std::vector<Edge> edge_at_;          // per vertex
     std::vector<std::uint32_t> mark_;    // per vertex, the last `serial_` that met it
     std::uint32_t serial_ = 0;
-    std::vector<std::uint32_t> first_;                        // per vertex, into `by_smaller_`
-    std::vector<std::pair<std::uint32_t, Edge>> by_smaller_;  // larger vertex, edge
+    EdgeGroups groups_;                      // of the mesh as it was assigned
+    std::vector<std::uint32_t> per_vertex_;  // its number of edges, or its new number
 };
 
 }  // namespace atrium::geometry

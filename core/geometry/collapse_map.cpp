@@ -12,6 +12,19 @@ double share(double part, double whole) {
     return whole > 0.0 ? std::clamp(part / whole, 0.0, 1.0) : 0.0;
 }
 
+// Scalar products of three vectors.
+struct Products {
+    Products(const Vector3d& u, const Vector3d& v, const Vector3d& w)
+        : uu(u.squaredNorm()),
+          uv(u.dot(v)),
+          vv(v.squaredNorm()),
+          uw(u.dot(w)),
+          vw(v.dot(w)),
+          determinant(uu * vv - uv * uv) {}
+    double uu, uv, vv, uw, vw;
+    double determinant;  // 0 where u and v are parallel
+};
+
 Vector3d nearest_on_segment(const Vector3d& p, const Vector3d& a, const Vector3d& b) {
     const Vector3d ab = b - a;
     return a + share((p - a).dot(ab), ab.squaredNorm()) * ab;
@@ -24,17 +37,11 @@ Vector3d nearest_on_triangle(const Vector3d& p,
                              const Vector3d& c) {
     const Vector3d ab = b - a;
     const Vector3d ac = c - a;
-    const Vector3d ap = p - a;
-    const double bb = ab.squaredNorm();
-    const double bc = ab.dot(ac);
-    const double cc = ac.squaredNorm();
-    const double pb = ap.dot(ab);
-    const double pc = ap.dot(ac);
-    const double determinant = bb * cc - bc * bc;
-    const double s = cc * pb - bc * pc;
-    const double t = bb * pc - bc * pb;
-    if (s > 0.0 && t > 0.0 && s + t < determinant)
-        return a + (s / determinant) * ab + (t / determinant) * ac;
+    const Products of(ab, ac, p - a);
+    const double s = of.vv * of.uw - of.uv * of.vw;
+    const double t = of.uu * of.vw - of.uv * of.uw;
+    if (s > 0.0 && t > 0.0 && s + t < of.determinant)
+        return a + (s / of.determinant) * ab + (t / of.determinant) * ac;
     const std::array<Vector3d, 3> feet{
         nearest_on_segment(p, a, b), nearest_on_segment(p, b, c), nearest_on_segment(p, c, a)};
     return *std::min_element(feet.begin(), feet.end(), [&](const auto& l, const auto& r) {
@@ -45,20 +52,14 @@ Vector3d nearest_on_triangle(const Vector3d& p,
 // Parameter in [from, 1] of the point of the segment p q that is nearest to the segment a b.
 double nearest_parameter(
     const Vector3d& p, const Vector3d& q, const Vector3d& a, const Vector3d& b, double from) {
-    const Vector3d pq = q - p;
-    const Vector3d ab = b - a;
-    const Vector3d ap = p - a;
-    const double pp = pq.squaredNorm();
-    const double pa = pq.dot(ab);
-    const double aa = ab.squaredNorm();
-    const double c = pq.dot(ap);
-    const double f = ab.dot(ap);
-    const double determinant = pp * aa - pa * pa;
-    double s = determinant > 0.0 ? std::clamp((pa * f - c * aa) / determinant, from, 1.0) : from;
-    const double t = aa > 0.0 ? (pa * s + f) / aa : 0.0;
+    const Products of(q - p, b - a, p - a);
+    double s = from;
+    if (of.determinant > 0.0)
+        s = std::clamp((of.uv * of.vw - of.uw * of.vv) / of.determinant, from, 1.0);
+    const double t = of.vv > 0.0 ? (of.uv * s + of.vw) / of.vv : 0.0;
     // where the foot on a b lies beyond its end: nearest to that end
-    if (t < 0.0 && pp > 0.0) s = std::clamp(-c / pp, from, 1.0);
-    if (t > 1.0 && pp > 0.0) s = std::clamp((pa - c) / pp, from, 1.0);
+    if (t < 0.0 && of.uu > 0.0) s = std::clamp(-of.uw / of.uu, from, 1.0);
+    if (t > 1.0 && of.uu > 0.0) s = std::clamp((of.uv - of.uw) / of.uu, from, 1.0);
     return s;
 }
 

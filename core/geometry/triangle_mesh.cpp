@@ -1,5 +1,8 @@
 #include "core/geometry/triangle_mesh.hpp"
 
+#include "core/geometry/closed_mesh.hpp"
+#include "core/geometry/edge_groups.hpp"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -12,75 +15,9 @@
 namespace atrium::geometry {
 namespace {
 
-struct HalfEdge {
-    std::uint64_t key = 0;  // smaller vertex index in the high half
-    std::uint32_t triangle = 0;
-    bool forward = false;  // from the smaller to the larger index
-};
-
-std::vector<HalfEdge> sorted_half_edges(const TriangleMesh& mesh) {
-    std::vector<HalfEdge> edges;
-    edges.reserve(mesh.triangles.size() * 3);
-    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-        for (int k = 0; k < 3; ++k) {
-            const std::uint32_t a = mesh.triangles[t][static_cast<std::size_t>(k)];
-            const std::uint32_t b = mesh.triangles[t][static_cast<std::size_t>((k + 1) % 3)];
-            const std::uint64_t key =
-                (static_cast<std::uint64_t>(std::min(a, b)) << 32) | std::max(a, b);
-            edges.push_back({key, t, a < b});
-        }
-    }
-    std::sort(edges.begin(), edges.end(), [](const HalfEdge& l, const HalfEdge& r) {
-        return l.key != r.key ? l.key < r.key : l.triangle < r.triangle;
-    });
-    return edges;
-}
-
 std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
     while (parent[i] != i) i = parent[i] = parent[parent[i]];
     return i;
-}
-
-// Closed surface: the triangles at a vertex form one fan exactly if walking from one of them over
-// shared edges meets as many triangles as the vertex has.
-bool every_vertex_is_one_fan(const TriangleMesh& mesh) {
-    std::vector<std::uint32_t> num_corners(mesh.vertices.size(), 0);
-    for (const auto& t : mesh.triangles) {
-        for (const std::uint32_t v : t) ++num_corners[v];
-    }
-    // successor of the edge (v -> a) around v is (v -> c) in the triangle (v, a, c)
-    struct Spoke {
-        std::uint32_t centre, from, to;
-        bool operator<(const Spoke& o) const {
-            return centre != o.centre ? centre < o.centre : from < o.from;
-        }
-    };
-    std::vector<Spoke> spokes;
-    spokes.reserve(mesh.triangles.size() * 3);
-    for (const auto& [a, b, c] : mesh.triangles) {
-        spokes.push_back({a, b, c});
-        spokes.push_back({b, c, a});
-        spokes.push_back({c, a, b});
-    }
-    std::sort(spokes.begin(), spokes.end());
-    std::size_t begin = 0;
-    for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
-        const std::size_t count = num_corners[v];
-        if (count == 0) return false;  // an unused vertex
-        std::uint32_t at = spokes[begin].from;
-        std::size_t steps = 0;
-        do {
-            const auto first = spokes.begin() + static_cast<std::ptrdiff_t>(begin);
-            const auto last = first + static_cast<std::ptrdiff_t>(count);
-            const auto it = std::lower_bound(first, last, Spoke{v, at, 0});
-            if (it == last || it->from != at) return false;
-            at = it->to;
-            ++steps;
-        } while (at != spokes[begin].from && steps <= count);
-        if (steps != count) return false;
-        begin += count;
-    }
-    return true;
 }
 
 }  // namespace
@@ -88,36 +25,24 @@ bool every_vertex_is_one_fan(const TriangleMesh& mesh) {
 MeshReport inspect(const TriangleMesh& mesh) {
     MeshReport report;
     report.volume_m3 = volume_m3(mesh);
+    EdgeGroups groups;
+    if (mesh.empty() || !groups.assign(mesh)) return report;
     const auto num_triangles = static_cast<std::uint32_t>(mesh.triangles.size());
-    if (num_triangles == 0) return report;
-    const bool indices_valid =
-        std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& t) {
-            return std::all_of(
-                       t.begin(), t.end(), [&](auto v) { return v < mesh.vertices.size(); }) &&
-                   t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
-        });
-    if (!indices_valid) return report;
-
-    const std::vector<HalfEdge> edges = sorted_half_edges(mesh);
     std::vector<std::uint32_t> parent(num_triangles);
     std::iota(parent.begin(), parent.end(), 0u);
     report.closed = true;
     std::int64_t num_edges = 0;
-    for (std::size_t i = 0; i < edges.size();) {
-        std::size_t end = i;
-        int balance = 0;
-        while (end < edges.size() && edges[end].key == edges[i].key) {
-            balance += edges[end].forward ? 1 : -1;
-            parent[find_root(parent, edges[end].triangle)] = find_root(parent, edges[i].triangle);
-            ++end;
-        }
-        if (end - i != 2 || balance != 0) report.closed = false;
+    groups.for_each([&](std::uint32_t, std::span<const EdgeGroups::Entry> group) {
+        const std::uint32_t first = group[0].edge / 3;
+        for (const EdgeGroups::Entry& entry : group)
+            parent[find_root(parent, entry.edge / 3)] = find_root(parent, first);
+        if (!EdgeGroups::is_pair(group)) report.closed = false;
         ++num_edges;
-        i = end;
-    }
+        return true;
+    });
     for (std::uint32_t t = 0; t < num_triangles; ++t)
         report.num_components += find_root(parent, t) == t;
-    report.manifold = report.closed && every_vertex_is_one_fan(mesh);
+    report.manifold = report.closed && ClosedMesh().assign(mesh).has_value();
     report.euler_characteristic = static_cast<std::int64_t>(mesh.vertices.size()) - num_edges +
                                   static_cast<std::int64_t>(num_triangles);
     return report;

@@ -63,8 +63,14 @@ void compute_region_hulls(std::span<const SilhouetteView* const> views,
             hull.status = HullStatus::kInvalidInput;
             return;
         }
-        region_options.bounds = region.bounds;
-        compute_visual_hull(scratch.views, region_options, scratch.hull, executor, scratch.part);
+        if (scratch.views.size() < region.min_views) {
+            clear(scratch.part);
+            scratch.part.status = HullStatus::kTooFewViews;
+        } else {
+            region_options.bounds = region.bounds;
+            compute_visual_hull(
+                scratch.views, region_options, scratch.hull, executor, scratch.part);
+        }
         const HullStatus status = scratch.part.status;
         add_part(scratch.part, hull);
         if (status == HullStatus::kOk) {

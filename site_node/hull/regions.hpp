@@ -19,6 +19,7 @@ struct Region {
     std::string name;
     geometry::Aabb bounds;             // site frame [m]; regions should not overlap
     std::vector<std::uint32_t> views;  // indices of its cameras; empty: all
+    std::uint32_t min_views = 1;       // a hull needs at least so many of its cameras
 };
 
 struct RegionScratch {
@@ -33,7 +34,8 @@ struct RegionScratch {
 /// `views[i]` may be null: that camera delivered nothing, and the others go on. `options.bounds` is
 /// replaced by each region's. Status: kOk if any region has somebody, else a failure if any region
 /// failed, else kEmptyIntersection. A region that fails beside others that do not is left out and
-/// counted in `num_regions_failed`; so is one without any camera.
+/// counted in `num_regions_failed`; so is one with fewer than `min_views` cameras that are there
+/// (kTooFewViews).
 ///
 /// Errors: kInvalidInput for a region that names a view that is not there.
 void compute_region_hulls(std::span<const SilhouetteView* const> views,

@@ -106,20 +106,7 @@ HullStatus attempt(HullScratch::Data& data,
     if (outcome.failed) return HullStatus::kNumericFailure;
     if (outcome.unbounded) return HullStatus::kUnbounded;
     const std::span<const RunFaces> faces(data.faces.data(), data.runs.size());
-    bool is_sound = data.assembly.join(data.cones, faces);
-    if (is_sound) {  // neither needs the other
-        const auto finish = [&](std::size_t task, std::size_t) {
-            if (task == 0) {
-                data.assembly.extract(data.cones, faces, options, hull);
-            } else {
-                is_sound = data.assembly.verify(data.cones, faces);
-            }
-        };
-        executor.parallel_for(2, finish);
-    }
-    // where views are counted, more than three faces meet in some vertices
-    if (is_sound && data.cones.min_seen > 0 && !hull.mesh.empty())
-        is_sound = data.assembly.is_manifold(hull.mesh);
+    const bool is_sound = data.assembly.assemble(data.cones, faces, options, executor, hull);
     hull.times.assembly_ms += ms_since(mark);
     if (!is_sound) return HullStatus::kNumericFailure;
     return hull.mesh.empty() ? HullStatus::kEmptyIntersection : HullStatus::kOk;
@@ -184,7 +171,6 @@ void compute_visual_hull(std::span<const SilhouetteView* const> views,
             hull.status = attempt(data, options, hull.num_attempts, executor, hull);
         } while (++hull.num_attempts < kMaxAttempts && hull.status == HullStatus::kNumericFailure);
     }
-    if (hull.status != HullStatus::kOk) hull.mesh.clear();
     hull.times.total_ms = ms_since(start);
 }
 

@@ -41,9 +41,7 @@ constexpr std::uint64_t kNumScenes = 15;
 constexpr std::uint64_t kNumScenes = 60;
 #endif
 
-// Stars with holes and islands that have nothing to do with each other: more crossings, phantoms
-// and handles than silhouettes of bodies have.
-std::vector<SilhouetteView> random_stars(std::uint64_t seed) {
+std::vector<SilhouetteView> scene_of_stars(std::uint64_t seed) {
     Random random(seed);
     test::Bodies bodies;
     const int num_views = between(random, 3, 5);
@@ -53,28 +51,13 @@ std::vector<SilhouetteView> random_stars(std::uint64_t seed) {
                              bodies,
                              random);
     std::vector<SilhouetteView> views;
-    for (const auto& camera : rig) {
-        const Eigen::Vector2d middle(500.0 + between(random, -40, 40),
-                                     500.0 + between(random, -40, 40));
-        const double radius_px = between(random, 120, 250);
-        std::vector<test::Contour> contours{
-            test::random_star(random, middle, radius_px, between(random, 5, 14))};
-        if (between(random, 0, 1) == 0) {
-            contours.push_back(
-                test::random_star(random, middle, 0.24 * radius_px, between(random, 3, 6)));
-        }
-        if (between(random, 0, 1) == 0) {
-            const Eigen::Vector2d beside = middle + Eigen::Vector2d(1.6 * radius_px, 0.0);
-            contours.push_back(
-                test::random_star(random, beside, 0.5 * radius_px, between(random, 3, 6)));
-        }
-        views.push_back(test::make_view(camera, contours));
-    }
+    for (const auto& camera : rig)
+        views.push_back(test::make_view(camera, test::random_stars(random, 14)));
     return views;
 }
 
 std::vector<SilhouetteView> small_scene(std::uint64_t seed) {
-    if (seed % 3 == 0) return random_stars(seed);
+    if (seed % 3 == 0) return scene_of_stars(seed);
     Random random(seed);
     test::SceneOptions options;
     options.bodies = static_cast<test::BodyKind>(between(random, 0, 4));

@@ -1,4 +1,5 @@
 #include "site_node/hull/visual_hull.hpp"
+#include "tests/support/hull_checks.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/rig_maker.hpp"
 #include "tests/support/silhouette_maker.hpp"
@@ -17,58 +18,30 @@ using test::between;
 using test::Contour;
 using test::Random;
 
-// Cameras anywhere on a sphere, opposite ones included, with silhouettes that have nothing to do
-// with each other: star-shaped blobs, holes, islands. Far more corner cases than real silhouettes
-// have.
+// Cameras anywhere on a sphere, opposite ones included, with stars as silhouettes: far more corner
+// cases than real silhouettes have.
 std::vector<SilhouetteView> random_scene(std::uint64_t seed) {
     Random random(seed);
     std::vector<SilhouetteView> views;
     const int num_views = between(random, 3, 9);
     Eigen::Vector3d last_centre(3.0, 0.0, 0.0);
     for (int i = 0; i < num_views; ++i) {
-        Eigen::Vector3d centre;
-        do {
-            centre = {
-                between(random, -1.0, 1.0), between(random, -1.0, 1.0), between(random, -1.0, 1.0)};
-        } while (centre.norm() > 1.0 || centre.norm() < 0.1);
-        centre *= 3.0 / centre.norm();
+        Eigen::Vector3d centre = 3.0 * test::random_direction(random);
         if (i % 3 == 2) centre = -last_centre * between(random, 0.8, 1.2);
         last_centre = centre;
         geometry::CalibratedCamera camera;
         camera.intrinsics = {1000, 1000, 1300.0, 1250.0, 499.5, 480.5, 2.0};
-        camera.camera_from_site = test::look_at(
-            centre,
-            {between(random, -0.1, 0.1), between(random, -0.1, 0.1), between(random, -0.1, 0.1)});
-        const Eigen::Vector2d middle(between(random, 450.0, 550.0), between(random, 450.0, 550.0));
-        const double radius_px = between(random, 100.0, 220.0);
-        std::vector<Contour> contours{
-            test::random_star(random, middle, radius_px, between(random, 3, 30))};
-        if (between(random, 0, 2) == 0) {
-            contours.push_back(
-                test::random_star(random, middle, 0.24 * radius_px, between(random, 3, 8)));
-        }
-        if (between(random, 0, 2) == 0) {
-            const Eigen::Vector2d beside = middle + Eigen::Vector2d(1.6 * radius_px, 0.0);
-            contours.push_back(
-                test::random_star(random, beside, 0.5 * radius_px, between(random, 3, 9)));
-        }
-        views.push_back(test::make_view(camera, contours));
+        camera.camera_from_site = test::look_at(centre, test::random_in_cube(random, 0.1));
+        views.push_back(test::make_view(camera, test::random_stars(random, 30)));
     }
     return views;
-}
-
-VisualHull exact_hull_of(const std::vector<SilhouetteView>& views) {
-    HullOptions options;
-    options.keep_phantoms = true;
-    HullScratch scratch;
-    return compute_visual_hull(views, options, scratch);
 }
 
 class RandomScene : public testing::TestWithParam<int> {
 protected:
     void SetUp() override {
         views_ = random_scene(static_cast<std::uint64_t>(GetParam()));
-        hull_ = exact_hull_of(views_);
+        hull_ = test::exact_hull_of(views_);
         if (hull_.status == HullStatus::kEmptyIntersection)
             GTEST_SKIP() << "the cones have no common point";
         ASSERT_EQ(hull_.status, HullStatus::kOk) << to_string(hull_.status);
@@ -88,17 +61,12 @@ protected:
 };
 
 TEST_P(RandomScene, HasAClosedManifoldHullInGeneralPosition) {
-    const geometry::MeshReport report = geometry::inspect(hull_.mesh);
-    EXPECT_TRUE(report.closed);
-    EXPECT_TRUE(report.manifold);
-    EXPECT_GT(report.volume_m3, 0.0);
-    EXPECT_EQ(hull_.num_attempts, 1u);
-    if (!has_camera_centre()) {
-        EXPECT_EQ(hull_.mesh.vertices.size() % 2, 0u);
+    if (has_camera_centre()) {
+        test::expect_closed(hull_);
+    } else {
+        test::expect_sound(hull_);
     }
-    EXPECT_EQ(static_cast<std::int64_t>(hull_.mesh.triangles.size()),
-              2 * static_cast<std::int64_t>(hull_.mesh.vertices.size()) -
-                  2 * report.euler_characteristic);
+    EXPECT_EQ(hull_.num_attempts, 1u);
 }
 
 TEST_P(RandomScene, ContainsExactlyThePointsThatAllSilhouettesContain) {
@@ -142,7 +110,7 @@ TEST_P(RandomScene, DoesNotDependOnTheOrderOfAnything) {
             if (between(random, 0, 1) == 0) std::reverse(contour.begin(), contour.end());
         }
     }
-    const VisualHull again = exact_hull_of(shuffled);
+    const VisualHull again = test::exact_hull_of(shuffled);
     EXPECT_EQ(hull_.mesh.vertices, again.mesh.vertices);
     EXPECT_EQ(hull_.mesh.triangles, again.mesh.triangles);
 }
@@ -165,7 +133,7 @@ TEST_P(RandomScene, MovesWithTheRig) {
     std::vector<SilhouetteView> moved = views_;
     for (SilhouetteView& view : moved)
         view.camera_from_site = view.camera_from_site * moved_from_site.inverse();
-    const VisualHull hull = exact_hull_of(moved);
+    const VisualHull hull = test::exact_hull_of(moved);
     ASSERT_EQ(hull.status, HullStatus::kOk);
     EXPECT_EQ(hull.mesh.vertices.size(), hull_.mesh.vertices.size());
     // another pose, another jitter: the surface may move by that of 1e-6 px at 4 m
@@ -181,7 +149,7 @@ TEST_P(RandomScene, ShrinksWithOneMoreCamera) {
     std::vector<SilhouetteView> more = views_;
     const auto extra = random_scene(static_cast<std::uint64_t>(GetParam()) + 1000);
     more.push_back(extra.front());
-    const VisualHull smaller = exact_hull_of(more);
+    const VisualHull smaller = test::exact_hull_of(more);
     if (smaller.status == HullStatus::kEmptyIntersection) return;
     ASSERT_EQ(smaller.status, HullStatus::kOk) << to_string(smaller.status);
     const double volume = geometry::volume_m3(hull_.mesh);

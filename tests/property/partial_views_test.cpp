@@ -29,17 +29,11 @@ Scene random_scene(std::uint64_t seed) {
     Scene scene;
     const int num_views = between(random, 2, 7);
     for (int i = 0; i < num_views; ++i) {
-        Eigen::Vector3d centre;
-        do {
-            centre = {
-                between(random, -1.0, 1.0), between(random, -1.0, 1.0), between(random, -1.0, 1.0)};
-        } while (centre.norm() > 1.0 || centre.norm() < 0.1);
-        centre *= between(random, 1.2, 3.0) / centre.norm();
+        const Eigen::Vector3d direction = test::random_direction(random);
+        const Eigen::Vector3d centre = between(random, 1.2, 3.0) * direction;
         geometry::CalibratedCamera camera;
         camera.intrinsics = {1000, 1000, 1000.0, 1050.0, 499.5, 480.5};
-        camera.camera_from_site = test::look_at(
-            centre,
-            {between(random, -0.2, 0.2), between(random, -0.2, 0.2), between(random, -0.2, 0.2)});
+        camera.camera_from_site = test::look_at(centre, test::random_in_cube(random, 0.2));
         const Eigen::Vector2d middle(between(random, 350.0, 650.0), between(random, 350.0, 650.0));
         std::vector<Contour> contours;
         const int kind = between(random, 0, 7);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+
 #include <random>
 
 namespace atrium::test {
@@ -13,6 +15,29 @@ inline double between(Random& random, double low, double high) {
 /// Both ends included.
 inline int between(Random& random, int low, int high) {
     return std::uniform_int_distribution<int>(low, high)(random);
+}
+
+/// Each coordinate by itself. One number after the other: arguments of one call have no order that
+/// all compilers share.
+inline Eigen::Vector3d between(Random& random,
+                               const Eigen::Vector3d& low,
+                               const Eigen::Vector3d& high) {
+    Eigen::Vector3d v;
+    for (int c = 0; c < 3; ++c) v[c] = between(random, low[c], high[c]);
+    return v;
+}
+
+inline Eigen::Vector3d random_in_cube(Random& random, double half_side) {
+    const Eigen::Vector3d corner = Eigen::Vector3d::Constant(half_side);
+    return between(random, -corner, corner);
+}
+
+/// Unit vector; all directions alike.
+inline Eigen::Vector3d random_direction(Random& random) {
+    for (;;) {
+        const Eigen::Vector3d v = random_in_cube(random, 1.0);
+        if (v.norm() < 1.0 && v.norm() > 0.1) return v.normalized();
+    }
 }
 
 }  // namespace atrium::test

@@ -14,22 +14,7 @@ namespace atrium::test {
 namespace {
 
 using Eigen::Vector3d;
-using test::between;  // beside the one below
 bool chance(Random& random, double share) { return between(random, 0.0, 1.0) < share; }
-
-// One number after the other: arguments of one call have no order that all compilers share.
-Vector3d between(Random& random, const Vector3d& low, const Vector3d& high) {
-    Vector3d v;
-    for (int c = 0; c < 3; ++c) v[c] = between(random, low[c], high[c]);
-    return v;
-}
-
-Vector3d random_unit(Random& random) {
-    for (;;) {
-        const Vector3d v = between(random, Vector3d::Constant(-1.0), Vector3d::Constant(1.0));
-        if (v.norm() < 1.0 && v.norm() > 0.1) return v.normalized();
-    }
-}
 
 ConvexPart limb(const Vector3d& a, double radius_a_m, const Vector3d& b, double radius_b_m) {
     return {{}, {{a, radius_a_m}, {b, radius_b_m}}};
@@ -39,7 +24,7 @@ ConvexPart random_box(Random& random, bool upright) {
     Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
     if (!upright) {
         const double angle = between(random, 0.0, 3.0);
-        rotation = Eigen::AngleAxisd(angle, random_unit(random));
+        rotation = Eigen::AngleAxisd(angle, random_direction(random));
     }
     const Vector3d half = between(random, Vector3d::Constant(0.05), Vector3d::Constant(0.4));
     Vector3d centre = between(random, Vector3d(-0.4, -0.4, 0.5), Vector3d(0.4, 0.4, 1.3));
@@ -56,7 +41,7 @@ ConvexPart random_box(Random& random, bool upright) {
 
 Vector3d near_middle(Random& random, double reach_m) {
     const double distance_m = between(random, 0.0, reach_m);
-    return Vector3d(0.0, 0.0, 0.9) + distance_m * random_unit(random);
+    return Vector3d(0.0, 0.0, 0.9) + distance_m * random_direction(random);
 }
 
 ConvexPart random_ball(Random& random) {
@@ -67,7 +52,7 @@ ConvexPart random_ball(Random& random) {
 ConvexPart random_rod(Random& random) {
     const Vector3d middle = near_middle(random, 0.4);
     const double half_m = between(random, 0.2, 0.7);
-    const Vector3d half = half_m * random_unit(random);
+    const Vector3d half = half_m * random_direction(random);
     const double radius_m = between(random, 0.015, 0.05);
     return limb(middle - half, radius_m, middle + half, radius_m);
 }
@@ -171,7 +156,7 @@ std::vector<Pose> rig_poses(RigKind kind, int num_views, const Bodies& bodies, R
         Pose pose{on_ring(angle, radius_m, i % 2 == 0 ? 1.1 : 2.4), middle};
         if (kind == RigKind::kAnywhere) {
             const double distance_m = between(random, 2.4, 4.0);
-            pose.centre = middle + distance_m * random_unit(random);
+            pose.centre = middle + distance_m * random_direction(random);
         } else if (kind == RigKind::kCollinear) {
             pose.centre = start + (2.0 * i / (num_views - 1.0) - 1.0) * along;
         } else if (kind == RigKind::kCoplanar) {
@@ -184,7 +169,7 @@ std::vector<Pose> rig_poses(RigKind kind, int num_views, const Bodies& bodies, R
             pose.centre = middle + 1.5 * (poses.back().centre - middle);
         } else if (kind == RigKind::kSharedCentre && i == num_views - 1) {
             pose.centre = poses.front().centre;
-            pose.target += 0.2 * random_unit(random);
+            pose.target += 0.2 * random_direction(random);
         }
         poses.push_back(pose);
     }
@@ -200,7 +185,7 @@ std::vector<geometry::CalibratedCamera> make_scene_rig(RigKind kind,
     std::vector<geometry::CalibratedCamera> rig;
     for (Pose& pose : rig_poses(kind, num_views, bodies, random)) {
         if (kind == RigKind::kRing || kind == RigKind::kAnywhere)
-            pose.target += 0.15 * random_unit(random);
+            pose.target += 0.15 * random_direction(random);
         geometry::CalibratedCamera camera;
         const double distance_m = (pose.centre - bodies.centre_site).norm();
         camera.intrinsics.width = camera.intrinsics.height = 1000;
@@ -310,11 +295,10 @@ std::vector<hull::SilhouetteView> make_scene(const SceneOptions& options, std::u
     for (geometry::CalibratedCamera& camera : rig) {
         if (options.cropped) crop(camera.intrinsics, random);
         std::vector<Contour> contours = silhouette_of(bodies, camera, options);
-        const Vector3d shift = between(random, Vector3d::Constant(-1.0), Vector3d::Constant(1.0));
+        const Vector3d shift = random_in_cube(random, 1.0);
         for (Contour& contour : contours) {
             for (Eigen::Vector2d& p : contour) {
-                const Vector3d noise =
-                    between(random, Vector3d::Constant(-1.0), Vector3d::Constant(1.0));
+                const Vector3d noise = random_in_cube(random, 1.0);
                 p += (options.shift_px * shift + options.noise_px * noise).head<2>();
             }
         }

@@ -76,7 +76,7 @@ Contour regular_polygon(const Eigen::Vector2d& centre_px,
     return contour;
 }
 
-Contour random_star(std::mt19937_64& random,
+Contour random_star(Random& random,
                     const Eigen::Vector2d& centre_px,
                     double radius_px,
                     int num_vertices) {
@@ -85,6 +85,22 @@ Contour random_star(std::mt19937_64& random,
     Contour contour = regular_polygon(centre_px, radius_px, num_vertices, phase(random));
     for (Eigen::Vector2d& p : contour) p = centre_px + share(random) * (p - centre_px);
     return contour;
+}
+
+std::vector<Contour> random_stars(Random& random, int most_vertices) {
+    Eigen::Vector2d middle;
+    for (double& coordinate : middle) coordinate = between(random, 450.0, 550.0);
+    const double radius_px = between(random, 100.0, 250.0);
+    const auto star = [&](const Eigen::Vector2d& centre_px, double share, int most) {
+        const int num_vertices = between(random, 3, most);
+        return random_star(random, centre_px, share * radius_px, num_vertices);
+    };
+    const int most_of_small = 3 + most_vertices / 5;
+    std::vector<Contour> contours{star(middle, 1.0, most_vertices)};
+    if (between(random, 0, 2) == 0) contours.push_back(star(middle, 0.24, most_of_small));
+    const Eigen::Vector2d beside = middle + Eigen::Vector2d(1.6 * radius_px, 0.0);
+    if (between(random, 0, 2) == 0) contours.push_back(star(beside, 0.5, most_of_small));
+    return contours;
 }
 
 hull::SilhouetteView make_view(const geometry::CalibratedCamera& camera,

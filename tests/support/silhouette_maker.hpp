@@ -4,10 +4,10 @@
 #include "core/geometry/triangle_mesh.hpp"
 #include "site_node/hull/visual_hull.hpp"
 #include "tests/support/polygons.hpp"
+#include "tests/support/random.hpp"
 
 #include <Eigen/Core>
 
-#include <random>
 #include <span>
 #include <vector>
 
@@ -38,10 +38,15 @@ Contour regular_polygon(const Eigen::Vector2d& centre_px,
                         double phase_rad = 0.1);
 
 /// Random star-shaped polygon with radii in [0.5, 1] of `radius_px`.
-Contour random_star(std::mt19937_64& random,
+Contour random_star(Random& random,
                     const Eigen::Vector2d& centre_px,
                     double radius_px,
                     int num_vertices);
+
+/// A star of 3 to `most_vertices` about the middle of a picture of 1000 px, at times with a hole
+/// and with an island beside it. Several of them have nothing to do with each other: as silhouettes
+/// of different cameras they have more crossings, phantoms and handles than those of bodies.
+std::vector<Contour> random_stars(Random& random, int most_vertices);
 
 hull::SilhouetteView make_view(const geometry::CalibratedCamera& camera,
                                std::vector<Contour> contours);

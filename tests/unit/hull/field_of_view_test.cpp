@@ -1,11 +1,13 @@
 #include "site_node/hull/field_of_view.hpp"
 
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/silhouette_maker.hpp"
 #include "tests/unit/hull/labelled_checks.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -14,7 +16,6 @@ namespace {
 
 using test::Contour;
 using test::Contours;
-using test::expect_sound;
 using test::Point;
 using test::prepare;
 
@@ -26,16 +27,12 @@ LabelledOutlines cut(const Contours& contours, const Contour& field, bool keep_u
     LabelledOutlines out;
     EXPECT_TRUE(is_usable_field(field));
     EXPECT_TRUE(cut_by_field(prepare(contours), field, keep_unseen, scratch, out));
+    test::expect_sound(out, keep_unseen);
     return out;
 }
 
 Contour disk(double x, double y, double radius) {
-    Contour contour;
-    for (int i = 0; i < 64; ++i) {
-        const double angle = i * std::numbers::pi / 32.0 + 0.01;
-        contour.emplace_back(x + radius * std::cos(angle), y + radius * std::sin(angle));
-    }
-    return contour;
+    return test::regular_polygon({x, y}, radius, 64, 0.01);
 }
 
 const Contour kField{{0, 0}, {10, 0}, {10, 10}, {0, 10}};
@@ -48,11 +45,21 @@ double length_of(const LabelledOutlines& labelled, SegmentKind kind) {
     return sum;
 }
 
-int num_chains(const LabelledOutlines& labelled, SegmentKind kind) {
-    int num = 0;
-    for (std::size_t c = 0; c < labelled.num_chains(); ++c)
-        num += labelled.segments[labelled.begin_of(c)].kind == kind;
+using PerKind = std::array<int, 3>;    // silhouette, outside, unseen
+using PerFamily = std::array<int, 2>;  // foreground, background
+
+PerKind num_chains(const LabelledOutlines& labelled) {
+    PerKind num{};
+    for (std::size_t c = 0; c < labelled.num_chains(); ++c) {
+        const SegmentKind kind = labelled.segments[labelled.begin_of(c)].kind;
+        ++num[kind == kSilhouette ? 0 : kind == kOutside ? 1 : 2];
+    }
     return num;
+}
+
+PerFamily num_loops(const LabelledOutlines& labelled) {
+    return {static_cast<int>(labelled.num_foreground_loops),
+            static_cast<int>(labelled.num_background_loops)};
 }
 
 // Twice what the segments of `loop` enclose, foreground or background, to their left.
@@ -69,15 +76,11 @@ double loop_area_px2(const LabelledOutlines& labelled, bool foreground, std::uin
 
 TEST(FieldOfView, CutsADiskAtTheBorder) {
     const LabelledOutlines labelled = cut({disk(0, 5, 3)}, kField);
-    expect_sound(labelled, true);
-    EXPECT_EQ(num_chains(labelled, kSilhouette), 1);
-    EXPECT_EQ(num_chains(labelled, kOutside), 1);
-    EXPECT_EQ(num_chains(labelled, kUnseen), 1);
     EXPECT_NEAR(length_of(labelled, kSilhouette), 3.0 * std::numbers::pi, 0.01);
     EXPECT_NEAR(length_of(labelled, kUnseen), 6.0, 0.01);
     EXPECT_NEAR(length_of(labelled, kOutside), 34.0, 0.01);
-    ASSERT_EQ(labelled.num_foreground_loops, 1u);
-    ASSERT_EQ(labelled.num_background_loops, 1u);
+    EXPECT_EQ(num_chains(labelled), (PerKind{1, 1, 1}));
+    ASSERT_EQ(num_loops(labelled), (PerFamily{1, 1}));
     const double half = 4.5 * std::numbers::pi;
     EXPECT_NEAR(loop_area_px2(labelled, true, 0), half, 0.05);
     EXPECT_NEAR(loop_area_px2(labelled, false, 0), 100.0 - half, 0.05);
@@ -86,42 +89,29 @@ TEST(FieldOfView, CutsADiskAtTheBorder) {
 TEST(FieldOfView, LeavesUnseenPiecesOutOnRequest) {
     const LabelledOutlines all = cut({disk(0, 5, 3)}, kField);
     const LabelledOutlines labelled = cut({disk(0, 5, 3)}, kField, false);
-    expect_sound(labelled, false);
-    EXPECT_EQ(num_chains(labelled, kUnseen), 0);
-    EXPECT_EQ(labelled.num_chains(), 2u);
+    EXPECT_EQ(num_chains(labelled), (PerKind{1, 1, 0}));
+    EXPECT_EQ(num_loops(labelled), (PerFamily{1, 1}));
     EXPECT_EQ(length_of(labelled, kSilhouette), length_of(all, kSilhouette));
     EXPECT_EQ(length_of(labelled, kOutside), length_of(all, kOutside));
 }
 
 TEST(FieldOfView, CutsARingIntoOneCellBetweenTwoOfBackground) {
     const LabelledOutlines labelled = cut({disk(0, 5, 4), disk(0, 5, 2)}, kField);
-    expect_sound(labelled, true);
-    EXPECT_EQ(num_chains(labelled, kSilhouette), 2);
-    EXPECT_EQ(num_chains(labelled, kUnseen), 2);
-    EXPECT_EQ(num_chains(labelled, kOutside), 2);
-    EXPECT_EQ(labelled.num_foreground_loops, 1u);
-    EXPECT_EQ(labelled.num_background_loops, 2u);
+    EXPECT_EQ(num_chains(labelled), (PerKind{2, 2, 2}));
+    EXPECT_EQ(num_loops(labelled), (PerFamily{1, 2}));
     EXPECT_NEAR(loop_area_px2(labelled, true, 0), 6.0 * std::numbers::pi, 0.05);
 }
 
 TEST(FieldOfView, KeepsARingInsideAsTwoLoopsOfEachFamily) {
     const LabelledOutlines labelled = cut({disk(5, 5, 4), disk(5, 5, 2)}, kField);
-    expect_sound(labelled, true);
-    EXPECT_EQ(num_chains(labelled, kSilhouette), 2);
-    EXPECT_EQ(num_chains(labelled, kUnseen), 0);
-    EXPECT_EQ(num_chains(labelled, kOutside), 1);
-    EXPECT_EQ(labelled.num_foreground_loops, 2u);
-    EXPECT_EQ(labelled.num_background_loops, 3u);
+    EXPECT_EQ(num_chains(labelled), (PerKind{2, 1, 0}));
+    EXPECT_EQ(num_loops(labelled), (PerFamily{2, 3}));
 }
 
 TEST(FieldOfView, DividesTheBackgroundBesideAPersonAcrossTwoBorders) {
     const LabelledOutlines labelled = cut({{{4, -2}, {6, -2}, {6, 12}, {4, 12}}}, kField);
-    expect_sound(labelled, true);
-    EXPECT_EQ(num_chains(labelled, kSilhouette), 2);
-    EXPECT_EQ(num_chains(labelled, kUnseen), 2);
-    EXPECT_EQ(num_chains(labelled, kOutside), 2);
-    EXPECT_EQ(labelled.num_foreground_loops, 1u);
-    ASSERT_EQ(labelled.num_background_loops, 2u);
+    EXPECT_EQ(num_chains(labelled), (PerKind{2, 2, 2}));
+    ASSERT_EQ(num_loops(labelled), (PerFamily{1, 2}));
     EXPECT_NEAR(loop_area_px2(labelled, true, 0), 20.0, 1e-4);
     EXPECT_NEAR(loop_area_px2(labelled, false, 0), 40.0, 1e-4);
     EXPECT_NEAR(loop_area_px2(labelled, false, 1), 40.0, 1e-4);
@@ -129,7 +119,6 @@ TEST(FieldOfView, DividesTheBackgroundBesideAPersonAcrossTwoBorders) {
 
 TEST(FieldOfView, FollowsTheBorderRoundACornerInTheForeground) {
     const LabelledOutlines labelled = cut({{{7, 8}, {12, 8}, {12, 12}, {7, 12}}}, kField);
-    expect_sound(labelled, true);
     EXPECT_NEAR(length_of(labelled, kSilhouette), 5.0, 1e-4);
     EXPECT_NEAR(length_of(labelled, kUnseen), 5.0, 1e-4);
     EXPECT_NEAR(length_of(labelled, kOutside), 35.0, 1e-4);
@@ -139,19 +128,17 @@ TEST(FieldOfView, FollowsTheBorderRoundACornerInTheForeground) {
 TEST(FieldOfView, IsAllBackgroundWithoutContours) {
     for (const Contours& contours : {Contours{}, Contours{disk(20, 20, 3)}}) {
         const LabelledOutlines labelled = cut(contours, kField);
-        expect_sound(labelled, true);
-        EXPECT_EQ(labelled.num_chains(), 1u);
         EXPECT_EQ(labelled.segments.size(), 4u);
-        EXPECT_EQ(num_chains(labelled, kOutside), 1);
+        EXPECT_EQ(num_chains(labelled), (PerKind{0, 1, 0}));
+        EXPECT_EQ(num_loops(labelled), (PerFamily{0, 1}));
         EXPECT_NEAR(loop_area_px2(labelled, false, 0), 100.0, 1e-9);
     }
 }
 
 TEST(FieldOfView, IsAllForegroundInsideAContour) {
     const LabelledOutlines labelled = cut({disk(5, 5, 20)}, kField);
-    expect_sound(labelled, true);
-    EXPECT_EQ(labelled.num_chains(), 1u);
-    EXPECT_EQ(num_chains(labelled, kUnseen), 1);
+    EXPECT_EQ(num_chains(labelled), (PerKind{0, 0, 1}));
+    EXPECT_EQ(num_loops(labelled), (PerFamily{1, 0}));
     EXPECT_NEAR(loop_area_px2(labelled, true, 0), 100.0, 1e-9);
     EXPECT_TRUE(cut({disk(5, 5, 20)}, kField, false).segments.empty());
 }
@@ -203,12 +190,13 @@ TEST(FieldOfView, WithoutAFieldContoursAreChainsAndLoops) {
     const Outlines outlines = prepare({disk(5, 5, 4), disk(5, 5, 2)});
     LabelledOutlines labelled;
     label_without_field(outlines, labelled);
-    expect_sound(labelled, true);
+    test::expect_sound(labelled, true);
     EXPECT_EQ(labelled.points, outlines.points);
     EXPECT_EQ(labelled.chain_ends, outlines.ends);
     EXPECT_EQ(labelled.segments.back().foreground_loop, 1u);
     EXPECT_EQ(labelled.segments.back().background_loop, 1u);
-    EXPECT_EQ(num_chains(labelled, kSilhouette), 2);
+    EXPECT_EQ(num_chains(labelled), (PerKind{2, 0, 0}));
+    EXPECT_EQ(num_loops(labelled), (PerFamily{2, 2}));
 }
 
 TEST(UsableField, IsASimplePolygonOfSomeArea) {

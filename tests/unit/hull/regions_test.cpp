@@ -1,6 +1,7 @@
 #include "site_node/hull/regions.hpp"
 
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/hull_checks.hpp"
 #include "tests/support/rig_maker.hpp"
 #include "tests/support/silhouette_maker.hpp"
 
@@ -12,6 +13,9 @@
 namespace atrium::hull {
 namespace {
 
+using test::expect_closed;
+using test::expect_sound;
+
 constexpr double kRadius_m = 0.4;
 const Eigen::Vector3d kMiddle(0.0, 0.0, 0.9);
 
@@ -20,18 +24,6 @@ geometry::Aabb box(const Eigen::Vector3d& min, const Eigen::Vector3d& max) {
     result.add(min);
     result.add(max);
     return result;
-}
-
-void expect_closed(const VisualHull& hull) {
-    ASSERT_EQ(hull.status, HullStatus::kOk) << to_string(hull.status);
-    const geometry::MeshReport report = geometry::inspect(hull.mesh);
-    EXPECT_TRUE(report.closed);
-    EXPECT_TRUE(report.manifold);
-}
-
-void expect_sound(const VisualHull& hull) {
-    expect_closed(hull);
-    EXPECT_EQ(hull.mesh.vertices.size() % 2, 0u);
 }
 
 class Bounds : public testing::Test {
@@ -128,8 +120,8 @@ protected:
         }
         for (const SilhouetteView& view : two_) pointers_.push_back(&view);
         options_.min_component_volume_m3 = 0.03;  // where cones past both bodies meet is nobody
-        regions_ = {{"left", box({-2.0, -0.6, 0.2}, {-1.0, 0.6, 1.6}), {}},
-                    {"right", box({1.0, -0.6, 0.2}, {2.0, 0.6, 1.6}), {}}};
+        regions_ = {{"left", box({-2.0, -0.6, 0.2}, {-1.0, 0.6, 1.6}), {}, 1},
+                    {"right", box({1.0, -0.6, 0.2}, {2.0, 0.6, 1.6}), {}, 1}};
     }
     VisualHull compute(const std::vector<Region>& regions) {
         VisualHull hull;
@@ -196,6 +188,28 @@ TEST_F(Regions, WithoutCamerasAreLeftOutAndCounted) {
     EXPECT_EQ(compute({regions_[0]}).status, HullStatus::kTooFewViews);
 }
 
+TEST_F(Regions, WithFewerCamerasThanTheyNeedAreLeftOutAndCounted) {
+    regions_[0].views = {1, 3, 5};
+    pointers_[3] = nullptr;
+    for (const std::uint32_t num_missing : {0u, 1u}) {
+        regions_[0].min_views = 2 + num_missing;
+        const VisualHull hull = compute(regions_);
+        ASSERT_EQ(hull.status, HullStatus::kOk);
+        EXPECT_EQ(hull.num_regions_failed, num_missing);
+        const bool has_left = geometry::bounds(hull.mesh).min.x() < 0.0;
+        EXPECT_EQ(has_left, num_missing == 0);
+        EXPECT_LT(0.0, geometry::bounds(hull.mesh).max.x());
+        // nothing of the former region's hull comes again
+        EXPECT_EQ(compute({regions_[1], regions_[0]}).num_components, hull.num_components);
+    }
+    EXPECT_EQ(compute({regions_[0]}).status, HullStatus::kTooFewViews);
+    EXPECT_TRUE(compute({regions_[0]}).mesh.empty());
+    regions_[1].min_views = 8;  // of all, of which one is missing
+    EXPECT_EQ(compute({regions_[1]}).status, HullStatus::kTooFewViews);
+    regions_[1].min_views = 7;
+    EXPECT_EQ(compute({regions_[1]}).status, HullStatus::kOk);
+}
+
 TEST_F(Regions, RefuseCamerasThatAreNotThere) {
     regions_[1].views = {0, 8};
     const VisualHull hull = compute(regions_);
@@ -204,7 +218,7 @@ TEST_F(Regions, RefuseCamerasThatAreNotThere) {
 }
 
 TEST_F(Regions, AreEmptyWhereNobodyIs) {
-    EXPECT_EQ(compute({{"empty", box({-0.5, -0.5, 0.0}, {0.5, 0.5, 2.0}), {}}}).status,
+    EXPECT_EQ(compute({{"empty", box({-0.5, -0.5, 0.0}, {0.5, 0.5, 2.0}), {}, 1}}).status,
               HullStatus::kEmptyIntersection);
     EXPECT_EQ(compute({}).status, HullStatus::kEmptyIntersection);
 }

@@ -2,10 +2,11 @@
 
 #include "core/base/thread_pool.hpp"
 #include "tests/support/allocation_counter.hpp"
+#include "tests/support/hull_checks.hpp"
 #include "tests/support/rig_maker.hpp"
 #include "tests/support/silhouette_maker.hpp"
+#include "tests/unit/hull/hull_of_a_sphere.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,27 +17,8 @@ namespace atrium::hull {
 namespace {
 
 using test::Contour;
-
-VisualHull exact_hull_of(const std::vector<SilhouetteView>& views) {
-    HullOptions options;
-    options.keep_phantoms = true;
-    HullScratch scratch;
-    return compute_visual_hull(views, options, scratch);
-}
-
-void expect_sound(const VisualHull& hull) {
-    ASSERT_EQ(hull.status, HullStatus::kOk) << to_string(hull.status);
-    const geometry::MeshReport report = geometry::inspect(hull.mesh);
-    EXPECT_TRUE(report.closed);
-    EXPECT_TRUE(report.manifold);
-    EXPECT_GT(report.volume_m3, 0.0);
-    EXPECT_EQ(report.num_components, hull.num_components);
-    // general position: three faces in every vertex, and no vertex was added to triangulate
-    EXPECT_EQ(hull.mesh.vertices.size() % 2, 0u);
-    EXPECT_EQ(
-        static_cast<std::int64_t>(hull.mesh.triangles.size()),
-        2 * static_cast<std::int64_t>(hull.mesh.vertices.size()) - 2 * report.euler_characteristic);
-}
+using test::exact_hull_of;
+using test::expect_sound;
 
 // Cameras `distance_m` from the origin on the given axes, so far away that their cones are nearly
 // cylinders.
@@ -222,13 +204,6 @@ TEST_F(DrilledBody, HandlesSeveralHolesAndIslands) {
     EXPECT_NEAR(report.volume_m3, expected, 1e-8 * expected);
 }
 
-class HullOfASphere : public testing::Test {
-protected:
-    std::vector<SilhouetteView> views_ =
-        test::views_of(test::Sphere{{0.0, 0.1, 0.9}, 0.4}, test::make_ring_rig({}), 40);
-    HullScratch scratch_;
-};
-
 TEST_F(HullOfASphere, IsTheSameToTheBitOnAnyNumberOfWorkers) {
     ThreadPool pool(4);
     VisualHull parallel;
@@ -267,93 +242,6 @@ TEST_F(HullOfASphere, IntersectsTwoSilhouettesOfOneCamera) {
     expect_sound(hull);
     EXPECT_LT(geometry::volume_m3(hull.mesh), 0.98 * whole);
     EXPECT_GT(geometry::volume_m3(hull.mesh), 0.5 * whole);
-}
-
-TEST_F(HullOfASphere, IsEmptyWhereOneCameraSeesNobody) {
-    views_[5].contours.clear();
-    const VisualHull hull = compute_visual_hull(views_, {}, scratch_);
-    EXPECT_EQ(hull.status, HullStatus::kEmptyIntersection);
-    EXPECT_TRUE(hull.mesh.empty());
-}
-
-TEST_F(HullOfASphere, IsEmptyWhereConesMissEachOther) {
-    for (auto& p : views_[2].contours[0]) p.x() += 5000.0;
-    EXPECT_EQ(compute_visual_hull(views_, {}, scratch_).status, HullStatus::kEmptyIntersection);
-}
-
-TEST_F(HullOfASphere, NeedsTwoViews) {
-    EXPECT_EQ(compute_visual_hull(std::span(views_).first(1), {}, scratch_).status,
-              HullStatus::kTooFewViews);
-    EXPECT_EQ(compute_visual_hull({}, {}, scratch_).status, HullStatus::kTooFewViews);
-    const std::vector<SilhouetteView> same{views_[0], views_[0]};
-    EXPECT_EQ(compute_visual_hull(same, {}, scratch_).status, HullStatus::kTooFewViews);
-}
-
-TEST_F(HullOfASphere, IsUnboundedWhereAllCamerasLookTheSameWay) {
-    SilhouetteView beside = views_[0];
-    beside.camera_from_site.translation.x() += 0.3;
-    const std::vector<SilhouetteView> pair{views_[0], beside};
-    EXPECT_EQ(compute_visual_hull(pair, {}, scratch_).status, HullStatus::kUnbounded);
-}
-
-TEST_F(HullOfASphere, RefusesNumbersThatAreNone) {
-    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    const auto status_with = [&](auto change) {
-        std::vector<SilhouetteView> views = views_;
-        change(views[1]);
-        return compute_visual_hull(views, {}, scratch_).status;
-    };
-    using View = SilhouetteView;
-    EXPECT_EQ(status_with([&](View& v) { v.contours[0][7].x() = kNan; }),
-              HullStatus::kInvalidInput);
-    EXPECT_EQ(status_with([&](View& v) { v.contours[0][7].y() = kInfinity; }),
-              HullStatus::kInvalidInput);
-    EXPECT_EQ(status_with([&](View& v) { v.contours[0][7].y() = 1e300; }),
-              HullStatus::kInvalidInput);
-    EXPECT_EQ(status_with([&](View& v) { v.intrinsics.fx = 0.0; }), HullStatus::kInvalidInput);
-    EXPECT_EQ(status_with([&](View& v) { v.intrinsics.cy = kNan; }), HullStatus::kInvalidInput);
-    EXPECT_EQ(status_with([&](View& v) { v.camera_from_site.translation.z() = kInfinity; }),
-              HullStatus::kInvalidInput);
-    EXPECT_EQ(status_with([&](View& v) { v.camera_from_site.rotation.coeffs().setZero(); }),
-              HullStatus::kInvalidInput);
-}
-
-TEST_F(HullOfASphere, RefusesMoreViewsThanItCanName) {
-    const std::vector<SilhouetteView> views(kMaxViews + 1, views_[0]);
-    EXPECT_EQ(compute_visual_hull(views, {}, scratch_).status, HullStatus::kInvalidInput);
-}
-
-TEST_F(HullOfASphere, RefusesMoreWorkThanAllowed) {
-    HullOptions options;
-    options.max_segments = 100;
-    EXPECT_EQ(compute_visual_hull(views_, options, scratch_).status, HullStatus::kTooComplex);
-}
-
-TEST_F(HullOfASphere, StopsAfterTheAllowedSteps) {
-    // twelve combs across each other: many crossings on every strip
-    std::vector<SilhouetteView> views;
-    for (const auto& camera : test::make_ring_rig({.num_cameras = 12})) {
-        Contour comb;
-        for (int i = 0; i < 120; ++i)
-            comb.emplace_back(i % 2 == 0 ? 200.0 : 800.0, 200.0 + 4.0 * i);
-        for (int i = 119; i >= 0; --i)
-            comb.emplace_back(i % 2 == 0 ? 202.0 : 802.0, 202.0 + 4.0 * i);
-        views.push_back(test::make_view(camera, {comb}));
-    }
-    HullOptions options;
-    options.max_steps = 1000;
-    EXPECT_EQ(compute_visual_hull(views, options, scratch_).status, HullStatus::kTooComplex);
-}
-
-TEST_F(HullOfASphere, LeavesOutContoursWithoutArea) {
-    const VisualHull clean = compute_visual_hull(views_, {}, scratch_);
-    views_[0].contours.push_back({{10.0, 10.0}, {20.0, 10.0}, {30.0, 10.0}});
-    views_[1].contours.push_back({{10.0, 10.0}});
-    views_[2].contours.emplace_back();
-    const VisualHull hull = compute_visual_hull(views_, {}, scratch_);
-    EXPECT_EQ(hull.num_contours_dropped, 3u);
-    EXPECT_EQ(clean.mesh.vertices, hull.mesh.vertices);
 }
 
 TEST_F(HullOfASphere, KeepsItsVolumeWithCollinearPoints) {
