@@ -11,7 +11,6 @@
 namespace atrium::site_node {
 namespace {
 
-constexpr double kLitresPerM3 = 1000.0;
 constexpr std::uint32_t kFewestViews = 2;  // one camera's cone is not a shape
 constexpr std::size_t kViewsOfBounds = 2;
 

@@ -17,6 +17,8 @@
 
 namespace atrium::site_node {
 
+inline constexpr double kLitresPerM3 = 1000.0;
+
 /// A part of the site with the cameras that watch it: `[[hull.region]]`.
 struct RegionOptions {
     std::string name;

@@ -132,8 +132,11 @@ Expected<void> Pipeline::process_cameras(const capture::Metaframe& metaframe,
 
 void Pipeline::count_left_out(SiteFrame& frame) const {
     const hull::VisualHull& hull = frame.hull;
-    frame.left_out = {hull.num_phantoms_dropped,
+    frame.left_out = {static_cast<std::uint32_t>(
+                          std::count(delivered_.begin(), delivered_.end(), std::uint8_t{0})),
+                      hull.num_phantoms_dropped,
                       hull.num_fragments_dropped,
+                      kLitresPerM3 * hull.volume_dropped_m3,
                       hull.num_contours_dropped,
                       hull.num_contours_repaired,
                       hull.num_regions_failed};

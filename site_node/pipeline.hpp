@@ -36,8 +36,10 @@ struct CodedCamera {
 
 /// What was left out of the hull of one metaframe, or mended in it.
 struct LeftOut {
+    std::uint32_t cameras = 0;           // that delivered nothing
     std::uint32_t phantoms = 0;          // components that no silhouette needs
     std::uint32_t fragments = 0;         // components below hull.min_component_l
+    double dropped_l = 0.0;              // volume of both [l]
     std::uint32_t contours_dropped = 0;  // too small, or could neither be undistorted nor mended
     std::uint32_t contours_repaired = 0;
     std::uint32_t regions_failed = 0;  // beside others that did not

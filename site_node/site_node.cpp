@@ -3,6 +3,7 @@
 #include "core/app/program.hpp"
 #include "site_node/capture/recording_source.hpp"
 #include "site_node/capture/simulated_source.hpp"
+#include "site_node/left_out.hpp"
 
 #include <fmt/format.h>
 #include <pthread.h>
@@ -158,7 +159,7 @@ Expected<void> SiteNode::run(std::stop_token stop) {
                    total.num_dropped_incomplete,
                    total.num_dropped_late,
                    total.num_failed);
-    if (const std::string line = to_line(counts()); !line.empty())
+    if (const std::string line = left_out_line({}, total); !line.empty())
         app::log::info("counted {}", line);
     const std::lock_guard lock(end_mutex_);
     return end_result_;
@@ -237,8 +238,8 @@ void SiteNode::count(const SiteFrame& frame) {
         complaints_.warn(fmt::format(
             "metaframe lacks regions id={} failed={}", frame.frame_id, left_out.regions_failed));
     }
-    const std::lock_guard lock(counts_mutex_);
-    add(left_out, counts_);
+    const std::lock_guard lock(left_out_mutex_);
+    add(left_out, left_out_);
 }
 
 void SiteNode::publish_frames(std::stop_token stop) {
@@ -287,7 +288,7 @@ void SiteNode::report_status(std::stop_token stop) {
     std::mutex mutex;
     std::condition_variable_any wake;
     const auto begin = Clock::now();
-    SiteCounts former;
+    bus::SiteStatus former;
     for (int second = 1; !stop.stop_requested(); ++second) {
         auto until = begin + std::chrono::seconds(second);
         const bool limited = config_.seconds > 0.0;
@@ -299,20 +300,13 @@ void SiteNode::report_status(std::stop_token stop) {
         if (limited && Clock::now() >= end) finish({});
         metaframes_per_s_ = published_rate_.update(num_published_, Clock::now());
         bytes_per_s_ = bytes_rate_.update(num_bytes_, Clock::now());
-        if (auto written = writers_.status.write(status()); !written)
+        const bus::SiteStatus now = status();
+        if (auto written = writers_.status.write(now); !written)
             complaints_.warn(written.error().message);
-        const SiteCounts now = counts();
-        if (const std::string line = to_line(now - former); !line.empty())
+        if (const std::string line = left_out_line(former, now); !line.empty())
             app::log::debug("this second {}", line);
         former = now;
     }
-}
-
-SiteCounts SiteNode::counts() const {
-    const std::lock_guard lock(counts_mutex_);
-    SiteCounts counts = counts_;
-    counts.num_incomplete_used = num_incomplete_used_;
-    return counts;
 }
 
 bus::SiteStatus SiteNode::status() const {
@@ -321,9 +315,14 @@ bus::SiteStatus SiteNode::status() const {
     status.time = Timestamp::now();
     status.num_metaframes_captured = num_captured_;
     status.num_metaframes_published = num_published_;
+    status.num_incomplete_used = num_incomplete_used_;
     status.num_dropped_incomplete = num_incomplete_;
     status.num_dropped_late = metaframes_.num_dropped() + site_frames_.num_dropped();
     status.num_failed = num_failed_;
+    {
+        const std::lock_guard lock(left_out_mutex_);
+        status.left_out = left_out_;
+    }
     status.num_bytes_published = num_bytes_;
     status.metaframes_per_s = metaframes_per_s_;
     status.bytes_per_s = bytes_per_s_;

@@ -8,7 +8,6 @@
 #include "core/bus/bus.hpp"
 #include "site_node/capture/metaframe_assembler.hpp"
 #include "site_node/config.hpp"
-#include "site_node/site_counts.hpp"
 
 #include <atomic>
 #include <memory>
@@ -29,7 +28,6 @@ public:
 
     /// Thread-safe.
     bus::SiteStatus status() const;
-    SiteCounts counts() const;
 
 private:
     struct Writers {
@@ -70,8 +68,8 @@ private:
     std::atomic<std::uint64_t> num_failed_{0};
     std::atomic<std::uint64_t> num_published_{0};
     std::atomic<std::uint64_t> num_bytes_{0};
-    mutable std::mutex counts_mutex_;
-    SiteCounts counts_;  // without num_incomplete_used
+    mutable std::mutex left_out_mutex_;
+    bus::LeftOutTotals left_out_;
     mutable std::mutex latency_mutex_;
     LatencyWindow capture_to_publish_;
     RateMeter published_rate_;

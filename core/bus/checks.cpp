@@ -187,6 +187,7 @@ Expected<void> check(const SiteStatus& message) {
     Checker checker;
     checker.name("SiteStatus.site", message.site);
     checker.time("SiteStatus.time", message.time);
+    checker.range("SiteStatus.left_out.dropped_l", message.left_out.dropped_l, 0.0, kMaxStatistic);
     checker.range("SiteStatus.metaframes_per_s", message.metaframes_per_s, 0.0, kMaxStatistic);
     checker.range("SiteStatus.bytes_per_s", message.bytes_per_s, 0.0, kMaxStatistic);
     checker.latency("SiteStatus.capture_to_publish", message.capture_to_publish);

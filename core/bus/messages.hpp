@@ -102,15 +102,30 @@ struct LatencySummary {
     std::uint64_t num_samples = 0;
 };
 
+/// What hulls lack, or had mended in them, over all metaframes that have one.
+struct LeftOutTotals {
+    std::uint64_t num_cameras = 0;            // that delivered nothing
+    std::uint64_t num_phantoms = 0;           // components that no silhouette needs
+    std::uint64_t num_fragments = 0;          // components that are too small
+    double dropped_l = 0.0;                   // volume of both [l], up to kMaxStatistic
+    std::uint64_t num_contours_dropped = 0;   // too small, or beyond repair
+    std::uint64_t num_contours_repaired = 0;  // crossings that were taken apart
+    std::uint64_t num_regions_failed = 0;     // beside others that did not
+
+    bool operator==(const LeftOutTotals&) const = default;
+};
+
 /// 1 Hz. Counters run since the program's start.
 struct SiteStatus {
     std::string site;
     Timestamp time;
     std::uint64_t num_metaframes_captured = 0;
     std::uint64_t num_metaframes_published = 0;
+    std::uint64_t num_incomplete_used = 0;     // went on without some cameras
     std::uint64_t num_dropped_incomplete = 0;  // a camera's picture was missing at the deadline
     std::uint64_t num_dropped_late = 0;  // a newer metaframe replaced it before it was worked on
     std::uint64_t num_failed = 0;        // a stage reported an error for it
+    LeftOutTotals left_out;
     std::uint64_t num_bytes_published = 0;
     double metaframes_per_s = 0.0;
     double bytes_per_s = 0.0;

@@ -1,15 +1,42 @@
 #include "core/bus/wire_fields.hpp"
 
 namespace atrium::bus {
+namespace {
+
+constexpr std::size_t kLeftOutBytes = 7 * sizeof(std::uint64_t);
+
+atrium_LeftOut put_left_out(const LeftOutTotals& totals) {
+    return {totals.num_cameras,
+            totals.num_phantoms,
+            totals.num_fragments,
+            totals.dropped_l,
+            totals.num_contours_dropped,
+            totals.num_contours_repaired,
+            totals.num_regions_failed};
+}
+
+LeftOutTotals get_left_out(const atrium_LeftOut& totals) {
+    return {totals.num_cameras,
+            totals.num_phantoms,
+            totals.num_fragments,
+            totals.dropped_l,
+            totals.num_contours_dropped,
+            totals.num_contours_repaired,
+            totals.num_regions_failed};
+}
+
+}  // namespace
 
 void to_wire(const SiteStatus& message, WireScratch& /*scratch*/, atrium_SiteStatus& out) {
     key_to_wire(message, out);
     out.time_ns = message.time.ns;
     out.num_metaframes_captured = message.num_metaframes_captured;
     out.num_metaframes_published = message.num_metaframes_published;
+    out.num_incomplete_used = message.num_incomplete_used;
     out.num_dropped_incomplete = message.num_dropped_incomplete;
     out.num_dropped_late = message.num_dropped_late;
     out.num_failed = message.num_failed;
+    out.left_out = put_left_out(message.left_out);
     out.num_bytes_published = message.num_bytes_published;
     out.metaframes_per_s = message.metaframes_per_s;
     out.bytes_per_s = message.bytes_per_s;
@@ -23,9 +50,11 @@ Expected<SiteStatus> from_wire(const atrium_SiteStatus& wire) {
     message.time.ns = wire.time_ns;
     message.num_metaframes_captured = wire.num_metaframes_captured;
     message.num_metaframes_published = wire.num_metaframes_published;
+    message.num_incomplete_used = wire.num_incomplete_used;
     message.num_dropped_incomplete = wire.num_dropped_incomplete;
     message.num_dropped_late = wire.num_dropped_late;
     message.num_failed = wire.num_failed;
+    message.left_out = get_left_out(wire.left_out);
     message.num_bytes_published = wire.num_bytes_published;
     message.metaframes_per_s = wire.metaframes_per_s;
     message.bytes_per_s = wire.bytes_per_s;
@@ -45,7 +74,7 @@ Expected<SiteStatus> key_from_wire(const atrium_SiteStatus& wire) {
 }
 
 std::size_t payload_bytes(const SiteStatus& message) {
-    return message.site.size() + 10 * sizeof(std::uint64_t) + kLatencyBytes;
+    return message.site.size() + 11 * sizeof(std::uint64_t) + kLeftOutBytes + kLatencyBytes;
 }
 
 void to_wire(const WorldStatus& message, WireScratch& /*scratch*/, atrium_WorldStatus& out) {

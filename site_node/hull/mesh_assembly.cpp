@@ -13,6 +13,7 @@ constexpr std::uint32_t kNone = 0xffffffffu;
 void clear_result(VisualHull& hull) {
     hull.mesh.clear();
     hull.num_components = hull.num_phantoms_dropped = hull.num_fragments_dropped = 0;
+    hull.volume_dropped_m3 = 0.0;
 }
 
 }  // namespace
@@ -156,7 +157,10 @@ void MeshAssembly::choose_components(const HullOptions& options, VisualHull& hul
         component.is_kept = options.keep_phantoms || (component.has_viewing_edge && !is_fragment);
         if (component.is_kept) {
             ++hull.num_components;
-        } else if (!component.has_viewing_edge) {
+            continue;
+        }
+        hull.volume_dropped_m3 += std::max(component.six_volumes, 0.0) / 6.0;
+        if (!component.has_viewing_edge) {
             ++hull.num_phantoms_dropped;
         } else {
             ++hull.num_fragments_dropped;

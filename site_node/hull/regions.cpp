@@ -38,6 +38,7 @@ void add_part(const VisualHull& part, VisualHull& hull) {
     hull.num_components += part.num_components;
     hull.num_phantoms_dropped += part.num_phantoms_dropped;
     hull.num_fragments_dropped += part.num_fragments_dropped;
+    hull.volume_dropped_m3 += part.volume_dropped_m3;
     hull.num_contours_dropped += part.num_contours_dropped;
     hull.num_contours_repaired += part.num_contours_repaired;
     hull.num_views_merged += part.num_views_merged;

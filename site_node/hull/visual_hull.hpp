@@ -86,6 +86,7 @@ struct VisualHull {
     std::uint32_t num_components = 0;         // kept
     std::uint32_t num_phantoms_dropped = 0;   // without a viewing edge
     std::uint32_t num_fragments_dropped = 0;  // others below min_component_volume_m3
+    double volume_dropped_m3 = 0.0;           // of phantoms and fragments
     std::uint32_t num_contours_dropped = 0;   // too small, or still crossing when repairs ran out
     std::uint32_t num_contours_repaired = 0;  // crossings of outlines that were taken apart
     std::uint32_t num_views_merged = 0;    // the same camera with the same contours as another one

@@ -183,6 +183,8 @@ SiteStatus random_message(Random& random) {
             random(),
             random(),
             random(),
+            {random(), random(), random(), number(random, 0, 1e4), random(), random(), random()},
+            random(),
             number(random, 0, 100),
             number(random, 0, 1e9),
             latency(random),
@@ -257,9 +259,10 @@ bool same(const SiteStatus& a, const SiteStatus& b) {
     return a.site == b.site && a.time == b.time &&
            a.num_metaframes_captured == b.num_metaframes_captured &&
            a.num_metaframes_published == b.num_metaframes_published &&
+           a.num_incomplete_used == b.num_incomplete_used &&
            a.num_dropped_incomplete == b.num_dropped_incomplete &&
            a.num_dropped_late == b.num_dropped_late && a.num_failed == b.num_failed &&
-           a.num_bytes_published == b.num_bytes_published &&
+           a.left_out == b.left_out && a.num_bytes_published == b.num_bytes_published &&
            a.metaframes_per_s == b.metaframes_per_s && a.bytes_per_s == b.bytes_per_s &&
            same(a.capture_to_publish, b.capture_to_publish) && a.resident_bytes == b.resident_bytes;
 }

@@ -214,6 +214,8 @@ TEST(FromWire, RefusesEachBadFieldOfAStatus) {
         random_message<SiteStatus>(random),
         {{"site", [](auto& w) { spoil_name(w.site, ""); }},
          {"time", [](auto& w) { w.time_ns = -1; }},
+         {"left_out.dropped_l", [](auto& w) { w.left_out.dropped_l = kNan; }},
+         {"left_out.dropped_l", [](auto& w) { w.left_out.dropped_l = 1e16; }},
          {"metaframes_per_s", [](auto& w) { w.metaframes_per_s = -1; }},
          {"bytes_per_s", [](auto& w) { w.bytes_per_s = kInfinity; }},
          {"capture_to_publish", [](auto& w) { w.capture_to_publish.median_ms = kNan; }}});

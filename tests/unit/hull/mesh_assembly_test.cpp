@@ -64,6 +64,7 @@ protected:
             EXPECT_EQ(hull_.num_components, 0u);
             EXPECT_EQ(hull_.num_phantoms_dropped, 0u);
             EXPECT_EQ(hull_.num_fragments_dropped, 0u);
+            EXPECT_EQ(hull_.volume_dropped_m3, 0.0);
         }
     }
     Cones cones_;
@@ -91,6 +92,7 @@ TEST_F(Assembly, LeavesOutPhantomsAndFragmentsAndCountsThem) {
     EXPECT_EQ(hull_.num_components, 1u);
     EXPECT_EQ(hull_.num_phantoms_dropped, 1u);
     EXPECT_EQ(hull_.num_fragments_dropped, 1u);
+    EXPECT_NEAR(hull_.volume_dropped_m3, (1.0 + 1e-6) / 6.0, 1e-12);
     EXPECT_EQ(hull_.mesh.vertices.size(), 4u);
 }
 

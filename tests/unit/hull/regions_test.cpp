@@ -91,6 +91,7 @@ TEST_F(Bounds, AreTheHullWhereNoCameraCutsIt) {
     // no silhouette needs it
     EXPECT_EQ(hull.status, HullStatus::kEmptyIntersection);
     EXPECT_EQ(hull.num_phantoms_dropped, 1u);
+    EXPECT_NEAR(hull.volume_dropped_m3, 0.1 * 0.2 * 0.2, 1e-8);
     options.keep_phantoms = true;
     const VisualHull kept = compute_visual_hull(views_, options, scratch_);
     expect_sound(kept);

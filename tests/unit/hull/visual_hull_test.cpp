@@ -288,7 +288,9 @@ TEST(VisualHull, DropsPhantomsUnlessAskedToKeepThem) {
     EXPECT_EQ(
         exact.num_components,
         cleaned.num_components + cleaned.num_phantoms_dropped + cleaned.num_fragments_dropped);
-    EXPECT_LE(geometry::volume_m3(cleaned.mesh), geometry::volume_m3(exact.mesh));
+    EXPECT_NEAR(geometry::volume_m3(cleaned.mesh) + cleaned.volume_dropped_m3,
+                geometry::volume_m3(exact.mesh),
+                1e-12);
     for (const test::Sphere& sphere : {a, b}) {
         EXPECT_NEAR(geometry::winding_number(cleaned.mesh, sphere.centre_site), 1.0, 1e-6);
     }

@@ -1,7 +1,5 @@
 #include "site_node/config.hpp"
 
-#include "site_node/site_counts.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -145,19 +143,6 @@ TEST(SiteConfig, OfEverySiteThatIsDeliveredIsValid) {
         EXPECT_TRUE(stage) << entry.path() << ": " << stage.error().message;
     }
     EXPECT_GT(num_sites, 3);
-}
-
-TEST(SiteCounts, AddUpAndAreShownWhereTheyAreNotZero) {
-    SiteCounts counts;
-    EXPECT_EQ(to_line(counts), "");
-    add(LeftOut{1, 2, 3, 4, 5}, counts);
-    const SiteCounts former = counts;
-    add(LeftOut{10, 20, 30, 40, 50}, counts);
-    counts.num_incomplete_used = 7;
-    EXPECT_EQ(to_line(counts),
-              "incomplete_used=7 phantoms=11 fragments=22 contours_dropped=33 "
-              "contours_repaired=44 regions_failed=55");
-    EXPECT_EQ(counts - former, (SiteCounts{7, 10, 20, 30, 40, 50}));
 }
 
 }  // namespace

@@ -178,6 +178,8 @@ TEST_F(SitePipeline, CountsWhatItLeavesOut) {
     Pipeline pipeline = make(rig, options);
     process(pipeline, metaframe);
     EXPECT_EQ(frame_.left_out.fragments, 1u);
+    EXPECT_GT(frame_.left_out.dropped_l, 10.0);
+    EXPECT_LT(frame_.left_out.dropped_l, 1000.0);
     EXPECT_TRUE(frame_.draco.empty());  // nobody
 
     options = {};
@@ -185,11 +187,14 @@ TEST_F(SitePipeline, CountsWhatItLeavesOut) {
                             {"elsewhere", {{5, 5, 0}, {6, 6, 2}}, {"cam0", "cam1"}}};
     Pipeline with_regions = make(rig, options);
     process(with_regions, metaframe);
+    EXPECT_EQ(frame_.left_out.cameras, 0u);
     EXPECT_EQ(frame_.left_out.fragments, 0u);
+    EXPECT_LT(frame_.left_out.dropped_l, 10.0);
     EXPECT_EQ(frame_.left_out.regions_failed, 0u);
     EXPECT_EQ(num_outside(points_), 0u);
     metaframe.frames[1].image = {};
     process(with_regions, metaframe);
+    EXPECT_EQ(frame_.left_out.cameras, 1u);
     EXPECT_EQ(frame_.left_out.regions_failed, 1u);
     EXPECT_EQ(num_outside(points_), 0u);
 }

@@ -103,7 +103,7 @@ TEST_F(SiteFromRecording, GoesOnWithoutALostCameraAndCountsIt) {
     const auto node = run_to_the_end();
     const bus::SiteStatus status = node->status();
     // of the three without cam1 two are past their deadline together with a newer one
-    EXPECT_EQ(node->counts().num_incomplete_used, 1u);
+    EXPECT_EQ(node->status().num_incomplete_used, 1u);
     EXPECT_EQ(status.num_dropped_incomplete, 2u);
     EXPECT_EQ(status.num_metaframes_captured, 6u);
     EXPECT_EQ(status.num_failed, 0u);
@@ -112,7 +112,7 @@ TEST_F(SiteFromRecording, GoesOnWithoutALostCameraAndCountsIt) {
 
 TEST_F(SiteFromRecording, DropsIncompleteMetaframesByDefault) {
     const auto node = run_to_the_end();
-    EXPECT_EQ(node->counts().num_incomplete_used, 0u);
+    EXPECT_EQ(node->status().num_incomplete_used, 0u);
     EXPECT_EQ(node->status().num_dropped_incomplete, 3u);
     EXPECT_EQ(node->status().num_metaframes_captured, 5u);
 }
@@ -122,7 +122,9 @@ TEST_F(SiteFromRecording, WorksOnWhatACameraThatNeverReturnsLeaves) {
     config_.capture.min_cameras = 3;
     const auto node = run_to_the_end();
     const bus::SiteStatus status = node->status();
-    EXPECT_EQ(node->counts().num_incomplete_used, 2u);  // the sixth, and the last as it ends
+    EXPECT_EQ(status.num_incomplete_used, 2u);   // the sixth, and the last as it ends
+    EXPECT_GE(status.left_out.num_cameras, 1u);  // nothing can overtake the last one
+    EXPECT_LE(status.left_out.num_cameras, 2u);
     EXPECT_EQ(status.num_dropped_incomplete, 3u);
     EXPECT_EQ(status.num_metaframes_captured, 5u);
     EXPECT_EQ(status.num_failed, 0u);
@@ -135,7 +137,7 @@ TEST_F(SiteFromRecording, CountsMetaframesOfTooFewCamerasAsFailed) {
     config_.pipeline.hull.min_views = 4;
     const auto node = run_to_the_end();
     const bus::SiteStatus status = node->status();
-    EXPECT_EQ(node->counts().num_incomplete_used, 2u);
+    EXPECT_EQ(node->status().num_incomplete_used, 2u);
     EXPECT_GE(status.num_failed, 1u);  // nothing can overtake the last one
     EXPECT_EQ(status.num_metaframes_published + status.num_dropped_late + status.num_failed, 5u);
 }
@@ -144,9 +146,9 @@ TEST_F(SiteFromRecording, CountsTheFragmentsOfAllMetaframes) {
     config_.pipeline.hull.min_component_l = 1000.0;
     const auto node = run_to_the_end();
     // one each, but for those that were replaced before they were worked on
-    EXPECT_GE(node->counts().num_fragments + node->status().num_dropped_late, 5u);
-    EXPECT_GE(node->counts().num_fragments, 1u);
-    EXPECT_LE(node->counts().num_fragments, 5u);
+    EXPECT_GE(node->status().left_out.num_fragments + node->status().num_dropped_late, 5u);
+    EXPECT_GE(node->status().left_out.num_fragments, 1u);
+    EXPECT_LE(node->status().left_out.num_fragments, 5u);
 }
 
 TEST_F(SiteFromRecording, RefusesMoreCamerasThanThereAre) {
