@@ -63,8 +63,9 @@ json carving(const std::vector<hull::SilhouetteView>& views,
              double phi,
              double u) {
     const Cones::Strip& s = cones.strips[strip];
-    const Eigen::Vector3d p = cones.origin + cones.views[s.view].centre +
-                              (cones.ray[s.from] + phi * (cones.ray[s.to] - cones.ray[s.from])) / u;
+    const Eigen::Vector3d p =
+        cones.to_site(cones.views[s.view].centre +
+                      (cones.ray[s.from] + phi * (cones.ray[s.to] - cones.ray[s.from])) / u);
     json out = json::array();
     for (std::size_t v = 0; v < views.size(); ++v) {
         const Eigen::Vector3d p_camera = views[v].camera_from_site * p;
@@ -76,7 +77,7 @@ json carving(const std::vector<hull::SilhouetteView>& views,
             }
         }
         const Eigen::Vector3d centre = views[v].camera_from_site.inverse().translation;
-        const bool is_own = (centre - cones.origin - cones.views[s.view].centre).norm() < 1e-6;
+        const bool is_own = (centre - cones.to_site(cones.views[s.view].centre)).norm() < 1e-6;
         if (!inside && !is_own) out.push_back(v);
     }
     return out;
@@ -90,7 +91,7 @@ std::size_t input_view(const std::vector<hull::SilhouetteView>& views,
     double least = 1e9;
     for (std::size_t v = 0; v < views.size(); ++v) {
         const Eigen::Vector3d centre = views[v].camera_from_site.inverse().translation;
-        const double distance = (centre - cones.origin - cones.views[view].centre).norm();
+        const double distance = (centre - cones.to_site(cones.views[view].centre)).norm();
         if (distance < least) best = v;
         least = std::min(least, distance);
     }

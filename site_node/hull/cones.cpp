@@ -51,35 +51,46 @@ Eigen::Vector3d from_grid(const exact::Vector& v, double scale) {
            scale;
 }
 
-// A box is the intersection of two cones: the octants at two opposite corners.
-void add_bounds(const geometry::Aabb& bounds, std::vector<Cones::View>& views) {
-    for (const double sign : {1.0, -1.0}) {
+// Any rotation that is far from all that rooms and rigs are aligned to.
+Eigen::Matrix3d skew_rotation() {
+    return Eigen::Quaterniond(0.7346, 0.3181, -0.2367, 0.5502).normalized().toRotationMatrix();
+}
+
+// A box is the intersection of two cones: the octants at two opposite corners, in this order.
+constexpr std::array<double, 2> kOctants{1.0, -1.0};
+
+void add_bounds(const geometry::Aabb& bounds, Cones& cones) {
+    for (const double sign : kOctants) {
         Cones::View view;
         view.centre = sign > 0.0 ? bounds.min : bounds.max;
-        view.axis = Eigen::Vector3d::Constant(sign / std::sqrt(3.0));
-        view.camera_from_site.setIdentity();
+        view.camera_from_grid = cones.grid_from_site.transpose();
+        view.axis = cones.grid_from_site * Eigen::Vector3d::Constant(sign / std::sqrt(3.0));
         view.is_bounds = true;
-        views.push_back(view);
+        cones.views.push_back(view);
     }
 }
 
 void place_views(const CleanViews& clean, const HullOptions& options, Cones& cones) {
+    static const Eigen::Matrix3d kGridFromSite = skew_rotation();
     cones.views.clear();
+    cones.grid_from_site = kGridFromSite;
     cones.origin.setZero();
     for (const CleanViews::View& clean_view : clean.views) {
         const SilhouetteView& source = *clean_view.source;
         Cones::View view;
-        view.camera_from_site = source.camera_from_site.rotation.normalized().toRotationMatrix();
-        view.axis = view.camera_from_site.row(2).transpose();
-        view.centre = -(view.camera_from_site.transpose() * source.camera_from_site.translation);
+        const Eigen::Matrix3d camera_from_site =
+            source.camera_from_site.rotation.normalized().toRotationMatrix();
+        view.camera_from_grid = camera_from_site * cones.grid_from_site.transpose();
+        view.axis = view.camera_from_grid.row(2).transpose();
+        view.centre = -(camera_from_site.transpose() * source.camera_from_site.translation);
         view.is_partial = !source.field.empty();
         cones.origin += view.centre / static_cast<double>(clean.views.size());
         cones.views.push_back(view);
     }
-    if (options.bounds) add_bounds(*options.bounds, cones.views);
+    if (options.bounds) add_bounds(*options.bounds, cones);
     double largest = kMinExtent_m;
     for (Cones::View& view : cones.views) {
-        view.centre -= cones.origin;
+        view.centre = cones.grid_from_site * (view.centre - cones.origin);
         largest = std::max(largest, view.centre.cwiseAbs().maxCoeff());
     }
     // half of the range is left for centres that have to be separated
@@ -159,10 +170,10 @@ void append_camera(const SilhouetteView& source,
                    std::size_t v,
                    ConeScratch& scratch,
                    Cones& cones) {
-    const Eigen::Matrix3d site_from_camera = cones.views[v].camera_from_site.transpose();
+    const Eigen::Matrix3d grid_from_camera = cones.views[v].camera_from_grid.transpose();
     scratch.rays.clear();
     for (const Eigen::Vector2d& p : scratch.labelled.points)
-        scratch.rays.emplace_back(site_from_camera * source.intrinsics.ray_camera(p));
+        scratch.rays.emplace_back(grid_from_camera * source.intrinsics.ray_camera(p));
     append_rays(scratch.rays, cones.views[v], cones);
     append_strips(scratch.labelled, v, cones);
 }
@@ -188,8 +199,8 @@ bool label(const SilhouetteView& source,
 }
 
 // Three rays along the edges that leave one corner of the bounds.
-void append_bounds(std::size_t v, std::uint32_t attempt, ConeScratch& scratch, Cones& cones) {
-    const double sign = cones.views[v].axis.x() > 0.0 ? 1.0 : -1.0;
+void append_bounds(
+    std::size_t v, double sign, std::uint32_t attempt, ConeScratch& scratch, Cones& cones) {
     Outlines& nudges = scratch.outlines;
     nudges.clear();
     const std::array<Eigen::Vector2d, 3> zeros{
@@ -204,7 +215,7 @@ void append_bounds(std::size_t v, std::uint32_t attempt, ConeScratch& scratch, C
         ray[axis] = sign;
         ray[(axis + 1) % 3] = nudge.x();
         ray[(axis + 2) % 3] = nudge.y();
-        scratch.rays.push_back(ray);
+        scratch.rays.push_back(cones.grid_from_site * ray);
     }
     // the mirrored corner sees its edges the other way round
     if (sign < 0.0) std::swap(scratch.rays[1], scratch.rays[2]);
@@ -261,7 +272,7 @@ HullStatus build_cones(const CleanViews& clean,
         sees_nobody |= outlines.num_contours() == 0 && !cones.views[v].is_partial;
     }
     for (std::size_t v = clean.views.size(); v < cones.num_views(); ++v)
-        append_bounds(v, attempt, scratch, cones);
+        append_bounds(v, kOctants[v - clean.views.size()], attempt, scratch, cones);
     hull.num_contours_dropped = counts.dropped;
     hull.num_contours_repaired = counts.repaired;
     if (sees_nobody) return HullStatus::kEmptyIntersection;

@@ -40,13 +40,15 @@ struct Verdict {
 /// ray and a strip.
 ///
 /// All numbers are integers on a grid (`exact_*`, some 2e-8 px and 1 pm); the doubles are
-/// the same numbers without rounding.
+/// the same numbers without rounding. The grid's axes are askew to the site's: real rigs have
+/// cameras along those, and on a grid of the same directions many rays that the jitter has moved
+/// apart would be in one plane again.
 struct Cones {
     struct View {
-        Eigen::Vector3d centre;  // site frame [m], relative to `origin`
+        Eigen::Vector3d centre;  // grid frame [m]
         exact::Vector exact_centre{};
-        Eigen::Vector3d axis;              // viewing direction, site frame
-        Eigen::Matrix3d camera_from_site;  // rotation only
+        Eigen::Vector3d axis;              // viewing direction, grid frame
+        Eigen::Matrix3d camera_from_grid;  // rotation only
         bool is_bounds = false;            // a corner of the bounds instead of a camera
         bool is_partial = false;           // what lies outside of its outlines is unknown
         double ray_unit = 1.0;             // of `exact_ray`
@@ -78,13 +80,14 @@ struct Cones {
     };
 
     std::vector<View> views;
-    Eigen::Vector3d origin;  // mean of the camera centres, site frame
+    Eigen::Matrix3d grid_from_site = Eigen::Matrix3d::Identity();  // rotation only
+    Eigen::Vector3d origin;  // of the grid frame: mean of the camera centres, site frame
     double centre_unit_m = 1.0;
     std::uint32_t min_seen = 0;  // partial views that have to see a point of the hull
 
     bool only_exact = false;  // see HullOptions
 
-    std::vector<Eigen::Vector3d> ray;  // site frame; depth about 1 along the camera's axis
+    std::vector<Eigen::Vector3d> ray;  // grid frame; depth about 1 along the camera's axis
     std::vector<double> ray_length;
     std::vector<exact::Vector> exact_ray;
     std::vector<Incidence> incidence;  // by ray
@@ -95,6 +98,9 @@ struct Cones {
     std::uint32_t num_loops = 0;
 
     std::size_t num_views() const { return views.size(); }
+    Eigen::Vector3d to_site(const Eigen::Vector3d& p_grid) const {
+        return grid_from_site.transpose() * p_grid + origin;
+    }
     exact::Vector exact_baseline(std::size_t from, std::size_t to) const {
         const exact::Vector& a = views[from].exact_centre;
         const exact::Vector& b = views[to].exact_centre;

@@ -28,7 +28,7 @@ bool MeshAssembly::assemble(const Cones& cones,
     bool is_sound = false;
     const auto finish = [&](std::size_t task, std::size_t) {  // neither needs the other
         if (task == 0) {
-            extract(cones.origin, options, hull);
+            extract(cones, options, hull);
         } else if (cones.min_seen > 0) {  // then more than three faces meet in some vertices
             is_sound = surface_.assign(joined_).has_value();
         } else {
@@ -49,7 +49,7 @@ std::uint32_t MeshAssembly::index_of(VertexKey key) {
         keys_.push_back(key);
         joined_.vertices.emplace_back(Eigen::Vector3d::Zero());
         is_placed_.push_back(0);
-        on_viewing_edge_.push_back(0);
+        may_be_needed_.push_back(0);
     }
     return slots_[at].index;
 }
@@ -62,7 +62,7 @@ bool MeshAssembly::join(std::span<const RunFaces> runs) {
     keys_.clear();
     joined_.clear();
     is_placed_.clear();
-    on_viewing_edge_.clear();
+    may_be_needed_.clear();
     global_.clear();
     run_begin_.clear();
     for (const RunFaces& run : runs) {
@@ -70,7 +70,7 @@ bool MeshAssembly::join(std::span<const RunFaces> runs) {
         for (const RunFaces::Vertex& vertex : run.vertices) {
             const std::uint32_t v = index_of(vertex.key);
             global_.push_back(v);
-            on_viewing_edge_[v] |= static_cast<std::uint8_t>(vertex.on_viewing_edge);
+            may_be_needed_[v] |= static_cast<std::uint8_t>(vertex.may_be_needed);
             if (!vertex.is_owner) continue;
             joined_.vertices[v] = vertex.position;
             is_placed_[v] = 1;
@@ -145,7 +145,7 @@ void MeshAssembly::measure_components() {
         components_[root].six_volumes += (p[a] - from).dot((p[b] - from).cross(p[c] - from));
     }
     for (std::uint32_t v = 0; v < keys_.size(); ++v) {
-        if (on_viewing_edge_[v] != 0) components_[find_root(v)].has_viewing_edge = true;
+        if (may_be_needed_[v] != 0) components_[find_root(v)].may_be_needed = true;
     }
 }
 
@@ -154,13 +154,13 @@ void MeshAssembly::choose_components(const HullOptions& options, VisualHull& hul
         if (parent_[v] != v) continue;
         Component& component = components_[v];
         const bool is_fragment = component.six_volumes < 6.0 * options.min_component_volume_m3;
-        component.is_kept = options.keep_phantoms || (component.has_viewing_edge && !is_fragment);
+        component.is_kept = options.keep_phantoms || (component.may_be_needed && !is_fragment);
         if (component.is_kept) {
             ++hull.num_components;
             continue;
         }
         hull.volume_dropped_m3 += std::max(component.six_volumes, 0.0) / 6.0;
-        if (!component.has_viewing_edge) {
+        if (!component.may_be_needed) {
             ++hull.num_phantoms_dropped;
         } else {
             ++hull.num_fragments_dropped;
@@ -168,16 +168,14 @@ void MeshAssembly::choose_components(const HullOptions& options, VisualHull& hul
     }
 }
 
-void MeshAssembly::extract(const Eigen::Vector3d& origin,
-                           const HullOptions& options,
-                           VisualHull& hull) {
+void MeshAssembly::extract(const Cones& cones, const HullOptions& options, VisualHull& hull) {
     measure_components();
     choose_components(options, hull);
     output_index_.assign(keys_.size(), kNone);
     for (std::uint32_t v = 0; v < keys_.size(); ++v) {
         if (!components_[find_root(v)].is_kept) continue;
         output_index_[v] = static_cast<std::uint32_t>(hull.mesh.vertices.size());
-        hull.mesh.vertices.push_back(joined_.vertices[v] + origin);
+        hull.mesh.vertices.push_back(cones.to_site(joined_.vertices[v]));
     }
     for (const auto& [a, b, c] : joined_.triangles) {
         if (output_index_[a] == kNone) continue;

@@ -38,7 +38,7 @@ private:
     };
     struct Component {
         double six_volumes = 0.0;
-        bool has_viewing_edge = false;
+        bool may_be_needed = false;
         bool is_kept = false;
     };
 
@@ -48,7 +48,7 @@ private:
     // Enough for a closed 2-manifold, and faster than looking at triangles: every vertex has three
     // faces, every edge has its twin, and no two faces use the same diagonal.
     bool has_three_faces_everywhere(std::span<const RunFaces> runs);
-    void extract(const Eigen::Vector3d& origin, const HullOptions& options, VisualHull& hull);
+    void extract(const Cones& cones, const HullOptions& options, VisualHull& hull);
     std::uint32_t find_root(std::uint32_t v);
     void unite(std::uint32_t a, std::uint32_t b);
     void measure_components();
@@ -57,10 +57,10 @@ private:
     std::vector<Slot> slots_;
     std::vector<std::uint32_t> global_;     // of the vertices of all runs, one after the other
     std::vector<std::uint32_t> run_begin_;  // first entry of each run in `global_`
-    geometry::TriangleMesh joined_;         // all components; relative to Cones::origin
+    geometry::TriangleMesh joined_;         // all components; grid frame
     std::vector<VertexKey> keys_;
     std::vector<std::uint8_t> is_placed_;
-    std::vector<std::uint8_t> on_viewing_edge_;
+    std::vector<std::uint8_t> may_be_needed_;
     std::vector<Corners> corners_;
     std::vector<std::uint32_t> parent_;
     std::vector<Component> components_;  // by root vertex

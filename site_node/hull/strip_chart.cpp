@@ -1,6 +1,7 @@
 #include "site_node/hull/strip_chart.hpp"
 
 #include "site_node/hull/rounding.hpp"
+#include "site_node/hull/sort_few.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +13,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-void StripChart::start(const Cones& cones, const Pencils& pencils, std::uint32_t strip) {
+void StripChart::start(const Cones& cones,
+                       const Pencils& pencils,
+                       std::uint32_t strip,
+                       std::uint64_t max_steps) {
     cones_ = &cones;
     pencils_ = &pencils;
     view_ = cones.strips[strip].view;
@@ -20,6 +24,7 @@ void StripChart::start(const Cones& cones, const Pencils& pencils, std::uint32_t
     is_degenerate_ = false;
     all_carve_ = cones.min_seen == 0;
     num_steps_ = 0;
+    max_steps_ = max_steps;
     if (active_.size() < cones.num_views()) active_.resize(cones.num_views());
     find_active(cones.strips[strip].from);
     go_on(strip);
@@ -122,8 +127,8 @@ bool StripChart::collect() {
     lowest_ = -kInfinity;
     for (std::uint32_t k = 0; k < cones_->num_views(); ++k) {
         if (k != view_ && !collect_from(k)) return false;
+        if (num_steps_ > max_steps_) return true;
     }
-    num_steps_ += pieces_.size();
     // faces end at infinity, u = 0
     const bool may_reach_infinity = lowest_ <= 0.0;
     lowest_ = std::max(lowest_, 0.0);
@@ -153,6 +158,7 @@ bool StripChart::collect_from(std::uint32_t k) {
         if (carves(active.strip)) carves_far = !carves_far;
         open_piece(other, active, kStart);
     }
+    num_steps_ += 2 * active_[k].size();
     if (!collect_events(own, other)) return false;
     for (const Active& active : active_[k]) close_piece(active.piece, kEnd);
     if (carves_near) highest_ = std::min(highest_, nearest_);
@@ -196,6 +202,7 @@ bool StripChart::collect_events(const PencilSide& own, const PencilSide& other) 
         }
         last = at;
         if (!add_event(other, ray, at, rising)) return false;
+        if (num_steps_ > max_steps_) return true;
         position = rising ? (position + 1 == n ? 0 : position + 1)
                           : (position == 0 ? n - 1 : position - 1);
     }
@@ -204,8 +211,10 @@ bool StripChart::collect_events(const PencilSide& own, const PencilSide& other) 
 
 std::vector<StripChart::Active>::iterator StripChart::find(std::vector<Active>& active,
                                                            std::uint32_t strip) {
-    return std::find_if(
+    const auto found = std::find_if(
         active.begin(), active.end(), [strip](const Active& a) { return a.strip == strip; });
+    num_steps_ += 1 + static_cast<std::uint64_t>(found - active.begin()) / 8;
+    return found;
 }
 
 // The strips that meet in `ray` end or begin here, seen along this strip.
@@ -313,19 +322,8 @@ bool StripChart::is_above_faces(const Event& event) const {
 
 void StripChart::sort_events() {
     num_steps_ += order_.size();
-    const auto before = [this](std::uint32_t l, std::uint32_t r) { return is_before(l, r); };
-    constexpr std::size_t kFew = 64;
-    if (order_.size() > kFew) {
-        std::sort(order_.begin(), order_.end(), before);
-        return;
-    }
     // each camera's events are in order already: insertion is the fastest merge of few
-    for (std::size_t i = 1; i < order_.size(); ++i) {
-        const std::uint32_t e = order_[i];
-        std::size_t at = i;
-        for (; at > 0 && is_before(e, order_[at - 1]); --at) order_[at] = order_[at - 1];
-        order_[at] = e;
-    }
+    sort_few(order_, [this](std::uint32_t l, std::uint32_t r) { return is_before(l, r); });
 }
 
 }  // namespace atrium::hull

@@ -66,11 +66,16 @@ public:
     }
 
     /// Goes to a strip; all lines at its first ray are looked up.
-    void start(const Cones& cones, const Pencils& pencils, std::uint32_t strip);
+    /// `max_steps`: see num_steps.
+    void start(const Cones& cones,
+               const Pencils& pencils,
+               std::uint32_t strip,
+               std::uint64_t max_steps);
     /// Goes to the strip that begins where the last one ended.
     void go_on(std::uint32_t strip);
 
-    /// Collects pieces and events of the strip. False: the pencils contradict each other.
+    /// Collects pieces and events of the strip. False: the pencils contradict each other. What
+    /// there is after more than the allowed steps means nothing.
     bool collect();
 
     /// False: no face can be on this strip; the rest is then not prepared.
@@ -113,9 +118,10 @@ public:
     };
     Point crossing(std::uint32_t l, std::uint32_t r, double min_phi, double max_phi) const;
     Point point(std::uint32_t piece, const Place& at) const;
-    Eigen::Vector3d position(const Point& p) const;  // relative to Cones::origin
+    Eigen::Vector3d position(const Point& p) const;  // grid frame
 
-    /// Pieces, events and comparisons so far: what `HullOptions::max_steps` bounds.
+    /// Pieces, events and comparisons so far: what `HullOptions::max_steps` bounds. Beyond them
+    /// `collect` gives up.
     std::uint64_t num_steps() const { return num_steps_; }
 
 private:
@@ -135,7 +141,7 @@ private:
     bool collect_from(std::uint32_t k);
     bool collect_events(const PencilSide& own, const PencilSide& other);
     bool add_event(const PencilSide& other, std::uint32_t ray, const Place& at, bool rising);
-    static std::vector<Active>::iterator find(std::vector<Active>& active, std::uint32_t strip);
+    std::vector<Active>::iterator find(std::vector<Active>& active, std::uint32_t strip);
     void begin_piece(const PencilSide& other, Active& active, const Place& at);
     void open_piece(const PencilSide& other, Active& active, const Place& at);
     void close_piece(std::uint32_t p, const Place& at);
@@ -174,6 +180,7 @@ private:
     double farthest_ = 0.0;
     bool is_degenerate_ = false;
     std::uint64_t num_steps_ = 0;
+    std::uint64_t max_steps_ = 0;
     std::vector<std::vector<Active>> active_;  // by view
     std::vector<Piece> pieces_;                // by view
     std::vector<Event> events_;                // by view, then along the strip

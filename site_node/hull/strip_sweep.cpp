@@ -1,5 +1,7 @@
 #include "site_node/hull/strip_sweep.hpp"
 
+#include "site_node/hull/sort_few.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -16,7 +18,7 @@ void StripSweep::run(const Cones& cones,
     num_steps_ = 0;
     faces.clear();
     ray_vertices_.clear();
-    chart_.start(cones, pencils, run.first);
+    chart_.start(cones, pencils, run.first, max_steps);
     for (std::uint32_t strip = run.first; strip < run.first + run.count; ++strip) {
         if (strip > run.first) chart_.go_on(strip);
         strip_ = strip;
@@ -34,6 +36,7 @@ void StripSweep::sweep_strip() {
         faces_->failed = true;
         return;
     }
+    if (must_stop()) return;
     if (!chart_.may_have_faces()) {
         ray_vertices_.clear();
         return;
@@ -67,14 +70,12 @@ StripSweep::Line StripSweep::make_line(std::uint32_t piece) const {
 
 // All visible lines at the strip's first ray, in order.
 void StripSweep::enter_lines() {
+    const auto is_above = [this](std::uint32_t upper, std::uint32_t lower) {
+        return upper != lower && chart_.is_above(upper, lower, StripChart::kStart);
+    };
     const std::span<const std::uint32_t> visible = chart_.visible_at_start();
-    entering_.resize(visible.size());
-    for (std::size_t n = 0; n < visible.size(); ++n) {
-        std::size_t at = n;
-        for (; at > 0 && chart_.is_above(visible[n], entering_[at - 1], StripChart::kStart); --at)
-            entering_[at] = entering_[at - 1];
-        entering_[at] = visible[n];
-    }
+    entering_.assign(visible.begin(), visible.end());
+    sort_few(entering_, is_above);
     num_steps_ += visible.size() + 1;
     Verdict verdict = chart_.verdict_above();
     lines_.clear();
@@ -288,6 +289,7 @@ void StripSweep::hide(std::size_t p, bool upwards) {
     lines_.erase(lines_.begin() + static_cast<std::ptrdiff_t>(p));
     const std::size_t begin = upwards ? 0 : p;
     const std::size_t end = upwards ? p : lines_.size();
+    num_steps_ += 1 + lines_.size() / 4;
     for (std::size_t q = begin; q < end; ++q) set_below(lines_[q], lines_[q].below ^ toggles);
 }
 
@@ -298,6 +300,7 @@ void StripSweep::show(std::size_t p, const Line& line, bool from_above) {
     set_below(lines_[p], from_above ? around : around ^ toggles);
     const std::size_t begin = from_above ? 0 : p + 1;
     const std::size_t end = from_above ? p : lines_.size();
+    num_steps_ += 1 + lines_.size() / 4;
     for (std::size_t q = begin; q < end; ++q) set_below(lines_[q], lines_[q].below ^ toggles);
 }
 

@@ -33,9 +33,9 @@ struct StripRun {
 struct RunFaces {
     struct Vertex {
         VertexKey key = 0;
-        bool is_owner = false;  // `position` is the one that all runs use for this vertex
-        bool on_viewing_edge = false;
-        Eigen::Vector3d position;  // relative to Cones::origin
+        bool is_owner = false;       // `position` is the one that all runs use for this vertex
+        bool may_be_needed = false;  // it is on a viewing edge, or on the bounds
+        Eigen::Vector3d position;    // grid frame
     };
     std::vector<Vertex> vertices;
     std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -155,7 +155,7 @@ private:
     void hand_over_regions(std::size_t first, const Turn& turn);
 
     // strip_sweep_vertices.cpp: names and places
-    std::uint32_t add_vertex(VertexKey key, bool on_viewing_edge, const Eigen::Vector3d* position);
+    std::uint32_t add_vertex(VertexKey key, bool may_be_needed, const Eigen::Vector3d* position);
     std::uint32_t ray_vertex(std::uint32_t ray, const Line& line);
     std::uint32_t centre_vertex();
     std::uint32_t triple_vertex(std::uint32_t x, std::uint32_t y, const StripChart::Point& at);

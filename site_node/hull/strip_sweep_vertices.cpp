@@ -83,10 +83,10 @@ void StripSweep::end_edge(const Line& line, std::uint32_t vertex, Side side) {
 }
 
 std::uint32_t StripSweep::add_vertex(VertexKey key,
-                                     bool on_viewing_edge,
+                                     bool may_be_needed,
                                      const Eigen::Vector3d* position) {
     const auto index = static_cast<std::uint32_t>(faces_->vertices.size());
-    RunFaces::Vertex vertex{key, position != nullptr, on_viewing_edge, Eigen::Vector3d::Zero()};
+    RunFaces::Vertex vertex{key, position != nullptr, may_be_needed, Eigen::Vector3d::Zero()};
     if (position != nullptr) vertex.position = *position;
     faces_->vertices.push_back(vertex);
     return index;
@@ -101,14 +101,14 @@ std::uint32_t StripSweep::ray_vertex(std::uint32_t ray, const Line& line) {
         return 0;
     }
     if (ray == own_.from) {
+        num_steps_ += ray_vertices_.size() / 8;
         for (const auto& [strip, vertex] : ray_vertices_) {
             if (strip == line.strip) return vertex;
         }
     }
     const Place& at = ray == own_.from ? StripChart::kStart : StripChart::kEnd;
     const Eigen::Vector3d position = chart_.position(chart_.point(line.piece, at));
-    const bool is_camera = !cones_->views[own_.view].is_bounds;
-    return add_vertex(ray_key(ray, line.strip), is_camera, &position);
+    return add_vertex(ray_key(ray, line.strip), true, &position);
 }
 
 std::uint32_t StripSweep::centre_vertex() {
@@ -119,7 +119,7 @@ std::uint32_t StripSweep::centre_vertex() {
                                  cones_->views[own_.view].is_partial;
     const VertexKey key = only_foreground ? kCentreBit | kForegroundBit | own_.foreground_loop
                                           : kCentreBit | own_.background_loop;
-    return add_vertex(key, !cones_->views[own_.view].is_bounds, &cones_->views[own_.view].centre);
+    return add_vertex(key, true, &cones_->views[own_.view].centre);
 }
 
 std::uint32_t StripSweep::triple_vertex(std::uint32_t x,
@@ -129,15 +129,20 @@ std::uint32_t StripSweep::triple_vertex(std::uint32_t x,
         faces_->unbounded = true;
         return 0;
     }
+    // what the bounds cut may have had viewing edges beyond them
+    const auto is_bounds = [this](std::uint32_t strip) {
+        return cones_->views[cones_->strips[strip].view].is_bounds;
+    };
+    const bool may_be_needed = is_bounds(strip_) || is_bounds(x) || is_bounds(y);
     const bool is_owner = strip_ < x && strip_ < y;
-    if (!is_owner) return add_vertex(triple_key(strip_, x, y), false, nullptr);
+    if (!is_owner) return add_vertex(triple_key(strip_, x, y), may_be_needed, nullptr);
     const Eigen::Vector3d position = chart_.position(at);
-    return add_vertex(triple_key(strip_, x, y), false, &position);
+    return add_vertex(triple_key(strip_, x, y), may_be_needed, &position);
 }
 
 // A ray of another camera ends here; that camera's own sweep places it.
 std::uint32_t StripSweep::event_vertex(const StripChart::Event& event) {
-    return add_vertex(ray_key(event.ray, strip_), !cones_->views[event.view].is_bounds, nullptr);
+    return add_vertex(ray_key(event.ray, strip_), true, nullptr);
 }
 
 }  // namespace atrium::hull

@@ -6,6 +6,7 @@
 #include "site_node/hull/strip_sweep.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 
 namespace atrium::hull {
@@ -38,6 +39,8 @@ struct HullScratch::Data {
     std::vector<RunFaces> faces;     // one per run
     std::vector<StripSweep> sweeps;  // one per worker
     MeshAssembly assembly;
+    std::uint64_t steps_left = 0;            // of this computation
+    std::uint32_t num_dropped_at_first = 0;  // contours, by the first attempt
 };
 
 HullScratch::HullScratch() : data_(std::make_unique<Data>()) {}
@@ -53,9 +56,11 @@ void plan_runs(const Cones& cones, std::vector<StripRun>& runs) {
         const std::uint32_t n = chain.last_strip - chain.first_strip;
         const std::uint32_t parts = (n + kStripsPerRun - 1) / kStripsPerRun;
         for (std::uint32_t part = 0; part < parts; ++part) {
-            const std::uint32_t begin = n * part / parts;
-            const std::uint32_t end = n * (part + 1) / parts;
-            runs.push_back({chain.first_strip + begin, end - begin});
+            const auto first_of = [&](std::uint64_t p) {
+                return static_cast<std::uint32_t>(n * p / parts);
+            };
+            runs.push_back(
+                {chain.first_strip + first_of(part), first_of(part + 1) - first_of(part)});
         }
     }
 }
@@ -66,24 +71,31 @@ struct SweepOutcome {
     bool too_complex = false;
 };
 
-SweepOutcome sweep_all(HullScratch::Data& data, const HullOptions& options, Executor& executor) {
+SweepOutcome sweep_all(HullScratch::Data& data, Executor& executor) {
     plan_runs(data.cones, data.runs);
     if (data.faces.size() < data.runs.size()) data.faces.resize(data.runs.size());
     if (data.sweeps.size() < executor.num_workers()) data.sweeps.resize(executor.num_workers());
     // the runs' shares differ: four times the mean is still a bound on the whole
     const std::uint64_t max_steps =
-        4 * options.max_steps / std::max<std::size_t>(data.runs.size(), 1) + 100'000;
+        4 * data.steps_left / std::max<std::size_t>(data.runs.size(), 1) + 100'000;
+    std::atomic<bool> is_too_complex = false;  // whatever else the others may find
     const auto sweep_run = [&](std::size_t task, std::size_t worker) {
+        if (is_too_complex.load(std::memory_order_relaxed)) {
+            data.faces[task].clear();
+            return;
+        }
         data.sweeps[worker].run(
             data.cones, data.pencils, data.runs[task], max_steps, data.faces[task]);
+        if (data.faces[task].num_steps > max_steps) is_too_complex = true;
     };
     executor.parallel_for(data.runs.size(), sweep_run);
     SweepOutcome outcome;
     for (std::size_t r = 0; r < data.runs.size(); ++r) {
+        data.steps_left -= std::min(data.steps_left, data.faces[r].num_steps);
         outcome.failed |= data.faces[r].failed;
         outcome.unbounded |= data.faces[r].unbounded;
-        outcome.too_complex |= data.faces[r].num_steps > max_steps;
     }
+    outcome.too_complex = is_too_complex;
     return outcome;
 }
 
@@ -96,11 +108,14 @@ HullStatus attempt(HullScratch::Data& data,
     Clock::time_point mark = Clock::now();
     const HullStatus built = build_cones(data.clean, options, number, data.cone, data.cones, hull);
     hull.times.silhouettes_ms += ms_since(mark);
+    if (number == 0) data.num_dropped_at_first = hull.num_contours_dropped;
+    // a jitter that destroys outlines answers another question
+    if (hull.num_contours_dropped > data.num_dropped_at_first) return HullStatus::kNumericFailure;
     if (built != HullStatus::kOk) return built;
     const bool is_general = build_pencils(data.cones, executor, data.pencils);
     hull.times.pencils_ms += ms_since(mark);
     if (!is_general) return HullStatus::kNumericFailure;
-    const SweepOutcome outcome = sweep_all(data, options, executor);
+    const SweepOutcome outcome = sweep_all(data, executor);
     hull.times.sweep_ms += ms_since(mark);
     if (outcome.too_complex) return HullStatus::kTooComplex;
     if (outcome.failed) return HullStatus::kNumericFailure;
@@ -166,6 +181,7 @@ void compute_visual_hull(std::span<const SilhouetteView* const> views,
     Clock::time_point mark = start;
     hull.status = clean_views(views, options, data.clean, hull);
     hull.times.silhouettes_ms = ms_since(mark);
+    data.steps_left = options.max_steps;
     if (hull.status == HullStatus::kOk) {
         do {
             hull.status = attempt(data, options, hull.num_attempts, executor, hull);

@@ -70,13 +70,12 @@ std::vector<SilhouetteView> small_scene(std::uint64_t seed) {
 }
 
 // Beyond all that the hull reaches; if it should reach farther, the exact solid is cut.
-double far_m(const std::vector<ExactCone>& cones,
-             const Eigen::Vector3d& origin,
-             const VisualHull& hull) {
+double far_m(const Cones& cones, const VisualHull& hull) {
     double depth_m = 20.0;
-    for (const ExactCone& cone : cones) {
-        for (const Eigen::Vector3d& p : hull.mesh.vertices)
-            depth_m = std::max(depth_m, 2.0 * cone.axis.dot(p - origin - cone.centre));
+    for (const Cones::View& view : cones.views) {
+        const Eigen::Vector3d axis_site = cones.grid_from_site.transpose() * view.axis;
+        for (const Eigen::Vector3d& p_site : hull.mesh.vertices)
+            depth_m = std::max(depth_m, 2.0 * axis_site.dot(p_site - cones.to_site(view.centre)));
     }
     return depth_m;
 }
@@ -101,12 +100,12 @@ TEST_P(ExactIntersection, IsTheHull) {
     HullScratch scratch;
     const VisualHull hull = compute_visual_hull(views, options, scratch);
     const std::vector<ExactCone> cones = exact_cones(scratch);
-    const Eigen::Vector3d origin = intersected_cones(scratch).origin;
     if (std::any_of(cones.begin(), cones.end(), [](const auto& c) { return c.loops.empty(); })) {
         EXPECT_EQ(hull.status, HullStatus::kEmptyIntersection);
         return;
     }
-    const ExactSolid solid = test::intersect_exactly(cones, far_m(cones, origin, hull));
+    const ExactSolid solid =
+        test::intersect_exactly(cones, far_m(intersected_cones(scratch), hull));
     RecordProperty("outcome", to_string(hull.status));
     RecordProperty("exact_vertices", static_cast<int>(solid.vertices.size()));
     if (hull.status == HullStatus::kUnbounded) {
@@ -125,10 +124,11 @@ TEST_P(ExactIntersection, IsTheHull) {
     if (touches_itself(cones, solid)) return;
     EXPECT_EQ(hull.mesh.vertices.size(), solid.vertices.size());
     EXPECT_EQ(report.euler_characteristic, solid.euler_characteristic);
-    for (const Eigen::Vector3d& p : solid.vertices) {
+    for (const Eigen::Vector3d& p_grid : solid.vertices) {
+        const Eigen::Vector3d p = intersected_cones(scratch).to_site(p_grid);
         double nearest_m = std::numeric_limits<double>::infinity();
         for (const Eigen::Vector3d& q : hull.mesh.vertices)
-            nearest_m = std::min(nearest_m, (p + origin - q).norm());
+            nearest_m = std::min(nearest_m, (p - q).norm());
         EXPECT_LT(nearest_m, kSamePlace_m) << p.transpose();
     }
 }

@@ -21,13 +21,13 @@ public:
     void add(const std::vector<Eigen::Vector3d>& points,
              const std::vector<Triangle>& triangles,
              VertexKey first_key,
-             bool has_viewing_edges) {
+             bool may_be_needed) {
         std::set<std::uint32_t> placed;
         for (const Triangle& triangle : triangles) {
             RunFaces& face = runs.emplace_back();
             for (const std::uint32_t v : triangle) {
                 const bool is_owner = placed.insert(v).second;
-                face.vertices.push_back({first_key + v, is_owner, has_viewing_edges, points[v]});
+                face.vertices.push_back({first_key + v, is_owner, may_be_needed, points[v]});
             }
             face.triangles = {{0, 1, 2}};
             face.edges = {{0, 1}, {1, 2}, {2, 0}};

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <span>
 #include <vector>
@@ -93,6 +94,70 @@ TEST(HullOfCombs, StopsAfterTheAllowedSteps) {
     options.max_steps = 1000;
     HullScratch scratch;
     EXPECT_EQ(compute_visual_hull(views, options, scratch).status, HullStatus::kTooComplex);
+}
+
+TEST(HullOfCombs, StopsWhereLinesAreManyAndCrossNothing) {
+    // two cameras above each other; the long sides of slivers in the one run along the epipolar
+    // lines of the other, and meet every tooth of its comb
+    Contour comb;
+    for (int i = 0; i < 6000; ++i) {
+        const double y = 100.0 + 800.0 * i / 6000;
+        comb.emplace_back(600.0 + (7919 * i % 1000) * 0.1, y);
+        comb.emplace_back(300.0 + (104729 * i % 1000) * 0.1, y + 0.07);
+    }
+    comb.emplace_back(200.0, 900.5);
+    comb.emplace_back(200.0, 99.5);
+    std::vector<Contour> slivers;
+    for (int i = 0; i < 600; ++i) {
+        const double y = 100.0 + 800.0 * i / 600;
+        slivers.push_back({{250.0, y}, {750.0, y + 0.3}, {750.5, y + 0.6}});
+    }
+    geometry::CalibratedCamera upper;
+    upper.intrinsics = {
+        .width = 1000, .height = 1000, .fx = 1000, .fy = 1000, .cx = 500, .cy = 500};
+    upper.camera_from_site = test::look_at({0.0, -3.0, 1.5}, {0.0, 0.0, 1.5});
+    geometry::CalibratedCamera lower = upper;
+    lower.camera_from_site = test::look_at({0.0, -3.0, 1.0}, {0.0, 0.0, 1.0});
+    const std::vector<SilhouetteView> views{test::make_view(upper, slivers),
+                                            test::make_view(lower, {comb})};
+    HullOptions options;
+    options.bounds = geometry::Aabb{{-3.0, -2.5, -3.0}, {3.0, 5.0, 5.0}};
+    HullScratch scratch;
+    EXPECT_EQ(compute_visual_hull(views, options, scratch).status, HullStatus::kTooComplex);
+}
+
+// A bar of cameras along an axis of the site: the same row of two pictures is one plane.
+TEST(RectifiedRig, NeedsOneAttempt) {
+    for (const int radius_px : {50, 200}) {
+        std::vector<SilhouetteView> views;
+        for (int i = -2; i <= 2; ++i) {
+            geometry::CalibratedCamera camera;
+            camera.intrinsics = {
+                .width = 1000, .height = 1000, .fx = 1000, .fy = 1000, .cx = 499.5, .cy = 499.5};
+            const double x_m = 0.3 * i;
+            camera.camera_from_site = test::look_at({x_m, -3.0, 1.0}, {x_m, 0.0, 1.0});
+            // a disc, cut along the pixels
+            Contour left, right;
+            for (int y = -radius_px; y < radius_px; ++y) {
+                const double half =
+                    std::round(std::sqrt(radius_px * radius_px - (y + 0.5) * (y + 0.5)));
+                const double centre = 499.5 - 1000.0 * x_m / 3.0;
+                for (const int end : {y, y + 1}) {
+                    left.emplace_back(std::round(centre - half) - 0.5, 499.5 + end);
+                    right.emplace_back(std::round(centre + half) + 0.5, 499.5 + end);
+                }
+            }
+            left.insert(left.end(), right.rbegin(), right.rend());
+            views.push_back(test::make_view(camera, {left}));
+        }
+        HullOptions options;
+        options.bounds = geometry::Aabb{{-1.0, -1.0, 0.0}, {1.0, 1.0, 2.0}};
+        HullScratch scratch;
+        const VisualHull hull = compute_visual_hull(views, options, scratch);
+        EXPECT_EQ(hull.status, HullStatus::kOk);
+        EXPECT_EQ(hull.num_attempts, 1u);
+        EXPECT_TRUE(geometry::inspect(hull.mesh).manifold);
+    }
 }
 
 TEST_F(FaultyViews, LeavesOutContoursWithoutArea) {
