@@ -7,9 +7,10 @@
 namespace atrium::site_node {
 namespace {
 
-double milliseconds_since(std::chrono::steady_clock::time_point begin) {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin)
-        .count();
+using Clock = std::chrono::steady_clock;
+
+double milliseconds_between(Clock::time_point begin, Clock::time_point end) {
+    return std::chrono::duration<double, std::milli>(end - begin).count();
 }
 
 // Somebody is in the room only if every camera's cone and the hull say so; the other outcomes are
@@ -20,7 +21,8 @@ bool is_nobody(hull::HullStatus status) { return status == hull::HullStatus::kEm
 
 // Everything that one camera needs, so that cameras can be worked on in parallel.
 struct Pipeline::CameraStage {
-    image::YuvImage picture;  // what the camera does not deliver in the working form
+    image::YuvImage picture_buffer;  // what the camera does not deliver in the working form
+    image::YuvView picture;          // of the metaframe that is being worked on
     segmentation::BackgroundModel background;
     segmentation::SegmentationScratch segmentation;
     image::Mask mask;
@@ -31,7 +33,17 @@ struct Pipeline::CameraStage {
     codec::TextureCrop crop;
     codec::TextureEncoder encoder;
     bool sees_somebody = false;
+    double segmentation_ms = 0.0;
+    double polygons_ms = 0.0;
+    double texture_ms = 0.0;
     Expected<void> result;
+
+    void begin() {
+        counts = {};
+        sees_somebody = false;
+        segmentation_ms = polygons_ms = texture_ms = 0.0;
+        result = {};
+    }
 };
 
 Pipeline::Pipeline(std::vector<geometry::CalibratedCamera> cameras,
@@ -78,18 +90,18 @@ Expected<Pipeline> Pipeline::create(capture::FrameSource& source,
     return pipeline;
 }
 
-Expected<void> Pipeline::process_camera(const capture::CameraFrame& frame,
-                                        CameraStage& stage,
-                                        CodedCamera& coded) {
+Expected<void> Pipeline::find_silhouette(const capture::CameraFrame& frame, CameraStage& stage) {
     const geometry::CalibratedCamera& camera = cameras_[frame.camera];
-    const image::YuvView picture = image::working_view(frame.image, stage.picture);
+    const auto begin = Clock::now();
+    stage.picture = image::working_view(frame.image, stage.picture_buffer);
     if (frame.silhouette != nullptr) {
         stage.mask = *frame.silhouette;
     } else {
         auto segmented = segmentation::segment(
-            picture, stage.background, options_.segmentation, stage.segmentation, stage.mask);
+            stage.picture, stage.background, options_.segmentation, stage.segmentation, stage.mask);
         if (!segmented) return segmented;
     }
+    const auto segmented_at = Clock::now();
     stage.counts = silhouette::extract_silhouette(
         stage.mask, camera.intrinsics, options_.silhouette, stage.silhouette, stage.polygons);
 
@@ -97,29 +109,62 @@ Expected<void> Pipeline::process_camera(const capture::CameraFrame& frame,
     contours.resize(stage.polygons.size());
     for (std::size_t p = 0; p < stage.polygons.size(); ++p)
         contours[p] = stage.polygons[p].vertices_px;
-
-    stage.sees_somebody =
-        !stage.polygons.empty() &&
-        texture::crop_texture(picture, stage.mask, options_.texture, stage.texture, stage.crop);
-    if (!stage.sees_somebody) return {};
-    coded.camera = static_cast<std::uint32_t>(frame.camera);
-    coded.crop_px = stage.crop.crop_px;
-    return stage.encoder.encode(stage.crop, options_.jpeg_quality, coded.texture);
+    stage.segmentation_ms = milliseconds_between(begin, segmented_at);
+    stage.polygons_ms = milliseconds_between(segmented_at, Clock::now());
+    return {};
 }
 
-Expected<void> Pipeline::process_cameras(const capture::Metaframe& metaframe,
-                                         Executor& executor,
-                                         SiteFrame& frame) {
+Expected<void> Pipeline::find_silhouettes(const capture::Metaframe& metaframe, Executor& executor) {
     const auto work_on_camera = [&](std::size_t i, std::size_t) {
         CameraStage& stage = *stages_[i];
-        stage.result = {};
-        stage.counts = {};
-        stage.sees_somebody = false;
+        stage.begin();
         delivered_[i] = metaframe.frames[i].image.empty() ? 0 : 1;
-        if (delivered_[i] == 0) return;
-        stage.result = process_camera(metaframe.frames[i], stage, frame.cameras[i]);
+        if (delivered_[i] != 0) stage.result = find_silhouette(metaframe.frames[i], stage);
     };
     executor.parallel_for(cameras_.size(), work_on_camera);
+    return first_failure();
+}
+
+Expected<void> Pipeline::encode_texture(std::size_t camera, CodedCamera& coded) {
+    CameraStage& stage = *stages_[camera];
+    if (delivered_[camera] == 0 || stage.polygons.empty()) return {};
+    const auto begin = Clock::now();
+    stage.sees_somebody = texture::crop_texture(
+        stage.picture, stage.mask, options_.texture, stage.texture, stage.crop);
+    if (!stage.sees_somebody) return {};
+    coded.camera = static_cast<std::uint32_t>(camera);
+    coded.crop_px = stage.crop.crop_px;
+    auto encoded = stage.encoder.encode(stage.crop, options_.jpeg_quality, coded.texture);
+    stage.texture_ms = milliseconds_between(begin, Clock::now());
+    return encoded;
+}
+
+// The mesh, which is one task, beside the textures.
+Expected<void> Pipeline::encode(Executor& executor, SiteFrame& frame) {
+    frame.cameras.resize(cameras_.size());
+    Expected<std::size_t> mesh;
+    const auto work = [&](std::size_t task, std::size_t) {
+        if (task > 0) {
+            stages_[task - 1]->result = encode_texture(task - 1, frame.cameras[task - 1]);
+            return;
+        }
+        const auto begin = Clock::now();
+        mesh = codec::encode_mesh(frame.hull.mesh, options_.mesh, frame.draco);
+        frame.work_milliseconds.mesh = milliseconds_between(begin, Clock::now());
+    };
+    executor.parallel_for(1 + cameras_.size(), work);
+    if (!mesh) return tl::unexpected(mesh.error());
+    std::size_t num_kept = 0;
+    for (std::size_t i = 0; i < cameras_.size(); ++i) {
+        if (!stages_[i]->sees_somebody) continue;
+        if (num_kept != i) std::swap(frame.cameras[num_kept], frame.cameras[i]);
+        ++num_kept;
+    }
+    frame.cameras.resize(num_kept);
+    return first_failure();
+}
+
+Expected<void> Pipeline::first_failure() const {
     for (std::size_t i = 0; i < cameras_.size(); ++i) {
         if (const auto& result = stages_[i]->result; !result) {
             return make_error(
@@ -130,7 +175,8 @@ Expected<void> Pipeline::process_cameras(const capture::Metaframe& metaframe,
     return {};
 }
 
-void Pipeline::count_left_out(SiteFrame& frame) const {
+// What the stages counted and measured.
+void Pipeline::sum_up(SiteFrame& frame) const {
     const hull::VisualHull& hull = frame.hull;
     frame.left_out = {static_cast<std::uint32_t>(
                           std::count(delivered_.begin(), delivered_.end(), std::uint8_t{0})),
@@ -143,45 +189,40 @@ void Pipeline::count_left_out(SiteFrame& frame) const {
     for (const auto& stage : stages_) {
         frame.left_out.contours_dropped +=
             stage->counts.num_not_undistorted + stage->counts.num_not_simple;
+        frame.work_milliseconds.segmentation += stage->segmentation_ms;
+        frame.work_milliseconds.polygons += stage->polygons_ms;
+        frame.work_milliseconds.textures += stage->texture_ms;
     }
 }
 
 Expected<void> Pipeline::process(const capture::Metaframe& metaframe,
                                  Executor& executor,
                                  SiteFrame& frame) {
-    const auto begin = std::chrono::steady_clock::now();
+    const auto begin = Clock::now();
     frame.frame_id = metaframe.frame_id;
     frame.capture_time = metaframe.capture_time;
-    frame.cameras.resize(cameras_.size());
     frame.draco.clear();
-    if (auto done = process_cameras(metaframe, executor, frame); !done) return done;
-    frame.milliseconds.silhouettes = milliseconds_since(begin);
+    frame.work_milliseconds = {};
+    if (auto done = find_silhouettes(metaframe, executor); !done) return done;
 
-    const auto hull_begin = std::chrono::steady_clock::now();
+    const auto hull_begin = Clock::now();
     hull_.compute(delivered_, executor, frame.hull);
-    count_left_out(frame);
-    frame.milliseconds.hull = milliseconds_since(hull_begin);
 
-    const auto encode_begin = std::chrono::steady_clock::now();
+    const auto encode_begin = Clock::now();
     if (frame.hull.status == hull::HullStatus::kOk) {
-        if (auto coded = codec::encode_mesh(frame.hull.mesh, options_.mesh, frame.draco); !coded) {
-            return tl::unexpected(coded.error());
-        }
-        std::size_t num_kept = 0;
-        for (std::size_t i = 0; i < cameras_.size(); ++i) {
-            if (!stages_[i]->sees_somebody) continue;
-            if (num_kept != i) std::swap(frame.cameras[num_kept], frame.cameras[i]);
-            ++num_kept;
-        }
-        frame.cameras.resize(num_kept);
+        if (auto encoded = encode(executor, frame); !encoded) return encoded;
     } else if (is_nobody(frame.hull.status)) {
         frame.cameras.clear();
     } else {
         return make_error(ErrorKind::kInvalidData,
                           fmt::format("no hull: {}", hull::to_string(frame.hull.status)));
     }
-    frame.milliseconds.encode = milliseconds_since(encode_begin);
-    frame.milliseconds.total = milliseconds_since(begin);
+    sum_up(frame);
+    const auto end = Clock::now();
+    frame.milliseconds = {milliseconds_between(begin, hull_begin),
+                          milliseconds_between(hull_begin, encode_begin),
+                          milliseconds_between(encode_begin, end),
+                          milliseconds_between(begin, end)};
     return {};
 }
 

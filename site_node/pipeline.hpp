@@ -55,11 +55,20 @@ struct SiteFrame {
     LeftOut left_out;
 
     struct Milliseconds {
-        double silhouettes = 0.0;  // segmentation, contours and texture crops of all cameras
+        double silhouettes = 0.0;  // segmentation and polygons of all cameras
         double hull = 0.0;
-        double encode = 0.0;
+        double encode = 0.0;  // mesh and textures
         double total = 0.0;
     } milliseconds;
+
+    /// What the parts of those stages took, summed over the cameras: as long as there are workers
+    /// enough, more than the stage itself.
+    struct WorkMilliseconds {
+        double segmentation = 0.0;  // with the conversion of raw pictures
+        double polygons = 0.0;
+        double mesh = 0.0;
+        double textures = 0.0;
+    } work_milliseconds;
 };
 
 /// From the pictures of one instant to the coded mesh and textures. No network, no threads of its
@@ -87,13 +96,12 @@ private:
     Pipeline(std::vector<geometry::CalibratedCamera> cameras,
              const PipelineOptions& options,
              HullStage hull);
-    Expected<void> process_camera(const capture::CameraFrame& frame,
-                                  CameraStage& stage,
-                                  CodedCamera& coded);
-    Expected<void> process_cameras(const capture::Metaframe& metaframe,
-                                   Executor& executor,
-                                   SiteFrame& frame);
-    void count_left_out(SiteFrame& frame) const;
+    Expected<void> find_silhouette(const capture::CameraFrame& frame, CameraStage& stage);
+    Expected<void> find_silhouettes(const capture::Metaframe& metaframe, Executor& executor);
+    Expected<void> encode_texture(std::size_t camera, CodedCamera& coded);
+    Expected<void> encode(Executor& executor, SiteFrame& frame);
+    Expected<void> first_failure() const;
+    void sum_up(SiteFrame& frame) const;
 
     std::vector<geometry::CalibratedCamera> cameras_;
     PipelineOptions options_;

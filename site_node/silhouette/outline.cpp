@@ -1,5 +1,7 @@
 #include "site_node/silhouette/outline.hpp"
 
+#include "site_node/silhouette/chord_bound.hpp"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -12,8 +14,6 @@ constexpr double kReach = 1.5;  // how far a vertex may move from its contour po
 constexpr int kNumBalancing =
     2;  // moving an edge changes its neighbours a little: the second round mends that
 
-Eigen::Vector2d pixel(GridPoint p) { return {0.5 * p.x, 0.5 * p.y}; }
-
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
     return a.x() * b.y() - a.y() * b.x();
 }
@@ -25,6 +25,11 @@ std::size_t end_of(const Outline& outline, std::size_t k, std::size_t contour_si
 
 GridPoint cyclic(std::span<const GridPoint> contour, std::size_t i) {
     return contour[i == contour.size() ? 0 : i];
+}
+
+// From one contour point to another: exact.
+Eigen::Vector2d step_px(GridPoint from, GridPoint to) {
+    return {0.5 * (to.x - from.x), 0.5 * (to.y - from.y)};
 }
 
 // Line through the middle of the contour points [begin, end] along their main direction: total
@@ -53,14 +58,13 @@ EdgeLine fitted_line(std::span<const GridPoint> contour, std::size_t begin, std:
     const auto cyy = static_cast<double>(n * syy - sy * sy);
     // the larger eigenvector of the covariance, by the formula that does not cancel
     const double half_difference = 0.5 * (cxx - cyy);
-    const double root = std::hypot(half_difference, cxy);
+    const double root = std::sqrt(half_difference * half_difference + cxy * cxy);
     const Eigen::Vector2d along = half_difference >= 0.0
                                       ? Eigen::Vector2d(half_difference + root, cxy)
                                       : Eigen::Vector2d(cxy, root - half_difference);
     const double scale = 0.5 / static_cast<double>(n);
     EdgeLine line;
-    line.middle_px =
-        pixel(a) + scale * Eigen::Vector2d(static_cast<double>(sx), static_cast<double>(sy));
+    line.middle_px = scale * Eigen::Vector2d(static_cast<double>(sx), static_cast<double>(sy));
     line.normal = Eigen::Vector2d(along.y(), -along.x()).normalized();
     if (along.dot(Eigen::Vector2d(static_cast<double>(last_x), static_cast<double>(last_y))) <
         0.0) {
@@ -70,39 +74,37 @@ EdgeLine fitted_line(std::span<const GridPoint> contour, std::size_t begin, std:
     return line;
 }
 
-// Where the edges before and after the contour point `corner` meet; between them where they are
-// nearly parallel.
-Eigen::Vector2d meeting_point(const Eigen::Vector2d& corner,
+// Where the edges before and after a contour point meet, seen from there; between them where they
+// are nearly parallel. `to_before` leads from that point to the first one of the segment before.
+Eigen::Vector2d meeting_point(const Eigen::Vector2d& to_before,
                               const EdgeLine& before,
                               const EdgeLine& after,
                               double reach_px) {
     // below, a small error of a line would move the vertex far along the edges
     constexpr double kMinSine = 0.1;
-    const double offset_before = before.normal.dot(before.middle_px - corner);
-    const double offset_after = after.normal.dot(after.middle_px - corner);
+    const double offset_before = before.normal.dot(to_before + before.middle_px);
+    const double offset_after = after.normal.dot(after.middle_px);
     const double sine = cross(before.normal, after.normal);
     if (std::abs(sine) >= kMinSine) {
         const Eigen::Vector2d move(
             (offset_before * after.normal.y() - offset_after * before.normal.y()) / sine,
             (offset_after * before.normal.x() - offset_before * after.normal.x()) / sine);
-        if (move.squaredNorm() <= reach_px * reach_px) return corner + move;
+        if (move.squaredNorm() <= reach_px * reach_px) return move;
     }
-    return corner + 0.5 * (offset_before * before.normal + offset_after * after.normal);
+    return 0.5 * (offset_before * before.normal + offset_after * after.normal);
 }
 
 void intersect_lines(std::span<const GridPoint> contour,
                      double tolerance_px,
                      OutlineScratch& scratch,
-                     Outline& outline) {
+                     const Outline& outline) {
     const std::size_t n = outline.segments.size();
     for (std::size_t k = 0; k < n; ++k) {
         const std::size_t before = k == 0 ? n - 1 : k - 1;
-        const Eigen::Vector2d corner = pixel(contour[outline.segments[k].begin]);
-        const bool pinned = !outline.segments[k].centred || !outline.segments[before].centred;
-        outline.vertices_px[k] =
-            pinned ? corner
-                   : meeting_point(
-                         corner, scratch.lines[before], scratch.lines[k], kReach * tolerance_px);
+        const Eigen::Vector2d to_before =
+            step_px(contour[outline.segments[k].begin], contour[outline.segments[before].begin]);
+        scratch.moves_px[k] = meeting_point(
+            to_before, scratch.lines[before], scratch.lines[k], kReach * tolerance_px);
     }
 }
 
@@ -110,16 +112,15 @@ void intersect_lines(std::span<const GridPoint> contour,
 void balance_areas(std::span<const GridPoint> contour,
                    double tolerance_px,
                    OutlineScratch& scratch,
-                   Outline& outline) {
+                   const Outline& outline) {
     const std::size_t n = outline.segments.size();
     for (std::size_t k = 0; k < n; ++k) {
-        if (!outline.segments[k].centred) continue;
-        const Eigen::Vector2d a = pixel(contour[outline.segments[k].begin]);
-        const Eigen::Vector2d b = pixel(cyclic(contour, end_of(outline, k, contour.size())));
-        const Eigen::Vector2d& from = outline.vertices_px[k];
-        const Eigen::Vector2d& to = outline.vertices_px[k + 1 < n ? k + 1 : 0];
+        const Eigen::Vector2d chord = step_px(contour[outline.segments[k].begin],
+                                              cyclic(contour, end_of(outline, k, contour.size())));
+        const Eigen::Vector2d& from = scratch.moves_px[k];
+        const Eigen::Vector2d to = chord + scratch.moves_px[k + 1 < n ? k + 1 : 0];
         const double chord_to_edge_px2 =
-            0.5 * cross(to - a, from - b);  // of the quadrangle a, b, to, from
+            0.5 * cross(to, from - chord);  // of the quadrangle chord, edge
         const double length_px = std::max((to - from).norm(), 1.0);
         const double move_px = (scratch.lines[k].bulge_px2 + chord_to_edge_px2) / length_px;
         scratch.lines[k].middle_px +=
@@ -133,9 +134,8 @@ void place_vertices(std::span<const GridPoint> contour,
                     Outline& outline) {
     const std::size_t n = outline.segments.size();
     scratch.lines.resize(n);
-    outline.vertices_px.resize(n);
+    scratch.moves_px.resize(n);
     for (std::size_t k = 0; k < n; ++k) {
-        if (!outline.segments[k].centred) continue;
         scratch.lines[k] =
             fitted_line(contour, outline.segments[k].begin, end_of(outline, k, contour.size()));
     }
@@ -144,56 +144,44 @@ void place_vertices(std::span<const GridPoint> contour,
         balance_areas(contour, tolerance_px, scratch, outline);
         intersect_lines(contour, tolerance_px, scratch, outline);
     }
-}
-
-double distance_to_edge_px(const Eigen::Vector2d& p,
-                           const Eigen::Vector2d& a,
-                           const Eigen::Vector2d& b) {
-    const Eigen::Vector2d along = b - a;
-    const double length_sq = along.squaredNorm();
-    const double t = length_sq > 0.0 ? std::clamp((p - a).dot(along) / length_sq, 0.0, 1.0) : 0.0;
-    return (p - a - t * along).norm();
-}
-
-// Points next to a vertex may be nearer to the other edge there.
-bool all_points_near_edge(std::span<const GridPoint> contour,
-                          double tolerance_px,
-                          const Outline& outline,
-                          std::size_t k) {
-    constexpr double kRounding =
-        1e-9;  // of coordinates up to some thousand pixels, with three digits to spare
-    const double limit_px = tolerance_px + kRounding;
-    const std::size_t n = outline.segments.size();
-    const Eigen::Vector2d& before = outline.vertices_px[(k + n - 1) % n];
-    const Eigen::Vector2d& a = outline.vertices_px[k];
-    const Eigen::Vector2d& b = outline.vertices_px[(k + 1) % n];
-    const Eigen::Vector2d& after = outline.vertices_px[(k + 2) % n];
-    const std::size_t end = end_of(outline, k, contour.size());
-    for (std::size_t i = outline.segments[k].begin; i <= end; ++i) {
-        const Eigen::Vector2d p = pixel(cyclic(contour, i));
-        if (distance_to_edge_px(p, a, b) > limit_px &&
-            distance_to_edge_px(p, before, a) > limit_px &&
-            distance_to_edge_px(p, b, after) > limit_px) {
-            return false;
-        }
+    outline.vertices_px.resize(n);
+    for (std::size_t k = 0; k < n; ++k) {
+        outline.vertices_px[k] =
+            snapped_px(contour[outline.segments[k].begin], scratch.moves_px[k]);
     }
-    return true;
 }
 
-// Replaces marked segments by finer ones.
+void pin(std::span<const GridPoint> contour, std::size_t k, Outline& outline) {
+    OutlineSegment& segment = outline.segments[k];
+    if (segment.pinned) return;
+    segment.pinned = true;
+    outline.vertices_px[k] = snapped_px(contour[segment.begin], Eigen::Vector2d::Zero());
+    // both edges at this vertex have moved
+    segment.unchecked = true;
+    outline.segments[k == 0 ? outline.segments.size() - 1 : k - 1].unchecked = true;
+}
+
+void pin_all(std::span<const GridPoint> contour, Outline& outline) {
+    outline.vertices_px.resize(outline.segments.size());
+    for (std::size_t k = 0; k < outline.segments.size(); ++k) pin(contour, k, outline);
+}
+
+// Replaces marked segments, whose ends are pinned, by finer ones.
 void split_marked(std::span<const GridPoint> contour,
                   double tolerance_px,
                   OutlineScratch& scratch,
                   Outline& outline) {
     scratch.segments.clear();
+    scratch.moves_px.clear();  // here: the vertices
     for (std::size_t k = 0; k < outline.segments.size(); ++k) {
         OutlineSegment segment = outline.segments[k];
         if (!scratch.marked[k]) {
             scratch.segments.push_back(segment);
+            scratch.moves_px.push_back(outline.vertices_px[k]);
             continue;
         }
         const std::size_t end = end_of(outline, k, contour.size());
-        segment.centred = false;
+        segment.unchecked = true;
         segment.level = std::min<std::uint8_t>(segment.level + 1, kMaxLevel);
         scratch.breaks.clear();
         if (segment.level < kMaxLevel) {
@@ -207,43 +195,47 @@ void split_marked(std::span<const GridPoint> contour,
         for (const std::uint32_t begin : scratch.breaks) {
             segment.begin = begin;
             scratch.segments.push_back(segment);
+            scratch.moves_px.push_back(snapped_px(contour[begin], Eigen::Vector2d::Zero()));
         }
     }
-    outline.segments.assign(scratch.segments.begin(), scratch.segments.end());
+    outline.segments.swap(scratch.segments);
+    outline.vertices_px.swap(scratch.moves_px);
 }
 
-// Marks what breaks the tolerance after having tried it without centring. Returns false if nothing
-// had to change.
-bool repair(std::span<const GridPoint> contour,
+// Pins, then refines what breaks the tolerance, until nothing does. It ends: pins stay, segments
+// only get finer, and a single step of the contour fits exactly.
+void repair(std::span<const GridPoint> contour,
             double tolerance_px,
             OutlineScratch& scratch,
             Outline& outline) {
-    bool changed = false;
-    bool split = false;
-    scratch.marked.assign(outline.segments.size(), 0);
-    for (std::size_t k = 0; k < outline.segments.size(); ++k) {
-        if (all_points_near_edge(contour, tolerance_px, outline, k)) continue;
-        changed = true;
-        if (outline.segments[k].centred) {
-            outline.segments[k].centred = false;
-        } else {
-            scratch.marked[k] = 1;
-            split = true;
+    const std::int64_t tolerance = tolerance_units(tolerance_px);
+    for (bool changed = true; changed;) {
+        changed = false;
+        bool split = false;
+        const std::size_t n = outline.segments.size();
+        scratch.marked.assign(n, 0);
+        for (std::size_t k = 0; k < n; ++k) {
+            if (!outline.segments[k].unchecked) continue;
+            outline.segments[k].unchecked = false;
+            const std::size_t next = k + 1 < n ? k + 1 : 0;
+            if (all_within(contour,
+                           outline.segments[k].begin,
+                           end_of(outline, k, contour.size()),
+                           outline.vertices_px[k],
+                           outline.vertices_px[next],
+                           tolerance))
+                continue;
+            changed = true;
+            if (outline.segments[k].pinned && outline.segments[next].pinned) {
+                scratch.marked[k] = 1;
+                split = true;
+            } else {
+                pin(contour, k, outline);
+                pin(contour, next, outline);
+            }
         }
+        if (split) split_marked(contour, tolerance_px, scratch, outline);
     }
-    if (split) split_marked(contour, tolerance_px, scratch, outline);
-    return changed;
-}
-
-void place_and_repair(std::span<const GridPoint> contour,
-                      double tolerance_px,
-                      OutlineScratch& scratch,
-                      Outline& outline) {
-    // ends: segments only lose their centring and get finer, and a single step of the contour fits
-    // exactly
-    do {
-        place_vertices(contour, tolerance_px, scratch, outline);
-    } while (repair(contour, tolerance_px, scratch, outline));
 }
 
 }  // namespace
@@ -259,21 +251,32 @@ void fit_outline(std::span<const GridPoint> contour,
     out.segments.clear();
     for (const std::uint32_t begin : scratch.breaks) out.segments.push_back({.begin = begin});
 
+    if (out.segments.size() >= 3) {
+        place_vertices(contour, tolerance_px, scratch, out);
+    } else {
+        pin_all(contour, out);
+    }
     // thin blobs: even the whole contour may be one segment
     while (out.segments.size() < 3) {
         scratch.marked.assign(out.segments.size(), 1);
         split_marked(contour, tolerance_px, scratch, out);
     }
-    place_and_repair(contour, tolerance_px, scratch, out);
+    repair(contour, tolerance_px, scratch, out);
 }
 
 void refine_outline(std::span<const GridPoint> contour,
                     double tolerance_px,
                     OutlineScratch& scratch,
                     Outline& outline) {
-    assert(scratch.marked.size() == outline.segments.size());
+    const std::size_t n = outline.segments.size();
+    assert(scratch.marked.size() == n);
+    for (std::size_t k = 0; k < n; ++k) {
+        if (!scratch.marked[k]) continue;
+        pin(contour, k, outline);
+        pin(contour, k + 1 < n ? k + 1 : 0, outline);
+    }
     split_marked(contour, tolerance_px, scratch, outline);
-    place_and_repair(contour, tolerance_px, scratch, outline);
+    repair(contour, tolerance_px, scratch, outline);
 }
 
 }  // namespace atrium::silhouette

@@ -11,24 +11,26 @@
 
 namespace atrium::silhouette {
 
-/// A run of contour points that one polygon edge stands for.
+/// A run of contour points that one polygon edge, its chord, stands for.
 struct OutlineSegment {
     std::uint32_t begin =
         0;  // contour index; it ends where the next one begins (the last one at point 0)
     std::uint8_t level = 0;  // how often it was refined
-    bool centred = true;
+    bool pinned = false;     // its first vertex is its first contour point
+    bool unchecked = true;   // whether it keeps the tolerance is to be seen
 };
 
-/// One contour as a polygon in the delivered picture: `vertices_px[k]` is where segment k begins.
+/// One contour as a polygon in the delivered picture: `vertices_px[k]` is where segment k begins,
+/// on the grid of chord_bound.hpp.
 struct Outline {
     std::vector<OutlineSegment> segments;
     std::vector<Eigen::Vector2d> vertices_px;
 };
 
-/// The line of a centred edge.
+/// The line of an edge that is not pinned.
 struct EdgeLine {
-    Eigen::Vector2d middle_px = Eigen::Vector2d::Zero();
-    Eigen::Vector2d normal = Eigen::Vector2d::Zero();  // unit length, away from the foreground
+    Eigen::Vector2d middle_px = Eigen::Vector2d::Zero();  // from the segment's first contour point
+    Eigen::Vector2d normal = Eigen::Vector2d::Zero();     // unit length, away from the foreground
     double bulge_px2 =
         0.0;  // area between the chord and the contour points, > 0 where they lie outside
 };
@@ -38,6 +40,7 @@ struct OutlineScratch {
     std::vector<std::uint32_t> breaks;
     std::vector<OutlineSegment> segments;
     std::vector<EdgeLine> lines;
+    std::vector<Eigen::Vector2d> moves_px;  // of the vertices, from their contour points
     std::vector<std::uint8_t> marked;
 };
 
@@ -46,17 +49,21 @@ struct OutlineScratch {
 /// A chord of a convex arc lies inside the arc, so a polygon on contour points makes every body
 /// thinner, and the greedy cut turns a little around each corner before it stops. Therefore each
 /// edge lies on the least-squares line of its contour points, moved in parallel until it cuts off
-/// as much area as it adds; vertices are where neighbouring lines meet. Every contour point stays
-/// within `tolerance_px` (Euclidean) of the edge of its segment or of one of the two next to it:
-/// where centring would break that, the edge keeps its contour points as vertices, and where the
-/// chord itself does, it is refined.
+/// as much area as it adds; vertices are where neighbouring lines meet.
+///
+/// Every contour point lies within `tolerance_px` (Euclidean, rounded down to 1/64 px) of the edge
+/// of its own segment, the two ends of the segment included; that is decided by integers. Where an
+/// edge would break that, its vertices are pinned to contour points, and where that does not help,
+/// its segment is refined.
+///
+/// The outline moves with the mask bit for bit.
 void fit_outline(std::span<const GridPoint> contour,
                  double tolerance_px,
                  OutlineScratch& scratch,
                  Outline& out);
 
-/// Cuts the segments with `scratch.marked[k] != 0` at half their tolerance, not centred, and places
-/// the vertices anew. After a few calls a segment consists of its contour points.
+/// Cuts the segments with `scratch.marked[k] != 0` at half their tolerance, pinned. The bound holds
+/// again then. After a few calls a segment consists of its contour points.
 void refine_outline(std::span<const GridPoint> contour,
                     double tolerance_px,
                     OutlineScratch& scratch,

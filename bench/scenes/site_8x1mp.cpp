@@ -1,0 +1,309 @@
+// The whole site on two cores: eight cameras of one megapixel, from raw pixels in memory to coded
+// mesh and textures ready to send, by the threads and slots that site_node has; only the network is
+// left out. Offered at a given rate, and one after another.
+
+#include "bench/scenes/site_scene.hpp"
+#include "core/base/latest_slot.hpp"
+#include "core/base/thread_pool.hpp"
+#include "site_node/capture/metaframe_assembler.hpp"
+#include "site_node/capture/pace.hpp"
+#include "site_node/pipeline.hpp"
+
+#include <fmt/format.h>
+#include <pthread.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <functional>
+#include <semaphore>
+#include <string>
+#include <thread>
+
+namespace atrium::bench {
+namespace {
+
+using site_node::SiteFrame;
+
+constexpr double kWarmUp_s = 1.0;
+
+struct Case {
+    image::PixelFormat format;
+    double rate_hz;  // 0: the next one as soon as the last one is ready
+};
+
+const char* name_of(image::PixelFormat format) {
+    return format == image::PixelFormat::kBgr ? "BGR" : "BayerRG8";
+}
+
+double cpu_ms() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    const auto ms = [](timeval t) {
+        return 1e3 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_usec);
+    };
+    return ms(usage.ru_utime) + ms(usage.ru_stime);
+}
+
+double quantile(std::vector<double> values, double share) {
+    if (values.empty()) return 0.0;
+    std::sort(values.begin(), values.end());
+    const double rank = std::ceil(share * static_cast<double>(values.size()));
+    return values[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
+}
+
+// What one column of the table is the median of.
+struct Column {
+    const char* name;
+    std::function<double(const SiteFrame&)> value;
+};
+
+const std::vector<Column>& columns() {
+    static const std::vector<Column> all = {
+        {"silhouettes_ms", [](const SiteFrame& f) { return f.milliseconds.silhouettes; }},
+        {"hull_ms", [](const SiteFrame& f) { return f.milliseconds.hull; }},
+        {"encode_ms", [](const SiteFrame& f) { return f.milliseconds.encode; }},
+        {"segmentation_work_ms",
+         [](const SiteFrame& f) { return f.work_milliseconds.segmentation; }},
+        {"polygons_work_ms", [](const SiteFrame& f) { return f.work_milliseconds.polygons; }},
+        {"mesh_work_ms", [](const SiteFrame& f) { return f.work_milliseconds.mesh; }},
+        {"textures_work_ms", [](const SiteFrame& f) { return f.work_milliseconds.textures; }},
+        {"triangles",
+         [](const SiteFrame& f) { return static_cast<double>(f.hull.mesh.triangles.size()); }},
+        {"kilobytes",
+         [](const SiteFrame& f) {
+             std::size_t bytes = f.draco.size();
+             for (const auto& c : f.cameras)
+                 bytes += c.texture.colour.size() + c.texture.mask.size();
+             return 1e-3 * static_cast<double>(bytes);
+         }},
+    };
+    return all;
+}
+
+/// Offers, works and takes what is ready, each in its own thread, as site_node does.
+class SiteRun {
+public:
+    SiteRun(SiteScene& scene, site_node::Pipeline& pipeline, std::size_t num_workers)
+        : scene_(scene), pipeline_(pipeline), pool_(num_workers), samples_(columns().size()) {}
+
+    void run(double rate_hz, double seconds) {
+        std::jthread ready([this](std::stop_token stop) { take_ready(stop); });
+        std::jthread work([this](std::stop_token stop) { work_on(stop); });
+        pthread_setname_np(work.native_handle(), "work");  // for profilers
+        offer_for(rate_hz, kWarmUp_s);
+        begin_measuring();
+        offer_for(rate_hz, seconds);
+        measuring_ = false;
+        seconds_ = seconds_since_begin();
+        cpu_ms_ = cpu_ms() - cpu_ms_at_begin_;
+        num_late_ = metaframes_.num_dropped() - late_at_begin_;
+        // from the last to the first, so that nobody waits for a thread that is gone
+        work = {};
+        ready = {};
+    }
+
+    double seconds() const { return seconds_; }
+    std::uint64_t num_offered() const { return num_offered_; }
+    std::uint64_t num_late() const { return num_late_; }
+    std::uint64_t num_failed() const { return num_failed_; }
+    std::size_t num_ready() const { return latencies_ms_.size(); }
+    double latency_ms(double share) const { return quantile(latencies_ms_, share); }
+    double core_ms() const {
+        return cpu_ms_ / std::max(1.0, static_cast<double>(latencies_ms_.size()));
+    }
+    double median(std::size_t column) const { return quantile(samples_[column], 0.5); }
+
+private:
+    using Clock = std::chrono::steady_clock;
+
+    void begin_measuring() {
+        num_offered_ = 0;
+        late_at_begin_ = metaframes_.num_dropped();
+        begin_ = Clock::now();
+        cpu_ms_at_begin_ = cpu_ms();
+        measuring_ = true;
+    }
+
+    double seconds_since_begin() const {
+        return std::chrono::duration<double>(Clock::now() - begin_).count();
+    }
+
+    void offer_for(double rate_hz, double seconds) {
+        capture::AssemblerOptions options;
+        options.tolerance = std::chrono::microseconds(1);
+        options.deadline = std::chrono::seconds(1);
+        capture::MetaframeAssembler assembler(scene_.rig().cameras.size(), options);
+        capture::Pace pace(
+            std::chrono::nanoseconds(rate_hz > 0.0 ? static_cast<std::int64_t>(1e9 / rate_hz) : 1));
+        const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+        while (Clock::now() < end) {
+            if (rate_hz > 0.0) {
+                pace.wait({});
+            } else {
+                done_.acquire();
+            }
+            const Timestamp now = Timestamp::now();
+            for (std::size_t camera = 0; camera < scene_.rig().cameras.size(); ++camera) {
+                auto metaframe = assembler.add(
+                    {camera, now, scene_.picture(instant_, camera), nullptr}, Clock::now());
+                if (metaframe) metaframes_.put(std::move(*metaframe));
+            }
+            ++instant_;
+            ++num_offered_;
+        }
+    }
+
+    void work_on(std::stop_token stop) {
+        while (const auto metaframe = metaframes_.take(stop)) {
+            auto frame = spare_frames_.try_take().value_or(nullptr);
+            if (frame == nullptr) frame = std::make_unique<SiteFrame>();
+            if (pipeline_.process(*metaframe, pool_, *frame)) {
+                site_frames_.put(std::move(frame));
+            } else {
+                ++num_failed_;
+            }
+            done_.release();
+        }
+    }
+
+    void take_ready(std::stop_token stop) {
+        while (auto frame = site_frames_.take(stop)) {
+            const auto latency = Timestamp::now() - (*frame)->capture_time;
+            if (measuring_) {
+                latencies_ms_.push_back(std::chrono::duration<double, std::milli>(latency).count());
+                for (std::size_t i = 0; i < samples_.size(); ++i)
+                    samples_[i].push_back(columns()[i].value(**frame));
+            }
+            spare_frames_.put(std::move(*frame));
+        }
+    }
+
+    SiteScene& scene_;
+    site_node::Pipeline& pipeline_;
+    ThreadPool pool_;
+    LatestSlot<capture::Metaframe> metaframes_;
+    LatestSlot<std::unique_ptr<SiteFrame>> site_frames_;
+    LatestSlot<std::unique_ptr<SiteFrame>> spare_frames_;
+    std::counting_semaphore<> done_{1};  // at full speed: one metaframe at a time
+
+    std::size_t instant_ = 0;
+    std::uint64_t num_offered_ = 0;
+    std::uint64_t num_late_ = 0;
+    std::uint64_t late_at_begin_ = 0;
+    std::atomic<std::uint64_t> num_failed_{0};
+    std::atomic<bool> measuring_{false};
+    Clock::time_point begin_;
+    double seconds_ = 0.0;
+    double cpu_ms_ = 0.0;
+    double cpu_ms_at_begin_ = 0.0;
+    std::vector<double> latencies_ms_;
+    std::vector<std::vector<double>> samples_;  // [column]
+};
+
+std::string header() {
+    std::string line =
+        "format,offered_hz,workers,seconds,offered,ready,late,failed,rate_hz,median_ms,p90_ms,p99_"
+        "ms,"
+        "max_ms,core_ms";
+    for (const Column& column : columns()) line += fmt::format(",{}", column.name);
+    return line;
+}
+
+std::string row(const Case& c, std::size_t workers, const SiteRun& run) {
+    std::string line =
+        fmt::format("{},{:g},{},{:.1f},{},{},{},{},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f}",
+                    name_of(c.format),
+                    c.rate_hz,
+                    workers,
+                    run.seconds(),
+                    run.num_offered(),
+                    run.num_ready(),
+                    run.num_late(),
+                    run.num_failed(),
+                    static_cast<double>(run.num_ready()) / run.seconds(),
+                    run.latency_ms(0.5),
+                    run.latency_ms(0.9),
+                    run.latency_ms(0.99),
+                    run.latency_ms(1.0),
+                    run.core_ms());
+    for (std::size_t i = 0; i < columns().size(); ++i)
+        line += fmt::format(",{:.2f}", run.median(i));
+    return line;
+}
+
+void print(const Case& c, std::size_t workers, const SiteRun& run) {
+    fmt::print("{}, {} workers, offered {}: {:.1f}/s ready, {} late, {} failed\n",
+               name_of(c.format),
+               workers,
+               c.rate_hz > 0.0 ? fmt::format("{:g}/s", c.rate_hz) : "one after another",
+               static_cast<double>(run.num_ready()) / run.seconds(),
+               run.num_late(),
+               run.num_failed());
+    fmt::print(
+        "  offered to ready [ms]: median {:.1f}  p90 {:.1f}  p99 {:.1f}  max {:.1f}; {:.1f} ms of "
+        "cores each\n ",
+        run.latency_ms(0.5),
+        run.latency_ms(0.9),
+        run.latency_ms(0.99),
+        run.latency_ms(1.0),
+        run.core_ms());
+    for (std::size_t i = 0; i < columns().size(); ++i)
+        fmt::print(" {} {:.2f}", columns()[i].name, run.median(i));
+    fmt::print("\n");
+    std::fflush(stdout);
+}
+
+int measure(const std::vector<Case>& cases, double seconds, std::size_t workers, std::FILE* csv) {
+    if (csv != nullptr) fmt::print(csv, "{}\n", header());
+    std::optional<SiteScene> scene;
+    std::optional<site_node::Pipeline> pipeline;
+    std::optional<image::PixelFormat> format;
+    for (const Case& c : cases) {
+        if (format != c.format) {
+            SiteSceneOptions options;
+            options.format = c.format;
+            auto made = SiteScene::create(options);
+            if (!made) return fmt::print(stderr, "{}\n", made.error().message), 1;
+            scene = std::move(*made);
+            auto created = site_node::Pipeline::create(*scene, {}, {});
+            if (!created) return fmt::print(stderr, "{}\n", created.error().message), 1;
+            pipeline = std::move(*created);
+            format = c.format;
+        }
+        SiteRun run(*scene, *pipeline, workers);
+        run.run(c.rate_hz, seconds);
+        print(c, workers, run);
+        if (csv != nullptr) fmt::print(csv, "{}\n", row(c, workers, run));
+        if (run.num_failed() > 0 || run.num_ready() == 0) return 1;
+    }
+    return 0;
+}
+
+}  // namespace
+}  // namespace atrium::bench
+
+int main(int argc, char** argv) {
+    using namespace atrium;
+    if (argc > 4 || (argc > 1 && std::atof(argv[1]) <= 0.0)) {
+        std::fputs("usage: site_8x1mp [SECONDS of each case, 8] [CSV] [WORKERS, 2]\n", stderr);
+        return 2;
+    }
+    const double seconds = argc > 1 ? std::atof(argv[1]) : 8.0;
+    const auto workers = static_cast<std::size_t>(argc > 3 ? std::max(std::atoi(argv[3]), 1) : 2);
+    std::FILE* csv = argc > 2 ? std::fopen(argv[2], "a") : nullptr;
+    if (argc > 2 && csv == nullptr) return std::perror(argv[2]), 1;
+    using image::PixelFormat;
+    const int result = bench::measure({{PixelFormat::kBayerRG, 30.0},
+                                       {PixelFormat::kBayerRG, 60.0},
+                                       {PixelFormat::kBayerRG, 0.0},
+                                       {PixelFormat::kBgr, 60.0},
+                                       {PixelFormat::kBgr, 0.0}},
+                                      seconds,
+                                      workers,
+                                      csv);
+    if (csv != nullptr) std::fclose(csv);
+    return result;
+}

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "site_node/capture/frame_source.hpp"
+
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+// What the measurements of the whole site take their pictures from.
+namespace atrium::bench {
+
+struct SiteSceneOptions {
+    int side_px = 1000;                                        // pictures are square
+    image::PixelFormat format = image::PixelFormat::kBayerRG;  // or kBgr
+    double noise_lsb = 2.0;  // standard deviation of every sample of the sensor
+    int num_instants = 24;   // of one second of motion; all of them lie in memory
+    std::filesystem::path cache = ".cache/simulation";  // of the pictures without noise
+};
+
+/// A simulated person before eight cameras, as the sensors deliver it: raw pictures in memory, each
+/// with its own noise, so that what is measured is the site and neither renderer nor cameras.
+class SiteScene final : public capture::FrameSource {
+public:
+    static Expected<SiteScene> create(const SiteSceneOptions& options);
+
+    const config::Rig& rig() const override { return rig_; }
+    bool has_silhouettes() const override { return false; }
+    Expected<void> show_background(std::size_t camera, const BackgroundSink& sink) override;
+
+    /// The loop once, as fast as the sink takes it.
+    Expected<void> run(std::stop_token stop, const Sink& sink) override;
+
+    /// Picture `camera` of any instant: the loop goes on for ever.
+    const image::RawImage& picture(std::size_t instant, std::size_t camera) const {
+        return frames_[instant % frames_.size()][camera];
+    }
+
+private:
+    config::Rig rig_;
+    std::vector<std::vector<image::RawImage>> empty_room_;  // [camera][shot]
+    std::vector<std::vector<image::RawImage>> frames_;      // [instant][camera]
+};
+
+}  // namespace atrium::bench
