@@ -97,6 +97,20 @@ std::uint64_t load8(const std::uint8_t* bytes) {
     return word;
 }
 
+constexpr int kBlock = 64;
+
+// First of the columns x, x + kBlock, ... from which on a whole block is not there, or has a
+// foreground pixel below background.
+int skip_blocks_without_tops(const std::uint8_t* row, const std::uint8_t* above, int x, int width) {
+    for (; x + kBlock <= width; x += kBlock) {
+        std::uint64_t tops = 0;
+        for (int i = x; i < x + kBlock; i += 8)
+            tops |= above ? load8(row + i) & ~load8(above + i) : load8(row + i);
+        if (tops != 0) break;
+    }
+    return x;
+}
+
 }  // namespace
 
 void trace_contours(const image::Mask& mask, std::int64_t min_area_px, ContourSet& out) {
@@ -107,10 +121,14 @@ void trace_contours(const image::Mask& mask, std::int64_t min_area_px, ContourSe
         const std::uint8_t* row = mask.row(y);
         const std::uint8_t* above = y > 0 ? mask.row(y - 1) : nullptr;
         int x = 0;
-        for (; x + 8 <= mask.width; x += 8) {
-            const std::uint64_t tops = above ? load8(row + x) & ~load8(above + x) : load8(row + x);
-            if (tops == 0) continue;
-            for (int i = 0; i < 8; ++i) follow_if_new(mask, x + i, y, min_area_px, out);
+        while (x + kBlock <= mask.width) {
+            x = skip_blocks_without_tops(row, above, x, mask.width);
+            for (int end = std::min(x + kBlock, mask.width & ~7); x < end; x += 8) {
+                const std::uint64_t tops =
+                    above ? load8(row + x) & ~load8(above + x) : load8(row + x);
+                if (tops == 0) continue;
+                for (int i = 0; i < 8; ++i) follow_if_new(mask, x + i, y, min_area_px, out);
+            }
         }
         for (; x < mask.width; ++x) follow_if_new(mask, x, y, min_area_px, out);
     }
