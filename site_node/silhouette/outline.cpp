@@ -279,4 +279,14 @@ void refine_outline(std::span<const GridPoint> contour,
     repair(contour, tolerance_px, scratch, outline);
 }
 
+void use_contour_points(std::span<const GridPoint> contour, Outline& outline) {
+    outline.segments.clear();
+    outline.vertices_px.clear();
+    for (std::uint32_t i = 0; i < contour.size(); ++i) {
+        outline.segments.push_back(
+            {.begin = i, .level = kMaxLevel, .pinned = true, .unchecked = false});
+        outline.vertices_px.push_back(snapped_px(contour[i], Eigen::Vector2d::Zero()));
+    }
+}
+
 }  // namespace atrium::silhouette

@@ -69,4 +69,7 @@ void refine_outline(std::span<const GridPoint> contour,
                     OutlineScratch& scratch,
                     Outline& outline);
 
+/// Every contour point becomes a vertex: such outlines do not meet, as contours do not.
+void use_contour_points(std::span<const GridPoint> contour, Outline& outline);
+
 }  // namespace atrium::silhouette

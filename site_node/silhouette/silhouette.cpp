@@ -10,7 +10,8 @@ namespace {
 
 enum DropReason : std::uint8_t { kKept = 0, kNotUndistorted = 1, kNotSimple = 2 };
 
-// Every round refines what conflicts by one level; centring can cost one round more.
+// Every round refines what conflicts by one level. Where thin parts lie side by side in long rows,
+// one conflict makes the next: those contours are taken as they are then, which never meet.
 constexpr int kMaxRounds = 10;
 
 class Extraction {
@@ -46,7 +47,10 @@ public:
                       [](EdgeConflict a, EdgeConflict b) {
                           return a.polygon != b.polygon ? a.polygon < b.polygon : a.edge < b.edge;
                       });
-            for (std::size_t i = 0; i < scratch_.conflicts.size();) i = refine_from(i, round);
+            bool refined = false;
+            for (std::size_t i = 0; i < scratch_.conflicts.size(); i = end_of_polygon(i))
+                refined |= refine_from(i, round < kMaxRounds);
+            if (!refined) drop_conflicts();
         }
     }
 
@@ -96,21 +100,42 @@ private:
         }
     }
 
-    // Refines the polygon of conflict `i`; returns the index of the first conflict of the next one.
-    std::size_t refine_from(std::size_t i, int round) {
+    // Index of the first conflict of the polygon after that of conflict `i`.
+    std::size_t end_of_polygon(std::size_t i) const {
         const std::uint32_t c = scratch_.conflicts[i].polygon;
-        scratch_.outline.marked.assign(scratch_.outlines[c].segments.size(), 0);
-        for (; i < scratch_.conflicts.size() && scratch_.conflicts[i].polygon == c; ++i) {
-            scratch_.outline.marked[scratch_.segments_of_edges[c][scratch_.conflicts[i].edge]] = 1;
-        }
-        if (round >= kMaxRounds) {
-            drop(c, kNotSimple);
-        } else {
-            refine_outline(
-                points(c), options_.tolerance_px, scratch_.outline, scratch_.outlines[c]);
-            rebuild(c);
-        }
+        while (i < scratch_.conflicts.size() && scratch_.conflicts[i].polygon == c) ++i;
         return i;
+    }
+
+    // Refines the polygon of conflict `i` where it conflicts, or down to its contour points. False
+    // if it already consists of them.
+    bool refine_from(std::size_t i, bool by_one_level) {
+        const std::uint32_t c = scratch_.conflicts[i].polygon;
+        Outline& outline = scratch_.outlines[c];
+        if (consists_of_points(outline, points(c))) return false;
+        if (by_one_level) {
+            scratch_.outline.marked.assign(outline.segments.size(), 0);
+            for (const std::size_t end = end_of_polygon(i); i < end; ++i) {
+                scratch_.outline.marked[scratch_.segments_of_edges[c][scratch_.conflicts[i].edge]] =
+                    1;
+            }
+            refine_outline(points(c), options_.tolerance_px, scratch_.outline, outline);
+        } else {
+            use_contour_points(points(c), outline);
+        }
+        rebuild(c);
+        return true;
+    }
+
+    static bool consists_of_points(const Outline& outline, std::span<const GridPoint> contour) {
+        return outline.segments.size() == contour.size() &&
+               std::all_of(outline.segments.begin(),
+                           outline.segments.end(),
+                           [](const OutlineSegment& segment) { return segment.pinned; });
+    }
+
+    void drop_conflicts() {
+        for (const EdgeConflict& conflict : scratch_.conflicts) drop(conflict.polygon, kNotSimple);
     }
 
     // Even-odd rule along a ray to the left, at a height where no contour point lies (points are
