@@ -97,8 +97,9 @@ void crop_texture(benchmark::State& state) {
     const image::YuvImage frame = frame_with(mask, 9);
     texture::TextureScratch scratch;
     codec::TextureCrop crop;
+    const image::PixelRect subject = texture::bounding_rect(mask);
     for (auto _ : state)
-        benchmark::DoNotOptimize(texture::crop_texture(frame, mask, {}, scratch, crop));
+        benchmark::DoNotOptimize(texture::crop_texture(frame, mask, subject, {}, scratch, crop));
 }
 BENCHMARK(crop_texture)->Unit(benchmark::kMillisecond);
 
@@ -106,7 +107,8 @@ codec::TextureCrop person_crop() {
     const image::Mask mask = rough_person();
     texture::TextureScratch scratch;
     codec::TextureCrop crop;
-    if (!texture::crop_texture(frame_with(mask, 9), mask, {}, scratch, crop)) std::abort();
+    const image::PixelRect subject = texture::bounding_rect(mask);
+    if (!texture::crop_texture(frame_with(mask, 9), mask, subject, {}, scratch, crop)) std::abort();
     return crop;
 }
 

@@ -129,8 +129,13 @@ Expected<void> Pipeline::encode_texture(std::size_t camera, CodedCamera& coded) 
     CameraStage& stage = *stages_[camera];
     if (delivered_[camera] == 0 || stage.polygons.empty()) return {};
     const auto begin = Clock::now();
-    stage.sees_somebody = texture::crop_texture(
-        stage.picture, stage.mask, options_.texture, stage.texture, stage.crop);
+    stage.sees_somebody =
+        texture::crop_texture(stage.picture,
+                              stage.mask,
+                              silhouette::bounding_rect(stage.silhouette.contours),
+                              options_.texture,
+                              stage.texture,
+                              stage.crop);
     if (!stage.sees_somebody) return {};
     coded.camera = static_cast<std::uint32_t>(camera);
     coded.crop_px = stage.crop.crop_px;

@@ -10,6 +10,7 @@ namespace atrium::codec {
 
 struct TextureEncoder::State {
     tjhandle jpeg = tjInitCompress();
+    std::vector<unsigned char> buffer;  // fits the worst case; much larger than what comes out
 
     State() = default;
     State(const State&) = delete;
@@ -64,15 +65,17 @@ tl::unexpected<Error> jpeg_error(tjhandle handle, const std::string& what) {
 Expected<void> encode_colour(const TextureCrop& crop,
                              int quality,
                              tjhandle encoder,
+                             std::vector<unsigned char>& memory,
                              std::vector<std::uint8_t>& out) {
     if (!encoder) return make_error(ErrorKind::kInternal, "the JPEG encoder could not be started");
     const int width = crop.width();
     const int height = crop.height();
-    out.resize(tjBufSize(width, height, TJSAMP_444));
+    const std::size_t worst_case = tjBufSize(width, height, TJSAMP_444);
+    if (memory.size() < worst_case) memory.resize(worst_case);
     const unsigned char* planes[3] = {crop.y.data.data(), crop.u.data.data(), crop.v.data.data()};
     const int strides[3] = {width, width, width};
-    unsigned char* buffer = out.data();
-    unsigned long size = out.size();
+    unsigned char* buffer = memory.data();
+    unsigned long size = memory.size();
     // the buffer fits the worst case, so the library never replaces it
     const int failed = tjCompressFromYUVPlanes(encoder,
                                                planes,
@@ -85,7 +88,7 @@ Expected<void> encode_colour(const TextureCrop& crop,
                                                quality,
                                                TJFLAG_NOREALLOC);
     if (failed) return jpeg_error(encoder, "texture cannot be coded");
-    out.resize(size);
+    out.assign(buffer, buffer + size);
     if (size > kMaxColourBytes) {
         return make_error(ErrorKind::kInvalidData,
                           "texture of " + size_text(width, height) + " takes " +
@@ -155,7 +158,8 @@ Expected<void> TextureEncoder::encode(const TextureCrop& crop, int quality, Code
                               " per side and " + std::to_string(kMaxTexturePixels) +
                               " in all are allowed");
     }
-    if (auto coded = encode_colour(crop, quality, state_->jpeg, out.colour); !coded) return coded;
+    if (auto coded = encode_colour(crop, quality, state_->jpeg, state_->buffer, out.colour); !coded)
+        return coded;
     encode_mask(crop.mask, out.mask);
     return {};
 }

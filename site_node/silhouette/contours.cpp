@@ -134,4 +134,19 @@ void trace_contours(const image::Mask& mask, std::int64_t min_area_px, ContourSe
     }
 }
 
+image::PixelRect bounding_rect(const ContourSet& contours) {
+    if (contours.points.empty()) return {};
+    GridPoint low = contours.points.front();
+    GridPoint high = low;
+    for (const GridPoint p : contours.points) {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+    }
+    // the outermost points are in the middle of cracks, which are at odd half-pixels: the one
+    // before pixel x is 2 x - 1
+    const int x = (low.x + 1) / 2;
+    const int y = (low.y + 1) / 2;
+    return {x, y, (high.x + 1) / 2 - x, (high.y + 1) / 2 - y};
+}
+
 }  // namespace atrium::silhouette

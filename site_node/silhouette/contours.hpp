@@ -54,4 +54,7 @@ struct ContourSet {
 /// the leftmost crack of its topmost row, a hole in the rightmost one of its lowest.
 void trace_contours(const image::Mask& mask, std::int64_t min_area_px, ContourSet& out);
 
+/// Smallest rectangle of pixels that holds what the contours enclose; empty if there are none.
+image::PixelRect bounding_rect(const ContourSet& contours);
+
 }  // namespace atrium::silhouette

@@ -22,24 +22,26 @@ struct TextureScratch {
     std::vector<Block> blocks;
 };
 
-/// Cuts out what the mask shows, at half resolution: Y is the mean of each 2x2 block (of a mosaic:
-/// the block's luma), U and V are
-/// as they are, and a pixel is foreground if at least two of its four are.
+/// Cuts out `subject`, a rectangle around what the mask shows, at half resolution: Y is the mean of
+/// each 2x2 block (of a mosaic: the block's luma), U and V are as they are, and a pixel is
+/// foreground if at least two of its four are.
 ///
 /// Where the result is background it is made smooth, so that it codes small and no background
 /// shines through at the edge: each 8x8 block (the unit of JPEG) is filled with its own mean of the
 /// foreground, or that of its neighbours.
 ///
-/// Returns false, with `out` as it was, if the mask is empty: there is nothing to send. `mask` is
-/// as large as `frame`; a last odd column or row, which a 4:2:0 picture cannot have, is ignored.
-/// Allocates only while `scratch` and `out` grow.
+/// Returns false, with `out` as it was, if `subject` is empty: there is nothing to send. It lies in
+/// the picture. `mask` is as large as `frame`; a last odd column or row, which a 4:2:0 picture
+/// cannot have, is ignored. Allocates only while `scratch` and `out` grow.
 [[nodiscard]] bool crop_texture(const image::YuvView& frame,
                                 const image::Mask& mask,
+                                const image::PixelRect& subject,
                                 const TextureOptions& options,
                                 TextureScratch& scratch,
                                 codec::TextureCrop& out);
 
-/// Smallest rectangle that holds all foreground; empty if there is none.
+/// Smallest rectangle that holds all foreground; empty if there is none. Reads the whole mask: who
+/// has its contours knows the rectangle (silhouette::bounding_rect).
 image::PixelRect bounding_rect(const image::Mask& mask);
 
 }  // namespace atrium::texture

@@ -175,5 +175,31 @@ TEST(Contours, StampsSurviveManyCallsAndSizeChanges) {
     }
 }
 
+TEST(Contours, BoundingRectangleHoldsAllTheyEnclose) {
+    ContourSet set;
+    trace_contours(image::Mask(30, 20), 1, set);
+    EXPECT_TRUE(bounding_rect(set).empty());
+    for (unsigned seed = 0; seed < 30; ++seed) {
+        image::Mask mask = test::noise_mask(31, 22, 0.01, seed);
+        mask.row(static_cast<int>(seed) % 22)[seed] = 255;  // also at the border
+        image::PixelRect truth{31, 22, 0, 0};
+        int right = 0;
+        int bottom = 0;
+        for (int y = 0; y < mask.height; ++y) {
+            for (int x = 0; x < mask.width; ++x) {
+                if (mask.at(x, y) == 0) continue;
+                truth.x = std::min(truth.x, x);
+                truth.y = std::min(truth.y, y);
+                right = std::max(right, x + 1);
+                bottom = std::max(bottom, y + 1);
+            }
+        }
+        truth.width = right - truth.x;
+        truth.height = bottom - truth.y;
+        trace_contours(mask, 1, set);
+        EXPECT_EQ(bounding_rect(set), truth) << "seed " << seed;
+    }
+}
+
 }  // namespace
 }  // namespace atrium::silhouette

@@ -46,10 +46,10 @@ TEST(BoundingRect, IsTheSmallestThatHoldsTheForeground) {
     }
 }
 
-TEST(CropTexture, AnEmptyMaskLeavesNothingToSend) {
+TEST(CropTexture, AnEmptySubjectLeavesNothingToSend) {
     TextureScratch scratch;
     codec::TextureCrop crop;
-    EXPECT_FALSE(crop_texture(noise_frame(64, 48, 1), image::Mask(64, 48), {}, scratch, crop));
+    EXPECT_FALSE(crop_texture(noise_frame(64, 48, 1), image::Mask(64, 48), {}, {}, scratch, crop));
     EXPECT_TRUE(crop.crop_px.empty());
 }
 
@@ -58,12 +58,14 @@ TEST(CropTexture, RectangleIsPaddedEvenAndInsideThePicture) {
     codec::TextureCrop crop;
     image::Mask mask(64, 48);
     fill(mask, {21, 13, 10, 9}, 255);
-    ASSERT_TRUE(crop_texture(noise_frame(64, 48, 1), mask, {.padding_px = 4}, scratch, crop));
+    ASSERT_TRUE(crop_texture(
+        noise_frame(64, 48, 1), mask, bounding_rect(mask), {.padding_px = 4}, scratch, crop));
     EXPECT_EQ(crop.crop_px, (image::PixelRect{16, 8, 20, 18}));
     EXPECT_EQ(crop.width(), 10);
     EXPECT_EQ(crop.height(), 9);
     mask = image::Mask(64, 48, 255);
-    ASSERT_TRUE(crop_texture(noise_frame(64, 48, 1), mask, {.padding_px = 4}, scratch, crop));
+    ASSERT_TRUE(crop_texture(
+        noise_frame(64, 48, 1), mask, bounding_rect(mask), {.padding_px = 4}, scratch, crop));
     EXPECT_EQ(crop.crop_px, (image::PixelRect{0, 0, 64, 48}));
 }
 
@@ -77,7 +79,7 @@ TEST(CropTexture, ForegroundKeepsItsColoursAndTheMaskIsTheMajorityOfFour) {
     for (int y = 20; y < 80; ++y) {
         for (int x = 30; x < 110; ++x) mask.row(y)[x] = on(random) ? 255 : 0;
     }
-    ASSERT_TRUE(crop_texture(frame, mask, {}, scratch, crop));
+    ASSERT_TRUE(crop_texture(frame, mask, bounding_rect(mask), {}, scratch, crop));
     int num_foreground = 0;
     for (int y = 0; y < crop.height(); ++y) {
         for (int x = 0; x < crop.width(); ++x) {
@@ -124,7 +126,7 @@ TEST(CropTexture, NoBackgroundColourIsLeft) {
     }
     TextureScratch scratch;
     codec::TextureCrop crop;
-    ASSERT_TRUE(crop_texture(frame, mask, {.padding_px = 30}, scratch, crop));
+    ASSERT_TRUE(crop_texture(frame, mask, bounding_rect(mask), {.padding_px = 30}, scratch, crop));
     const auto [y_low, y_high] = std::minmax_element(crop.y.data.begin(), crop.y.data.end());
     EXPECT_GE(*y_low, 100);
     EXPECT_LE(*y_high, 120);
@@ -137,7 +139,7 @@ TEST(CropTexture, ForegroundThatVanishesAtHalfResolutionIsGrey) {
     mask.row(9)[9] = 255;
     TextureScratch scratch;
     codec::TextureCrop crop;
-    ASSERT_TRUE(crop_texture(noise_frame(32, 32, 4), mask, {}, scratch, crop));
+    ASSERT_TRUE(crop_texture(noise_frame(32, 32, 4), mask, bounding_rect(mask), {}, scratch, crop));
     EXPECT_EQ(std::count(crop.mask.data.begin(), crop.mask.data.end(), 255), 0);
     EXPECT_EQ(std::count(crop.y.data.begin(), crop.y.data.end(), 128), std::ssize(crop.y.data));
 }
@@ -147,9 +149,10 @@ TEST(CropTexture, OddMasksOfOddPicturesLoseTheirLastColumnAndRow) {
     TextureScratch scratch;
     codec::TextureCrop crop;
     mask.row(30)[32] = 255;
-    EXPECT_FALSE(crop_texture(noise_frame(32, 30, 5), mask, {.padding_px = 0}, scratch, crop));
+    EXPECT_FALSE(crop_texture(
+        noise_frame(32, 30, 5), mask, bounding_rect(mask), {.padding_px = 0}, scratch, crop));
     fill(mask, {20, 20, 13, 11}, 255);
-    ASSERT_TRUE(crop_texture(noise_frame(32, 30, 5), mask, {}, scratch, crop));
+    ASSERT_TRUE(crop_texture(noise_frame(32, 30, 5), mask, bounding_rect(mask), {}, scratch, crop));
     EXPECT_EQ(crop.crop_px, (image::PixelRect{16, 16, 16, 14}));
 }
 
