@@ -53,6 +53,12 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             "how long to run [s]; 0: until Ctrl-C or the end of a recording",
             {0, 1e9});
 
+    set.add("preview",
+            config.preview,
+            "PNG that shows all views with their silhouettes, written once a second; alone: "
+            "preview.png",
+            "preview.png");
+
     CaptureConfig& capture = config.capture;
     set.add(
         "capture.source", capture.source, "where pictures come from", {"simulated", "recording"});

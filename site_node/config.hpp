@@ -34,7 +34,8 @@ struct SimulationConfig {
 struct SiteNodeConfig {
     std::string name = "site";
     int threads = 1;
-    double seconds = 0.0;  // 0: until Ctrl-C or the end of the recording
+    double seconds = 0.0;           // 0: until Ctrl-C or the end of the recording
+    std::filesystem::path preview;  // picture of all views, once a second; empty: none
     CaptureConfig capture;
     SimulationConfig simulation;
     PipelineOptions pipeline;

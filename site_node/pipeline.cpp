@@ -231,4 +231,13 @@ Expected<void> Pipeline::process(const capture::Metaframe& metaframe,
     return {};
 }
 
+std::vector<std::vector<Eigen::Vector2d>> Pipeline::delivered_outlines(std::size_t camera) const {
+    const silhouette::SilhouetteScratch& scratch = stages_[camera]->silhouette;
+    std::vector<std::vector<Eigen::Vector2d>> outlines;
+    for (std::size_t c = 0; c < scratch.dropped.size(); ++c) {
+        if (scratch.dropped[c] == 0) outlines.push_back(scratch.outlines[c].vertices_px);
+    }
+    return outlines;
+}
+
 }  // namespace atrium::site_node

@@ -91,6 +91,10 @@ public:
                            Executor& executor,
                            SiteFrame& frame);
 
+    /// Silhouettes of one camera in the metaframe that was processed last, as polygons in the
+    /// delivered picture [px]. Not to be called while `process` runs.
+    std::vector<std::vector<Eigen::Vector2d>> delivered_outlines(std::size_t camera) const;
+
 private:
     struct CameraStage;
     Pipeline(std::vector<geometry::CalibratedCamera> cameras,

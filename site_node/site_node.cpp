@@ -130,7 +130,12 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
       source_(std::move(source)),
       pipeline_(std::move(pipeline)),
       writers_(std::move(writers)),
-      pool_(static_cast<std::size_t>(config.threads)) {}
+      pool_(static_cast<std::size_t>(config.threads)) {
+    if (config_.preview.empty()) return;
+    std::vector<std::string> names;
+    for (const auto& camera : source_->rig().cameras) names.push_back(camera.name);
+    preview_ = std::make_unique<preview::Preview>(config_.preview, std::move(names));
+}
 
 Expected<void> SiteNode::run(std::stop_token stop) {
     end_ = std::stop_source();
@@ -219,6 +224,7 @@ void SiteNode::work(std::stop_token stop) {
             continue;
         }
         count(*frame);
+        show(*metaframe);
         app::log::debug(
             "metaframe id={} triangles={} silhouettes_ms={:.2f} hull_ms={:.2f} encode_ms={:.2f} "
             "total_ms={:.2f}",
@@ -240,6 +246,14 @@ void SiteNode::count(const SiteFrame& frame) {
     }
     const std::lock_guard lock(left_out_mutex_);
     add(left_out, left_out_);
+}
+
+void SiteNode::show(const capture::Metaframe& metaframe) {
+    if (preview_ == nullptr || !preview_->count(metaframe)) return;
+    std::vector<std::vector<std::vector<Eigen::Vector2d>>> outlines_px;
+    for (std::size_t camera = 0; camera < metaframe.frames.size(); ++camera)
+        outlines_px.push_back(pipeline_.delivered_outlines(camera));
+    preview_->show(metaframe, std::move(outlines_px));
 }
 
 void SiteNode::publish_frames(std::stop_token stop) {

@@ -8,6 +8,7 @@
 #include "core/bus/bus.hpp"
 #include "site_node/capture/metaframe_assembler.hpp"
 #include "site_node/config.hpp"
+#include "site_node/preview/preview.hpp"
 
 #include <atomic>
 #include <memory>
@@ -46,6 +47,7 @@ private:
     void hand_over(capture::Metaframe metaframe);
     void work(std::stop_token stop);
     void count(const SiteFrame& frame);
+    void show(const capture::Metaframe& metaframe);
     void publish_frames(std::stop_token stop);
     void report_status(std::stop_token stop);
     Expected<std::size_t> publish(const SiteFrame& frame);
@@ -56,6 +58,7 @@ private:
     Pipeline pipeline_;
     Writers writers_;
     ThreadPool pool_;
+    std::unique_ptr<preview::Preview> preview_;  // null: nobody wants one
 
     LatestSlot<capture::Metaframe> metaframes_;  // newest wins: a late one is worth nothing
     LatestSlot<std::unique_ptr<SiteFrame>>

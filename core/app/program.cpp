@@ -88,12 +88,12 @@ Start start(const ProgramInfo& info,
             entry.default_value.empty() ? "none" : entry.default_value;
         auto* option = cli.add_option_function<std::string>(
             "--" + entry.key,
-            [&given, key = entry.key, is_flag = entry.is_flag](const std::string& text) {
-                given[key] = is_flag && text.empty() ? "true" : text;  // `--headless` alone
+            [&given, key = entry.key, alone = entry.alone](const std::string& text) {
+                given[key] = text.empty() ? alone : text;  // `--headless` alone
             },
             entry.help);
         option->type_name(fmt::format("({}; default {})", entry.type_name, shown_default));
-        if (entry.is_flag) option->expected(0, 1);
+        if (!entry.alone.empty()) option->expected(0, 1);
     }
     try {
         cli.parse(argc, argv);

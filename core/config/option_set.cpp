@@ -56,7 +56,7 @@ void OptionSet::add_entry(const std::string& key,
     entry.help = help;
     entry.type_name = std::move(type_name);
     entry.default_value = text_of(target);
-    entry.is_flag = std::is_same_v<T, bool>;
+    if (std::is_same_v<T, bool>) entry.alone = "true";
     entry.read = [key, &target, limits...](TableReader& reader) {
         reader.read(key, target, limits...);
     };
@@ -122,8 +122,10 @@ void OptionSet::add(const std::string& key,
 }
 void OptionSet::add(const std::string& key,
                     std::filesystem::path& target,
-                    const std::string& help) {
+                    const std::string& help,
+                    const std::string& alone) {
     add_entry(key, target, help, "path");
+    entries_.back().alone = alone;
 }
 
 void OptionSet::read_file(TableReader& reader) const {

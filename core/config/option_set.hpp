@@ -37,7 +37,12 @@ public:
              std::string& target,
              const std::string& help,
              const std::vector<std::string>& choices = {});
-    void add(const std::string& key, std::filesystem::path& target, const std::string& help);
+    /// `alone` is the value where the option stands on the command line without one; empty: it
+    /// needs one.
+    void add(const std::string& key,
+             std::filesystem::path& target,
+             const std::string& help,
+             const std::string& alone = {});
 
     /// Reads every declared key that the file has. Does not call `reader.finish()`: a program may
     /// read more from the file.
@@ -53,7 +58,7 @@ public:
         std::string help;           // says the unit
         std::string type_name;      // for example "number in [0, 1]"
         std::string default_value;  // as text
-        bool is_flag = false;
+        std::string alone;          // value of an option that stands alone; empty: it needs one
         std::function<void(TableReader&)> read;
         std::function<Expected<void>(const std::string&)> parse;
     };

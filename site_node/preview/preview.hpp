@@ -1,0 +1,62 @@
+#pragma once
+
+#include "core/app/log.hpp"
+#include "core/base/latest_slot.hpp"
+#include "core/base/statistics.hpp"
+#include "site_node/capture/metaframe.hpp"
+#include "site_node/preview/preview_picture.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace atrium::preview {
+
+/// Writes a picture of all views with their silhouettes once a second, in a thread of its own that
+/// gives way to all others. What is offered in between costs nothing but a count.
+class Preview {
+public:
+    Preview(std::filesystem::path file, std::vector<std::string> camera_names);
+    ~Preview();
+
+    /// Counts the pictures of a metaframe. True: it is time for `show` with this one.
+    bool count(const capture::Metaframe& metaframe);
+
+    /// `outlines_px[camera]` as in View; of cameras that delivered nothing they are not looked at.
+    /// Newest wins. Pictures are shared, not copied.
+    void show(const capture::Metaframe& metaframe,
+              std::vector<std::vector<std::vector<Eigen::Vector2d>>> outlines_px);
+
+    std::uint64_t num_written() const { return num_written_; }
+
+private:
+    using Clock = std::chrono::steady_clock;
+    struct Shot {
+        std::vector<View> views;
+        std::vector<std::uint64_t> num_pictures;  // per camera, since the start
+        Clock::time_point time;
+    };
+    void write_pictures(std::stop_token stop);
+    void measure_rates(Shot& shot);
+
+    std::filesystem::path file_;
+    std::vector<std::string> camera_names_;
+    std::vector<std::uint64_t> num_pictures_;  // per camera; of the thread that counts
+    std::vector<RateMeter> rates_;             // per camera; of the thread that writes
+    std::atomic<bool> wants_shot_{true};
+    std::atomic<std::uint64_t> num_written_{0};
+    LatestSlot<Shot> slot_;
+    Picture picture_;
+    app::log::OncePerSecond complaints_;
+    std::jthread thread_;  // last: stops before the rest goes
+};
+
+/// Area inside of closed outlines by the even-odd rule [px^2], for blobs that run counter-clockwise
+/// (seen with +Y up) and holes that run clockwise.
+double enclosed_area_px(const std::vector<std::vector<Eigen::Vector2d>>& outlines_px);
+
+}  // namespace atrium::preview

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/image/raw_image.hpp"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace atrium::preview {
+
+/// One camera in a preview.
+struct View {
+    std::string name;
+    image::RawImage image;  // empty: the camera delivered nothing
+    std::vector<std::vector<Eigen::Vector2d>>
+        outlines_px;  // blobs and holes, in the delivered picture; even-odd
+    double frames_per_s = 0.0;
+    double foreground_share = 0.0;  // of the picture's area, 0 to 1
+};
+
+/// Packed BGR, rows from the top.
+struct Picture {
+    int width = 0;
+    int height = 0;
+    std::vector<std::uint8_t> bgr;
+};
+
+/// All views in one grid, each at half size, with the silhouette tinted and outlined, and what is
+/// said of it below. `out` is reused.
+void draw(const std::vector<View>& views, Picture& out);
+
+/// Writes through a file of another name, so that nobody sees half a picture. Makes the folder.
+/// Error kUnavailable.
+Expected<void> write_png(const std::filesystem::path& file, const Picture& picture);
+
+}  // namespace atrium::preview
