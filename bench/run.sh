@@ -17,3 +17,4 @@ out="bench/results/$(date +%Y-%m-%d)-$(lscpu | sed -n 's/^Model name: *//p' | tr
 } 2>&1 | tee "$out"
 echo "kept in $out"
 bench/hull_curves.sh "$build"
+bench/site_8x1mp.sh "$build"

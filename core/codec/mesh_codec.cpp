@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <exception>
@@ -172,6 +173,8 @@ Expected<std::size_t> encode_mesh(const TriangleMesh& mesh,
         draco::EncoderBuffer buffer;
         const draco::Status status = encoder.EncodeMeshToBuffer(draco_mesh, &buffer);
         if (!status.ok()) return invalid(status.error_msg_string());
+        // sizes differ a little each time
+        if (out.capacity() < buffer.size()) out.reserve(std::bit_ceil(buffer.size()));
         out.assign(buffer.data(), buffer.data() + buffer.size());
         return out.size();
     } catch (const std::exception& error) {

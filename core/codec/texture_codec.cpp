@@ -3,6 +3,7 @@
 #include <turbojpeg.h>
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <string>
 
@@ -88,6 +89,7 @@ Expected<void> encode_colour(const TextureCrop& crop,
                                                quality,
                                                TJFLAG_NOREALLOC);
     if (failed) return jpeg_error(encoder, "texture cannot be coded");
+    if (out.capacity() < size) out.reserve(std::bit_ceil(size));  // sizes differ a little each time
     out.assign(buffer, buffer + size);
     if (size > kMaxColourBytes) {
         return make_error(ErrorKind::kInvalidData,

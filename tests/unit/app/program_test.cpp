@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 
 namespace atrium::app {
@@ -14,6 +15,7 @@ struct Options {
     double rate_hz = 30.0;
     bool loop = false;
     std::string name = "site";
+    std::filesystem::path picture;
 };
 
 class ProgramStart : public testing::Test {
@@ -26,6 +28,7 @@ protected:
         set.add("rate_hz", options_.rate_hz, "pictures per second [Hz]", {1, 240});
         set.add("loop", options_.loop, "start again");
         set.add("name", options_.name, "of the site");
+        set.add("picture", options_.picture, "to be written", "here.png");
         testing::internal::CaptureStdout();
         testing::internal::CaptureStderr();
         const Start start = app::start({"program", "Does things.", ""},
@@ -66,6 +69,16 @@ TEST_F(ProgramStart, AFlagAloneMeansTrueAndMayBeToldFalse) {
     EXPECT_TRUE(start_with({"--loop", "false"}).go_on);
     EXPECT_FALSE(options_.loop);
     EXPECT_EQ(start_with({"--loop", "maybe"}).exit_code, 2);
+}
+
+TEST_F(ProgramStart, AnOptionMayHaveAValueOfItsOwnWhereItStandsAlone) {
+    EXPECT_TRUE(start_with({}).go_on);
+    EXPECT_EQ(options_.picture, "");
+    EXPECT_TRUE(start_with({"--picture", "--loop"}).go_on);
+    EXPECT_EQ(options_.picture, "here.png");
+    EXPECT_TRUE(start_with({"--picture", "there.png"}).go_on);
+    EXPECT_EQ(options_.picture, "there.png");
+    EXPECT_EQ(start_with({"--name"}).exit_code, 2);
 }
 
 TEST_F(ProgramStart, HelpNamesEveryOptionWithUnitRangeAndDefault) {
