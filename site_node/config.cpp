@@ -4,6 +4,7 @@
 #include "core/config/rig.hpp"
 #include "simulation/choreography.hpp"
 #include "simulation/look.hpp"
+#include "site_node/preview/preview.hpp"
 
 #include <fmt/format.h>
 
@@ -55,9 +56,9 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
 
     set.add("preview",
             config.preview,
-            "PNG that shows all views with their silhouettes, written once a second; alone: "
-            "preview.png",
-            "preview.png");
+            "shows all views with their silhouettes: a PNG, written once a second, or \"window\"; "
+            "alone: a window, where there is no display preview.png",
+            preview::kWindow);
 
     CaptureConfig& capture = config.capture;
     set.add(

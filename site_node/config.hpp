@@ -35,7 +35,7 @@ struct SiteNodeConfig {
     std::string name = "site";
     int threads = 1;
     double seconds = 0.0;           // 0: until Ctrl-C or the end of the recording
-    std::filesystem::path preview;  // picture of all views, once a second; empty: none
+    std::filesystem::path preview;  // preview::Preview's target; empty: none
     CaptureConfig capture;
     SimulationConfig simulation;
     PipelineOptions pipeline;

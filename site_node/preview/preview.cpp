@@ -11,8 +11,22 @@
 namespace atrium::preview {
 namespace {
 
-constexpr auto kPeriod = std::chrono::seconds(1);
+constexpr auto kFilePeriod = std::chrono::seconds(1);
+constexpr auto kWindowPeriod = std::chrono::milliseconds(50);
+constexpr const char* kFileInsteadOfWindow = "preview.png";
 constexpr int kLowestPriority = 19;  // of nice(2); on Linux it is the thread's own
+
+class Alarm {
+public:
+    void wait_until(std::chrono::steady_clock::time_point due, const std::stop_token& stop) {
+        std::unique_lock lock(mutex_);
+        never_.wait_until(lock, stop, due, [] { return false; });
+    }
+
+private:
+    std::mutex mutex_;
+    std::condition_variable_any never_;
+};
 
 }  // namespace
 
@@ -28,12 +42,12 @@ double enclosed_area_px(const std::vector<std::vector<Eigen::Vector2d>>& outline
     return 0.5 * twice;
 }
 
-Preview::Preview(std::filesystem::path file, std::vector<std::string> camera_names)
-    : file_(std::move(file)),
+Preview::Preview(std::filesystem::path target, std::vector<std::string> camera_names)
+    : target_(std::move(target)),
       camera_names_(std::move(camera_names)),
       num_pictures_(camera_names_.size(), 0),
       rates_(camera_names_.size()),
-      thread_([this](std::stop_token stop) { write_pictures(stop); }) {
+      thread_([this](std::stop_token stop) { run(stop); }) {
     pthread_setname_np(thread_.native_handle(), "preview");
 }
 
@@ -63,35 +77,58 @@ void Preview::show(const capture::Metaframe& metaframe,
     slot_.put(std::move(shot));
 }
 
-void Preview::measure_rates(Shot& shot) {
-    for (std::size_t i = 0; i < shot.views.size(); ++i) {
-        View& view = shot.views[i];
-        view.frames_per_s = rates_[i].update(shot.num_pictures[i], shot.time);
+// Camera buffers go back before the slow part.
+void Preview::draw_shot(std::optional<Shot>& shot) {
+    for (std::size_t i = 0; i < shot->views.size(); ++i) {
+        View& view = shot->views[i];
+        view.frames_per_s = rates_[i].update(shot->num_pictures[i], shot->time);
         if (view.image.empty()) continue;
         view.foreground_share = enclosed_area_px(view.outlines_px) /
                                 (static_cast<double>(view.image.width) * view.image.height);
     }
+    draw(shot->views, picture_);
+    shot.reset();
+}
+
+void Preview::run(std::stop_token stop) {
+    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kLowestPriority);
+    if (target_ != kWindow) return write_pictures(stop);
+    const auto window = PreviewWindow::open("Atrium: views of the site");
+    if (window) return show_in(**window, stop);
+    target_ = kFileInsteadOfWindow;
+    app::log::info("{}; written to {}", window.error().message, target_.string());
+    write_pictures(stop);
 }
 
 void Preview::write_pictures(std::stop_token stop) {
-    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kLowestPriority);
-    std::mutex mutex;
-    std::condition_variable_any never;
+    Alarm alarm;
     auto due = Clock::now();
     while (auto shot = slot_.take(stop)) {
-        measure_rates(*shot);
-        draw(shot->views, picture_);
-        shot.reset();  // camera buffers go back before the slow part
-        if (auto written = write_png(file_, picture_); written) {
+        draw_shot(shot);
+        if (auto written = write_png(target_, picture_); written) {
             ++num_written_;
         } else {
             complaints_.warn(written.error().message);
         }
-        due = std::max(due + kPeriod, Clock::now());
-        std::unique_lock lock(mutex);
-        never.wait_until(lock, stop, due, [] { return false; });
+        due = std::max(due + kFilePeriod, Clock::now());
+        alarm.wait_until(due, stop);
         wants_shot_ = true;
     }
+}
+
+// Once it is closed, no more is asked for.
+void Preview::show_in(PreviewWindow& window, std::stop_token stop) {
+    Alarm alarm;
+    while (!stop.stop_requested() && window.stays_open()) {
+        const auto due = Clock::now() + kWindowPeriod;
+        if (auto shot = slot_.try_take()) {
+            draw_shot(shot);
+            window.show(picture_);
+            wants_shot_ = true;
+        }
+        alarm.wait_until(due, stop);
+    }
+    wants_shot_ = false;
 }
 
 }  // namespace atrium::preview

@@ -5,10 +5,12 @@
 #include "core/base/statistics.hpp"
 #include "site_node/capture/metaframe.hpp"
 #include "site_node/preview/preview_picture.hpp"
+#include "site_node/preview/preview_window.hpp"
 
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -16,11 +18,16 @@
 
 namespace atrium::preview {
 
-/// Writes a picture of all views with their silhouettes once a second, in a thread of its own that
-/// gives way to all others. What is offered in between costs nothing but a count.
+/// The name that stands for a window instead of a file.
+inline constexpr const char* kWindow = "window";
+
+/// Shows all views with their silhouettes, in a thread of its own that gives way to all others: in
+/// a file once a second, or in a window. What is offered in between costs nothing but a count.
 class Preview {
 public:
-    Preview(std::filesystem::path file, std::vector<std::string> camera_names);
+    /// `target` is a PNG, or kWindow; where no window can be had, preview.png in the current folder
+    /// takes its place.
+    Preview(std::filesystem::path target, std::vector<std::string> camera_names);
     ~Preview();
 
     /// Counts the pictures of a metaframe. True: it is time for `show` with this one.
@@ -40,10 +47,12 @@ private:
         std::vector<std::uint64_t> num_pictures;  // per camera, since the start
         Clock::time_point time;
     };
+    void run(std::stop_token stop);
     void write_pictures(std::stop_token stop);
-    void measure_rates(Shot& shot);
+    void show_in(PreviewWindow& window, std::stop_token stop);
+    void draw_shot(std::optional<Shot>& shot);
 
-    std::filesystem::path file_;
+    std::filesystem::path target_;
     std::vector<std::string> camera_names_;
     std::vector<std::uint64_t> num_pictures_;  // per camera; of the thread that counts
     std::vector<RateMeter> rates_;             // per camera; of the thread that writes
