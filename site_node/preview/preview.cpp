@@ -12,7 +12,7 @@ namespace atrium::preview {
 namespace {
 
 constexpr auto kFilePeriod = std::chrono::seconds(1);
-constexpr auto kWindowPeriod = std::chrono::milliseconds(50);
+constexpr auto kWindowPeriod = std::chrono::milliseconds(100);
 constexpr const char* kFileInsteadOfWindow = "preview.png";
 constexpr int kLowestPriority = 19;  // of nice(2); on Linux it is the thread's own
 
