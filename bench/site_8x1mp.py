@@ -11,7 +11,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from hull_curves import read, renew, table
 
 # Petit et al., Multicamera Real-Time 3D Modeling for Telepresence and Remote Collaboration (2010)
-PAPER = ["8 cameras of 1 MP, ten dual-Xeon PCs (Petit et al., 2010)", "20", "20", "0", "below 100", "", "", "", "", "", "", ""]
+PAPER = ["8 cameras of 1 MP, ten dual-Xeon PCs (Petit et al., 2010)", "20", "20", "", "below 100", "", "", "", "", "", "", ""]
 
 
 def offered(row):
