@@ -92,6 +92,25 @@ void extract_silhouette(benchmark::State& state) {
 }
 BENCHMARK(extract_silhouette)->ArgName("distorted")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 
+// What no camera delivers: noise all over, and threads side by side across the whole picture.
+void extract_worst_silhouette(benchmark::State& state) {
+    image::Mask mask = silhouette::test::noise_mask(1000, 1000, 0.6, 1);
+    if (state.range(0) != 0) {
+        for (int y = 0; y < 1000; ++y) {
+            for (int x = 0; x < 1000; ++x) mask.row(y)[x] = y == 0 || x % 2 == 0 ? 255 : 0;
+        }
+    }
+    const geometry::PinholeCamera intrinsics = camera(false);
+    silhouette::SilhouetteScratch scratch;
+    std::vector<silhouette::SilhouettePolygon> out;
+    for (auto _ : state) silhouette::extract_silhouette(mask, intrinsics, {}, scratch, out);
+}
+BENCHMARK(extract_worst_silhouette)
+    ->ArgName("threads")
+    ->Arg(0)
+    ->Arg(1)
+    ->Unit(benchmark::kMillisecond);
+
 void crop_texture(benchmark::State& state) {
     const image::Mask mask = rough_person();
     const image::YuvImage frame = frame_with(mask, 9);
