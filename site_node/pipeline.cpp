@@ -21,8 +21,7 @@ bool is_nobody(hull::HullStatus status) { return status == hull::HullStatus::kEm
 // Everything that one camera needs, so that cameras can be worked on in parallel.
 struct Pipeline::CameraStage {
     image::YuvImage picture;  // what the camera does not deliver in the working form
-    segmentation::BackgroundModel background;
-    segmentation::SegmentationScratch segmentation;
+    segmentation::Segmenter segmenter;
     image::Mask mask;
     silhouette::SilhouetteScratch silhouette;
     std::vector<silhouette::SilhouettePolygon> polygons;
@@ -57,23 +56,14 @@ Expected<Pipeline> Pipeline::create(capture::FrameSource& source,
     if (!hull) return tl::unexpected(hull.error());
     Pipeline pipeline(cameras, options, std::move(*hull));
     if (source.has_silhouettes()) return pipeline;
-    for (std::size_t i = 0; i < pipeline.cameras_.size() && !stop.stop_requested(); ++i) {
-        segmentation::BackgroundLearner learner;
-        Expected<void> added;
-        const auto shown = source.show_background(i, [&](const image::YuvView& picture) {
-            if (added) added = learner.add(picture);
-        });
-        const auto with_camera = [&](const Error& error) {
-            return make_error(
-                error.kind,
-                fmt::format(
-                    "camera '{}': no background: {}", pipeline.cameras_[i].name, error.message));
-        };
-        if (!shown) return with_camera(shown.error());
-        if (!added) return with_camera(added.error());
-        auto model = learner.finish(options.segmentation);
-        if (!model) return with_camera(model.error());
-        pipeline.stages_[i]->background = std::move(*model);
+    for (std::size_t i = 0; i < pipeline.cameras_.size(); ++i) {
+        auto room =
+            load_or_learn_background(source, i, options.background, options.segmentation, stop);
+        if (!room) return tl::unexpected(room.error());
+        pipeline.stages_[i]->segmenter =
+            segmentation::Segmenter(std::move(*room),
+                                    options.segmentation,
+                                    areas_of(options.areas, pipeline.cameras_[i].name));
     }
     return pipeline;
 }
@@ -86,8 +76,7 @@ Expected<void> Pipeline::process_camera(const capture::CameraFrame& frame,
     if (frame.silhouette != nullptr) {
         stage.mask = *frame.silhouette;
     } else {
-        auto segmented = segmentation::segment(
-            picture, stage.background, options_.segmentation, stage.segmentation, stage.mask);
+        auto segmented = stage.segmenter.segment(picture, stage.mask);
         if (!segmented) return segmented;
     }
     stage.counts = silhouette::extract_silhouette(
