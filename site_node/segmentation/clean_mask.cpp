@@ -2,73 +2,87 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstring>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
 
 namespace atrium::segmentation {
 namespace {
 
 using Run = CleanScratch::Run;
 
-std::uint64_t load8(const std::uint8_t* bytes) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, bytes, sizeof word);
-    return word;
+// One bit for each of 32 pixels, the leftmost lowest.
+std::uint32_t bits_of(const std::uint8_t* row) {
+#if defined(__x86_64__)
+    const auto half = [](const std::uint8_t* bytes) {
+        return static_cast<std::uint32_t>(
+            _mm_movemask_epi8(_mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes))));
+    };
+    return half(row) | half(row + 16) << 16;
+#else
+    std::uint32_t bits = 0;
+    for (int i = 0; i < 32; ++i) bits |= static_cast<std::uint32_t>(row[i] & 1) << i;
+    return bits;
+#endif
 }
 
-// First column from `x` on that differs from `value`.
-int end_of_run(const std::uint8_t* row, int x, int width, std::uint8_t value) {
-    const std::uint64_t pattern = 0x0101010101010101ULL * value;
-    for (; x + 32 <= width; x += 32) {
-        const std::uint64_t first = (load8(row + x) ^ pattern) | (load8(row + x + 8) ^ pattern);
-        const std::uint64_t second =
-            (load8(row + x + 16) ^ pattern) | (load8(row + x + 24) ^ pattern);
-        if ((first | second) != 0) break;
-    }
-    for (; x + 8 <= width; x += 8) {
-        const std::uint64_t difference = load8(row + x) ^ pattern;
-        if (difference != 0) return x + __builtin_ctzll(difference) / 8;
-    }
-    while (x < width && row[x] == value) ++x;
-    return x;
+void end_run(int x, CleanScratch& scratch) {
+    const std::uint32_t first = scratch.first_run_of_row.back();
+    const auto index = static_cast<std::uint32_t>(scratch.runs.size());
+    const int begin = index == first ? 0 : scratch.runs.back().end;
+    scratch.runs.push_back({begin, x, index, static_cast<std::uint32_t>(x - begin)});
 }
 
 // Foreground is -1 as a signed byte, so votes are counted below zero.
-inline __attribute__((always_inline)) void majority(const ThreeRows& in,
-                                                    CleanScratch& scratch,
-                                                    std::uint8_t* __restrict result) {
+void majority_baseline(const ThreeRows& in, std::int8_t* votes, std::uint8_t* out) {
     const auto width = static_cast<std::size_t>(in.width);
-    const std::uint8_t* __restrict above = in.above;
-    const std::uint8_t* __restrict here = in.here;
-    const std::uint8_t* __restrict below = in.below;
-    std::int8_t* __restrict votes = scratch.column_votes.data();
-    std::int8_t any = 0;
-    for (std::size_t x = 0; x < width; ++x) {
-        const auto sum = static_cast<std::int8_t>(above[x] + here[x] + below[x]);
-        votes[x + 1] = sum;
-        any = static_cast<std::int8_t>(any | sum);
-    }
-    if (any == 0) {
-        std::memset(result, 0, width);
-        return;
-    }
+    for (std::size_t x = 0; x < width; ++x)
+        votes[x + 1] = static_cast<std::int8_t>(in.above[x] + in.here[x] + in.below[x]);
     votes[0] = votes[1];
     votes[width + 1] = votes[width];
-    for (std::size_t x = 0; x < width; ++x) {
-        const auto sum = static_cast<std::int8_t>(votes[x] + votes[x + 1] + votes[x + 2]);
-        result[x] = sum <= -5 ? 255 : 0;
-    }
-}
-
-void majority_baseline(const ThreeRows& in, CleanScratch& scratch, std::uint8_t* out) {
-    majority(in, scratch, out);
+    for (std::size_t x = 0; x < width; ++x)
+        out[x] = votes[x] + votes[x + 1] + votes[x + 2] <= -5 ? 255 : 0;
 }
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) void majority_avx2(const ThreeRows& in,
-                                                   CleanScratch& scratch,
-                                                   std::uint8_t* out) {
-    majority(in, scratch, out);
+#define ATRIUM_AVX2 __attribute__((target("avx2")))
+
+ATRIUM_AVX2 inline __m256i load(const void* bytes) {
+    return _mm256_loadu_si256(static_cast<const __m256i*>(bytes));
 }
+
+ATRIUM_AVX2 inline void store(__m256i value, void* bytes) {
+    _mm256_storeu_si256(static_cast<__m256i*>(bytes), value);
+}
+
+// At least 32 pixels. The last of them are done with some of those before them, once more.
+ATRIUM_AVX2 void majority_avx2(const ThreeRows& in, std::int8_t* votes, std::uint8_t* out) {
+    __m256i any = _mm256_setzero_si256();
+    for (int next = 0; next < in.width; next += 32) {
+        const int x = std::min(next, in.width - 32);
+        const __m256i sum = _mm256_add_epi8(_mm256_add_epi8(load(in.above + x), load(in.here + x)),
+                                            load(in.below + x));
+        store(sum, votes + x + 1);
+        any = _mm256_or_si256(any, sum);
+    }
+    if (_mm256_testz_si256(any, any) != 0) {
+        std::memset(out, 0, static_cast<std::size_t>(in.width));
+        return;
+    }
+    votes[0] = votes[1];
+    votes[in.width + 1] = votes[in.width];
+    const __m256i too_few = _mm256_set1_epi8(-4);
+    for (int next = 0; next < in.width; next += 32) {
+        const int x = std::min(next, in.width - 32);
+        const __m256i sum = _mm256_add_epi8(_mm256_add_epi8(load(votes + x), load(votes + x + 1)),
+                                            load(votes + x + 2));
+        store(_mm256_cmpgt_epi8(too_few, sum), out + x);
+    }
+}
+#undef ATRIUM_AVX2
 #endif
 
 std::uint32_t find(std::vector<Run>& runs, std::uint32_t i) {
@@ -115,9 +129,10 @@ void majority_3x3(const ThreeRows& in,
                   std::uint8_t* out) {
     scratch.column_votes.resize(static_cast<std::size_t>(in.width) + 2);
 #if defined(__x86_64__)
-    if (instructions == InstructionSet::kAvx2) return majority_avx2(in, scratch, out);
+    if (instructions == InstructionSet::kAvx2 && in.width >= 32)
+        return majority_avx2(in, scratch.column_votes.data(), out);
 #endif
-    majority_baseline(in, scratch, out);
+    majority_baseline(in, scratch.column_votes.data(), out);
 }
 
 void majority_3x3(const image::Mask& in, CleanScratch& scratch, image::Mask& out) {
@@ -141,17 +156,23 @@ void start_runs(CleanScratch& scratch) {
 }
 
 // Runs alternate; the first one is background and may be empty. So parity within the row tells the
-// value.
+// value. Each run ends where a pixel differs from the one before it.
 void add_runs(const std::uint8_t* row, int width, CleanScratch& scratch) {
-    std::uint8_t value = 0;
-    for (int x = 0; x < width; value = static_cast<std::uint8_t>(~value)) {
-        const int end = end_of_run(row, x, width, value);
-        scratch.runs.push_back({x,
-                                end,
-                                static_cast<std::uint32_t>(scratch.runs.size()),
-                                static_cast<std::uint32_t>(end - x)});
-        x = end;
+    std::uint32_t before = 0;
+    int x = 0;
+    for (; x + 32 <= width; x += 32) {
+        const std::uint32_t bits = bits_of(row + x);
+        for (std::uint32_t changes = bits ^ (bits << 1 | before); changes != 0;
+             changes &= changes - 1)
+            end_run(x + std::countr_zero(changes), scratch);
+        before = bits >> 31;
     }
+    for (; x < width; ++x) {
+        const std::uint32_t bit = row[x] & 1;
+        if (bit != before) end_run(x, scratch);
+        before = bit;
+    }
+    end_run(width, scratch);
     scratch.first_run_of_row.push_back(static_cast<std::uint32_t>(scratch.runs.size()));
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kCell = LightAdaptation::kCell;
 // So many places give the median within a tenth of a percent.
-constexpr int kMaxSamples = 600;
+constexpr int kMaxSamples = 300;
 constexpr int kMinSamples = 48;
 // Ratios of less luma than this are coarse.
 constexpr std::int32_t kMinGainLuma = 32;
