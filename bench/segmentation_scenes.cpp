@@ -138,7 +138,6 @@ bool visit_segmentation_scenes(const std::string& recordings,
     } else {
         std::cerr << recordings << " is not there: simulated rooms only\n";
     }
-    if (std::getenv("NOROOM")) return true;
     auto loaded = config::load_rig(rig);
     if (!loaded) {
         std::cerr << loaded.error().message << "\n";

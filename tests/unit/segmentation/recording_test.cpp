@@ -80,7 +80,7 @@ TEST(SegmentationRecording, WhoSitsStillStays) {
             if (number >= 400 && number < 420) last += count / 20;
         }
         ASSERT_GE(number, 420);
-        // between three and eight percent of the picture, and the same at the end
+        // a few percent of the picture, and the same at the end
         EXPECT_GT(first, 0.02 * 644 * 486) << camera;
         EXPECT_LT(first, 0.09 * 644 * 486) << camera;
         EXPECT_NEAR(last / first, 1.0, 0.1) << camera;
