@@ -3,6 +3,7 @@
 // quote the minimum or the median.
 
 #include "core/codec/texture_codec.hpp"
+#include "core/image/raw_image.hpp"
 #include "site_node/segmentation/segmentation.hpp"
 #include "site_node/silhouette/silhouette.hpp"
 #include "site_node/texture/texture.hpp"
@@ -64,21 +65,94 @@ geometry::PinholeCamera camera(bool distorted) {
 void pixel_test(benchmark::State& state) {
     const auto model = learned_room();
     const image::YuvImage frame = frame_with(rough_person(), 9);
-    segmentation::PixelTestScratch scratch;
     image::Mask out(1000, 1000);
     const auto instructions = static_cast<segmentation::InstructionSet>(state.range(0));
-    for (auto _ : state) segmentation::test_pixels(frame, model, instructions, scratch, out);
+    const auto gain = static_cast<std::int16_t>(segmentation::kUnitGain * 100 / state.range(1));
+    for (auto _ : state)
+        segmentation::test_rows(frame, model, gain, instructions, {0, 1000}, out.data.data());
 }
-BENCHMARK(pixel_test)->ArgName("avx2")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(pixel_test)
+    ->ArgNames({"avx2", "light_percent"})
+    ->ArgsProduct({{0, 1}, {100, 110}})
+    ->Unit(benchmark::kMillisecond);
+
+void majority(benchmark::State& state) {
+    const image::Mask raw = rough_person();
+    segmentation::CleanScratch scratch;
+    image::Mask out(1000, 1000);
+    for (auto _ : state) segmentation::majority_3x3(raw, scratch, out);
+}
+BENCHMARK(majority)->Unit(benchmark::kMillisecond);
+
+void remove_small_parts(benchmark::State& state) {
+    const image::Mask raw = rough_person();
+    segmentation::CleanScratch scratch;
+    image::Mask cleaned;
+    segmentation::majority_3x3(raw, scratch, cleaned);
+    // the first run does the work of removing, all do that of looking
+    for (auto _ : state) segmentation::remove_small_parts(cleaned, 100, 100, scratch);
+}
+BENCHMARK(remove_small_parts)->Unit(benchmark::kMillisecond);
+
+// From the sensor's bytes to what segmentation reads.
+void convert(benchmark::State& state) {
+    std::vector<std::uint8_t> bytes(3000 * 1000);
+    std::mt19937 random(3);
+    for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
+    image::RawImage raw;
+    raw.format = static_cast<image::PixelFormat>(state.range(0));
+    raw.width = raw.height = 1000;
+    raw.planes[0] = {bytes.data(), image::row_bytes(raw.format, raw.width)};
+    image::YuvImage buffer;
+    for (auto _ : state) benchmark::DoNotOptimize(image::working_view(raw, buffer));
+}
+BENCHMARK(convert)
+    ->ArgName("format")
+    ->Arg(static_cast<int>(image::PixelFormat::kBayerRG))
+    ->Arg(static_cast<int>(image::PixelFormat::kBgr))
+    ->Arg(static_cast<int>(image::PixelFormat::kUyvy))
+    ->Unit(benchmark::kMillisecond);
 
 void segment(benchmark::State& state) {
-    const auto model = learned_room();
+    segmentation::Segmenter segmenter(learned_room().room, {});
     const image::YuvImage frame = frame_with(rough_person(), 9);
-    segmentation::SegmentationScratch scratch;
     image::Mask out;
-    for (auto _ : state) require(segmentation::segment(frame, model, {}, scratch, out));
+    for (auto _ : state) require(segmenter.segment(frame, out));
 }
 BENCHMARK(segment)->Unit(benchmark::kMillisecond);
+
+// From the sensor's bytes to the cleaned mask.
+void raw_to_mask(benchmark::State& state) {
+    image::RawImage raw;
+    raw.format = static_cast<image::PixelFormat>(state.range(0));
+    raw.width = raw.height = 1000;
+    const auto pictures = [&](const image::Mask& mask) {
+        std::vector<std::uint8_t> bgr = image::bgr_from_yuv(frame_with(mask, 9));
+        if (raw.format == image::PixelFormat::kBgr) return bgr;
+        std::vector<std::uint8_t> bayer(1000 * 1000);
+        for (std::size_t i = 0; i < bayer.size(); ++i) {
+            const std::size_t x = i % 1000, y = i / 1000;
+            bayer[i] = bgr[3 * i + (y % 2 == 0 ? (x % 2 == 0 ? 2 : 1) : (x % 2 == 0 ? 1 : 0))];
+        }
+        return bayer;
+    };
+    image::YuvImage buffer;
+    const auto view = [&](const std::vector<std::uint8_t>& bytes) {
+        raw.planes[0] = {bytes.data(), image::row_bytes(raw.format, raw.width)};
+        return image::working_view(raw, buffer);
+    };
+    segmentation::BackgroundLearner learner;
+    require(learner.add(view(pictures(image::Mask(1000, 1000)))));
+    segmentation::Segmenter segmenter(learner.finish().value(), {});
+    const std::vector<std::uint8_t> bytes = pictures(rough_person());
+    image::Mask out;
+    for (auto _ : state) require(segmenter.segment(view(bytes), out));
+}
+BENCHMARK(raw_to_mask)
+    ->ArgName("format")
+    ->Arg(static_cast<int>(image::PixelFormat::kBayerRG))
+    ->Arg(static_cast<int>(image::PixelFormat::kBgr))
+    ->Unit(benchmark::kMillisecond);
 
 void extract_silhouette(benchmark::State& state) {
     const image::Mask mask = rough_person();

@@ -8,12 +8,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
+#include <utility>
 
 namespace atrium::site_node {
 namespace {
 
 constexpr config::Range kPosition{-1e4, 1e4};  // [m], as in rigs
+constexpr config::Range kPixel{-1e5, 1e5};
 
 // A box of this many metres holds somebody's hand at least.
 constexpr double kMinExtent_m = 0.01;
@@ -30,6 +33,94 @@ geometry::Aabb read_bounds(config::TableReader& owner) {
                      fmt::format("must be larger than min by {} m in x, y and z", kMinExtent_m));
     }
     return box;
+}
+
+void declare_segmentation(SiteNodeConfig& config, config::OptionSet& set) {
+    segmentation::SegmentationOptions& segmentation = config.pipeline.segmentation;
+    set.add("segmentation.max_chroma_distance",
+            segmentation.max_chroma_distance,
+            "Mahalanobis distance up to which chroma can be background [sigma]",
+            {0.5, 50});
+    set.add("segmentation.min_chroma_sigma",
+            segmentation.min_chroma_sigma,
+            "least deviation of background chroma [grey levels]",
+            {1, 20});
+    set.add("segmentation.darkest_shadow",
+            segmentation.darkest_shadow,
+            "part of its luma that a surface in shadow keeps at least",
+            {0.05, 1});
+    set.add("segmentation.darkest_coloured_shadow",
+            segmentation.darkest_coloured_shadow,
+            "the same where the surface's hue tells its shadow from a dark thing",
+            {0.05, 1});
+    set.add("segmentation.max_highlight",
+            segmentation.max_highlight,
+            "part by which a surface may brighten",
+            {0, 1});
+    set.add("segmentation.max_luma_distance",
+            segmentation.max_luma_distance,
+            "noise of background luma [sigma]",
+            {0.5, 50});
+    set.add("segmentation.min_luma_sigma",
+            segmentation.min_luma_sigma,
+            "least deviation of background luma [grey levels]",
+            {0.1, 50});
+    set.add("segmentation.dark_luma",
+            segmentation.dark_luma,
+            "below it chroma means nothing [grey levels]",
+            {0, 255});
+    set.add("segmentation.max_gain_change",
+            segmentation.max_gain_change,
+            "flickering light: part by which the brightness of a picture is compensated at most; "
+            "0: off",
+            {0, 0.45});
+    set.add("segmentation.drift_frames",
+            segmentation.drift_frames,
+            "drifting light: time constant with which the learned room follows [pictures]; 0: off",
+            {0, 1e6});
+    set.add("segmentation.max_drift",
+            segmentation.max_drift,
+            "how far it follows at most [grey levels of luma]",
+            {0, 255});
+    set.add("segmentation.min_area_px",
+            segmentation.min_area_px,
+            "smaller specks are removed [px]",
+            {0, 1e6});
+    set.add("segmentation.max_hole_px",
+            segmentation.max_hole_px,
+            "smaller holes are filled [px]",
+            {0, 1e6});
+    set.add("segmentation.background_folder",
+            config.pipeline.background.folder,
+            "what --learn-background learned is kept here; empty: learn at every start");
+    set.add("segmentation.background_frames",
+            config.pipeline.background.num_frames,
+            "pictures to learn from; 0: all that the source shows",
+            {0, 60000});
+    set.add("learn-background",
+            config.learn_background,
+            "learn the empty room, write segmentation.background_folder, end");
+    set.add("recording", config.recording, "short for capture.source = recording with this folder");
+    set.add("write-silhouettes",
+            config.write_silhouettes,
+            "segment each metaframe of the recording once, write masks and polygons here, end");
+    set.add(
+        "overwrite", config.overwrite, "write silhouettes also where the folder holds something");
+}
+
+CameraAreas read_areas(config::TableReader& table) {
+    CameraAreas camera;
+    table.require("name");
+    table.read("name", camera.name);
+    for (const auto& [key, polygons] :
+         {std::pair{"include", &camera.areas.include}, {"exclude", &camera.areas.exclude}}) {
+        if (!table.has(key)) continue;
+        segmentation::AreaPolygon polygon;
+        table.read(key, polygon, kPixel);
+        if (polygon.size() < 3) table.reject(key, "must have at least 3 corners [x, y]");
+        polygons->push_back(std::move(polygon));
+    }
+    return camera;
 }
 
 RegionOptions read_region(config::TableReader& table) {
@@ -101,35 +192,7 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             room.cache,
             "folder that keeps rendered loops; empty: render at every start");
 
-    segmentation::SegmentationOptions& segmentation = config.pipeline.segmentation;
-    set.add("segmentation.max_chroma_distance",
-            segmentation.max_chroma_distance,
-            "Mahalanobis distance up to which chroma can be background [sigma]",
-            {0.5, 50});
-    set.add("segmentation.min_chroma_sigma",
-            segmentation.min_chroma_sigma,
-            "least deviation of background chroma [grey levels]",
-            {0.1, 20});
-    set.add("segmentation.darkest_shadow",
-            segmentation.darkest_shadow,
-            "part of its luma that a surface in shadow keeps at least",
-            {0.05, 1});
-    set.add("segmentation.max_highlight",
-            segmentation.max_highlight,
-            "part by which a surface may brighten",
-            {0, 1});
-    set.add("segmentation.max_luma_distance",
-            segmentation.max_luma_distance,
-            "noise of background luma [sigma]",
-            {0.5, 50});
-    set.add("segmentation.min_luma_sigma",
-            segmentation.min_luma_sigma,
-            "least deviation of background luma [grey levels]",
-            {0.1, 50});
-    set.add("segmentation.min_area_px",
-            segmentation.min_area_px,
-            "smaller specks and holes are removed [px]",
-            {0, 1e6});
+    declare_segmentation(config, set);
 
     silhouette::SilhouetteOptions& silhouette = config.pipeline.silhouette;
     set.add("silhouette.tolerance_px",
@@ -178,6 +241,31 @@ void read_hull(config::TableReader& reader, SiteNodeConfig& config) {
         if (!names.insert(hull.regions.back().name).second)
             region.reject("name", "must be different for every region");
     }
+}
+
+void read_segmentation(config::TableReader& reader, SiteNodeConfig& config) {
+    config::TableReader table = reader.table("segmentation");
+    for (config::TableReader& camera : table.tables("camera"))
+        config.pipeline.areas.push_back(read_areas(camera));
+}
+
+void resolve(SiteNodeConfig& config) {
+    if (config.recording.empty()) return;
+    config.capture.source = "recording";
+    config.capture.recording = config.recording;
+}
+
+Expected<void> check_areas(const SiteNodeConfig& config, const config::Rig& rig) {
+    for (const CameraAreas& camera : config.pipeline.areas) {
+        const bool known = std::any_of(rig.cameras.begin(), rig.cameras.end(), [&](const auto& c) {
+            return c.name == camera.name;
+        });
+        if (known) continue;
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("segmentation.camera: the rig has no camera '{}'", camera.name));
+    }
+    return {};
 }
 
 Expected<void> check(const SiteNodeConfig& config) {

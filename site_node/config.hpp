@@ -40,6 +40,12 @@ struct SiteNodeConfig {
     SimulationConfig simulation;
     PipelineOptions pipeline;
     bus::BusOptions bus;
+
+    // what to do instead of running
+    bool learn_background = false;            // learn the empty room, keep it, end
+    std::filesystem::path write_silhouettes;  // segment a recording into this folder, end
+    bool overwrite = false;                   // also where that folder holds something
+    std::filesystem::path recording;          // short for a source "recording" with this folder
 };
 
 /// Declares every option with its default; `config` must outlive `set`.
@@ -47,6 +53,15 @@ void declare(SiteNodeConfig& config, config::OptionSet& set);
 
 /// What is no option: bounds and lists of `[hull]`. Problems are kept by `reader`.
 void read_hull(config::TableReader& reader, SiteNodeConfig& config);
+
+/// What is no option: areas of `[[segmentation.camera]]`. Problems are kept by `reader`.
+void read_segmentation(config::TableReader& reader, SiteNodeConfig& config);
+
+/// Puts what was given in short where it belongs.
+void resolve(SiteNodeConfig& config);
+
+/// Areas are of cameras of this rig.
+Expected<void> check_areas(const SiteNodeConfig& config, const config::Rig& rig);
 
 /// What options cannot check one by one.
 Expected<void> check(const SiteNodeConfig& config);

@@ -1,4 +1,5 @@
 #include "core/app/program.hpp"
+#include "site_node/silhouette_writer.hpp"
 #include "site_node/site_node.hpp"
 
 int main(int argc, char** argv) {
@@ -11,13 +12,24 @@ int main(int argc, char** argv) {
                                 "hull of whoever is in it, publishes it.",
                                 "Examples:\n  site_node --config deploy/sites/alice.toml\n"
                                 "  site_node --site.name lab --capture.source recording "
-                                "--capture.recording DIR --capture.loop true"};
+                                "--capture.recording DIR --capture.loop true\n"
+                                "  site_node --recording DIR --learn-background "
+                                "--segmentation.background_folder BACKGROUNDS\n"
+                                "  site_node --recording DIR --write-silhouettes OUT"};
     const app::Start start =
         app::start(info, options, argc, argv, [&](config::TableReader& reader) {
             site_node::read_hull(reader, config);
+            site_node::read_segmentation(reader, config);
         });
     if (!start.go_on) return start.exit_code;
+    site_node::resolve(config);
     const app::StopOnSignal stop;
+    if (config.learn_background || !config.write_silhouettes.empty()) {
+        const auto done = config.learn_background
+                              ? site_node::learn_background(config, stop.token())
+                              : site_node::write_silhouettes(config, stop.token());
+        return done || stop.token().stop_requested() ? 0 : app::fail(done.error());
+    }
     auto node = site_node::SiteNode::create(config, stop.token());
     if (!node) return stop.token().stop_requested() ? 0 : app::fail(node.error());
     const auto done = (*node)->run(stop.token());

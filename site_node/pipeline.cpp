@@ -23,8 +23,7 @@ bool is_nobody(hull::HullStatus status) { return status == hull::HullStatus::kEm
 struct Pipeline::CameraStage {
     image::YuvImage picture_buffer;  // what the camera does not deliver in the working form
     image::YuvView picture;          // of the metaframe that is being worked on
-    segmentation::BackgroundModel background;
-    segmentation::SegmentationScratch segmentation;
+    segmentation::Segmenter segmenter;
     image::Mask mask;
     silhouette::SilhouetteScratch silhouette;
     std::vector<silhouette::SilhouettePolygon> polygons;
@@ -69,23 +68,14 @@ Expected<Pipeline> Pipeline::create(capture::FrameSource& source,
     if (!hull) return tl::unexpected(hull.error());
     Pipeline pipeline(cameras, options, std::move(*hull));
     if (source.has_silhouettes()) return pipeline;
-    for (std::size_t i = 0; i < pipeline.cameras_.size() && !stop.stop_requested(); ++i) {
-        segmentation::BackgroundLearner learner;
-        Expected<void> added;
-        const auto shown = source.show_background(i, [&](const image::YuvView& picture) {
-            if (added) added = learner.add(picture);
-        });
-        const auto with_camera = [&](const Error& error) {
-            return make_error(
-                error.kind,
-                fmt::format(
-                    "camera '{}': no background: {}", pipeline.cameras_[i].name, error.message));
-        };
-        if (!shown) return with_camera(shown.error());
-        if (!added) return with_camera(added.error());
-        auto model = learner.finish(options.segmentation);
-        if (!model) return with_camera(model.error());
-        pipeline.stages_[i]->background = std::move(*model);
+    for (std::size_t i = 0; i < pipeline.cameras_.size(); ++i) {
+        auto room =
+            load_or_learn_background(source, i, options.background, options.segmentation, stop);
+        if (!room) return tl::unexpected(room.error());
+        pipeline.stages_[i]->segmenter =
+            segmentation::Segmenter(std::move(*room),
+                                    options.segmentation,
+                                    areas_of(options.areas, pipeline.cameras_[i].name));
     }
     return pipeline;
 }
@@ -97,8 +87,7 @@ Expected<void> Pipeline::find_silhouette(const capture::CameraFrame& frame, Came
     if (frame.silhouette != nullptr) {
         stage.mask = *frame.silhouette;
     } else {
-        auto segmented = segmentation::segment(
-            stage.picture, stage.background, options_.segmentation, stage.segmentation, stage.mask);
+        auto segmented = stage.segmenter.segment(stage.picture, stage.mask);
         if (!segmented) return segmented;
     }
     const auto segmented_at = Clock::now();

@@ -5,6 +5,7 @@
 #include "core/codec/mesh_codec.hpp"
 #include "core/codec/texture_codec.hpp"
 #include "core/geometry/triangle_mesh.hpp"
+#include "site_node/backgrounds.hpp"
 #include "site_node/capture/frame_source.hpp"
 #include "site_node/hull/visual_hull.hpp"
 #include "site_node/hull_stage.hpp"
@@ -20,6 +21,8 @@ namespace atrium::site_node {
 
 struct PipelineOptions {
     segmentation::SegmentationOptions segmentation;
+    BackgroundOptions background;
+    std::vector<CameraAreas> areas;
     silhouette::SilhouetteOptions silhouette;
     HullStageOptions hull;
     codec::MeshCodecOptions mesh;
@@ -75,7 +78,8 @@ struct SiteFrame {
 /// own.
 class Pipeline {
 public:
-    /// Learns the empty room from `source`, unless its frames carry silhouettes.
+    /// Learns the empty room from `source`, or takes it as learned before, unless its frames carry
+    /// silhouettes. Error kUnavailable once `stop` is requested.
     static Expected<Pipeline> create(capture::FrameSource& source,
                                      const PipelineOptions& options,
                                      std::stop_token stop);

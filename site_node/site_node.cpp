@@ -72,6 +72,7 @@ Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
                         rig.cameras.size(),
                         config.capture.min_cameras));
     }
+    if (auto fits = check_areas(config, rig); !fits) return fits;
     const HullStageOptions& hull = config.pipeline.hull;
     for (const std::string& pair : overlapping_regions(hull.regions)) {
         app::log::warn("hull.region: {} overlap; who stands there is in the mesh twice", pair);
@@ -90,6 +91,19 @@ std::jthread named_thread(const char* name, std::function<void(std::stop_token)>
 }
 
 }  // namespace
+
+Expected<std::unique_ptr<capture::FrameSource>> open_frame_source(const SiteNodeConfig& config,
+                                                                  std::stop_token stop) {
+    if (auto checked = check(config); !checked) return tl::unexpected(checked.error());
+    return open_source(config, stop);
+}
+
+Expected<void> learn_background(const SiteNodeConfig& config, std::stop_token stop) {
+    auto source = open_frame_source(config, stop);
+    if (!source) return tl::unexpected(source.error());
+    return learn_backgrounds(
+        **source, config.pipeline.background, config.pipeline.segmentation, stop);
+}
 
 Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& config,
                                                      std::stop_token stop) {

@@ -17,6 +17,14 @@
 
 namespace atrium::site_node {
 
+/// Opens where the pictures come from; with a simulated room that may take minutes.
+Expected<std::unique_ptr<capture::FrameSource>> open_frame_source(const SiteNodeConfig& config,
+                                                                  std::stop_token stop);
+
+/// Instead of running: learns the empty room of all cameras and keeps it in
+/// segmentation.background_folder.
+Expected<void> learn_background(const SiteNodeConfig& config, std::stop_token stop);
+
 /// One room: captures, computes, publishes. `create` prepares everything that can fail (recording,
 /// rendering of a simulated room, background, bus); `run` owns the threads.
 class SiteNode {

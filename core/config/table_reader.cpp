@@ -302,6 +302,26 @@ void TableReader::read(const std::string& key, double* values, std::size_t count
     }
 }
 
+void TableReader::read(const std::string& key,
+                       std::vector<std::array<double, 2>>& points,
+                       Range allowed) {
+    const auto [head, rest] = split_first(key);
+    if (!head.empty()) return table(head).read(rest, points, allowed);
+    const toml::value* found = node_->find(key);
+    if (found == nullptr) return;
+    const std::string rule = fmt::format("must be an array of [x, y]{}", describe(allowed));
+    if (!found->is_array()) return reject(key, rule);
+    std::vector<std::array<double, 2>> read_points;
+    for (const toml::value& point : found->as_array()) {
+        if (!point.is_array() || point.as_array().size() != 2) return reject(key, rule);
+        const auto x = as_number(point.as_array()[0]);
+        const auto y = as_number(point.as_array()[1]);
+        if (!x || !y || !within(*x, allowed) || !within(*y, allowed)) return reject(key, rule);
+        read_points.push_back({*x, *y});
+    }
+    points = std::move(read_points);
+}
+
 void TableReader::read(const std::string& key, std::vector<std::string>& values) {
     const auto [head, rest] = split_first(key);
     if (!head.empty()) return table(head).read(rest, values);

@@ -2,6 +2,7 @@
 
 #include "core/base/expected.hpp"
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -44,6 +45,10 @@ public:
     void read(const std::string& key, std::filesystem::path& value);
     /// Exactly `count` numbers.
     void read(const std::string& key, double* values, std::size_t count, Range allowed = {});
+    /// Any number of points `[x, y]`.
+    void read(const std::string& key,
+              std::vector<std::array<double, 2>>& points,
+              Range allowed = {});
     /// Any number of strings.
     void read(const std::string& key, std::vector<std::string>& values);
 

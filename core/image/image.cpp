@@ -1,5 +1,7 @@
 #include "core/image/image.hpp"
 
+#include "core/image/colour_rows.hpp"
+
 #include <algorithm>
 
 namespace atrium::image {
@@ -9,9 +11,6 @@ namespace {
 constexpr int kShift = 16;
 constexpr int kHalf = 1 << (kShift - 1);
 constexpr int fixed(double v) { return static_cast<int>(v * (1 << kShift) + (v < 0 ? -0.5 : 0.5)); }
-constexpr int kYR = fixed(0.299), kYB = fixed(0.114), kYG = (1 << kShift) - kYR - kYB;
-constexpr int kUB = fixed(0.5), kUR = fixed(-0.168736), kUG = -kUB - kUR;
-constexpr int kVR = fixed(0.5), kVB = fixed(-0.081312), kVG = -kVR - kVB;
 
 void resize(Plane& plane, int width, int height) {
     if (plane.width == width && plane.height == height) return;
@@ -19,39 +18,6 @@ void resize(Plane& plane, int width, int height) {
 }
 
 std::uint8_t clamp_byte(int v) { return static_cast<std::uint8_t>(std::clamp(v, 0, 255)); }
-
-// kBlue: where in a pixel blue is, 0 or 2; red is at the other end.
-template <int kBlue>
-void luma_row(const std::uint8_t* __restrict pixels, int width, std::uint8_t* __restrict y) {
-    for (int x = 0; x < width; ++x) {
-        y[x] = static_cast<std::uint8_t>((kYB * pixels[3 * x + kBlue] + kYG * pixels[3 * x + 1] +
-                                          kYR * pixels[3 * x + 2 - kBlue] + kHalf) >>
-                                         kShift);
-    }
-}
-
-// Chroma of the mean of each 2x2 block.
-template <int kBlue>
-void chroma_row(const std::uint8_t* __restrict top,
-                const std::uint8_t* __restrict bottom,
-                int half_width,
-                std::uint8_t* __restrict u,
-                std::uint8_t* __restrict v) {
-    constexpr int kBias = (128 << (kShift + 2)) + (1 << (kShift + 1));
-    for (int x = 0; x < half_width; ++x) {
-        const std::uint8_t* __restrict tb = top + 6 * x + kBlue;
-        const std::uint8_t* __restrict bb = bottom + 6 * x + kBlue;
-        const std::uint8_t* __restrict tr = top + 6 * x + 2 - kBlue;
-        const std::uint8_t* __restrict br = bottom + 6 * x + 2 - kBlue;
-        const int b = tb[0] + tb[3] + bb[0] + bb[3];
-        const int g = top[6 * x + 1] + top[6 * x + 4] + bottom[6 * x + 1] + bottom[6 * x + 4];
-        const int r = tr[0] + tr[3] + br[0] + br[3];
-        u[x] = static_cast<std::uint8_t>(
-            std::min((kUB * b + kUG * g + kUR * r + kBias) >> (kShift + 2), 255));
-        v[x] = static_cast<std::uint8_t>(
-            std::min((kVB * b + kVG * g + kVR * r + kBias) >> (kShift + 2), 255));
-    }
-}
 
 // Of the blocks in rows y and y + 1, each twice.
 void luma_of_mosaic(const YuvView& image, int y, std::vector<std::uint8_t>& luma) {
@@ -65,20 +31,23 @@ void luma_of_mosaic(const YuvView& image, int y, std::vector<std::uint8_t>& luma
     }
 }
 
-template <int kBlue>
-void yuv_from_packed(
-    const std::uint8_t* pixels, int width, int height, std::size_t stride_bytes, YuvImage& out) {
+void yuv_from_packed(const std::uint8_t* pixels,
+                     int width,
+                     int height,
+                     std::size_t stride_bytes,
+                     bool blue_first,
+                     YuvImage& out) {
     const int even_width = width & ~1;
     const int even_height = height & ~1;
     resize(out.y, even_width, even_height);
     resize(out.u, even_width / 2, even_height / 2);
     resize(out.v, even_width / 2, even_height / 2);
+    const RowCode code = best_row_code();
     for (int y = 0; y < even_height; y += 2) {
         const std::uint8_t* top = pixels + static_cast<std::size_t>(y) * stride_bytes;
-        const std::uint8_t* bottom = top + stride_bytes;
-        luma_row<kBlue>(top, even_width, out.y.row(y));
-        luma_row<kBlue>(bottom, even_width, out.y.row(y + 1));
-        chroma_row<kBlue>(top, bottom, even_width / 2, out.u.row(y / 2), out.v.row(y / 2));
+        yuv_of_packed_rows({top, top + stride_bytes, even_width, blue_first},
+                           {out.y.row(y), out.y.row(y + 1), out.u.row(y / 2), out.v.row(y / 2)},
+                           code);
     }
 }
 
@@ -86,12 +55,12 @@ void yuv_from_packed(
 
 void yuv_from_bgr(
     const std::uint8_t* bgr, int width, int height, std::size_t stride_bytes, YuvImage& out) {
-    yuv_from_packed<0>(bgr, width, height, stride_bytes, out);
+    yuv_from_packed(bgr, width, height, stride_bytes, true, out);
 }
 
 void yuv_from_rgb(
     const std::uint8_t* rgb, int width, int height, std::size_t stride_bytes, YuvImage& out) {
-    yuv_from_packed<2>(rgb, width, height, stride_bytes, out);
+    yuv_from_packed(rgb, width, height, stride_bytes, false, out);
 }
 
 std::vector<std::uint8_t> bgr_from_yuv(const YuvView& image) {

@@ -1,47 +1,27 @@
 #include "core/image/raw_image.hpp"
 
+#include "core/image/colour_rows.hpp"
+
 #include <algorithm>
 #include <cassert>
 
 namespace atrium::image {
 namespace {
 
-// Full-range BT.601 chroma of a 2x2 block in 15-bit fixed point; greens come as the sum of two.
-constexpr int kShift = 15;
-constexpr int kBias = (128 << kShift) + (1 << (kShift - 1));
-constexpr int kUB = 16384, kUR = -5529, kUG2 = -(kUB + kUR) / 2;
-constexpr int kVR = 16384, kVB = -2665, kVG2 = -(kVR + kVB) / 2;
-
 void resize(Plane& plane, int width, int height) {
     if (plane.width == width && plane.height == height) return;
     plane = Plane(width, height);
 }
 
-// kRedX: where in a block's row of reds the red one is.
-template <int kRedX>
-void chroma_of_mosaic_row(const std::uint8_t* __restrict red_row,
-                          const std::uint8_t* __restrict blue_row,
-                          int num_blocks,
-                          std::uint8_t* __restrict u,
-                          std::uint8_t* __restrict v) {
-    for (int x = 0; x < num_blocks; ++x) {
-        const int red = red_row[2 * x + kRedX];
-        const int blue = blue_row[2 * x + 1 - kRedX];
-        const int green = red_row[2 * x + 1 - kRedX] + blue_row[2 * x + kRedX];
-        u[x] = static_cast<std::uint8_t>(
-            std::min((kUB * blue + kUG2 * green + kUR * red + kBias) >> kShift, 255));
-        v[x] = static_cast<std::uint8_t>(
-            std::min((kVR * red + kVG2 * green + kVB * blue + kBias) >> kShift, 255));
-    }
-}
-
 void chroma_of_mosaic(const PlaneView& samples, Mosaic mosaic, YuvImage& out) {
     const RedAt red = red_at(mosaic);
+    const RowCode code = best_row_code();
     for (int y = 0; y < samples.height / 2; ++y) {
-        const std::uint8_t* red_row = samples.row(2 * y + red.y);
-        const std::uint8_t* blue_row = samples.row(2 * y + 1 - red.y);
-        auto* const row = red.x == 0 ? chroma_of_mosaic_row<0> : chroma_of_mosaic_row<1>;
-        row(red_row, blue_row, samples.width / 2, out.u.row(y), out.v.row(y));
+        chroma_of_mosaic_rows(
+            {samples.row(2 * y + red.y), samples.row(2 * y + 1 - red.y), samples.width / 2, red.x},
+            out.u.row(y),
+            out.v.row(y),
+            code);
     }
 }
 

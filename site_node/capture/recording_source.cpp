@@ -239,6 +239,12 @@ Expected<void> RecordingSource::run(std::stop_token stop, const Sink& sink) {
     return {};
 }
 
+Expected<CameraFrame> RecordingSource::read_picture(std::size_t camera, std::size_t index) {
+    auto frame = tracks_[camera]->read(index);
+    if (frame) frame->camera = camera;
+    return frame;
+}
+
 Expected<Metaframe> RecordingSource::read_frame(std::size_t index,
                                                 const std::vector<std::string>& without) {
     if (index >= num_frames_) {
@@ -257,9 +263,8 @@ Expected<Metaframe> RecordingSource::read_frame(std::size_t index,
             metaframe.frames.push_back({camera, {}, {}, nullptr});
             continue;
         }
-        auto frame = tracks_[camera]->read(index);
+        auto frame = read_picture(camera, index);
         if (!frame) return tl::unexpected(frame.error());
-        frame->camera = camera;
         metaframe.frames.push_back(std::move(*frame));
     }
     return metaframe;

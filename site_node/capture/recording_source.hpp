@@ -38,6 +38,9 @@ public:
     /// naming the first camera that lacks it.
     Expected<Metaframe> read_frame(std::size_t index, const std::vector<std::string>& without = {});
 
+    /// Picture `index` of one camera, for tools; an error where it is missing or cannot be read.
+    Expected<CameraFrame> read_picture(std::size_t camera, std::size_t index);
+
 private:
     class Track;  // the pictures of one camera
     RecordingSource() = default;

@@ -25,15 +25,13 @@ Expected<image::Mask> segment_by_background(capture::RecordingSource& source,
     if (auto shown = source.show_background(frame.camera, learn); !shown)
         return tl::unexpected(shown.error());
     if (failed) return tl::unexpected(first_error);
-    const Expected<segmentation::BackgroundModel> model = learner.finish(options);
-    if (!model) return tl::unexpected(model.error());
-    segmentation::SegmentationScratch scratch;
+    Expected<segmentation::BackgroundStatistics> room = learner.finish();
+    if (!room) return tl::unexpected(room.error());
+    segmentation::Segmenter segmenter(std::move(*room), options);
     image::Mask mask;
     image::YuvImage buffer;
     const image::YuvView picture = image::working_view(frame.image, buffer);
-    if (auto done = segmentation::segment(picture, *model, options, scratch, mask); !done) {
-        return tl::unexpected(done.error());
-    }
+    if (auto done = segmenter.segment(picture, mask); !done) return tl::unexpected(done.error());
     return mask;
 }
 

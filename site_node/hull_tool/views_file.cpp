@@ -155,4 +155,38 @@ Expected<std::vector<NamedView>> load_views_file(const std::filesystem::path& pa
     }
 }
 
+Expected<void> save_views_file(const std::vector<NamedView>& views,
+                               const std::filesystem::path& path) {
+    json list = json::array();
+    for (const NamedView& named : views) {
+        const geometry::PinholeCamera& camera = named.view.intrinsics;
+        const Eigen::Matrix3d r = named.view.camera_from_site.rotation.toRotationMatrix();
+        const Eigen::Vector3d& t = named.view.camera_from_site.translation;
+        json view{{"name", named.name},
+                  {"width", camera.width},
+                  {"height", camera.height},
+                  {"fx", camera.fx},
+                  {"fy", camera.fy},
+                  {"cx", camera.cx},
+                  {"cy", camera.cy}};
+        if (camera.skew != 0.0) view["skew"] = camera.skew;
+        view["rotation"] = {
+            r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2)};
+        view["translation"] = {t.x(), t.y(), t.z()};
+        view["contours"] = json::array();
+        for (const auto& contour : named.view.contours) {
+            json points = json::array();
+            for (const Eigen::Vector2d& point : contour)
+                points.push_back(json::array({point.x(), point.y()}));
+            view["contours"].push_back(std::move(points));
+        }
+        list.push_back(std::move(view));
+    }
+    std::ofstream file(path);
+    file << json{{"views", std::move(list)}}.dump() << '\n';
+    file.close();
+    if (!file) return make_error(ErrorKind::kUnavailable, path.string() + ": cannot be written");
+    return {};
+}
+
 }  // namespace atrium::hull_tool

@@ -15,4 +15,8 @@ namespace atrium::hull_tool {
 /// pixels. Errors name the file, the view and the key.
 Expected<std::vector<NamedView>> load_views_file(const std::filesystem::path& path);
 
+/// Writes what load_views_file reads. Error kUnavailable where the file cannot be written.
+Expected<void> save_views_file(const std::vector<NamedView>& views,
+                               const std::filesystem::path& path);
+
 }  // namespace atrium::hull_tool

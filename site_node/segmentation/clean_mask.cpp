@@ -1,49 +1,89 @@
 #include "site_node/segmentation/clean_mask.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstring>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
 
 namespace atrium::segmentation {
 namespace {
 
 using Run = CleanScratch::Run;
 
-std::uint64_t load8(const std::uint8_t* bytes) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, bytes, sizeof word);
-    return word;
+// One bit for each of 32 pixels, the leftmost lowest.
+std::uint32_t bits_of(const std::uint8_t* row) {
+#if defined(__x86_64__)
+    const auto half = [](const std::uint8_t* bytes) {
+        return static_cast<std::uint32_t>(
+            _mm_movemask_epi8(_mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes))));
+    };
+    return half(row) | half(row + 16) << 16;
+#else
+    std::uint32_t bits = 0;
+    for (int i = 0; i < 32; ++i) bits |= static_cast<std::uint32_t>(row[i] & 1) << i;
+    return bits;
+#endif
 }
 
-// First column from `x` on that differs from `value`.
-int end_of_run(const std::uint8_t* row, int x, int width, std::uint8_t value) {
-    const std::uint64_t pattern = 0x0101010101010101ULL * value;
-    for (; x + 8 <= width; x += 8) {
-        const std::uint64_t difference = load8(row + x) ^ pattern;
-        if (difference != 0) return x + __builtin_ctzll(difference) / 8;
-    }
-    while (x < width && row[x] == value) ++x;
-    return x;
+void end_run(int x, CleanScratch& scratch) {
+    const std::uint32_t first = scratch.first_run_of_row.back();
+    const auto index = static_cast<std::uint32_t>(scratch.runs.size());
+    const int begin = index == first ? 0 : scratch.runs.back().end;
+    scratch.runs.push_back({begin, x, index, static_cast<std::uint32_t>(x - begin)});
 }
 
-// In each row, runs alternate; the first one is background and may be empty. So parity within the
-// row tells the value.
-void collect_runs(const image::Mask& mask, CleanScratch& scratch) {
-    scratch.runs.clear();
-    scratch.first_run_of_row.clear();
-    for (int y = 0; y < mask.height; ++y) {
-        scratch.first_run_of_row.push_back(static_cast<std::uint32_t>(scratch.runs.size()));
-        std::uint8_t value = 0;
-        for (int x = 0; x < mask.width; value = static_cast<std::uint8_t>(~value)) {
-            const int end = end_of_run(mask.row(y), x, mask.width, value);
-            scratch.runs.push_back({x,
-                                    end,
-                                    static_cast<std::uint32_t>(scratch.runs.size()),
-                                    static_cast<std::uint32_t>(end - x)});
-            x = end;
-        }
-    }
-    scratch.first_run_of_row.push_back(static_cast<std::uint32_t>(scratch.runs.size()));
+// Foreground is -1 as a signed byte, so votes are counted below zero.
+void majority_baseline(const ThreeRows& in, std::int8_t* votes, std::uint8_t* out) {
+    const auto width = static_cast<std::size_t>(in.width);
+    for (std::size_t x = 0; x < width; ++x)
+        votes[x + 1] = static_cast<std::int8_t>(in.above[x] + in.here[x] + in.below[x]);
+    votes[0] = votes[1];
+    votes[width + 1] = votes[width];
+    for (std::size_t x = 0; x < width; ++x)
+        out[x] = votes[x] + votes[x + 1] + votes[x + 2] <= -5 ? 255 : 0;
 }
+
+#if defined(__x86_64__)
+#define ATRIUM_AVX2 __attribute__((target("avx2")))
+
+ATRIUM_AVX2 inline __m256i load(const void* bytes) {
+    return _mm256_loadu_si256(static_cast<const __m256i*>(bytes));
+}
+
+ATRIUM_AVX2 inline void store(__m256i value, void* bytes) {
+    _mm256_storeu_si256(static_cast<__m256i*>(bytes), value);
+}
+
+// At least 32 pixels. The last of them are done with some of those before them, once more.
+ATRIUM_AVX2 void majority_avx2(const ThreeRows& in, std::int8_t* votes, std::uint8_t* out) {
+    __m256i any = _mm256_setzero_si256();
+    for (int next = 0; next < in.width; next += 32) {
+        const int x = std::min(next, in.width - 32);
+        const __m256i sum = _mm256_add_epi8(_mm256_add_epi8(load(in.above + x), load(in.here + x)),
+                                            load(in.below + x));
+        store(sum, votes + x + 1);
+        any = _mm256_or_si256(any, sum);
+    }
+    if (_mm256_testz_si256(any, any) != 0) {
+        std::memset(out, 0, static_cast<std::size_t>(in.width));
+        return;
+    }
+    votes[0] = votes[1];
+    votes[in.width + 1] = votes[in.width];
+    const __m256i too_few = _mm256_set1_epi8(-4);
+    for (int next = 0; next < in.width; next += 32) {
+        const int x = std::min(next, in.width - 32);
+        const __m256i sum = _mm256_add_epi8(_mm256_add_epi8(load(votes + x), load(votes + x + 1)),
+                                            load(votes + x + 2));
+        store(_mm256_cmpgt_epi8(too_few, sum), out + x);
+    }
+}
+#undef ATRIUM_AVX2
+#endif
 
 std::uint32_t find(std::vector<Run>& runs, std::uint32_t i) {
     while (runs[i].component != i) {
@@ -83,48 +123,86 @@ void join_with_row_above(CleanScratch& scratch, std::size_t y, std::uint32_t par
 
 }  // namespace
 
+void majority_3x3(const ThreeRows& in,
+                  InstructionSet instructions,
+                  CleanScratch& scratch,
+                  std::uint8_t* out) {
+    scratch.column_votes.resize(static_cast<std::size_t>(in.width) + 2);
+#if defined(__x86_64__)
+    if (instructions == InstructionSet::kAvx2 && in.width >= 32)
+        return majority_avx2(in, scratch.column_votes.data(), out);
+#endif
+    majority_baseline(in, scratch.column_votes.data(), out);
+}
+
 void majority_3x3(const image::Mask& in, CleanScratch& scratch, image::Mask& out) {
     if (out.width != in.width || out.height != in.height) out = image::Mask(in.width, in.height);
     if (in.data.empty()) return;
-    const auto width = static_cast<std::size_t>(in.width);
-    scratch.column_votes.resize(width + 2);
-    std::uint8_t* __restrict votes = scratch.column_votes.data();
+    const InstructionSet instructions = best_instruction_set();
     for (int y = 0; y < in.height; ++y) {
-        const std::uint8_t* __restrict above = in.row(std::max(y - 1, 0));
-        const std::uint8_t* __restrict here = in.row(y);
-        const std::uint8_t* __restrict below = in.row(std::min(y + 1, in.height - 1));
-        for (std::size_t x = 0; x < width; ++x) {
-            votes[x + 1] =
-                static_cast<std::uint8_t>((above[x] & 1) + (here[x] & 1) + (below[x] & 1));
-        }
-        votes[0] = votes[1];
-        votes[width + 1] = votes[width];
-        std::uint8_t* __restrict result = out.row(y);
-        for (std::size_t x = 0; x < width; ++x) {
-            const auto sum = static_cast<std::uint8_t>(votes[x] + votes[x + 1] + votes[x + 2]);
-            result[x] = sum >= 5 ? 255 : 0;
-        }
+        majority_3x3({in.row(std::max(y - 1, 0)),
+                      in.row(y),
+                      in.row(std::min(y + 1, in.height - 1)),
+                      in.width},
+                     instructions,
+                     scratch,
+                     out.row(y));
     }
 }
 
-void remove_small_parts(image::Mask& mask, int min_area_px, CleanScratch& scratch) {
-    if (min_area_px <= 1) return;
-    collect_runs(mask, scratch);
+void start_runs(CleanScratch& scratch) {
+    scratch.runs.clear();
+    scratch.first_run_of_row.assign(1, 0);
+}
+
+// Runs alternate; the first one is background and may be empty. So parity within the row tells the
+// value. Each run ends where a pixel differs from the one before it.
+void add_runs(const std::uint8_t* row, int width, CleanScratch& scratch) {
+    std::uint32_t before = 0;
+    int x = 0;
+    for (; x + 32 <= width; x += 32) {
+        const std::uint32_t bits = bits_of(row + x);
+        for (std::uint32_t changes = bits ^ (bits << 1 | before); changes != 0;
+             changes &= changes - 1)
+            end_run(x + std::countr_zero(changes), scratch);
+        before = bits >> 31;
+    }
+    for (; x < width; ++x) {
+        const std::uint32_t bit = row[x] & 1;
+        if (bit != before) end_run(x, scratch);
+        before = bit;
+    }
+    end_run(width, scratch);
+    scratch.first_run_of_row.push_back(static_cast<std::uint32_t>(scratch.runs.size()));
+}
+
+void remove_small_parts(image::Mask& mask,
+                        int min_area_px,
+                        int max_hole_px,
+                        CleanScratch& scratch) {
+    if (min_area_px <= 1 && max_hole_px <= 1) return;
+    start_runs(scratch);
+    for (int y = 0; y < mask.height; ++y) add_runs(mask.row(y), mask.width, scratch);
+    remove_small_runs(mask, min_area_px, max_hole_px, scratch);
+}
+
+void remove_small_runs(image::Mask& mask, int min_area_px, int max_hole_px, CleanScratch& scratch) {
     const auto height = static_cast<std::size_t>(mask.height);
     for (std::size_t y = 1; y < height; ++y) {
         join_with_row_above(scratch, y, 0, 1);
         join_with_row_above(scratch, y, 1, 0);
     }
+    const std::array<std::uint32_t, 2> least{static_cast<std::uint32_t>(std::max(max_hole_px, 0)),
+                                             static_cast<std::uint32_t>(std::max(min_area_px, 0))};
     for (std::size_t y = 0; y < height; ++y) {
         const std::uint32_t first = scratch.first_run_of_row[y];
         for (std::uint32_t i = first; i < scratch.first_run_of_row[y + 1]; ++i) {
             const Run& run = scratch.runs[i];
-            if (scratch.runs[find(scratch.runs, i)].area >= static_cast<std::uint32_t>(min_area_px))
-                continue;
-            const std::uint8_t opposite = (i - first) % 2 == 0 ? 255 : 0;
+            const std::uint32_t parity = (i - first) % 2;
+            if (scratch.runs[find(scratch.runs, i)].area >= least[parity]) continue;
             std::fill(mask.row(static_cast<int>(y)) + run.begin,
                       mask.row(static_cast<int>(y)) + run.end,
-                      opposite);
+                      parity == 0 ? 255 : 0);
         }
     }
 }

@@ -67,11 +67,10 @@ protected:
                 renderer_->render(0.0, c, Scene::kEmptyRoom, shot, picture);
                 EXPECT_TRUE(learner.add(picture));
             }
-            const auto model = learner.finish({});
+            segmentation::Segmenter segmenter(learner.finish().value(), {});
             renderer_->render(GetParam().time_s, c, Scene::kPerson, 100, picture);
-            segmentation::SegmentationScratch scratch;
             image::Mask mask;
-            EXPECT_TRUE(segmentation::segment(picture, *model, {}, scratch, mask));
+            EXPECT_TRUE(segmenter.segment(picture, mask));
             views.push_back(view_of(c, mask));
         }
         return views;

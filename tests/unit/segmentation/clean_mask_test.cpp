@@ -17,7 +17,7 @@ image::Mask noise(int width, int height, double density, unsigned seed) {
 }
 
 // The same by flood fill, part by part.
-image::Mask without_small_parts(const image::Mask& in, int min_area_px) {
+image::Mask without_small_parts(const image::Mask& in, int min_area_px, int max_hole_px) {
     image::Mask out = in;
     std::vector<bool> seen(in.data.size());
     for (int start = 0; start < static_cast<int>(in.data.size()); ++start) {
@@ -42,7 +42,7 @@ image::Mask without_small_parts(const image::Mask& in, int min_area_px) {
                 }
             }
         }
-        if (static_cast<int>(part.size()) >= min_area_px) continue;
+        if (static_cast<int>(part.size()) >= (value != 0 ? min_area_px : max_hole_px)) continue;
         for (const int i : part)
             out.data[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(~value);
     }
@@ -70,15 +70,33 @@ TEST(CleanMask, MajorityIsTheCountOfNineWithRepeatedBorders) {
     }
 }
 
+TEST(CleanMask, AllInstructionSetsCountTheSameMajority) {
+    if (best_instruction_set() == InstructionSet::kBaseline)
+        GTEST_SKIP() << "this processor has no AVX2";
+    CleanScratch scratch;
+    for (unsigned seed = 0; seed < 60; ++seed) {
+        const int width = 1 + 3 * static_cast<int>(seed);
+        const image::Mask rows = noise(width, 3, seed % 7 == 0 ? 0.02 : 0.5, seed);
+        std::vector<std::uint8_t> baseline(static_cast<std::size_t>(width), 1);
+        std::vector<std::uint8_t> avx2(static_cast<std::size_t>(width), 2);
+        const ThreeRows three{rows.row(0), rows.row(1), rows.row(2), width};
+        majority_3x3(three, InstructionSet::kBaseline, scratch, baseline.data());
+        majority_3x3(three, InstructionSet::kAvx2, scratch, avx2.data());
+        EXPECT_EQ(baseline, avx2) << width;
+    }
+}
+
 TEST(CleanMask, SmallPartsAreRemovedAsByFloodFill) {
     CleanScratch scratch;
     for (unsigned seed = 0; seed < 30; ++seed) {
         const image::Mask in = noise(45, 31, 0.3 + 0.015 * seed, seed);
         for (const int min_area_px : {0, 2, 7, 40}) {
-            image::Mask mask = in;
-            remove_small_parts(mask, min_area_px, scratch);
-            EXPECT_EQ(mask.data, without_small_parts(in, min_area_px).data)
-                << seed << ", " << min_area_px;
+            for (const int max_hole_px : {0, 3, 25}) {
+                image::Mask mask = in;
+                remove_small_parts(mask, min_area_px, max_hole_px, scratch);
+                EXPECT_EQ(mask.data, without_small_parts(in, min_area_px, max_hole_px).data)
+                    << seed << ", " << min_area_px << ", " << max_hole_px;
+            }
         }
     }
 }
@@ -87,7 +105,7 @@ TEST(CleanMask, PlainMasksStayAsTheyAre) {
     CleanScratch scratch;
     for (const std::uint8_t value : {std::uint8_t{0}, std::uint8_t{255}}) {
         image::Mask mask(20, 10, value);
-        remove_small_parts(mask, 50, scratch);
+        remove_small_parts(mask, 50, 50, scratch);
         EXPECT_EQ(mask.data, image::Mask(20, 10, value).data);
     }
 }

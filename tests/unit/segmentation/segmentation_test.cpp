@@ -1,118 +1,25 @@
 #include "site_node/segmentation/segmentation.hpp"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include "tests/unit/segmentation/test_room.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <random>
+#include <gmock/gmock.h>
 
 namespace atrium::segmentation {
 namespace {
 
+using namespace test;
 using testing::HasSubstr;
 
-struct Colour {
-    double y, u, v;
-};
-
-image::YuvImage plain(int width, int height, Colour c) {
-    const auto byte = [](double value) {
-        return static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L));
-    };
-    return {image::Plane(width, height, byte(c.y)),
-            image::Plane(width / 2, height / 2, byte(c.u)),
-            image::Plane(width / 2, height / 2, byte(c.v))};
-}
-
-// Smooth colours over the whole range that a lit wall has.
-image::YuvImage room(int width, int height) {
-    image::YuvImage frame = plain(width, height, {0, 128, 128});
-    for (int y = 0; y < height; ++y) {
-        for (int x = 0; x < width; ++x)
-            frame.y.row(y)[x] = static_cast<std::uint8_t>(70 + 130 * x / width);
-    }
-    for (int y = 0; y < height / 2; ++y) {
-        for (int x = 0; x < width / 2; ++x) {
-            const double luma = frame.y.at(2 * x, 2 * y);
-            frame.u.row(y)[x] =
-                static_cast<std::uint8_t>(std::lround(128 + luma * (0.3 * y / height - 0.1)));
-            frame.v.row(y)[x] = static_cast<std::uint8_t>(std::lround(128 - luma * 0.15));
-        }
-    }
-    return frame;
-}
-
-void add_noise(image::YuvImage& frame,
-               double sigma_luma,
-               double sigma_chroma,
-               std::mt19937& random) {
-    const auto shake = [&](image::Plane& plane, double sigma) {
-        std::normal_distribution<double> noise(0.0, sigma);
-        for (std::uint8_t& value : plane.data) {
-            value =
-                static_cast<std::uint8_t>(std::clamp(std::lround(value + noise(random)), 0L, 255L));
-        }
-    };
-    shake(frame.y, sigma_luma);
-    shake(frame.u, sigma_chroma);
-    shake(frame.v, sigma_chroma);
-}
-
-// Multiplies the light in a rectangle with even edges.
-void scale_light(image::YuvImage& frame, const image::PixelRect& area, double factor) {
-    for (int y = area.y; y < area.y + area.height; ++y) {
-        for (int x = area.x; x < area.x + area.width; ++x) {
-            std::uint8_t& luma = frame.y.row(y)[x];
-            luma = static_cast<std::uint8_t>(std::min(255L, std::lround(factor * luma)));
-        }
-    }
-    for (image::Plane* plane : {&frame.u, &frame.v}) {
-        for (int y = area.y / 2; y < (area.y + area.height) / 2; ++y) {
-            for (int x = area.x / 2; x < (area.x + area.width) / 2; ++x) {
-                std::uint8_t& chroma = plane->row(y)[x];
-                chroma = static_cast<std::uint8_t>(std::lround(128 + factor * (chroma - 128)));
-            }
-        }
-    }
-}
-
-BackgroundModel learn(const image::YuvImage& scene,
-                      int num_frames,
-                      std::mt19937& random,
-                      double sigma = 2.0) {
-    BackgroundLearner learner;
-    for (int i = 0; i < num_frames; ++i) {
-        image::YuvImage frame = scene;
-        add_noise(frame, sigma, 0.5 * sigma, random);
-        EXPECT_TRUE(learner.add(frame).has_value());
-    }
-    return learner.finish({}).value();
-}
-
-image::Mask segmented(const image::YuvImage& frame, const BackgroundModel& model) {
-    SegmentationScratch scratch;
+image::Mask segmented(const image::YuvImage& frame, const BackgroundStatistics& learned) {
+    Segmenter segmenter(learned, {});
     image::Mask mask;
-    EXPECT_TRUE(segment(frame, model, {}, scratch, mask).has_value());
+    EXPECT_TRUE(segmenter.segment(frame, mask).has_value());
     return mask;
 }
 
-// Part of the pixels of `area` that are foreground.
-double foreground_part(const image::Mask& mask, const image::PixelRect& area) {
-    double count = 0;
-    for (int y = area.y; y < area.y + area.height; ++y) {
-        for (int x = area.x; x < area.x + area.width; ++x) count += mask.at(x, y) != 0;
-    }
-    return count / (area.width * area.height);
-}
-
-constexpr image::PixelRect kPatch{60, 40, 80, 60};
-constexpr image::PixelRect kPatchCore{64, 44, 72, 52};
-constexpr image::PixelRect kWhole{0, 0, 240, 160};
-
 TEST(BackgroundLearner, SaysWhyItCannotLearn) {
     BackgroundLearner learner;
-    EXPECT_THAT(learner.finish({}).error().message, HasSubstr("no picture"));
+    EXPECT_THAT(learner.finish().error().message, HasSubstr("no picture"));
     image::YuvImage odd = plain(8, 8, {1, 2, 3});
     odd.u = image::Plane(3, 4);
     EXPECT_THAT(learner.add(odd).error().message, HasSubstr("4:2:0"));
@@ -124,10 +31,10 @@ TEST(BackgroundLearner, SaysWhyItCannotLearn) {
 
 TEST(Segmentation, RejectsAFrameOfAnotherSize) {
     std::mt19937 random(1);
-    const BackgroundModel model = learn(room(240, 160), 2, random);
-    SegmentationScratch scratch;
+    const BackgroundStatistics model = learn(room(240, 160), 2, random);
+    Segmenter segmenter(model, {});
     image::Mask mask;
-    const auto result = segment(room(160, 160), model, {}, scratch, mask);
+    const auto result = segmenter.segment(room(160, 160), mask);
     ASSERT_FALSE(result.has_value());
     EXPECT_THAT(result.error().message, HasSubstr("160x160"));
 }
@@ -136,7 +43,7 @@ TEST(Segmentation, TheEmptyRoomIsEmptyAfterOneFrameAndAfterMany) {
     for (const int num_frames : {1, 30}) {
         std::mt19937 random(2);
         const image::YuvImage scene = room(240, 160);
-        const BackgroundModel model = learn(scene, num_frames, random);
+        const BackgroundStatistics model = learn(scene, num_frames, random);
         for (int i = 0; i < 5; ++i) {
             image::YuvImage frame = scene;
             add_noise(frame, 2.0, 1.0, random);
@@ -149,7 +56,7 @@ TEST(Segmentation, TheEmptyRoomIsEmptyAfterOneFrameAndAfterMany) {
 TEST(Segmentation, ShadowsAndHighlightsAreBackground) {
     std::mt19937 random(3);
     const image::YuvImage scene = room(240, 160);
-    const BackgroundModel model = learn(scene, 20, random);
+    const BackgroundStatistics model = learn(scene, 20, random);
     for (const double light : {0.65, 0.75, 0.9, 1.08}) {
         image::YuvImage frame = scene;
         scale_light(frame, kPatch, light);
@@ -161,7 +68,7 @@ TEST(Segmentation, ShadowsAndHighlightsAreBackground) {
 TEST(Segmentation, AWholeRoomThatGetsALittleDarkerStaysEmpty) {
     std::mt19937 random(4);
     const image::YuvImage scene = room(240, 160);
-    const BackgroundModel model = learn(scene, 20, random);
+    const BackgroundStatistics model = learn(scene, 20, random);
     image::YuvImage frame = scene;
     scale_light(frame, kWhole, 0.85);
     add_noise(frame, 2.0, 1.0, random);
@@ -171,7 +78,7 @@ TEST(Segmentation, AWholeRoomThatGetsALittleDarkerStaysEmpty) {
 TEST(Segmentation, FindsWhatDiffersInHueOrIsTooDarkOrTooBright) {
     std::mt19937 random(5);
     const image::YuvImage scene = room(240, 160);
-    const BackgroundModel model = learn(scene, 20, random);
+    const BackgroundStatistics model = learn(scene, 20, random);
     // same luma, other hue
     image::YuvImage hue = scene;
     for (int y = kPatch.y / 2; y < (kPatch.y + kPatch.height) / 2; ++y) {
@@ -196,7 +103,7 @@ TEST(Segmentation, ClippedAndBlackSurfacesDoNotFlicker) {
     std::mt19937 random(6);
     for (const Colour colour : {Colour{255, 128, 128}, Colour{4, 128, 128}, Colour{12, 126, 131}}) {
         const image::YuvImage scene = plain(240, 160, colour);
-        const BackgroundModel model = learn(scene, 1, random);
+        const BackgroundStatistics model = learn(scene, 1, random);
         image::YuvImage frame = scene;
         add_noise(frame, 2.5, 2.0, random);
         EXPECT_EQ(foreground_part(segmented(frame, model), kWhole), 0.0) << colour.y;
@@ -206,36 +113,119 @@ TEST(Segmentation, ClippedAndBlackSurfacesDoNotFlicker) {
     }
 }
 
-TEST(PixelTest, AllInstructionSetsGiveTheSameBits) {
-    if (best_instruction_set() == InstructionSet::kBaseline)
-        GTEST_SKIP() << "this processor has no AVX2";
-    std::mt19937 random(7);
-    std::uniform_int_distribution<int> byte(0, 255);
-    std::uniform_int_distribution<int> word(-32767, 32767);
-    PixelTestScratch scratch;
-    for (const int width : {2, 30, 34, 66, 640}) {
-        image::YuvImage frame = plain(width, 22, {0, 0, 0});
-        for (image::Plane* plane : {&frame.y, &frame.u, &frame.v}) {
-            for (std::uint8_t& value : plane->data) value = static_cast<std::uint8_t>(byte(random));
+// The samples of a mosaic are what luma is elsewhere.
+TEST(Segmentation, AMosaicIsNotComparedWithPicturesInColour) {
+    const image::YuvImage scene = plain(64, 48, {100, 120, 130});
+    BackgroundLearner learner;
+    image::YuvView mosaic(scene);
+    mosaic.mosaic = image::Mosaic::kRG;
+    ASSERT_TRUE(learner.add(mosaic).has_value());
+    EXPECT_THAT(learner.add(scene).error().message, HasSubstr("mosaic"));
+    Segmenter segmenter(learner.finish().value(), {});
+    image::Mask mask;
+    EXPECT_TRUE(segmenter.segment(mosaic, mask).has_value());
+    EXPECT_THAT(segmenter.segment(scene, mask).error().message, HasSubstr("mosaic"));
+}
+
+// A green floor in deep shadow and a black thing on it are equally dark: the hue tells them apart.
+// Before a grey wall nothing does, so there the luma limit stays.
+TEST(Segmentation, DeepShadowsAreBackgroundOnlyWhereTheHueProvesThem) {
+    std::mt19937 random(8);
+    for (const bool coloured : {true, false}) {
+        const image::YuvImage scene =
+            plain(240, 160, coloured ? Colour{110, 80, 70} : Colour{110, 127, 129});
+        const auto learned = learn(scene, 20, random);
+        image::YuvImage shadow = scene;
+        scale_light(shadow, kPatch, 0.5);
+        image::YuvImage thing = scene;
+        scale_light(thing, kPatch, 0.5);
+        for (image::Plane* plane : {&thing.u, &thing.v}) {
+            for (int y = kPatch.y / 2; y < (kPatch.y + kPatch.height) / 2; ++y)
+                std::fill_n(plane->row(y) + kPatch.x / 2, kPatch.width / 2, 128);
         }
-        BackgroundModel model;
-        model.width = width;
-        model.height = 22;
-        model.max_distance_sq = 40000000;
-        for (auto* plane : {&model.luma_low, &model.luma_high}) {
-            plane->resize(frame.y.data.size());
-            for (std::uint8_t& value : *plane) value = static_cast<std::uint8_t>(byte(random));
+        add_noise(shadow, 2.0, 1.0, random);
+        add_noise(thing, 2.0, 1.0, random);
+        EXPECT_EQ(foreground_part(segmented(shadow, learned), kPatchCore), coloured ? 0.0 : 1.0);
+        EXPECT_EQ(foreground_part(segmented(thing, learned), kPatchCore), 1.0);
+    }
+}
+
+// Once a sample clips, its colour is wrong; in the dark there is none.
+TEST(Segmentation, ColoursOfClippedAndDarkPixelsDoNotVote) {
+    std::mt19937 random(9);
+    const image::YuvImage bright = plain(240, 160, {238, 128, 128});
+    image::YuvImage clipped = bright;
+    for (int y = 0; y < 160; ++y) std::fill_n(clipped.y.row(y), 240, 252);
+    for (std::uint8_t& v : clipped.v.data) v = 150;
+    EXPECT_EQ(foreground_part(segmented(clipped, learn(bright, 20, random, 1.0)), kWhole), 0.0);
+
+    const image::YuvImage dark = plain(240, 160, {14, 128, 128});
+    image::YuvImage tinted = dark;
+    for (std::uint8_t& v : tinted.v.data) v = 160;
+    EXPECT_EQ(foreground_part(segmented(tinted, learn(dark, 20, random, 1.0)), kWhole), 0.0);
+    // the same tint in the light is somebody
+    const image::YuvImage lit = plain(240, 160, {90, 128, 128});
+    image::YuvImage lit_tinted = lit;
+    for (std::uint8_t& v : lit_tinted.v.data) v = 160;
+    EXPECT_EQ(foreground_part(segmented(lit_tinted, learn(lit, 20, random, 1.0)), kWhole), 1.0);
+}
+
+// Noise of U and V that goes together: a deviation along it is noise, one of the same length across
+// it is somebody.
+TEST(Segmentation, ChromaIsTestedWithItsFullCovariance) {
+    std::mt19937 random(10);
+    std::normal_distribution<double> noise(0.0, 5.0);
+    const image::YuvImage scene = plain(64, 48, {120, 128, 128});
+    BackgroundLearner learner;
+    for (int i = 0; i < 200; ++i) {
+        image::YuvImage frame = scene;
+        for (std::size_t k = 0; k < frame.u.data.size(); ++k) {
+            const auto both =
+                static_cast<std::uint8_t>(std::clamp(128.0 + noise(random), 0., 255.));
+            frame.u.data[k] = frame.v.data[k] = both;
         }
-        for (auto* plane :
-             {&model.ratio_u, &model.ratio_v, &model.whiten_u, &model.whiten_uv, &model.whiten_v}) {
-            plane->resize(frame.u.data.size());
-            for (std::int16_t& value : *plane) value = static_cast<std::int16_t>(word(random));
+        ASSERT_TRUE(learner.add(frame).has_value());
+    }
+    const BackgroundStatistics learned = learner.finish().value();
+    for (const int across : {1, -1}) {
+        image::YuvImage frame = scene;
+        for (std::uint8_t& u : frame.u.data) u = 128 + 15;
+        for (std::uint8_t& v : frame.v.data) v = static_cast<std::uint8_t>(128 + 15 * across);
+        EXPECT_EQ(foreground_part(segmented(frame, learned), {0, 0, 64, 48}),
+                  across == 1 ? 0.0 : 1.0);
+    }
+}
+
+TEST(Segmentation, AreasAreWherePeopleAreLookedFor) {
+    std::mt19937 random(11);
+    const image::YuvImage scene = room(240, 160);
+    const auto learned = learn(scene, 10, random);
+    image::YuvImage frame = scene;
+    scale_light(frame, kPatch, 0.3);
+    SegmentationAreas areas;
+    areas.include.push_back({{59.5, -10}, {99.5, -10}, {99.5, 200}, {59.5, 200}});  // x in 60 .. 99
+    areas.exclude.push_back({{-5, 59.5}, {300, 59.5}, {300, 79.5}, {-5, 79.5}});    // y in 60 .. 79
+    Segmenter segmenter(learned, {}, areas);
+    image::Mask mask;
+    ASSERT_TRUE(segmenter.segment(frame, mask).has_value());
+    EXPECT_EQ(foreground_part(mask, {64, 44, 36, 16}), 1.0);
+    EXPECT_EQ(foreground_part(mask, {64, 80, 36, 16}), 1.0);
+    EXPECT_EQ(foreground_part(mask, {60, 60, 80, 20}), 0.0);
+    EXPECT_EQ(foreground_part(mask, {100, 40, 40, 60}), 0.0);
+}
+
+TEST(SegmentationAreas, FillByTheEvenOddRule) {
+    SegmentationAreas areas;
+    EXPECT_TRUE(areas.everywhere());
+    EXPECT_EQ(foreground_part(rasterise(areas, 20, 10), {0, 0, 20, 10}), 1.0);
+    // a triangle with its corner outside
+    areas.include.push_back({{-0.5, -0.5}, {20.5, -0.5}, {-0.5, 20.5}});
+    const image::Mask mask = rasterise(areas, 20, 20);
+    for (int y = 0; y < 20; ++y) {
+        for (int x = 0; x < 20; ++x) {
+            if (x + y == 20) continue;  // on the edge
+            EXPECT_EQ(mask.at(x, y) != 0, x + y < 20) << x << ", " << y;
         }
-        image::Mask baseline(width, 22, 1);
-        image::Mask avx2(width, 22, 2);
-        test_pixels(frame, model, InstructionSet::kBaseline, scratch, baseline);
-        test_pixels(frame, model, InstructionSet::kAvx2, scratch, avx2);
-        EXPECT_EQ(baseline.data, avx2.data) << width;
     }
 }
 

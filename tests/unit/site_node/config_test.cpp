@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
 
 namespace atrium::site_node {
@@ -21,6 +22,7 @@ Expected<SiteNodeConfig> parse(const std::string& text) {
     if (!reader) return tl::unexpected(reader.error());
     set.read_file(*reader);
     read_hull(*reader, config);
+    read_segmentation(*reader, config);
     if (const auto read = reader->finish(); !read) return tl::unexpected(read.error());
     if (const auto valid = check(config); !valid) return tl::unexpected(valid.error());
     return config;
@@ -53,6 +55,44 @@ TEST(SiteConfig, ReadsBoundsAndPartialViews) {
     EXPECT_TRUE(hull.partial_views);
     EXPECT_THAT(hull.whole_cameras, ElementsAre("top"));
     EXPECT_EQ(config->capture.min_cameras, 6);
+}
+
+TEST(SiteConfig, ReadsAreasOfCameras) {
+    const auto config = parse(kRoom +
+                              "[segmentation]\nmax_hole_px = 30\n"
+                              "[[segmentation.camera]]\nname = \"left\"\n"
+                              "include = [[0, 0], [640, 0.5], [640, 300]]\n"
+                              "[[segmentation.camera]]\nname = \"left\"\n"
+                              "exclude = [[-1, 2], [3, 4], [5, 6], [7, 8]]\n");
+    ASSERT_TRUE(config) << config.error().message;
+    EXPECT_EQ(config->pipeline.segmentation.max_hole_px, 30);
+    const auto areas = areas_of(config->pipeline.areas, "left");
+    ASSERT_EQ(areas.include.size(), 1u);
+    EXPECT_EQ(areas.include[0][1], (std::array<double, 2>{640, 0.5}));
+    ASSERT_EQ(areas.exclude.size(), 1u);
+    EXPECT_EQ(areas.exclude[0].size(), 4u);
+    EXPECT_TRUE(areas_of(config->pipeline.areas, "right").everywhere());
+}
+
+TEST(SiteConfig, AreasHaveCornersAndAName) {
+    const std::string camera = kRoom + "[[segmentation.camera]]\n";
+    EXPECT_THAT(parse(camera + "include = [[0, 0], [1, 0], [1, 1]]\n").error().message,
+                HasSubstr("name"));
+    EXPECT_THAT(parse(camera + "name = \"a\"\ninclude = [[0, 0], [1, 0]]\n").error().message,
+                HasSubstr("3 corners"));
+    for (const std::string bad :
+         {"3", "[1, 2, 3]", "[[0, 0], [1, 0], [1]]", "[[0, 0], [1, \"x\"]]"}) {
+        EXPECT_THAT(parse(camera + "name = \"a\"\nexclude = " + bad + "\n").error().message,
+                    HasSubstr("[x, y]"));
+    }
+}
+
+TEST(SiteConfig, ARecordingCanBeGivenInShort) {
+    auto config = parse("recording = \"here\"\n" + kRoom);
+    ASSERT_TRUE(config) << config.error().message;
+    resolve(*config);
+    EXPECT_EQ(config->capture.source, "recording");
+    EXPECT_EQ(config->capture.recording, "here");
 }
 
 TEST(SiteConfig, ReadsRegions) {

@@ -1,0 +1,171 @@
+#include "site_node/silhouette_writer.hpp"
+
+#include "core/app/log.hpp"
+#include "core/image/raw_image.hpp"
+#include "site_node/backgrounds.hpp"
+#include "site_node/capture/mask_file.hpp"
+#include "site_node/capture/recording_source.hpp"
+#include "site_node/hull_tool/views_file.hpp"
+#include "site_node/segmentation/segmentation.hpp"
+#include "site_node/silhouette/silhouette.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <system_error>
+
+namespace atrium::site_node {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+Expected<void> prepare_folder(const fs::path& folder, bool overwrite) {
+    std::error_code problem;
+    if (!overwrite && fs::exists(folder, problem) && !fs::is_empty(folder, problem)) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("--write-silhouettes: '{}' is not empty; give --overwrite to write into it",
+                        folder.string()));
+    }
+    fs::create_directories(folder, problem);
+    if (problem) {
+        return make_error(
+            ErrorKind::kUnavailable,
+            fmt::format("{}: cannot be made: {}", folder.string(), problem.message()));
+    }
+    return {};
+}
+
+// One camera from picture to files.
+class CameraWriter {
+public:
+    CameraWriter(const geometry::CalibratedCamera& camera,
+                 segmentation::Segmenter segmenter,
+                 const silhouette::SilhouetteOptions& options,
+                 fs::path folder)
+        : camera_(camera),
+          segmenter_(std::move(segmenter)),
+          options_(options),
+          folder_(std::move(folder)) {}
+
+    /// The view has no contours where nobody is seen.
+    Expected<hull_tool::NamedView> write(const capture::CameraFrame& frame, std::size_t number) {
+        const image::YuvView picture = image::working_view(frame.image, buffer_);
+        if (auto done = segmenter_.segment(picture, mask_); !done)
+            return tl::unexpected(done.error());
+        if (auto done = capture::write_mask(mask_, capture::numbered_png(folder_, number)); !done)
+            return tl::unexpected(done.error());
+        silhouette::extract_silhouette(mask_, camera_.intrinsics, options_, scratch_, polygons_);
+        hull_tool::NamedView view{camera_.name,
+                                  {camera_.intrinsics, camera_.camera_from_site, {}, {}}};
+        for (const auto& polygon : polygons_) view.view.contours.push_back(polygon.vertices_px);
+        return view;
+    }
+
+private:
+    geometry::CalibratedCamera camera_;
+    segmentation::Segmenter segmenter_;
+    silhouette::SilhouetteOptions options_;
+    fs::path folder_;
+    image::YuvImage buffer_;
+    image::Mask mask_;
+    silhouette::SilhouetteScratch scratch_;
+    std::vector<silhouette::SilhouettePolygon> polygons_;
+};
+
+Expected<std::vector<std::unique_ptr<CameraWriter>>> make_writers(capture::FrameSource& source,
+                                                                  const SiteNodeConfig& config,
+                                                                  const std::stop_token& stop) {
+    const PipelineOptions& options = config.pipeline;
+    std::vector<std::unique_ptr<CameraWriter>> writers;
+    for (std::size_t i = 0; i < source.rig().cameras.size(); ++i) {
+        const geometry::CalibratedCamera& camera = source.rig().cameras[i];
+        auto room =
+            load_or_learn_background(source, i, options.background, options.segmentation, stop);
+        if (!room) return tl::unexpected(room.error());
+        const fs::path folder = config.write_silhouettes / camera.name / "silhouettes";
+        std::error_code problem;
+        fs::create_directories(folder, problem);
+        if (problem) {
+            return make_error(
+                ErrorKind::kUnavailable,
+                fmt::format("{}: cannot be made: {}", folder.string(), problem.message()));
+        }
+        writers.push_back(std::make_unique<CameraWriter>(
+            camera,
+            segmentation::Segmenter(
+                std::move(*room), options.segmentation, areas_of(options.areas, camera.name)),
+            options.silhouette,
+            folder));
+    }
+    return writers;
+}
+
+// Cameras without a picture are left out.
+Expected<std::size_t> write_metaframe(capture::RecordingSource& source,
+                                      std::size_t index,
+                                      std::vector<std::unique_ptr<CameraWriter>>& writers,
+                                      const fs::path& views_folder) {
+    std::vector<hull_tool::NamedView> views;
+    for (std::size_t i = 0; i < writers.size(); ++i) {
+        const auto frame = source.read_picture(i, index);
+        if (!frame) continue;
+        auto view = writers[i]->write(*frame, index);
+        if (!view) return tl::unexpected(view.error());
+        views.push_back(std::move(*view));
+    }
+    if (views.empty()) return std::size_t{0};
+    const fs::path file = views_folder / fmt::format("{:06d}.json", index);
+    if (auto saved = hull_tool::save_views_file(views, file); !saved)
+        return tl::unexpected(saved.error());
+    return views.size();
+}
+
+}  // namespace
+
+Expected<void> write_silhouettes(const SiteNodeConfig& config, std::stop_token stop) {
+    if (config.capture.source != "recording") {
+        return make_error(ErrorKind::kConfiguration,
+                          "--write-silhouettes: needs a recording: --recording DIR");
+    }
+    auto source = capture::RecordingSource::open({config.capture.recording, 0.0, false});
+    if (!source) return tl::unexpected(source.error());
+    if (auto fits = check_areas(config, (*source)->rig()); !fits) return fits;
+    const fs::path& folder = config.write_silhouettes;
+    if (auto ready = prepare_folder(folder, config.overwrite); !ready) return ready;
+    auto writers = make_writers(**source, config, stop);
+    if (!writers) {
+        if (stop.stop_requested()) return {};
+        return tl::unexpected(writers.error());
+    }
+    const fs::path views_folder = folder / "views";
+    std::error_code problem;
+    fs::create_directories(views_folder, problem);
+    std::size_t num_metaframes = 0;
+    std::size_t num_pictures = 0;
+    auto told = Clock::now();
+    for (std::size_t i = 0; i < (*source)->num_frames() && !stop.stop_requested(); ++i) {
+        const auto written = write_metaframe(**source, i, *writers, views_folder);
+        if (!written) return tl::unexpected(written.error());
+        num_metaframes += *written > 0 ? 1 : 0;
+        num_pictures += *written;
+        if (Clock::now() - told < std::chrono::seconds(1)) continue;
+        told = Clock::now();
+        app::log::info("writing silhouettes metaframe={} of={}", i + 1, (*source)->num_frames());
+    }
+    app::log::info("wrote silhouettes folder={} metaframes={} pictures={}",
+                   folder.string(),
+                   num_metaframes,
+                   num_pictures);
+    if (num_pictures == 0 && !stop.stop_requested()) {
+        return make_error(ErrorKind::kInvalidData,
+                          fmt::format("recording '{}': no picture of it can be read",
+                                      config.capture.recording.string()));
+    }
+    return {};
+}
+
+}  // namespace atrium::site_node

@@ -1,0 +1,153 @@
+#include "site_node/segmentation/segmentation.hpp"
+#include "tests/unit/segmentation/test_room.hpp"
+
+namespace atrium::segmentation {
+namespace {
+
+using namespace test;
+
+image::YuvImage lit(const image::YuvImage& scene, double light, std::mt19937& random) {
+    image::YuvImage frame = scene;
+    scale_light(frame, kWhole, light);
+    add_noise(frame, 1.5, 0.7, random);
+    return frame;
+}
+
+// Somebody of another hue, as bright as the room.
+void stand(image::YuvImage& frame) {
+    for (int y = kPatch.y / 2; y < (kPatch.y + kPatch.height) / 2; ++y) {
+        for (int x = kPatch.x / 2; x < (kPatch.x + kPatch.width) / 2; ++x) frame.v.row(y)[x] += 40;
+    }
+}
+
+TEST(Light, FlickerOfTheWholeRoomIsCompensated) {
+    std::mt19937 random(1);
+    const image::YuvImage scene = room(240, 160);
+    const auto learned = learn(scene, 20, random);
+    SegmentationOptions still;
+    still.max_gain_change = 0.0;
+    still.drift_frames = 0.0;
+    Segmenter compensating(learned, {});
+    Segmenter uncompensated(learned, still);
+    image::Mask mask;
+    double seen_without = 0.0;
+    for (const double light : {1.0, 1.22, 0.8, 1.15, 0.9, 1.2}) {
+        // what is in shadow of this light is darker than any shadow of the light that was learned
+        image::YuvImage frame = lit(scene, light, random);
+        scale_light(frame, kPatch, 0.7);
+        ASSERT_TRUE(compensating.segment(frame, mask).has_value());
+        EXPECT_EQ(foreground_part(mask, kWhole), 0.0) << light;
+        ASSERT_TRUE(uncompensated.segment(frame, mask).has_value());
+        seen_without += foreground_part(mask, kWhole);
+    }
+    EXPECT_GT(seen_without, 1.0);
+}
+
+TEST(Light, CompensationIsBoundedAndFindsPeopleAllTheSame) {
+    std::mt19937 random(2);
+    const image::YuvImage scene = room(240, 160);
+    const auto learned = learn(scene, 20, random);
+    LightAdaptation light;
+    const BackgroundModel model = make_model(learned, {});
+    const auto gain = [&](double factor) {
+        return static_cast<double>(light.inverse_gain(lit(scene, factor, random), model, {})) /
+               kUnitGain;
+    };
+    EXPECT_NEAR(gain(1.1), 1.0 / 1.1, 0.004);
+    EXPECT_NEAR(gain(0.85), 1.0 / 0.85, 0.004);
+    EXPECT_EQ(gain(1.0), 1.0);
+    EXPECT_NEAR(gain(0.5), 1.0 / 0.75, 0.001);
+    EXPECT_NEAR(gain(1.6), 1.0 / 1.25, 0.02);  // some of the room clips
+
+    Segmenter segmenter(learned, {});
+    image::Mask mask;
+    for (const double factor : {1.15, 0.85}) {
+        image::YuvImage frame = lit(scene, factor, random);
+        stand(frame);
+        ASSERT_TRUE(segmenter.segment(frame, mask).has_value());
+        EXPECT_EQ(foreground_part(mask, kPatchCore), 1.0);
+        EXPECT_NEAR(foreground_part(mask, kWhole) * kWhole.width * kWhole.height,
+                    kPatch.width * kPatch.height,
+                    60.0);
+    }
+}
+
+TEST(Light, TheModelFollowsLightThatDriftsInPlaces) {
+    std::mt19937 random(3);
+    const image::YuvImage scene = room(240, 160);
+    const auto learned = learn(scene, 20, random);
+    const image::PixelRect window{120, 0, 120, 160};  // half of the room
+    SegmentationOptions options;
+    options.drift_frames = 150.0;
+    Segmenter following(learned, options);
+    options.drift_frames = 0.0;
+    options.max_gain_change = 0.0;
+    Segmenter fixed(learned, options);
+    image::Mask mask;
+    const auto drifted = [&](double light) {
+        image::YuvImage frame = scene;
+        scale_light(frame, window, light);
+        add_noise(frame, 1.5, 0.7, random);
+        return frame;
+    };
+    for (int i = 0; i <= 1500; ++i) {
+        ASSERT_TRUE(following.segment(drifted(1.0 - 0.2 * i / 1500), mask).has_value());
+        ASSERT_EQ(foreground_part(mask, kWhole), 0.0) << i;
+    }
+    // a shadow in that light: known to who followed
+    image::YuvImage frame = drifted(0.8);
+    scale_light(frame, {140, 40, 60, 60}, 0.68);
+    ASSERT_TRUE(following.segment(frame, mask).has_value());
+    EXPECT_EQ(foreground_part(mask, kWhole), 0.0);
+    ASSERT_TRUE(fixed.segment(frame, mask).has_value());
+    EXPECT_GT(foreground_part(mask, {144, 44, 52, 52}), 0.9);
+}
+
+TEST(Light, DriftIsBounded) {
+    const image::YuvImage scene = plain(96, 64, {100, 120, 130});
+    std::mt19937 random(4);
+    SegmentationOptions options;
+    options.drift_frames = 32.0;
+    options.max_drift = 12.0;
+    options.max_gain_change = 0.0;
+    Segmenter segmenter(learn(scene, 5, random, 0.5), options);
+    image::Mask mask;
+    for (int i = 0; i < 3000; ++i) {
+        image::YuvImage frame = scene;
+        const auto up = static_cast<std::uint8_t>(std::min(i / 40, 60));
+        for (std::uint8_t& y : frame.y.data) y = static_cast<std::uint8_t>(y + up);
+        ASSERT_TRUE(segmenter.segment(frame, mask).has_value());
+    }
+    const BackgroundModel& model = segmenter.model();
+    for (std::size_t i = 0; i < model.luma.size(); ++i) {
+        const double moved = (model.luma[i] - model.room.luma[i]) / 256.0;
+        EXPECT_LE(moved, 12.01);
+        EXPECT_GT(moved, 6.0);  // as far as the room was still told
+    }
+}
+
+TEST(Light, NobodyBecomesPartOfTheRoom) {
+    std::mt19937 random(5);
+    const image::YuvImage scene = room(240, 160);
+    SegmentationOptions options;
+    options.drift_frames = 40.0;
+    const auto learned = learn(scene, 20, random);
+    Segmenter segmenter(learned, options);
+    image::Mask mask;
+    for (int i = 0; i < 600; ++i) {
+        image::YuvImage frame = lit(scene, 1.0, random);
+        stand(frame);
+        ASSERT_TRUE(segmenter.segment(frame, mask).has_value());
+        ASSERT_EQ(foreground_part(mask, kPatchCore), 1.0) << i;
+    }
+    const BackgroundModel& model = segmenter.model();
+    for (int y = kPatch.y; y < kPatch.y + kPatch.height; ++y) {
+        for (int x = kPatch.x; x < kPatch.x + kPatch.width; ++x) {
+            const auto pixel = static_cast<std::size_t>(y * 240 + x);
+            ASSERT_EQ(model.luma[pixel], model.room.luma[pixel]) << x << ", " << y;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace atrium::segmentation
