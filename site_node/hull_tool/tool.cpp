@@ -14,7 +14,9 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <new>
 #include <optional>
+#include <system_error>
 #include <vector>
 
 namespace atrium::hull_tool {
@@ -185,9 +187,7 @@ std::string advice(hull::HullStatus status) {
     return "";
 }
 
-}  // namespace
-
-Expected<std::string> run(const ToolOptions& options) {
+Expected<std::string> run_unguarded(const ToolOptions& options) {
     if (!options.output.empty() && !geometry::is_mesh_path(options.output)) {
         return make_error(
             ErrorKind::kConfiguration,
@@ -212,6 +212,20 @@ Expected<std::string> run(const ToolOptions& options) {
         if (auto written = write(mesh, options); !written) return tl::unexpected(written.error());
     }
     return report(*views, options, measured).dump(2);
+}
+
+}  // namespace
+
+Expected<std::string> run(const ToolOptions& options) {
+    try {
+        return run_unguarded(options);
+    } catch (const std::bad_alloc&) {
+        return make_error(ErrorKind::kInternal, name_of_input(options) + ": not enough memory");
+    } catch (const std::system_error& error) {
+        return make_error(ErrorKind::kInternal,
+                          "--threads: " + std::to_string(options.threads) +
+                              " cannot be started: " + error.code().message());
+    }
 }
 
 }  // namespace atrium::hull_tool

@@ -36,7 +36,8 @@ struct Start {
 };
 Start parse_command_line(int argc, char** argv, ToolOptions& options);
 
-/// Computes the hull, writes the mesh and returns the report, one JSON object.
+/// Computes the hull, writes the mesh and returns the report, one JSON object. Lack of memory or
+/// threads is an error as well: kInternal.
 Expected<std::string> run(const ToolOptions& options);
 
 }  // namespace atrium::hull_tool

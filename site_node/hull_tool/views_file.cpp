@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <set>
 #include <string>
@@ -14,6 +15,8 @@ namespace {
 
 using nlohmann::json;
 
+// Coverage takes four bytes of each pixel. As many as 8192 x 8192, the largest of a rig.
+constexpr std::int64_t kMaxPixels = 67'108'864;
 constexpr double kMaxRotationError = 1e-3;  // digits that a person may have left out
 
 // What is wrong with one value; the caller adds the file.
@@ -108,6 +111,10 @@ NamedView read_view(const json& object, std::size_t index) {
     geometry::PinholeCamera& camera = out.view.intrinsics;
     camera.width = size_at(object, where, "width");
     camera.height = size_at(object, where, "height");
+    if (std::int64_t{camera.width} * camera.height > kMaxPixels) {
+        throw BadValue{where + ": width times height must be at most " +
+                       std::to_string(kMaxPixels)};
+    }
     camera.fx = positive_at(object, where, "fx");
     camera.fy = positive_at(object, where, "fy");
     camera.cx = number_at(object, where, "cx");

@@ -179,6 +179,9 @@ TEST_F(HullTool, NamesFileViewAndKeyOfWhatIsWrong) {
                 HasSubstr("view \"cam1\".fy: must be positive"));
     EXPECT_THAT(error_after([](json& d) { d["views"][2]["width"] = 1e9; }),
                 HasSubstr("view \"cam2\".width"));
+    EXPECT_THAT(
+        error_after([](json& d) { d["views"][2]["width"] = d["views"][2]["height"] = 8193; }),
+        HasSubstr("view \"cam2\": width times height must be at most 67108864"));
     EXPECT_THAT(error_after([](json& d) { d["views"][0]["rotation"][4] = 0.5; }),
                 HasSubstr("view \"cam0\".rotation"));
     EXPECT_THAT(error_after([](json& d) { d["views"][0]["contours"][0][2] = "x"; }),
