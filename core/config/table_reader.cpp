@@ -136,7 +136,7 @@ static std::pair<std::string, std::string> split_first(const std::string& key) {
 bool TableReader::has(const std::string& key) const {
     const auto [head, rest] = split_first(key);
     if (!head.empty()) return TableReader(*this).table(head).has(rest);
-    return node_->table != nullptr && node_->table->as_table().count(key) > 0;
+    return node_->find(key) != nullptr;
 }
 
 TableReader TableReader::table(const std::string& key) {

@@ -27,6 +27,7 @@ public:
     /// `name` stands for the file in error messages.
     static Expected<TableReader> parse(const std::string& toml_text, const std::string& name);
 
+    /// Like all that reads: makes the key one that is known here.
     bool has(const std::string& key) const;
 
     // Optional keys: `value` stays as it is when the key is absent. Dotted keys reach into
