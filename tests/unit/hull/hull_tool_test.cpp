@@ -16,6 +16,7 @@ namespace atrium::hull_tool {
 namespace {
 
 using nlohmann::json;
+using testing::AllOf;
 using testing::HasSubstr;
 
 // Three cameras 8 m away on the axes that see a square of 1 m each.
@@ -193,6 +194,16 @@ TEST_F(HullTool, NamesFileViewAndKeyOfWhatIsWrong) {
                     d["views"].erase(1);
                 }),
                 HasSubstr("too few views"));
+    EXPECT_THAT(error_after([](json& d) {
+                    d["views"][1]["distortion"] = {0.1, 0, 0, 0, 0};
+                }),
+                AllOf(HasSubstr("views[1]: unknown key \"distortion\""), HasSubstr("skew")));
+    EXPECT_THAT(error_after([](json& d) { d["cameras"] = 3; }),
+                HasSubstr("document: unknown key \"cameras\""));
+    std::string twice = cube_document().dump();
+    twice.insert(twice.rfind("\"fx\""), "\"fx\":1500,");
+    write(twice);
+    EXPECT_THAT(run(options_).error().message, HasSubstr("views[2]: key \"fx\" is there twice"));
     write("{\"views\": [");
     EXPECT_THAT(run(options_).error().message, HasSubstr("views.json: "));
     options_.views_file = folder_ / "none.json";
