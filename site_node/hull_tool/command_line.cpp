@@ -1,6 +1,7 @@
 #include "site_node/hull_tool/tool.hpp"
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <optional>
@@ -31,6 +32,18 @@ constexpr const char* kDetails =
 constexpr int kExitUsage = 2;
 constexpr double kMaxCoordinate_m = 1e4;
 constexpr double kMinExtent_m = 0.01;
+
+// A range alone lets through what is not a number, which is neither below nor above.
+CLI::Validator number_in(double low, double high) {
+    CLI::Validator range = CLI::Range(low, high);
+    range.operation([low, high](std::string& text) {
+        double value = 0.0;
+        const bool inside = CLI::detail::lexical_cast(text, value) && value >= low && value <= high;
+        return inside ? std::string()
+                      : fmt::format("must be a number in [{}, {}], got {}", low, high, text);
+    });
+    return range;
+}
 
 // Six numbers, the corners of a box that has an extent.
 std::optional<geometry::Aabb> parse_bounds(const std::string& text) {
@@ -76,7 +89,7 @@ void add_hull_options(CLI::App& app, ToolOptions& options) {
         ->check(CLI::Range(0, 64))
         ->capture_default_str();
     app.add_option("--min-litres", options.min_litres, "drop smaller components, in litres")
-        ->check(CLI::Range(0.0, 1e6))
+        ->check(number_in(0.0, 1e6))
         ->capture_default_str();
     app.add_option("--without", options.without, "leave out the view of this name; may be repeated")
         ->type_name("NAME")
@@ -116,7 +129,7 @@ Start parse_command_line(int argc, char** argv, ToolOptions& options) {
                    options.decimate_mm,
                    "leave out vertices while the surface stays within this distance, in "
                    "millimetres; adds decimated_triangles and distance_bound_mm to the report")
-        ->check(CLI::Range(1e-3, 1e3));
+        ->check(number_in(1e-3, 1e3));
     app.add_flag("--normals", options.normals, "write vertex normals as well");
     try {
         app.parse(argc, argv);

@@ -36,6 +36,10 @@ TEST(HullToolCommandLine, EndsWithUsageErrorsBeforeAnyWork) {
     EXPECT_EQ(exit_code_of({"views.json", "--min-views", "65"}), 2);
     EXPECT_EQ(exit_code_of({"views.json", "--min-views", "-1"}), 2);
     EXPECT_EQ(exit_code_of({"views.json", "--min-litres", "-1"}), 2);
+    for (const char* option : {"--min-litres", "--decimate"}) {
+        for (const char* wrong : {"nan", "-nan", "inf", "1e7", "x", ""})
+            EXPECT_EQ(exit_code_of({"views.json", option, wrong}), 2) << option << " " << wrong;
+    }
     EXPECT_EQ(exit_code_of({"views.json", "--without"}), 2);
     for (const std::string wrong : {"",
                                     "0,0,0,1,1",
