@@ -62,6 +62,17 @@ std::optional<geometry::Aabb> parse_bounds(const std::string& text) {
     return box;
 }
 
+std::string refuse_bounds(std::string& text) {
+    if (parse_bounds(text)) return "";
+    return fmt::format(
+        "must be six numbers X0,Y0,Z0,X1,Y1,Z1 in [{}, {}] m, the second corner higher "
+        "than the first by at least {} m in x, y and z, got {}",
+        -kMaxCoordinate_m,
+        kMaxCoordinate_m,
+        kMinExtent_m,
+        text);
+}
+
 // What decides which hull it is.
 void add_hull_options(CLI::App& app, ToolOptions& options) {
     auto* bounds =
@@ -70,14 +81,7 @@ void add_hull_options(CLI::App& app, ToolOptions& options) {
                [&](const std::string& text) { options.bounds = parse_bounds(text); },
                "where people can be: the hull is cut there; lowest and highest corner in metres")
             ->type_name("X0,Y0,Z0,X1,Y1,Z1")
-            ->check(CLI::Validator(
-                [](std::string& text) {
-                    return parse_bounds(text) ? std::string()
-                                              : "must be six numbers X0,Y0,Z0,X1,Y1,Z1 [m], the "
-                                                "second corner higher than the first, got " +
-                                                    text;
-                },
-                ""));
+            ->check(CLI::Validator(refuse_bounds, ""));
     app.add_flag("--partial",
                  options.partial,
                  "people may reach out of the pictures: what lies beyond 2 px inside of the border "

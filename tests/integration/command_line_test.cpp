@@ -200,6 +200,16 @@ TEST_F(CommandLine, VisualHullSaysThatMemoryOrThreadsAreLacking) {
     EXPECT_THAT(threads.output, HasSubstr("--threads: 256 cannot be started"));
 }
 
+TEST_F(CommandLine, VisualHullSaysWhichBoundsThereAre) {
+    for (const char* bounds : {"0,0,0,0.005,1,1", "-1,-1,-1,1,1,20000"}) {
+        const Outcome outcome = run(std::string("visual_hull views.json --bounds ") + bounds);
+        EXPECT_EQ(outcome.exit_code, 2);
+        EXPECT_THAT(
+            outcome.output,
+            AllOf(HasSubstr("[-10000, 10000] m"), HasSubstr("at least 0.01 m"), HasSubstr(bounds)));
+    }
+}
+
 TEST_F(CommandLine, TheDemoRefusesNobodyAndAFolderThatCannotBe) {
     const Outcome no_sites = run("demo --sites ''");
     EXPECT_EQ(no_sites.exit_code, 2);
