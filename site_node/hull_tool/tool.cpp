@@ -6,6 +6,7 @@
 #include "core/geometry/triangle_mesh.hpp"
 #include "site_node/hull/field_of_view.hpp"
 #include "site_node/hull_tool/coverage.hpp"
+#include "site_node/hull_tool/limits.hpp"
 #include "site_node/hull_tool/recording_views.hpp"
 #include "site_node/hull_tool/views_file.hpp"
 #include "site_node/silhouette/picture_field.hpp"
@@ -21,6 +22,11 @@
 
 namespace atrium::hull_tool {
 namespace {
+
+std::string name_of_input(const ToolOptions& options) {
+    if (options.recording.empty()) return options.views_file.string();
+    return options.recording.string() + ", frame " + std::to_string(options.frame);
+}
 
 // Views of which any part is unknown get a field; it is that of the silhouettes of a recording.
 Expected<void> add_fields(std::vector<NamedView>& views) {
@@ -66,8 +72,13 @@ Expected<std::vector<NamedView>> load_views(const ToolOptions& options) {
                               std::to_string(views->size()) + ", got " +
                               std::to_string(options.min_views));
     }
-    if (!options.partial) return views;
-    if (auto added = add_fields(*views); !added) return tl::unexpected(added.error());
+    if (options.partial) {
+        if (auto added = add_fields(*views); !added) return tl::unexpected(added.error());
+    }
+    if (auto within = check_limits(*views, options.bounds.has_value()); !within) {
+        return make_error(within.error().kind,
+                          name_of_input(options) + ": " + within.error().message);
+    }
     return views;
 }
 
@@ -175,15 +186,11 @@ Expected<void> write(const geometry::TriangleMesh& mesh, const ToolOptions& opti
     return geometry::write_mesh(options.output, mesh, normals);
 }
 
-std::string name_of_input(const ToolOptions& options) {
-    if (options.recording.empty()) return options.views_file.string();
-    return options.recording.string() + ", frame " + std::to_string(options.frame);
-}
-
-std::string advice(hull::HullStatus status) {
+std::string advice(hull::HullStatus status, const std::vector<NamedView>& views) {
     if (status == hull::HullStatus::kTooFewViews)
         return "; at least two cameras at different places are needed";
     if (status == hull::HullStatus::kUnbounded) return "; --bounds close it";
+    if (status == hull::HullStatus::kTooComplex) return explain_too_complex(views);
     return "";
 }
 
@@ -200,9 +207,9 @@ Expected<std::string> run_unguarded(const ToolOptions& options) {
     if (status != hull::HullStatus::kOk && status != hull::HullStatus::kEmptyIntersection) {
         const bool is_input =
             status == hull::HullStatus::kTooFewViews || status == hull::HullStatus::kInvalidInput;
-        return make_error(
-            is_input ? ErrorKind::kConfiguration : ErrorKind::kInvalidData,
-            name_of_input(options) + ": no hull: " + hull::to_string(status) + advice(status));
+        return make_error(is_input ? ErrorKind::kConfiguration : ErrorKind::kInvalidData,
+                          name_of_input(options) + ": no hull: " + hull::to_string(status) +
+                              advice(status, *views));
     }
     if (options.decimate_mm > 0.0) {
         if (auto done = decimate(measured, options); !done) return tl::unexpected(done.error());
