@@ -15,6 +15,8 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <new>
 #include <optional>
 #include <system_error>
@@ -186,6 +188,21 @@ Expected<void> write(const geometry::TriangleMesh& mesh, const ToolOptions& opti
     return geometry::write_mesh(options.output, mesh, normals);
 }
 
+// Whether it can be written, before the time of the computation is spent. Changes nothing.
+Expected<void> try_output(const std::filesystem::path& path) {
+    std::error_code failure;
+    const std::filesystem::file_status status = std::filesystem::status(path, failure);
+    const bool is_new = status.type() == std::filesystem::file_type::not_found;
+    const bool is_other = !is_new && !std::filesystem::is_regular_file(status) &&
+                          !std::filesystem::is_directory(status);
+    if (path.empty() || is_other) return {};  // whoever reads from a pipe would notice
+    const bool writable = std::ofstream(path, std::ios::binary | std::ios::app).is_open();
+    if (!writable)
+        return make_error(ErrorKind::kUnavailable, path.string() + ": cannot be written");
+    if (is_new) std::filesystem::remove(path, failure);
+    return {};
+}
+
 std::string advice(hull::HullStatus status, const std::vector<NamedView>& views) {
     if (status == hull::HullStatus::kTooFewViews)
         return "; at least two cameras at different places are needed";
@@ -200,6 +217,8 @@ Expected<std::string> run_unguarded(const ToolOptions& options) {
             ErrorKind::kConfiguration,
             options.output.string() + ": unknown mesh format; use .ply, .obj, .gltf or .glb");
     }
+    if (auto writable = try_output(options.output); !writable)
+        return tl::unexpected(writable.error());
     const auto views = load_views(options);
     if (!views) return tl::unexpected(views.error());
     Measured measured = compute(*views, options);

@@ -200,6 +200,26 @@ TEST_F(CommandLine, VisualHullSaysThatMemoryOrThreadsAreLacking) {
     EXPECT_THAT(threads.output, HasSubstr("--threads: 256 cannot be started"));
 }
 
+TEST_F(CommandLine, VisualHullHasAnExitCodeForEachEnd) {
+    const std::string help = run("visual_hull --help").output;
+    for (const char* code : {"0 done", "1 no hull", "2 wrong", "3 a file"})
+        EXPECT_THAT(help, HasSubstr(code));
+    const std::string views = file("views.json", cube(640));
+    const Outcome done = run("visual_hull " + views + " --min-litres 9000");
+    EXPECT_EQ(done.exit_code, 0);
+    EXPECT_THAT(done.output,
+                AllOf(HasSubstr("empty intersection"), HasSubstr("\"closed\": false")));
+    const Outcome bounded =
+        run("visual_hull " + views + " --without cam0 --without cam1 " + "--bounds -1,-1,-1,1,1,1");
+    EXPECT_EQ(bounded.exit_code, 0);  // one camera and bounds
+    const Outcome few = run("visual_hull " + views + " --without cam0 --without cam1");
+    EXPECT_EQ(few.exit_code, 2);
+    EXPECT_THAT(few.output, HasSubstr("too few views"));
+    const Outcome output = run("visual_hull " + views + " -o /nonexistent/hull.ply");
+    EXPECT_EQ(output.exit_code, 3);
+    EXPECT_THAT(output.output, HasSubstr("/nonexistent/hull.ply"));
+}
+
 TEST_F(CommandLine, VisualHullSaysWhichBoundsThereAre) {
     for (const char* bounds : {"0,0,0,0.005,1,1", "-1,-1,-1,1,1,20000"}) {
         const Outcome outcome = run(std::string("visual_hull views.json --bounds ") + bounds);

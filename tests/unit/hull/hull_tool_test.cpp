@@ -215,6 +215,26 @@ TEST_F(HullTool, RefusesUnknownMeshFormatsBeforeItComputes) {
     EXPECT_THAT(run(options_).error().message, HasSubstr(".ply, .obj, .gltf or .glb"));
 }
 
+TEST_F(HullTool, FindsThatTheOutputCannotBeWrittenBeforeAnythingElse) {
+    options_.output = folder_ / "none" / "hull.ply";
+    options_.views_file = folder_ / "none.json";
+    const auto report = run(options_);
+    ASSERT_FALSE(report);
+    EXPECT_EQ(report.error().kind, ErrorKind::kUnavailable);
+    EXPECT_THAT(report.error().message, HasSubstr("hull.ply: cannot be written"));
+}
+
+TEST_F(HullTool, LeavesTheOutputAsItIsWhereThereIsNoHull) {
+    options_.views_file = folder_ / "none.json";
+    options_.output = folder_ / "new.ply";
+    EXPECT_FALSE(run(options_));
+    EXPECT_FALSE(std::filesystem::exists(options_.output));
+    options_.output = folder_ / "old.ply";
+    std::ofstream(options_.output) << "old";
+    EXPECT_FALSE(run(options_));
+    EXPECT_EQ(std::filesystem::file_size(options_.output), 3u);
+}
+
 TEST_F(HullTool, WritesAPlyThatSaysWhatItHolds) {
     const json report = json::parse(*run(options_));
     const std::string ply = written("hull.ply");
