@@ -172,9 +172,22 @@ void read_hull(config::TableReader& reader, SiteNodeConfig& config) {
     HullStageOptions& hull = config.pipeline.hull;
     if (table.has("bounds")) hull.bounds = read_bounds(table);
     table.read("whole_cameras", hull.whole_cameras);
+    const auto keep_place = [&](config::TableReader& owner,
+                                const std::string& prefix,
+                                const std::string& key,
+                                const std::string& value = "") {
+        if (owner.has(key)) hull.places[prefix + key + value] = owner.where(key);
+    };
+    keep_place(table, "hull.", "bounds");
+    keep_place(table, "hull.", "whole_cameras");
+    keep_place(table, "hull.", "min_views", fmt::format(" = {}", hull.min_views));
+    keep_place(table, "hull.", "partial_views", fmt::format(" = {}", hull.partial_views));
     std::set<std::string> names;
     for (config::TableReader& region : table.tables("region")) {
+        const std::string prefix = fmt::format("hull.region[{}].", hull.regions.size());
         hull.regions.push_back(read_region(region));
+        keep_place(region, prefix, "bounds");
+        keep_place(region, prefix, "cameras");
         if (!names.insert(hull.regions.back().name).second)
             region.reject("name", "must be different for every region");
     }

@@ -48,6 +48,10 @@ public:
     /// Any number of strings.
     void read(const std::string& key, std::vector<std::string>& values);
 
+    /// "room.toml:7", the place of what is at `key`, or of its table where it is absent: for
+    /// problems that show later.
+    std::string where(const std::string& key) const;
+
     /// Turns the absence of `key` into an error.
     void require(const std::string& key);
 
