@@ -44,6 +44,34 @@ RegionOptions read_region(config::TableReader& table) {
     return region;
 }
 
+std::string text_of(const geometry::Aabb& box) {
+    return fmt::format("[{}, {}, {}] to [{}, {}, {}]",
+                       box.min.x(),
+                       box.min.y(),
+                       box.min.z(),
+                       box.max.x(),
+                       box.max.y(),
+                       box.max.z());
+}
+
+// What read_hull reads.
+void show_hull(const HullStageOptions& hull, config::OptionSet& set) {
+    set.show("hull.bounds", [&hull] { return hull.bounds ? text_of(*hull.bounds) : "none"; });
+    set.show("hull.whole_cameras",
+             [&hull] { return fmt::format("[{}]", fmt::join(hull.whole_cameras, ", ")); });
+    set.show("hull.region", [&hull] {
+        std::string text;
+        for (const RegionOptions& region : hull.regions) {
+            text += fmt::format("{}{} {} cameras [{}]",
+                                text.empty() ? "" : ", ",
+                                region.name,
+                                text_of(region.bounds),
+                                fmt::join(region.cameras, ", "));
+        }
+        return text.empty() ? "none" : text;
+    });
+}
+
 }  // namespace
 
 void declare(SiteNodeConfig& config, config::OptionSet& set) {
@@ -165,6 +193,7 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             {0, 10});
     set.add("codec.jpeg_quality", config.pipeline.jpeg_quality, "of the textures", {10, 100});
     bus::declare(config.bus, set);
+    show_hull(config.pipeline.hull, set);
 }
 
 void read_hull(config::TableReader& reader, SiteNodeConfig& config) {

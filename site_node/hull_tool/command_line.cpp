@@ -121,7 +121,9 @@ Start parse_command_line(int argc, char** argv, ToolOptions& options) {
         ->check(CLI::Range(0, 1'000'000'000))
         ->capture_default_str()
         ->needs(recording);
-    app.add_option("-o,--output", options.output, "write the mesh: .ply, .obj, .gltf or .glb");
+    app.add_option("-o,--output", options.output, "write the mesh: .ply, .obj, .gltf or .glb")
+        ->check(CLI::Validator(
+            [](std::string& text) { return text.empty() ? "must not be empty" : ""; }, ""));
     app.add_option("--threads", options.threads, "threads to compute with")
         ->check(CLI::Range(1, 256))
         ->capture_default_str();

@@ -51,6 +51,10 @@ Expected<void> leave_out(const std::vector<std::string>& names, std::vector<Name
     for (const std::string& name : names) {
         const auto has_name = [&](const NamedView& view) { return view.name == name; };
         if (std::erase_if(views, has_name) > 0) continue;
+        if (std::count(names.begin(), names.end(), name) > 1) {
+            return make_error(ErrorKind::kConfiguration,
+                              "--without: view \"" + name + "\" is named twice");
+        }
         std::string known;
         for (const NamedView& view : views) known += (known.empty() ? "" : ", ") + view.name;
         return make_error(ErrorKind::kConfiguration,

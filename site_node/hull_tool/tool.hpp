@@ -28,12 +28,14 @@ struct ToolOptions {
     bool normals = false;      // written with the mesh
 };
 
-/// Reads the command line; where the program is to end at once (help, version, an error, which was
-/// printed), false and the exit code.
+/// How the program goes on after its command line.
 struct Start {
     bool go_on = false;
-    int exit_code = 0;
+    int exit_code = 0;  // otherwise
 };
+
+/// Reads the command line; where the program is to end at once (help, version, an error, which was
+/// printed), false and the exit code.
 Start parse_command_line(int argc, char** argv, ToolOptions& options);
 
 /// Computes the hull, writes the mesh and returns the report, one JSON object. Lack of memory or

@@ -25,6 +25,7 @@ TEST(HullToolCommandLine, EndsWithUsageErrorsBeforeAnyWork) {
         exit_code_of(
             {"views.json", "-o", "x.ply", "--threads", "2", "--repeat", "9", "--keep-phantoms"}),
         -1);
+    EXPECT_EQ(exit_code_of({"views.json", "-o", ""}), 2);
     EXPECT_EQ(exit_code_of({"--recording", "room", "--frame", "3"}), -1);
     EXPECT_EQ(exit_code_of({"views.json", "--decimate", "5", "--normals"}), -1);
     EXPECT_EQ(exit_code_of({"views.json", "--decimate", "0"}), 2);

@@ -144,6 +144,8 @@ TEST_F(HullTool, LeavesOutViews) {
     options_.without = {"cam1", "north"};
     EXPECT_THAT(run(options_).error().message,
                 testing::AllOf(HasSubstr("--without"), HasSubstr("\"north\""), HasSubstr("cam2")));
+    options_.without = {"cam1", "cam1"};
+    EXPECT_EQ(run(options_).error().message, "--without: view \"cam1\" is named twice");
     options_.without = {"cam1", "cam0"};
     EXPECT_THAT(run(options_).error().message, HasSubstr("too few views"));
 }

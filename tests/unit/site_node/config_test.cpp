@@ -110,6 +110,22 @@ TEST(SiteConfig, ErrorsNameFileLineKeyAndWhatIsAllowed) {
     }
 }
 
+TEST(SiteConfig, ShowsWhatOnlyAFileCanSayAsWell) {
+    SiteNodeConfig config;
+    config::OptionSet set;
+    declare(config, set);
+    EXPECT_THAT(set.effective(), HasSubstr("hull.bounds = none\nhull.whole_cameras = []\n"));
+    HullStageOptions& hull = config.pipeline.hull;
+    hull.bounds = geometry::Aabb{{-1, -2, 0}, {1, 2, 2.5}};
+    hull.whole_cameras = {"top", "side"};
+    hull.regions = {{"stage", *hull.bounds, {"a", "b"}}, {"stairs", *hull.bounds, {}}};
+    EXPECT_THAT(set.effective(),
+                HasSubstr("hull.bounds = [-1, -2, 0] to [1, 2, 2.5]\n"
+                          "hull.whole_cameras = [top, side]\n"
+                          "hull.region = stage [-1, -2, 0] to [1, 2, 2.5] cameras [a, b], "
+                          "stairs [-1, -2, 0] to [1, 2, 2.5] cameras []\n"));
+}
+
 TEST(SiteConfig, WhatDoesNotFitTheRigIsNamedWithFileAndLineToo) {
     const auto rig = config::load_rig(ATRIUM_SOURCE_DIR "/deploy/rigs/table.toml");
     ASSERT_TRUE(rig) << rig.error().message;
