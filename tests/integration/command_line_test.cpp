@@ -220,6 +220,18 @@ TEST_F(CommandLine, VisualHullHasAnExitCodeForEachEnd) {
     EXPECT_THAT(output.output, HasSubstr("/nonexistent/hull.ply"));
 }
 
+TEST_F(CommandLine, VisualHullOfThePersonThatComesAlong) {
+    const std::string mesh = (folder_ / "hull.ply").string();
+    const Outcome outcome =
+        run("visual_hull " ATRIUM_SOURCE_DIR "/deploy/views/person.json -o " + mesh);
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_THAT(outcome.output,
+                AllOf(HasSubstr("\"status\": \"ok\""),
+                      HasSubstr("\"components\": 1,"),
+                      HasSubstr("\"manifold\": true")));
+    EXPECT_GT(fs::file_size(mesh), 10'000u);
+}
+
 TEST_F(CommandLine, VisualHullSaysWhichBoundsThereAre) {
     for (const char* bounds : {"0,0,0,0.005,1,1", "-1,-1,-1,1,1,20000"}) {
         const Outcome outcome = run(std::string("visual_hull views.json --bounds ") + bounds);
