@@ -4,9 +4,11 @@
 #include "site_node/hull/field_of_view.hpp"
 #include "site_node/hull/outlines.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <numeric>
+#include <string>
 #include <vector>
 
 // What the hull's stages make of one simulated person, as JSON: the data of docs/figures/hull_*.svg
@@ -39,6 +41,35 @@ json list_views(const std::vector<hull::SilhouetteView>& views) {
                        {"rays", rays}});
     }
     return out;
+}
+
+// The same as a file that visual_hull reads (docs/visual_hull.md): deploy/views/person.json.
+json views_file(const std::vector<hull::SilhouetteView>& views) {
+    json out = json::array();
+    for (const hull::SilhouetteView& view : views) {
+        json contours = json::array();
+        for (const auto& contour : view.contours) {
+            json points = json::array();
+            for (const Eigen::Vector2d& p : contour) {
+                points.push_back({std::round(1e3 * p.x()) / 1e3, std::round(1e3 * p.y()) / 1e3});
+            }
+            contours.push_back(points);
+        }
+        const geometry::PinholeCamera& camera = view.intrinsics;
+        const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rotation =
+            view.camera_from_site.rotation.toRotationMatrix();
+        out.push_back({{"name", "cam" + std::to_string(out.size())},
+                       {"width", camera.width},
+                       {"height", camera.height},
+                       {"fx", camera.fx},
+                       {"fy", camera.fy},
+                       {"cx", camera.cx},
+                       {"cy", camera.cy},
+                       {"rotation", std::vector<double>(rotation.data(), rotation.data() + 9)},
+                       {"translation", list(view.camera_from_site.translation)},
+                       {"contours", contours}});
+    }
+    return {{"views", out}};
 }
 
 // Triangles of the largest component without any viewing edge, in the first resolution at which
@@ -124,9 +155,13 @@ json field_of(const std::vector<hull::SilhouetteView>& views) {
 }  // namespace
 }  // namespace atrium::bench
 
-int main() {
+int main(int argc, char**) {
     using namespace atrium::bench;
     const auto views = person_views(kNumViews, kSegments);
+    if (argc > 1) {  // any argument: the views themselves
+        std::puts(views_file(views).dump().c_str());
+        return 0;
+    }
     Faces all = find_faces(views);
     const std::uint32_t strip = choose_strip(all);
     const nlohmann::json out{{"views", list_views(views)},

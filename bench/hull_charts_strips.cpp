@@ -7,7 +7,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
 #include <set>
+#include <utility>
 
 namespace atrium::bench {
 namespace {
@@ -15,6 +19,8 @@ namespace {
 using hull::Cones;
 using hull::StripChart;
 using nlohmann::json;
+
+constexpr std::uint64_t kMaxSteps = 1'000'000;  // of a strip: more than any of a person takes
 
 // Chart coordinates: phi, u.
 Eigen::Vector2d in_chart(const Cones& cones, std::uint32_t strip, const Eigen::Vector3d& p) {
@@ -83,6 +89,81 @@ json carving(const std::vector<hull::SilhouetteView>& views,
     return out;
 }
 
+// Faces lie between these, as StripChart has it: no camera that carves where the strip starts, at
+// its own camera, leaves any in front of its nearest piece, and none that carves far away leaves
+// any behind its farthest.
+struct Limits {
+    double highest = 1e9;
+    double lowest = 0.0;
+};
+
+Limits limits_of(const json& pieces, const json& carving_at_camera) {
+    constexpr double kMiddle = 0.5;
+    std::map<std::size_t, Limits> of_view;
+    std::map<std::size_t, bool> carves_far;
+    for (const json& piece : pieces) {
+        const std::size_t view = piece["view"];
+        const auto [it, is_new] = of_view.try_emplace(view, Limits{0.0, 1e9});
+        for (const json& end : piece["ends"]) {
+            it->second.highest = std::max(it->second.highest, end[1].get<double>());
+            it->second.lowest = std::min(it->second.lowest, end[1].get<double>());
+        }
+        const double from = piece["ends"][0][0];
+        const double to = piece["ends"][1][0];
+        if (from <= kMiddle && kMiddle < to) carves_far[view] = !carves_far[view];
+    }
+    for (const std::size_t view : carving_at_camera) carves_far[view] = !carves_far[view];
+    Limits out;
+    for (const auto& [view, range] : of_view) {
+        const bool carves_near =
+            std::find(carving_at_camera.begin(), carving_at_camera.end(), json(view)) !=
+            carving_at_camera.end();
+        if (carves_near) out.highest = std::min(out.highest, range.highest);
+        if (carves_far[view]) out.lowest = std::max(out.lowest, range.lowest);
+    }
+    return out;
+}
+
+// The figures would contradict the program.
+void require(bool agrees, const char* what) {
+    if (agrees) return;
+    std::fprintf(stderr, "hull_charts: %s\n", what);
+    std::exit(1);
+}
+
+// The sweep's state at one place: the gaps between the visible lines from the camera on, each with
+// the cameras that carve it. Passing a line changes the bit of its camera; hidden lines are taken
+// as passed before all others or after them.
+json gaps_at(double phi, const json& pieces, const json& carving_at_camera, const Limits& limits) {
+    std::set<std::size_t> carving(carving_at_camera.begin(), carving_at_camera.end());
+    const auto pass = [&](std::size_t view) {
+        if (carving.erase(view) == 0) carving.insert(view);
+    };
+    std::vector<std::pair<double, std::size_t>> lines;  // u, view
+    for (const json& piece : pieces) {
+        const auto& e = piece["ends"];
+        const double a = e[0][0];
+        const double b = e[1][0];
+        if (phi < a || phi > b) continue;
+        const double ua = e[0][1];
+        const double ub = e[1][1];
+        const double u = ua + (ub - ua) * (phi - a) / (b - a);
+        if (piece["visible"])
+            lines.emplace_back(u, piece["view"]);
+        else if (u > limits.highest)
+            pass(piece["view"]);
+    }
+    std::sort(lines.rbegin(), lines.rend());
+    json gaps = json::array();
+    for (std::size_t i = 0; i <= lines.size(); ++i) {
+        if (i > 0) pass(lines[i - 1].second);
+        gaps.push_back({{"above", i == 0 ? lines.front().first * 1.02 : lines[i - 1].first},
+                        {"below", i == lines.size() ? lines.back().first * 0.98 : lines[i].first},
+                        {"carving", carving}});
+    }
+    return gaps;
+}
+
 // Camera of a strip, as `views` counts them: the hull sorts its views.
 std::size_t input_view(const std::vector<hull::SilhouetteView>& views,
                        const Cones& cones,
@@ -110,7 +191,7 @@ Faces find_faces(const std::vector<hull::SilhouetteView>& views) {
     hull::StripSweep sweep;
     for (std::uint32_t s = 0; s < out.cones.strips.size(); ++s) {
         hull::RunFaces& faces = out.of_strip[s];
-        sweep.run(out.cones, out.pencils, {s, 1}, 1'000'000, faces);
+        sweep.run(out.cones, out.pencils, {s, 1}, kMaxSteps, faces);
         for (const auto& vertex : faces.vertices) {
             if (vertex.is_owner) out.position[vertex.key] = vertex.position;
         }
@@ -123,7 +204,7 @@ std::uint32_t choose_strip(Faces& all) {
     std::size_t most = 0;
     for (const auto& [strip, faces] : all.of_strip) {
         StripChart chart;
-        chart.start(all.cones, all.pencils, strip);
+        chart.start(all.cones, all.pencils, strip, kMaxSteps);
         chart.collect();
         if (!chart.may_have_faces() || chart.order().size() > 24) continue;
         const std::size_t score = 2 * faces.triangles.size() + chart.order().size();
@@ -136,7 +217,7 @@ std::uint32_t choose_strip(Faces& all) {
 json chart_of(const std::vector<hull::SilhouetteView>& views, Faces& all, std::uint32_t strip) {
     const Cones& cones = all.cones;
     StripChart chart;
-    chart.start(cones, all.pencils, strip);
+    chart.start(cones, all.pencils, strip, kMaxSteps);
     chart.collect();
     std::set<std::uint32_t> visible;
     for (const std::uint32_t p : chart.visible_at_start()) visible.insert(chart.piece(p).strip);
@@ -180,27 +261,22 @@ json chart_of(const std::vector<hull::SilhouetteView>& views, Faces& all, std::u
         edges.push_back({list(in_chart(cones, strip, all.at(faces, a))),
                          list(in_chart(cones, strip, all.at(faces, b)))});
     }
-    // the cameras' verdicts along one place of the sweep
     constexpr double kSweepPhi = 0.55;
-    std::vector<double> cuts;
+    constexpr double kAtCamera = 1e9;  // u
+    const json carving_at_camera = carving(views, cones, strip, kSweepPhi, kAtCamera);
+    const Limits limits = limits_of(pieces, carving_at_camera);
     for (const json& piece : pieces) {
-        const auto& e = piece["ends"];
-        const double a = e[0][0];
-        const double b = e[1][0];
-        if (!piece["visible"] || kSweepPhi < a || kSweepPhi > b) continue;
-        const double ua = e[0][1];
-        const double ub = e[1][1];
-        cuts.push_back(ua + (ub - ua) * (kSweepPhi - a) / (b - a));
+        const double u0 = piece["ends"][0][1];
+        const double u1 = piece["ends"][1][1];
+        const bool outside = std::min(u0, u1) > limits.highest || std::max(u0, u1) < limits.lowest;
+        require(outside != piece["visible"].get<bool>(), "a piece is hidden between the limits");
     }
-    std::sort(cuts.rbegin(), cuts.rend());
-    json gaps = json::array();
-    for (std::size_t i = 0; i <= cuts.size(); ++i) {
-        const double above = i == 0 ? cuts.front() * 1.02 : cuts[i - 1];
-        const double below = i == cuts.size() ? cuts.back() * 0.98 : cuts[i];
-        gaps.push_back(
-            {{"above", above},
-             {"below", below},
-             {"carving", carving(views, cones, strip, kSweepPhi, 0.5 * (above + below))}});
+    const json gaps = gaps_at(kSweepPhi, pieces, carving_at_camera, limits);
+    for (const json& gap : gaps) {
+        const double u = 0.5 * (gap["above"].get<double>() + gap["below"].get<double>());
+        require(u > limits.highest || u < limits.lowest ||
+                    gap["carving"] == carving(views, cones, strip, kSweepPhi, u),
+                "the state between the limits is not what the cameras see");
     }
     const Cones::Strip& s = cones.strips[strip];
     return {{"strip", strip},
@@ -211,6 +287,7 @@ json chart_of(const std::vector<hull::SilhouetteView>& views, Faces& all, std::u
             {"triangles", triangles},
             {"edges", edges},
             {"sweep_phi", kSweepPhi},
+            {"limits", {limits.lowest, limits.highest}},
             {"gaps", gaps}};
 }
 

@@ -285,8 +285,9 @@ def figure_chart(data, path):
     axes = chart_axes(d, data, (90, 60, 430, 400), limits)
     frame_chart(axes, limits, "(a) everything that cuts the strip")
     seen = [e[1] for p in chart["pieces"] if p["visible"] for e in p["ends"]]
-    for u0, u1, text in ((max(seen), limits[1], "some camera sees background: too near"),
-                         (limits[0], min(seen), "too far")):
+    lowest, highest = chart["limits"]
+    for u0, u1, text in ((min(highest, limits[1]), limits[1], "some camera sees background: too near"),
+                         (limits[0], max(lowest, limits[0]), "too far")):
         top, bottom = axes.at(0, u1)[1], axes.at(0, u0)[1]
         d.rect(90, top, 430, bottom - top, fill=CARVED, stroke=None)
         d.text((512, top + 18), text, 12, "end", GREY)
@@ -368,9 +369,9 @@ def figure_sweep(data, path):
         d.path([place(stretch(plane(p))) for p in t], stroke=BLUE, width=0.8, fill=FACE, closed=True)
     for a, b in chart["edges"]:
         d.line(place(stretch(plane(a))), place(stretch(plane(b))), stroke=BLACK, width=1.8)
-    d.note((90, 520), "From left to right the sweep keeps the lines by u and, for each gap, the set of cameras that see background there. "
-           "At events and crossings it changes: faces begin,\nsplit, merge and end, and their triangles come out of the same pass. "
-           "Diagonals (blue) are then exchanged to the constrained Delaunay triangulation of each face.", 12, fill=GREY)
+    d.note((90, 520), "From left to right the sweep keeps the visible lines by u and, for each gap, the set of cameras that carve it. Passing a line changes one camera's bit;\n"
+           "hidden lines count as passed before all others, or after them. At events and crossings the state changes: faces begin, split, merge and end, and\n"
+           "their triangles come out of the same pass. Diagonals (blue) are then exchanged to the constrained Delaunay triangulation of each face.", 12, fill=GREY)
     d.write(path)
 
 

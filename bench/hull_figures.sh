@@ -1,9 +1,12 @@
 #!/bin/sh
-# Draws docs/figures/hull_1_cones.svg to hull_6_fields.svg and hull_meshes.png from real data: `bench/hull_figures.sh [BUILD]`, a build folder that is
+# Draws docs/figures/hull_1_cones.svg to hull_6_fields.svg and hull_meshes.png from real data, and writes the person in
+# them to deploy/views/person.json: `bench/hull_figures.sh [BUILD]`, a build folder that is
 # configured with -DATRIUM_BENCH=ON. The same tree gives the same pictures.
 set -eu
 cd "$(dirname "$0")/.."
 build=${1:-build}
 cmake --build "$build" --target hull_charts hull_picture > /dev/null
 "$build"/bin/hull_charts | python3 bench/hull_figures.py docs/figures
+mkdir -p deploy/views
+"$build"/bin/hull_charts views > deploy/views/person.json
 "$build"/bin/hull_picture docs/figures/hull_meshes.png

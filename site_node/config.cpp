@@ -135,6 +135,34 @@ RegionOptions read_region(config::TableReader& table) {
     return region;
 }
 
+std::string text_of(const geometry::Aabb& box) {
+    return fmt::format("[{}, {}, {}] to [{}, {}, {}]",
+                       box.min.x(),
+                       box.min.y(),
+                       box.min.z(),
+                       box.max.x(),
+                       box.max.y(),
+                       box.max.z());
+}
+
+// What read_hull reads.
+void show_hull(const HullStageOptions& hull, config::OptionSet& set) {
+    set.show("hull.bounds", [&hull] { return hull.bounds ? text_of(*hull.bounds) : "none"; });
+    set.show("hull.whole_cameras",
+             [&hull] { return fmt::format("[{}]", fmt::join(hull.whole_cameras, ", ")); });
+    set.show("hull.region", [&hull] {
+        std::string text;
+        for (const RegionOptions& region : hull.regions) {
+            text += fmt::format("{}{} {} cameras [{}]",
+                                text.empty() ? "" : ", ",
+                                region.name,
+                                text_of(region.bounds),
+                                fmt::join(region.cameras, ", "));
+        }
+        return text.empty() ? "none" : text;
+    });
+}
+
 }  // namespace
 
 void declare(SiteNodeConfig& config, config::OptionSet& set) {
@@ -228,6 +256,7 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             {0, 10});
     set.add("codec.jpeg_quality", config.pipeline.jpeg_quality, "of the textures", {10, 100});
     bus::declare(config.bus, set);
+    show_hull(config.pipeline.hull, set);
 }
 
 void read_hull(config::TableReader& reader, SiteNodeConfig& config) {
@@ -235,9 +264,22 @@ void read_hull(config::TableReader& reader, SiteNodeConfig& config) {
     HullStageOptions& hull = config.pipeline.hull;
     if (table.has("bounds")) hull.bounds = read_bounds(table);
     table.read("whole_cameras", hull.whole_cameras);
+    const auto keep_place = [&](config::TableReader& owner,
+                                const std::string& prefix,
+                                const std::string& key,
+                                const std::string& value = "") {
+        if (owner.has(key)) hull.places[prefix + key + value] = owner.where(key);
+    };
+    keep_place(table, "hull.", "bounds");
+    keep_place(table, "hull.", "whole_cameras");
+    keep_place(table, "hull.", "min_views", fmt::format(" = {}", hull.min_views));
+    keep_place(table, "hull.", "partial_views", fmt::format(" = {}", hull.partial_views));
     std::set<std::string> names;
     for (config::TableReader& region : table.tables("region")) {
+        const std::string prefix = fmt::format("hull.region[{}].", hull.regions.size());
         hull.regions.push_back(read_region(region));
+        keep_place(region, prefix, "bounds");
+        keep_place(region, prefix, "cameras");
         if (!names.insert(hull.regions.back().name).second)
             region.reject("name", "must be different for every region");
     }

@@ -14,20 +14,30 @@ namespace {
 constexpr std::uint32_t kFewestViews = 2;  // one camera's cone is not a shape
 constexpr std::size_t kViewsOfBounds = 2;
 
-tl::unexpected<Error> wrong(std::string text) {
-    return make_error(ErrorKind::kConfiguration, std::move(text));
+// `value`: of an option that the command line may have changed.
+tl::unexpected<Error> wrong(const HullStageOptions& options,
+                            const std::string& key,
+                            const std::string& text,
+                            const std::string& value = "") {
+    const auto place = options.places.find(value.empty() ? key : key + " = " + value);
+    return make_error(
+        ErrorKind::kConfiguration,
+        (place == options.places.end() ? "" : place->second + ": ") + key + ": " + text);
 }
 
 Expected<std::uint32_t> find_camera(std::span<const geometry::CalibratedCamera> cameras,
                                     const std::string& name,
+                                    const HullStageOptions& options,
                                     const std::string& key) {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < cameras.size(); ++i) {
         if (cameras[i].name == name) return static_cast<std::uint32_t>(i);
         names.push_back(cameras[i].name);
     }
-    return wrong(fmt::format(
-        "{}: there is no camera '{}'; this rig has {}", key, name, fmt::join(names, ", ")));
+    return wrong(
+        options,
+        key,
+        fmt::format("there is no camera '{}'; this rig has {}", name, fmt::join(names, ", ")));
 }
 
 Expected<void> check_count(std::size_t num_cameras, const HullStageOptions& options) {
@@ -35,15 +45,18 @@ Expected<void> check_count(std::size_t num_cameras, const HullStageOptions& opti
     const std::size_t most = hull::kMaxViews - (bounded ? kViewsOfBounds : 0);
     if (num_cameras > most) {
         return wrong(
-            fmt::format("hull.bounds: up to {} cameras are possible with bounds, here are {}",
-                        most,
-                        num_cameras));
+            options,
+            options.regions.empty() ? "hull.bounds" : "hull.region[0].bounds",
+            fmt::format(
+                "up to {} cameras are possible with bounds, here are {}", most, num_cameras));
     }
     if (options.min_views > num_cameras) {
-        return wrong(
-            fmt::format("hull.min_views: must not exceed the number of cameras, {}, got {}",
-                        num_cameras,
-                        options.min_views));
+        return wrong(options,
+                     "hull.min_views",
+                     fmt::format("must not exceed the number of cameras, {}, got {}",
+                                 num_cameras,
+                                 options.min_views),
+                     std::to_string(options.min_views));
     }
     return {};
 }
@@ -56,17 +69,21 @@ bool overlap(const geometry::Aabb& a, const geometry::Aabb& b) {
 
 Expected<void> check(const HullStageOptions& options) {
     if (options.bounds && !options.regions.empty()) {
-        return wrong(
-            "hull.bounds: has no meaning beside [[hull.region]], which has bounds of its "
-            "own; leave one of them out");
+        return wrong(options,
+                     "hull.bounds",
+                     "has no meaning beside [[hull.region]], which has bounds of its "
+                     "own; leave one of them out");
     }
     if (options.partial_views && !options.bounds && options.regions.empty()) {
-        return wrong(
-            "hull.partial_views: needs hull.bounds or [[hull.region]]: where what a "
-            "camera does not see is unknown, they say where the space ends");
+        return wrong(options,
+                     "hull.partial_views",
+                     "needs hull.bounds or [[hull.region]]: where what a "
+                     "camera does not see is unknown, they say where the space ends",
+                     "true");
     }
     if (!options.partial_views && !options.whole_cameras.empty()) {
-        return wrong("hull.whole_cameras: has a meaning only with hull.partial_views = true");
+        return wrong(
+            options, "hull.whole_cameras", "has a meaning only with hull.partial_views = true");
     }
     return {};
 }
@@ -109,21 +126,23 @@ Expected<HullStage> HullStage::create(std::span<const geometry::CalibratedCamera
 Expected<void> HullStage::add_regions(std::span<const geometry::CalibratedCamera> cameras,
                                       const HullStageOptions& options) {
     for (const RegionOptions& region : options.regions) {
-        const std::string key = fmt::format("hull.region '{}': cameras", region.name);
+        const std::string key = fmt::format("hull.region[{}].cameras", regions_.size());
         std::vector<std::uint32_t> indices;
         for (const std::string& name : region.cameras) {
-            const auto index = find_camera(cameras, name, key);
+            const auto index = find_camera(cameras, name, options, key);
             if (!index) return tl::unexpected(index.error());
             if (std::find(indices.begin(), indices.end(), *index) != indices.end())
-                return wrong(fmt::format("{}: '{}' is named twice", key, name));
+                return wrong(options, key, fmt::format("'{}' is named twice", name));
             indices.push_back(*index);
         }
         if (region.cameras.empty()) {
             for (std::uint32_t i = 0; i < cameras.size(); ++i) indices.push_back(i);
         }
         if (indices.size() < min_delivered_) {
-            return wrong(fmt::format(
-                "{}: at least {} are needed, got {}", key, min_delivered_, indices.size()));
+            return wrong(
+                options,
+                key,
+                fmt::format("at least {} are needed, got {}", min_delivered_, indices.size()));
         }
         regions_.push_back({region.name, region.bounds, std::move(indices), min_delivered_});
     }
@@ -135,8 +154,10 @@ Expected<void> HullStage::add_fields(std::span<const geometry::CalibratedCamera>
                                      double tolerance_px) {
     std::vector<std::uint8_t> whole(cameras.size(), options.partial_views ? 0 : 1);
     for (const std::string& name : options.whole_cameras) {
-        const auto index = find_camera(cameras, name, "hull.whole_cameras");
+        const auto index = find_camera(cameras, name, options, "hull.whole_cameras");
         if (!index) return tl::unexpected(index.error());
+        if (whole[*index] != 0)
+            return wrong(options, "hull.whole_cameras", fmt::format("'{}' is named twice", name));
         whole[*index] = 1;
     }
     const double inset_px = silhouette::field_inset_px(tolerance_px);
@@ -144,10 +165,14 @@ Expected<void> HullStage::add_fields(std::span<const geometry::CalibratedCamera>
         if (whole[i] != 0) continue;
         auto field = silhouette::picture_field(cameras[i].intrinsics, inset_px);
         if (!field || !hull::is_usable_field(*field)) {
-            return wrong(fmt::format(
-                "hull.partial_views: the lens distortion of camera '{}' cannot be taken out along "
-                "the border of its picture; name it in hull.whole_cameras if it sees everybody",
-                cameras[i].name));
+            return wrong(
+                options,
+                "hull.partial_views",
+                fmt::format("the lens distortion of camera '{}' cannot be taken out along the "
+                            "border of its picture; name it in hull.whole_cameras if it sees "
+                            "everybody",
+                            cameras[i].name),
+                "true");
         }
         views_[i].field = std::move(*field);
     }

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -37,9 +38,12 @@ struct HullStageOptions {
     bool partial_views = false;
     std::vector<std::string> whole_cameras;  // names of those that see everybody all the same
     std::vector<RegionOptions> regions;      // instead of `bounds`
+    /// For errors: "site.toml:7" of a key of the file, for example "hull.region[0].cameras". Of an
+    /// option that the command line may change, the key is "hull.min_views = 3".
+    std::map<std::string, std::string> places;
 };
 
-/// What can be said without knowing the cameras. Errors name the key.
+/// What can be said without knowing the cameras. Errors name the key, and its place if it has one.
 Expected<void> check(const HullStageOptions& options);
 
 /// "a and b" for each two regions that share space: who stands there is in the mesh twice.

@@ -35,7 +35,8 @@ public:
     virtual std::size_t num_workers() const = 0;
 
     /// Calls `body` once for every task in [0, num_tasks), in any order, and returns when all are
-    /// done. `body` must not throw.
+    /// done. What `body` throws (want of memory) is thrown again here, once no worker is in `body`
+    /// any more; some tasks may then never have begun.
     virtual void parallel_for(std::size_t num_tasks, Body body) = 0;
 };
 

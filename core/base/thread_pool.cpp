@@ -1,5 +1,7 @@
 #include "core/base/thread_pool.hpp"
 
+#include <utility>
+
 namespace atrium {
 
 ThreadPool::ThreadPool(std::size_t num_workers) {
@@ -31,6 +33,7 @@ void ThreadPool::parallel_for(std::size_t num_tasks, Body body) {
     std::unique_lock lock(mutex_);
     done_.wait(lock, [this] { return num_busy_ == 0; });
     body_ = nullptr;
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
 }
 
 void ThreadPool::work(std::stop_token stop, std::size_t worker) {
@@ -48,11 +51,17 @@ void ThreadPool::work(std::stop_token stop, std::size_t worker) {
     }
 }
 
-void ThreadPool::run_tasks(const Body& body, std::size_t num_tasks, std::size_t worker) {
-    for (;;) {
-        const std::size_t task = next_task_.fetch_add(1, std::memory_order_relaxed);
-        if (task >= num_tasks) return;
-        body(task, worker);
+void ThreadPool::run_tasks(const Body& body, std::size_t num_tasks, std::size_t worker) noexcept {
+    try {
+        for (;;) {
+            const std::size_t task = next_task_.fetch_add(1, std::memory_order_relaxed);
+            if (task >= num_tasks) return;
+            body(task, worker);
+        }
+    } catch (...) {
+        next_task_.store(num_tasks, std::memory_order_relaxed);  // the others need not go on
+        const std::lock_guard lock(mutex_);
+        if (!failure_) failure_ = std::current_exception();
     }
 }
 

@@ -128,6 +128,10 @@ void OptionSet::add(const std::string& key,
     entries_.back().alone = alone;
 }
 
+void OptionSet::show(const std::string& key, std::function<std::string()> current) {
+    shown_.emplace_back(key, std::move(current));
+}
+
 void OptionSet::read_file(TableReader& reader) const {
     for (const Entry& entry : entries_) entry.read(reader);
 }
@@ -150,6 +154,7 @@ std::string OptionSet::effective() const {
     for (std::size_t i = 0; i < entries_.size(); ++i) {
         text += fmt::format("{} = {}\n", entries_[i].key, current_[i]());
     }
+    for (const auto& [key, current] : shown_) text += fmt::format("{} = {}\n", key, current());
     return text;
 }
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace atrium::config {
@@ -44,6 +45,9 @@ public:
              const std::string& help,
              const std::string& alone = {});
 
+    /// One more line of `effective()`, of what is no option because only a file can say it.
+    void show(const std::string& key, std::function<std::string()> current);
+
     /// Reads every declared key that the file has. Does not call `reader.finish()`: a program may
     /// read more from the file.
     void read_file(TableReader& reader) const;
@@ -63,8 +67,8 @@ public:
         std::function<Expected<void>(const std::string&)> parse;
     };
     const std::vector<Entry>& entries() const { return entries_; }
-    /// `key = value` of every option as it is now, one per line: the effective configuration,
-    /// logged once at the start.
+    /// `key = value` of every option as it is now, one per line, and of what is shown besides: the
+    /// effective configuration, logged once at the start.
     std::string effective() const;
 
 private:
@@ -75,7 +79,8 @@ private:
                    std::string type_name,
                    Limits... limits);
     std::vector<Entry> entries_;
-    std::vector<std::function<std::string()>> current_;
+    std::vector<std::function<std::string()>> current_;  // of the entries
+    std::vector<std::pair<std::string, std::function<std::string()>>> shown_;
 };
 
 }  // namespace atrium::config

@@ -136,7 +136,7 @@ static std::pair<std::string, std::string> split_first(const std::string& key) {
 bool TableReader::has(const std::string& key) const {
     const auto [head, rest] = split_first(key);
     if (!head.empty()) return TableReader(*this).table(head).has(rest);
-    return node_->table != nullptr && node_->table->as_table().count(key) > 0;
+    return node_->find(key) != nullptr;
 }
 
 TableReader TableReader::table(const std::string& key) {
@@ -187,17 +187,20 @@ std::vector<TableReader> TableReader::tables(const std::string& key) {
     return readers;
 }
 
+std::string TableReader::where(const std::string& key) const {
+    const auto [head, rest] = split_first(key);
+    if (!head.empty()) return TableReader(*this).table(head).where(rest);
+    if (const toml::value* value = node_->find(key)) return location(document_->name, *value);
+    const bool is_root = node_->path.empty();
+    return node_->table == nullptr || is_root ? document_->name
+                                              : location(document_->name, *node_->table);
+}
+
 void TableReader::reject(const std::string& key, const std::string& what_is_allowed) {
     const auto [head, rest] = split_first(key);
     if (!head.empty()) return table(head).reject(rest, what_is_allowed);
     const toml::value* value = node_->find(key);
-    std::string where = document_->name;
-    if (value != nullptr) {
-        where = location(document_->name, *value);
-    } else if (node_->table != nullptr && node_ != nullptr && !node_->path.empty()) {
-        where = location(document_->name, *node_->table);
-    }
-    document_->report(where,
+    document_->report(where(key),
                       node_->path + key,
                       value != nullptr ? fmt::format("{}, got {}", what_is_allowed, shown(*value))
                                        : what_is_allowed);

@@ -28,6 +28,7 @@ public:
     /// `name` stands for the file in error messages.
     static Expected<TableReader> parse(const std::string& toml_text, const std::string& name);
 
+    /// Like all that reads: makes the key one that is known here.
     bool has(const std::string& key) const;
 
     // Optional keys: `value` stays as it is when the key is absent. Dotted keys reach into
@@ -51,6 +52,10 @@ public:
               Range allowed = {});
     /// Any number of strings.
     void read(const std::string& key, std::vector<std::string>& values);
+
+    /// "room.toml:7", the place of what is at `key`, or of its table where it is absent: for
+    /// problems that show later.
+    std::string where(const std::string& key) const;
 
     /// Turns the absence of `key` into an error.
     void require(const std::string& key);

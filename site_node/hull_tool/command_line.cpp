@@ -1,6 +1,7 @@
 #include "site_node/hull_tool/tool.hpp"
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <optional>
@@ -21,8 +22,10 @@ constexpr const char* kDetails =
     "outside the\n"
     "silhouette that it projects onto); milliseconds of each stage of the fastest computation and "
     "in total.\n"
-    "Exit codes: 0 done (also where the hull is empty), 1 failed, 2 wrong command line or input "
-    "file.\n"
+    "Exit codes: 0 done (also where the hull is empty), 1 no hull (unbounded, too complex, numeric "
+    "failure) or no\n"
+    "memory or threads, 2 wrong command line or input file, 3 a file is not there or cannot be "
+    "written.\n"
     "Examples:\n"
     "  visual_hull views.json -o hull.ply\n"
     "  visual_hull --recording recordings/room --frame 12 --threads 2 --repeat 50\n"
@@ -31,6 +34,18 @@ constexpr const char* kDetails =
 constexpr int kExitUsage = 2;
 constexpr double kMaxCoordinate_m = 1e4;
 constexpr double kMinExtent_m = 0.01;
+
+// A range alone lets through what is not a number, which is neither below nor above.
+CLI::Validator number_in(double low, double high) {
+    CLI::Validator range = CLI::Range(low, high);
+    range.operation([low, high](std::string& text) {
+        double value = 0.0;
+        const bool inside = CLI::detail::lexical_cast(text, value) && value >= low && value <= high;
+        return inside ? std::string()
+                      : fmt::format("must be a number in [{}, {}], got {}", low, high, text);
+    });
+    return range;
+}
 
 // Six numbers, the corners of a box that has an extent.
 std::optional<geometry::Aabb> parse_bounds(const std::string& text) {
@@ -49,6 +64,17 @@ std::optional<geometry::Aabb> parse_bounds(const std::string& text) {
     return box;
 }
 
+std::string refuse_bounds(std::string& text) {
+    if (parse_bounds(text)) return "";
+    return fmt::format(
+        "must be six numbers X0,Y0,Z0,X1,Y1,Z1 in [{}, {}] m, the second corner higher "
+        "than the first by at least {} m in x, y and z, got {}",
+        -kMaxCoordinate_m,
+        kMaxCoordinate_m,
+        kMinExtent_m,
+        text);
+}
+
 // What decides which hull it is.
 void add_hull_options(CLI::App& app, ToolOptions& options) {
     auto* bounds =
@@ -57,14 +83,7 @@ void add_hull_options(CLI::App& app, ToolOptions& options) {
                [&](const std::string& text) { options.bounds = parse_bounds(text); },
                "where people can be: the hull is cut there; lowest and highest corner in metres")
             ->type_name("X0,Y0,Z0,X1,Y1,Z1")
-            ->check(CLI::Validator(
-                [](std::string& text) {
-                    return parse_bounds(text) ? std::string()
-                                              : "must be six numbers X0,Y0,Z0,X1,Y1,Z1 [m], the "
-                                                "second corner higher than the first, got " +
-                                                    text;
-                },
-                ""));
+            ->check(CLI::Validator(refuse_bounds, ""));
     app.add_flag("--partial",
                  options.partial,
                  "people may reach out of the pictures: what lies beyond 2 px inside of the border "
@@ -76,7 +95,7 @@ void add_hull_options(CLI::App& app, ToolOptions& options) {
         ->check(CLI::Range(0, 64))
         ->capture_default_str();
     app.add_option("--min-litres", options.min_litres, "drop smaller components, in litres")
-        ->check(CLI::Range(0.0, 1e6))
+        ->check(number_in(0.0, 1e6))
         ->capture_default_str();
     app.add_option("--without", options.without, "leave out the view of this name; may be repeated")
         ->type_name("NAME")
@@ -102,7 +121,9 @@ Start parse_command_line(int argc, char** argv, ToolOptions& options) {
         ->check(CLI::Range(0, 1'000'000'000))
         ->capture_default_str()
         ->needs(recording);
-    app.add_option("-o,--output", options.output, "write the mesh: .ply, .obj, .gltf or .glb");
+    app.add_option("-o,--output", options.output, "write the mesh: .ply, .obj, .gltf or .glb")
+        ->check(CLI::Validator(
+            [](std::string& text) { return text.empty() ? "must not be empty" : ""; }, ""));
     app.add_option("--threads", options.threads, "threads to compute with")
         ->check(CLI::Range(1, 256))
         ->capture_default_str();
@@ -116,7 +137,7 @@ Start parse_command_line(int argc, char** argv, ToolOptions& options) {
                    options.decimate_mm,
                    "leave out vertices while the surface stays within this distance, in "
                    "millimetres; adds decimated_triangles and distance_bound_mm to the report")
-        ->check(CLI::Range(1e-3, 1e3));
+        ->check(number_in(1e-3, 1e3));
     app.add_flag("--normals", options.normals, "write vertex normals as well");
     try {
         app.parse(argc, argv);

@@ -6,6 +6,7 @@
 #include "core/geometry/triangle_mesh.hpp"
 #include "site_node/hull/field_of_view.hpp"
 #include "site_node/hull_tool/coverage.hpp"
+#include "site_node/hull_tool/limits.hpp"
 #include "site_node/hull_tool/recording_views.hpp"
 #include "site_node/hull_tool/views_file.hpp"
 #include "site_node/silhouette/picture_field.hpp"
@@ -14,11 +15,20 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <new>
 #include <optional>
+#include <system_error>
 #include <vector>
 
 namespace atrium::hull_tool {
 namespace {
+
+std::string name_of_input(const ToolOptions& options) {
+    if (options.recording.empty()) return options.views_file.string();
+    return options.recording.string() + ", frame " + std::to_string(options.frame);
+}
 
 // Views of which any part is unknown get a field; it is that of the silhouettes of a recording.
 Expected<void> add_fields(std::vector<NamedView>& views) {
@@ -41,6 +51,10 @@ Expected<void> leave_out(const std::vector<std::string>& names, std::vector<Name
     for (const std::string& name : names) {
         const auto has_name = [&](const NamedView& view) { return view.name == name; };
         if (std::erase_if(views, has_name) > 0) continue;
+        if (std::count(names.begin(), names.end(), name) > 1) {
+            return make_error(ErrorKind::kConfiguration,
+                              "--without: view \"" + name + "\" is named twice");
+        }
         std::string known;
         for (const NamedView& view : views) known += (known.empty() ? "" : ", ") + view.name;
         return make_error(ErrorKind::kConfiguration,
@@ -64,8 +78,13 @@ Expected<std::vector<NamedView>> load_views(const ToolOptions& options) {
                               std::to_string(views->size()) + ", got " +
                               std::to_string(options.min_views));
     }
-    if (!options.partial) return views;
-    if (auto added = add_fields(*views); !added) return tl::unexpected(added.error());
+    if (options.partial) {
+        if (auto added = add_fields(*views); !added) return tl::unexpected(added.error());
+    }
+    if (auto within = check_limits(*views, options.bounds.has_value()); !within) {
+        return make_error(within.error().kind,
+                          name_of_input(options) + ": " + within.error().message);
+    }
     return views;
 }
 
@@ -173,26 +192,37 @@ Expected<void> write(const geometry::TriangleMesh& mesh, const ToolOptions& opti
     return geometry::write_mesh(options.output, mesh, normals);
 }
 
-std::string name_of_input(const ToolOptions& options) {
-    if (options.recording.empty()) return options.views_file.string();
-    return options.recording.string() + ", frame " + std::to_string(options.frame);
+// Whether it can be written, before the time of the computation is spent. Changes nothing.
+Expected<void> try_output(const std::filesystem::path& path) {
+    std::error_code failure;
+    const std::filesystem::file_status status = std::filesystem::status(path, failure);
+    const bool is_new = status.type() == std::filesystem::file_type::not_found;
+    const bool is_other = !is_new && !std::filesystem::is_regular_file(status) &&
+                          !std::filesystem::is_directory(status);
+    if (path.empty() || is_other) return {};  // whoever reads from a pipe would notice
+    const bool writable = std::ofstream(path, std::ios::binary | std::ios::app).is_open();
+    if (!writable)
+        return make_error(ErrorKind::kUnavailable, path.string() + ": cannot be written");
+    if (is_new) std::filesystem::remove(path, failure);
+    return {};
 }
 
-std::string advice(hull::HullStatus status) {
+std::string advice(hull::HullStatus status, const std::vector<NamedView>& views) {
     if (status == hull::HullStatus::kTooFewViews)
         return "; at least two cameras at different places are needed";
     if (status == hull::HullStatus::kUnbounded) return "; --bounds close it";
+    if (status == hull::HullStatus::kTooComplex) return explain_too_complex(views);
     return "";
 }
 
-}  // namespace
-
-Expected<std::string> run(const ToolOptions& options) {
+Expected<std::string> run_unguarded(const ToolOptions& options) {
     if (!options.output.empty() && !geometry::is_mesh_path(options.output)) {
         return make_error(
             ErrorKind::kConfiguration,
             options.output.string() + ": unknown mesh format; use .ply, .obj, .gltf or .glb");
     }
+    if (auto writable = try_output(options.output); !writable)
+        return tl::unexpected(writable.error());
     const auto views = load_views(options);
     if (!views) return tl::unexpected(views.error());
     Measured measured = compute(*views, options);
@@ -200,9 +230,9 @@ Expected<std::string> run(const ToolOptions& options) {
     if (status != hull::HullStatus::kOk && status != hull::HullStatus::kEmptyIntersection) {
         const bool is_input =
             status == hull::HullStatus::kTooFewViews || status == hull::HullStatus::kInvalidInput;
-        return make_error(
-            is_input ? ErrorKind::kConfiguration : ErrorKind::kInvalidData,
-            name_of_input(options) + ": no hull: " + hull::to_string(status) + advice(status));
+        return make_error(is_input ? ErrorKind::kConfiguration : ErrorKind::kInvalidData,
+                          name_of_input(options) + ": no hull: " + hull::to_string(status) +
+                              advice(status, *views));
     }
     if (options.decimate_mm > 0.0) {
         if (auto done = decimate(measured, options); !done) return tl::unexpected(done.error());
@@ -212,6 +242,20 @@ Expected<std::string> run(const ToolOptions& options) {
         if (auto written = write(mesh, options); !written) return tl::unexpected(written.error());
     }
     return report(*views, options, measured).dump(2);
+}
+
+}  // namespace
+
+Expected<std::string> run(const ToolOptions& options) {
+    try {
+        return run_unguarded(options);
+    } catch (const std::bad_alloc&) {
+        return make_error(ErrorKind::kInternal, name_of_input(options) + ": not enough memory");
+    } catch (const std::system_error& error) {
+        return make_error(ErrorKind::kInternal,
+                          "--threads: " + std::to_string(options.threads) +
+                              " cannot be started: " + error.code().message());
+    }
 }
 
 }  // namespace atrium::hull_tool

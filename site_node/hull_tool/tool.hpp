@@ -28,15 +28,18 @@ struct ToolOptions {
     bool normals = false;      // written with the mesh
 };
 
-/// Reads the command line; where the program is to end at once (help, version, an error, which was
-/// printed), false and the exit code.
+/// How the program goes on after its command line.
 struct Start {
     bool go_on = false;
-    int exit_code = 0;
+    int exit_code = 0;  // otherwise
 };
+
+/// Reads the command line; where the program is to end at once (help, version, an error, which was
+/// printed), false and the exit code.
 Start parse_command_line(int argc, char** argv, ToolOptions& options);
 
-/// Computes the hull, writes the mesh and returns the report, one JSON object.
+/// Computes the hull, writes the mesh and returns the report, one JSON object. Lack of memory or
+/// threads is an error as well: kInternal.
 Expected<std::string> run(const ToolOptions& options);
 
 }  // namespace atrium::hull_tool

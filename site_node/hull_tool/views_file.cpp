@@ -4,21 +4,64 @@
 #include <Eigen/LU>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
+#include <initializer_list>
 #include <set>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace atrium::hull_tool {
 namespace {
 
 using nlohmann::json;
 
+// Coverage takes four bytes of each pixel. As many as 8192 x 8192, the largest of a rig.
+constexpr std::int64_t kMaxPixels = 67'108'864;
 constexpr double kMaxRotationError = 1e-3;  // digits that a person may have left out
 
 // What is wrong with one value; the caller adds the file.
 struct BadValue {
     std::string message;
+};
+
+// A key that nobody reads is a misunderstanding, of `distortion` for example.
+void refuse_unknown(const json& object,
+                    const std::string& where,
+                    std::initializer_list<std::string_view> known) {
+    for (const auto& [key, value] : object.items()) {
+        if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+        std::string list;
+        for (const std::string_view name : known)
+            list.append(list.empty() ? "" : ", ").append(name);
+        throw BadValue{where + ": unknown key \"" + key + "\"; known here: " + list};
+    }
+}
+
+// Of keys that are repeated JSON's readers take one and say nothing.
+class RepeatedKeys {
+public:
+    bool operator()(int, json::parse_event_t event, const json& parsed) {
+        if (event == json::parse_event_t::object_start) {
+            keys_.emplace_back();
+        } else if (event == json::parse_event_t::object_end) {
+            keys_.pop_back();
+            if (keys_.size() == 1) ++num_views_;
+        } else if (event == json::parse_event_t::key &&
+                   !keys_.back().insert(parsed.get<std::string>()).second) {
+            const std::string where =
+                keys_.size() > 1 ? "views[" + std::to_string(num_views_) + "]" : "document";
+            throw BadValue{where + ": key " + parsed.dump() + " is there twice"};
+        }
+        return true;
+    }
+
+private:
+    std::vector<std::set<std::string>> keys_;  // of the objects around this place
+    std::size_t num_views_ = 0;                // that are complete
 };
 
 const json& member(const json& object, const std::string& where, const char* key) {
@@ -101,6 +144,19 @@ NamedView read_view(const json& object, std::size_t index) {
     std::string where = "views[" + std::to_string(index) + "]";
     if (!object.is_object()) throw BadValue{where + ": must be an object"};
     NamedView out;
+    refuse_unknown(object,
+                   where,
+                   {"name",
+                    "width",
+                    "height",
+                    "fx",
+                    "fy",
+                    "cx",
+                    "cy",
+                    "skew",
+                    "rotation",
+                    "translation",
+                    "contours"});
     const json& name = member(object, where, "name");
     if (!name.is_string()) throw BadValue{where + ".name: must be text"};
     out.name = name.get<std::string>();
@@ -108,6 +164,10 @@ NamedView read_view(const json& object, std::size_t index) {
     geometry::PinholeCamera& camera = out.view.intrinsics;
     camera.width = size_at(object, where, "width");
     camera.height = size_at(object, where, "height");
+    if (std::int64_t{camera.width} * camera.height > kMaxPixels) {
+        throw BadValue{where + ": width times height must be at most " +
+                       std::to_string(kMaxPixels)};
+    }
     camera.fx = positive_at(object, where, "fx");
     camera.fy = positive_at(object, where, "fy");
     camera.cx = number_at(object, where, "cx");
@@ -126,6 +186,7 @@ NamedView read_view(const json& object, std::size_t index) {
 
 std::vector<NamedView> read_views(const json& document) {
     if (!document.is_object()) throw BadValue{"must be a JSON object"};
+    refuse_unknown(document, "document", {"views"});
     const json& list = member(document, "document", "views");
     if (!list.is_array()) throw BadValue{"views: must be a list"};
     std::vector<NamedView> views;
@@ -147,7 +208,7 @@ Expected<std::vector<NamedView>> load_views_file(const std::filesystem::path& pa
         return make_error(ErrorKind::kNotFound, path.string() + ": cannot be read");
     }
     try {
-        return read_views(json::parse(file));
+        return read_views(json::parse(file, RepeatedKeys()));
     } catch (const BadValue& bad) {
         return make_error(ErrorKind::kConfiguration, path.string() + ": " + bad.message);
     } catch (const json::exception& error) {

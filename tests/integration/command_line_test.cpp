@@ -22,11 +22,12 @@ struct Outcome {
     std::string output;  // both streams
 };
 
-Outcome run(const std::string& command) {
+// `before`: shell commands, for example limits of its resources.
+Outcome run(const std::string& command, const std::string& before = "") {
     Outcome outcome;
     // a time limit of its own, so that a program that hangs is a failure of this test
-    FILE* pipe =
-        popen(("timeout 60 " ATRIUM_BIN_DIR "/" + command + " 2>&1 </dev/null").c_str(), "r");
+    FILE* pipe = popen(
+        (before + "timeout 60 " ATRIUM_BIN_DIR "/" + command + " 2>&1 </dev/null").c_str(), "r");
     std::array<char, 4096> buffer;
     while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
         outcome.output.append(buffer.data(), n);
@@ -166,6 +167,79 @@ TEST_F(CommandLine, VisualHullNamesTheNumberThatCannotBe) {
                                          "contours": []}]})"));
     EXPECT_EQ(outcome.exit_code, 2);
     EXPECT_THAT(outcome.output, AllOf(HasSubstr("views.json"), HasSubstr("fx")));
+}
+
+// Three cameras on the axes that see a square, in pictures of that width and height.
+std::string cube(int size_px) {
+    std::string views;
+    int number = 0;
+    for (const char* rotation :
+         {"0,1,0,0,0,-1,-1,0,0", "-1,0,0,0,0,-1,0,-1,0", "1,0,0,0,-1,0,0,0,-1"}) {
+        const std::string size = std::to_string(size_px);
+        views += std::string(views.empty() ? "" : ",") + R"({"name": "cam)" +
+                 std::to_string(number++) + R"(", "width": )" + size + R"(, "height": )" + size +
+                 R"(, "fx": 1600, "fy": 1600, "cx": 320, "cy": 240, "rotation": [)" + rotation +
+                 R"(], "translation": [0, 0, 8], "contours": [[[220.3, 140.3], [419.7, 140.4],
+                     [419.8, 339.7], [220.2, 339.6]]]})";
+    }
+    return "{\"views\": [" + views + "]}";
+}
+
+TEST_F(CommandLine, VisualHullSaysThatMemoryOrThreadsAreLacking) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    GTEST_SKIP() << "sanitizers need more address space than any limit leaves";
+#endif
+    const std::string limit = "ulimit -v 500000; ";  // [KiB]; the libraries take 300,000
+    const Outcome large = run("visual_hull " + file("large.json", cube(8192)), limit);
+    EXPECT_EQ(large.exit_code, 1);
+    EXPECT_THAT(large.output, AllOf(HasSubstr("large.json"), HasSubstr("not enough memory")));
+    const std::string views = file("views.json", cube(640));
+    EXPECT_EQ(run("visual_hull " + views, limit).exit_code, 0);
+    const Outcome threads = run("visual_hull " + views + " --threads 256", limit);
+    EXPECT_EQ(threads.exit_code, 1);
+    EXPECT_THAT(threads.output, HasSubstr("--threads: 256 cannot be started"));
+}
+
+TEST_F(CommandLine, VisualHullHasAnExitCodeForEachEnd) {
+    const std::string help = run("visual_hull --help").output;
+    for (const char* code : {"0 done", "1 no hull", "2 wrong", "3 a file"})
+        EXPECT_THAT(help, HasSubstr(code));
+    const std::string views = file("views.json", cube(640));
+    const Outcome done = run("visual_hull " + views + " --min-litres 9000");
+    EXPECT_EQ(done.exit_code, 0);
+    EXPECT_THAT(done.output,
+                AllOf(HasSubstr("empty intersection"), HasSubstr("\"closed\": false")));
+    const Outcome bounded =
+        run("visual_hull " + views + " --without cam0 --without cam1 " + "--bounds -1,-1,-1,1,1,1");
+    EXPECT_EQ(bounded.exit_code, 0);  // one camera and bounds
+    const Outcome few = run("visual_hull " + views + " --without cam0 --without cam1");
+    EXPECT_EQ(few.exit_code, 2);
+    EXPECT_THAT(few.output, HasSubstr("too few views"));
+    const Outcome output = run("visual_hull " + views + " -o /nonexistent/hull.ply");
+    EXPECT_EQ(output.exit_code, 3);
+    EXPECT_THAT(output.output, HasSubstr("/nonexistent/hull.ply"));
+}
+
+TEST_F(CommandLine, VisualHullOfThePersonThatComesAlong) {
+    const std::string mesh = (folder_ / "hull.ply").string();
+    const Outcome outcome =
+        run("visual_hull " ATRIUM_SOURCE_DIR "/deploy/views/person.json -o " + mesh);
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_THAT(outcome.output,
+                AllOf(HasSubstr("\"status\": \"ok\""),
+                      HasSubstr("\"components\": 1,"),
+                      HasSubstr("\"manifold\": true")));
+    EXPECT_GT(fs::file_size(mesh), 10'000u);
+}
+
+TEST_F(CommandLine, VisualHullSaysWhichBoundsThereAre) {
+    for (const char* bounds : {"0,0,0,0.005,1,1", "-1,-1,-1,1,1,20000"}) {
+        const Outcome outcome = run(std::string("visual_hull views.json --bounds ") + bounds);
+        EXPECT_EQ(outcome.exit_code, 2);
+        EXPECT_THAT(
+            outcome.output,
+            AllOf(HasSubstr("[-10000, 10000] m"), HasSubstr("at least 0.01 m"), HasSubstr(bounds)));
+    }
 }
 
 TEST_F(CommandLine, TheDemoRefusesNobodyAndAFolderThatCannotBe) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <new>
 #include <numeric>
 #include <vector>
 
@@ -46,6 +47,22 @@ TEST(ThreadPool, ResultsAreSeenByTheCaller) {
     const auto body = [&](std::size_t task, std::size_t) { squares[task] = task * task; };
     pool.parallel_for(squares.size(), body);
     for (std::size_t i = 0; i < squares.size(); ++i) ASSERT_EQ(squares[i], i * i);
+}
+
+TEST(ThreadPool, GivesTheCallerWhatABodyThrowsAndGoesOn) {
+    for (const std::size_t num_workers : {1u, 2u, 5u}) {
+        ThreadPool pool(num_workers);
+        for (const std::size_t bad_task : {0u, 50u, 99u}) {
+            const auto body = [&](std::size_t task, std::size_t) {
+                if (task >= bad_task) throw std::bad_alloc();  // of several workers at once
+            };
+            EXPECT_THROW(pool.parallel_for(100, body), std::bad_alloc) << num_workers;
+            std::atomic<int> num_done{0};
+            const auto next = [&](std::size_t, std::size_t) { ++num_done; };
+            pool.parallel_for(100, next);
+            EXPECT_EQ(num_done, 100);
+        }
+    }
 }
 
 TEST(ThreadPool, MayBeDestroyedWithoutEverBeingUsed) { const ThreadPool pool(8); }

@@ -70,6 +70,12 @@ TEST(TableReader, NamesFileLineAndKeyOfAnUnknownKey) {
                 AllOf(HasSubstr("room.toml:4"), HasSubstr("hull.treads"), HasSubstr("threads")));
 }
 
+TEST(TableReader, KnowsKeysThatWereOnlyLookedFor) {
+    TableReader reader = reader_of("[hull]\nbound = 1\n");
+    EXPECT_FALSE(reader.has("hull.bounds"));
+    EXPECT_THAT(reader.finish().error().message, HasSubstr("known here: bounds"));
+}
+
 TEST(TableReader, NamesAnUnknownTable) {
     TableReader reader = reader_of("[hul]\nthreads = 2\n");
     int threads = 1;

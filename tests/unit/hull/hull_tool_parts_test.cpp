@@ -1,5 +1,6 @@
 // Parts of the tool that need no views file.
 #include "site_node/hull_tool/coverage.hpp"
+#include "site_node/hull_tool/limits.hpp"
 #include "site_node/hull_tool/tool.hpp"
 
 #include <gmock/gmock.h>
@@ -24,6 +25,7 @@ TEST(HullToolCommandLine, EndsWithUsageErrorsBeforeAnyWork) {
         exit_code_of(
             {"views.json", "-o", "x.ply", "--threads", "2", "--repeat", "9", "--keep-phantoms"}),
         -1);
+    EXPECT_EQ(exit_code_of({"views.json", "-o", ""}), 2);
     EXPECT_EQ(exit_code_of({"--recording", "room", "--frame", "3"}), -1);
     EXPECT_EQ(exit_code_of({"views.json", "--decimate", "5", "--normals"}), -1);
     EXPECT_EQ(exit_code_of({"views.json", "--decimate", "0"}), 2);
@@ -36,6 +38,10 @@ TEST(HullToolCommandLine, EndsWithUsageErrorsBeforeAnyWork) {
     EXPECT_EQ(exit_code_of({"views.json", "--min-views", "65"}), 2);
     EXPECT_EQ(exit_code_of({"views.json", "--min-views", "-1"}), 2);
     EXPECT_EQ(exit_code_of({"views.json", "--min-litres", "-1"}), 2);
+    for (const char* option : {"--min-litres", "--decimate"}) {
+        for (const char* wrong : {"nan", "-nan", "inf", "1e7", "x", ""})
+            EXPECT_EQ(exit_code_of({"views.json", option, wrong}), 2) << option << " " << wrong;
+    }
     EXPECT_EQ(exit_code_of({"views.json", "--without"}), 2);
     for (const std::string wrong : {"",
                                     "0,0,0,1,1",
@@ -107,6 +113,81 @@ TEST(Coverage, CountsPixelCentres) {
     EXPECT_EQ(seen.silhouette_px, 3600u);
     EXPECT_EQ(seen.covered_px, 2400u);
     EXPECT_EQ(seen.excess_px, 0u);
+}
+
+class Limits : public testing::Test {
+protected:
+    // What the tool says; checks that the hull agrees about it.
+    static std::string error_of(const std::vector<NamedView>& views, bool has_bounds = false) {
+        hull::HullOptions options;
+        if (has_bounds) options.bounds = geometry::Aabb{{-1, -1, -1}, {1, 1, 1}};
+        std::vector<hull::SilhouetteView> silhouettes;
+        for (const NamedView& view : views) silhouettes.push_back(view.view);
+        hull::HullScratch scratch;
+        const hull::HullStatus status =
+            hull::compute_visual_hull(silhouettes, options, scratch).status;
+        const auto within = check_limits(views, has_bounds);
+        EXPECT_EQ(
+            within.has_value(),
+            status != hull::HullStatus::kInvalidInput && status != hull::HullStatus::kTooComplex)
+            << hull::to_string(status);
+        return within ? "" : within.error().message;
+    }
+
+    // Contours of one point over and over: the hull counts them and sees nothing, at once.
+    static std::vector<NamedView> views_of(std::size_t num_views, std::size_t num_points) {
+        std::vector<NamedView> views(num_views);
+        for (std::size_t i = 0; i < num_views; ++i) {
+            views[i].name = "v" + std::to_string(i);
+            views[i].view.intrinsics = {64, 48, 60.0, 60.0, 31.5, 23.5};
+            views[i].view.camera_from_site.translation = {0.0, 0.0, 3.0 + static_cast<double>(i)};
+            views[i].view.contours = {{num_points, Eigen::Vector2d(20.0, 20.0)}};
+        }
+        return views;
+    }
+};
+
+TEST_F(Limits, OfViews) {
+    EXPECT_EQ(error_of(views_of(64, 3)), "");
+    EXPECT_EQ(error_of(views_of(65, 3)), "65 views; at most 64 are possible");
+    EXPECT_EQ(error_of(views_of(62, 3), true), "");
+    EXPECT_THAT(
+        error_of(views_of(63, 3), true),
+        testing::AllOf(testing::HasSubstr("63 views; at most 62"), testing::HasSubstr("--bounds")));
+}
+
+TEST_F(Limits, OfFocalLengths) {
+    std::vector<NamedView> views = views_of(3, 3);
+    views[1].view.intrinsics.fx = 1e-3;
+    views[2].view.intrinsics.fy = 1e7;
+    EXPECT_EQ(error_of(views), "");
+    views[1].view.intrinsics.fx = 1e-5;
+    EXPECT_EQ(error_of(views), "view \"v1\".fx: must be in [0.001, 10000000] px, got 1e-05");
+    views = views_of(3, 3);
+    views[2].view.intrinsics.fy = 1.1e7;
+    EXPECT_THAT(error_of(views), testing::HasSubstr("view \"v2\".fy"));
+}
+
+TEST_F(Limits, OfPoints) {
+    std::vector<NamedView> few = views_of(4, 50'000);
+    EXPECT_EQ(error_of(few), "");
+    few[2].view.contours[0].emplace_back(20.0, 20.0);
+    EXPECT_THAT(error_of(few),
+                testing::AllOf(testing::HasSubstr("200001 points"),
+                               testing::HasSubstr("4 views may have at most 200000"),
+                               testing::HasSubstr("\"v2\": 50001")));
+    std::vector<NamedView> many = views_of(40, 2'500);
+    EXPECT_EQ(error_of(many), "");
+    many[39].view.contours[0].emplace_back(20.0, 20.0);
+    EXPECT_THAT(error_of(many), testing::HasSubstr("40 views may have at most 100000"));
+}
+
+TEST_F(Limits, OfContoursAreExplainedAfterwards) {
+    std::vector<NamedView> views = views_of(2, 3);
+    EXPECT_THAT(explain_too_complex(views), testing::HasSubstr("steps"));
+    views[1].view.contours.resize(2001);
+    EXPECT_EQ(explain_too_complex(views),
+              "; view \"v1\" has 2001 contours, at most 2000 are possible");
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ namespace atrium::hull_tool {
 namespace {
 
 using nlohmann::json;
+using testing::AllOf;
 using testing::HasSubstr;
 
 // Three cameras 8 m away on the axes that see a square of 1 m each.
@@ -143,6 +144,8 @@ TEST_F(HullTool, LeavesOutViews) {
     options_.without = {"cam1", "north"};
     EXPECT_THAT(run(options_).error().message,
                 testing::AllOf(HasSubstr("--without"), HasSubstr("\"north\""), HasSubstr("cam2")));
+    options_.without = {"cam1", "cam1"};
+    EXPECT_EQ(run(options_).error().message, "--without: view \"cam1\" is named twice");
     options_.without = {"cam1", "cam0"};
     EXPECT_THAT(run(options_).error().message, HasSubstr("too few views"));
 }
@@ -179,6 +182,9 @@ TEST_F(HullTool, NamesFileViewAndKeyOfWhatIsWrong) {
                 HasSubstr("view \"cam1\".fy: must be positive"));
     EXPECT_THAT(error_after([](json& d) { d["views"][2]["width"] = 1e9; }),
                 HasSubstr("view \"cam2\".width"));
+    EXPECT_THAT(
+        error_after([](json& d) { d["views"][2]["width"] = d["views"][2]["height"] = 8193; }),
+        HasSubstr("view \"cam2\": width times height must be at most 67108864"));
     EXPECT_THAT(error_after([](json& d) { d["views"][0]["rotation"][4] = 0.5; }),
                 HasSubstr("view \"cam0\".rotation"));
     EXPECT_THAT(error_after([](json& d) { d["views"][0]["contours"][0][2] = "x"; }),
@@ -190,6 +196,16 @@ TEST_F(HullTool, NamesFileViewAndKeyOfWhatIsWrong) {
                     d["views"].erase(1);
                 }),
                 HasSubstr("too few views"));
+    EXPECT_THAT(error_after([](json& d) {
+                    d["views"][1]["distortion"] = {0.1, 0, 0, 0, 0};
+                }),
+                AllOf(HasSubstr("views[1]: unknown key \"distortion\""), HasSubstr("skew")));
+    EXPECT_THAT(error_after([](json& d) { d["cameras"] = 3; }),
+                HasSubstr("document: unknown key \"cameras\""));
+    std::string twice = cube_document().dump();
+    twice.insert(twice.rfind("\"fx\""), "\"fx\":1500,");
+    write(twice);
+    EXPECT_THAT(run(options_).error().message, HasSubstr("views[2]: key \"fx\" is there twice"));
     write("{\"views\": [");
     EXPECT_THAT(run(options_).error().message, HasSubstr("views.json: "));
     options_.views_file = folder_ / "none.json";
@@ -199,6 +215,26 @@ TEST_F(HullTool, NamesFileViewAndKeyOfWhatIsWrong) {
 TEST_F(HullTool, RefusesUnknownMeshFormatsBeforeItComputes) {
     options_.output = folder_ / "hull.stl";
     EXPECT_THAT(run(options_).error().message, HasSubstr(".ply, .obj, .gltf or .glb"));
+}
+
+TEST_F(HullTool, FindsThatTheOutputCannotBeWrittenBeforeAnythingElse) {
+    options_.output = folder_ / "none" / "hull.ply";
+    options_.views_file = folder_ / "none.json";
+    const auto report = run(options_);
+    ASSERT_FALSE(report);
+    EXPECT_EQ(report.error().kind, ErrorKind::kUnavailable);
+    EXPECT_THAT(report.error().message, HasSubstr("hull.ply: cannot be written"));
+}
+
+TEST_F(HullTool, LeavesTheOutputAsItIsWhereThereIsNoHull) {
+    options_.views_file = folder_ / "none.json";
+    options_.output = folder_ / "new.ply";
+    EXPECT_FALSE(run(options_));
+    EXPECT_FALSE(std::filesystem::exists(options_.output));
+    options_.output = folder_ / "old.ply";
+    std::ofstream(options_.output) << "old";
+    EXPECT_FALSE(run(options_));
+    EXPECT_EQ(std::filesystem::file_size(options_.output), 3u);
 }
 
 TEST_F(HullTool, WritesAPlyThatSaysWhatItHolds) {

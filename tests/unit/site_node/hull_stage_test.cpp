@@ -34,7 +34,7 @@ TEST(HullStage, NamesTheKeyThatDoesNotFitTheRig) {
     options = {};
     options.regions = {{"stage", kRoom, {"cam0", "cam7"}}};
     EXPECT_THAT(error_of(cameras, options),
-                testing::AllOf(HasSubstr("hull.region 'stage': cameras"),
+                testing::AllOf(HasSubstr("hull.region[0].cameras"),
                                HasSubstr("no camera 'cam7'"),
                                HasSubstr("cam0, cam1, cam2, cam3")));
     options.regions[0].cameras = {"cam0", "cam0"};
@@ -50,6 +50,8 @@ TEST(HullStage, NamesTheKeyThatDoesNotFitTheRig) {
     options.bounds = kRoom;
     options.whole_cameras = {"top"};
     EXPECT_THAT(error_of(cameras, options), HasSubstr("hull.whole_cameras: there is no camera"));
+    options.whole_cameras = {"cam0", "cam0"};
+    EXPECT_THAT(error_of(cameras, options), HasSubstr("hull.whole_cameras: 'cam0' is named twice"));
     options.whole_cameras.clear();
     cameras[2].intrinsics.distortion[0] = -30.0;
     EXPECT_THAT(error_of(cameras, options),

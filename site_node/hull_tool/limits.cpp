@@ -1,0 +1,84 @@
+#include "site_node/hull_tool/limits.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+
+namespace atrium::hull_tool {
+namespace {
+
+// Those of the hull (docs/hull.md, "Limits"), which it has no need to tell apart; a test holds both
+// against each other.
+constexpr std::size_t kViewsOfBounds = 2;
+constexpr double kMinFocal_px = 1e-3;
+constexpr double kMaxFocal_px = 1e7;
+constexpr std::size_t kMaxPointsTimesViews = 4'000'000;
+constexpr std::size_t kMaxContours = 2000;
+
+tl::unexpected<Error> beyond(std::string text) {
+    return make_error(ErrorKind::kConfiguration, std::move(text));
+}
+
+std::size_t num_points(const NamedView& view) {
+    std::size_t sum = view.view.field.size();
+    for (const auto& contour : view.view.contours) sum += contour.size();
+    return sum;
+}
+
+}  // namespace
+
+Expected<void> check_limits(std::span<const NamedView> views, bool has_bounds) {
+    const std::size_t most_views = hull::kMaxViews - (has_bounds ? kViewsOfBounds : 0);
+    if (views.size() > most_views) {
+        return beyond(fmt::format("{} views; at most {} are possible{}",
+                                  views.size(),
+                                  most_views,
+                                  has_bounds ? " with --bounds, which count as two" : ""));
+    }
+    std::size_t sum = 0;
+    const NamedView* largest = nullptr;
+    for (const NamedView& view : views) {
+        const geometry::PinholeCamera& camera = view.view.intrinsics;
+        for (const auto& [key, focal_px] : {std::pair{"fx", camera.fx}, {"fy", camera.fy}}) {
+            if (focal_px >= kMinFocal_px && focal_px <= kMaxFocal_px) continue;
+            return beyond(fmt::format("view \"{}\".{}: must be in [{}, {}] px, got {}",
+                                      view.name,
+                                      key,
+                                      kMinFocal_px,
+                                      kMaxFocal_px,
+                                      focal_px));
+        }
+        sum += num_points(view);
+        if (largest == nullptr || num_points(view) > num_points(*largest)) largest = &view;
+    }
+    const std::size_t most_points =
+        std::min(hull::HullOptions{}.max_segments,
+                 kMaxPointsTimesViews / std::max<std::size_t>(views.size(), 1));
+    if (sum <= most_points) return {};
+    return make_error(
+        ErrorKind::kInvalidData,
+        fmt::format("too complex: {} points of contours; {} views may have at most {} ({}, and {} "
+                    "divided by the number of views); most are of view \"{}\": {}",
+                    sum,
+                    views.size(),
+                    most_points,
+                    hull::HullOptions{}.max_segments,
+                    kMaxPointsTimesViews,
+                    largest->name,
+                    num_points(*largest)));
+}
+
+std::string explain_too_complex(std::span<const NamedView> views) {
+    for (const NamedView& view : views) {
+        if (view.view.contours.size() <= kMaxContours) continue;
+        return fmt::format("; view \"{}\" has {} contours, at most {} are possible",
+                           view.name,
+                           view.view.contours.size(),
+                           kMaxContours);
+    }
+    return fmt::format("; the outlines cross each other in more than {} steps",
+                       hull::HullOptions{}.max_steps);
+}
+
+}  // namespace atrium::hull_tool
