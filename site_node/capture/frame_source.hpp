@@ -2,10 +2,12 @@
 
 #include "core/base/expected.hpp"
 #include "core/config/rig.hpp"
+#include "site_node/capture/camera_counters.hpp"
 #include "site_node/capture/metaframe.hpp"
 
 #include <functional>
 #include <stop_token>
+#include <vector>
 
 namespace atrium::capture {
 
@@ -31,6 +33,10 @@ public:
 
     /// Delivers pictures at the source's rate until the stop or the end of the source.
     virtual Expected<void> run(std::stop_token stop, const Sink& sink) = 0;
+
+    /// What became of the pictures of each camera; empty where nothing can become of them.
+    /// Thread-safe.
+    virtual std::vector<CameraCounters> camera_counters() const { return {}; }
 };
 
 }  // namespace atrium::capture
