@@ -32,6 +32,7 @@ struct Pipeline::CameraStage {
     texture::TextureScratch texture;
     codec::TextureCrop crop;
     codec::TextureEncoder encoder;
+    bool is_left_out = false;  // there is no background
     bool sees_somebody = false;
     double segmentation_ms = 0.0;
     double polygons_ms = 0.0;
@@ -81,6 +82,10 @@ Expected<Pipeline> Pipeline::create(capture::FrameSource& source,
                 fmt::format(
                     "camera '{}': no background: {}", pipeline.cameras_[i].name, error.message));
         };
+        if (!shown && shown.error().kind == ErrorKind::kUnavailable) {
+            pipeline.stages_[i]->is_left_out = true;
+            continue;
+        }
         if (!shown) return with_camera(shown.error());
         if (!added) return with_camera(added.error());
         auto model = learner.finish(options.segmentation);
@@ -88,6 +93,14 @@ Expected<Pipeline> Pipeline::create(capture::FrameSource& source,
         pipeline.stages_[i]->background = std::move(*model);
     }
     return pipeline;
+}
+
+std::vector<std::string> Pipeline::cameras_without_background() const {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < stages_.size(); ++i) {
+        if (stages_[i]->is_left_out) names.push_back(cameras_[i].name);
+    }
+    return names;
 }
 
 Expected<void> Pipeline::find_silhouette(const capture::CameraFrame& frame, CameraStage& stage) {
@@ -118,7 +131,7 @@ Expected<void> Pipeline::find_silhouettes(const capture::Metaframe& metaframe, E
     const auto work_on_camera = [&](std::size_t i, std::size_t) {
         CameraStage& stage = *stages_[i];
         stage.begin();
-        delivered_[i] = metaframe.frames[i].image.empty() ? 0 : 1;
+        delivered_[i] = metaframe.frames[i].image.empty() || stage.is_left_out ? 0 : 1;
         if (delivered_[i] != 0) stage.result = find_silhouette(metaframe.frames[i], stage);
     };
     executor.parallel_for(cameras_.size(), work_on_camera);

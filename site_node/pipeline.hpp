@@ -14,6 +14,7 @@
 
 #include <memory>
 #include <stop_token>
+#include <string>
 #include <vector>
 
 namespace atrium::site_node {
@@ -75,10 +76,14 @@ struct SiteFrame {
 /// own.
 class Pipeline {
 public:
-    /// Learns the empty room from `source`, unless its frames carry silhouettes.
+    /// Learns the empty room from `source`, unless its frames carry silhouettes. A camera that
+    /// cannot show it now (kUnavailable) is left out from then on.
     static Expected<Pipeline> create(capture::FrameSource& source,
                                      const PipelineOptions& options,
                                      std::stop_token stop);
+
+    /// Names of those that are left out.
+    std::vector<std::string> cameras_without_background() const;
 
     Pipeline(Pipeline&&) noexcept;
     Pipeline& operator=(Pipeline&&) noexcept;
