@@ -51,6 +51,7 @@ struct AravisCamera::Session {
     GPtr<ArvCamera> camera;
     gulong lost_handler = 0;
     std::unique_ptr<AravisStream> stream;
+    bool is_untriggered = false;  // as was told
 
     Session() = default;
     Session(const Session&) = delete;
@@ -264,8 +265,13 @@ std::int64_t AravisCamera::silence_ns() const { return now_ns() - last_sign_ns_;
 // Where the trigger is not ours it may just pause: then all cameras are silent.
 bool AravisCamera::is_silent_for_good(Session& session) {
     const bool others_deliver = commons_.last_picture_ns > last_sign_ns_;
-    if (request_.trigger != TriggerMode::kExternal || others_deliver) return true;
-    return !session.answers() || !is_under_control(*session.camera);
+    if (request_.trigger != TriggerMode::kExternal || others_deliver || !session.answers() ||
+        !is_under_control(*session.camera)) {
+        return true;
+    }
+    if (!std::exchange(session.is_untriggered, true))
+        tell(true, "is under control and sends nothing, like all others: is it triggered?");
+    return false;
 }
 
 void AravisCamera::close(std::unique_ptr<Session> session, End end) {

@@ -9,6 +9,21 @@
 #include <vector>
 
 namespace atrium::capture {
+namespace {
+
+// IP, UDP and GVSP headers, part of the packet size.
+constexpr std::size_t kPacketOverhead_bytes = 36;
+
+// Aravis counts every packet that finds no buffer.
+std::uint64_t pictures_in(std::uint64_t num_packets, const CameraFormat& format) {
+    const auto packet = static_cast<std::size_t>(std::max(format.packet_bytes, 0));
+    if (packet <= kPacketOverhead_bytes) return num_packets;  // USB: it counts pictures
+    const std::size_t data = packet - kPacketOverhead_bytes;
+    const std::size_t per_picture = (format.payload_bytes + data - 1) / data + 2;  // its two ends
+    return (num_packets + per_picture - 1) / per_picture;
+}
+
+}  // namespace
 
 // What pictures share with their stream. They may outlive it: the memory is here.
 struct AravisStream::Buffers {
@@ -101,7 +116,7 @@ StreamCounts AravisStream::counts() const {
     guint64 unused = 0;
     guint64 underruns = 0;
     arv_stream_get_statistics(stream_.get(), &unused, &unused, &underruns);
-    counts.num_without_buffer = underruns;
+    counts.num_without_buffer = pictures_in(underruns, format_);
     if (ARV_IS_GV_STREAM(stream_.get())) {
         guint64 resent = 0;
         arv_gv_stream_get_statistics(ARV_GV_STREAM(stream_.get()), &resent, &unused);

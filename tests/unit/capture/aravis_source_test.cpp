@@ -224,6 +224,64 @@ TEST_F(AravisSourceTest, SoftwareTriggersReachAllCameras) {
     }
 }
 
+TEST_F(AravisSourceTest, ACameraThatIsNotTriggeredIsNotLost) {
+    add_fake(fake_options(0));  // nothing ever comes by its line
+    CamerasOptions options = options_of(1);
+    options.trigger = TriggerMode::kExternal;
+    const auto source = open(options, 40.0);
+    ASSERT_TRUE(source) << source.error().message;
+    EXPECT_EQ(fakes_[0]->register_value(ARV_FAKE_CAMERA_REGISTER_TRIGGER_MODE), 1u);
+    EXPECT_EQ(fakes_[0]->register_value(ARV_FAKE_CAMERA_REGISTER_TRIGGER_SOURCE), 0u);  // Line0
+    EXPECT_TRUE(wait_for_event("camera 'cam0' is under control and sends nothing"));
+    const CameraCounters counters = (*source)->camera_counters()[0];
+    EXPECT_TRUE(counters.connected);
+    EXPECT_EQ(counters.num_reconnects, 0u);
+    EXPECT_EQ(counters.num_received, 0u);
+    fakes_[0].reset();
+    EXPECT_TRUE(wait_for_event("camera 'cam0' is lost"));
+}
+
+TEST_F(AravisSourceTest, ALineThatACameraLacksIsNamed) {
+    add_fake(fake_options(0));
+    CamerasOptions options = options_of(1);
+    options.trigger = TriggerMode::kExternal;
+    options.common.trigger_source = "Line7";
+    const auto wrong = open(options);
+    ASSERT_FALSE(wrong);
+    EXPECT_EQ(wrong.error().kind, ErrorKind::kConfiguration);
+    EXPECT_THAT(wrong.error().message, HasSubstr("the camera refuses the source 'Line7'"));
+    EXPECT_THAT(wrong.error().message, HasSubstr("it has Line0, Software"));
+}
+
+TEST_F(AravisSourceTest, ACameraWithoutFreeBuffersCountsWhatItDrops) {
+    add_fake(fake_options(0));
+    CamerasOptions options = options_of(1);
+    options.num_buffers = 3;
+    const auto source = open(options, 50.0);
+    ASSERT_TRUE(source) << source.error().message;
+    std::mutex mutex;
+    std::vector<CameraFrame> held;
+    Player player(**source, [&](CameraFrame frame) {
+        const std::lock_guard lock(mutex);
+        held.push_back(std::move(frame));
+    });
+    ASSERT_TRUE(player.wait_for_pictures(0, 3));  // all of its buffers are here now
+    const std::uint64_t before = fakes_[0]->num_sent();
+    while (fakes_[0]->num_sent() < before + 10) std::this_thread::yield();
+    EXPECT_EQ(player.count_of(0), 3u);
+    const std::uint64_t dropped = (*source)->camera_counters()[0].num_dropped;
+    EXPECT_GE(dropped, 8u);
+    EXPECT_LE(dropped, fakes_[0]->num_sent());
+    {
+        const std::lock_guard lock(mutex);
+        held.clear();
+    }
+    EXPECT_TRUE(player.wait_for_pictures(0, 1));
+    for (const auto& seen : player.seen()) EXPECT_TRUE(seen.is_exact);
+    const std::lock_guard lock(mutex);
+    held.clear();
+}
+
 TEST_F(AravisSourceTest, ACameraThatIsRestartedComesBackWhileTheOtherGoesOn) {
     add_fake(fake_options(0));
     add_fake(fake_options(1));
