@@ -17,9 +17,9 @@ constexpr milliseconds kFirstPause{100};  // between two attempts to connect; do
 constexpr milliseconds kLongestPause{1000};
 constexpr milliseconds kLeastSilence{500};  // that can be a fault
 constexpr std::chrono::seconds kPtpCheckPeriod{1};
-// In use besides those that wait for a metaframe to be complete: one is received, one is next, one
-// is in the mailbox, one waits for the pipeline and one is in it.
-constexpr int kBuffersInFlight = 5;
+// In use besides those that wait for a metaframe to be complete: one lacks packets, one is received,
+// one is next, one is in the mailbox, one waits for the pipeline and one is in it.
+constexpr int kBuffersInFlight = 6;
 constexpr int kMostBuffers = 32;
 
 std::int64_t now_ns() {
@@ -303,9 +303,22 @@ void AravisCamera::close(std::unique_ptr<Session> session, End end) {
 
 void AravisCamera::note_sign_of_life() { last_sign_ns_ = now_ns(); }
 
-void AravisCamera::on_incomplete() {
+Timestamp AravisCamera::capture_time(std::uint64_t device_ns, Timestamp arrival) {
+    const Timestamp own = clock_.on_site_clock(device_ns, arrival);
+    if (!follows_ptp_) return own;
+    const std::lock_guard lock(commons_.ptp_mutex);
+    return commons_.ptp_clock.on_site_clock(device_ns, arrival);
+}
+
+void AravisCamera::on_incomplete(std::uint64_t device_ns, Timestamp arrival) {
     note_sign_of_life();
     ++num_incomplete_;
+    if (!guard_.is_newer(device_ns != 0 ? device_ns : static_cast<std::uint64_t>(arrival.ns)))
+        return;
+    CameraFrame lost;
+    lost.camera = index_;
+    lost.capture_time = capture_time(device_ns, arrival);
+    commons_.mailbox.put(std::move(lost), Clock::now());
 }
 
 void AravisCamera::on_picture(StreamPicture picture) {
@@ -320,11 +333,7 @@ void AravisCamera::on_picture(StreamPicture picture) {
     CameraFrame frame;
     frame.camera = index_;
     frame.image = std::move(picture.image);
-    frame.capture_time = clock_.on_site_clock(picture.device_ns, picture.arrival);
-    if (follows_ptp_) {
-        const std::lock_guard lock(commons_.ptp_mutex);
-        frame.capture_time = commons_.ptp_clock.on_site_clock(picture.device_ns, picture.arrival);
-    }
+    frame.capture_time = capture_time(picture.device_ns, picture.arrival);
     const auto outcome = commons_.mailbox.put(std::move(frame), Clock::now());
     if (outcome == FrameMailbox::Outcome::kReplacedOne) ++num_late_;
 }

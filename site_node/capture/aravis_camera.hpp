@@ -62,6 +62,7 @@ public:
 
     /// Thread-safe.
     CameraCounters counters() const;
+    bool is_connected() const { return is_connected_; }
     void count_too_old(std::uint64_t num_pictures) { num_late_ += num_pictures; }
 
     const std::string& name() const { return entry_.name; }
@@ -88,7 +89,8 @@ private:
     std::int64_t silence_ns() const;
 
     void on_picture(StreamPicture picture) override;
-    void on_incomplete() override;
+    void on_incomplete(std::uint64_t device_ns, Timestamp arrival) override;
+    Timestamp capture_time(std::uint64_t device_ns, Timestamp arrival);
     void on_superseded() override { ++num_late_; }
     void note_sign_of_life();
 

@@ -157,12 +157,25 @@ Expected<void> AravisSource::run(std::stop_token stop, const Sink& sink) {
     cameras_->commons.mailbox.listen_to_all();
     std::vector<CameraFrame> frames;
     while (!stop.stop_requested()) {
-        if (!take(stop, frames)) continue;
+        if (!take(stop, frames) || frames.empty()) continue;
+        const Timestamp newest = frames.back().capture_time;
         for (CameraFrame& frame : frames) sink(std::move(frame));
         frames.clear();
+        tell_absent(newest, sink);
     }
     cameras_->commons.mailbox.listen_to_none();
     return {};
+}
+
+// Nobody needs to wait for a camera that is not connected.
+void AravisSource::tell_absent(Timestamp time, const Sink& sink) {
+    for (std::size_t i = 0; i < cameras_->cameras.size(); ++i) {
+        if (cameras_->cameras[i]->is_connected()) continue;
+        CameraFrame lost;
+        lost.camera = i;
+        lost.capture_time = time;
+        sink(std::move(lost));
+    }
 }
 
 Expected<void> AravisSource::show_background(std::size_t camera, const BackgroundSink& sink) {
@@ -186,9 +199,10 @@ Expected<void> AravisSource::show_background(std::size_t camera, const Backgroun
                 fmt::format("{} of {} pictures of the empty room came", num_shown, num_wanted));
         }
         if (!take(stop_, frames)) continue;
-        last_picture = now;
         for (const CameraFrame& frame : frames) {
+            if (frame.image.empty()) continue;
             sink(image::working_view(frame.image, buffer));
+            last_picture = now;
             ++num_shown;
             if (num_shown % std::max<std::size_t>(num_wanted / 4, 1) == 0) {
                 commons.tell({false,

@@ -36,12 +36,15 @@ public:
     /// Shows what the camera sees now: the room has to be empty. Error kUnavailable where too few
     /// pictures come.
     Expected<void> show_background(std::size_t camera, const BackgroundSink& sink) override;
+    /// A picture that lacks packets, and those of a camera that is not connected, are frames
+    /// without image.
     Expected<void> run(std::stop_token stop, const Sink& sink) override;
     std::vector<CameraCounters> camera_counters() const override;
 
 private:
     struct Cameras;
     AravisSource(const config::Rig& rig, std::unique_ptr<Cameras> cameras, std::stop_token stop);
+    void tell_absent(Timestamp time, const Sink& sink);
     bool take(std::stop_token stop, std::vector<CameraFrame>& frames);
 
     config::Rig rig_;

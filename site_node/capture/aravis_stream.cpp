@@ -78,17 +78,18 @@ Expected<std::unique_ptr<AravisStream>> AravisStream::create(ArvCamera& camera,
     self->is_realtime_ = self->entered_.get_future().get();
     ArvStream* const stream = self->stream_.get();
     if (ARV_IS_GV_STREAM(stream)) {
-        const auto period_us = static_cast<guint>(
-            std::clamp<std::int64_t>(options.period.count() / 1000, 2000, 1000000));
+        // after its last packet; before the next picture, so that others need not wait for this one
+        const auto retention_us = static_cast<guint>(
+            std::clamp<std::int64_t>(options.period.count() / 2000, 2000, 1000000));
         g_object_set(stream,
                      "socket-buffer",
                      ARV_GV_STREAM_SOCKET_BUFFER_FIXED,  // its automatic size is too small
                      "socket-buffer-size",
                      static_cast<gint>(2 * format.payload_bytes),
                      "frame-retention",
-                     period_us,
+                     retention_us,
                      "packet-timeout",
-                     std::min(20000U, period_us / 2),
+                     std::min(20000U, retention_us / 2),
                      nullptr);
     }
     const std::lock_guard lock(self->buffers_->mutex);
@@ -157,12 +158,17 @@ void AravisStream::drain() {
         const bool is_left_over =
             status == ARV_BUFFER_STATUS_ABORTED || status == ARV_BUFFER_STATUS_CLEARED;
         if (listener_ != nullptr && is_whole) listener_->on_superseded();
-        if (listener_ != nullptr && !is_whole && !is_left_over) listener_->on_incomplete();
+        if (listener_ != nullptr && !is_whole && !is_left_over) tell_incomplete(*buffer);
         buffers_->give_back(unused);
     }
     if (newest == nullptr) return;
     StreamPicture picture = picture_in(*newest);  // gives it back when nobody wants it
     if (listener_ != nullptr) listener_->on_picture(std::move(picture));
+}
+
+void AravisStream::tell_incomplete(ArvBuffer& buffer) {
+    const auto arrival_ns = static_cast<std::int64_t>(arv_buffer_get_system_timestamp(&buffer));
+    listener_->on_incomplete(arv_buffer_get_timestamp(&buffer), {arrival_ns});
 }
 
 bool AravisStream::is_as_agreed(ArvBuffer& buffer) const {

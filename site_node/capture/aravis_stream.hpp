@@ -31,8 +31,9 @@ class StreamListener {
 public:
     virtual ~StreamListener() = default;
     virtual void on_picture(StreamPicture picture) = 0;
-    /// Packets of a picture are missing, or it is not as agreed.
-    virtual void on_incomplete() = 0;
+    /// Packets of a picture are missing, or it is not as agreed. Its times may be those of an older
+    /// one, where its first packet is among them.
+    virtual void on_incomplete(std::uint64_t device_ns, Timestamp arrival) = 0;
     /// A whole picture was skipped, for a newer one was there.
     virtual void on_superseded() = 0;
 };
@@ -75,6 +76,7 @@ private:
     void enter_thread();
     void drain();
     bool is_as_agreed(ArvBuffer& buffer) const;
+    void tell_incomplete(ArvBuffer& buffer);
     StreamPicture picture_in(ArvBuffer& buffer) const;
 
     CameraFormat format_;

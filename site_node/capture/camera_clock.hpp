@@ -43,6 +43,9 @@ public:
     /// False: the picture is to be thrown away.
     bool accept(std::uint64_t time_ns);
 
+    /// True where it would be accepted as the next one.
+    bool is_newer(std::uint64_t time_ns) const { return !last_ || time_ns > *last_; }
+
 private:
     std::optional<std::uint64_t> last_;
     std::uint64_t last_refused_ = 0;

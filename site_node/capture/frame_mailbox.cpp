@@ -17,12 +17,13 @@ FrameMailbox::Outcome FrameMailbox::put(CameraFrame frame,
         const std::lock_guard lock(mutex_);
         Slot& slot = slots_[frame.camera];
         if (!slot.is_listened_to) return Outcome::kNobodyListens;
+        if (frame.image.empty() && slot.frame) return Outcome::kTaken;
         replaced = std::exchange(slot.frame, std::move(frame));
         slot.arrival = arrival;
         has_any_ = true;
     }
     changed_.notify_one();
-    return replaced ? Outcome::kReplacedOne : Outcome::kTaken;
+    return replaced && !replaced->image.empty() ? Outcome::kReplacedOne : Outcome::kTaken;
 }
 
 void FrameMailbox::clear(std::size_t camera) {

@@ -19,7 +19,8 @@ public:
 
     FrameMailbox(std::size_t num_cameras, std::chrono::nanoseconds max_age);
 
-    /// `arrival` is when the picture came in; `frame.camera` must be below `num_cameras`.
+    /// A frame without a picture, which says that one is lost, never replaces another. `arrival` is
+    /// when the picture came in; `frame.camera` must be below `num_cameras`.
     Outcome put(CameraFrame frame, std::chrono::steady_clock::time_point arrival);
 
     /// Forgets what `camera` has delivered: it is gone.

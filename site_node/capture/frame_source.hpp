@@ -31,7 +31,8 @@ public:
     /// there are none.
     virtual Expected<void> show_background(std::size_t camera, const BackgroundSink& sink) = 0;
 
-    /// Delivers pictures at the source's rate until the stop or the end of the source.
+    /// Delivers pictures at the source's rate until the stop or the end of the source. A frame
+    /// without image says that a picture is lost; a picture of that time may still follow.
     virtual Expected<void> run(std::stop_token stop, const Sink& sink) = 0;
 
     /// What became of the pictures of each camera; empty where nothing can become of them.

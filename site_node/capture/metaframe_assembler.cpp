@@ -74,6 +74,7 @@ MetaframeAssembler::Pending* MetaframeAssembler::find_or_open(
     opened.time = time;
     opened.first_arrival = arrival;
     opened.frames.resize(num_cameras_);
+    opened.is_lost.resize(num_cameras_, 0);
     for (std::size_t i = 0; i < num_cameras_; ++i) opened.frames[i].camera = i;
     const auto place =
         std::upper_bound(pending_.begin(), pending_.end(), time, [](Timestamp t, const Pending& p) {
@@ -83,16 +84,23 @@ MetaframeAssembler::Pending* MetaframeAssembler::find_or_open(
 }
 
 void MetaframeAssembler::place(CameraFrame frame, std::chrono::steady_clock::time_point arrival) {
-    Pending* const pending = frame.camera < num_cameras_ && !frame.image.empty()
-                                 ? find_or_open(offsets_.trigger_time(frame), arrival)
-                                 : nullptr;
-    if (pending == nullptr || !pending->frames[frame.camera].image.empty()) {
-        ++counters_.num_stray;
+    const std::size_t camera = frame.camera;
+    const bool is_lost = frame.image.empty();
+    Pending* const pending =
+        camera < num_cameras_ ? find_or_open(offsets_.trigger_time(frame), arrival) : nullptr;
+    if (pending == nullptr || !pending->frames[camera].image.empty()) {
+        if (!is_lost) ++counters_.num_stray;
         return;
     }
-    const std::size_t camera = frame.camera;
-    pending->frames[camera] = std::move(frame);
-    if (++pending->num_present < num_cameras_) return;
+    if (pending->is_lost[camera] != 0) --pending->num_lost;
+    pending->is_lost[camera] = is_lost ? 1 : 0;
+    if (is_lost) {
+        ++pending->num_lost;
+    } else {
+        pending->frames[camera] = std::move(frame);
+        ++pending->num_present;
+    }
+    if (pending->num_present + pending->num_lost < num_cameras_) return;
     const Timestamp time = pending->time;
     retire_all([&](const Pending& p) { return p.time == time; });
 }

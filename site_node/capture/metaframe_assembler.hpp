@@ -21,8 +21,8 @@ struct AssemblerOptions {
 
 struct AssemblerCounters {
     std::uint64_t num_complete = 0;
-    std::uint64_t num_incomplete_used = 0;  // returned at the deadline, with enough cameras
-    std::uint64_t num_incomplete = 0;  // dropped: too few at the deadline, or a later one was ready
+    std::uint64_t num_incomplete_used = 0;  // returned with enough cameras
+    std::uint64_t num_incomplete = 0;       // dropped: too few, or a later one was ready
     std::uint64_t num_stray =
         0;  // single pictures: of an older trigger, of a camera twice, of no camera of the rig
 };
@@ -33,9 +33,10 @@ class MetaframeAssembler {
 public:
     MetaframeAssembler(std::size_t num_cameras, const AssemblerOptions& options);
 
-    /// Returns the metaframe that this picture completes, else one whose deadline has passed with
-    /// enough cameras. Older ones are dropped then: newest wins. `arrival` is what deadlines are
-    /// measured by; it must not decrease.
+    /// Returns the metaframe that this picture completes, or that needs not wait any longer since
+    /// its other pictures are lost, else one whose deadline has passed, with enough cameras. Older
+    /// ones are dropped then: newest wins. `arrival` is what deadlines are measured by; it must not
+    /// decrease.
     std::optional<Metaframe> add(CameraFrame frame, std::chrono::steady_clock::time_point arrival);
 
     /// What no further picture has to arrive for: as `add`, but nothing is completed.
@@ -55,7 +56,9 @@ private:
         Timestamp time;  // of its trigger, as the first picture says
         std::chrono::steady_clock::time_point first_arrival;
         std::vector<CameraFrame> frames;
+        std::vector<std::uint8_t> is_lost;  // per camera: known not to come
         std::size_t num_present = 0;
+        std::size_t num_lost = 0;
     };
     bool is_enough(const Pending& pending) const;
     void retire(Pending&& pending);

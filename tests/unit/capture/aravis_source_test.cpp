@@ -93,6 +93,11 @@ public:
         const std::lock_guard lock(mutex_);
         return seen_;
     }
+    /// Those that were said to be lost.
+    std::vector<Seen> lost() {
+        const std::lock_guard lock(mutex_);
+        return lost_;
+    }
     std::optional<image::PixelFormat> format() {
         const std::lock_guard lock(mutex_);
         return format_;
@@ -105,6 +110,11 @@ private:
     }
 
     void take(CameraFrame frame) {
+        if (frame.image.empty()) {
+            const std::lock_guard lock(mutex_);
+            lost_.push_back({frame.camera, 0, frame.capture_time, false});
+            return;
+        }
         const auto& plane = frame.image.planes[0];
         const std::uint64_t number = FakeGigeCamera::number_in(plane.data);
         const std::size_t row_bytes = image::row_bytes(frame.image.format, frame.image.width);
@@ -125,6 +135,7 @@ private:
     std::mutex mutex_;
     std::condition_variable changed_;
     std::vector<Seen> seen_;
+    std::vector<Seen> lost_;
     std::optional<image::PixelFormat> format_;
     Expected<void> result_;
     std::jthread thread_;
@@ -298,6 +309,7 @@ TEST_F(AravisSourceTest, ACameraThatIsRestartedComesBackWhileTheOtherGoesOn) {
     EXPECT_FALSE((*source)->camera_counters()[1].connected);
     EXPECT_TRUE((*source)->camera_counters()[0].connected);
     ASSERT_TRUE(player.wait_for_pictures(0, 20));
+    EXPECT_GE(player.lost().size(), 10u);  // nobody has to wait for it
 
     fakes_[1] = std::make_unique<FakeGigeCamera>(fake_options(1));
     ASSERT_TRUE(fakes_[1]->is_running());
@@ -420,6 +432,13 @@ TEST_F(AravisSourceTest, LostPacketsCostPicturesAndNoneIsStriped) {
     ASSERT_TRUE(player.wait_for_pictures(0, 20));
     for (const auto& seen : player.seen()) EXPECT_TRUE(seen.is_exact) << seen.number;
     EXPECT_GT((*source)->camera_counters()[0].num_incomplete, 0u);
+    // and each is told of, unless its first packet was lost, with the time that it would have had
+    const auto lost = player.lost();
+    EXPECT_FALSE(lost.empty());
+    for (const auto& picture : lost) {
+        for (const auto& whole : player.seen())
+            EXPECT_GT(std::chrono::abs(picture.capture_time - whole.capture_time), milliseconds(5));
+    }
 }
 
 TEST_F(AravisSourceTest, MissingCamerasAreNamedAndTakenInLater) {

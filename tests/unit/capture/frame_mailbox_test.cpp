@@ -43,6 +43,18 @@ TEST_F(FrameMailboxTest, KeepsTheNewestOfEachCamera) {
     EXPECT_EQ(take(), std::vector<std::int64_t>{});
 }
 
+TEST_F(FrameMailboxTest, ALostPictureNeverReplacesOneThatIsThere) {
+    mailbox_.listen_to_all();
+    CameraFrame lost = frame(0, 20);
+    lost.image = {};
+    mailbox_.put(frame(0, 10), Clock::now());
+    EXPECT_EQ(mailbox_.put(lost, Clock::now()), Outcome::kTaken);
+    EXPECT_EQ(take(), std::vector<std::int64_t>{10});
+    mailbox_.put(lost, Clock::now());
+    EXPECT_EQ(mailbox_.put(frame(0, 30), Clock::now()), Outcome::kTaken);  // and none was late
+    EXPECT_EQ(take(), std::vector<std::int64_t>{30});
+}
+
 TEST_F(FrameMailboxTest, NeverHandsOutWhatHasBecomeOld) {
     mailbox_.listen_to_all();
     mailbox_.put(frame(0, 1), Clock::now() - seconds(11));
