@@ -17,14 +17,10 @@ constexpr milliseconds kFirstPause{100};  // between two attempts to connect; do
 constexpr milliseconds kLongestPause{1000};
 constexpr milliseconds kLeastSilence{500};  // that can be a fault
 constexpr std::chrono::seconds kPtpCheckPeriod{1};
-// In use besides those that wait for a metaframe to be complete: one lacks packets, one is received,
-// one is next, one is in the mailbox, one waits for the pipeline and one is in it.
+// In use besides those that wait for a metaframe to be complete: one lacks packets, one is
+// received, one is next, one is in the mailbox, one waits for the pipeline and one is in it.
 constexpr int kBuffersInFlight = 6;
 constexpr int kMostBuffers = 32;
-
-std::int64_t now_ns() {
-    return std::chrono::duration_cast<nanoseconds>(Clock::now().time_since_epoch()).count();
-}
 
 int num_buffers(const CamerasOptions& options, nanoseconds period) {
     if (options.num_buffers > 0) return options.num_buffers;
@@ -166,21 +162,7 @@ Expected<std::unique_ptr<AravisCamera::Session>> AravisCamera::connect() {
         for (const std::string& warning : warnings) tell(true, warning);
     }
 
-    // the handler may run on a thread of Aravis while this object goes: it shares what it needs
-    using Lost = std::pair<std::shared_ptr<Wake>, std::uint64_t>;
-    session->lost_handler = g_signal_connect_data(
-        arv_camera_get_device(session->camera.get()),
-        "control-lost",
-        G_CALLBACK(+[](ArvDevice*, Lost* lost) {
-            {
-                const std::lock_guard lock(lost->first->mutex);
-                lost->first->lost_session = lost->second;
-            }
-            lost->first->changed.notify_one();
-        }),
-        new Lost(wake_, session->number),
-        [](gpointer lost, GClosure*) { delete static_cast<Lost*>(lost); },
-        G_CONNECT_DEFAULT);
+    watch_control(*session);
 
     clock_ = {};
     guard_ = {};
@@ -207,6 +189,30 @@ Expected<std::unique_ptr<AravisCamera::Session>> AravisCamera::connect() {
     const std::lock_guard lock(session_mutex_);
     stream_ = session->stream.get();
     return session;
+}
+
+// The handler may run on a thread of Aravis while this object goes: it shares what it needs.
+void AravisCamera::watch_control(Session& session) {
+    using Lost = std::pair<std::shared_ptr<Wake>, std::uint64_t>;
+    static std::mutex
+        mutex;  // of what is handed over through GLib, whose own locks nobody can check
+    const std::lock_guard lock(mutex);
+    session.lost_handler = g_signal_connect_data(
+        arv_camera_get_device(session.camera.get()),
+        "control-lost",
+        G_CALLBACK(+[](ArvDevice*, Lost* data) {
+            std::unique_lock handed_over(mutex);
+            const Lost lost = *data;
+            handed_over.unlock();
+            {
+                const std::lock_guard wake_lock(lost.first->mutex);
+                lost.first->lost_session = lost.second;
+            }
+            lost.first->changed.notify_one();
+        }),
+        new Lost(wake_, session.number),
+        [](gpointer lost, GClosure*) { delete static_cast<Lost*>(lost); },
+        G_CONNECT_DEFAULT);
 }
 
 void AravisCamera::say_connected(const Session& session, bool again) {
@@ -260,8 +266,6 @@ AravisCamera::End AravisCamera::serve(Session& session, std::stop_token stop) {
     }
 }
 
-std::int64_t AravisCamera::silence_ns() const { return now_ns() - last_sign_ns_; }
-
 // Where the trigger is not ours it may just pause: then all cameras are silent.
 bool AravisCamera::is_silent_for_good(Session& session) {
     const bool others_deliver = commons_.last_picture_ns > last_sign_ns_;
@@ -299,63 +303,6 @@ void AravisCamera::close(std::unique_ptr<Session> session, End end) {
     }
     GErrorSlot error;
     arv_camera_stop_acquisition(session->camera.get(), error.out());
-}
-
-void AravisCamera::note_sign_of_life() { last_sign_ns_ = now_ns(); }
-
-Timestamp AravisCamera::capture_time(std::uint64_t device_ns, Timestamp arrival) {
-    const Timestamp own = clock_.on_site_clock(device_ns, arrival);
-    if (!follows_ptp_) return own;
-    const std::lock_guard lock(commons_.ptp_mutex);
-    return commons_.ptp_clock.on_site_clock(device_ns, arrival);
-}
-
-void AravisCamera::on_incomplete(std::uint64_t device_ns, Timestamp arrival) {
-    note_sign_of_life();
-    ++num_incomplete_;
-    if (!guard_.is_newer(device_ns != 0 ? device_ns : static_cast<std::uint64_t>(arrival.ns)))
-        return;
-    CameraFrame lost;
-    lost.camera = index_;
-    lost.capture_time = capture_time(device_ns, arrival);
-    commons_.mailbox.put(std::move(lost), Clock::now());
-}
-
-void AravisCamera::on_picture(StreamPicture picture) {
-    note_sign_of_life();
-    commons_.last_picture_ns = last_sign_ns_.load();
-    ++num_received_;
-    const auto arrival_ns = static_cast<std::uint64_t>(picture.arrival.ns);
-    if (!guard_.accept(picture.device_ns != 0 ? picture.device_ns : arrival_ns)) {
-        ++num_backwards_;
-        return;
-    }
-    CameraFrame frame;
-    frame.camera = index_;
-    frame.image = std::move(picture.image);
-    frame.capture_time = capture_time(picture.device_ns, picture.arrival);
-    const auto outcome = commons_.mailbox.put(std::move(frame), Clock::now());
-    if (outcome == FrameMailbox::Outcome::kReplacedOne) ++num_late_;
-}
-
-CameraCounters AravisCamera::counters() const {
-    CameraCounters counters;
-    counters.name = entry_.name;
-    counters.connected = is_connected_;
-    counters.num_received = num_received_;
-    counters.num_incomplete = num_incomplete_;
-    counters.num_late = num_late_;
-    counters.num_backwards = num_backwards_;
-    counters.num_reconnects = num_reconnects_;
-    const std::lock_guard lock(session_mutex_);
-    counters.num_resent = former_counts_.num_resent_packets;
-    counters.num_dropped = former_counts_.num_without_buffer;
-    if (stream_ != nullptr) {
-        const StreamCounts counts = stream_->counts();
-        counters.num_resent += counts.num_resent_packets;
-        counters.num_dropped += counts.num_without_buffer;
-    }
-    return counters;
 }
 
 }  // namespace atrium::capture

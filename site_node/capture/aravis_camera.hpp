@@ -80,6 +80,7 @@ private:
 
     void keep(std::stop_token stop);
     Expected<std::unique_ptr<Session>> connect();
+    void watch_control(Session& session);
     End serve(Session& session, std::stop_token stop);
     bool is_silent_for_good(Session& session);
     void close(std::unique_ptr<Session> session, End end);
