@@ -180,15 +180,22 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             preview::kWindow);
 
     CaptureConfig& capture = config.capture;
-    set.add(
-        "capture.source", capture.source, "where pictures come from", {"simulated", "recording"});
-    set.add("capture.rig", capture.rig, "cameras of the simulated room: a rig.toml");
+    set.add("capture.source",
+            capture.source,
+            "where pictures come from",
+            {"simulated", "recording", "cameras"});
+    set.add("capture.rig", capture.rig, "cameras of the room, simulated or real: a rig.toml");
     set.add("capture.recording", capture.recording, "folder of the recording");
     set.add("capture.rate_hz",
             capture.rate_hz,
-            "metaframes per second [Hz]; 0: as recorded",
+            "metaframes per second [Hz]; 0: as recorded, or as the rig says",
             {0, 1000});
     set.add("capture.loop", capture.loop, "start a recording again at its end");
+    set.add("capture.tolerance_ms",
+            capture.tolerance_ms,
+            "pictures are taken at most so long before or after their trigger [ms]; 0: a quarter "
+            "of the period",
+            {0, 1000});
     set.add("capture.deadline_ms",
             capture.deadline_ms,
             "how long a metaframe may stay incomplete [ms]",
@@ -198,6 +205,8 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             "a metaframe that lacks pictures at its deadline is used if so many cameras delivered; "
             "0: all must",
             {0, 64});
+    declare(capture.cameras, set);
+    set.add("list-cameras", config.list_cameras, "print the cameras that are there, and end");
 
     SimulationConfig& room = config.simulation;
     set.add(
@@ -326,6 +335,11 @@ Expected<void> check(const SiteNodeConfig& config) {
         return wrong(
             "capture.recording: is needed for capture.source = \"recording\": the recording's "
             "folder");
+    }
+    if (config.capture.source == "cameras") {
+        if (config.capture.rig.empty())
+            return wrong("capture.rig: is needed for cameras: their calibration");
+        if (auto checked = check(config.capture.cameras); !checked) return checked;
     }
     if (config.capture.min_cameras == 1) {
         return wrong(

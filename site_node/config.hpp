@@ -3,6 +3,7 @@
 #include "core/bus/bus.hpp"
 #include "core/config/option_set.hpp"
 #include "core/config/table_reader.hpp"
+#include "site_node/camera_config.hpp"
 #include "site_node/pipeline.hpp"
 
 #include <filesystem>
@@ -11,13 +12,15 @@
 namespace atrium::site_node {
 
 struct CaptureConfig {
-    std::string source = "simulated";  // or "recording"
-    std::filesystem::path rig;         // simulated: the room's cameras
+    std::string source = "simulated";  // or "recording", "cameras"
+    std::filesystem::path rig;         // simulated, cameras: the room's
     std::filesystem::path recording;   // recording: its folder
     double rate_hz = 0.0;              // 0: as recorded, or the rig's rate
     bool loop = false;                 // recording: start again at its end
+    double tolerance_ms = 0.0;         // between a trigger and its pictures; 0: a quarter period
     double deadline_ms = 100.0;        // how long a metaframe may stay incomplete
     int min_cameras = 0;               // with so many it is used all the same then; 0: all
+    CameraConfig cameras;
 };
 
 struct SimulationConfig {
@@ -36,6 +39,7 @@ struct SiteNodeConfig {
     int threads = 1;
     double seconds = 0.0;           // 0: until Ctrl-C or the end of the recording
     std::filesystem::path preview;  // preview::Preview's target; empty: none
+    bool list_cameras = false;      // and do nothing else
     CaptureConfig capture;
     SimulationConfig simulation;
     PipelineOptions pipeline;

@@ -1,4 +1,5 @@
 #include "core/app/program.hpp"
+#include "site_node/list_cameras.hpp"
 #include "site_node/silhouette_writer.hpp"
 #include "site_node/site_node.hpp"
 
@@ -13,6 +14,7 @@ int main(int argc, char** argv) {
                                 "Examples:\n  site_node --config deploy/sites/alice.toml\n"
                                 "  site_node --site.name lab --capture.source recording "
                                 "--capture.recording DIR --capture.loop true\n"
+                                "  site_node --list-cameras\n"
                                 "  site_node --recording DIR --learn-background "
                                 "--segmentation.background_folder BACKGROUNDS\n"
                                 "  site_node --recording DIR --write-silhouettes OUT"};
@@ -20,8 +22,13 @@ int main(int argc, char** argv) {
         app::start(info, options, argc, argv, [&](config::TableReader& reader) {
             site_node::read_hull(reader, config);
             site_node::read_segmentation(reader, config);
+            site_node::read_cameras(reader, config.capture.cameras);
         });
     if (!start.go_on) return start.exit_code;
+    if (config.list_cameras) {
+        const auto listed = site_node::list_cameras();
+        return listed ? 0 : app::fail(listed.error());
+    }
     site_node::resolve(config);
     const app::StopOnSignal stop;
     if (config.learn_background || !config.write_silhouettes.empty()) {

@@ -31,6 +31,7 @@ struct Pipeline::CameraStage {
     texture::TextureScratch texture;
     codec::TextureCrop crop;
     codec::TextureEncoder encoder;
+    bool is_left_out = false;  // there is no background
     bool sees_somebody = false;
     double segmentation_ms = 0.0;
     double polygons_ms = 0.0;
@@ -71,6 +72,10 @@ Expected<Pipeline> Pipeline::create(capture::FrameSource& source,
     for (std::size_t i = 0; i < pipeline.cameras_.size(); ++i) {
         auto room =
             load_or_learn_background(source, i, options.background, options.segmentation, stop);
+        if (!room && room.error().kind == ErrorKind::kUnavailable && !stop.stop_requested()) {
+            pipeline.stages_[i]->is_left_out = true;
+            continue;
+        }
         if (!room) return tl::unexpected(room.error());
         pipeline.stages_[i]->segmenter =
             segmentation::Segmenter(std::move(*room),
@@ -78,6 +83,14 @@ Expected<Pipeline> Pipeline::create(capture::FrameSource& source,
                                     areas_of(options.areas, pipeline.cameras_[i].name));
     }
     return pipeline;
+}
+
+std::vector<std::string> Pipeline::cameras_without_background() const {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < stages_.size(); ++i) {
+        if (stages_[i]->is_left_out) names.push_back(cameras_[i].name);
+    }
+    return names;
 }
 
 Expected<void> Pipeline::find_silhouette(const capture::CameraFrame& frame, CameraStage& stage) {
@@ -107,7 +120,7 @@ Expected<void> Pipeline::find_silhouettes(const capture::Metaframe& metaframe, E
     const auto work_on_camera = [&](std::size_t i, std::size_t) {
         CameraStage& stage = *stages_[i];
         stage.begin();
-        delivered_[i] = metaframe.frames[i].image.empty() ? 0 : 1;
+        delivered_[i] = metaframe.frames[i].image.empty() || stage.is_left_out ? 0 : 1;
         if (delivered_[i] != 0) stage.result = find_silhouette(metaframe.frames[i], stage);
     };
     executor.parallel_for(cameras_.size(), work_on_camera);

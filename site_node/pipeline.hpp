@@ -15,6 +15,7 @@
 
 #include <memory>
 #include <stop_token>
+#include <string>
 #include <vector>
 
 namespace atrium::site_node {
@@ -79,10 +80,14 @@ struct SiteFrame {
 class Pipeline {
 public:
     /// Learns the empty room from `source`, or takes it as learned before, unless its frames carry
-    /// silhouettes. Error kUnavailable once `stop` is requested.
+    /// silhouettes. A camera that cannot show it now (kUnavailable) is left out from then on. Error
+    /// kUnavailable once `stop` is requested.
     static Expected<Pipeline> create(capture::FrameSource& source,
                                      const PipelineOptions& options,
                                      std::stop_token stop);
+
+    /// Names of those that are left out.
+    std::vector<std::string> cameras_without_background() const;
 
     Pipeline(Pipeline&&) noexcept;
     Pipeline& operator=(Pipeline&&) noexcept;

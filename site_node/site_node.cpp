@@ -1,16 +1,14 @@
 #include "site_node/site_node.hpp"
 
 #include "core/app/program.hpp"
-#include "site_node/capture/recording_source.hpp"
-#include "site_node/capture/simulated_source.hpp"
 #include "site_node/left_out.hpp"
+#include "site_node/open_source.hpp"
 
 #include <fmt/format.h>
 #include <pthread.h>
 
 #include <algorithm>
 #include <condition_variable>
-#include <numbers>
 #include <optional>
 #include <thread>
 
@@ -27,40 +25,6 @@ Expected<void> open(bus::Participant& participant, std::optional<bus::Writer<Mes
     return {};
 }
 
-Expected<std::unique_ptr<capture::FrameSource>> open_source(const SiteNodeConfig& config,
-                                                            std::stop_token stop) {
-    if (config.capture.source == "recording") {
-        auto source = capture::RecordingSource::open(
-            {config.capture.recording, config.capture.rate_hz, config.capture.loop});
-        if (!source) return tl::unexpected(source.error());
-        return std::unique_ptr<capture::FrameSource>(std::move(*source));
-    }
-    auto rig = config::load_rig(config.capture.rig);
-    if (!rig) return tl::unexpected(rig.error());
-    if (config.capture.rate_hz > 0.0) rig->rate_hz = config.capture.rate_hz;
-    simulation::RoomOptions room;
-    room.look = config.simulation.look;
-    room.motion = config.simulation.motion;
-    room.loop_s = config.simulation.loop_s;
-    room.rate_hz = rig->rate_hz;
-    room.heading_rad = config.simulation.heading_deg * std::numbers::pi / 180.0;
-    room.noise_lsb = config.simulation.noise_lsb;
-    room.seed = config.simulation.seed;
-    int last_percent = -1;
-    const auto tell = [&](std::size_t done, std::size_t total) {
-        const int percent = total == 0 ? 100 : static_cast<int>(done * 100 / total);
-        if (percent / 5 == last_percent / 5 && percent != 100) return;
-        last_percent = percent;
-        app::log::info("rendering the simulated room {} %", percent);
-    };
-    auto source = capture::SimulatedSource::create(*rig, room, config.simulation.cache, tell, stop);
-    if (!source) return tl::unexpected(source.error());
-    if (const std::string& problem = (*source)->cache_problem(); !problem.empty()) {
-        app::log::warn("the rendered room is not kept reason=\"{}\"", problem);
-    }
-    return std::unique_ptr<capture::FrameSource>(std::move(*source));
-}
-
 bus::LatencySummary summary(const Quantiles& q) { return {q.median_ms, q.p99_ms, q.num_samples}; }
 
 // What the configuration says that may be meant otherwise, or does not fit this rig.
@@ -73,6 +37,15 @@ Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
                         config.capture.min_cameras));
     }
     if (auto fits = check_areas(config, rig); !fits) return fits;
+    const double rate_hz = config.capture.rate_hz > 0.0 ? config.capture.rate_hz : rig.rate_hz;
+    if (config.capture.tolerance_ms > 250.0 / rate_hz) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("capture.tolerance_ms: must be at most a quarter of the period, {:.1f} ms, "
+                        "got {}",
+                        250.0 / rate_hz,
+                        config.capture.tolerance_ms));
+    }
     const HullStageOptions& hull = config.pipeline.hull;
     for (const std::string& pair : overlapping_regions(hull.regions)) {
         app::log::warn("hull.region: {} overlap; who stands there is in the mesh twice", pair);
@@ -82,6 +55,17 @@ Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
             "hull.partial_views without hull.min_views: what no camera sees counts as somebody's");
     }
     return {};
+}
+
+// What the cameras' clocks, cables and sensors have in common with each trigger.
+void tell_offsets(const config::Rig& rig, const capture::CameraOffsets& offsets) {
+    std::string line;
+    for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+        const double offset_ms =
+            std::chrono::duration<double, std::milli>(offsets.offset(i)).count();
+        line += fmt::format(" {}={:+.3f}", rig.cameras[i].name, offset_ms);
+    }
+    app::log::info("camera offsets in ms{}", line);
 }
 
 std::jthread named_thread(const char* name, std::function<void(std::stop_token)> body) {
@@ -117,6 +101,10 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& confi
     if (auto fits = check(config, (*source)->rig()); !fits) return tl::unexpected(fits.error());
     auto pipeline = Pipeline::create(**source, config.pipeline, stop);
     if (!pipeline) return tl::unexpected(pipeline.error());
+    for (const std::string& name : pipeline->cameras_without_background()) {
+        app::log::warn("camera '{}' is left out, for it did not show the empty room at the start",
+                       name);
+    }
 
     auto participant = bus::Participant::create(config.bus);
     if (!participant) return tl::unexpected(participant.error());
@@ -180,6 +168,8 @@ Expected<void> SiteNode::run(std::stop_token stop) {
                    total.num_failed);
     if (const std::string line = left_out_line({}, total); !line.empty())
         app::log::info("counted {}", line);
+    for (const capture::CameraCounters& counters : source_->camera_counters())
+        app::log::info("camera {}", to_line(counters));
     const std::lock_guard lock(end_mutex_);
     return end_result_;
 }
@@ -196,8 +186,10 @@ void SiteNode::finish(const Expected<void>& result) {
 void SiteNode::capture_metaframes(std::stop_token stop) {
     const double rate_hz =
         config_.capture.rate_hz > 0.0 ? config_.capture.rate_hz : source_->rig().rate_hz;
+    const double tolerance_ms =
+        config_.capture.tolerance_ms > 0.0 ? config_.capture.tolerance_ms : 250.0 / rate_hz;
     capture::AssemblerOptions options;
-    options.tolerance = nanoseconds(static_cast<std::int64_t>(0.4e9 / rate_hz));
+    options.tolerance = nanoseconds(static_cast<std::int64_t>(tolerance_ms * 1e6));
     options.deadline = nanoseconds(static_cast<std::int64_t>(config_.capture.deadline_ms * 1e6));
     options.min_cameras = static_cast<std::size_t>(config_.capture.min_cameras);
     capture::MetaframeAssembler assembler(source_->rig().cameras.size(), options);
@@ -210,6 +202,7 @@ void SiteNode::capture_metaframes(std::stop_token stop) {
         take(assembler.add(std::move(frame), std::chrono::steady_clock::now()));
     });
     if (!stop.stop_requested()) take(assembler.finish());
+    if (!source_->camera_counters().empty()) tell_offsets(source_->rig(), assembler.offsets());
     finish(result);
 }
 
@@ -317,6 +310,7 @@ void SiteNode::report_status(std::stop_token stop) {
     std::condition_variable_any wake;
     const auto begin = Clock::now();
     bus::SiteStatus former;
+    std::vector<capture::CameraCounters> former_cameras = source_->camera_counters();
     for (int second = 1; !stop.stop_requested(); ++second) {
         auto until = begin + std::chrono::seconds(second);
         const bool limited = config_.seconds > 0.0;
@@ -334,6 +328,11 @@ void SiteNode::report_status(std::stop_token stop) {
         if (const std::string line = left_out_line(former, now); !line.empty())
             app::log::debug("this second {}", line);
         former = now;
+        const auto cameras = source_->camera_counters();
+        for (std::size_t i = 0; i < cameras.size(); ++i) {
+            app::log::debug("this second camera {}", to_line(since(former_cameras[i], cameras[i])));
+        }
+        former_cameras = cameras;
     }
 }
 

@@ -2,10 +2,12 @@
 
 #include "core/base/expected.hpp"
 #include "core/config/rig.hpp"
+#include "site_node/capture/camera_counters.hpp"
 #include "site_node/capture/metaframe.hpp"
 
 #include <functional>
 #include <stop_token>
+#include <vector>
 
 namespace atrium::capture {
 
@@ -29,8 +31,13 @@ public:
     /// there are none.
     virtual Expected<void> show_background(std::size_t camera, const BackgroundSink& sink) = 0;
 
-    /// Delivers pictures at the source's rate until the stop or the end of the source.
+    /// Delivers pictures at the source's rate until the stop or the end of the source. A frame
+    /// without image says that a picture is lost; a picture of that time may still follow.
     virtual Expected<void> run(std::stop_token stop, const Sink& sink) = 0;
+
+    /// What became of the pictures of each camera; empty where nothing can become of them.
+    /// Thread-safe.
+    virtual std::vector<CameraCounters> camera_counters() const { return {}; }
 };
 
 }  // namespace atrium::capture

@@ -15,7 +15,7 @@ struct CameraFrame {
     std::size_t camera = 0;  // index into the rig
     Timestamp
         capture_time;       // the camera's own, on the site's clock; what metaframes are matched by
-    image::RawImage image;  // empty: this camera delivered nothing
+    image::RawImage image;  // empty: the picture of this time is lost, and nobody needs to wait
     std::shared_ptr<const image::Mask> silhouette;  // null: to be segmented
 };
 

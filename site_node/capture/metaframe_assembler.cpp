@@ -12,7 +12,7 @@ constexpr std::size_t kMaxPending = 8;
 }  // namespace
 
 MetaframeAssembler::MetaframeAssembler(std::size_t num_cameras, const AssemblerOptions& options)
-    : num_cameras_(num_cameras), options_(options) {
+    : num_cameras_(num_cameras), options_(options), offsets_(num_cameras, options.tolerance) {
     assert(num_cameras > 0);
 }
 
@@ -23,6 +23,7 @@ bool MetaframeAssembler::is_enough(const Pending& pending) const {
 
 // `pending` has left the queue: from now on it is ready or dropped.
 void MetaframeAssembler::retire(Pending&& pending) {
+    offsets_.learn(pending.frames);
     if (!is_enough(pending) || (ready_ && ready_->time > pending.time)) {
         ++counters_.num_incomplete;
         return;
@@ -47,15 +48,21 @@ void MetaframeAssembler::retire_all(IsDue is_due) {
 
 bool MetaframeAssembler::is_too_old(Timestamp time) const {
     return last_emitted_.ns != std::numeric_limits<std::int64_t>::min() &&
-           time <= last_emitted_ + options_.tolerance;
+           time < last_emitted_ + 2 * options_.tolerance;
 }
 
 // Null: there is none, and none can be opened any more.
 MetaframeAssembler::Pending* MetaframeAssembler::find_or_open(
     Timestamp time, std::chrono::steady_clock::time_point arrival) {
     if (is_too_old(time)) return nullptr;
-    for (Pending& p : pending_) {
-        if (std::chrono::abs(time - p.time) <= options_.tolerance) return &p;
+    // two pictures of one trigger are less than two tolerances apart, those of two triggers more
+    const auto nearest =
+        std::min_element(pending_.begin(), pending_.end(), [&](const auto& a, const auto& b) {
+            return std::chrono::abs(time - a.time) < std::chrono::abs(time - b.time);
+        });
+    if (nearest != pending_.end() &&
+        std::chrono::abs(time - nearest->time) < 2 * options_.tolerance) {
+        return &*nearest;
     }
     if (pending_.size() == kMaxPending) {
         retire(std::move(pending_.front()));
@@ -67,6 +74,7 @@ MetaframeAssembler::Pending* MetaframeAssembler::find_or_open(
     opened.time = time;
     opened.first_arrival = arrival;
     opened.frames.resize(num_cameras_);
+    opened.is_lost.resize(num_cameras_, 0);
     for (std::size_t i = 0; i < num_cameras_; ++i) opened.frames[i].camera = i;
     const auto place =
         std::upper_bound(pending_.begin(), pending_.end(), time, [](Timestamp t, const Pending& p) {
@@ -76,16 +84,23 @@ MetaframeAssembler::Pending* MetaframeAssembler::find_or_open(
 }
 
 void MetaframeAssembler::place(CameraFrame frame, std::chrono::steady_clock::time_point arrival) {
-    Pending* const pending = frame.camera < num_cameras_ && !frame.image.empty()
-                                 ? find_or_open(frame.capture_time, arrival)
-                                 : nullptr;
-    if (pending == nullptr || !pending->frames[frame.camera].image.empty()) {
-        ++counters_.num_stray;
+    const std::size_t camera = frame.camera;
+    const bool is_lost = frame.image.empty();
+    Pending* const pending =
+        camera < num_cameras_ ? find_or_open(offsets_.trigger_time(frame), arrival) : nullptr;
+    if (pending == nullptr || !pending->frames[camera].image.empty()) {
+        if (!is_lost) ++counters_.num_stray;
         return;
     }
-    const std::size_t camera = frame.camera;
-    pending->frames[camera] = std::move(frame);
-    if (++pending->num_present < num_cameras_) return;
+    if (pending->is_lost[camera] != 0) --pending->num_lost;
+    pending->is_lost[camera] = is_lost ? 1 : 0;
+    if (is_lost) {
+        ++pending->num_lost;
+    } else {
+        pending->frames[camera] = std::move(frame);
+        ++pending->num_present;
+    }
+    if (pending->num_present + pending->num_lost < num_cameras_) return;
     const Timestamp time = pending->time;
     retire_all([&](const Pending& p) { return p.time == time; });
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "site_node/capture/camera_offsets.hpp"
 #include "site_node/capture/metaframe.hpp"
 
 #include <chrono>
@@ -10,8 +11,9 @@
 namespace atrium::capture {
 
 struct AssemblerOptions {
-    std::chrono::nanoseconds
-        tolerance{};  // pictures of one trigger differ by at most this; below half a period
+    /// Pictures are taken less than this before or after their trigger, as their cameras say; at
+    /// most a quarter of the period, so that no two triggers can be mistaken for each other.
+    std::chrono::nanoseconds tolerance{};
     std::chrono::nanoseconds
         deadline{};  // after its first picture arrived, how long a metaframe may stay incomplete
     std::size_t min_cameras = 0;  // so many are enough at the deadline; 0: all are needed
@@ -19,21 +21,22 @@ struct AssemblerOptions {
 
 struct AssemblerCounters {
     std::uint64_t num_complete = 0;
-    std::uint64_t num_incomplete_used = 0;  // returned at the deadline, with enough cameras
-    std::uint64_t num_incomplete = 0;  // dropped: too few at the deadline, or a later one was ready
+    std::uint64_t num_incomplete_used = 0;  // returned with enough cameras
+    std::uint64_t num_incomplete = 0;       // dropped: too few, or a later one was ready
     std::uint64_t num_stray =
         0;  // single pictures: of an older trigger, of a camera twice, of no camera of the rig
 };
 
-/// Puts pictures into metaframes by their capture time, never by the order of arrival. Not
-/// thread-safe.
+/// Puts pictures into metaframes by their capture time, never by the order of arrival. Learns by
+/// how much each camera is late as a rule, and takes that off before it compares. Not thread-safe.
 class MetaframeAssembler {
 public:
     MetaframeAssembler(std::size_t num_cameras, const AssemblerOptions& options);
 
-    /// Returns the metaframe that this picture completes, else one whose deadline has passed with
-    /// enough cameras. Older ones are dropped then: newest wins. `arrival` is what deadlines are
-    /// measured by; it must not decrease.
+    /// Returns the metaframe that this picture completes, or that needs not wait any longer since
+    /// its other pictures are lost, else one whose deadline has passed, with enough cameras. Older
+    /// ones are dropped then: newest wins. `arrival` is what deadlines are measured by; it must not
+    /// decrease.
     std::optional<Metaframe> add(CameraFrame frame, std::chrono::steady_clock::time_point arrival);
 
     /// What no further picture has to arrive for: as `add`, but nothing is completed.
@@ -44,13 +47,18 @@ public:
 
     const AssemblerCounters& counters() const { return counters_; }
 
+    /// What was learned.
+    const CameraOffsets& offsets() const { return offsets_; }
+
 private:
     struct Pending {
         std::uint64_t frame_id = 0;
-        Timestamp time;
+        Timestamp time;  // of its trigger, as the first picture says
         std::chrono::steady_clock::time_point first_arrival;
         std::vector<CameraFrame> frames;
+        std::vector<std::uint8_t> is_lost;  // per camera: known not to come
         std::size_t num_present = 0;
+        std::size_t num_lost = 0;
     };
     bool is_enough(const Pending& pending) const;
     void retire(Pending&& pending);
@@ -63,6 +71,7 @@ private:
 
     std::size_t num_cameras_;
     AssemblerOptions options_;
+    CameraOffsets offsets_;
     std::deque<Pending> pending_;   // by time
     std::optional<Pending> ready_;  // newest of those that are to be returned
     Timestamp last_emitted_{std::numeric_limits<std::int64_t>::min()};

@@ -75,15 +75,12 @@ TEST(MetaframeAssembler, NewerCompleteOneDropsOlderIncompleteOnes) {
 TEST(MetaframeAssembler, CountsStraysAndKeepsTheFirstOfTwoPicturesOfOneCamera) {
     MetaframeAssembler assembler(2, kOptions);
     EXPECT_FALSE(assembler.add(frame(5, kPeriodNs), at(0)));
-    CameraFrame empty = frame(0, kPeriodNs);
-    empty.image = {};
-    EXPECT_FALSE(assembler.add(empty, at(0)));
     EXPECT_FALSE(assembler.add(frame(0, kPeriodNs + 1), at(0)));
     EXPECT_FALSE(assembler.add(frame(0, kPeriodNs + 2), at(0)));
     const auto metaframe = assembler.add(frame(1, kPeriodNs), at(0));
     ASSERT_TRUE(metaframe);
     EXPECT_EQ(metaframe->frames[0].capture_time.ns, kPeriodNs + 1);
-    EXPECT_EQ(assembler.counters().num_stray, 3u);
+    EXPECT_EQ(assembler.counters().num_stray, 2u);
 }
 
 TEST(MetaframeAssembler, ACameraWithAWildClockDoesNotFillTheMemory) {
@@ -197,6 +194,50 @@ TEST(MetaframeAssembler, FastTriggersOfALostCameraAreNotPushedOutUnused) {
     }
     EXPECT_EQ(num_metaframes, 92u);
     EXPECT_EQ(assembler.counters().num_incomplete, 0u);
+}
+
+CameraFrame lost(std::size_t camera, std::int64_t time_ns) {
+    CameraFrame f = frame(camera, time_ns);
+    f.image = {};
+    return f;
+}
+
+TEST(MetaframeAssembler, DoesNotWaitForAPictureThatIsKnownToBeLost) {
+    for (const bool comes_first : {true, false}) {
+        MetaframeAssembler assembler(3, kTwoAreEnough);
+        std::optional<Metaframe> metaframe;
+        if (comes_first) {
+            EXPECT_FALSE(assembler.add(lost(1, kPeriodNs + 3), at(0)));
+        }
+        EXPECT_FALSE(assembler.add(frame(0, kPeriodNs), at(1)));
+        metaframe = assembler.add(frame(2, kPeriodNs + 1), at(2));
+        EXPECT_EQ(metaframe.has_value(), comes_first);
+        if (!comes_first) metaframe = assembler.add(lost(1, kPeriodNs + 3), at(3));
+        ASSERT_TRUE(metaframe);
+        EXPECT_TRUE(metaframe->frames[1].image.empty());
+        EXPECT_EQ(metaframe->capture_time.ns, kPeriodNs);
+        EXPECT_EQ(assembler.counters().num_incomplete_used, 1u);
+        EXPECT_FALSE(assembler.add(lost(1, kPeriodNs), at(4)));  // told twice, too late
+        EXPECT_EQ(assembler.counters().num_stray, 0u);
+    }
+}
+
+TEST(MetaframeAssembler, DropsAtOnceWhatCannotGetEnough) {
+    MetaframeAssembler assembler(3, kTwoAreEnough);
+    EXPECT_FALSE(assembler.add(frame(0, kPeriodNs), at(0)));
+    EXPECT_FALSE(assembler.add(lost(1, kPeriodNs), at(0)));
+    EXPECT_FALSE(assembler.add(lost(1, kPeriodNs), at(0)));
+    EXPECT_EQ(assembler.counters().num_incomplete, 0u);
+    EXPECT_FALSE(assembler.add(lost(2, kPeriodNs), at(0)));
+    EXPECT_EQ(assembler.counters().num_incomplete, 1u);
+}
+
+TEST(MetaframeAssembler, TakesAPictureThatWasBelievedLost) {
+    MetaframeAssembler assembler(2, kOptions);
+    EXPECT_FALSE(assembler.add(lost(0, kPeriodNs), at(0)));
+    EXPECT_FALSE(assembler.add(frame(0, kPeriodNs), at(0)));
+    EXPECT_TRUE(assembler.add(frame(1, kPeriodNs), at(0)));
+    EXPECT_EQ(assembler.counters().num_complete, 1u);
 }
 
 // any order of arrival within the deadline, some pictures lost

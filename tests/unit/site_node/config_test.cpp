@@ -23,6 +23,7 @@ Expected<SiteNodeConfig> parse(const std::string& text) {
     set.read_file(*reader);
     read_hull(*reader, config);
     read_segmentation(*reader, config);
+    read_cameras(*reader, config.capture.cameras);
     if (const auto read = reader->finish(); !read) return tl::unexpected(read.error());
     if (const auto valid = check(config); !valid) return tl::unexpected(valid.error());
     return config;
@@ -217,9 +218,10 @@ TEST(SiteConfig, OfEverySiteThatIsDeliveredIsValid) {
         declare(config, set);
         set.read_file(*reader);
         read_hull(*reader, config);
+        read_cameras(*reader, config.capture.cameras);
         const auto read = reader->finish();
         ASSERT_TRUE(read) << read.error().message;
-        if (config.capture.source != "simulated") continue;  // which one is the user's to say
+        if (config.capture.source == "recording") continue;  // which one is the user's to say
         const auto valid = check(config);
         ASSERT_TRUE(valid) << valid.error().message;
         const auto rig = config::load_rig(config.capture.rig);
@@ -229,6 +231,70 @@ TEST(SiteConfig, OfEverySiteThatIsDeliveredIsValid) {
         EXPECT_TRUE(stage) << entry.path() << ": " << stage.error().message;
     }
     EXPECT_GT(num_sites, 3);
+}
+
+const std::string kCameras = R"(
+[capture]
+source = "cameras"
+rig = "rig.toml"
+trigger = "external"
+deadline_ms = 80
+min_cameras = 2
+background_frames = 30
+[capture.cameras]
+pixel_format = "BayerRG8"
+gain_db = 3.0
+)";
+
+TEST(CameraConfig, ReadsCamerasWithTheirOwnSettings) {
+    const auto config = parse(kCameras + R"(
+[[capture.camera]]
+name = "north"
+serial = "4711"
+[[capture.camera]]
+name = "south"
+address = "192.168.1.12"
+exposure_us = 2500.0
+region_px = [16, 8, 640, 480]
+)");
+    ASSERT_TRUE(config) << config.error().message;
+    const capture::CamerasOptions options =
+        cameras_options(config->capture.cameras, 2, std::chrono::milliseconds(80));
+    ASSERT_EQ(options.cameras.size(), 2u);
+    EXPECT_EQ(options.cameras[0].serial, "4711");
+    EXPECT_EQ(options.cameras[1].address, "192.168.1.12");
+    EXPECT_EQ(options.trigger, capture::TriggerMode::kExternal);
+    EXPECT_EQ(options.num_background_frames, 30u);
+    EXPECT_EQ(options.min_cameras, 2u);
+    const auto south = merged(options.common, options.cameras[1].settings);
+    EXPECT_EQ(south.pixel_format, "BayerRG8");
+    EXPECT_EQ(south.exposure_us, 2500.0);
+    EXPECT_EQ(south.gain_db, 3.0);
+    ASSERT_TRUE(south.region_px);
+    EXPECT_THAT(*south.region_px, ElementsAre(16, 8, 640, 480));
+}
+
+TEST(CameraConfig, WrongOnesAreErrorsThatNameTheKey) {
+    const auto message = [](const std::string& text) {
+        const auto config = parse(text);
+        return config ? std::string("no error") : config.error().message;
+    };
+    const std::string north = "[[capture.camera]]\nname = \"north\"\n";
+    EXPECT_THAT(message(kCameras), HasSubstr("needs a [[capture.camera]]"));
+    EXPECT_THAT(message("[capture]\nsource = \"cameras\"\n"), HasSubstr("capture.rig"));
+    EXPECT_THAT(message(kCameras + north), HasSubstr("the serial or the address"));
+    EXPECT_THAT(message(kCameras + north + "serial = \"1\"\ngian_db = 2.0\n"),
+                HasSubstr("gian_db"));
+    EXPECT_THAT(message(kCameras + north + "serial = \"1\"\npixel_format = \"Mono12\"\n"),
+                HasSubstr("BayerRG8"));
+    EXPECT_THAT(message(kCameras + north + "serial = \"1\"\nregion_px = [0, 0, 10.5, 8]\n"),
+                HasSubstr("region_px"));
+    EXPECT_THAT(message(kCameras + north + "serial = \"1\"\n" + north + "serial = \"2\"\n"),
+                HasSubstr("different for every camera"));
+    EXPECT_THAT(message(kCameras + "buffers = 2\n" + north + "serial = \"1\"\n"),
+                HasSubstr("capture.cameras.buffers"));
+    EXPECT_THAT(message(kCameras + "packet_size = 70000\n" + north + "serial = \"1\"\n"),
+                HasSubstr("packet_size"));
 }
 
 }  // namespace

@@ -154,6 +154,39 @@ TEST_F(SitePipeline, GoesOnWithoutALostCameraAndWithItAgain) {
     EXPECT_THAT(textured(), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
 }
 
+// A source whose camera 3 cannot show the empty room now.
+class DarkSource final : public capture::FrameSource {
+public:
+    explicit DarkSource(config::Rig rig) : rig_(std::move(rig)) {}
+    const config::Rig& rig() const override { return rig_; }
+    bool has_silhouettes() const override { return false; }
+    Expected<void> show_background(std::size_t camera, const BackgroundSink& sink) override {
+        if (camera == 3) return make_error(ErrorKind::kUnavailable, "no pictures came");
+        const int size = rig_.cameras[camera].intrinsics.width;
+        const image::YuvImage grey{image::Plane(size, size, 90),
+                                   image::Plane(size / 2, size / 2, 128),
+                                   image::Plane(size / 2, size / 2, 128)};
+        for (int i = 0; i < 5; ++i) sink(grey);
+        return {};
+    }
+    Expected<void> run(std::stop_token, const Sink&) override { return {}; }
+
+private:
+    config::Rig rig_;
+};
+
+TEST_F(SitePipeline, LeavesOutACameraThatCannotShowTheEmptyRoom) {
+    const config::Rig rig = make_rig(250.0);
+    DarkSource source(rig);
+    auto pipeline = Pipeline::create(source, {}, {});
+    ASSERT_TRUE(pipeline) << pipeline.error().message;
+    EXPECT_THAT(pipeline->cameras_without_background(), ElementsAre("cam3"));
+    process(*pipeline, test::take_pictures(kBody, rig));
+    EXPECT_EQ(frame_.hull.status, hull::HullStatus::kOk);
+    EXPECT_EQ(num_outside(points_), 0u);
+    EXPECT_THAT(textured(), ElementsAre(0, 1, 2, 4, 5, 6, 7));
+}
+
 TEST_F(SitePipeline, RefusesOneCameraAlone) {
     const config::Rig rig = make_rig(250.0);
     const capture::Metaframe all = test::take_pictures(kBody, rig);

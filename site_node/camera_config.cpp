@@ -1,0 +1,154 @@
+#include "site_node/camera_config.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace atrium::site_node {
+namespace {
+
+constexpr config::Range kExposure_us{0, 1e7};
+constexpr config::Range kGain_db{-1, 100};
+constexpr config::Range kPacketBytes{0, 65535};
+constexpr config::Range kPacketDelay_ns{-1, 1e9};
+
+bool is_pixel_format(const std::string& name) {
+    const auto& names = capture::camera_pixel_formats();
+    return name.empty() || std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::string pixel_format_rule(const std::string& got) {
+    std::string names;
+    for (const std::string& name : capture::camera_pixel_formats())
+        names += (names.empty() ? "" : ", ") + name;
+    return fmt::format("must be one of {}, got '{}'", names, got);
+}
+
+std::optional<std::array<int, 4>> read_region(config::TableReader& table) {
+    if (!table.has("region_px")) return std::nullopt;
+    std::array<double, 4> numbers{};
+    table.read("region_px", numbers.data(), numbers.size(), {0, 65535});
+    std::array<int, 4> region{};
+    for (std::size_t i = 0; i < region.size(); ++i) {
+        region[i] = static_cast<int>(numbers[i]);
+        if (region[i] != numbers[i]) table.reject("region_px", "must be four whole numbers");
+    }
+    return region;
+}
+
+capture::CameraEntry read_camera(config::TableReader& table) {
+    capture::CameraEntry camera;
+    table.require("name");
+    table.read("name", camera.name);
+    table.read("serial", camera.serial);
+    table.read("address", camera.address);
+    if (camera.serial.empty() && camera.address.empty())
+        table.reject("name", "must go with the serial or the address of this camera");
+    capture::CameraSettings& settings = camera.settings;
+    table.read("pixel_format", settings.pixel_format, capture::camera_pixel_formats());
+    table.read("exposure_us", settings.exposure_us, kExposure_us);
+    table.read("gain_db", settings.gain_db, kGain_db);
+    table.read("white_balance", settings.white_balance);
+    table.read("trigger_source", settings.trigger_source);
+    table.read("packet_size", settings.packet_size, kPacketBytes);
+    table.read("packet_delay_ns", settings.packet_delay_ns, kPacketDelay_ns);
+    settings.region_px = read_region(table);
+    return camera;
+}
+
+}  // namespace
+
+void declare(CameraConfig& config, config::OptionSet& set) {
+    set.add("capture.trigger",
+            config.trigger,
+            "what makes cameras take a picture: a line of theirs, the site, or their own clock",
+            {"external", "software", "free-run"});
+    set.add("capture.background_frames",
+            config.num_background_frames,
+            "pictures of the empty room that each camera shows at the start",
+            {1, 10000});
+    capture::CameraSettings& common = config.options.common;
+    set.add("capture.cameras.pixel_format",
+            common.pixel_format,
+            "of all cameras, in the words of GenICam, for example BayerRG8; empty: the camera's");
+    set.add("capture.cameras.exposure_us",
+            common.exposure_us,
+            "exposure [us]; 0: the camera's",
+            kExposure_us);
+    set.add("capture.cameras.gain_db", common.gain_db, "gain [dB]; -1: the camera's", kGain_db);
+    set.add("capture.cameras.white_balance",
+            common.white_balance,
+            "off, auto-once, or gains of red and blue, for example 1.8,1.4; empty: the camera's");
+    set.add("capture.cameras.trigger_source",
+            common.trigger_source,
+            "line of the external trigger, for example Line1; empty: the camera's first");
+    set.add("capture.cameras.packet_size",
+            common.packet_size,
+            "GigE Vision packets [bytes]; 0: what the interface carries",
+            kPacketBytes);
+    set.add("capture.cameras.packet_delay_ns",
+            common.packet_delay_ns,
+            "pause between GigE Vision packets, where cameras share a link [ns]; -1: the camera's",
+            kPacketDelay_ns);
+    set.add("capture.cameras.packet_socket",
+            config.options.use_packet_socket,
+            "receive GigE Vision through packet sockets where that is permitted (cap_net_raw)");
+    set.add("capture.cameras.buffers",
+            config.options.num_buffers,
+            "pictures in memory per camera; 0: as rate and deadline need",
+            {0, 64});
+    set.add("capture.cameras.realtime_priority",
+            config.options.realtime_priority,
+            "of the threads that receive pictures, where that is permitted; 0: none",
+            {0, 99});
+    set.add("capture.cameras.silent_periods",
+            config.options.silent_periods,
+            "a camera without a picture for so many periods, and half a second, is lost",
+            {2, 10000});
+}
+
+void read_cameras(config::TableReader& reader, CameraConfig& config) {
+    config::TableReader table = reader.table("capture");
+    std::set<std::string> names;
+    for (config::TableReader& camera : table.tables("camera")) {
+        config.options.cameras.push_back(read_camera(camera));
+        if (!names.insert(config.options.cameras.back().name).second)
+            camera.reject("name", "must be different for every camera");
+    }
+}
+
+Expected<void> check(const CameraConfig& config) {
+    const auto wrong = [](std::string text) {
+        return make_error(ErrorKind::kConfiguration, std::move(text));
+    };
+    if (config.options.cameras.empty()) {
+        return wrong(
+            "capture.camera: capture.source = \"cameras\" needs a [[capture.camera]] with name and "
+            "serial or address for each camera of the rig; site_node --list-cameras shows them");
+    }
+    const std::string& format = config.options.common.pixel_format;
+    if (!is_pixel_format(format))
+        return wrong("capture.cameras.pixel_format: " + pixel_format_rule(format));
+    const int num_buffers = config.options.num_buffers;
+    if (num_buffers != 0 && num_buffers < 3) {
+        return wrong(fmt::format(
+            "capture.cameras.buffers: must be 0 (as needed) or at least 3, got {}", num_buffers));
+    }
+    return {};
+}
+
+capture::CamerasOptions cameras_options(const CameraConfig& config,
+                                        std::size_t min_cameras,
+                                        std::chrono::nanoseconds deadline) {
+    capture::CamerasOptions options = config.options;
+    options.trigger = config.trigger == "external"   ? capture::TriggerMode::kExternal
+                      : config.trigger == "software" ? capture::TriggerMode::kSoftware
+                                                     : capture::TriggerMode::kFreeRun;
+    options.num_background_frames = static_cast<std::size_t>(config.num_background_frames);
+    options.min_cameras = min_cameras;
+    options.deadline = deadline;
+    return options;
+}
+
+}  // namespace atrium::site_node

@@ -1,0 +1,308 @@
+#include "site_node/capture/aravis_camera.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace atrium::capture {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+using Clock = std::chrono::steady_clock;
+
+constexpr milliseconds kAnswerTime{200};
+constexpr milliseconds kFirstPause{100};  // between two attempts to connect; doubles
+constexpr milliseconds kLongestPause{1000};
+constexpr milliseconds kLeastSilence{500};  // that can be a fault
+constexpr std::chrono::seconds kPtpCheckPeriod{1};
+// In use besides those that wait for a metaframe to be complete: one lacks packets, one is
+// received, one is next, one is in the mailbox, one waits for the pipeline and one is in it.
+constexpr int kBuffersInFlight = 6;
+constexpr int kMostBuffers = 32;
+
+int num_buffers(const CamerasOptions& options, nanoseconds period) {
+    if (options.num_buffers > 0) return options.num_buffers;
+    const auto waiting = static_cast<int>((options.deadline + period - nanoseconds(1)) / period);
+    return std::min(kBuffersInFlight + waiting, kMostBuffers);
+}
+
+}  // namespace
+
+CameraCommons::CameraCommons(const CamerasOptions& camera_options,
+                             std::size_t num_cameras,
+                             double rate,
+                             CameraEventSink sink)
+    : options(camera_options),
+      rate_hz(rate),
+      tell(std::move(sink)),
+      mailbox(num_cameras, camera_options.deadline + 2 * period()) {}
+
+// A camera while it is connected.
+struct AravisCamera::Session {
+    FoundCamera found;
+    CameraFormat format;
+    std::uint64_t number = 0;
+    GPtr<ArvCamera> camera;
+    gulong lost_handler = 0;
+    std::unique_ptr<AravisStream> stream;
+    bool is_untriggered = false;  // as was told
+
+    Session() = default;
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+    ~Session() {
+        if (lost_handler != 0)
+            g_signal_handler_disconnect(arv_camera_get_device(camera.get()), lost_handler);
+        stream.reset();  // before its camera
+    }
+
+    bool answers() const {
+        return found.protocol != "GigEVision" ||
+               ask_gige_camera(found.address, kAnswerTime).has_value();
+    }
+};
+
+AravisCamera::AravisCamera(std::size_t index,
+                           const CameraEntry& entry,
+                           const geometry::PinholeCamera& intrinsics,
+                           CameraCommons& commons)
+    : index_(index),
+      entry_(entry),
+      request_{merged(commons.options.common, entry.settings),
+               commons.options.trigger,
+               commons.rate_hz,
+               intrinsics.width,
+               intrinsics.height},
+      commons_(commons),
+      keeper_([this](std::stop_token stop) { keep(stop); }) {}
+
+AravisCamera::~AravisCamera() = default;
+
+void AravisCamera::tell(bool is_warning, const std::string& text) const {
+    commons_.tell({is_warning, fmt::format("camera '{}' {}", entry_.name, text)});
+}
+
+void AravisCamera::finish_first_attempt(Expected<void> result) {
+    {
+        const std::lock_guard lock(first_mutex_);
+        if (first_result_) return;
+        first_result_ = std::move(result);
+    }
+    first_changed_.notify_all();
+}
+
+Expected<void> AravisCamera::wait_for_first_attempt(std::stop_token stop) {
+    std::unique_lock lock(first_mutex_);
+    if (!first_changed_.wait(lock, stop, [this] { return first_result_.has_value(); }))
+        return make_error(ErrorKind::kUnavailable, "stopped");
+    return *first_result_;
+}
+
+void AravisCamera::fire() {
+    {
+        const std::lock_guard lock(wake_->mutex);
+        wake_->fire = true;
+    }
+    wake_->changed.notify_one();
+}
+
+// The thread of this camera: connects, serves until the camera is lost, and starts over.
+void AravisCamera::keep(std::stop_token stop) {
+    pthread_setname_np(pthread_self(), fmt::format("cam {:.11}", entry_.name).c_str());
+    std::string last_problem;
+    milliseconds pause = kFirstPause;
+    bool was_connected = false;
+    auto lost_at = Clock::now();
+    while (!stop.stop_requested()) {
+        auto session = connect();
+        if (!session) {
+            finish_first_attempt(tl::unexpected(session.error()));
+            if (session.error().message != last_problem)
+                tell(true, fmt::format("is not there: {}", session.error().message));
+            last_problem = session.error().message;
+            std::unique_lock lock(wake_->mutex);
+            wake_->changed.wait_for(lock, stop, pause, [] { return false; });
+            pause = std::min(2 * pause, kLongestPause);
+            continue;
+        }
+        say_connected(**session, was_connected);
+        if (was_connected) {
+            ++num_reconnects_;
+            tell(false,
+                 fmt::format("is back after {:.1f} s",
+                             std::chrono::duration<double>(Clock::now() - lost_at).count()));
+        }
+        was_connected = true;
+        last_problem.clear();
+        pause = kFirstPause;
+        finish_first_attempt({});
+        const End end = serve(**session, stop);
+        lost_at = Clock::now();
+        close(std::move(*session), end);
+    }
+}
+
+Expected<std::unique_ptr<AravisCamera::Session>> AravisCamera::connect() {
+    auto session = std::make_unique<Session>();
+    auto found = commons_.finder.find(entry_.serial, entry_.address);
+    if (!found) return tl::unexpected(found.error());
+    session->found = std::move(*found);
+    auto camera = open_camera(session->found);
+    if (!camera) return tl::unexpected(camera.error());
+    session->camera = std::move(*camera);
+    session->number = ++session_number_;
+
+    std::vector<std::string> warnings;
+    auto format = set_up_camera(*session->camera, request_, warnings);
+    if (!format) return tl::unexpected(format.error());
+    session->format = *format;
+    if (session_number_ == 1) {
+        for (const std::string& warning : warnings) tell(true, warning);
+    }
+
+    watch_control(*session);
+
+    clock_ = {};
+    guard_ = {};
+    follows_ptp_ = false;
+    const CamerasOptions& options = commons_.options;
+    auto stream = AravisStream::create(*session->camera,
+                                       session->format,
+                                       {num_buffers(options, commons_.period()),
+                                        commons_.period(),
+                                        options.realtime_priority,
+                                        options.use_packet_socket,
+                                        fmt::format("rx {:.12}", entry_.name)},
+                                       *this);
+    if (!stream) return tl::unexpected(stream.error());
+    session->stream = std::move(*stream);
+    GErrorSlot error;
+    arv_camera_start_acquisition(session->camera.get(), error.out());
+    if (error.failed()) {
+        return make_error(ErrorKind::kUnavailable,
+                          fmt::format("it does not start to send: {}", error.message()));
+    }
+    note_sign_of_life();
+    is_connected_ = true;
+    const std::lock_guard lock(session_mutex_);
+    stream_ = session->stream.get();
+    return session;
+}
+
+// The handler may run on a thread of Aravis while this object goes: it shares what it needs.
+void AravisCamera::watch_control(Session& session) {
+    using Lost = std::pair<std::shared_ptr<Wake>, std::uint64_t>;
+    static std::mutex
+        mutex;  // of what is handed over through GLib, whose own locks nobody can check
+    const std::lock_guard lock(mutex);
+    session.lost_handler = g_signal_connect_data(
+        arv_camera_get_device(session.camera.get()),
+        "control-lost",
+        G_CALLBACK(+[](ArvDevice*, Lost* data) {
+            std::unique_lock handed_over(mutex);
+            const Lost lost = *data;
+            handed_over.unlock();
+            {
+                const std::lock_guard wake_lock(lost.first->mutex);
+                lost.first->lost_session = lost.second;
+            }
+            lost.first->changed.notify_one();
+        }),
+        new Lost(wake_, session.number),
+        [](gpointer lost, GClosure*) { delete static_cast<Lost*>(lost); },
+        G_CONNECT_DEFAULT);
+}
+
+void AravisCamera::say_connected(const Session& session, bool again) {
+    tell(false,
+         fmt::format("connected vendor=\"{}\" model=\"{}\" serial={} address={} size={}x{} "
+                     "format={} packet_bytes={}",
+                     session.found.vendor,
+                     session.found.model,
+                     session.found.serial,
+                     session.found.address,
+                     session.format.width,
+                     session.format.height,
+                     arv_camera_get_pixel_format_as_string(session.camera.get(), nullptr),
+                     session.format.packet_bytes));
+    if (again || commons_.options.realtime_priority <= 0 || session.stream->is_realtime()) return;
+    tell(false, "is received without realtime priority, which is not permitted here");
+}
+
+// Fires, and watches over the camera, until it is lost or the stop comes.
+AravisCamera::End AravisCamera::serve(Session& session, std::stop_token stop) {
+    const nanoseconds silence =
+        std::max<nanoseconds>(commons_.options.silent_periods * commons_.period(), kLeastSilence);
+    auto next_check = Clock::now() + silence;
+    auto next_ptp_check = Clock::now();
+    while (true) {
+        bool fire = false;
+        {
+            const auto until =
+                session.format.has_ptp ? std::min(next_check, next_ptp_check) : next_check;
+            std::unique_lock lock(wake_->mutex);
+            wake_->changed.wait_until(lock, stop, until, [&] {
+                return wake_->fire || wake_->lost_session == session.number;
+            });
+            if (stop.stop_requested()) return End::kStopped;
+            if (wake_->lost_session == session.number) return End::kLost;
+            fire = std::exchange(wake_->fire, false);
+        }
+        if (fire && request_.trigger == TriggerMode::kSoftware) {
+            GErrorSlot error;  // a camera that does not take it will be silent
+            arv_camera_software_trigger(session.camera.get(), error.out());
+        }
+        const auto now = Clock::now();
+        if (session.format.has_ptp && now >= next_ptp_check) {
+            follows_ptp_ = is_ptp_locked(*session.camera);
+            next_ptp_check = now + kPtpCheckPeriod;
+        }
+        if (now < next_check) continue;
+        const nanoseconds quiet(silence_ns());
+        if (quiet >= silence && is_silent_for_good(session)) return End::kSilent;
+        next_check = Clock::now() + (quiet >= silence ? silence : silence - quiet);
+    }
+}
+
+// Where the trigger is not ours it may just pause: then all cameras are silent.
+bool AravisCamera::is_silent_for_good(Session& session) {
+    const bool others_deliver = commons_.last_picture_ns > last_sign_ns_;
+    if (request_.trigger != TriggerMode::kExternal || others_deliver || !session.answers() ||
+        !is_under_control(*session.camera)) {
+        return true;
+    }
+    if (!std::exchange(session.is_untriggered, true))
+        tell(true, "is under control and sends nothing, like all others: is it triggered?");
+    return false;
+}
+
+void AravisCamera::close(std::unique_ptr<Session> session, End end) {
+    is_connected_ = false;
+    session->stream->detach();
+    commons_.mailbox.clear(index_);
+    {
+        const std::lock_guard lock(session_mutex_);
+        const StreamCounts counts = stream_->counts();
+        former_counts_.num_resent_packets += counts.num_resent_packets;
+        former_counts_.num_without_buffer += counts.num_without_buffer;
+        stream_ = nullptr;
+    }
+    if (end != End::kStopped) {
+        tell(
+            true,
+            fmt::format("is lost: {}; looking for it",
+                        end == End::kLost ? "it is no longer under control"
+                                          : fmt::format("no picture for {:.1f} s",
+                                                        static_cast<double>(silence_ns()) * 1e-9)));
+    }
+    if (!session->answers()) {
+        release_in_background(std::shared_ptr<Session>(std::move(session)));
+        return;
+    }
+    GErrorSlot error;
+    arv_camera_stop_acquisition(session->camera.get(), error.out());
+}
+
+}  // namespace atrium::capture

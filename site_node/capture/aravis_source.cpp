@@ -1,0 +1,227 @@
+#include "site_node/capture/aravis_source.hpp"
+
+#include "site_node/capture/aravis_camera.hpp"
+#include "site_node/capture/network_interface.hpp"
+#include "site_node/capture/pace.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace atrium::capture {
+namespace {
+
+// Entries in the order of the rig.
+Expected<std::vector<CameraEntry>> in_rig_order(const config::Rig& rig,
+                                                const std::vector<CameraEntry>& entries) {
+    const auto wrong = [](std::string text) {
+        return make_error(ErrorKind::kConfiguration, "capture.camera: " + std::move(text));
+    };
+    std::vector<CameraEntry> ordered;
+    for (const geometry::CalibratedCamera& camera : rig.cameras) {
+        const auto is_it = [&](const CameraEntry& entry) { return entry.name == camera.name; };
+        const auto entry = std::find_if(entries.begin(), entries.end(), is_it);
+        if (entry == entries.end())
+            return wrong(fmt::format("none is named '{}', a camera of the rig", camera.name));
+        if (std::find_if(entry + 1, entries.end(), is_it) != entries.end())
+            return wrong(fmt::format("two are named '{}'", camera.name));
+        ordered.push_back(*entry);
+    }
+    for (const CameraEntry& entry : entries) {
+        const auto is_it = [&](const CameraEntry& other) { return other.name == entry.name; };
+        if (std::find_if(ordered.begin(), ordered.end(), is_it) == ordered.end())
+            return wrong(fmt::format("the rig has no camera '{}'", entry.name));
+    }
+    return ordered;
+}
+
+void tell_about_sockets(const CamerasOptions& options,
+                        const config::Rig& rig,
+                        const CameraEventSink& tell) {
+    if (options.use_packet_socket && may_use_packet_sockets()) return;
+    std::uint64_t largest = 0;
+    for (const geometry::CalibratedCamera& camera : rig.cameras) {
+        largest = std::max(largest,
+                           static_cast<std::uint64_t>(camera.intrinsics.width) *
+                               static_cast<std::uint64_t>(camera.intrinsics.height));
+    }
+    const std::uint64_t allowed = max_socket_buffer_bytes();
+    tell({false,
+          "GigE Vision pictures come through usual sockets, which lose more of them under load: "
+          "packet sockets are switched off, or not permitted (cap_net_raw)"});
+    if (allowed == 0 || allowed >= 2 * largest) return;
+    tell({true,
+          fmt::format("socket buffers hold {} bytes, less than two pictures: raise them with "
+                      "sysctl net.core.rmem_max={}",
+                      allowed,
+                      2 * largest)});
+}
+
+}  // namespace
+
+struct AravisSource::Cameras {
+    CameraCommons commons;
+    std::vector<std::unique_ptr<AravisCamera>> cameras;  // as in the rig
+    std::vector<std::uint64_t> num_too_old;              // scratch
+    std::jthread trigger;                                // last: it uses all of the above
+
+    Cameras(const CamerasOptions& options, const config::Rig& rig, CameraEventSink tell)
+        : commons(options, rig.cameras.size(), rig.rate_hz, std::move(tell)),
+          num_too_old(rig.cameras.size(), 0) {}
+
+    // all at once: each may take a while to say goodbye
+    ~Cameras() {
+        for (const auto& camera : cameras) camera->request_stop();
+    }
+
+    void keep_the_beat(std::stop_token stop) {
+        pthread_setname_np(pthread_self(), "trigger");
+        Pace pace(commons.period());
+        while (pace.wait(stop)) {
+            for (const auto& camera : cameras) camera->fire();
+        }
+    }
+
+    // Those that are there; error where they are too few or one refuses its settings.
+    Expected<void> wait_for_enough(std::stop_token stop) {
+        std::string missing;
+        std::size_t num_there = 0;
+        for (const auto& camera : cameras) {
+            const auto connected = camera->wait_for_first_attempt(stop);
+            if (connected) {
+                ++num_there;
+                continue;
+            }
+            const std::string line =
+                fmt::format("camera '{}': {}", camera->name(), connected.error().message);
+            if (connected.error().kind == ErrorKind::kConfiguration || stop.stop_requested())
+                return make_error(connected.error().kind, line);
+            missing += (missing.empty() ? "" : "; ") + line;
+        }
+        const std::size_t needed =
+            commons.options.min_cameras == 0 ? cameras.size() : commons.options.min_cameras;
+        if (num_there >= needed) return {};
+        return make_error(ErrorKind::kNotFound,
+                          fmt::format("{} of {} cameras are there, {} are needed: {}",
+                                      num_there,
+                                      cameras.size(),
+                                      needed,
+                                      missing));
+    }
+};
+
+AravisSource::AravisSource(const config::Rig& rig,
+                           std::unique_ptr<Cameras> cameras,
+                           std::stop_token stop)
+    : rig_(rig), cameras_(std::move(cameras)), stop_(std::move(stop)) {}
+
+AravisSource::~AravisSource() = default;
+
+Expected<std::unique_ptr<AravisSource>> AravisSource::open(const config::Rig& rig,
+                                                           const CamerasOptions& options,
+                                                           EventSink events,
+                                                           std::stop_token stop) {
+    auto entries = in_rig_order(rig, options.cameras);
+    if (!entries) return tl::unexpected(entries.error());
+    const auto tell = [events = std::move(events)](const CameraEvent& event) {
+        if (events) events(event.is_warning, event.text);
+    };
+    tell_about_sockets(options, rig, tell);
+    auto cameras = std::make_unique<Cameras>(options, rig, tell);
+    for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+        cameras->cameras.push_back(std::make_unique<AravisCamera>(
+            i, (*entries)[i], rig.cameras[i].intrinsics, cameras->commons));
+    }
+    if (options.trigger == TriggerMode::kSoftware) {
+        cameras->trigger = std::jthread(
+            [&all = *cameras](std::stop_token beat_stop) { all.keep_the_beat(beat_stop); });
+    }
+    if (auto enough = cameras->wait_for_enough(stop); !enough)
+        return tl::unexpected(enough.error());
+    return std::unique_ptr<AravisSource>(
+        new AravisSource(rig, std::move(cameras), std::move(stop)));
+}
+
+// Whatever has come since; nothing after a while without pictures.
+bool AravisSource::take(std::stop_token stop, std::vector<CameraFrame>& frames) {
+    constexpr std::chrono::milliseconds kPatience{200};
+    auto& too_old = cameras_->num_too_old;
+    std::fill(too_old.begin(), too_old.end(), 0);
+    const bool taken = cameras_->commons.mailbox.take(stop, kPatience, frames, too_old);
+    for (std::size_t i = 0; i < too_old.size(); ++i)
+        cameras_->cameras[i]->count_too_old(too_old[i]);
+    return taken;
+}
+
+Expected<void> AravisSource::run(std::stop_token stop, const Sink& sink) {
+    cameras_->commons.mailbox.listen_to_all();
+    std::vector<CameraFrame> frames;
+    while (!stop.stop_requested()) {
+        if (!take(stop, frames) || frames.empty()) continue;
+        const Timestamp newest = frames.back().capture_time;
+        for (CameraFrame& frame : frames) sink(std::move(frame));
+        frames.clear();
+        tell_absent(newest, sink);
+    }
+    cameras_->commons.mailbox.listen_to_none();
+    return {};
+}
+
+// Nobody needs to wait for a camera that is not connected.
+void AravisSource::tell_absent(Timestamp time, const Sink& sink) {
+    for (std::size_t i = 0; i < cameras_->cameras.size(); ++i) {
+        if (cameras_->cameras[i]->is_connected()) continue;
+        CameraFrame lost;
+        lost.camera = i;
+        lost.capture_time = time;
+        sink(std::move(lost));
+    }
+}
+
+Expected<void> AravisSource::show_background(std::size_t camera, const BackgroundSink& sink) {
+    constexpr std::chrono::seconds kLongestWait{5};
+    constexpr std::chrono::seconds kLongestWaitForMissing{1};
+    const AravisCamera& shown = *cameras_->cameras[camera];
+    CameraCommons& commons = cameras_->commons;
+    const std::size_t num_wanted = commons.options.num_background_frames;
+    commons.mailbox.listen_to(camera);
+    std::vector<CameraFrame> frames;
+    image::YuvImage buffer;
+    auto last_picture = std::chrono::steady_clock::now();
+    std::size_t num_shown = 0;
+    while (num_shown < num_wanted) {
+        const auto now = std::chrono::steady_clock::now();
+        const auto patience = shown.counters().connected ? kLongestWait : kLongestWaitForMissing;
+        if (stop_.stop_requested() || now - last_picture > patience) {
+            commons.mailbox.listen_to_none();
+            return make_error(
+                ErrorKind::kUnavailable,
+                fmt::format("{} of {} pictures of the empty room came", num_shown, num_wanted));
+        }
+        if (!take(stop_, frames)) continue;
+        for (const CameraFrame& frame : frames) {
+            if (frame.image.empty()) continue;
+            sink(image::working_view(frame.image, buffer));
+            last_picture = now;
+            ++num_shown;
+            if (num_shown % std::max<std::size_t>(num_wanted / 4, 1) == 0) {
+                commons.tell({false,
+                              fmt::format("camera '{}' shows the empty room, picture {} of {}",
+                                          shown.name(),
+                                          num_shown,
+                                          num_wanted)});
+            }
+        }
+        frames.clear();
+    }
+    commons.mailbox.listen_to_none();
+    return {};
+}
+
+std::vector<CameraCounters> AravisSource::camera_counters() const {
+    std::vector<CameraCounters> counters;
+    for (const auto& camera : cameras_->cameras) counters.push_back(camera->counters());
+    return counters;
+}
+
+}  // namespace atrium::capture

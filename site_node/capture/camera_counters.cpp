@@ -1,0 +1,40 @@
+#include "site_node/capture/camera_counters.hpp"
+
+#include <fmt/format.h>
+
+namespace atrium::capture {
+
+CameraCounters since(const CameraCounters& former, const CameraCounters& now) {
+    CameraCounters counters = now;
+    counters.num_received -= former.num_received;
+    counters.num_incomplete -= former.num_incomplete;
+    counters.num_resent -= former.num_resent;
+    counters.num_late -= former.num_late;
+    counters.num_dropped -= former.num_dropped;
+    counters.num_backwards -= former.num_backwards;
+    counters.num_reconnects -= former.num_reconnects;
+    return counters;
+}
+
+std::string to_line(const CameraCounters& c) {
+    return fmt::format(
+        "name={} connected={} received={} incomplete={} resent={} late={} dropped={} backwards={} "
+        "reconnects={}",
+        c.name,
+        c.connected ? "yes" : "no",
+        c.num_received,
+        c.num_incomplete,
+        c.num_resent,
+        c.num_late,
+        c.num_dropped,
+        c.num_backwards,
+        c.num_reconnects);
+}
+
+bool has_faults(const CameraCounters& c) {
+    return c.num_incomplete + c.num_resent + c.num_late + c.num_dropped + c.num_backwards +
+               c.num_reconnects >
+           0;
+}
+
+}  // namespace atrium::capture

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace atrium::capture {
+
+/// What became of the pictures of one camera since the start.
+struct CameraCounters {
+    std::string name;                  // of the camera, as in the rig
+    bool connected = false;            // now
+    std::uint64_t num_received = 0;    // whole pictures
+    std::uint64_t num_incomplete = 0;  // pictures that lack packets, or are not as agreed
+    std::uint64_t num_resent = 0;      // packets that the camera sent again
+    std::uint64_t num_late = 0;        // whole, but replaced by a newer one before it was taken
+    std::uint64_t num_dropped = 0;     // lost because all buffers were in use
+    std::uint64_t num_backwards = 0;   // whole, but older than the one before
+    std::uint64_t num_reconnects = 0;
+
+    bool operator==(const CameraCounters&) const = default;
+};
+
+/// Counted since `former`, of the same camera; `connected` is as in `now`.
+CameraCounters since(const CameraCounters& former, const CameraCounters& now);
+
+/// `key=value ...` for the log.
+std::string to_line(const CameraCounters& counters);
+
+/// True where something besides received pictures was counted.
+bool has_faults(const CameraCounters& counters);
+
+}  // namespace atrium::capture

@@ -1,0 +1,25 @@
+#include "site_node/list_cameras.hpp"
+
+#include "site_node/capture/camera_discovery.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+namespace atrium::site_node {
+
+Expected<void> list_cameras() {
+    const auto cameras = capture::discover_cameras();
+    if (cameras.empty()) {
+        return make_error(
+            ErrorKind::kNotFound,
+            "no camera answers. GigE Vision: is it powered, is its address in the network of an "
+            "interface of this machine, does a firewall block UDP port 3956? USB3 Vision: may this "
+            "user open the device (udev rules), is it at a USB 3 port?");
+    }
+    fmt::print("{}", capture::camera_table(cameras));
+    std::fflush(stdout);
+    return {};
+}
+
+}  // namespace atrium::site_node

@@ -1,0 +1,81 @@
+#include "site_node/open_source.hpp"
+
+#include "core/app/log.hpp"
+#include "site_node/capture/aravis_source.hpp"
+#include "site_node/capture/recording_source.hpp"
+#include "site_node/capture/simulated_source.hpp"
+
+#include <numbers>
+
+namespace atrium::site_node {
+namespace {
+
+using Source = Expected<std::unique_ptr<capture::FrameSource>>;
+
+Expected<config::Rig> load_rig(const CaptureConfig& capture) {
+    auto rig = config::load_rig(capture.rig);
+    if (rig && capture.rate_hz > 0.0) rig->rate_hz = capture.rate_hz;
+    return rig;
+}
+
+Source open_recording(const SiteNodeConfig& config) {
+    auto source = capture::RecordingSource::open(
+        {config.capture.recording, config.capture.rate_hz, config.capture.loop});
+    if (!source) return tl::unexpected(source.error());
+    return std::unique_ptr<capture::FrameSource>(std::move(*source));
+}
+
+Source open_cameras(const SiteNodeConfig& config, std::stop_token stop) {
+    auto rig = load_rig(config.capture);
+    if (!rig) return tl::unexpected(rig.error());
+    const auto tell = [](bool is_warning, const std::string& line) {
+        app::log::write(is_warning ? app::log::Level::kWarn : app::log::Level::kInfo, line);
+    };
+    auto source = capture::AravisSource::open(
+        *rig,
+        cameras_options(
+            config.capture.cameras,
+            static_cast<std::size_t>(config.capture.min_cameras),
+            std::chrono::nanoseconds(static_cast<std::int64_t>(config.capture.deadline_ms * 1e6))),
+        tell,
+        stop);
+    if (!source) return tl::unexpected(source.error());
+    return std::unique_ptr<capture::FrameSource>(std::move(*source));
+}
+
+Source open_simulated_room(const SiteNodeConfig& config, std::stop_token stop) {
+    auto rig = load_rig(config.capture);
+    if (!rig) return tl::unexpected(rig.error());
+    simulation::RoomOptions room;
+    room.look = config.simulation.look;
+    room.motion = config.simulation.motion;
+    room.loop_s = config.simulation.loop_s;
+    room.rate_hz = rig->rate_hz;
+    room.heading_rad = config.simulation.heading_deg * std::numbers::pi / 180.0;
+    room.noise_lsb = config.simulation.noise_lsb;
+    room.seed = config.simulation.seed;
+    int last_percent = -1;
+    const auto tell = [&](std::size_t done, std::size_t total) {
+        const int percent = total == 0 ? 100 : static_cast<int>(done * 100 / total);
+        if (percent / 5 == last_percent / 5 && percent != 100) return;
+        last_percent = percent;
+        app::log::info("rendering the simulated room {} %", percent);
+    };
+    auto source = capture::SimulatedSource::create(*rig, room, config.simulation.cache, tell, stop);
+    if (!source) return tl::unexpected(source.error());
+    if (const std::string& problem = (*source)->cache_problem(); !problem.empty()) {
+        app::log::warn("the rendered room is not kept reason=\"{}\"", problem);
+    }
+    return std::unique_ptr<capture::FrameSource>(std::move(*source));
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<capture::FrameSource>> open_source(const SiteNodeConfig& config,
+                                                            std::stop_token stop) {
+    if (config.capture.source == "recording") return open_recording(config);
+    if (config.capture.source == "cameras") return open_cameras(config, stop);
+    return open_simulated_room(config, stop);
+}
+
+}  // namespace atrium::site_node

@@ -1,0 +1,96 @@
+#include "site_node/capture/camera_clock.hpp"
+
+#include "site_node/capture/camera_settings.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+namespace atrium::capture {
+namespace {
+
+constexpr std::int64_t kPeriod_ns = 33'000'000;
+constexpr std::int64_t kEpoch_ns = 1'800'000'000'000'000'000;
+
+TEST(CameraClock, TimesWithoutADeviceClockAreThoseOfArrival) {
+    CameraClock clock;
+    EXPECT_EQ(clock.on_site_clock(0, {kEpoch_ns}).ns, kEpoch_ns);
+    EXPECT_EQ(clock.on_site_clock(0, {kEpoch_ns + 7}).ns, kEpoch_ns + 7);
+}
+
+TEST(CameraClock, LateArrivalsDoNotMovePicturesInTime) {
+    std::mt19937 random(5);
+    CameraClock clock;
+    std::vector<std::int64_t> errors_ns;
+    for (int i = 0; i < 2000; ++i) {
+        const std::int64_t device_ns = 1'000'000 + i * kPeriod_ns;
+        const std::int64_t true_ns = kEpoch_ns + device_ns + device_ns / 20'000;  // 50 ppm apart
+        // mostly 1 ms on the way, now and then as much as a period more
+        const std::int64_t delay_ns =
+            1'000'000 + (random() % 5 == 0 ? static_cast<std::int64_t>(random() % 33'000'000)
+                                           : static_cast<std::int64_t>(random() % 200'000));
+        const Timestamp t =
+            clock.on_site_clock(static_cast<std::uint64_t>(device_ns), {true_ns + delay_ns});
+        if (i >= 10) errors_ns.push_back(t.ns - true_ns);
+    }
+    const auto [least, most] = std::minmax_element(errors_ns.begin(), errors_ns.end());
+    EXPECT_GE(*least, 1'000'000 - 100'000);
+    EXPECT_LE(*most, 1'000'000 + 300'000);
+}
+
+TEST(CameraClock, FollowsAClockThatWasSetAnew) {
+    CameraClock clock;
+    clock.on_site_clock(5'000'000'000'000, {kEpoch_ns});
+    EXPECT_EQ(clock.on_site_clock(1'000, {kEpoch_ns + kPeriod_ns}).ns, kEpoch_ns + kPeriod_ns);
+    // and keeps its pace from there on, though the next one arrives late
+    const auto next =
+        clock.on_site_clock(1'000 + kPeriod_ns, {kEpoch_ns + 2 * kPeriod_ns + 9'000'000});
+    EXPECT_NEAR(static_cast<double>(next.ns - kEpoch_ns),
+                2.0 * kPeriod_ns,
+                CameraClock::kMaxDrift * (kPeriod_ns + 9'000'000));
+}
+
+TEST(BackwardsGuard, RefusesWhatIsOlderOrTheSame) {
+    BackwardsGuard guard;
+    EXPECT_TRUE(guard.accept(10));
+    EXPECT_FALSE(guard.accept(10));
+    EXPECT_FALSE(guard.accept(4));
+    EXPECT_TRUE(guard.accept(11));
+}
+
+TEST(BackwardsGuard, BelievesAClockThatWasSetBackAfterAWhile) {
+    BackwardsGuard guard;
+    EXPECT_TRUE(guard.accept(1'000'000));
+    for (int i = 0; i < BackwardsGuard::kMaxRefused; ++i)
+        EXPECT_FALSE(guard.accept(static_cast<std::uint64_t>(10 + i)));
+    EXPECT_TRUE(guard.accept(100));
+    EXPECT_TRUE(guard.accept(101));
+}
+
+TEST(BackwardsGuard, NeverBelievesOldPicturesThatDisagree) {
+    BackwardsGuard guard;
+    EXPECT_TRUE(guard.accept(1'000'000));
+    for (int i = 0; i < 100; ++i)
+        EXPECT_FALSE(guard.accept(static_cast<std::uint64_t>(i % 3 == 0 ? 10 : 10 + i % 3)));
+}
+
+TEST(CameraSettings, OwnSettingsWinAndTheRestIsCommon) {
+    CameraSettings common;
+    common.pixel_format = "BayerRG8";
+    common.exposure_us = 5000.0;
+    common.packet_delay_ns = 1000;
+    CameraSettings own;
+    own.exposure_us = 7000.0;
+    own.region_px = {1, 2, 3, 4};
+    own.packet_delay_ns = 0;
+    const CameraSettings result = merged(common, own);
+    EXPECT_EQ(result.pixel_format, "BayerRG8");
+    EXPECT_EQ(result.exposure_us, 7000.0);
+    EXPECT_EQ(result.region_px, own.region_px);
+    EXPECT_EQ(result.packet_delay_ns, 0);
+    EXPECT_LT(result.gain_db, 0.0);
+}
+
+}  // namespace
+}  // namespace atrium::capture
