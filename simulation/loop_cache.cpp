@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <system_error>
 
 namespace atrium::simulation {
@@ -56,12 +57,24 @@ private:
     std::array<std::uint64_t, 4> lanes_ = {1, 2, 3, 4};
 };
 
+// Empty where it cannot be read: what renders the loop says so. Files that it refers to, pictures
+// beside it, do not count.
+std::string bytes_of(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(stream), {});
+}
+
 std::uint64_t key_of(std::span<const geometry::CalibratedCamera> cameras,
                      const RoomOptions& options) {
     Hash hash;
     hash.add(std::string(kMagic.data(), kMagic.size()));
     hash.add(options.look);
     hash.add(options.motion);
+    if (!options.model.empty()) {
+        hash.add(options.model.filename().string());
+        hash.add(bytes_of(options.model));
+        for (const double v : {options.model_height_m, options.model_turn_rad}) hash.add(v);
+    }
     for (const double v : {options.loop_s, options.rate_hz, options.noise_lsb, options.heading_rad})
         hash.add(v);
     for (const double v : options.position_m) hash.add(v);

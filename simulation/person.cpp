@@ -44,6 +44,10 @@ Expected<void> check(const RoomOptions& options) {
     if (!options.position_m.allFinite() || options.position_m.norm() > 100.0) {
         return bad_option("position_m", "must be within 100 m of the origin");
     }
+    if (!(options.model_height_m >= 0.0 && options.model_height_m <= 10.0))
+        return bad_option("model_height_m", "must be 0 to 10 m");
+    if (!std::isfinite(options.model_turn_rad))
+        return bad_option("model_turn_rad", "must be a finite angle");
     if (!std::isfinite(options.heading_rad))
         return bad_option("heading_rad", "must be a finite angle");
     return {};

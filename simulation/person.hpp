@@ -7,6 +7,7 @@
 #include "simulation/look.hpp"
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,9 @@ namespace atrium::simulation {
 struct RoomOptions {
     std::string look = "ada";     // one of `look_names()`
     std::string motion = "wave";  // one of `motion_names()`; "table_hands" brings a table
+    std::filesystem::path model;  // if not empty: who stands there instead, and its motion
+    double model_height_m = 0.0;  // scales the model to it; 0: as in its file
+    double model_turn_rad = 0.0;  // about the vertical, positive turns left
     double loop_s = 3.0;          // the motion repeats after this time
     double rate_hz = 30.0;        // pictures per second of every camera
     double noise_lsb = 2.0;       // standard deviation of the noise of each colour channel

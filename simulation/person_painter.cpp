@@ -2,6 +2,7 @@
 
 #include "core/gl/resources.hpp"
 #include "core/gl/shader_program.hpp"
+#include "simulation/model_drawing.hpp"
 #include "simulation/person_shaders.hpp"
 
 #include <glad/gl.h>
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <optional>
 
 namespace atrium::simulation {
 namespace {
@@ -28,7 +30,7 @@ void set_camera(const gl::ShaderProgram& program, const geometry::CalibratedCame
     program.set("image_size", Eigen::Vector2f(f(c.width), f(c.height)));
 }
 
-void set_look(const gl::ShaderProgram& program, const Look& look, const Eigen::Vector3d& lamp) {
+void set_look(const gl::ShaderProgram& program, const Look& look) {
     program.use();
     program.set("skin", look.skin);
     program.set("hair", look.hair);
@@ -43,37 +45,13 @@ void set_look(const gl::ShaderProgram& program, const Look& look, const Eigen::V
     program.set("hair_style", static_cast<int>(look.hair_style));
     program.set("emblem", static_cast<int>(look.emblem));
     program.set("beard", look.beard ? 1 : 0);
+}
+
+void set_light(const gl::ShaderProgram& program, const Eigen::Vector3d& lamp) {
+    program.use();
     program.set("lamp", Eigen::Vector3f(lamp.cast<float>()));
     program.set("ambient", static_cast<float>(kAmbient));
     program.set("diffuse", static_cast<float>(kDiffuse));
-}
-
-// The table's faces cut into small triangles, for lens distortion bends straight edges.
-std::vector<Eigen::Vector3f> table_triangles(const Room& room) {
-    constexpr int kCuts = 12;
-    std::vector<Eigen::Vector3f> corners;
-    for (const geometry::Aabb& box : room.table) {
-        const Eigen::Vector3d size = box.size();
-        for (int face = 0; face < 6; ++face) {
-            const int axis = face / 2;
-            const auto at = [&](int i, int j) {
-                Eigen::Vector3d p = box.min;
-                p[axis] += face % 2 == 1 ? size[axis] : 0.0;
-                p[(axis + 1) % 3] += size[(axis + 1) % 3] * i / kCuts;
-                p[(axis + 2) % 3] += size[(axis + 2) % 3] * j / kCuts;
-                return Eigen::Vector3f(room.site_from_table(p).cast<float>());
-            };
-            for (int i = 0; i < kCuts; ++i) {
-                for (int j = 0; j < kCuts; ++j) {
-                    for (const auto& [di, dj] : std::array<std::array<int, 2>, 6>{
-                             {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}}) {
-                        corners.push_back(at(i + di, j + dj));
-                    }
-                }
-            }
-        }
-    }
-    return corners;
 }
 
 // Mean over (2 radius + 1) pixels along each row, written transposed: twice gives both directions.
@@ -102,6 +80,7 @@ struct PersonPainter::Impl {
 
     gl::OffscreenContext context;  // first: everything below is destroyed while it is there
     gl::ShaderProgram paint, flat;
+    std::optional<ModelDrawing> model;  // instead of the person
     gl::VertexArray person_array, table_array;
     gl::Buffer positions, normals, rest, indices, table;
     gl::FramebufferName sampled;  // several samples per pixel
@@ -144,7 +123,7 @@ struct PersonPainter::Impl {
         return {};
     }
 
-    void make_geometry(const Person& person, const Room& room) {
+    void make_person(const Person& person) {
         std::vector<Eigen::Vector3f> rest_positions;
         for (const Eigen::Vector3d& p : person.skin().mesh.vertices)
             rest_positions.push_back(p.cast<float>());
@@ -152,7 +131,6 @@ struct PersonPainter::Impl {
         normals = gl::make_buffer();
         rest = gl::make_buffer();
         indices = gl::make_buffer();
-        table = gl::make_buffer();
         person_array = gl::make_vertex_array();
         glBindVertexArray(person_array.id());
         gl::upload(rest,
@@ -173,6 +151,10 @@ struct PersonPainter::Impl {
         const auto& triangles = person.skin().mesh.triangles;
         gl::upload(indices, GL_ELEMENT_ARRAY_BUFFER, std::span(triangles), GL_STATIC_DRAW);
         num_indices = static_cast<int>(3 * triangles.size());
+    }
+
+    void make_table(const Room& room) {
+        table = gl::make_buffer();
         const std::vector<Eigen::Vector3f> corners = table_triangles(room);
         num_table_corners = static_cast<int>(corners.size());
         if (corners.empty()) return;
@@ -196,6 +178,10 @@ struct PersonPainter::Impl {
     void draw_person(const gl::ShaderProgram& program, const geometry::CalibratedCamera& camera) {
         program.use();
         set_camera(program, camera);
+        if (model) {
+            model->draw(program);
+            return;
+        }
         glBindVertexArray(person_array.id());
         // the skin is closed: its far side is never seen; rows run downwards, so its near side is
         // clockwise
@@ -223,14 +209,15 @@ PersonPainter::PersonPainter(PersonPainter&&) noexcept = default;
 PersonPainter& PersonPainter::operator=(PersonPainter&&) noexcept = default;
 PersonPainter::~PersonPainter() = default;
 
-Expected<PersonPainter> PersonPainter::create(const Person& person,
-                                              const Room& room,
-                                              int max_width,
-                                              int max_height) {
+// All but who is drawn.
+Expected<std::unique_ptr<PersonPainter::Impl>> PersonPainter::prepare(const char* fragment_shader,
+                                                                      const Room& room,
+                                                                      int max_width,
+                                                                      int max_height) {
     auto context = gl::OffscreenContext::create(8, 8);
     if (!context) return tl::unexpected(context.error());
     auto impl = std::make_unique<Impl>(std::move(*context));
-    auto paint = gl::ShaderProgram::create("person", kPersonVertexShader, kPersonFragmentShader);
+    auto paint = gl::ShaderProgram::create("person", kPersonVertexShader, fragment_shader);
     if (!paint) return tl::unexpected(paint.error());
     auto flat = gl::ShaderProgram::create("flat", kPersonVertexShader, kFlatFragmentShader);
     if (!flat) return tl::unexpected(flat.error());
@@ -243,16 +230,41 @@ Expected<PersonPainter> PersonPainter::create(const Person& person,
         !made) {
         return tl::unexpected(made.error());
     }
-    impl->make_geometry(person, room);
-    set_look(impl->paint, person.look(), room.lamp);
+    impl->make_table(room);
+    set_light(impl->paint, room.lamp);
     const auto num_shadow_pixels =
         static_cast<std::size_t>(lamp.width) * static_cast<std::size_t>(lamp.height);
     impl->shadow.resize(num_shadow_pixels);
     impl->shadow_scratch.resize(num_shadow_pixels);
-    return PersonPainter(std::move(impl));
+    return impl;
+}
+
+Expected<PersonPainter> PersonPainter::create(const Person& person,
+                                              const Room& room,
+                                              int max_width,
+                                              int max_height) {
+    auto impl = prepare(kPersonFragmentShader, room, max_width, max_height);
+    if (!impl) return tl::unexpected(impl.error());
+    (*impl)->make_person(person);
+    set_look((*impl)->paint, person.look());
+    return PersonPainter(std::move(*impl));
+}
+
+Expected<PersonPainter> PersonPainter::create(const Model& model,
+                                              const Room& room,
+                                              int max_width,
+                                              int max_height) {
+    auto impl = prepare(kModelFragmentShader, room, max_width, max_height);
+    if (!impl) return tl::unexpected(impl.error());
+    (*impl)->model.emplace(model.surface());
+    return PersonPainter(std::move(*impl));
 }
 
 void PersonPainter::set_pose(const PosedSkin& skin) {
+    if (impl_->model) {
+        impl_->model->set_pose(skin);
+        return;
+    }
     gl::upload(impl_->positions,
                GL_ARRAY_BUFFER,
                std::span<const Eigen::Vector3f>(skin.positions),

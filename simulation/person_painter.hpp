@@ -3,6 +3,7 @@
 #include "core/base/expected.hpp"
 #include "core/gl/offscreen_context.hpp"
 #include "core/image/image.hpp"
+#include "simulation/model.hpp"
 #include "simulation/person.hpp"
 #include "simulation/room.hpp"
 
@@ -13,11 +14,15 @@
 
 namespace atrium::simulation {
 
-/// Draws the person without the room, by OSMesa. Owns its context: use it on one thread.
+/// Draws a person or a model without the room, by OSMesa. Owns its context: use it on one thread.
 class PersonPainter {
 public:
     /// Pictures may be up to `max_width` by `max_height`.
     static Expected<PersonPainter> create(const Person& person,
+                                          const Room& room,
+                                          int max_width,
+                                          int max_height);
+    static Expected<PersonPainter> create(const Model& model,
                                           const Room& room,
                                           int max_width,
                                           int max_height);
@@ -40,6 +45,10 @@ public:
 private:
     struct Impl;
     explicit PersonPainter(std::unique_ptr<Impl> impl);
+    static Expected<std::unique_ptr<Impl>> prepare(const char* fragment_shader,
+                                                   const Room& room,
+                                                   int max_width,
+                                                   int max_height);
 
     std::unique_ptr<Impl> impl_;
 };

@@ -6,6 +6,8 @@ const char* const kPersonVertexShader = R"(#version 330 core
 layout(location = 0) in vec3 position_site;
 layout(location = 1) in vec3 normal_site;
 layout(location = 2) in vec3 position_rest;
+layout(location = 3) in vec2 vertex_texture_place;
+layout(location = 4) in vec3 vertex_colour;
 uniform mat4 camera_from_site;
 uniform vec4 focal_and_centre;   // fx, fy, cx, cy [px]
 uniform float skew;
@@ -15,6 +17,8 @@ uniform vec2 image_size;
 out vec3 place;
 out vec3 normal;
 out vec3 at_site;
+out vec2 texture_place;
+out vec3 own_colour;
 void main() {
     vec3 p = (camera_from_site * vec4(position_site, 1.0)).xyz;
     vec2 n = p.xy / max(p.z, 1e-3);
@@ -31,6 +35,8 @@ void main() {
     place = position_rest;
     normal = normal_site;
     at_site = position_site;
+    texture_place = vertex_texture_place;
+    own_colour = vertex_colour;
 }
 )";
 
@@ -38,6 +44,25 @@ const char* const kFlatFragmentShader = R"(#version 330 core
 uniform vec4 value;
 out vec4 fragment;
 void main() { fragment = value; }
+)";
+
+const char* const kModelFragmentShader = R"(#version 330 core
+in vec3 normal;
+in vec3 at_site;
+in vec2 texture_place;
+in vec3 own_colour;
+uniform sampler2D surface;
+uniform int has_surface;
+uniform vec3 lamp;
+uniform float ambient;
+uniform float diffuse;
+out vec4 fragment;
+void main() {
+    vec3 n = normalize(normal);
+    float lit = ambient * (0.88 + 0.12 * n.z) + diffuse * max(0.0, dot(n, normalize(lamp - at_site)));
+    vec3 colour = has_surface == 1 ? own_colour * texture(surface, texture_place).rgb : own_colour;
+    fragment = vec4(clamp(colour * (0.10 + lit), 0.0, 1.0), 1.0);
+}
 )";
 
 const char* const kPersonFragmentShader = R"(#version 330 core

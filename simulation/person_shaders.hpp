@@ -7,6 +7,7 @@ namespace atrium::simulation {
 extern const char* const kPersonVertexShader;
 /// Paints skin, hair, face and clothes by the place in the rest pose, and lights them.
 extern const char* const kPersonFragmentShader;
+extern const char* const kModelFragmentShader;
 /// One flat value, for shadows and for what hides a person.
 extern const char* const kFlatFragmentShader;
 

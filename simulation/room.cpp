@@ -1,6 +1,7 @@
 #include "simulation/room.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -222,6 +223,33 @@ Room make_room(std::span<const geometry::CalibratedCamera> cameras, const RoomOp
     intrinsics.fx = intrinsics.fy = 0.5 * kShadowSizePx / std::tan(half_angle);
     intrinsics.cx = intrinsics.cy = 0.5 * (kShadowSizePx - 1);
     return room;
+}
+
+std::vector<Eigen::Vector3f> table_triangles(const Room& room) {
+    constexpr int kCuts = 12;
+    std::vector<Eigen::Vector3f> corners;
+    for (const geometry::Aabb& box : room.table) {
+        const Eigen::Vector3d size = box.size();
+        for (int face = 0; face < 6; ++face) {
+            const int axis = face / 2;
+            const auto at = [&](int i, int j) {
+                Eigen::Vector3d p = box.min;
+                p[axis] += face % 2 == 1 ? size[axis] : 0.0;
+                p[(axis + 1) % 3] += size[(axis + 1) % 3] * i / kCuts;
+                p[(axis + 2) % 3] += size[(axis + 2) % 3] * j / kCuts;
+                return Eigen::Vector3f(room.site_from_table(p).cast<float>());
+            };
+            for (int i = 0; i < kCuts; ++i) {
+                for (int j = 0; j < kCuts; ++j) {
+                    for (const auto& [di, dj] : std::array<std::array<int, 2>, 6>{
+                             {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}}) {
+                        corners.push_back(at(i + di, j + dj));
+                    }
+                }
+            }
+        }
+    }
+    return corners;
 }
 
 RoomView view_room(const Room& room,

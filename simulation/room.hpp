@@ -31,6 +31,10 @@ struct Room {
 
 Room make_room(std::span<const geometry::CalibratedCamera> cameras, const RoomOptions& options);
 
+/// Corners of the table's triangles [site], three each: its faces cut into small ones, for lens
+/// distortion bends straight edges.
+std::vector<Eigen::Vector3f> table_triangles(const Room& room);
+
 /// What a camera sees of the empty room, before noise, and how a shadow would change it.
 struct RoomView {
     int width = 0;

@@ -90,17 +90,20 @@ void lay_over(const std::uint8_t* rgba, int num, std::uint8_t* bgr) {
 struct RoomRenderer::Impl {
     Impl(std::vector<geometry::CalibratedCamera> owned_cameras,
          const RoomOptions& room_options,
-         Person made_person,
+         std::optional<Person> made_person,
+         std::optional<Model> made_model,
          Room made_room,
          PersonPainter made_painter)
         : cameras(std::move(owned_cameras)),
           person(std::move(made_person)),
+          model(std::move(made_model)),
           room(std::move(made_room)),
           painter(std::move(made_painter)),
           noise(room_options.noise_lsb, room_options.seed) {}
 
     std::vector<geometry::CalibratedCamera> cameras;
-    Person person;
+    std::optional<Person> person;
+    std::optional<Model> model;  // one of both
     Room room;
     PersonPainter painter;
     SensorNoise noise;
@@ -112,7 +115,7 @@ struct RoomRenderer::Impl {
 
     void pose(double time_s) {
         if (posed_time_s == time_s) return;
-        person.pose(time_s, skin);
+        model ? model->pose(time_s, skin) : person->pose(time_s, skin);
         painter.set_pose(skin);
         shadow = painter.draw_shadow();
         posed_time_s = time_s;
@@ -146,8 +149,17 @@ RoomRenderer::~RoomRenderer() = default;
 Expected<RoomRenderer> RoomRenderer::create(std::vector<geometry::CalibratedCamera> cameras,
                                             const RoomOptions& options) {
     if (auto valid = check_cameras(cameras); !valid) return tl::unexpected(valid.error());
-    auto person = Person::create(options);
-    if (!person) return tl::unexpected(person.error());
+    std::optional<Person> person;
+    std::optional<Model> model;
+    if (options.model.empty()) {
+        auto made = Person::create(options);
+        if (!made) return tl::unexpected(made.error());
+        person = std::move(*made);
+    } else {
+        auto loaded = Model::load(options);
+        if (!loaded) return tl::unexpected(loaded.error());
+        model = std::move(*loaded);
+    }
     int max_width = 0;
     int max_height = 0;
     for (const geometry::CalibratedCamera& camera : cameras) {
@@ -155,10 +167,15 @@ Expected<RoomRenderer> RoomRenderer::create(std::vector<geometry::CalibratedCame
         max_height = std::max(max_height, camera.intrinsics.height);
     }
     const Room room = make_room(cameras, options);
-    auto painter = PersonPainter::create(*person, room, max_width, max_height);
+    auto painter = model ? PersonPainter::create(*model, room, max_width, max_height)
+                         : PersonPainter::create(*person, room, max_width, max_height);
     if (!painter) return tl::unexpected(painter.error());
-    auto impl = std::make_unique<Impl>(
-        std::move(cameras), options, std::move(*person), room, std::move(*painter));
+    auto impl = std::make_unique<Impl>(std::move(cameras),
+                                       options,
+                                       std::move(person),
+                                       std::move(model),
+                                       room,
+                                       std::move(*painter));
     for (const geometry::CalibratedCamera& camera : impl->cameras) {
         impl->views.push_back(view_room(room, camera.intrinsics, camera.camera_from_site));
     }
@@ -190,7 +207,10 @@ void RoomRenderer::render(double time_s,
     image::yuv_from_bgr(impl_->bgr.data(), view.width, view.height, row_bytes, out);
 }
 
-const Person& RoomRenderer::person() const { return impl_->person; }
+const Person& RoomRenderer::person() const {
+    assert(impl_->person);
+    return *impl_->person;
+}
 const std::vector<geometry::CalibratedCamera>& RoomRenderer::cameras() const {
     return impl_->cameras;
 }

@@ -24,7 +24,7 @@ class RoomRenderer {
 public:
     /// `cameras` stand in the site frame, with even width and height. Looks once around the empty
     /// room: some tenths of a second per camera. Error kConfiguration for bad options or cameras,
-    /// kUnavailable where there is no OSMesa.
+    /// kUnavailable where there is no OSMesa, those of `Model::load` where a model stands there.
     static Expected<RoomRenderer> create(std::vector<geometry::CalibratedCamera> cameras,
                                          const RoomOptions& options);
 
@@ -43,6 +43,7 @@ public:
                 image::YuvImage& out,
                 image::Mask* true_mask = nullptr);
 
+    /// Only where `RoomOptions::model` is empty.
     const Person& person() const;
     const std::vector<geometry::CalibratedCamera>& cameras() const;
 

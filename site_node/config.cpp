@@ -2,8 +2,6 @@
 
 #include "core/bus/bus_options.hpp"
 #include "core/config/rig.hpp"
-#include "simulation/choreography.hpp"
-#include "simulation/look.hpp"
 #include "site_node/preview/preview.hpp"
 
 #include <fmt/format.h>
@@ -208,26 +206,7 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
     declare(capture.cameras, set);
     set.add("list-cameras", config.list_cameras, "print the cameras that are there, and end");
 
-    SimulationConfig& room = config.simulation;
-    set.add(
-        "simulation.look", room.look, "who stands in the simulated room", simulation::look_names());
-    set.add("simulation.motion", room.motion, "what they do", simulation::motion_names());
-    set.add("simulation.loop_s",
-            room.loop_s,
-            "length of the loop that is rendered once and replayed [s]",
-            {0.1, 60});
-    set.add("simulation.heading_deg",
-            room.heading_deg,
-            "where the person looks [deg]: 0 is +Y of the site, -90 is +X",
-            {-360, 360});
-    set.add("simulation.noise_lsb",
-            room.noise_lsb,
-            "camera noise, standard deviation [grey levels]",
-            {0, 20});
-    set.add("simulation.seed", room.seed, "of the noise");
-    set.add("simulation.cache",
-            room.cache,
-            "folder that keeps rendered loops; empty: render at every start");
+    simulation::declare(config.simulation, set);
 
     declare_segmentation(config, set);
 

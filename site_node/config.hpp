@@ -3,6 +3,7 @@
 #include "core/bus/bus.hpp"
 #include "core/config/option_set.hpp"
 #include "core/config/table_reader.hpp"
+#include "simulation/room_config.hpp"
 #include "site_node/camera_config.hpp"
 #include "site_node/pipeline.hpp"
 
@@ -23,17 +24,6 @@ struct CaptureConfig {
     CameraConfig cameras;
 };
 
-struct SimulationConfig {
-    std::string look = "ada";
-    std::string motion = "walk";
-    double loop_s = 3.0;
-    double heading_deg = -90.0;  // -90 faces +X of the site
-    double noise_lsb = 2.0;
-    std::uint64_t seed = 1;
-    std::filesystem::path cache =
-        ".cache/simulation";  // rendered loops are kept here; empty: nowhere
-};
-
 struct SiteNodeConfig {
     std::string name = "site";
     int threads = 1;
@@ -41,7 +31,7 @@ struct SiteNodeConfig {
     std::filesystem::path preview;  // preview::Preview's target; empty: none
     bool list_cameras = false;      // and do nothing else
     CaptureConfig capture;
-    SimulationConfig simulation;
+    simulation::RoomConfig simulation;
     PipelineOptions pipeline;
     bus::BusOptions bus;
 

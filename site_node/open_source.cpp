@@ -5,8 +5,6 @@
 #include "site_node/capture/recording_source.hpp"
 #include "site_node/capture/simulated_source.hpp"
 
-#include <numbers>
-
 namespace atrium::site_node {
 namespace {
 
@@ -46,14 +44,7 @@ Source open_cameras(const SiteNodeConfig& config, std::stop_token stop) {
 Source open_simulated_room(const SiteNodeConfig& config, std::stop_token stop) {
     auto rig = load_rig(config.capture);
     if (!rig) return tl::unexpected(rig.error());
-    simulation::RoomOptions room;
-    room.look = config.simulation.look;
-    room.motion = config.simulation.motion;
-    room.loop_s = config.simulation.loop_s;
-    room.rate_hz = rig->rate_hz;
-    room.heading_rad = config.simulation.heading_deg * std::numbers::pi / 180.0;
-    room.noise_lsb = config.simulation.noise_lsb;
-    room.seed = config.simulation.seed;
+    const simulation::RoomOptions room = simulation::room_options(config.simulation, rig->rate_hz);
     int last_percent = -1;
     const auto tell = [&](std::size_t done, std::size_t total) {
         const int percent = total == 0 ? 100 : static_cast<int>(done * 100 / total);

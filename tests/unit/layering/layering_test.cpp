@@ -64,6 +64,14 @@ const std::map<std::string, std::vector<std::string>> kMayInclude{
     {"core/bus/", {"core/base/", "core/geometry/", "core/image/", "core/config/"}},
     {"core/app/", {"core/base/", "core/config/"}},
     {"simulation/", {"core/base/", "core/geometry/", "core/image/", "core/gl/", "core/config/"}},
+    {"simulation/simulated_cameras/",
+     {"core/base/",
+      "core/geometry/",
+      "core/image/",
+      "core/config/",
+      "core/app/",
+      "simulation/",
+      "site_node/capture/"}},
     {"site_node/capture/",
      {"core/base/", "core/geometry/", "core/image/", "core/config/", "simulation/"}},
     {"site_node/segmentation/", {"core/base/", "core/image/"}},
@@ -76,12 +84,21 @@ const std::map<std::string, std::vector<std::string>> kMayInclude{
     {"viewer/renderer/", {"core/base/", "core/geometry/", "core/image/", "core/gl/"}},
 };
 
+// The innermost folder that has a rule.
+std::string module_of(const std::string& file) {
+    std::string module;
+    for (const auto& [folder, allowed] : kMayInclude) {
+        if (file.rfind(folder, 0) == 0 && folder.size() > module.size()) module = folder;
+    }
+    return module;
+}
+
 TEST_F(Layering, DependenciesPointOneWay) {
     const std::vector<std::string> project{
         "core/", "simulation/", "site_node/", "world_server/", "viewer/", "deploy/"};
     for (const auto& [module, allowed] : kMayInclude) {
         for (const Include& include : includes_) {
-            if (include.file.rfind(module, 0) != 0 || !starts_with_any(include.target, project))
+            if (module_of(include.file) != module || !starts_with_any(include.target, project))
                 continue;
             EXPECT_TRUE(include.target.rfind(module, 0) == 0 ||
                         starts_with_any(include.target, allowed))
@@ -93,6 +110,11 @@ TEST_F(Layering, DependenciesPointOneWay) {
 TEST_F(Layering, NoProgramIncludesAnother) {
     for (const Include& include : includes_) {
         for (const std::string program : {"world_server/", "viewer/", "site_node/", "deploy/"}) {
+            // a program that plays recordings to the site, through the site's own reader
+            if (include.file.rfind("simulation/simulated_cameras/", 0) == 0 &&
+                include.target.rfind("site_node/capture/", 0) == 0) {
+                continue;
+            }
             if (include.target.rfind(program, 0) == 0) {
                 EXPECT_EQ(include.file.rfind(program, 0), 0u)
                     << include.file << " includes " << include.target;
@@ -118,7 +140,8 @@ TEST_F(Layering, MiddlewareStaysInItsAdapters) {
         {{"toml.hpp"}, {"core/config/"}},
         {{"CLI/"}, {"core/app/", "site_node/hull_tool/"}},
         {{"spdlog/"}, {"core/app/"}},
-        {{"arv.h"}, {"site_node/capture/", "simulation/"}},
+        {{"arv.h"}, {"simulation/simulated_cameras/", "site_node/capture/"}},
+        {{"assimp/"}, {"simulation/"}},
     };
     for (const Include& include : includes_) {
         for (const Rule& rule : rules) {

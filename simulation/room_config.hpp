@@ -1,0 +1,32 @@
+#pragma once
+
+#include "core/config/option_set.hpp"
+#include "simulation/person.hpp"
+
+#include <filesystem>
+#include <string>
+
+namespace atrium::simulation {
+
+/// The options `simulation.*` of the programs that have a simulated room.
+struct RoomConfig {
+    std::string look = "ada";
+    std::string motion = "walk";
+    std::filesystem::path model;
+    double model_height_m = 0.0;
+    double model_turn_deg = 0.0;
+    double loop_s = 3.0;
+    double heading_deg = -90.0;  // -90 faces +X of the site
+    double noise_lsb = 2.0;
+    std::uint64_t seed = 1;
+    std::filesystem::path cache =
+        ".cache/simulation";  // rendered loops are kept here; empty: nowhere
+};
+
+/// Declares every option with its default; `config` must outlive `set`.
+void declare(RoomConfig& config, config::OptionSet& set);
+
+/// The room that is meant, for cameras of `rate_hz`. Not checked yet: `check(RoomOptions)`.
+RoomOptions room_options(const RoomConfig& config, double rate_hz);
+
+}  // namespace atrium::simulation
