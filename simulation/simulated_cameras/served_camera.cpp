@@ -1,0 +1,204 @@
+#include "simulation/simulated_cameras/served_camera.hpp"
+
+#include "simulation/simulated_cameras/stamp.hpp"
+
+#include <arv.h>
+#include <fmt/format.h>
+#include <sys/prctl.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace atrium::simulated_cameras {
+namespace {
+
+using image::PixelFormat;
+
+// How often a camera looks whether a software trigger has come.
+constexpr double kTriggerPolls_hz = 200.0;
+
+// Aravis' camera sleeps whole milliseconds and spins for the rest, up to one for every picture. The
+// kernel may wake its thread so much later instead, which leaves little to spin.
+constexpr unsigned long kTimerSlack_ns = 970'000;
+
+// Of the threads that this one starts, while it lives.
+class TimerSlack {
+public:
+    TimerSlack() : former_(prctl(PR_GET_TIMERSLACK)) { prctl(PR_SET_TIMERSLACK, kTimerSlack_ns); }
+    TimerSlack(const TimerSlack&) = delete;
+    TimerSlack& operator=(const TimerSlack&) = delete;
+    ~TimerSlack() {
+        if (former_ > 0) prctl(PR_SET_TIMERSLACK, static_cast<unsigned long>(former_));
+    }
+
+private:
+    int former_;
+};
+
+ArvPixelFormat to_genicam(PixelFormat format) {
+    switch (format) {
+        case PixelFormat::kBayerRG:
+            return ARV_PIXEL_FORMAT_BAYER_RG_8;
+        case PixelFormat::kBayerGR:
+            return ARV_PIXEL_FORMAT_BAYER_GR_8;
+        case PixelFormat::kBayerGB:
+            return ARV_PIXEL_FORMAT_BAYER_GB_8;
+        case PixelFormat::kBayerBG:
+            return ARV_PIXEL_FORMAT_BAYER_BG_8;
+        case PixelFormat::kRgb:
+            return ARV_PIXEL_FORMAT_RGB_8_PACKED;
+        default:
+            return ARV_PIXEL_FORMAT_MONO_8;
+    }
+}
+
+}  // namespace
+
+ServedCamera::ServedCamera(
+    std::size_t index, CameraPlace place, bool stamp, const CameraFaults& faults, SharedShow& show)
+    : index_(index), place_(std::move(place)), stamp_(stamp), faults_(faults), show_(show) {}
+
+ServedCamera::~ServedCamera() { stop(); }
+
+Expected<void> ServedCamera::start() {
+    is_leaving_ = false;
+    const TimerSlack slack;
+    device_ = arv_gv_fake_camera_new(place_.address.c_str(), place_.serial.c_str());
+    if (!arv_gv_fake_camera_is_running(device_)) {
+        stop();
+        return make_error(
+            ErrorKind::kUnavailable,
+            fmt::format("camera {}: cannot listen on {}, port 3956: no interface has that address, "
+                        "or another camera is there",
+                        place_.name,
+                        place_.address));
+    }
+    const geometry::PinholeCamera& intrinsics = show_.shown.rig.cameras[index_].intrinsics;
+    registers_ = ARV_FAKE_CAMERA(g_object_ref(arv_gv_fake_camera_get_fake_camera(device_)));
+    const auto set = [&](guint32 address, double value) {
+        arv_fake_camera_write_register(
+            registers_, address, static_cast<guint32>(std::lround(value)));
+    };
+    // pictures have even sides; a rig's camera need not
+    const int width = intrinsics.width & ~1;
+    const int height = intrinsics.height & ~1;
+    set(ARV_FAKE_CAMERA_REGISTER_SENSOR_WIDTH, width);
+    set(ARV_FAKE_CAMERA_REGISTER_SENSOR_HEIGHT, height);
+    set(ARV_FAKE_CAMERA_REGISTER_WIDTH, width);
+    set(ARV_FAKE_CAMERA_REGISTER_HEIGHT, height);
+    set(ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT, to_genicam(show_.shown.format));
+    set(ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US, 1e6 / show_.shown.rig.rate_hz);
+    arv_fake_camera_set_trigger_frequency(registers_, kTriggerPolls_hz);
+    arv_fake_camera_set_fill_pattern(
+        registers_,
+        [](ArvBuffer* buffer, void* self, guint32, guint32, ArvPixelFormat) {
+            static_cast<ServedCamera*>(self)->fill(buffer);
+        },
+        this);
+    g_object_set(device_, "gvsp-lost-ratio", faults_.lost_share, nullptr);
+    return {};
+}
+
+void ServedCamera::stop() {
+    if (device_ == nullptr) return;
+    {
+        const std::lock_guard lock(mutex_);
+        is_leaving_ = true;
+    }
+    wake_.notify_all();
+    g_object_unref(device_);  // ends its thread and closes its sockets
+    device_ = nullptr;
+    g_clear_object(&registers_);
+}
+
+// Free-running cameras open their shutters at the ticks, however late this thread was woken. Where
+// it is so late that it cannot be told from an early one, and for the first picture of a stream,
+// which Aravis sends at once, it is the next tick.
+TriggerNumbers::Trigger ServedCamera::free_trigger(std::int64_t now_us, std::int64_t period_us) {
+    const auto trigger = TriggerNumbers::free_running(now_us, period_us);
+    if (now_us - trigger.time_us <= period_us / 4) return trigger;
+    if (!hold_back(std::chrono::microseconds(trigger.time_us + period_us - now_us))) return trigger;
+    return TriggerNumbers::free_running(trigger.time_us + period_us, period_us);
+}
+
+// On the thread of the fake camera, which sends the picture afterwards.
+void ServedCamera::fill(ArvBuffer* buffer) {
+    const auto now_us = static_cast<std::int64_t>(arv_buffer_get_timestamp(buffer)) / 1000;
+    guint32 period_us = 0;
+    arv_fake_camera_read_register(
+        registers_, ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US, &period_us);
+    if (period_us == 0) period_us = 1'000'000;  // as Aravis takes it
+    const bool is_free = arv_fake_camera_is_in_free_running_mode(registers_) != FALSE;
+    const TriggerNumbers::Trigger trigger =
+        is_free ? free_trigger(now_us, period_us)
+                : show_.triggers.software(index_, now_us, period_us);
+    std::size_t ignored = 0;  // Aravis says 0 here; the memory is as large as the client's region
+    auto* out =
+        static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &ignored)));
+    const bool is_ours = copy_region(show_.programme.at(trigger.time_us), buffer, out);
+    if (is_ours && stamp_) {
+        write_stamp({static_cast<std::uint8_t>(index_), trigger.number},
+                    show_.shown.format == PixelFormat::kRgb ? 3 : 1,
+                    arv_buffer_get_image_width(buffer),
+                    arv_buffer_get_image_height(buffer),
+                    out);
+    }
+    const std::int64_t shutter_ns = 1000 * (is_free ? trigger.time_us : now_us);
+    arv_buffer_set_timestamp(
+        buffer,
+        static_cast<guint64>(std::max<std::int64_t>(0, shutter_ns + faults_.clock_offset.count())));
+    hold_back(faults_.delay);
+    ++num_sent_;
+    show_.on_picture();
+}
+
+// False where the client asks for what this camera cannot deliver; the picture is grey then.
+bool ServedCamera::copy_region(const Programme::Choice& choice,
+                               ArvBuffer* buffer,
+                               std::uint8_t* out) {
+    const auto& pictures = choice.is_empty_room ? show_.shown.empty : show_.shown.motion;
+    const std::vector<std::uint8_t>& picture = pictures[index_][choice.index];
+    const geometry::PinholeCamera& sensor = show_.shown.rig.cameras[index_].intrinsics;
+    int x = 0;
+    int y = 0;
+    int width = 0;
+    int height = 0;
+    arv_buffer_get_image_region(buffer, &x, &y, &width, &height);
+    const ArvPixelFormat format = arv_buffer_get_image_pixel_format(buffer);
+    const bool fits =
+        x >= 0 && y >= 0 && x + width <= (sensor.width & ~1) && y + height <= (sensor.height & ~1);
+    if (format != to_genicam(show_.shown.format) || !fits) {
+        const std::size_t num_bytes = static_cast<std::size_t>(width) *
+                                      static_cast<std::size_t>(height) *
+                                      ARV_PIXEL_FORMAT_BIT_PER_PIXEL(format) / 8;
+        std::memset(out, 128, num_bytes);
+        complaints_.warn(fmt::format(
+            "camera {} sends grey: asked for {}x{}+{}+{} of format {:#x}, it has {}x{} of {:#x}",
+            place_.name,
+            width,
+            height,
+            x,
+            y,
+            format,
+            sensor.width & ~1,
+            sensor.height & ~1,
+            to_genicam(show_.shown.format)));
+        return false;
+    }
+    const std::size_t from_stride = image::row_bytes(show_.shown.format, sensor.width & ~1);
+    const std::size_t to_stride = image::row_bytes(show_.shown.format, width);
+    const std::uint8_t* from = picture.data() + static_cast<std::size_t>(y) * from_stride +
+                               image::row_bytes(show_.shown.format, x);
+    for (int row = 0; row < height; ++row, from += from_stride, out += to_stride)
+        std::memcpy(out, from, to_stride);
+    return true;
+}
+
+// False where the camera is switched off meanwhile.
+bool ServedCamera::hold_back(std::chrono::nanoseconds time) {
+    std::unique_lock lock(mutex_);
+    return !wake_.wait_for(lock, time, [this] { return is_leaving_; });
+}
+
+}  // namespace atrium::simulated_cameras

@@ -1,0 +1,56 @@
+#include "simulation/simulated_cameras/command.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <csignal>
+
+namespace atrium::simulated_cameras {
+namespace {
+
+int exit_code_of(const std::vector<std::string>& command) {
+    const auto code = run_command(command, std::stop_token(), [] {});
+    return code ? *code : -1;
+}
+
+TEST(Command, PassesTheExitCodeOn) {
+    EXPECT_EQ(exit_code_of({"sh", "-c", "exit 0"}), 0);
+    EXPECT_EQ(exit_code_of({"sh", "-c", "exit 42"}), 42);
+    EXPECT_EQ(exit_code_of({"sh", "-c", "kill -KILL $$"}), 128 + SIGKILL);
+}
+
+TEST(Command, AProgramThatIsNotThereIsNamed) {
+    const auto code = run_command({"/nonexistent/program"}, std::stop_token(), [] {});
+    ASSERT_FALSE(code);
+    EXPECT_EQ(code.error().kind, ErrorKind::kNotFound);
+    EXPECT_THAT(code.error().message, testing::HasSubstr("/nonexistent/program"));
+}
+
+TEST(Command, EndsWithTheStop) {
+    std::stop_source stop;
+    stop.request_stop();
+    const auto begin = std::chrono::steady_clock::now();
+    const auto code = run_command({"sleep", "60"}, stop.get_token(), [] {});
+    ASSERT_TRUE(code);
+    EXPECT_EQ(*code, 128 + SIGTERM);
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(30));
+    EXPECT_EQ(run_command({}, stop.get_token(), [] {}), 0);
+}
+
+TEST(Command, TellsOfItsSignal) {
+    block_usr1();
+    int num_signals = 0;
+    // the command ends only once the signal has come through: it waits for what `on_signal` does
+    std::stop_source stop;
+    const auto code =
+        run_command({"sh", "-c", "kill -USR1 $PPID; sleep 60"}, stop.get_token(), [&] {
+            ++num_signals;
+            stop.request_stop();
+        });
+    ASSERT_TRUE(code);
+    EXPECT_EQ(num_signals, 1);
+}
+
+}  // namespace
+}  // namespace atrium::simulated_cameras

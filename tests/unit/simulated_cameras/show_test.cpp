@@ -1,0 +1,85 @@
+#include "simulation/simulated_cameras/show.hpp"
+
+#include <gtest/gtest.h>
+
+namespace atrium::simulated_cameras {
+namespace {
+
+using std::chrono::microseconds;
+
+constexpr std::int64_t kStart_us = 1'795'288'687'250'000;
+
+TEST(TriggerNumbers, CamerasOfOneInstantHaveOneNumberHoweverLateTheyAre) {
+    for (const std::int64_t period_us : {50'000, 33'333, 16'667}) {
+        const std::int64_t tick_us = kStart_us / period_us * period_us;
+        const auto first = TriggerNumbers::free_running(tick_us, period_us);
+        for (const std::int64_t late_us : {std::int64_t{1}, period_us / 2, period_us - 1}) {
+            const auto other = TriggerNumbers::free_running(tick_us + late_us, period_us);
+            EXPECT_EQ(other.number, first.number);
+            EXPECT_EQ(other.time_us, tick_us);
+        }
+        EXPECT_EQ(TriggerNumbers::free_running(tick_us + period_us, period_us).number,
+                  first.number + 1);
+    }
+}
+
+TEST(TriggerNumbers, SoftwareTriggersOfDifferentCamerasAreOne) {
+    TriggerNumbers numbers(3);
+    constexpr std::int64_t kPeriod_us = 50'000;
+    std::uint32_t former = 0;
+    for (int round = 0; round < 5; ++round) {
+        const std::int64_t now_us = kStart_us + round * 41'000;
+        const auto first = numbers.software(0, now_us, kPeriod_us);
+        EXPECT_NE(first.number, former);
+        former = first.number;
+        for (const std::size_t camera : {2u, 1u}) {
+            const auto other = numbers.software(camera, now_us + 3'000, kPeriod_us);
+            EXPECT_EQ(other.number, first.number);
+            EXPECT_EQ(other.time_us, now_us);
+        }
+    }
+    // the same camera again is the next trigger, however soon
+    EXPECT_EQ(numbers.software(1, kStart_us + 4 * 41'000 + 4'000, kPeriod_us).number, former + 1);
+    // and a camera that is late by more than half a period is on its own
+    EXPECT_EQ(numbers.software(0, kStart_us + 4 * 41'000 + 40'000, kPeriod_us).number, former + 2);
+}
+
+TEST(Programme, TheRoomIsEmptyFirstAndThenTheMotionRepeats) {
+    Programme programme(4, 10, 20.0, microseconds(1'000'000));
+    for (int i = 0; i < 20; ++i) {
+        const auto choice = programme.at(kStart_us + i * 50'000);
+        EXPECT_TRUE(choice.is_empty_room) << i;
+        EXPECT_EQ(choice.index, static_cast<std::size_t>(i % 4));
+    }
+    for (int i = 0; i < 25; ++i) {
+        const auto choice = programme.at(kStart_us + 1'000'000 + i * 50'000);
+        EXPECT_FALSE(choice.is_empty_room) << i;
+        EXPECT_EQ(choice.index, static_cast<std::size_t>(i % 10));
+    }
+}
+
+TEST(Programme, EmptiesTheRoomOnRequest) {
+    Programme programme(4, 10, 20.0, microseconds(1'000'000));
+    EXPECT_FALSE((programme.at(kStart_us), programme.at(kStart_us + 1'500'000)).is_empty_room);
+    programme.empty_room(kStart_us + 1'500'000);
+    EXPECT_TRUE(programme.at(kStart_us + 1'500'000).is_empty_room);
+    EXPECT_TRUE(programme.at(kStart_us + 2'450'000).is_empty_room);
+    EXPECT_FALSE(programme.at(kStart_us + 2'500'000).is_empty_room);
+}
+
+TEST(Programme, WithoutPicturesOfTheEmptyRoomTheMotionStartsAtOnce) {
+    Programme programme(0, 10, 20.0, microseconds(1'000'000));
+    EXPECT_FALSE(programme.at(kStart_us).is_empty_room);
+    EXPECT_EQ(programme.at(kStart_us).index, 0u);
+}
+
+TEST(Programme, CamerasOfAPeriodInWholeMicrosecondsMissNoInstant) {
+    // 30 Hz cannot be said in whole microseconds
+    Programme programme(1, 1000, 30.0, microseconds(0));
+    for (int i = 0; i < 900; ++i) {
+        EXPECT_EQ(programme.at(kStart_us + i * 33'333).index, static_cast<std::size_t>(i));
+    }
+}
+
+}  // namespace
+}  // namespace atrium::simulated_cameras
