@@ -16,6 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 struct Outcome {
     int exit_code = -1;
@@ -55,7 +56,7 @@ protected:
 
 TEST_F(CommandLine, EveryProgramExplainsItselfAndItsVersion) {
     for (const std::string program :
-         {"site_node", "world_server", "viewer", "visual_hull", "demo"}) {
+         {"site_node", "world_server", "viewer", "visual_hull", "demo", "simulated_cameras"}) {
         const Outcome help = run(program + " --help");
         EXPECT_EQ(help.exit_code, 0) << program;
         EXPECT_THAT(help.output, HasSubstr("--help")) << program;
@@ -240,6 +241,37 @@ TEST_F(CommandLine, VisualHullSaysWhichBoundsThereAre) {
             outcome.output,
             AllOf(HasSubstr("[-10000, 10000] m"), HasSubstr("at least 0.01 m"), HasSubstr(bounds)));
     }
+}
+
+TEST_F(CommandLine, SimulatedCamerasSayWhatTheyNeed) {
+    const std::string rig = " --rig " ATRIUM_SOURCE_DIR "/deploy/rigs/full_body.toml";
+    const Outcome nothing = run("simulated_cameras");
+    EXPECT_EQ(nothing.exit_code, 2);
+    EXPECT_THAT(nothing.output, AllOf(HasSubstr("rig"), HasSubstr("recording")));
+    const Outcome no_camera = run("simulated_cameras --lose cam9=1" + rig);
+    EXPECT_EQ(no_camera.exit_code, 2);
+    EXPECT_THAT(no_camera.output, AllOf(HasSubstr("lose"), HasSubstr("'cam9'")));
+    const Outcome no_model =
+        run("simulated_cameras --simulation.model /nonexistent/m.gltf" + rig + " -- true");
+    EXPECT_EQ(no_model.exit_code, 3);
+    const Outcome list = run("simulated_cameras --list --log-level error" + rig);
+    EXPECT_EQ(list.exit_code, 0);
+    EXPECT_THAT(list.output, AllOf(HasSubstr("cam7"), HasSubstr("127.0.0.9")));
+}
+
+TEST_F(CommandLine, SimulatedCamerasPassTheExitCodeOfTheirCommandOn) {
+    const std::string head = "[[camera]]\nrotation = [1,0,0,0,1,0,0,0,1]\n" + kCamera;
+    const std::string small = file("rig.toml", head + "name = \"a\"\n" + head + "name = \"b\"\n");
+    const std::string cameras =
+        "simulated_cameras --simulation.loop_s 0.1 --simulation.cache '' --rig " + small + " -- ";
+    const Outcome seven = run(cameras + "sh -c 'cat /proc/net/dev; exit 7'");
+    if (seven.output.find("a network namespace cannot be made") != std::string::npos)
+        GTEST_SKIP() << seven.output;
+    EXPECT_EQ(seven.exit_code, 7) << seven.output;
+    EXPECT_THAT(seven.output, AllOf(HasSubstr(" lo:"), Not(HasSubstr("eth"))));
+    const Outcome none = run(cameras + "/nonexistent/program");
+    EXPECT_EQ(none.exit_code, 3);
+    EXPECT_THAT(none.output, HasSubstr("/nonexistent/program"));
 }
 
 TEST_F(CommandLine, TheDemoRefusesNobodyAndAFolderThatCannotBe) {
