@@ -29,7 +29,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
-constexpr double kMaxGap_s = 2.0;  // of the site, and of a camera that is back
+constexpr std::uint64_t kMaxDescribed = 3;  // of metaframes that mix triggers
+constexpr double kMaxGap_s = 2.0;           // of the site, and of a camera that is back
 
 struct ClientConfig {
     std::filesystem::path rig;
@@ -123,8 +124,7 @@ struct Watch {
             camera.last = now;
         }
         if (is_mixed) {
-            ++num_mixed;
-            describe(metaframe);
+            if (++num_mixed <= kMaxDescribed) describe(metaframe);
         }
         if (!trigger) return;
         if (last_trigger && static_cast<std::int32_t>(*trigger - *last_trigger) <= 0)
@@ -320,9 +320,7 @@ std::vector<std::string> failures(const ClientConfig& config,
                          rig.cameras[i].name,
                          watch.cameras[i].longest_absence_s,
                          allowed_s));
-        must(
-            goes == (cameras[i].num_reconnects > 0),
-            fmt::format("{} reconnected {} times", rig.cameras[i].name, cameras[i].num_reconnects));
+        if (goes) must(cameras[i].num_reconnects > 0, rig.cameras[i].name + " never reconnected");
     }
     if (const auto lossy = camera_index(rig, config.lossy)) {
         must(cameras[*lossy].num_incomplete > 0,
