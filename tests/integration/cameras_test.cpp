@@ -74,7 +74,7 @@ TEST_F(Cameras, OneStopsOneRestartsOneLosesPacketsAndTheSiteGoesOn) {
 // machine that is shared may keep it waiting for a quarter of 50 ms.
 TEST_F(Cameras, TriggeredByTheSiteTheyShowOneInstant) {
     expect_good(
-        run(serve("--rate_hz 20") +
+        run(serve("--rate_hz 10") +
             watch("--rate_hz 10 --seconds 6 --num_background_frames 4 --trigger software")));
 }
 
