@@ -1,0 +1,116 @@
+#pragma once
+
+#include "core/app/log.hpp"
+#include "simulation/simulated_cameras/stamp.hpp"
+#include "site_node/capture/metaframe.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// What `cameras_client` keeps of what it sees.
+namespace atrium::cameras {
+
+using Clock = std::chrono::steady_clock;
+using Seconds = std::chrono::duration<double>;
+
+constexpr std::uint64_t kMaxDescribed = 3;  // of metaframes that mix triggers
+
+// What was seen of one camera, on the capture thread.
+struct Presence {
+    std::uint64_t num_seen = 0;
+    Clock::time_point last;
+    double longest_absence_s = 0.0;
+};
+
+// The capture thread's view: what the stamps say.
+struct Watch {
+    explicit Watch(std::size_t num_cameras) : cameras(num_cameras) {}
+
+    void look_at(const capture::Metaframe& metaframe) {
+        const auto now = Clock::now();
+        if (num_metaframes == 0) {
+            for (Presence& camera : cameras) camera.last = now;
+        }
+        ++num_metaframes;
+        std::optional<std::uint32_t> trigger;
+        bool is_mixed = false;
+        for (const capture::CameraFrame& frame : metaframe.frames) {
+            if (frame.image.empty()) continue;
+            const auto stamp = simulated_cameras::read_stamp(frame.image);
+            if (!stamp) {
+                ++num_unreadable;
+                continue;
+            }
+            if (stamp->camera != frame.camera) ++num_wrong_camera;
+            if (trigger && *trigger != stamp->trigger) is_mixed = true;
+            trigger = stamp->trigger;
+            Presence& camera = cameras[frame.camera];
+            ++camera.num_seen;
+            camera.longest_absence_s =
+                std::max(camera.longest_absence_s, Seconds(now - camera.last).count());
+            camera.last = now;
+        }
+        if (is_mixed) {
+            if (++num_mixed <= kMaxDescribed) describe(metaframe);
+        }
+        if (!trigger) return;
+        if (last_trigger && static_cast<std::int32_t>(*trigger - *last_trigger) <= 0)
+            ++num_backwards;
+        if (!first_trigger) first_trigger = trigger;
+        last_trigger = trigger;
+    }
+
+    // Which picture is of which trigger, with its time: for whoever looks for the reason.
+    static void describe(const capture::Metaframe& metaframe) {
+        std::string text;
+        for (const capture::CameraFrame& frame : metaframe.frames) {
+            const auto stamp = simulated_cameras::read_stamp(frame.image);
+            if (!stamp) continue;
+            text += fmt::format(" {}:{}{:+.1f}ms",
+                                frame.camera,
+                                stamp->trigger,
+                                std::chrono::duration<double, std::milli>(frame.capture_time -
+                                                                          metaframe.capture_time)
+                                    .count());
+        }
+        app::log::warn("metaframe {} mixes triggers:{}", metaframe.frame_id, text);
+    }
+
+    void finish() {
+        for (Presence& camera : cameras) {
+            camera.longest_absence_s =
+                std::max(camera.longest_absence_s, Seconds(Clock::now() - camera.last).count());
+        }
+    }
+
+    std::vector<Presence> cameras;
+    std::uint64_t num_metaframes = 0;
+    std::uint64_t num_mixed = 0;
+    std::uint64_t num_unreadable = 0;
+    std::uint64_t num_wrong_camera = 0;
+    std::uint64_t num_backwards = 0;
+    std::optional<std::uint32_t> first_trigger, last_trigger;
+};
+
+// The worker's view: what comes out.
+struct Output {
+    std::uint64_t num_published = 0;
+    std::uint64_t num_with_hull = 0;
+    std::uint64_t num_failed = 0;
+    double longest_gap_s = 0.0;
+    std::vector<double> latencies_ms;
+    std::vector<double> triangles;
+};
+
+inline double quantile(std::vector<double> values, double share) {
+    if (values.empty()) return 0.0;
+    std::sort(values.begin(), values.end());
+    return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
+}  // namespace atrium::cameras
