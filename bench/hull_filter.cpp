@@ -185,7 +185,7 @@ void check(const std::vector<hull::SilhouetteView>& views, Report& report) {
     for (const Cones::Chain& chain : cones.chains) {
         for (std::uint32_t s = chain.first_strip; s < chain.last_strip; ++s) {
             if (s == chain.first_strip) {
-                chart.start(cones, pencils, s);
+                chart.start(cones, pencils, s, hull::HullOptions{}.max_steps);
             } else {
                 chart.go_on(s);
             }
