@@ -1,5 +1,7 @@
 #include "core/app/user_namespace.hpp"
 
+#include "core/base/descriptor.hpp"
+
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <linux/netlink.h>
@@ -22,20 +24,6 @@ namespace atrium::app {
 namespace {
 
 constexpr const char* kLoopback = "lo";
-
-class Descriptor {
-public:
-    explicit Descriptor(int descriptor) : descriptor_(descriptor) {}
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    ~Descriptor() {
-        if (descriptor_ >= 0) close(descriptor_);
-    }
-    int get() const { return descriptor_; }
-
-private:
-    int descriptor_;
-};
 
 tl::unexpected<Error> failed(const std::string& what, int error) {
     return make_error(ErrorKind::kUnavailable, fmt::format("{}: {}", what, std::strerror(error)));

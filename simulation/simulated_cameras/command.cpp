@@ -1,5 +1,7 @@
 #include "simulation/simulated_cameras/command.hpp"
 
+#include "core/base/descriptor.hpp"
+
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
@@ -21,20 +23,6 @@ namespace atrium::simulated_cameras {
 namespace {
 
 constexpr int kPatience_ms = 10'000;
-
-class Descriptor {
-public:
-    explicit Descriptor(int descriptor) : descriptor_(descriptor) {}
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    ~Descriptor() {
-        if (descriptor_ >= 0) close(descriptor_);
-    }
-    int get() const { return descriptor_; }
-
-private:
-    int descriptor_;
-};
 
 sigset_t usr1() {
     sigset_t set;

@@ -1,7 +1,7 @@
 #include "site_node/capture/camera_discovery.hpp"
 
+#include "core/base/descriptor.hpp"
 #include "site_node/capture/aravis_handle.hpp"
-#include "site_node/capture/socket_handle.hpp"
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
@@ -71,7 +71,7 @@ std::optional<FoundCamera> ask_gige_camera(const std::string& address,
     sockaddr_in target{};
     target.sin_family = AF_INET;
     target.sin_port = htons(kGvcpPort);
-    const SocketHandle handle(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    const Descriptor handle(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
     if (handle.get() < 0 || inet_pton(AF_INET, address.c_str(), &target.sin_addr) != 1)
         return std::nullopt;
     // connected: where nobody listens the answer is an error at once

@@ -1,6 +1,6 @@
 #include "site_node/capture/network_interface.hpp"
 
-#include "site_node/capture/socket_handle.hpp"
+#include "core/base/descriptor.hpp"
 
 #include <arpa/inet.h>
 #include <ifaddrs.h>
@@ -30,7 +30,7 @@ std::string own_address_towards(const std::string& address) {
     sockaddr_in target{};
     target.sin_family = AF_INET;
     target.sin_port = htons(9);  // any: nothing is sent
-    const SocketHandle handle(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    const Descriptor handle(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
     sockaddr_in own{};
     socklen_t size = sizeof(own);
     if (handle.get() < 0 || inet_pton(AF_INET, address.c_str(), &target.sin_addr) != 1 ||
@@ -52,7 +52,7 @@ int mtu_of_interface(const std::string& own_address) {
         if (text(address.sin_addr) == own_address) name = i->ifa_name;
     }
     freeifaddrs(list);
-    const SocketHandle handle(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    const Descriptor handle(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
     ifreq request{};
     std::strncpy(request.ifr_name, name.c_str(), IFNAMSIZ - 1);
     if (name.empty() || handle.get() < 0 || ioctl(handle.get(), SIOCGIFMTU, &request) != 0)
@@ -67,7 +67,7 @@ std::uint64_t max_socket_buffer_bytes() {
 }
 
 bool may_use_packet_sockets() {
-    const SocketHandle handle(socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, 0));
+    const Descriptor handle(socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, 0));
     return handle.get() >= 0;
 }
 
