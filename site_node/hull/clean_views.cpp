@@ -1,6 +1,7 @@
 #include "site_node/hull/clean_views.hpp"
 
 #include "site_node/hull/field_of_view.hpp"
+#include "site_node/hull/input_limits.hpp"
 
 #include <Eigen/Geometry>
 
@@ -14,14 +15,10 @@ namespace {
 
 constexpr double kMaxCoordinate_px =
     1e6;  // no silhouette is larger; beyond, pixels lose their meaning in double
-constexpr double kMinFocal_px = 1e-3;          // rays stay far from what doubles can hold,
-constexpr double kMaxFocal_px = 1e7;           // and the grid on which they end finer than 1e-3 px
 constexpr double kMaxDistance_m = 1e6;         // of a camera from the origin
 constexpr std::size_t kMaxFieldPoints = 1000;  // contact with itself is tested pairwise
 constexpr double kBoundsMargin_px = 1.0;       // far more than any jitter
 constexpr double kMinBounds_m = 1e-3;          // thinner ones hold nobody
-constexpr std::size_t kMaxPencilRays = 4'000'000;  // each is kept for each other view: 250 MB
-constexpr std::size_t kMaxContours = 2000;         // of one view; nesting is tested pairwise
 
 bool is_valid(const SilhouetteView& view) {
     const geometry::PinholeCamera& c = view.intrinsics;
@@ -97,7 +94,8 @@ HullStatus clean_views(std::span<const SilhouetteView* const> views,
                        const HullOptions& options,
                        CleanViews& clean,
                        VisualHull& hull) {
-    if (views.size() + (options.bounds ? 2 : 0) > kMaxViews) return HullStatus::kInvalidInput;
+    if (views.size() + (options.bounds ? kViewsOfBounds : 0) > kMaxViews)
+        return HullStatus::kInvalidInput;
     if (options.bounds && !is_valid(*options.bounds)) return HullStatus::kInvalidInput;
     std::size_t num_points = 0;
     for (const SilhouetteView* view : views) {
@@ -105,7 +103,7 @@ HullStatus clean_views(std::span<const SilhouetteView* const> views,
         if (view->field.size() > kMaxFieldPoints) return HullStatus::kTooComplex;
         num_points += view->field.size();
     }
-    if (num_points > options.max_segments || num_points * views.size() > kMaxPencilRays) {
+    if (num_points > options.max_segments || num_points * views.size() > kMaxPointsTimesViews) {
         return HullStatus::kTooComplex;
     }
     if (!std::all_of(

@@ -1,5 +1,7 @@
 #include "site_node/hull_tool/limits.hpp"
 
+#include "site_node/hull/input_limits.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,14 +9,6 @@
 
 namespace atrium::hull_tool {
 namespace {
-
-// Those of the hull (docs/hull.md, "Limits"), which it has no need to tell apart; a test holds both
-// against each other.
-constexpr std::size_t kViewsOfBounds = 2;
-constexpr double kMinFocal_px = 1e-3;
-constexpr double kMaxFocal_px = 1e7;
-constexpr std::size_t kMaxPointsTimesViews = 4'000'000;
-constexpr std::size_t kMaxContours = 2000;
 
 tl::unexpected<Error> beyond(std::string text) {
     return make_error(ErrorKind::kConfiguration, std::move(text));
@@ -29,7 +23,7 @@ std::size_t num_points(const NamedView& view) {
 }  // namespace
 
 Expected<void> check_limits(std::span<const NamedView> views, bool has_bounds) {
-    const std::size_t most_views = hull::kMaxViews - (has_bounds ? kViewsOfBounds : 0);
+    const std::size_t most_views = hull::kMaxViews - (has_bounds ? hull::kViewsOfBounds : 0);
     if (views.size() > most_views) {
         return beyond(fmt::format("{} views; at most {} are possible{}",
                                   views.size(),
@@ -41,12 +35,12 @@ Expected<void> check_limits(std::span<const NamedView> views, bool has_bounds) {
     for (const NamedView& view : views) {
         const geometry::PinholeCamera& camera = view.view.intrinsics;
         for (const auto& [key, focal_px] : {std::pair{"fx", camera.fx}, {"fy", camera.fy}}) {
-            if (focal_px >= kMinFocal_px && focal_px <= kMaxFocal_px) continue;
+            if (focal_px >= hull::kMinFocal_px && focal_px <= hull::kMaxFocal_px) continue;
             return beyond(fmt::format("view \"{}\".{}: must be in [{}, {}] px, got {}",
                                       view.name,
                                       key,
-                                      kMinFocal_px,
-                                      kMaxFocal_px,
+                                      hull::kMinFocal_px,
+                                      hull::kMaxFocal_px,
                                       focal_px));
         }
         sum += num_points(view);
@@ -54,7 +48,7 @@ Expected<void> check_limits(std::span<const NamedView> views, bool has_bounds) {
     }
     const std::size_t most_points =
         std::min(hull::HullOptions{}.max_segments,
-                 kMaxPointsTimesViews / std::max<std::size_t>(views.size(), 1));
+                 hull::kMaxPointsTimesViews / std::max<std::size_t>(views.size(), 1));
     if (sum <= most_points) return {};
     return make_error(
         ErrorKind::kInvalidData,
@@ -64,18 +58,18 @@ Expected<void> check_limits(std::span<const NamedView> views, bool has_bounds) {
                     views.size(),
                     most_points,
                     hull::HullOptions{}.max_segments,
-                    kMaxPointsTimesViews,
+                    hull::kMaxPointsTimesViews,
                     largest->name,
                     num_points(*largest)));
 }
 
 std::string explain_too_complex(std::span<const NamedView> views) {
     for (const NamedView& view : views) {
-        if (view.view.contours.size() <= kMaxContours) continue;
+        if (view.view.contours.size() <= hull::kMaxContours) continue;
         return fmt::format("; view \"{}\" has {} contours, at most {} are possible",
                            view.name,
                            view.view.contours.size(),
-                           kMaxContours);
+                           hull::kMaxContours);
     }
     return fmt::format("; the outlines cross each other in more than {} steps",
                        hull::HullOptions{}.max_steps);
