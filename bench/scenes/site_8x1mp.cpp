@@ -21,6 +21,7 @@
 #include <semaphore>
 #include <string>
 #include <thread>
+#include <utility>
 
 namespace atrium::bench {
 namespace {
@@ -203,61 +204,54 @@ private:
     std::vector<std::vector<double>> samples_;  // [column]
 };
 
-std::string header() {
-    std::string line =
-        "format,offered_hz,workers,seconds,offered,ready,late,failed,rate_hz,median_ms,p90_ms,p99_"
-        "ms,"
-        "max_ms,core_ms";
-    for (const Column& column : columns()) line += fmt::format(",{}", column.name);
-    return line;
+// All that is told of a case, in the order of the table.
+struct Figure {
+    const char* name;
+    std::string value;
+};
+
+std::vector<Figure> figures_of(const Case& c, std::size_t workers, const SiteRun& run) {
+    const auto two_digits = [](double value) { return fmt::format("{:.2f}", value); };
+    std::vector<Figure> figures = {
+        {"format", name_of(c.format)},
+        {"offered_hz", fmt::format("{:g}", c.rate_hz)},  // 0: one after another
+        {"workers", std::to_string(workers)},
+        {"seconds", fmt::format("{:.1f}", run.seconds())},
+        {"offered", std::to_string(run.num_offered())},
+        {"ready", std::to_string(run.num_ready())},
+        {"late", std::to_string(run.num_late())},
+        {"failed", std::to_string(run.num_failed())},
+        {"rate_hz", two_digits(static_cast<double>(run.num_ready()) / run.seconds())},
+        {"median_ms", two_digits(run.latency_ms(0.5))},
+        {"p90_ms", two_digits(run.latency_ms(0.9))},
+        {"p99_ms", two_digits(run.latency_ms(0.99))},
+        {"max_ms", two_digits(run.latency_ms(1.0))},
+        {"core_ms", two_digits(run.core_ms())},
+    };
+    for (std::size_t i = 0; i < columns().size(); ++i)
+        figures.push_back({columns()[i].name, two_digits(run.median(i))});
+    return figures;
 }
 
-std::string row(const Case& c, std::size_t workers, const SiteRun& run) {
-    std::string line =
-        fmt::format("{},{:g},{},{:.1f},{},{},{},{},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f}",
-                    name_of(c.format),
-                    c.rate_hz,
-                    workers,
-                    run.seconds(),
-                    run.num_offered(),
-                    run.num_ready(),
-                    run.num_late(),
-                    run.num_failed(),
-                    static_cast<double>(run.num_ready()) / run.seconds(),
-                    run.latency_ms(0.5),
-                    run.latency_ms(0.9),
-                    run.latency_ms(0.99),
-                    run.latency_ms(1.0),
-                    run.core_ms());
-    for (std::size_t i = 0; i < columns().size(); ++i)
-        line += fmt::format(",{:.2f}", run.median(i));
-    return line;
-}
-
-void print(const Case& c, std::size_t workers, const SiteRun& run) {
-    fmt::print("{}, {} workers, offered {}: {:.1f}/s ready, {} late, {} failed\n",
-               name_of(c.format),
-               workers,
-               c.rate_hz > 0.0 ? fmt::format("{:g}/s", c.rate_hz) : "one after another",
-               static_cast<double>(run.num_ready()) / run.seconds(),
-               run.num_late(),
-               run.num_failed());
-    fmt::print(
-        "  offered to ready [ms]: median {:.1f}  p90 {:.1f}  p99 {:.1f}  max {:.1f}; {:.1f} ms of "
-        "cores each\n ",
-        run.latency_ms(0.5),
-        run.latency_ms(0.9),
-        run.latency_ms(0.99),
-        run.latency_ms(1.0),
-        run.core_ms());
-    for (std::size_t i = 0; i < columns().size(); ++i)
-        fmt::print(" {} {:.2f}", columns()[i].name, run.median(i));
+void print(const std::vector<Figure>& figures) {
+    for (const Figure& figure : figures) fmt::print("{} {}  ", figure.name, figure.value);
     fmt::print("\n");
     std::fflush(stdout);
 }
 
+// With the names above the first one.
+void write(const std::vector<Figure>& figures, bool is_first, std::FILE* csv) {
+    const auto line = [&](const auto& text_of) {
+        for (std::size_t i = 0; i < figures.size(); ++i)
+            fmt::print(csv, "{}{}", i == 0 ? "" : ",", text_of(figures[i]));
+        fmt::print(csv, "\n");
+    };
+    if (is_first) line([](const Figure& figure) { return figure.name; });
+    line([](const Figure& figure) { return figure.value; });
+}
+
 int measure(const std::vector<Case>& cases, double seconds, std::size_t workers, std::FILE* csv) {
-    if (csv != nullptr) fmt::print(csv, "{}\n", header());
+    bool is_first = true;
     std::optional<SiteScene> scene;
     std::optional<site_node::Pipeline> pipeline;
     std::optional<image::PixelFormat> format;
@@ -275,8 +269,9 @@ int measure(const std::vector<Case>& cases, double seconds, std::size_t workers,
         }
         SiteRun run(*scene, *pipeline, workers);
         run.run(c.rate_hz, seconds);
-        print(c, workers, run);
-        if (csv != nullptr) fmt::print(csv, "{}\n", row(c, workers, run));
+        const std::vector<Figure> figures = figures_of(c, workers, run);
+        print(figures);
+        if (csv != nullptr) write(figures, std::exchange(is_first, false), csv);
         if (run.num_failed() > 0 || run.num_ready() == 0) return 1;
     }
     return 0;
