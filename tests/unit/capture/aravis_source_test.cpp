@@ -214,7 +214,7 @@ TEST_F(AravisSourceTest, LostPacketsCostPicturesAndNoneIsStriped) {
 }  // namespace atrium::capture::test
 
 int main(int argc, char** argv) {
-    atrium::test_support::run_in_own_network(argv, 10);
+    atrium::test_support::enter_own_network(10);
     testing::InitGoogleMock(&argc, argv);
     return RUN_ALL_TESTS();
 }
