@@ -1,0 +1,98 @@
+#include "tests/support/virtual_display.hpp"
+#include "viewer/renderer/scene_renderer.hpp"
+#include "viewer/surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+
+// What is seen of the viewer's window, on a display of its own.
+namespace atrium::viewer {
+namespace {
+
+using test_support::comes_true;
+using test_support::VirtualDisplay;
+using Colour = VirtualDisplay::Colour;
+using Size = VirtualDisplay::Size;
+
+constexpr const char* kTitle = "Atrium";
+
+class ViewerWindow : public testing::Test {
+protected:
+    void SetUp() override {
+        auto started = VirtualDisplay::start(1280, 800);
+        if (!started) GTEST_SKIP() << started.error().message;
+        display_ = std::move(*started);
+        open();
+    }
+
+    void open() {
+        auto window = open_window({.width = 640, .height = 360, .wait_for_display = false});
+        ASSERT_TRUE(window) << window.error().message;
+        window_ = std::move(*window);
+        auto renderer = renderer::SceneRenderer::create({.width = 640, .height = 360});
+        ASSERT_TRUE(renderer) << renderer.error().message;
+        renderer_.emplace(std::move(*renderer));
+    }
+    void close() {
+        renderer_.reset();  // its context goes with the window
+        window_.reset();
+    }
+    void TearDown() override { close(); }
+
+    // As the viewer does for each picture.
+    SurfaceEvents draw() {
+        const SurfaceEvents events = window_->poll();
+        const auto size = window_->size();
+        if (size != Size{renderer_->width(), renderer_->height()}) {
+            EXPECT_TRUE(renderer_->resize(size[0], size[1]));
+        }
+        renderer_->draw({});
+        window_->show(*renderer_, {});
+        return events;
+    }
+
+    // The picture as it was drawn, without what stands beside it.
+    Colour drawn_at(int x, int y) const {
+        renderer::RenderedPicture picture;
+        renderer_->read_pixels(picture);
+        const auto at = 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) +
+                             static_cast<std::size_t>(x));
+        return {picture.rgba[at], picture.rgba[at + 1], picture.rgba[at + 2]};
+    }
+
+    std::unique_ptr<VirtualDisplay> display_;
+    std::unique_ptr<Surface> window_;
+    std::optional<renderer::SceneRenderer> renderer_;
+};
+
+// At its right, where no figures stand: sky above, floor below.
+TEST_F(ViewerWindow, ShowsWhatIsDrawnAndFollowsItsSize) {
+    for (const Size& size : {Size{640, 360}, Size{1000, 700}}) {
+        display_->resize(kTitle, size);
+        EXPECT_TRUE(comes_true([&] {
+            draw();
+            if (window_->size() != size) return false;
+            const int right = size[0] - 10;
+            const Colour above = drawn_at(right, 10);
+            const Colour below = drawn_at(right, size[1] - 10);
+            return above != below && display_->colour_in(kTitle, right, 10) == above &&
+                   display_->colour_in(kTitle, right, size[1] - 10) == below;
+        })) << size[0];
+    }
+}
+
+TEST_F(ViewerWindow, IsClosedByEscapeAndByItsFrame) {
+    EXPECT_FALSE(draw().close);
+    display_->press_escape(kTitle);
+    EXPECT_TRUE(comes_true([&] { return draw().close; }));
+    close();
+    EXPECT_TRUE(comes_true([&] { return !display_->size_of(kTitle); }));
+    open();
+    EXPECT_FALSE(draw().close);
+    display_->ask_to_close(kTitle);
+    EXPECT_TRUE(comes_true([&] { return draw().close; }));
+}
+
+}  // namespace
+}  // namespace atrium::viewer
