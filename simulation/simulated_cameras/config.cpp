@@ -50,10 +50,14 @@ void declare(SimulatedCamerasConfig& config, config::OptionSet& set) {
 }
 
 Expected<void> check(const SimulatedCamerasConfig& config) {
-    if (config.rig.empty() == config.recording.empty()) {
+    if (config.rig.empty() && config.recording.empty()) {
         return make_error(ErrorKind::kConfiguration,
                           "rig, recording: one of them is needed, for example --rig "
                           "deploy/rigs/full_body.toml");
+    }
+    if (!config.rig.empty() && !config.recording.empty()) {
+        return make_error(ErrorKind::kConfiguration,
+                          "rig, recording: both are given; a recording has a rig of its own");
     }
     return {};
 }

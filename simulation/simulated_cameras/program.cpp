@@ -91,7 +91,7 @@ Expected<Plan> make_plan(const SimulatedCamerasConfig& config, std::vector<std::
 }
 
 void print(const Plan& plan) {
-    fmt::print("{:<16} {:<16} {:<12} {:>11} {:>9} {:>8}\n",
+    fmt::print("{:<16} {:<16} {:<12} {:>10} {:>9} {:>8}\n",
                "camera",
                "serial",
                "address",
@@ -101,12 +101,11 @@ void print(const Plan& plan) {
     const std::vector<CameraPlace> places = places_of(plan.rig);
     for (std::size_t i = 0; i < places.size(); ++i) {
         const geometry::PinholeCamera& c = plan.rig.cameras[i].intrinsics;
-        fmt::print("{:<16} {:<16} {:<12} {:>5} x{:>4} {:>9} {:>5} Hz\n",
+        fmt::print("{:<16} {:<16} {:<12} {:>10} {:>9} {:>5} Hz\n",
                    places[i].name,
                    places[i].serial,
                    places[i].address,
-                   c.width & ~1,
-                   c.height & ~1,
+                   fmt::format("{}x{}", c.width & ~1, c.height & ~1),
                    plan.config.pixel_format,
                    plan.rig.rate_hz);
     }
@@ -121,6 +120,7 @@ Expected<void> enter_network(const Plan& plan) {
 Expected<int> run(const Plan& plan, std::stop_token stop) {
     auto shown = load_pictures(plan, stop);
     if (!shown) return tl::unexpected(shown.error());
+    if (stop.stop_requested()) return 0;
     if (plan.config.rate_hz > 0.0) shown->rig.rate_hz = plan.config.rate_hz;
     const ServerOptions options{.empty_time = std::chrono::microseconds(
                                     static_cast<std::int64_t>(plan.config.empty_seconds * 1e6)),

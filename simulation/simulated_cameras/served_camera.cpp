@@ -1,5 +1,6 @@
 #include "simulation/simulated_cameras/served_camera.hpp"
 
+#include "simulation/simulated_cameras/sensor.hpp"
 #include "simulation/simulated_cameras/stamp.hpp"
 
 #include <arv.h>
@@ -51,6 +52,15 @@ ArvPixelFormat to_genicam(PixelFormat format) {
         default:
             return ARV_PIXEL_FORMAT_MONO_8;
     }
+}
+
+// GenICam's number, where it is none of those that a simulated camera can have.
+std::string name_of(ArvPixelFormat genicam_format) {
+    for (const std::string& name : pixel_format_names()) {
+        const auto format = find_pixel_format(name);
+        if (format && to_genicam(*format) == genicam_format) return name;
+    }
+    return fmt::format("{:#x}", genicam_format);
 }
 
 }  // namespace
@@ -173,17 +183,17 @@ bool ServedCamera::copy_region(const Programme::Choice& choice,
                                       static_cast<std::size_t>(height) *
                                       ARV_PIXEL_FORMAT_BIT_PER_PIXEL(format) / 8;
         std::memset(out, 128, num_bytes);
-        complaints_.warn(fmt::format(
-            "camera {} sends grey: asked for {}x{}+{}+{} of format {:#x}, it has {}x{} of {:#x}",
-            place_.name,
-            width,
-            height,
-            x,
-            y,
-            format,
-            sensor.width & ~1,
-            sensor.height & ~1,
-            to_genicam(show_.shown.format)));
+        complaints_.warn(
+            fmt::format("camera {} sends grey: asked for {}x{}+{}+{} {}, it has {}x{} {}",
+                        place_.name,
+                        width,
+                        height,
+                        x,
+                        y,
+                        name_of(format),
+                        sensor.width & ~1,
+                        sensor.height & ~1,
+                        name_of(to_genicam(show_.shown.format))));
         return false;
     }
     const std::size_t from_stride = image::row_bytes(show_.shown.format, sensor.width & ~1);
