@@ -1,8 +1,7 @@
-#include <gtest/gtest.h>
-#include <sys/wait.h>
+#include "tests/support/run_program.hpp"
 
-#include <array>
-#include <cstdio>
+#include <gtest/gtest.h>
+
 #include <filesystem>
 #include <string>
 
@@ -14,21 +13,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Outcome {
-    int exit_code = -1;
-    std::string output;  // both streams
-};
+using test_support::Outcome;
 
-Outcome run(const std::string& command) {
-    Outcome outcome;
-    FILE* pipe = popen(("timeout 150 " + command + " 2>&1 </dev/null").c_str(), "r");
-    std::array<char, 4096> buffer;
-    while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
-        outcome.output.append(buffer.data(), n);
-    const int status = pclose(pipe);
-    outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
-    return outcome;
-}
+Outcome run(const std::string& command) { return test_support::run_program(command, 150); }
 
 const std::string kSimulatedCameras = ATRIUM_BIN_DIR "/simulated_cameras";
 const std::string kClient = ATRIUM_BIN_DIR "/cameras_client";

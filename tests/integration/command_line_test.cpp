@@ -1,9 +1,8 @@
+#include "tests/support/run_program.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <array>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -18,23 +17,10 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-struct Outcome {
-    int exit_code = -1;
-    std::string output;  // both streams
-};
+using test_support::Outcome;
 
-// `before`: shell commands, for example limits of its resources.
 Outcome run(const std::string& command, const std::string& before = "") {
-    Outcome outcome;
-    // a time limit of its own, so that a program that hangs is a failure of this test
-    FILE* pipe = popen(
-        (before + "timeout 60 " ATRIUM_BIN_DIR "/" + command + " 2>&1 </dev/null").c_str(), "r");
-    std::array<char, 4096> buffer;
-    while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
-        outcome.output.append(buffer.data(), n);
-    const int status = pclose(pipe);
-    outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
-    return outcome;
+    return test_support::run_program(ATRIUM_BIN_DIR "/" + command, 60, before);
 }
 
 class CommandLine : public testing::Test {
@@ -248,6 +234,9 @@ TEST_F(CommandLine, SimulatedCamerasSayWhatTheyNeed) {
     const Outcome nothing = run("simulated_cameras");
     EXPECT_EQ(nothing.exit_code, 2);
     EXPECT_THAT(nothing.output, AllOf(HasSubstr("rig"), HasSubstr("recording")));
+    const Outcome both = run("simulated_cameras --recording /nonexistent" + rig);
+    EXPECT_EQ(both.exit_code, 2);
+    EXPECT_THAT(both.output, HasSubstr("both are given"));
     const Outcome no_camera = run("simulated_cameras --lose cam9=1" + rig);
     EXPECT_EQ(no_camera.exit_code, 2);
     EXPECT_THAT(no_camera.output, AllOf(HasSubstr("lose"), HasSubstr("'cam9'")));
