@@ -17,7 +17,8 @@ int main(int argc, char** argv) {
                                 "  site_node --list-cameras\n"
                                 "  site_node --recording DIR --learn-background "
                                 "--segmentation.background_folder BACKGROUNDS\n"
-                                "  site_node --recording DIR --write-silhouettes OUT"};
+                                "  site_node --recording DIR --write-silhouettes OUT",
+                                [&] { return config.list_cameras; }};
     const app::Start start =
         app::start(info, options, argc, argv, [&](config::TableReader& reader) {
             site_node::read_hull(reader, config);

@@ -122,10 +122,12 @@ Start start(const ProgramInfo& info,
     }
     std::string effective = options.effective();
     std::replace(effective.begin(), effective.end(), '\n', ';');
-    log::info("started version={} config={} effective=\"{}\"",
-              ATRIUM_VERSION,
-              config_file.string(),
-              effective);
+    const bool only_prints = info.only_prints && info.only_prints();
+    log::write(only_prints ? log::Level::kDebug : log::Level::kInfo,
+               fmt::format("started version={} config={} effective=\"{}\"",
+                           ATRIUM_VERSION,
+                           config_file.string(),
+                           effective));
     return {true, 0};
 }
 

@@ -20,6 +20,9 @@ struct ProgramInfo {
     std::string name;
     std::string summary;   // one or two sentences for --help
     std::string examples;  // shown at the end of --help
+    /// Asked once the options are read: true where the program only prints something and ends, so
+    /// that nobody wants to see all options. Empty: never.
+    std::function<bool()> only_prints = {};
 };
 
 /// Called after the declared options were read, for the parts of a file that are not plain options

@@ -31,11 +31,12 @@ protected:
         set.add("picture", options_.picture, "to be written", "here.png");
         testing::internal::CaptureStdout();
         testing::internal::CaptureStderr();
-        const Start start = app::start({"program", "Does things.", ""},
-                                       set,
-                                       static_cast<int>(argv.size()),
-                                       argv.data(),
-                                       read_more);
+        const Start start =
+            app::start({"program", "Does things.", "", [&] { return options_.loop; }},
+                       set,
+                       static_cast<int>(argv.size()),
+                       argv.data(),
+                       read_more);
         output_ = testing::internal::GetCapturedStdout();
         errors_ = testing::internal::GetCapturedStderr();
         return start;
@@ -54,6 +55,13 @@ protected:
 TEST_F(ProgramStart, GoesOnWithDefaults) {
     EXPECT_TRUE(start_with({}).go_on);
     EXPECT_EQ(options_.rate_hz, 30.0);
+}
+
+TEST_F(ProgramStart, SaysWhatItStartsWithUnlessItOnlyPrints) {
+    EXPECT_TRUE(start_with({"--name", "hall"}).go_on);
+    EXPECT_THAT(output_ + errors_, HasSubstr("name = hall"));
+    EXPECT_TRUE(start_with({"--name", "hall", "--loop", "true"}).go_on);
+    EXPECT_EQ(output_ + errors_, "");
 }
 
 TEST_F(ProgramStart, TheCommandLineWinsOverTheFile) {
