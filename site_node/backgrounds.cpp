@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
+#include <numeric>
 
 namespace atrium::site_node {
 namespace {
@@ -44,29 +45,25 @@ private:
     }
 };
 
-// Learns, keeps the last pictures, and says once a second how far it is.
-class ToldLearner {
+// Learns one camera, and keeps its last pictures.
+class CameraLearner {
 public:
-    ToldLearner(const std::string& camera, int max_frames, std::stop_token stop)
-        : camera_(camera), max_frames_(max_frames), stop_(std::move(stop)) {}
+    explicit CameraLearner(int max_frames) : max_frames_(max_frames) {}
 
-    void add(const image::YuvView& picture) {
-        if (!result_ || stop_.stop_requested()) return;
-        if (max_frames_ > 0 && learner_.num_frames() >= max_frames_) return;
+    /// False: enough.
+    bool add(const image::YuvView& picture) {
         result_ = learner_.add(picture);
-        if (!result_) return;
+        if (!result_) return false;
         if (last_.size() < kNumChecked) {
             last_.emplace_back();
         } else {
             std::rotate(last_.begin(), last_.begin() + 1, last_.end());
         }
         last_.back().keep(picture);
-        if (const auto now = Clock::now(); now - told_ >= std::chrono::seconds(1)) {
-            told_ = now;
-            app::log::info(
-                "learning the empty room camera={} pictures={}", camera_, learner_.num_frames());
-        }
+        return max_frames_ == 0 || num_frames() < max_frames_;
     }
+
+    int num_frames() const { return learner_.num_frames(); }
 
     Expected<BackgroundStatistics> finish() const {
         if (!result_) return tl::unexpected(result_.error());
@@ -87,44 +84,104 @@ public:
     }
 
 private:
-    using Clock = std::chrono::steady_clock;
-    std::string camera_;
-    int max_frames_;
-    std::stop_token stop_;
+    int max_frames_;  // 0: any number
     segmentation::BackgroundLearner learner_;
     Expected<void> result_;
     std::deque<KeptPicture> last_;
-    Clock::time_point told_ = Clock::now();
 };
 
 Error with_camera(const Error& error, const std::string& camera) {
     return {error.kind, fmt::format("camera '{}': no background: {}", camera, error.message)};
 }
 
-Expected<BackgroundStatistics> learn(capture::FrameSource& source,
-                                     std::size_t camera,
-                                     const BackgroundOptions& options,
-                                     const segmentation::SegmentationOptions& segmentation,
-                                     const std::stop_token& stop) {
-    const std::string& name = source.rig().cameras[camera].name;
-    ToldLearner learner(name, options.num_frames, stop);
-    const auto shown = source.show_background(
-        camera, [&](const image::YuvView& picture) { learner.add(picture); });
-    if (stop.stop_requested())
-        return make_error(ErrorKind::kUnavailable, "stopped while learning the empty room");
-    if (!shown) return tl::unexpected(with_camera(shown.error(), name));
-    auto room = learner.finish();
-    if (!room) return tl::unexpected(with_camera(room.error(), name));
-    const auto quality = segmentation::background_quality(*room, segmentation);
-    app::log::info(
-        "learned the empty room camera={} pictures={} noise={:.2f} coverage={:.3f} "
-        "foreground={:.5f}",
-        name,
-        room->num_frames,
-        quality.noise,
-        quality.coverage,
-        learner.foreground_share(*room, segmentation));
-    return room;
+// Learns cameras at the same time, or as the source shows them, and says once a second how far it
+// is.
+class RoomLearner {
+public:
+    RoomLearner(capture::FrameSource& source,
+                std::vector<std::size_t> cameras,
+                const BackgroundOptions& options,
+                const segmentation::SegmentationOptions& segmentation)
+        : source_(source), cameras_(std::move(cameras)), segmentation_(segmentation) {
+        const bool is_default = options.num_frames == 0 && source.is_live();
+        num_wanted_ = is_default ? BackgroundOptions::kNumLiveFrames : options.num_frames;
+        learners_.assign(source.rig().cameras.size(), CameraLearner(num_wanted_));
+    }
+
+    /// In the order of the cameras.
+    std::vector<Expected<BackgroundStatistics>> learn(const std::stop_token& stop) {
+        const auto learn_from = [this](std::size_t camera, const image::YuvView& picture) {
+            const bool go_on = learners_[camera].add(picture);
+            tell_progress();
+            return go_on;
+        };
+        const auto shown = source_.show_background(cameras_, learn_from, stop);
+        std::vector<Expected<BackgroundStatistics>> rooms;
+        for (std::size_t i = 0; i < cameras_.size(); ++i)
+            rooms.push_back(finish(cameras_[i], shown[i], stop));
+        return rooms;
+    }
+
+private:
+    using Clock = std::chrono::steady_clock;
+
+    void tell_progress() {
+        const auto now = Clock::now();
+        if (now - told_ < std::chrono::seconds(1)) return;
+        told_ = now;
+        std::string pictures;
+        for (const std::size_t camera : cameras_) {
+            pictures += fmt::format(
+                " {}={}", source_.rig().cameras[camera].name, learners_[camera].num_frames());
+        }
+        app::log::info("learning the empty room pictures=\"{}\"{}",
+                       std::string_view(pictures).substr(1),
+                       num_wanted_ > 0 ? fmt::format(" of={}", num_wanted_) : "");
+    }
+
+    Expected<BackgroundStatistics> finish(std::size_t camera,
+                                          const Expected<void>& shown,
+                                          const std::stop_token& stop) const {
+        const std::string& name = source_.rig().cameras[camera].name;
+        if (!shown && stop.stop_requested())
+            return make_error(ErrorKind::kUnavailable, "stopped while learning the empty room");
+        if (!shown) return tl::unexpected(with_camera(shown.error(), name));
+        auto room = learners_[camera].finish();
+        if (!room) return tl::unexpected(with_camera(room.error(), name));
+        const auto quality = segmentation::background_quality(*room, segmentation_);
+        app::log::info(
+            "learned the empty room camera={} pictures={} noise={:.2f} coverage={:.3f} "
+            "foreground={:.5f}",
+            name,
+            room->num_frames,
+            quality.noise,
+            quality.coverage,
+            learners_[camera].foreground_share(*room, segmentation_));
+        return room;
+    }
+
+    capture::FrameSource& source_;
+    std::vector<std::size_t> cameras_;
+    const segmentation::SegmentationOptions& segmentation_;
+    int num_wanted_ = 0;                   // 0: all that is shown
+    std::vector<CameraLearner> learners_;  // per camera of the rig
+    Clock::time_point told_ = Clock::now();
+};
+
+// Live cameras at the same time; others one by one, since that takes the memory of one only.
+std::vector<Expected<BackgroundStatistics>> learn(
+    capture::FrameSource& source,
+    const std::vector<std::size_t>& cameras,
+    const BackgroundOptions& options,
+    const segmentation::SegmentationOptions& segmentation,
+    const std::stop_token& stop) {
+    if (source.is_live()) return RoomLearner(source, cameras, options, segmentation).learn(stop);
+    std::vector<Expected<BackgroundStatistics>> rooms;
+    for (const std::size_t camera : cameras) {
+        auto room = RoomLearner(source, {camera}, options, segmentation).learn(stop);
+        rooms.push_back(std::move(room.front()));
+    }
+    return rooms;
 }
 
 Expected<void> check_size(const BackgroundStatistics& room,
@@ -143,29 +200,43 @@ Expected<void> check_size(const BackgroundStatistics& room,
                     size.height));
 }
 
+// kNotFound only where nothing was kept.
+Expected<BackgroundStatistics> load(const std::filesystem::path& folder,
+                                    const geometry::CalibratedCamera& camera) {
+    auto room = segmentation::load_background(folder, camera.name);
+    if (!room) return tl::unexpected(with_camera(room.error(), camera.name));
+    if (auto fits = check_size(*room, camera, folder); !fits)
+        return tl::unexpected(with_camera(fits.error(), camera.name));
+    app::log::info(
+        "empty room as learned before camera={} pictures={}", camera.name, room->num_frames);
+    return room;
+}
+
 }  // namespace
 
-Expected<BackgroundStatistics> load_or_learn_background(
+std::vector<Expected<BackgroundStatistics>> load_or_learn_backgrounds(
     capture::FrameSource& source,
-    std::size_t camera,
     const BackgroundOptions& options,
     const segmentation::SegmentationOptions& segmentation,
     std::stop_token stop) {
-    if (options.folder.empty()) return learn(source, camera, options, segmentation, stop);
-    const auto& calibrated = source.rig().cameras[camera];
-    auto room = segmentation::load_background(options.folder, calibrated.name);
-    if (!room && room.error().kind == ErrorKind::kNotFound) {
-        app::log::warn("nothing learned yet camera={} reason=\"{}\"; learning for this run only",
-                       calibrated.name,
-                       room.error().message);
-        return learn(source, camera, options, segmentation, stop);
+    const auto& cameras = source.rig().cameras;
+    std::vector<Expected<BackgroundStatistics>> rooms(cameras.size());
+    std::vector<std::size_t> unknown;
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+        if (options.folder.empty()) {
+            unknown.push_back(i);
+            continue;
+        }
+        rooms[i] = load(options.folder, cameras[i]);
+        if (rooms[i] || rooms[i].error().kind != ErrorKind::kNotFound) continue;
+        app::log::warn("nothing learned yet reason=\"{}\"; learning for this run only",
+                       rooms[i].error().message);
+        unknown.push_back(i);
     }
-    if (!room) return tl::unexpected(with_camera(room.error(), calibrated.name));
-    if (auto fits = check_size(*room, calibrated, options.folder); !fits)
-        return tl::unexpected(with_camera(fits.error(), calibrated.name));
-    app::log::info(
-        "empty room as learned before camera={} pictures={}", calibrated.name, room->num_frames);
-    return room;
+    if (unknown.empty()) return rooms;
+    auto learned = learn(source, unknown, options, segmentation, stop);
+    for (std::size_t i = 0; i < unknown.size(); ++i) rooms[unknown[i]] = std::move(learned[i]);
+    return rooms;
 }
 
 Expected<void> learn_backgrounds(capture::FrameSource& source,
@@ -182,15 +253,19 @@ Expected<void> learn_backgrounds(capture::FrameSource& source,
                           "--learn-background: this recording has silhouettes; there is nothing to "
                           "learn");
     }
-    for (std::size_t camera = 0; camera < source.rig().cameras.size(); ++camera) {
-        const auto room = learn(source, camera, options, segmentation, stop);
-        if (!room) return tl::unexpected(room.error());
+    std::vector<std::size_t> all(source.rig().cameras.size());
+    std::iota(all.begin(), all.end(), 0);
+    const auto rooms = learn(source, all, options, segmentation, stop);
+    Expected<void> result;
+    for (std::size_t camera = 0; camera < rooms.size(); ++camera) {
         const std::string& name = source.rig().cameras[camera].name;
-        auto saved = segmentation::save_background(*room, options.folder, name);
-        if (!saved) return saved;
+        const Expected<void> saved =
+            rooms[camera] ? segmentation::save_background(*rooms[camera], options.folder, name)
+                          : tl::unexpected(rooms[camera].error());
+        if (result) result = saved;
     }
-    app::log::info("kept the empty room folder={}", options.folder.string());
-    return {};
+    if (result) app::log::info("kept the empty room folder={}", options.folder.string());
+    return result;
 }
 
 segmentation::SegmentationAreas areas_of(const std::vector<CameraAreas>& areas,

@@ -21,20 +21,24 @@ struct CameraAreas {
 /// Where what the empty room looks like comes from.
 struct BackgroundOptions {
     std::filesystem::path folder;  // of what was learned before; empty: it is learned at each start
-    int num_frames = 0;            // pictures to learn from; 0: all that the source shows
+    /// Pictures to learn from; 0: all that a recording or a simulated room shows, of live cameras
+    /// kNumLiveFrames.
+    int num_frames = 0;
+    static constexpr int kNumLiveFrames = 60;
 };
 
-/// What camera `camera` sees of the empty room: as it was learned before, or else learned now.
-/// Errors name the camera.
-Expected<segmentation::BackgroundStatistics> load_or_learn_background(
+/// What each camera of `source` sees of the empty room: as it was learned before, or else learned
+/// now, live cameras all at the same time. Errors name the camera; all that are not learned yet are
+/// kUnavailable once `stop` is requested.
+std::vector<Expected<segmentation::BackgroundStatistics>> load_or_learn_backgrounds(
     capture::FrameSource& source,
-    std::size_t camera,
     const BackgroundOptions& options,
     const segmentation::SegmentationOptions& segmentation,
     std::stop_token stop);
 
-/// Learns all cameras of `source` and keeps them in `options.folder`. Error kUnavailable once
-/// `stop` is requested; what was learned until then is kept.
+/// Learns all cameras of `source` and keeps in `options.folder` those that could be learned; the
+/// error is that of the first that could not. Error kUnavailable once `stop` is requested; what was
+/// learned until then is kept.
 Expected<void> learn_backgrounds(capture::FrameSource& source,
                                  const BackgroundOptions& options,
                                  const segmentation::SegmentationOptions& segmentation,

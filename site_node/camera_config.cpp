@@ -64,10 +64,6 @@ void declare(CameraConfig& config, config::OptionSet& set) {
             config.trigger,
             "what makes cameras take a picture: a line of theirs, the site, or their own clock",
             {"external", "software", "free-run"});
-    set.add("capture.background_frames",
-            config.num_background_frames,
-            "pictures of the empty room that each camera shows at the start",
-            {1, 10000});
     capture::CameraSettings& common = config.options.common;
     set.add("capture.cameras.pixel_format",
             common.pixel_format,
@@ -145,7 +141,6 @@ capture::CamerasOptions cameras_options(const CameraConfig& config,
     options.trigger = config.trigger == "external"   ? capture::TriggerMode::kExternal
                       : config.trigger == "software" ? capture::TriggerMode::kSoftware
                                                      : capture::TriggerMode::kFreeRun;
-    options.num_background_frames = static_cast<std::size_t>(config.num_background_frames);
     options.min_cameras = min_cameras;
     options.deadline = deadline;
     return options;

@@ -11,11 +11,10 @@ namespace atrium::site_node {
 /// What `[capture]` says of cameras.
 struct CameraConfig {
     std::string trigger = "software";
-    int num_background_frames = 60;
     capture::CamerasOptions options;  // what is not above; its deadline and min_cameras are unused
 };
 
-/// Declares `capture.trigger`, `capture.background_frames` and `capture.cameras.*`; `config` must
+/// Declares `capture.trigger` and `capture.cameras.*`; `config` must
 /// outlive `set`.
 void declare(CameraConfig& config, config::OptionSet& set);
 

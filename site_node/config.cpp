@@ -93,7 +93,8 @@ void declare_segmentation(SiteNodeConfig& config, config::OptionSet& set) {
             "what --learn-background learned is kept here; empty: learn at every start");
     set.add("segmentation.background_frames",
             config.pipeline.background.num_frames,
-            "pictures to learn from; 0: all that the source shows",
+            "pictures of the empty room to learn from, per camera; 0: all that a recording or a "
+            "simulated room shows, 60 of live cameras",
             {0, 60000});
     set.add("learn-background",
             config.learn_background,

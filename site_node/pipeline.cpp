@@ -69,9 +69,9 @@ Expected<Pipeline> Pipeline::create(capture::FrameSource& source,
     if (!hull) return tl::unexpected(hull.error());
     Pipeline pipeline(cameras, options, std::move(*hull));
     if (source.has_silhouettes()) return pipeline;
+    auto rooms = load_or_learn_backgrounds(source, options.background, options.segmentation, stop);
     for (std::size_t i = 0; i < pipeline.cameras_.size(); ++i) {
-        auto room =
-            load_or_learn_background(source, i, options.background, options.segmentation, stop);
+        auto& room = rooms[i];
         if (!room && room.error().kind == ErrorKind::kUnavailable && !stop.stop_requested()) {
             pipeline.stages_[i]->is_left_out = true;
             continue;

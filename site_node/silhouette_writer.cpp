@@ -81,10 +81,10 @@ Expected<std::vector<std::unique_ptr<CameraWriter>>> make_writers(capture::Frame
                                                                   const std::stop_token& stop) {
     const PipelineOptions& options = config.pipeline;
     std::vector<std::unique_ptr<CameraWriter>> writers;
+    auto rooms = load_or_learn_backgrounds(source, options.background, options.segmentation, stop);
     for (std::size_t i = 0; i < source.rig().cameras.size(); ++i) {
         const geometry::CalibratedCamera& camera = source.rig().cameras[i];
-        auto room =
-            load_or_learn_background(source, i, options.background, options.segmentation, stop);
+        auto& room = rooms[i];
         if (!room) return tl::unexpected(room.error());
         const fs::path folder = config.write_silhouettes / camera.name / "silhouettes";
         std::error_code problem;

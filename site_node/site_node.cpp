@@ -25,6 +25,10 @@ Expected<void> open(bus::Participant& participant, std::optional<bus::Writer<Mes
     return {};
 }
 
+double milliseconds(nanoseconds duration) {
+    return std::chrono::duration<double, std::milli>(duration).count();
+}
+
 bus::LatencySummary summary(const Quantiles& q) { return {q.median_ms, q.p99_ms, q.num_samples}; }
 
 // What the configuration says that may be meant otherwise, or does not fit this rig.
@@ -61,8 +65,7 @@ Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
 void tell_offsets(const config::Rig& rig, const capture::CameraOffsets& offsets) {
     std::string line;
     for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
-        const double offset_ms =
-            std::chrono::duration<double, std::milli>(offsets.offset(i)).count();
+        const double offset_ms = milliseconds(offsets.offset(i));
         line += fmt::format(" {}={:+.3f}", rig.cameras[i].name, offset_ms);
     }
     app::log::info("camera offsets in ms{}", line);
@@ -132,7 +135,8 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
       source_(std::move(source)),
       pipeline_(std::move(pipeline)),
       writers_(std::move(writers)),
-      pool_(static_cast<std::size_t>(config.threads)) {
+      pool_(static_cast<std::size_t>(config.threads)),
+      offsets_ns_(source_->rig().cameras.size()) {
     if (config_.preview.empty()) return;
     std::vector<std::string> names;
     for (const auto& camera : source_->rig().cameras) names.push_back(camera.name);
@@ -168,8 +172,10 @@ Expected<void> SiteNode::run(std::stop_token stop) {
                    total.num_failed);
     if (const std::string line = left_out_line({}, total); !line.empty())
         app::log::info("counted {}", line);
-    for (const capture::CameraCounters& counters : source_->camera_counters())
-        app::log::info("camera {}", to_line(counters));
+    for (const capture::CameraCounters& counters : source_->camera_counters()) {
+        if (source_->is_live() || has_faults(counters))
+            app::log::info("camera {}", to_line(counters));
+    }
     const std::lock_guard lock(end_mutex_);
     return end_result_;
 }
@@ -196,13 +202,15 @@ void SiteNode::capture_metaframes(std::stop_token stop) {
     const auto take = [&](std::optional<capture::Metaframe> metaframe) {
         num_incomplete_ = assembler.counters().num_incomplete;
         num_incomplete_used_ = assembler.counters().num_incomplete_used;
+        for (std::size_t i = 0; i < offsets_ns_.size(); ++i)
+            offsets_ns_[i] = assembler.offsets().offset(i).count();
         if (metaframe) hand_over(std::move(*metaframe));
     };
     const auto result = source_->run(stop, [&](capture::CameraFrame frame) {
         take(assembler.add(std::move(frame), std::chrono::steady_clock::now()));
     });
     if (!stop.stop_requested()) take(assembler.finish());
-    if (!source_->camera_counters().empty()) tell_offsets(source_->rig(), assembler.offsets());
+    if (source_->is_live()) tell_offsets(source_->rig(), assembler.offsets());
     finish(result);
 }
 
@@ -329,7 +337,7 @@ void SiteNode::report_status(std::stop_token stop) {
             app::log::debug("this second {}", line);
         former = now;
         const auto cameras = source_->camera_counters();
-        for (std::size_t i = 0; i < cameras.size(); ++i) {
+        for (std::size_t i = 0; i < cameras.size() && source_->is_live(); ++i) {
             app::log::debug("this second camera {}", to_line(since(former_cameras[i], cameras[i])));
         }
         former_cameras = cameras;
@@ -358,7 +366,29 @@ bus::SiteStatus SiteNode::status() const {
         status.capture_to_publish = summary(capture_to_publish_.quantiles());
     }
     status.resident_bytes = app::resident_bytes();
+    status.cameras = camera_statuses();
     return status;
+}
+
+std::vector<bus::CameraStatus> SiteNode::camera_statuses() const {
+    std::vector<bus::CameraStatus> cameras;
+    const auto now = std::chrono::steady_clock::now();
+    for (const capture::CameraCounters& counted : source_->camera_counters()) {
+        bus::CameraStatus& camera = cameras.emplace_back();
+        camera.name = counted.name;
+        camera.connected = counted.connected;
+        camera.num_received = counted.num_received;
+        camera.num_incomplete = counted.num_incomplete;
+        camera.num_resent = counted.num_resent;
+        camera.num_late = counted.num_late;
+        camera.num_dropped = counted.num_dropped;
+        camera.num_backwards = counted.num_backwards;
+        camera.num_reconnects = counted.num_reconnects;
+        camera.offset_ms = static_cast<double>(offsets_ns_[cameras.size() - 1]) * 1e-6;
+        if (counted.last_picture)  // it may have come since `now`
+            camera.last_picture_age_ms = std::max(milliseconds(now - *counted.last_picture), 0.0);
+    }
+    return cameras;
 }
 
 }  // namespace atrium::site_node

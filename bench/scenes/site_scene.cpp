@@ -108,10 +108,17 @@ Expected<SiteScene> SiteScene::create(const SiteSceneOptions& options) {
     return scene;
 }
 
-Expected<void> SiteScene::show_background(std::size_t camera, const BackgroundSink& sink) {
+std::vector<Expected<void>> SiteScene::show_background(const std::vector<std::size_t>& cameras,
+                                                       const BackgroundSink& sink,
+                                                       std::stop_token stop) {
     image::YuvImage buffer;
-    for (const image::RawImage& shot : empty_room_[camera]) sink(image::working_view(shot, buffer));
-    return {};
+    const auto show = [&](std::size_t camera) -> Expected<void> {
+        for (const image::RawImage& shot : empty_room_[camera]) {
+            if (stop.stop_requested() || !sink(camera, image::working_view(shot, buffer))) break;
+        }
+        return {};
+    };
+    return capture::one_after_another(cameras, show, stop);
 }
 
 Expected<void> SiteScene::run(std::stop_token stop, const Sink& sink) {

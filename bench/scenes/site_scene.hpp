@@ -26,7 +26,9 @@ public:
 
     const config::Rig& rig() const override { return rig_; }
     bool has_silhouettes() const override { return false; }
-    Expected<void> show_background(std::size_t camera, const BackgroundSink& sink) override;
+    std::vector<Expected<void>> show_background(const std::vector<std::size_t>& cameras,
+                                                const BackgroundSink& sink,
+                                                std::stop_token stop) override;
 
     /// The loop once, as fast as the sink takes it.
     Expected<void> run(std::stop_token stop, const Sink& sink) override;

@@ -78,6 +78,14 @@ void check_camera(const geometry::CalibratedCamera& camera, Checker& checker) {
     checker.pose("SiteDescription.cameras.camera_from_site", camera.camera_from_site);
 }
 
+void check_camera(const CameraStatus& camera, Checker& checker) {
+    checker.name("SiteStatus.cameras.name", camera.name);
+    checker.range("SiteStatus.cameras.offset_ms", camera.offset_ms, -kMaxStatistic, kMaxStatistic);
+    const double age_ms = camera.last_picture_age_ms;
+    if (age_ms != -1.0)
+        checker.range("SiteStatus.cameras.last_picture_age_ms", age_ms, 0.0, kMaxStatistic);
+}
+
 void check_object(const SceneObject& object, Checker& checker) {
     checker.name("SceneObject.name", object.name);
     checker.enumerator("SceneObject.shape", object.shape, Shape::kPlane);
@@ -191,6 +199,8 @@ Expected<void> check(const SiteStatus& message) {
     checker.range("SiteStatus.metaframes_per_s", message.metaframes_per_s, 0.0, kMaxStatistic);
     checker.range("SiteStatus.bytes_per_s", message.bytes_per_s, 0.0, kMaxStatistic);
     checker.latency("SiteStatus.capture_to_publish", message.capture_to_publish);
+    checker.count("SiteStatus.cameras", message.cameras.size(), kMaxCamerasPerSite);
+    for (const CameraStatus& camera : message.cameras) check_camera(camera, checker);
     return checker.result();
 }
 

@@ -115,6 +115,23 @@ struct LeftOutTotals {
     bool operator==(const LeftOutTotals&) const = default;
 };
 
+/// What became of the pictures of one camera.
+struct CameraStatus {
+    std::string name;
+    bool connected = false;
+    std::uint64_t num_received = 0;    // whole pictures
+    std::uint64_t num_incomplete = 0;  // that lack packets, or could not be read
+    std::uint64_t num_resent = 0;      // packets
+    std::uint64_t num_late = 0;        // replaced by a newer one before they were taken
+    std::uint64_t num_dropped = 0;     // all buffers were in use
+    std::uint64_t num_backwards = 0;   // older than the one before
+    std::uint64_t num_reconnects = 0;
+    double offset_ms = 0.0;             // learned: how much later than the others' its times are
+    double last_picture_age_ms = -1.0;  // since the last whole picture came; -1: none came yet
+
+    bool operator==(const CameraStatus&) const = default;
+};
+
 /// 1 Hz. Counters run since the program's start.
 struct SiteStatus {
     std::string site;
@@ -131,6 +148,7 @@ struct SiteStatus {
     double bytes_per_s = 0.0;
     LatencySummary capture_to_publish;
     std::uint64_t resident_bytes = 0;
+    std::vector<CameraStatus> cameras;  // as in SiteDescription
 };
 
 struct WorldStatus {

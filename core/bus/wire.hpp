@@ -22,6 +22,7 @@ namespace atrium::bus {
 struct WireScratch {
     std::vector<atrium_Camera> cameras;
     std::vector<atrium_ObjectState> objects;
+    std::vector<atrium_CameraStatus> camera_statuses;
 };
 
 void to_wire(const SiteDescription& message, WireScratch& scratch, atrium_SiteDescription& out);

@@ -1,3 +1,4 @@
+#include "core/bus/limits.hpp"
 #include "core/bus/wire_fields.hpp"
 
 namespace atrium::bus {
@@ -25,9 +26,39 @@ LeftOutTotals get_left_out(const atrium_LeftOut& totals) {
             totals.num_regions_failed};
 }
 
+constexpr std::size_t kCameraStatusBytes = 1 + 9 * sizeof(std::uint64_t);  // and its name
+
+void put_camera(const CameraStatus& camera, atrium_CameraStatus& out) {
+    put_name(camera.name, out.name);
+    out.connected = camera.connected ? 1 : 0;
+    out.num_received = camera.num_received;
+    out.num_incomplete = camera.num_incomplete;
+    out.num_resent = camera.num_resent;
+    out.num_late = camera.num_late;
+    out.num_dropped = camera.num_dropped;
+    out.num_backwards = camera.num_backwards;
+    out.num_reconnects = camera.num_reconnects;
+    out.offset_ms = camera.offset_ms;
+    out.last_picture_age_ms = camera.last_picture_age_ms;
+}
+
+CameraStatus get_camera(const atrium_CameraStatus& wire) {
+    return {get_name(wire.name),
+            wire.connected != 0,
+            wire.num_received,
+            wire.num_incomplete,
+            wire.num_resent,
+            wire.num_late,
+            wire.num_dropped,
+            wire.num_backwards,
+            wire.num_reconnects,
+            wire.offset_ms,
+            wire.last_picture_age_ms};
+}
+
 }  // namespace
 
-void to_wire(const SiteStatus& message, WireScratch& /*scratch*/, atrium_SiteStatus& out) {
+void to_wire(const SiteStatus& message, WireScratch& scratch, atrium_SiteStatus& out) {
     key_to_wire(message, out);
     out.time_ns = message.time.ns;
     out.num_metaframes_captured = message.num_metaframes_captured;
@@ -42,9 +73,14 @@ void to_wire(const SiteStatus& message, WireScratch& /*scratch*/, atrium_SiteSta
     out.bytes_per_s = message.bytes_per_s;
     out.capture_to_publish = put_latency(message.capture_to_publish);
     out.resident_bytes = message.resident_bytes;
+    scratch.camera_statuses.resize(message.cameras.size());
+    for (std::size_t i = 0; i < message.cameras.size(); ++i)
+        put_camera(message.cameras[i], scratch.camera_statuses[i]);
+    lend(scratch.camera_statuses, out.cameras);
 }
 
 Expected<SiteStatus> from_wire(const atrium_SiteStatus& wire) {
+    if (wire.cameras._length > kMaxCamerasPerSite) return too_many("SiteStatus.cameras");
     SiteStatus message;
     message.site = get_name(wire.site);
     message.time.ns = wire.time_ns;
@@ -60,6 +96,13 @@ Expected<SiteStatus> from_wire(const atrium_SiteStatus& wire) {
     message.bytes_per_s = wire.bytes_per_s;
     message.capture_to_publish = get_latency(wire.capture_to_publish);
     message.resident_bytes = wire.resident_bytes;
+    for (const atrium_CameraStatus& camera : elements_of(wire.cameras)) {
+        if (camera.connected > 1) {
+            return make_error(ErrorKind::kInvalidData,
+                              "SiteStatus.cameras.connected: must be 0 or 1");
+        }
+        message.cameras.push_back(get_camera(camera));
+    }
     return checked(std::move(message));
 }
 
@@ -74,7 +117,11 @@ Expected<SiteStatus> key_from_wire(const atrium_SiteStatus& wire) {
 }
 
 std::size_t payload_bytes(const SiteStatus& message) {
-    return message.site.size() + 11 * sizeof(std::uint64_t) + kLeftOutBytes + kLatencyBytes;
+    std::size_t bytes =
+        message.site.size() + 11 * sizeof(std::uint64_t) + kLeftOutBytes + kLatencyBytes;
+    for (const CameraStatus& camera : message.cameras)
+        bytes += camera.name.size() + kCameraStatusBytes;
+    return bytes;
 }
 
 void to_wire(const WorldStatus& message, WireScratch& /*scratch*/, atrium_WorldStatus& out) {

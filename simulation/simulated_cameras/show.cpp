@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace atrium::simulated_cameras {
 namespace {
@@ -59,10 +60,13 @@ Expected<ShownPictures> show_recording(const std::filesystem::path& folder,
     ShownPictures shown{.rig = rig, .format = format, .empty = {}, .motion = {}};
     shown.empty.resize(rig.cameras.size());
     shown.motion.resize(rig.cameras.size());
-    for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
-        const auto shows = (*source)->show_background(camera, [&](const image::YuvView& picture) {
-            shown.empty[camera].push_back(sense(picture, format));
-        });
+    std::vector<std::size_t> all(rig.cameras.size());
+    std::iota(all.begin(), all.end(), 0);
+    const auto keep = [&](std::size_t camera, const image::YuvView& picture) {
+        shown.empty[camera].push_back(sense(picture, format));
+        return true;
+    };
+    for (const auto& shows : (*source)->show_background(all, keep, stop)) {
         if (!shows && shows.error().kind != ErrorKind::kNotFound)
             return tl::unexpected(shows.error());
     }

@@ -107,7 +107,8 @@ private:
     BackwardsGuard guard_;
     std::atomic<bool> follows_ptp_{false};
 
-    std::atomic<std::int64_t> last_sign_ns_{0};  // steady clock
+    std::atomic<std::int64_t> last_sign_ns_{0};     // steady clock
+    std::atomic<std::int64_t> last_picture_ns_{0};  // steady clock; 0: none came
     std::atomic<bool> is_connected_{false};
     std::atomic<std::uint64_t> num_received_{0};
     std::atomic<std::uint64_t> num_incomplete_{0};

@@ -37,6 +37,7 @@ void AravisCamera::on_incomplete(std::uint64_t device_ns, Timestamp arrival) {
 
 void AravisCamera::on_picture(StreamPicture picture) {
     note_sign_of_life();
+    last_picture_ns_ = last_sign_ns_.load();
     commons_.last_picture_ns = last_sign_ns_.load();
     ++num_received_;
     const auto arrival_ns = static_cast<std::uint64_t>(picture.arrival.ns);
@@ -61,6 +62,8 @@ CameraCounters AravisCamera::counters() const {
     counters.num_late = num_late_;
     counters.num_backwards = num_backwards_;
     counters.num_reconnects = num_reconnects_;
+    if (const std::int64_t last_ns = last_picture_ns_; last_ns != 0)
+        counters.last_picture = Clock::time_point(std::chrono::nanoseconds(last_ns));
     const std::lock_guard lock(session_mutex_);
     counters.num_resent = former_counts_.num_resent_packets;
     counters.num_dropped = former_counts_.num_without_buffer;

@@ -57,6 +57,11 @@ void tell_about_sockets(const CamerasOptions& options,
                       2 * largest)});
 }
 
+Expected<void> too_few_pictures(std::size_t num_shown) {
+    return make_error(ErrorKind::kUnavailable,
+                      fmt::format("no more than {} pictures of the empty room came", num_shown));
+}
+
 }  // namespace
 
 struct AravisSource::Cameras {
@@ -110,10 +115,8 @@ struct AravisSource::Cameras {
     }
 };
 
-AravisSource::AravisSource(const config::Rig& rig,
-                           std::unique_ptr<Cameras> cameras,
-                           std::stop_token stop)
-    : rig_(rig), cameras_(std::move(cameras)), stop_(std::move(stop)) {}
+AravisSource::AravisSource(const config::Rig& rig, std::unique_ptr<Cameras> cameras)
+    : rig_(rig), cameras_(std::move(cameras)) {}
 
 AravisSource::~AravisSource() = default;
 
@@ -138,8 +141,7 @@ Expected<std::unique_ptr<AravisSource>> AravisSource::open(const config::Rig& ri
     }
     if (auto enough = cameras->wait_for_enough(stop); !enough)
         return tl::unexpected(enough.error());
-    return std::unique_ptr<AravisSource>(
-        new AravisSource(rig, std::move(cameras), std::move(stop)));
+    return std::unique_ptr<AravisSource>(new AravisSource(rig, std::move(cameras)));
 }
 
 // Whatever has come since; nothing after a while without pictures.
@@ -178,44 +180,61 @@ void AravisSource::tell_absent(Timestamp time, const Sink& sink) {
     }
 }
 
-Expected<void> AravisSource::show_background(std::size_t camera, const BackgroundSink& sink) {
-    constexpr std::chrono::seconds kLongestWait{5};
-    constexpr std::chrono::seconds kLongestWaitForMissing{1};
-    const AravisCamera& shown = *cameras_->cameras[camera];
-    CameraCommons& commons = cameras_->commons;
-    const std::size_t num_wanted = commons.options.num_background_frames;
-    commons.mailbox.listen_to(camera);
+// One camera that shows the empty room.
+struct AravisSource::Showing {
+    std::chrono::steady_clock::time_point last_picture;
+    std::size_t num_shown = 0;
+    std::optional<Expected<void>> result;  // none: it still shows
+};
+
+std::vector<Expected<void>> AravisSource::show_background(const std::vector<std::size_t>& cameras,
+                                                          const BackgroundSink& sink,
+                                                          std::stop_token stop) {
+    FrameMailbox& mailbox = cameras_->commons.mailbox;
+    std::vector<Showing> all(rig_.cameras.size(), {std::chrono::steady_clock::now(), 0, {}});
+    std::size_t num_showing = cameras.size();
     std::vector<CameraFrame> frames;
     image::YuvImage buffer;
-    auto last_picture = std::chrono::steady_clock::now();
-    std::size_t num_shown = 0;
-    while (num_shown < num_wanted) {
-        const auto now = std::chrono::steady_clock::now();
-        const auto patience = shown.counters().connected ? kLongestWait : kLongestWaitForMissing;
-        if (stop_.stop_requested() || now - last_picture > patience) {
-            commons.mailbox.listen_to_none();
-            return make_error(
-                ErrorKind::kUnavailable,
-                fmt::format("{} of {} pictures of the empty room came", num_shown, num_wanted));
-        }
-        if (!take(stop_, frames)) continue;
-        for (const CameraFrame& frame : frames) {
-            if (frame.image.empty()) continue;
-            sink(image::working_view(frame.image, buffer));
-            last_picture = now;
-            ++num_shown;
-            if (num_shown % std::max<std::size_t>(num_wanted / 4, 1) == 0) {
-                commons.tell({false,
-                              fmt::format("camera '{}' shows the empty room, picture {} of {}",
-                                          shown.name(),
-                                          num_shown,
-                                          num_wanted)});
-            }
+    const auto end = [&](std::size_t camera, Expected<void> result) {
+        all[camera].result = std::move(result);
+        mailbox.ignore(camera);
+        --num_showing;
+    };
+    mailbox.listen_to(cameras);
+    while (num_showing > 0 && !stop.stop_requested()) {
+        take(stop, frames);
+        for (CameraFrame& frame : frames) {
+            Showing& showing = all[frame.camera];
+            if (frame.image.empty() || stop.stop_requested()) continue;
+            showing.last_picture = std::chrono::steady_clock::now();
+            ++showing.num_shown;
+            if (!sink(frame.camera, image::working_view(frame.image, buffer)))
+                end(frame.camera, {});
+            frame.image = {};  // its buffer goes back now, not after those of the others
         }
         frames.clear();
+        for (const std::size_t camera : cameras) {
+            if (!all[camera].result && is_silent_too_long(camera, all[camera].last_picture))
+                end(camera, too_few_pictures(all[camera].num_shown));
+        }
     }
-    commons.mailbox.listen_to_none();
-    return {};
+    mailbox.listen_to_none();
+    std::vector<Expected<void>> results;
+    for (const std::size_t camera : cameras) {
+        results.push_back(all[camera].result.value_or(make_error(
+            ErrorKind::kUnavailable,
+            fmt::format("stopped after {} pictures of the empty room", all[camera].num_shown))));
+    }
+    return results;
+}
+
+bool AravisSource::is_silent_too_long(std::size_t camera,
+                                      std::chrono::steady_clock::time_point last_picture) const {
+    constexpr std::chrono::seconds kLongestWait{5};
+    constexpr std::chrono::seconds kLongestWaitForMissing{1};
+    const bool is_there = cameras_->cameras[camera]->is_connected();
+    return std::chrono::steady_clock::now() - last_picture >
+           (is_there ? kLongestWait : kLongestWaitForMissing);
 }
 
 std::vector<CameraCounters> AravisSource::camera_counters() const {

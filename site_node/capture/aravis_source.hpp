@@ -33,9 +33,12 @@ public:
 
     const config::Rig& rig() const override { return rig_; }
     bool has_silhouettes() const override { return false; }
-    /// Shows what the camera sees now: the room has to be empty. Error kUnavailable where too few
-    /// pictures come.
-    Expected<void> show_background(std::size_t camera, const BackgroundSink& sink) override;
+    bool is_live() const override { return true; }
+    /// Shows what the cameras see now: the room has to be empty. kUnavailable for a camera that is
+    /// not there for a second, or sends nothing for five.
+    std::vector<Expected<void>> show_background(const std::vector<std::size_t>& cameras,
+                                                const BackgroundSink& sink,
+                                                std::stop_token stop) override;
     /// A picture that lacks packets, and those of a camera that is not connected, are frames
     /// without image.
     Expected<void> run(std::stop_token stop, const Sink& sink) override;
@@ -43,13 +46,15 @@ public:
 
 private:
     struct Cameras;
-    AravisSource(const config::Rig& rig, std::unique_ptr<Cameras> cameras, std::stop_token stop);
+    struct Showing;
+    AravisSource(const config::Rig& rig, std::unique_ptr<Cameras> cameras);
     void tell_absent(Timestamp time, const Sink& sink);
     bool take(std::stop_token stop, std::vector<CameraFrame>& frames);
+    bool is_silent_too_long(std::size_t camera,
+                            std::chrono::steady_clock::time_point last_picture) const;
 
     config::Rig rig_;
     std::unique_ptr<Cameras> cameras_;
-    std::stop_token stop_;  // of `open`; ends show_background, too
 };
 
 }  // namespace atrium::capture

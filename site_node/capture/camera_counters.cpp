@@ -37,4 +37,27 @@ bool has_faults(const CameraCounters& c) {
            0;
 }
 
+DeliveryCounters::DeliveryCounters(const config::Rig& rig) : cameras_(rig.cameras.size()) {
+    for (std::size_t i = 0; i < cameras_.size(); ++i) {
+        cameras_[i].name = rig.cameras[i].name;
+        cameras_[i].connected = true;
+    }
+}
+
+void DeliveryCounters::count_received(std::size_t camera) {
+    const std::lock_guard lock(mutex_);
+    ++cameras_[camera].num_received;
+    cameras_[camera].last_picture = std::chrono::steady_clock::now();
+}
+
+void DeliveryCounters::count_incomplete(std::size_t camera) {
+    const std::lock_guard lock(mutex_);
+    ++cameras_[camera].num_incomplete;
+}
+
+std::vector<CameraCounters> DeliveryCounters::counters() const {
+    const std::lock_guard lock(mutex_);
+    return cameras_;
+}
+
 }  // namespace atrium::capture

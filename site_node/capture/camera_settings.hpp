@@ -49,13 +49,12 @@ struct CamerasOptions {
     std::vector<CameraEntry> cameras;
     CameraSettings common;
     TriggerMode trigger = TriggerMode::kSoftware;
-    std::size_t min_cameras = 0;             // so many have to be there at the start; 0: all
-    std::chrono::nanoseconds deadline{};     // how long the site may keep a picture waiting
-    int num_buffers = 0;                     // per camera; 0: enough for rate and deadline
-    int realtime_priority = 10;              // of the threads that receive packets; 0: none
-    int silent_periods = 10;                 // a camera without a picture for so long is lost
-    std::size_t num_background_frames = 60;  // of the empty room, per camera
-    bool use_packet_socket = true;           // where permitted (cap_net_raw)
+    std::size_t min_cameras = 0;          // so many have to be there at the start; 0: all
+    std::chrono::nanoseconds deadline{};  // how long the site may keep a picture waiting
+    int num_buffers = 0;                  // per camera; 0: enough for rate and deadline
+    int realtime_priority = 10;           // of the threads that receive packets; 0: none
+    int silent_periods = 10;              // a camera without a picture for so long is lost
+    bool use_packet_socket = true;        // where permitted (cap_net_raw)
 };
 
 }  // namespace atrium::capture

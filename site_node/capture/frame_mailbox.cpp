@@ -32,19 +32,27 @@ void FrameMailbox::clear(std::size_t camera) {
     forgotten.swap(slots_[camera].frame);
 }
 
-void FrameMailbox::listen(std::optional<std::size_t> only, bool all) {
+void FrameMailbox::listen(const std::vector<std::size_t>& only, bool all) {
     std::vector<std::optional<CameraFrame>> forgotten(slots_.size());
     const std::lock_guard lock(mutex_);
     for (std::size_t i = 0; i < slots_.size(); ++i) {
-        slots_[i].is_listened_to = all || only == i;
+        slots_[i].is_listened_to = all;
         forgotten[i].swap(slots_[i].frame);
     }
+    for (const std::size_t camera : only) slots_[camera].is_listened_to = true;
     has_any_ = false;
 }
 
-void FrameMailbox::listen_to(std::size_t camera) { listen(camera, false); }
-void FrameMailbox::listen_to_all() { listen(std::nullopt, true); }
-void FrameMailbox::listen_to_none() { listen(std::nullopt, false); }
+void FrameMailbox::listen_to(const std::vector<std::size_t>& cameras) { listen(cameras, false); }
+void FrameMailbox::listen_to_all() { listen({}, true); }
+void FrameMailbox::listen_to_none() { listen({}, false); }
+
+void FrameMailbox::ignore(std::size_t camera) {
+    std::optional<CameraFrame> forgotten;
+    const std::lock_guard lock(mutex_);
+    slots_[camera].is_listened_to = false;
+    forgotten.swap(slots_[camera].frame);
+}
 
 bool FrameMailbox::take(std::stop_token stop,
                         std::chrono::nanoseconds timeout,

@@ -26,11 +26,14 @@ public:
     /// Forgets what `camera` has delivered: it is gone.
     void clear(std::size_t camera);
 
-    /// From now on pictures of `camera` are kept, of no camera, or of all; what was there is
+    /// From now on pictures of these cameras are kept, of no camera, or of all; what was there is
     /// forgotten.
-    void listen_to(std::size_t camera);
+    void listen_to(const std::vector<std::size_t>& cameras);
     void listen_to_all();
     void listen_to_none();
+
+    /// The same for all but this one, which is no longer listened to; their pictures stay.
+    void ignore(std::size_t camera);
 
     /// Waits for pictures and moves all that are there to `frames`, oldest first; false once a stop
     /// is requested or `timeout` has passed without any. `num_too_old[camera]` grows by those that
@@ -46,7 +49,7 @@ private:
         std::chrono::steady_clock::time_point arrival;
         bool is_listened_to = false;
     };
-    void listen(std::optional<std::size_t> only, bool all);
+    void listen(const std::vector<std::size_t>& only, bool all);
 
     std::chrono::nanoseconds max_age_;
     std::mutex mutex_;

@@ -88,6 +88,8 @@ private:
     std::optional<PictureFile> masks_;
 };
 
+RecordingSource::RecordingSource(config::Rig rig) : rig_(std::move(rig)), counters_(rig_) {}
+
 RecordingSource::~RecordingSource() = default;
 
 Expected<std::unique_ptr<RecordingSource>> RecordingSource::open(const RecordingOptions& options) {
@@ -98,9 +100,8 @@ Expected<std::unique_ptr<RecordingSource>> RecordingSource::open(const Recording
     }
     auto rig = config::load_rig(options.folder);
     if (!rig) return tl::unexpected(rig.error());
-    std::unique_ptr<RecordingSource> source(new RecordingSource);
+    std::unique_ptr<RecordingSource> source(new RecordingSource(std::move(*rig)));
     source->options_ = options;
-    source->rig_ = std::move(*rig);
     std::size_t num_with_masks = 0;
     for (const auto& camera : source->rig_.cameras) {
         auto track = Track::open(options.folder / camera.name, camera.intrinsics);
@@ -159,18 +160,26 @@ Expected<void> RecordingSource::load_times() {
     return {};
 }
 
-Expected<void> RecordingSource::show_background(std::size_t camera, const BackgroundSink& sink) {
+std::vector<Expected<void>> RecordingSource::show_background(
+    const std::vector<std::size_t>& cameras, const BackgroundSink& sink, std::stop_token stop) {
+    return one_after_another(
+        cameras, [&](std::size_t camera) { return show_background_of(camera, sink, stop); }, stop);
+}
+
+Expected<void> RecordingSource::show_background_of(std::size_t camera,
+                                                   const BackgroundSink& sink,
+                                                   const std::stop_token& stop) {
     const fs::path folder = options_.folder / rig_.cameras[camera].name;
     auto pictures = PictureFile::find(folder, "background");
     if (!pictures) return tl::unexpected(pictures.error());
     image::YuvImage picture;
-    for (std::size_t i = 0; i < pictures->num_pictures(); ++i) {
+    for (std::size_t i = 0; i < pictures->num_pictures() && !stop.stop_requested(); ++i) {
         if (auto read = pictures->read(i, picture); !read) {
             // a video's header may promise more frames than the file has
             if (i > 0 && pictures->is_video()) break;
             return tl::unexpected(read.error());
         }
-        sink(picture);
+        if (!sink(camera, picture)) break;
     }
     return {};
 }
@@ -209,7 +218,11 @@ Expected<void> RecordingSource::run(std::stop_token stop, const Sink& sink) {
             std::vector<CameraFrame> frames;
             for (std::size_t camera = 0; camera < tracks_.size() && !stop.stop_requested();
                  ++camera) {
-                if (auto frame = next_frame(camera, index)) frames.push_back(std::move(*frame));
+                if (auto frame = next_frame(camera, index)) {
+                    frames.push_back(std::move(*frame));
+                } else {
+                    counters_.count_incomplete(camera);
+                }
             }
             num_read += frames.size();
             std::optional<std::int64_t> first_ns;
@@ -227,6 +240,7 @@ Expected<void> RecordingSource::run(std::stop_token stop, const Sink& sink) {
             for (CameraFrame& frame : frames) {
                 const auto own_ns = offset_of(index, frame.camera);
                 frame.capture_time = own_ns ? Timestamp{now.ns + (*own_ns - *first_ns)} : now;
+                counters_.count_received(frame.camera);
                 sink(std::move(frame));
             }
         }

@@ -28,8 +28,12 @@ public:
 
     const config::Rig& rig() const override { return rig_; }
     bool has_silhouettes() const override { return has_silhouettes_; }
-    Expected<void> show_background(std::size_t camera, const BackgroundSink& sink) override;
+    std::vector<Expected<void>> show_background(const std::vector<std::size_t>& cameras,
+                                                const BackgroundSink& sink,
+                                                std::stop_token stop) override;
     Expected<void> run(std::stop_token stop, const Sink& sink) override;
+    /// Received is what was delivered, incomplete what is missing or cannot be read.
+    std::vector<CameraCounters> camera_counters() const override { return counters_.counters(); }
 
     /// Number of frames of the camera with the most; counts a video by its header.
     std::size_t num_frames() const { return num_frames_; }
@@ -43,12 +47,16 @@ public:
 
 private:
     class Track;  // the pictures of one camera
-    RecordingSource() = default;
+    explicit RecordingSource(config::Rig rig);
     Expected<void> load_times();
+    Expected<void> show_background_of(std::size_t camera,
+                                      const BackgroundSink& sink,
+                                      const std::stop_token& stop);
     std::optional<CameraFrame> next_frame(std::size_t camera, std::size_t index);
 
     RecordingOptions options_;
     config::Rig rig_;
+    DeliveryCounters counters_;
     bool has_silhouettes_ = false;
     std::size_t num_frames_ = 0;
     std::vector<std::unique_ptr<Track>> tracks_;

@@ -4,14 +4,15 @@
 
 namespace atrium::capture {
 
+SimulatedSource::SimulatedSource(config::Rig rig) : rig_(std::move(rig)), counters_(rig_) {}
+
 Expected<std::unique_ptr<SimulatedSource>> SimulatedSource::create(
     const config::Rig& rig,
     const simulation::RoomOptions& room,
     const std::filesystem::path& cache,
     const simulation::LoopProgress& progress,
     std::stop_token stop) {
-    std::unique_ptr<SimulatedSource> source(new SimulatedSource);
-    source->rig_ = rig;
+    std::unique_ptr<SimulatedSource> source(new SimulatedSource(rig));
     source->rig_.rate_hz = room.rate_hz;
     if (cache.empty()) {
         auto loop = simulation::render_loop(rig.cameras, room, progress, stop);
@@ -26,9 +27,15 @@ Expected<std::unique_ptr<SimulatedSource>> SimulatedSource::create(
     return source;
 }
 
-Expected<void> SimulatedSource::show_background(std::size_t camera, const BackgroundSink& sink) {
-    for (const simulation::Picture& picture : loop_.empty_room[camera]) sink(*picture);
-    return {};
+std::vector<Expected<void>> SimulatedSource::show_background(
+    const std::vector<std::size_t>& cameras, const BackgroundSink& sink, std::stop_token stop) {
+    const auto show = [&](std::size_t camera) -> Expected<void> {
+        for (const simulation::Picture& picture : loop_.empty_room[camera]) {
+            if (stop.stop_requested() || !sink(camera, *picture)) break;
+        }
+        return {};
+    };
+    return one_after_another(cameras, show, stop);
 }
 
 Expected<void> SimulatedSource::run(std::stop_token stop, const Sink& sink) {
@@ -36,6 +43,7 @@ Expected<void> SimulatedSource::run(std::stop_token stop, const Sink& sink) {
     for (std::size_t instant = 0; pace.wait(stop); instant = (instant + 1) % loop_.frames.size()) {
         const Timestamp now = Timestamp::now();
         for (std::size_t camera = 0; camera < rig_.cameras.size(); ++camera) {
+            counters_.count_received(camera);
             sink({camera, now, loop_.frames[instant][camera], nullptr});
         }
     }

@@ -22,15 +22,20 @@ public:
 
     const config::Rig& rig() const override { return rig_; }
     bool has_silhouettes() const override { return false; }
-    Expected<void> show_background(std::size_t camera, const BackgroundSink& sink) override;
+    std::vector<Expected<void>> show_background(const std::vector<std::size_t>& cameras,
+                                                const BackgroundSink& sink,
+                                                std::stop_token stop) override;
     Expected<void> run(std::stop_token stop, const Sink& sink) override;
+    /// Received is what was delivered.
+    std::vector<CameraCounters> camera_counters() const override { return counters_.counters(); }
 
     /// What kept the loop out of the cache; empty where nothing did.
     const std::string& cache_problem() const { return cache_problem_; }
 
 private:
-    SimulatedSource() = default;
+    explicit SimulatedSource(config::Rig rig);
     config::Rig rig_;
+    DeliveryCounters counters_;
     simulation::SimulatedLoop loop_;
     std::string cache_problem_;
 };

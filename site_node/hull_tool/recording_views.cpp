@@ -14,17 +14,15 @@ Expected<image::Mask> segment_by_background(capture::RecordingSource& source,
                                             const capture::CameraFrame& frame) {
     const segmentation::SegmentationOptions options;
     segmentation::BackgroundLearner learner;
-    Error first_error;
-    bool failed = false;
-    const auto learn = [&](const image::YuvView& picture) {
-        const Expected<void> added = learner.add(picture);
-        if (added || failed) return;
-        failed = true;
-        first_error = added.error();
+    Expected<void> added;
+    const auto learn = [&](std::size_t, const image::YuvView& picture) {
+        added = learner.add(picture);
+        return added.has_value();
     };
-    if (auto shown = source.show_background(frame.camera, learn); !shown)
-        return tl::unexpected(shown.error());
-    if (failed) return tl::unexpected(first_error);
+    for (const auto& shown : source.show_background({frame.camera}, learn, {})) {
+        if (!shown) return tl::unexpected(shown.error());
+    }
+    if (!added) return tl::unexpected(added.error());
     Expected<segmentation::BackgroundStatistics> room = learner.finish();
     if (!room) return tl::unexpected(room.error());
     segmentation::Segmenter segmenter(std::move(*room), options);

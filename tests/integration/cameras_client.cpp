@@ -122,7 +122,6 @@ capture::CamerasOptions cameras_options(const ClientConfig& config, const config
     options.trigger = config.trigger == "software" ? capture::TriggerMode::kSoftware
                                                    : capture::TriggerMode::kFreeRun;
     options.deadline = std::chrono::milliseconds(50);
-    options.num_background_frames = static_cast<std::size_t>(config.num_background_frames);
     return options;
 }
 
@@ -247,6 +246,7 @@ Expected<int> run(const ClientConfig& config, std::stop_token stop) {
         stop);
     if (!source) return tl::unexpected(source.error());
     site_node::PipelineOptions pipeline_options;
+    pipeline_options.background.num_frames = config.num_background_frames;
     auto pipeline = site_node::Pipeline::create(**source, pipeline_options, stop);
     if (!pipeline) return tl::unexpected(pipeline.error());
 

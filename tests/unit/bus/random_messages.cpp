@@ -45,6 +45,24 @@ LatencySummary latency(Random& random) {
     return {number(random, 0, 100), number(random, 0, 1000), random()};
 }
 
+std::vector<CameraStatus> camera_statuses(Random& random) {
+    std::vector<CameraStatus> out(2 + below(random, 63));
+    for (CameraStatus& camera : out) {
+        camera = {name(random),
+                  below(random, 2) == 0,
+                  random(),
+                  random(),
+                  random(),
+                  random(),
+                  random(),
+                  random(),
+                  random(),
+                  number(random, -100, 100),
+                  below(random, 4) == 0 ? -1.0 : number(random, 0, 1e6)};
+    }
+    return out;
+}
+
 bool same(const geometry::RigidTransform& a, const geometry::RigidTransform& b) {
     return a.rotation.coeffs() == b.rotation.coeffs() && a.translation == b.translation;
 }
@@ -188,7 +206,8 @@ SiteStatus random_message(Random& random) {
             number(random, 0, 100),
             number(random, 0, 1e9),
             latency(random),
-            random()};
+            random(),
+            camera_statuses(random)};
 }
 
 template <>
@@ -264,7 +283,8 @@ bool same(const SiteStatus& a, const SiteStatus& b) {
            a.num_dropped_late == b.num_dropped_late && a.num_failed == b.num_failed &&
            a.left_out == b.left_out && a.num_bytes_published == b.num_bytes_published &&
            a.metaframes_per_s == b.metaframes_per_s && a.bytes_per_s == b.bytes_per_s &&
-           same(a.capture_to_publish, b.capture_to_publish) && a.resident_bytes == b.resident_bytes;
+           same(a.capture_to_publish, b.capture_to_publish) &&
+           a.resident_bytes == b.resident_bytes && a.cameras == b.cameras;
 }
 
 bool same(const WorldStatus& a, const WorldStatus& b) {

@@ -218,7 +218,19 @@ TEST(FromWire, RefusesEachBadFieldOfAStatus) {
          {"left_out.dropped_l", [](auto& w) { w.left_out.dropped_l = 1e16; }},
          {"metaframes_per_s", [](auto& w) { w.metaframes_per_s = -1; }},
          {"bytes_per_s", [](auto& w) { w.bytes_per_s = kInfinity; }},
-         {"capture_to_publish", [](auto& w) { w.capture_to_publish.median_ms = kNan; }}});
+         {"capture_to_publish", [](auto& w) { w.capture_to_publish.median_ms = kNan; }},
+         {"cameras", [](auto& w) { w.cameras._length = 65; }},
+         {"cameras", [](auto& w) { w.cameras._length = 0xffffffff; }},
+         {"cameras.name", [](auto& w) { spoil_name(w.cameras._buffer[1].name, ""); }},
+         {"cameras.name", [](auto& w) { spoil_name(w.cameras._buffer[0].name, "a\nb"); }},
+         {"cameras.connected", [](auto& w) { w.cameras._buffer[1].connected = 2; }},
+         {"cameras.connected", [](auto& w) { w.cameras._buffer[0].connected = 255; }},
+         {"cameras.offset_ms", [](auto& w) { w.cameras._buffer[1].offset_ms = kNan; }},
+         {"cameras.offset_ms", [](auto& w) { w.cameras._buffer[0].offset_ms = -1e16; }},
+         {"last_picture_age", [](auto& w) { w.cameras._buffer[1].last_picture_age_ms = kNan; }},
+         {"last_picture_age", [](auto& w) { w.cameras._buffer[1].last_picture_age_ms = -0.5; }},
+         {"last_picture_age",
+          [](auto& w) { w.cameras._buffer[0].last_picture_age_ms = kInfinity; }}});
     expect_each_refused<WorldStatus>(
         random_message<WorldStatus>(random),
         {{"world", [](auto& w) { spoil_name(w.world, ""); }},

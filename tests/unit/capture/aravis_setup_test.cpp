@@ -3,6 +3,8 @@
 
 #include <arv.h>
 
+#include <array>
+
 namespace atrium::capture::test {
 namespace {
 
@@ -192,28 +194,53 @@ TEST_F(AravisSourceTest, PtpTimesOfSeveralCamerasAreOnOneClock) {
     EXPECT_LT(std::chrono::abs(Timestamp::now() - seen.back().capture_time), seconds(1));
 }
 
-TEST_F(AravisSourceTest, ShowsTheEmptyRoomOfOneCamera) {
+TEST_F(AravisSourceTest, AllCamerasShowTheEmptyRoomAtTheSameTime) {
     add_fake(fake_options(0));
-    CamerasOptions options = options_of(2);
+    add_fake(fake_options(1));
+    CamerasOptions options = options_of(3);
     options.min_cameras = 1;
-    options.num_background_frames = 12;
     options.common.pixel_format = "BayerRG8";
     const auto source = open(options, 50.0);
     ASSERT_TRUE(source) << source.error().message;
-    std::size_t num_shown = 0;
-    const auto shown = (*source)->show_background(0, [&](const image::YuvView& picture) {
-        ++num_shown;
+    EXPECT_TRUE((*source)->is_live());
+    const std::array<int, 3> wanted{12, 30, 1};
+    std::array<int, 3> num_shown{};
+    int num_of_first_when_second_began = -1;
+    const auto look = [&](std::size_t camera, const image::YuvView& picture) {
         EXPECT_EQ(picture.width(), kWidth);
         EXPECT_EQ(picture.mosaic, image::Mosaic::kRG);
-    });
-    ASSERT_TRUE(shown) << shown.error().message;
-    EXPECT_EQ(num_shown, 12u);
-    EXPECT_TRUE(wait_for_event("camera 'cam0' shows the empty room, picture 12 of 12"));
+        if (camera == 1 && num_shown[1] == 0) num_of_first_when_second_began = num_shown[0];
+        return ++num_shown[camera] < wanted[camera];
+    };
+    const auto shown = (*source)->show_background({0, 1, 2}, look, {});
+    ASSERT_EQ(shown.size(), 3u);
+    EXPECT_TRUE(shown[0]) << shown[0].error().message;
+    EXPECT_TRUE(shown[1]) << shown[1].error().message;
+    EXPECT_THAT(num_shown, testing::ElementsAre(12, 30, 0));  // each as many as were enough
+    EXPECT_LT(num_of_first_when_second_began, 12);
     EXPECT_EQ((*source)->camera_counters()[0].num_backwards, 0u);
+    ASSERT_FALSE(shown[2]);  // it is absent, which the others do not mind
+    EXPECT_EQ(shown[2].error().kind, ErrorKind::kUnavailable);
+}
 
-    const auto missing = (*source)->show_background(1, [](const auto&) { FAIL(); });
-    ASSERT_FALSE(missing);
-    EXPECT_EQ(missing.error().kind, ErrorKind::kUnavailable);
+TEST_F(AravisSourceTest, AStopEndsTheEmptyRoomAtOnce) {
+    add_fake(fake_options(0));
+    add_fake(fake_options(1));
+    const auto source = open(options_of(2));
+    ASSERT_TRUE(source) << source.error().message;
+    std::stop_source stop;
+    std::array<int, 2> num_shown{};
+    const auto end_it = [&](std::size_t camera, const image::YuvView&) {
+        ++num_shown[camera];
+        if (num_shown[0] == 3) stop.request_stop();
+        return camera == 0 || num_shown[1] < 2;
+    };
+    const auto shown = (*source)->show_background({0, 1}, end_it, stop.get_token());
+    EXPECT_EQ(num_shown[0], 3);  // no picture comes after the stop
+    ASSERT_EQ(shown.size(), 2u);
+    ASSERT_FALSE(shown[0]);
+    EXPECT_EQ(shown[0].error().kind, ErrorKind::kUnavailable);
+    EXPECT_EQ(shown[1].has_value(), num_shown[1] == 2);  // what was done before is done
 }
 
 TEST_F(AravisSourceTest, EntriesAndRigHaveToFit) {

@@ -77,7 +77,7 @@ TEST_F(FrameMailboxTest, LetsGoAtOnceOfWhatNobodyListensTo) {
     const std::weak_ptr<const void> picture = unheard.image.owner;
     EXPECT_EQ(mailbox_.put(std::move(unheard), Clock::now()), Outcome::kNobodyListens);
     EXPECT_TRUE(picture.expired());
-    mailbox_.listen_to(1);
+    mailbox_.listen_to({1});
     EXPECT_EQ(mailbox_.put(frame(0, 6), Clock::now()), Outcome::kNobodyListens);
     EXPECT_EQ(mailbox_.put(frame(1, 7), Clock::now()), Outcome::kTaken);
     mailbox_.listen_to_all();  // what was there is of another listener

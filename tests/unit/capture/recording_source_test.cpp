@@ -18,7 +18,9 @@ std::uint8_t luma(const image::RawImage& picture, int x, int y) {
     image::YuvImage buffer;
     return image::working_view(picture, buffer).y.at(x, y);
 }
+using testing::Each;
 using testing::HasSubstr;
+using testing::IsTrue;
 
 constexpr int kWidth = 64;
 constexpr int kHeight = 48;
@@ -136,6 +138,26 @@ TEST_F(RecordingOnDisk, AMissingPictureLeavesItsMetaframeIncomplete) {
     EXPECT_EQ(num_complete, 1u);
 }
 
+TEST_F(RecordingOnDisk, CountsWhatItDeliversAndWhatItCannotRead) {
+    write_sequence("a", 3);
+    write_sequence("b", 3);
+    std::ofstream(folder_ / "a" / "frames" / numbered(2)) << "not a picture";
+    auto source = RecordingSource::open({folder_});
+    ASSERT_TRUE(source);
+    ASSERT_EQ((*source)->camera_counters().size(), 2u);
+    EXPECT_FALSE((*source)->camera_counters()[0].last_picture);
+    ASSERT_TRUE((*source)->run(std::stop_token(), [](CameraFrame) {}));
+    const auto counters = (*source)->camera_counters();
+    EXPECT_EQ(counters[0].name, "a");
+    EXPECT_TRUE(counters[0].connected);
+    EXPECT_EQ(counters[0].num_received, 2u);
+    EXPECT_EQ(counters[0].num_incomplete, 1u);
+    EXPECT_EQ(counters[1].num_received, 3u);
+    EXPECT_EQ(counters[1].num_incomplete, 0u);
+    ASSERT_TRUE(counters[0].last_picture);
+    EXPECT_LE(*counters[0].last_picture, *counters[1].last_picture);
+}
+
 TEST_F(RecordingOnDisk, DeliversSilhouettesAsBinaryMasks) {
     for (const char* camera : {"a", "b"}) {
         write_sequence(camera, 1);
@@ -181,14 +203,42 @@ TEST_F(RecordingOnDisk, ShowsTheBackgroundInAnyForm) {
     write_video("b", 5, "background.avi");
     auto source = RecordingSource::open({folder_});
     ASSERT_TRUE(source);
-    std::vector<int> seen;
-    const auto remember = [&](const image::YuvView& picture) {
-        seen.push_back(picture.y.at(3, 3));
+    std::vector<std::vector<int>> seen(2);
+    std::size_t enough = 1000;
+    const auto remember = [&](std::size_t camera, const image::YuvView& picture) {
+        seen[camera].push_back(picture.y.at(3, 3));
+        return seen[camera].size() < enough;
     };
-    ASSERT_TRUE((*source)->show_background(0, remember));
-    EXPECT_THAT(seen, testing::ElementsAre(77));
-    ASSERT_TRUE((*source)->show_background(1, remember));
-    EXPECT_EQ(seen.size(), 6u);
+    EXPECT_THAT((*source)->show_background({0, 1}, remember, {}), Each(IsTrue()));
+    EXPECT_THAT(seen[0], testing::ElementsAre(77));
+    EXPECT_EQ(seen[1].size(), 5u);
+
+    seen.assign(2, {});
+    enough = 3;
+    EXPECT_THAT((*source)->show_background({1}, remember, {}), Each(IsTrue()));
+    EXPECT_EQ(seen[0].size(), 0u);
+    EXPECT_EQ(seen[1].size(), 3u);
+}
+
+TEST_F(RecordingOnDisk, AStopEndsTheBackgroundAndSaysSo) {
+    write_sequence("a", 1);
+    write_sequence("b", 1);
+    for (const char* camera : {"a", "b"}) write_video(camera, 5, "background.avi");
+    auto source = RecordingSource::open({folder_});
+    ASSERT_TRUE(source);
+    std::stop_source stop;
+    std::size_t num_seen = 0;
+    const auto end_it = [&](std::size_t, const image::YuvView&) {
+        if (++num_seen == 2) stop.request_stop();
+        return true;
+    };
+    const auto shown = (*source)->show_background({0, 1}, end_it, stop.get_token());
+    EXPECT_EQ(num_seen, 2u);
+    ASSERT_EQ(shown.size(), 2u);
+    for (const auto& result : shown) {
+        ASSERT_FALSE(result);
+        EXPECT_EQ(result.error().kind, ErrorKind::kUnavailable);
+    }
 }
 
 TEST_F(RecordingOnDisk, SaysWhatIsMissing) {
@@ -203,7 +253,8 @@ TEST_F(RecordingOnDisk, SaysWhatIsMissing) {
     write_sequence("b", 1);
     auto source = RecordingSource::open({folder_});
     ASSERT_TRUE(source);
-    const auto no_background = (*source)->show_background(0, [](const auto&) {});
+    const auto no_background =
+        (*source)->show_background({0}, [](std::size_t, const auto&) { return true; }, {})[0];
     ASSERT_FALSE(no_background);
     EXPECT_THAT(no_background.error().message, HasSubstr("background"));
     EXPECT_FALSE((*source)->read_frame(1));

@@ -32,7 +32,11 @@ public:
     explicit StillSource(config::Rig rig) : rig_(std::move(rig)) {}
     const config::Rig& rig() const override { return rig_; }
     bool has_silhouettes() const override { return true; }
-    Expected<void> show_background(std::size_t, const BackgroundSink&) override { return {}; }
+    std::vector<Expected<void>> show_background(const std::vector<std::size_t>& cameras,
+                                                const BackgroundSink&,
+                                                std::stop_token) override {
+        return std::vector<Expected<void>>(cameras.size());
+    }
     Expected<void> run(std::stop_token, const Sink&) override { return {}; }
 
 private:

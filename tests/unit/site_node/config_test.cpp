@@ -240,6 +240,7 @@ rig = "rig.toml"
 trigger = "external"
 deadline_ms = 80
 min_cameras = 2
+[segmentation]
 background_frames = 30
 [capture.cameras]
 pixel_format = "BayerRG8"
@@ -264,7 +265,7 @@ region_px = [16, 8, 640, 480]
     EXPECT_EQ(options.cameras[0].serial, "4711");
     EXPECT_EQ(options.cameras[1].address, "192.168.1.12");
     EXPECT_EQ(options.trigger, capture::TriggerMode::kExternal);
-    EXPECT_EQ(options.num_background_frames, 30u);
+    EXPECT_EQ(config->pipeline.background.num_frames, 30);
     EXPECT_EQ(options.min_cameras, 2u);
     const auto south = merged(options.common, options.cameras[1].settings);
     EXPECT_EQ(south.pixel_format, "BayerRG8");

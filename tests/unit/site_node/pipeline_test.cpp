@@ -160,14 +160,19 @@ public:
     explicit DarkSource(config::Rig rig) : rig_(std::move(rig)) {}
     const config::Rig& rig() const override { return rig_; }
     bool has_silhouettes() const override { return false; }
-    Expected<void> show_background(std::size_t camera, const BackgroundSink& sink) override {
-        if (camera == 3) return make_error(ErrorKind::kUnavailable, "no pictures came");
-        const int size = rig_.cameras[camera].intrinsics.width;
-        const image::YuvImage grey{image::Plane(size, size, 90),
-                                   image::Plane(size / 2, size / 2, 128),
-                                   image::Plane(size / 2, size / 2, 128)};
-        for (int i = 0; i < 5; ++i) sink(grey);
-        return {};
+    std::vector<Expected<void>> show_background(const std::vector<std::size_t>& cameras,
+                                                const BackgroundSink& sink,
+                                                std::stop_token stop) override {
+        const auto show = [&](std::size_t camera) -> Expected<void> {
+            if (camera == 3) return make_error(ErrorKind::kUnavailable, "no pictures came");
+            const int size = rig_.cameras[camera].intrinsics.width;
+            const image::YuvImage grey{image::Plane(size, size, 90),
+                                       image::Plane(size / 2, size / 2, 128),
+                                       image::Plane(size / 2, size / 2, 128)};
+            for (int i = 0; i < 5; ++i) sink(camera, grey);
+            return {};
+        };
+        return capture::one_after_another(cameras, show, stop);
     }
     Expected<void> run(std::stop_token, const Sink&) override { return {}; }
 

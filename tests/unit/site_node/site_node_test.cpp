@@ -114,6 +114,13 @@ TEST_F(SiteFromRecording, DropsIncompleteMetaframesByDefault) {
     const auto node = run_to_the_end();
     EXPECT_EQ(node->status().num_incomplete_used, 0u);
     EXPECT_EQ(node->status().num_dropped_incomplete, 3u);
+    const std::vector<bus::CameraStatus> cameras = node->status().cameras;
+    ASSERT_EQ(cameras.size(), 4u);
+    EXPECT_EQ(cameras[1].name, "cam1");
+    EXPECT_EQ(cameras[1].num_incomplete, 3u);
+    EXPECT_EQ(cameras[1].num_received, 5u);
+    EXPECT_EQ(cameras[0].num_received, 8u);
+    EXPECT_GE(cameras[0].last_picture_age_ms, 0.0);
     EXPECT_EQ(node->status().num_metaframes_captured, 5u);
 }
 

@@ -1,0 +1,21 @@
+#include "site_node/capture/frame_source.hpp"
+
+namespace atrium::capture {
+
+std::vector<Expected<void>> one_after_another(
+    const std::vector<std::size_t>& cameras,
+    const std::function<Expected<void>(std::size_t camera)>& show,
+    const std::stop_token& stop) {
+    std::vector<Expected<void>> results;
+    for (const std::size_t camera : cameras) {
+        const bool is_too_late = stop.stop_requested();
+        Expected<void> shown = is_too_late ? Expected<void>() : show(camera);
+        // what the stop cut short must not be taken for the whole
+        if (is_too_late || (shown && stop.stop_requested()))
+            shown = make_error(ErrorKind::kUnavailable, "stopped");
+        results.push_back(std::move(shown));
+    }
+    return results;
+}
+
+}  // namespace atrium::capture
