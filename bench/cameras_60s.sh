@@ -8,7 +8,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 bin=${1:-$root/build}/bin
 rig=$root/deploy/rigs/full_body_1mp.toml
 cmake --build "${1:-$root/build}" --target simulated_cameras cameras_client
-# times count from the first picture; the background is learned in the first five to ten seconds
+# times count from the first picture; the background is learned in the first two to five seconds
 exec "$bin/simulated_cameras" --log-level warn --rig "$rig" --rate_hz 20 --stamp --empty_seconds 8 --simulation.loop_s 1 \
     --lose cam3=1 --stop cam2@20+10 --restart cam5@45 -- \
     "$bin/cameras_client" --log-level warn --rig "$rig" --seconds 60 --outages cam2=10,cam5=0 --lossy cam3

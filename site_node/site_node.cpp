@@ -25,10 +25,6 @@ Expected<void> open(bus::Participant& participant, std::optional<bus::Writer<Mes
     return {};
 }
 
-double milliseconds(nanoseconds duration) {
-    return std::chrono::duration<double, std::milli>(duration).count();
-}
-
 bus::LatencySummary summary(const Quantiles& q) { return {q.median_ms, q.p99_ms, q.num_samples}; }
 
 // What the configuration says that may be meant otherwise, or does not fit this rig.
@@ -59,16 +55,6 @@ Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
             "hull.partial_views without hull.min_views: what no camera sees counts as somebody's");
     }
     return {};
-}
-
-// What the cameras' clocks, cables and sensors have in common with each trigger.
-void tell_offsets(const config::Rig& rig, const capture::CameraOffsets& offsets) {
-    std::string line;
-    for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
-        const double offset_ms = milliseconds(offsets.offset(i));
-        line += fmt::format(" {}={:+.3f}", rig.cameras[i].name, offset_ms);
-    }
-    app::log::info("camera offsets in ms{}", line);
 }
 
 std::jthread named_thread(const char* name, std::function<void(std::stop_token)> body) {
@@ -136,7 +122,7 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
       pipeline_(std::move(pipeline)),
       writers_(std::move(writers)),
       pool_(static_cast<std::size_t>(config.threads)),
-      offsets_ns_(source_->rig().cameras.size()) {
+      offsets_(source_->rig(), source_->is_live()) {
     if (config_.preview.empty()) return;
     std::vector<std::string> names;
     for (const auto& camera : source_->rig().cameras) names.push_back(camera.name);
@@ -202,15 +188,14 @@ void SiteNode::capture_metaframes(std::stop_token stop) {
     const auto take = [&](std::optional<capture::Metaframe> metaframe) {
         num_incomplete_ = assembler.counters().num_incomplete;
         num_incomplete_used_ = assembler.counters().num_incomplete_used;
-        for (std::size_t i = 0; i < offsets_ns_.size(); ++i)
-            offsets_ns_[i] = assembler.offsets().offset(i).count();
+        offsets_.update(assembler.offsets(), options.tolerance);
         if (metaframe) hand_over(std::move(*metaframe));
     };
     const auto result = source_->run(stop, [&](capture::CameraFrame frame) {
         take(assembler.add(std::move(frame), std::chrono::steady_clock::now()));
     });
     if (!stop.stop_requested()) take(assembler.finish());
-    if (source_->is_live()) tell_offsets(source_->rig(), assembler.offsets());
+    if (source_->is_live()) app::log::info("camera offsets in ms {}", offsets_.line());
     finish(result);
 }
 
@@ -366,29 +351,8 @@ bus::SiteStatus SiteNode::status() const {
         status.capture_to_publish = summary(capture_to_publish_.quantiles());
     }
     status.resident_bytes = app::resident_bytes();
-    status.cameras = camera_statuses();
+    status.cameras = camera_statuses(source_->camera_counters(), offsets_);
     return status;
-}
-
-std::vector<bus::CameraStatus> SiteNode::camera_statuses() const {
-    std::vector<bus::CameraStatus> cameras;
-    const auto now = std::chrono::steady_clock::now();
-    for (const capture::CameraCounters& counted : source_->camera_counters()) {
-        bus::CameraStatus& camera = cameras.emplace_back();
-        camera.name = counted.name;
-        camera.connected = counted.connected;
-        camera.num_received = counted.num_received;
-        camera.num_incomplete = counted.num_incomplete;
-        camera.num_resent = counted.num_resent;
-        camera.num_late = counted.num_late;
-        camera.num_dropped = counted.num_dropped;
-        camera.num_backwards = counted.num_backwards;
-        camera.num_reconnects = counted.num_reconnects;
-        camera.offset_ms = static_cast<double>(offsets_ns_[cameras.size() - 1]) * 1e-6;
-        if (counted.last_picture)  // it may have come since `now`
-            camera.last_picture_age_ms = std::max(milliseconds(now - *counted.last_picture), 0.0);
-    }
-    return cameras;
 }
 
 }  // namespace atrium::site_node

@@ -6,6 +6,7 @@
 #include "core/base/statistics.hpp"
 #include "core/base/thread_pool.hpp"
 #include "core/bus/bus.hpp"
+#include "site_node/camera_status.hpp"
 #include "site_node/capture/metaframe_assembler.hpp"
 #include "site_node/config.hpp"
 #include "site_node/preview/preview.hpp"
@@ -59,7 +60,6 @@ private:
     void publish_frames(std::stop_token stop);
     void report_status(std::stop_token stop);
     Expected<std::size_t> publish(const SiteFrame& frame);
-    std::vector<bus::CameraStatus> camera_statuses() const;
     void finish(const Expected<void>& result);
 
     SiteNodeConfig config_;
@@ -80,7 +80,7 @@ private:
     std::atomic<std::uint64_t> num_failed_{0};
     std::atomic<std::uint64_t> num_published_{0};
     std::atomic<std::uint64_t> num_bytes_{0};
-    std::vector<std::atomic<std::int64_t>> offsets_ns_;  // per camera, as learned
+    OffsetBoard offsets_;
     mutable std::mutex left_out_mutex_;
     bus::LeftOutTotals left_out_;
     mutable std::mutex latency_mutex_;

@@ -140,7 +140,7 @@ TriggerNumbers::Trigger TriggerNumbers::software(std::size_t camera,
     if (has_taken_part || now_us - current_.time_us > period_us / 2)
         current_ = {current_.number + 1, now_us};
     last_[camera] = current_.number;
-    return current_;
+    return {static_cast<std::uint32_t>(now_us / 1000), current_.time_us};
 }
 
 }  // namespace atrium::simulated_cameras

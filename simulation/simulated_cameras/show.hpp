@@ -77,14 +77,15 @@ private:
 ///
 /// A free-running camera is triggered at each multiple of its period, so its number is that of the
 /// period, whichever camera asks and however late. Software triggers reach the cameras one after
-/// another: those of different cameras within half a period are one trigger.
+/// another, and nobody tells whose are one: those of different cameras within half a period show
+/// the same, and the number is the time at which this camera was triggered, in ms.
 class TriggerNumbers {
 public:
     explicit TriggerNumbers(std::size_t num_cameras) : last_(num_cameras) {}
 
     struct Trigger {
         std::uint32_t number = 0;
-        std::int64_t time_us = 0;  // the same for all cameras of this trigger
+        std::int64_t time_us = 0;  // of what is shown, the same for all cameras of this trigger
     };
     static Trigger free_running(std::int64_t now_us, std::int64_t period_us);
     Trigger software(std::size_t camera, std::int64_t now_us, std::int64_t period_us);

@@ -1,5 +1,7 @@
 #include "site_node/capture/aravis_camera.hpp"
 
+#include "site_node/capture/aravis_camera_session.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,11 +14,12 @@ using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 using Clock = std::chrono::steady_clock;
 
-constexpr milliseconds kAnswerTime{200};
 constexpr milliseconds kFirstPause{100};  // between two attempts to connect; doubles
 constexpr milliseconds kLongestPause{1000};
 constexpr milliseconds kLeastSilence{500};  // that can be a fault
 constexpr std::chrono::seconds kPtpCheckPeriod{1};
+constexpr milliseconds kStall{100};  // longer than a thread waits for the processor as a rule
+constexpr int kLeastUnanswered = 5;  // triggers, before silence is a fault
 // In use besides those that wait for a metaframe to be complete: one lacks packets, one is
 // received, one is next, one is in the mailbox, one waits for the pipeline and one is in it.
 constexpr int kBuffersInFlight = 6;
@@ -39,31 +42,6 @@ CameraCommons::CameraCommons(const CamerasOptions& camera_options,
       tell(std::move(sink)),
       mailbox(num_cameras, camera_options.deadline + 2 * period()) {}
 
-// A camera while it is connected.
-struct AravisCamera::Session {
-    FoundCamera found;
-    CameraFormat format;
-    std::uint64_t number = 0;
-    GPtr<ArvCamera> camera;
-    gulong lost_handler = 0;
-    std::unique_ptr<AravisStream> stream;
-    bool is_untriggered = false;  // as was told
-
-    Session() = default;
-    Session(const Session&) = delete;
-    Session& operator=(const Session&) = delete;
-    ~Session() {
-        if (lost_handler != 0)
-            g_signal_handler_disconnect(arv_camera_get_device(camera.get()), lost_handler);
-        stream.reset();  // before its camera
-    }
-
-    bool answers() const {
-        return found.protocol != "GigEVision" ||
-               ask_gige_camera(found.address, kAnswerTime).has_value();
-    }
-};
-
 AravisCamera::AravisCamera(std::size_t index,
                            const CameraEntry& entry,
                            const geometry::PinholeCamera& intrinsics,
@@ -76,6 +54,7 @@ AravisCamera::AravisCamera(std::size_t index,
                intrinsics.width,
                intrinsics.height},
       commons_(commons),
+      trigger_clock_(commons.period()),
       keeper_([this](std::stop_token stop) { keep(stop); }) {}
 
 AravisCamera::~AravisCamera() = default;
@@ -100,14 +79,6 @@ Expected<void> AravisCamera::wait_for_first_attempt(std::stop_token stop) {
     return *first_result_;
 }
 
-void AravisCamera::fire() {
-    {
-        const std::lock_guard lock(wake_->mutex);
-        wake_->fire = true;
-    }
-    wake_->changed.notify_one();
-}
-
 // The thread of this camera: connects, serves until the camera is lost, and starts over.
 void AravisCamera::keep(std::stop_token stop) {
     pthread_setname_np(pthread_self(), fmt::format("cam {:.11}", entry_.name).c_str());
@@ -116,7 +87,7 @@ void AravisCamera::keep(std::stop_token stop) {
     bool was_connected = false;
     auto lost_at = Clock::now();
     while (!stop.stop_requested()) {
-        auto session = connect();
+        auto session = connect(stop);
         if (!session) {
             finish_first_attempt(tl::unexpected(session.error()));
             if (session.error().message != last_problem)
@@ -144,7 +115,7 @@ void AravisCamera::keep(std::stop_token stop) {
     }
 }
 
-Expected<std::unique_ptr<AravisCamera::Session>> AravisCamera::connect() {
+Expected<std::unique_ptr<AravisCamera::Session>> AravisCamera::connect(std::stop_token stop) {
     auto session = std::make_unique<Session>();
     auto found = commons_.finder.find(entry_.serial, entry_.address);
     if (!found) return tl::unexpected(found.error());
@@ -167,6 +138,7 @@ Expected<std::unique_ptr<AravisCamera::Session>> AravisCamera::connect() {
     clock_ = {};
     guard_ = {};
     follows_ptp_ = false;
+    if (is_triggered_by_site()) trigger_clock_.start_measuring();
     const CamerasOptions& options = commons_.options;
     auto stream = AravisStream::create(*session->camera,
                                        session->format,
@@ -184,7 +156,9 @@ Expected<std::unique_ptr<AravisCamera::Session>> AravisCamera::connect() {
         return make_error(ErrorKind::kUnavailable,
                           fmt::format("it does not start to send: {}", error.message()));
     }
+    if (is_triggered_by_site()) measure_delay(*session, stop);
     note_sign_of_life();
+    is_trigger_refused_ = false;
     is_connected_ = true;
     const std::lock_guard lock(session_mutex_);
     stream_ = session->stream.get();
@@ -216,44 +190,50 @@ void AravisCamera::watch_control(Session& session) {
 }
 
 void AravisCamera::say_connected(const Session& session, bool again) {
+    const auto delay = trigger_clock_.delay();
     tell(false,
-         fmt::format("connected vendor=\"{}\" model=\"{}\" serial={} address={} size={}x{} "
-                     "format={} packet_bytes={}",
-                     session.found.vendor,
-                     session.found.model,
-                     session.found.serial,
-                     session.found.address,
-                     session.format.width,
-                     session.format.height,
-                     arv_camera_get_pixel_format_as_string(session.camera.get(), nullptr),
-                     session.format.packet_bytes));
+         fmt::format(
+             "connected vendor=\"{}\" model=\"{}\" serial={} address={} size={}x{} "
+             "format={} packet_bytes={}{}",
+             session.found.vendor,
+             session.found.model,
+             session.found.serial,
+             session.found.address,
+             session.format.width,
+             session.format.height,
+             arv_camera_get_pixel_format_as_string(session.camera.get(), nullptr),
+             session.format.packet_bytes,
+             delay ? fmt::format(" delay_ms={:.1f}", static_cast<double>(delay->count()) * 1e-6)
+                   : std::string()));
     if (again || commons_.options.realtime_priority <= 0 || session.stream->is_realtime()) return;
     tell(false, "is received without realtime priority, which is not permitted here");
 }
 
+nanoseconds AravisCamera::silence() const {
+    return std::max<nanoseconds>(commons_.options.silent_periods * commons_.period(),
+                                 kLeastSilence);
+}
+
 // Fires, and watches over the camera, until it is lost or the stop comes.
 AravisCamera::End AravisCamera::serve(Session& session, std::stop_token stop) {
-    const nanoseconds silence =
-        std::max<nanoseconds>(commons_.options.silent_periods * commons_.period(), kLeastSilence);
+    const nanoseconds silence = this->silence();
     auto next_check = Clock::now() + silence;
     auto next_ptp_check = Clock::now();
     while (true) {
-        bool fire = false;
+        std::optional<Clock::time_point> due;
         {
             const auto until =
                 session.format.has_ptp ? std::min(next_check, next_ptp_check) : next_check;
             std::unique_lock lock(wake_->mutex);
             wake_->changed.wait_until(lock, stop, until, [&] {
-                return wake_->fire || wake_->lost_session == session.number;
+                return wake_->due || wake_->lost_session == session.number;
             });
             if (stop.stop_requested()) return End::kStopped;
             if (wake_->lost_session == session.number) return End::kLost;
-            fire = std::exchange(wake_->fire, false);
+            due = std::exchange(wake_->due, std::nullopt);
         }
-        if (fire && request_.trigger == TriggerMode::kSoftware) {
-            GErrorSlot error;  // a camera that does not take it will be silent
-            arv_camera_software_trigger(session.camera.get(), error.out());
-        }
+        if (due) trigger(session, *due);
+        if (trigger_clock_.is_astray()) measure_delay(session, stop);
         const auto now = Clock::now();
         if (session.format.has_ptp && now >= next_ptp_check) {
             follows_ptp_ = is_ptp_locked(*session.camera);
@@ -261,9 +241,20 @@ AravisCamera::End AravisCamera::serve(Session& session, std::stop_token stop) {
         }
         if (now < next_check) continue;
         const nanoseconds quiet(silence_ns());
-        if (quiet >= silence && is_silent_for_good(session)) return End::kSilent;
-        next_check = Clock::now() + (quiet >= silence ? silence : silence - quiet);
+        const bool is_quiet = quiet >= silence && may_be_judged(now - next_check);
+        if (is_quiet && is_silent_for_good(session)) return End::kSilent;
+        next_check = Clock::now() + (is_quiet           ? silence
+                                     : quiet >= silence ? silence / 2
+                                                        : silence - quiet);
     }
+}
+
+// Where this thread had to wait for the processor, the one that receives may have had to, and
+// where triggers were left out no pictures are missing.
+bool AravisCamera::may_be_judged(nanoseconds late) const {
+    if (is_trigger_refused_) return true;
+    if (is_triggered_by_site() && num_unanswered_ < kLeastUnanswered) return false;
+    return late < kStall;
 }
 
 // Where the trigger is not ours it may just pause: then all cameras are silent.

@@ -6,6 +6,7 @@
 #include "site_node/capture/camera_clock.hpp"
 #include "site_node/capture/camera_counters.hpp"
 #include "site_node/capture/frame_mailbox.hpp"
+#include "site_node/capture/trigger_clock.hpp"
 
 #include <condition_variable>
 #include <functional>
@@ -30,6 +31,8 @@ struct CameraCommons {
     std::mutex ptp_mutex;
     CameraClock ptp_clock;                         // one for all that follow the same master
     std::atomic<std::int64_t> last_picture_ns{0};  // of any camera, steady clock
+    std::atomic<std::int64_t> least_delay_ns{
+        std::numeric_limits<std::int64_t>::max()};  // of all cameras that the site triggers
 
     CameraCommons(const CamerasOptions& camera_options,
                   std::size_t num_cameras,
@@ -57,12 +60,15 @@ public:
 
     void request_stop() { keeper_.request_stop(); }
 
-    /// Asks for one picture, where the trigger is ours. Never waits.
-    void fire();
+    /// Asks for one picture, where the trigger is ours: of the beat that is due at `due`. Never
+    /// waits.
+    void fire(std::chrono::steady_clock::time_point due);
 
     /// Thread-safe.
     CameraCounters counters() const;
     bool is_connected() const { return is_connected_; }
+    /// False also where it has not answered its last trigger for so long that it will be lost.
+    bool is_delivering() const { return is_connected_ && mute_time() < silence(); }
     void count_too_old(std::uint64_t num_pictures) { num_late_ += num_pictures; }
 
     const std::string& name() const { return entry_.name; }
@@ -73,25 +79,33 @@ private:
     struct Wake {
         std::mutex mutex;
         std::condition_variable_any changed;
-        bool fire = false;
-        std::uint64_t lost_session = 0;  // control of this one was lost
+        std::optional<std::chrono::steady_clock::time_point> due;  // of the beat to be followed
+        std::uint64_t lost_session = 0;                            // control of this one was lost
     };
     enum class End { kStopped, kLost, kSilent };
 
     void keep(std::stop_token stop);
-    Expected<std::unique_ptr<Session>> connect();
+    Expected<std::unique_ptr<Session>> connect(std::stop_token stop);
     void watch_control(Session& session);
     End serve(Session& session, std::stop_token stop);
+    void trigger(Session& session, std::chrono::steady_clock::time_point due);
+    void measure_delay(Session& session, std::stop_token stop);
+    void tell_if_behind(std::chrono::nanoseconds delay);
     bool is_silent_for_good(Session& session);
     void close(std::unique_ptr<Session> session, End end);
     void say_connected(const Session& session, bool again);
     void finish_first_attempt(Expected<void> result);
     void tell(bool is_warning, const std::string& text) const;
+    static std::int64_t now_ns();  // steady clock
     std::int64_t silence_ns() const;
+    std::chrono::nanoseconds silence() const;    // that is a fault
+    std::chrono::nanoseconds mute_time() const;  // since a trigger that was not answered yet
+    bool may_be_judged(std::chrono::nanoseconds late) const;
 
     void on_picture(StreamPicture picture) override;
     void on_incomplete(std::uint64_t device_ns, Timestamp arrival) override;
-    Timestamp capture_time(std::uint64_t device_ns, Timestamp arrival);
+    Timestamp time_on_site_clock(std::uint64_t device_ns, Timestamp arrival);
+    bool is_triggered_by_site() const { return request_.trigger == TriggerMode::kSoftware; }
     void on_superseded() override { ++num_late_; }
     void note_sign_of_life();
 
@@ -101,6 +115,14 @@ private:
     CameraCommons& commons_;
     std::shared_ptr<Wake> wake_ = std::make_shared<Wake>();
     std::uint64_t session_number_ = 0;
+
+    TriggerClock trigger_clock_;
+    bool is_trigger_refused_ = false;        // the last one
+    std::atomic<int> num_unanswered_{0};     // triggers since the last sign of life
+    std::atomic<std::int64_t> asked_ns_{0};  // the trigger that is being sent; 0: none is
+    bool is_told_mute_ = false;              // of the thread that calls `fire`
+    bool is_told_behind_ = false;
+    bool is_told_unmeasured_ = false;
 
     // of the receiving thread of the present session
     CameraClock clock_;

@@ -6,18 +6,21 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-std::int64_t now_ns() {
+}  // namespace
+
+std::int64_t AravisCamera::now_ns() {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch())
         .count();
 }
 
-}  // namespace
-
 std::int64_t AravisCamera::silence_ns() const { return now_ns() - last_sign_ns_; }
 
-void AravisCamera::note_sign_of_life() { last_sign_ns_ = now_ns(); }
+void AravisCamera::note_sign_of_life() {
+    last_sign_ns_ = now_ns();
+    num_unanswered_ = 0;
+}
 
-Timestamp AravisCamera::capture_time(std::uint64_t device_ns, Timestamp arrival) {
+Timestamp AravisCamera::time_on_site_clock(std::uint64_t device_ns, Timestamp arrival) {
     const Timestamp own = clock_.on_site_clock(device_ns, arrival);
     if (!follows_ptp_) return own;
     const std::lock_guard lock(commons_.ptp_mutex);
@@ -29,9 +32,12 @@ void AravisCamera::on_incomplete(std::uint64_t device_ns, Timestamp arrival) {
     ++num_incomplete_;
     if (!guard_.is_newer(device_ns != 0 ? device_ns : static_cast<std::uint64_t>(arrival.ns)))
         return;
+    const Timestamp time = time_on_site_clock(device_ns, arrival);
+    const auto taken = is_triggered_by_site() ? trigger_clock_.on_lost_picture(time) : time;
+    if (!taken) return;
     CameraFrame lost;
     lost.camera = index_;
-    lost.capture_time = capture_time(device_ns, arrival);
+    lost.capture_time = *taken;
     commons_.mailbox.put(std::move(lost), Clock::now());
 }
 
@@ -45,10 +51,16 @@ void AravisCamera::on_picture(StreamPicture picture) {
         ++num_backwards_;
         return;
     }
+    const Timestamp time = time_on_site_clock(picture.device_ns, picture.arrival);
+    const auto taken = is_triggered_by_site() ? trigger_clock_.on_picture(time) : time;
+    if (!taken) {
+        if (is_connected_) ++num_late_;  // else it was taken to measure
+        return;
+    }
     CameraFrame frame;
     frame.camera = index_;
     frame.image = std::move(picture.image);
-    frame.capture_time = capture_time(picture.device_ns, picture.arrival);
+    frame.capture_time = *taken;
     const auto outcome = commons_.mailbox.put(std::move(frame), Clock::now());
     if (outcome == FrameMailbox::Outcome::kReplacedOne) ++num_late_;
 }

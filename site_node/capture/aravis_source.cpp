@@ -83,7 +83,9 @@ struct AravisSource::Cameras {
         pthread_setname_np(pthread_self(), "trigger");
         Pace pace(commons.period());
         while (pace.wait(stop)) {
-            for (const auto& camera : cameras) camera->fire();
+            // a beat that is late would be mistaken for the next one
+            if (Pace::Clock::now() - pace.due() > commons.period() / 4) continue;
+            for (const auto& camera : cameras) camera->fire(pace.due());
         }
     }
 
@@ -169,10 +171,10 @@ Expected<void> AravisSource::run(std::stop_token stop, const Sink& sink) {
     return {};
 }
 
-// Nobody needs to wait for a camera that is not connected.
+// Nobody needs to wait for a camera that is not connected, or no longer answers.
 void AravisSource::tell_absent(Timestamp time, const Sink& sink) {
     for (std::size_t i = 0; i < cameras_->cameras.size(); ++i) {
-        if (cameras_->cameras[i]->is_connected()) continue;
+        if (cameras_->cameras[i]->is_delivering()) continue;
         CameraFrame lost;
         lost.camera = i;
         lost.capture_time = time;

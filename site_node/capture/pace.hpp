@@ -29,6 +29,9 @@ public:
         return !stop.stop_requested();
     }
 
+    /// When the last tick was due.
+    Clock::time_point due() const { return next_; }
+
 private:
     std::chrono::nanoseconds period_;
     bool started_ = false;

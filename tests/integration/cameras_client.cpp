@@ -39,6 +39,7 @@ struct ClientConfig {
     int min_cameras = 6;
     int num_background_frames = 12;
     int threads = 1;
+    int deadline_ms = 50;
     std::string outages;
     std::string lossy;
 };
@@ -52,6 +53,7 @@ void declare(ClientConfig& config, config::OptionSet& set) {
     set.add("min_cameras", config.min_cameras, "enough for a hull", {2, 64});
     set.add("num_background_frames", config.num_background_frames, "to learn from", {2, 1000});
     set.add("threads", config.threads, "workers for segmentation and hull", {1, 64});
+    set.add("deadline_ms", config.deadline_ms, "of a metaframe [ms]", {1, 10000});
     set.add("outages", config.outages, "cameras that go, and for how long [s]: CAMERA=SECONDS,...");
     set.add("lossy", config.lossy, "a camera that must have incomplete pictures");
 }
@@ -121,7 +123,7 @@ capture::CamerasOptions cameras_options(const ClientConfig& config, const config
     options.common.pixel_format = config.pixel_format;
     options.trigger = config.trigger == "software" ? capture::TriggerMode::kSoftware
                                                    : capture::TriggerMode::kFreeRun;
-    options.deadline = std::chrono::milliseconds(50);
+    options.deadline = std::chrono::milliseconds(config.deadline_ms);
     return options;
 }
 
@@ -139,8 +141,11 @@ void print(const ClientConfig& config,
                config.rate_hz,
                config.trigger,
                config.seconds);
-    fmt::print("triggers     {} from the first to the last metaframe\n",
-               watch.first_trigger ? *watch.last_trigger - *watch.first_trigger + 1 : 0);
+    const double stamps_per_trigger = config.trigger == "software" ? 1000.0 / config.rate_hz : 1.0;
+    fmt::print("triggers     {:.0f} from the first to the last metaframe\n",
+               watch.first_trigger
+                   ? (*watch.last_trigger - *watch.first_trigger) / stamps_per_trigger + 1.0
+                   : 0.0);
     fmt::print(
         "metaframes   {} complete, {} used without all cameras, {} dropped, {} stray pictures\n",
         counters.num_complete,
@@ -253,10 +258,13 @@ Expected<int> run(const ClientConfig& config, std::stop_token stop) {
     capture::AssemblerOptions options;
     options.tolerance =
         std::chrono::nanoseconds(static_cast<std::int64_t>(0.25e9 / config.rate_hz));
-    options.deadline = std::chrono::milliseconds(50);
+    options.deadline = std::chrono::milliseconds(config.deadline_ms);
     options.min_cameras = static_cast<std::size_t>(config.min_cameras);
     capture::MetaframeAssembler assembler(rig->cameras.size(), options);
-    Watch watch(rig->cameras.size());
+    // software triggers are stamped with their time in ms
+    const bool is_ours = config.trigger == "software";
+    Watch watch(rig->cameras.size(),
+                is_ours ? static_cast<std::uint32_t>(500.0 / config.rate_hz) : 0);
     Output output;
     LatestSlot<capture::Metaframe> metaframes;
     Expected<void> ran;

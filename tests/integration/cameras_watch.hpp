@@ -29,7 +29,13 @@ struct Presence {
 
 // The capture thread's view: what the stamps say.
 struct Watch {
-    explicit Watch(std::size_t num_cameras) : cameras(num_cameras) {}
+    /// Stamps of one trigger differ by `max_apart` at most.
+    Watch(std::size_t num_cameras, std::uint32_t max_apart)
+        : cameras(num_cameras), max_stamps_apart(max_apart) {}
+
+    bool are_of_one_trigger(std::uint32_t a, std::uint32_t b) const {
+        return std::min(a - b, b - a) <= max_stamps_apart;
+    }
 
     void look_at(const capture::Metaframe& metaframe) {
         const auto now = Clock::now();
@@ -47,8 +53,8 @@ struct Watch {
                 continue;
             }
             if (stamp->camera != frame.camera) ++num_wrong_camera;
-            if (trigger && *trigger != stamp->trigger) is_mixed = true;
-            trigger = stamp->trigger;
+            if (!trigger) trigger = stamp->trigger;
+            if (!are_of_one_trigger(*trigger, stamp->trigger)) is_mixed = true;
             Presence& camera = cameras[frame.camera];
             ++camera.num_seen;
             camera.longest_absence_s =
@@ -89,6 +95,7 @@ struct Watch {
     }
 
     std::vector<Presence> cameras;
+    std::uint32_t max_stamps_apart;
     std::uint64_t num_metaframes = 0;
     std::uint64_t num_mixed = 0;
     std::uint64_t num_unreadable = 0;
