@@ -169,6 +169,15 @@ private:
     void fill(atrium_SiteStatus& w) {
         raw(w);
         name(w.site);
+        w.cameras = {};
+        auto* cameras = elements(w.cameras, below(6));
+        for (std::uint32_t i = 0; i < w.cameras._length; ++i) {
+            raw(cameras[i]);
+            name(cameras[i].name);
+            if (chance(70)) cameras[i].connected = static_cast<std::uint8_t>(below(2));
+            number(cameras[i].offset_ms);
+            number(cameras[i].last_picture_age_ms);
+        }
     }
     void fill(atrium_WorldStatus& w) {
         raw(w);
