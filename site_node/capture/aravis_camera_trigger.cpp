@@ -53,7 +53,7 @@ void AravisCamera::trigger(Session& session, Clock::time_point due) {
 void AravisCamera::measure_delay(Session& session, std::stop_token stop) {
     constexpr int kShots = 3;
     constexpr int kMostShots = 10;
-    constexpr int kMostSilent = 2;  // that no picture came of
+    constexpr int kMostSilent = 4;  // that no picture came of
     std::optional<nanoseconds> delay;
     trigger_clock_.start_measuring();
     for (int quick = 0, shots = 0, silent = 0;
@@ -63,6 +63,7 @@ void AravisCamera::measure_delay(Session& session, std::stop_token stop) {
         const Timestamp sent = Timestamp::now();
         GErrorSlot error;
         arv_camera_software_trigger(session.camera.get(), error.out());
+        if (error.failed()) break;  // it does not answer at all
         const nanoseconds asked_for = Timestamp::now() - sent;
         const auto seen = trigger_clock_.wait_for_picture(stop, silence());
         if (!seen) {
@@ -70,8 +71,8 @@ void AravisCamera::measure_delay(Session& session, std::stop_token stop) {
             continue;
         }
         // one that was acknowledged late makes the delay too long at worst, which is mended later
-        if (!error.failed()) delay = std::min(delay.value_or(nanoseconds::max()), *seen - sent);
-        if (!error.failed() && asked_for < commons_.period() / 8) ++quick;
+        delay = std::min(delay.value_or(nanoseconds::max()), *seen - sent);
+        if (asked_for < commons_.period() / 8) ++quick;
     }
     trigger_clock_.finish_measuring(delay);
     if (delay) {
