@@ -145,8 +145,12 @@ void raw_to_mask(benchmark::State& state) {
     require(learner.add(view(pictures(image::Mask(1000, 1000)))));
     segmentation::Segmenter segmenter(learner.finish().value(), {});
     const std::vector<std::uint8_t> bytes = pictures(rough_person());
+    raw.planes[0].data = bytes.data();
     image::Mask out;
-    for (auto _ : state) require(segmenter.segment(view(bytes), out));
+    for (auto _ : state) {
+        image::WorkingPicture picture(raw, buffer);
+        require(segmenter.segment(picture, out));
+    }
 }
 BENCHMARK(raw_to_mask)
     ->ArgName("format")

@@ -81,8 +81,8 @@ Result atrium_mask(const SegmentationScene& scene) {
     image::Mask mask;
     Result result;
     const auto segment = [&](const cv::Mat& bgr) {
-        const image::YuvView view = image::working_view(raw(bgr), buffer);
-        require(segmenter.segment(view, mask));
+        image::WorkingPicture picture(raw(bgr), buffer);
+        require(segmenter.segment(picture, mask));
     };
     for (const cv::Mat& bgr : scene.empty_later) {
         segment(bgr);

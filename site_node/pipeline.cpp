@@ -96,11 +96,13 @@ std::vector<std::string> Pipeline::cameras_without_background() const {
 Expected<void> Pipeline::find_silhouette(const capture::CameraFrame& frame, CameraStage& stage) {
     const geometry::CalibratedCamera& camera = cameras_[frame.camera];
     const auto begin = Clock::now();
-    stage.picture = image::working_view(frame.image, stage.picture_buffer);
+    image::WorkingPicture picture(frame.image, stage.picture_buffer);
+    stage.picture = picture.view();
     if (frame.silhouette != nullptr) {
+        picture.make_all();
         stage.mask = *frame.silhouette;
     } else {
-        auto segmented = stage.segmenter.segment(stage.picture, stage.mask);
+        auto segmented = stage.segmenter.segment(picture, stage.mask);
         if (!segmented) return segmented;
     }
     const auto segmented_at = Clock::now();

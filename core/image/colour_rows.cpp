@@ -10,21 +10,23 @@
 namespace atrium::image {
 namespace {
 
-// BT.601: luma in 1/65536, chroma in 1/32768; each row of the matrix sums to one, or to nothing.
-constexpr std::uint16_t kYR = 19595, kYG = 38470, kYB = 7471;
+// BT.601. Luma in 1/184: of all denominators that leave sums of bytes within 16 bits this one meets
+// the matrix best, to 0.0002. 1/184 is 356/65536 and a little less, which the rounding makes up
+// for.
+constexpr int kYR = 55, kYG = 108, kYB = 21;
+constexpr int kYHalf = 103;
+constexpr int kYInverse = 356;
+// Chroma in 1/32768. Each row of the matrix sums to nothing.
 constexpr std::int16_t kUB = 16384, kUR = -5529, kUG = -(kUB + kUR);
 constexpr std::int16_t kVR = 16384, kVB = -2665, kVG = -(kVR + kVB);
 // Chroma is made from 1/128 of grey levels, which is all that 16 bits hold.
 constexpr int kHalfLevel = 64;
-// Luma from 1/256, cut off three times: a half, and one and a half for that.
-constexpr int kHalfLuma = 129;
 
 // Rounded product with a factor in 1/32768.
 int scaled(int value, int factor) { return (value * factor + (1 << 14)) >> 15; }
 
 std::uint8_t luma(int b, int g, int r) {
-    return static_cast<std::uint8_t>(
-        (((b * kYB) >> 8) + ((g * kYG) >> 8) + ((r * kYR) >> 8) + kHalfLuma) >> 8);
+    return static_cast<std::uint8_t>(((b * kYB + g * kYG + r * kYR + kYHalf) * kYInverse) >> 16);
 }
 
 // Blue, green, red in 1/128.
@@ -73,34 +75,20 @@ struct Colours {
     __m256i b, g, r;
 };
 
-ATRIUM_AVX2 inline __m256i sum_of(__m256i a, __m256i b, __m256i c) {
-    return _mm256_add_epi16(_mm256_add_epi16(a, b),
-                            _mm256_add_epi16(c, _mm256_set1_epi16(kHalfLevel)));
+// Chroma in 1/128, 128 grey levels up: never negative, so it may take all 16 bits.
+ATRIUM_AVX2 inline __m256i grey_levels(__m256i a, __m256i b, __m256i c) {
+    const __m256i shift = _mm256_set1_epi16((128 << 7) + kHalfLevel);
+    const __m256i sum = _mm256_add_epi16(_mm256_add_epi16(a, b), _mm256_add_epi16(c, shift));
+    return _mm256_srli_epi16(sum, 7);
 }
 
-// Of bytes in the upper halves of words.
-ATRIUM_AVX2 inline __m256i luma(const Colours& c) {
-    const __m256i b = _mm256_mulhi_epu16(c.b, _mm256_set1_epi16(static_cast<short>(kYB)));
-    const __m256i g = _mm256_mulhi_epu16(c.g, _mm256_set1_epi16(static_cast<short>(kYG)));
-    const __m256i r = _mm256_mulhi_epu16(c.r, _mm256_set1_epi16(static_cast<short>(kYR)));
-    const __m256i sum =
-        _mm256_add_epi16(_mm256_add_epi16(b, g), _mm256_add_epi16(r, _mm256_set1_epi16(kHalfLuma)));
-    return _mm256_srli_epi16(sum, 8);
-}
-
-// 16 values of one kind; the saturating pack does what std::min does.
-ATRIUM_AVX2 inline void store_bytes(__m256i words, std::uint8_t* out) {
-    const __m256i packed = _mm256_packus_epi16(words, words);
-    _mm_storeu_si128(reinterpret_cast<__m128i*>(out),
-                     _mm256_castsi256_si128(_mm256_permute4x64_epi64(packed, 0x08)));
-}
-
+// The saturating pack does what std::min does.
 ATRIUM_AVX2 inline void store_chroma(const Colours& c, std::uint8_t* u, std::uint8_t* v) {
-    const __m256i middle = _mm256_set1_epi16(128);
-    const __m256i cb = sum_of(times(c.b, kUB), times(c.g, kUG), times(c.r, kUR));
-    const __m256i cr = sum_of(times(c.r, kVR), times(c.g, kVG), times(c.b, kVB));
-    store_bytes(_mm256_add_epi16(_mm256_srai_epi16(cb, 7), middle), u);
-    store_bytes(_mm256_add_epi16(_mm256_srai_epi16(cr, 7), middle), v);
+    const __m256i cb = grey_levels(times(c.b, kUB), times(c.g, kUG), times(c.r, kUR));
+    const __m256i cr = grey_levels(times(c.r, kVR), times(c.g, kVG), times(c.b, kVB));
+    const __m256i both = _mm256_permute4x64_epi64(_mm256_packus_epi16(cb, cr), 0xd8);
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(u), _mm256_castsi256_si128(both));
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(v), _mm256_extracti128_si256(both, 1));
 }
 
 ATRIUM_AVX2 inline __m256i load_halves(const std::uint8_t* low, const std::uint8_t* high) {
@@ -110,79 +98,86 @@ ATRIUM_AVX2 inline __m256i load_halves(const std::uint8_t* low, const std::uint8
         1);
 }
 
-ATRIUM_AVX2 inline __m256i both_halves(__m128i half) { return _mm256_broadcastsi128_si256(half); }
-
-// Bytes of one channel from three vectors of packed pixels: byte i of the result comes from byte
-// 3 i + channel of 48.
-template <int kChannel>
-ATRIUM_AVX2 inline __m256i channel(__m256i first, __m256i second, __m256i third) {
-    constexpr auto kAt = [](int i, int part) {
-        const int from = 3 * i + kChannel - 16 * part;
-        return static_cast<char>(from >= 0 && from < 16 ? from : -128);
-    };
-    const auto pick = [&](int part) __attribute__((target("avx2"), always_inline)) {
-        return both_halves(_mm_setr_epi8(kAt(0, part),
-                                         kAt(1, part),
-                                         kAt(2, part),
-                                         kAt(3, part),
-                                         kAt(4, part),
-                                         kAt(5, part),
-                                         kAt(6, part),
-                                         kAt(7, part),
-                                         kAt(8, part),
-                                         kAt(9, part),
-                                         kAt(10, part),
-                                         kAt(11, part),
-                                         kAt(12, part),
-                                         kAt(13, part),
-                                         kAt(14, part),
-                                         kAt(15, part)));
-    };
-    return _mm256_or_si256(
-        _mm256_or_si256(_mm256_shuffle_epi8(first, pick(0)), _mm256_shuffle_epi8(second, pick(1))),
-        _mm256_shuffle_epi8(third, pick(2)));
+// Gathers four packed pixels, `skip` bytes from the beginning, as four bytes of blue, of green and
+// of red; what follows is of no use.
+ATRIUM_AVX2 inline __m256i gather_four(bool blue_first, char skip) {
+    const auto b = static_cast<char>(skip + (blue_first ? 0 : 2));
+    const auto g = static_cast<char>(skip + 1);
+    const auto r = static_cast<char>(skip + (blue_first ? 2 : 0));
+    const auto at = [](char colour, int pixel) { return static_cast<char>(colour + 3 * pixel); };
+    return _mm256_broadcastsi128_si256(_mm_setr_epi8(b,
+                                                     at(b, 1),
+                                                     at(b, 2),
+                                                     at(b, 3),
+                                                     g,
+                                                     at(g, 1),
+                                                     at(g, 2),
+                                                     at(g, 3),
+                                                     r,
+                                                     at(r, 1),
+                                                     at(r, 2),
+                                                     at(r, 3),
+                                                     -1,
+                                                     -1,
+                                                     -1,
+                                                     -1));
 }
 
-// 32 packed pixels to a vector of bytes per channel, in the order of the bytes.
-ATRIUM_AVX2 inline Colours split(const std::uint8_t* pixels) {
-    const __m256i first = load_halves(pixels, pixels + 48);
-    const __m256i second = load_halves(pixels + 16, pixels + 64);
-    const __m256i third = load_halves(pixels + 32, pixels + 80);
-    return {channel<0>(first, second, third),
-            channel<1>(first, second, third),
-            channel<2>(first, second, third)};
+struct Gather {
+    __m256i at_begin;
+    __m256i at_end;  // of 16 bytes
+};
+
+// 32 packed pixels to a vector of bytes per channel: fours of pixels by shuffling, then fours of
+// fours as one transposes a matrix. The last four are read with bytes before them, not behind.
+ATRIUM_AVX2 inline Colours split(const std::uint8_t* pixels, const Gather& gather) {
+    const __m256i a = _mm256_shuffle_epi8(load_halves(pixels, pixels + 48), gather.at_begin);
+    const __m256i b = _mm256_shuffle_epi8(load_halves(pixels + 12, pixels + 60), gather.at_begin);
+    const __m256i c = _mm256_shuffle_epi8(load_halves(pixels + 24, pixels + 72), gather.at_begin);
+    const __m256i d = _mm256_shuffle_epi8(load_halves(pixels + 32, pixels + 80), gather.at_end);
+    const __m256i blue_green_1 = _mm256_unpacklo_epi32(a, b);
+    const __m256i blue_green_2 = _mm256_unpacklo_epi32(c, d);
+    return {_mm256_unpacklo_epi64(blue_green_1, blue_green_2),
+            _mm256_unpackhi_epi64(blue_green_1, blue_green_2),
+            _mm256_unpacklo_epi64(_mm256_unpackhi_epi32(a, b), _mm256_unpackhi_epi32(c, d))};
+}
+
+// Factors of two bytes in turn, for _mm256_maddubs_epi16.
+ATRIUM_AVX2 inline __m256i factors(int first, int second) {
+    return _mm256_set1_epi16(static_cast<short>(second << 8 | first));
+}
+
+// Green goes half with blue and half with red, so that each pair stays within 16 bits.
+ATRIUM_AVX2 inline __m256i luma(__m256i blue_green, __m256i green_red) {
+    static_assert((kYB + kYG / 2) * 255 < 32768 && (kYG / 2 + kYR) * 255 < 32768 && kYG % 2 == 0);
+    const __m256i sum = _mm256_add_epi16(_mm256_maddubs_epi16(blue_green, factors(kYB, kYG / 2)),
+                                         _mm256_maddubs_epi16(green_red, factors(kYG / 2, kYR)));
+    return _mm256_mulhi_epu16(_mm256_add_epi16(sum, _mm256_set1_epi16(kYHalf)),
+                              _mm256_set1_epi16(kYInverse));
 }
 
 ATRIUM_AVX2 inline void store_luma(const Colours& c, std::uint8_t* out) {
-    const __m256i zero = _mm256_setzero_si256();
-    const Colours low{_mm256_unpacklo_epi8(zero, c.b),
-                      _mm256_unpacklo_epi8(zero, c.g),
-                      _mm256_unpacklo_epi8(zero, c.r)};
-    const Colours high{_mm256_unpackhi_epi8(zero, c.b),
-                       _mm256_unpackhi_epi8(zero, c.g),
-                       _mm256_unpackhi_epi8(zero, c.r)};
-    const __m256i packed = _mm256_packus_epi16(luma(low), luma(high));
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), packed);
+    const __m256i low = luma(_mm256_unpacklo_epi8(c.b, c.g), _mm256_unpacklo_epi8(c.g, c.r));
+    const __m256i high = luma(_mm256_unpackhi_epi8(c.b, c.g), _mm256_unpackhi_epi8(c.g, c.r));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_packus_epi16(low, high));
 }
 
+// Of four bytes, in 1/128.
 ATRIUM_AVX2 inline __m256i block_means(__m256i top, __m256i bottom) {
-    const __m256i ones = _mm256_set1_epi8(1);
-    return _mm256_slli_epi16(
-        _mm256_add_epi16(_mm256_maddubs_epi16(top, ones), _mm256_maddubs_epi16(bottom, ones)), 5);
+    const __m256i quarter = _mm256_set1_epi8(128 / 4);
+    return _mm256_add_epi16(_mm256_maddubs_epi16(top, quarter),
+                            _mm256_maddubs_epi16(bottom, quarter));
 }
 
 // Both return the first column that is left to do.
 ATRIUM_AVX2 int packed_avx2(const PackedRows& in, const YuvRows& out) {
     if (in.width < 32) return 0;
+    const Gather gather{gather_four(in.blue_first, 0), gather_four(in.blue_first, 4)};
     for (int next = 0; next < in.width; next += 32) {
         // the last columns are done with some of those before them, once more
         const int x = std::min(next, in.width - 32);
-        Colours top = split(in.top + 3 * x);
-        Colours bottom = split(in.bottom + 3 * x);
-        if (!in.blue_first) {
-            std::swap(top.b, top.r);
-            std::swap(bottom.b, bottom.r);
-        }
+        const Colours top = split(in.top + 3 * x, gather);
+        const Colours bottom = split(in.bottom + 3 * x, gather);
         store_luma(top, out.top_luma + x);
         store_luma(bottom, out.bottom_luma + x);
         store_chroma({block_means(top.b, bottom.b),

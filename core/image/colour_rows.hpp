@@ -2,8 +2,9 @@
 
 #include <cstdint>
 
-/// The arithmetic of colour conversions, row by row: full-range BT.601 in 16 bits, right to half a
-/// grey level. All sets of instructions give the same bits.
+/// The arithmetic of colour conversions, row by row: full-range BT.601 in 16 bits. Chroma is right
+/// to half a grey level (0.52), luma to 0.6 of one, and grey stays exactly as it is. All sets of
+/// instructions give the same bits.
 namespace atrium::image {
 
 enum class RowCode : std::uint8_t { kBaseline, kAvx2 };

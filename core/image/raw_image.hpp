@@ -58,4 +58,26 @@ struct RawImage {
 /// `u`, `v` are the chroma of each 2x2 block.
 YuvView working_view(const RawImage& raw, YuvImage& buffer);
 
+/// The same, part by part, for who reads each part while it is in the cache.
+class WorkingPicture {
+public:
+    /// A picture that is there: there is nothing to make.
+    explicit WorkingPicture(const YuvView& view) : view_(view) {}
+    /// Nothing is made yet. The memory of `raw` (not empty), and `buffer`, outlive this.
+    WorkingPicture(const RawImage& raw, YuvImage& buffer);
+
+    /// The whole picture; values are those of the parts that were made.
+    const YuvView& view() const { return view_; }
+
+    /// `part` lies in the picture, its numbers are even. Parts may overlap.
+    void make(const PixelRect& part);
+    void make_all() { make({0, 0, view_.width(), view_.height()}); }
+
+private:
+    PixelFormat format_ = PixelFormat::kYuv420;
+    PlaneView source_;            // the first plane
+    YuvImage* buffer_ = nullptr;  // null where nothing has to be computed
+    YuvView view_;
+};
+
 }  // namespace atrium::image

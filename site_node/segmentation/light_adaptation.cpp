@@ -46,7 +46,7 @@ std::int32_t toward(std::int32_t value, std::int32_t target, std::int32_t share)
 
 }  // namespace
 
-std::int16_t LightAdaptation::inverse_gain(const image::YuvView& frame,
+std::int16_t LightAdaptation::inverse_gain(image::WorkingPicture& picture,
                                            const BackgroundModel& model,
                                            const SegmentationOptions& options) {
     if (options.max_gain_change <= 0.0) return kUnitGain;
@@ -58,8 +58,10 @@ std::int16_t LightAdaptation::inverse_gain(const image::YuvView& frame,
         const int cell_x = cell % cells_x;
         const int cell_y = cell / cells_x;
         if (is_near_people(cell_x, cell_y)) continue;
-        const Block block =
-            block_at(frame, model, cell_x * kCell + kCell / 2, cell_y * kCell + kCell / 2);
+        const int x = cell_x * kCell + kCell / 2;
+        const int y = cell_y * kCell + kCell / 2;
+        picture.make({x, y, 2, 2});
+        const Block block = block_at(picture.view(), model, x, y);
         if (block.clipped || block.frame_sum < 2 * kMinGainLuma ||
             block.model_sum < 4 * 256 * kMinGainLuma)
             continue;

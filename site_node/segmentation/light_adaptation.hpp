@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/image/image.hpp"
+#include "core/image/raw_image.hpp"
 #include "site_node/segmentation/background_model.hpp"
 #include "site_node/segmentation/segmentation_options.hpp"
 
@@ -16,8 +17,9 @@ class LightAdaptation {
 public:
     /// What luma of this picture has to be multiplied by to be as bright as the model, in 1/16384:
     /// the median over places spread across the picture that are neither dark nor clipped. Where
-    /// too few are left, the former one stays. Within half a percent of 1 it is 1.
-    std::int16_t inverse_gain(const image::YuvView& frame,
+    /// too few are left, the former one stays. Within half a percent of 1 it is 1. Makes those
+    /// places of the picture.
+    std::int16_t inverse_gain(image::WorkingPicture& picture,
                               const BackgroundModel& model,
                               const SegmentationOptions& options);
 

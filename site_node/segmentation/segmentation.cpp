@@ -24,6 +24,12 @@ Segmenter::Segmenter(BackgroundStatistics room,
 }
 
 Expected<void> Segmenter::segment(const image::YuvView& frame, image::Mask& out) {
+    image::WorkingPicture made(frame);
+    return segment(made, out);
+}
+
+Expected<void> Segmenter::segment(image::WorkingPicture& picture, image::Mask& out) {
+    const image::YuvView& frame = picture.view();
     const BackgroundStatistics& room = model_.room;
     if (frame.width() != room.width || frame.height() != room.height ||
         frame.u.width != room.width / 2 || frame.u.height != room.height / 2 ||
@@ -40,15 +46,15 @@ Expected<void> Segmenter::segment(const image::YuvView& frame, image::Mask& out)
     }
     if (out.width != room.width || out.height != room.height)
         out = image::Mask(room.width, room.height);
-    test_and_clean(frame, out);
+    test_and_clean(picture, out);
     light_.follow(frame, out, options_, model_);
     return {};
 }
 
 // `raw_` holds the last two rows of the strip before, then the strip.
-void Segmenter::test_and_clean(const image::YuvView& frame, image::Mask& out) {
+void Segmenter::test_and_clean(image::WorkingPicture& picture, image::Mask& out) {
     const InstructionSet instructions = best_instruction_set();
-    const std::int16_t inverse_gain = light_.inverse_gain(frame, model_, options_);
+    const std::int16_t inverse_gain = light_.inverse_gain(picture, model_, options_);
     const int width = model_.width();
     const int height = model_.height();
     const auto width_bytes = static_cast<std::size_t>(width);
@@ -59,7 +65,8 @@ void Segmenter::test_and_clean(const image::YuvView& frame, image::Mask& out) {
         const auto raw_row = [&](int y) {
             return raw_.data() + static_cast<std::ptrdiff_t>(y - first + 2) * width;
         };
-        test_rows(frame, model_, inverse_gain, instructions, {first, end}, raw_row(first));
+        picture.make({0, first, width, end - first});
+        test_rows(picture.view(), model_, inverse_gain, instructions, {first, end}, raw_row(first));
         for (; next < (end == height ? end : end - 1); ++next) {
             std::uint8_t* row = out.row(next);
             majority_3x3({raw_row(std::max(next - 1, 0)),

@@ -2,6 +2,7 @@
 
 #include "core/base/expected.hpp"
 #include "core/image/image.hpp"
+#include "core/image/raw_image.hpp"
 #include "site_node/segmentation/areas.hpp"
 #include "site_node/segmentation/background_model.hpp"
 #include "site_node/segmentation/clean_mask.hpp"
@@ -26,11 +27,13 @@ public:
     /// Pictures in the order of time: the light is followed from one to the next. An error if size
     /// or mosaic differ from the room's. Allocates only while `out` and scratch memory grow.
     Expected<void> segment(const image::YuvView& frame, image::Mask& out);
+    /// The same, making the picture as it is read; unless there is an error, all of it.
+    Expected<void> segment(image::WorkingPicture& picture, image::Mask& out);
 
     const BackgroundModel& model() const { return model_; }
 
 private:
-    void test_and_clean(const image::YuvView& frame, image::Mask& out);
+    void test_and_clean(image::WorkingPicture& picture, image::Mask& out);
 
     SegmentationOptions options_;
     BackgroundModel model_;

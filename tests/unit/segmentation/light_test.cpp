@@ -50,8 +50,9 @@ TEST(Light, CompensationIsBoundedAndFindsPeopleAllTheSame) {
     LightAdaptation light;
     const BackgroundModel model = make_model(learned, {});
     const auto gain = [&](double factor) {
-        return static_cast<double>(light.inverse_gain(lit(scene, factor, random), model, {})) /
-               kUnitGain;
+        const image::YuvImage frame = lit(scene, factor, random);
+        image::WorkingPicture picture{image::YuvView(frame)};
+        return static_cast<double>(light.inverse_gain(picture, model, {})) / kUnitGain;
     };
     EXPECT_NEAR(gain(1.1), 1.0 / 1.1, 0.004);
     EXPECT_NEAR(gain(0.85), 1.0 / 0.85, 0.004);
