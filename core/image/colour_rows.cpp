@@ -1,6 +1,7 @@
 #include "core/image/colour_rows.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #if defined(__x86_64__)
@@ -98,43 +99,31 @@ ATRIUM_AVX2 inline __m256i load_halves(const std::uint8_t* low, const std::uint8
         1);
 }
 
-// Gathers four packed pixels, `skip` bytes from the beginning, as four bytes of blue, of green and
-// of red; what follows is of no use.
-ATRIUM_AVX2 inline __m256i gather_four(bool blue_first, char skip) {
-    const auto b = static_cast<char>(skip + (blue_first ? 0 : 2));
-    const auto g = static_cast<char>(skip + 1);
-    const auto r = static_cast<char>(skip + (blue_first ? 2 : 0));
-    const auto at = [](char colour, int pixel) { return static_cast<char>(colour + 3 * pixel); };
-    return _mm256_broadcastsi128_si256(_mm_setr_epi8(b,
-                                                     at(b, 1),
-                                                     at(b, 2),
-                                                     at(b, 3),
-                                                     g,
-                                                     at(g, 1),
-                                                     at(g, 2),
-                                                     at(g, 3),
-                                                     r,
-                                                     at(r, 1),
-                                                     at(r, 2),
-                                                     at(r, 3),
-                                                     -1,
-                                                     -1,
-                                                     -1,
-                                                     -1));
-}
+// Gathers four packed pixels as four bytes of blue, of green and of red; what follows is of no use.
+alignas(16) constexpr std::array<std::int8_t, 16> kBlueFirst{
+    0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11, 0, 0, 0, 0};
+alignas(16) constexpr std::array<std::int8_t, 16> kRedFirst{
+    2, 5, 8, 11, 1, 4, 7, 10, 0, 3, 6, 9, 0, 0, 0, 0};
 
 struct Gather {
     __m256i at_begin;
     __m256i at_end;  // of 16 bytes
 };
 
+ATRIUM_AVX2 inline Gather gather(bool blue_first) {
+    const auto& order = blue_first ? kBlueFirst : kRedFirst;
+    const __m256i at_begin =
+        _mm256_broadcastsi128_si256(_mm_load_si128(reinterpret_cast<const __m128i*>(order.data())));
+    return {at_begin, _mm256_add_epi8(at_begin, _mm256_set1_epi8(4))};
+}
+
 // 32 packed pixels to a vector of bytes per channel: fours of pixels by shuffling, then fours of
 // fours as one transposes a matrix. The last four are read with bytes before them, not behind.
-ATRIUM_AVX2 inline Colours split(const std::uint8_t* pixels, const Gather& gather) {
-    const __m256i a = _mm256_shuffle_epi8(load_halves(pixels, pixels + 48), gather.at_begin);
-    const __m256i b = _mm256_shuffle_epi8(load_halves(pixels + 12, pixels + 60), gather.at_begin);
-    const __m256i c = _mm256_shuffle_epi8(load_halves(pixels + 24, pixels + 72), gather.at_begin);
-    const __m256i d = _mm256_shuffle_epi8(load_halves(pixels + 32, pixels + 80), gather.at_end);
+ATRIUM_AVX2 inline Colours split(const std::uint8_t* pixels, const Gather& order) {
+    const __m256i a = _mm256_shuffle_epi8(load_halves(pixels, pixels + 48), order.at_begin);
+    const __m256i b = _mm256_shuffle_epi8(load_halves(pixels + 12, pixels + 60), order.at_begin);
+    const __m256i c = _mm256_shuffle_epi8(load_halves(pixels + 24, pixels + 72), order.at_begin);
+    const __m256i d = _mm256_shuffle_epi8(load_halves(pixels + 32, pixels + 80), order.at_end);
     const __m256i blue_green_1 = _mm256_unpacklo_epi32(a, b);
     const __m256i blue_green_2 = _mm256_unpacklo_epi32(c, d);
     return {_mm256_unpacklo_epi64(blue_green_1, blue_green_2),
@@ -169,15 +158,28 @@ ATRIUM_AVX2 inline __m256i block_means(__m256i top, __m256i bottom) {
                             _mm256_maddubs_epi16(bottom, quarter));
 }
 
+// Fetches what is `at` bytes into the next two rows, in the cache by the time they are done: rows
+// in pairs are no pattern that hardware foresees. Numbers, as there may be no next rows.
+inline void prefetch(const std::uint8_t* top, const std::uint8_t* bottom, int at) {
+    const auto first = reinterpret_cast<std::uintptr_t>(top);
+    const auto second = reinterpret_cast<std::uintptr_t>(bottom);
+    const std::uintptr_t ahead = 2 * (second - first) + static_cast<std::uintptr_t>(at);
+    _mm_prefetch(reinterpret_cast<const char*>(first + ahead), _MM_HINT_T0);
+    _mm_prefetch(reinterpret_cast<const char*>(second + ahead), _MM_HINT_T0);
+}
+
 // Both return the first column that is left to do.
 ATRIUM_AVX2 int packed_avx2(const PackedRows& in, const YuvRows& out) {
     if (in.width < 32) return 0;
-    const Gather gather{gather_four(in.blue_first, 0), gather_four(in.blue_first, 4)};
+    const Gather order = gather(in.blue_first);
     for (int next = 0; next < in.width; next += 32) {
         // the last columns are done with some of those before them, once more
         const int x = std::min(next, in.width - 32);
-        const Colours top = split(in.top + 3 * x, gather);
-        const Colours bottom = split(in.bottom + 3 * x, gather);
+        prefetch(in.top, in.bottom, 3 * x);
+        prefetch(in.top, in.bottom, 3 * x + 64);
+        prefetch(out.top_luma, out.bottom_luma, x);
+        const Colours top = split(in.top + 3 * x, order);
+        const Colours bottom = split(in.bottom + 3 * x, order);
         store_luma(top, out.top_luma + x);
         store_luma(bottom, out.bottom_luma + x);
         store_chroma({block_means(top.b, bottom.b),

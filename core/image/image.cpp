@@ -1,5 +1,6 @@
 #include "core/image/image.hpp"
 
+#include "core/image/block_luma.hpp"
 #include "core/image/colour_rows.hpp"
 
 #include <algorithm>
@@ -18,18 +19,6 @@ void resize(Plane& plane, int width, int height) {
 }
 
 std::uint8_t clamp_byte(int v) { return static_cast<std::uint8_t>(std::clamp(v, 0, 255)); }
-
-// Of the blocks in rows y and y + 1, each twice.
-void luma_of_mosaic(const YuvView& image, int y, std::vector<std::uint8_t>& luma) {
-    const RedAt red = red_at(image.mosaic);
-    const std::uint8_t* red_row = image.y.row(y + red.y);
-    const std::uint8_t* blue_row = image.y.row(y + 1 - red.y);
-    for (int x = 0; x + 1 < image.width(); x += 2) {
-        const int green = red_row[x + 1 - red.x] + blue_row[x + red.x];
-        const auto at = static_cast<std::size_t>(x);
-        luma[at] = luma[at + 1] = luma_of_block(red_row[x + red.x], green, blue_row[x + 1 - red.x]);
-    }
-}
 
 void yuv_from_packed(const std::uint8_t* pixels,
                      int width,
@@ -66,13 +55,15 @@ void yuv_from_rgb(
 std::vector<std::uint8_t> bgr_from_yuv(const YuvView& image) {
     std::vector<std::uint8_t> bgr(static_cast<std::size_t>(image.width()) *
                                   static_cast<std::size_t>(image.height()) * 3);
-    std::vector<std::uint8_t> block_luma;
+    // of a mosaic, one per block
+    std::vector<std::uint8_t> block_luma(static_cast<std::size_t>(image.width() / 2));
+    const int pixels_per_luma = image.mosaic == Mosaic::kNone ? 1 : 2;
     for (int y = 0; y < image.height(); ++y) {
         const std::uint8_t* luma = image.y.row(y);
         if (image.mosaic != Mosaic::kNone) {
-            block_luma.resize(static_cast<std::size_t>(image.width()));
-            luma_of_mosaic(image, y & ~1, block_luma);
             luma = block_luma.data();
+            luma_of_blocks(
+                image, {0, y & ~1, image.width() / 2}, best_row_code(), block_luma.data());
         }
         const std::uint8_t* cb = image.u.row(y / 2);
         const std::uint8_t* cr = image.v.row(y / 2);
@@ -81,7 +72,7 @@ std::vector<std::uint8_t> bgr_from_yuv(const YuvView& image) {
         for (int x = 0; x < image.width(); ++x) {
             const int u = cb[x / 2] - 128;
             const int v = cr[x / 2] - 128;
-            const int scaled = luma[x] << kShift;
+            const int scaled = luma[x / pixels_per_luma] << kShift;
             out[3 * x] = clamp_byte((scaled + fixed(1.772) * u + kHalf) >> kShift);
             out[3 * x + 1] = clamp_byte(
                 (scaled + fixed(-0.344136) * u + fixed(-0.714136) * v + kHalf) >> kShift);

@@ -1,5 +1,7 @@
 #include "site_node/preview/preview_picture.hpp"
 
+#include "core/image/block_luma.hpp"
+
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -65,27 +67,19 @@ Grid grid_for(const std::vector<View>& views) {
     return grid;
 }
 
-// One pixel per 2x2 block: its chroma as it is, and the mean of its luma.
+// One pixel per 2x2 block: its chroma as it is, and its luma.
 void halve(const image::YuvView& picture, cv::Mat out) {
-    const image::RedAt red = image::red_at(picture.mosaic);
+    const image::RowCode code = image::best_row_code();
+    std::vector<std::uint8_t> luma(static_cast<std::size_t>(out.cols));
     for (int y = 0; y < out.rows; ++y) {
-        const std::uint8_t* top = picture.y.row(2 * y);
-        const std::uint8_t* bottom = picture.y.row(2 * y + 1);
-        const std::uint8_t* red_row = red.y == 0 ? top : bottom;
-        const std::uint8_t* blue_row = red.y == 0 ? bottom : top;
+        image::luma_of_blocks(picture, {0, 2 * y, out.cols}, code, luma.data());
         const std::uint8_t* cb = picture.u.row(y);
         const std::uint8_t* cr = picture.v.row(y);
         auto* pixel = out.ptr<cv::Vec3b>(y);
         for (int x = 0; x < out.cols; ++x) {
-            int luma = (top[2 * x] + top[2 * x + 1] + bottom[2 * x] + bottom[2 * x + 1] + 2) / 4;
-            if (picture.mosaic != image::Mosaic::kNone) {
-                luma = image::luma_of_block(red_row[2 * x + red.x],
-                                            red_row[2 * x + 1 - red.x] + blue_row[2 * x + red.x],
-                                            blue_row[2 * x + 1 - red.x]);
-            }
             const float u = static_cast<float>(cb[x]) - 128.0F;
             const float v = static_cast<float>(cr[x]) - 128.0F;
-            const auto value = static_cast<float>(luma);
+            const auto value = static_cast<float>(luma[static_cast<std::size_t>(x)]);
             pixel[x] = {cv::saturate_cast<std::uint8_t>(value + 1.772F * u),
                         cv::saturate_cast<std::uint8_t>(value - 0.344136F * u - 0.714136F * v),
                         cv::saturate_cast<std::uint8_t>(value + 1.402F * v)};

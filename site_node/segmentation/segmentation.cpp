@@ -10,7 +10,7 @@ namespace {
 
 // Stages follow each other in strips of so many rows, so that what one writes is in the cache when
 // the next reads it; even.
-constexpr int kStripRows = 16;
+constexpr int kStripRows = 8;
 
 }  // namespace
 

@@ -1,5 +1,7 @@
 #include "site_node/texture/texture.hpp"
 
+#include "core/image/block_luma.hpp"
+
 #include <algorithm>
 #include <cassert>
 #include <cstring>
@@ -46,50 +48,8 @@ void set_size(image::Plane& plane, int width, int height) {
     plane.data.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
 }
 
-// The loops below are plain C++ that the compiler vectorises; each set of instructions is one more
-// instance of the same source.
+// Plain C++ that the compiler vectorises; each set of instructions is one more instance of it.
 #define ATRIUM_INLINE inline __attribute__((always_inline))
-
-ATRIUM_INLINE void mean_of_blocks(const std::uint8_t* __restrict top,
-                                  const std::uint8_t* __restrict bottom,
-                                  int num_blocks,
-                                  std::uint8_t* __restrict luma) {
-    for (int x = 0; x < num_blocks; ++x) {
-        luma[x] = static_cast<std::uint8_t>(
-            (top[2 * x] + top[2 * x + 1] + bottom[2 * x] + bottom[2 * x + 1] + 2) >> 2);
-    }
-}
-
-// Of a mosaic: blocks begin at even places, as the crop does.
-template <int kRedX>
-ATRIUM_INLINE void luma_of_blocks(const std::uint8_t* __restrict red_row,
-                                  const std::uint8_t* __restrict blue_row,
-                                  int num_blocks,
-                                  std::uint8_t* __restrict luma) {
-    for (int x = 0; x < num_blocks; ++x) {
-        luma[x] = image::luma_of_block(red_row[2 * x + kRedX],
-                                       red_row[2 * x + 1 - kRedX] + blue_row[2 * x + kRedX],
-                                       blue_row[2 * x + 1 - kRedX]);
-    }
-}
-
-ATRIUM_INLINE void halve_luma(const image::YuvView& frame,
-                              const image::PixelRect& crop,
-                              int y,
-                              std::uint8_t* luma) {
-    const std::uint8_t* top = frame.y.row(crop.y + 2 * y) + crop.x;
-    const std::uint8_t* bottom = frame.y.row(crop.y + 2 * y + 1) + crop.x;
-    if (frame.mosaic == image::Mosaic::kNone)
-        return mean_of_blocks(top, bottom, crop.width / 2, luma);
-    const image::RedAt red = image::red_at(frame.mosaic);
-    const std::uint8_t* red_row = red.y == 0 ? top : bottom;
-    const std::uint8_t* blue_row = red.y == 0 ? bottom : top;
-    if (red.x == 0) {
-        luma_of_blocks<0>(red_row, blue_row, crop.width / 2, luma);
-    } else {
-        luma_of_blocks<1>(red_row, blue_row, crop.width / 2, luma);
-    }
-}
 
 ATRIUM_INLINE void vote(const std::uint8_t* __restrict top,
                         const std::uint8_t* __restrict bottom,
@@ -102,39 +62,44 @@ ATRIUM_INLINE void vote(const std::uint8_t* __restrict top,
     }
 }
 
-ATRIUM_INLINE void halve(const image::YuvView& frame,
-                         const image::Mask& mask,
-                         const image::PixelRect& crop,
-                         codec::TextureCrop& out) {
-    const int width = crop.width / 2;
-    for (int y = 0; y < crop.height / 2; ++y) {
-        halve_luma(frame, crop, y, out.y.row(y));
-        vote(mask.row(crop.y + 2 * y) + crop.x,
-             mask.row(crop.y + 2 * y + 1) + crop.x,
-             width,
-             out.mask.row(y));
-        std::copy_n(frame.u.row(crop.y / 2 + y) + crop.x / 2, width, out.u.row(y));
-        std::copy_n(frame.v.row(crop.y / 2 + y) + crop.x / 2, width, out.v.row(y));
-    }
-}
-
-void halve_baseline(const image::YuvView& frame,
-                    const image::Mask& mask,
-                    const image::PixelRect& crop,
-                    codec::TextureCrop& out) {
-    halve(frame, mask, crop, out);
+void vote_baseline(const std::uint8_t* top,
+                   const std::uint8_t* bottom,
+                   int num_blocks,
+                   std::uint8_t* alpha) {
+    vote(top, bottom, num_blocks, alpha);
 }
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) void halve_avx2(const image::YuvView& frame,
-                                                const image::Mask& mask,
-                                                const image::PixelRect& crop,
-                                                codec::TextureCrop& out) {
-    halve(frame, mask, crop, out);
+__attribute__((target("avx2"))) void vote_avx2(const std::uint8_t* top,
+                                               const std::uint8_t* bottom,
+                                               int num_blocks,
+                                               std::uint8_t* alpha) {
+    vote(top, bottom, num_blocks, alpha);
 }
 #endif
 
 #undef ATRIUM_INLINE
+
+void halve(const image::YuvView& frame,
+           const image::Mask& mask,
+           const image::PixelRect& crop,
+           image::RowCode code,
+           codec::TextureCrop& out) {
+    auto* vote_row = vote_baseline;
+#if defined(__x86_64__)
+    if (code == image::RowCode::kAvx2) vote_row = vote_avx2;
+#endif
+    const int width = crop.width / 2;
+    for (int y = 0; y < crop.height / 2; ++y) {
+        image::luma_of_blocks(frame, {crop.x, crop.y + 2 * y, width}, code, out.y.row(y));
+        vote_row(mask.row(crop.y + 2 * y) + crop.x,
+                 mask.row(crop.y + 2 * y + 1) + crop.x,
+                 width,
+                 out.mask.row(y));
+        std::copy_n(frame.u.row(crop.y / 2 + y) + crop.x / 2, width, out.u.row(y));
+        std::copy_n(frame.v.row(crop.y / 2 + y) + crop.x / 2, width, out.v.row(y));
+    }
+}
 
 struct BlockGrid {
     int columns;
@@ -246,7 +211,8 @@ bool crop_texture(const image::YuvView& frame,
                   const image::PixelRect& subject,
                   const TextureOptions& options,
                   TextureScratch& scratch,
-                  codec::TextureCrop& out) {
+                  codec::TextureCrop& out,
+                  image::RowCode code) {
     assert((mask.width & ~1) == frame.width() && (mask.height & ~1) == frame.height());
     assert(options.padding_px >= 0);
     if (subject.empty()) return false;
@@ -256,12 +222,7 @@ bool crop_texture(const image::YuvView& frame,
     out.crop_px = crop;
     for (image::Plane* plane : {&out.y, &out.u, &out.v, &out.mask})
         set_size(*plane, crop.width / 2, crop.height / 2);
-#if defined(__x86_64__)
-    static const bool has_avx2 = __builtin_cpu_supports("avx2");
-    has_avx2 ? halve_avx2(frame, mask, crop, out) : halve_baseline(frame, mask, crop, out);
-#else
-    halve_baseline(frame, mask, crop, out);
-#endif
+    halve(frame, mask, crop, code, out);
     fill_background(out, scratch.blocks);
     return true;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/codec/texture_codec.hpp"
+#include "core/image/colour_rows.hpp"
 #include "core/image/image.hpp"
 
 #include <array>
@@ -32,13 +33,15 @@ struct TextureScratch {
 ///
 /// Returns false, with `out` as it was, if `subject` is empty: there is nothing to send. It lies in
 /// the picture. `mask` is as large as `frame`; a last odd column or row, which a 4:2:0 picture
-/// cannot have, is ignored. Allocates only while `scratch` and `out` grow.
+/// cannot have, is ignored. Allocates only while `scratch` and `out` grow. All sets of instructions
+/// give the same bits.
 [[nodiscard]] bool crop_texture(const image::YuvView& frame,
                                 const image::Mask& mask,
                                 const image::PixelRect& subject,
                                 const TextureOptions& options,
                                 TextureScratch& scratch,
-                                codec::TextureCrop& out);
+                                codec::TextureCrop& out,
+                                image::RowCode code = image::best_row_code());
 
 /// Smallest rectangle that holds all foreground; empty if there is none. Reads the whole mask: who
 /// has its contours knows the rectangle (silhouette::bounding_rect).

@@ -156,5 +156,39 @@ TEST(CropTexture, OddMasksOfOddPicturesLoseTheirLastColumnAndRow) {
     EXPECT_EQ(crop.crop_px, (image::PixelRect{16, 16, 16, 14}));
 }
 
+TEST(CropTexture, IsTheSameWithAllInstructionSets) {
+    if (image::best_row_code() == image::RowCode::kBaseline)
+        GTEST_SKIP() << "this processor has no AVX2";
+    std::mt19937 random(4);
+    const auto number = [&](int low, int high) {
+        return std::uniform_int_distribution<int>(low, high)(random);
+    };
+    TextureScratch scratch;
+    for (int i = 0; i < 500; ++i) {
+        const int width = number(2, 200);
+        const int height = number(2, 40);
+        const image::YuvImage frame =
+            noise_frame(width & ~1, height & ~1, static_cast<unsigned>(i));
+        image::YuvView view(frame);
+        view.mosaic = static_cast<image::Mosaic>(i % 5);
+        image::Mask mask(width, height);
+        for (std::uint8_t& value : mask.data) value = number(0, 2) == 0 ? 255 : 0;
+        const int x = number(0, width - 1);
+        const int y = number(0, height - 1);
+        const image::PixelRect subject{x, y, number(1, width - x), number(1, height - y)};
+        const TextureOptions options{.padding_px = number(0, 5)};
+        codec::TextureCrop plain, avx2;
+        const bool some =
+            crop_texture(view, mask, subject, options, scratch, plain, image::RowCode::kBaseline);
+        ASSERT_EQ(crop_texture(view, mask, subject, options, scratch, avx2, image::RowCode::kAvx2),
+                  some);
+        EXPECT_EQ(plain.crop_px, avx2.crop_px);
+        EXPECT_EQ(plain.y.data, avx2.y.data) << width << "x" << height << ", mosaic " << i % 5;
+        EXPECT_EQ(plain.u.data, avx2.u.data);
+        EXPECT_EQ(plain.v.data, avx2.v.data);
+        EXPECT_EQ(plain.mask.data, avx2.mask.data);
+    }
+}
+
 }  // namespace
 }  // namespace atrium::texture
