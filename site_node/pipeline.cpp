@@ -1,5 +1,7 @@
 #include "site_node/pipeline.hpp"
 
+#include "core/base/resize_keeping.hpp"
+
 #include <fmt/format.h>
 
 #include <chrono>
@@ -28,6 +30,7 @@ struct Pipeline::CameraStage {
     silhouette::SilhouetteScratch silhouette;
     std::vector<silhouette::SilhouettePolygon> polygons;
     silhouette::SilhouetteCounts counts;
+    std::vector<std::vector<Eigen::Vector2d>> spare_contours;
     texture::TextureScratch texture;
     codec::TextureCrop crop;
     codec::TextureEncoder encoder;
@@ -110,7 +113,7 @@ Expected<void> Pipeline::find_silhouette(const capture::CameraFrame& frame, Came
         stage.mask, camera.intrinsics, options_.silhouette, stage.silhouette, stage.polygons);
 
     auto& contours = hull_.contours(frame.camera);
-    contours.resize(stage.polygons.size());
+    resize_keeping(contours, stage.polygons.size(), stage.spare_contours);
     for (std::size_t p = 0; p < stage.polygons.size(); ++p)
         contours[p] = stage.polygons[p].vertices_px;
     stage.segmentation_ms = milliseconds_between(begin, segmented_at);
@@ -150,7 +153,7 @@ Expected<void> Pipeline::encode_texture(std::size_t camera, CodedCamera& coded) 
 
 // The mesh, which is one task, beside the textures.
 Expected<void> Pipeline::encode(Executor& executor, SiteFrame& frame) {
-    frame.cameras.resize(cameras_.size());
+    resize_keeping(frame.cameras, cameras_.size(), spare_coded_);
     Expected<std::size_t> mesh;
     const auto work = [&](std::size_t task, std::size_t) {
         if (task > 0) {
@@ -169,7 +172,7 @@ Expected<void> Pipeline::encode(Executor& executor, SiteFrame& frame) {
         if (num_kept != i) std::swap(frame.cameras[num_kept], frame.cameras[i]);
         ++num_kept;
     }
-    frame.cameras.resize(num_kept);
+    resize_keeping(frame.cameras, num_kept, spare_coded_);
     return first_failure();
 }
 
@@ -221,7 +224,7 @@ Expected<void> Pipeline::process(const capture::Metaframe& metaframe,
     if (frame.hull.status == hull::HullStatus::kOk) {
         if (auto encoded = encode(executor, frame); !encoded) return encoded;
     } else if (is_nobody(frame.hull.status)) {
-        frame.cameras.clear();
+        resize_keeping(frame.cameras, 0, spare_coded_);
     } else {
         return make_error(ErrorKind::kInvalidData,
                           fmt::format("no hull: {}", hull::to_string(frame.hull.status)));

@@ -121,6 +121,7 @@ private:
     std::vector<std::unique_ptr<CameraStage>> stages_;  // one per camera
     std::vector<std::uint8_t> delivered_;               // per camera
     HullStage hull_;
+    std::vector<CodedCamera> spare_coded_;  // memory for cameras that see somebody again
 };
 
 }  // namespace atrium::site_node

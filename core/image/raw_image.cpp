@@ -46,18 +46,19 @@ void chroma_of_mosaic(const PlaneView& samples,
 // kLuma: where in a pair of bytes the luma is.
 template <int kLuma>
 void unpack_422(const PlaneView& packed, const PixelRect& part, YuvImage& out) {
+    const int width = part.width;  // bytes that are written could be those of `part`
     for (int y = part.y; y < part.y + part.height; y += 2) {
         const std::uint8_t* __restrict top = packed.row(y) + 2 * part.x;
         const std::uint8_t* __restrict bottom = packed.row(y + 1) + 2 * part.x;
         std::uint8_t* __restrict top_luma = out.y.row(y) + part.x;
         std::uint8_t* __restrict bottom_luma = out.y.row(y + 1) + part.x;
-        for (int x = 0; x < part.width; ++x) {
+        for (int x = 0; x < width; ++x) {
             top_luma[x] = top[2 * x + kLuma];
             bottom_luma[x] = bottom[2 * x + kLuma];
         }
         std::uint8_t* __restrict u = out.u.row(y / 2) + part.x / 2;
         std::uint8_t* __restrict v = out.v.row(y / 2) + part.x / 2;
-        for (int x = 0; x < part.width / 2; ++x) {
+        for (int x = 0; x < width / 2; ++x) {
             constexpr int kU = 1 - kLuma;
             u[x] = static_cast<std::uint8_t>((top[4 * x + kU] + bottom[4 * x + kU] + 1) / 2);
             v[x] =

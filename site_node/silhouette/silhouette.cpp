@@ -1,5 +1,6 @@
 #include "site_node/silhouette/silhouette.hpp"
 
+#include "core/base/resize_keeping.hpp"
 #include "site_node/silhouette/undistort_polygon.hpp"
 
 #include <algorithm>
@@ -190,13 +191,13 @@ SilhouetteCounts extract_silhouette(const image::Mask& mask,
         counts.num_not_simple += scratch.dropped[c] == kNotSimple;
         if (scratch.dropped[c] != kKept) continue;
         counts.touches_border |= scratch.contours.contours[c].touches_border;
-        if (num_kept == out.size()) out.emplace_back();
+        if (num_kept == out.size()) resize_keeping(out, num_kept + 1, scratch.spare);
         out[num_kept].is_hole = scratch.polygons[c].is_hole;
         out[num_kept].vertices_px.assign(scratch.polygons[c].vertices_px.begin(),
                                          scratch.polygons[c].vertices_px.end());
         ++num_kept;
     }
-    out.resize(num_kept);
+    resize_keeping(out, num_kept, scratch.spare);
     return counts;
 }
 

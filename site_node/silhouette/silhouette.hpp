@@ -40,6 +40,7 @@ struct SilhouetteScratch {
         segments_of_edges;              // per contour: outline segment of each polygon edge
     std::vector<std::uint8_t> dropped;  // per contour
     std::vector<EdgeConflict> conflicts;
+    std::vector<SilhouettePolygon> spare;  // memory of polygons that there were
 };
 
 /// Turns a mask, as the camera delivers it, into polygons in undistorted pixels.
