@@ -1,6 +1,7 @@
 #include "site_node/segmentation/pixel_test.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 
 #if defined(__x86_64__)
@@ -51,38 +52,67 @@ std::int16_t deviation(int chroma, std::int16_t luma, std::int16_t ratio) {
     return static_cast<std::int16_t>(std::clamp(quarters, -kMaxDeviation, kMaxDeviation) * 16);
 }
 
-bool has_other_hue(const BlockRow& row, int x, const Limits& limits) {
+// No branches, here and below: so the compiler vectorises the loops with what every processor has.
+std::uint8_t has_other_hue(const BlockRow& row, int x, const Limits& limits) {
     const int at = 2 * x;
     const int sum = row.top[at] + row.top[at + 1] + row.bottom[at] + row.bottom[at + 1];
     const int brightest = std::max(std::max(row.top[at], row.top[at + 1]),
                                    std::max(row.bottom[at], row.bottom[at + 1]));
-    if (sum < limits.min_colour_luma || brightest >= kClipped) return false;
     const auto luma = static_cast<std::int16_t>(8 * sum);
     const std::int16_t du = deviation(row.u[x], luma, row.ratio_u[x]);
     const std::int16_t dv = deviation(row.v[x], luma, row.ratio_v[x]);
     const std::int32_t a = scaled(du, row.whiten_u[x]);
     const std::int32_t b = scaled(du, row.whiten_uv[x]) + scaled(dv, row.whiten_v[x]);
-    return a * a + b * b > limits.max_distance_sq;
+    const int has_hue = (sum >= limits.min_colour_luma) & (brightest < kClipped);
+    return static_cast<std::uint8_t>(-(has_hue & (a * a + b * b > limits.max_distance_sq)));
 }
 
-bool is_outside(std::uint8_t y, std::uint8_t low, std::uint8_t high, const Limits& limits) {
-    const int compensated =
-        (scaled(static_cast<std::int16_t>(64 * y), limits.inverse_gain) + 16) >> 5;
-    const int luma = std::min(compensated, 255);
-    return luma < low || luma > high;
+// Of one row of pixels; `hue` is that of their blocks, 255 or 0.
+void test_pixels(const std::uint8_t* __restrict y,
+                 const std::uint8_t* __restrict low,
+                 const std::uint8_t* __restrict high,
+                 const std::uint8_t* __restrict hue,
+                 int num_pixels,
+                 std::int16_t inverse_gain,
+                 std::uint8_t* __restrict out) {
+    for (int x = 0; x < num_pixels; ++x) {
+        const int compensated =
+            (scaled(static_cast<std::int16_t>(64 * y[x]), inverse_gain) + 16) >> 5;
+        const int luma = std::min(compensated, 255);
+        const int outside = (luma < low[x]) | (luma > high[x]);
+        out[x] = static_cast<std::uint8_t>(-outside | hue[x]);
+    }
 }
 
 void test_row(const BlockRow& row, int first, int num_blocks, const Limits& limits) {
-    for (int x = first; x < num_blocks; ++x) {
-        const bool hue = has_other_hue(row, x, limits);
-        for (int at = 2 * x; at < 2 * x + 2; ++at) {
-            row.top_out[at] =
-                hue || is_outside(row.top[at], row.top_low[at], row.top_high[at], limits) ? 255 : 0;
-            row.bottom_out[at] =
-                hue || is_outside(row.bottom[at], row.bottom_low[at], row.bottom_high[at], limits)
-                    ? 255
-                    : 0;
+    constexpr int kChunk = 128;  // blocks
+    std::array<std::uint8_t, kChunk> hue;
+    std::array<std::uint8_t, 2 * kChunk> hue_of_pixels;
+    for (; first < num_blocks; first += kChunk) {
+        const int num = std::min(kChunk, num_blocks - first);
+        for (int x = 0; x < num; ++x)
+            hue[static_cast<std::size_t>(x)] = has_other_hue(row, first + x, limits);
+        for (int x = 0; x < num; ++x) {
+            const auto block = static_cast<std::size_t>(x);
+            hue_of_pixels[2 * block] = hue_of_pixels[2 * block + 1] = hue[block];
         }
+        const int at = 2 * first;
+        const std::int16_t gain = limits.inverse_gain;
+        const std::uint8_t* const hues = hue_of_pixels.data();
+        test_pixels(row.top + at,
+                    row.top_low + at,
+                    row.top_high + at,
+                    hues,
+                    2 * num,
+                    gain,
+                    row.top_out + at);
+        test_pixels(row.bottom + at,
+                    row.bottom_low + at,
+                    row.bottom_high + at,
+                    hues,
+                    2 * num,
+                    gain,
+                    row.bottom_out + at);
     }
 }
 

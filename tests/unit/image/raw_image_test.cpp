@@ -138,6 +138,39 @@ TEST(WorkingView, EveryColourFormatShowsTheSameColours) {
     }
 }
 
+TEST(WorkingPicture, PartsAreThoseOfTheWhole) {
+    for (const PixelFormat format : {PixelFormat::kRgb,
+                                     PixelFormat::kBgr,
+                                     PixelFormat::kUyvy,
+                                     PixelFormat::kYuyv,
+                                     PixelFormat::kBayerGB,
+                                     PixelFormat::kMono8}) {
+        SCOPED_TRACE(static_cast<int>(format));
+        const std::size_t stride = row_bytes(format, kWidth) + kPadding;
+        const std::vector<std::uint8_t> bytes = encode(random_scene(3), format, stride);
+        const RawImage raw = raw_image(bytes, format, stride);
+        YuvImage whole_buffer;
+        const YuvView whole = working_view(raw, whole_buffer);
+        YuvImage buffer;
+        WorkingPicture picture(raw, buffer);
+        picture.make({4, 2, 2, 2});  // as places are looked at before their rows are made
+        EXPECT_EQ(picture.view().y.at(5, 3), whole.y.at(5, 3));
+        EXPECT_EQ(picture.view().u.at(2, 1), whole.u.at(2, 1));
+        picture.make({0, 0, 8, 6});
+        picture.make({8, 0, 4, 4});
+        picture.make({8, 4, 4, 2});
+        const YuvView& parts = picture.view();
+        EXPECT_EQ(parts.mosaic, whole.mosaic);
+        for (int y = 0; y < whole.height(); ++y) {
+            for (int x = 0; x < whole.width(); ++x) {
+                EXPECT_EQ(parts.y.at(x, y), whole.y.at(x, y));
+                EXPECT_EQ(parts.u.at(x / 2, y / 2), whole.u.at(x / 2, y / 2));
+                EXPECT_EQ(parts.v.at(x / 2, y / 2), whole.v.at(x / 2, y / 2));
+            }
+        }
+    }
+}
+
 TEST(WorkingView, MonochromeHasNoHue) {
     const Scene scene = random_scene(5);
     const std::vector<std::uint8_t> bytes = encode(scene, PixelFormat::kMono8, kWidth);
