@@ -157,6 +157,12 @@ private:
             quality.noise,
             quality.coverage,
             learners_[camera].foreground_share(*room, segmentation_));
+        if (source_.is_live() && quality.noise == 0.0) {
+            app::log::warn(
+                "the pictures of the empty room have no noise, which no sensor does camera={}; are "
+                "they what the camera sees?",
+                name);
+        }
         return room;
     }
 
@@ -256,6 +262,8 @@ Expected<void> learn_backgrounds(capture::FrameSource& source,
     std::vector<std::size_t> all(source.rig().cameras.size());
     std::iota(all.begin(), all.end(), 0);
     const auto rooms = learn(source, all, options, segmentation, stop);
+    if (stop.stop_requested())
+        return make_error(ErrorKind::kUnavailable, "stopped while learning; nothing was kept");
     Expected<void> result;
     for (std::size_t camera = 0; camera < rooms.size(); ++camera) {
         const std::string& name = source.rig().cameras[camera].name;

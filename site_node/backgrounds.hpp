@@ -37,8 +37,8 @@ std::vector<Expected<segmentation::BackgroundStatistics>> load_or_learn_backgrou
     std::stop_token stop);
 
 /// Learns all cameras of `source` and keeps in `options.folder` those that could be learned; the
-/// error is that of the first that could not. Error kUnavailable once `stop` is requested; what was
-/// learned until then is kept.
+/// error is that of the first that could not. Error kUnavailable once `stop` is requested; nothing
+/// is kept then.
 Expected<void> learn_backgrounds(capture::FrameSource& source,
                                  const BackgroundOptions& options,
                                  const segmentation::SegmentationOptions& segmentation,

@@ -36,7 +36,7 @@ int main(int argc, char** argv) {
         const auto done = config.learn_background
                               ? site_node::learn_background(config, stop.token())
                               : site_node::write_silhouettes(config, stop.token());
-        return done || stop.token().stop_requested() ? 0 : app::fail(done.error());
+        return done ? 0 : app::fail(done.error());
     }
     auto node = site_node::SiteNode::create(config, stop.token());
     if (!node) return stop.token().stop_requested() ? 0 : app::fail(node.error());

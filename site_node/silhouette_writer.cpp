@@ -146,12 +146,14 @@ Expected<void> write_silhouettes(const SiteNodeConfig& config, std::stop_token s
     fs::create_directories(views_folder, problem);
     std::size_t num_metaframes = 0;
     std::size_t num_pictures = 0;
+    std::size_t num_missing = 0;
     auto told = Clock::now();
     for (std::size_t i = 0; i < (*source)->num_frames() && !stop.stop_requested(); ++i) {
         const auto written = write_metaframe(**source, i, *writers, views_folder);
         if (!written) return tl::unexpected(written.error());
         num_metaframes += *written > 0 ? 1 : 0;
         num_pictures += *written;
+        num_missing += writers->size() - *written;
         if (Clock::now() - told < std::chrono::seconds(1)) continue;
         told = Clock::now();
         app::log::info("writing silhouettes metaframe={} of={}", i + 1, (*source)->num_frames());
@@ -160,6 +162,10 @@ Expected<void> write_silhouettes(const SiteNodeConfig& config, std::stop_token s
                    folder.string(),
                    num_metaframes,
                    num_pictures);
+    if (num_missing > 0) {
+        app::log::warn("pictures were missing or could not be read, and are left out pictures={}",
+                       num_missing);
+    }
     if (num_pictures == 0 && !stop.stop_requested()) {
         return make_error(ErrorKind::kInvalidData,
                           fmt::format("recording '{}': no picture of it can be read",

@@ -114,8 +114,7 @@ std::string from_bytes(const std::vector<char>& bytes,
     ByteReader reader(bytes, size);
     if (reader.text(kMagic.size()) != kMagic) return "is not a learned background";
     if (const auto version = reader.value<std::uint32_t>(); version != kVersion) {
-        return "has version " + std::to_string(version) + ", not " + std::to_string(kVersion) +
-               ": learn the background anew";
+        return "has version " + std::to_string(version) + ", not " + std::to_string(kVersion);
     }
     std::uint64_t sum = 0;
     std::memcpy(&sum, bytes.data() + size, sizeof sum);
@@ -184,8 +183,10 @@ Expected<BackgroundStatistics> load_background(const fs::path& folder, const std
     std::error_code problem;
     const auto size = fs::file_size(file, problem);
     std::ifstream stream(file, std::ios::binary);
+    if (problem == std::errc::no_such_file_or_directory)
+        return make_error(ErrorKind::kNotFound, file.string() + ": is not there");
     if (problem || !stream)
-        return make_error(ErrorKind::kNotFound, file.string() + ": cannot be read");
+        return make_error(ErrorKind::kInvalidData, file.string() + ": cannot be read");
     // the largest that there can be: 11/2 bytes per pixel and a head
     constexpr std::uintmax_t kMaxBytes = 6ULL * kMaxSize_px * kMaxSize_px;
     if (size > kMaxBytes)
@@ -195,7 +196,8 @@ Expected<BackgroundStatistics> load_background(const fs::path& folder, const std
     if (!stream) return make_error(ErrorKind::kInvalidData, file.string() + ": cannot be read");
     BackgroundStatistics room;
     if (const std::string wrong = from_bytes(bytes, camera, room); !wrong.empty())
-        return make_error(ErrorKind::kInvalidData, file.string() + ": " + wrong);
+        return make_error(ErrorKind::kInvalidData,
+                          file.string() + ": " + wrong + "; --learn-background writes it anew");
     return room;
 }
 

@@ -89,7 +89,7 @@ TEST_F(LateCamera, TakesPartAsSoonAsItAppearsWhereItsBackgroundWasKept) {
 }  // namespace atrium::site_node
 
 int main(int argc, char** argv) {
-    atrium::test_support::run_in_own_network(argv, 10);
+    atrium::test_support::enter_own_network(10);
     testing::InitGoogleMock(&argc, argv);
     return RUN_ALL_TESTS();
 }

@@ -49,12 +49,18 @@ public:
     explicit EmptyRoom(config::Rig rig) : rig_(std::move(rig)) {}
     const config::Rig& rig() const override { return rig_; }
     bool has_silhouettes() const override { return false; }
-    Expected<void> show_background(std::size_t camera, const BackgroundSink& sink) override {
-        image::YuvImage buffer;
-        for (unsigned seed = 0; seed < 8; ++seed)
-            sink(image::working_view(
-                take_picture(image::Mask(kSize_px, kSize_px), format_of(camera), seed), buffer));
-        return {};
+    std::vector<Expected<void>> show_background(const std::vector<std::size_t>& cameras,
+                                                const BackgroundSink& sink,
+                                                std::stop_token stop) override {
+        const auto show = [&](std::size_t camera) -> Expected<void> {
+            const image::Mask nobody(kSize_px, kSize_px);
+            image::YuvImage buffer;
+            for (unsigned seed = 0; seed < 8; ++seed)
+                sink(camera,
+                     image::working_view(take_picture(nobody, format_of(camera), seed), buffer));
+            return {};
+        };
+        return capture::one_after_another(cameras, show, stop);
     }
     Expected<void> run(std::stop_token, const Sink&) override { return {}; }
 
