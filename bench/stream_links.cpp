@@ -12,13 +12,14 @@
 
 // One row of the table of docs/streams.md, "Links":
 //
-//   stream_links NAME INTERNAL PROFILES MBIT/S DELAY_MS JITTER_MS LOSS FRAMES [MESH TEXTURE]
+//   stream_links NAME INTERNAL PROFILES MBIT/S DELAY_MS JITTER_MS LOSS FRAMES [MESH TEXTURE
+//   [MESSAGE FRAGMENT]]
 //
 // INTERNAL: Cyclone's elements of <Internal>; PROFILES: a file like qos/profiles.xml, or "".
 int main(int argc, char** argv) {
     using namespace atrium::test;
     const std::vector<std::string> words(argv + 1, argv + argc);
-    if (words.size() != 8 && words.size() != 10) return 2;
+    if (words.size() != 8 && words.size() != 10 && words.size() != 12) return 2;
     auto network = ImpairedNetwork::create(2, 1);
     if (!network) {
         fmt::print(stderr, "{}\n", network.error().message);
@@ -39,11 +40,14 @@ int main(int argc, char** argv) {
     settings.num_frames = std::stoull(words[7]);
     settings.profiles_file = words[2];
     settings.network_file = folder / fmt::format("stream_links-{}.xml", getpid());
-    if (words.size() == 10) {
+    if (words.size() >= 10) {
         settings.mesh_bytes = std::stoull(words[8]);
         settings.texture_bytes = std::stoull(words[9]);
     }
-    std::ofstream(settings.network_file) << network_xml(**network, 2, words[1]);
+    std::ofstream(settings.network_file)
+        << (words.size() == 12
+                ? network_xml(**network, words[1], std::stoi(words[10]), std::stoi(words[11]))
+                : network_xml(**network, words[1]));
     auto stream = StreamOverLink::start(**network, settings);
     if (!stream) {
         fmt::print(stderr, "{}\n", stream.error().message);

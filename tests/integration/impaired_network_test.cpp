@@ -30,9 +30,7 @@ using std::chrono::nanoseconds;
 constexpr std::uint16_t kPort = 7000;
 constexpr std::size_t kHeaders = 28;  // IP and UDP
 
-nanoseconds wall_clock() {
-    return std::chrono::system_clock::now().time_since_epoch();
-}
+nanoseconds wall_clock() { return std::chrono::system_clock::now().time_since_epoch(); }
 
 struct Probe {
     std::int64_t number = 0;
@@ -206,7 +204,8 @@ TEST_F(ImpairedNetworkTest, ALimitedRateIsKeptAndTheQueueDropsTheRest) {
     ASSERT_GE(seen.size(), 400u);
     const double between_ms = std::chrono::duration<double, std::milli>(
                                   seen.back().arrived - seen[seen.size() - 401].arrived)
-                                  .count() / 400;
+                                  .count() /
+                              400;
     EXPECT_NEAR(between_ms, 1.0, 0.05);
 }
 
@@ -262,7 +261,7 @@ TEST_F(ImpairedNetworkTest, CarriesMuchWithLittleWork) {
     for (int i = 0; i < kNum; ++i) {
         send(0, 1, i, kBytes);
         if (i % 18 != 17) continue;
-        std::this_thread::sleep_until(start + (i + 1) * 1s / kNum);
+        std::this_thread::sleep_until(start + (i + 1) * nanoseconds(1s) / kNum);
         while (auto arrival = receive(1)) seen.push_back(*arrival);  // before its buffer is full
     }
     num_expected_ = kNum;

@@ -71,23 +71,25 @@ tl::unexpected<Error> failed(const std::string& what, const HostedProcess& proce
 }  // namespace
 
 std::string network_xml(const ImpairedNetwork& network,
-                        int num_hosts,
-                        const std::string& internal) {
-    std::string peers;
-    for (int i = 0; i < num_hosts; ++i)
-        peers += fmt::format("<Peer Address=\"{}\"/>", network.address(i));
+                        const std::string& internal,
+                        int message_bytes,
+                        int fragment_bytes) {
     return fmt::format(
         "<CycloneDDS><Domain Id=\"any\"><General>"
         "<Interfaces><NetworkInterface name=\"{}\" multicast=\"false\"/></Interfaces>"
         "<AllowMulticast>false</AllowMulticast>"
-        "<MaxMessageSize>1400B</MaxMessageSize><FragmentSize>1300B</FragmentSize></General>"
+        "<MaxMessageSize>{}B</MaxMessageSize><FragmentSize>{}B</FragmentSize></General>"
         "<Discovery><ParticipantIndex>auto</ParticipantIndex>"
-        "<MaxAutoParticipantIndex>3</MaxAutoParticipantIndex><Peers>{}</Peers>"
+        "<MaxAutoParticipantIndex>3</MaxAutoParticipantIndex>"
+        "<Peers><Peer Address=\"{}\"/><Peer Address=\"{}\"/></Peers>"
         "<SPDPInterval>300ms</SPDPInterval><LeaseDuration>1200ms</LeaseDuration></Discovery>"
         "<Internal><SocketReceiveBufferSize max=\"16MB\"/><SocketSendBufferSize max=\"2MB\"/>"
         "<MaxSampleSize>16MB</MaxSampleSize>{}</Internal></Domain></CycloneDDS>",
         kLinkName,
-        peers,
+        message_bytes,
+        fragment_bytes,
+        network.address(0),
+        network.address(1),
         internal);
 }
 
@@ -100,6 +102,17 @@ double StreamReport::age_ms(double share) const {
     for (const CompleteFrame& frame : complete)
         ages_ms.push_back(static_cast<double>(frame.complete_ns - frame.capture_ns) * 1e-6);
     return at_share(ages_ms, share);
+}
+
+double StreamReport::longest_gap_ms() const {
+    std::int64_t gap_ns = 0;
+    const CompleteFrame* newest = nullptr;
+    for (const CompleteFrame& frame : complete) {
+        if (newest != nullptr && frame.number < newest->number) continue;
+        if (newest != nullptr) gap_ns = std::max(gap_ns, frame.complete_ns - newest->complete_ns);
+        newest = &frame;
+    }
+    return static_cast<double>(gap_ns) * 1e-6;
 }
 
 double StreamReport::write_ms_at(double share) const { return at_share(write_ms, share); }
@@ -148,31 +161,33 @@ Expected<StreamReport> StreamOverLink::finish() {
 }
 
 std::string table_head() {
-    return fmt::format("{:<40} {:>8} {:>8} {:>8} {:>8} {:>9} {:>8} {:>7} {:>7} {:>8}",
+    return fmt::format("{:<36}{:>9}{:>9}{:>9}{:>9}{:>8}{:>7}{:>7}{:>6}{:>7}{:>10}",
                        "stream",
                        "frames %",
-                       "sample %",
-                       "age p50",
-                       "age p99",
+                       "samples %",
+                       "p50 [ms]",
+                       "p99 [ms]",
+                       "gap [ms]",
                        "kB/s",
-                       "again kB/s",
+                       "again",
                        "lost",
-                       "queued",
-                       "write p99");
+                       "queue",
+                       "write [ms]");
 }
 
 std::string table_row(const std::string& name,
                       const StreamReport& report,
                       std::uint64_t num_frames) {
     const double seconds = static_cast<double>(num_frames) / 30;
+    const double num_samples = static_cast<double>(kSamplesPerFrame * num_frames);
     return fmt::format(
-        "{:<40} {:>8.1f} {:>8.1f} {:>8.1f} {:>8.1f} {:>9.1f} {:>8.1f} {:>7} {:>7} {:>8.2f}",
+        "{:<36}{:>9.1f}{:>9.1f}{:>9.1f}{:>9.1f}{:>8.0f}{:>7.0f}{:>7.0f}{:>6}{:>7}{:>10.2f}",
         name,
         100 * report.share_complete(),
-        100 * static_cast<double>(report.num_samples) /
-            static_cast<double>(kSamplesPerFrame * num_frames),
+        100 * static_cast<double>(report.num_samples) / num_samples,
         report.age_ms(0.5),
         report.age_ms(0.99),
+        report.longest_gap_ms(),
         static_cast<double>(report.there.entered_bytes) / seconds / 1e3,
         static_cast<double>(report.retransmitted_bytes) / seconds / 1e3,
         report.there.lost,

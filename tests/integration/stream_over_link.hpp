@@ -13,8 +13,12 @@
 namespace atrium::test {
 
 /// Settings for Cyclone DDS between hosts of the network that know each other by address. The
-/// elements of `internal` are added to those of <Internal>.
-std::string network_xml(const ImpairedNetwork& network, int num_hosts, const std::string& internal);
+/// elements of `internal` are added to those of <Internal>. A message is one UDP datagram; larger
+/// ones than the MTU are cut by IP.
+std::string network_xml(const ImpairedNetwork& network,
+                        const std::string& internal,
+                        int message_bytes = 1400,
+                        int fragment_bytes = 1300);
 
 struct StreamSettings {
     std::uint64_t num_frames = 300;  // at 30 Hz, each of one mesh and eight textures
@@ -42,7 +46,9 @@ struct StreamReport {
     double seconds = 0.0;
 
     double share_complete() const;
-    double age_ms(double share) const;   // of complete frames, at this share, the youngest first
+    double age_ms(double share) const;  // of complete frames, at this share, the youngest first
+    /// Longest time without a newer complete frame, between the first one and the last.
+    double longest_gap_ms() const;
     double write_ms_at(double share) const;
 };
 
@@ -71,6 +77,8 @@ private:
 
 /// The report as one row, or without one the heads of the columns.
 std::string table_head();
-std::string table_row(const std::string& name, const StreamReport& report, std::uint64_t num_frames);
+std::string table_row(const std::string& name,
+                      const StreamReport& report,
+                      std::uint64_t num_frames);
 
 }  // namespace atrium::test

@@ -45,8 +45,8 @@ void say(const std::string& text) {
 // Bytes sent again by all writers so far.
 std::uint64_t retransmitted_bytes(const bus::Participant& participant) {
     std::array<dds_entity_t, 16> writers{};
-    const int n = dds_get_children(
-        participant.impl()->publisher.get(), writers.data(), writers.size());
+    const int n =
+        dds_get_children(participant.impl()->publisher.get(), writers.data(), writers.size());
     std::uint64_t sum = 0;
     for (int i = 0; i < n; ++i) {
         dds_statistics* statistics = dds_create_statistics(writers[static_cast<std::size_t>(i)]);
@@ -156,7 +156,8 @@ int main(int argc, char** argv) {
     if (words[0] == "read") {
         read_frames(participant);
     } else {
-        write_frames(participant, std::stoull(words[3]), std::stoull(words[4]), std::stoull(words[5]));
+        write_frames(
+            participant, std::stoull(words[3]), std::stoull(words[4]), std::stoull(words[5]));
     }
     return 0;
 }

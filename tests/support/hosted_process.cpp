@@ -18,7 +18,10 @@ namespace {
 
 constexpr int kNotStarted = 127;
 
-[[noreturn]] void become(const NetworkHost& host, char* const* arguments, int output, pid_t parent) {
+[[noreturn]] void become(const NetworkHost& host,
+                         char* const* arguments,
+                         int output,
+                         pid_t parent) {
     // only calls that are safe between fork and exec
     sigset_t none;
     sigemptyset(&none);

@@ -79,8 +79,8 @@ Passage ImpairedLine::enter(std::int64_t now_ns, std::size_t num_bytes) {
             return {Fate::kQueueFull, 0, false};
         }
         counters_.longest_queue = std::max(counters_.longest_queue, wait);
-        sent_ns = starts_ns + std::llround(8e9 * static_cast<double>(num_bytes) /
-                                           impairment_.rate_bit_per_s);
+        sent_ns = starts_ns +
+                  std::llround(8e9 * static_cast<double>(num_bytes) / impairment_.rate_bit_per_s);
         free_ns_ = sent_ns;
     }
     if (lost) {  // on the way: it has used the rate

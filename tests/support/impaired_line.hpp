@@ -13,9 +13,9 @@ struct Impairment {
     /// The delay swings by at most this, up and down, slowly enough that no packet overtakes
     /// another: between random values of which one follows the other every four times `jitter`.
     std::chrono::nanoseconds jitter{0};
-    double loss = 0.0;          // share lost, each packet by itself
-    double burst_start = 0.0;   // share with which a row of losses starts
-    double burst_length = 1.0;  // mean number of packets in such a row, >= 1
+    double loss = 0.0;            // share lost, each packet by itself
+    double burst_start = 0.0;     // share with which a row of losses starts
+    double burst_length = 1.0;    // mean number of packets in such a row, >= 1
     double rate_bit_per_s = 0.0;  // of whole IP packets; 0: no limit
     /// A packet that would wait longer than this for its turn is dropped; where there is no rate
     /// limit nothing waits. The default is that of a home router of the better kind.

@@ -26,7 +26,9 @@ public:
     std::string address(int host) const;
 
     /// Both lines of all hosts are free of impairments at first.
-    void set(int host, Way way, const Impairment& impairment) { relay_->set(host, way, impairment); }
+    void set(int host, Way way, const Impairment& impairment) {
+        relay_->set(host, way, impairment);
+    }
     /// A host's cable is pulled, and plugged in again.
     void cut(int host);
     void restore(int host);

@@ -137,7 +137,8 @@ Expected<NetworkHost> make_network_host(std::uint32_t address) {
     auto made = descriptors_made_in_child([&] { return become_host(address); });
     if (!made) return tl::unexpected(made.error());
     if (made->size() != 3) return make_error(ErrorKind::kInternal, "descriptors are missing");
-    return NetworkHost{std::move((*made)[0]), std::move((*made)[1]), std::move((*made)[2]), address};
+    return NetworkHost{
+        std::move((*made)[0]), std::move((*made)[1]), std::move((*made)[2]), address};
 }
 
 bool enter(const NetworkHost& host) {

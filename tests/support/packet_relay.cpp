@@ -132,8 +132,9 @@ void PacketRelay::read_all(int port) {
     for (int i = 0; i < kReadsAtOnce; ++i) {
         const int index = new_packet();
         Packet& packet = *packets_[static_cast<std::size_t>(index)];
-        const ssize_t num_bytes = read(
-            ports_[static_cast<std::size_t>(port)].tun->get(), packet.bytes.data(), packet.bytes.size());
+        const ssize_t num_bytes = read(ports_[static_cast<std::size_t>(port)].tun->get(),
+                                       packet.bytes.data(),
+                                       packet.bytes.size());
         if (num_bytes > 0 && is_carried(packet.bytes.data(), static_cast<std::size_t>(num_bytes))) {
             packet.num_bytes = static_cast<std::size_t>(num_bytes);
             enter(line_of(port, Way::kUp), index, now());
@@ -176,8 +177,7 @@ void PacketRelay::leave(const Event& event) {
 }
 
 void PacketRelay::forward(int from_port, int packet, std::int64_t now_ns) {
-    const std::uint32_t to =
-        destination(packets_[static_cast<std::size_t>(packet)]->bytes.data());
+    const std::uint32_t to = destination(packets_[static_cast<std::size_t>(packet)]->bytes.data());
     for (std::size_t i = 0; i < ports_.size(); ++i) {
         const int port = static_cast<int>(i);
         const bool is_meant = IN_MULTICAST(to) ? port != from_port : to == ports_[i].address;
@@ -188,9 +188,8 @@ void PacketRelay::forward(int from_port, int packet, std::int64_t now_ns) {
 void PacketRelay::write(int port, const Event& event) {
     const Packet& packet = *packets_[static_cast<std::size_t>(event.packet)];
     // What the host cannot take its own kernel drops, and counts.
-    [[maybe_unused]] const auto written = ::write(ports_[static_cast<std::size_t>(port)].tun->get(),
-                                                  packet.bytes.data(),
-                                                  packet.num_bytes);
+    [[maybe_unused]] const auto written = ::write(
+        ports_[static_cast<std::size_t>(port)].tun->get(), packet.bytes.data(), packet.num_bytes);
     largest_lateness_ns_ = std::max(largest_lateness_ns_, now() - event.due_ns);
 }
 

@@ -163,11 +163,8 @@ TEST(ImpairedLine, ACutStopsWhatEntersAndARestoreLetsItInAgain) {
 }
 
 TEST(ImpairedLine, CountersAddUp) {
-    ImpairedLine line = line_with({.delay = 5ms,
-                                   .loss = 0.1,
-                                   .rate_bit_per_s = 10e6,
-                                   .queue = 5ms,
-                                   .duplicated = 0.2});
+    ImpairedLine line = line_with(
+        {.delay = 5ms, .loss = 0.1, .rate_bit_per_s = 10e6, .queue = 5ms, .duplicated = 0.2});
     std::uint64_t num_out = 0;
     for (int i = 0; i < 10'000; ++i) {
         if (i == 5000) line.cut();
