@@ -19,7 +19,8 @@
 int main(int argc, char** argv) {
     using namespace atrium::test;
     const std::vector<std::string> words(argv + 1, argv + argc);
-    if (words.size() != 8 && words.size() != 10 && words.size() != 12) return 2;
+    if (words.size() != 8 && words.size() != 10 && words.size() != 12 && words.size() != 13)
+        return 2;
     auto network = ImpairedNetwork::create(2, 1);
     if (!network) {
         fmt::print(stderr, "{}\n", network.error().message);
@@ -44,8 +45,9 @@ int main(int argc, char** argv) {
         settings.mesh_bytes = std::stoull(words[8]);
         settings.texture_bytes = std::stoull(words[9]);
     }
+    if (words.size() == 13) settings.num_texture_writers = std::stoi(words[12]);
     std::ofstream(settings.network_file)
-        << (words.size() == 12
+        << (words.size() >= 12
                 ? network_xml(**network, words[1], std::stoi(words[10]), std::stoi(words[11]))
                 : network_xml(**network, words[1]));
     auto stream = StreamOverLink::start(**network, settings);

@@ -132,7 +132,8 @@ Expected<std::unique_ptr<StreamOverLink>> StreamOverLink::start(ImpairedNetwork&
                                  settings.profiles_file.string(),
                                  std::to_string(settings.num_frames),
                                  std::to_string(settings.mesh_bytes),
-                                 std::to_string(settings.texture_bytes)});
+                                 std::to_string(settings.texture_bytes),
+                                 std::to_string(settings.num_texture_writers)});
     if (!writer) return tl::unexpected(writer.error());
     stream->writer_ = std::move(*writer);
     for (HostedProcess* process : {stream->writer_.get(), stream->reader_.get()}) {

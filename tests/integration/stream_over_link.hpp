@@ -24,6 +24,7 @@ struct StreamSettings {
     std::uint64_t num_frames = 300;  // at 30 Hz, each of one mesh and eight textures
     std::size_t mesh_bytes = 20'000;
     std::size_t texture_bytes = 7'000;
+    int num_texture_writers = 1;  // 1..8, which share the cameras
     std::filesystem::path network_file;
     std::filesystem::path profiles_file;
 };

@@ -15,7 +15,7 @@
 
 // One end of a stream of frames as a site sends them: a mesh and eight textures each, at 30 Hz.
 //
-//   stream_peer write NETWORK PROFILES FRAMES MESH_BYTES TEXTURE_BYTES
+//   stream_peer write NETWORK PROFILES FRAMES MESH_BYTES TEXTURE_BYTES TEXTURE_WRITERS
 //   stream_peer read NETWORK PROFILES
 //
 // Both say "matched" once they have found each other, and what they measured at the end: the writer
@@ -59,9 +59,17 @@ std::uint64_t retransmitted_bytes(const bus::Participant& participant) {
 }
 
 struct FrameWriter {
-    explicit FrameWriter(const bus::Participant& participant)
-        : meshes(value(bus::Writer<bus::SiteMesh>::create(participant))),
-          textures(value(bus::Writer<bus::CameraTexture>::create(participant))) {}
+    FrameWriter(const bus::Participant& participant, std::uint32_t num_texture_writers)
+        : meshes(value(bus::Writer<bus::SiteMesh>::create(participant))) {
+        for (std::uint32_t i = 0; i < num_texture_writers; ++i)
+            textures.push_back(value(bus::Writer<bus::CameraTexture>::create(participant)));
+    }
+
+    bool has_readers() const {
+        return meshes.num_readers() > 0 && std::ranges::all_of(textures, [](const auto& writer) {
+                   return writer.num_readers() > 0;
+               });
+    }
 
     void write(std::uint64_t frame, std::size_t mesh_bytes, std::size_t texture_bytes) {
         texture.site = mesh.site = "sender";
@@ -71,33 +79,36 @@ struct FrameWriter {
         texture.colour.assign(texture_bytes, 1);
         mesh.draco.assign(mesh_bytes, 1);
         for (texture.camera = 0; texture.camera < kNumCameras; ++texture.camera)
-            num_failed += textures.write(texture) ? 0 : 1;
+            num_failed += textures[texture.camera % textures.size()].write(texture) ? 0 : 1;
         num_failed += meshes.write(mesh) ? 0 : 1;
     }
 
     bus::Writer<bus::SiteMesh> meshes;
-    bus::Writer<bus::CameraTexture> textures;
+    std::vector<bus::Writer<bus::CameraTexture>> textures;  // the cameras in turn
     bus::SiteMesh mesh;
     bus::CameraTexture texture;
     int num_failed = 0;
 };
 
-void write_frames(const bus::Participant& participant,
-                  std::uint64_t num_frames,
-                  std::size_t mesh_bytes,
-                  std::size_t texture_bytes) {
-    FrameWriter writer(participant);
-    while (writer.meshes.num_readers() == 0 || writer.textures.num_readers() == 0)
-        std::this_thread::sleep_for(5ms);
+struct Sizes {
+    std::uint64_t num_frames;
+    std::size_t mesh_bytes;
+    std::size_t texture_bytes;
+    std::uint32_t num_texture_writers;
+};
+
+void write_frames(const bus::Participant& participant, const Sizes& sizes) {
+    FrameWriter writer(participant, sizes.num_texture_writers);
+    while (!writer.has_readers()) std::this_thread::sleep_for(5ms);
     std::this_thread::sleep_for(200ms);  // the reader has found us when we have found it, and a way
     say("matched");
     const auto start = Clock::now();
     const std::uint64_t retransmitted_before = retransmitted_bytes(participant);
     std::vector<double> durations_ms;
-    for (std::uint64_t frame = 1; frame <= num_frames; ++frame) {
+    for (std::uint64_t frame = 1; frame <= sizes.num_frames; ++frame) {
         std::this_thread::sleep_until(start + frame * kPeriod);
         const auto before = Clock::now();
-        writer.write(frame, mesh_bytes, texture_bytes);
+        writer.write(frame, sizes.mesh_bytes, sizes.texture_bytes);
         durations_ms.push_back(
             std::chrono::duration<double, std::milli>(Clock::now() - before).count());
     }
@@ -146,7 +157,7 @@ void read_frames(const bus::Participant& participant) {
 
 int main(int argc, char** argv) {
     const std::vector<std::string> words(argv + 1, argv + argc);
-    if (words.size() != 3 && words.size() != 6) return 2;
+    if (words.size() != 3 && words.size() != 7) return 2;
     std::signal(SIGTERM, [](int) { stopped = 1; });
     bus::BusOptions options;
     options.world = "stream-peer";
@@ -156,8 +167,11 @@ int main(int argc, char** argv) {
     if (words[0] == "read") {
         read_frames(participant);
     } else {
-        write_frames(
-            participant, std::stoull(words[3]), std::stoull(words[4]), std::stoull(words[5]));
+        write_frames(participant,
+                     {std::stoull(words[3]),
+                      std::stoull(words[4]),
+                      std::stoull(words[5]),
+                      static_cast<std::uint32_t>(std::stoul(words[6]))});
     }
     return 0;
 }
