@@ -10,12 +10,13 @@
 #include <string>
 #include <vector>
 
-// One row of the table of docs/streams.md, "Links":
+// One row of the tables of docs/streams.md, "Links"; stream_links.sh has all of them:
 //
-//   stream_links NAME INTERNAL PROFILES MBIT/S DELAY_MS JITTER_MS LOSS FRAMES [MESH TEXTURE
-//   [MESSAGE FRAGMENT]]
+//   stream_links NAME INTERNAL PROFILES MBIT/S DELAY_MS JITTER_MS LOSS FRAMES
+//                [MESH TEXTURE [MESSAGE FRAGMENT [TEXTURE_WRITERS]]]
 //
-// INTERNAL: Cyclone's elements of <Internal>; PROFILES: a file like qos/profiles.xml, or "".
+// INTERNAL: Cyclone's elements of <Internal>; PROFILES: a file like qos/profiles.xml, or "" for the
+// one built in; 0 MBIT/S: no limit; the rest in bytes.
 int main(int argc, char** argv) {
     using namespace atrium::test;
     const std::vector<std::string> words(argv + 1, argv + argc);
