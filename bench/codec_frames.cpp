@@ -13,7 +13,10 @@ namespace atrium::bench {
 namespace {
 
 // The mask that halves to `half` where `crop_px` lies.
-image::Mask doubled(const image::Mask& half, const image::PixelRect& crop_px, int width, int height) {
+image::Mask doubled(const image::Mask& half,
+                    const image::PixelRect& crop_px,
+                    int width,
+                    int height) {
     image::Mask mask(width, height);
     for (int y = 0; y < crop_px.height; ++y) {
         for (int x = 0; x < crop_px.width; ++x)
@@ -35,8 +38,7 @@ Expected<CodecView> make_view(const geometry::CalibratedCamera& camera,
     view.mask = doubled(half, coded.crop_px, raw.width, raw.height);
     texture::TextureScratch scratch;
     const texture::TextureOptions exactly{.padding_px = 0};
-    if (!texture::crop_texture(
-            view.picture, view.mask, coded.crop_px, exactly, scratch, view.crop))
+    if (!texture::crop_texture(view.picture, view.mask, coded.crop_px, exactly, scratch, view.crop))
         return make_error(ErrorKind::kInvalidData, "a camera that sees nobody was coded");
     return view;
 }
@@ -52,8 +54,8 @@ Expected<CodecFrame> make_frame(const std::string& scene,
     CodecFrame frame{scene, site_frame.hull.mesh, {}};
     frame.views.reserve(site_frame.cameras.size());
     for (const site_node::CodedCamera& coded : site_frame.cameras) {
-        auto view = make_view(
-            rig.cameras[coded.camera], metaframe.frames[coded.camera].image, coded);
+        auto view =
+            make_view(rig.cameras[coded.camera], metaframe.frames[coded.camera].image, coded);
         if (!view) return tl::unexpected(view.error());
         frame.views.push_back(std::move(*view));
     }

@@ -18,10 +18,10 @@ struct CodecView {
     geometry::CalibratedCamera camera;
     image::RawImage raw;
     image::YuvImage buffer;
-    image::YuvView picture;     // of `raw`; may point into `buffer`
-    image::Mask mask;           // as large as the picture; its 2x2 blocks are of one value
-    codec::TextureCrop crop;    // as sent, with `mask` halved; the colours of its foreground are
-                                // those of the picture
+    image::YuvView picture;   // of `raw`; may point into `buffer`
+    image::Mask mask;         // as large as the picture; its 2x2 blocks are of one value
+    codec::TextureCrop crop;  // as sent, with `mask` halved; the colours of its foreground are
+                              // those of the picture
 };
 
 /// One instant as the site's pipeline sees it, before it is coded.

@@ -19,7 +19,7 @@ namespace atrium::bench {
 namespace {
 
 constexpr int kRepetitions = 25;
-constexpr int kQualities[] = {50, 55, 60, 65, 70, 75, 80, 85, 90, 95};
+constexpr int kQualities[] = {50, 60, 70, 75, 80, 82, 84, 85, 86, 87, 88, 90, 92, 95};
 
 template <typename T>
 T value_of(Expected<T> result) {
@@ -40,9 +40,9 @@ double median_ms(const std::function<void()>& work) {
     for (int i = 0; i < kRepetitions; ++i) {
         const auto begin = std::chrono::steady_clock::now();
         work();
-        ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() -
-                                                               begin)
-                         .count());
+        ms.push_back(
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin)
+                .count());
     }
     std::nth_element(ms.begin(), ms.begin() + kRepetitions / 2, ms.end());
     return ms[kRepetitions / 2];
@@ -56,6 +56,7 @@ struct Row {
     double masks_kb = 0.0;
     double colours_kb = 0.0;
     test::TextureError error;
+    // of Y, Cb and Cr, by camera
     double worst_db = std::numeric_limits<double>::infinity();
     double sum_db = 0.0;
     int num_views = 0;
@@ -85,12 +86,8 @@ void measure_textures(const CodecFrame& frame, int quality, Row& row) {
     codec::TextureCrop crop;
     row.crop_ms += median_ms([&] {
         for (const CodecView& view : frame.views) {
-            if (!texture::crop_texture(view.picture,
-                                       view.mask,
-                                       view.crop.crop_px,
-                                       {.padding_px = 0},
-                                       scratch,
-                                       crop))
+            if (!texture::crop_texture(
+                    view.picture, view.mask, view.crop.crop_px, {.padding_px = 0}, scratch, crop))
                 std::abort();
         }
     });
@@ -106,12 +103,10 @@ void measure_textures(const CodecFrame& frame, int quality, Row& row) {
         row.masks_kb += 1e-3 * static_cast<double>(coded[i].mask.size());
         row.colours_kb += 1e-3 * static_cast<double>(coded[i].colour.size());
         const test::TextureError error = test::texture_error(frame.views[i].crop, shown[i]);
-        row.error.rgb.add(error.rgb);
-        row.error.luma.add(error.luma);
-        row.error.chroma.add(error.chroma);
+        row.error.add(error);
         row.subject_px += static_cast<double>(error.luma.num_samples());
-        row.worst_db = std::min(row.worst_db, error.rgb.psnr_db());
-        row.sum_db += error.rgb.psnr_db();
+        row.worst_db = std::min(row.worst_db, error.ycbcr().psnr_db());
+        row.sum_db += error.ycbcr().psnr_db();
         ++row.num_views;
     }
 }
@@ -130,7 +125,8 @@ void print(const std::vector<CodecFrame>& frames, int quality, const Row& row) {
     for (const double db : {row.sum_db / row.num_views,
                             row.worst_db,
                             row.error.luma.psnr_db(),
-                            row.error.chroma.psnr_db()})
+                            row.error.chroma.psnr_db(),
+                            row.error.rgb.psnr_db()})
         fmt::print(",{:.2f}", db);
     for (const double ms : {row.crop_ms,
                             row.encode_mesh_ms,
@@ -157,7 +153,8 @@ void measure(const std::vector<CodecFrame>& frames) {
 int run() {
     fmt::print(
         "scene,quality,views,triangles,subject_px,mesh_kb,masks_kb,colours_kb,total_kb,psnr_db,"
-        "worst_psnr_db,luma_psnr_db,chroma_psnr_db,crop_ms,encode_mesh_ms,encode_textures_ms,"
+        "worst_psnr_db,luma_psnr_db,chroma_psnr_db,rgb_psnr_db,crop_ms,encode_mesh_ms,encode_"
+        "textures_ms,"
         "encode_ms,decode_mesh_ms,decode_textures_ms,decode_ms\n");
     measure(value_of(simulated_frames(3)));
     const std::filesystem::path ring = ATRIUM_SOURCE_DIR "/../shared/data/recordings/ring20";

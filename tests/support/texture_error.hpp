@@ -31,6 +31,17 @@ struct TextureError {
     SampleError rgb;     // R, G and B alike
     SampleError luma;    // Y
     SampleError chroma;  // Cb and Cr alike
+
+    SampleError ycbcr() const {  // Y, Cb and Cr alike
+        SampleError all = luma;
+        all.add(chroma);
+        return all;
+    }
+    void add(const TextureError& other) {
+        rgb.add(other.rgb);
+        luma.add(other.luma);
+        chroma.add(other.chroma);
+    }
 };
 
 /// How far the picture that a viewer shows is from the half-resolution picture that was cut out

@@ -60,6 +60,8 @@ TEST(TextureError, OfOneColourGoesToLumaAndChromaByTheirWeights) {
     const double blue = (10.0 - 1.14) / 1.772;
     const double red = -1.14 / 1.402;
     EXPECT_NEAR(error.chroma.psnr_db(), psnr_of((blue * blue + red * red) / 2.0), 1e-9);
+    EXPECT_NEAR(
+        error.ycbcr().psnr_db(), psnr_of((1.14 * 1.14 + blue * blue + red * red) / 3.0), 1e-9);
 }
 
 TEST(TextureError, DoesNotSeeWhatIsOutsideOfTheSubject) {
