@@ -1,5 +1,7 @@
 #include "core/codec/jpeg_writer.hpp"
 
+#include "core/codec/huffman_tables.hpp"
+
 // jpeglib.h needs what stdio.h declares
 #include <jpeglib.h>
 
@@ -30,6 +32,12 @@ struct ErrorManager {
 }
 
 void say_nothing(j_common_ptr) {}
+
+void use(const HuffmanTable& table, JHUFF_TBL& out) {
+    std::copy(table.number.begin(), table.number.end(), out.bits);
+    std::copy(table.symbols.begin(), table.symbols.end(), out.huffval);
+    out.sent_table = FALSE;
+}
 
 int padded(int size) { return (size + kBlock - 1) / kBlock * kBlock; }
 
@@ -104,7 +112,10 @@ struct JpegWriter::State {
             jpeg.comp_info[p].quant_tbl_no = 0;
         }
         jpeg.raw_data_in = TRUE;
-        jpeg.optimize_coding = TRUE;
+        use(kLumaDc, *jpeg.dc_huff_tbl_ptrs[0]);
+        use(kLumaAc, *jpeg.ac_huff_tbl_ptrs[0]);
+        use(kChromaDc, *jpeg.dc_huff_tbl_ptrs[1]);
+        use(kChromaAc, *jpeg.ac_huff_tbl_ptrs[1]);
         jpeg.dct_method = JDCT_ISLOW;
         jpeg_start_compress(&jpeg, TRUE);
     }
