@@ -51,6 +51,7 @@ double median_ms(const std::function<void()>& work) {
 /// Of all frames of a scene: sums, and the worst camera.
 struct Row {
     double triangles = 0.0;
+    double position_bits = 0.0;
     double subject_px = 0.0;
     double mesh_kb = 0.0;
     double masks_kb = 0.0;
@@ -69,9 +70,13 @@ struct Row {
 
 void measure_mesh(const CodecFrame& frame, Row& row) {
     std::vector<std::uint8_t> bytes;
-    const codec::MeshCodecOptions options;
-    row.encode_mesh_ms +=
-        median_ms([&] { value_of(codec::encode_mesh(frame.mesh, options, bytes)); });
+    std::vector<geometry::CalibratedCamera> cameras;
+    for (const CodecView& view : frame.views) cameras.push_back(view.camera);
+    row.encode_mesh_ms += median_ms([&] {
+        const int bits = codec::position_bits_for(frame.mesh, cameras);
+        value_of(codec::encode_mesh(frame.mesh, {.position_bits = bits}, bytes));
+    });
+    row.position_bits += codec::position_bits_for(frame.mesh, cameras);
     row.decode_mesh_ms += median_ms([&] { value_of(codec::decode_mesh(bytes)); });
     row.triangles += static_cast<double>(frame.mesh.triangles.size());
     row.mesh_kb += 1e-3 * static_cast<double>(bytes.size());
@@ -113,11 +118,12 @@ void measure_textures(const CodecFrame& frame, int quality, Row& row) {
 
 void print(const std::vector<CodecFrame>& frames, int quality, const Row& row) {
     const auto num_frames = static_cast<double>(frames.size());
-    fmt::print("{},{},{:.0f},{:.0f},{:.0f}",
+    fmt::print("{},{},{:.0f},{:.0f},{:.1f},{:.0f}",
                frames.front().scene,
                quality,
                row.num_views / num_frames,
                row.triangles / num_frames,
+               row.position_bits / num_frames,
                row.subject_px / num_frames);
     const double kb = row.mesh_kb + row.masks_kb + row.colours_kb;
     for (const double size : {row.mesh_kb, row.masks_kb, row.colours_kb, kb})
@@ -152,7 +158,8 @@ void measure(const std::vector<CodecFrame>& frames) {
 
 int run() {
     fmt::print(
-        "scene,quality,views,triangles,subject_px,mesh_kb,masks_kb,colours_kb,total_kb,psnr_db,"
+        "scene,quality,views,triangles,position_bits,subject_px,mesh_kb,masks_kb,colours_kb,total_"
+        "kb,psnr_db,"
         "worst_psnr_db,luma_psnr_db,chroma_psnr_db,rgb_psnr_db,crop_ms,encode_mesh_ms,encode_"
         "textures_ms,"
         "encode_ms,decode_mesh_ms,decode_textures_ms,decode_ms\n");
