@@ -20,7 +20,7 @@ int quantisation_step(int quality);
 /// Unlike the JPEG standard's example tables, which hide errors from the eye of somebody who looks
 /// at a whole picture from afar, every frequency has the same step: at equal size the mean squared
 /// error is smallest. The Huffman code is one that suits such steps; made anew for each picture it
-/// would save another 1 to 2 % and take twice the time.
+/// would save another 0.3 kB of each and take more than twice the time.
 class JpegWriter {
 public:
     JpegWriter();
