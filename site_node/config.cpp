@@ -237,8 +237,8 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             "bounds");
     set.add("codec.position_bits",
             config.pipeline.mesh.position_bits,
-            "of a vertex coordinate on the wire [bits]",
-            {8, 20});
+            "of a vertex coordinate on the wire [bits], 8 to 20; 0: as the cameras can see",
+            {0, 20});
     set.add("codec.mesh_speed",
             config.pipeline.mesh.speed,
             "Draco's, 0 smallest to 10 fastest",
@@ -325,6 +325,11 @@ Expected<void> check(const SiteNodeConfig& config) {
         return wrong(
             "capture.min_cameras: must be 0 (all) or at least 2: one camera is not enough "
             "for a hull");
+    }
+    const int bits = config.pipeline.mesh.position_bits;
+    if (bits > 0 && bits < 8) {
+        return wrong(fmt::format(
+            "codec.position_bits: must be 0 (as the cameras can see) or 8 to 20, got {}", bits));
     }
     return check(config.pipeline.hull);
 }

@@ -161,7 +161,10 @@ Expected<void> Pipeline::encode(Executor& executor, SiteFrame& frame) {
             return;
         }
         const auto begin = Clock::now();
-        mesh = codec::encode_mesh(frame.hull.mesh, options_.mesh, frame.draco);
+        codec::MeshCodecOptions options = options_.mesh;
+        if (options.position_bits == 0)
+            options.position_bits = codec::position_bits_for(frame.hull.mesh, cameras_);
+        mesh = codec::encode_mesh(frame.hull.mesh, options, frame.draco);
         frame.work_milliseconds.mesh = milliseconds_between(begin, Clock::now());
     };
     executor.parallel_for(1 + cameras_.size(), work);

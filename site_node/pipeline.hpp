@@ -26,9 +26,10 @@ struct PipelineOptions {
     std::vector<CameraAreas> areas;
     silhouette::SilhouetteOptions silhouette;
     HullStageOptions hull;
-    codec::MeshCodecOptions mesh;
+    /// With 0 position_bits, those of codec::position_bits_for.
+    codec::MeshCodecOptions mesh{.position_bits = 0};
     texture::TextureOptions texture;
-    int jpeg_quality = 85;
+    int jpeg_quality = 86;  // docs/streams.md has the table from which it is taken
 };
 
 /// What one camera adds to a frame.

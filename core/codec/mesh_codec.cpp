@@ -152,6 +152,30 @@ double quantisation_step_m(const TriangleMesh& mesh, const MeshCodecOptions& opt
     return side_m / static_cast<double>((1U << static_cast<unsigned>(options.position_bits)) - 1U);
 }
 
+int position_bits_for(const TriangleMesh& mesh,
+                      std::span<const geometry::CalibratedCamera> cameras) {
+    constexpr int kFewestBits = 8;
+    constexpr int kMostBits = 16;
+    constexpr int kUnseenBits = 14;
+    double most_px_per_m = 0.0;
+    for (const geometry::CalibratedCamera& camera : cameras) {
+        const Eigen::Matrix3d rotation = camera.camera_from_site.rotation.toRotationMatrix();
+        const Eigen::Vector3d& translation = camera.camera_from_site.translation;
+        const double focal_px = std::max(camera.intrinsics.fx, camera.intrinsics.fy);
+        for (const Eigen::Vector3d& vertex : mesh.vertices) {
+            const Eigen::Vector3d seen = rotation * vertex + translation;
+            if (seen.z() <= 0.0) continue;
+            most_px_per_m = std::max(most_px_per_m, focal_px * seen.norm() / (seen.z() * seen.z()));
+        }
+    }
+    if (most_px_per_m == 0.0) return kUnseenBits;
+    const double longest_step_m = 2.0 * kStepInTexturePixels / most_px_per_m;
+    int bits = kFewestBits;
+    while (bits < kMostBits && quantisation_step_m(mesh, {.position_bits = bits}) > longest_step_m)
+        ++bits;
+    return bits;
+}
+
 Expected<std::size_t> encode_mesh(const TriangleMesh& mesh,
                                   const MeshCodecOptions& options,
                                   std::vector<std::uint8_t>& out) {

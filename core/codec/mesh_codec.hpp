@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/expected.hpp"
+#include "core/geometry/pinhole_camera.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 
 #include <cstddef>
@@ -13,7 +14,7 @@ namespace atrium::codec {
 
 struct MeshCodecOptions {
     /// Bits per coordinate, 8..20. Positions snap to a cubic grid of `quantisation_step_m`: with 14
-    /// bits a mesh whose longest side is 2 m has a step of 0.122 mm.
+    /// bits a mesh whose longest side is 2 m has a step of 0.122 mm. See position_bits_for.
     int position_bits = 14;
     int speed = 7;  // Draco's: 0 smallest and slowest, 10 fastest; 7 is the best trade measured
 };
@@ -27,6 +28,22 @@ struct MeshLimits {
 
 /// Side of the grid that positions snap to; the same on all axes, set by the longest side.
 double quantisation_step_m(const geometry::TriangleMesh& mesh, const MeshCodecOptions& options);
+
+/// Longest step that position_bits_for allows, in pixels of the textures, which are half as many
+/// per side as those that a camera delivers.
+constexpr double kStepInTexturePixels = 0.25;
+
+/// Least number of bits, 8 to 16, with which `step * m <= 2 * kStepInTexturePixels`, where m is the
+/// most delivered pixels by which any camera sees any vertex of `mesh` move per metre, to first
+/// order: `f * distance / depth^2` with the larger focal length. A camera at 2.5 m with f = 1000 px
+/// sees 2.5 mm as a pixel and allows steps of 1.25 mm: 11 bits for a person of 1.8 m, in steps of
+/// 0.88 mm.
+///
+/// So no vertex moves by more than sqrt(3) / 2 steps (half a step on each axis), which every camera
+/// sees as at most 0.44 delivered (0.22 texture) pixels, unless one is so near that 16 bits do not
+/// do. Vertices behind a camera do not count; 14 where no camera sees any.
+int position_bits_for(const geometry::TriangleMesh& mesh,
+                      std::span<const geometry::CalibratedCamera> cameras);
 
 /// Replaces `out` by the Draco stream of `mesh` (edgebreaker connectivity, quantised positions) and
 /// returns its size. An empty mesh is zero bytes.

@@ -1,5 +1,7 @@
 #include "core/codec/texture_codec.hpp"
 
+#include "core/codec/jpeg_writer.hpp"
+
 #include <turbojpeg.h>
 
 #include <algorithm>
@@ -10,15 +12,7 @@
 namespace atrium::codec {
 
 struct TextureEncoder::State {
-    tjhandle jpeg = tjInitCompress();
-    std::vector<unsigned char> buffer;  // fits the worst case; much larger than what comes out
-
-    State() = default;
-    State(const State&) = delete;
-    State& operator=(const State&) = delete;
-    ~State() {
-        if (jpeg) tjDestroy(jpeg);
-    }
+    JpegWriter jpeg;
 };
 
 struct TextureDecoder::State {
@@ -65,35 +59,16 @@ tl::unexpected<Error> jpeg_error(tjhandle handle, const std::string& what) {
 
 Expected<void> encode_colour(const TextureCrop& crop,
                              int quality,
-                             tjhandle encoder,
-                             std::vector<unsigned char>& memory,
+                             JpegWriter& jpeg,
                              std::vector<std::uint8_t>& out) {
-    if (!encoder) return make_error(ErrorKind::kInternal, "the JPEG encoder could not be started");
-    const int width = crop.width();
-    const int height = crop.height();
-    const std::size_t worst_case = tjBufSize(width, height, TJSAMP_444);
-    if (memory.size() < worst_case) memory.resize(worst_case);
-    const unsigned char* planes[3] = {crop.y.data.data(), crop.u.data.data(), crop.v.data.data()};
-    const int strides[3] = {width, width, width};
-    unsigned char* buffer = memory.data();
-    unsigned long size = memory.size();
-    // the buffer fits the worst case, so the library never replaces it
-    const int failed = tjCompressFromYUVPlanes(encoder,
-                                               planes,
-                                               width,
-                                               strides,
-                                               height,
-                                               TJSAMP_444,
-                                               &buffer,
-                                               &size,
-                                               quality,
-                                               TJFLAG_NOREALLOC);
-    if (failed) return jpeg_error(encoder, "texture cannot be coded");
+    const auto coded = jpeg.write(crop.y, crop.u, crop.v, quality);
+    if (!coded) return tl::unexpected(coded.error());
+    const std::size_t size = coded->size();
     if (out.capacity() < size) out.reserve(std::bit_ceil(size));  // sizes differ a little each time
-    out.assign(buffer, buffer + size);
+    out.assign(coded->begin(), coded->end());
     if (size > kMaxColourBytes) {
         return make_error(ErrorKind::kInvalidData,
-                          "texture of " + size_text(width, height) + " takes " +
+                          "texture of " + size_text(crop.width(), crop.height()) + " takes " +
                               std::to_string(size) + " bytes; lower the quality to stay below " +
                               std::to_string(kMaxColourBytes));
     }
@@ -160,8 +135,7 @@ Expected<void> TextureEncoder::encode(const TextureCrop& crop, int quality, Code
                               " per side and " + std::to_string(kMaxTexturePixels) +
                               " in all are allowed");
     }
-    if (auto coded = encode_colour(crop, quality, state_->jpeg, state_->buffer, out.colour); !coded)
-        return coded;
+    if (auto coded = encode_colour(crop, quality, state_->jpeg, out.colour); !coded) return coded;
     encode_mask(crop.mask, out.mask);
     return {};
 }

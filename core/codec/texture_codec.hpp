@@ -51,9 +51,9 @@ public:
     TextureEncoder(TextureEncoder&&) noexcept;
     TextureEncoder& operator=(TextureEncoder&&) noexcept;
 
-    /// Codes colours and mask (not crop_px); `quality` is JPEG's, 1 to 100. The planes go into the
-    /// JPEG as they are: no colours are converted. An error if the planes are empty, differ in
-    /// size, or are larger than what TextureDecoder takes.
+    /// Codes colours and mask (not crop_px); `quality` is 1 to 100 (see quantisation_step). The
+    /// planes go into the JPEG as they are: no colours are converted. An error if the planes are
+    /// empty, differ in size, or are larger than what TextureDecoder takes.
     Expected<void> encode(const TextureCrop& crop, int quality, CodedTexture& out);
 
 private:

@@ -156,6 +156,84 @@ Block source_of_fill(
     return around.num_foreground > 0 ? around : whole;
 }
 
+// Eight samples of one row of a block; the compiler makes one register of it.
+using Row = std::int16_t __attribute__((vector_size(16)));
+using Rows = std::array<Row, kBlockSize>;
+
+// What the pixels next to each one are; those at the edge stand for the ones beyond it.
+Row from_left(Row row) { return __builtin_shuffle(row, Row{0, 0, 1, 2, 3, 4, 5, 6}); }
+Row from_right(Row row) { return __builtin_shuffle(row, Row{1, 2, 3, 4, 5, 6, 7, 7}); }
+
+// Background becomes the mean of its four neighbours, again and again: from `rows`, in which it has
+// the block's mean, towards the smoothest surface through the foreground.
+void relax(const Rows& is_foreground, Rows& rows) {
+    constexpr int kTimes = 6;  // more of it saves less than 1 % of the bytes
+    for (int i = 0; i < kTimes; ++i) {
+        const Rows old = rows;
+        for (std::size_t y = 0; y < kBlockSize; ++y) {
+            const Row above = old[y == 0 ? 0 : y - 1];
+            const Row below = old[y + 1 == kBlockSize ? y : y + 1];
+            const Row mean = (from_left(old[y]) + from_right(old[y]) + above + below + 2) >> 2;
+            rows[y] = (old[y] & is_foreground[y]) | (mean & ~is_foreground[y]);
+        }
+    }
+}
+
+void fill_evenly(image::Plane& plane,
+                 const image::Mask& mask,
+                 PixelRange xs,
+                 PixelRange ys,
+                 std::uint8_t value) {
+    for (int y = ys.begin; y < ys.end; ++y) {
+        std::uint8_t* pixels = plane.row(y);
+        const std::uint8_t* own_mask = mask.row(y);
+        for (int x = xs.begin; x < xs.end; ++x) pixels[x] = own_mask[x] != 0 ? pixels[x] : value;
+    }
+}
+
+// Of a whole block, 8 by 8.
+void fill_smoothly(image::Plane& plane, int x0, int y0, const Rows& is_foreground) {
+    Rows rows;
+    for (std::size_t y = 0; y < kBlockSize; ++y) {
+        const std::uint8_t* pixels = plane.row(y0 + static_cast<int>(y)) + x0;
+        for (int x = 0; x < kBlockSize; ++x) rows[y][x] = pixels[x];
+    }
+    relax(is_foreground, rows);
+    for (std::size_t y = 0; y < kBlockSize; ++y) {
+        std::uint8_t* pixels = plane.row(y0 + static_cast<int>(y)) + x0;
+        for (int x = 0; x < kBlockSize; ++x) pixels[x] = static_cast<std::uint8_t>(rows[y][x]);
+    }
+}
+
+Rows foreground_of(const image::Mask& mask, int x0, int y0) {
+    Rows rows;
+    for (std::size_t y = 0; y < kBlockSize; ++y) {
+        const std::uint8_t* pixels = mask.row(y0 + static_cast<int>(y)) + x0;
+        for (int x = 0; x < kBlockSize; ++x)
+            rows[y][x] = static_cast<std::int16_t>(pixels[x] != 0 ? -1 : 0);
+    }
+    return rows;
+}
+
+void fill_block(codec::TextureCrop& picture,
+                PixelRange xs,
+                PixelRange ys,
+                const Block& source,
+                bool has_foreground) {
+    // at the right and lower edge the JPEG repeats the last pixels, so that nothing is to be gained
+    const bool smooth =
+        has_foreground && xs.end - xs.begin == kBlockSize && ys.end - ys.begin == kBlockSize;
+    Rows is_foreground;
+    if (smooth) is_foreground = foreground_of(picture.mask, xs.begin, ys.begin);
+    std::size_t p = 0;
+    for (image::Plane* plane : {&picture.y, &picture.u, &picture.v}) {
+        const auto mean = static_cast<std::uint8_t>((source.sum[p++] + source.num_foreground / 2) /
+                                                    source.num_foreground);
+        fill_evenly(*plane, picture.mask, xs, ys, mean);
+        if (smooth) fill_smoothly(*plane, xs.begin, ys.begin, is_foreground);
+    }
+}
+
 void fill_background(codec::TextureCrop& picture, std::vector<Block>& blocks) {
     const BlockGrid grid{(picture.width() + kBlockSize - 1) / kBlockSize,
                          (picture.height() + kBlockSize - 1) / kBlockSize};
@@ -169,19 +247,10 @@ void fill_background(codec::TextureCrop& picture, std::vector<Block>& blocks) {
         for (int column = 0; column < grid.columns; ++column) {
             const PixelRange xs = pixels_of_block(column, picture.width());
             const auto block = static_cast<std::size_t>(row * grid.columns + column);
-            if (blocks[block].num_foreground == kBlockSize * kBlockSize) continue;
+            const std::uint32_t num_foreground = blocks[block].num_foreground;
+            if (num_foreground == kBlockSize * kBlockSize) continue;
             const Block source = source_of_fill(blocks, grid, column, row, whole);
-            std::size_t p = 0;
-            for (image::Plane* plane : {&picture.y, &picture.u, &picture.v}) {
-                const auto value = static_cast<std::uint8_t>(
-                    (source.sum[p++] + source.num_foreground / 2) / source.num_foreground);
-                for (int y = ys.begin; y < ys.end; ++y) {
-                    std::uint8_t* pixels = plane->row(y);
-                    const std::uint8_t* mask = picture.mask.row(y);
-                    for (int x = xs.begin; x < xs.end; ++x)
-                        pixels[x] = mask[x] != 0 ? pixels[x] : value;
-                }
-            }
+            fill_block(picture, xs, ys, source, num_foreground > 0);
         }
     }
 }

@@ -28,8 +28,8 @@ struct TextureScratch {
 /// foreground if at least two of its four are.
 ///
 /// Where the result is background it is made smooth, so that it codes small and no background
-/// shines through at the edge: each 8x8 block (the unit of JPEG) is filled with its own mean of the
-/// foreground, or that of its neighbours.
+/// shines through at the edge: within each 8x8 block (the unit of JPEG) the foreground is continued
+/// smoothly, and where there is none the block gets the mean of its neighbours'.
 ///
 /// Returns false, with `out` as it was, if `subject` is empty: there is nothing to send. It lies in
 /// the picture. `mask` is as large as `frame`; a last odd column or row, which a 4:2:0 picture

@@ -193,6 +193,64 @@ TEST(MeshCodec, MovesNoCoordinateByMoreThanHalfAStepAndKeepsEveryTriangle) {
     }
 }
 
+geometry::CalibratedCamera camera_towards(const Eigen::Vector3d& target,
+                                          const Eigen::Vector3d& centre,
+                                          double focal_px) {
+    geometry::CalibratedCamera camera;
+    camera.intrinsics = {.width = 1000, .height = 1000, .fx = focal_px, .fy = 0.97 * focal_px};
+    const auto rotation =
+        Eigen::Quaterniond::FromTwoVectors(target - centre, Eigen::Vector3d::UnitZ());
+    camera.camera_from_site = {rotation, -(rotation * centre)};
+    return camera;
+}
+
+TEST(MeshCodec, AutomaticBitsMoveNoVertexFurtherThanWhatACameraCanSee) {
+    Random random(27);
+    int fewest = 99;
+    int most = 0;
+    for (int round = 0; round < 30; ++round) {
+        const TriangleMesh mesh = make_torus(20, 12, number(random, 0.1, 0.5));
+        std::vector<geometry::CalibratedCamera> cameras;
+        for (int i = 0; i < 4; ++i) {
+            const double turn = number(random, 0.0, 6.28);
+            const double far_m = number(random, 1.7, 9.0);
+            cameras.push_back(camera_towards({number(random, -0.2, 0.2), 0, 0},
+                                             {far_m * std::cos(turn), far_m * std::sin(turn), 1.0},
+                                             number(random, 100, 3000)));
+        }
+        const int bits = position_bits_for(mesh, cameras);
+        ASSERT_GT(bits, 8);
+        ASSERT_LT(bits, 16) << "the property needs one in between";
+        fewest = std::min(fewest, bits);
+        most = std::max(most, bits);
+        const TriangleMesh decoded = there_and_back(mesh, {.position_bits = bits});
+        double farthest_px = 0.0;
+        for (const Eigen::Vector3d& vertex : decoded.vertices) {
+            const Eigen::Vector3d& original = mesh.vertices[nearest(mesh, vertex)];
+            for (const auto& camera : cameras) {
+                const Eigen::Vector2d before =
+                    camera.intrinsics.project(camera.camera_from_site * original);
+                const Eigen::Vector2d after =
+                    camera.intrinsics.project(camera.camera_from_site * vertex);
+                farthest_px = std::max(farthest_px, (after - before).norm());
+            }
+        }
+        EXPECT_LE(farthest_px, 0.44);
+        EXPECT_GT(farthest_px, 0.05) << "more bits than are needed";
+    }
+    EXPECT_LT(fewest, most);
+}
+
+TEST(MeshCodec, AutomaticBitsWithoutACameraThatSeesAnything) {
+    const TriangleMesh mesh = make_torus(20, 12);
+    EXPECT_EQ(position_bits_for(mesh, {}), 14);
+    const std::array behind{camera_towards({9, 0, 0}, {4, 0, 0}, 1000.0)};
+    EXPECT_EQ(position_bits_for(mesh, behind), 14);
+    // almost on the surface: the limit
+    const std::array near{camera_towards({0, 0, 0}, {1.001, 0, 0}, 5000.0)};
+    EXPECT_EQ(position_bits_for(mesh, near), 16);
+}
+
 TEST(MeshCodec, KeepsTheTopologyOfSphereTorusAndManyBodies) {
     expect_same_topology(make_sphere(4, 0.9));
     expect_same_topology(make_torus(60, 30));

@@ -1,5 +1,7 @@
 #include "core/codec/texture_codec.hpp"
 
+#include "core/codec/jpeg_writer.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -175,6 +177,45 @@ TEST(TextureCodec, KeepsColoursWithinAFewLevelsAndAlphaExactly) {
         ASSERT_EQ(out.rgba[4 * i + 3], crop.mask.data[i]);
     }
     EXPECT_LT(std::sqrt(error_sq / static_cast<double>(crop.y.data.size())), 1.5);
+}
+
+TEST(TextureCodec, EveryQualityCodesTheHardestPicture) {
+    // noise of extreme colours has every word of the Huffman code, and the longest of them
+    const image::Mask mask(72, 56, 255);
+    TextureCrop crop = smooth_crop(mask);
+    std::mt19937 random(11);
+    for (image::Plane* plane : {&crop.y, &crop.u, &crop.v}) {
+        for (std::uint8_t& value : plane->data) value = random() % 2 == 0 ? 0 : 255;
+    }
+    TextureDecoder decoder;
+    DecodedTexture out;
+    std::size_t last_size = 0;
+    for (int quality = 1; quality <= 100; ++quality) {
+        const CodedTexture texture = coded(crop, quality);
+        ASSERT_TRUE(decoder.decode(texture.colour, texture.mask, out).has_value()) << quality;
+        EXPECT_GE(texture.colour.size() + 200, last_size) << quality;
+        last_size = texture.colour.size();
+    }
+    EXPECT_EQ(quantisation_step(50), 48);
+    EXPECT_EQ(quantisation_step(86), 13);
+    EXPECT_EQ(quantisation_step(100), 1);
+    EXPECT_EQ(quantisation_step(1), 255);
+}
+
+// Half a step for each coefficient is the most that a picture can lose; a block of a constant
+// colour has one.
+TEST(TextureCodec, AConstantColourIsOffByNoMoreThanItsStep) {
+    for (const int quality : {50, 86, 95}) {
+        const int allowed = quantisation_step(quality) / 16 + 1;
+        TextureCrop crop = smooth_crop(image::Mask(16, 16, 255));
+        std::fill(crop.y.data.begin(), crop.y.data.end(), 77);
+        std::fill(crop.u.data.begin(), crop.u.data.end(), 128);
+        std::fill(crop.v.data.begin(), crop.v.data.end(), 128);
+        const CodedTexture texture = coded(crop, quality);
+        DecodedTexture out;
+        ASSERT_TRUE(TextureDecoder().decode(texture.colour, texture.mask, out).has_value());
+        EXPECT_NEAR(out.rgba[0], 77, allowed) << quality;
+    }
 }
 
 TEST(TextureCodec, EncoderNamesWhatItCannotCode) {

@@ -58,6 +58,14 @@ TEST(SiteConfig, ReadsBoundsAndPartialViews) {
     EXPECT_EQ(config->capture.min_cameras, 6);
 }
 
+TEST(SiteConfig, PositionBitsAreChosenUnlessTheyAreGiven) {
+    EXPECT_EQ(parse(kRoom)->pipeline.mesh.position_bits, 0);
+    EXPECT_EQ(parse(kRoom + "[codec]\nposition_bits = 12\n")->pipeline.mesh.position_bits, 12);
+    const auto few = parse(kRoom + "[codec]\nposition_bits = 7\n");
+    ASSERT_FALSE(few);
+    EXPECT_THAT(few.error().message, HasSubstr("codec.position_bits"));
+}
+
 TEST(SiteConfig, ReadsAreasOfCameras) {
     const auto config = parse(kRoom +
                               "[segmentation]\nmax_hole_px = 30\n"

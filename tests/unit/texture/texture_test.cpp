@@ -134,6 +134,31 @@ TEST(CropTexture, NoBackgroundColourIsLeft) {
     EXPECT_EQ(std::count(crop.v.data.begin(), crop.v.data.end(), 90), std::ssize(crop.v.data));
 }
 
+// A step at the edge costs bytes: beside a subject that is brighter from row to row, so is what
+// continues it.
+TEST(CropTexture, TheSubjectIsContinuedSmoothly) {
+    image::YuvImage frame{
+        image::Plane(32, 32, 255), image::Plane(16, 16, 128), image::Plane(16, 16, 128)};
+    image::Mask mask(32, 32);
+    for (int y = 0; y < 32; ++y) {
+        for (int x = 0; x < 8; ++x) {
+            mask.row(y)[x] = 255;
+            frame.y.row(y)[x] = static_cast<std::uint8_t>(60 + 8 * (y / 2 % 8));
+        }
+    }
+    TextureScratch scratch;
+    codec::TextureCrop crop;
+    ASSERT_TRUE(crop_texture(frame, mask, {0, 0, 32, 32}, {.padding_px = 0}, scratch, crop));
+    ASSERT_EQ(crop.width(), 16);
+    for (int y = 0; y < 16; ++y) {
+        EXPECT_EQ(crop.y.at(3, y), 60 + 8 * (y % 8)) << "the subject itself";
+        EXPECT_NEAR(crop.y.at(4, y), crop.y.at(3, y), 14) << y;
+        if (y % 8 == 0) continue;
+        EXPECT_GT(crop.y.at(4, y), crop.y.at(4, y - 1)) << y;
+    }
+    EXPECT_EQ(crop.y.at(12, 3), 88) << "no subject in this block: the mean";
+}
+
 TEST(CropTexture, ForegroundThatVanishesAtHalfResolutionIsGrey) {
     image::Mask mask(32, 32);
     mask.row(9)[9] = 255;

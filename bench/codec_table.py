@@ -1,0 +1,50 @@
+#!/usr/bin/env python3
+"""Renews the table of docs/streams.md from what codec_table.sh keeps.
+
+usage: codec_table.py TABLE PAGE    the table goes between <!-- codec --> and <!-- /codec -->
+"""
+
+import csv
+import re
+import sys
+
+COLUMNS = [("quality", "quality", "{:.0f}"), ("mesh_kb", "mesh", "{:.1f}"), ("masks_kb", "masks", "{:.1f}"),
+           ("colours_kb", "colours", "{:.1f}"), ("total_kb", "all [kB]", "{:.1f}"), ("psnr_db", "PSNR [dB]", "{:.2f}"),
+           ("worst_psnr_db", "worst camera", "{:.2f}"), ("luma_psnr_db", "Y", "{:.2f}"), ("rgb_psnr_db", "RGB", "{:.2f}"),
+           ("crop_ms", "cut out [ms]", "{:.2f}"), ("encode_ms", "encode [ms]", "{:.2f}"), ("decode_ms", "decode [ms]", "{:.2f}")]
+PAPER_KB = 1450.0
+
+
+def main(table, page):
+    with open(table, encoding="utf-8") as file:
+        lines = file.read().splitlines()
+    rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    out = []
+    for scene in dict.fromkeys(row["scene"] for row in rows):
+        own = [row for row in rows if row["scene"] == scene]
+        first = own[0]
+        out += [f"{scene.capitalize() if ' ' in scene else scene}: {first['views']} views, {first['triangles']} triangles of "
+                f"{float(first['position_bits']):.0f} bits ({float(first['encode_mesh_ms']):.2f} ms to encode, "
+                f"{float(first['decode_mesh_ms']):.2f} to decode), {int(first['subject_px']):,} texels show the subject.", "",
+                "| " + " | ".join(name for _, name, _ in COLUMNS) + " | of 1.45 MB |",
+                "|" + "---|" * (len(COLUMNS) + 1)]
+        for row in own:
+            cells = [form.format(float(row[key])) for key, _, form in COLUMNS]
+            cells.append(f"1/{PAPER_KB / float(row['total_kb']):.0f}")
+            out.append("| " + " | ".join(cells) + " |")
+        out.append("")
+    out.append(lines[0].lstrip("# ") + ".")
+    text = "\n".join(out)
+    print(text)
+    with open(page, encoding="utf-8") as file:
+        old = file.read()
+    new, count = re.subn(r"<!-- codec -->.*?<!-- /codec -->",
+                         lambda _: f"<!-- codec -->\n{text}\n<!-- /codec -->", old, flags=re.DOTALL)
+    if count != 1:
+        sys.exit(f"{page}: has no <!-- codec --> ... <!-- /codec -->")
+    with open(page, "w", encoding="utf-8") as file:
+        file.write(new)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,17 @@
+#!/bin/sh
+# Measures what a frame is coded to: `bench/codec_table.sh [BUILD]`. Keeps the table with machine and date in bench/results/ and
+# renews that of docs/streams.md. BUILD has to be configured with -DATRIUM_BENCH=ON. The machine should have nothing else to do.
+# The recording is left out where ../shared/data is not there.
+set -eu
+cd "$(dirname "$0")/.."
+build=${1:-build}
+cmake --build "$build" --target codec_table > /dev/null
+machine=$(lscpu | sed -n 's/^Model name: *//p')
+table="bench/results/$(date +%Y-%m-%d)-$(echo "$machine" | tr -c 'A-Za-z0-9\n' '-')-codec.csv"
+mkdir -p bench/results
+{
+    echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, one thread, $(c++ --version | head -n 1)"
+    "$build"/bin/codec_table
+} > "$table"
+python3 bench/codec_table.py "$table" docs/streams.md
+echo "kept in $table"

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "core/codec/texture_codec.hpp"
+
+#include <cstddef>
+
+namespace atrium::test {
+
+/// Peak signal-to-noise ratio of 8-bit samples, in dB: 10 log10(255^2 / mean squared error).
+/// Infinite where nothing differs, and where there is nothing.
+class SampleError {
+public:
+    void add(double original, double decoded) {
+        sum_sq_ += (original - decoded) * (original - decoded);
+        ++num_samples_;
+    }
+    void add(const SampleError& other) {
+        sum_sq_ += other.sum_sq_;
+        num_samples_ += other.num_samples_;
+    }
+    double psnr_db() const;
+    std::size_t num_samples() const { return num_samples_; }
+
+private:
+    double sum_sq_ = 0.0;
+    std::size_t num_samples_ = 0;
+};
+
+/// Over the foreground only: what is outside is made up before it is coded and never shown.
+struct TextureError {
+    SampleError rgb;     // R, G and B alike
+    SampleError luma;    // Y
+    SampleError chroma;  // Cb and Cr alike
+
+    SampleError ycbcr() const {  // Y, Cb and Cr alike
+        SampleError all = luma;
+        all.add(chroma);
+        return all;
+    }
+    void add(const TextureError& other) {
+        rgb.add(other.rgb);
+        luma.add(other.luma);
+        chroma.add(other.chroma);
+    }
+};
+
+/// How far the picture that a viewer shows is from the half-resolution picture that was cut out
+/// (its colours in real numbers, cut off at 0 and 255). Both are of one size.
+TextureError texture_error(const codec::TextureCrop& original, const codec::DecodedTexture& shown);
+
+}  // namespace atrium::test
