@@ -146,7 +146,8 @@ Expected<void> Pipeline::encode_texture(std::size_t camera, CodedCamera& coded) 
     if (!stage.sees_somebody) return {};
     coded.camera = static_cast<std::uint32_t>(camera);
     coded.crop_px = stage.crop.crop_px;
-    auto encoded = stage.encoder.encode(stage.crop, coding_.jpeg_quality, coded.texture);
+    auto encoded =
+        stage.encoder.encode(stage.crop, coding_.jpeg_quality, coding_.divisor, coded.texture);
     stage.texture_ms = milliseconds_between(begin, Clock::now());
     return encoded;
 }
