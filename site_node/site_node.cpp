@@ -171,11 +171,12 @@ Expected<void> SiteNode::run(std::stop_token stop) {
     if (auto gone = writers_.description.dispose(description); !gone)
         app::log::warn("{}", gone.error().message);
     const bus::SiteStatus total = status();
-    app::log::info("stopped captured={} published={} incomplete={} late={} failed={}",
+    app::log::info("stopped captured={} published={} incomplete={} late={} rate={} failed={}",
                    total.num_metaframes_captured,
                    total.num_metaframes_published,
                    total.num_dropped_incomplete,
                    total.num_dropped_late,
+                   total.stream.num_dropped_for_rate,
                    total.num_failed);
     if (const std::string line = left_out_line({}, total); !line.empty())
         app::log::info("counted {}", line);

@@ -17,7 +17,9 @@ struct StreamOptions {
 /// What all viewers and the options together allow.
 struct StreamCap {
     Cap cap;
-    std::string set_by;     // a viewer's name, or the option that is the limit; empty: no limit
+    /// A viewer's name, which is valid until the next change of the links, or the option that is
+    /// the limit; empty: no limit.
+    std::string_view set_by;
     double queue_ms = 0.0;  // on the way to that viewer
 };
 

@@ -176,7 +176,7 @@ StreamRecord simulate(const SimulatedSite& site,
         const std::size_t before = controller.level();
         const auto level = controller.offer(at(now_s));
         if (controller.level() != before)
-            record.steps.push_back({now_s, before, controller.level(), cap.set_by});
+            record.steps.push_back({now_s, before, controller.level(), std::string(cap.set_by)});
         const double best =
             site.colour_bytes ? site.colour_bytes(now_s) : default_colour_bytes(now_s);
         record.caps.push_back(
