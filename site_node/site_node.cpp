@@ -25,15 +25,6 @@ Expected<void> open(bus::Participant& participant, std::optional<bus::Writer<Mes
     return {};
 }
 
-stream::FrameBytes frame_bytes(const SiteFrame& frame) {
-    stream::FrameBytes bytes{frame.draco.size(), 0};
-    for (const CodedCamera& camera : frame.cameras) {
-        bytes.fixed += camera.texture.mask.size();
-        bytes.colour += camera.texture.colour.size();
-    }
-    return bytes;
-}
-
 bus::LatencySummary summary(const Quantiles& q) { return {q.median_ms, q.p99_ms, q.num_samples}; }
 
 double rate_hz(const SiteNodeConfig& config, const config::Rig& rig) {
@@ -140,8 +131,11 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
       source_(std::move(source)),
       pipeline_(std::move(pipeline)),
       writers_(std::move(writers)),
-      feedback_(std::move(feedback)),
-      stream_(config_.stream, config_.pipeline.jpeg_quality, rate_hz(config_, source_->rig())),
+      stream_(config_.stream,
+              config_.pipeline.jpeg_quality,
+              rate_hz(config_, source_->rig()),
+              config_.name,
+              std::move(feedback)),
       pool_(static_cast<std::size_t>(config.threads)),
       offsets_(source_->rig(), source_->is_live()) {
     if (config_.preview.empty()) return;
@@ -236,22 +230,9 @@ void SiteNode::hand_over(capture::Metaframe metaframe) {
 
 void SiteNode::work(std::stop_token stop) {
     while (const auto metaframe = metaframes_.take(stop)) {
-        take_feedback();
         if (const auto choice = stream_.offer(std::chrono::steady_clock::now()))
             work_on(*metaframe, *choice);
     }
-}
-
-void SiteNode::take_feedback() {
-    const auto now = std::chrono::steady_clock::now();
-    const bus::TakeReport report = feedback_.take(
-        [&](bus::StreamFeedback&& feedback) {
-            if (feedback.site == config_.name) stream_.add(feedback, now);
-        },
-        [&](const bus::StreamFeedback& gone) {
-            if (gone.site == config_.name) stream_.forget(gone.viewer);
-        });
-    if (report.num_rejected > 0) complaints_.warn("feedback_rejected " + report.first_rejection);
 }
 
 void SiteNode::work_on(const capture::Metaframe& metaframe, const StreamAdapter::Choice& choice) {
@@ -264,11 +245,7 @@ void SiteNode::work_on(const capture::Metaframe& metaframe, const StreamAdapter:
             "metaframe failed id={} reason=\"{}\"", metaframe.frame_id, done.error().message));
         return;
     }
-    stream_.coded(choice,
-                  frame->frame_id,
-                  frame_bytes(*frame),
-                  Timestamp::now() - frame->capture_time,
-                  std::chrono::steady_clock::now());
+    stream_.coded(choice, *frame, std::chrono::steady_clock::now());
     count(*frame);
     show(metaframe);
     app::log::debug(

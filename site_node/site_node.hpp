@@ -57,7 +57,6 @@ private:
     void capture_metaframes(std::stop_token stop);
     void hand_over(capture::Metaframe metaframe);
     void work(std::stop_token stop);
-    void take_feedback();
     void work_on(const capture::Metaframe& metaframe, const StreamAdapter::Choice& choice);
     void count(const SiteFrame& frame);
     void show(const capture::Metaframe& metaframe);
@@ -70,8 +69,7 @@ private:
     std::unique_ptr<capture::FrameSource> source_;
     Pipeline pipeline_;
     Writers writers_;
-    bus::Reader<bus::StreamFeedback> feedback_;  // of the thread that works
-    StreamAdapter stream_;
+    StreamAdapter stream_;  // of the thread that works
     ThreadPool pool_;
     std::unique_ptr<preview::Preview> preview_;  // null: nobody wants one
 

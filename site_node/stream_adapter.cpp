@@ -1,7 +1,5 @@
 #include "site_node/stream_adapter.hpp"
 
-#include "core/app/log.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,10 +16,26 @@ std::string text_of(const stream::StreamCap& cap) {
         "viewer {}: {:.1f} Mbit/s, queue {:.0f} ms", cap.set_by, mbit_per_s, cap.queue_ms);
 }
 
+stream::FrameBytes frame_bytes(const SiteFrame& frame) {
+    stream::FrameBytes bytes{frame.draco.size(), 0};
+    for (const CodedCamera& camera : frame.cameras) {
+        bytes.fixed += camera.texture.mask.size();
+        bytes.colour += camera.texture.colour.size();
+    }
+    return bytes;
+}
+
 }  // namespace
 
-StreamAdapter::StreamAdapter(const stream::StreamOptions& options, int jpeg_quality, double rate_hz)
-    : controller_(jpeg_quality, rate_hz), links_(options) {
+StreamAdapter::StreamAdapter(const stream::StreamOptions& options,
+                             int jpeg_quality,
+                             double rate_hz,
+                             std::string site,
+                             bus::Reader<bus::StreamFeedback> feedback)
+    : site_(std::move(site)),
+      feedback_(std::move(feedback)),
+      controller_(jpeg_quality, rate_hz),
+      links_(options) {
     state_.jpeg_quality = static_cast<std::uint32_t>(jpeg_quality);
 }
 
@@ -45,6 +59,17 @@ void StreamAdapter::add(const bus::StreamFeedback& feedback, stream::Time now) {
                now);
 }
 
+void StreamAdapter::take_feedback(stream::Time now) {
+    const bus::TakeReport report = feedback_.take(
+        [&](bus::StreamFeedback&& feedback) {
+            if (feedback.site == site_) add(feedback, now);
+        },
+        [&](const bus::StreamFeedback& gone) {
+            if (gone.site == site_) links_.forget(gone.viewer);
+        });
+    if (report.num_rejected > 0) complaints_.warn("feedback_rejected " + report.first_rejection);
+}
+
 void StreamAdapter::tell(const stream::StreamCap& cap) {
     const std::size_t index = controller_.level();
     if (index == told_level_) return;
@@ -58,6 +83,7 @@ void StreamAdapter::tell(const stream::StreamCap& cap) {
 }
 
 std::optional<StreamAdapter::Choice> StreamAdapter::offer(stream::Time now) {
+    take_feedback(now);
     const stream::StreamCap cap = links_.cap(now);
     controller_.set_cap(cap.cap);
     const auto index = controller_.offer(now);
@@ -74,15 +100,12 @@ std::optional<StreamAdapter::Choice> StreamAdapter::offer(stream::Time now) {
     return std::nullopt;
 }
 
-void StreamAdapter::coded(const Choice& choice,
-                          std::uint64_t frame_id,
-                          const stream::FrameBytes& bytes,
-                          std::chrono::nanoseconds capture_to_coded,
-                          stream::Time now) {
-    controller_.coded(choice.index, bytes, now);
+void StreamAdapter::coded(const Choice& choice, const SiteFrame& frame, stream::Time now) {
+    controller_.coded(choice.index, frame_bytes(frame), now);
+    const auto since_capture = Timestamp::now() - frame.capture_time;
     newest_own_ = (newest_own_ + 1) % own_delays_.size();
-    own_delays_[newest_own_] = {
-        frame_id, std::chrono::duration<double, std::milli>(capture_to_coded).count()};
+    own_delays_[newest_own_] = {frame.frame_id,
+                                std::chrono::duration<double, std::milli>(since_capture).count()};
 }
 
 bus::StreamState StreamAdapter::state() const {

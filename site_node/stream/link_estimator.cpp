@@ -8,24 +8,26 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-constexpr double kQueue_ms = 30.0;  // more is a queue
-constexpr double kLongQueue_ms = 80.0;
-constexpr double kEmpty_ms = 12.0;    // less is none: jitter
-constexpr double kDecrease = 0.85;    // of what arrives
-constexpr double kGrowthNear = 1.06;  // per second, up to kNear times the rate of the last queue
-constexpr double kGrowthFar = 1.35;   // per second, beyond it
+constexpr double kQueue_ms = 30.0;      // more, twice in a row, is a queue
+constexpr double kLongQueue_ms = 80.0;  // more is one at once
+constexpr double kEmpty_ms = 12.0;      // less is none: jitter
+constexpr double kDecrease = 0.85;      // of what arrives
+constexpr double kGrowthNear = 1.06;    // per second, up to kNear times the rate of the last queue
+constexpr double kGrowthFar = 1.35;     // per second, beyond it
 constexpr double kNear = 1.1;
-// Of what arrives: the next level may have twice as much, and too much is to be known before it is
-// a long queue.
-// Of what arrives: once so much was free while the stream had all that it wants, there is no limit.
-constexpr double kFree = 3.0;
-constexpr double kHeld = 1.05;  // of what arrives, while a queue may be about to build up
-constexpr double kProbe = 1.1;
-constexpr double kProbeWider = 1.4;  // where more arrives than when there was a queue
-// Of what arrives, and of what comes next on the ladder: more than that is not known of the way.
+// Of what arrives. The estimate is no farther above it, nor above what comes next on the ladder:
+// more is not known of the way.
 constexpr double kAboveArrived = 1.25;
 constexpr double kAboveArrivedWider = 1.8;  // where more arrives than when there was a queue
 constexpr double kAboveNext = 1.1;
+constexpr double kCertain = 0.5;  // of what arrives without a queue: the way does carry that
+constexpr double kHeld = 1.05;    // of what arrives, while a queue may be about to build up
+// Of what arrives: a step up may double the rate, and that it was too much must be known before
+// there is a long queue.
+constexpr double kProbe = 1.1;
+constexpr double kProbeWider = 1.4;
+// Of what arrives: where so much is free while the stream has all that it wants, there is no limit.
+constexpr double kFree = 3.0;
 // A report has a few frames only, sometimes one more, sometimes one less.
 constexpr Seconds kArrivedMean{0.5};
 constexpr Seconds kArrivedMemory{2.0};
@@ -70,8 +72,9 @@ void DelayBase::shift(double by_ms) {
     }
 }
 
-LinkEstimator::LinkEstimator(const LinkReport& first, Time now)
-    : mean_bit_per_s_(first.bit_per_s),
+LinkEstimator::LinkEstimator(const LinkReport& first, double least_bit_per_s, Time now)
+    : least_bit_per_s_(least_bit_per_s),
+      mean_bit_per_s_(first.bit_per_s),
       arrived_bit_per_s_(first.bit_per_s),
       last_report_(now),
       tolerated_share_(kIncompleteShare) {
@@ -148,7 +151,8 @@ void LinkEstimator::drain(const LinkReport& report, Time now) {
         return;
     }
     if (now - drain_since_ < kDrainPatience) return;
-    if (++num_vain_ < kMaxVain) return decrease(report, now);
+    const bool could_be_sent_less = paced_bit_per_s() >= least_bit_per_s_;
+    if (!could_be_sent_less || ++num_vain_ < kMaxVain) return decrease(report, now);
     // little was sent, and still nothing changed: no queue of ours, but the way or the clocks
     base_.shift(queue_ms_);
     queue_ms_ = 0.0;
@@ -167,6 +171,7 @@ void LinkEstimator::hold() {
 }
 
 void LinkEstimator::grow(double next_bit_per_s, double elapsed_s) {
+    estimate_bit_per_s_ = std::max(estimate_bit_per_s_, kCertain * mean_bit_per_s_);
     const bool is_near = estimate_bit_per_s_ < kNear * congested_bit_per_s_;
     const double grown =
         estimate_bit_per_s_ * std::pow(is_near ? kGrowthNear : kGrowthFar, elapsed_s);

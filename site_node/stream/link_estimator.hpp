@@ -47,18 +47,18 @@ private:
 ///   not by a trend. The smallest of all samples of a report, since a lost datagram delays some of
 ///   them by a round trip and jitter each by something else, but a queue delays all.
 /// - Loss by itself lowers nothing. Frames that stay incomplete do, unless that does not help.
-/// - A queue is sent away at once (`paced_bit_per_s`), since for telepresence it is the harm
-/// itself.
-/// - Well above the rate of the last queue, and where there never was one, growth is faster, in the
-///   manner of CUBIC (RFC 9438): the way has become wider.
+/// - A queue is sent away at once (`paced_bit_per_s`): it is the harm itself.
+/// - Well above the rate of the last queue growth is faster, in the manner
+///    of CUBIC (RFC 9438): the way has become wider.
 /// - Clocks: a delay that rises faster than time goes by is a clock that was set; one that does not
 ///   fall although little is sent is no queue of ours. Both move the base. Not thread-safe.
 class LinkEstimator {
 public:
     static constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
-    /// `first` is the viewer's first report.
-    LinkEstimator(const LinkReport& first, Time now);
+    /// `first` is the viewer's first report. The site sends `least_bit_per_s` whatever is
+    /// estimated: that a queue stays while it does so says nothing.
+    LinkEstimator(const LinkReport& first, double least_bit_per_s, Time now);
 
     /// `next_bit_per_s`: what the stream would have one step up; 0: it has all that it wants.
     void add(const LinkReport& report, double next_bit_per_s, Time now);
@@ -80,6 +80,7 @@ private:
     void hold();
     void grow(double next_bit_per_s, double elapsed_s);
 
+    double least_bit_per_s_;
     DelayBase base_;
     double estimate_bit_per_s_ = kNoLimit;
     double mean_bit_per_s_;             // of what arrives

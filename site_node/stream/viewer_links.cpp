@@ -29,7 +29,7 @@ void ViewerLinks::add(const std::string& viewer,
         return;
     }
     if (links_.size() >= kMaxViewers || report.num_samples == 0) return;
-    links_.emplace(viewer, Link{LinkEstimator(report, now), now});
+    links_.emplace(viewer, Link{LinkEstimator(report, kMega * options_.min_mbit_per_s, now), now});
 }
 
 StreamCap ViewerLinks::cap(Time now) const {

@@ -25,7 +25,7 @@ protected:
     }
     bool has_no_limit() const { return estimator_.bit_per_s() == LinkEstimator::kNoLimit; }
 
-    LinkEstimator estimator_{report(20e6, 30.0), at(0.0)};
+    LinkEstimator estimator_{report(20e6, 30.0), 2e6, at(0.0)};
     double now_s_ = 0.2;
 };
 
@@ -73,7 +73,7 @@ TEST_F(Estimated, HasNoLimitAgainWhereThereIsRoomForAllForLong) {
 TEST_F(Estimated, NeedsNoClocksThatAgreeAndFollowsTheirDrift) {
     for (const double offset_ms : {-3.6e6, 0.0, 3.6e6}) {
         for (const double drift_ms_per_s : {-0.2, 0.2}) {
-            estimator_ = LinkEstimator(report(20e6, offset_ms), at(0.0));
+            estimator_ = LinkEstimator(report(20e6, offset_ms), 2e6, at(0.0));
             now_s_ = 0.2;
             const auto delay = [&](double t) { return offset_ms + drift_ms_per_s * t; };
             run(300.0, 20e6, delay);
@@ -124,6 +124,22 @@ TEST_F(Estimated, FramesThatStayIncompleteWhateverIsSentDoNotLowerItForGood) {
         least = std::min(least, estimator_.bit_per_s());
     }
     EXPECT_GT(least, 0.6 * 18e6);
+}
+
+// The site sends its minimum whatever the way carries, so a queue stays there.
+TEST_F(Estimated, AQueueThatMustStayIsNotTakenForTheWay) {
+    run(2.0, 0.5e6, [](double) { return 30.0; });
+    run(20.0, 0.5e6, [](double) { return 330.0; });
+    EXPECT_LE(estimator_.bit_per_s(), 0.5e6);
+}
+
+TEST_F(Estimated, ComesBackFromNothing) {
+    run(2.0, 20e6, [](double) { return 30.0; });
+    for (int i = 0; i < 5; ++i) estimator_.add({0, 5, 9, 0.0, 200.0}, 0.0, at(now_s_ += 0.2));
+    ASSERT_LT(estimator_.bit_per_s(), 1.0);
+    run(
+        10.0, 2e6, [](double) { return 30.0; }, 30e6);
+    EXPECT_GT(estimator_.bit_per_s(), 2e6);
 }
 
 TEST_F(Estimated, StaysANumberWhateverIsReported) {

@@ -137,6 +137,8 @@ TEST(VerySlowViewer, BringsTheStreamToTheMinimumAndNoLower) {
     slow.viewer = "v2";
     const StreamRecord record = simulate(site_of(1, {.min_mbit_per_s = 4.0}), {wide, slow}, 60.0);
     EXPECT_GE(carried_bit_per_s(record.viewers[0], 5.0, 60.0), 0.7 * 4e6);
+    EXPECT_LE(sent_bit_per_s(record, 5.0, 60.0), 1.3 * 4e6);
+    EXPECT_LE(num_steps(record, 5.0, 60.0), 20);
 }
 
 TEST(ConfiguredCap, HoldsOverEverySecond) {
