@@ -107,6 +107,20 @@ void declare_segmentation(SiteNodeConfig& config, config::OptionSet& set) {
         "overwrite", config.overwrite, "write silhouettes also where the folder holds something");
 }
 
+void declare_stream(stream::StreamOptions& stream, config::OptionSet& set) {
+    set.add("stream.max_mbit_per_s",
+            stream.max_mbit_per_s,
+            "what meshes and textures may take at most [Mbit/s]; 0: no limit",
+            {0, 1e5});
+    set.add("stream.min_mbit_per_s",
+            stream.min_mbit_per_s,
+            "no viewer's network brings the stream below that [Mbit/s]",
+            {0.1, 1e5});
+    set.add("stream.adapt",
+            stream.adapt,
+            "lower quality, then resolution, then rate to what the networks of the viewers carry");
+}
+
 CameraAreas read_areas(config::TableReader& table) {
     CameraAreas camera;
     table.require("name");
@@ -244,6 +258,7 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             "Draco's, 0 smallest to 10 fastest",
             {0, 10});
     set.add("codec.jpeg_quality", config.pipeline.jpeg_quality, "of the textures", {10, 100});
+    declare_stream(config.stream, set);
     bus::declare(config.bus, set);
     show_hull(config.pipeline.hull, set);
 }

@@ -6,6 +6,7 @@
 #include "simulation/room_config.hpp"
 #include "site_node/camera_config.hpp"
 #include "site_node/pipeline.hpp"
+#include "site_node/stream/viewer_links.hpp"
 
 #include <filesystem>
 #include <string>
@@ -33,6 +34,7 @@ struct SiteNodeConfig {
     CaptureConfig capture;
     simulation::RoomConfig simulation;
     PipelineOptions pipeline;
+    stream::StreamOptions stream;
     bus::BusOptions bus;
 
     // what to do instead of running

@@ -146,7 +146,8 @@ Expected<void> Pipeline::encode_texture(std::size_t camera, CodedCamera& coded) 
     if (!stage.sees_somebody) return {};
     coded.camera = static_cast<std::uint32_t>(camera);
     coded.crop_px = stage.crop.crop_px;
-    auto encoded = stage.encoder.encode(stage.crop, options_.jpeg_quality, coded.texture);
+    auto encoded =
+        stage.encoder.encode(stage.crop, coding_.jpeg_quality, coding_.divisor, coded.texture);
     stage.texture_ms = milliseconds_between(begin, Clock::now());
     return encoded;
 }
@@ -213,6 +214,14 @@ void Pipeline::sum_up(SiteFrame& frame) const {
 Expected<void> Pipeline::process(const capture::Metaframe& metaframe,
                                  Executor& executor,
                                  SiteFrame& frame) {
+    return process(metaframe, {options_.jpeg_quality, 1}, executor, frame);
+}
+
+Expected<void> Pipeline::process(const capture::Metaframe& metaframe,
+                                 const ColourCoding& coding,
+                                 Executor& executor,
+                                 SiteFrame& frame) {
+    coding_ = coding;
     const auto begin = Clock::now();
     frame.frame_id = metaframe.frame_id;
     frame.capture_time = metaframe.capture_time;

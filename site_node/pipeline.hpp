@@ -32,6 +32,12 @@ struct PipelineOptions {
     int jpeg_quality = 86;  // docs/streams.md has the table from which it is taken
 };
 
+/// How the colours of one metaframe are coded.
+struct ColourCoding {
+    int jpeg_quality = 85;
+    int divisor = 1;  // 1: as large as the mask; 2: half as wide and high
+};
+
 /// What one camera adds to a frame.
 struct CodedCamera {
     std::uint32_t camera = 0;
@@ -100,6 +106,11 @@ public:
     Expected<void> process(const capture::Metaframe& metaframe,
                            Executor& executor,
                            SiteFrame& frame);
+    /// The same, with colours coded in another way than the options say.
+    Expected<void> process(const capture::Metaframe& metaframe,
+                           const ColourCoding& coding,
+                           Executor& executor,
+                           SiteFrame& frame);
 
     /// Silhouettes of one camera in the metaframe that was processed last, as polygons in the
     /// delivered picture [px]. Not to be called while `process` runs.
@@ -121,6 +132,7 @@ private:
     PipelineOptions options_;
     std::vector<std::unique_ptr<CameraStage>> stages_;  // one per camera
     std::vector<std::uint8_t> delivered_;               // per camera
+    ColourCoding coding_;                               // of the metaframe that is worked on
     HullStage hull_;
     std::vector<CodedCamera> spare_coded_;  // memory for cameras that see somebody again
 };

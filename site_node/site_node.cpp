@@ -27,6 +27,10 @@ Expected<void> open(bus::Participant& participant, std::optional<bus::Writer<Mes
 
 bus::LatencySummary summary(const Quantiles& q) { return {q.median_ms, q.p99_ms, q.num_samples}; }
 
+double rate_hz(const SiteNodeConfig& config, const config::Rig& rig) {
+    return config.capture.rate_hz > 0.0 ? config.capture.rate_hz : rig.rate_hz;
+}
+
 // What the configuration says that may be meant otherwise, or does not fit this rig.
 Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
     if (config.capture.min_cameras > static_cast<int>(rig.cameras.size())) {
@@ -37,13 +41,13 @@ Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
                         config.capture.min_cameras));
     }
     if (auto fits = check_areas(config, rig); !fits) return fits;
-    const double rate_hz = config.capture.rate_hz > 0.0 ? config.capture.rate_hz : rig.rate_hz;
-    if (config.capture.tolerance_ms > 250.0 / rate_hz) {
+    const double period_quarter_ms = 250.0 / rate_hz(config, rig);
+    if (config.capture.tolerance_ms > period_quarter_ms) {
         return make_error(
             ErrorKind::kConfiguration,
             fmt::format("capture.tolerance_ms: must be at most a quarter of the period, {:.1f} ms, "
                         "got {}",
-                        250.0 / rate_hz,
+                        period_quarter_ms,
                         config.capture.tolerance_ms));
     }
     const HullStageOptions& hull = config.pipeline.hull;
@@ -101,6 +105,8 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& confi
     std::optional<bus::Writer<bus::SiteMesh>> mesh;
     std::optional<bus::Writer<bus::CameraTexture>> texture;
     std::optional<bus::Writer<bus::SiteStatus>> status;
+    auto feedback = bus::Reader<bus::StreamFeedback>::create(*participant);
+    if (!feedback) return tl::unexpected(feedback.error());
     for (const auto& opened : {open(*participant, description),
                                open(*participant, mesh),
                                open(*participant, texture),
@@ -109,18 +115,27 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& confi
     }
     Writers writers{
         std::move(*description), std::move(*mesh), std::move(*texture), std::move(*status)};
-    return std::unique_ptr<SiteNode>(
-        new SiteNode(config, std::move(*source), std::move(*pipeline), std::move(writers)));
+    return std::unique_ptr<SiteNode>(new SiteNode(config,
+                                                  std::move(*source),
+                                                  std::move(*pipeline),
+                                                  std::move(writers),
+                                                  std::move(*feedback)));
 }
 
 SiteNode::SiteNode(const SiteNodeConfig& config,
                    std::unique_ptr<capture::FrameSource> source,
                    Pipeline pipeline,
-                   Writers writers)
+                   Writers writers,
+                   bus::Reader<bus::StreamFeedback> feedback)
     : config_(config),
       source_(std::move(source)),
       pipeline_(std::move(pipeline)),
       writers_(std::move(writers)),
+      stream_(config_.stream,
+              config_.pipeline.jpeg_quality,
+              rate_hz(config_, source_->rig()),
+              config_.name,
+              std::move(feedback)),
       pool_(static_cast<std::size_t>(config.threads)),
       offsets_(source_->rig(), source_->is_live()) {
     if (config_.preview.empty()) return;
@@ -150,11 +165,12 @@ Expected<void> SiteNode::run(std::stop_token stop) {
     if (auto gone = writers_.description.dispose(description); !gone)
         app::log::warn("{}", gone.error().message);
     const bus::SiteStatus total = status();
-    app::log::info("stopped captured={} published={} incomplete={} late={} failed={}",
+    app::log::info("stopped captured={} published={} incomplete={} late={} rate={} failed={}",
                    total.num_metaframes_captured,
                    total.num_metaframes_published,
                    total.num_dropped_incomplete,
                    total.num_dropped_late,
+                   total.stream.num_dropped_for_rate,
                    total.num_failed);
     if (const std::string line = left_out_line({}, total); !line.empty())
         app::log::info("counted {}", line);
@@ -176,10 +192,9 @@ void SiteNode::finish(const Expected<void>& result) {
 }
 
 void SiteNode::capture_metaframes(std::stop_token stop) {
-    const double rate_hz =
-        config_.capture.rate_hz > 0.0 ? config_.capture.rate_hz : source_->rig().rate_hz;
-    const double tolerance_ms =
-        config_.capture.tolerance_ms > 0.0 ? config_.capture.tolerance_ms : 250.0 / rate_hz;
+    const double tolerance_ms = config_.capture.tolerance_ms > 0.0
+                                    ? config_.capture.tolerance_ms
+                                    : 250.0 / rate_hz(config_, source_->rig());
     capture::AssemblerOptions options;
     options.tolerance = nanoseconds(static_cast<std::int64_t>(tolerance_ms * 1e6));
     options.deadline = nanoseconds(static_cast<std::int64_t>(config_.capture.deadline_ms * 1e6));
@@ -215,27 +230,34 @@ void SiteNode::hand_over(capture::Metaframe metaframe) {
 
 void SiteNode::work(std::stop_token stop) {
     while (const auto metaframe = metaframes_.take(stop)) {
-        auto frame = spare_frames_.try_take().value_or(nullptr);
-        if (frame == nullptr) frame = std::make_unique<SiteFrame>();
-        if (auto done = pipeline_.process(*metaframe, pool_, *frame); !done) {
-            ++num_failed_;
-            complaints_.warn(fmt::format(
-                "metaframe failed id={} reason=\"{}\"", metaframe->frame_id, done.error().message));
-            continue;
-        }
-        count(*frame);
-        show(*metaframe);
-        app::log::debug(
-            "metaframe id={} triangles={} silhouettes_ms={:.2f} hull_ms={:.2f} encode_ms={:.2f} "
-            "total_ms={:.2f}",
-            frame->frame_id,
-            frame->hull.mesh.triangles.size(),
-            frame->milliseconds.silhouettes,
-            frame->milliseconds.hull,
-            frame->milliseconds.encode,
-            frame->milliseconds.total);
-        site_frames_.put(std::move(frame));
+        if (const auto choice = stream_.offer(std::chrono::steady_clock::now()))
+            work_on(*metaframe, *choice);
     }
+}
+
+void SiteNode::work_on(const capture::Metaframe& metaframe, const StreamAdapter::Choice& choice) {
+    auto frame = spare_frames_.try_take().value_or(nullptr);
+    if (frame == nullptr) frame = std::make_unique<SiteFrame>();
+    const ColourCoding coding{choice.level.jpeg_quality, choice.level.colour_divisor};
+    if (auto done = pipeline_.process(metaframe, coding, pool_, *frame); !done) {
+        ++num_failed_;
+        complaints_.warn(fmt::format(
+            "metaframe failed id={} reason=\"{}\"", metaframe.frame_id, done.error().message));
+        return;
+    }
+    stream_.coded(choice, *frame, std::chrono::steady_clock::now());
+    count(*frame);
+    show(metaframe);
+    app::log::debug(
+        "metaframe id={} triangles={} silhouettes_ms={:.2f} hull_ms={:.2f} encode_ms={:.2f} "
+        "total_ms={:.2f}",
+        frame->frame_id,
+        frame->hull.mesh.triangles.size(),
+        frame->milliseconds.silhouettes,
+        frame->milliseconds.hull,
+        frame->milliseconds.encode,
+        frame->milliseconds.total);
+    site_frames_.put(std::move(frame));
 }
 
 void SiteNode::count(const SiteFrame& frame) {
@@ -352,6 +374,7 @@ bus::SiteStatus SiteNode::status() const {
     }
     status.resident_bytes = app::resident_bytes();
     status.cameras = camera_statuses(source_->camera_counters(), offsets_);
+    status.stream = stream_.state();
     return status;
 }
 

@@ -10,6 +10,7 @@
 #include "site_node/capture/metaframe_assembler.hpp"
 #include "site_node/config.hpp"
 #include "site_node/preview/preview.hpp"
+#include "site_node/stream_adapter.hpp"
 
 #include <atomic>
 #include <memory>
@@ -50,11 +51,13 @@ private:
     SiteNode(const SiteNodeConfig& config,
              std::unique_ptr<capture::FrameSource> source,
              Pipeline pipeline,
-             Writers writers);
+             Writers writers,
+             bus::Reader<bus::StreamFeedback> feedback);
 
     void capture_metaframes(std::stop_token stop);
     void hand_over(capture::Metaframe metaframe);
     void work(std::stop_token stop);
+    void work_on(const capture::Metaframe& metaframe, const StreamAdapter::Choice& choice);
     void count(const SiteFrame& frame);
     void show(const capture::Metaframe& metaframe);
     void publish_frames(std::stop_token stop);
@@ -66,6 +69,7 @@ private:
     std::unique_ptr<capture::FrameSource> source_;
     Pipeline pipeline_;
     Writers writers_;
+    StreamAdapter stream_;  // of the thread that works
     ThreadPool pool_;
     std::unique_ptr<preview::Preview> preview_;  // null: nobody wants one
 

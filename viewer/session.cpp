@@ -22,10 +22,17 @@ bool assign(Expected<T> created, std::optional<T>& out, Error& error) {
 
 Session::Session(Readers readers,
                  bus::Writer<bus::ViewerStatus> status,
-                 bus::Writer<bus::SceneCommand> commands)
-    : readers_(std::move(readers)), status_(std::move(status)), commands_(std::move(commands)) {}
+                 bus::Writer<bus::SceneCommand> commands,
+                 bus::Writer<bus::StreamFeedback> feedback_writer,
+                 std::string viewer)
+    : readers_(std::move(readers)),
+      status_(std::move(status)),
+      commands_(std::move(commands)),
+      feedback_writer_(std::move(feedback_writer)),
+      viewer_(std::move(viewer)) {}
 
-Expected<std::unique_ptr<Session>> Session::create(const bus::BusOptions& options) {
+Expected<std::unique_ptr<Session>> Session::create(const bus::BusOptions& options,
+                                                   const std::string& viewer) {
     auto participant = bus::Participant::create(options);
     if (!participant) return tl::unexpected(participant.error());
     std::optional<bus::Waiter> waiter;
@@ -37,6 +44,7 @@ Expected<std::unique_ptr<Session>> Session::create(const bus::BusOptions& option
     std::optional<bus::Reader<bus::SceneState>> states;
     std::optional<bus::Writer<bus::ViewerStatus>> status;
     std::optional<bus::Writer<bus::SceneCommand>> commands;
+    std::optional<bus::Writer<bus::StreamFeedback>> feedback;
     Error error;
     const bool all_created =
         assign(bus::Waiter::create(*participant), waiter, error) &&
@@ -47,7 +55,8 @@ Expected<std::unique_ptr<Session>> Session::create(const bus::BusOptions& option
         assign(bus::Reader<bus::SceneObject>::create(*participant), objects, error) &&
         assign(bus::Reader<bus::SceneState>::create(*participant), states, error) &&
         assign(bus::Writer<bus::ViewerStatus>::create(*participant), status, error) &&
-        assign(bus::Writer<bus::SceneCommand>::create(*participant), commands, error);
+        assign(bus::Writer<bus::SceneCommand>::create(*participant), commands, error) &&
+        assign(bus::Writer<bus::StreamFeedback>::create(*participant), feedback, error);
     if (!all_created) return tl::unexpected(error);
     waiter->add(*descriptions);
     waiter->add(*placements);
@@ -64,15 +73,18 @@ Expected<std::unique_ptr<Session>> Session::create(const bus::BusOptions& option
                                                  std::move(*objects),
                                                  std::move(*states)},
                                                 std::move(*status),
-                                                std::move(*commands)));
+                                                std::move(*commands),
+                                                std::move(*feedback),
+                                                viewer));
 }
 
 void Session::receive(std::stop_token stop) {
     const std::stop_callback wake(stop, [this] { readers_.waiter.wake(); });
     while (!stop.stop_requested()) {
-        readers_.waiter.wait(std::chrono::milliseconds(200));
+        readers_.waiter.wait(Feedback::kPeriod);
         take_sites();
         take_objects();
+        write_feedback();
         num_incomplete_ = pairing_.num_incomplete();
     }
 }
@@ -94,11 +106,38 @@ void Session::take_sites() {
         scene_.placements.insert_or_assign(placement.site, std::move(placement));
     }));
     note(readers_.meshes.take(
-        [this](bus::SiteMesh&& mesh) { hand_to_decoder(pairing_.add(std::move(mesh))); },
+        [this](bus::SiteMesh&& mesh) {
+            const std::size_t num_bytes = mesh.draco.size();
+            receive_sample(std::move(mesh), num_bytes);
+        },
         [this](const bus::SiteMesh& gone) { site_gone(gone.site); }));
     note(readers_.textures.take([this](bus::CameraTexture&& texture) {
-        hand_to_decoder(pairing_.add(std::move(texture)));
+        const std::size_t num_bytes = texture.colour.size() + texture.mask.size();
+        receive_sample(std::move(texture), num_bytes);
     }));
+}
+
+// Counts what arrives, and what became of it.
+template <typename Sample>
+void Session::receive_sample(Sample&& sample, std::size_t num_bytes) {
+    const std::string site = sample.site;
+    const Timestamp now = Timestamp::now();
+    feedback_.arrived(site, sample.capture_time, num_bytes, now);
+    const std::uint64_t num_incomplete = pairing_.num_incomplete();
+    const std::uint64_t num_late = pairing_.num_late();
+    auto pair = pairing_.add(std::forward<Sample>(sample));
+    feedback_.lost(
+        site, pairing_.num_incomplete() - num_incomplete, pairing_.num_late() - num_late);
+    if (!pair) return;
+    feedback_.completed(site, pair->mesh.frame_id, pair->mesh.capture_time, now);
+    hand_to_decoder(std::move(pair));
+}
+
+void Session::write_feedback() {
+    feedback_.report(viewer_, Timestamp::now(), [this](const bus::StreamFeedback& feedback) {
+        if (const auto written = feedback_writer_.write(feedback); !written)
+            rejections_.warn("feedback_failed " + written.error().message);
+    });
 }
 
 void Session::take_objects() {
@@ -133,6 +172,13 @@ void Session::hand_to_decoder(std::optional<FramePair> pair) {
 
 void Session::site_gone(const std::string& site) {
     pairing_.forget(site);
+    if (feedback_.forget(site)) {
+        bus::StreamFeedback key;
+        key.viewer = viewer_;
+        key.site = site;
+        if (const auto gone = feedback_writer_.dispose(key); !gone)
+            rejections_.warn("feedback_failed " + gone.error().message);
+    }
     jobs_.put(site, {});
 }
 

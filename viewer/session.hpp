@@ -4,6 +4,7 @@
 #include "core/base/expected.hpp"
 #include "core/base/latest_slot.hpp"
 #include "core/bus/bus.hpp"
+#include "viewer/feedback.hpp"
 #include "viewer/newest_per_site.hpp"
 #include "viewer/pairing.hpp"
 #include "viewer/renderer/person_model.hpp"
@@ -42,7 +43,9 @@ struct SceneChanges {
 /// waits for the screen likewise.
 class Session {
 public:
-    static Expected<std::unique_ptr<Session>> create(const bus::BusOptions& options);
+    /// `viewer` is the name under which sites hear how their streams arrive.
+    static Expected<std::unique_ptr<Session>> create(const bus::BusOptions& options,
+                                                     const std::string& viewer);
 
     void receive(std::stop_token stop);
     void decode(std::stop_token stop);
@@ -80,10 +83,15 @@ private:
 
     Session(Readers readers,
             bus::Writer<bus::ViewerStatus> status,
-            bus::Writer<bus::SceneCommand> commands);
+            bus::Writer<bus::SceneCommand> commands,
+            bus::Writer<bus::StreamFeedback> feedback_writer,
+            std::string viewer);
     void take_sites();
     void take_objects();
     void hand_to_decoder(std::optional<FramePair> pair);
+    template <typename Sample>
+    void receive_sample(Sample&& sample, std::size_t num_bytes);
+    void write_feedback();
     void site_gone(const std::string& site);
     void note(const bus::TakeReport& report);
     void show(const std::string& site, PersonUpdate update);
@@ -91,7 +99,10 @@ private:
     Readers readers_;
     bus::Writer<bus::ViewerStatus> status_;
     bus::Writer<bus::SceneCommand> commands_;
+    bus::Writer<bus::StreamFeedback> feedback_writer_;
+    std::string viewer_;
     Pairing pairing_;
+    Feedback feedback_;                                // of the receiving thread alone
     std::map<std::string, Description> descriptions_;  // of the receiving thread alone
     NewestPerSite<Job> jobs_;
     NewestPerSite<PersonUpdate> people_;

@@ -312,11 +312,11 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config) {
     }
     const auto camera = make_view_camera(config.view);
     if (!camera) return tl::unexpected(camera.error());
-    auto session = Session::create(config.bus);
-    if (!session) return tl::unexpected(session.error());
     auto impl = std::make_unique<Impl>();
     impl->config = config;
     if (config.view.name.empty()) impl->config.view.name = fmt::format("viewer-{}", getpid());
+    auto session = Session::create(config.bus, impl->config.view.name);
+    if (!session) return tl::unexpected(session.error());
     impl->start_camera = impl->camera = *camera;
     impl->session = std::move(*session);
     return std::unique_ptr<Viewer>(new Viewer(std::move(impl)));

@@ -100,6 +100,14 @@ void check_object(const SceneObject& object, Checker& checker) {
     checker.pose("SceneObject.world_from_object", object.world_from_object);
 }
 
+void check_stream(const StreamState& stream, Checker& checker) {
+    checker.range("SiteStatus.stream.jpeg_quality", stream.jpeg_quality, 1, 100);
+    checker.range("SiteStatus.stream.colour_divisor", stream.colour_divisor, 1, 2);
+    checker.range("SiteStatus.stream.send_every", stream.send_every, 1, kMaxSendEvery);
+    checker.range("SiteStatus.stream.cap_bit_per_s", stream.cap_bit_per_s, 0.0, kMaxStatistic);
+    if (!stream.cap_set_by.empty()) checker.name("SiteStatus.stream.cap_set_by", stream.cap_set_by);
+}
+
 }  // namespace
 
 bool is_valid_name(std::string_view name) {
@@ -201,6 +209,7 @@ Expected<void> check(const SiteStatus& message) {
     checker.latency("SiteStatus.capture_to_publish", message.capture_to_publish);
     checker.count("SiteStatus.cameras", message.cameras.size(), kMaxCamerasPerSite);
     for (const CameraStatus& camera : message.cameras) check_camera(camera, checker);
+    check_stream(message.stream, checker);
     return checker.result();
 }
 
@@ -219,6 +228,18 @@ Expected<void> check(const ViewerStatus& message) {
     checker.time("ViewerStatus.time", message.time);
     checker.range("ViewerStatus.frames_per_s", message.frames_per_s, 0.0, kMaxStatistic);
     checker.latency("ViewerStatus.capture_to_display", message.capture_to_display);
+    return checker.result();
+}
+
+Expected<void> check(const StreamFeedback& message) {
+    Checker checker;
+    checker.name("StreamFeedback.viewer", message.viewer);
+    checker.name("StreamFeedback.site", message.site);
+    checker.time("StreamFeedback.time", message.time);
+    checker.range(
+        "StreamFeedback.payload_bytes_per_s", message.payload_bytes_per_s, 0.0, kMaxStatistic);
+    for (const double delay_ms : {message.min_delay_ms, message.median_delay_ms})
+        checker.range("StreamFeedback.delay_ms", delay_ms, -kMaxStatistic, kMaxStatistic);
     return checker.result();
 }
 

@@ -193,6 +193,7 @@ template class Writer<SceneCommand>;
 template class Writer<SiteStatus>;
 template class Writer<WorldStatus>;
 template class Writer<ViewerStatus>;
+template class Writer<StreamFeedback>;
 
 template class Reader<SiteDescription>;
 template class Reader<SiteMesh>;
@@ -204,5 +205,6 @@ template class Reader<SceneCommand>;
 template class Reader<SiteStatus>;
 template class Reader<WorldStatus>;
 template class Reader<ViewerStatus>;
+template class Reader<StreamFeedback>;
 
 }  // namespace atrium::bus

@@ -13,10 +13,11 @@ inline constexpr std::size_t kMaxCodedBytes = 8U << 20U;  // 30 times the larges
 inline constexpr std::size_t kMaxObjects = 2048;          // a SceneState then has 0.23 MB
 inline constexpr int kMaxImageSide_px = 16384;
 inline constexpr double kMaxCoordinate_m = 1e5;
-inline constexpr double kMaxSpeed = 1e5;       // [m/s], [rad/s]
-inline constexpr double kMaxMass_kg = 1e6;     // impulses: kMaxMass_kg * 1 m/s
-inline constexpr double kMaxIntrinsic = 1e7;   // fx, fy, cx, cy, skew [px], distortion
-inline constexpr double kMaxStatistic = 1e15;  // rates, latencies
+inline constexpr double kMaxSpeed = 1e5;            // [m/s], [rad/s]
+inline constexpr double kMaxMass_kg = 1e6;          // impulses: kMaxMass_kg * 1 m/s
+inline constexpr double kMaxIntrinsic = 1e7;        // fx, fy, cx, cy, skew [px], distortion
+inline constexpr double kMaxStatistic = 1e15;       // rates, latencies
+inline constexpr std::uint32_t kMaxSendEvery = 64;  // StreamState::send_every
 /// Of a quaternion's length from 1; what is nearer is normalised, what is farther is refused.
 inline constexpr double kQuaternionTolerance = 1e-3;
 /// The year 2116: differences of two times then cannot overflow.

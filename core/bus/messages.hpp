@@ -83,6 +83,24 @@ struct SceneState {
     std::vector<ObjectState> objects;
 };
 
+/// 5 Hz, from each viewer to each site that it sees: how the site's stream arrives. Counts and
+/// rates are since the sample before.
+struct StreamFeedback {
+    std::string viewer;
+    std::string site;
+    Timestamp time;
+    std::uint64_t newest_frame_id = 0;  // of a complete mesh and textures; 0 where there was none
+    std::uint32_t num_complete = 0;     // frames
+    std::uint32_t num_incomplete = 0;   // frames with parts missing when a newer one was complete
+    std::uint32_t num_late = 0;         // samples of frames no newer than one that was complete
+    std::uint32_t num_samples = 0;      // meshes and textures that came
+    double payload_bytes_per_s = 0.0;   // of those
+    /// Arrival minus capture. Clocks of two hosts need not agree: it may be negative, and only its
+    /// change means something.
+    double min_delay_ms = 0.0;     // of any of those samples; 0 where there are none
+    double median_delay_ms = 0.0;  // of what made a frame complete; the smallest where none was
+};
+
 enum class CommandKind : std::uint8_t { kAdd, kRemove, kReset, kPush };
 
 /// On demand, reliable. `object` is filled for kAdd; `target` names the object for kRemove and
@@ -132,6 +150,18 @@ struct CameraStatus {
     bool operator==(const CameraStatus&) const = default;
 };
 
+/// How a site adapts its stream to the networks of its viewers.
+struct StreamState {
+    std::uint32_t jpeg_quality = 85;
+    std::uint32_t colour_divisor = 1;  // 1: colours as large as the mask; 2: half as wide and high
+    std::uint32_t send_every = 1;      // of n metaframes one is sent
+    double cap_bit_per_s = 0.0;        // 0: none
+    std::string cap_set_by;            // a viewer, or the option that is the limit; empty: nobody
+    std::uint64_t num_dropped_for_rate = 0;  // metaframes, so as to stay below the cap
+
+    bool operator==(const StreamState&) const = default;
+};
+
 /// 1 Hz. Counters run since the program's start.
 struct SiteStatus {
     std::string site;
@@ -149,6 +179,7 @@ struct SiteStatus {
     LatencySummary capture_to_publish;
     std::uint64_t resident_bytes = 0;
     std::vector<CameraStatus> cameras;  // as in SiteDescription
+    StreamState stream;
 };
 
 struct WorldStatus {

@@ -2,6 +2,7 @@
 
 #include "core/bus/messages.hpp"
 
+#include <feedback.h>
 #include <site.h>
 #include <status.h>
 #include <world.h>
@@ -75,6 +76,11 @@ struct Topic<WorldStatus> : WireTopic<atrium_WorldStatus, atrium_WorldStatus_des
 template <>
 struct Topic<ViewerStatus> : WireTopic<atrium_ViewerStatus, atrium_ViewerStatus_desc> {
     static constexpr const char* kName = "ViewerStatus";
+    static constexpr std::string_view kProfile = kStatus;
+};
+template <>
+struct Topic<StreamFeedback> : WireTopic<atrium_StreamFeedback, atrium_StreamFeedback_desc> {
+    static constexpr const char* kName = "StreamFeedback";
     static constexpr std::string_view kProfile = kStatus;
 };
 

@@ -56,6 +56,26 @@ CameraStatus get_camera(const atrium_CameraStatus& wire) {
             wire.last_picture_age_ms};
 }
 
+constexpr std::size_t kStreamBytes = 3 * sizeof(std::uint32_t) + 2 * sizeof(std::uint64_t);
+
+void put_stream(const StreamState& stream, atrium_StreamState& out) {
+    out.jpeg_quality = stream.jpeg_quality;
+    out.colour_divisor = stream.colour_divisor;
+    out.send_every = stream.send_every;
+    out.cap_bit_per_s = stream.cap_bit_per_s;
+    put_name(stream.cap_set_by, out.cap_set_by);
+    out.num_dropped_for_rate = stream.num_dropped_for_rate;
+}
+
+StreamState get_stream(const atrium_StreamState& stream) {
+    return {stream.jpeg_quality,
+            stream.colour_divisor,
+            stream.send_every,
+            stream.cap_bit_per_s,
+            get_name(stream.cap_set_by),
+            stream.num_dropped_for_rate};
+}
+
 }  // namespace
 
 void to_wire(const SiteStatus& message, WireScratch& scratch, atrium_SiteStatus& out) {
@@ -77,6 +97,7 @@ void to_wire(const SiteStatus& message, WireScratch& scratch, atrium_SiteStatus&
     for (std::size_t i = 0; i < message.cameras.size(); ++i)
         put_camera(message.cameras[i], scratch.camera_statuses[i]);
     lend(scratch.camera_statuses, out.cameras);
+    put_stream(message.stream, out.stream);
 }
 
 Expected<SiteStatus> from_wire(const atrium_SiteStatus& wire) {
@@ -103,6 +124,7 @@ Expected<SiteStatus> from_wire(const atrium_SiteStatus& wire) {
         }
         message.cameras.push_back(get_camera(camera));
     }
+    message.stream = get_stream(wire.stream);
     return checked(std::move(message));
 }
 
@@ -117,8 +139,8 @@ Expected<SiteStatus> key_from_wire(const atrium_SiteStatus& wire) {
 }
 
 std::size_t payload_bytes(const SiteStatus& message) {
-    std::size_t bytes =
-        message.site.size() + 11 * sizeof(std::uint64_t) + kLeftOutBytes + kLatencyBytes;
+    std::size_t bytes = message.site.size() + 11 * sizeof(std::uint64_t) + kLeftOutBytes +
+                        kLatencyBytes + kStreamBytes + message.stream.cap_set_by.size();
     for (const CameraStatus& camera : message.cameras)
         bytes += camera.name.size() + kCameraStatusBytes;
     return bytes;

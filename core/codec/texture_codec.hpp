@@ -31,8 +31,9 @@ struct TextureCrop {
 };
 
 struct CodedTexture {
-    std::vector<std::uint8_t> colour;  // baseline JPEG, 4:4:4, full-range BT.601
-    std::vector<std::uint8_t> mask;    // see mask_codec.hpp
+    std::vector<std::uint8_t>
+        colour;  // baseline JPEG, 4:4:4, full-range BT.601; as large as the mask, or half
+    std::vector<std::uint8_t> mask;  // see mask_codec.hpp
 };
 
 /// Ready for the GPU: rows from the top, R, G, B, A; alpha is 255 where the picture shows the
@@ -55,6 +56,9 @@ public:
     /// planes go into the JPEG as they are: no colours are converted. An error if the planes are
     /// empty, differ in size, or are larger than what TextureDecoder takes.
     Expected<void> encode(const TextureCrop& crop, int quality, CodedTexture& out);
+    /// `divisor` 1 or 2: with 2 the colours are coded at half of the width and height of the mask,
+    /// rounded up, each the mean of up to four. The mask stays as it is.
+    Expected<void> encode(const TextureCrop& crop, int quality, int divisor, CodedTexture& out);
 
 private:
     struct State;
@@ -69,10 +73,11 @@ public:
     TextureDecoder(TextureDecoder&&) noexcept;
     TextureDecoder& operator=(TextureDecoder&&) noexcept;
 
-    /// Reverse of TextureEncoder::encode. Both byte strings may come from anywhere: what is
+    /// Reverse of TextureEncoder::encode: the result is as large as the mask, whatever the colours
+    /// were coded at. Both byte strings may come from anywhere: what is
     /// damaged, too large, not of the kind that the encoder writes, or differs in size between
-    /// colour and mask, is an error. On error, `out` is undefined. Damage that still makes a valid
-    /// picture of that size shows wrong pixels, nothing worse.
+    /// colour and mask (but for that divisor of 2), is an error. On error, `out` is undefined.
+    /// Damage that still makes a valid picture of that size shows wrong pixels, nothing worse.
     Expected<void> decode(std::span<const std::uint8_t> colour,
                           std::span<const std::uint8_t> mask,
                           DecodedTexture& out);

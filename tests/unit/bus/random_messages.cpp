@@ -207,7 +207,13 @@ SiteStatus random_message(Random& random) {
             number(random, 0, 1e9),
             latency(random),
             random(),
-            camera_statuses(random)};
+            camera_statuses(random),
+            {1 + static_cast<std::uint32_t>(below(random, 100)),
+             1 + static_cast<std::uint32_t>(below(random, 2)),
+             1 + static_cast<std::uint32_t>(below(random, 64)),
+             number(random, 0, 1e9),
+             below(random, 2) == 0 ? std::string() : name(random),
+             random()}};
 }
 
 template <>
@@ -236,6 +242,21 @@ ViewerStatus random_message(Random& random) {
             number(random, 0, 1000),
             latency(random),
             random()};
+}
+
+template <>
+StreamFeedback random_message(Random& random) {
+    return {name(random),
+            name(random),
+            time(random),
+            random(),
+            static_cast<std::uint32_t>(random()),
+            static_cast<std::uint32_t>(random()),
+            static_cast<std::uint32_t>(random()),
+            static_cast<std::uint32_t>(random()),
+            number(random, 0, 1e9),
+            number(random, -1e6, 1e6),
+            number(random, -1e6, 1e6)};
 }
 
 bool same(const SiteDescription& a, const SiteDescription& b) {
@@ -284,7 +305,7 @@ bool same(const SiteStatus& a, const SiteStatus& b) {
            a.left_out == b.left_out && a.num_bytes_published == b.num_bytes_published &&
            a.metaframes_per_s == b.metaframes_per_s && a.bytes_per_s == b.bytes_per_s &&
            same(a.capture_to_publish, b.capture_to_publish) &&
-           a.resident_bytes == b.resident_bytes && a.cameras == b.cameras;
+           a.resident_bytes == b.resident_bytes && a.cameras == b.cameras && a.stream == b.stream;
 }
 
 bool same(const WorldStatus& a, const WorldStatus& b) {
@@ -301,6 +322,14 @@ bool same(const ViewerStatus& a, const ViewerStatus& b) {
            a.num_incomplete == b.num_incomplete && a.num_rejected == b.num_rejected &&
            a.frames_per_s == b.frames_per_s && same(a.capture_to_display, b.capture_to_display) &&
            a.resident_bytes == b.resident_bytes;
+}
+
+bool same(const StreamFeedback& a, const StreamFeedback& b) {
+    return a.viewer == b.viewer && a.site == b.site && a.time == b.time &&
+           a.newest_frame_id == b.newest_frame_id && a.num_complete == b.num_complete &&
+           a.num_incomplete == b.num_incomplete && a.num_late == b.num_late &&
+           a.num_samples == b.num_samples && a.payload_bytes_per_s == b.payload_bytes_per_s &&
+           a.min_delay_ms == b.min_delay_ms && a.median_delay_ms == b.median_delay_ms;
 }
 
 }  // namespace atrium::bus::testing

@@ -36,7 +36,8 @@ using Messages = ::testing::Types<SiteDescription,
                                   SceneCommand,
                                   SiteStatus,
                                   WorldStatus,
-                                  ViewerStatus>;
+                                  ViewerStatus,
+                                  StreamFeedback>;
 TYPED_TEST_SUITE(EveryMessage, Messages);
 
 TYPED_TEST(EveryMessage, ComesBackFromTheWireAsItWas) {
@@ -230,7 +231,18 @@ TEST(FromWire, RefusesEachBadFieldOfAStatus) {
          {"last_picture_age", [](auto& w) { w.cameras._buffer[1].last_picture_age_ms = kNan; }},
          {"last_picture_age", [](auto& w) { w.cameras._buffer[1].last_picture_age_ms = -0.5; }},
          {"last_picture_age",
-          [](auto& w) { w.cameras._buffer[0].last_picture_age_ms = kInfinity; }}});
+          [](auto& w) { w.cameras._buffer[0].last_picture_age_ms = kInfinity; }},
+         {"stream.jpeg_quality", [](auto& w) { w.stream.jpeg_quality = 0; }},
+         {"stream.jpeg_quality", [](auto& w) { w.stream.jpeg_quality = 101; }},
+         {"stream.colour_divisor", [](auto& w) { w.stream.colour_divisor = 0; }},
+         {"stream.colour_divisor", [](auto& w) { w.stream.colour_divisor = 3; }},
+         {"stream.send_every", [](auto& w) { w.stream.send_every = 0; }},
+         {"stream.send_every", [](auto& w) { w.stream.send_every = 0xffffffff; }},
+         {"stream.cap_bit_per_s", [](auto& w) { w.stream.cap_bit_per_s = kNan; }},
+         {"stream.cap_bit_per_s", [](auto& w) { w.stream.cap_bit_per_s = -1; }},
+         {"stream.cap_set_by", [](auto& w) { spoil_name(w.stream.cap_set_by, "a b"); }},
+         {"stream.cap_set_by",
+          [](auto& w) { std::memset(w.stream.cap_set_by, 'a', sizeof(w.stream.cap_set_by)); }}});
     expect_each_refused<WorldStatus>(
         random_message<WorldStatus>(random),
         {{"world", [](auto& w) { spoil_name(w.world, ""); }},
@@ -243,6 +255,34 @@ TEST(FromWire, RefusesEachBadFieldOfAStatus) {
          {"time", [](auto& w) { w.time_ns = -1; }},
          {"frames_per_s", [](auto& w) { w.frames_per_s = kNan; }},
          {"capture_to_display", [](auto& w) { w.capture_to_display.median_ms = kInfinity; }}});
+}
+
+TEST(FromWire, RefusesEachBadFieldOfAFeedback) {
+    Random random(3);
+    expect_each_refused<StreamFeedback>(
+        random_message<StreamFeedback>(random),
+        {{"viewer", [](auto& w) { spoil_name(w.viewer, ""); }},
+         {"viewer", [](auto& w) { std::memset(w.viewer, 'a', sizeof(w.viewer)); }},
+         {"site", [](auto& w) { spoil_name(w.site, "a/b"); }},
+         {"time", [](auto& w) { w.time_ns = -1; }},
+         {"time", [](auto& w) { w.time_ns = std::numeric_limits<long>::max(); }},
+         {"payload_bytes_per_s", [](auto& w) { w.payload_bytes_per_s = -1; }},
+         {"payload_bytes_per_s", [](auto& w) { w.payload_bytes_per_s = kNan; }},
+         {"payload_bytes_per_s", [](auto& w) { w.payload_bytes_per_s = 1e16; }},
+         {"delay_ms", [](auto& w) { w.min_delay_ms = kNan; }},
+         {"delay_ms", [](auto& w) { w.min_delay_ms = -1e16; }},
+         {"delay_ms", [](auto& w) { w.median_delay_ms = kInfinity; }}});
+}
+
+TEST(FromWire, RefusesAFeedbacksKeyWithABadName) {
+    atrium_StreamFeedback key{};
+    key_to_wire(StreamFeedback{"viewer", "room", {}}, key);
+    ASSERT_TRUE(key_from_wire(key).has_value());
+    spoil_name(key.viewer, "");
+    EXPECT_FALSE(key_from_wire(key).has_value());
+    spoil_name(key.viewer, "viewer");
+    spoil_name(key.site, "a b");
+    EXPECT_FALSE(key_from_wire(key).has_value());
 }
 
 TEST(FromWire, NormalisesAQuaternionThatIsALittleOff) {

@@ -78,6 +78,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude{
     {"site_node/silhouette/", {"core/base/", "core/geometry/", "core/image/"}},
     {"site_node/hull/", {"core/base/", "core/geometry/"}},
     {"site_node/texture/", {"core/base/", "core/image/", "core/codec/"}},
+    {"site_node/stream/", {"core/base/"}},
     {"site_node/preview/",
      {"core/base/", "core/image/", "core/gl/", "core/app/", "site_node/capture/"}},
     {"world_server/physics/", {"core/base/", "core/geometry/"}},

@@ -1,0 +1,8 @@
+#!/bin/sh
+# Draws docs/figures/stream_adaptation.svg from a run of the simulated link: `bench/stream_figures.sh [BUILD]`, a build folder
+# that is configured with -DATRIUM_BENCH=ON. The same tree gives the same picture.
+set -eu
+cd "$(dirname "$0")/.."
+build=${1:-build}
+cmake --build "$build" --target stream_link > /dev/null
+"$build"/bin/stream_link | python3 bench/stream_figures.py docs/figures
