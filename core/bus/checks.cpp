@@ -222,4 +222,15 @@ Expected<void> check(const ViewerStatus& message) {
     return checker.result();
 }
 
+Expected<void> check(const Presence& message) {
+    Checker checker;
+    checker.enumerator("Presence.kind", message.kind, ProgramKind::kOther);
+    checker.name("Presence.name", message.name);
+    checker.name("Presence.host", message.host);
+    checker.name("Presence.version", message.version);
+    checker.time("Presence.start_time", message.start_time);
+    checker.time("Presence.clock_max_error", {message.clock_max_error.count()});
+    return checker.result();
+}
+
 }  // namespace atrium::bus

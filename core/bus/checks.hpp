@@ -21,5 +21,6 @@ Expected<void> check(const SceneCommand& message);
 Expected<void> check(const SiteStatus& message);
 Expected<void> check(const WorldStatus& message);
 Expected<void> check(const ViewerStatus& message);
+Expected<void> check(const Presence& message);
 
 }  // namespace atrium::bus

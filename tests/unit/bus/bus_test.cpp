@@ -38,7 +38,8 @@ using Messages = ::testing::Types<SiteDescription,
                                   SceneCommand,
                                   SiteStatus,
                                   WorldStatus,
-                                  ViewerStatus>;
+                                  ViewerStatus,
+                                  Presence>;
 TYPED_TEST_SUITE(EveryTopic, Messages);
 
 TYPED_TEST(EveryTopic, CarriesAMessageToAnotherParticipantUnchanged) {

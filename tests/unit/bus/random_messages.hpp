@@ -31,6 +31,8 @@ template <>
 WorldStatus random_message(Random& random);
 template <>
 ViewerStatus random_message(Random& random);
+template <>
+Presence random_message(Random& random);
 
 bool same(const SiteDescription& a, const SiteDescription& b);
 bool same(const SiteMesh& a, const SiteMesh& b);
@@ -42,5 +44,6 @@ bool same(const SceneCommand& a, const SceneCommand& b);
 bool same(const SiteStatus& a, const SiteStatus& b);
 bool same(const WorldStatus& a, const WorldStatus& b);
 bool same(const ViewerStatus& a, const ViewerStatus& b);
+bool same(const Presence& a, const Presence& b);
 
 }  // namespace atrium::bus::testing

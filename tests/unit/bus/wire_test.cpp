@@ -36,7 +36,8 @@ using Messages = ::testing::Types<SiteDescription,
                                   SceneCommand,
                                   SiteStatus,
                                   WorldStatus,
-                                  ViewerStatus>;
+                                  ViewerStatus,
+                                  Presence>;
 TYPED_TEST_SUITE(EveryMessage, Messages);
 
 TYPED_TEST(EveryMessage, ComesBackFromTheWireAsItWas) {
