@@ -49,8 +49,9 @@ public:
             fail(field, fmt::format("unknown value {}", static_cast<unsigned>(value)));
     }
     void latency(std::string_view field, const LatencySummary& value) {
-        range(field, value.median_ms, 0.0, kMaxStatistic);
-        range(field, value.p99_ms, 0.0, kMaxStatistic);
+        // negative where the clock of the host that captured is ahead of the one that measured
+        range(field, value.median_ms, -kMaxStatistic, kMaxStatistic);
+        range(field, value.p99_ms, -kMaxStatistic, kMaxStatistic);
     }
     void fail(std::string_view field, std::string_view why) {
         if (fault_.empty()) fault_ = fmt::format("{}: {}", field, why);
