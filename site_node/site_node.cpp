@@ -176,8 +176,14 @@ Expected<void> SiteNode::run(std::stop_token stop) {
             "capture", [this](std::stop_token) { capture_metaframes(end_.get_token()); });
         report_status(end_.get_token());
     }
-    if (auto gone = writers_.description.dispose(description); !gone)
-        app::log::warn("{}", gone.error().message);
+    {
+        // where the name is another's, so is what stands under it
+        const std::lock_guard lock(end_mutex_);
+        if (!name_lost_) {
+            if (auto gone = writers_.description.dispose(description); !gone)
+                app::log::warn("{}", gone.error().message);
+        }
+    }
     const bus::SiteStatus total = status();
     app::log::info("stopped captured={} published={} incomplete={} late={} failed={}",
                    total.num_metaframes_captured,

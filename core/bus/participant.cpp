@@ -68,6 +68,8 @@ QosPointer make_writer_qos(const EndpointQos& qos) {
     QosPointer out = make_qos(qos);
     dds_qset_lifespan(out.get(), to_dds(qos.lifespan));
     dds_qset_deadline(out.get(), to_dds(qos.deadline));
+    // A key is gone with its last writer: one of two that leaves must not take it from the other.
+    dds_qset_writer_data_lifecycle(out.get(), false);
     if (qos.transient_local) {
         dds_qset_durability_service(out.get(),
                                     0,
