@@ -100,7 +100,7 @@ TEST(BusFaults, ASiteThatWasFrozenIsGoneAndComesBackByItself) {
     EXPECT_TRUE(meshes.await([&] { return !meshes.samples.empty(); }, 5s));
 }
 
-// More than the 32 for which Cyclone has room by itself, or the 31 for which there once was.
+// More than the 10 for which Cyclone has room by itself, or the 31 for which there once was.
 TEST(BusFaults, FortyProgramsOfOneHostFindEachOther) {
     const BusOptions options = own_world("forty", 112);
     const auto participant = value(Participant::create(options));
