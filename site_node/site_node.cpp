@@ -1,6 +1,7 @@
 #include "site_node/site_node.hpp"
 
 #include "core/app/program.hpp"
+#include "core/joining/join_world.hpp"
 #include "site_node/left_out.hpp"
 #include "site_node/open_source.hpp"
 
@@ -115,11 +116,14 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& confi
     }
     Writers writers{
         std::move(*description), std::move(*mesh), std::move(*texture), std::move(*status)};
-    return std::unique_ptr<SiteNode>(new SiteNode(config,
-                                                  std::move(*source),
-                                                  std::move(*pipeline),
-                                                  std::move(writers),
-                                                  std::move(*feedback)));
+    std::unique_ptr<SiteNode> node(new SiteNode(config,
+                                                std::move(*source),
+                                                std::move(*pipeline),
+                                                std::move(writers),
+                                                std::move(*feedback)));
+    if (auto joined = node->join(*participant, stop); !joined)
+        return tl::unexpected(joined.error());
+    return node;
 }
 
 SiteNode::SiteNode(const SiteNodeConfig& config,
@@ -144,9 +148,34 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
     preview_ = std::make_unique<preview::Preview>(config_.preview, std::move(names));
 }
 
+Expected<void> SiteNode::join(const bus::Participant& participant, std::stop_token stop) {
+    auto member = joining::join_world(
+        participant,
+        bus::ProgramKind::kSiteNode,
+        config_.name,
+        [this](const Error& lost) { lose_name(lost); },
+        stop);
+    if (!member) return tl::unexpected(member.error());
+    membership_ = std::move(*member);
+    return {};
+}
+
+// Also where `run` has not begun, or begins just now.
+void SiteNode::lose_name(const Error& lost) {
+    {
+        const std::lock_guard lock(end_mutex_);
+        name_lost_ = true;
+    }
+    finish(tl::unexpected(lost));
+}
+
 Expected<void> SiteNode::run(std::stop_token stop) {
-    end_ = std::stop_source();
-    end_result_ = {};
+    {
+        const std::lock_guard lock(end_mutex_);
+        if (name_lost_) return end_result_;
+        end_ = std::stop_source();
+        end_result_ = {};
+    }
     const std::stop_callback pass_on(stop, [this] { end_.request_stop(); });
     const bus::SiteDescription description{
         config_.name, source_->rig().cameras, source_->rig().bounds_site};
@@ -162,8 +191,14 @@ Expected<void> SiteNode::run(std::stop_token stop) {
             "capture", [this](std::stop_token) { capture_metaframes(end_.get_token()); });
         report_status(end_.get_token());
     }
-    if (auto gone = writers_.description.dispose(description); !gone)
-        app::log::warn("{}", gone.error().message);
+    {
+        // where the name is another's, so is what stands under it
+        const std::lock_guard lock(end_mutex_);
+        if (!name_lost_) {
+            if (auto gone = writers_.description.dispose(description); !gone)
+                app::log::warn("{}", gone.error().message);
+        }
+    }
     const bus::SiteStatus total = status();
     app::log::info("stopped captured={} published={} incomplete={} late={} rate={} failed={}",
                    total.num_metaframes_captured,
@@ -184,11 +219,13 @@ Expected<void> SiteNode::run(std::stop_token stop) {
 
 // Ends all threads; the first result is that of `run`.
 void SiteNode::finish(const Expected<void>& result) {
+    std::stop_source end;
     {
         const std::lock_guard lock(end_mutex_);
         if (end_result_) end_result_ = result;
+        end = end_;
     }
-    end_.request_stop();
+    end.request_stop();
 }
 
 void SiteNode::capture_metaframes(std::stop_token stop) {

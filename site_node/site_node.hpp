@@ -6,6 +6,7 @@
 #include "core/base/statistics.hpp"
 #include "core/base/thread_pool.hpp"
 #include "core/bus/bus.hpp"
+#include "core/bus/membership.hpp"
 #include "site_node/camera_status.hpp"
 #include "site_node/capture/metaframe_assembler.hpp"
 #include "site_node/config.hpp"
@@ -53,6 +54,7 @@ private:
              Pipeline pipeline,
              Writers writers,
              bus::Reader<bus::StreamFeedback> feedback);
+    Expected<void> join(const bus::Participant& participant, std::stop_token stop);
 
     void capture_metaframes(std::stop_token stop);
     void hand_over(capture::Metaframe metaframe);
@@ -64,6 +66,7 @@ private:
     void report_status(std::stop_token stop);
     Expected<std::size_t> publish(const SiteFrame& frame);
     void finish(const Expected<void>& result);
+    void lose_name(const Error& lost);
 
     SiteNodeConfig config_;
     std::unique_ptr<capture::FrameSource> source_;
@@ -98,6 +101,8 @@ private:
     std::mutex end_mutex_;
     Expected<void> end_result_;
     std::stop_source end_;
+    bool name_lost_ = false;
+    std::unique_ptr<bus::Membership> membership_;  // goes first: its thread uses the rest
 };
 
 }  // namespace atrium::site_node

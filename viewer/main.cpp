@@ -19,8 +19,8 @@ int main(int argc, char** argv) {
         argc,
         argv);
     if (!start.go_on) return start.exit_code;
-    auto viewer = viewer::Viewer::create(config);
-    if (!viewer) return app::fail(viewer.error());
+    auto viewer = viewer::Viewer::create(config, stop.token());
+    if (!viewer) return stop.token().stop_requested() ? 0 : app::fail(viewer.error());
     if (auto done = (*viewer)->run(stop.token()); !done) return app::fail(done.error());
     return 0;
 }

@@ -60,6 +60,11 @@ public:
         return commands_.write(command);
     }
 
+    const bus::Participant& participant() const { return readers_.participant; }
+    /// Times that a site or the world was silent for longer than the QoS profile promises.
+    std::uint64_t num_deadlines_missed() const {
+        return readers_.meshes.num_deadlines_missed() + readers_.states.num_deadlines_missed();
+    }
     std::uint64_t num_pairs_skipped() const { return num_pairs_skipped_; }
     std::uint64_t num_incomplete() const { return num_incomplete_; }
     std::uint64_t num_rejected() const { return num_rejected_; }

@@ -3,6 +3,7 @@
 #include "core/app/log.hpp"
 #include "core/app/program.hpp"
 #include "core/base/statistics.hpp"
+#include "core/joining/join_world.hpp"
 #include "viewer/picture_file.hpp"
 #include "viewer/scene_timeline.hpp"
 #include "viewer/session.hpp"
@@ -11,6 +12,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <map>
@@ -43,6 +46,14 @@ renderer::ShapeKind shape_kind(bus::Shape shape) {
             return renderer::ShapeKind::kPlane;
     }
     return renderer::ShapeKind::kBox;
+}
+
+// That no other viewer has, not even one of another host, or of this process.
+std::string own_name() {
+    static std::atomic<int> num_named{0};
+    const std::string end = fmt::format("-{}-{}", getpid(), ++num_named);
+    const std::string host = bus::host_name();
+    return "viewer-" + host.substr(0, 63 - std::min<std::size_t>(63, 7 + end.size())) + end;
 }
 
 double pictures_per_second(const ViewConfig& view, const Surface& surface) {
@@ -99,6 +110,15 @@ struct Viewer::Impl {
     mutable std::mutex status_mutex;
     bus::ViewerStatus status;
 
+    std::mutex lost_mutex;  // guards the next one
+    std::optional<Error> lost;
+    std::unique_ptr<bus::Membership> membership;  // goes first: its thread uses the rest
+
+    std::optional<Error> lost_name() {
+        const std::lock_guard lock(lost_mutex);
+        return lost;
+    }
+    Expected<void> join(std::stop_token stop);
     Expected<void> open();
     void close();
     Expected<void> loop(std::stop_token stop);
@@ -111,6 +131,21 @@ struct Viewer::Impl {
     void update_status(Clock::time_point now);
     Expected<void> write_output();
 };
+
+Expected<void> Viewer::Impl::join(std::stop_token stop) {
+    auto member = joining::join_world(
+        session->participant(),
+        bus::ProgramKind::kViewer,
+        config.view.name,
+        [this](const Error& error) {
+            const std::lock_guard lock(lost_mutex);
+            lost = error;
+        },
+        stop);
+    if (!member) return tl::unexpected(member.error());
+    membership = std::move(*member);
+    return {};
+}
 
 Expected<void> Viewer::Impl::open() {
     auto opened = open_surface(config);
@@ -270,6 +305,7 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
     while (!stop.stop_requested()) {
         const SurfaceEvents events = surface->poll();
         if (events.close) break;
+        if (const auto error = lost_name()) return tl::unexpected(*error);
         if (auto done = react(events); !done) return done;
         if (auto done = draw(); !done) return done;
         const Clock::time_point now = Clock::now();
@@ -305,7 +341,7 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
 Viewer::Viewer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Viewer::~Viewer() = default;
 
-Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config) {
+Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config, std::stop_token stop) {
     if (!config.output.empty() && config.output.extension() != ".png") {
         return make_error(ErrorKind::kConfiguration,
                           "output: must end in .png, got '" + config.output.string() + "'");
@@ -314,11 +350,12 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config) {
     if (!camera) return tl::unexpected(camera.error());
     auto impl = std::make_unique<Impl>();
     impl->config = config;
-    if (config.view.name.empty()) impl->config.view.name = fmt::format("viewer-{}", getpid());
+    if (config.view.name.empty()) impl->config.view.name = own_name();
     auto session = Session::create(config.bus, impl->config.view.name);
     if (!session) return tl::unexpected(session.error());
     impl->start_camera = impl->camera = *camera;
     impl->session = std::move(*session);
+    if (auto joined = impl->join(stop); !joined) return tl::unexpected(joined.error());
     return std::unique_ptr<Viewer>(new Viewer(std::move(impl)));
 }
 
@@ -338,14 +375,15 @@ Expected<void> Viewer::run(std::stop_token stop) {
     const bus::ViewerStatus last = status();
     app::log::info(
         "viewer_stopped frames={} pairs_shown={} pairs_skipped={} incomplete={} rejected={} "
-        "capture_to_display_ms={:.1f} p99_ms={:.1f}",
+        "capture_to_display_ms={:.1f} p99_ms={:.1f} deadlines_missed={}",
         last.num_frames,
         last.num_pairs_shown,
         last.num_pairs_skipped,
         last.num_incomplete,
         last.num_rejected,
         last.capture_to_display.median_ms,
-        last.capture_to_display.p99_ms);
+        last.capture_to_display.p99_ms,
+        impl_->session->num_deadlines_missed());
     if (result) result = impl_->write_output();
     impl_->close();
     return result;

@@ -13,7 +13,8 @@ namespace atrium::viewer {
 class Viewer {
 public:
     /// Checks the configuration and joins the world. Opens no window yet.
-    static Expected<std::unique_ptr<Viewer>> create(const ViewerConfig& config);
+    static Expected<std::unique_ptr<Viewer>> create(const ViewerConfig& config,
+                                                    std::stop_token stop = {});
     ~Viewer();
 
     /// Shows the world until `stop`, or until `frames` or `seconds` are over or the window is

@@ -10,7 +10,7 @@ namespace atrium::viewer {
 void declare(ViewerConfig& config, config::OptionSet& set) {
     bus::declare(config.bus, set);
     ViewConfig& view = config.view;
-    set.add("view.name", view.name, "name in status and commands; empty: viewer-<process id>");
+    set.add("view.name", view.name, "name in status and commands; empty: one of its own");
     set.add("view.width", view.width, "width of the picture [px]", {.min = 16, .max = 8192});
     set.add("view.height", view.height, "height of the picture [px]", {.min = 16, .max = 8192});
     set.add("view.max_fps",

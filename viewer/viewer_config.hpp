@@ -13,7 +13,7 @@
 namespace atrium::viewer {
 
 struct ViewConfig {
-    std::string name;  // in ViewerStatus and SceneCommand; empty: viewer-<process id>
+    std::string name;  // in ViewerStatus and SceneCommand; empty: viewer-<host>-<process id>-1
     int width = 960;
     int height = 540;
     double max_fps = 0.0;  // 0: 30 without a window, the display's rate with one

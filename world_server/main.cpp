@@ -16,15 +16,15 @@ int main(int argc, char** argv) {
             "objects are.",
         .examples =
             "world_server --config deploy/worlds/demo.toml\n"
-            "world_server --config deploy/worlds/playroom.toml --bus.network_file qos/lan.xml"};
+            "world_server --config deploy/worlds/playroom.toml --network lan"};
     const app::Start start =
         app::start(info, options, argc, argv, [&](config::TableReader& reader) {
             world_server::read_world(reader, config);
         });
     if (!start.go_on) return start.exit_code;
 
-    auto server = world_server::WorldServer::create(config);
-    if (!server) return app::fail(server.error());
+    auto server = world_server::WorldServer::create(config, stop.token());
+    if (!server) return stop.token().stop_requested() ? 0 : app::fail(server.error());
     app::log::info("running world={} objects={}", config.bus.world, config.objects.size());
     if (const auto done = (*server)->run(stop.token()); !done) return app::fail(done.error());
     return 0;

@@ -3,6 +3,7 @@
 #include "core/app/log.hpp"
 #include "core/app/program.hpp"
 #include "core/base/statistics.hpp"
+#include "core/joining/join_world.hpp"
 #include "world_server/endpoints.hpp"
 #include "world_server/outbox.hpp"
 #include "world_server/pace.hpp"
@@ -78,6 +79,11 @@ struct WorldServer::Impl {
     physics::RigidWorldCounters counters;
     LatencyWindow capture_to_collision;
     double steps_per_s = 0.0;
+
+    std::mutex lost_mutex;  // guards the next one
+    std::optional<Error> lost;
+    std::stop_source end;
+    std::unique_ptr<bus::Membership> membership;  // goes first: its thread uses the rest
 };
 
 WorldServer::Impl::Impl(const WorldServerConfig& server_config,
@@ -289,21 +295,42 @@ bus::WorldStatus WorldServer::Impl::status() const {
 WorldServer::WorldServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 WorldServer::~WorldServer() = default;
 
-Expected<std::unique_ptr<WorldServer>> WorldServer::create(const WorldServerConfig& config) {
+Expected<std::unique_ptr<WorldServer>> WorldServer::create(const WorldServerConfig& config,
+                                                           std::stop_token stop) {
     if (const auto valid = check(config); !valid) return tl::unexpected(valid.error());
     auto scene = Scene::create(config);
     if (!scene) return tl::unexpected(scene.error());
     auto endpoints = Endpoints::create(config.bus);
     if (!endpoints) return tl::unexpected(endpoints.error());
     auto impl = std::make_unique<Impl>(config, std::move(*endpoints), std::move(*scene));
+    auto member = joining::join_world(
+        impl->endpoints.participant,
+        bus::ProgramKind::kWorldServer,
+        config.bus.world,
+        [self = impl.get()](const Error& lost) {
+            {
+                const std::lock_guard lock(self->lost_mutex);
+                self->lost = lost;
+            }
+            self->end.request_stop();
+        },
+        stop);
+    if (!member) return tl::unexpected(member.error());
+    impl->membership = std::move(*member);
     return std::unique_ptr<WorldServer>(new WorldServer(std::move(impl)));
 }
 
 Expected<void> WorldServer::run(std::stop_token stop) {
-    std::jthread receiver([this](std::stop_token own) { impl_->receive(std::move(own)); });
-    std::jthread publisher([this](std::stop_token own) { impl_->publish(std::move(own)); });
-    impl_->simulate(std::move(stop));
-    return {};  // the threads are stopped and joined here
+    {
+        const std::stop_callback pass_on(stop, [this] { impl_->end.request_stop(); });
+        std::jthread receiver([this](std::stop_token own) { impl_->receive(std::move(own)); });
+        std::jthread publisher([this](std::stop_token own) { impl_->publish(std::move(own)); });
+        impl_->simulate(impl_->end.get_token());
+    }  // the threads are stopped and joined here
+    app::log::info("stopped deadlines_missed={}", impl_->endpoints.meshes.num_deadlines_missed());
+    const std::lock_guard lock(impl_->lost_mutex);
+    if (impl_->lost) return tl::unexpected(*impl_->lost);
+    return {};
 }
 
 bus::WorldStatus WorldServer::status() const { return impl_->status(); }

@@ -17,13 +17,16 @@ namespace atrium::world_server {
 /// commands queue up, a bounded number of them.
 class WorldServer {
 public:
-    /// Joins the bus and builds the world. The world is heard from once `run` is called.
-    static Expected<std::unique_ptr<WorldServer>> create(const WorldServerConfig& config);
+    /// Builds the world and joins the bus; fails where the world has a server. The world is heard
+    /// from once `run` is called.
+    static Expected<std::unique_ptr<WorldServer>> create(const WorldServerConfig& config,
+                                                         std::stop_token stop = {});
     ~WorldServer();
     WorldServer(const WorldServer&) = delete;
     WorldServer& operator=(const WorldServer&) = delete;
 
-    /// Until a stop is requested, or `config.seconds` have passed. Call once.
+    /// Until a stop is requested, `config.seconds` have passed, or an older server of the same
+    /// world is found, which is an error. Call once.
     Expected<void> run(std::stop_token stop);
 
     /// As last published, but of now. Thread-safe.

@@ -52,6 +52,8 @@ sigset_t stop_signals() {
 
 }  // namespace
 
+std::string version() { return ATRIUM_VERSION; }
+
 int exit_code(const Error& error) {
     switch (error.kind) {
         case ErrorKind::kConfiguration:
@@ -86,8 +88,10 @@ Start start(const ProgramInfo& info,
     for (const auto& entry : options.entries()) {
         const std::string shown_default =
             entry.default_value.empty() ? "none" : entry.default_value;
+        const std::string names =
+            "--" + entry.key + (entry.short_name.empty() ? "" : ",--" + entry.short_name);
         auto* option = cli.add_option_function<std::string>(
-            "--" + entry.key,
+            names,
             [&given, key = entry.key, alone = entry.alone](const std::string& text) {
                 given[key] = text.empty() ? alone : text;  // `--headless` alone
             },

@@ -16,6 +16,9 @@ namespace atrium::app {
 // needed is not there.
 int exit_code(const Error& error);
 
+/// Of Atrium, "1.2.3".
+std::string version();
+
 struct ProgramInfo {
     std::string name;
     std::string summary;   // one or two sentences for --help

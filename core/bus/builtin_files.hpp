@@ -1,11 +1,17 @@
 #pragma once
 
+#include <array>
 #include <string_view>
 
 /// The files of qos/ that the library carries, as they were when it was built.
 namespace atrium::bus {
 
+struct BuiltinNetwork {
+    std::string_view kind;  // the file is qos/<kind>.xml
+    std::string_view xml;
+};
+
 extern const std::string_view kBuiltinProfiles;  // qos/profiles.xml
-extern const std::string_view kBuiltinNetwork;   // qos/loopback.xml
+extern const std::array<BuiltinNetwork, 4> kBuiltinNetworks;
 
 }  // namespace atrium::bus

@@ -19,16 +19,30 @@ namespace atrium::bus {
 struct BusOptions {
     std::string world = "atrium";  // the DDS partition: programs of one world hear only each other
     std::uint32_t domain = 0;      // DDS domain id, 0..230
-    std::filesystem::path
-        network_file;  // Cyclone DDS XML, for example qos/loopback.xml; empty: built-in loopback
+    std::string network = "loopback";  // loopback, lan, wifi, wan: files of qos/; or a path
+    std::string peers;                 // hosts to look for besides, "a,b"
+    std::string interface;             // network card; empty: as `network` says, or by itself
     std::filesystem::path
         profiles_file;  // OMG DDS-XML profiles, qos/profiles.xml; empty: the built-in copy of it
+};
+
+/// How a process is on the network, for the log.
+struct NetworkReport {
+    std::string line;                   // kind, card and address, discovery, receive buffer
+    std::vector<std::string> warnings;  // each with its remedy
 };
 
 /// This process in one world. Movable; Readers and Writers keep it alive.
 class Participant {
 public:
     static Expected<Participant> create(const BusOptions& options);
+    const NetworkReport& network() const;
+
+    /// Programs in this world that use one of our topics with another type, or with a QoS that does
+    /// not fit ours, so that neither hears the other: one line for each program and topic, once.
+    /// To be asked now and then. Thread-safe.
+    std::vector<std::string> take_complaints() const;
+
     struct Impl;
     const std::shared_ptr<Impl>& impl() const { return impl_; }
 
@@ -78,6 +92,8 @@ public:
 
     /// Number of writers matched now.
     int num_writers() const;
+    /// How often a key went without a sample for longer than the deadline of its QoS profile.
+    std::uint64_t num_deadlines_missed() const;
 
 private:
     friend class Waiter;

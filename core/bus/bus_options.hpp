@@ -5,8 +5,8 @@
 
 namespace atrium::bus {
 
-/// The options that every program has for its bus: `bus.world`, `bus.domain`, `bus.network_file`,
-/// `bus.profiles_file`.
+/// The options that every program has for its bus: `bus.world`, `bus.domain`, `bus.network`,
+/// `bus.peers`, `bus.interface`, `bus.profiles_file`.
 void declare(BusOptions& options, config::OptionSet& set);
 
 }  // namespace atrium::bus

@@ -49,8 +49,9 @@ public:
             fail(field, fmt::format("unknown value {}", static_cast<unsigned>(value)));
     }
     void latency(std::string_view field, const LatencySummary& value) {
-        range(field, value.median_ms, 0.0, kMaxStatistic);
-        range(field, value.p99_ms, 0.0, kMaxStatistic);
+        // negative where the clock of the host that captured is ahead of the one that measured
+        range(field, value.median_ms, -kMaxStatistic, kMaxStatistic);
+        range(field, value.p99_ms, -kMaxStatistic, kMaxStatistic);
     }
     void fail(std::string_view field, std::string_view why) {
         if (fault_.empty()) fault_ = fmt::format("{}: {}", field, why);
@@ -240,6 +241,17 @@ Expected<void> check(const StreamFeedback& message) {
         "StreamFeedback.payload_bytes_per_s", message.payload_bytes_per_s, 0.0, kMaxStatistic);
     for (const double delay_ms : {message.min_delay_ms, message.median_delay_ms})
         checker.range("StreamFeedback.delay_ms", delay_ms, -kMaxStatistic, kMaxStatistic);
+    return checker.result();
+}
+
+Expected<void> check(const Presence& message) {
+    Checker checker;
+    checker.enumerator("Presence.kind", message.kind, ProgramKind::kOther);
+    checker.name("Presence.name", message.name);
+    checker.name("Presence.host", message.host);
+    checker.name("Presence.version", message.version);
+    checker.time("Presence.start_time", message.start_time);
+    checker.time("Presence.clock_max_error", {message.clock_max_error.count()});
     return checker.result();
 }
 

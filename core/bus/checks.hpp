@@ -22,5 +22,6 @@ Expected<void> check(const SiteStatus& message);
 Expected<void> check(const WorldStatus& message);
 Expected<void> check(const ViewerStatus& message);
 Expected<void> check(const StreamFeedback& message);
+Expected<void> check(const Presence& message);
 
 }  // namespace atrium::bus

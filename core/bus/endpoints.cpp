@@ -66,6 +66,11 @@ Expected<Writer<Message>> Writer<Message>::create(const Participant& participant
                       fmt::format("a writer of {}", Topic<Message>::kName));
     if (!writer) return tl::unexpected(writer.error());
     impl->writer = std::move(*writer);
+    impl->watched = impl->participant->peers.watch({Topic<Message>::kName,
+                                                    impl->topic.get(),
+                                                    impl->writer.get(),
+                                                    profile.writer,
+                                                    /*is_reader=*/false});
     Writer result;
     result.impl_ = std::move(impl);
     return result;
@@ -135,6 +140,14 @@ Expected<Reader<Message>> Reader<Message>::create(const Participant& participant
                       fmt::format("a reader of {}", Topic<Message>::kName));
     if (!reader) return tl::unexpected(reader.error());
     impl->reader = std::move(*reader);
+    impl->deadlines = std::make_unique<DeadlineCount>(profile.reader.deadline);
+    EndpointQos announced = profile.reader;
+    announced.deadline = kForever;  // see make_reader_qos
+    impl->watched = impl->participant->peers.watch({Topic<Message>::kName,
+                                                    impl->topic.get(),
+                                                    impl->reader.get(),
+                                                    announced,
+                                                    /*is_reader=*/true});
     auto condition =
         own(dds_create_readcondition(impl->reader.get(), DDS_ANY_STATE), "a read condition");
     if (!condition) return tl::unexpected(condition.error());
@@ -148,6 +161,7 @@ template <typename Message>
 TakeReport Reader<Message>::take(const std::function<void(Message&&)>& on_sample,
                                  const std::function<void(const Message&)>& on_gone) {
     TakeReport report;
+    const auto now = DeadlineCount::Clock::now();
     for (std::size_t batch = 0; batch < kMaxBatchesPerTake; ++batch) {
         const Loan loan(impl_->reader.get());
         for (int i = 0; i < loan.size(); ++i) {
@@ -155,6 +169,7 @@ TakeReport Reader<Message>::take(const std::function<void(Message&&)>& on_sample
             const dds_sample_info_t& info = loan.info(i);
             // Without valid data only the key is there: the sample tells of a change of state.
             if (info.valid_data) {
+                impl_->deadlines->heard(info.instance_handle, now);
                 if (auto message = from_wire(wire)) {
                     ++report.num_taken;
                     if (on_sample) on_sample(std::move(*message));
@@ -165,6 +180,7 @@ TakeReport Reader<Message>::take(const std::function<void(Message&&)>& on_sample
             // A last sample and the end of its writer may come as one, with valid data. The state
             // is that of the key now; rank 0 is the key's last sample here.
             if (info.instance_state == DDS_ALIVE_INSTANCE_STATE || info.sample_rank != 0) continue;
+            impl_->deadlines->gone(info.instance_handle);
             if (const auto key = key_from_wire(wire)) {
                 if (on_gone) on_gone(*key);
             } else if (!info.valid_data) {
@@ -183,6 +199,11 @@ int Reader<Message>::num_writers() const {
     return static_cast<int>(status.current_count);
 }
 
+template <typename Message>
+std::uint64_t Reader<Message>::num_deadlines_missed() const {
+    return impl_->deadlines->num_missed();
+}
+
 template class Writer<SiteDescription>;
 template class Writer<SiteMesh>;
 template class Writer<CameraTexture>;
@@ -194,6 +215,7 @@ template class Writer<SiteStatus>;
 template class Writer<WorldStatus>;
 template class Writer<ViewerStatus>;
 template class Writer<StreamFeedback>;
+template class Writer<Presence>;
 
 template class Reader<SiteDescription>;
 template class Reader<SiteMesh>;
@@ -206,5 +228,6 @@ template class Reader<SiteStatus>;
 template class Reader<WorldStatus>;
 template class Reader<ViewerStatus>;
 template class Reader<StreamFeedback>;
+template class Reader<Presence>;
 
 }  // namespace atrium::bus

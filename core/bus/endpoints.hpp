@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/bus/bus.hpp"
+#include "core/bus/deadline_count.hpp"
 #include "core/bus/entity.hpp"
 #include "core/bus/participant.hpp"
 #include "core/bus/topics.hpp"
@@ -17,6 +18,7 @@ struct Writer<Message>::Impl {
     std::shared_ptr<Participant::Impl> participant;
     Entity topic;
     Entity writer;
+    PeerWatch::Registration watched;
     std::mutex mutex;  // guards the rest
     typename Topic<Message>::Wire wire{};
     WireScratch scratch;
@@ -27,6 +29,8 @@ struct Reader<Message>::Impl {
     std::shared_ptr<Participant::Impl> participant;
     Entity topic;
     Entity reader;
+    PeerWatch::Registration watched;
+    std::unique_ptr<DeadlineCount> deadlines;
     Entity anything;  // condition: there is something to take
 };
 

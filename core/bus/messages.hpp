@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -208,6 +209,23 @@ struct ViewerStatus {
     double frames_per_s = 0.0;
     LatencySummary capture_to_display;
     std::uint64_t resident_bytes = 0;
+};
+
+enum class ProgramKind : std::uint8_t { kSiteNode, kWorldServer, kViewer, kOther };
+
+/// Transient local, at the start and every ten seconds: one per process that is there.
+struct Presence {
+    ProgramKind kind = ProgramKind::kOther;
+    std::string name;            // of the site, world, viewer
+    std::uint64_t instance = 0;  // no two processes have the same
+    bool is_holder = false;      // the name is its; false: it still asks for it
+    std::uint64_t num_written = 0;
+    std::string host;
+    std::uint32_t pid = 0;
+    std::string version;
+    Timestamp start_time;
+    bool is_clock_synchronised = false;  // as the kernel of its host says
+    std::chrono::nanoseconds clock_max_error{0};
 };
 
 }  // namespace atrium::bus

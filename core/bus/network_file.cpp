@@ -1,7 +1,5 @@
 #include "core/bus/network_file.hpp"
 
-#include "core/bus/builtin_files.hpp"
-
 #include <fmt/format.h>
 #include <pugixml.hpp>
 
@@ -41,7 +39,6 @@ Expected<std::string> parse_network_file(std::string_view xml, const std::string
 }
 
 Expected<std::string> load_network_file(const std::filesystem::path& file) {
-    if (file.empty()) return parse_network_file(kBuiltinNetwork, "built-in network settings");
     const auto text = read_text_file(file);
     if (!text) return tl::unexpected(text.error());
     return parse_network_file(*text, file.string());

@@ -16,7 +16,7 @@ Expected<std::string> read_text_file(const std::filesystem::path& file);
 /// names the text in errors.
 Expected<std::string> parse_network_file(std::string_view xml, const std::string& source);
 
-/// Of the file; of the built-in copy of qos/loopback.xml where `file` is empty.
+/// Of the file.
 Expected<std::string> load_network_file(const std::filesystem::path& file);
 
 }  // namespace atrium::bus

@@ -1,7 +1,7 @@
 #include "core/bus/participant.hpp"
 
 #include "core/bus/checks.hpp"
-#include "core/bus/network_file.hpp"
+#include "core/bus/network_settings.hpp"
 #include "core/bus/topics.hpp"
 
 #include <algorithm>
@@ -34,6 +34,7 @@ QosPointer make_qos(const EndpointQos& qos) {
                              qos.limits.max_instances,
                              qos.limits.max_samples_per_instance);
     dds_qset_liveliness(out.get(), DDS_LIVELINESS_AUTOMATIC, to_dds(qos.lease));
+    dds_qset_latency_budget(out.get(), to_dds(qos.latency_budget));
     return out;
 }
 
@@ -65,6 +66,10 @@ Expected<void> check_profiles(const QosProfiles& profiles, const BusOptions& opt
 
 QosPointer make_writer_qos(const EndpointQos& qos) {
     QosPointer out = make_qos(qos);
+    dds_qset_lifespan(out.get(), to_dds(qos.lifespan));
+    dds_qset_deadline(out.get(), to_dds(qos.deadline));
+    // A key is gone with its last writer: one of two that leaves must not take it from the other.
+    dds_qset_writer_data_lifecycle(out.get(), false);
     if (qos.transient_local) {
         dds_qset_durability_service(out.get(),
                                     0,
@@ -77,6 +82,8 @@ QosPointer make_writer_qos(const EndpointQos& qos) {
     return out;
 }
 
+// Without the deadline: a reader of Cyclone DDS 0.10 that has missed one no longer hears that the
+// writer of that key has gone. Reader counts what it misses itself.
 QosPointer make_reader_qos(const EndpointQos& qos) { return make_qos(qos); }
 
 Expected<Participant> Participant::create(const BusOptions& options) {
@@ -85,12 +92,9 @@ Expected<Participant> Participant::create(const BusOptions& options) {
     if (!profiles) return tl::unexpected(profiles.error());
     if (auto result = check_profiles(*profiles, options); !result)
         return tl::unexpected(result.error());
-    const auto network_xml = load_network_file(options.network_file);
-    if (!network_xml) return tl::unexpected(network_xml.error());
-
-    const std::string source =
-        options.network_file.empty() ? "built-in network settings" : options.network_file.string();
-    auto domain = Domain::open(options.domain, *network_xml, source);
+    const auto network = load_network_settings(options);
+    if (!network) return tl::unexpected(network.error());
+    auto domain = Domain::open(options.domain, network->xml, network->source);
     if (!domain) return tl::unexpected(domain.error());
     auto participant = own(dds_create_participant(options.domain, nullptr, nullptr),
                            "a participant; too many programs in this domain?");
@@ -103,11 +107,21 @@ Expected<Participant> Participant::create(const BusOptions& options) {
     auto subscriber =
         own(dds_create_subscriber(participant->get(), qos.get(), nullptr), "a subscriber");
     if (!subscriber) return tl::unexpected(subscriber.error());
+    auto peers = PeerWatch::create(participant->get(), options.world);
+    if (!peers) return tl::unexpected(peers.error());
     return Participant(std::shared_ptr<Impl>(new Impl{std::move(*domain),
                                                       std::move(*profiles),
+                                                      report_network(*network),
                                                       std::move(*participant),
                                                       std::move(*publisher),
-                                                      std::move(*subscriber)}));
+                                                      std::move(*subscriber),
+                                                      std::move(*peers)}));
+}
+
+const NetworkReport& Participant::network() const { return impl_->network; }
+
+std::vector<std::string> Participant::take_complaints() const {
+    return impl_->peers.take_complaints();
 }
 
 }  // namespace atrium::bus

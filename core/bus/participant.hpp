@@ -3,6 +3,7 @@
 #include "core/bus/bus.hpp"
 #include "core/bus/domain.hpp"
 #include "core/bus/entity.hpp"
+#include "core/bus/peer_watch.hpp"
 #include "core/bus/qos_profiles.hpp"
 
 #include <memory>
@@ -21,9 +22,11 @@ struct Participant::Impl {
     // Destroyed from the last to the first.
     Domain domain;
     QosProfiles profiles;
+    NetworkReport network;
     Entity participant;
     Entity publisher;   // in the partition of the world, like
     Entity subscriber;  // this one
+    PeerWatch peers;
 };
 
 }  // namespace atrium::bus

@@ -11,6 +11,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <set>
 
 namespace atrium::bus {
 
@@ -42,22 +43,42 @@ private:
         profile_name_ = node.attribute("name").value();
         QosProfile profile;
         for_children(node,
-                     {{"datawriter_qos", [&](auto& qos) { read_endpoint(qos, profile.writer); }},
-                      {"datareader_qos", [&](auto& qos) { read_endpoint(qos, profile.reader); }}});
+                     {{"datawriter_qos", [&](auto& qos) { read_writer(qos, profile.writer); }},
+                      {"datareader_qos", [&](auto& qos) { read_reader(qos, profile.reader); }}});
         if (profile_name_.empty()) fail(node, "needs a name");
         if (!profiles_.emplace(profile_name_, profile).second) fail(node, "stands there twice");
         profile_name_.clear();
     }
 
-    void read_endpoint(const pugi::xml_node& node, EndpointQos& qos) {
+    void read_writer(const pugi::xml_node& node, EndpointQos& qos) {
+        Children policies = common_policies(qos);
+        policies["durability_service"] = [&](auto& policy) { read_service(policy, qos); };
+        policies["lifespan"] = [&](auto& policy) {
+            qos.lifespan = read_only_duration(policy, "duration");
+        };
+        read_endpoint(node, qos, policies);
+    }
+
+    void read_reader(const pugi::xml_node& node, EndpointQos& qos) {
+        read_endpoint(node, qos, common_policies(qos));
+    }
+
+    Children common_policies(EndpointQos& qos) {
+        return {{"reliability", [&](auto& policy) { read_reliability(policy, qos); }},
+                {"durability", [&](auto& policy) { read_durability(policy, qos); }},
+                {"history", [&](auto& policy) { read_history(policy, qos); }},
+                {"resource_limits", [&](auto& policy) { read_limits(policy, qos); }},
+                {"liveliness", [&](auto& policy) { read_liveliness(policy, qos); }},
+                {"deadline",
+                 [&](auto& policy) { qos.deadline = read_only_duration(policy, "period"); }},
+                {"latency_budget", [&](auto& policy) {
+                     qos.latency_budget = read_only_duration(policy, "duration");
+                 }}};
+    }
+
+    void read_endpoint(const pugi::xml_node& node, EndpointQos& qos, const Children& policies) {
         allow_attributes(node, {});
-        for_children(node,
-                     {{"reliability", [&](auto& policy) { read_reliability(policy, qos); }},
-                      {"durability", [&](auto& policy) { read_durability(policy, qos); }},
-                      {"durability_service", [&](auto& policy) { read_service(policy, qos); }},
-                      {"history", [&](auto& policy) { read_history(policy, qos); }},
-                      {"resource_limits", [&](auto& policy) { read_limits(policy, qos); }},
-                      {"liveliness", [&](auto& policy) { read_liveliness(policy, qos); }}});
+        for_children(node, policies);
         const ResourceLimits& limits = qos.limits;
         if (!qos.history.keep_all && limits.max_samples_per_instance != kUnlimited &&
             limits.max_samples_per_instance < qos.history.depth)
@@ -112,6 +133,19 @@ private:
                            one_of(node, "AUTOMATIC_LIVELINESS_QOS", "AUTOMATIC_LIVELINESS_QOS");
                        }},
                       {"lease_duration", [&](auto& node) { qos.lease = read_duration(node); }}});
+    }
+
+    /// A policy of which one duration is all.
+    std::chrono::nanoseconds read_only_duration(const pugi::xml_node& policy,
+                                                std::string_view name) {
+        std::chrono::nanoseconds value = kForever;
+        bool is_there = false;
+        for_children(policy, {{name, [&](auto& node) {
+                                   value = read_duration(node);
+                                   is_there = true;
+                               }}});
+        if (!is_there) fail(policy, fmt::format("needs a <{}>", name));
+        return value;
     }
 
     Children limits_children(ResourceLimits& limits) {
@@ -173,14 +207,26 @@ private:
 
     /// Calls the reader of each child element; one that has none is a fault.
     void for_children(const pugi::xml_node& parent, const Children& known) {
+        std::set<std::string_view> seen;
         for (const pugi::xml_node& child : parent.children()) {
             const auto reader = known.find(child.name());
-            if (reader != known.end()) {
-                reader->second(child);
+            if (reader == known.end()) {
+                std::string allowed;
+                for (const auto& [name, ignored] : known) allowed += fmt::format(" <{}>", name);
+                fail(child,
+                     fmt::format("is not known in <{}>; allowed:{}", parent.name(), allowed));
+            } else if (is_policy(parent) && !seen.insert(child.name()).second) {
+                fail(child, fmt::format("stands twice in <{}>", parent.name()));
             } else {
-                fail(child, fmt::format("is not known in <{}>", parent.name()));
+                reader->second(child);
             }
         }
+    }
+
+    /// Below a profile each element stands once; the later of two would win unseen.
+    bool is_policy(const pugi::xml_node& parent) const {
+        const std::string_view name = parent.name();
+        return !profile_name_.empty() && name != "dds" && name != "qos_library";
     }
 
     void allow_attributes(const pugi::xml_node& node,
@@ -219,7 +265,10 @@ Expected<QosProfiles> parse_qos_profiles(std::string_view xml, const std::string
                                       result.description(),
                                       static_cast<long>(result.offset)));
     }
-    return ProfileParser(source).parse(document.document_element());
+    auto profiles = ProfileParser(source).parse(document.document_element());
+    if (!profiles) return profiles;
+    if (auto fits = check_compatible(*profiles, source); !fits) return tl::unexpected(fits.error());
+    return profiles;
 }
 
 Expected<QosProfiles> load_qos_profiles(const std::filesystem::path& file) {

@@ -35,7 +35,10 @@ struct EndpointQos {
     ResourceLimits limits;
     History late_joiner_history;  // durability_service, of writers
     ResourceLimits late_joiner_limits;
-    std::chrono::nanoseconds lease = kForever;  // automatic liveliness
+    std::chrono::nanoseconds lease = kForever;     // automatic liveliness
+    std::chrono::nanoseconds deadline = kForever;  // between two samples of a key
+    std::chrono::nanoseconds latency_budget{0};
+    std::chrono::nanoseconds lifespan = kForever;  // of writers; counted anew where it arrives
 };
 
 struct QosProfile {
@@ -45,9 +48,17 @@ struct QosProfile {
 
 using QosProfiles = std::map<std::string, QosProfile, std::less<>>;
 
+/// Why a reader would never hear a writer: the policy of which it asks for more than is offered, as
+/// the name of its element; empty where they fit.
+std::string_view incompatible_policy(const EndpointQos& offered, const EndpointQos& requested);
+
+/// Where a profile's reader asks for more than its writer offers: kConfiguration, naming both
+/// elements and their values.
+Expected<void> check_compatible(const QosProfiles& profiles, const std::string& source);
+
 /// `source` names the text in errors. An element, policy or value that is not known is an error
-/// that names it and the profile: a QoS that is silently ignored would show only as two programs
-/// that do not find each other.
+/// that names it, the profile and what is allowed, and so is a profile that does not fit itself: a
+/// QoS that is silently ignored would show only as two programs that do not find each other.
 Expected<QosProfiles> parse_qos_profiles(std::string_view xml, const std::string& source);
 
 /// Of the file; of the built-in copy of qos/profiles.xml where `file` is empty.

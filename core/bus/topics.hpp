@@ -3,6 +3,7 @@
 #include "core/bus/messages.hpp"
 
 #include <feedback.h>
+#include <presence.h>
 #include <site.h>
 #include <status.h>
 #include <world.h>
@@ -15,9 +16,10 @@ namespace atrium::bus {
 
 inline constexpr std::string_view kDescription = "description";
 inline constexpr std::string_view kStream = "stream";
+inline constexpr std::string_view kTexture = "texture";
 inline constexpr std::string_view kCommand = "command";
 inline constexpr std::string_view kStatus = "status";
-inline constexpr std::array kProfileNames{kDescription, kStream, kCommand, kStatus};
+inline constexpr std::array kProfileNames{kDescription, kStream, kTexture, kCommand, kStatus};
 
 template <typename WireType, const dds_topic_descriptor_t& kTypeDescriptor>
 struct WireTopic {
@@ -41,7 +43,7 @@ struct Topic<SiteMesh> : WireTopic<atrium_SiteMesh, atrium_SiteMesh_desc> {
 template <>
 struct Topic<CameraTexture> : WireTopic<atrium_CameraTexture, atrium_CameraTexture_desc> {
     static constexpr const char* kName = "CameraTexture";
-    static constexpr std::string_view kProfile = kStream;
+    static constexpr std::string_view kProfile = kTexture;
 };
 template <>
 struct Topic<SitePlacement> : WireTopic<atrium_SitePlacement, atrium_SitePlacement_desc> {
@@ -82,6 +84,11 @@ template <>
 struct Topic<StreamFeedback> : WireTopic<atrium_StreamFeedback, atrium_StreamFeedback_desc> {
     static constexpr const char* kName = "StreamFeedback";
     static constexpr std::string_view kProfile = kStatus;
+};
+template <>
+struct Topic<Presence> : WireTopic<atrium_Presence, atrium_Presence_desc> {
+    static constexpr const char* kName = "Presence";
+    static constexpr std::string_view kProfile = kDescription;
 };
 
 }  // namespace atrium::bus

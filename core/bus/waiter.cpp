@@ -57,5 +57,6 @@ template void Waiter::add(const Reader<SiteStatus>&);
 template void Waiter::add(const Reader<WorldStatus>&);
 template void Waiter::add(const Reader<ViewerStatus>&);
 template void Waiter::add(const Reader<StreamFeedback>&);
+template void Waiter::add(const Reader<Presence>&);
 
 }  // namespace atrium::bus

@@ -4,6 +4,7 @@
 #include "core/bus/messages.hpp"
 
 #include <feedback.h>
+#include <presence.h>
 #include <site.h>
 #include <status.h>
 #include <world.h>
@@ -37,6 +38,7 @@ void to_wire(const SiteStatus& message, WireScratch& scratch, atrium_SiteStatus&
 void to_wire(const WorldStatus& message, WireScratch& scratch, atrium_WorldStatus& out);
 void to_wire(const ViewerStatus& message, WireScratch& scratch, atrium_ViewerStatus& out);
 void to_wire(const StreamFeedback& message, WireScratch& scratch, atrium_StreamFeedback& out);
+void to_wire(const Presence& message, WireScratch& scratch, atrium_Presence& out);
 
 Expected<SiteDescription> from_wire(const atrium_SiteDescription& wire);
 Expected<SiteMesh> from_wire(const atrium_SiteMesh& wire);
@@ -49,6 +51,7 @@ Expected<SiteStatus> from_wire(const atrium_SiteStatus& wire);
 Expected<WorldStatus> from_wire(const atrium_WorldStatus& wire);
 Expected<ViewerStatus> from_wire(const atrium_ViewerStatus& wire);
 Expected<StreamFeedback> from_wire(const atrium_StreamFeedback& wire);
+Expected<Presence> from_wire(const atrium_Presence& wire);
 
 void key_to_wire(const SiteDescription& message, atrium_SiteDescription& out);
 void key_to_wire(const SiteMesh& message, atrium_SiteMesh& out);
@@ -61,6 +64,7 @@ void key_to_wire(const SiteStatus& message, atrium_SiteStatus& out);
 void key_to_wire(const WorldStatus& message, atrium_WorldStatus& out);
 void key_to_wire(const ViewerStatus& message, atrium_ViewerStatus& out);
 void key_to_wire(const StreamFeedback& message, atrium_StreamFeedback& out);
+void key_to_wire(const Presence& message, atrium_Presence& out);
 
 Expected<SiteDescription> key_from_wire(const atrium_SiteDescription& wire);
 Expected<SiteMesh> key_from_wire(const atrium_SiteMesh& wire);
@@ -73,6 +77,7 @@ Expected<SiteStatus> key_from_wire(const atrium_SiteStatus& wire);
 Expected<WorldStatus> key_from_wire(const atrium_WorldStatus& wire);
 Expected<ViewerStatus> key_from_wire(const atrium_ViewerStatus& wire);
 Expected<StreamFeedback> key_from_wire(const atrium_StreamFeedback& wire);
+Expected<Presence> key_from_wire(const atrium_Presence& wire);
 
 std::size_t payload_bytes(const SiteDescription& message);
 std::size_t payload_bytes(const SiteMesh& message);
@@ -85,5 +90,6 @@ std::size_t payload_bytes(const SiteStatus& message);
 std::size_t payload_bytes(const WorldStatus& message);
 std::size_t payload_bytes(const ViewerStatus& message);
 std::size_t payload_bytes(const StreamFeedback& message);
+std::size_t payload_bytes(const Presence& message);
 
 }  // namespace atrium::bus

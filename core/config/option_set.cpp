@@ -128,6 +128,25 @@ void OptionSet::add(const std::string& key,
     entries_.back().alone = alone;
 }
 
+void OptionSet::add_word_or_path(const std::string& key,
+                                 std::string& target,
+                                 const std::string& help,
+                                 const std::vector<std::string>& words) {
+    const std::string type = fmt::format("{} or a path", fmt::join(words, ", "));
+    add_entry(key, target, help, type);
+    entries_.back().read = [key, &target, words](TableReader& reader) {
+        std::string text;
+        reader.read(key, text);
+        if (text.empty()) return;
+        const bool is_word = std::find(words.begin(), words.end(), text) != words.end();
+        target = is_word || std::filesystem::path(text).is_absolute()
+                     ? text
+                     : (reader.folder() / text).string();
+    };
+}
+
+void OptionSet::also_called(const std::string& name) { entries_.back().short_name = name; }
+
 void OptionSet::show(const std::string& key, std::function<std::string()> current) {
     shown_.emplace_back(key, std::move(current));
 }

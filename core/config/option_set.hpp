@@ -45,6 +45,14 @@ public:
              const std::string& help,
              const std::string& alone = {});
 
+    /// One of `words`, or else a path, which in a file is taken from the folder of that file.
+    void add_word_or_path(const std::string& key,
+                          std::string& target,
+                          const std::string& help,
+                          const std::vector<std::string>& words);
+    /// On the command line, `--name` is the last option added.
+    void also_called(const std::string& name);
+
     /// One more line of `effective()`, of what is no option because only a file can say it.
     void show(const std::string& key, std::function<std::string()> current);
 
@@ -63,6 +71,7 @@ public:
         std::string type_name;      // for example "number in [0, 1]"
         std::string default_value;  // as text
         std::string alone;          // value of an option that stands alone; empty: it needs one
+        std::string short_name;     // on the command line, besides the key; empty: none
         std::function<void(TableReader&)> read;
         std::function<Expected<void>(const std::string&)> parse;
     };

@@ -95,7 +95,7 @@ TEST_F(CommandLine, MissingFilesAndRecordingsAreNamed) {
     const Outcome views = run("visual_hull /nonexistent/views.json");
     EXPECT_EQ(views.exit_code, 3);
     EXPECT_THAT(views.output, HasSubstr("/nonexistent/views.json"));
-    const Outcome network = run("world_server --bus.network_file /nonexistent/net.xml");
+    const Outcome network = run("world_server --network /nonexistent/net.xml");
     EXPECT_NE(network.exit_code, 0);
     EXPECT_THAT(network.output, HasSubstr("/nonexistent/net.xml"));
 }

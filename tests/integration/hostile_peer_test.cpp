@@ -187,6 +187,15 @@ private:
         raw(w);
         name(w.viewer);
     }
+    void fill(atrium_Presence& w) {
+        raw(w);
+        w.is_holder = chance(50);
+        w.is_clock_synchronised = chance(50);
+        w.kind = static_cast<std::uint8_t>(chance(80) ? below(4) : random_());
+        name(w.member);
+        name(w.host);
+        name(w.version);
+    }
     template <typename Wire>
     void raw(Wire& w) {
         auto* bytes_of = reinterpret_cast<std::uint8_t*>(&w);
@@ -213,7 +222,8 @@ public:
         dds_qset_partition1(qos, kWorld);
         dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
         dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
-        dds_qset_liveliness(qos, DDS_LIVELINESS_AUTOMATIC, DDS_MSECS(1200));
+        dds_qset_liveliness(qos, DDS_LIVELINESS_AUTOMATIC, DDS_MSECS(1000));
+        dds_qset_deadline(qos, DDS_MSECS(500));
         writer_ = dds_create_writer(participant_, topic, qos, nullptr);
         dds_delete_qos(qos);
     }
@@ -265,6 +275,7 @@ TEST(HostilePeer, GarbageOnEveryTopicIsCountedAndHarmsNobody) {
     RawWriter<bus::SiteStatus> site_statuses;
     RawWriter<bus::WorldStatus> world_statuses;
     RawWriter<bus::ViewerStatus> viewer_statuses;
+    RawWriter<bus::Presence> presences;
     ASSERT_TRUE(descriptions.is_open() && meshes.is_open() && textures.is_open() &&
                 placements.is_open() && objects.is_open() && states.is_open() &&
                 commands.is_open() && site_statuses.is_open());
@@ -289,6 +300,7 @@ TEST(HostilePeer, GarbageOnEveryTopicIsCountedAndHarmsNobody) {
         site_statuses.write_any(garbage);
         world_statuses.write_any(garbage);
         viewer_statuses.write_any(garbage);
+        presences.write_any(garbage);
         num_status_rejected += status_reader->take([](bus::SiteStatus&&) {}).num_rejected;
     }
     EXPECT_TRUE(harassed_enough())

@@ -13,7 +13,9 @@
 
 #include <csignal>
 #include <limits>
+#include <memory>
 #include <random>
+#include <set>
 
 namespace atrium::bus {
 namespace {
@@ -96,6 +98,24 @@ TEST(BusFaults, ASiteThatWasFrozenIsGoneAndComesBackByItself) {
     peer.signal(SIGCONT);
     EXPECT_TRUE(descriptions.await([&] { return !descriptions.samples.empty(); }, 5s));
     EXPECT_TRUE(meshes.await([&] { return !meshes.samples.empty(); }, 5s));
+}
+
+// More than the 10 for which Cyclone has room by itself, or the 31 for which there once was.
+TEST(BusFaults, FortyProgramsOfOneHostFindEachOther) {
+    const BusOptions options = own_world("forty", 112);
+    const auto participant = value(Participant::create(options));
+    Listener<SiteDescription> descriptions(participant);
+    std::vector<std::unique_ptr<Peer>> peers;
+    for (int i = 0; i < 40; ++i)
+        peers.push_back(std::make_unique<Peer>(options, "site-" + std::to_string(i)));
+    std::set<std::string> seen;
+    EXPECT_TRUE(descriptions.await(
+        [&] {
+            for (const auto& description : descriptions.samples) seen.insert(description.site);
+            return seen.size() == peers.size();
+        },
+        60s))
+        << seen.size();
 }
 
 /// Writes wire structs as they are, which Writer would never do.

@@ -39,7 +39,8 @@ using Messages = ::testing::Types<SiteDescription,
                                   SiteStatus,
                                   WorldStatus,
                                   ViewerStatus,
-                                  StreamFeedback>;
+                                  StreamFeedback,
+                                  Presence>;
 TYPED_TEST_SUITE(EveryTopic, Messages);
 
 TYPED_TEST(EveryTopic, CarriesAMessageToAnotherParticipantUnchanged) {
@@ -61,6 +62,27 @@ TYPED_TEST(EveryTopic, CarriesAMessageToAnotherParticipantUnchanged) {
     }
     EXPECT_TRUE(listener.gone.empty());
     EXPECT_EQ(listener.num_rejected, 0U);
+}
+
+TEST(Bus, AKeyStaysWhileOneOfItsTwoWritersIsThere) {
+    const BusOptions options = own_world("two-writers");
+    const auto participant = value(Participant::create(options));
+    Listener<SitePlacement> listener(participant);
+    auto first = value(Writer<SitePlacement>::create(participant));
+    ASSERT_TRUE(first.write({"a", {}}));
+    {
+        const auto elsewhere = value(Participant::create(options));
+        auto second = value(Writer<SitePlacement>::create(elsewhere));
+        ASSERT_TRUE(second.write({"a", {}}));
+        ASSERT_TRUE(second.write({"b", {}}));
+        ASSERT_TRUE(listener.await([&] { return listener.samples.size() >= 2; }));
+    }
+    ASSERT_TRUE(listener.await([&] { return !listener.gone.empty(); }));
+    EXPECT_EQ(listener.gone.front().site, "b");
+    // whatever was to come of the second writer has come before this
+    ASSERT_TRUE(first.write({"c", {}}));
+    ASSERT_TRUE(listener.await([&] { return listener.samples.back().site == "c"; }));
+    for (const SitePlacement& key : listener.gone) EXPECT_EQ(key.site, "b");
 }
 
 TEST(Bus, WriteRefusesWhatAReaderWouldRefuse) {

@@ -48,7 +48,7 @@ TEST(Participant, SaysWhatIsWrongWithItsOptions) {
     options = own_world("options", 231);
     EXPECT_THAT(error_of(options).message, HasSubstr("0..230"));
     options = own_world("options");
-    options.network_file = "/nowhere/lan.xml";
+    options.network = "/nowhere/lan.xml";
     EXPECT_EQ(error_of(options).kind, ErrorKind::kNotFound);
     EXPECT_THAT(error_of(options).message, HasSubstr("/nowhere/lan.xml"));
     options = own_world("options");
@@ -64,7 +64,7 @@ TEST(Participant, PassesOnWhatCycloneSaysOfANetworkFile) {
     const TemporaryFile file(
         "<CycloneDDS><Domain Id='any'><Internal><Nonsense>1</Nonsense></Internal></Domain>"
         "</CycloneDDS>");
-    options.network_file = file.path();
+    options.network = file.path().string();
     EXPECT_EQ(error_of(options).kind, ErrorKind::kConfiguration);
     EXPECT_THAT(error_of(options).message,
                 AllOf(HasSubstr(file.path().string()), HasSubstr("Nonsense")));
@@ -75,7 +75,7 @@ TEST(Participant, NamesAnInterfaceThatIsNotThere) {
     const TemporaryFile file(
         "<CycloneDDS><Domain Id='any'><General><Interfaces><NetworkInterface name='atrium9'/>"
         "</Interfaces></General></Domain></CycloneDDS>");
-    options.network_file = file.path();
+    options.network = file.path().string();
     EXPECT_EQ(error_of(options).kind, ErrorKind::kUnavailable);
     EXPECT_THAT(error_of(options).message, HasSubstr("atrium9"));
 }
@@ -104,7 +104,7 @@ TEST(Participant, SaysWhatToDoWhereItsPortsAreTaken) {
     const TemporaryFile file(
         "<CycloneDDS><Domain Id='any'><Discovery><ParticipantIndex>auto</ParticipantIndex>"
         "<MaxAutoParticipantIndex>0</MaxAutoParticipantIndex></Discovery></Domain></CycloneDDS>");
-    options.network_file = file.path();
+    options.network = file.path().string();
     const OccupiedPort taken(7400 + 250 * 107 + 10);  // of the first process in the domain
     ASSERT_TRUE(taken.is_mine());
     EXPECT_EQ(error_of(options).kind, ErrorKind::kUnavailable);
@@ -132,7 +132,7 @@ TEST(Participant, MayBeCreatedAndDestroyedByManyThreadsInOneDomain) {
 TEST(Participant, RefusesOtherNetworkSettingsOnAnOpenDomainAndTakesThemOnceItIsClosed) {
     BusOptions options = own_world("settings", 105);
     BusOptions other = options;
-    other.network_file = ATRIUM_SOURCE_DIR "/qos/wan.xml";
+    other.network = ATRIUM_SOURCE_DIR "/qos/wan.xml";
     {
         const auto first = value(Participant::create(options));
         const auto second = value(Participant::create(options));
@@ -143,9 +143,9 @@ TEST(Participant, RefusesOtherNetworkSettingsOnAnOpenDomainAndTakesThemOnceItIsC
 }
 
 TEST(Participant, EachNetworkFileOfTheProjectIsOneThatCycloneTakes) {
-    for (const char* name : {"loopback", "lan", "wan"}) {
+    for (const char* name : {"loopback", "lan", "wifi", "wan"}) {
         BusOptions options = own_world("files", 106);
-        options.network_file = std::string(ATRIUM_SOURCE_DIR "/qos/") + name + ".xml";
+        options.network = std::string(ATRIUM_SOURCE_DIR "/qos/") + name + ".xml";
         const auto participant = Participant::create(options);
         EXPECT_TRUE(participant.has_value()) << name << ": " << participant.error().message;
     }

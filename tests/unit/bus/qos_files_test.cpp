@@ -19,6 +19,18 @@ std::string profile_with(const std::string& policies) {
            "</datawriter_qos></qos_profile></qos_library></dds>";
 }
 
+/// A profile of these policies of its writer and its reader.
+std::string pair_of(const std::string& writer, const std::string& reader) {
+    return "<dds><qos_library><qos_profile name='p'><datawriter_qos>" + writer +
+           "</datawriter_qos><datareader_qos>" + reader +
+           "</datareader_qos></qos_profile></qos_library></dds>";
+}
+
+std::string seconds(const std::string& policy, const std::string& element, int number) {
+    return "<" + policy + "><" + element + "><sec>" + std::to_string(number) + "</sec></" +
+           element + "></" + policy + ">";
+}
+
 std::string error_of(const std::string& xml) {
     const auto profiles = parse_qos_profiles(xml, "here.xml");
     if (profiles) return "no error";
@@ -26,12 +38,16 @@ std::string error_of(const std::string& xml) {
     return profiles.error().message;
 }
 
-TEST(QosProfiles, TheBuiltInCopyIsTheFile) {
+TEST(QosProfiles, TheBuiltInCopiesAreTheFiles) {
     const auto profiles = read_text_file(ATRIUM_SOURCE_DIR "/qos/profiles.xml");
-    const auto loopback = read_text_file(ATRIUM_SOURCE_DIR "/qos/loopback.xml");
-    ASSERT_TRUE(profiles && loopback);
+    ASSERT_TRUE(profiles);
     EXPECT_EQ(*profiles, kBuiltinProfiles);
-    EXPECT_EQ(*loopback, kBuiltinNetwork);
+    for (const BuiltinNetwork& network : kBuiltinNetworks) {
+        const auto file =
+            read_text_file(ATRIUM_SOURCE_DIR "/qos/" + std::string(network.kind) + ".xml");
+        ASSERT_TRUE(file) << network.kind;
+        EXPECT_EQ(*file, network.xml) << network.kind;
+    }
 }
 
 TEST(QosProfiles, SayWhatTheDesignPromises) {
@@ -47,27 +63,30 @@ TEST(QosProfiles, SayWhatTheDesignPromises) {
             EXPECT_EQ(qos.transient_local, name == kDescription);
             EXPECT_NE(qos.limits.max_samples, kUnlimited) << "memory must be bounded";
             EXPECT_NE(qos.limits.max_instances, kUnlimited);
-            EXPECT_LT(qos.lease, std::chrono::seconds(2)) << "gone within 2 s";
+            EXPECT_EQ(qos.lease, std::chrono::seconds(1)) << "gone within 2 s";
         }
-        // A reader that asks for a shorter lease than the writer's is never matched.
-        EXPECT_GE(profile.reader.lease, profile.writer.lease);
+        EXPECT_EQ(profile.writer.lifespan == kForever, name == kDescription) << "stale data dies";
         EXPECT_EQ(profile.writer.history.depth, 1);
     }
 }
 
 TEST(QosProfiles, ReadsEveryPolicy) {
     const auto profiles = parse_qos_profiles(
-        profile_with("<reliability><kind>RELIABLE_RELIABILITY_QOS</kind><max_blocking_time>"
-                     "<sec>1</sec><nanosec>5</nanosec></max_blocking_time></reliability>"
-                     "<durability><kind>TRANSIENT_LOCAL_DURABILITY_QOS</kind></durability>"
-                     "<durability_service><history_kind>KEEP_LAST_HISTORY_QOS</history_kind>"
-                     "<history_depth>3</history_depth><max_samples>7</max_samples>"
-                     "</durability_service>"
-                     "<history><kind>KEEP_LAST_HISTORY_QOS</kind><depth>4</depth></history>"
-                     "<resource_limits><max_samples>LENGTH_UNLIMITED</max_samples>"
-                     "<max_instances>9</max_instances></resource_limits>"
-                     "<liveliness><lease_duration><sec>DURATION_INFINITE_SEC</sec>"
-                     "</lease_duration></liveliness>"),
+        pair_of("<reliability><kind>RELIABLE_RELIABILITY_QOS</kind><max_blocking_time>"
+                "<sec>1</sec><nanosec>5</nanosec></max_blocking_time></reliability>"
+                "<durability><kind>TRANSIENT_LOCAL_DURABILITY_QOS</kind></durability>"
+                "<durability_service><history_kind>KEEP_LAST_HISTORY_QOS</history_kind>"
+                "<history_depth>3</history_depth><max_samples>7</max_samples>"
+                "</durability_service>"
+                "<history><kind>KEEP_LAST_HISTORY_QOS</kind><depth>4</depth></history>"
+                "<resource_limits><max_samples>LENGTH_UNLIMITED</max_samples>"
+                "<max_instances>9</max_instances></resource_limits>"
+                "<deadline><period><sec>1</sec><nanosec>5</nanosec></period></deadline>"
+                "<latency_budget><duration><sec>2</sec></duration></latency_budget>"
+                "<lifespan><duration><nanosec>7</nanosec></duration></lifespan>"
+                "<liveliness><lease_duration><sec>DURATION_INFINITE_SEC</sec>"
+                "</lease_duration></liveliness>",
+                "<latency_budget><duration><sec>3</sec></duration></latency_budget>"),
         "here.xml");
     ASSERT_TRUE(profiles.has_value()) << profiles.error().message;
     const EndpointQos& qos = profiles->at("p").writer;
@@ -80,11 +99,53 @@ TEST(QosProfiles, ReadsEveryPolicy) {
     EXPECT_EQ(qos.limits.max_samples, kUnlimited);
     EXPECT_EQ(qos.limits.max_instances, 9);
     EXPECT_EQ(qos.lease, kForever);
+    EXPECT_EQ(qos.deadline.count(), 1'000'000'005);
+    EXPECT_EQ(qos.latency_budget.count(), 2'000'000'000);
+    EXPECT_EQ(qos.lifespan.count(), 7);
+}
+
+TEST(QosProfiles, AReaderThatAsksForMoreThanItsWriterOffersIsNamed) {
+    const std::string reliable = "<reliability><kind>RELIABLE_RELIABILITY_QOS</kind></reliability>";
+    const std::string kept = "<durability><kind>TRANSIENT_LOCAL_DURABILITY_QOS</kind></durability>";
+    struct Case {
+        std::string more;
+        std::string less;
+        std::string name;
+    };
+    const Case cases[] = {
+        {reliable, "", "reliability"},
+        {kept, "", "durability"},
+        {seconds("deadline", "period", 1), seconds("deadline", "period", 2), "deadline"},
+        {seconds("liveliness", "lease_duration", 1),
+         seconds("liveliness", "lease_duration", 2),
+         "liveliness"},
+        {seconds("latency_budget", "duration", 1),
+         seconds("latency_budget", "duration", 2),
+         "latency_budget"},
+    };
+    for (const Case& c : cases) {
+        EXPECT_THAT(error_of(pair_of(c.less, c.more)),
+                    AllOf(HasSubstr("here.xml"),
+                          HasSubstr("'p'"),
+                          HasSubstr("<datawriter_qos> <" + c.name + ">"),
+                          HasSubstr("<datareader_qos> <" + c.name + ">")));
+        EXPECT_EQ(error_of(pair_of(c.more, c.less)), "no error") << c.name;
+        EXPECT_EQ(error_of(pair_of(c.more, c.more)), "no error") << c.name;
+    }
 }
 
 TEST(QosProfiles, NameWhatTheyDoNotKnow) {
-    EXPECT_THAT(error_of(profile_with("<latency_budget/>")),
-                AllOf(HasSubstr("here.xml"), HasSubstr("'p'"), HasSubstr("<latency_budget>")));
+    EXPECT_THAT(error_of(profile_with("<ownership/>")),
+                AllOf(HasSubstr("here.xml"),
+                      HasSubstr("'p'"),
+                      HasSubstr("<ownership>"),
+                      HasSubstr("<reliability>")));
+    EXPECT_THAT(error_of(profile_with("<deadline/>")), HasSubstr("<period>"));
+    EXPECT_THAT(error_of(profile_with("<deadline><duration/></deadline>")),
+                AllOf(HasSubstr("<duration>"), HasSubstr("<period>")));
+    EXPECT_THAT(error_of(profile_with("<history/><history/>")), HasSubstr("twice"));
+    EXPECT_THAT(error_of(pair_of("", "<lifespan/>")),
+                AllOf(HasSubstr("<lifespan>"), HasSubstr("<datareader_qos>")));
     EXPECT_THAT(error_of(profile_with("<history><kind>KEEP_SOME</kind></history>")),
                 AllOf(HasSubstr("KEEP_SOME"), HasSubstr("KEEP_ALL_HISTORY_QOS")));
     EXPECT_THAT(error_of(profile_with("<history><depth>0</depth></history>")),

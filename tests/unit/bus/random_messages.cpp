@@ -259,6 +259,21 @@ StreamFeedback random_message(Random& random) {
             number(random, -1e6, 1e6)};
 }
 
+template <>
+Presence random_message(Random& random) {
+    return {static_cast<ProgramKind>(below(random, 4)),
+            name(random),
+            random(),
+            below(random, 2) == 0,
+            random(),
+            name(random),
+            static_cast<std::uint32_t>(random()),
+            name(random),
+            time(random),
+            below(random, 2) == 0,
+            std::chrono::nanoseconds(time(random).ns)};
+}
+
 bool same(const SiteDescription& a, const SiteDescription& b) {
     return a.site == b.site && same_elements(a.cameras, b.cameras) &&
            a.bounds_site.min == b.bounds_site.min && a.bounds_site.max == b.bounds_site.max;
@@ -330,6 +345,14 @@ bool same(const StreamFeedback& a, const StreamFeedback& b) {
            a.num_incomplete == b.num_incomplete && a.num_late == b.num_late &&
            a.num_samples == b.num_samples && a.payload_bytes_per_s == b.payload_bytes_per_s &&
            a.min_delay_ms == b.min_delay_ms && a.median_delay_ms == b.median_delay_ms;
+}
+
+bool same(const Presence& a, const Presence& b) {
+    return a.kind == b.kind && a.name == b.name && a.instance == b.instance &&
+           a.is_holder == b.is_holder && a.num_written == b.num_written && a.host == b.host &&
+           a.pid == b.pid && a.version == b.version && a.start_time == b.start_time &&
+           a.is_clock_synchronised == b.is_clock_synchronised &&
+           a.clock_max_error == b.clock_max_error;
 }
 
 }  // namespace atrium::bus::testing

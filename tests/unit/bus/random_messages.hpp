@@ -33,6 +33,8 @@ template <>
 ViewerStatus random_message(Random& random);
 template <>
 StreamFeedback random_message(Random& random);
+template <>
+Presence random_message(Random& random);
 
 bool same(const SiteDescription& a, const SiteDescription& b);
 bool same(const SiteMesh& a, const SiteMesh& b);
@@ -45,5 +47,6 @@ bool same(const SiteStatus& a, const SiteStatus& b);
 bool same(const WorldStatus& a, const WorldStatus& b);
 bool same(const ViewerStatus& a, const ViewerStatus& b);
 bool same(const StreamFeedback& a, const StreamFeedback& b);
+bool same(const Presence& a, const Presence& b);
 
 }  // namespace atrium::bus::testing

@@ -37,7 +37,8 @@ using Messages = ::testing::Types<SiteDescription,
                                   SiteStatus,
                                   WorldStatus,
                                   ViewerStatus,
-                                  StreamFeedback>;
+                                  StreamFeedback,
+                                  Presence>;
 TYPED_TEST_SUITE(EveryMessage, Messages);
 
 TYPED_TEST(EveryMessage, ComesBackFromTheWireAsItWas) {
@@ -248,7 +249,7 @@ TEST(FromWire, RefusesEachBadFieldOfAStatus) {
         {{"world", [](auto& w) { spoil_name(w.world, ""); }},
          {"time", [](auto& w) { w.time_ns = -1; }},
          {"steps_per_s", [](auto& w) { w.steps_per_s = kNan; }},
-         {"capture_to_collision", [](auto& w) { w.capture_to_collision.p99_ms = -1; }}});
+         {"capture_to_collision", [](auto& w) { w.capture_to_collision.p99_ms = -1e16; }}});
     expect_each_refused<ViewerStatus>(
         random_message<ViewerStatus>(random),
         {{"viewer", [](auto& w) { spoil_name(w.viewer, ""); }},
@@ -314,6 +315,26 @@ TEST(ToWire, LendsCodedBytesInsteadOfCopyingThem) {
     EXPECT_EQ(wire.draco._buffer, message.draco.data());
     EXPECT_EQ(wire.draco._length, 1000U);
     EXPECT_EQ(payload_bytes(message), 4U + 8U + 8U + 4U + 1000U);
+}
+
+TEST(FromWire, TakesALatencyMeasuredBetweenClocksThatDiffer) {
+    Random random(3);
+    auto status = random_message<ViewerStatus>(random);
+    status.capture_to_display.median_ms = -3.6e6;  // the site's clock is an hour ahead
+    status.capture_to_display.p99_ms = -3.5e6;
+    EXPECT_TRUE(check(status));
+}
+
+TEST(FromWire, RefusesAPresenceThatIsWrong) {
+    Random random(4);
+    expect_each_refused<Presence>(
+        random_message<Presence>(random),
+        {{"kind", [](auto& w) { w.kind = 4; }},
+         {"name", [](auto& w) { w.member[0] = '*'; }},
+         {"host", [](auto& w) { w.host[0] = '\0'; }},
+         {"version", [](auto& w) { w.version[0] = ' '; }},
+         {"start_time", [](auto& w) { w.start_time_ns = -1; }},
+         {"clock_max_error", [](auto& w) { w.clock_max_error_ns = -1; }}});
 }
 
 }  // namespace

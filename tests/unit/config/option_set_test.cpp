@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
 namespace atrium::config {
 namespace {
 
@@ -61,6 +64,32 @@ TEST(OptionSet, TakesTextWithQuotesAndBackslashesAsItIs) {
     const OptionSet set = declare(options);
     ASSERT_TRUE(set.set("capture.file", "/a \"b\"\\c", "x"));
     EXPECT_EQ(options.file, "/a \"b\"\\c");
+}
+
+TEST(OptionSet, AWordIsTakenAsItIsAndAPathFromTheFolderOfTheFile) {
+    std::string network = "near";
+    OptionSet set;
+    set.add_word_or_path("bus.network", network, "where", {"near", "far"});
+    set.also_called("network");
+    EXPECT_EQ(set.entries().back().short_name, "network");
+    const auto folder = std::filesystem::temp_directory_path() / "atrium_option_set";
+    std::filesystem::create_directories(folder);
+    const auto read = [&](const std::string& text) {
+        std::ofstream(folder / "c.toml") << "[bus]\n" << text << "\n";
+        auto reader = TableReader::load(folder / "c.toml");
+        ASSERT_TRUE(reader);
+        set.read_file(*reader);
+        EXPECT_TRUE(reader->finish());
+    };
+    read("");
+    EXPECT_EQ(network, "near");
+    read("network = \"far\"");
+    EXPECT_EQ(network, "far");
+    read("network = \"nets/own.xml\"");
+    EXPECT_EQ(network, (folder / "nets/own.xml").string());
+    ASSERT_TRUE(set.set("bus.network", "own.xml", "--network"));
+    EXPECT_EQ(network, "own.xml") << "on the command line, from where the user is";
+    std::filesystem::remove_all(folder);
 }
 
 TEST(OptionSet, ListsTheEffectiveValues) {

@@ -64,6 +64,20 @@ TEST(SiteRegister, RefusesBrokenLateAndFarMeshes) {
     EXPECT_TRUE(sites.read_mesh(mesh_message(hand_at(0), 100))) << "a recording that starts again";
 }
 
+TEST(SiteRegister, FollowsAClockThatIsSetByHoursEitherWay) {
+    constexpr std::int64_t kHours_ms = 5 * 3600 * 1000;
+    SiteRegister sites({kAlice}, 4, {});
+    ASSERT_TRUE(sites.arrive("alice"));
+    const std::int64_t begin_ms = 2 * kHours_ms;
+    for (const std::int64_t jump_ms : {std::int64_t{0}, kHours_ms, std::int64_t{0}, -kHours_ms}) {
+        for (int frame = 0; frame < 3; ++frame) {
+            const auto shape =
+                sites.read_mesh(mesh_message(hand_at(0), begin_ms + jump_ms + 33 * (frame + 1)));
+            EXPECT_TRUE(shape) << "jump " << jump_ms << " frame " << frame;
+        }
+    }
+}
+
 TEST(SiteRegister, TakesAnEmptyMeshForAnEmptyRoom) {
     SiteRegister sites({kAlice}, 4, {});
     ASSERT_TRUE(sites.arrive("alice"));

@@ -1,0 +1,220 @@
+#include "core/bus/membership.hpp"
+
+#include "core/bus/limits.hpp"
+#include "core/bus/name_claim.hpp"
+
+#include <fmt/format.h>
+#include <pthread.h>
+#include <sys/timex.h>
+#include <unistd.h>
+
+#include <array>
+#include <map>
+#include <mutex>
+#include <random>
+#include <thread>
+#include <tuple>
+#include <utility>
+
+namespace atrium::bus {
+
+namespace {
+
+using Clock = NameClaim::Clock;
+constexpr std::chrono::milliseconds kLook{1000};    // for peers that cannot be heard
+constexpr std::chrono::milliseconds kJoinStep{20};  // while the name is asked for
+constexpr std::chrono::seconds kRefresh{10};        // of what Presence says of the clock
+constexpr std::size_t kMaxPresent = 4096;           // strangers may claim to be many
+
+using Key = std::tuple<ProgramKind, std::string, std::uint64_t>;
+Key key_of(const Presence& presence) { return {presence.kind, presence.name, presence.instance}; }
+
+std::uint64_t draw_instance() {
+    std::random_device device;
+    return std::uint64_t{device()} << 32U | device();
+}
+
+void read_clock(Presence& presence) {
+    timex clock{};
+    const int state = ::adjtimex(&clock);
+    presence.is_clock_synchronised =
+        state >= 0 && state != TIME_ERROR && (clock.status & STA_UNSYNC) == 0;
+    presence.clock_max_error = std::chrono::microseconds(clock.maxerror);
+}
+
+}  // namespace
+
+std::string host_name() {
+    std::array<char, 256> name{};
+    ::gethostname(name.data(), name.size() - 1);
+    std::string text(name.data());
+    for (char& c : text) {
+        const bool is_allowed = (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
+                                (c >= '0' && c <= '9') || c == '_' || c == '.' || c == '-';
+        if (!is_allowed) c = '-';
+    }
+    text.resize(std::min(text.size(), kMaxNameLength));
+    return text.empty() ? "unknown" : text;
+}
+
+struct Membership::Impl {
+    Impl(Participant joined, const MembershipOptions& options, MembershipEvents said_to)
+        : participant(std::move(joined)), events(std::move(said_to)), own(make_own(options)) {}
+
+    static Presence make_own(const MembershipOptions& options);
+    Expected<void> open();
+    Expected<void> claim(std::stop_token stop);
+    void serve(std::stop_token stop);
+    void take();
+    Expected<void> announce();
+
+    Participant participant;
+    MembershipEvents events;
+    Presence own;
+    NameClaim name{own, Clock::now()};
+    std::optional<Writer<Presence>> writer;
+    std::optional<Reader<Presence>> reader;
+    std::optional<Waiter> waiter;
+    mutable std::mutex mutex;  // guards the next one, and changes of `own`
+    std::map<Key, Presence> others;
+    std::jthread thread;
+};
+
+Presence Membership::Impl::make_own(const MembershipOptions& options) {
+    Presence own;
+    own.kind = options.kind;
+    own.name = options.name;
+    own.instance = draw_instance();
+    own.host = host_name();
+    own.pid = static_cast<std::uint32_t>(::getpid());
+    own.version = options.version;
+    own.start_time = Timestamp::now();
+    return own;
+}
+
+Expected<void> Membership::Impl::open() {
+    auto made_writer = Writer<Presence>::create(participant);
+    if (!made_writer) return tl::unexpected(made_writer.error());
+    writer = std::move(*made_writer);
+    auto made_reader = Reader<Presence>::create(participant);
+    if (!made_reader) return tl::unexpected(made_reader.error());
+    reader = std::move(*made_reader);
+    auto made_waiter = Waiter::create(participant);
+    if (!made_waiter) return tl::unexpected(made_waiter.error());
+    waiter = std::move(*made_waiter);
+    waiter->add(*reader);
+    return {};
+}
+
+Expected<void> Membership::Impl::announce() {
+    {
+        const std::lock_guard lock(mutex);
+        ++own.num_written;
+        read_clock(own);
+    }
+    const auto written = writer->write(own);
+    if (!written) return tl::unexpected(written.error());
+    return {};
+}
+
+void Membership::Impl::take() {
+    const Clock::time_point now = Clock::now();
+    reader->take(
+        [&](Presence&& presence) {
+            if (presence.instance == own.instance) return;
+            name.see(presence, now);
+            const std::lock_guard lock(mutex);
+            if (others.size() < kMaxPresent || others.contains(key_of(presence)))
+                others.insert_or_assign(key_of(presence), std::move(presence));
+        },
+        [&](const Presence& presence) {
+            name.gone(presence);
+            const std::lock_guard lock(mutex);
+            others.erase(key_of(presence));
+        });
+}
+
+Expected<void> Membership::Impl::claim(std::stop_token stop) {
+    if (auto announced = announce(); !announced) return announced;
+    bool has_said = false;
+    while (!stop.stop_requested()) {
+        waiter->wait(kJoinStep);
+        take();
+        const NameClaim::Verdict verdict = name.decide(Clock::now());
+        const Presence* rival = name.rival();
+        if (verdict == NameClaim::Verdict::kHold) {
+            {
+                const std::lock_guard lock(mutex);
+                own.is_holder = true;
+            }
+            return announce();
+        }
+        if (verdict == NameClaim::Verdict::kRefused) {
+            return make_error(ErrorKind::kConfiguration,
+                              fmt::format("the name is taken by {}; give this one another, or end "
+                                          "that one",
+                                          describe(*rival)));
+        }
+        if (rival != nullptr && !std::exchange(has_said, true)) {
+            events.info(fmt::format(
+                "name_wait for=\"{}\" limit_ms={}", describe(*rival), NameClaim::kLease.count()));
+        }
+    }
+    return make_error(ErrorKind::kUnavailable, "stopped while it asked for its name");
+}
+
+void Membership::Impl::serve(std::stop_token stop) {
+    const std::stop_callback wake(stop, [this] { waiter->wake(); });
+    Clock::time_point next_look = Clock::now();
+    Clock::time_point next_refresh = Clock::now() + kRefresh;
+    bool is_lost = false;
+    while (!stop.stop_requested()) {
+        waiter->wait(kLook);
+        take();
+        const Clock::time_point now = Clock::now();
+        if (name.decide(now) == NameClaim::Verdict::kRefused && !std::exchange(is_lost, true)) {
+            events.name_lost(
+                {ErrorKind::kConfiguration,
+                 fmt::format("the name is held twice; {} is older and keeps it, this one ends",
+                             describe(*name.rival()))});
+        }
+        if (name.take_question() || now >= next_refresh) {
+            next_refresh = now + kRefresh;
+            if (auto announced = announce(); !announced) events.warn(announced.error().message);
+        }
+        if (now < next_look) continue;
+        next_look = now + kLook;
+        for (const std::string& line : participant.take_complaints()) events.warn(line);
+    }
+}
+
+Membership::Membership(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+Membership::~Membership() {
+    impl_->thread.request_stop();
+    if (impl_->thread.joinable()) impl_->thread.join();
+    static_cast<void>(impl_->writer->dispose(impl_->own));  // else the lease tells them
+}
+
+Expected<std::unique_ptr<Membership>> Membership::join(const Participant& participant,
+                                                       const MembershipOptions& options,
+                                                       MembershipEvents events,
+                                                       std::stop_token stop) {
+    auto impl = std::make_unique<Impl>(participant, options, std::move(events));
+    if (auto opened = impl->open(); !opened) return tl::unexpected(opened.error());
+    std::unique_ptr<Membership> member(new Membership(std::move(impl)));
+    if (auto claimed = member->impl_->claim(stop); !claimed) return tl::unexpected(claimed.error());
+    Impl& self = *member->impl_;
+    self.thread = std::jthread([&self](std::stop_token own) { self.serve(own); });
+    pthread_setname_np(self.thread.native_handle(), "presence");
+    return member;
+}
+
+std::vector<Presence> Membership::present() const {
+    const std::lock_guard lock(impl_->mutex);
+    std::vector<Presence> list{impl_->own};
+    for (const auto& [key, presence] : impl_->others) list.push_back(presence);
+    return list;
+}
+
+}  // namespace atrium::bus

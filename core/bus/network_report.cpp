@@ -1,0 +1,75 @@
+#include "core/bus/network_settings.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+namespace atrium::bus {
+
+namespace {
+
+// A metaframe of eight cameras in full size has some 1.5 MB: mesh and textures are written in one
+// go. Two of them may meet where two sites have the same beat.
+constexpr std::size_t kBytesAtOnce = 3U << 20U;
+constexpr std::size_t kRemedyBytes = 16U << 20U;
+
+/// What the kernel lets a socket have that asks for `wanted`; 0 where it does not tell.
+std::size_t granted_receive_buffer(std::size_t wanted) {
+    const int probe = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (probe < 0) return 0;
+    const int size = static_cast<int>(wanted);
+    int granted = 0;
+    socklen_t length = sizeof granted;
+    ::setsockopt(probe, SOL_SOCKET, SO_RCVBUF, &size, sizeof size);
+    const int status = ::getsockopt(probe, SOL_SOCKET, SO_RCVBUF, &granted, &length);
+    ::close(probe);
+    // the kernel doubles what it was asked for, for its own book-keeping, and tells the double
+    return status == 0 ? static_cast<std::size_t>(granted) / 2 : 0;
+}
+
+std::string discovery(const NetworkSettings& settings) {
+    std::string text = settings.multicast ? "multicast" : "unicast";
+    if (!settings.peers.empty()) text += fmt::format(" peers={}", fmt::join(settings.peers, ","));
+    return text;
+}
+
+}  // namespace
+
+NetworkReport report_network(const NetworkSettings& settings) {
+    const std::size_t granted = granted_receive_buffer(settings.receive_buffer_bytes);
+    NetworkReport report;
+    report.line = fmt::format(
+        "network kind={} interface={} address={} discovery={} "
+        "receive_buffer_kB={}",
+        settings.kind,
+        settings.card.empty() ? "any" : settings.card,
+        settings.address.empty() ? "any" : settings.address,
+        discovery(settings),
+        granted >> 10U);
+    if (granted < kBytesAtOnce) {
+        report.warnings.push_back(
+            fmt::format("the receive buffer, {} kB, holds less than two frames of {} kB: samples "
+                        "will be lost and sent again; sysctl -w net.core.rmem_max={}",
+                        granted >> 10U,
+                        kBytesAtOnce >> 11U,
+                        kRemedyBytes));
+    }
+    if (settings.kind == "loopback" && settings.has_remote_peers) {
+        report.warnings.push_back(
+            "bus.peers names other hosts, which bus.network = loopback does "
+            "not reach; --network lan, wifi or wan");
+    }
+    const bool stays_here = settings.card.empty() || settings.address.rfind("127.", 0) == 0;
+    if (settings.kind != "loopback" && stays_here && settings.has_remote_peers) {
+        report.warnings.push_back(
+            "no network card leads to other hosts; name one with --interface "
+            "once it is up");
+    }
+    if (settings.kind == "wan" && !settings.has_remote_peers) {
+        report.warnings.push_back("wan knows no other hosts, and will find none; --peers A,B");
+    }
+    return report;
+}
+
+}  // namespace atrium::bus

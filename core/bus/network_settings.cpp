@@ -1,0 +1,264 @@
+#include "core/bus/network_settings.hpp"
+
+#include "core/bus/builtin_files.hpp"
+#include "core/bus/network_file.hpp"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <netdb.h>
+#include <pugixml.hpp>
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+namespace atrium::bus {
+
+namespace {
+
+// What Cyclone DDS asks for where a file does not say.
+constexpr std::size_t kDefaultReceiveBufferBytes = 1U << 20U;
+
+std::vector<std::string> split(const std::string& list) {
+    std::vector<std::string> parts;
+    std::istringstream stream(list);
+    for (std::string part; std::getline(stream, part, ',');) {
+        const auto begin = part.find_first_not_of(' ');
+        if (begin == std::string::npos) continue;
+        parts.push_back(part.substr(begin, part.find_last_not_of(' ') - begin + 1));
+    }
+    return parts;
+}
+
+Expected<std::string> resolve(const std::string& host) {
+    addrinfo hints{};
+    hints.ai_family = AF_INET;
+    hints.ai_socktype = SOCK_DGRAM;
+    addrinfo* found = nullptr;
+    const int status = ::getaddrinfo(host.c_str(), nullptr, &hints, &found);
+    if (status != 0) {
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("bus.peers: '{}' cannot be resolved ({}); give an IPv4 "
+                                      "address, or a name that this host knows",
+                                      host,
+                                      ::gai_strerror(status)));
+    }
+    sockaddr_in address{};
+    std::memcpy(&address, found->ai_addr, sizeof address);
+    ::freeaddrinfo(found);
+    char text[INET_ADDRSTRLEN];
+    return std::string(::inet_ntop(AF_INET, &address.sin_addr, text, sizeof text));
+}
+
+Expected<NetworkCard> find_card(const std::string& name) {
+    std::string there;
+    for (const NetworkCard& card : network_cards()) {
+        if (card.name == name && card.is_up) return card;
+        if (card.is_up) there += fmt::format(" {} ({})", card.name, card.address);
+    }
+    return make_error(
+        ErrorKind::kConfiguration,
+        fmt::format("bus.interface: there is no '{}' that is up and has an IPv4 address; there "
+                    "are:{}",
+                    name,
+                    there));
+}
+
+/// The card of the default route, or else the first that leads somewhere.
+std::optional<NetworkCard> usual_card() {
+    std::string wanted;
+    std::ifstream routes("/proc/net/route");
+    for (std::string line; std::getline(routes, line);) {
+        std::istringstream fields(line);
+        std::string name;
+        std::string destination;
+        if (fields >> name >> destination && destination == "00000000" && wanted.empty())
+            wanted = name;
+    }
+    std::optional<NetworkCard> first;
+    for (const NetworkCard& card : network_cards()) {
+        if (!card.is_up || card.is_loopback) continue;
+        if (card.name == wanted) return card;
+        if (!first) first = card;
+    }
+    return first;
+}
+
+pugi::xml_node child(pugi::xml_node parent, const char* name) {
+    const pugi::xml_node found = parent.child(name);
+    return found ? found : parent.append_child(name);
+}
+
+/// Reads and changes the one <Domain> of a file.
+class DomainElement {
+public:
+    explicit DomainElement(const std::string& xml) {
+        document_.load_string(xml.c_str());
+        domain_ = child(document_.document_element(), "Domain");
+    }
+
+    std::string named_card() const {
+        const pugi::xml_node general = domain_.child("General");
+        const pugi::xml_node card = general.child("Interfaces").child("NetworkInterface");
+        for (const char* attribute : {"name", "address"}) {
+            if (card.attribute(attribute)) return card.attribute(attribute).value();
+        }
+        return general.child("NetworkInterfaceAddress").text().get();
+    }
+
+    void set_card(const std::string& name) {
+        pugi::xml_node general = child(domain_, "General");
+        const pugi::xml_attribute former =
+            general.child("Interfaces").child("NetworkInterface").attribute("multicast");
+        const std::string multicast = former.value();
+        general.remove_child("Interfaces");
+        general.remove_child("NetworkInterfaceAddress");
+        pugi::xml_node card = general.prepend_child("Interfaces").append_child("NetworkInterface");
+        card.append_attribute("name") = name.c_str();
+        if (!multicast.empty()) card.append_attribute("multicast") = multicast.c_str();
+    }
+
+    void add_peer(const std::string& address) {
+        pugi::xml_node peers = child(child(domain_, "Discovery"), "Peers");
+        for (const pugi::xml_node& peer : peers.children("Peer")) {
+            if (address == peer.attribute("Address").value()) return;
+        }
+        peers.append_child("Peer").append_attribute("Address") = address.c_str();
+    }
+
+    std::vector<std::string> peers() const {
+        std::vector<std::string> addresses;
+        for (const pugi::xml_node& peer : domain_.child("Discovery").child("Peers").children())
+            addresses.emplace_back(peer.attribute("Address").value());
+        return addresses;
+    }
+
+    bool uses_multicast() const {
+        const pugi::xml_node allowed = domain_.child("General").child("AllowMulticast");
+        const std::string_view text = allowed.text().get();
+        return !allowed || (text != "false" && text != "none");
+    }
+
+    std::size_t receive_buffer_bytes() const {
+        const std::string text =
+            domain_.child("Internal").child("SocketReceiveBufferSize").attribute("max").value();
+        std::istringstream stream(text);
+        double number = 0.0;
+        std::string unit;
+        if (!(stream >> number)) return kDefaultReceiveBufferBytes;
+        stream >> unit;
+        const double factor = unit == "MB" || unit == "MiB"   ? 1 << 20
+                              : unit == "kB" || unit == "KiB" ? 1 << 10
+                                                              : 1;
+        return static_cast<std::size_t>(number * factor);
+    }
+
+    std::string text() const {
+        std::ostringstream stream;
+        document_.document_element().print(stream, "", pugi::format_raw);
+        return stream.str();
+    }
+
+private:
+    pugi::xml_document document_;
+    pugi::xml_node domain_;
+};
+
+bool is_this_host(const std::string& address) {
+    if (address.rfind("127.", 0) == 0) return true;
+    const auto cards = network_cards();
+    return std::any_of(cards.begin(), cards.end(), [&](const NetworkCard& card) {
+        return card.address == address;
+    });
+}
+
+Expected<void> enter_card(const BusOptions& options,
+                          bool is_builtin,
+                          DomainElement& domain,
+                          NetworkSettings& settings) {
+    settings.card = domain.named_card();
+    if (!options.interface.empty()) {
+        const auto card = find_card(options.interface);
+        if (!card) return tl::unexpected(card.error());
+        settings.card = card->name;
+        domain.set_card(card->name);
+    } else if (settings.card.empty() && is_builtin) {
+        if (const auto card = usual_card()) {
+            settings.card = card->name;
+            domain.set_card(card->name);
+        }
+    }
+    for (const NetworkCard& card : network_cards()) {
+        if (card.name != settings.card && card.address != settings.card) continue;
+        settings.card = card.name;
+        settings.address = card.address;
+        break;
+    }
+    return {};
+}
+
+Expected<void> enter_peers(const BusOptions& options,
+                           bool is_builtin,
+                           DomainElement& domain,
+                           NetworkSettings& settings) {
+    for (const std::string& host : split(options.peers)) {
+        const auto address = resolve(host);
+        if (!address) return tl::unexpected(address.error());
+        settings.has_remote_peers |= !is_this_host(*address);
+        domain.add_peer(*address);
+    }
+    // without multicast, the programs of one's own host are found like those of others
+    if (is_builtin && !settings.multicast && !settings.address.empty())
+        domain.add_peer(settings.address);
+    settings.peers = domain.peers();
+    return {};
+}
+
+}  // namespace
+
+std::vector<NetworkCard> network_cards() {
+    std::vector<NetworkCard> cards;
+    ifaddrs* list = nullptr;
+    if (::getifaddrs(&list) != 0) return cards;
+    for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
+        if (entry->ifa_addr == nullptr || entry->ifa_addr->sa_family != AF_INET) continue;
+        sockaddr_in address{};
+        std::memcpy(&address, entry->ifa_addr, sizeof address);
+        char text[INET_ADDRSTRLEN];
+        cards.push_back({entry->ifa_name,
+                         ::inet_ntop(AF_INET, &address.sin_addr, text, sizeof text),
+                         (entry->ifa_flags & IFF_UP) != 0,
+                         (entry->ifa_flags & IFF_LOOPBACK) != 0});
+    }
+    ::freeifaddrs(list);
+    return cards;
+}
+
+Expected<NetworkSettings> load_network_settings(const BusOptions& options) {
+    const auto builtin =
+        std::find_if(kBuiltinNetworks.begin(), kBuiltinNetworks.end(), [&](const auto& network) {
+            return network.kind == options.network;
+        });
+    const bool is_builtin = builtin != kBuiltinNetworks.end();
+    NetworkSettings settings;
+    settings.kind = options.network;
+    settings.source = is_builtin ? "network " + options.network : options.network;
+    const auto xml = is_builtin ? parse_network_file(builtin->xml, settings.source)
+                                : load_network_file(options.network);
+    if (!xml) return tl::unexpected(xml.error());
+    DomainElement domain(*xml);
+    settings.multicast = domain.uses_multicast();
+    settings.receive_buffer_bytes = domain.receive_buffer_bytes();
+    if (auto entered = enter_card(options, is_builtin, domain, settings); !entered)
+        return tl::unexpected(entered.error());
+    if (auto entered = enter_peers(options, is_builtin, domain, settings); !entered)
+        return tl::unexpected(entered.error());
+    settings.xml = domain.text();
+    return settings;
+}
+
+}  // namespace atrium::bus

@@ -1,0 +1,256 @@
+#include "core/bus/peer_watch.hpp"
+
+#include <fnmatch.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <chrono>
+#include <cstring>
+#include <map>
+#include <utility>
+
+namespace atrium::bus {
+
+namespace {
+
+constexpr int kMaxRead = 4096;  // endpoints looked at in one go
+// Cyclone matches two endpoints a little after it announced the one to the other.
+constexpr std::chrono::seconds kPatience{2};
+// What strangers can make us remember and say.
+constexpr std::size_t kMaxRemembered = 4096;
+constexpr std::size_t kMaxLinesPerCall = 8;
+
+std::chrono::nanoseconds from_dds(dds_duration_t duration) {
+    return duration == DDS_INFINITY ? kForever : std::chrono::nanoseconds(duration);
+}
+
+EndpointQos get_qos(const dds_qos_t* qos) {
+    EndpointQos out;
+    dds_reliability_kind_t reliability{};
+    dds_durability_kind_t durability{};
+    dds_liveliness_kind_t liveliness{};
+    dds_duration_t duration = 0;
+    if (dds_qget_reliability(qos, &reliability, nullptr))
+        out.reliable = reliability == DDS_RELIABILITY_RELIABLE;
+    if (dds_qget_durability(qos, &durability))
+        out.transient_local = durability >= DDS_DURABILITY_TRANSIENT_LOCAL;
+    if (dds_qget_liveliness(qos, &liveliness, &duration)) out.lease = from_dds(duration);
+    if (dds_qget_deadline(qos, &duration)) out.deadline = from_dds(duration);
+    if (dds_qget_latency_budget(qos, &duration)) out.latency_budget = from_dds(duration);
+    return out;
+}
+
+bool is_in_world(const dds_qos_t* qos, const std::string& world) {
+    std::uint32_t num = 0;
+    char** names = nullptr;
+    if (!dds_qget_partition(qos, &num, &names)) return false;
+    bool found = false;
+    for (std::uint32_t i = 0; i < num; ++i) {
+        found |= ::fnmatch(names[i], world.c_str(), 0) == 0;
+        dds_free(names[i]);
+    }
+    dds_free(names);
+    return found;
+}
+
+bool has_our_type_name(const dds_builtintopic_endpoint_t& theirs, dds_entity_t our_topic) {
+    std::array<char, 256> our_name{};
+    dds_get_type_name(our_topic, our_name.data(), our_name.size());
+    return std::strcmp(theirs.type_name, our_name.data()) == 0;
+}
+
+bool is_matched(const WatchedEndpoint& ours, dds_instance_handle_t theirs) {
+    std::vector<dds_instance_handle_t> matched(static_cast<std::size_t>(kMaxRead));
+    const int num = ours.is_reader
+                        ? dds_get_matched_publications(ours.entity, matched.data(), kMaxRead)
+                        : dds_get_matched_subscriptions(ours.entity, matched.data(), kMaxRead);
+    const auto end = matched.begin() + std::clamp<int>(num, 0, kMaxRead);
+    return std::find(matched.begin(), end, theirs) != end;
+}
+
+/// Text of a stranger, for the log: printable and short.
+std::string property(const dds_qos_t* qos, const char* key) {
+    char* value = nullptr;
+    if (!dds_qget_prop(qos, key, &value) || value == nullptr) return {};
+    std::string text = std::string(value).substr(0, 64);
+    dds_free(value);
+    for (char& c : text) c = std::isprint(static_cast<unsigned char>(c)) != 0 && c != '"' ? c : '?';
+    return text;
+}
+
+/// Calls `visit` with each valid sample that a reader of a built-in topic has; leaves them there.
+template <typename Visit>
+void each(dds_entity_t reader, std::uint32_t which, Visit&& visit) {
+    std::vector<void*> samples(static_cast<std::size_t>(kMaxRead), nullptr);
+    std::vector<dds_sample_info_t> infos(static_cast<std::size_t>(kMaxRead));
+    const int num = dds_read_mask(reader, samples.data(), infos.data(), kMaxRead, kMaxRead, which);
+    for (int i = 0; i < num; ++i) {
+        const auto index = static_cast<std::size_t>(i);
+        if (infos[index].valid_data) visit(samples[index], infos[index].instance_handle);
+    }
+    if (num > 0) dds_return_loan(reader, samples.data(), num);
+}
+
+/// The part of a GUID that names the participant.
+std::string text_of(const dds_guid_t& guid) {
+    std::string text;
+    for (std::size_t i = 0; i < 12; ++i) text += fmt::format("{:02x}", guid.v[i]);
+    return text;
+}
+
+}  // namespace
+
+struct PeerWatch::State {
+    std::mutex mutex;
+    std::string world;
+    Entity publications;   // built-in topics: who writes,
+    Entity subscriptions;  // who reads,
+    Entity participants;   // and whose they are
+    std::list<WatchedEndpoint> endpoints;
+    bool endpoints_changed = false;
+    std::set<std::string> said;
+    std::map<std::pair<dds_entity_t, dds_instance_handle_t>, std::chrono::steady_clock::time_point>
+        waiting;              // pairs that should be matched and are not, and since when
+    bool look_again = false;  // at what was looked at, because of them
+
+    void look(const Entity& builtin, bool theirs_write, std::vector<std::string>& lines);
+    void compare(const dds_builtintopic_endpoint_t& theirs,
+                 dds_instance_handle_t handle,
+                 bool theirs_write,
+                 std::vector<std::string>& lines);
+    bool is_overdue(const WatchedEndpoint& ours, dds_instance_handle_t theirs);
+    std::string name_of(const dds_guid_t& participant);
+};
+
+PeerWatch::Registration& PeerWatch::Registration::operator=(Registration&& other) noexcept {
+    std::swap(state_, other.state_);
+    std::swap(place_, other.place_);
+    return *this;
+}
+
+PeerWatch::Registration::~Registration() {
+    if (!state_) return;
+    const std::lock_guard lock(state_->mutex);
+    state_->endpoints.erase(place_);
+}
+
+Expected<PeerWatch> PeerWatch::create(dds_entity_t participant, const std::string& world) {
+    PeerWatch watch;
+    watch.state_ = std::make_shared<State>();
+    watch.state_->world = world;
+    auto publications =
+        own(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
+            "a reader of who writes");
+    if (!publications) return tl::unexpected(publications.error());
+    auto subscriptions =
+        own(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr),
+            "a reader of who reads");
+    if (!subscriptions) return tl::unexpected(subscriptions.error());
+    auto participants =
+        own(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr),
+            "a reader of who is there");
+    if (!participants) return tl::unexpected(participants.error());
+    watch.state_->participants = std::move(*participants);
+    watch.state_->publications = std::move(*publications);
+    watch.state_->subscriptions = std::move(*subscriptions);
+    return watch;
+}
+
+PeerWatch::Registration PeerWatch::watch(WatchedEndpoint endpoint) {
+    Registration registration;
+    const std::lock_guard lock(state_->mutex);
+    state_->endpoints.push_front(std::move(endpoint));
+    state_->endpoints_changed = true;
+    registration.place_ = state_->endpoints.begin();
+    registration.state_ = state_;
+    return registration;
+}
+
+std::vector<std::string> PeerWatch::take_complaints() {
+    std::vector<std::string> lines;
+    const std::lock_guard lock(state_->mutex);
+    state_->endpoints_changed |= std::exchange(state_->look_again, false);
+    state_->look(state_->publications, true, lines);
+    state_->look(state_->subscriptions, false, lines);
+    state_->endpoints_changed = false;
+    return lines;
+}
+
+// What was looked at is looked at again only once there is something of ours to compare it with
+// that was not there before.
+void PeerWatch::State::look(const Entity& builtin,
+                            bool theirs_write,
+                            std::vector<std::string>& lines) {
+    const std::uint32_t which =
+        (endpoints_changed ? DDS_ANY_SAMPLE_STATE : DDS_NOT_READ_SAMPLE_STATE) |
+        DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE;
+    each(builtin.get(), which, [&](const void* sample, dds_instance_handle_t handle) {
+        compare(
+            *static_cast<const dds_builtintopic_endpoint_t*>(sample), handle, theirs_write, lines);
+    });
+}
+
+void PeerWatch::State::compare(const dds_builtintopic_endpoint_t& theirs,
+                               dds_instance_handle_t handle,
+                               bool theirs_write,
+                               std::vector<std::string>& lines) {
+    for (const WatchedEndpoint& ours : endpoints) {
+        if (ours.is_reader != theirs_write || ours.topic_name != theirs.topic_name) continue;
+        if (!is_in_world(theirs.qos, world)) return;
+        std::string why;
+        const EndpointQos qos = get_qos(theirs.qos);
+        const auto policy =
+            theirs_write ? incompatible_policy(qos, ours.qos) : incompatible_policy(ours.qos, qos);
+        if (!has_our_type_name(theirs, ours.topic)) {
+            why = fmt::format("has another type there, {}; other version of Atrium, or no Atrium",
+                              theirs.type_name);
+        } else if (policy.empty()) {
+            if (!is_overdue(ours, handle)) continue;
+            why = "has a type of the same name there with other parts; other version of Atrium";
+        } else {
+            why = fmt::format(
+                "has another {} there: a reader asks for more than the writer "
+                "offers; start both with the same bus.profiles_file",
+                policy);
+        }
+        const std::string key = text_of(theirs.participant_key) + ours.topic_name + why;
+        if (said.size() >= kMaxRemembered || lines.size() >= kMaxLinesPerCall) return;
+        if (!said.insert(key).second) continue;
+        lines.push_back(fmt::format("not_heard peer=\"{}\" topic={} reason=\"{}\"",
+                                    name_of(theirs.participant_key),
+                                    ours.topic_name,
+                                    why));
+    }
+}
+
+// All that can be compared fits, and yet they are not matched: what is left are the parts of the
+// type, which Cyclone compares itself.
+bool PeerWatch::State::is_overdue(const WatchedEndpoint& ours, dds_instance_handle_t theirs) {
+    const std::pair key{ours.entity, theirs};
+    if (is_matched(ours, theirs)) return false;
+    const auto now = std::chrono::steady_clock::now();
+    if (waiting.size() >= kMaxRemembered) return false;
+    const auto since = waiting.emplace(key, now).first->second;
+    if (now - since < kPatience) {
+        look_again = true;
+        return false;
+    }
+    return true;
+}
+
+std::string PeerWatch::State::name_of(const dds_guid_t& participant) {
+    std::string name = text_of(participant);
+    each(participants.get(),
+         DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ANY_INSTANCE_STATE,
+         [&](const void* sample, dds_instance_handle_t /*handle*/) {
+             const auto& found = *static_cast<const dds_builtintopic_participant_t*>(sample);
+             if (std::memcmp(found.key.v, participant.v, sizeof participant.v) != 0) return;
+             const std::string host = property(found.qos, "__Hostname");
+             const std::string pid = property(found.qos, "__Pid");
+             if (!host.empty()) name = fmt::format("{} pid {}", host, pid);
+         });
+    return name;
+}
+
+}  // namespace atrium::bus
