@@ -161,7 +161,7 @@ int main(int argc, char** argv) {
     std::signal(SIGTERM, [](int) { stopped = 1; });
     bus::BusOptions options;
     options.world = "stream-peer";
-    options.network_file = words[1];
+    options.network = words[1];
     options.profiles_file = words[2];
     const auto participant = value(bus::Participant::create(options));
     if (words[0] == "read") {
