@@ -34,7 +34,7 @@ struct PipelineOptions {
 
 /// How the colours of one metaframe are coded.
 struct ColourCoding {
-    int jpeg_quality = 85;
+    int jpeg_quality = 86;
     int divisor = 1;  // 1: as large as the mask; 2: half as wide and high
 };
 

@@ -30,16 +30,19 @@ constexpr const char* kFastRepair =
 void write_profiles(int writer_depth, int reader_depth, const std::filesystem::path& file) {
     std::ifstream stream(ATRIUM_SOURCE_DIR "/qos/profiles.xml");
     std::string all(std::istreambuf_iterator<char>(stream), {});
-    const auto deepen = [&](const char* endpoint, int depth) {
-        const std::size_t begin = all.find(endpoint, all.find("<qos_profile name=\"stream\">"));
+    const auto deepen = [&](const std::string& profile, const char* endpoint, int depth) {
+        const std::size_t begin =
+            all.find(endpoint, all.find("<qos_profile name=\"" + profile + "\">"));
         for (const char* element : {"<depth>", "<max_samples_per_instance>"}) {
             const std::size_t at = all.find(std::string(element) + "1<", begin);
             ASSERT_NE(at, std::string::npos);
             all.replace(at + std::strlen(element), 1, std::to_string(depth));
         }
     };
-    deepen("<datawriter_qos>", writer_depth);
-    deepen("<datareader_qos>", reader_depth);
+    for (const char* profile : {"stream", "texture"}) {
+        deepen(profile, "<datawriter_qos>", writer_depth);
+        deepen(profile, "<datareader_qos>", reader_depth);
+    }
     std::ofstream(file) << all;
 }
 

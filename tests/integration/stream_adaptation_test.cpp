@@ -61,6 +61,10 @@ protected:
         return *participant_;
     }
 
+    std::uint32_t full_quality() const {
+        return static_cast<std::uint32_t>(config_.pipeline.jpeg_quality);
+    }
+
     site_node::SiteNodeConfig config_;
     std::unique_ptr<site_node::SiteNode> node_;
     std::optional<bus::Participant> participant_;
@@ -113,7 +117,7 @@ TEST_F(AdaptingSite, GivesWayToAViewerWithAQueueAndTakesBackWhatItGave) {
     ASSERT_TRUE(writer.dispose(report));
     EXPECT_TRUE(await<bus::SiteMesh>(meshes, [&](const bus::SiteMesh&) {
         const bus::StreamState stream = node_->status().stream;
-        return stream.cap_set_by.empty() && stream.jpeg_quality == 85 &&
+        return stream.cap_set_by.empty() && stream.jpeg_quality == full_quality() &&
                stream.colour_divisor == 1 && stream.send_every == 1;
     }));
 }
@@ -157,7 +161,7 @@ TEST_F(AdaptingSite, StaysBelowTheConfiguredRateForReal) {
     EXPECT_GT(status.stream.num_dropped_for_rate, 0u);
     EXPECT_EQ(status.stream.cap_set_by, "stream.max_mbit_per_s");
     EXPECT_EQ(status.stream.cap_bit_per_s, 0.4e6);
-    EXPECT_LT(status.stream.jpeg_quality, 85u);
+    EXPECT_LT(status.stream.jpeg_quality, full_quality());
 }
 
 }  // namespace

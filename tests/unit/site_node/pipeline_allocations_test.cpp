@@ -115,8 +115,10 @@ TEST(PipelineAllocations, AreThoseOfDracoAlone) {
             std::uint64_t in_draco = 0;
             if (somebody) {
                 draco.clear();
+                codec::MeshCodecOptions mesh = options.mesh;
+                mesh.position_bits = codec::position_bits_for(frame.hull.mesh, rig.cameras);
                 const std::uint64_t before_draco = atrium::test::num_allocations();
-                ASSERT_TRUE(codec::encode_mesh(frame.hull.mesh, options.mesh, draco));
+                ASSERT_TRUE(codec::encode_mesh(frame.hull.mesh, mesh, draco));
                 in_draco = atrium::test::num_allocations() - before_draco;
                 EXPECT_EQ(draco, frame.draco);
                 EXPECT_GT(in_draco, 0u);
