@@ -83,10 +83,10 @@ void AravisCamera::measure_delay(Session& session, std::stop_token stop) {
         return;
     }
     if (stop.stop_requested() || std::exchange(is_told_unmeasured_, true)) return;
-    tell(true,
-         "sends no picture for a single trigger: how long they take is not known, and who needs "
-         "more "
-         "than half a period shows another instant than the others");
+    tell(
+        true,
+        "sends no picture for a single trigger: how long they take is not known, and if it is more "
+        "than half a period they show another instant than those of the others");
 }
 
 // Others do not wait for so long.
