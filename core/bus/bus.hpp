@@ -77,6 +77,12 @@ struct TakeReport {
     std::string first_rejection;
 };
 
+/// How a key came to its end.
+enum class Ending : std::uint8_t {
+    kDisposed,  // its writer said so
+    kLost,      // its writer left without a word: it was killed, or is cut off
+};
+
 /// Receives one topic. One thread at a time.
 template <typename Message>
 class Reader {
@@ -89,6 +95,9 @@ public:
     /// The functions must not use this reader.
     TakeReport take(const std::function<void(Message&&)>& on_sample,
                     const std::function<void(const Message&)>& on_gone = {});
+    /// The same, for who wants to know how a key ended.
+    TakeReport take(const std::function<void(Message&&)>& on_sample,
+                    const std::function<void(const Message&, Ending)>& on_gone);
 
     /// Number of writers matched now.
     int num_writers() const;

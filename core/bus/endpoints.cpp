@@ -160,6 +160,14 @@ Expected<Reader<Message>> Reader<Message>::create(const Participant& participant
 template <typename Message>
 TakeReport Reader<Message>::take(const std::function<void(Message&&)>& on_sample,
                                  const std::function<void(const Message&)>& on_gone) {
+    return take(on_sample, [&on_gone](const Message& key, Ending /*how*/) {
+        if (on_gone) on_gone(key);
+    });
+}
+
+template <typename Message>
+TakeReport Reader<Message>::take(const std::function<void(Message&&)>& on_sample,
+                                 const std::function<void(const Message&, Ending)>& on_gone) {
     TakeReport report;
     const auto now = DeadlineCount::Clock::now();
     for (std::size_t batch = 0; batch < kMaxBatchesPerTake; ++batch) {
@@ -182,7 +190,9 @@ TakeReport Reader<Message>::take(const std::function<void(Message&&)>& on_sample
             if (info.instance_state == DDS_ALIVE_INSTANCE_STATE || info.sample_rank != 0) continue;
             impl_->deadlines->gone(info.instance_handle);
             if (const auto key = key_from_wire(wire)) {
-                if (on_gone) on_gone(*key);
+                const bool is_disposed =
+                    info.instance_state == DDS_NOT_ALIVE_DISPOSED_INSTANCE_STATE;
+                if (on_gone) on_gone(*key, is_disposed ? Ending::kDisposed : Ending::kLost);
             } else if (!info.valid_data) {
                 reject(report, key.error());
             }

@@ -71,6 +71,8 @@ TEST(BusFaults, ASiteThatIsKilledIsGoneWithinTwoSeconds) {
     EXPECT_LT(std::chrono::steady_clock::now() - killed_at, 2s);
     EXPECT_EQ(descriptions.gone.front().site, "doomed");
     EXPECT_EQ(meshes.gone.front().site, "doomed");
+    EXPECT_EQ(descriptions.endings.front(), Ending::kLost);
+    EXPECT_EQ(meshes.endings.front(), Ending::kLost);
 
     // One that returns is back by itself.
     descriptions.samples.clear();

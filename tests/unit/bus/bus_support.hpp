@@ -38,7 +38,10 @@ struct Listener {
     void take() {
         const TakeReport report =
             reader.take([this](Message&& message) { samples.push_back(std::move(message)); },
-                        [this](const Message& key) { gone.push_back(key); });
+                        [this](const Message& key, Ending how) {
+                            gone.push_back(key);
+                            endings.push_back(how);
+                        });
         num_rejected += report.num_rejected;
         if (!report.first_rejection.empty()) first_rejection = report.first_rejection;
     }
@@ -61,6 +64,7 @@ struct Listener {
     Waiter waiter;
     std::vector<Message> samples;
     std::vector<Message> gone;
+    std::vector<Ending> endings;  // of each
     std::size_t num_rejected = 0;
     std::string first_rejection;
 };

@@ -155,6 +155,7 @@ TEST(Bus, DisposeTellsTheKeyAndTheKeyMayComeBack) {
     ASSERT_TRUE(writer.dispose(object).has_value());
     ASSERT_TRUE(listener.await([&] { return listener.gone.size() == 1; }));
     EXPECT_EQ(listener.gone.front().object, 7U);
+    EXPECT_EQ(listener.endings.front(), Ending::kDisposed);
     ASSERT_TRUE(writer.write(object).has_value());
     ASSERT_TRUE(listener.await([&] { return listener.samples.size() == 2; }));
     EXPECT_EQ(listener.gone.size(), 1U);
@@ -173,6 +174,7 @@ TEST(Bus, AnUnreadLastSampleIsDeliveredBeforeItsKeyIsGone) {
     ASSERT_EQ(listener.samples.size(), 1U);
     EXPECT_EQ(listener.samples.front().name, "last-words");
     EXPECT_EQ(listener.gone.front().object, 9U);
+    EXPECT_EQ(listener.endings.front(), Ending::kDisposed) << "with the last sample as well";
 }
 
 TEST(Bus, AWriterThatIsDestroyedTakesItsKeysAlong) {
