@@ -284,6 +284,7 @@ void SiteNode::work_on(const capture::Metaframe& metaframe, const StreamAdapter:
     }
     stream_.coded(choice, *frame, std::chrono::steady_clock::now());
     count(*frame);
+    stage_times_.computed(frame->milliseconds);
     show(metaframe);
     app::log::debug(
         "metaframe id={} triangles={} silhouettes_ms={:.2f} hull_ms={:.2f} encode_ms={:.2f} "
@@ -338,6 +339,7 @@ void SiteNode::publish_frames(std::stop_token stop) {
 // Textures first: a viewer's pair is complete as soon as the mesh arrives.
 Expected<std::size_t> SiteNode::publish(const SiteFrame& frame) {
     bus::SiteMesh mesh{config_.name, frame.frame_id, frame.capture_time, {}, frame.draco};
+    const auto begin = std::chrono::steady_clock::now();
     std::size_t num_bytes = 0;
     for (const CodedCamera& camera : frame.cameras) {
         const auto written = writers_.texture.write({config_.name,
@@ -353,6 +355,7 @@ Expected<std::size_t> SiteNode::publish(const SiteFrame& frame) {
     }
     const auto written = writers_.mesh.write(mesh);
     if (!written) return written;
+    stage_times_.published(*written, num_bytes, std::chrono::steady_clock::now() - begin);
     return num_bytes + *written;
 }
 
@@ -374,6 +377,7 @@ void SiteNode::report_status(std::stop_token stop) {
         if (limited && Clock::now() >= end) finish({});
         metaframes_per_s_ = published_rate_.update(num_published_, Clock::now());
         bytes_per_s_ = bytes_rate_.update(num_bytes_, Clock::now());
+        stage_times_.update_rates(Clock::now());
         const bus::SiteStatus now = status();
         if (auto written = writers_.status.write(now); !written)
             complaints_.warn(written.error().message);
@@ -412,6 +416,7 @@ bus::SiteStatus SiteNode::status() const {
     status.resident_bytes = app::resident_bytes();
     status.cameras = camera_statuses(source_->camera_counters(), offsets_);
     status.stream = stream_.state();
+    stage_times_.put_into(status);
     return status;
 }
 

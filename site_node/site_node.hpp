@@ -11,6 +11,7 @@
 #include "site_node/capture/metaframe_assembler.hpp"
 #include "site_node/config.hpp"
 #include "site_node/preview/preview.hpp"
+#include "site_node/stage_times.hpp"
 #include "site_node/stream_adapter.hpp"
 
 #include <atomic>
@@ -92,6 +93,7 @@ private:
     bus::LeftOutTotals left_out_;
     mutable std::mutex latency_mutex_;
     LatencyWindow capture_to_publish_;
+    StageTimes stage_times_;
     RateMeter published_rate_;
     RateMeter bytes_rate_;
     std::atomic<double> metaframes_per_s_{0.0};

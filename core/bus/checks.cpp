@@ -211,6 +211,14 @@ Expected<void> check(const SiteStatus& message) {
     checker.count("SiteStatus.cameras", message.cameras.size(), kMaxCamerasPerSite);
     for (const CameraStatus& camera : message.cameras) check_camera(camera, checker);
     check_stream(message.stream, checker);
+    for (const double time_ms : {message.stages.silhouettes_ms,
+                                 message.stages.hull_ms,
+                                 message.stages.coding_ms,
+                                 message.stages.publishing_ms})
+        checker.range("SiteStatus.stages", time_ms, 0.0, kMaxStatistic);
+    checker.range("SiteStatus.mesh_bytes_per_s", message.mesh_bytes_per_s, 0.0, kMaxStatistic);
+    checker.range(
+        "SiteStatus.texture_bytes_per_s", message.texture_bytes_per_s, 0.0, kMaxStatistic);
     return checker.result();
 }
 

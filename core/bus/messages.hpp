@@ -163,6 +163,16 @@ struct StreamState {
     bool operator==(const StreamState&) const = default;
 };
 
+/// Medians of a site's stages over its last metaframes [ms]; 0 where there was none yet.
+struct StageTimes {
+    double silhouettes_ms = 0.0;  // segmentation and polygons of all cameras
+    double hull_ms = 0.0;
+    double coding_ms = 0.0;      // mesh and textures
+    double publishing_ms = 0.0;  // handing all samples of a metaframe to the network
+
+    bool operator==(const StageTimes&) const = default;
+};
+
 /// 1 Hz. Counters run since the program's start.
 struct SiteStatus {
     std::string site;
@@ -181,6 +191,9 @@ struct SiteStatus {
     std::uint64_t resident_bytes = 0;
     std::vector<CameraStatus> cameras;  // as in SiteDescription
     StreamState stream;
+    StageTimes stages;
+    double mesh_bytes_per_s = 0.0;  // of bytes_per_s, like the next one
+    double texture_bytes_per_s = 0.0;
 };
 
 struct WorldStatus {

@@ -98,6 +98,12 @@ void to_wire(const SiteStatus& message, WireScratch& scratch, atrium_SiteStatus&
         put_camera(message.cameras[i], scratch.camera_statuses[i]);
     lend(scratch.camera_statuses, out.cameras);
     put_stream(message.stream, out.stream);
+    out.stages = {message.stages.silhouettes_ms,
+                  message.stages.hull_ms,
+                  message.stages.coding_ms,
+                  message.stages.publishing_ms};
+    out.mesh_bytes_per_s = message.mesh_bytes_per_s;
+    out.texture_bytes_per_s = message.texture_bytes_per_s;
 }
 
 Expected<SiteStatus> from_wire(const atrium_SiteStatus& wire) {
@@ -125,6 +131,12 @@ Expected<SiteStatus> from_wire(const atrium_SiteStatus& wire) {
         message.cameras.push_back(get_camera(camera));
     }
     message.stream = get_stream(wire.stream);
+    message.stages = {wire.stages.silhouettes_ms,
+                      wire.stages.hull_ms,
+                      wire.stages.coding_ms,
+                      wire.stages.publishing_ms};
+    message.mesh_bytes_per_s = wire.mesh_bytes_per_s;
+    message.texture_bytes_per_s = wire.texture_bytes_per_s;
     return checked(std::move(message));
 }
 
@@ -139,7 +151,7 @@ Expected<SiteStatus> key_from_wire(const atrium_SiteStatus& wire) {
 }
 
 std::size_t payload_bytes(const SiteStatus& message) {
-    std::size_t bytes = message.site.size() + 11 * sizeof(std::uint64_t) + kLeftOutBytes +
+    std::size_t bytes = message.site.size() + 17 * sizeof(std::uint64_t) + kLeftOutBytes +
                         kLatencyBytes + kStreamBytes + message.stream.cap_set_by.size();
     for (const CameraStatus& camera : message.cameras)
         bytes += camera.name.size() + kCameraStatusBytes;

@@ -213,7 +213,13 @@ SiteStatus random_message(Random& random) {
              1 + static_cast<std::uint32_t>(below(random, 64)),
              number(random, 0, 1e9),
              below(random, 2) == 0 ? std::string() : name(random),
-             random()}};
+             random()},
+            {number(random, 0, 1e3),
+             number(random, 0, 1e3),
+             number(random, 0, 1e3),
+             number(random, 0, 1e3)},
+            number(random, 0, 1e9),
+            number(random, 0, 1e9)};
 }
 
 template <>
@@ -320,7 +326,9 @@ bool same(const SiteStatus& a, const SiteStatus& b) {
            a.left_out == b.left_out && a.num_bytes_published == b.num_bytes_published &&
            a.metaframes_per_s == b.metaframes_per_s && a.bytes_per_s == b.bytes_per_s &&
            same(a.capture_to_publish, b.capture_to_publish) &&
-           a.resident_bytes == b.resident_bytes && a.cameras == b.cameras && a.stream == b.stream;
+           a.resident_bytes == b.resident_bytes && a.cameras == b.cameras && a.stream == b.stream &&
+           a.stages == b.stages && a.mesh_bytes_per_s == b.mesh_bytes_per_s &&
+           a.texture_bytes_per_s == b.texture_bytes_per_s;
 }
 
 bool same(const WorldStatus& a, const WorldStatus& b) {

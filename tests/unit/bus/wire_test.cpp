@@ -243,7 +243,13 @@ TEST(FromWire, RefusesEachBadFieldOfAStatus) {
          {"stream.cap_bit_per_s", [](auto& w) { w.stream.cap_bit_per_s = -1; }},
          {"stream.cap_set_by", [](auto& w) { spoil_name(w.stream.cap_set_by, "a b"); }},
          {"stream.cap_set_by",
-          [](auto& w) { std::memset(w.stream.cap_set_by, 'a', sizeof(w.stream.cap_set_by)); }}});
+          [](auto& w) { std::memset(w.stream.cap_set_by, 'a', sizeof(w.stream.cap_set_by)); }},
+         {"stages", [](auto& w) { w.stages.silhouettes_ms = kNan; }},
+         {"stages", [](auto& w) { w.stages.hull_ms = -1; }},
+         {"stages", [](auto& w) { w.stages.coding_ms = kInfinity; }},
+         {"stages", [](auto& w) { w.stages.publishing_ms = 1e16; }},
+         {"mesh_bytes_per_s", [](auto& w) { w.mesh_bytes_per_s = -1; }},
+         {"texture_bytes_per_s", [](auto& w) { w.texture_bytes_per_s = kNan; }}});
     expect_each_refused<WorldStatus>(
         random_message<WorldStatus>(random),
         {{"world", [](auto& w) { spoil_name(w.world, ""); }},

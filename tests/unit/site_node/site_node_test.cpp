@@ -108,6 +108,13 @@ TEST_F(SiteFromRecording, GoesOnWithoutALostCameraAndCountsIt) {
     EXPECT_EQ(status.num_metaframes_captured, 6u);
     EXPECT_EQ(status.num_failed, 0u);
     EXPECT_EQ(status.num_metaframes_published + status.num_dropped_late, 6u);
+    for (const double stage_ms : {status.stages.silhouettes_ms,
+                                  status.stages.hull_ms,
+                                  status.stages.coding_ms,
+                                  status.stages.publishing_ms}) {
+        EXPECT_GT(stage_ms, 0.0);
+        EXPECT_LT(stage_ms, 60'000.0);
+    }
 }
 
 TEST_F(SiteFromRecording, DropsIncompleteMetaframesByDefault) {

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "core/base/statistics.hpp"
+#include "core/bus/messages.hpp"
+#include "site_node/pipeline.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+
+namespace atrium::site_node {
+
+/// What the stages of a site took, and what they sent, for its status. Thread-safe.
+class StageTimes {
+public:
+    void computed(const SiteFrame::Milliseconds& milliseconds);
+    /// Bytes of payload of one metaframe.
+    void published(std::size_t mesh_bytes,
+                   std::size_t texture_bytes,
+                   std::chrono::nanoseconds duration);
+
+    /// Turns what was sent into rates since the call before.
+    void update_rates(std::chrono::steady_clock::time_point now);
+    void put_into(bus::SiteStatus& status) const;
+
+private:
+    mutable std::mutex mutex_;
+    LatencyWindow silhouettes_;
+    LatencyWindow hull_;
+    LatencyWindow coding_;
+    LatencyWindow publishing_;
+    std::uint64_t num_mesh_bytes_ = 0;
+    std::uint64_t num_texture_bytes_ = 0;
+    RateMeter mesh_rate_;
+    RateMeter texture_rate_;
+    double mesh_bytes_per_s_ = 0.0;
+    double texture_bytes_per_s_ = 0.0;
+};
+
+}  // namespace atrium::site_node
