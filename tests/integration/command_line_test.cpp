@@ -41,8 +41,13 @@ protected:
 };
 
 TEST_F(CommandLine, EveryProgramExplainsItselfAndItsVersion) {
-    for (const std::string program :
-         {"site_node", "world_server", "viewer", "visual_hull", "demo", "simulated_cameras"}) {
+    for (const std::string program : {"site_node",
+                                      "world_server",
+                                      "viewer",
+                                      "visual_hull",
+                                      "demo",
+                                      "monitor",
+                                      "simulated_cameras"}) {
         const Outcome help = run(program + " --help");
         EXPECT_EQ(help.exit_code, 0) << program;
         EXPECT_THAT(help.output, HasSubstr("--help")) << program;

@@ -23,7 +23,7 @@ std::vector<Include> all_includes(const fs::path& root) {
     static const std::regex kInclude("^\\s*#\\s*include\\s*[<\"]([^>\"]+)[>\"]");
     std::vector<Include> includes;
     for (const char* top :
-         {"core", "simulation", "site_node", "world_server", "viewer", "deploy"}) {
+         {"core", "simulation", "site_node", "world_server", "viewer", "monitor", "deploy"}) {
         for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
             const std::string suffix = entry.path().extension().string();
             if (suffix != ".hpp" && suffix != ".cpp") continue;
@@ -83,6 +83,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude{
     {"site_node/preview/",
      {"core/base/", "core/image/", "core/gl/", "core/app/", "site_node/capture/"}},
     {"world_server/physics/", {"core/base/", "core/geometry/"}},
+    {"monitor/", {"core/base/", "core/bus/", "core/config/", "core/app/"}},
     {"viewer/renderer/", {"core/base/", "core/geometry/", "core/image/", "core/gl/"}},
 };
 
@@ -97,7 +98,7 @@ std::string module_of(const std::string& file) {
 
 TEST_F(Layering, DependenciesPointOneWay) {
     const std::vector<std::string> project{
-        "core/", "simulation/", "site_node/", "world_server/", "viewer/", "deploy/"};
+        "core/", "simulation/", "site_node/", "world_server/", "viewer/", "monitor/", "deploy/"};
     for (const auto& [module, allowed] : kMayInclude) {
         for (const Include& include : includes_) {
             if (module_of(include.file) != module || !starts_with_any(include.target, project))
@@ -111,7 +112,8 @@ TEST_F(Layering, DependenciesPointOneWay) {
 
 TEST_F(Layering, NoProgramIncludesAnother) {
     for (const Include& include : includes_) {
-        for (const std::string program : {"world_server/", "viewer/", "site_node/", "deploy/"}) {
+        for (const std::string program :
+             {"world_server/", "viewer/", "site_node/", "monitor/", "deploy/"}) {
             // a program that plays recordings to the site, through the site's own reader
             if (include.file.rfind("simulation/simulated_cameras/", 0) == 0 &&
                 include.target.rfind("site_node/capture/", 0) == 0) {

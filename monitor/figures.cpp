@@ -1,0 +1,111 @@
+#include "monitor/figures.hpp"
+
+#include <algorithm>
+
+namespace atrium::monitor {
+namespace {
+
+// A median of a status that has no number of samples with it: 0 where there is none.
+Figures::Stage stage(const char* name, double median_ms) {
+    return {name, {median_ms, median_ms, median_ms > 0.0 ? 1U : 0U}, /*has_p99=*/false};
+}
+
+Figures::Camera figures_of(const bus::CameraStatus& camera) {
+    return {camera,
+            {{"incomplete", camera.num_incomplete},
+             {"resent_packets", camera.num_resent},
+             {"late", camera.num_late},
+             {"dropped_no_buffer", camera.num_dropped},
+             {"backwards", camera.num_backwards},
+             {"reconnects", camera.num_reconnects}}};
+}
+
+// Lists of one kind of program have the same names in the same order.
+bool none_went_back(const std::vector<Counter>& before, const std::vector<Counter>& now) {
+    return std::equal(before.begin(),
+                      before.end(),
+                      now.begin(),
+                      now.end(),
+                      [](const Counter& a, const Counter& b) { return a.total <= b.total; });
+}
+
+}  // namespace
+
+Figures figures_of(const bus::SiteStatus& status) {
+    Figures figures;
+    figures.time = status.time;
+    figures.rate_unit = "metaframes/s";
+    figures.rate = status.metaframes_per_s;
+    figures.work = {{"metaframes_captured", status.num_metaframes_captured},
+                    {"metaframes_published", status.num_metaframes_published},
+                    {"bytes_published", status.num_bytes_published},
+                    {"incomplete_used", status.num_incomplete_used},
+                    {"contours_repaired", status.left_out.num_contours_repaired}};
+    figures.losses = {{"dropped_incomplete", status.num_dropped_incomplete},
+                      {"dropped_late", status.num_dropped_late},
+                      {"dropped_for_rate", status.stream.num_dropped_for_rate},
+                      {"failed", status.num_failed},
+                      {"pictures_missing", status.left_out.num_cameras},
+                      {"phantoms", status.left_out.num_phantoms},
+                      {"fragments", status.left_out.num_fragments},
+                      {"contours_dropped", status.left_out.num_contours_dropped},
+                      {"regions_failed", status.left_out.num_regions_failed}};
+    figures.stages = {stage("silhouettes", status.stages.silhouettes_ms),
+                      stage("hull", status.stages.hull_ms),
+                      stage("coding", status.stages.coding_ms),
+                      stage("publishing", status.stages.publishing_ms),
+                      {"capture_to_publish", status.capture_to_publish}};
+    figures.topics = {{"SiteMesh", status.mesh_bytes_per_s},
+                      {"CameraTexture", status.texture_bytes_per_s}};
+    for (const bus::CameraStatus& camera : status.cameras)
+        figures.cameras.push_back(figures_of(camera));
+    figures.stream = status.stream;
+    figures.resident_bytes = status.resident_bytes;
+    return figures;
+}
+
+Figures figures_of(const bus::WorldStatus& status) {
+    Figures figures;
+    figures.time = status.time;
+    figures.rate_unit = "steps/s";
+    figures.rate = status.steps_per_s;
+    figures.work = {{"steps", status.num_steps},
+                    {"meshes_received", status.num_meshes_received},
+                    {"steps_with_contact", status.num_contacts}};
+    figures.losses = {{"rejected_samples", status.num_rejected}};
+    figures.stages = {
+        {"capture_to_collision", status.capture_to_collision, true, /*elsewhere=*/true}};
+    figures.resident_bytes = status.resident_bytes;
+    return figures;
+}
+
+Figures figures_of(const bus::ViewerStatus& status) {
+    Figures figures;
+    figures.time = status.time;
+    figures.rate_unit = "frames/s";
+    figures.rate = status.frames_per_s;
+    figures.work = {{"frames", status.num_frames}, {"pairs_shown", status.num_pairs_shown}};
+    figures.losses = {{"pairs_skipped", status.num_pairs_skipped},
+                      {"incomplete_pairs", status.num_incomplete},
+                      {"rejected_samples", status.num_rejected}};
+    figures.stages = {{"capture_to_display", status.capture_to_display, true, /*elsewhere=*/true}};
+    figures.resident_bytes = status.resident_bytes;
+    return figures;
+}
+
+bool goes_on(const Figures& before, const Figures& now) {
+    if (now.time < before.time || !none_went_back(before.work, now.work) ||
+        !none_went_back(before.losses, now.losses) || before.cameras.size() != now.cameras.size()) {
+        return false;
+    }
+    for (std::size_t i = 0; i < now.cameras.size(); ++i) {
+        if (before.cameras[i].status.name != now.cameras[i].status.name ||
+            before.cameras[i].status.num_received > now.cameras[i].status.num_received ||
+            !none_went_back(before.cameras[i].losses, now.cameras[i].losses)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+}  // namespace atrium::monitor

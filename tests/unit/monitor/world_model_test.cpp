@@ -1,0 +1,313 @@
+#include "monitor/world_model.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace atrium::monitor {
+namespace {
+
+using namespace std::chrono_literals;
+using bus::Ending;
+using bus::ProgramKind;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr Timestamp kStart{1'800'000'000'000'000'000};
+
+bus::Presence presence(ProgramKind kind,
+                       const std::string& name,
+                       std::uint64_t instance,
+                       const std::string& host = "alpha") {
+    bus::Presence out;
+    out.kind = kind;
+    out.name = name;
+    out.instance = instance;
+    out.is_holder = true;
+    out.host = host;
+    out.pid = 17;
+    out.version = "1.2.3";
+    out.start_time = kStart;
+    return out;
+}
+
+bus::Presence synchronised(bus::Presence presence, std::chrono::nanoseconds error) {
+    presence.is_clock_synchronised = true;
+    presence.clock_max_error = error;
+    return presence;
+}
+
+bus::SiteStatus site_status(double seconds, std::uint64_t num_late) {
+    bus::SiteStatus status;
+    status.site = "lab";
+    status.time = kStart + std::chrono::nanoseconds(static_cast<std::int64_t>(seconds * 1e9));
+    status.num_metaframes_captured = 1000 + num_late;
+    status.num_dropped_late = num_late;
+    status.metaframes_per_s = 30.0;
+    bus::CameraStatus camera;
+    camera.name = "cam0";
+    camera.num_received = 30 * num_late;
+    camera.num_incomplete = num_late;
+    status.cameras = {camera};
+    return status;
+}
+
+bus::ViewerStatus viewer_status() {
+    bus::ViewerStatus status;
+    status.viewer = "wall";
+    status.time = kStart;
+    status.capture_to_display = {51.0, 60.0, 100};
+    return status;
+}
+
+class Model : public testing::Test {
+protected:
+    Report report() { return model_.report(now_, kStart + 100s); }
+    const ProgramReport& program(const std::string& name) {
+        report_ = report();
+        for (const ProgramReport& program : report_.programs) {
+            if (program.name == name) return program;
+        }
+        ADD_FAILURE() << name << " is not there";
+        static const ProgramReport nobody;
+        return nobody;
+    }
+    static const Count& loss(const std::vector<Count>& losses, const std::string& what) {
+        for (const Count& count : losses) {
+            if (count.what == what) return count;
+        }
+        ADD_FAILURE() << what << " is not there";
+        static const Count none;
+        return none;
+    }
+    // a site and a viewer on two hosts, with a latency between them
+    void see_two_hosts(const bus::Presence& site, const bus::Presence& viewer) {
+        model_.see(site, now_);
+        model_.see(viewer, now_);
+        model_.see(site_status(0, 0), now_);
+        model_.see(viewer_status(), now_);
+    }
+
+    WorldModel model_{"test"};
+    WorldModel::Clock::time_point now_{1000s};
+    Report report_;
+};
+
+TEST_F(Model, NobodyIsThereAtFirst) {
+    EXPECT_EQ(report().num_here(), 0u);
+    EXPECT_THAT(report().programs, IsEmpty());
+    EXPECT_EQ(report().world, "test");
+}
+
+TEST_F(Model, TellsWhoIsThereAndForHowLong) {
+    model_.see(presence(ProgramKind::kSiteNode, "lab", 1), now_);
+    EXPECT_FALSE(program("lab").has_status);
+    EXPECT_DOUBLE_EQ(*program("lab").uptime_s, 100.0) << "by this host's clock";
+    model_.see(site_status(42.0, 0), now_);
+    now_ += 1s;
+    const ProgramReport& lab = program("lab");
+    EXPECT_EQ(lab.host, "alpha");
+    EXPECT_EQ(lab.pid, 17u);
+    EXPECT_EQ(lab.version, "1.2.3");
+    EXPECT_DOUBLE_EQ(*lab.uptime_s, 43.0) << "by its own clock";
+    EXPECT_DOUBLE_EQ(lab.rate, 30.0);
+}
+
+TEST_F(Model, RatesComeFromTheProgramsOwnClock) {
+    model_.see(site_status(10.0, 100), now_);
+    EXPECT_EQ(loss(program("lab").losses, "dropped_late").total, 100u);
+    EXPECT_FALSE(loss(program("lab").losses, "dropped_late").per_s) << "before it counted";
+    now_ += 5s;  // it was under way for long
+    model_.see(site_status(12.0, 110), now_);
+    EXPECT_DOUBLE_EQ(*loss(program("lab").losses, "dropped_late").per_s, 5.0);
+    EXPECT_DOUBLE_EQ(*program("lab").cameras[0].received.per_s, 150.0);
+    EXPECT_DOUBLE_EQ(*loss(program("lab").cameras[0].losses, "incomplete").per_s, 5.0);
+}
+
+TEST_F(Model, CountersThatBeginAnewGiveNoRate) {
+    model_.see(site_status(10.0, 100), now_);
+    model_.see(site_status(11.0, 3), now_);  // restarted, and nobody said so
+    EXPECT_EQ(loss(program("lab").losses, "dropped_late").total, 3u);
+    EXPECT_FALSE(loss(program("lab").losses, "dropped_late").per_s);
+    EXPECT_FALSE(program("lab").cameras[0].received.per_s);
+    model_.see(site_status(12.0, 4), now_);
+    EXPECT_DOUBLE_EQ(*loss(program("lab").losses, "dropped_late").per_s, 1.0);
+    model_.see(site_status(11.5, 5), now_);  // its clock was set back
+    EXPECT_FALSE(loss(program("lab").losses, "dropped_late").per_s);
+    model_.see(site_status(11.5, 6), now_);
+    EXPECT_FALSE(loss(program("lab").losses, "dropped_late").per_s) << "no time has passed";
+}
+
+TEST_F(Model, AnotherProcessOfTheNameCountsForItself) {
+    model_.see(presence(ProgramKind::kSiteNode, "lab", 1), now_);
+    model_.see(site_status(10.0, 100), now_);
+    model_.gone(presence(ProgramKind::kSiteNode, "lab", 1), Ending::kDisposed, now_);
+    model_.see(presence(ProgramKind::kSiteNode, "lab", 2), now_);
+    EXPECT_EQ(program("lab").state, ProgramState::kPresent);
+    EXPECT_FALSE(program("lab").has_status) << "the figures were of the process before";
+    model_.see(site_status(11.0, 200), now_);
+    EXPECT_FALSE(loss(program("lab").losses, "dropped_late").per_s);
+}
+
+TEST_F(Model, WhoLeftIsShownForTenSecondsWithTheReason) {
+    const auto lab = presence(ProgramKind::kSiteNode, "lab", 1);
+    const auto wall = presence(ProgramKind::kViewer, "wall", 2);
+    model_.see(lab, now_);
+    model_.see(wall, now_);
+    model_.gone(lab, Ending::kDisposed, now_);
+    model_.gone(wall, Ending::kLost, now_);
+    model_.see(site_status(1.0, 0), now_);  // a last word that comes too late
+    now_ += 9s;
+    EXPECT_EQ(program("lab").state, ProgramState::kGone);
+    EXPECT_DOUBLE_EQ(program("lab").gone_s, 9.0);
+    EXPECT_EQ(program("lab").host, "alpha");
+    EXPECT_THAT(program("lab").gone_reason, HasSubstr("ended"));
+    EXPECT_THAT(program("wall").gone_reason, HasSubstr("killed"));
+    EXPECT_EQ(report().num_here(), 0u);
+    now_ += 1s;
+    EXPECT_THAT(report().programs, IsEmpty());
+}
+
+TEST_F(Model, OneThatDoesNotSayHowItIsIsSilent) {
+    model_.see(presence(ProgramKind::kSiteNode, "lab", 1), now_);
+    model_.see(site_status(1.0, 0), now_);
+    now_ += 2900ms;
+    EXPECT_EQ(program("lab").state, ProgramState::kPresent);
+    now_ += 200ms;
+    EXPECT_EQ(program("lab").state, ProgramState::kSilent);
+    now_ += 1h;
+    EXPECT_EQ(program("lab").state, ProgramState::kSilent) << "it says that it is there";
+}
+
+TEST_F(Model, OneHostIsOneClock) {
+    see_two_hosts(presence(ProgramKind::kSiteNode, "lab", 1),
+                  presence(ProgramKind::kViewer, "wall", 2));
+    EXPECT_EQ(program("wall").latencies[0].trust, ClockTrust::kOneClock);
+    EXPECT_EQ(program("wall").latencies[0].error_ms, 0.0);
+    EXPECT_THAT(report().notices, IsEmpty());
+}
+
+TEST_F(Model, ErrorsOfTwoSynchronisedClocksAddUp) {
+    see_two_hosts(synchronised(presence(ProgramKind::kSiteNode, "lab", 1, "alpha"), 1ms),
+                  synchronised(presence(ProgramKind::kViewer, "wall", 2, "beta"), 500us));
+    EXPECT_EQ(program("wall").latencies[0].trust, ClockTrust::kSynchronised);
+    EXPECT_DOUBLE_EQ(program("wall").latencies[0].error_ms, 1.5);
+    EXPECT_EQ(program("lab").latencies.back().trust, ClockTrust::kOneClock) << "its own clock";
+    EXPECT_THAT(report().notices, IsEmpty());
+}
+
+TEST_F(Model, LatenciesBetweenUnsynchronisedClocksMeanNothing) {
+    see_two_hosts(synchronised(presence(ProgramKind::kSiteNode, "lab", 1, "alpha"), 1ms),
+                  presence(ProgramKind::kViewer, "wall", 2, "beta"));
+    bus::StreamFeedback feedback;
+    feedback.viewer = "wall";
+    feedback.site = "lab";
+    model_.see(feedback, now_);
+    EXPECT_EQ(program("wall").latencies[0].trust, ClockTrust::kUnsynchronised);
+    EXPECT_EQ(report().streams[0].delays[0].trust, ClockTrust::kUnsynchronised);
+    EXPECT_THAT(report().notices,
+                ElementsAre("clocks of alpha and beta are not synchronised (beta is not), "
+                            "latencies between them mean nothing"));
+}
+
+TEST_F(Model, ASiteThatLeftDoesNotSpoilTheLatency) {
+    const auto site = presence(ProgramKind::kSiteNode, "lab", 1, "alpha");
+    see_two_hosts(site, presence(ProgramKind::kViewer, "wall", 2, "beta"));
+    model_.gone(site, Ending::kDisposed, now_);
+    EXPECT_EQ(program("wall").latencies[0].trust, ClockTrust::kOneClock);
+}
+
+TEST_F(Model, AHostThatIsNotKnownIsNotTrusted) {
+    model_.see(site_status(1.0, 0), now_);
+    model_.see(viewer_status(), now_);
+    EXPECT_EQ(program("wall").latencies[0].trust, ClockTrust::kUnknown);
+    EXPECT_FALSE(program("wall").is_known);
+    EXPECT_THAT(report().notices, ElementsAre(HasSubstr("not known")));
+}
+
+TEST_F(Model, StreamsAreCountedOverTheirReports) {
+    bus::StreamFeedback feedback;
+    feedback.viewer = "wall";
+    feedback.site = "lab";
+    feedback.num_complete = 6;
+    feedback.num_incomplete = 1;
+    for (int i = 0; i < 50; ++i) {
+        model_.see(feedback, now_);
+        now_ += 200ms;
+    }
+    now_ -= 200ms;
+    const StreamReport stream = report().streams.at(0);
+    EXPECT_EQ(stream.complete.total, 300u);
+    EXPECT_DOUBLE_EQ(*stream.complete.per_s, 30.0);
+    EXPECT_EQ(loss(stream.losses, "incomplete_pairs").total, 50u);
+    EXPECT_DOUBLE_EQ(*loss(stream.losses, "incomplete_pairs").per_s, 5.0);
+    now_ += 3s;
+    EXPECT_TRUE(report().streams.at(0).is_silent);
+    EXPECT_EQ(report().streams.at(0).complete.per_s, 0.0);
+    model_.gone(feedback);
+    EXPECT_THAT(report().streams, IsEmpty());
+}
+
+TEST_F(Model, WhatIsMeasuredReplacesWhatIsReported) {
+    bus::SiteStatus status = site_status(1.0, 0);
+    status.mesh_bytes_per_s = 7.0;
+    status.texture_bytes_per_s = 8.0;
+    model_.see(status, now_);
+    for (int i = 0; i < 60; ++i) {
+        model_.measured("SiteMesh", ProgramKind::kSiteNode, "lab", 1000, now_);
+        model_.measured("SiteMesh", ProgramKind::kSiteNode, "stranger", 1000, now_);
+        now_ += 50ms;
+    }
+    now_ -= 50ms;
+    ASSERT_EQ(program("lab").topics.size(), 2u);
+    EXPECT_FALSE(program("lab").topics[0].is_measured);
+    EXPECT_EQ(program("lab").topics[0].topic, "CameraTexture");
+    EXPECT_TRUE(program("lab").topics[1].is_measured);
+    EXPECT_DOUBLE_EQ(program("lab").topics[1].bytes_per_s, 20'000.0);
+    EXPECT_DOUBLE_EQ(*program("lab").topics[1].samples_per_s, 20.0);
+    EXPECT_EQ(report().programs.size(), 1u) << "samples of strangers make no program";
+}
+
+TEST_F(Model, TwoThatWantOneNameAreTold) {
+    model_.see(presence(ProgramKind::kSiteNode, "lab", 1), now_);
+    bus::Presence other = presence(ProgramKind::kSiteNode, "lab", 2, "beta");
+    other.is_holder = false;
+    model_.see(other, now_);
+    EXPECT_EQ(program("lab").host, "alpha") << "it holds the name";
+    EXPECT_THAT(report().notices, ElementsAre(HasSubstr("2 processes")));
+}
+
+TEST_F(Model, MemoryIsBoundedWhateverComes) {
+    bus::StreamFeedback feedback;
+    for (int i = 0; i < 3000; ++i) {
+        const std::string name = "n" + std::to_string(i);
+        model_.see(presence(ProgramKind::kOther, name, 1), now_);
+        model_.see(presence(ProgramKind::kOther, "same", static_cast<std::uint64_t>(i)), now_);
+        feedback.viewer = name;
+        feedback.site = "lab";
+        model_.see(feedback, now_);
+        model_.notice(name, now_);
+    }
+    EXPECT_EQ(report().programs.size(), WorldModel::kMaxPrograms);
+    EXPECT_EQ(report().streams.size(), WorldModel::kMaxStreams);
+    EXPECT_GT(report().num_left_out, 0u);
+    EXPECT_LE(report().notices.size(), 2 * WorldModel::kMaxNotices + 1);
+    // one that leaves makes room for one that comes
+    model_.gone(presence(ProgramKind::kOther, "n0", 1), Ending::kLost, now_);
+    model_.see(presence(ProgramKind::kSiteNode, "lab", 1), now_);
+    EXPECT_EQ(program("lab").state, ProgramState::kPresent);
+}
+
+TEST_F(Model, NoticesGoAwayAfterAMinute) {
+    model_.notice("a stranger", now_);
+    now_ += 30s;
+    model_.notice("another", now_);
+    EXPECT_THAT(report().notices, ElementsAre("a stranger", "another"));
+    now_ += 40s;
+    EXPECT_THAT(report().notices, ElementsAre("another"));
+}
+
+}  // namespace
+}  // namespace atrium::monitor
