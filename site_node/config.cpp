@@ -107,7 +107,8 @@ void declare_segmentation(SiteNodeConfig& config, config::OptionSet& set) {
         "overwrite", config.overwrite, "write silhouettes also where the folder holds something");
 }
 
-void declare_stream(stream::StreamOptions& stream, config::OptionSet& set) {
+void declare_stream(SiteNodeConfig& config, config::OptionSet& set) {
+    stream::StreamOptions& stream = config.stream;
     set.add("stream.max_mbit_per_s",
             stream.max_mbit_per_s,
             "what meshes and textures may take at most [Mbit/s]; 0: no limit",
@@ -117,8 +118,10 @@ void declare_stream(stream::StreamOptions& stream, config::OptionSet& set) {
             "no viewer's network brings the stream below that [Mbit/s]",
             {0.1, 1e5});
     set.add("stream.adapt",
-            stream.adapt,
-            "lower quality, then resolution, then rate to what the networks of the viewers carry");
+            config.stream_adapt,
+            "lower quality, then resolution, then rate to what the networks of the viewers carry; "
+            "auto: where there is one, which is not so on loopback",
+            {"auto", "on", "off"});
 }
 
 CameraAreas read_areas(config::TableReader& table) {
@@ -258,7 +261,7 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             "Draco's, 0 smallest to 10 fastest",
             {0, 10});
     set.add("codec.jpeg_quality", config.pipeline.jpeg_quality, "of the textures", {10, 100});
-    declare_stream(config.stream, set);
+    declare_stream(config, set);
     bus::declare(config.bus, set);
     show_hull(config.pipeline.hull, set);
 }
@@ -296,6 +299,8 @@ void read_segmentation(config::TableReader& reader, SiteNodeConfig& config) {
 }
 
 void resolve(SiteNodeConfig& config) {
+    config.stream.adapt = config.stream_adapt == "on" ||
+                          (config.stream_adapt == "auto" && config.bus.network != "loopback");
     if (config.recording.empty()) return;
     config.capture.source = "recording";
     config.capture.recording = config.recording;

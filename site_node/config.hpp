@@ -35,6 +35,8 @@ struct SiteNodeConfig {
     simulation::RoomConfig simulation;
     PipelineOptions pipeline;
     stream::StreamOptions stream;
+    /// "auto": `stream.adapt` but on loopback, where a delay is that of a busy processor.
+    std::string stream_adapt = "auto";  // or "on", "off"
     bus::BusOptions bus;
 
     // what to do instead of running

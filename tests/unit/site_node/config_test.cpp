@@ -104,6 +104,20 @@ TEST(SiteConfig, ARecordingCanBeGivenInShort) {
     EXPECT_EQ(config->capture.recording, "here");
 }
 
+TEST(SiteConfig, TheStreamAdaptsToNetworksAndNotToABusyHost) {
+    const auto adapts = [](const std::string& text) {
+        auto config = parse(kRoom + text);
+        EXPECT_TRUE(config) << config.error().message;
+        resolve(*config);
+        return config->stream.adapt;
+    };
+    EXPECT_FALSE(adapts(""));
+    EXPECT_TRUE(adapts("[bus]\nnetwork = \"wan\"\n"));
+    EXPECT_TRUE(adapts("[stream]\nadapt = \"on\"\n"));
+    EXPECT_FALSE(adapts("[bus]\nnetwork = \"lan\"\n[stream]\nadapt = \"off\"\n"));
+    EXPECT_THAT(parse(kRoom + "[stream]\nadapt = \"maybe\"\n").error().message, HasSubstr("auto"));
+}
+
 TEST(SiteConfig, ReadsRegions) {
     const auto config = parse(
         kRoom +
