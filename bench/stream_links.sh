@@ -6,16 +6,16 @@ build=${1:-build}
 profiles=$(mktemp -d)
 trap 'rm -r "$profiles"' EXIT
 
-# histories WRITER READER: prints a file with the stream profile changed so
+# histories WRITER READER: prints a file with the profiles of meshes and textures changed so
 histories() {
     local file=$profiles/$1_$2.xml
     awk -v writer="$1" -v reader="$2" '
-        /<qos_profile name="stream">/ { inside = 1 }
+        /<qos_profile name="(stream|texture)">/ { inside = 1 }
         /<\/qos_profile>/ { inside = 0 }
         /<datawriter_qos>/ { depth = writer }
         /<datareader_qos>/ { depth = reader }
-        inside { sub(/<depth>1</, "<depth>" depth "<")
-                 sub(/<max_samples_per_instance>1</, "<max_samples_per_instance>" depth "<") }
+        inside { sub(/<depth>8</, "<depth>" depth "<")
+                 sub(/<max_samples_per_instance>8</, "<max_samples_per_instance>" depth "<") }
         { print }' qos/profiles.xml > "$file"
     echo "$file"
 }
@@ -30,9 +30,9 @@ defrag="<DefragReliableMaxSamples>256</DefragReliableMaxSamples>"
 # row NAME INTERNAL PROFILES MBIT/S DELAY_MS JITTER_MS LOSS MESH TEXTURE [MESSAGE FRAGMENT [TEXTURE_WRITERS]]
 row() { "$build"/bin/stream_links "$1" "$2" "$3" "$4" "$5" "$6" "$7" 300 "${@:8}" | tail -n "${lines:-1}"; }
 
-lines=2 row "middle, 20 Mbit/s, no loss" "$(internal 5 20)" "" 20 50 10 0 12000 4000
-row "large, 20 Mbit/s, no loss" "$(internal 5 20)" "" 20 50 10 0 20000 7000
-row "large, 5 Mbit/s, no loss" "$(internal 5 20)" "" 5 50 10 0 20000 7000
+lines=2 row "middle, 20 Mbit/s, no loss" "$(internal 5 20)" "$(histories 1 1)" 20 50 10 0 12000 4000
+row "large, 20 Mbit/s, no loss" "$(internal 5 20)" "$(histories 1 1)" 20 50 10 0 20000 7000
+row "large, 5 Mbit/s, no loss" "$(internal 5 20)" "$(histories 1 1)" 5 50 10 0 20000 7000
 for loss in 0.01 0.05; do
     for h in "1 1" "8 1" "8 8"; do
         file=$(histories $h)
@@ -45,7 +45,7 @@ for loss in 0.01 0.05; do
     row "middle, $loss, and NACK 30" "$(internal 30 30 $defrag)" "$file" 20 50 10 $loss 12000 4000 1400 1300 8
     row "middle, $loss, history 16" "$(internal 5 20 $defrag)" "$(histories 16 16)" 20 50 10 $loss 12000 4000 1400 1300 8
     row "middle, $loss, one datagram" "$(internal 120 20 $defrag)" "$file" 20 50 10 $loss 12000 4000 65500 63000
-    row "large, 2 ms, $loss" "$(internal 2 5 $defrag)" "" 0 2 0 $loss 20000 7000
+    row "large, 2 ms, $loss" "$(internal 2 5 $defrag)" "$(histories 1 1)" 0 2 0 $loss 20000 7000
 done
 for h in "1 1" "8 8"; do
     row "middle, 10 ms, 0.01, history $h" "$(internal 5 20)" "$(histories $h)" 20 10 2 0.01 12000 4000

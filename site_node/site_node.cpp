@@ -26,6 +26,17 @@ Expected<void> open(bus::Participant& participant, std::optional<bus::Writer<Mes
     return {};
 }
 
+Expected<std::vector<bus::Writer<bus::CameraTexture>>> open_textures(
+    const bus::Participant& participant, std::size_t num_cameras) {
+    std::vector<bus::Writer<bus::CameraTexture>> writers;
+    while (writers.size() < num_cameras) {
+        auto writer = bus::Writer<bus::CameraTexture>::create(participant);
+        if (!writer) return tl::unexpected(writer.error());
+        writers.push_back(std::move(*writer));
+    }
+    return writers;
+}
+
 bus::LatencySummary summary(const Quantiles& q) { return {q.median_ms, q.p99_ms, q.num_samples}; }
 
 double rate_hz(const SiteNodeConfig& config, const config::Rig& rig) {
@@ -104,18 +115,17 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& confi
     if (!participant) return tl::unexpected(participant.error());
     std::optional<bus::Writer<bus::SiteDescription>> description;
     std::optional<bus::Writer<bus::SiteMesh>> mesh;
-    std::optional<bus::Writer<bus::CameraTexture>> texture;
     std::optional<bus::Writer<bus::SiteStatus>> status;
+    auto textures = open_textures(*participant, (*source)->rig().cameras.size());
+    if (!textures) return tl::unexpected(textures.error());
     auto feedback = bus::Reader<bus::StreamFeedback>::create(*participant);
     if (!feedback) return tl::unexpected(feedback.error());
-    for (const auto& opened : {open(*participant, description),
-                               open(*participant, mesh),
-                               open(*participant, texture),
-                               open(*participant, status)}) {
+    for (const auto& opened :
+         {open(*participant, description), open(*participant, mesh), open(*participant, status)}) {
         if (!opened) return tl::unexpected(opened.error());
     }
     Writers writers{
-        std::move(*description), std::move(*mesh), std::move(*texture), std::move(*status)};
+        std::move(*description), std::move(*mesh), std::move(*textures), std::move(*status)};
     std::unique_ptr<SiteNode> node(new SiteNode(config,
                                                 std::move(*source),
                                                 std::move(*pipeline),
@@ -326,6 +336,8 @@ void SiteNode::publish_frames(std::stop_token stop) {
                                          num_bytes.error().message));
             continue;
         }
+        app::log::debug(
+            "published id={} capture_ns={}", (*frame)->frame_id, (*frame)->capture_time.ns);
         num_bytes_ += *num_bytes;
         ++num_published_;
         {
@@ -342,13 +354,13 @@ Expected<std::size_t> SiteNode::publish(const SiteFrame& frame) {
     const auto begin = std::chrono::steady_clock::now();
     std::size_t num_bytes = 0;
     for (const CodedCamera& camera : frame.cameras) {
-        const auto written = writers_.texture.write({config_.name,
-                                                     camera.camera,
-                                                     frame.frame_id,
-                                                     frame.capture_time,
-                                                     camera.crop_px,
-                                                     camera.texture.colour,
-                                                     camera.texture.mask});
+        const auto written = writers_.textures[camera.camera].write({config_.name,
+                                                                     camera.camera,
+                                                                     frame.frame_id,
+                                                                     frame.capture_time,
+                                                                     camera.crop_px,
+                                                                     camera.texture.colour,
+                                                                     camera.texture.mask});
         if (!written) return written;
         num_bytes += *written;
         mesh.textured_cameras.push_back(camera.camera);

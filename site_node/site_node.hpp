@@ -18,6 +18,7 @@
 #include <memory>
 #include <mutex>
 #include <stop_token>
+#include <vector>
 
 namespace atrium::site_node {
 
@@ -46,7 +47,9 @@ private:
     struct Writers {
         bus::Writer<bus::SiteDescription> description;
         bus::Writer<bus::SiteMesh> mesh;
-        bus::Writer<bus::CameraTexture> texture;
+        // One per camera: Cyclone DDS repairs one sample of several fragments per writer and round
+        // trip.
+        std::vector<bus::Writer<bus::CameraTexture>> textures;
         bus::Writer<bus::SiteStatus> status;
     };
 

@@ -21,8 +21,10 @@ struct FramePair {
 };
 
 struct PairingOptions {
-    std::size_t max_pending_frames = 4;  // per site; the oldest gives way
-    std::size_t max_sites = 64;          // further sites are ignored
+    /// Per site; the oldest gives way. More than the history of a stream (qos/profiles.xml): what
+    /// waited for a repair comes together, first all meshes, then all pictures of a camera.
+    std::size_t max_pending_frames = 10;
+    std::size_t max_sites = 64;  // further sites are ignored
     /// A sample this much older than the pair handed out last is not late: the site's clock was set
     /// back, and the site begins anew.
     std::chrono::nanoseconds max_disorder = std::chrono::seconds(2);

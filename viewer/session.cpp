@@ -130,6 +130,7 @@ void Session::receive_sample(Sample&& sample, std::size_t num_bytes) {
         site, pairing_.num_incomplete() - num_incomplete, pairing_.num_late() - num_late);
     if (!pair) return;
     feedback_.completed(site, pair->mesh.frame_id, pair->mesh.capture_time, now);
+    if (on_complete_) on_complete_(*pair);
     hand_to_decoder(std::move(pair));
 }
 

@@ -12,6 +12,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -47,6 +48,10 @@ public:
     static Expected<std::unique_ptr<Session>> create(const bus::BusOptions& options,
                                                      const std::string& viewer);
 
+    /// To be told of each frame once it is complete, by the thread that receives; before `receive`.
+    void on_complete(std::function<void(const FramePair&)> listener) {
+        on_complete_ = std::move(listener);
+    }
     void receive(std::stop_token stop);
     void decode(std::stop_token stop);
 
@@ -106,6 +111,7 @@ private:
     bus::Writer<bus::SceneCommand> commands_;
     bus::Writer<bus::StreamFeedback> feedback_writer_;
     std::string viewer_;
+    std::function<void(const FramePair&)> on_complete_;
     Pairing pairing_;
     Feedback feedback_;                                // of the receiving thread alone
     std::map<std::string, Description> descriptions_;  // of the receiving thread alone

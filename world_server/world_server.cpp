@@ -146,20 +146,29 @@ void WorldServer::Impl::take_descriptions() {
         }));
 }
 
+// Of each site the newest: several come at once where one of them had to be sent again.
 void WorldServer::Impl::take_meshes() {
+    std::map<std::string, bus::SiteMesh> newest;
     count_rejected(endpoints.meshes.take(
         [&](bus::SiteMesh&& message) {
             ++num_meshes;
-            if (!arrive(message.site)) return;
-            auto shape = sites.read_mesh(message);
-            if (!shape) return reject(shape.error().message);
-            people.put(message.site, std::move(*shape));
+            const std::string site = message.site;
+            newest.insert_or_assign(site, std::move(message));
         },
         [&](const bus::SiteMesh& gone) {
+            newest.erase(gone.site);
             if (!described_sites.contains(gone.site)) return leave(gone.site);
             sites.lose_mesh(gone.site);
             people.put(gone.site, std::nullopt);
         }));
+    for (const auto& [site, message] : newest) {
+        if (!arrive(site)) continue;
+        auto shape = sites.read_mesh(message);
+        if (shape)
+            people.put(site, std::move(*shape));
+        else
+            reject(shape.error().message);
+    }
 }
 
 void WorldServer::Impl::take_commands() {

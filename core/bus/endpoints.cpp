@@ -9,9 +9,9 @@ namespace atrium::bus {
 namespace {
 
 constexpr std::size_t kTakeBatch = 32;
-// A take ends even where a flood refills the reader as fast as it is emptied; 4096 samples, more
-// than any reader holds by its profile.
-constexpr std::size_t kMaxBatchesPerTake = 128;
+// A take ends even where a flood refills the reader as fast as it is emptied; 8192 samples, as
+// many as any reader holds by its profile.
+constexpr std::size_t kMaxBatchesPerTake = 256;
 
 template <typename Message>
 Expected<Entity> create_topic(const Participant::Impl& participant) {

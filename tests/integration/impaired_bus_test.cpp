@@ -26,7 +26,7 @@ constexpr const char* kFastRepair =
     "<MaxQueuedRexmitBytes>1MB</MaxQueuedRexmitBytes>"
     "<DefragReliableMaxSamples>256</DefragReliableMaxSamples>";
 
-// The stream profile with other histories than one sample of each key.
+// The profiles of meshes and textures with other histories.
 void write_profiles(int writer_depth, int reader_depth, const std::filesystem::path& file) {
     std::ifstream stream(ATRIUM_SOURCE_DIR "/qos/profiles.xml");
     std::string all(std::istreambuf_iterator<char>(stream), {});
@@ -34,7 +34,7 @@ void write_profiles(int writer_depth, int reader_depth, const std::filesystem::p
         const std::size_t begin =
             all.find(endpoint, all.find("<qos_profile name=\"" + profile + "\">"));
         for (const char* element : {"<depth>", "<max_samples_per_instance>"}) {
-            const std::size_t at = all.find(std::string(element) + "1<", begin);
+            const std::size_t at = all.find(std::string(element) + "8<", begin);
             ASSERT_NE(at, std::string::npos);
             all.replace(at + std::strlen(element), 1, std::to_string(depth));
         }

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kNotStarted = 127;
 
-[[noreturn]] void become(const NetworkHost& host,
+[[noreturn]] void become(const NetworkHost* host,
                          char* const* arguments,
                          int output,
                          pid_t parent) {
@@ -29,7 +29,7 @@ constexpr int kNotStarted = 127;
     setpgid(0, 0);
     dup2(output, STDOUT_FILENO);
     dup2(output, STDERR_FILENO);
-    if (!enter(host)) _exit(kNotStarted);
+    if (host != nullptr && !enter(*host)) _exit(kNotStarted);
     // after the move: a change of credentials takes this back
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(kNotStarted);  // it went before prctl took hold
@@ -41,6 +41,16 @@ constexpr int kNotStarted = 127;
 
 Expected<std::unique_ptr<HostedProcess>> HostedProcess::start(
     const NetworkHost& host, const std::vector<std::string>& command) {
+    return start(&host, command);
+}
+
+Expected<std::unique_ptr<HostedProcess>> HostedProcess::start(
+    const std::vector<std::string>& command) {
+    return start(nullptr, command);
+}
+
+Expected<std::unique_ptr<HostedProcess>> HostedProcess::start(
+    const NetworkHost* host, const std::vector<std::string>& command) {
     if (access(command.front().c_str(), X_OK) != 0)
         return make_error(ErrorKind::kNotFound,
                           fmt::format("{}: no such program", command.front()));
@@ -99,9 +109,11 @@ std::string HostedProcess::output() const {
     return output_;
 }
 
-bool HostedProcess::wait_for_output(const std::string& text, std::chrono::milliseconds patience) {
+bool HostedProcess::wait_for_output(const std::string& text,
+                                    std::chrono::milliseconds patience,
+                                    std::size_t from) {
     std::unique_lock lock(mutex_);
-    const auto is_there = [&] { return output_.find(text) != std::string::npos; };
+    const auto is_there = [&] { return output_.find(text, from) != std::string::npos; };
     more_output_.wait_for(lock, patience, [&] { return has_ended_ || is_there(); });
     return is_there();
 }

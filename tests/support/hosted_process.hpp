@@ -15,13 +15,15 @@
 
 namespace atrium::test {
 
-/// A program that runs inside a NetworkHost. It leads a process group, which is killed with this
-/// object; the kernel kills the program as well should the thread that started it end.
+/// A program that runs, most often inside a NetworkHost. It leads a process group, which is killed
+/// with this object; the kernel kills the program as well should the thread that started it end.
 class HostedProcess {
 public:
     /// `command`: the program's path and its arguments.
     static Expected<std::unique_ptr<HostedProcess>> start(const NetworkHost& host,
                                                           const std::vector<std::string>& command);
+    /// In the network of this process.
+    static Expected<std::unique_ptr<HostedProcess>> start(const std::vector<std::string>& command);
     ~HostedProcess();
     HostedProcess(const HostedProcess&) = delete;
     HostedProcess& operator=(const HostedProcess&) = delete;
@@ -34,10 +36,15 @@ public:
     std::optional<int> wait(std::chrono::milliseconds patience);
     /// Both streams so far; all of them once `wait` has returned a code.
     std::string output() const;
-    /// True once its output contains the text, false when `patience` or the program has ended.
-    bool wait_for_output(const std::string& text, std::chrono::milliseconds patience);
+    /// True once its output contains the text, from the byte `from` on; false when `patience` or
+    /// the program has ended.
+    bool wait_for_output(const std::string& text,
+                         std::chrono::milliseconds patience,
+                         std::size_t from = 0);
 
 private:
+    static Expected<std::unique_ptr<HostedProcess>> start(const NetworkHost* host,
+                                                          const std::vector<std::string>& command);
     HostedProcess(pid_t pid, int pipe);
     void collect();
     bool collect_all();  // that is there; false at the end of the stream

@@ -6,6 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
 #include <thread>
 
 namespace atrium::bus {
@@ -100,7 +102,7 @@ TEST(Bus, WriteRefusesWhatAReaderWouldRefuse) {
     EXPECT_TRUE(listener.samples.empty());
 }
 
-TEST(Bus, ASlowReaderFindsTheNewestOfEachKeyOnly) {
+TEST(Bus, ASlowReaderFindsTheNewestEightOfEachKeyInOrderAndHoldsNobodyUp) {
     const auto participant = value(Participant::create(own_world("newest")));
     auto writer = value(Writer<SiteMesh>::create(participant));
     Listener<SiteMesh> listener(participant);
@@ -109,9 +111,16 @@ TEST(Bus, ASlowReaderFindsTheNewestOfEachKeyOnly) {
         ASSERT_TRUE(writer.write(mesh_of("b", frame + 1000, 100'000)).has_value());
     }
     listener.take();
-    ASSERT_EQ(listener.samples.size(), 2U) << "what waits is bounded by one sample per key";
-    std::vector<std::uint64_t> frames{listener.samples[0].frame_id, listener.samples[1].frame_id};
-    EXPECT_THAT(frames, ::testing::UnorderedElementsAre(200U, 1200U));
+    std::map<std::string, std::vector<std::uint64_t>> frames;
+    for (const SiteMesh& mesh : listener.samples) frames[mesh.site].push_back(mesh.frame_id);
+    // fewer where half a second was over before they were taken: the machine is busy
+    EXPECT_THAT(frames["a"],
+                ::testing::SizeIs(::testing::AllOf(::testing::Ge(1), ::testing::Le(8))));
+    for (auto& [site, ids] : frames) {
+        EXPECT_LE(ids.size(), 8U) << "what waits is bounded for each key";
+        EXPECT_TRUE(std::is_sorted(ids.begin(), ids.end())) << site;
+        EXPECT_EQ(ids.back(), site == "a" ? 200U : 1200U);
+    }
 }
 
 TEST(Bus, WhoJoinsLateGetsTheLastDescriptionOfEachSite) {
@@ -299,11 +308,13 @@ TEST(Writer, MayBeUsedByTwoThreads) {
         const std::jthread b(publish, "b");
     }
     listener.take();
-    ASSERT_EQ(listener.samples.size(), 2U);
+    std::map<std::string, std::uint64_t> newest;
     for (const auto& mesh : listener.samples) {
-        EXPECT_EQ(mesh.frame_id, 300U);
-        EXPECT_THAT(mesh.draco, ::testing::Each(static_cast<std::uint8_t>(300)));
+        newest[mesh.site] = mesh.frame_id;
+        EXPECT_THAT(mesh.draco, ::testing::Each(static_cast<std::uint8_t>(mesh.frame_id)));
     }
+    EXPECT_THAT(newest,
+                ::testing::ElementsAre(::testing::Pair("a", 300U), ::testing::Pair("b", 300U)));
 }
 
 }  // namespace

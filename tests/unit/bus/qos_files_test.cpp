@@ -66,7 +66,16 @@ TEST(QosProfiles, SayWhatTheDesignPromises) {
             EXPECT_EQ(qos.lease, std::chrono::seconds(1)) << "gone within 2 s";
         }
         EXPECT_EQ(profile.writer.lifespan == kForever, name == kDescription) << "stale data dies";
-        EXPECT_EQ(profile.writer.history.depth, 1);
+        const bool can_be_repaired = name == kStream || name == kTexture;
+        for (const EndpointQos& qos : {profile.writer, profile.reader})
+            EXPECT_EQ(qos.history.depth, can_be_repaired ? 8 : 1);
+        // a reader that is full takes nothing more, of any key
+        if (name != kCommand) {
+            EXPECT_GE(profile.reader.limits.max_samples,
+                      profile.reader.history.depth * profile.writer.limits.max_instances);
+            EXPECT_GE(profile.writer.limits.max_samples,
+                      profile.writer.history.depth * profile.writer.limits.max_instances);
+        }
     }
 }
 

@@ -1,0 +1,15 @@
+#!/bin/sh
+# A site and a viewer over links with faults: `bench/stream_faults.sh [BUILD] [SECONDS of each case]`. Keeps the figures with machine
+# and date in bench/results/ and renews the table of docs/streams.md. BUILD has to be configured with -DATRIUM_BENCH=ON. Needs no
+# rights, but /dev/net/tun; about five minutes, in which the machine should have nothing else to do.
+set -eu
+cd "$(dirname "$0")/.."
+build=${1:-build}
+seconds=${2:-15}
+cmake --build "$build" --target stream_faults > /dev/null
+machine=$(lscpu | sed -n 's/^Model name: *//p')
+out="bench/results/$(date +%Y-%m-%d)-$(echo "$machine" | tr -c 'A-Za-z0-9\n' '-')-stream-faults.csv"
+mkdir -p bench/results
+echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(nproc) cores, $(c++ --version | head -n 1), ${seconds} s each" > "$out"
+"$build"/bin/stream_faults "$seconds" >> "$out"
+python3 bench/stream_faults.py "$out" docs/streams.md

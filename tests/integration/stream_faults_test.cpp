@@ -1,0 +1,154 @@
+#include "tests/integration/site_over_link.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <thread>
+
+// A whole site and a viewer over a link with faults, with the options that their users would give.
+// bench/stream_faults measures more of them; docs/streams.md has its table.
+namespace atrium::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+class StreamFaults : public testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        folder_ = std::filesystem::path(testing::TempDir()) /
+                  ("atrium_stream_faults_" + std::to_string(getpid()));
+        std::filesystem::create_directories(folder_);
+    }
+    static void TearDownTestSuite() { std::filesystem::remove_all(folder_); }
+    void SetUp() override { settings_.cache = folder_ / "rooms"; }
+
+    /// Both ways of the link.
+    void start_over(const Impairment& impairment) {
+        auto network = ImpairedNetwork::create(2, 11);
+        if (!network) GTEST_SKIP() << network.error().message;
+        network_ = std::move(*network);
+        for (const int host : {0, 1}) network_->set(host, Way::kUp, impairment);
+        start();
+    }
+    void start() {
+        auto run = SiteOverLink::start(network_.get(), settings_);
+        ASSERT_TRUE(run) << run.error().message;
+        run_ = std::move(*run);
+        std::this_thread::sleep_for(1s);  // what is measured begins after the start
+        from_ = run_->moment();
+    }
+    SiteReport finish() {
+        auto report = run_->finish(from_, run_->moment());
+        if (!report) {
+            ADD_FAILURE() << report.error().message;
+            return {};
+        }
+        std::printf("%zu of %zu frames, age p50 %.0f ms, p99 %.0f ms, %.0f kB/s, %.1f to %.1f MB\n",
+                    report->num_complete,
+                    report->num_published,
+                    report->age_ms(0.5),
+                    report->age_ms(0.99),
+                    1e-3 * report->bytes_per_s,
+                    1e-6 * static_cast<double>(report->resident_before),
+                    1e-6 * static_cast<double>(report->resident_after));
+        EXPECT_GT(report->num_published, 0U);
+        EXPECT_EQ(report->num_out_of_order, 0U) << "nothing older after something newer";
+        EXPECT_LT(report->resident_after, report->resident_before + 20'000'000);
+        return std::move(*report);
+    }
+
+    static inline std::filesystem::path folder_;
+    SiteSettings settings_;
+    std::unique_ptr<ImpairedNetwork> network_;
+    std::unique_ptr<SiteOverLink> run_;
+    Moment from_;
+};
+
+TEST_F(StreamFaults, AtOnePercentLossOnAShortWayNoFrameIsLost) {
+    start_over({.delay = 2ms, .loss = 0.01});
+    if (run_ == nullptr) return;
+    std::this_thread::sleep_for(6s);
+    const std::uint64_t num_lost = network_->counters(0, Way::kUp).lost;
+    const SiteReport report = finish();
+    EXPECT_GT(num_lost, 20U);
+    // those of the last moment may be on their way, or being repaired
+    EXPECT_GE(report.num_complete + 8, report.num_published);
+    EXPECT_GE(report.share(), 0.95);
+}
+
+// What Cyclone itself loses on purpose, with the settings that programs of one host have.
+TEST_F(StreamFaults, WhatCycloneLosesOnLoopbackIsRepaired) {
+    std::ifstream builtin(ATRIUM_SOURCE_DIR "/qos/loopback.xml");
+    std::string xml(std::istreambuf_iterator<char>(builtin), {});
+    const std::size_t at = xml.find("<Internal>");
+    ASSERT_NE(at, std::string::npos);
+    xml.insert(at + 10, "<Test><XmitLossiness>10</XmitLossiness></Test>");  // of a thousand
+    const std::filesystem::path file = folder_ / "lossy.xml";
+    std::ofstream(file) << xml;
+    settings_.bus_options = {
+        "--network", file.string(), "--bus.world", "stream-faults", "--bus.domain", "191"};
+    start();
+    if (run_ == nullptr) return;
+    std::this_thread::sleep_for(5s);
+    const SiteReport report = finish();
+    EXPECT_GE(report.num_complete + 8, report.num_published);
+    EXPECT_GE(report.share(), 0.95);
+}
+
+TEST_F(StreamFaults, AfterACutTheNewestIsThereSoonAndNothingOld) {
+    start_over({.delay = 10ms});
+    if (run_ == nullptr) return;
+    std::this_thread::sleep_for(1s);
+    network_->cut(1);
+    std::this_thread::sleep_for(3s);
+    network_->restore(1);
+    const Moment restored = run_->moment();
+    std::this_thread::sleep_for(4s);
+    const SiteReport report = finish();
+    for (const ShownFrame& frame : report.shown) {
+        if (frame.complete_ns <= restored.now_ns) continue;
+        EXPECT_GT(frame.capture_ns, restored.now_ns - 1'500'000'000) << "kept for long";
+    }
+    std::printf("back after %.0f ms\n", report.recovery_ms(restored.now_ns));
+    EXPECT_LT(report.recovery_ms(restored.now_ns), 3000.0);
+}
+
+TEST_F(StreamFaults, AViewerThatIsStoppedCostsTheSiteNothing) {
+    start_over({.delay = 10ms});
+    if (run_ == nullptr) return;
+    run_->viewer().signal(SIGSTOP);
+    const Moment stopped = run_->moment();
+    std::this_thread::sleep_for(5s);
+    run_->viewer().signal(SIGCONT);
+    const Moment woken = run_->moment();
+    std::this_thread::sleep_for(3s);
+    from_ = stopped;
+    const SiteReport report = finish();
+    // 8 s at 30 Hz, all of which the site made and handed over
+    EXPECT_GT(report.num_published, 180U);
+    EXPECT_EQ(report.output_of_site.find("not published"), std::string::npos);
+    std::printf("back after %.0f ms\n", report.recovery_ms(woken.now_ns));
+    EXPECT_LT(report.recovery_ms(woken.now_ns), 3000.0);
+}
+
+TEST_F(StreamFaults, OverANarrowLinkTheSiteSendsLess) {
+    start_over({.delay = 20ms, .rate_bit_per_s = 5e6});
+    if (run_ == nullptr) return;
+    std::this_thread::sleep_for(6s);
+    from_ = run_->moment();
+    std::this_thread::sleep_for(5s);
+    const SiteReport report = finish();
+    EXPECT_THAT(report.output_of_site, testing::HasSubstr("stream level quality="));
+    EXPECT_LT(report.bytes_per_s, 0.65e6);
+    // the way, the site's own work, and a queue of 100 ms that is full of what is too much
+    EXPECT_LT(report.age_ms(0.5), 250.0);
+}
+
+}  // namespace
+}  // namespace atrium::test
