@@ -86,7 +86,8 @@ TEST_F(AravisSourceTest, ACameraThatIsRestartedComesBackWhileTheOtherGoesOn) {
     ASSERT_TRUE(player.wait_for_pictures(1, 3));
     EXPECT_LT(std::chrono::steady_clock::now() - restarted, seconds(2));
     ASSERT_TRUE(wait_for_event("camera 'cam1' is back"));
-    EXPECT_EQ((*source)->camera_counters()[1].num_reconnects, 1u);
+    // once more where the machine is too busy to hear it in time
+    EXPECT_GE((*source)->camera_counters()[1].num_reconnects, 1u);
     EXPECT_EQ((*source)->camera_counters()[0].num_reconnects, 0u);
     // the other never waited: no gap of more than some periods
     const auto seen = player.seen();
