@@ -40,7 +40,12 @@ Expected<std::string> parse_network_file(std::string_view xml, const std::string
 
 Expected<std::string> load_network_file(const std::filesystem::path& file) {
     const auto text = read_text_file(file);
-    if (!text) return tl::unexpected(text.error());
+    if (!text) {
+        return make_error(text.error().kind,
+                          "bus.network: must be loopback, lan, wifi, wan, or a file that can be "
+                          "read; " +
+                              text.error().message);
+    }
     return parse_network_file(*text, file.string());
 }
 
