@@ -4,9 +4,11 @@
 usage: codec_table.py TABLE PAGE    the table goes between <!-- codec --> and <!-- /codec -->
 """
 
-import csv
-import re
+import os
 import sys
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from page_table import read_rows, renew
 
 COLUMNS = [("quality", "quality", "{:.0f}"), ("mesh_kb", "mesh", "{:.1f}"), ("masks_kb", "masks", "{:.1f}"),
            ("colours_kb", "colours", "{:.1f}"), ("total_kb", "all [kB]", "{:.1f}"), ("psnr_db", "PSNR [dB]", "{:.2f}"),
@@ -16,9 +18,7 @@ PAPER_KB = 1450.0
 
 
 def main(table, page):
-    with open(table, encoding="utf-8") as file:
-        lines = file.read().splitlines()
-    rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    rows, comment = read_rows(table)
     out = []
     for scene in dict.fromkeys(row["scene"] for row in rows):
         own = [row for row in rows if row["scene"] == scene]
@@ -33,17 +33,10 @@ def main(table, page):
             cells.append(f"1/{PAPER_KB / float(row['total_kb']):.0f}")
             out.append("| " + " | ".join(cells) + " |")
         out.append("")
-    out.append(lines[0].lstrip("# ") + ".")
+    out.append(comment + ".")
     text = "\n".join(out)
     print(text)
-    with open(page, encoding="utf-8") as file:
-        old = file.read()
-    new, count = re.subn(r"<!-- codec -->.*?<!-- /codec -->",
-                         lambda _: f"<!-- codec -->\n{text}\n<!-- /codec -->", old, flags=re.DOTALL)
-    if count != 1:
-        sys.exit(f"{page}: has no <!-- codec --> ... <!-- /codec -->")
-    with open(page, "w", encoding="utf-8") as file:
-        file.write(new)
+    renew(page, "codec", text)
 
 
 if __name__ == "__main__":

@@ -4,12 +4,12 @@
 usage: hull_curves.py PREFIX PICTURE PAGE    reads PREFIX-segments.csv and so on; tables go between <!-- name --> and <!-- /name -->
 """
 
-import csv
 import math
 import os
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from page_table import read_rows, renew
 from svg import (BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, Axes, Drawing, ticks_log)
 
 STAGES = [("total_ms", "total", BLACK, 2.5), ("sweep_ms", "sweep", BLUE, 2.0),
@@ -21,10 +21,7 @@ def read(prefix, table):
     path = f"{prefix}-{table}.csv"
     if not os.path.exists(path):
         return [], ""
-    with open(path, encoding="utf-8") as file:
-        lines = file.read().splitlines()
-    comment = " ".join(line[1:].strip() for line in lines if line.startswith("#"))
-    rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    rows, comment = read_rows(path)
     for row in rows:
         for key, value in row.items():
             try:
@@ -113,17 +110,6 @@ def table(title, header, rows):
     return "\n".join(lines)
 
 
-def renew(page, name, comment, text):
-    """Puts a table into its place of a page; nothing happens where there are no rows."""
-    with open(page, encoding="utf-8") as file:
-        content = file.read()
-    begin, end = f"<!-- {name} -->", f"<!-- /{name} -->"
-    head, rest = content.split(begin)
-    content = head + begin + f"\n{comment}:\n\n{text}\n" + end + rest.split(end)[1]
-    with open(page, "w", encoding="utf-8") as file:
-        file.write(content)
-
-
 def pairs(rows, key):
     """Rows of one and of two threads side by side."""
     out = {}
@@ -154,7 +140,7 @@ def print_tables(prefix, page):
                  [[p[1]["set"], f"{p[1]['views']:.0f}", f"{p[1]['segments']:.0f}", f"{p[1]['triangles']:.0f}",
                    ms(p[1]["total_ms"]), ms(p[2]["total_ms"])] for p in pairs(rows, "set")])
     if rows:
-        renew(page, "sets", comment, text)
+        renew(page, "sets", f"{comment}:\n\n{text}")
     rows, comment = read(prefix, "masks")
     text = table("masks", ["recording", "cameras", "segments", "triangles", "volume [l]", "coverage mean; worst [%]",
                            "excess [px]", "1 thread [ms]", "2 threads [ms]"],
@@ -164,13 +150,13 @@ def print_tables(prefix, page):
                    f"{p[1]['excess_px']:.0f}", ms(p[1]["total_ms"]), ms(p[2]["total_ms"])]
                   for p in pairs(rows, "recording")])
     if rows:
-        renew(page, "masks", comment, text)
+        renew(page, "masks", f"{comment}:\n\n{text}")
     rows, comment = read(prefix, "memory")
     text = table("memory", ["scene", "views", "segments", "triangles", "scratch [MB]", "with 2 threads [MB]", "mesh [MB]"],
                  [[p[1]["scene"], f"{p[1]['views']:.0f}", f"{p[1]['segments']:.0f}", f"{p[1]['triangles']:.0f}",
                    f"{p[1]['scratch_mb']:.1f}", f"{p[2]['scratch_mb']:.1f}", f"{p[1]['mesh_mb']:.1f}"]
                   for p in pairs(rows, "scene")])
-    renew(page, "memory", comment.split(", least")[0], text)
+    renew(page, "memory", comment.split(", least")[0] + f":\n\n{text}")
 
 
 if __name__ == "__main__":

@@ -4,9 +4,11 @@
 usage: segmentation_table.py TABLE PAGE    the table goes between <!-- quality --> and <!-- /quality -->
 """
 
-import csv
-import re
+import os
 import sys
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from page_table import read_rows, renew
 
 METHODS = [("atrium", "Atrium"), ("mog2", "MOG2"), ("knn", "KNN"), ("mog2_best", "MOG2, best"), ("knn_best", "KNN, best")]
 COLUMNS = [("iou", "{:.3f}"), ("false_in_shadow", "{:.2%}"), ("false_in_empty_room", "{:.3%}"), ("ms_per_mp", "{:.2f}")]
@@ -18,9 +20,7 @@ def mean(rows, column):
 
 
 def main(table, page):
-    with open(table, encoding="utf-8") as file:
-        lines = file.read().splitlines()
-    rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    rows, comment = read_rows(table)
     out = ["| scene | method | IoU | false in shadow | false in the empty room | ms per MP |", "|---|---|---|---|---|---|"]
     for scene in dict.fromkeys(row["scene"] for row in rows):
         for method, name in METHODS:
@@ -31,17 +31,10 @@ def main(table, page):
             cells = ["" if value is None else form.format(value) for value, (_, form) in zip(values, COLUMNS)]
             out.append(f"| {scene} | {name} | " + " | ".join(cells) + " |")
     out.append("")
-    out.append(lines[0].lstrip("# ") + ".")
+    out.append(comment + ".")
     text = "\n".join(out)
     print(text)
-    with open(page, encoding="utf-8") as file:
-        old = file.read()
-    new, count = re.subn(r"<!-- quality -->.*?<!-- /quality -->",
-                         lambda _: f"<!-- quality -->\n{text}\n<!-- /quality -->", old, flags=re.DOTALL)
-    if count != 1:
-        sys.exit(f"{page}: has no <!-- quality --> ... <!-- /quality -->")
-    with open(page, "w", encoding="utf-8") as file:
-        file.write(new)
+    renew(page, "quality", text)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,8 @@ import os
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from hull_curves import read, renew, table
+from hull_curves import read, table
+from page_table import renew
 
 # Petit et al., Multicamera Real-Time 3D Modeling for Telepresence and Remote Collaboration (2010)
 PAPER = ["8 cameras of 1 MP, ten dual-Xeon PCs (Petit et al., 2010)", "20", "20", "", "below 100", "", "", "", "", "", "", ""]
@@ -31,7 +32,7 @@ def main(path, page):
     head = ["pictures", "offered [1/s]", "ready [1/s]", "dropped [%]", "median [ms]", "p90 [ms]", "p99 [ms]", "max [ms]",
             "silhouettes [ms]", "hull [ms]", "coding [ms]", "core time [ms]"]
     text = table(f"site_8x1mp ({comment})", head, [cells(row) for row in rows] + [PAPER])
-    renew(page, "site_8x1mp", comment.lstrip("# "), text)
+    renew(page, "site_8x1mp", f"{comment}:\n\n{text}")
 
 
 if __name__ == "__main__":

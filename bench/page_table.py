@@ -1,0 +1,24 @@
+"""What benchmarks keep, and where it goes in a page: shared by the scripts here."""
+
+import csv
+import sys
+
+
+def read_rows(path):
+    """Rows of a CSV file as dictionaries of text, and its lines that begin with # as one."""
+    with open(path, encoding="utf-8") as file:
+        lines = file.read().splitlines()
+    comment = " ".join(line[1:].strip() for line in lines if line.startswith("#"))
+    return list(csv.DictReader(line for line in lines if not line.startswith("#"))), comment
+
+
+def renew(page, name, text):
+    """Puts text between <!-- name --> and <!-- /name --> of a page."""
+    with open(page, encoding="utf-8") as file:
+        content = file.read()
+    begin, end = f"<!-- {name} -->", f"<!-- /{name} -->"
+    if content.count(begin) != 1 or content.count(end) != 1:
+        sys.exit(f"{page}: has no {begin} ... {end}")
+    head, rest = content.split(begin)
+    with open(page, "w", encoding="utf-8") as file:
+        file.write(head + begin + f"\n{text}\n" + end + rest.split(end)[1])
