@@ -8,8 +8,6 @@
 #include <fmt/format.h>
 #include <pthread.h>
 
-#include <algorithm>
-#include <condition_variable>
 #include <optional>
 #include <thread>
 
@@ -36,8 +34,6 @@ Expected<std::vector<bus::Writer<bus::CameraTexture>>> open_textures(
     }
     return writers;
 }
-
-bus::LatencySummary summary(const Quantiles& q) { return {q.median_ms, q.p99_ms, q.num_samples}; }
 
 double rate_hz(const SiteNodeConfig& config, const config::Rig& rig) {
     return config.capture.rate_hz > 0.0 ? config.capture.rate_hz : rig.rate_hz;
@@ -369,67 +365,6 @@ Expected<std::size_t> SiteNode::publish(const SiteFrame& frame) {
     if (!written) return written;
     stage_times_.published(*written, num_bytes, std::chrono::steady_clock::now() - begin);
     return num_bytes + *written;
-}
-
-void SiteNode::report_status(std::stop_token stop) {
-    using Clock = std::chrono::steady_clock;
-    std::mutex mutex;
-    std::condition_variable_any wake;
-    const auto begin = Clock::now();
-    bus::SiteStatus former;
-    std::vector<capture::CameraCounters> former_cameras = source_->camera_counters();
-    for (int second = 1; !stop.stop_requested(); ++second) {
-        auto until = begin + std::chrono::seconds(second);
-        const bool limited = config_.seconds > 0.0;
-        const auto end = begin + std::chrono::duration_cast<Clock::duration>(
-                                     std::chrono::duration<double>(config_.seconds));
-        if (limited) until = std::min(until, end);
-        std::unique_lock lock(mutex);
-        wake.wait_until(lock, stop, until, [] { return false; });
-        if (limited && Clock::now() >= end) finish({});
-        metaframes_per_s_ = published_rate_.update(num_published_, Clock::now());
-        bytes_per_s_ = bytes_rate_.update(num_bytes_, Clock::now());
-        stage_times_.update_rates(Clock::now());
-        const bus::SiteStatus now = status();
-        if (auto written = writers_.status.write(now); !written)
-            complaints_.warn(written.error().message);
-        if (const std::string line = left_out_line(former, now); !line.empty())
-            app::log::debug("this second {}", line);
-        former = now;
-        const auto cameras = source_->camera_counters();
-        for (std::size_t i = 0; i < cameras.size() && source_->is_live(); ++i) {
-            app::log::debug("this second camera {}", to_line(since(former_cameras[i], cameras[i])));
-        }
-        former_cameras = cameras;
-    }
-}
-
-bus::SiteStatus SiteNode::status() const {
-    bus::SiteStatus status;
-    status.site = config_.name;
-    status.time = Timestamp::now();
-    status.num_metaframes_captured = num_captured_;
-    status.num_metaframes_published = num_published_;
-    status.num_incomplete_used = num_incomplete_used_;
-    status.num_dropped_incomplete = num_incomplete_;
-    status.num_dropped_late = metaframes_.num_dropped() + site_frames_.num_dropped();
-    status.num_failed = num_failed_;
-    {
-        const std::lock_guard lock(left_out_mutex_);
-        status.left_out = left_out_;
-    }
-    status.num_bytes_published = num_bytes_;
-    status.metaframes_per_s = metaframes_per_s_;
-    status.bytes_per_s = bytes_per_s_;
-    {
-        const std::lock_guard lock(latency_mutex_);
-        status.capture_to_publish = summary(capture_to_publish_.quantiles());
-    }
-    status.resident_bytes = app::resident_bytes();
-    status.cameras = camera_statuses(source_->camera_counters(), offsets_);
-    status.stream = stream_.state();
-    stage_times_.put_into(status);
-    return status;
 }
 
 }  // namespace atrium::site_node
