@@ -2,7 +2,7 @@
 // and one tick among objects. Single-threaded; the mesh is a closed figure of spheres and boxes.
 #include "tests/unit/physics/meshes.hpp"
 #include "world_server/physics/person_shape.hpp"
-#include "world_server/physics/rigid_world.hpp"
+#include "world_server/physics/world.hpp"
 
 #include <benchmark/benchmark.h>
 
@@ -42,7 +42,7 @@ BENCHMARK(shape_person)->Arg(12)->Arg(24)->Arg(44)->Unit(benchmark::kMillisecond
 
 // Two people among `range(0)` balls and boxes on the floor; a new mesh of each every 4 ticks.
 void tick_world(benchmark::State& state) {
-    RigidWorld world({});
+    World world({});
     world.add({.id = 1, .shape = ObjectShape::kPlane});
     for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(state.range(0)); ++i) {
         const bool is_ball = i % 2 == 0;

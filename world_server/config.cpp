@@ -104,7 +104,7 @@ void declare(WorldServerConfig& config, config::OptionSet& set) {
     set.add(
         "world.max_objects", config.max_objects, "objects at most, added ones included", {1, 2048});
     set.add("world.max_sites", config.max_sites, "sites at most; later ones are refused", {1, 64});
-    physics::RigidWorldOptions& world = config.world;
+    physics::WorldOptions& world = config.world;
     set.add("world.half_extent_m",
             world.half_extent_m,
             "an object further out than this along x, y or z is put back [m]",

@@ -5,7 +5,7 @@
 #include "core/config/option_set.hpp"
 #include "core/config/table_reader.hpp"
 #include "world_server/physics/person_shape.hpp"
-#include "world_server/physics/rigid_world.hpp"
+#include "world_server/physics/world.hpp"
 #include "world_server/placement.hpp"
 
 #include <string>
@@ -28,7 +28,7 @@ struct WorldServerConfig {
     double seconds = 0.0;  // how long to run; 0: until stopped
     int max_objects = 256;
     int max_sites = 16;
-    physics::RigidWorldOptions world;  // tick_s and max_objects follow from the above
+    physics::WorldOptions world;  // tick_s and max_objects follow from the above
     physics::PersonShapeOptions person;
     std::vector<WorldObject> objects;
     std::vector<NamedPlacement> placements;

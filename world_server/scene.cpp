@@ -41,11 +41,11 @@ physics::RigidObject to_rigid(const WorldObject& object) {
             .world_from_object = object.scene.world_from_object};
 }
 
-Scene::Scene(const physics::RigidWorldOptions& options)
-    : options_(options), world_(std::make_unique<physics::RigidWorld>(options)) {}
+Scene::Scene(const physics::WorldOptions& options)
+    : options_(options), world_(std::make_unique<physics::World>(options)) {}
 
 Expected<Scene> Scene::create(const WorldServerConfig& config) {
-    physics::RigidWorldOptions options = config.world;
+    physics::WorldOptions options = config.world;
     options.tick_s = 1.0 / config.tick_hz;
     options.max_objects = static_cast<std::size_t>(config.max_objects);
     Scene scene(options);

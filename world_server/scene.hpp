@@ -3,7 +3,7 @@
 #include "core/base/expected.hpp"
 #include "core/bus/messages.hpp"
 #include "world_server/config.hpp"
-#include "world_server/physics/rigid_world.hpp"
+#include "world_server/physics/world.hpp"
 
 #include <cstdint>
 #include <map>
@@ -33,19 +33,19 @@ public:
     /// limit.
     Expected<std::vector<SceneChange>> apply(const bus::SceneCommand& command);
 
-    physics::RigidWorld& world() { return *world_; }
+    physics::World& world() { return *world_; }
     /// In the order of their ids.
     std::vector<bus::SceneObject> objects() const;
     void get_state(const std::string& name, bus::SceneState& state);
 
 private:
-    explicit Scene(const physics::RigidWorldOptions& options);
+    explicit Scene(const physics::WorldOptions& options);
     Expected<std::vector<SceneChange>> add(const bus::SceneObject& object);
     Expected<std::vector<SceneChange>> remove(std::uint32_t id);
     Expected<std::vector<SceneChange>> push(const bus::SceneCommand& command);
 
-    physics::RigidWorldOptions options_;
-    std::unique_ptr<physics::RigidWorld> world_;
+    physics::WorldOptions options_;
+    std::unique_ptr<physics::World> world_;
     std::map<std::uint32_t, bus::SceneObject> objects_;
     std::uint32_t num_described_ = 0;  // ids 1..num_described_ are those of the world file
     std::uint32_t next_id_ = 1000;

@@ -76,7 +76,7 @@ struct WorldServer::Impl {
     std::atomic<std::uint64_t> num_sites{0};
     std::atomic<std::uint64_t> num_skipped_ticks{0};
     mutable std::mutex status_mutex;  // guards the rest
-    physics::RigidWorldCounters counters;
+    physics::WorldCounters counters;
     LatencyWindow capture_to_collision;
     double steps_per_s = 0.0;
 

@@ -115,7 +115,7 @@ std::optional<ObjectProblem> find_problem(const RigidObject& object) {
     return std::nullopt;
 }
 
-ObjectBody::ObjectBody(const RigidObject& object, const RigidWorldOptions& options)
+ObjectBody::ObjectBody(const RigidObject& object, const WorldOptions& options)
     : object_(object), inner_radius_m_(0.5 * object.size_m.minCoeff()), shape_(make_shape(object)) {
     assert(!find_problem(object));
     btVector3 inertia(0, 0, 0);
@@ -176,8 +176,7 @@ bool ObjectBody::is_finite() const {
            s.angular_velocity.allFinite();
 }
 
-void ObjectBody::limit_motion(const Eigen::Vector3d& position_before,
-                              const RigidWorldOptions& options) {
+void ObjectBody::limit_motion(const Eigen::Vector3d& position_before, const WorldOptions& options) {
     const auto limited = [](const Eigen::Vector3d& v, double max) -> Eigen::Vector3d {
         return v.norm() > max ? (v * (max / v.norm())).eval() : v;
     };

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/geometry/rigid_transform.hpp"
-#include "world_server/physics/rigid_world.hpp"
+#include "world_server/physics/world.hpp"
 
 #include <memory>
 
@@ -16,7 +16,7 @@ class PersonBody;
 class ObjectBody {
 public:
     /// `object` must have no problem.
-    ObjectBody(const RigidObject& object, const RigidWorldOptions& options);
+    ObjectBody(const RigidObject& object, const WorldOptions& options);
     ~ObjectBody();
     ObjectBody(const ObjectBody&) = delete;
     ObjectBody& operator=(const ObjectBody&) = delete;
@@ -31,7 +31,7 @@ public:
     void put_back();
     bool is_finite() const;
     /// Keeps the motion of the tick that has just been within its limits.
-    void limit_motion(const Eigen::Vector3d& position_before, const RigidWorldOptions& options);
+    void limit_motion(const Eigen::Vector3d& position_before, const WorldOptions& options);
 
     /// The person whom this object is inside of and is being led out of; null: none.
     const PersonBody* escaping_from = nullptr;

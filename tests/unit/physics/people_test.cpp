@@ -1,7 +1,7 @@
 // What people do to objects: meshes at 30 Hz without any common topology, ticks at 120 Hz.
 #include "meshes.hpp"
 #include "world_server/physics/person_shape.hpp"
-#include "world_server/physics/rigid_world.hpp"
+#include "world_server/physics/world.hpp"
 
 #include <gtest/gtest.h>
 
@@ -72,7 +72,7 @@ public:
     }
     Eigen::Vector3d position() const { return object().world_from_object.translation; }
 
-    RigidWorld world{RigidWorldOptions{}};
+    World world{WorldOptions{}};
     PersonShaper shaper{PersonShapeOptions{}};
 
 private:

@@ -47,7 +47,7 @@ struct RigidState {
     Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // [rad/s] world
 };
 
-struct RigidWorldOptions {
+struct WorldOptions {
     double tick_s = 1.0 / 120.0;
     Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // [m/s^2]
     std::size_t max_objects = 256;
@@ -64,7 +64,7 @@ struct RigidWorldOptions {
 enum class AddResult : std::uint8_t { kAdded, kIdInUse, kWorldFull, kInvalid };
 
 /// Running counts since the construction.
-struct RigidWorldCounters {
+struct WorldCounters {
     std::uint64_t num_ticks = 0;
     std::uint64_t num_contact_ticks = 0;  // with at least one contact of a person and an object
     std::uint64_t num_strays = 0;         // objects that left the world and were put back
@@ -80,12 +80,12 @@ struct RigidWorldCounters {
 /// the next one has come by then. A person thus lags by one mesh period and never overshoots.
 ///
 /// Deterministic: equal calls give equal states. Not thread-safe; creates no threads.
-class RigidWorld {
+class World {
 public:
-    explicit RigidWorld(const RigidWorldOptions& options);
-    ~RigidWorld();
-    RigidWorld(const RigidWorld&) = delete;
-    RigidWorld& operator=(const RigidWorld&) = delete;
+    explicit World(const WorldOptions& options);
+    ~World();
+    World(const World&) = delete;
+    World& operator=(const World&) = delete;
 
     /// kInvalid: see `find_problem`.
     AddResult add(const RigidObject& object);
@@ -104,7 +104,7 @@ public:
 
     /// Of all objects, in the order of their ids.
     void get_states(std::vector<RigidState>& states) const;
-    const RigidWorldCounters& counters() const;
+    const WorldCounters& counters() const;
     std::size_t num_objects() const;
     std::size_t num_people() const;
     std::size_t num_person_pieces() const;

@@ -1,4 +1,4 @@
-#include "world_server/physics/rigid_world.hpp"
+#include "world_server/physics/world.hpp"
 
 #include "world_server/physics/object_body.hpp"
 #include "world_server/physics/person_body.hpp"
@@ -60,15 +60,15 @@ void collide_unless_escaping(btBroadphasePair& pair,
 
 }  // namespace
 
-struct RigidWorld::Impl {
-    explicit Impl(const RigidWorldOptions& world_options);
+struct World::Impl {
+    explicit Impl(const WorldOptions& world_options);
     ~Impl();
     static void begin_tick(btDynamicsWorld* world, btScalar tick_s);
     void guard(ObjectBody& object);
     void look_at_contacts();
     void lead_out(ObjectBody& object);
 
-    RigidWorldOptions options;
+    WorldOptions options;
     btDefaultCollisionConfiguration configuration;
     btCollisionDispatcher dispatcher{&configuration};
     btDbvtBroadphase broadphase;
@@ -77,10 +77,10 @@ struct RigidWorld::Impl {
     std::map<std::uint32_t, std::unique_ptr<ObjectBody>> objects;
     std::map<std::string, std::unique_ptr<PersonBody>> people;
     std::map<std::uint32_t, Eigen::Vector3d> positions_before;  // of the objects that move
-    RigidWorldCounters counters;
+    WorldCounters counters;
 };
 
-RigidWorld::Impl::Impl(const RigidWorldOptions& world_options) : options(world_options) {
+World::Impl::Impl(const WorldOptions& world_options) : options(world_options) {
     assert(options.tick_s > 0.0 && options.max_speed_mps > 0.0);
     world.setGravity(to_bullet(options.gravity));
     world.getSolverInfo().m_splitImpulsePenetrationThreshold = -kPlainContactM;
@@ -89,12 +89,12 @@ RigidWorld::Impl::Impl(const RigidWorldOptions& world_options) : options(world_o
     dispatcher.setNearCallback(&collide_unless_escaping);
 }
 
-RigidWorld::Impl::~Impl() {
+World::Impl::~Impl() {
     people.clear();
     for (auto& [id, object] : objects) world.removeRigidBody(&object->body());
 }
 
-void RigidWorld::Impl::begin_tick(btDynamicsWorld* world, btScalar tick_s) {
+void World::Impl::begin_tick(btDynamicsWorld* world, btScalar tick_s) {
     Impl& self = *static_cast<Impl*>(world->getWorldUserInfo());
     for (auto& [name, person] : self.people) person->begin_tick(tick_s);
     for (auto& [id, object] : self.objects) {
@@ -103,7 +103,7 @@ void RigidWorld::Impl::begin_tick(btDynamicsWorld* world, btScalar tick_s) {
 }
 
 // Gives an object inside a person a velocity towards the nearest place on the person's surface.
-void RigidWorld::Impl::lead_out(ObjectBody& object) {
+void World::Impl::lead_out(ObjectBody& object) {
     const Eigen::Vector3d position = object.state().world_from_object.translation;
     const Eigen::Vector3f centre = position.cast<float>();
     const auto nearest = object.escaping_from->surface().nearest(
@@ -122,7 +122,7 @@ void RigidWorld::Impl::lead_out(ObjectBody& object) {
     object.body().activate();
 }
 
-void RigidWorld::Impl::look_at_contacts() {
+void World::Impl::look_at_contacts() {
     bool touched = false;
     for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
         const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
@@ -148,7 +148,7 @@ void RigidWorld::Impl::look_at_contacts() {
     if (touched) ++counters.num_contact_ticks;
 }
 
-void RigidWorld::Impl::guard(ObjectBody& object) {
+void World::Impl::guard(ObjectBody& object) {
     if (!object.is_finite()) {
         ++counters.num_not_finite;
         object.put_back();
@@ -166,10 +166,10 @@ void RigidWorld::Impl::guard(ObjectBody& object) {
     }
 }
 
-RigidWorld::RigidWorld(const RigidWorldOptions& options) : impl_(std::make_unique<Impl>(options)) {}
-RigidWorld::~RigidWorld() = default;
+World::World(const WorldOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+World::~World() = default;
 
-AddResult RigidWorld::add(const RigidObject& object) {
+AddResult World::add(const RigidObject& object) {
     if (find_problem(object)) return AddResult::kInvalid;
     if (impl_->objects.contains(object.id)) return AddResult::kIdInUse;
     if (impl_->objects.size() >= impl_->options.max_objects) return AddResult::kWorldFull;
@@ -181,7 +181,7 @@ AddResult RigidWorld::add(const RigidObject& object) {
     return AddResult::kAdded;
 }
 
-bool RigidWorld::remove(std::uint32_t id) {
+bool World::remove(std::uint32_t id) {
     const auto found = impl_->objects.find(id);
     if (found == impl_->objects.end()) return false;
     impl_->world.removeRigidBody(&found->second->body());
@@ -194,7 +194,7 @@ bool RigidWorld::remove(std::uint32_t id) {
     return true;
 }
 
-void RigidWorld::reset() {
+void World::reset() {
     btOverlappingPairCache& pairs = *impl_->broadphase.getOverlappingPairCache();
     for (auto& [id, object] : impl_->objects) {
         pairs.cleanProxyFromPairs(object->body().getBroadphaseHandle(), &impl_->dispatcher);
@@ -202,7 +202,7 @@ void RigidWorld::reset() {
     }
 }
 
-bool RigidWorld::push(std::uint32_t id, const Eigen::Vector3d& impulse_ns) {
+bool World::push(std::uint32_t id, const Eigen::Vector3d& impulse_ns) {
     const auto found = impl_->objects.find(id);
     if (found == impl_->objects.end() || !found->second->moves()) return false;
     if (!impulse_ns.allFinite()) return false;
@@ -211,7 +211,7 @@ bool RigidWorld::push(std::uint32_t id, const Eigen::Vector3d& impulse_ns) {
     return true;
 }
 
-void RigidWorld::set_person(const std::string& name, const PersonShape& shape) {
+void World::set_person(const std::string& name, const PersonShape& shape) {
     std::unique_ptr<PersonBody>& person = impl_->people[name];
     if (!person) {
         const PersonMaterial material{impl_->options.person_friction,
@@ -221,7 +221,7 @@ void RigidWorld::set_person(const std::string& name, const PersonShape& shape) {
     person->set_shape(shape);
 }
 
-void RigidWorld::remove_person(const std::string& name) {
+void World::remove_person(const std::string& name) {
     const auto found = impl_->people.find(name);
     if (found == impl_->people.end()) return;
     for (auto& [id, object] : impl_->objects) {
@@ -231,7 +231,7 @@ void RigidWorld::remove_person(const std::string& name) {
     impl_->people.erase(found);
 }
 
-void RigidWorld::tick() {
+void World::tick() {
     for (auto& [id, object] : impl_->objects) {
         if (!object->moves()) continue;
         impl_->positions_before[id] = object->state().world_from_object.translation;
@@ -244,22 +244,22 @@ void RigidWorld::tick() {
     ++impl_->counters.num_ticks;
 }
 
-void RigidWorld::get_states(std::vector<RigidState>& states) const {
+void World::get_states(std::vector<RigidState>& states) const {
     states.clear();
     for (const auto& [id, object] : impl_->objects) states.push_back(object->state());
 }
 
-const RigidWorldCounters& RigidWorld::counters() const { return impl_->counters; }
-std::size_t RigidWorld::num_objects() const { return impl_->objects.size(); }
-std::size_t RigidWorld::num_people() const { return impl_->people.size(); }
+const WorldCounters& World::counters() const { return impl_->counters; }
+std::size_t World::num_objects() const { return impl_->objects.size(); }
+std::size_t World::num_people() const { return impl_->people.size(); }
 
-std::size_t RigidWorld::num_person_pieces() const {
+std::size_t World::num_person_pieces() const {
     std::size_t num_pieces = 0;
     for (const auto& [name, person] : impl_->people) num_pieces += person->num_pieces();
     return num_pieces;
 }
 
-std::uint64_t RigidWorld::state_hash() const {
+std::uint64_t World::state_hash() const {
     std::uint64_t hash = 14695981039346656037ULL;  // FNV-1a
     const auto add = [&](double value) {
         hash = (hash ^ std::bit_cast<std::uint64_t>(value)) * 1099511628211ULL;

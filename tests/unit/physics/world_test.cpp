@@ -1,4 +1,4 @@
-#include "world_server/physics/rigid_world.hpp"
+#include "world_server/physics/world.hpp"
 
 #include <gtest/gtest.h>
 
@@ -25,11 +25,11 @@ RigidObject box(std::uint32_t id, const Eigen::Vector3d& position) {
             .mass_kg = 3.0,
             .world_from_object = {Eigen::Quaterniond::Identity(), position}};
 }
-void run(RigidWorld& world, double seconds) {
+void run(World& world, double seconds) {
     const int num_ticks = static_cast<int>(std::lround(seconds * 120.0));
     for (int i = 0; i < num_ticks; ++i) world.tick();
 }
-RigidState state_of(const RigidWorld& world, std::uint32_t id) {
+RigidState state_of(const World& world, std::uint32_t id) {
     std::vector<RigidState> states;
     world.get_states(states);
     for (const RigidState& s : states) {
@@ -39,16 +39,16 @@ RigidState state_of(const RigidWorld& world, std::uint32_t id) {
     return {};
 }
 
-TEST(RigidWorld, LetsABallFallAsGalileoSays) {
-    RigidWorld world({});
+TEST(World, LetsABallFallAsGalileoSays) {
+    World world({});
     ASSERT_EQ(world.add(ball(2, {0, 0, 10})), AddResult::kAdded);
     run(world, 1.0);
     // the 2 % per second of air damping take 3 cm; the semi-implicit step adds 4 cm
     EXPECT_NEAR(state_of(world, 2).world_from_object.translation.z(), 10.0 - 4.905, 0.1);
 }
 
-TEST(RigidWorld, BringsEveryShapeToRestOnTheFloor) {
-    RigidWorld world({});
+TEST(World, BringsEveryShapeToRestOnTheFloor) {
+    World world({});
     ASSERT_EQ(world.add(floor_object()), AddResult::kAdded);
     ASSERT_EQ(world.add(ball(2, {0, 0, 0.5})), AddResult::kAdded);
     ASSERT_EQ(world.add(box(3, {1, 0, 0.5})), AddResult::kAdded);
@@ -71,8 +71,8 @@ TEST(RigidWorld, BringsEveryShapeToRestOnTheFloor) {
     }
 }
 
-TEST(RigidWorld, KeepsATowerOfBoxesStanding) {
-    RigidWorld world({});
+TEST(World, KeepsATowerOfBoxesStanding) {
+    World world({});
     ASSERT_EQ(world.add(floor_object()), AddResult::kAdded);
     for (std::uint32_t i = 0; i < 5; ++i) {
         ASSERT_EQ(world.add(box(2 + i, {0, 0, 0.125 + 0.25 * i})), AddResult::kAdded);
@@ -83,9 +83,9 @@ TEST(RigidWorld, KeepsATowerOfBoxesStanding) {
     EXPECT_LT(top.world_from_object.translation.head<2>().norm(), 0.02);
 }
 
-TEST(RigidWorld, RefusesWhatMakesNoSense) {
+TEST(World, RefusesWhatMakesNoSense) {
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-    RigidWorld world({.max_objects = 2});
+    World world({.max_objects = 2});
     const auto refused = [&](auto change) {
         RigidObject object = ball(7, {0, 0, 1});
         change(object);
@@ -111,8 +111,8 @@ TEST(RigidWorld, RefusesWhatMakesNoSense) {
     EXPECT_EQ(world.add(ball(3, {0, 0, 4})), AddResult::kWorldFull);
 }
 
-TEST(RigidWorld, PushChangesVelocityByImpulseOverMassAndWakes) {
-    RigidWorld world({});
+TEST(World, PushChangesVelocityByImpulseOverMassAndWakes) {
+    World world({});
     ASSERT_EQ(world.add(floor_object()), AddResult::kAdded);
     ASSERT_EQ(world.add(box(2, {0, 0, 0.125})), AddResult::kAdded);
     run(world, 5.0);  // long enough to fall asleep
@@ -124,8 +124,8 @@ TEST(RigidWorld, PushChangesVelocityByImpulseOverMassAndWakes) {
     EXPECT_FALSE(world.push(2, Eigen::Vector3d::Constant(std::nan(""))));
 }
 
-TEST(RigidWorld, LimitsSpeed) {
-    RigidWorld world({.gravity = Eigen::Vector3d::Zero()});
+TEST(World, LimitsSpeed) {
+    World world({.gravity = Eigen::Vector3d::Zero()});
     ASSERT_EQ(world.add(ball(2, {0, 0, 1})), AddResult::kAdded);
     ASSERT_TRUE(world.push(2, {1e6, 0, 0}));
     for (int i = 0; i < 10; ++i) {
@@ -134,16 +134,16 @@ TEST(RigidWorld, LimitsSpeed) {
     }
 }
 
-TEST(RigidWorld, PutsBackWhatLeftTheWorldAndCountsIt) {
-    RigidWorld world({});  // no floor
+TEST(World, PutsBackWhatLeftTheWorldAndCountsIt) {
+    World world({});  // no floor
     ASSERT_EQ(world.add(ball(2, {0, 0, 0.5})), AddResult::kAdded);
     run(world, 0.7);
     EXPECT_EQ(world.counters().num_strays, 1U);
     EXPECT_GT(state_of(world, 2).world_from_object.translation.z(), -1.0);
 }
 
-TEST(RigidWorld, SeparatesOverlappingObjectsWithoutAnExplosion) {
-    RigidWorld world({});
+TEST(World, SeparatesOverlappingObjectsWithoutAnExplosion) {
+    World world({});
     ASSERT_EQ(world.add(floor_object()), AddResult::kAdded);
     for (std::uint32_t i = 0; i < 6; ++i) {  // all in the same place
         ASSERT_EQ(world.add(box(2 + i, {0.001 * i, 0, 0.2})), AddResult::kAdded);
@@ -159,8 +159,8 @@ TEST(RigidWorld, SeparatesOverlappingObjectsWithoutAnExplosion) {
     EXPECT_EQ(world.counters().num_not_finite, 0U);
 }
 
-TEST(RigidWorld, ResetPutsEverythingBackAtRest) {
-    RigidWorld world({});
+TEST(World, ResetPutsEverythingBackAtRest) {
+    World world({});
     ASSERT_EQ(world.add(floor_object()), AddResult::kAdded);
     ASSERT_EQ(world.add(ball(2, {0.3, 0, 1.0})), AddResult::kAdded);
     run(world, 1.0);
@@ -172,8 +172,8 @@ TEST(RigidWorld, ResetPutsEverythingBackAtRest) {
     EXPECT_LT(state_of(world, 2).world_from_object.translation.z(), 0.9) << "it falls again";
 }
 
-TEST(RigidWorld, WhatRestedOnARemovedObjectFalls) {
-    RigidWorld world({});
+TEST(World, WhatRestedOnARemovedObjectFalls) {
+    World world({});
     ASSERT_EQ(world.add(floor_object()), AddResult::kAdded);
     ASSERT_EQ(world.add(box(2, {0, 0, 0.125})), AddResult::kAdded);
     ASSERT_EQ(world.add(box(3, {0, 0, 0.375})), AddResult::kAdded);
@@ -184,9 +184,9 @@ TEST(RigidWorld, WhatRestedOnARemovedObjectFalls) {
     EXPECT_NEAR(state_of(world, 3).world_from_object.translation.z(), 0.125, 0.01);
 }
 
-TEST(RigidWorld, RepeatsBitByBit) {
+TEST(World, RepeatsBitByBit) {
     const auto play = [](unsigned seed) {
-        RigidWorld world({});
+        World world({});
         world.add(floor_object());
         std::mt19937 random(seed);
         std::uniform_real_distribution<double> place(-0.5, 0.5);
