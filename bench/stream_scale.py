@@ -9,12 +9,12 @@ import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from page_table import read_rows, renew
-from svg import BLUE, GREY, ORANGE, VERMILION, Axes, Drawing
+from svg import BLUE, GREY, VERMILION, Axes, Drawing
 
-NAMES = {"loopback": "`loopback`", "decode": "`loopback`, decoding", "multicast": "`loopback`, data by multicast",
+RATE_HZ = 30.0  # of the sites
+NAMES = {"loopback": "`loopback`", "again": "`loopback`, again", "decode": "`loopback`, decoding", "multicast": "`loopback`, data by multicast",
          "lan": "`lan`", "lan-multicast": "`lan`, data by multicast"}
-LINES = {"loopback": ("received", BLUE, None), "multicast": ("received, by multicast", ORANGE, "6 3"),
-         "decode": ("and decoded", VERMILION, None)}
+LINES = {"loopback": ("received and paired", BLUE, None), "decode": ("and decoded", VERMILION, None)}
 WIDTH, LEFT, BOX_WIDTH, BOX_HEIGHT = 900, 70, 330, 190
 
 
@@ -31,6 +31,11 @@ def all_programs(row):
     return sites if row["subscribers"] == "0" else sites + number(row, "subscribers") * number(row, "subscriber_percent")
 
 
+def mark(row):
+    """Of rows during which others used more than a tenth of a core."""
+    return " *" if number(row, "host_percent") - all_programs(row) > 10 else ""
+
+
 def scale_table(rows, comment):
     out = ["| network | subscribers | site | subscriber | all | frames/s of a site | frames complete | decoded | age p50, p99, largest [ms] "
            "| per frame: datagrams, kB |",
@@ -38,14 +43,15 @@ def scale_table(rows, comment):
     for row in rows:
         none = row["subscribers"] == "0"
         decoded = share(number(row, "decoded_share")) if row["decode"] == "true" else ""
-        out.append(f"| {NAMES[row['case']]} | {row['subscribers']} | {number(row, 'site_percent'):.1f} % | "
+        out.append(f"| {NAMES[row['case']]} | {row['subscribers']}{mark(row)} | {number(row, 'site_percent'):.1f} % | "
                    + ("" if none else f"{number(row, 'subscriber_percent'):.1f} %")
                    + f" | {all_programs(row):.0f} % | {number(row, 'published_per_s'):.1f} | "
                    + ("" if none else share(number(row, "share"))) + f" | {decoded} | "
                    + ("" if none else f"{number(row, 'p50_ms'):.1f}, {number(row, 'p99_ms'):.1f}, {number(row, 'max_ms'):.0f}")
                    + f" | {number(row, 'datagrams_per_frame'):.0f}, {number(row, 'kb_per_frame'):.0f} |")
     lengths = sorted({round(number(row, "seconds")) for row in rows})
-    return "\n".join(out + ["", f"{comment}; {' or '.join(str(n) for n in lengths)} s each."])
+    beside = " *: other programs used the processor as well." if any(mark(row) for row in rows) else ""
+    return "\n".join(out + ["", f"{comment}; {' or '.join(str(n) for n in lengths)} s each.{beside}"])
 
 
 def crowd_table(rows, comment):
@@ -84,14 +90,18 @@ def draw(rows, folder):
         x += 70 + 7 * len(name)
     panel(drawing, rows, (0, 0), "A site", "site_percent", "of a core [%]")
     panel(drawing, rows, (1, 0), "A subscriber", "subscriber_percent", "of a core [%]", from_one=True)
-    shares = [dict(row, shown=row["decoded_share"] if row["case"] == "decode" else row["share"]) for row in rows]
-    panel(drawing, shares, (0, 1), "Frames that were complete, or decoded", "shown", "[%]", 100.0, True, 105.0)
+    # of the frames that were due: a site leaves out those for which it comes too late
+    shares = [dict(row, due=number(row, "decoded_share" if row["case"] == "decode" else "share")
+                   * number(row, "published_per_s") / RATE_HZ) for row in rows]
+    panel(drawing, shares, (0, 1), "Frames complete, or decoded, of those due", "due", "[%]", 100.0, True, 105.0)
     panel(drawing, rows, (1, 1), "Age when complete, 99 % are younger", "p99_ms", "[ms]", from_one=True)
     drawing.write(os.path.join(folder, "stream_scale.svg"))
 
 
 def main(scale, crowd, page, folder):
     rows, comment = read_rows(scale)
+    # of a case that was measured again, the last
+    rows = list({(row["case"], row["subscribers"]): row for row in rows}.values())
     if rows:
         renew(page, "scale", scale_table(rows, comment))
         draw(rows, folder)
