@@ -2,7 +2,9 @@
 
 #include <draco/attributes/geometry_attribute.h>
 #include <draco/compression/bit_coders/rans_bit_encoder.h>
+#include <draco/compression/config/compression_shared.h>
 #include <draco/compression/entropy/symbol_encoding.h>
+#include <draco/core/encoder_buffer.h>
 #include <draco/core/varint_encoding.h>
 #include <draco/mesh/mesh.h>
 

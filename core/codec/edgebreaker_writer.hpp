@@ -3,12 +3,13 @@
 #include "core/codec/edgebreaker.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 
-#include <draco/compression/config/compression_shared.h>
-#include <draco/core/encoder_buffer.h>
-
 #include <array>
 #include <cstdint>
 #include <vector>
+
+namespace draco {
+class EncoderBuffer;
+}
 
 namespace atrium::codec {
 
