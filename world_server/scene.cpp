@@ -20,6 +20,9 @@ physics::ObjectShape to_rigid(bus::Shape shape) {
         case bus::Shape::kPlane:
             return physics::ObjectShape::kPlane;
         case bus::Shape::kBox:
+        case bus::Shape::kConvex:
+        case bus::Shape::kCompound:
+        case bus::Shape::kSoft:
             break;
     }
     return physics::ObjectShape::kBox;
@@ -58,7 +61,9 @@ Expected<Scene> Scene::create(const WorldServerConfig& config) {
                             object.scene.name,
                             object.scene.object));
         }
-        scene.objects_[object.scene.object] = object.scene;
+        bus::SceneObject& known = scene.objects_[object.scene.object] = object.scene;
+        known.friction = object.friction;
+        known.restitution = object.restitution;
     }
     scene.num_described_ = static_cast<std::uint32_t>(config.objects.size());
     return scene;
@@ -75,13 +80,23 @@ Expected<std::vector<SceneChange>> Scene::apply(const bus::SceneCommand& command
         case bus::CommandKind::kReset:
             world_->reset();
             return std::vector<SceneChange>{};
+        case bus::CommandKind::kGrab:
+        case bus::CommandKind::kMove:
+        case bus::CommandKind::kRelease:
+        case bus::CommandKind::kSave:
+        case bus::CommandKind::kRestore:
+            break;
     }
     return refuse("unknown kind of command");
 }
 
 Expected<std::vector<SceneChange>> Scene::add(const bus::SceneObject& object) {
     if (const auto valid = bus::check(object); !valid) return tl::unexpected(valid.error());
-    WorldObject added{.scene = object};
+    if (object.shape > bus::Shape::kPlane) {
+        return refuse("add: must be a box, sphere, cylinder, capsule or plane");
+    }
+    WorldObject added{
+        .scene = object, .friction = object.friction, .restitution = object.restitution};
     if (object.object == 0) {
         while (objects_.contains(next_id_)) ++next_id_;
         added.scene.object = next_id_++;
