@@ -18,7 +18,7 @@ struct PuppetDescription {
     std::string name;
     /// Its origin is on the floor between its feet; it stands along +z, looks along +x, and its
     /// arms point out and down.
-    geometry::RigidTransform world_from_puppet;
+    geometry::RigidTransform world_from_puppet{};
     double height_m = 0.6;
     double density_kg_per_m3 = 300.0;
     double friction = 0.7;
