@@ -12,6 +12,8 @@ using Eigen::Vector3d;
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 // A limb that swings freely comes to rest within about this.
 constexpr double kSettle_s = 0.25;
+// Light and clothed, it swings on its strings for seconds, not for minutes.
+constexpr double kDrag_per_s = 0.2;
 // By which a string stretches under the weight of the whole puppet.
 constexpr double kStringStretch_m = 0.01;
 
@@ -120,6 +122,7 @@ private:
             d_.world_from_puppet * geometry::RigidTransform{turn, d_.height_m * centre};
         object.friction = object.scene.friction = d_.friction;
         object.restitution = object.scene.restitution = 0.1;
+        object.drag_per_s = kDrag_per_s;
         object.scene.mass_kg = d_.density_kg_per_m3 * physics::volume_m3(to_rigid(object));
         puppet_.parts.push_back(object);
         return object.scene.object;

@@ -38,6 +38,7 @@ physics::RigidObject to_rigid(const WorldObject& object) {
             .restitution = object.restitution,
             .world_from_object = object.scene.world_from_object,
             .rolling_friction_m = object.rolling_friction_m,
+            .drag_per_s = object.drag_per_s,
             .parts = object.parts};
 }
 

@@ -16,6 +16,7 @@ struct WorldObject {
     double friction = 0.6;
     double restitution = 0.2;
     double rolling_friction_m = 0.0005;
+    double drag_per_s = 0.02;
     /// Convex, compound: as physics::RigidObject has them; else null.
     std::shared_ptr<const std::vector<geometry::TriangleMesh>> parts{};
 };

@@ -7,6 +7,12 @@
 #include <set>
 
 namespace atrium::physics {
+namespace {
+
+constexpr btScalar kSleepMps = btScalar(0.2);
+constexpr btScalar kSleepRadPerS = btScalar(3);
+
+}  // namespace
 
 Joints::~Joints() {
     for (const auto& joint : joints_) world_.removeConstraint(&joint->constraint());
@@ -16,9 +22,14 @@ void Joints::add(const Joint& joint, ObjectBody& a, ObjectBody* b) {
     joints_.push_back(std::make_unique<JointBody>(joint, a, b, tick_s_));
     world_.addConstraint(&joints_.back()->constraint(),
                          /*disableCollisionsBetweenLinkedBodies=*/!joint.collides);
-    // Bullet stops a fast body in mid-tick where it would hit something, which tears a joint
-    a.body().setCcdMotionThreshold(0);
-    if (b != nullptr) b->body().setCcdMotionThreshold(0);
+    for (ObjectBody* object : {&a, b}) {
+        if (object == nullptr) continue;
+        // Bullet stops a fast body in mid-tick where it would hit something, which tears a joint
+        object->body().setCcdMotionThreshold(0);
+        // what lies in a heap, held by joints and floor, twitches: a foot of a puppet by 2 rad/s
+        // now and then, which would keep all of it awake
+        object->body().setSleepingThresholds(kSleepMps, kSleepRadPerS);
+    }
 }
 
 void Joints::remove_of(std::uint32_t object) {

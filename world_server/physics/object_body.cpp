@@ -17,7 +17,7 @@ ObjectBody::ObjectBody(const RigidObject& object, const WorldOptions& options)
     info.m_restitution = btScalar(object.restitution);
     info.m_rollingFriction = btScalar(object.rolling_friction_m);
     info.m_spinningFriction = btScalar(object.rolling_friction_m);
-    info.m_linearDamping = btScalar(0.02);
+    info.m_linearDamping = btScalar(object.drag_per_s);
     info.m_angularDamping = btScalar(0.1);
     body_ = std::make_unique<btRigidBody>(info);
     body_->setUserPointer(this);

@@ -85,6 +85,9 @@ std::optional<ObjectProblem> find_number_problem(const RigidObject& object) {
     if (!(object.rolling_friction_m >= 0.0 && object.rolling_friction_m <= 1.0)) {
         return ObjectProblem{"rolling_friction_m", "must be 0 m to 1 m"};
     }
+    if (!(object.drag_per_s >= 0.0 && object.drag_per_s <= 0.9)) {
+        return ObjectProblem{"drag_per_s", "must be 0 to 0.9"};
+    }
     return std::nullopt;
 }
 

@@ -40,6 +40,7 @@ struct RigidObject {
     geometry::RigidTransform world_from_object{};  // where it starts, and where `reset` puts it
     /// [m] The lever at which contacts resist rolling, where the other side has friction 1.
     double rolling_friction_m = 0.0005;
+    double drag_per_s = 0.02;  // by which a free object loses speed to the air
     /// Convex, compound: hulls (`convex_hull`) in the object's frame, which need not be about the
     /// centre of mass. Shared by objects of one model.
     std::shared_ptr<const std::vector<geometry::TriangleMesh>> parts{};
