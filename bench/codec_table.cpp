@@ -69,12 +69,13 @@ struct Row {
 };
 
 void measure_mesh(const CodecFrame& frame, Row& row) {
+    codec::MeshEncoder encoder;
     std::vector<std::uint8_t> bytes;
     std::vector<geometry::CalibratedCamera> cameras;
     for (const CodecView& view : frame.views) cameras.push_back(view.camera);
     row.encode_mesh_ms += median_ms([&] {
         const int bits = codec::position_bits_for(frame.mesh, cameras);
-        value_of(codec::encode_mesh(frame.mesh, {.position_bits = bits}, bytes));
+        value_of(encoder.encode(frame.mesh, {.position_bits = bits}, bytes));
     });
     row.position_bits += codec::position_bits_for(frame.mesh, cameras);
     row.decode_mesh_ms += median_ms([&] { value_of(codec::decode_mesh(bytes)); });

@@ -3,6 +3,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -18,6 +19,16 @@ Expected<void> put(const std::string& text) {
         return {};
     }
     return make_error(ErrorKind::kUnavailable, "standard output cannot be written");
+}
+
+constexpr char kLeaveInPlace[] = "\033[0m\033[?25h\033[?1049l";
+
+// For an end without destructors (a second Ctrl-C): a shell without a cursor is no use.
+std::atomic<bool> has_own_screen{false};
+void leave_in_place_at_quick_exit() {
+    if (!has_own_screen) return;
+    [[maybe_unused]] const auto n =
+        ::write(STDOUT_FILENO, kLeaveInPlace, sizeof(kLeaveInPlace) - 1);
 }
 
 winsize window_size() {
@@ -38,13 +49,19 @@ bool may_have_colour() {
 
 Screen::Screen(bool in_place)
     : in_place_(in_place && ::isatty(STDOUT_FILENO) != 0), has_colour_(may_have_colour()) {
-    if (in_place_) static_cast<void>(put("\033[?1049h\033[?25l"));  // other screen, no cursor
+    if (!in_place_) return;
+    static const int registered = std::at_quick_exit(&leave_in_place_at_quick_exit);
+    static_cast<void>(registered);  // where there is no room for it, only that comfort is missing
+    has_own_screen = true;
+    static_cast<void>(put("\033[?1049h\033[?25l"));  // other screen, no cursor
 }
 
 Screen::~Screen() { restore(); }
 
 void Screen::restore() {
-    if (in_place_) static_cast<void>(put("\033[0m\033[?25h\033[?1049l"));
+    if (!in_place_) return;
+    static_cast<void>(put(kLeaveInPlace));
+    has_own_screen = false;
     in_place_ = false;
 }
 

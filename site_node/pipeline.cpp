@@ -165,7 +165,7 @@ Expected<void> Pipeline::encode(Executor& executor, SiteFrame& frame) {
         codec::MeshCodecOptions options = options_.mesh;
         if (options.position_bits == 0)
             options.position_bits = codec::position_bits_for(frame.hull.mesh, cameras_);
-        mesh = codec::encode_mesh(frame.hull.mesh, options, frame.draco);
+        mesh = mesh_encoder_.encode(frame.hull.mesh, options, frame.draco);
         frame.work_milliseconds.mesh = milliseconds_between(begin, Clock::now());
     };
     executor.parallel_for(1 + cameras_.size(), work);

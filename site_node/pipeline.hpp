@@ -134,6 +134,7 @@ private:
     std::vector<std::uint8_t> delivered_;               // per camera
     ColourCoding coding_;                               // of the metaframe that is worked on
     HullStage hull_;
+    codec::MeshEncoder mesh_encoder_;
     std::vector<CodedCamera> spare_coded_;  // memory for cameras that see somebody again
 };
 

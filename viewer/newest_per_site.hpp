@@ -38,9 +38,11 @@ public:
         return replaced;
     }
 
-    /// Waits for a value of any site; nullopt once a stop is requested.
+    /// Waits for a value of any site; nullopt once a stop is requested, even while there are values:
+    /// a taker that does not keep up would otherwise never end.
     std::optional<Item> take(std::stop_token stop) {
         std::unique_lock lock(mutex_);
+        if (stop.stop_requested()) return std::nullopt;
         if (!changed_.wait(lock, stop, [this] { return !values_.empty(); })) return std::nullopt;
         auto next = values_.upper_bound(last_site_);
         if (next == values_.end()) next = values_.begin();

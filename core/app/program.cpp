@@ -12,7 +12,6 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <map>
 #include <optional>
 #include <thread>
@@ -154,7 +153,8 @@ StopOnSignal::StopOnSignal() : impl_(new Impl) {
             // insists
             const auto now = std::chrono::steady_clock::now();
             if (asked && now - *asked < std::chrono::seconds(1)) continue;
-            if (asked) _exit(128 + signal);
+            // not exit(): whatever hangs may hold what destructors wait for
+            if (asked) std::quick_exit(128 + signal);
             asked = now;
             log::info("stopping signal={}", signal);
             impl->source.request_stop();

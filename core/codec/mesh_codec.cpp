@@ -1,5 +1,7 @@
 #include "core/codec/mesh_codec.hpp"
 
+#include "core/codec/edgebreaker_writer.hpp"
+
 #include <draco/compression/encode.h>
 #include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
 #include <draco/core/varint_decoding.h>
@@ -25,6 +27,10 @@ using geometry::TriangleMesh;
 
 tl::unexpected<Error> invalid(std::string_view what) {
     return make_error(ErrorKind::kInvalidData, fmt::format("mesh: {}", what));
+}
+
+double step_m(double side_m, int position_bits) {
+    return side_m / static_cast<double>((1U << static_cast<unsigned>(position_bits)) - 1U);
 }
 
 std::optional<std::string_view> find_fault(const TriangleMesh& mesh) {
@@ -64,6 +70,20 @@ void fill_draco_mesh(const TriangleMesh& mesh, draco::Mesh& out) {
             draco::FaceIndex(i),
             draco::Mesh::Face{draco::PointIndex(a), draco::PointIndex(b), draco::PointIndex(c)});
     }
+}
+
+draco::Status encode_with_draco(const TriangleMesh& mesh,
+                                const MeshCodecOptions& options,
+                                draco::EncoderBuffer& out) {
+    draco::Mesh draco_mesh;
+    fill_draco_mesh(mesh, draco_mesh);
+    draco::Encoder encoder;
+    encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
+    // The decoder accepts this one way of writing the symbols, whatever the speed.
+    encoder.options().SetGlobalInt("edgebreaker_method", draco::MESH_EDGEBREAKER_STANDARD_ENCODING);
+    encoder.SetSpeedOptions(options.speed, options.speed);
+    encoder.SetAttributeQuantization(draco::GeometryAttribute::POSITION, options.position_bits);
+    return encoder.EncodeMeshToBuffer(draco_mesh, &out);
 }
 
 /// Draco's decoder with a stop after every stage in which a stream declares how much memory the
@@ -148,8 +168,7 @@ Expected<TriangleMesh> from_draco_mesh(const draco::Mesh& coded, const MeshLimit
 
 double quantisation_step_m(const TriangleMesh& mesh, const MeshCodecOptions& options) {
     if (mesh.vertices.empty()) return 0.0;
-    const double side_m = geometry::bounds(mesh).size().maxCoeff();
-    return side_m / static_cast<double>((1U << static_cast<unsigned>(options.position_bits)) - 1U);
+    return step_m(geometry::bounds(mesh).size().maxCoeff(), options.position_bits);
 }
 
 int position_bits_for(const TriangleMesh& mesh,
@@ -157,53 +176,69 @@ int position_bits_for(const TriangleMesh& mesh,
     constexpr int kFewestBits = 8;
     constexpr int kMostBits = 16;
     constexpr int kUnseenBits = 14;
-    double most_px_per_m = 0.0;
+    double most_sq = 0.0;  // [px^2 / m^2]
     for (const geometry::CalibratedCamera& camera : cameras) {
         const Eigen::Matrix3d rotation = camera.camera_from_site.rotation.toRotationMatrix();
         const Eigen::Vector3d& translation = camera.camera_from_site.translation;
         const double focal_px = std::max(camera.intrinsics.fx, camera.intrinsics.fy);
+        double widest = 0.0;  // distance^2 / depth^4
         for (const Eigen::Vector3d& vertex : mesh.vertices) {
             const Eigen::Vector3d seen = rotation * vertex + translation;
-            if (seen.z() <= 0.0) continue;
-            most_px_per_m = std::max(most_px_per_m, focal_px * seen.norm() / (seen.z() * seen.z()));
+            const double depth_sq = seen.z() * seen.z();
+            // the division is rare
+            if (seen.squaredNorm() > widest * (depth_sq * depth_sq) && seen.z() > 0.0)
+                widest = seen.squaredNorm() / (depth_sq * depth_sq);
         }
+        most_sq = std::max(most_sq, focal_px * focal_px * widest);
     }
-    if (most_px_per_m == 0.0) return kUnseenBits;
-    const double longest_step_m = 2.0 * kStepInTexturePixels / most_px_per_m;
+    if (most_sq == 0.0) return kUnseenBits;
+    const double longest_step_m = 2.0 * kStepInTexturePixels / std::sqrt(most_sq);
+    const double side_m = geometry::bounds(mesh).size().maxCoeff();
     int bits = kFewestBits;
-    while (bits < kMostBits && quantisation_step_m(mesh, {.position_bits = bits}) > longest_step_m)
-        ++bits;
+    while (bits < kMostBits && step_m(side_m, bits) > longest_step_m) ++bits;
     return bits;
 }
 
-Expected<std::size_t> encode_mesh(const TriangleMesh& mesh,
-                                  const MeshCodecOptions& options,
-                                  std::vector<std::uint8_t>& out) {
+struct MeshEncoder::State {
+    EdgebreakerWriter writer;
+    draco::EncoderBuffer buffer;
+};
+
+MeshEncoder::MeshEncoder() : state_(std::make_unique<State>()) {}
+MeshEncoder::~MeshEncoder() = default;
+MeshEncoder::MeshEncoder(MeshEncoder&&) noexcept = default;
+MeshEncoder& MeshEncoder::operator=(MeshEncoder&&) noexcept = default;
+
+Expected<std::size_t> MeshEncoder::encode(const TriangleMesh& mesh,
+                                          const MeshCodecOptions& options,
+                                          std::vector<std::uint8_t>& out) {
     assert(options.position_bits >= 8 && options.position_bits <= 20);
     assert(options.speed >= 0 && options.speed <= 10);
     out.clear();
     if (mesh.empty()) return 0;
     if (const auto fault = find_fault(mesh)) return invalid(*fault);
+    draco::EncoderBuffer& buffer = state_->buffer;
     try {
-        draco::Mesh draco_mesh;
-        fill_draco_mesh(mesh, draco_mesh);
-        draco::Encoder encoder;
-        encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
-        // The decoder accepts this one way of writing the symbols, whatever the speed.
-        encoder.options().SetGlobalInt("edgebreaker_method",
-                                       draco::MESH_EDGEBREAKER_STANDARD_ENCODING);
-        encoder.SetSpeedOptions(options.speed, options.speed);
-        encoder.SetAttributeQuantization(draco::GeometryAttribute::POSITION, options.position_bits);
-        draco::EncoderBuffer buffer;
-        const draco::Status status = encoder.EncodeMeshToBuffer(draco_mesh, &buffer);
-        if (!status.ok()) return invalid(status.error_msg_string());
+        buffer.Clear();
+        if (!EdgebreakerWriter::takes_speed(options.speed) ||
+            !state_->writer.write(mesh, options.position_bits, options.speed, buffer)) {
+            const draco::Status status = encode_with_draco(mesh, options, buffer);
+            if (!status.ok()) return invalid(status.error_msg_string());
+        }
         // sizes differ a little each time
         if (out.capacity() < buffer.size()) out.reserve(std::bit_ceil(buffer.size()));
         out.assign(buffer.data(), buffer.data() + buffer.size());
         return out.size();
     } catch (const std::exception& error) {
+        buffer = {};  // it may be in the middle of something
         return make_error(ErrorKind::kInternal, fmt::format("mesh encoder: {}", error.what()));
     }
+}
+
+Expected<std::size_t> encode_mesh(const TriangleMesh& mesh,
+                                  const MeshCodecOptions& options,
+                                  std::vector<std::uint8_t>& out) {
+    return MeshEncoder().encode(mesh, options, out);
 }
 
 Expected<TriangleMesh> decode_mesh(std::span<const std::uint8_t> bytes, const MeshLimits& limits) {

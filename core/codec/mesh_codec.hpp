@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -45,18 +46,39 @@ constexpr double kStepInTexturePixels = 0.25;
 int position_bits_for(const geometry::TriangleMesh& mesh,
                       std::span<const geometry::CalibratedCamera> cameras);
 
-/// Replaces `out` by the Draco stream of `mesh` (edgebreaker connectivity, quantised positions) and
-/// returns its size. An empty mesh is zero bytes.
-///
-/// Order is not kept: vertices and triangles are renumbered, a triangle may begin at another of its
-/// corners, unused vertices disappear. Topology is kept as indexed: a closed 2-manifold mesh comes
-/// back closed and 2-manifold with as many vertices, even where vertices coincide on the grid. A
-/// vertex in which several fans of triangles meet comes back as one vertex per fan; triangles that
-/// use a vertex twice disappear. Each coordinate moves by at most half a step plus the rounding to
-/// float (6e-8 of its magnitude).
-///
-/// Fails with kInvalidData on indices out of range, values that are not finite, and a mesh of which
-/// nothing is left. `out` keeps its capacity; Draco itself allocates inside.
+/// Holds the memory that is reused from mesh to mesh; one per thread.
+class MeshEncoder {
+public:
+    MeshEncoder();
+    ~MeshEncoder();
+    MeshEncoder(MeshEncoder&&) noexcept;
+    MeshEncoder& operator=(MeshEncoder&&) noexcept;
+
+    /// Replaces `out` by the Draco stream of `mesh` (edgebreaker connectivity, quantised positions)
+    /// and returns its size. An empty mesh is zero bytes.
+    ///
+    /// Order is not kept: vertices and triangles are renumbered, a triangle may begin at another of
+    /// its corners, unused vertices disappear. Topology is kept as indexed: a closed 2-manifold
+    /// mesh comes back closed and 2-manifold with as many vertices, even where vertices coincide on
+    /// the grid. A vertex in which several fans of triangles meet comes back as one vertex per fan;
+    /// triangles that use a vertex twice disappear. Each coordinate moves by at most half a step
+    /// plus the rounding to float (6e-8 of its magnitude).
+    ///
+    /// Closed 2-manifold meshes at speeds of 2 to 7 are written here (see EdgebreakerWriter), all
+    /// others by Draco's encoder, which takes three times as long.
+    ///
+    /// Fails with kInvalidData on indices out of range, values that are not finite, and a mesh of
+    /// which nothing is left. `out` keeps its capacity; Draco itself allocates inside.
+    Expected<std::size_t> encode(const geometry::TriangleMesh& mesh,
+                                 const MeshCodecOptions& options,
+                                 std::vector<std::uint8_t>& out);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// MeshEncoder::encode with memory of its own.
 Expected<std::size_t> encode_mesh(const geometry::TriangleMesh& mesh,
                                   const MeshCodecOptions& options,
                                   std::vector<std::uint8_t>& out);

@@ -1,30 +1,64 @@
 #include "core/geometry/closed_mesh.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <limits>
 #include <string>
 
 namespace atrium::geometry {
 
-Expected<void> ClosedMesh::assign(const TriangleMesh& mesh) {
-    if (auto grouped = groups_.assign(mesh); !grouped) return grouped;
+void ClosedMesh::list_edges(const TriangleMesh& mesh) {
     num_triangles_ = mesh.triangles.size();
     corner_.resize(3 * num_triangles_);
+    twin_.resize(corner_.size());
     edge_at_.assign(mesh.vertices.size(), kNone);
-    for (Edge e = 0; e < corner_.size(); ++e) {
-        corner_[e] = mesh.triangles[e / 3][e % 3];
-        edge_at_[corner_[e]] = e;
+    Edge e = 0;
+    for (const auto& triangle : mesh.triangles) {
+        for (const std::uint32_t v : triangle) {
+            corner_[e] = v;
+            // until its twin is found: another edge from the same vertex
+            twin_[e] = edge_at_[v];
+            edge_at_[v] = e++;
+        }
     }
-    mark_.assign(mesh.vertices.size(), 0);
-    serial_ = 0;
-    if (auto found = find_twins(); !found) return found;
-    return check_fans();
 }
 
-Expected<void> ClosedMesh::find_twins() {
-    twin_.resize(corner_.size());
+// The twin of an edge from `v` comes from the neighbour that it goes to; the next edge begins where
+// that twin ends. They are one fan if the first edge comes again after as many as there are.
+bool ClosedMesh::link_fan(std::uint32_t v) {
+    const Edge begin = edge_at_[v];
+    std::uint32_t num_edges = 0;
+    for (Edge e = begin; e != kNone; e = twin_[e]) {
+        per_vertex_[from(previous(e))] = previous(e);
+        ++num_edges;
+    }
+    Edge e = begin;
+    for (; num_edges > 0; --num_edges) {
+        const Edge twin = per_vertex_[to(e)];
+        // none from there, or only to another vertex that was here before
+        if (twin == kNone || to(twin) != v) return false;
+        twin_[e] = twin;
+        e = next(twin);
+        if (e == begin) break;
+    }
+    return num_edges == 1;
+}
+
+bool ClosedMesh::link_fans() {
+    per_vertex_.assign(edge_at_.size(), kNone);
+    for (std::uint32_t v = 0; v < edge_at_.size(); ++v) {
+        if (!link_fan(v)) return false;
+    }
+    return true;
+}
+
+// Of a mesh that is not closed or not 2-manifold.
+Expected<void> ClosedMesh::find_fault(const TriangleMesh& mesh) {
+    EdgeGroups groups;
+    if (auto grouped = groups.assign(mesh); !grouped) return grouped;
     Expected<void> result;
-    groups_.for_each([&](std::uint32_t smaller, std::span<const EdgeGroups::Entry> group) {
+    std::fill(per_vertex_.begin(), per_vertex_.end(), 0U);
+    groups.for_each([&](std::uint32_t smaller, std::span<const EdgeGroups::Entry> group) {
         if (EdgeGroups::is_pair(group)) {
             join(group[0].edge, group[1].edge);
             return true;
@@ -35,22 +69,24 @@ Expected<void> ClosedMesh::find_twins() {
                 std::to_string(group[0].larger) + " needs two triangles in opposite directions");
         return false;
     });
-    return result;
+    if (!result) return result;
+    for (const std::uint32_t v : corner_) ++per_vertex_[v];
+    std::uint32_t v = 0;
+    // all edges from a vertex are met by turning around it
+    while (v + 1 < per_vertex_.size() && per_vertex_[v] != 0 &&
+           degree(v, std::numeric_limits<std::uint32_t>::max()) == per_vertex_[v])
+        ++v;
+    return make_error(
+        ErrorKind::kInvalidData,
+        "mesh: not 2-manifold: vertex " + std::to_string(v) + " needs triangles that form one fan");
 }
 
-// All edges from a vertex are met by turning around it.
-Expected<void> ClosedMesh::check_fans() {
-    per_vertex_.assign(edge_at_.size(), 0);
-    for (const std::uint32_t v : corner_) ++per_vertex_[v];
-    for (std::uint32_t v = 0; v < edge_at_.size(); ++v) {
-        const std::uint32_t num_edges = per_vertex_[v];
-        if (num_edges != 0 && degree(v, std::numeric_limits<std::uint32_t>::max()) == num_edges)
-            continue;
-        return make_error(ErrorKind::kInvalidData,
-                          "mesh: not 2-manifold: vertex " + std::to_string(v) +
-                              " needs triangles that form one fan");
-    }
-    return {};
+Expected<void> ClosedMesh::assign(const TriangleMesh& mesh) {
+    if (auto checked = check_triangles(mesh); !checked) return checked;
+    list_edges(mesh);
+    mark_.assign(mesh.vertices.size(), 0);
+    serial_ = 0;
+    return link_fans() ? Expected<void>() : find_fault(mesh);
 }
 
 void ClosedMesh::join(Edge a, Edge b) {

@@ -24,8 +24,9 @@ public:
     std::size_t num_triangles() const { return num_triangles_; }
 
     static std::uint32_t triangle_of(Edge e) { return e / 3; }
-    static Edge next(Edge e) { return e % 3 == 2 ? e - 2 : e + 1; }
-    static Edge previous(Edge e) { return e % 3 == 0 ? e + 2 : e - 1; }
+    // without branches, which could not be foretold
+    static Edge next(Edge e) { return e + 1 - 3 * static_cast<Edge>(e % 3 == 2); }
+    static Edge previous(Edge e) { return e - 1 + 3 * static_cast<Edge>(e % 3 == 0); }
     Edge twin(Edge e) const { return twin_[e]; }
     std::uint32_t from(Edge e) const { return corner_[e]; }
     std::uint32_t to(Edge e) const { return corner_[next(e)]; }
@@ -50,8 +51,10 @@ public:
     void extract(const std::vector<Eigen::Vector3d>& vertices, TriangleMesh& out);
 
 private:
-    Expected<void> find_twins();
-    Expected<void> check_fans();
+    void list_edges(const TriangleMesh& mesh);
+    bool link_fans();
+    bool link_fan(std::uint32_t v);
+    Expected<void> find_fault(const TriangleMesh& mesh);
     void join(Edge a, Edge b);
 
     std::size_t num_triangles_ = 0;
@@ -60,8 +63,7 @@ private:
     std::vector<Edge> edge_at_;          // per vertex
     std::vector<std::uint32_t> mark_;    // per vertex, the last `serial_` that met it
     std::uint32_t serial_ = 0;
-    EdgeGroups groups_;                      // of the mesh as it was assigned
-    std::vector<std::uint32_t> per_vertex_;  // its number of edges, or its new number
+    std::vector<std::uint32_t> per_vertex_;  // an edge from it, or its new number
 };
 
 }  // namespace atrium::geometry

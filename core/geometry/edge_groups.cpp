@@ -9,7 +9,9 @@ namespace {
 
 constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
 
-Expected<void> check_indices(const TriangleMesh& mesh) {
+}  // namespace
+
+Expected<void> check_triangles(const TriangleMesh& mesh) {
     if (mesh.triangles.size() >= kMost / 3 || mesh.vertices.size() >= kMost)
         return make_error(ErrorKind::kInvalidData, "mesh: more than 1.4 G triangles");
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -23,13 +25,11 @@ Expected<void> check_indices(const TriangleMesh& mesh) {
     return {};
 }
 
-}  // namespace
-
 // A counting sort by the smaller vertex: all that is left to sort are lists of a few edges.
 Expected<void> EdgeGroups::assign(const TriangleMesh& mesh) {
     end_.clear();
     by_smaller_.clear();
-    if (auto checked = check_indices(mesh); !checked) return checked;
+    if (auto checked = check_triangles(mesh); !checked) return checked;
     end_.resize(mesh.vertices.size() + 1, 0);
     by_smaller_.resize(3 * mesh.triangles.size());
     for (const auto& [a, b, c] : mesh.triangles) {

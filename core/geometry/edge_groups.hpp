@@ -9,6 +9,9 @@
 
 namespace atrium::geometry {
 
+/// kInvalidData, naming a triangle, unless each has three different vertices of the mesh.
+Expected<void> check_triangles(const TriangleMesh& mesh);
+
 /// The edges of a mesh, grouped by the two vertices that they join: what tells whether a surface is
 /// closed. Each triangle has three edges of its own, directed; 3 * triangle + k goes from corner k
 /// to the next one. Reuse one object; it allocates only while it grows.
@@ -20,7 +23,7 @@ public:
         bool is_upwards = false;  // from the smaller to the larger vertex
     };
 
-    /// kInvalidData, naming a triangle, unless each has three different vertices of the mesh.
+    /// Fails as check_triangles does.
     Expected<void> assign(const TriangleMesh& mesh);
 
     /// Calls `visit(smaller, group)` for each two vertices that edges join, with all of these edges

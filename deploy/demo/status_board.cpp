@@ -39,7 +39,8 @@ ordered_json latency_json(const std::vector<Status>& samples, Latency latency) {
 }
 
 std::uint64_t num_dropped(const bus::SiteStatus& s) {
-    return s.num_dropped_incomplete + s.num_dropped_late + s.num_failed;
+    return s.num_dropped_incomplete + s.num_dropped_late + s.stream.num_dropped_for_rate +
+           s.num_failed;
 }
 
 template <typename History, typename Status>
@@ -102,8 +103,8 @@ std::vector<std::string> StatusBoard::table(const std::map<std::string, std::str
                          const std::string& dropped,
                          const std::string& memory) {
         const std::string text = fmt::format(
-            "{:<12} {:>18} {:>30} {:>6} {:>20} {:>6}", name, rate, latency, bytes, dropped, memory);
-        lines.push_back(fmt::format("{:<97.97}", text));
+            "{:<12} {:>18} {:>30} {:>6} {:>27} {:>6}", name, rate, latency, bytes, dropped, memory);
+        lines.push_back(fmt::format("{:<104.104}", text));
     };
     const auto latency_text = [](const char* what, const bus::LatencySummary& latency) {
         return fmt::format("{} {:>6.1f} {:>6.1f}", what, latency.median_ms, latency.p99_ms);
@@ -119,9 +120,10 @@ std::vector<std::string> StatusBoard::table(const std::map<std::string, std::str
             fmt::format("{:.1f} metaframes/s", s.metaframes_per_s),
             latency_text("published", s.capture_to_publish),
             fmt::format("{:.2f}", mega(s.bytes_per_s)),
-            fmt::format("{} inc {} late {} bad",
+            fmt::format("{} inc {} late {} rate {} bad",
                         s.num_dropped_incomplete,
                         s.num_dropped_late,
+                        s.stream.num_dropped_for_rate,
                         s.num_failed),
             memory_text(s.resident_bytes));
     }
@@ -144,7 +146,7 @@ std::vector<std::string> StatusBoard::table(const std::map<std::string, std::str
             memory_text(s.resident_bytes));
     }
     for (const auto& [name, note] : notes)
-        lines.push_back(fmt::format("{:<97.97}", fmt::format("{:<12} {}", name, note)));
+        lines.push_back(fmt::format("{:<104.104}", fmt::format("{:<12} {}", name, note)));
     return lines;
 }
 
@@ -167,7 +169,14 @@ std::string StatusBoard::report(double seconds) const {
         site["dropped_incomplete"] =
             difference(samples, [](const S& s) { return s.num_dropped_incomplete; });
         site["dropped_late"] = difference(samples, [](const S& s) { return s.num_dropped_late; });
+        site["dropped_for_rate"] =
+            difference(samples, [](const S& s) { return s.stream.num_dropped_for_rate; });
         site["failed"] = difference(samples, [](const S& s) { return s.num_failed; });
+        site["hulls_lacked"] = {
+            {"cameras", difference(samples, [](const S& s) { return s.left_out.num_cameras; })},
+            {"phantoms", difference(samples, [](const S& s) { return s.left_out.num_phantoms; })},
+            {"fragments", difference(samples, [](const S& s) { return s.left_out.num_fragments; })},
+        };
         site["resident_bytes"] = samples.empty() ? 0 : samples.back().resident_bytes;
         site["resident_bytes_at_start"] = samples.empty() ? 0 : samples.front().resident_bytes;
         root["sites"][name] = std::move(site);

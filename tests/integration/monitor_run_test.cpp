@@ -1,6 +1,7 @@
 #include "core/bus/bus.hpp"
 #include "core/bus/membership.hpp"
 #include "monitor/inbox.hpp"
+#include "monitor/screen.hpp"
 #include "tests/support/run_program.hpp"
 
 #include <gmock/gmock.h>
@@ -12,6 +13,7 @@
 
 #include <array>
 #include <condition_variable>
+#include <cstdlib>
 #include <mutex>
 #include <sstream>
 #include <thread>
@@ -245,6 +247,26 @@ TEST(MonitorRun, OnATerminalItDrawsInPlaceAndLeavesItAsItWas) {
     EXPECT_THAT(outcome.output.substr(0, end), HasSubstr("\033[H"));
     EXPECT_THAT(outcome.output.substr(0, end), HasSubstr("\033[33mnobody is there"));
     EXPECT_THAT(outcome.output.substr(end), HasSubstr("nobody is there")) << "the last one stays";
+}
+
+// How a program ends on the second Ctrl-C (core/app): without destructors.
+TEST(MonitorRun, ATerminalIsAsItWasAfterAnEndAtOnce) {
+    int terminal = -1;
+    const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
+    if (child == 0) {
+        const monitor::Screen screen(true);
+        std::quick_exit(130);
+    }
+    std::string output;
+    std::array<char, 256> buffer;
+    for (ssize_t n = 0; (n = read(terminal, buffer.data(), buffer.size())) > 0;) {
+        output.append(buffer.data(), static_cast<std::size_t>(n));
+    }
+    close(terminal);
+    int status = 0;
+    waitpid(child, &status, 0);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 130);
+    EXPECT_EQ(output, "\033[?1049h\033[?25l\033[0m\033[?25h\033[?1049l");
 }
 
 TEST(MonitorRun, OneThatEndsIsToldWithItsReasonAndNobodyHearsOfTheMonitor) {

@@ -182,6 +182,11 @@ protected:
     }
 
     void start(const std::string& name) {
+        auto process = HostedProcess::start(command_of(name));
+        ASSERT_TRUE(process) << process.error().message;
+        programs_[name] = std::move(*process);
+    }
+    std::vector<std::string> command_of(const std::string& name) const {
         const std::string programs = ATRIUM_BIN_DIR "/";
         const std::string deploy = ATRIUM_SOURCE_DIR "/deploy/";
         std::vector<std::string> command;
@@ -215,9 +220,7 @@ protected:
                                         std::string("--bus.domain"),
                                         std::to_string(kDomain)})
             command.push_back(word);
-        auto process = HostedProcess::start(command);
-        ASSERT_TRUE(process) << process.error().message;
-        programs_[name] = std::move(*process);
+        return command;
     }
     bool wait(const std::string& name, const std::string& text, std::size_t from = 0) {
         return programs_[name]->wait_for_output(text, kPatience, from);
@@ -300,6 +303,17 @@ TEST_F(Restart, ASiteThatIsKilledIsGoneAndComesBackWhileTheOthersGoOn) {
     gone_.print("site gone");
     start_.print("site started");
     back_.print("site back");
+}
+
+TEST_F(Restart, ASecondSiteOfTheNameIsRefusedAndTheFirstGoesOn) {
+    auto second = HostedProcess::start(command_of("alice"));
+    ASSERT_TRUE(second) << second.error().message;
+    EXPECT_EQ((*second)->wait(kPatience), 2) << (*second)->output();
+    EXPECT_THAT((*second)->output(), testing::HasSubstr("site 'alice'"));
+    EXPECT_THAT((*second)->output(), testing::HasSubstr("pid "));
+    EXPECT_THAT(onlooker_.wait_progress({"alice", "bob", "wall", kWorld}), testing::IsEmpty());
+    EXPECT_EQ(onlooker_.num_gone("alice"), 0) << "nobody lost the first";
+    EXPECT_EQ(programs_["wall"]->output().find("person_gone"), std::string::npos);
 }
 
 TEST_F(Restart, AWorldServerThatIsKilledIsGoneAndComesBackWhileTheOthersGoOn) {

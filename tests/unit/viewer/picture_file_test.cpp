@@ -86,6 +86,15 @@ TEST(NewestPerSite, ReplacesPerSiteAndServesSitesInTurn) {
     EXPECT_TRUE(sut.take_all().empty());
 }
 
+// A decoder that does not keep up always finds something.
+TEST(NewestPerSite, AStopIsSeenWhileThereAreValues) {
+    NewestPerSite<int> slots;
+    slots.put("a", 1);
+    std::stop_source source;
+    source.request_stop();
+    EXPECT_FALSE(slots.take(source.get_token()));
+}
+
 TEST(NewestPerSite, AStopEndsTheWait) {
     NewestPerSite<int> sut;
     std::stop_source source;

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/bus/messages.hpp"
+
+#include <filesystem>
+#include <vector>
+
+namespace atrium::bench {
+
+/// What a site publishes, ready to be written again and again; site, ids and times are for the
+/// writer to fill in.
+struct CodedStream {
+    struct Frame {
+        bus::SiteMesh mesh;
+        std::vector<bus::CameraTexture> textures;
+    };
+    bus::SiteDescription description;
+    std::vector<Frame> frames;
+};
+
+/// One second of the simulated room as a site codes it by itself: eight cameras of 1 MP with a
+/// mosaic and noise. Takes a minute where the room is not in the cache.
+Expected<CodedStream> code_simulated_person();
+
+/// A file for other processes of this machine.
+Expected<void> save(const CodedStream& stream, const std::filesystem::path& file);
+Expected<CodedStream> load_coded_stream(const std::filesystem::path& file);
+
+}  // namespace atrium::bench

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "core/base/timestamp.hpp"
+#include "core/bus/membership.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <thread>
+
+namespace atrium::bench {
+
+/// Says "knows NS", the time at which this program knew of so many, itself included, to 20 ms; then
+/// costs nothing any more. With 0 members it says nothing.
+class SayWhenAllAreThere {
+public:
+    SayWhenAllAreThere(const bus::Membership& membership, std::size_t num_members)
+        : thread_([&membership, num_members](std::stop_token stop) {
+              if (num_members == 0) return;
+              while (!stop.stop_requested() && membership.present().size() < num_members)
+                  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+              fmt::print("knows {}\n", Timestamp::now().ns);
+              std::fflush(stdout);
+          }) {}
+
+private:
+    std::jthread thread_;
+};
+
+}  // namespace atrium::bench

@@ -1,0 +1,208 @@
+#include "core/codec/edgebreaker_writer.hpp"
+
+#include <draco/attributes/geometry_attribute.h>
+#include <draco/compression/bit_coders/rans_bit_encoder.h>
+#include <draco/compression/entropy/symbol_encoding.h>
+#include <draco/core/varint_encoding.h>
+#include <draco/mesh/mesh.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace atrium::codec {
+
+namespace {
+
+void write_header(draco::EncoderBuffer& out) {
+    out.Encode("DRACO", 5);
+    for (const std::uint8_t byte :
+         {draco::kDracoMeshBitstreamVersionMajor, draco::kDracoMeshBitstreamVersionMinor})
+        out.Encode(byte);
+    out.Encode(static_cast<std::uint8_t>(draco::TRIANGULAR_MESH));
+    out.Encode(static_cast<std::uint8_t>(draco::MESH_EDGEBREAKER_ENCODING));
+    out.Encode(std::uint16_t{0});  // flags: no metadata
+    out.Encode(static_cast<std::uint8_t>(draco::MESH_EDGEBREAKER_STANDARD_ENCODING));
+}
+
+/// One attribute of three floats, quantised, with the connectivity of the mesh itself.
+void write_attribute_header(draco::EncoderBuffer& out) {
+    out.Encode(std::uint8_t{1});  // coders of attributes
+    out.Encode(std::int8_t{-1});  // no connectivity of its own
+    out.Encode(static_cast<std::uint8_t>(draco::MESH_VERTEX_ATTRIBUTE));
+    out.Encode(static_cast<std::uint8_t>(draco::MESH_TRAVERSAL_DEPTH_FIRST));
+    draco::EncodeVarint(std::uint32_t{1}, &out);  // attributes
+    out.Encode(static_cast<std::uint8_t>(draco::GeometryAttribute::POSITION));
+    out.Encode(static_cast<std::uint8_t>(draco::DT_FLOAT32));
+    out.Encode(std::uint8_t{3});                  // components
+    out.Encode(std::uint8_t{0});                  // not normalised
+    draco::EncodeVarint(std::uint32_t{0}, &out);  // its name
+    out.Encode(static_cast<std::uint8_t>(draco::SEQUENTIAL_ATTRIBUTE_ENCODER_QUANTIZATION));
+}
+
+void write_handles(const std::vector<HandleEvent>& handles, draco::EncoderBuffer& out) {
+    const auto num_handles = static_cast<std::uint32_t>(handles.size());
+    draco::EncodeVarint(num_handles, &out);
+    if (num_handles == 0) return;
+    std::uint32_t last_symbol = 0;
+    for (const HandleEvent& handle : handles) {
+        draco::EncodeVarint(handle.symbol - last_symbol, &out);
+        draco::EncodeVarint(handle.symbol - handle.split_symbol, &out);
+        last_symbol = handle.symbol;
+    }
+    out.StartBitEncoding(num_handles, false);
+    for (const HandleEvent& handle : handles)
+        out.EncodeLeastSignificantBits32(1, handle.on_right ? 1 : 0);
+    out.EndBitEncoding();
+}
+
+}  // namespace
+
+bool EdgebreakerWriter::quantise(const geometry::TriangleMesh& mesh, int position_bits) {
+    floats_.resize(mesh.vertices.size());
+    Eigen::Array3f low = Eigen::Array3f::Constant(std::numeric_limits<float>::infinity());
+    Eigen::Array3f high = -low;
+    for (std::size_t i = 0; i < floats_.size(); ++i) {
+        floats_[i] = mesh.vertices[i].cast<float>();
+        low = low.min(floats_[i].array());
+        high = high.max(floats_[i].array());
+    }
+    range_m_ = (high - low).maxCoeff();
+    if (range_m_ == 0.0F) range_m_ = 1.0F;
+    const float steps_per_m = static_cast<float>((1 << position_bits) - 1) / range_m_;
+    if (!std::isfinite(range_m_) || !std::isfinite(steps_per_m)) return false;
+    origin_m_ = {low.x(), low.y(), low.z()};
+    positions_.resize(floats_.size());
+    lowest_ = std::numeric_limits<std::int32_t>::max();
+    highest_ = 0;
+    for (std::size_t i = 0; i < floats_.size(); ++i) {
+        // none is negative: cutting off rounds down
+        const Eigen::Array3i steps =
+            ((floats_[i].array() - low) * steps_per_m + 0.5F).cast<std::int32_t>();
+        positions_[i] = {steps.x(), steps.y(), steps.z()};
+        lowest_ = std::min(lowest_, steps.minCoeff());
+        highest_ = std::max(highest_, steps.maxCoeff());
+    }
+    return true;
+}
+
+// Corrections wrap around the interval of all coordinates, so that their least and most are half as
+// far away.
+void EdgebreakerWriter::add_residual(const Position& position, const Position& prediction) {
+    const std::int32_t num_values = highest_ - lowest_ + 1;
+    const std::int32_t most = (num_values - 1) / 2;
+    const std::int32_t least = -(num_values / 2);
+    for (std::size_t i = 0; i < 3; ++i) {
+        std::int32_t residual = position[i] - std::clamp(prediction[i], lowest_, highest_);
+        if (residual < least) residual += num_values;
+        if (residual > most) residual -= num_values;
+        const auto bits = static_cast<std::uint32_t>(residual);
+        residuals_.push_back(residual < 0 ? ~(bits << 1U) : bits << 1U);
+    }
+}
+
+// The fourth point of a parallelogram with the triangle before the gate, once that has been seen;
+// else the last position.
+EdgebreakerWriter::Position EdgebreakerWriter::predict(Gate gate) const {
+    const std::uint32_t a = surface_.mesh.from(gate);
+    const std::uint32_t b = surface_.mesh.to(gate);
+    const std::uint32_t behind = surface_.ahead(surface_.mesh.twin(gate));
+    for (const std::uint32_t vertex : {a, b, behind}) {
+        if (surface_.seen_vertices[vertex] == 0)
+            return residuals_.empty() ? Position{} : positions_[last_vertex_];
+    }
+    Position prediction;
+    for (std::size_t i = 0; i < 3; ++i)
+        prediction[i] = positions_[a][i] + positions_[b][i] - positions_[behind][i];
+    return prediction;
+}
+
+// The decoder comes to the triangles in the reverse order, and from the last one on visits them
+// anew for the positions.
+void EdgebreakerWriter::find_residuals() {
+    residuals_.clear();
+    surface_.forget(positions_.size());
+    const auto add_vertex_ahead = [&](Gate gate) {
+        const std::uint32_t vertex = surface_.ahead(gate);
+        add_residual(positions_[vertex], predict(gate));
+        last_vertex_ = vertex;
+    };
+    const auto start = [&](Gate gate) {
+        if (surface_.has_seen_triangle(gate)) return;
+        for (const Gate side : {surface_.mesh.next(gate), surface_.mesh.previous(gate)}) {
+            add_vertex_ahead(side);
+            surface_.seen_vertices[surface_.ahead(side)] = 1;
+        }
+        traverse(surface_, gate, [&](Gate reached, Symbol symbol) {
+            if (symbol == Symbol::kC) add_vertex_ahead(reached);
+        });
+    };
+    std::for_each(order_.gates.rbegin(), order_.gates.rend(), start);
+}
+
+void EdgebreakerWriter::write_symbols(draco::EncoderBuffer& out) {
+    bits_.clear();
+    std::uint64_t pending = 0;
+    int num_pending = 0;
+    for (auto symbol = order_.symbols.rbegin(); symbol != order_.symbols.rend(); ++symbol) {
+        pending |= static_cast<std::uint64_t>(*symbol) << num_pending;
+        num_pending += *symbol == Symbol::kC ? 1 : 3;
+        for (; num_pending >= 8; num_pending -= 8) {
+            bits_.push_back(static_cast<std::uint8_t>(pending));
+            pending >>= 8U;
+        }
+    }
+    if (num_pending > 0) bits_.push_back(static_cast<std::uint8_t>(pending));
+    draco::EncodeVarint(static_cast<std::uint64_t>(bits_.size()), &out);
+    out.Encode(bits_.data(), bits_.size());
+    draco::RAnsBitEncoder starts;
+    starts.StartEncoding();
+    for (std::size_t i = 0; i < order_.starts.size(); ++i) starts.EncodeBit(true);  // no boundary
+    starts.EndEncoding(&out);
+}
+
+void EdgebreakerWriter::write_connectivity(draco::EncoderBuffer& out) {
+    draco::EncodeVarint(static_cast<std::uint32_t>(positions_.size()), &out);
+    draco::EncodeVarint(static_cast<std::uint32_t>(surface_.mesh.num_triangles()), &out);
+    out.Encode(std::uint8_t{0});  // attributes with a connectivity of their own
+    draco::EncodeVarint(static_cast<std::uint32_t>(order_.symbols.size()), &out);
+    draco::EncodeVarint(order_.num_splits, &out);
+    write_handles(order_.handles, out);
+    write_symbols(out);
+}
+
+bool EdgebreakerWriter::write_positions(int position_bits, int speed, draco::EncoderBuffer& out) {
+    out.Encode(static_cast<std::int8_t>(draco::MESH_PREDICTION_PARALLELOGRAM));
+    out.Encode(static_cast<std::int8_t>(draco::PREDICTION_TRANSFORM_WRAP));
+    out.Encode(std::uint8_t{1});  // residuals are coded
+    draco::Options options;
+    draco::SetSymbolEncodingCompressionLevel(&options, 10 - speed);
+    if (!draco::EncodeSymbols(
+            residuals_.data(), static_cast<int>(residuals_.size()), 3, &options, &out))
+        return false;
+    out.Encode(lowest_);
+    out.Encode(highest_);
+    for (const float coordinate_m : origin_m_) out.Encode(coordinate_m);
+    out.Encode(range_m_);
+    out.Encode(static_cast<std::uint8_t>(position_bits));
+    return true;
+}
+
+bool EdgebreakerWriter::write(const geometry::TriangleMesh& mesh,
+                              int position_bits,
+                              int speed,
+                              draco::EncoderBuffer& out) {
+    if (!surface_.mesh.assign(mesh) || !quantise(mesh, position_bits)) return false;
+    surface_.forget(positions_.size());
+    if (!order_.find(surface_)) return false;
+    find_residuals();
+    const std::size_t size_before = out.size();
+    write_header(out);
+    write_connectivity(out);
+    write_attribute_header(out);
+    if (write_positions(position_bits, speed, out)) return true;
+    out.Resize(static_cast<std::int64_t>(size_before));
+    return false;
+}
+
+}  // namespace atrium::codec

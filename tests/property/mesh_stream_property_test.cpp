@@ -1,0 +1,342 @@
+#include "core/codec/edgebreaker_writer.hpp"
+#include "core/codec/mesh_codec.hpp"
+#include "site_node/hull/visual_hull.hpp"
+#include "site_node/hull_tool/views_file.hpp"
+#include "tests/support/closed_meshes.hpp"
+#include "tests/support/hull_checks.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/rig_maker.hpp"
+#include "tests/support/silhouette_maker.hpp"
+
+#include <draco/compression/decode.h>
+#include <draco/compression/encode.h>
+#include <draco/mesh/mesh.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <set>
+
+// The streams of meshes against those that Draco's encoder writes, byte by byte, and against its
+// decoder as it is.
+namespace atrium::codec {
+namespace {
+
+using geometry::TriangleMesh;
+using test::Random;
+using Bytes = std::vector<std::uint8_t>;
+using Point = std::array<float, 3>;
+
+/// Empty where Draco refuses.
+Bytes draco_bytes(const TriangleMesh& mesh, const MeshCodecOptions& options) {
+    draco::Mesh coded;
+    coded.set_num_points(static_cast<std::uint32_t>(mesh.vertices.size()));
+    draco::GeometryAttribute layout;
+    layout.Init(draco::GeometryAttribute::POSITION, nullptr, 3, draco::DT_FLOAT32, false, 12, 0);
+    draco::PointAttribute& positions =
+        *coded.attribute(coded.AddAttribute(layout, true, coded.num_points()));
+    for (std::uint32_t i = 0; i < coded.num_points(); ++i) {
+        const Eigen::Vector3f position = mesh.vertices[i].cast<float>();
+        positions.SetAttributeValue(draco::AttributeValueIndex(i), position.data());
+    }
+    for (const auto& [a, b, c] : mesh.triangles)
+        coded.AddFace({draco::PointIndex(a), draco::PointIndex(b), draco::PointIndex(c)});
+    draco::Encoder encoder;
+    encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
+    encoder.options().SetGlobalInt("edgebreaker_method", draco::MESH_EDGEBREAKER_STANDARD_ENCODING);
+    encoder.SetSpeedOptions(options.speed, options.speed);
+    encoder.SetAttributeQuantization(draco::GeometryAttribute::POSITION, options.position_bits);
+    draco::EncoderBuffer buffer;
+    if (!encoder.EncodeMeshToBuffer(coded, &buffer).ok()) return {};
+    return {buffer.data(), buffer.data() + buffer.size()};
+}
+
+using Triangles = std::multiset<std::array<Point, 3>>;
+
+/// By position, each from that corner on which makes it smallest (corners may coincide).
+Triangles canonical(const std::vector<std::array<Point, 3>>& triangles) {
+    Triangles out;
+    for (const auto& [a, b, c] : triangles)
+        out.insert(std::min({std::array{a, b, c}, std::array{b, c, a}, std::array{c, a, b}}));
+    return out;
+}
+
+/// What Draco's decoder makes of a stream.
+Triangles triangles_of(const Bytes& bytes) {
+    draco::DecoderBuffer buffer;
+    buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    auto decoded = draco::Decoder().DecodeMeshFromBuffer(&buffer);
+    EXPECT_TRUE(decoded.ok()) << decoded.status().error_msg_string();
+    if (!decoded.ok()) return {};
+    const draco::Mesh& mesh = *decoded.value();
+    const draco::PointAttribute& positions =
+        *mesh.GetNamedAttribute(draco::GeometryAttribute::POSITION);
+    std::vector<std::array<Point, 3>> triangles(mesh.num_faces());
+    for (std::uint32_t t = 0; t < mesh.num_faces(); ++t) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const draco::PointIndex point = mesh.face(draco::FaceIndex(t))[k];
+            positions.GetValue(positions.mapped_index(point), &triangles[t][k]);
+        }
+    }
+    return canonical(triangles);
+}
+
+/// The triangles of `mesh` on the grid that its stream has to use, in doubles and then as floats.
+Triangles quantised(const TriangleMesh& mesh, int position_bits) {
+    Eigen::Vector3f low = mesh.vertices[0].cast<float>();
+    Eigen::Vector3f high = low;
+    for (const Eigen::Vector3d& vertex : mesh.vertices) {
+        low = low.cwiseMin(vertex.cast<float>());
+        high = high.cwiseMax(vertex.cast<float>());
+    }
+    const float range = (high - low).maxCoeff() > 0.0F ? (high - low).maxCoeff() : 1.0F;
+    const auto most = static_cast<float>((1 << position_bits) - 1);
+    std::vector<Point> points;
+    for (const Eigen::Vector3d& vertex : mesh.vertices) {
+        Point point{};
+        for (int i = 0; i < 3; ++i) {
+            const float offset = static_cast<float>(vertex[i]) - low[i];
+            const float step = std::floor(offset * (most / range) + 0.5F);
+            point[static_cast<std::size_t>(i)] = step * (range / most) + low[i];
+        }
+        points.push_back(point);
+    }
+    std::vector<std::array<Point, 3>> triangles;
+    for (const auto& [a, b, c] : mesh.triangles)
+        triangles.push_back({points[a], points[b], points[c]});
+    return canonical(triangles);
+}
+
+MeshCodecOptions random_options(Random& random) {
+    return {test::between(random, 8, 20), test::between(random, 2, 7)};
+}
+
+class MeshStream : public testing::Test {
+protected:
+    /// By the writer, which may not leave it to Draco: Draco's bytes, and its decoder reads them.
+    void expect_written(const TriangleMesh& mesh, const MeshCodecOptions& options) {
+        ASSERT_TRUE(EdgebreakerWriter::takes_speed(options.speed));
+        draco::EncoderBuffer buffer;
+        ASSERT_TRUE(writer_.write(mesh, options.position_bits, options.speed, buffer));
+        const Bytes bytes(buffer.data(), buffer.data() + buffer.size());
+        EXPECT_TRUE(bytes == draco_bytes(mesh, options))
+            << mesh.triangles.size() << " triangles, " << options.position_bits << " bits, speed "
+            << options.speed;
+        EXPECT_TRUE(triangles_of(bytes) == quantised(mesh, options.position_bits));
+    }
+
+    /// By the encoder, whoever it asks: as Draco does, which may be an error.
+    void expect_as_draco(const TriangleMesh& mesh, const MeshCodecOptions& options) {
+        Bytes bytes;
+        const bool is_coded = encoder_.encode(mesh, options, bytes).has_value();
+        const Bytes expected = draco_bytes(mesh, options);
+        EXPECT_EQ(is_coded, !expected.empty());
+        EXPECT_EQ(bytes, expected) << mesh.triangles.size() << " triangles";
+    }
+
+    bool is_written(const TriangleMesh& mesh) {
+        draco::EncoderBuffer buffer;
+        const bool is_written = writer_.write(mesh, 11, 7, buffer);
+        EXPECT_EQ(buffer.size() > 0, is_written);
+        return is_written;
+    }
+
+    // the same for all meshes of a test: what one leaves behind is there for the next
+    EdgebreakerWriter writer_;
+    MeshEncoder encoder_;
+};
+
+TEST_F(MeshStream, OfShuffledClosedMeshesIsDracos) {
+    Random random(31);
+    for (int round = 0; round < 120; ++round) {
+        TriangleMesh mesh =
+            round % 4 == 0
+                ? test::make_sphere(test::between(random, 0, 4), 0.8)
+                : test::make_torus(static_cast<std::uint32_t>(test::between(random, 3, 50)),
+                                   static_cast<std::uint32_t>(test::between(random, 3, 30)));
+        for (int more = round % 5; more > 0; --more) {
+            const Eigen::Vector3d centre = test::random_in_cube(random, 2.0);
+            test::append(mesh, test::make_octahedron(centre, test::between(random, 1e-5, 0.3)));
+            if (more % 2 == 0) test::append(mesh, test::make_torus(5, 4));
+        }
+        for (auto& vertex : mesh.vertices)
+            vertex += test::random_in_cube(random, 0.02 * (round % 3));
+        std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
+        for (auto& triangle : mesh.triangles)
+            std::rotate(triangle.begin(), triangle.begin() + random() % 3, triangle.end());
+        expect_written(mesh, random_options(random));
+    }
+}
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+bool meets(const Triangle& triangle, const std::set<std::uint32_t>& vertices) {
+    return std::any_of(
+        triangle.begin(), triangle.end(), [&](auto v) { return vertices.contains(v); });
+}
+
+/// A torus with tubes from one place of its surface to another, each of which is a handle more.
+TriangleMesh make_knot(int num_tubes, Random& random) {
+    const TriangleMesh torus = test::make_torus(40, 30);
+    std::vector<Triangle> mouths;
+    std::set<std::uint32_t> taken;  // by mouths, and all neighbours of these
+    while (mouths.size() < 2 * static_cast<std::size_t>(num_tubes)) {
+        const Triangle& mouth = torus.triangles[random() % torus.triangles.size()];
+        if (meets(mouth, taken)) continue;
+        mouths.push_back(mouth);
+        const std::set<std::uint32_t> own(mouth.begin(), mouth.end());
+        for (const Triangle& triangle : torus.triangles) {
+            if (meets(triangle, own)) taken.insert(triangle.begin(), triangle.end());
+        }
+    }
+    TriangleMesh knot{torus.vertices, {}};
+    std::copy_if(
+        torus.triangles.begin(),
+        torus.triangles.end(),
+        std::back_inserter(knot.triangles),
+        [&](const Triangle& t) { return std::count(mouths.begin(), mouths.end(), t) == 0; });
+    for (std::size_t i = 0; i < mouths.size(); i += 2) {
+        const auto& [a, b, c] = mouths[i];
+        const auto& [x, z, y] = mouths[i + 1];  // seen from within the tube: the other way
+        for (const auto& [p, q, r, s] :
+             {std::array{a, b, x, y}, std::array{b, c, y, z}, std::array{c, a, z, x}}) {
+            knot.triangles.push_back({p, q, s});
+            knot.triangles.push_back({p, s, r});
+        }
+    }
+    std::shuffle(knot.triangles.begin(), knot.triangles.end(), random);
+    return knot;
+}
+
+// Where the way around a handle meets itself, it was split before.
+TEST_F(MeshStream, OfSurfacesWithManyHandlesIsDracos) {
+    Random random(32);
+    for (int num_tubes = 0; num_tubes < 20; ++num_tubes) {
+        const TriangleMesh knot = make_knot(num_tubes, random);
+        const geometry::MeshReport report = geometry::inspect(knot);
+        ASSERT_TRUE(report.manifold) << "the test's own mesh";
+        ASSERT_EQ(report.euler_characteristic, -2 * num_tubes);
+        expect_written(knot, random_options(random));
+    }
+}
+
+TEST_F(MeshStream, OfHullsIsDracos) {
+    Random random(33);
+    int num_handles = 0;
+    for (int round = 0; round < 20; ++round) {
+        std::vector<hull::SilhouetteView> views;
+        for (const auto& camera : test::make_ring_rig({.num_cameras = 3 + round % 4}))
+            views.push_back(test::make_view(camera, test::random_stars(random, 30)));
+        const hull::VisualHull hull = test::exact_hull_of(views);
+        if (hull.status != hull::HullStatus::kOk) continue;
+        const geometry::MeshReport report = geometry::inspect(hull.mesh);
+        num_handles += static_cast<int>(report.num_components) -
+                       static_cast<int>(report.euler_characteristic / 2);
+        expect_written(hull.mesh, random_options(random));
+    }
+    EXPECT_GT(num_handles, 0);
+}
+
+TEST_F(MeshStream, OfHullsOfRealOutlinesIsDracos) {
+    const std::filesystem::path folder = ATRIUM_SOURCE_DIR "/../shared/data/hulls";
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here";
+    for (const char* set : {"person_1px", "person_10k", "person_24views", "torus", "spheres"}) {
+        const auto loaded = hull_tool::load_views_file(folder / (std::string(set) + ".json"));
+        ASSERT_TRUE(loaded) << loaded.error().message;
+        std::vector<hull::SilhouetteView> views;
+        for (const auto& view : *loaded) views.push_back(view.view);
+        const hull::VisualHull hull = test::exact_hull_of(views);
+        ASSERT_EQ(hull.status, hull::HullStatus::kOk);
+        for (const int speed : {2, 5, 7}) expect_written(hull.mesh, {11, speed});
+        expect_written(hull.mesh, {14, 7});
+    }
+}
+
+TEST_F(MeshStream, OfMeshesOnFewPointsIsDracos) {
+    Random random(34);
+    for (int round = 0; round < 40; ++round) {
+        TriangleMesh mesh = test::make_torus(12, 9);
+        for (auto& vertex : mesh.vertices)
+            vertex = mesh.vertices[random() % static_cast<std::uint64_t>(1 + round)];
+        expect_written(mesh, random_options(random));
+    }
+    TriangleMesh far = test::make_sphere(2, 1.0);
+    for (auto& vertex : far.vertices) vertex = 1e30 * vertex;
+    expect_written(far, {11, 7});
+}
+
+TEST_F(MeshStream, IsLeftToDracoWhereTheMeshIsNotClosedOrNot2Manifold) {
+    const TriangleMesh good = test::make_torus(8, 6);
+    ASSERT_TRUE(is_written(good));
+    std::map<std::string, TriangleMesh> meshes;
+    meshes["a triangle less"] = good;
+    meshes["a triangle less"].triangles.pop_back();
+    meshes["a triangle twice"] = good;
+    meshes["a triangle twice"].triangles.push_back(good.triangles[5]);
+    meshes["a triangle turned over"] = good;
+    std::swap(meshes["a triangle turned over"].triangles[3][0],
+              meshes["a triangle turned over"].triangles[3][1]);
+    meshes["a triangle of two vertices"] = good;
+    meshes["a triangle of two vertices"].triangles.push_back({1, 1, 2});
+    meshes["a vertex of no triangle"] = good;
+    meshes["a vertex of no triangle"].vertices.emplace_back(3.0, 0.0, 0.0);
+    meshes["two bodies on one vertex"] = good;
+    test::append(meshes["two bodies on one vertex"], good);
+    for (auto& triangle : meshes["two bodies on one vertex"].triangles)
+        std::replace(triangle.begin(), triangle.end(), 48U, 7U);
+    meshes["two triangles back to back"] = good;
+    const auto base = static_cast<std::uint32_t>(good.vertices.size());
+    test::append(meshes["two triangles back to back"], {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {}});
+    meshes["two triangles back to back"].triangles.push_back({base, base + 1, base + 2});
+    meshes["two triangles back to back"].triangles.push_back({base, base + 2, base + 1});
+    for (const auto& [what, mesh] : meshes) {
+        SCOPED_TRACE(what);
+        EXPECT_FALSE(is_written(mesh));
+        expect_as_draco(mesh, {11, 7});
+        expect_as_draco(good, {11, 7});
+    }
+}
+
+TEST_F(MeshStream, OfOtherSpeedsIsDracos) {
+    const TriangleMesh mesh = test::make_torus(20, 12);
+    for (const int speed : {0, 1, 8, 9, 10}) {
+        EXPECT_FALSE(EdgebreakerWriter::takes_speed(speed));
+        expect_as_draco(mesh, {12, speed});
+    }
+}
+
+// From a few vertices nearly everything has too many or too few triangles at an edge; from closed
+// meshes with some damage, little.
+TEST_F(MeshStream, OfTriangleSoupsIsDracos) {
+    Random random(35);
+    int num_written = 0;
+    for (int round = 0; round < 1500; ++round) {
+        TriangleMesh mesh;
+        if (round % 2 == 0) {
+            const auto num_vertices = static_cast<std::uint32_t>(test::between(random, 3, 12));
+            mesh.vertices.resize(num_vertices);
+            for (int i = test::between(random, 1, 30); i > 0; --i)
+                mesh.triangles.push_back({static_cast<std::uint32_t>(random() % num_vertices),
+                                          static_cast<std::uint32_t>(random() % num_vertices),
+                                          static_cast<std::uint32_t>(random() % num_vertices)});
+        } else {
+            mesh = test::make_octahedron({0, 0, 0}, 1.0);
+            test::append(mesh, test::make_torus(4, 3));
+            for (int damage = test::between(random, 0, 2); damage > 0; --damage)
+                mesh.triangles[random() % mesh.triangles.size()][random() % 3] =
+                    static_cast<std::uint32_t>(random() % mesh.vertices.size());
+        }
+        for (auto& vertex : mesh.vertices) vertex = test::random_in_cube(random, 1.0);
+        num_written += is_written(mesh) ? 1 : 0;
+        expect_as_draco(mesh, random_options(random));
+    }
+    EXPECT_GT(num_written, 100);
+    EXPECT_LT(num_written, 1000);
+}
+
+}  // namespace
+}  // namespace atrium::codec
