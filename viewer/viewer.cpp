@@ -44,6 +44,10 @@ renderer::ShapeKind shape_kind(bus::Shape shape) {
             return renderer::ShapeKind::kCapsule;
         case bus::Shape::kPlane:
             return renderer::ShapeKind::kPlane;
+        case bus::Shape::kConvex:
+        case bus::Shape::kCompound:
+        case bus::Shape::kSoft:
+            break;
     }
     return renderer::ShapeKind::kBox;
 }

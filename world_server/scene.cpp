@@ -9,37 +9,11 @@
 namespace atrium::world_server {
 namespace {
 
-physics::ObjectShape to_rigid(bus::Shape shape) {
-    switch (shape) {
-        case bus::Shape::kSphere:
-            return physics::ObjectShape::kSphere;
-        case bus::Shape::kCylinder:
-            return physics::ObjectShape::kCylinder;
-        case bus::Shape::kCapsule:
-            return physics::ObjectShape::kCapsule;
-        case bus::Shape::kPlane:
-            return physics::ObjectShape::kPlane;
-        case bus::Shape::kBox:
-            break;
-    }
-    return physics::ObjectShape::kBox;
-}
-
 tl::unexpected<Error> refuse(std::string why) {
     return make_error(ErrorKind::kInvalidData, std::move(why));
 }
 
 }  // namespace
-
-physics::RigidObject to_rigid(const WorldObject& object) {
-    return {.id = object.scene.object,
-            .shape = to_rigid(object.scene.shape),
-            .size_m = object.scene.size_m,
-            .mass_kg = object.scene.mass_kg,
-            .friction = object.friction,
-            .restitution = object.restitution,
-            .world_from_object = object.scene.world_from_object};
-}
 
 Scene::Scene(const physics::WorldOptions& options)
     : options_(options), world_(std::make_unique<physics::World>(options)) {}
@@ -58,7 +32,24 @@ Expected<Scene> Scene::create(const WorldServerConfig& config) {
                             object.scene.name,
                             object.scene.object));
         }
-        scene.objects_[object.scene.object] = object.scene;
+        bus::SceneObject& known = scene.objects_[object.scene.object] = object.scene;
+        known.friction = object.friction;
+        known.restitution = object.restitution;
+    }
+    for (const physics::Joint& joint : config.joints) {
+        if (!scene.world_->add_joint(joint)) {
+            return make_error(
+                ErrorKind::kConfiguration,
+                fmt::format("joint of objects {} and {}: cannot be made", joint.a, joint.b));
+        }
+    }
+    for (const WorldScenery& scenery : config.scenery) {
+        if (scenery.is_solid && !scene.world_->add_still({.mesh = scenery.mesh,
+                                                          .friction = scenery.friction,
+                                                          .restitution = scenery.restitution})) {
+            return make_error(ErrorKind::kConfiguration,
+                              fmt::format("scenery '{}': cannot be solid", scenery.scene.name));
+        }
     }
     scene.num_described_ = static_cast<std::uint32_t>(config.objects.size());
     return scene;
@@ -75,13 +66,23 @@ Expected<std::vector<SceneChange>> Scene::apply(const bus::SceneCommand& command
         case bus::CommandKind::kReset:
             world_->reset();
             return std::vector<SceneChange>{};
+        case bus::CommandKind::kGrab:
+        case bus::CommandKind::kMove:
+        case bus::CommandKind::kRelease:
+        case bus::CommandKind::kSave:
+        case bus::CommandKind::kRestore:
+            break;
     }
     return refuse("unknown kind of command");
 }
 
 Expected<std::vector<SceneChange>> Scene::add(const bus::SceneObject& object) {
     if (const auto valid = bus::check(object); !valid) return tl::unexpected(valid.error());
-    WorldObject added{.scene = object};
+    if (object.shape > bus::Shape::kPlane) {
+        return refuse("add: must be a box, sphere, cylinder, capsule or plane");
+    }
+    WorldObject added{
+        .scene = object, .friction = object.friction, .restitution = object.restitution};
     if (object.object == 0) {
         while (objects_.contains(next_id_)) ++next_id_;
         added.scene.object = next_id_++;
@@ -89,9 +90,7 @@ Expected<std::vector<SceneChange>> Scene::add(const bus::SceneObject& object) {
     if (const auto problem = physics::find_problem(to_rigid(added))) {
         return refuse(fmt::format("add: {} {}", problem->field, problem->allowed));
     }
-    const Eigen::Vector3d& position = object.world_from_object.translation;
-    if (position.cwiseAbs().maxCoeff() > options_.half_extent_m ||
-        position.z() < options_.lowest_z_m) {
+    if (!box_of(options_).contains(object.world_from_object.translation)) {
         return refuse("add: the position is outside the world");
     }
     switch (world_->add(to_rigid(added))) {
@@ -132,6 +131,18 @@ Expected<std::vector<SceneChange>> Scene::push(const bus::SceneCommand& command)
     }
     world_->push(command.target, command.impulse_ns);
     return std::vector<SceneChange>{};
+}
+
+std::vector<SceneChange> Scene::take_removed(std::vector<physics::Incident>& incidents) {
+    world_->take_incidents(incidents);
+    std::vector<SceneChange> changes;
+    for (const physics::Incident& incident : incidents) {
+        const auto found = objects_.find(incident.object);
+        if (incident.kind != physics::IncidentKind::kRemoved || found == objects_.end()) continue;
+        changes.push_back({found->second, true});
+        objects_.erase(found);
+    }
+    return changes;
 }
 
 std::vector<bus::SceneObject> Scene::objects() const {

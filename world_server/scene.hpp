@@ -11,8 +11,6 @@
 
 namespace atrium::world_server {
 
-physics::RigidObject to_rigid(const WorldObject& object);
-
 /// An object that is new or gone.
 struct SceneChange {
     bus::SceneObject object;
@@ -32,6 +30,9 @@ public:
     /// file describes as fixed. kPush: at most the impulse that brings the object to the speed
     /// limit.
     Expected<std::vector<SceneChange>> apply(const bus::SceneCommand& command);
+
+    /// What the physics did on its own since the last call, for the log, and what it removed.
+    std::vector<SceneChange> take_removed(std::vector<physics::Incident>& incidents);
 
     physics::World& world() { return *world_; }
     /// In the order of their ids.

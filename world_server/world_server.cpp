@@ -11,6 +11,8 @@
 #include "world_server/scene.hpp"
 #include "world_server/site_register.hpp"
 
+#include <fmt/format.h>
+
 #include <atomic>
 #include <chrono>
 #include <deque>
@@ -50,6 +52,7 @@ struct WorldServer::Impl {
     void step();
     void apply_commands();
     void apply_people();
+    void report_incidents();
 
     // the publishing thread
     void publish(std::stop_token stop);
@@ -69,6 +72,8 @@ struct WorldServer::Impl {
     std::deque<bus::SceneCommand> commands;
     double send_credit = 0.0;  // states that should have been sent by now
     app::log::OncePerSecond rejections_log;
+    app::log::OncePerSecond incidents_log;
+    std::vector<physics::Incident> incidents;  // scratch of the simulating thread
     app::log::OncePerSecond publish_log;
 
     std::atomic<std::uint64_t> num_meshes{0};
@@ -216,10 +221,19 @@ void WorldServer::Impl::apply_people() {
     });
 }
 
+void WorldServer::Impl::report_incidents() {
+    for (const SceneChange& change : scene.take_removed(incidents)) outbox.put(change);
+    for (const physics::Incident& incident : incidents) {
+        incidents_log.warn(
+            fmt::format("object {} {}", incident.object, physics::describe(incident.kind)));
+    }
+}
+
 void WorldServer::Impl::step() {
     apply_commands();
     apply_people();
     scene.world().tick();
+    report_incidents();
     send_credit += config.send_hz / config.tick_hz;
     if (send_credit >= 1.0) {
         send_credit -= 1.0;
