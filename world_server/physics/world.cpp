@@ -1,5 +1,6 @@
 #include "world_server/physics/world.hpp"
 
+#include "world_server/physics/grab.hpp"
 #include "world_server/physics/object_body.hpp"
 #include "world_server/physics/person_body.hpp"
 
@@ -65,6 +66,7 @@ struct World::Impl {
     ~Impl();
     static void begin_tick(btDynamicsWorld* world, btScalar tick_s);
     void guard(ObjectBody& object);
+    ObjectBody* find_moving(std::uint32_t id);
     void look_at_contacts();
     void lead_out(ObjectBody& object);
 
@@ -76,13 +78,18 @@ struct World::Impl {
     btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
     std::map<std::uint32_t, std::unique_ptr<ObjectBody>> objects;
     std::map<std::string, std::unique_ptr<PersonBody>> people;
+    Grabs grabs;
     std::map<std::uint32_t, Eigen::Vector3d> positions_before;  // of the objects that move
     WorldCounters counters;
 };
 
-World::Impl::Impl(const WorldOptions& world_options) : options(world_options) {
+World::Impl::Impl(const WorldOptions& world_options)
+    : options(world_options), grabs({.tick_s = world_options.tick_s}) {
     assert(options.tick_s > 0.0 && options.max_speed_mps > 0.0);
     world.setGravity(to_bullet(options.gravity));
+    // else what is put down on a plane, or pressed onto it, stands on one corner for the first
+    // ticks
+    configuration.setPlaneConvexMultipointIterations();
     world.getSolverInfo().m_splitImpulsePenetrationThreshold = -kPlainContactM;
     world.getDispatchInfo().m_deterministicOverlappingPairs = true;
     world.setInternalTickCallback(&Impl::begin_tick, this, /*isPreTick=*/true);
@@ -100,6 +107,15 @@ void World::Impl::begin_tick(btDynamicsWorld* world, btScalar tick_s) {
     for (auto& [id, object] : self.objects) {
         if (object->escaping_from != nullptr) self.lead_out(*object);
     }
+    self.grabs.begin_tick([&](std::uint32_t id) -> btRigidBody* {
+        ObjectBody* object = self.find_moving(id);
+        return object == nullptr ? nullptr : &object->body();
+    });
+}
+
+ObjectBody* World::Impl::find_moving(std::uint32_t id) {
+    const auto found = objects.find(id);
+    return found == objects.end() || !found->second->moves() ? nullptr : found->second.get();
 }
 
 // Gives an object inside a person a velocity towards the nearest place on the person's surface.
@@ -151,6 +167,7 @@ void World::Impl::look_at_contacts() {
 void World::Impl::guard(ObjectBody& object) {
     if (!object.is_finite()) {
         ++counters.num_not_finite;
+        counters.last_reset = object.object().id;
         object.put_back();
         return;
     }
@@ -162,6 +179,7 @@ void World::Impl::guard(ObjectBody& object) {
         position.z() < options.lowest_z_m || position.cwiseAbs().maxCoeff() > options.half_extent_m;
     if (strayed) {
         ++counters.num_strays;
+        counters.last_reset = object.object().id;
         object.put_back();
     }
 }
@@ -187,6 +205,7 @@ bool World::remove(std::uint32_t id) {
     impl_->world.removeRigidBody(&found->second->body());
     impl_->objects.erase(found);
     impl_->positions_before.erase(id);
+    impl_->grabs.forget(id);
     // what rested on it must not go on sleeping in the air
     for (auto& [other, object] : impl_->objects) {
         if (object->moves()) object->body().activate();
@@ -208,6 +227,50 @@ bool World::push(std::uint32_t id, const Eigen::Vector3d& impulse_ns) {
     if (!impulse_ns.allFinite()) return false;
     found->second->body().activate(true);
     found->second->body().applyCentralImpulse(to_bullet(impulse_ns));
+    return true;
+}
+
+bool World::grab(const std::string& holder,
+                 std::uint32_t id,
+                 const Eigen::Vector3d& point_object,
+                 const Eigen::Vector3d& goal_world) {
+    if (!point_object.allFinite() || !goal_world.allFinite()) return false;
+    return impl_->find_moving(id) != nullptr &&
+           impl_->grabs.hold(holder, id, point_object, goal_world);
+}
+
+bool World::move_grab(const std::string& holder,
+                      std::uint32_t id,
+                      const Eigen::Vector3d& goal_world) {
+    return goal_world.allFinite() && impl_->grabs.move(holder, id, goal_world);
+}
+
+bool World::release(const std::string& holder, std::uint32_t id) {
+    return impl_->grabs.release(holder, id);
+}
+
+void World::release_all(const std::string& holder) { impl_->grabs.release_all(holder); }
+
+std::size_t World::num_grabs() const { return impl_->grabs.size(); }
+
+void World::get_state(WorldState& state) const {
+    state.tick = impl_->counters.num_ticks;
+    state.objects.clear();
+    for (const auto& [id, object] : impl_->objects) state.objects.push_back(motion_of(*object));
+}
+
+bool World::set_state(const WorldState& state) {
+    for (const ObjectMotion& motion : state.objects) {
+        if (!impl_->objects.contains(motion.id) || !is_valid(motion)) return false;
+    }
+    for (const ObjectMotion& motion : state.objects) {
+        set_motion(motion, *impl_->objects.at(motion.id));
+    }
+    std::vector<ObjectBody*> bodies;
+    for (auto& [id, object] : impl_->objects) bodies.push_back(object.get());
+    forget_history(impl_->world, impl_->broadphase, impl_->solver, bodies);
+    impl_->grabs.clear();
+    impl_->counters.num_ticks = state.tick;
     return true;
 }
 

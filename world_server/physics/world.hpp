@@ -2,6 +2,7 @@
 
 #include "core/geometry/rigid_transform.hpp"
 #include "world_server/physics/person_shape.hpp"
+#include "world_server/physics/world_state.hpp"
 
 #include <Eigen/Core>
 
@@ -69,6 +70,7 @@ struct WorldCounters {
     std::uint64_t num_contact_ticks = 0;  // with at least one contact of a person and an object
     std::uint64_t num_strays = 0;         // objects that left the world and were put back
     std::uint64_t num_not_finite = 0;     // objects whose state was not a number, put back
+    std::uint32_t last_reset = 0;         // the object that was put back last; 0: none was
     std::uint64_t num_escapes = 0;        // objects that were found inside a person
 };
 
@@ -94,6 +96,25 @@ public:
     void reset();
     /// `impulse_ns` [N s] acts at the centre of mass. False: not there, or it does not move.
     bool push(std::uint32_t id, const Eigen::Vector3d& impulse_ns);
+
+    /// Lets `holder` hold an object at a point of it [m, in its frame] and pull that towards a goal
+    /// [m, world] (grab.hpp). False: no such object that moves, or too many are held.
+    bool grab(const std::string& holder,
+              std::uint32_t id,
+              const Eigen::Vector3d& point_object,
+              const Eigen::Vector3d& goal_world);
+    /// False: the holder does not hold it.
+    bool move_grab(const std::string& holder, std::uint32_t id, const Eigen::Vector3d& goal_world);
+    bool release(const std::string& holder, std::uint32_t id);
+    void release_all(const std::string& holder);
+    std::size_t num_grabs() const;
+
+    void get_state(WorldState& state) const;
+    /// Goes on from `state`: equal states and equal calls from there on give equal states, whatever
+    /// was before, provided that nobody is in the world at that moment. Objects that `state` does
+    /// not name stay where they are. False, and nothing is changed, where it names one that is not
+    /// there, or a number is out of range. Lets go of what is held.
+    bool set_state(const WorldState& state);
 
     /// The newest shape of a person takes the place of the one before.
     void set_person(const std::string& name, const PersonShape& shape);
