@@ -103,6 +103,14 @@ void declare(WorldServerConfig& config, config::OptionSet& set) {
     set.add("world.seconds", config.seconds, "how long to run [s]; 0: until Ctrl-C", {0, 1e9});
     set.add(
         "world.max_objects", config.max_objects, "objects at most, added ones included", {1, 2048});
+    set.add("world.state_file",
+            config.state_file,
+            "file for the state of the world, saved at the end and restored at the start; empty: "
+            "none");
+    set.add("world.save_every_s",
+            config.save_every_s,
+            "time between saves [s]; 0: only at the end and on command",
+            {0, 86400});
     set.add("world.max_sites", config.max_sites, "sites at most; later ones are refused", {1, 64});
     physics::WorldOptions& world = config.world;
     set.add("world.half_extent_m",
@@ -135,6 +143,7 @@ void declare(WorldServerConfig& config, config::OptionSet& set) {
 
 void read_world(config::TableReader& reader, WorldServerConfig& config) {
     reader.read("world.gravity", config.world.gravity.data(), 3, {-100.0, 100.0});
+    read_rights(reader, config.rights);
     std::set<std::string> names;
     for (config::TableReader& table : reader.tables("object")) {
         const auto id = static_cast<std::uint32_t>(config.objects.size() + 1);

@@ -7,7 +7,9 @@
 #include "world_server/physics/person_shape.hpp"
 #include "world_server/physics/world.hpp"
 #include "world_server/placement.hpp"
+#include "world_server/rights.hpp"
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -32,6 +34,9 @@ struct WorldServerConfig {
     physics::PersonShapeOptions person;
     std::vector<WorldObject> objects;
     std::vector<NamedPlacement> placements;
+    Rights rights;
+    std::filesystem::path state_file;  // empty: nothing is saved, nothing restored
+    double save_every_s = 30.0;        // 0: only at the end and on command
 };
 
 /// Declares every plain option; `config` must outlive `set`.

@@ -4,7 +4,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cassert>
+#include <set>
+#include <utility>
 
 namespace atrium::world_server {
 namespace {
@@ -66,6 +69,71 @@ Expected<Scene> Scene::create(const WorldServerConfig& config) {
         known.restitution = object.restitution;
     }
     scene.num_described_ = static_cast<std::uint32_t>(config.objects.size());
+    scene.description_ = scene.hash_description();
+    return scene;
+}
+
+// Of what a state depends on: a new colour in the world's file does no harm.
+std::uint64_t Scene::hash_description() const {
+    std::string text = fmt::format("{} {} {} {}",
+                                   options_.tick_s,
+                                   options_.gravity.x(),
+                                   options_.gravity.y(),
+                                   options_.gravity.z());
+    for (const auto& [id, object] : objects_) {
+        text += fmt::format("; {} {} {} {} {} {} {} {} {}",
+                            id,
+                            object.name,
+                            static_cast<int>(object.shape),
+                            object.size_m.x(),
+                            object.size_m.y(),
+                            object.size_m.z(),
+                            object.mass_kg,
+                            object.model,
+                            object.model_scale);
+    }
+    std::uint64_t hash = 14695981039346656037ULL;  // FNV-1a
+    for (const char c : text) {
+        hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+    }
+    return hash;
+}
+
+void Scene::save(SavedWorld& saved) {
+    saved.description = description_;
+    saved.next_id = next_id_;
+    saved.added.clear();
+    for (const auto& [id, object] : objects_) {
+        if (id > num_described_) saved.added.push_back(object);
+    }
+    world_->get_state(saved.state);
+    [[maybe_unused]] const bool is_kept = world_->set_state(saved.state);
+    assert(is_kept);
+}
+
+Expected<Scene> Scene::restore(const WorldServerConfig& config, const SavedWorld& saved) {
+    auto scene = create(config);
+    if (!scene) return scene;
+    if (saved.description != scene->description_) {
+        return refuse("state of a world: it belongs to a world of another description");
+    }
+    std::set<std::uint32_t> kept;
+    for (const auto& motion : saved.state.objects) kept.insert(motion.id);
+    for (const bus::SceneObject& object : scene->objects()) {
+        if (kept.contains(object.object) || object.shape == bus::Shape::kSoft) continue;
+        scene->world_->remove(object.object);
+        scene->objects_.erase(object.object);
+    }
+    for (const bus::SceneObject& object : saved.added) {
+        if (object.object <= scene->num_described_) {
+            return refuse("state of a world: an object that was added has a described one's id");
+        }
+        if (const auto added = scene->add(object); !added) return tl::unexpected(added.error());
+    }
+    scene->next_id_ = std::max(scene->next_id_, saved.next_id);
+    if (!scene->world_->set_state(saved.state)) {
+        return refuse("state of a world: an object that moved is not in the world");
+    }
     return scene;
 }
 
@@ -83,6 +151,7 @@ Expected<std::vector<SceneChange>> Scene::apply(const bus::SceneCommand& command
         case bus::CommandKind::kGrab:
         case bus::CommandKind::kMove:
         case bus::CommandKind::kRelease:
+            return hold(command);
         case bus::CommandKind::kSave:
         case bus::CommandKind::kRestore:
             break;
@@ -149,6 +218,22 @@ Expected<std::vector<SceneChange>> Scene::push(const bus::SceneCommand& command)
     return std::vector<SceneChange>{};
 }
 
+Expected<std::vector<SceneChange>> Scene::hold(const bus::SceneCommand& command) {
+    const std::uint32_t target = command.target;
+    if (command.kind == bus::CommandKind::kRelease) {
+        // what it let go of already, or what is gone, is no fault of the sender's
+        world_->release(command.sender, target);
+    } else if (command.kind == bus::CommandKind::kMove) {
+        if (!world_->move_grab(command.sender, target, command.goal_world)) {
+            return refuse(fmt::format("move: the sender does not hold object {}", target));
+        }
+    } else if (!world_->grab(command.sender, target, command.point_object, command.goal_world)) {
+        return refuse(fmt::format(
+            "grab: there is no object {} that moves, or too much is held already", target));
+    }
+    return std::vector<SceneChange>{};
+}
+
 std::vector<bus::SceneObject> Scene::objects() const {
     std::vector<bus::SceneObject> objects;
     objects.reserve(objects_.size());
@@ -156,11 +241,31 @@ std::vector<bus::SceneObject> Scene::objects() const {
     return objects;
 }
 
-void Scene::get_state(const std::string& name, bus::SceneState& state) {
+std::vector<SceneChange> Scene::all() const {
+    std::vector<SceneChange> changes;
+    changes.reserve(objects_.size());
+    for (const auto& [id, object] : objects_) changes.push_back({.object = object});
+    return changes;
+}
+
+std::optional<SceneChange> Scene::forget_removed(const physics::Incident& incident) {
+    if (incident.kind != physics::IncidentKind::kRemoved) return std::nullopt;
+    const auto found = objects_.find(incident.object);
+    if (found == objects_.end()) return std::nullopt;
+    const SceneChange change{.object = found->second, .is_gone = true};
+    objects_.erase(found);
+    return change;
+}
+
+void Scene::get_soft_states(Timestamp /*time*/, std::vector<bus::SoftBodyState>& states) {
+    states.clear();
+}
+
+void Scene::get_state(const std::string& name, Timestamp time, bus::SceneState& state) {
     world_->get_states(states_);
     state.world = name;
     state.tick = world_->counters().num_ticks;
-    state.time = Timestamp::now();
+    state.time = time;
     state.objects.clear();
     for (const physics::RigidState& s : states_) {
         state.objects.push_back({s.id, s.world_from_object, s.linear_velocity, s.angular_velocity});

@@ -1,5 +1,7 @@
 #include "world_server/physics/grab.hpp"
 
+#include "world_server/physics/bullet_types.hpp"
+
 #include <Eigen/LU>
 #include <btBulletDynamicsCommon.h>
 
@@ -9,11 +11,6 @@
 
 namespace atrium::physics {
 namespace {
-
-btVector3 to_btv(const Eigen::Vector3d& v) {
-    return btVector3(btScalar(v.x()), btScalar(v.y()), btScalar(v.z()));
-}
-Eigen::Vector3d to_eigen(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 
 Eigen::Vector3d limited(const Eigen::Vector3d& v, double max) {
     const double length = v.norm();
@@ -26,7 +23,7 @@ Eigen::Matrix3d inverse_mass_at(const btRigidBody& body, const Eigen::Vector3d& 
     cross << 0, -arm.z(), arm.y(), arm.z(), 0, -arm.x(), -arm.y(), arm.x(), 0;
     Eigen::Matrix3d inverse_inertia;
     for (int r = 0; r < 3; ++r) {
-        inverse_inertia.row(r) = to_eigen(body.getInvInertiaTensorWorld()[r]).transpose();
+        inverse_inertia.row(r) = from_bullet(body.getInvInertiaTensorWorld()[r]).transpose();
     }
     return double(body.getInvMass()) * Eigen::Matrix3d::Identity() -
            cross * inverse_inertia * cross;
@@ -91,33 +88,28 @@ void Grabs::forget(std::uint32_t object) {
     std::erase_if(grabs_, [&](const Grab& grab) { return grab.object == object; });
 }
 
-bool Grabs::holds(std::uint32_t object) const {
-    return std::any_of(
-        grabs_.begin(), grabs_.end(), [&](const Grab& grab) { return grab.object == object; });
-}
-
 void Grabs::pull(const Grab& grab, btRigidBody& body) const {
     const btTransform& world_from_body = body.getWorldTransform();
-    const Eigen::Vector3d place = to_eigen(world_from_body * to_btv(grab.point_object));
-    const Eigen::Vector3d arm = place - to_eigen(world_from_body.getOrigin());
-    const Eigen::Vector3d velocity = to_eigen(body.getVelocityInLocalPoint(to_btv(arm)));
+    const Eigen::Vector3d place = from_bullet(world_from_body * to_bullet(grab.point_object));
+    const Eigen::Vector3d arm = place - from_bullet(world_from_body.getOrigin());
+    const Eigen::Vector3d velocity = from_bullet(body.getVelocityInLocalPoint(to_bullet(arm)));
     const double mass_kg = 1.0 / body.getInvMass();
     const double max_force_n = std::min(options_.max_force_n, mass_kg * options_.max_acceleration);
     // no faster than what the force can bring to rest until the goal, gravity or not
     const Eigen::Vector3d way = grab.goal_world - place;
-    const double gravity = to_eigen(body.getGravity()).norm();
+    const double gravity = from_bullet(body.getGravity()).norm();
     const double braking = std::max(0.5, 0.5 * (max_force_n / mass_kg - gravity));
     const double speed_mps =
         std::min(options_.max_speed_mps, std::sqrt(2.0 * braking * way.norm()));
     const Eigen::Vector3d wanted = limited(options_.follow_hz * way, speed_mps);
     // gravity is applied after this and before the tick's motion
     const Eigen::Vector3d missing =
-        wanted - velocity - options_.tick_s * to_eigen(body.getGravity());
+        wanted - velocity - options_.tick_s * from_bullet(body.getGravity());
     const Eigen::Vector3d impulse =
         limited(inverse_mass_at(body, arm).inverse() * missing, options_.tick_s * max_force_n);
     if (!impulse.allFinite()) return;
     body.activate(true);
-    body.applyImpulse(to_btv(impulse), to_btv(arm));
+    body.applyImpulse(to_bullet(impulse), to_bullet(arm));
     const auto kept = btScalar(std::exp(-options_.spin_damping_hz * options_.tick_s));
     body.setAngularVelocity(kept * body.getAngularVelocity());
 }

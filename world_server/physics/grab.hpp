@@ -48,13 +48,11 @@ public:
     void release_all(const std::string& holder);
     /// The object is gone.
     void forget(std::uint32_t object);
-    void clear() { grabs_.clear(); }
 
     /// One tick's impulses. `find` returns the body of an object that moves, or null: it is let go.
     void begin_tick(const std::function<btRigidBody*(std::uint32_t object)>& find);
 
     std::size_t size() const { return grabs_.size(); }
-    bool holds(std::uint32_t object) const;
 
 private:
     struct Grab {

@@ -1,6 +1,8 @@
 #include "world_server/physics/world.hpp"
 
+#include "world_server/physics/bullet_types.hpp"
 #include "world_server/physics/grab.hpp"
+#include "world_server/physics/joints.hpp"
 #include "world_server/physics/object_body.hpp"
 #include "world_server/physics/person_body.hpp"
 
@@ -11,6 +13,7 @@
 #include <cassert>
 #include <cmath>
 #include <map>
+#include <set>
 
 namespace atrium::physics {
 namespace {
@@ -24,10 +27,11 @@ constexpr float kEscapeSearchM = 0.5F;
 // Overlap above which Bullet separates without adding velocity; its default of 4 cm makes whatever
 // is pressed by a hand pop away.
 constexpr float kPlainContactM = 0.002F;
-
-btVector3 to_bullet(const Eigen::Vector3d& v) {
-    return btVector3(btScalar(v.x()), btScalar(v.y()), btScalar(v.z()));
-}
+// Nothing gains more in a tick than a few times what it may have at all.
+constexpr double kRunawayFactor = 4.0;
+constexpr double kTornM = 0.25;
+constexpr double kBehindWallM = 0.5;
+constexpr std::size_t kMaxIncidents = 256;
 
 ObjectBody* object_of(const btCollisionObject* body) {
     if (body->isKinematicObject()) return nullptr;
@@ -65,8 +69,12 @@ struct World::Impl {
     explicit Impl(const WorldOptions& world_options);
     ~Impl();
     static void begin_tick(btDynamicsWorld* world, btScalar tick_s);
-    void guard(ObjectBody& object);
     ObjectBody* find_moving(std::uint32_t id);
+    std::optional<IncidentKind> guard(ObjectBody& object);
+    void guard_all();
+    void act_on(const Incident& incident);
+    void record(const Incident& incident);
+    bool remove(std::uint32_t id);
     void look_at_contacts();
     void lead_out(ObjectBody& object);
 
@@ -79,7 +87,12 @@ struct World::Impl {
     std::map<std::uint32_t, std::unique_ptr<ObjectBody>> objects;
     std::map<std::string, std::unique_ptr<PersonBody>> people;
     Grabs grabs;
-    std::map<std::uint32_t, Eigen::Vector3d> positions_before;  // of the objects that move
+    std::map<std::uint32_t, Eigen::Vector3d> centres_before;  // of the objects that move
+    Surroundings surroundings{world, kStillGroup, kObjectGroup};
+    Joints joints{world, options.tick_s};
+    std::vector<Incident> found;         // in this tick; scratch
+    std::set<std::uint32_t> dealt_with;  // in this tick; scratch
+    std::vector<Incident> incidents;
     WorldCounters counters;
 };
 
@@ -94,11 +107,15 @@ World::Impl::Impl(const WorldOptions& world_options)
     world.getDispatchInfo().m_deterministicOverlappingPairs = true;
     world.setInternalTickCallback(&Impl::begin_tick, this, /*isPreTick=*/true);
     dispatcher.setNearCallback(&collide_unless_escaping);
+    if (options.leaving == LeavePolicy::kBounce) surroundings.add_walls(box_of(options));
 }
 
 World::Impl::~Impl() {
     people.clear();
-    for (auto& [id, object] : objects) world.removeRigidBody(&object->body());
+    for (auto& [id, object] : objects) {
+        joints.remove_of(id);
+        world.removeRigidBody(&object->body());
+    }
 }
 
 void World::Impl::begin_tick(btDynamicsWorld* world, btScalar tick_s) {
@@ -107,6 +124,7 @@ void World::Impl::begin_tick(btDynamicsWorld* world, btScalar tick_s) {
     for (auto& [id, object] : self.objects) {
         if (object->escaping_from != nullptr) self.lead_out(*object);
     }
+    self.joints.begin_tick();
     self.grabs.begin_tick([&](std::uint32_t id) -> btRigidBody* {
         ObjectBody* object = self.find_moving(id);
         return object == nullptr ? nullptr : &object->body();
@@ -114,14 +132,13 @@ void World::Impl::begin_tick(btDynamicsWorld* world, btScalar tick_s) {
 }
 
 ObjectBody* World::Impl::find_moving(std::uint32_t id) {
-    const auto found = objects.find(id);
-    return found == objects.end() || !found->second->moves() ? nullptr : found->second.get();
+    const auto object = objects.find(id);
+    return object == objects.end() || !object->second->moves() ? nullptr : object->second.get();
 }
 
 // Gives an object inside a person a velocity towards the nearest place on the person's surface.
 void World::Impl::lead_out(ObjectBody& object) {
-    const Eigen::Vector3d position = object.state().world_from_object.translation;
-    const Eigen::Vector3f centre = position.cast<float>();
+    const Eigen::Vector3f centre = object.centre().cast<float>();
     const auto nearest = object.escaping_from->surface().nearest(
         centre, kEscapeSearchM, [](const SurfaceSample& sample) {
             return sample.normal.z() > -0.5F;  // not down through the soles
@@ -131,7 +148,7 @@ void World::Impl::lead_out(ObjectBody& object) {
         return;
     }
     const Eigen::Vector3d out = nearest->normal.cast<double>();
-    const Eigen::Vector3d velocity = object.state().linear_velocity;
+    const Eigen::Vector3d velocity = from_bullet(object.body().getLinearVelocity());
     const double missing = options.escape_mps - velocity.dot(out);
     if (missing > 0.0)
         object.body().setLinearVelocity(to_bullet((velocity + missing * out).eval()));
@@ -154,7 +171,7 @@ void World::Impl::look_at_contacts() {
         touched = touched || distance_m <= kContactM;
         if (object == nullptr || object->escaping_from != nullptr) continue;
         if (distance_m > -kDeepRadii * object->inner_radius_m()) continue;
-        const Eigen::Vector3f centre = object->state().world_from_object.translation.cast<float>();
+        const Eigen::Vector3f centre = object->centre().cast<float>();
         const auto nearest = person->surface().nearest(
             centre, kEscapeSearchM, [](const SurfaceSample&) { return true; });
         if (!nearest || nearest->normal.dot(centre - nearest->position) > 0.0F) continue;
@@ -164,24 +181,73 @@ void World::Impl::look_at_contacts() {
     if (touched) ++counters.num_contact_ticks;
 }
 
-void World::Impl::guard(ObjectBody& object) {
-    if (!object.is_finite()) {
-        ++counters.num_not_finite;
-        counters.last_reset = object.object().id;
-        object.put_back();
-        return;
-    }
+// What is wrong with an object after a tick; limits its motion where nothing is.
+std::optional<IncidentKind> World::Impl::guard(ObjectBody& object) {
+    if (!object.is_finite()) return IncidentKind::kNotFinite;
+    const double speed = from_bullet(object.body().getLinearVelocity()).norm();
+    if (speed > kRunawayFactor * options.max_speed_mps) return IncidentKind::kRunaway;
     if (object.body().isActive()) {
-        object.limit_motion(positions_before[object.object().id], options);
+        object.limit_motion(centres_before[object.object().id], options);
     }
-    const Eigen::Vector3d position = object.state().world_from_object.translation;
-    const bool strayed =
-        position.z() < options.lowest_z_m || position.cwiseAbs().maxCoeff() > options.half_extent_m;
-    if (strayed) {
-        ++counters.num_strays;
-        counters.last_reset = object.object().id;
-        object.put_back();
+    geometry::Aabb box = box_of(options);
+    if (options.leaving == LeavePolicy::kBounce) {
+        box.min.array() -= kBehindWallM;
+        box.max.array() += kBehindWallM;
     }
+    if (!box.contains(object.centre())) return IncidentKind::kLeft;
+    return std::nullopt;
+}
+
+void World::Impl::guard_all() {
+    found.clear();
+    dealt_with.clear();
+    for (auto& [id, object] : objects) {
+        if (!object->moves()) continue;
+        if (const auto kind = guard(*object)) found.push_back({id, *kind});
+    }
+    for (const auto& joint : joints.all()) {
+        if (!(joint->gap_m() <= kTornM)) found.push_back({joint->joint().a, IncidentKind::kTorn});
+    }
+    for (const Incident& incident : found) {
+        // what is joined is put back together, once
+        if (!dealt_with.contains(incident.object)) act_on(incident);
+    }
+}
+
+void World::Impl::act_on(const Incident& incident) {
+    switch (incident.kind) {
+        case IncidentKind::kNotFinite:
+            ++counters.num_not_finite;
+            break;
+        case IncidentKind::kRunaway:
+            ++counters.num_runaways;
+            break;
+        case IncidentKind::kTorn:
+            ++counters.num_torn;
+            break;
+        case IncidentKind::kLeft:
+        case IncidentKind::kRemoved:
+            ++counters.num_strays;
+            break;
+    }
+    const bool removes =
+        incident.kind == IncidentKind::kLeft && options.leaving == LeavePolicy::kRemove;
+    if (!removes) record(incident);
+    for (const std::uint32_t id : joints.group_of(incident.object)) {
+        dealt_with.insert(id);
+        const auto member = objects.find(id);
+        if (member == objects.end() || !member->second->moves()) continue;
+        if (!removes) {
+            member->second->put_back();
+        } else if (remove(id)) {
+            record({id, IncidentKind::kRemoved});
+        }
+    }
+}
+
+void World::Impl::record(const Incident& incident) {
+    if (incidents.size() == kMaxIncidents) incidents.erase(incidents.begin());
+    incidents.push_back(incident);
 }
 
 World::World(const WorldOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -199,19 +265,35 @@ AddResult World::add(const RigidObject& object) {
     return AddResult::kAdded;
 }
 
-bool World::remove(std::uint32_t id) {
-    const auto found = impl_->objects.find(id);
-    if (found == impl_->objects.end()) return false;
-    impl_->world.removeRigidBody(&found->second->body());
-    impl_->objects.erase(found);
-    impl_->positions_before.erase(id);
-    impl_->grabs.forget(id);
+bool World::remove(std::uint32_t id) { return impl_->remove(id); }
+
+bool World::Impl::remove(std::uint32_t id) {
+    const auto found_at = objects.find(id);
+    if (found_at == objects.end()) return false;
+    joints.remove_of(id);
+    world.removeRigidBody(&found_at->second->body());
+    objects.erase(found_at);
+    centres_before.erase(id);
+    grabs.forget(id);
     // what rested on it must not go on sleeping in the air
-    for (auto& [other, object] : impl_->objects) {
+    for (auto& [other, object] : objects) {
         if (object->moves()) object->body().activate();
     }
     return true;
 }
+
+bool World::add_joint(const Joint& joint) {
+    if (find_problem(joint)) return false;
+    const auto a = impl_->objects.find(joint.a);
+    const auto b = impl_->objects.find(joint.b);
+    if (a == impl_->objects.end() || (joint.b != 0 && b == impl_->objects.end())) return false;
+    ObjectBody* other = joint.b == 0 ? nullptr : b->second.get();
+    if (!a->second->moves() && (other == nullptr || !other->moves())) return false;
+    impl_->joints.add(joint, *a->second, other);
+    return true;
+}
+
+bool World::add_still(const StillMesh& mesh) { return impl_->surroundings.add(mesh); }
 
 void World::reset() {
     btOverlappingPairCache& pairs = *impl_->broadphase.getOverlappingPairCache();
@@ -235,8 +317,10 @@ bool World::grab(const std::string& holder,
                  const Eigen::Vector3d& point_object,
                  const Eigen::Vector3d& goal_world) {
     if (!point_object.allFinite() || !goal_world.allFinite()) return false;
-    return impl_->find_moving(id) != nullptr &&
-           impl_->grabs.hold(holder, id, point_object, goal_world);
+    const ObjectBody* object = impl_->find_moving(id);
+    return object != nullptr &&
+           impl_->grabs.hold(
+               holder, id, object->object_from_body().inverse() * point_object, goal_world);
 }
 
 bool World::move_grab(const std::string& holder,
@@ -266,10 +350,9 @@ bool World::set_state(const WorldState& state) {
     for (const ObjectMotion& motion : state.objects) {
         set_motion(motion, *impl_->objects.at(motion.id));
     }
-    std::vector<ObjectBody*> bodies;
-    for (auto& [id, object] : impl_->objects) bodies.push_back(object.get());
-    forget_history(impl_->world, impl_->broadphase, impl_->solver, bodies);
-    impl_->grabs.clear();
+    std::vector<btRigidBody*> bodies;
+    for (auto& [id, object] : impl_->objects) bodies.push_back(&object->body());
+    forget_history(impl_->world, bodies);
     impl_->counters.num_ticks = state.tick;
     return true;
 }
@@ -297,14 +380,17 @@ void World::remove_person(const std::string& name) {
 void World::tick() {
     for (auto& [id, object] : impl_->objects) {
         if (!object->moves()) continue;
-        impl_->positions_before[id] = object->state().world_from_object.translation;
+        impl_->centres_before[id] = object->centre();
     }
     impl_->world.stepSimulation(static_cast<btScalar>(impl_->options.tick_s), /*maxSubSteps=*/0);
-    for (auto& [id, object] : impl_->objects) {
-        if (object->moves()) impl_->guard(*object);
-    }
+    impl_->guard_all();
     impl_->look_at_contacts();
     ++impl_->counters.num_ticks;
+}
+
+void World::take_incidents(std::vector<Incident>& incidents) {
+    incidents.clear();
+    incidents.swap(impl_->incidents);
 }
 
 void World::get_states(std::vector<RigidState>& states) const {
@@ -314,6 +400,7 @@ void World::get_states(std::vector<RigidState>& states) const {
 
 const WorldCounters& World::counters() const { return impl_->counters; }
 std::size_t World::num_objects() const { return impl_->objects.size(); }
+std::size_t World::num_joints() const { return impl_->joints.size(); }
 std::size_t World::num_people() const { return impl_->people.size(); }
 
 std::size_t World::num_person_pieces() const {

@@ -1,7 +1,11 @@
 #pragma once
 
+#include "core/geometry/aabb.hpp"
 #include "core/geometry/rigid_transform.hpp"
+#include "world_server/physics/joint.hpp"
 #include "world_server/physics/person_shape.hpp"
+#include "world_server/physics/rigid_object.hpp"
+#include "world_server/physics/surroundings.hpp"
 #include "world_server/physics/world_state.hpp"
 
 #include <Eigen/Core>
@@ -16,31 +20,6 @@
 
 namespace atrium::physics {
 
-enum class ObjectShape : std::uint8_t { kBox, kSphere, kCylinder, kCapsule, kPlane };
-
-struct RigidObject {
-    std::uint32_t id = 0;
-    ObjectShape shape = ObjectShape::kBox;
-    /// [m] box: full extents; sphere: diameter thrice; cylinder, capsule: diameter, diameter,
-    /// height along local z (a capsule's height includes its caps); plane: infinite, through the
-    /// origin, normal +z, unused.
-    Eigen::Vector3d size_m = Eigen::Vector3d::Ones();
-    double mass_kg = 0.0;  // 0: does not move; a plane must not
-    double friction = 0.6;
-    double restitution = 0.2;
-    geometry::RigidTransform world_from_object{};  // where it starts, and where `reset` puts it
-};
-
-/// What is wrong with an object, and what would be right.
-struct ObjectProblem {
-    std::string_view field;
-    std::string_view allowed;
-};
-
-/// A number is not finite, a size is outside 1 cm .. 20 m or does not fit the shape, a mass is
-/// outside 0 .. 10 t, a density outside 1 .. 30000 kg/m^3, or a plane has a mass.
-std::optional<ObjectProblem> find_problem(const RigidObject& object);
-
 struct RigidState {
     std::uint32_t id = 0;
     geometry::RigidTransform world_from_object;
@@ -48,12 +27,21 @@ struct RigidState {
     Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // [rad/s] world
 };
 
+/// What becomes of an object whose centre of mass leaves the world's box.
+enum class LeavePolicy : std::uint8_t {
+    kReset,   // back to where it started
+    kRemove,  // it is gone
+    kBounce   // it cannot: the box has walls; what gets through one is put back
+};
+
 struct WorldOptions {
     double tick_s = 1.0 / 120.0;
     Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // [m/s^2]
     std::size_t max_objects = 256;
-    double half_extent_m = 20.0;         // an object that is further out than this,
-    double lowest_z_m = -1.0;            // or lower than this, goes back to where it started
+    double half_extent_m = 20.0;          // the world's box: as far as this from the origin,
+    double lowest_z_m = -1.0;             // but no lower than this;
+    std::optional<geometry::Aabb> box{};  // or this one in place of the two
+    LeavePolicy leaving = LeavePolicy::kReset;
     double max_speed_mps = 15.0;         // of an object
     double max_spin_rad_s = 60.0;        // of an object
     double max_depenetration_mps = 3.0;  // at which objects that overlap are moved apart
@@ -62,15 +50,34 @@ struct WorldOptions {
     double person_restitution = 0.2;
 };
 
+geometry::Aabb box_of(const WorldOptions& options);
+
+/// What the world did to an object on its own.
+enum class IncidentKind : std::uint8_t {
+    kNotFinite,  // its state was not a number: put back
+    kRunaway,    // in one tick it became faster than anything makes it: put back
+    kTorn,       // it came off what it is joined to: put back
+    kLeft,       // it left the world's box: put back
+    kRemoved     // it left the world's box: removed
+};
+/// "was not a number, and was put back"
+std::string_view describe(IncidentKind kind);
+
+struct Incident {
+    std::uint32_t object = 0;
+    IncidentKind kind = IncidentKind::kLeft;
+};
+
 enum class AddResult : std::uint8_t { kAdded, kIdInUse, kWorldFull, kInvalid };
 
 /// Running counts since the construction.
 struct WorldCounters {
     std::uint64_t num_ticks = 0;
     std::uint64_t num_contact_ticks = 0;  // with at least one contact of a person and an object
-    std::uint64_t num_strays = 0;         // objects that left the world and were put back
+    std::uint64_t num_strays = 0;         // objects that left the world's box
     std::uint64_t num_not_finite = 0;     // objects whose state was not a number, put back
-    std::uint32_t last_reset = 0;         // the object that was put back last; 0: none was
+    std::uint64_t num_runaways = 0;       // objects of an absurd speed, put back
+    std::uint64_t num_torn = 0;           // objects torn from what they are joined to, put back
     std::uint64_t num_escapes = 0;        // objects that were found inside a person
 };
 
@@ -80,6 +87,9 @@ struct WorldCounters {
 /// is set back by its velocity times the shape's period and then moves forward for that period, so
 /// that pieces sweep from mesh to mesh without a gap and stop where the mesh was captured, unless
 /// the next one has come by then. A person thus lags by one mesh period and never overshoots.
+///
+/// An object whose state is not a number, or that became absurdly fast, is put back to where it
+/// started, and with it all that it is joined to; the rest of the world goes on.
 ///
 /// Deterministic: equal calls give equal states. Not thread-safe; creates no threads.
 class World {
@@ -91,7 +101,13 @@ public:
 
     /// kInvalid: see `find_problem`.
     AddResult add(const RigidObject& object);
-    bool remove(std::uint32_t id);  // false: not there
+    /// With its joints. False: not there.
+    bool remove(std::uint32_t id);
+    /// False, and nothing added, where it has a problem (`find_problem`), its objects are not
+    /// there, or neither of them moves.
+    bool add_joint(const Joint& joint);
+    /// See `Surroundings::add`.
+    bool add_still(const StillMesh& mesh);
     /// Puts every object back to where it started, at rest.
     void reset();
     /// `impulse_ns` [N s] acts at the centre of mass. False: not there, or it does not move.
@@ -111,9 +127,9 @@ public:
 
     void get_state(WorldState& state) const;
     /// Goes on from `state`: equal states and equal calls from there on give equal states, whatever
-    /// was before, provided that nobody is in the world at that moment. Objects that `state` does
-    /// not name stay where they are. False, and nothing is changed, where it names one that is not
-    /// there, or a number is out of range. Lets go of what is held.
+    /// was before, provided that nobody is in the world and nothing held at that moment. Objects
+    /// that `state` does not name stay where they are. False, and nothing is changed, where it
+    /// names one that is not there, or a number is out of range.
     bool set_state(const WorldState& state);
 
     /// The newest shape of a person takes the place of the one before.
@@ -123,10 +139,14 @@ public:
     /// One step of `tick_s`.
     void tick();
 
+    /// What the world did on its own since the last call, oldest first; at most 256 are kept.
+    void take_incidents(std::vector<Incident>& incidents);
+
     /// Of all objects, in the order of their ids.
     void get_states(std::vector<RigidState>& states) const;
     const WorldCounters& counters() const;
     std::size_t num_objects() const;
+    std::size_t num_joints() const;
     std::size_t num_people() const;
     std::size_t num_person_pieces() const;
     /// Of every object's pose and velocities, bit by bit.

@@ -72,31 +72,43 @@ void set_motion(const ObjectMotion& motion, ObjectBody& object) {
     body.setDeactivationTime(btScalar(motion.idle_s));
 }
 
-void forget_history(btDiscreteDynamicsWorld& world,
-                    btBroadphaseInterface& broadphase,
-                    btConstraintSolver& solver,
-                    const std::vector<ObjectBody*>& bodies) {
-    struct Filter {
+void forget_history(btDiscreteDynamicsWorld& world, const std::vector<btRigidBody*>& bodies) {
+    struct Member {
+        btCollisionObject* object;
         int group;
         int mask;
+        int activation;
+        btScalar idle_s;
+        std::pair<std::size_t, int> place;  // in the order that they come back in
     };
-    std::vector<Filter> filters;
-    filters.reserve(bodies.size());
-    for (ObjectBody* object : bodies) {
-        const btBroadphaseProxy& proxy = *object->body().getBroadphaseHandle();
-        filters.push_back({proxy.m_collisionFilterGroup, proxy.m_collisionFilterMask});
+    std::vector<Member> members;
+    for (int i = 0; i < world.getNumCollisionObjects(); ++i) {
+        btCollisionObject* object = world.getCollisionObjectArray()[i];
+        const btBroadphaseProxy& proxy = *object->getBroadphaseHandle();
+        // what is not in the list keeps its order: numbers of proxies rise
+        const auto found = std::find(bodies.begin(), bodies.end(), object);
+        const std::size_t place =
+            found == bodies.end() ? 0 : 1 + static_cast<std::size_t>(found - bodies.begin());
+        members.push_back({object,
+                           proxy.m_collisionFilterGroup,
+                           proxy.m_collisionFilterMask,
+                           object->getActivationState(),
+                           object->getDeactivationTime(),
+                           {place, proxy.m_uniqueId}});
     }
-    for (ObjectBody* object : bodies) world.removeRigidBody(&object->body());
-    // does nothing while anything else is in the world
-    broadphase.resetPool(world.getDispatcher());
-    solver.reset();
-    for (std::size_t i = 0; i < bodies.size(); ++i) {
-        btRigidBody& body = bodies[i]->body();
-        const int activation = body.getActivationState();
-        const btScalar idle_s = body.getDeactivationTime();
-        world.addRigidBody(&body, filters[i].group, filters[i].mask);
-        body.forceActivationState(activation);
-        body.setDeactivationTime(idle_s);
+    std::sort(members.begin(), members.end(), [](const Member& a, const Member& b) {
+        return a.place < b.place;
+    });
+    for (const Member& member : members) world.removeCollisionObject(member.object);
+    world.getBroadphase()->resetPool(world.getDispatcher());
+    world.getConstraintSolver()->reset();
+    for (const Member& member : members) {
+        if (auto* body = btRigidBody::upcast(member.object))
+            world.addRigidBody(body, member.group, member.mask);
+        else
+            world.addCollisionObject(member.object, member.group, member.mask);
+        member.object->forceActivationState(member.activation);
+        member.object->setDeactivationTime(member.idle_s);
     }
 }
 

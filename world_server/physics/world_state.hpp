@@ -5,9 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-class btBroadphaseInterface;
-class btConstraintSolver;
 class btDiscreteDynamicsWorld;
+class btRigidBody;
 
 namespace atrium::physics {
 
@@ -53,13 +52,10 @@ bool is_valid(const ObjectMotion& motion);
 bool is_valid(const SoftMotion& motion);
 void set_motion(const ObjectMotion& motion, ObjectBody& body);
 
-/// Takes all bodies out of the world and puts them back in the order given, so that what happens
-/// next depends on their motion alone and not on what Bullet remembers of contacts, of pairs and of
-/// the order in which bodies came. Costs the accumulated impulses of resting contacts, which build
-/// up again within some ticks.
-void forget_history(btDiscreteDynamicsWorld& world,
-                    btBroadphaseInterface& broadphase,
-                    btConstraintSolver& solver,
-                    const std::vector<ObjectBody*>& bodies);
+/// Takes all that collides out of the world and puts it back, `bodies` last and in the order given,
+/// so that what happens next depends on motion alone and not on what Bullet remembers of contacts,
+/// of pairs and of the order in which bodies came and went. Costs the accumulated impulses of
+/// resting contacts, which build up again within some ticks.
+void forget_history(btDiscreteDynamicsWorld& world, const std::vector<btRigidBody*>& bodies);
 
 }  // namespace atrium::physics

@@ -101,7 +101,7 @@ TEST_F(SceneCommands, PushIsBoundedByTheSpeedLimit) {
     ASSERT_TRUE(scene->apply(push));
     scene->world().tick();
     bus::SceneState state;
-    scene->get_state("w", state);
+    scene->get_state("w", {}, state);
     EXPECT_NEAR(state.objects.at(1).linear_velocity.x(), 2.0, 0.1);
 
     push.impulse_ns = {1e5, 0, 0};
@@ -121,10 +121,10 @@ TEST_F(SceneCommands, ResetPutsThingsBack) {
     ASSERT_TRUE(scene->apply(push));
     for (int i = 0; i < 60; ++i) scene->world().tick();
     bus::SceneState state;
-    scene->get_state("w", state);
+    scene->get_state("w", {}, state);
     ASSERT_GT(state.objects.at(1).world_from_object.translation.x(), 0.3);
     ASSERT_TRUE(scene->apply(command(bus::CommandKind::kReset)));
-    scene->get_state("w", state);
+    scene->get_state("w", {}, state);
     EXPECT_NEAR(state.objects.at(1).world_from_object.translation.x(), 0.0, 1e-6);
 }
 

@@ -36,7 +36,7 @@ void add_things(World& world) {
 void input(World& world, int tick) {
     if (tick % 40 == 7) world.push(2 + static_cast<std::uint32_t>(tick) % 30, {0.6, -0.3, 0.8});
     if (tick == 130) world.grab("eve", 5, {0, 0, 0}, {0.2, 0.2, 1.0});
-    if (tick == 180) world.release("eve", 5);
+    if (tick == 145) world.release("eve", 5);
     if (tick == 200) world.remove(9);
     if (tick == 210) {
         world.add({.id = 90,
