@@ -41,4 +41,19 @@ Expected<std::optional<Scene>> load_scene(const WorldServerConfig& config) {
     return std::optional<Scene>(std::move(*scene));
 }
 
+Expected<Scene> start_scene(const WorldServerConfig& config) {
+    auto described = Scene::create(config);
+    if (!described || config.state_file.empty()) return described;
+    auto saved = load_scene(config);
+    if (!saved) {
+        app::log::error("restore_failed {}; the world starts as described", saved.error().message);
+        return described;
+    }
+    if (!*saved) return described;
+    app::log::info("state_restored file={} tick={}",
+                   config.state_file.string(),
+                   (*saved)->world().counters().num_ticks);
+    return std::move(**saved);
+}
+
 }  // namespace atrium::world_server

@@ -37,4 +37,7 @@ private:
 /// damaged, or of another world or version, is put aside, which is an error that says where.
 Expected<std::optional<Scene>> load_scene(const WorldServerConfig& config);
 
+/// As it was saved, or else, with the reason in the log, as it is described.
+Expected<Scene> start_scene(const WorldServerConfig& config);
+
 }  // namespace atrium::world_server

@@ -4,17 +4,10 @@
 #include "core/app/program.hpp"
 #include "core/base/statistics.hpp"
 #include "core/joining/join_world.hpp"
-#include "world_server/command_inbox.hpp"
 #include "world_server/endpoints.hpp"
-#include "world_server/outbox.hpp"
-#include "world_server/pace.hpp"
-#include "world_server/people_inbox.hpp"
 #include "world_server/publisher.hpp"
-#include "world_server/scene.hpp"
+#include "world_server/simulation.hpp"
 #include "world_server/site_register.hpp"
-#include "world_server/state_saver.hpp"
-
-#include <fmt/format.h>
 
 #include <atomic>
 #include <chrono>
@@ -25,14 +18,8 @@
 namespace atrium::world_server {
 namespace {
 
-using Clock = Pace::Clock;
-constexpr int kMaxCatchUpTicks = 4;  // what a tick of 120 Hz may be late by is one mesh period
-constexpr double kHashPeriodS = 10.0;
+using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kStatusPeriod{1000};
-
-bus::LatencySummary to_summary(const Quantiles& quantiles) {
-    return {quantiles.median_ms, quantiles.p99_ms, quantiles.num_samples};
-}
 
 }  // namespace
 
@@ -49,18 +36,6 @@ struct WorldServer::Impl {
     void count_rejected(const bus::TakeReport& report);
     void reject(const std::string& why);
 
-    // the simulating thread
-    void simulate(std::stop_token stop);
-    void step(Timestamp due);
-    void apply_commands();
-    void apply(const bus::SceneCommand& command);
-    void refuse(const bus::SceneCommand& command, const std::string& why);
-    void apply_people();
-    void save();
-    void restore();
-    void send_state(Timestamp due);
-    void look_after();
-
     // the publishing thread
     void publish(std::stop_token stop);
 
@@ -68,31 +43,18 @@ struct WorldServer::Impl {
 
     const WorldServerConfig config;
     Endpoints endpoints;
-    Scene scene;         // of the simulating thread
     SiteRegister sites;  // of the receiving thread, as is the next one
     std::set<std::string> described_sites;
-    PeopleInbox people;
-    CommandInbox commands;
-    Outbox outbox;
-    Publisher publisher{endpoints};
-    StateSaver saver;
-    double send_credit = 0.0;                  // states that should have been sent by now,
-    double save_credit_s = 0.0;                // and simulated time since the last save,
-    double hash_credit_s = 0.0;                // and the last hash
-    std::vector<physics::Incident> incidents;  // scratch
+    Publisher publisher{endpoints};  // of the publishing thread
     app::log::OncePerSecond rejections_log;
-    app::log::OncePerSecond incidents_log;
+    Simulation simulation;
 
     std::atomic<std::uint64_t> num_meshes{0};
     std::atomic<std::uint64_t> num_rejected{0};
-    std::atomic<std::uint64_t> num_refused{0};
+    std::atomic<std::uint64_t> num_refused{0};  // before they waited for the simulation
     std::atomic<std::uint64_t> num_sites{0};
-    std::atomic<std::uint64_t> num_skipped_ticks{0};
-    mutable std::mutex status_mutex;  // guards the rest
-    physics::WorldCounters counters;
-    LatencyWindow capture_to_collision;
-    LatencyWindow step_times;
-    bus::WorldStatus figures;  // those that no other member has
+    std::atomic<double> steps_per_s{0.0};
+    std::atomic<double> bytes_per_s{0.0};
 
     std::mutex lost_mutex;  // guards the next one
     std::optional<Error> lost;
@@ -105,13 +67,10 @@ WorldServer::Impl::Impl(const WorldServerConfig& server_config,
                         Scene server_scene)
     : config(server_config),
       endpoints(std::move(server_endpoints)),
-      scene(std::move(server_scene)),
       sites(config.placements, static_cast<std::size_t>(config.max_sites), config.person),
-      commands(config.rights),
-      saver(config.state_file) {
-    for (const SceneChange& change : scene.all()) outbox.put(change);
+      simulation(config, std::move(server_scene), [this](const std::string& why) { reject(why); }) {
     for (const NamedPlacement& placement : config.placements) {
-        outbox.put(bus::SitePlacement{placement.site, placement.world_from_site});
+        simulation.outbox().put(bus::SitePlacement{placement.site, placement.world_from_site});
     }
 }
 
@@ -139,7 +98,7 @@ bool WorldServer::Impl::arrive(const std::string& site) {
                        position.x(),
                        position.y(),
                        position.z());
-        outbox.put(**placement);
+        simulation.outbox().put(**placement);
     }
     num_sites = sites.num_present();
     return true;
@@ -147,7 +106,7 @@ bool WorldServer::Impl::arrive(const std::string& site) {
 
 void WorldServer::Impl::leave(const std::string& site) {
     sites.leave(site);
-    people.put(site, std::nullopt);
+    simulation.people().put(site, std::nullopt);
     num_sites = sites.num_present();
     app::log::info("site_left site={}", site);
 }
@@ -175,13 +134,13 @@ void WorldServer::Impl::take_meshes() {
             newest.erase(gone.site);
             if (!described_sites.contains(gone.site)) return leave(gone.site);
             sites.lose_mesh(gone.site);
-            people.put(gone.site, std::nullopt);
+            simulation.people().put(gone.site, std::nullopt);
         }));
     for (const auto& [site, message] : newest) {
         if (!arrive(site)) continue;
         auto shape = sites.read_mesh(message);
         if (shape)
-            people.put(site, std::move(*shape));
+            simulation.people().put(site, std::move(*shape));
         else
             reject(shape.error().message);
     }
@@ -192,12 +151,12 @@ void WorldServer::Impl::take_commands() {
     count_rejected(endpoints.commands.take(
         [&](bus::SceneCommand&& command) {
             const std::string sender = command.sender;
-            if (const auto why = commands.put(std::move(command), now)) {
+            if (const auto why = simulation.commands().put(std::move(command), now)) {
                 ++num_refused;
                 reject("command of " + sender + ": " + *why);
             }
         },
-        [&](const bus::SceneCommand& gone) { commands.leave(gone.sender); }));
+        [&](const bus::SceneCommand& gone) { simulation.commands().leave(gone.sender); }));
 }
 
 void WorldServer::Impl::receive(std::stop_token stop) {
@@ -210,152 +169,22 @@ void WorldServer::Impl::receive(std::stop_token stop) {
     }
 }
 
-void WorldServer::Impl::refuse(const bus::SceneCommand& command, const std::string& why) {
-    ++num_refused;
-    reject("command of " + command.sender + ": " + why);
-}
-
-void WorldServer::Impl::apply(const bus::SceneCommand& command) {
-    const bool is_of_file =
-        command.kind == bus::CommandKind::kSave || command.kind == bus::CommandKind::kRestore;
-    if (is_of_file && !saver.is_on()) {
-        return refuse(command, fmt::format("{}: the world has no file", to_string(command.kind)));
-    }
-    if (command.kind == bus::CommandKind::kSave) return save();
-    if (command.kind == bus::CommandKind::kRestore) return restore();
-    const auto changes = scene.apply(command);
-    if (!changes) return refuse(command, changes.error().message);
-    for (const SceneChange& change : *changes) outbox.put(change);
-}
-
-void WorldServer::Impl::apply_commands() {
-    const CommandInbox::Content waiting = commands.take_all();
-    for (const bus::SceneCommand& command : waiting.commands) apply(command);
-    for (const std::string& sender : waiting.left) scene.forget_sender(sender);
-}
-
-void WorldServer::Impl::save() {
-    save_credit_s = 0.0;
-    SavedWorld saved;
-    scene.save(saved);
-    saver.put(std::move(saved));
-}
-
-// On the simulating thread, which waits for the disk: nothing else may happen to the world
-// meanwhile. People come back with their next mesh.
-void WorldServer::Impl::restore() {
-    auto restored = load_scene(config);
-    if (!restored) return app::log::error("restore_failed {}", restored.error().message);
-    if (!*restored) return app::log::warn("restore_failed nothing was saved yet");
-    for (SceneChange& change : scene.all()) {
-        change.is_gone = true;
-        outbox.put(change);
-    }
-    scene = std::move(**restored);
-    for (const SceneChange& change : scene.all()) outbox.put(change);
-    app::log::info("state_restored tick={}", scene.world().counters().num_ticks);
-}
-
-void WorldServer::Impl::apply_people() {
-    people.take_all([&](const std::string& site, std::optional<physics::PersonShape>&& shape) {
-        if (!shape) return scene.world().remove_person(site);
-        scene.world().set_person(site, *shape);
-        const std::lock_guard lock(status_mutex);
-        capture_to_collision.add(Timestamp::now() - shape->capture_time);
-    });
-}
-
-void WorldServer::Impl::send_state(Timestamp due) {
-    send_credit += config.send_hz / config.tick_hz;
-    if (send_credit < 1.0) return;
-    send_credit -= 1.0;
-    bus::SceneState state;
-    scene.get_state(config.bus.world, due, state);
-    std::vector<bus::SoftBodyState> soft_states;
-    scene.get_soft_states(due, soft_states);
-    outbox.put(std::move(state), std::move(soft_states));
-}
-
-// What the world did on its own, the hash now and then, and the file.
-void WorldServer::Impl::look_after() {
-    const double tick_s = 1.0 / config.tick_hz;
-    scene.world().take_incidents(incidents);
-    for (const physics::Incident& incident : incidents) {
-        incidents_log.warn(
-            fmt::format("object {} {}", incident.object, physics::describe(incident.kind)));
-        if (const auto change = scene.forget_removed(incident)) outbox.put(*change);
-    }
-    hash_credit_s += tick_s;
-    const bool is_hash_due = hash_credit_s >= kHashPeriodS;
-    const std::uint64_t tick = scene.world().counters().num_ticks;
-    const std::uint64_t hash = is_hash_due ? scene.world().state_hash() : 0;
-    if (is_hash_due) {
-        hash_credit_s = 0.0;
-        app::log::info("state_hash tick={} hash={:016x}", tick, hash);
-    }
-    save_credit_s += tick_s;
-    if (saver.is_on() && config.save_every_s > 0.0 && save_credit_s >= config.save_every_s) save();
-    const std::lock_guard lock(status_mutex);
-    if (is_hash_due) {
-        figures.state_tick = tick;
-        figures.state_hash = hash;
-    }
-    if (!incidents.empty()) {
-        figures.num_resets += incidents.size();
-        figures.last_reset = incidents.back().object;
-    }
-    figures.num_objects = scene.num_objects();
-    figures.num_grabs = scene.world().num_grabs();
-    counters = scene.world().counters();
-}
-
-void WorldServer::Impl::step(Timestamp due) {
-    const Clock::time_point begin = Clock::now();
-    apply_commands();
-    apply_people();
-    scene.world().tick();
-    send_state(due);
-    look_after();
-    const std::lock_guard lock(status_mutex);
-    step_times.add(Clock::now() - begin);
-}
-
-void WorldServer::Impl::simulate(std::stop_token stop) {
-    const std::chrono::nanoseconds tick(static_cast<std::int64_t>(1e9 / config.tick_hz));
-    const Clock::time_point start = Clock::now();
-    Pace pace(tick, kMaxCatchUpTicks, start);
-    while (!stop.stop_requested()) {
-        sleep_until(pace.next(), stop);
-        const Clock::time_point now = Clock::now();
-        for (int i = pace.num_due(now); i > 0 && !stop.stop_requested(); --i) {
-            // when it was due, on the clock that states are stamped with
-            const std::chrono::nanoseconds ahead = pace.next() - i * tick - Clock::now();
-            step(Timestamp::now() + ahead);
-        }
-        num_skipped_ticks = pace.num_skipped();
-        const double seconds = std::chrono::duration<double>(now - start).count();
-        if (config.seconds > 0.0 && seconds >= config.seconds) return;
-    }
-}
-
 void WorldServer::Impl::publish(std::stop_token stop) {
     RateMeter step_rate;
     RateMeter byte_rate;
     Clock::time_point next_status = Clock::now();
     std::uint64_t last_skipped = 0;
     while (!stop.stop_requested()) {
-        publisher.send(outbox.take(stop, next_status));
+        publisher.send(simulation.outbox().take(stop, next_status));
 
         const Clock::time_point now = Clock::now();
         if (now < next_status) continue;
         next_status = std::max(next_status + kStatusPeriod, now);
-        {
-            const std::lock_guard lock(status_mutex);
-            figures.steps_per_s = step_rate.update(counters.num_ticks, now);
-            figures.bytes_per_s = byte_rate.update(publisher.num_bytes(), now);
-        }
+        const bus::WorldStatus now_status = status();
+        steps_per_s = step_rate.update(now_status.num_steps, now);
+        bytes_per_s = byte_rate.update(now_status.num_bytes_published, now);
         publisher.send(status());
-        const std::uint64_t skipped = num_skipped_ticks;
+        const std::uint64_t skipped = now_status.num_skipped_ticks;
         if (skipped > last_skipped) {
             app::log::warn("ticks_skipped num={} the machine is too slow or busy",
                            skipped - last_skipped);
@@ -365,44 +194,20 @@ void WorldServer::Impl::publish(std::stop_token stop) {
 }
 
 bus::WorldStatus WorldServer::Impl::status() const {
-    const std::lock_guard lock(status_mutex);
-    bus::WorldStatus status = figures;
+    bus::WorldStatus status;
+    simulation.fill(status);
     status.world = config.bus.world;
     status.time = Timestamp::now();
     status.num_meshes_received = num_meshes;
     status.num_rejected = num_rejected;
-    status.num_refused = num_refused;
+    status.num_refused += num_refused;
     status.num_sites = num_sites;
-    status.num_skipped_ticks = num_skipped_ticks;
-    status.num_saves = saver.num_saves();
     status.num_bytes_published = publisher.num_bytes();
+    status.steps_per_s = steps_per_s;
+    status.bytes_per_s = bytes_per_s;
     status.resident_bytes = app::resident_bytes();
-    status.num_steps = counters.num_ticks;
-    status.num_contacts = counters.num_contact_ticks;
-    status.capture_to_collision = to_summary(capture_to_collision.quantiles());
-    status.step = to_summary(step_times.quantiles());
     return status;
 }
-
-namespace {
-
-// As it was saved, or else as it is described.
-Expected<Scene> start_scene(const WorldServerConfig& config) {
-    auto described = Scene::create(config);
-    if (!described || config.state_file.empty()) return described;
-    auto saved = load_scene(config);
-    if (!saved) {
-        app::log::error("restore_failed {}; the world starts as described", saved.error().message);
-        return described;
-    }
-    if (!*saved) return described;
-    app::log::info("state_restored file={} tick={}",
-                   config.state_file.string(),
-                   (*saved)->world().counters().num_ticks);
-    return std::move(**saved);
-}
-
-}  // namespace
 
 WorldServer::WorldServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 WorldServer::~WorldServer() = default;
@@ -437,14 +242,11 @@ Expected<void> WorldServer::run(std::stop_token stop) {
         const std::stop_callback pass_on(stop, [this] { impl_->end.request_stop(); });
         std::jthread receiver([this](std::stop_token own) { impl_->receive(std::move(own)); });
         std::jthread publisher([this](std::stop_token own) { impl_->publish(std::move(own)); });
-        std::jthread saver([this](std::stop_token own) { impl_->saver.run(std::move(own)); });
-        impl_->simulate(impl_->end.get_token());
+        std::jthread saver(
+            [this](std::stop_token own) { impl_->simulation.saver().run(std::move(own)); });
+        impl_->simulation.run(impl_->end.get_token());
     }  // the threads are stopped and joined here
-    if (impl_->saver.is_on()) {
-        SavedWorld last;
-        impl_->scene.save(last);
-        impl_->saver.save(last);
-    }
+    impl_->simulation.save_last();
     app::log::info("stopped deadlines_missed={}", impl_->endpoints.meshes.num_deadlines_missed());
     const std::lock_guard lock(impl_->lost_mutex);
     if (impl_->lost) return tl::unexpected(*impl_->lost);
