@@ -12,40 +12,11 @@
 namespace atrium::world_server {
 namespace {
 
-physics::ObjectShape to_rigid(bus::Shape shape) {
-    switch (shape) {
-        case bus::Shape::kSphere:
-            return physics::ObjectShape::kSphere;
-        case bus::Shape::kCylinder:
-            return physics::ObjectShape::kCylinder;
-        case bus::Shape::kCapsule:
-            return physics::ObjectShape::kCapsule;
-        case bus::Shape::kPlane:
-            return physics::ObjectShape::kPlane;
-        case bus::Shape::kBox:
-        case bus::Shape::kConvex:
-        case bus::Shape::kCompound:
-        case bus::Shape::kSoft:
-            break;
-    }
-    return physics::ObjectShape::kBox;
-}
-
 tl::unexpected<Error> refuse(std::string why) {
     return make_error(ErrorKind::kInvalidData, std::move(why));
 }
 
 }  // namespace
-
-physics::RigidObject to_rigid(const WorldObject& object) {
-    return {.id = object.scene.object,
-            .shape = to_rigid(object.scene.shape),
-            .size_m = object.scene.size_m,
-            .mass_kg = object.scene.mass_kg,
-            .friction = object.friction,
-            .restitution = object.restitution,
-            .world_from_object = object.scene.world_from_object};
-}
 
 Scene::Scene(const physics::WorldOptions& options)
     : options_(options), world_(std::make_unique<physics::World>(options)) {}
@@ -68,6 +39,21 @@ Expected<Scene> Scene::create(const WorldServerConfig& config) {
         known.friction = object.friction;
         known.restitution = object.restitution;
     }
+    for (const physics::Joint& joint : config.joints) {
+        if (!scene.world_->add_joint(joint)) {
+            return make_error(
+                ErrorKind::kConfiguration,
+                fmt::format("joint of objects {} and {}: cannot be made", joint.a, joint.b));
+        }
+    }
+    for (const WorldScenery& scenery : config.scenery) {
+        if (scenery.is_solid && !scene.world_->add_still({.mesh = scenery.mesh,
+                                                          .friction = scenery.friction,
+                                                          .restitution = scenery.restitution})) {
+            return make_error(ErrorKind::kConfiguration,
+                              fmt::format("scenery '{}': cannot be solid", scenery.scene.name));
+        }
+    }
     scene.num_described_ = static_cast<std::uint32_t>(config.objects.size());
     scene.description_ = scene.hash_description();
     return scene;
@@ -75,7 +61,8 @@ Expected<Scene> Scene::create(const WorldServerConfig& config) {
 
 // Of what a state depends on: a new colour in the world's file does no harm.
 std::uint64_t Scene::hash_description() const {
-    std::string text = fmt::format("{} {} {} {}",
+    std::string text = fmt::format("{} {} {} {} {}",
+                                   world_->num_joints(),
                                    options_.tick_s,
                                    options_.gravity.x(),
                                    options_.gravity.y(),
@@ -173,9 +160,7 @@ Expected<std::vector<SceneChange>> Scene::add(const bus::SceneObject& object) {
     if (const auto problem = physics::find_problem(to_rigid(added))) {
         return refuse(fmt::format("add: {} {}", problem->field, problem->allowed));
     }
-    const Eigen::Vector3d& position = object.world_from_object.translation;
-    if (position.cwiseAbs().maxCoeff() > options_.half_extent_m ||
-        position.z() < options_.lowest_z_m) {
+    if (!box_of(options_).contains(object.world_from_object.translation)) {
         return refuse("add: the position is outside the world");
     }
     switch (world_->add(to_rigid(added))) {
@@ -234,6 +219,18 @@ Expected<std::vector<SceneChange>> Scene::hold(const bus::SceneCommand& command)
     return std::vector<SceneChange>{};
 }
 
+std::vector<SceneChange> Scene::take_removed(std::vector<physics::Incident>& incidents) {
+    world_->take_incidents(incidents);
+    std::vector<SceneChange> changes;
+    for (const physics::Incident& incident : incidents) {
+        const auto found = objects_.find(incident.object);
+        if (incident.kind != physics::IncidentKind::kRemoved || found == objects_.end()) continue;
+        changes.push_back({.object = found->second, .is_gone = true});
+        objects_.erase(found);
+    }
+    return changes;
+}
+
 std::vector<bus::SceneObject> Scene::objects() const {
     std::vector<bus::SceneObject> objects;
     objects.reserve(objects_.size());
@@ -246,15 +243,6 @@ std::vector<SceneChange> Scene::all() const {
     changes.reserve(objects_.size());
     for (const auto& [id, object] : objects_) changes.push_back({.object = object});
     return changes;
-}
-
-std::optional<SceneChange> Scene::forget_removed(const physics::Incident& incident) {
-    if (incident.kind != physics::IncidentKind::kRemoved) return std::nullopt;
-    const auto found = objects_.find(incident.object);
-    if (found == objects_.end()) return std::nullopt;
-    const SceneChange change{.object = found->second, .is_gone = true};
-    objects_.erase(found);
-    return change;
 }
 
 void Scene::get_soft_states(Timestamp /*time*/, std::vector<bus::SoftBodyState>& states) {

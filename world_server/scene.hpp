@@ -13,8 +13,6 @@
 
 namespace atrium::world_server {
 
-physics::RigidObject to_rigid(const WorldObject& object);
-
 /// An object that is new or gone.
 struct SceneChange {
     bus::SceneObject object;
@@ -45,6 +43,8 @@ public:
 
     /// A sender is gone, and lets go of what it holds.
     void forget_sender(const std::string& sender) { world_->release_all(sender); }
+    /// What the physics did on its own since the last call, for the log, and what it removed.
+    std::vector<SceneChange> take_removed(std::vector<physics::Incident>& incidents);
 
     physics::World& world() { return *world_; }
     const physics::World& world() const { return *world_; }
@@ -53,8 +53,6 @@ public:
     /// All of them, as if they were new.
     std::vector<SceneChange> all() const;
     std::size_t num_objects() const { return objects_.size(); }
-    /// What is to be told of an object that the world itself removed.
-    std::optional<SceneChange> forget_removed(const physics::Incident& incident);
     /// `time`: when the tick was due.
     void get_state(const std::string& name, Timestamp time, bus::SceneState& state);
     void get_soft_states(Timestamp time, std::vector<bus::SoftBodyState>& states);

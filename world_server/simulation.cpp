@@ -114,11 +114,10 @@ void Simulation::hash_now_and_then(double tick_s) {
 // What the world did on its own, the hash now and then, and the file.
 void Simulation::look_after() {
     const double tick_s = 1.0 / config_.tick_hz;
-    scene_.world().take_incidents(incidents_);
+    for (const SceneChange& change : scene_.take_removed(incidents_)) outbox_.put(change);
     for (const physics::Incident& incident : incidents_) {
         incidents_log_.warn(
             fmt::format("object {} {}", incident.object, physics::describe(incident.kind)));
-        if (const auto change = scene_.forget_removed(incident)) outbox_.put(*change);
     }
     hash_now_and_then(tick_s);
     save_credit_s_ += tick_s;

@@ -69,6 +69,7 @@ WorldServer::Impl::Impl(const WorldServerConfig& server_config,
       endpoints(std::move(server_endpoints)),
       sites(config.placements, static_cast<std::size_t>(config.max_sites), config.person),
       simulation(config, std::move(server_scene), [this](const std::string& why) { reject(why); }) {
+    for (const WorldScenery& scenery : config.scenery) simulation.outbox().put(scenery.scene);
     for (const NamedPlacement& placement : config.placements) {
         simulation.outbox().put(bus::SitePlacement{placement.site, placement.world_from_site});
     }

@@ -1,5 +1,6 @@
 #include "core/model/model_file.hpp"
 
+#include <Eigen/LU>
 #include <assimp/Importer.hpp>
 #include <assimp/config.h>
 #include <assimp/material.h>

@@ -67,6 +67,11 @@ Eigen::Vector3d velocity_at(ObjectBody* object, const Eigen::Vector3d& place) {
         object->body().getVelocityInLocalPoint(to_bullet((place - object->centre()).eval())));
 }
 
+Eigen::Vector3d gravity_of(ObjectBody* object) {
+    if (object == nullptr || !object->moves()) return Eigen::Vector3d::Zero();
+    return from_bullet(object->body().getGravity());
+}
+
 // What an impulse along `direction` at `place` changes the velocity there by, along it [1/kg].
 double yield_at(ObjectBody* object,
                 const Eigen::Vector3d& place,
@@ -155,7 +160,7 @@ std::unique_ptr<btTypedConstraint> make_slider(const Joint& joint, ObjectBody& a
                      btScalar(joint.limits ? (*joint.limits)[1] : -1.0));
     if (joint.motor_max > 0.0) {
         slider->enableMotor(0, true);
-        slider->setTargetVelocity(0, btScalar(joint.motor_speed));
+        slider->setTargetVelocity(0, btScalar(-joint.motor_speed));  // Bullet's counts backwards
         slider->setMaxMotorForce(0, btScalar(joint.motor_max));
     }
     return slider;
@@ -251,7 +256,9 @@ void JointBody::pull() {
     if (length < 1e-6) return;
     const Eigen::Vector3d along = (end_a - end_b) / length;
     const double excess = length - joint_.rest_length_m;
-    const double speed = along.dot(velocity_at(&a_, end_a) - velocity_at(b_, end_b));
+    // gravity acts within this tick too: without it a spring would stretch too little
+    const double speed = along.dot(velocity_at(&a_, end_a) - velocity_at(b_, end_b) +
+                                   tick_s_ * (gravity_of(&a_) - gravity_of(b_)));
     const double yield = yield_at(&a_, end_a, along) + yield_at(b_, end_b, along);
     const double per_speed = joint_.stiffness_npm * tick_s_ + joint_.damping;  // [N s/m]
     const double impulse = -tick_s_ * (joint_.stiffness_npm * excess + per_speed * speed) /

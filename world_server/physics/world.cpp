@@ -303,6 +303,18 @@ void World::reset() {
     }
 }
 
+bool World::set_state(const RigidState& state) {
+    const auto found = impl_->objects.find(state.id);
+    if (found == impl_->objects.end() || !found->second->moves()) return false;
+    const geometry::RigidTransform& pose = state.world_from_object;
+    if (!pose.translation.allFinite() || !(std::abs(pose.rotation.norm() - 1.0) <= 1e-3) ||
+        !state.linear_velocity.allFinite() || !state.angular_velocity.allFinite()) {
+        return false;
+    }
+    found->second->set_state(state);
+    return true;
+}
+
 bool World::push(std::uint32_t id, const Eigen::Vector3d& impulse_ns) {
     const auto found = impl_->objects.find(id);
     if (found == impl_->objects.end() || !found->second->moves()) return false;

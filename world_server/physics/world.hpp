@@ -108,6 +108,8 @@ public:
     bool add_joint(const Joint& joint);
     /// See `Surroundings::add`.
     bool add_still(const StillMesh& mesh);
+    /// Wakes it. False: not there, it does not move, or a number is not finite.
+    bool set_state(const RigidState& state);
     /// Puts every object back to where it started, at rest.
     void reset();
     /// `impulse_ns` [N s] acts at the centre of mass. False: not there, or it does not move.
