@@ -4,7 +4,8 @@
 #include "world_server/physics/grab.hpp"
 #include "world_server/physics/joints.hpp"
 #include "world_server/physics/object_body.hpp"
-#include "world_server/physics/person_body.hpp"
+#include "world_server/physics/people_contacts.hpp"
+#include "world_server/physics/people_field.hpp"
 
 #include <btBulletDynamicsCommon.h>
 
@@ -18,12 +19,9 @@
 namespace atrium::physics {
 namespace {
 
-constexpr double kContactM = 0.005;  // gap up to which a person counts as touching an object
-// An object that a person's piece reaches into deeper than this, in radii of the object, is checked
-// for being inside the person: there Bullet pushes towards the nearest side of a piece, which may
-// lie deeper inside.
-constexpr double kDeepRadii = 0.6;
-constexpr float kEscapeSearchM = 0.5F;
+/// Collision groups of the Bullet world, one bit each.
+enum CollisionGroup : int { kStillGroup = 1, kObjectGroup = 2 };
+
 // Overlap above which Bullet separates without adding velocity; its default of 4 cm makes whatever
 // is pressed by a hand pop away.
 constexpr float kPlainContactM = 0.002F;
@@ -32,36 +30,6 @@ constexpr double kRunawayFactor = 4.0;
 constexpr double kTornM = 0.25;
 constexpr double kBehindWallM = 0.5;
 constexpr std::size_t kMaxIncidents = 256;
-
-ObjectBody* object_of(const btCollisionObject* body) {
-    if (body->isKinematicObject()) return nullptr;
-    return static_cast<ObjectBody*>(body->getUserPointer());
-}
-
-const PersonBody* person_of(const btCollisionObject* body) {
-    if (!body->isKinematicObject()) return nullptr;
-    return static_cast<const PersonBody*>(body->getUserPointer());
-}
-
-// Leaves out pairs with an object that is being led out of a person.
-void collide_unless_escaping(btBroadphasePair& pair,
-                             btCollisionDispatcher& dispatcher,
-                             const btDispatcherInfo& info) {
-    const auto* a = static_cast<const btCollisionObject*>(pair.m_pProxy0->m_clientObject);
-    const auto* b = static_cast<const btCollisionObject*>(pair.m_pProxy1->m_clientObject);
-    if (person_of(a) != nullptr || person_of(b) != nullptr) {
-        const ObjectBody* object = person_of(a) != nullptr ? object_of(b) : object_of(a);
-        if (object != nullptr && object->escaping_from != nullptr) {
-            if (pair.m_algorithm != nullptr) {
-                pair.m_algorithm->~btCollisionAlgorithm();
-                dispatcher.freeCollisionAlgorithm(pair.m_algorithm);
-                pair.m_algorithm = nullptr;
-            }
-            return;
-        }
-    }
-    btCollisionDispatcher::defaultNearCallback(pair, dispatcher, info);
-}
 
 }  // namespace
 
@@ -75,8 +43,6 @@ struct World::Impl {
     void act_on(const Incident& incident);
     void record(const Incident& incident);
     bool remove(std::uint32_t id);
-    void look_at_contacts();
-    void lead_out(ObjectBody& object);
 
     WorldOptions options;
     btDefaultCollisionConfiguration configuration;
@@ -85,7 +51,8 @@ struct World::Impl {
     btSequentialImpulseConstraintSolver solver;
     btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
     std::map<std::uint32_t, std::unique_ptr<ObjectBody>> objects;
-    std::map<std::string, std::unique_ptr<PersonBody>> people;
+    PeopleField people;
+    PeopleContacts contacts;
     Grabs grabs;
     std::map<std::uint32_t, Eigen::Vector3d> centres_before;  // of the objects that move
     Surroundings surroundings{world, kStillGroup, kObjectGroup};
@@ -97,7 +64,12 @@ struct World::Impl {
 };
 
 World::Impl::Impl(const WorldOptions& world_options)
-    : options(world_options), grabs({.tick_s = world_options.tick_s}) {
+    : options(world_options),
+      contacts(dispatcher,
+               {.friction = world_options.person_friction,
+                .restitution = world_options.person_restitution,
+                .escape_mps = world_options.escape_mps}),
+      grabs({.tick_s = world_options.tick_s}) {
     assert(options.tick_s > 0.0 && options.max_speed_mps > 0.0);
     world.setGravity(to_bullet(options.gravity));
     // else what is put down on a plane, or pressed onto it, stands on one corner for the first
@@ -106,12 +78,10 @@ World::Impl::Impl(const WorldOptions& world_options)
     world.getSolverInfo().m_splitImpulsePenetrationThreshold = -kPlainContactM;
     world.getDispatchInfo().m_deterministicOverlappingPairs = true;
     world.setInternalTickCallback(&Impl::begin_tick, this, /*isPreTick=*/true);
-    dispatcher.setNearCallback(&collide_unless_escaping);
     if (options.leaving == LeavePolicy::kBounce) surroundings.add_walls(box_of(options));
 }
 
 World::Impl::~Impl() {
-    people.clear();
     for (auto& [id, object] : objects) {
         joints.remove_of(id);
         world.removeRigidBody(&object->body());
@@ -120,65 +90,18 @@ World::Impl::~Impl() {
 
 void World::Impl::begin_tick(btDynamicsWorld* world, btScalar tick_s) {
     Impl& self = *static_cast<Impl*>(world->getWorldUserInfo());
-    for (auto& [name, person] : self.people) person->begin_tick(tick_s);
-    for (auto& [id, object] : self.objects) {
-        if (object->escaping_from != nullptr) self.lead_out(*object);
-    }
     self.joints.begin_tick();
     self.grabs.begin_tick([&](std::uint32_t id) -> btRigidBody* {
         ObjectBody* object = self.find_moving(id);
         return object == nullptr ? nullptr : &object->body();
     });
+    self.people.begin_tick(tick_s);
+    self.contacts.begin_tick(self.people, tick_s);
 }
 
 ObjectBody* World::Impl::find_moving(std::uint32_t id) {
     const auto object = objects.find(id);
     return object == objects.end() || !object->second->moves() ? nullptr : object->second.get();
-}
-
-// Gives an object inside a person a velocity towards the nearest place on the person's surface.
-void World::Impl::lead_out(ObjectBody& object) {
-    const Eigen::Vector3f centre = object.centre().cast<float>();
-    const auto nearest = object.escaping_from->surface().nearest(
-        centre, kEscapeSearchM, [](const SurfaceSample& sample) {
-            return sample.normal.z() > -0.5F;  // not down through the soles
-        });
-    if (!nearest || nearest->normal.dot(centre - nearest->position) > 0.0F) {
-        object.escaping_from = nullptr;
-        return;
-    }
-    const Eigen::Vector3d out = nearest->normal.cast<double>();
-    const Eigen::Vector3d velocity = from_bullet(object.body().getLinearVelocity());
-    const double missing = options.escape_mps - velocity.dot(out);
-    if (missing > 0.0)
-        object.body().setLinearVelocity(to_bullet((velocity + missing * out).eval()));
-    object.body().activate();
-}
-
-void World::Impl::look_at_contacts() {
-    bool touched = false;
-    for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
-        const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
-        const btCollisionObject* a = manifold.getBody0();
-        const btCollisionObject* b = manifold.getBody1();
-        const PersonBody* person = person_of(a) != nullptr ? person_of(a) : person_of(b);
-        if (person == nullptr) continue;
-        ObjectBody* object = person_of(a) != nullptr ? object_of(b) : object_of(a);
-        double distance_m = 1.0;
-        for (int p = 0; p < manifold.getNumContacts(); ++p) {
-            distance_m = std::min<double>(distance_m, manifold.getContactPoint(p).getDistance());
-        }
-        touched = touched || distance_m <= kContactM;
-        if (object == nullptr || object->escaping_from != nullptr) continue;
-        if (distance_m > -kDeepRadii * object->inner_radius_m()) continue;
-        const Eigen::Vector3f centre = object->centre().cast<float>();
-        const auto nearest = person->surface().nearest(
-            centre, kEscapeSearchM, [](const SurfaceSample&) { return true; });
-        if (!nearest || nearest->normal.dot(centre - nearest->position) > 0.0F) continue;
-        object->escaping_from = person;
-        ++counters.num_escapes;
-    }
-    if (touched) ++counters.num_contact_ticks;
 }
 
 // What is wrong with an object after a tick; limits its motion where nothing is.
@@ -259,8 +182,9 @@ AddResult World::add(const RigidObject& object) {
     if (impl_->objects.size() >= impl_->options.max_objects) return AddResult::kWorldFull;
     auto body = std::make_unique<ObjectBody>(object, impl_->options);
     const int group = body->moves() ? kObjectGroup : kStillGroup;
-    const int mask = body->moves() ? kStillGroup | kObjectGroup | kPersonGroup : kObjectGroup;
+    const int mask = body->moves() ? kStillGroup | kObjectGroup : kObjectGroup;
     impl_->world.addRigidBody(&body->body(), group, mask);
+    if (body->moves()) impl_->contacts.add(object.id, body->body());
     impl_->objects.emplace(object.id, std::move(body));
     return AddResult::kAdded;
 }
@@ -271,6 +195,7 @@ bool World::Impl::remove(std::uint32_t id) {
     const auto found_at = objects.find(id);
     if (found_at == objects.end()) return false;
     joints.remove_of(id);
+    contacts.remove(id);
     world.removeRigidBody(&found_at->second->body());
     objects.erase(found_at);
     centres_before.erase(id);
@@ -370,23 +295,15 @@ bool World::set_state(const WorldState& state) {
 }
 
 void World::set_person(const std::string& name, const PersonShape& shape) {
-    std::unique_ptr<PersonBody>& person = impl_->people[name];
-    if (!person) {
-        const PersonMaterial material{impl_->options.person_friction,
-                                      impl_->options.person_restitution};
-        person = std::make_unique<PersonBody>(impl_->world, material);
-    }
-    person->set_shape(shape);
+    impl_->people.set_person(name, shape);
 }
 
 void World::remove_person(const std::string& name) {
-    const auto found = impl_->people.find(name);
-    if (found == impl_->people.end()) return;
+    if (!impl_->people.remove_person(name)) return;
+    impl_->contacts.forget_person(name);
     for (auto& [id, object] : impl_->objects) {
-        if (object->escaping_from == found->second.get()) object->escaping_from = nullptr;
         if (object->moves()) object->body().activate();  // what lay on the person falls
     }
-    impl_->people.erase(found);
 }
 
 void World::tick() {
@@ -395,8 +312,10 @@ void World::tick() {
         impl_->centres_before[id] = object->centre();
     }
     impl_->world.stepSimulation(static_cast<btScalar>(impl_->options.tick_s), /*maxSubSteps=*/0);
+    impl_->contacts.end_tick();
     impl_->guard_all();
-    impl_->look_at_contacts();
+    if (impl_->contacts.is_touched()) ++impl_->counters.num_contact_ticks;
+    impl_->counters.num_escapes = impl_->contacts.num_escapes();
     ++impl_->counters.num_ticks;
 }
 
@@ -413,12 +332,12 @@ void World::get_states(std::vector<RigidState>& states) const {
 const WorldCounters& World::counters() const { return impl_->counters; }
 std::size_t World::num_objects() const { return impl_->objects.size(); }
 std::size_t World::num_joints() const { return impl_->joints.size(); }
-std::size_t World::num_people() const { return impl_->people.size(); }
+std::size_t World::num_people() const { return impl_->people.people().size(); }
 
-std::size_t World::num_person_pieces() const {
-    std::size_t num_pieces = 0;
-    for (const auto& [name, person] : impl_->people) num_pieces += person->num_pieces();
-    return num_pieces;
+std::size_t World::num_surfels() const {
+    std::size_t num_surfels = 0;
+    for (const auto& [name, person] : impl_->people.people()) num_surfels += person.num_surfels();
+    return num_surfels;
 }
 
 std::uint64_t World::state_hash() const {
