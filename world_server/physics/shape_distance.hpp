@@ -14,8 +14,8 @@ struct ShapePoint {
 };
 
 /// How far `point`, in the shape's frame, is from the shape's surface: exact for spheres, boxes,
-/// capsules, cylinders along z and planes, by Bullet's GJK for other convex shapes, and the least of
-/// all parts for compounds. Nothing for other shapes, and nothing where it would be more than
+/// capsules, cylinders along z and planes, by Bullet's GJK for other convex shapes, and the least
+/// of all parts for compounds. Nothing for other shapes, and nothing where it would be more than
 /// `reach_m` away, as far as that is cheap to see.
 std::optional<ShapePoint> distance_to_shape(const btCollisionShape& shape,
                                             const btVector3& point,

@@ -62,7 +62,9 @@ bool SoftBodies::remove(std::uint32_t id, btSoftRigidDynamicsWorld& world) {
 }
 
 void SoftBodies::clear(btSoftRigidDynamicsWorld& world) {
-    while (!bodies_.empty()) remove(bodies_.begin()->first, world);
+    for (auto& [id, body] : bodies_) world.removeSoftBody(&body->body());
+    bodies_.clear();
+    num_nodes_ = 0;
 }
 
 void SoftBodies::untie(const btRigidBody& body) {
@@ -84,12 +86,10 @@ bool SoftBodies::push(std::uint32_t id, const Eigen::Vector3d& impulse_ns) {
     return true;
 }
 
-void SoftBodies::begin_tick(
-    const PeopleField* people,
-    const std::function<void(std::vector<btRigidBody*>&)>& get_bodies) {
-    surroundings_.people = people;
+std::vector<btRigidBody*>& SoftBodies::begin_tick(const PeopleField& people) {
+    surroundings_.people = &people;
     surroundings_.bodies.clear();
-    if (!bodies_.empty()) get_bodies(surroundings_.bodies);
+    return surroundings_.bodies;
 }
 
 void SoftBodies::end_tick(WorldCounters& counters) {
@@ -108,7 +108,13 @@ void SoftBodies::end_tick(WorldCounters& counters) {
     }
 }
 
-SoftBody* SoftBodies::find(std::uint32_t id) {
+bool SoftBodies::is_touched() const {
+    return std::any_of(bodies_.begin(), bodies_.end(), [](const auto& entry) {
+        return entry.second->touches_person();
+    });
+}
+
+SoftBody* SoftBodies::find(std::uint32_t id) const {
     const auto found = bodies_.find(id);
     return found == bodies_.end() ? nullptr : found->second.get();
 }

@@ -44,16 +44,18 @@ public:
     /// As `World::push`.
     bool push(std::uint32_t id, const Eigen::Vector3d& impulse_ns);
 
-    /// To be called before each step of the world. `people`, or null, is as at the beginning of the
-    /// tick, and it and the bodies stay there until the step is over.
-    void begin_tick(const PeopleField* people, const std::function<void(std::vector<btRigidBody*>&)>& get_bodies);
+    /// To be called before each step of the world. `people` is as at the beginning of the tick and
+    /// stays so until the step is over, as do the rigid bodies that the caller puts into the list
+    /// that is returned, empty.
+    std::vector<btRigidBody*>& begin_tick(const PeopleField& people);
     /// To be called after each step of the world: puts back what is not a number, what is torn and
     /// what has left the world, and counts it.
     void end_tick(WorldCounters& counters);
 
+    bool is_touched() const;  // any of them, by a person, in the last tick
     bool contains(std::uint32_t id) const { return bodies_.contains(id); }
     const std::map<std::uint32_t, std::unique_ptr<SoftBody>>& bodies() const { return bodies_; }
-    SoftBody* find(std::uint32_t id);
+    SoftBody* find(std::uint32_t id) const;
 
 private:
     class Solver;

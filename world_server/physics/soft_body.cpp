@@ -14,14 +14,27 @@ namespace {
 
 constexpr double kPartS = 1.0 / 480.0;
 constexpr int kMaxParts = 16;
-constexpr int kPasses = 2;               // over links and contacts, in a part
+constexpr int kPasses = 2;                // over links and contacts, in a part
 constexpr btScalar kLooseStretch = 1.6F;  // times its length: a link that slips out of hands
 constexpr btScalar kTornExtents = 2.5F;   // times its size at rest: what is no more to be believed
-// Nodes further apart than about two fingers let them through: there the middles of faces count too.
+// Nodes further apart than about two fingers let them through: there the middles of faces count
+// too.
 constexpr double kFingersM = 0.025;
-constexpr btScalar kInnerDampingHz = 4;   // at which what moves against the whole is slowed
+constexpr btScalar kInnerDampingHz = 4;     // at which what moves against the whole is slowed
 constexpr btScalar kMaxVolumeStep = 0.02F;  // share of the volume that is set right in one part
+// How far from where its shape would have it, in radii, a node begins to be pulled back harder;
+// over what range, and to what share of the way in each part.
+constexpr btScalar kDentStart = 0.15F;
+constexpr btScalar kDentRange = 0.35F;
+constexpr btScalar kDentShare = 0.25F;
+// A person's surface nearer to the middle of a volume than this, in radii, moves it as a whole.
+constexpr float kKeepOffRadii = 0.4F;
+constexpr btScalar kKeepOffMps = 0.5F;
+constexpr float kLeavingMps = 0.5F;  // a surface that moves away faster is not one that pushes
 constexpr float kBuriedSearchM = 0.5F;
+constexpr btScalar kLinkDampingHz = 15;  // at which the ends of a link stop moving apart
+constexpr btScalar kCalmMps = 0.02F;     // what moves slower, on average, is coming to rest
+constexpr btScalar kCalmDampingHz = 4;
 
 // From the 0..1 of a description to what a pass of the solver undoes of an error: the ear and the
 // hand judge stiffness by its logarithm.
@@ -68,7 +81,7 @@ void SoftBody::make_body(btSoftBodyWorldInfo& info) {
 
     btSoftBody::Material& along = *body_->m_materials[0];
     btSoftBody::Material& across = *body_->appendMaterial();
-    along.m_kLST = has_volume() ? btScalar(between(0.002, 0.2, object_.stiffness)) : 1;
+    along.m_kLST = has_volume() ? btScalar(between(0.02, 0.5, object_.stiffness)) : 1;
     across.m_kLST = btScalar(between(0.0005, 0.1, object_.stiffness));
     for (const SoftLink& link : mesh_.links) {
         body_->appendLink(static_cast<int>(link.nodes[0]),
@@ -88,9 +101,19 @@ void SoftBody::make_body(btSoftBodyWorldInfo& info) {
     loose_.assign(start_.size(), 0);
     if (!has_volume()) return;
     body_->setPose(/*bvolume=*/false, /*bframe=*/true);
-    match_share_ = btScalar(between(0.001, 0.08, object_.stiffness));
+    match_share_ = btScalar(between(0.002, 0.1, object_.stiffness));
     gradients_.assign(start_.size(), btVector3(0, 0, 0));
     rest_volume_ = btScalar(volume_m3());
+    // the gradient of the volume is along the normal
+    find_gradients();
+    rest_outward_ = gradients_;
+    for (btVector3& out : rest_outward_) {
+        if (out.length2() > 0) out.normalize();
+    }
+    outward_ = rest_outward_;
+    find_bounds();
+    const btVector3 extents = body_->m_bounds[1] - body_->m_bounds[0];
+    inner_radius_ = btScalar(0.5) * extents[extents.minAxis()];
 }
 
 void SoftBody::make_samples() {
@@ -135,10 +158,21 @@ void SoftBody::untie(const btRigidBody& body) {
 void SoftBody::step(const SoftSurroundings& surroundings) {
     find_loose();
     find_bounds();
-    const bool is_led_out = lead_out(surroundings.people);
-    SoftSurroundings around = surroundings;
-    if (is_led_out) around.people = nullptr;
-    contacts_.find(*body_, samples_, loose_, around, contact_options_);
+    if (has_volume()) {
+        body_->updatePose();
+        for (std::size_t i = 0; i < outward_.size(); ++i) {
+            outward_[i] = body_->m_pose.m_rot * rest_outward_[i];
+        }
+    }
+    const bool meets_people =
+        surroundings.people != nullptr && (!has_volume() || keep_off(*surroundings.people));
+    contacts_.find(*body_,
+                   samples_,
+                   loose_,
+                   outward_,
+                   meets_people ? surroundings.people : nullptr,
+                   surroundings.bodies,
+                   contact_options_);
     begin_ties();
     const btScalar part_s = contact_options_.tick_s / btScalar(num_parts_);
     for (int part = 1; part <= num_parts_; ++part) {
@@ -154,7 +188,8 @@ void SoftBody::step(const SoftSurroundings& surroundings) {
         }
         end_part(part_s);
     }
-    damp_inside(contact_options_.tick_s);
+    has_volume() ? damp_inside(contact_options_.tick_s) : damp_links(contact_options_.tick_s);
+    calm_down(contact_options_.tick_s);
     const btScalar extent = (body_->m_bounds[1] - body_->m_bounds[0]).length();
     num_torn_ticks_ = extent > kTornExtents * rest_extent_ ? num_torn_ticks_ + 1 : 0;
 }
@@ -210,18 +245,34 @@ void SoftBody::move_freely(btScalar part_s) {
 
 // Each node goes a part of its way to where it would be in the shape at rest, moved and turned to
 // where the nodes now are (Müller et al., "Meshless Deformations Based on Shape Matching", 2005).
+// The further a node is out of shape the larger the part: else a few nodes with a fist behind them
+// would go through the whole body before they move it.
 void SoftBody::match_shape() {
     body_->updatePose();
     const btSoftBody::Pose& pose = body_->m_pose;
+    btVector3 moved(0, 0, 0);  // [kg m]
+    btScalar mass = 0;
     for (int i = 0; i < body_->m_nodes.size(); ++i) {
         btSoftBody::Node& node = body_->m_nodes[i];
         if (!(node.m_im > 0)) continue;
-        node.m_x += match_share_ * (pose.m_com + pose.m_rot * pose.m_pos[i] - node.m_x);
+        const btVector3 way = pose.m_com + pose.m_rot * pose.m_pos[i] - node.m_x;
+        const btScalar out = (way.length() / inner_radius_ - kDentStart) / kDentRange;
+        const btScalar over = std::clamp(out, btScalar(0), btScalar(1));
+        const btVector3 step = way * (match_share_ + (kDentShare - match_share_) * over * over);
+        node.m_x += step;
+        moved += step / node.m_im;
+        mass += 1 / node.m_im;
+    }
+    // unequal parts would move the whole: what one side gives the other must take
+    const btVector3 back = moved / mass;
+    for (int i = 0; i < body_->m_nodes.size(); ++i) {
+        btSoftBody::Node& node = body_->m_nodes[i];
+        if (node.m_im > 0) node.m_x -= back;
     }
 }
 
-// Moves the nodes along the gradient of the volume, the lighter the further.
-void SoftBody::keep_volume() {
+// Six times the volume, and six times its gradient by the place of each node.
+btScalar SoftBody::find_gradients() {
     std::fill(gradients_.begin(), gradients_.end(), btVector3(0, 0, 0));
     const btVector3 origin = body_->m_pose.m_com;
     btScalar volume = 0;
@@ -235,12 +286,17 @@ void SoftBody::keep_volume() {
         gradients_[t[1]] += c.cross(a);
         gradients_[t[2]] += a.cross(b);
     }
+    return volume;
+}
+
+// Moves the nodes along the gradient of the volume, the lighter the further.
+void SoftBody::keep_volume() {
+    const btScalar volume = find_gradients();
     btScalar weight = 0;
     for (int i = 0; i < body_->m_nodes.size(); ++i) {
         weight += body_->m_nodes[i].m_im * gradients_[static_cast<std::size_t>(i)].length2();
     }
     if (!(weight > 0)) return;
-    // both sums lack their sixth
     const btScalar missing = limited(6 * rest_volume_ - volume, 6 * kMaxVolumeStep * rest_volume_);
     const btScalar push = missing / weight;
     for (int i = 0; i < body_->m_nodes.size(); ++i) {
@@ -263,8 +319,8 @@ void SoftBody::solve_ties(btScalar part_s, btScalar left_s) {
         const btTransform& pose = tie.body->getWorldTransform();
         const btVector3 arm = pose.getBasis() * tie.place;
         const btVector3 gained = tie.body->getVelocityInLocalPoint(arm) - tie.velocity;
-        const btVector3 place = pose.getOrigin() + arm - tie.velocity * left_s + tie.shift +
-                                gained * part_s;
+        const btVector3 place =
+            pose.getOrigin() + arm - tie.velocity * left_s + tie.shift + gained * part_s;
         // how far node and place move apart under an impulse
         const btScalar share = node.m_im + tie.body->getInvMass();
         btMatrix3x3 cross;
@@ -292,6 +348,35 @@ void SoftBody::end_part(btScalar part_s) {
         const btVector3 arm = tie.body->getWorldTransform().getBasis() * tie.place;
         tie.shift += (tie.body->getVelocityInLocalPoint(arm) - tie.velocity) * part_s;
     }
+}
+
+// Slows the ends of links against each other, along the links.
+void SoftBody::damp_links(btScalar seconds) {
+    const btScalar lost = 1 - std::exp(-kLinkDampingHz * seconds);
+    for (int i = 0; i < body_->m_links.size(); ++i) {
+        btSoftBody::Node& a = *body_->m_links[i].m_n[0];
+        btSoftBody::Node& b = *body_->m_links[i].m_n[1];
+        const btVector3 along = b.m_x - a.m_x;
+        const btScalar scale = along.length2() * (a.m_im + b.m_im);
+        if (!(scale > 0)) continue;
+        const btVector3 impulse = along * (lost * along.dot(b.m_v - a.m_v) / scale);
+        a.m_v += impulse * a.m_im;
+        b.m_v -= impulse * b.m_im;
+    }
+}
+
+// What hardly moves comes to rest; else it would roll and sway for minutes.
+void SoftBody::calm_down(btScalar seconds) {
+    btScalar mass = 0, energy = 0;
+    for (int i = 0; i < body_->m_nodes.size(); ++i) {
+        const btSoftBody::Node& node = body_->m_nodes[i];
+        if (!(node.m_im > 0)) continue;
+        mass += 1 / node.m_im;
+        energy += node.m_v.length2() / node.m_im;
+    }
+    if (energy > kCalmMps * kCalmMps * mass) return;
+    const btScalar kept = std::exp(-kCalmDampingHz * seconds);
+    for (int i = 0; i < body_->m_nodes.size(); ++i) body_->m_nodes[i].m_v *= kept;
 }
 
 // Slows what moves otherwise than a rigid body would; fall and spin stay.
@@ -326,25 +411,46 @@ void SoftBody::damp_inside(btScalar seconds) {
     }
 }
 
-// A volume whose centre is inside a person has that person all around or through it, and no contact
-// leads out: it moves to the nearest surface.
-bool SoftBody::lead_out(const PeopleField* people) {
-    if (!has_volume() || people == nullptr) return false;
-    const Eigen::Vector3f at = centre().cast<float>();
-    for (const auto& [name, person] : people->people()) {
-        if (person.surface() == nullptr) continue;
-        const auto nearest = person.surface()->nearest(
-            at, kBuriedSearchM, [](const SurfaceSample& s) { return s.normal.z() > -0.5F; });
-        if (!nearest || nearest->normal.dot(at - nearest->position) > 0.0F) continue;
-        const btVector3 out = to_bullet(nearest->normal.cast<double>());
-        for (int i = 0; i < body_->m_nodes.size(); ++i) {
-            btSoftBody::Node& node = body_->m_nodes[i];
-            const btScalar missing = btScalar(options_.escape_mps) - node.m_v.dot(out);
-            if (node.m_im > 0 && missing > 0) node.m_v += out * missing;
-        }
-        return true;
+void SoftBody::drive(const btVector3& out, btScalar speed) {
+    for (int i = 0; i < body_->m_nodes.size(); ++i) {
+        btSoftBody::Node& node = body_->m_nodes[i];
+        const btScalar missing = speed - node.m_v.dot(out);
+        if (node.m_im > 0 && missing > 0) node.m_v += out * missing;
     }
-    return false;
+}
+
+// A surface that has come near the middle of a volume drives all of it before itself, whatever its
+// few nodes in touch achieve. A volume whose middle is inside a person has that person all around
+// or through it, where no contact leads out: it goes to the nearest surface, without contacts.
+bool SoftBody::keep_off(const PeopleField& people) {
+    const Eigen::Vector3f at = centre().cast<float>();
+    const Eigen::Vector3f velocity = mean_velocity();
+    const float reach = kKeepOffRadii * inner_radius_;
+    const Eigen::Vector3f around = Eigen::Vector3f::Constant(reach);
+    for (const auto& [name, person] : people.people()) {
+        const PlacedSurfel* nearest = nullptr;
+        float nearest_sq = reach * reach;
+        person.surfels().visit_box(at - around, at + around, [&](const PlacedSurfel& s) {
+            const float distance_sq = (at - s.position).squaredNorm();
+            if (distance_sq >= nearest_sq) return;
+            if (s.normal.dot(velocity - s.velocity) > kLeavingMps) return;
+            nearest_sq = distance_sq;
+            nearest = &s;
+        });
+        if (nearest != nullptr && nearest->normal.dot(at - nearest->position) >= 0.0F) {
+            const btVector3 out(nearest->normal.x(), nearest->normal.y(), nearest->normal.z());
+            const btScalar near = 1 - std::sqrt(nearest_sq) / reach;
+            drive(out, nearest->normal.dot(nearest->velocity) + kKeepOffMps * near);
+            continue;
+        }
+        if (person.surface() == nullptr) continue;
+        const auto side = person.surface()->nearest(
+            at, kBuriedSearchM, [](const SurfaceSample& s) { return s.normal.z() > -0.5F; });
+        if (!side || side->normal.dot(at - side->position) > 0.0F) continue;
+        drive(to_bullet(side->normal.cast<double>()), btScalar(options_.escape_mps));
+        return false;
+    }
+    return true;
 }
 
 void SoftBody::put_back() {
@@ -371,6 +477,13 @@ Eigen::Vector3d SoftBody::centre() const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (int i = 0; i < body_->m_nodes.size(); ++i) sum += from_bullet(body_->m_nodes[i].m_x);
     return sum / body_->m_nodes.size();
+}
+
+Eigen::Vector3f SoftBody::mean_velocity() const {
+    btVector3 sum(0, 0, 0);
+    for (int i = 0; i < body_->m_nodes.size(); ++i) sum += body_->m_nodes[i].m_v;
+    sum /= btScalar(body_->m_nodes.size());
+    return {sum.x(), sum.y(), sum.z()};
 }
 
 double SoftBody::kinetic_energy_j() const {

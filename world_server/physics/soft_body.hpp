@@ -85,11 +85,18 @@ private:
     void begin_ties();
     void move_freely(btScalar part_s);
     void match_shape();
+    btScalar find_gradients();
     void keep_volume();
     void solve_ties(btScalar part_s, btScalar left_s);
     void end_part(btScalar part_s);
     void damp_inside(btScalar seconds);
-    bool lead_out(const PeopleField* people);
+    void damp_links(btScalar seconds);
+    void calm_down(btScalar seconds);
+    /// False: it is being led out of a person and must have no contacts with people.
+    bool keep_off(const PeopleField& people);
+    /// Gives every node at least `speed` [m/s] along `out`, of unit length.
+    void drive(const btVector3& out, btScalar speed);
+    Eigen::Vector3f mean_velocity() const;
     bool has_volume() const {
         return object_.shape != SoftShape::kCloth && object_.shape != SoftShape::kRope;
     }
@@ -103,12 +110,15 @@ private:
     std::vector<SoftSample> samples_;
     std::vector<Tie> ties_;
     SoftContacts contacts_;
-    std::vector<std::uint8_t> loose_;   // per node, see SoftContacts::find
-    std::vector<btVector3> gradients_;  // per node, of the volume
+    std::vector<std::uint8_t> loose_;      // per node, see SoftContacts::find
+    std::vector<btVector3> gradients_;     // per node, of the volume
+    std::vector<btVector3> rest_outward_;  // per node, unit length, of the shape at rest
+    std::vector<btVector3> outward_;       // the same, turned as the body now is
     btScalar rest_volume_ = 0;
-    btScalar match_share_ = 0;  // of the way to the matched shape that a node goes in a part
-    btScalar rest_extent_ = 0;  // diagonal of its bounds [m]
-    int num_parts_ = 1;         // of a tick
+    btScalar match_share_ = 0;   // of the way to the matched shape that a node goes in a part
+    btScalar inner_radius_ = 1;  // half of the smallest extent of a volume at rest [m]
+    btScalar rest_extent_ = 0;   // diagonal of its bounds [m]
+    int num_parts_ = 1;          // of a tick
     int num_torn_ticks_ = 0;
 };
 

@@ -16,6 +16,7 @@ namespace {
 // A sample that moves further than this against a surface in a tick is followed on its way.
 constexpr btScalar kStepM = btScalar(0.01);
 constexpr int kMaxSteps = 24;
+constexpr btScalar kFromInside = btScalar(0.1);  // cosine
 
 using Moving = SoftContacts::Moving;
 
@@ -45,6 +46,15 @@ bool is_any_loose(const SoftSample& sample, const std::vector<std::uint8_t>& loo
 btScalar share_of_body(const btRigidBody& body, const btVector3& arm, const btVector3& direction) {
     const btVector3 turn = arm.cross(direction);
     return body.getInvMass() + turn.dot(body.getInvInertiaTensorWorld() * turn);
+}
+
+bool is_from_inside(const SoftContact& contact,
+                    const SoftSample& sample,
+                    const std::vector<btVector3>& outward) {
+    if (outward.empty()) return false;
+    btVector3 out(0, 0, 0);
+    for (int i = 0; i < 3; ++i) out += sample.weights[i] * outward[sample.nodes[i]];
+    return contact.normal.dot(out) > kFromInside;
 }
 
 // Of the surface, with what the body has been given since the contact was found.
@@ -110,23 +120,25 @@ std::optional<SoftContact> meet_person(const PeopleField& people,
 void SoftContacts::find(btSoftBody& soft,
                         const std::vector<SoftSample>& samples,
                         const std::vector<std::uint8_t>& loose,
-                        const SoftSurroundings& surroundings,
+                        const std::vector<btVector3>& outward,
+                        const PeopleField* people,
+                        const std::vector<btRigidBody*>& bodies,
                         const SoftContactOptions& options) {
     contacts_.clear();
     num_person_contacts_ = 0;
     ways_.clear();
     for (const SoftSample& sample : samples) ways_.push_back(moving(soft, sample));
-    if (surroundings.people != nullptr && !surroundings.people->people().empty()) {
+    if (people != nullptr && !people->people().empty()) {
         for (std::size_t i = 0; i < samples.size(); ++i) {
             if (!(ways_[i].share > 0) || is_any_loose(samples[i], loose)) continue;
-            const auto contact = meet_person(*surroundings.people, ways_[i], options);
-            if (!contact) continue;
+            const auto contact = meet_person(*people, ways_[i], options);
+            if (!contact || is_from_inside(*contact, samples[i], outward)) continue;
             contacts_.push_back(*contact);
             contacts_.back().sample = samples[i];
             ++num_person_contacts_;
         }
     }
-    for (btRigidBody* body : surroundings.bodies) find_with(soft, *body, samples, options);
+    for (btRigidBody* body : bodies) find_with(soft, *body, samples, options);
 }
 
 // Of one rigid body, which mostly is out of reach as a whole.

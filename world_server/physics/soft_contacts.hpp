@@ -22,10 +22,10 @@ struct SoftSample {
 /// A place on a soft body with the plane that it must stay in front of, which moves.
 struct SoftContact {
     SoftSample sample;
-    btVector3 normal;           // unit length, towards the soft body
-    btVector3 point;            // [m] of the plane, at the end of the tick
-    btVector3 velocity;         // [m/s] of the plane, when the contact was found
-    btScalar depth = 0;         // [m] inside by this at the beginning of the tick
+    btVector3 normal;    // unit length, towards the soft body
+    btVector3 point;     // [m] of the plane, at the end of the tick
+    btVector3 velocity;  // [m/s] of the plane, when the contact was found
+    btScalar depth = 0;  // [m] inside by this at the beginning of the tick
     btScalar friction = 0;
     btRigidBody* body = nullptr;  // that moves and feels it, or null
     btVector3 arm;                // from the body's centre of mass to the point
@@ -55,11 +55,16 @@ struct SoftSurroundings {
 /// tick; so nothing has to be inside before it is stopped.
 class SoftContacts {
 public:
-    /// `loose[i]` != 0: node i is stretched so far that people cannot hold it any more.
+    /// `outward`: of a volume, the direction in which each node faces by the shape at rest; else
+    /// empty. A surface that faces the same way has come up inside the volume, and the skin must
+    /// not hook on to it. `people`, or null, is as at the beginning of the tick, `bodies` as at its
+    /// end. `loose[i]` != 0: node i is stretched so far that people cannot hold it any more.
     void find(btSoftBody& soft,
               const std::vector<SoftSample>& samples,
               const std::vector<std::uint8_t>& loose,
-              const SoftSurroundings& surroundings,
+              const std::vector<btVector3>& outward,
+              const PeopleField* people,
+              const std::vector<btRigidBody*>& bodies,
               const SoftContactOptions& options);
     // The tick goes by in equal parts, each of these: begin, solve as often as wanted, end.
     void begin_part();

@@ -141,8 +141,8 @@ Icosahedron make_icosahedron() {
         for (Index b = a + 1; b < 12; ++b) {
             for (Index c = b + 1; c < 12; ++c) {
                 if (!is_edge(a, b) || !is_edge(b, c) || !is_edge(a, c)) continue;
-                const Eigen::Vector3d n = (ico.corners[b] - ico.corners[a])
-                                              .cross(ico.corners[c] - ico.corners[a]);
+                const Eigen::Vector3d n =
+                    (ico.corners[b] - ico.corners[a]).cross(ico.corners[c] - ico.corners[a]);
                 if (n.dot(ico.corners[a]) > 0.0) {
                     ico.faces.push_back({a, b, c});
                 } else {
@@ -327,14 +327,13 @@ std::vector<std::uint32_t> nodes_at(const SoftMesh& mesh,
     const double near_m = 0.01 * object.spacing_m;
     for (std::uint32_t i = 0; i < mesh.nodes.size(); ++i) {
         const Eigen::Vector3d& p = mesh.nodes[i];
-        const bool left = p.x() < -x + near_m, right = p.x() > x - near_m;
+        const bool left = p.x()<-x + near_m, right = p.x()> x - near_m;
         const bool top = p.z() > z - near_m, bottom = p.z() < -z + near_m;
-        const bool holds = (pin.place == PinPlace::kTop && top) ||
-                           (pin.place == PinPlace::kBottom && bottom) ||
-                           (pin.place == PinPlace::kLeft && left) ||
-                           (pin.place == PinPlace::kRight && right) ||
-                           (pin.place == PinPlace::kTopCorners && top && (left || right)) ||
-                           (pin.place == PinPlace::kCorners && (top || bottom) && (left || right));
+        const bool holds =
+            (pin.place == PinPlace::kTop && top) || (pin.place == PinPlace::kBottom && bottom) ||
+            (pin.place == PinPlace::kLeft && left) || (pin.place == PinPlace::kRight && right) ||
+            (pin.place == PinPlace::kTopCorners && top && (left || right)) ||
+            (pin.place == PinPlace::kCorners && (top || bottom) && (left || right));
         if (holds) found.push_back(i);
     }
     // where a rope hangs lower than its ends are apart, its ends are still its first and last

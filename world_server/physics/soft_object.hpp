@@ -42,8 +42,8 @@ struct SoftObject {
     geometry::TriangleMesh model;
     double spacing_m = 0.05;  // of neighbouring nodes, about; unused of a model
     double mass_kg = 0.3;
-    double stiffness = 0.5;    // 0: as soft as it can be, 1: as stiff
-    double damping_hz = 0.5;   // share of the velocity that is lost in a second
+    double stiffness = 0.5;   // 0: as soft as it can be, 1: as stiff
+    double damping_hz = 0.5;  // share of the velocity that is lost in a second
     double friction = 0.6;
     std::vector<SoftPin> pins;
     geometry::RigidTransform world_from_object{};  // where it starts, and where `reset` puts it

@@ -3,7 +3,9 @@
 #include "world_server/physics/object_body.hpp"
 #include "world_server/physics/people_contacts.hpp"
 #include "world_server/physics/people_field.hpp"
+#include "world_server/physics/soft_bodies.hpp"
 
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
@@ -39,7 +41,9 @@ struct World::Impl {
     btCollisionDispatcher dispatcher{&configuration};
     btDbvtBroadphase broadphase;
     btSequentialImpulseConstraintSolver solver;
-    btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+    SoftBodies soft{options};
+    btSoftRigidDynamicsWorld world{
+        &dispatcher, &broadphase, &solver, &configuration, soft.solver()};
     std::map<std::uint32_t, std::unique_ptr<ObjectBody>> objects;
     PeopleField people;
     PeopleContacts contacts;
@@ -61,6 +65,7 @@ World::Impl::Impl(const WorldOptions& world_options)
 }
 
 World::Impl::~Impl() {
+    soft.clear(world);
     for (auto& [id, object] : objects) world.removeRigidBody(&object->body());
 }
 
@@ -68,6 +73,8 @@ void World::Impl::begin_tick(btDynamicsWorld* world, btScalar tick_s) {
     Impl& self = *static_cast<Impl*>(world->getWorldUserInfo());
     self.people.begin_tick(tick_s);
     self.contacts.begin_tick(self.people, tick_s);
+    std::vector<btRigidBody*>& around = self.soft.begin_tick(self.people);
+    for (auto& [id, object] : self.objects) around.push_back(&object->body());
 }
 
 void World::Impl::guard(ObjectBody& object) {
@@ -93,7 +100,9 @@ World::~World() = default;
 
 AddResult World::add(const RigidObject& object) {
     if (find_problem(object)) return AddResult::kInvalid;
-    if (impl_->objects.contains(object.id)) return AddResult::kIdInUse;
+    if (impl_->objects.contains(object.id) || impl_->soft.contains(object.id)) {
+        return AddResult::kIdInUse;
+    }
     if (impl_->objects.size() >= impl_->options.max_objects) return AddResult::kWorldFull;
     auto body = std::make_unique<ObjectBody>(object, impl_->options);
     const int group = body->moves() ? kObjectGroup : kStillGroup;
@@ -104,9 +113,24 @@ AddResult World::add(const RigidObject& object) {
     return AddResult::kAdded;
 }
 
+AddResult World::add_soft(const SoftObject& object) {
+    if (impl_->objects.contains(object.id)) return AddResult::kIdInUse;
+    return impl_->soft.add(object, impl_->world, [&](std::uint32_t id) -> btRigidBody* {
+        const auto found = impl_->objects.find(id);
+        return found == impl_->objects.end() ? nullptr : &found->second->body();
+    });
+}
+
 bool World::remove(std::uint32_t id) {
     const auto found = impl_->objects.find(id);
-    if (found == impl_->objects.end()) return false;
+    if (found == impl_->objects.end()) {
+        if (!impl_->soft.remove(id, impl_->world)) return false;
+        for (auto& [other, object] : impl_->objects) {
+            if (object->moves()) object->body().activate();
+        }
+        return true;
+    }
+    impl_->soft.untie(found->second->body());
     impl_->contacts.remove(id);
     impl_->world.removeRigidBody(&found->second->body());
     impl_->objects.erase(found);
@@ -124,12 +148,13 @@ void World::reset() {
         pairs.cleanProxyFromPairs(object->body().getBroadphaseHandle(), &impl_->dispatcher);
         object->put_back();
     }
+    impl_->soft.reset();
 }
 
 bool World::push(std::uint32_t id, const Eigen::Vector3d& impulse_ns) {
     const auto found = impl_->objects.find(id);
-    if (found == impl_->objects.end() || !found->second->moves()) return false;
-    if (!impulse_ns.allFinite()) return false;
+    if (found == impl_->objects.end()) return impl_->soft.push(id, impulse_ns);
+    if (!found->second->moves() || !impulse_ns.allFinite()) return false;
     found->second->body().activate(true);
     found->second->body().applyCentralImpulse(to_bullet(impulse_ns));
     return true;
@@ -156,8 +181,10 @@ void World::tick() {
     for (auto& [id, object] : impl_->objects) {
         if (object->moves()) impl_->guard(*object);
     }
+    impl_->soft.end_tick(impl_->counters);
     impl_->contacts.end_tick();
-    if (impl_->contacts.is_touched()) ++impl_->counters.num_contact_ticks;
+    if (impl_->contacts.is_touched() || impl_->soft.is_touched())
+        ++impl_->counters.num_contact_ticks;
     impl_->counters.num_escapes = impl_->contacts.num_escapes();
     ++impl_->counters.num_ticks;
 }
@@ -165,6 +192,22 @@ void World::tick() {
 void World::get_states(std::vector<RigidState>& states) const {
     states.clear();
     for (const auto& [id, object] : impl_->objects) states.push_back(object->state());
+}
+
+void World::get_soft_states(std::vector<SoftState>& states) const {
+    states.resize(impl_->soft.bodies().size());
+    std::size_t i = 0;
+    for (const auto& [id, soft] : impl_->soft.bodies()) soft->save(states[i++]);
+}
+
+bool World::restore_soft(const SoftState& state) {
+    SoftBody* soft = impl_->soft.find(state.id);
+    return soft != nullptr && soft->restore(state);
+}
+
+const SoftTopology* World::soft_topology(std::uint32_t id) const {
+    const SoftBody* soft = impl_->soft.find(id);
+    return soft == nullptr ? nullptr : &soft->topology();
 }
 
 const WorldCounters& World::counters() const { return impl_->counters; }
@@ -189,6 +232,16 @@ std::uint64_t World::state_hash() const {
         for (const double x : state.world_from_object.rotation.coeffs()) add(x);
         for (const double x : state.linear_velocity) add(x);
         for (const double x : state.angular_velocity) add(x);
+    }
+    SoftState state;
+    for (const auto& [id, soft] : impl_->soft.bodies()) {
+        soft->save(state);
+        add(id);
+        for (const auto* vectors : {&state.positions, &state.velocities}) {
+            for (const Eigen::Vector3f& v : *vectors) {
+                for (const float x : v) add(x);
+            }
+        }
     }
     return hash;
 }

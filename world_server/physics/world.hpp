@@ -61,6 +61,10 @@ struct WorldOptions {
     double person_restitution = 0.2;
 };
 
+struct SoftObject;
+struct SoftState;
+struct SoftTopology;
+
 enum class AddResult : std::uint8_t { kAdded, kIdInUse, kWorldFull, kInvalid };
 
 /// Running counts since the construction.
@@ -70,6 +74,7 @@ struct WorldCounters {
     std::uint64_t num_strays = 0;         // objects that left the world and were put back
     std::uint64_t num_not_finite = 0;     // objects whose state was not a number, put back
     std::uint64_t num_escapes = 0;        // objects that were found inside a person
+    std::uint64_t num_torn = 0;           // soft objects stretched out of all shape, put back
 };
 
 /// Objects, a still surrounding, and people, in Bullet.
@@ -90,6 +95,8 @@ public:
 
     /// kInvalid: see `find_problem`.
     AddResult add(const RigidObject& object);
+    /// Ids are those of all objects, rigid and soft. See soft_object.hpp; kWorldFull: nodes.
+    AddResult add_soft(const SoftObject& object);
     bool remove(std::uint32_t id);  // false: not there
     /// Puts every object back to where it started, at rest.
     void reset();
@@ -105,11 +112,18 @@ public:
 
     /// Of all objects, in the order of their ids.
     void get_states(std::vector<RigidState>& states) const;
+    /// Of all soft objects, in the order of their ids: what `restore_soft` takes. The vectors'
+    /// memory is used again.
+    void get_soft_states(std::vector<SoftState>& states) const;
+    /// False, and nothing is changed: no such soft object, not its number of nodes, or not finite.
+    bool restore_soft(const SoftState& state);
+    /// Null: no such soft object. Valid until it is removed.
+    const SoftTopology* soft_topology(std::uint32_t id) const;
     const WorldCounters& counters() const;
     std::size_t num_objects() const;
     std::size_t num_people() const;
     std::size_t num_surfels() const;  // of all people
-    /// Of every object's pose and velocities, bit by bit.
+    /// Of every object's pose and velocities, and every soft node's, bit by bit.
     std::uint64_t state_hash() const;
 
 private:
