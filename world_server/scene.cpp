@@ -1,6 +1,7 @@
 #include "world_server/scene.hpp"
 
 #include "core/bus/checks.hpp"
+#include "core/bus/soft_nodes.hpp"
 
 #include <fmt/format.h>
 
@@ -106,8 +107,9 @@ Expected<Scene> Scene::restore(const WorldServerConfig& config, const SavedWorld
     }
     std::set<std::uint32_t> kept;
     for (const auto& motion : saved.state.objects) kept.insert(motion.id);
+    for (const auto& motion : saved.state.soft) kept.insert(motion.id);
     for (const bus::SceneObject& object : scene->objects()) {
-        if (kept.contains(object.object) || object.shape == bus::Shape::kSoft) continue;
+        if (kept.contains(object.object)) continue;
         scene->world_->remove(object.object);
         scene->objects_.erase(object.object);
     }
@@ -241,12 +243,35 @@ std::vector<bus::SceneObject> Scene::objects() const {
 std::vector<SceneChange> Scene::all() const {
     std::vector<SceneChange> changes;
     changes.reserve(objects_.size());
-    for (const auto& [id, object] : objects_) changes.push_back({.object = object});
+    for (const auto& [id, object] : objects_) changes.push_back(described(object));
     return changes;
 }
 
-void Scene::get_soft_states(Timestamp /*time*/, std::vector<bus::SoftBodyState>& states) {
-    states.clear();
+// With what of a soft object does not change.
+SceneChange Scene::described(const bus::SceneObject& object) const {
+    SceneChange change{.object = object};
+    const physics::SoftTopology* topology = world_->soft_topology(object.object);
+    if (topology == nullptr) return change;
+    const auto node = [](std::uint32_t index) { return static_cast<std::uint16_t>(index); };
+    bus::SoftBody& soft = change.soft.emplace();
+    soft.object = object.object;
+    soft.thickness_m = 2.0 * topology->radius_m;
+    for (const auto& [a, b, c] : topology->triangles)
+        soft.triangles.push_back({node(a), node(b), node(c)});
+    for (const auto& [a, b] : topology->segments) soft.segments.push_back({node(a), node(b)});
+    soft.num_nodes = static_cast<std::uint32_t>(world_->num_soft_nodes(object.object));
+    return change;
+}
+
+void Scene::get_soft_states(Timestamp time, std::vector<bus::SoftBodyState>& states) {
+    world_->get_soft_states(soft_states_);
+    states.resize(soft_states_.size());
+    for (std::size_t i = 0; i < states.size(); ++i) {
+        states[i].object = soft_states_[i].id;
+        states[i].tick = world_->counters().num_ticks;
+        states[i].time = time;
+        bus::quantise(soft_states_[i].positions, states[i]);
+    }
 }
 
 void Scene::get_state(const std::string& name, Timestamp time, bus::SceneState& state) {

@@ -3,6 +3,7 @@
 #include "core/base/expected.hpp"
 #include "core/bus/messages.hpp"
 #include "world_server/config.hpp"
+#include "world_server/physics/soft_object.hpp"
 #include "world_server/physics/world.hpp"
 #include "world_server/state_file.hpp"
 
@@ -64,6 +65,7 @@ private:
     Expected<std::vector<SceneChange>> push(const bus::SceneCommand& command);
     Expected<std::vector<SceneChange>> hold(const bus::SceneCommand& command);
     std::uint64_t hash_description() const;
+    SceneChange described(const bus::SceneObject& object) const;
 
     physics::WorldOptions options_;
     std::unique_ptr<physics::World> world_;
@@ -71,7 +73,8 @@ private:
     std::uint32_t num_described_ = 0;  // ids 1..num_described_ are those of the world file
     std::uint64_t description_ = 0;    // their hash
     std::uint32_t next_id_ = 1000;
-    std::vector<physics::RigidState> states_;  // scratch
+    std::vector<physics::RigidState> states_;  // scratch, as is the next one
+    std::vector<physics::SoftState> soft_states_;
 };
 
 }  // namespace atrium::world_server

@@ -132,6 +132,7 @@ physics::ObjectMotion get_motion(ByteReader& in) {
 
 void put(const physics::SoftMotion& motion, ByteWriter& out) {
     out.integer(motion.id);
+    out.integer(static_cast<std::uint32_t>(motion.num_torn_ticks));
     out.integer(static_cast<std::uint32_t>(motion.places_m.size()));
     for (std::size_t i = 0; i < motion.places_m.size(); ++i) {
         out.numbers(motion.places_m[i]);
@@ -142,6 +143,7 @@ void put(const physics::SoftMotion& motion, ByteWriter& out) {
 physics::SoftMotion get_soft_motion(ByteReader& in) {
     physics::SoftMotion motion;
     motion.id = in.integer<std::uint32_t>();
+    motion.num_torn_ticks = static_cast<std::int32_t>(in.integer<std::uint32_t>());
     const std::size_t num_nodes = in.count(bus::kMaxSoftNodes, 24);
     motion.places_m.resize(num_nodes);
     motion.velocities.resize(num_nodes);
@@ -262,7 +264,7 @@ Expected<SavedWorld> decode(std::span<const std::uint8_t> bytes) {
     for (std::size_t n = in.count(kMaxObjects, kMotionBytes); n > 0 && in.is_good(); --n) {
         world.state.objects.push_back(get_motion(in));
     }
-    for (std::size_t n = in.count(kMaxObjects, 8); n > 0 && in.is_good(); --n) {
+    for (std::size_t n = in.count(kMaxObjects, 12); n > 0 && in.is_good(); --n) {
         world.state.soft.push_back(get_soft_motion(in));
     }
     for (std::size_t n = in.count(kMaxObjects, kAddedBytes); n > 0 && in.is_good(); --n) {

@@ -6,7 +6,9 @@
 #include "world_server/physics/object_body.hpp"
 #include "world_server/physics/people_contacts.hpp"
 #include "world_server/physics/people_field.hpp"
+#include "world_server/physics/soft_bodies.hpp"
 
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
@@ -49,7 +51,9 @@ struct World::Impl {
     btCollisionDispatcher dispatcher{&configuration};
     btDbvtBroadphase broadphase;
     btSequentialImpulseConstraintSolver solver;
-    btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+    SoftBodies soft{options};
+    btSoftRigidDynamicsWorld world{
+        &dispatcher, &broadphase, &solver, &configuration, soft.solver()};
     std::map<std::uint32_t, std::unique_ptr<ObjectBody>> objects;
     PeopleField people;
     PeopleContacts contacts;
@@ -82,6 +86,7 @@ World::Impl::Impl(const WorldOptions& world_options)
 }
 
 World::Impl::~Impl() {
+    soft.clear(world);
     for (auto& [id, object] : objects) {
         joints.remove_of(id);
         world.removeRigidBody(&object->body());
@@ -97,6 +102,8 @@ void World::Impl::begin_tick(btDynamicsWorld* world, btScalar tick_s) {
     });
     self.people.begin_tick(tick_s);
     self.contacts.begin_tick(self.people, tick_s);
+    std::vector<btRigidBody*>& around = self.soft.begin_tick(self.people);
+    for (auto& [id, object] : self.objects) around.push_back(&object->body());
 }
 
 ObjectBody* World::Impl::find_moving(std::uint32_t id) {
@@ -178,7 +185,9 @@ World::~World() = default;
 
 AddResult World::add(const RigidObject& object) {
     if (find_problem(object)) return AddResult::kInvalid;
-    if (impl_->objects.contains(object.id)) return AddResult::kIdInUse;
+    if (impl_->objects.contains(object.id) || impl_->soft.contains(object.id)) {
+        return AddResult::kIdInUse;
+    }
     if (impl_->objects.size() >= impl_->options.max_objects) return AddResult::kWorldFull;
     auto body = std::make_unique<ObjectBody>(object, impl_->options);
     const int group = body->moves() ? kObjectGroup : kStillGroup;
@@ -189,17 +198,30 @@ AddResult World::add(const RigidObject& object) {
     return AddResult::kAdded;
 }
 
+AddResult World::add_soft(const SoftObject& object) {
+    if (impl_->objects.contains(object.id)) return AddResult::kIdInUse;
+    return impl_->soft.add(object, impl_->world, [&](std::uint32_t id) -> btRigidBody* {
+        const auto found = impl_->objects.find(id);
+        return found == impl_->objects.end() ? nullptr : &found->second->body();
+    });
+}
+
 bool World::remove(std::uint32_t id) { return impl_->remove(id); }
 
 bool World::Impl::remove(std::uint32_t id) {
     const auto found_at = objects.find(id);
-    if (found_at == objects.end()) return false;
-    joints.remove_of(id);
-    contacts.remove(id);
-    world.removeRigidBody(&found_at->second->body());
-    objects.erase(found_at);
-    centres_before.erase(id);
-    grabs.forget(id);
+    if (found_at != objects.end()) {
+        btRigidBody& body = found_at->second->body();
+        soft.untie(body);
+        joints.remove_of(id);
+        contacts.remove(id);
+        world.removeRigidBody(&body);
+        objects.erase(found_at);
+        centres_before.erase(id);
+        grabs.forget(id);
+    } else if (!soft.remove(id, world)) {
+        return false;
+    }
     // what rested on it must not go on sleeping in the air
     for (auto& [other, object] : objects) {
         if (object->moves()) object->body().activate();
@@ -226,6 +248,7 @@ void World::reset() {
         pairs.cleanProxyFromPairs(object->body().getBroadphaseHandle(), &impl_->dispatcher);
         object->put_back();
     }
+    impl_->soft.reset();
 }
 
 bool World::set_state(const RigidState& state) {
@@ -242,8 +265,8 @@ bool World::set_state(const RigidState& state) {
 
 bool World::push(std::uint32_t id, const Eigen::Vector3d& impulse_ns) {
     const auto found = impl_->objects.find(id);
-    if (found == impl_->objects.end() || !found->second->moves()) return false;
-    if (!impulse_ns.allFinite()) return false;
+    if (found == impl_->objects.end()) return impl_->soft.push(id, impulse_ns);
+    if (!found->second->moves() || !impulse_ns.allFinite()) return false;
     found->second->body().activate(true);
     found->second->body().applyCentralImpulse(to_bullet(impulse_ns));
     return true;
@@ -278,11 +301,23 @@ void World::get_state(WorldState& state) const {
     state.tick = impl_->counters.num_ticks;
     state.objects.clear();
     for (const auto& [id, object] : impl_->objects) state.objects.push_back(motion_of(*object));
+    std::vector<SoftState> soft;
+    get_soft_states(soft);
+    state.soft.clear();
+    for (SoftState& s : soft) {
+        state.soft.push_back(
+            {s.id, std::move(s.positions), std::move(s.velocities), s.num_torn_ticks});
+    }
 }
 
 bool World::set_state(const WorldState& state) {
     for (const ObjectMotion& motion : state.objects) {
         if (!impl_->objects.contains(motion.id) || !is_valid(motion)) return false;
+    }
+    for (const SoftMotion& motion : state.soft) {
+        const SoftBody* soft = impl_->soft.find(motion.id);
+        if (soft == nullptr || !is_valid(motion)) return false;
+        if (soft->num_nodes() != motion.places_m.size()) return false;
     }
     for (const ObjectMotion& motion : state.objects) {
         set_motion(motion, *impl_->objects.at(motion.id));
@@ -290,6 +325,14 @@ bool World::set_state(const WorldState& state) {
     std::vector<btRigidBody*> bodies;
     for (auto& [id, object] : impl_->objects) bodies.push_back(&object->body());
     forget_history(impl_->world, bodies);
+    for (const SoftMotion& motion : state.soft) {
+        SoftState soft;
+        soft.id = motion.id;
+        soft.positions = motion.places_m;
+        soft.velocities = motion.velocities;
+        soft.num_torn_ticks = motion.num_torn_ticks;
+        restore_soft(soft);
+    }
     impl_->counters.num_ticks = state.tick;
     return true;
 }
@@ -312,9 +355,12 @@ void World::tick() {
         impl_->centres_before[id] = object->centre();
     }
     impl_->world.stepSimulation(static_cast<btScalar>(impl_->options.tick_s), /*maxSubSteps=*/0);
+    impl_->soft.end_tick(impl_->counters,
+                         [&](const Incident& incident) { impl_->record(incident); });
     impl_->contacts.end_tick();
     impl_->guard_all();
-    if (impl_->contacts.is_touched()) ++impl_->counters.num_contact_ticks;
+    if (impl_->contacts.is_touched() || impl_->soft.is_touched())
+        ++impl_->counters.num_contact_ticks;
     impl_->counters.num_escapes = impl_->contacts.num_escapes();
     ++impl_->counters.num_ticks;
 }
@@ -327,6 +373,27 @@ void World::take_incidents(std::vector<Incident>& incidents) {
 void World::get_states(std::vector<RigidState>& states) const {
     states.clear();
     for (const auto& [id, object] : impl_->objects) states.push_back(object->state());
+}
+
+void World::get_soft_states(std::vector<SoftState>& states) const {
+    states.resize(impl_->soft.bodies().size());
+    std::size_t i = 0;
+    for (const auto& [id, soft] : impl_->soft.bodies()) soft->save(states[i++]);
+}
+
+bool World::restore_soft(const SoftState& state) {
+    SoftBody* soft = impl_->soft.find(state.id);
+    return soft != nullptr && soft->restore(state);
+}
+
+const SoftTopology* World::soft_topology(std::uint32_t id) const {
+    const SoftBody* soft = impl_->soft.find(id);
+    return soft == nullptr ? nullptr : &soft->topology();
+}
+
+std::size_t World::num_soft_nodes(std::uint32_t id) const {
+    const SoftBody* soft = impl_->soft.find(id);
+    return soft == nullptr ? 0 : soft->num_nodes();
 }
 
 const WorldCounters& World::counters() const { return impl_->counters; }
@@ -352,6 +419,16 @@ std::uint64_t World::state_hash() const {
         for (const double x : state.world_from_object.rotation.coeffs()) add(x);
         for (const double x : state.linear_velocity) add(x);
         for (const double x : state.angular_velocity) add(x);
+    }
+    SoftState state;
+    for (const auto& [id, soft] : impl_->soft.bodies()) {
+        soft->save(state);
+        add(id);
+        for (const auto* vectors : {&state.positions, &state.velocities}) {
+            for (const Eigen::Vector3f& v : *vectors) {
+                for (const float x : v) add(x);
+            }
+        }
     }
     return hash;
 }

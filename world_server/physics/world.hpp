@@ -50,6 +50,10 @@ struct WorldOptions {
     double person_restitution = 0.2;
 };
 
+struct SoftObject;
+struct SoftState;
+struct SoftTopology;
+
 geometry::Aabb box_of(const WorldOptions& options);
 
 /// What the world did to an object on its own.
@@ -77,7 +81,8 @@ struct WorldCounters {
     std::uint64_t num_strays = 0;         // objects that left the world's box
     std::uint64_t num_not_finite = 0;     // objects whose state was not a number, put back
     std::uint64_t num_runaways = 0;       // objects of an absurd speed, put back
-    std::uint64_t num_torn = 0;           // objects torn from what they are joined to, put back
+    std::uint64_t num_torn = 0;           // objects torn from what they are joined to, or soft ones
+                                          // out of all shape, put back
     std::uint64_t num_escapes = 0;        // objects that were found inside a person
 };
 
@@ -102,6 +107,8 @@ public:
 
     /// kInvalid: see `find_problem`.
     AddResult add(const RigidObject& object);
+    /// Ids are those of all objects, rigid and soft. See soft_object.hpp; kWorldFull: nodes.
+    AddResult add_soft(const SoftObject& object);
     /// With its joints. False: not there.
     bool remove(std::uint32_t id);
     /// False, and nothing added, where it has a problem (`find_problem`), its objects are not
@@ -147,12 +154,20 @@ public:
 
     /// Of all objects, in the order of their ids.
     void get_states(std::vector<RigidState>& states) const;
+    /// Of all soft objects, in the order of their ids: what `restore_soft` takes. The vectors'
+    /// memory is used again.
+    void get_soft_states(std::vector<SoftState>& states) const;
+    /// False, and nothing is changed: no such soft object, not its number of nodes, or not finite.
+    bool restore_soft(const SoftState& state);
+    /// Null: no such soft object. Valid until it is removed.
+    const SoftTopology* soft_topology(std::uint32_t id) const;
+    std::size_t num_soft_nodes(std::uint32_t id) const;  // 0: no such soft object
     const WorldCounters& counters() const;
     std::size_t num_objects() const;
     std::size_t num_joints() const;
     std::size_t num_people() const;
     std::size_t num_surfels() const;  // of all people
-    /// Of every object's pose and velocities, bit by bit.
+    /// Of every object's pose and velocities, and every soft node's, bit by bit.
     std::uint64_t state_hash() const;
 
 private:

@@ -2,6 +2,8 @@
 
 #include "world_server/physics/object_body.hpp"
 
+#include <BulletSoftBody/btSoftBody.h>
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 #include <Eigen/LU>
 #include <btBulletDynamicsCommon.h>
 
@@ -72,7 +74,7 @@ void set_motion(const ObjectMotion& motion, ObjectBody& object) {
     body.setDeactivationTime(btScalar(motion.idle_s));
 }
 
-void forget_history(btDiscreteDynamicsWorld& world, const std::vector<btRigidBody*>& bodies) {
+void forget_history(btSoftRigidDynamicsWorld& world, const std::vector<btRigidBody*>& bodies) {
     struct Member {
         btCollisionObject* object;
         int group;
@@ -105,6 +107,8 @@ void forget_history(btDiscreteDynamicsWorld& world, const std::vector<btRigidBod
     for (const Member& member : members) {
         if (auto* body = btRigidBody::upcast(member.object))
             world.addRigidBody(body, member.group, member.mask);
+        else if (auto* soft = btSoftBody::upcast(member.object))
+            world.addSoftBody(soft, member.group, member.mask);
         else
             world.addCollisionObject(member.object, member.group, member.mask);
         member.object->forceActivationState(member.activation);

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-class btDiscreteDynamicsWorld;
 class btRigidBody;
+class btSoftRigidDynamicsWorld;
 
 namespace atrium::physics {
 
@@ -31,6 +31,7 @@ struct SoftMotion {
     std::uint32_t id = 0;
     std::vector<Eigen::Vector3f> places_m;    // of the nodes, world
     std::vector<Eigen::Vector3f> velocities;  // [m/s] world, one per node
+    std::int32_t num_torn_ticks = 0;          // how long it has been stretched out of all shape
 
     bool operator==(const SoftMotion&) const = default;
 };
@@ -56,6 +57,6 @@ void set_motion(const ObjectMotion& motion, ObjectBody& body);
 /// so that what happens next depends on motion alone and not on what Bullet remembers of contacts,
 /// of pairs and of the order in which bodies came and went. Costs the accumulated impulses of
 /// resting contacts, which build up again within some ticks.
-void forget_history(btDiscreteDynamicsWorld& world, const std::vector<btRigidBody*>& bodies);
+void forget_history(btSoftRigidDynamicsWorld& world, const std::vector<btRigidBody*>& bodies);
 
 }  // namespace atrium::physics

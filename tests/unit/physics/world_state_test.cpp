@@ -1,6 +1,7 @@
 #include "world_server/physics/world_state.hpp"
 
 #include "meshes.hpp"
+#include "world_server/physics/soft_object.hpp"
 #include "world_server/physics/world.hpp"
 
 #include <Eigen/Geometry>
@@ -30,6 +31,23 @@ void add_things(World& world) {
                        Eigen::Quaterniond(1, anywhere(random), anywhere(random), 0).normalized(),
                        {anywhere(random), anywhere(random), 0.15 * id}}});
     }
+}
+
+// A cloth that hangs where the things fall, and a soft ball among them.
+void add_soft_things(World& world) {
+    SoftObject cloth;
+    cloth.id = 50;
+    cloth.pins.resize(1);
+    cloth.world_from_object.translation = {0, 0.1, 1.5};
+    ASSERT_EQ(world.add_soft(cloth), AddResult::kAdded);
+    SoftObject ball;
+    ball.id = 51;
+    ball.shape = SoftShape::kBall;
+    ball.size_m = {0.3, 0.3, 0.3};
+    ball.spacing_m = 0.08;
+    ball.mass_kg = 0.5;
+    ball.world_from_object.translation = {0.2, 0, 0.8};
+    ASSERT_EQ(world.add_soft(ball), AddResult::kAdded);
 }
 
 // What happens at a tick of the recorded input, the same in every run.
@@ -90,6 +108,7 @@ TEST(RecordedInput, GivesTheSameHashFromARestoredStateAsInTheWorldThatSavedIt) {
     for (const int save_at : {1, 60, 150, 300}) {
         World world{{}};
         add_things(world);
+        add_soft_things(world);
         WorldState state;
         for (int tick = 0; tick < save_at; ++tick) {
             input(world, tick);
@@ -102,6 +121,7 @@ TEST(RecordedInput, GivesTheSameHashFromARestoredStateAsInTheWorldThatSavedIt) {
 
         World restored{{}};
         add_things(restored);
+        add_soft_things(restored);
         if (save_at > 200) restored.remove(9);
         if (save_at > 210) {
             restored.add({.id = 90,
