@@ -33,6 +33,33 @@ void add_things(World& world) {
     }
 }
 
+// A chain of four boxes on a ball joint, hinges and a spring, which swings among them.
+void add_chain(World& world) {
+    for (std::uint32_t id = 60; id < 64; ++id) {
+        world.add(
+            {.id = id,
+             .size_m = {0.3, 0.1, 0.1},
+             .mass_kg = 0.5,
+             .world_from_object = {Eigen::Quaterniond::Identity(), {0.4 * (id - 60.0), 0, 1.8}}});
+    }
+    Joint ball{.kind = JointKind::kBall, .a = 60};
+    ball.anchor_m = {-0.2, 0, 1.8};
+    ASSERT_TRUE(world.add_joint(ball));
+    for (std::uint32_t id = 61; id < 63; ++id) {
+        Joint hinge{.kind = JointKind::kHinge, .a = id, .b = id - 1};
+        hinge.anchor_m = {0.4 * (id - 60.0) - 0.2, 0, 1.8};
+        hinge.axis = Eigen::Vector3d::UnitY();
+        hinge.damping = 0.02;
+        ASSERT_TRUE(world.add_joint(hinge));
+    }
+    Joint spring{.kind = JointKind::kSpring, .a = 63, .b = 62};
+    spring.anchor_m = {1.05, 0, 1.8};
+    spring.anchor_b_m = {0.95, 0, 1.8};
+    spring.stiffness_npm = 80.0;
+    spring.rest_length_m = 0.1;
+    ASSERT_TRUE(world.add_joint(spring));
+}
+
 // A cloth that hangs where the things fall, and a soft ball among them.
 void add_soft_things(World& world) {
     SoftObject cloth;
@@ -109,6 +136,7 @@ TEST(RecordedInput, GivesTheSameHashFromARestoredStateAsInTheWorldThatSavedIt) {
         World world{{}};
         add_things(world);
         add_soft_things(world);
+        add_chain(world);
         WorldState state;
         for (int tick = 0; tick < save_at; ++tick) {
             input(world, tick);
@@ -122,6 +150,7 @@ TEST(RecordedInput, GivesTheSameHashFromARestoredStateAsInTheWorldThatSavedIt) {
         World restored{{}};
         add_things(restored);
         add_soft_things(restored);
+        add_chain(restored);
         if (save_at > 200) restored.remove(9);
         if (save_at > 210) {
             restored.add({.id = 90,
