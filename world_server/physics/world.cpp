@@ -322,9 +322,6 @@ bool World::set_state(const WorldState& state) {
     for (const ObjectMotion& motion : state.objects) {
         set_motion(motion, *impl_->objects.at(motion.id));
     }
-    std::vector<btRigidBody*> bodies;
-    for (auto& [id, object] : impl_->objects) bodies.push_back(&object->body());
-    forget_history(impl_->world, bodies);
     for (const SoftMotion& motion : state.soft) {
         SoftState soft;
         soft.id = motion.id;
@@ -333,6 +330,10 @@ bool World::set_state(const WorldState& state) {
         soft.num_torn_ticks = motion.num_torn_ticks;
         restore_soft(soft);
     }
+    // after all motion is set: what is put in has its place in the broad phase from that alone
+    std::vector<btRigidBody*> bodies;
+    for (auto& [id, object] : impl_->objects) bodies.push_back(&object->body());
+    forget_history(impl_->world, bodies);
     impl_->counters.num_ticks = state.tick;
     return true;
 }
