@@ -11,6 +11,14 @@ void declare(WorldServerConfig& config, config::OptionSet& set) {
     set.add("world.seconds", config.seconds, "how long to run [s]; 0: until Ctrl-C", {0, 1e9});
     set.add(
         "world.max_objects", config.max_objects, "objects at most, added ones included", {1, 2048});
+    set.add("world.state_file",
+            config.state_file,
+            "file for the state of the world, saved at the end and restored at the start; empty: "
+            "none");
+    set.add("world.save_every_s",
+            config.save_every_s,
+            "time between saves [s]; 0: only at the end and on command",
+            {0, 86400});
     set.add("world.max_sites", config.max_sites, "sites at most; later ones are refused", {1, 64});
     physics::WorldOptions& world = config.world;
     set.add("world.half_extent_m",
@@ -26,9 +34,9 @@ void declare(WorldServerConfig& config, config::OptionSet& set) {
     set.add("physics.person_friction", world.person_friction, "friction of people", {0, 10});
     set.add("physics.person_restitution", world.person_restitution, "bounce of people", {0, 1});
     physics::PersonShapeOptions& person = config.person;
-    set.add("physics.cell_m",
-            person.cells.cell_m,
-            "side of the cells that people are cut into [m]",
+    set.add("physics.region_m",
+            person.motion.region_m,
+            "side of the parts of a person that move as one [m]",
             {0.05, 1});
     set.add("physics.person_max_speed_mps",
             person.max_speed_mps,

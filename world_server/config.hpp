@@ -8,7 +8,9 @@
 #include "world_server/physics/person_shape.hpp"
 #include "world_server/physics/world.hpp"
 #include "world_server/placement.hpp"
+#include "world_server/rights.hpp"
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -27,14 +29,17 @@ struct WorldServerConfig {
     std::vector<physics::Joint> joints;  // of `objects`, by their ids
     std::vector<WorldScenery> scenery;
     std::vector<NamedPlacement> placements;
+    Rights rights;
+    std::filesystem::path state_file;  // empty: nothing is saved, nothing restored
+    double save_every_s = 30.0;        // 0: only at the end and on command
 };
 
 /// Declares every plain option; `config` must outlive `set`.
 void declare(WorldServerConfig& config, config::OptionSet& set);
 
 /// Reads what only a file can say (description/world_file.cpp): gravity, bounds, materials,
-/// objects, puppets, joints, scenery and sites. After the plain options. Problems are kept by
-/// `reader`.
+/// objects, puppets, joints, scenery, sites and rights. After the plain options. Problems are kept
+/// by `reader`.
 void read_world(config::TableReader& reader, WorldServerConfig& config);
 
 /// What options cannot check one by one.

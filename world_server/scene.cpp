@@ -1,10 +1,14 @@
 #include "world_server/scene.hpp"
 
 #include "core/bus/checks.hpp"
+#include "core/bus/soft_nodes.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cassert>
+#include <set>
+#include <utility>
 
 namespace atrium::world_server {
 namespace {
@@ -52,6 +56,73 @@ Expected<Scene> Scene::create(const WorldServerConfig& config) {
         }
     }
     scene.num_described_ = static_cast<std::uint32_t>(config.objects.size());
+    scene.description_ = scene.hash_description();
+    return scene;
+}
+
+// Of what a state depends on: a new colour in the world's file does no harm.
+std::uint64_t Scene::hash_description() const {
+    std::string text = fmt::format("{} {} {} {} {}",
+                                   world_->num_joints(),
+                                   options_.tick_s,
+                                   options_.gravity.x(),
+                                   options_.gravity.y(),
+                                   options_.gravity.z());
+    for (const auto& [id, object] : objects_) {
+        text += fmt::format("; {} {} {} {} {} {} {} {} {}",
+                            id,
+                            object.name,
+                            static_cast<int>(object.shape),
+                            object.size_m.x(),
+                            object.size_m.y(),
+                            object.size_m.z(),
+                            object.mass_kg,
+                            object.model,
+                            object.model_scale);
+    }
+    std::uint64_t hash = 14695981039346656037ULL;  // FNV-1a
+    for (const char c : text) {
+        hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+    }
+    return hash;
+}
+
+void Scene::save(SavedWorld& saved) {
+    saved.description = description_;
+    saved.next_id = next_id_;
+    saved.added.clear();
+    for (const auto& [id, object] : objects_) {
+        if (id > num_described_) saved.added.push_back(object);
+    }
+    world_->get_state(saved.state);
+    [[maybe_unused]] const bool is_kept = world_->set_state(saved.state);
+    assert(is_kept);
+}
+
+Expected<Scene> Scene::restore(const WorldServerConfig& config, const SavedWorld& saved) {
+    auto scene = create(config);
+    if (!scene) return scene;
+    if (saved.description != scene->description_) {
+        return refuse("state of a world: it belongs to a world of another description");
+    }
+    std::set<std::uint32_t> kept;
+    for (const auto& motion : saved.state.objects) kept.insert(motion.id);
+    for (const auto& motion : saved.state.soft) kept.insert(motion.id);
+    for (const bus::SceneObject& object : scene->objects()) {
+        if (kept.contains(object.object)) continue;
+        scene->world_->remove(object.object);
+        scene->objects_.erase(object.object);
+    }
+    for (const bus::SceneObject& object : saved.added) {
+        if (object.object <= scene->num_described_) {
+            return refuse("state of a world: an object that was added has a described one's id");
+        }
+        if (const auto added = scene->add(object); !added) return tl::unexpected(added.error());
+    }
+    scene->next_id_ = std::max(scene->next_id_, saved.next_id);
+    if (!scene->world_->set_state(saved.state)) {
+        return refuse("state of a world: an object that moved is not in the world");
+    }
     return scene;
 }
 
@@ -69,6 +140,7 @@ Expected<std::vector<SceneChange>> Scene::apply(const bus::SceneCommand& command
         case bus::CommandKind::kGrab:
         case bus::CommandKind::kMove:
         case bus::CommandKind::kRelease:
+            return hold(command);
         case bus::CommandKind::kSave:
         case bus::CommandKind::kRestore:
             break;
@@ -133,13 +205,29 @@ Expected<std::vector<SceneChange>> Scene::push(const bus::SceneCommand& command)
     return std::vector<SceneChange>{};
 }
 
+Expected<std::vector<SceneChange>> Scene::hold(const bus::SceneCommand& command) {
+    const std::uint32_t target = command.target;
+    if (command.kind == bus::CommandKind::kRelease) {
+        // what it let go of already, or what is gone, is no fault of the sender's
+        world_->release(command.sender, target);
+    } else if (command.kind == bus::CommandKind::kMove) {
+        if (!world_->move_grab(command.sender, target, command.goal_world)) {
+            return refuse(fmt::format("move: the sender does not hold object {}", target));
+        }
+    } else if (!world_->grab(command.sender, target, command.point_object, command.goal_world)) {
+        return refuse(fmt::format(
+            "grab: there is no object {} that moves, or too much is held already", target));
+    }
+    return std::vector<SceneChange>{};
+}
+
 std::vector<SceneChange> Scene::take_removed(std::vector<physics::Incident>& incidents) {
     world_->take_incidents(incidents);
     std::vector<SceneChange> changes;
     for (const physics::Incident& incident : incidents) {
         const auto found = objects_.find(incident.object);
         if (incident.kind != physics::IncidentKind::kRemoved || found == objects_.end()) continue;
-        changes.push_back({found->second, true});
+        changes.push_back({.object = found->second, .is_gone = true});
         objects_.erase(found);
     }
     return changes;
@@ -152,11 +240,45 @@ std::vector<bus::SceneObject> Scene::objects() const {
     return objects;
 }
 
-void Scene::get_state(const std::string& name, bus::SceneState& state) {
+std::vector<SceneChange> Scene::all() const {
+    std::vector<SceneChange> changes;
+    changes.reserve(objects_.size());
+    for (const auto& [id, object] : objects_) changes.push_back(described(object));
+    return changes;
+}
+
+// With what of a soft object does not change.
+SceneChange Scene::described(const bus::SceneObject& object) const {
+    SceneChange change{.object = object};
+    const physics::SoftTopology* topology = world_->soft_topology(object.object);
+    if (topology == nullptr) return change;
+    const auto node = [](std::uint32_t index) { return static_cast<std::uint16_t>(index); };
+    bus::SoftBody& soft = change.soft.emplace();
+    soft.object = object.object;
+    soft.thickness_m = 2.0 * topology->radius_m;
+    for (const auto& [a, b, c] : topology->triangles)
+        soft.triangles.push_back({node(a), node(b), node(c)});
+    for (const auto& [a, b] : topology->segments) soft.segments.push_back({node(a), node(b)});
+    soft.num_nodes = static_cast<std::uint32_t>(world_->num_soft_nodes(object.object));
+    return change;
+}
+
+void Scene::get_soft_states(Timestamp time, std::vector<bus::SoftBodyState>& states) {
+    world_->get_soft_states(soft_states_);
+    states.resize(soft_states_.size());
+    for (std::size_t i = 0; i < states.size(); ++i) {
+        states[i].object = soft_states_[i].id;
+        states[i].tick = world_->counters().num_ticks;
+        states[i].time = time;
+        bus::quantise(soft_states_[i].positions, states[i]);
+    }
+}
+
+void Scene::get_state(const std::string& name, Timestamp time, bus::SceneState& state) {
     world_->get_states(states_);
     state.world = name;
     state.tick = world_->counters().num_ticks;
-    state.time = Timestamp::now();
+    state.time = time;
     state.objects.clear();
     for (const physics::RigidState& s : states_) {
         state.objects.push_back({s.id, s.world_from_object, s.linear_velocity, s.angular_velocity});

@@ -139,6 +139,13 @@ bool TableReader::has(const std::string& key) const {
     return node_->find(key) != nullptr;
 }
 
+bool TableReader::has_array(const std::string& key) const {
+    const auto [head, rest] = split_first(key);
+    if (!head.empty()) return TableReader(*this).table(head).has_array(rest);
+    const toml::value* found = node_->find(key);
+    return found != nullptr && found->is_array();
+}
+
 TableReader TableReader::table(const std::string& key) {
     const auto [head, rest] = split_first(key);
     if (!head.empty()) return table(head).table(rest);

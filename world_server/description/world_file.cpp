@@ -43,6 +43,7 @@ void read_world(config::TableReader& reader, WorldServerConfig& config) {
     read_joints(reader, config.objects, config.joints);
     read_scenery(reader, materials, config.scenery);
     read_placements(reader, config.placements);
+    read_rights(reader, config.rights);
 }
 
 }  // namespace atrium::world_server

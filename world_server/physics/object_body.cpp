@@ -79,7 +79,6 @@ void ObjectBody::move_to(const btTransform& world_from_body,
     body_->setInterpolationLinearVelocity(linear_velocity);
     body_->setInterpolationAngularVelocity(angular_velocity);
     body_->clearForces();
-    escaping_from = nullptr;
     if (moves()) body_->activate(true);
 }
 

@@ -1,10 +1,14 @@
 #include "world_server/physics/world.hpp"
 
 #include "world_server/physics/bullet_types.hpp"
+#include "world_server/physics/grab.hpp"
 #include "world_server/physics/joints.hpp"
 #include "world_server/physics/object_body.hpp"
-#include "world_server/physics/person_body.hpp"
+#include "world_server/physics/people_contacts.hpp"
+#include "world_server/physics/people_field.hpp"
+#include "world_server/physics/soft_bodies.hpp"
 
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
@@ -17,12 +21,9 @@
 namespace atrium::physics {
 namespace {
 
-constexpr double kContactM = 0.005;  // gap up to which a person counts as touching an object
-// An object that a person's piece reaches into deeper than this, in radii of the object, is checked
-// for being inside the person: there Bullet pushes towards the nearest side of a piece, which may
-// lie deeper inside.
-constexpr double kDeepRadii = 0.6;
-constexpr float kEscapeSearchM = 0.5F;
+/// Collision groups of the Bullet world, one bit each.
+enum CollisionGroup : int { kStillGroup = 1, kObjectGroup = 2 };
+
 // Overlap above which Bullet separates without adding velocity; its default of 4 cm makes whatever
 // is pressed by a hand pop away.
 constexpr float kPlainContactM = 0.002F;
@@ -32,58 +33,31 @@ constexpr double kTornM = 0.25;
 constexpr double kBehindWallM = 0.5;
 constexpr std::size_t kMaxIncidents = 256;
 
-ObjectBody* object_of(const btCollisionObject* body) {
-    if (body->isKinematicObject()) return nullptr;
-    return static_cast<ObjectBody*>(body->getUserPointer());
-}
-
-const PersonBody* person_of(const btCollisionObject* body) {
-    if (!body->isKinematicObject()) return nullptr;
-    return static_cast<const PersonBody*>(body->getUserPointer());
-}
-
-// Leaves out pairs with an object that is being led out of a person.
-void collide_unless_escaping(btBroadphasePair& pair,
-                             btCollisionDispatcher& dispatcher,
-                             const btDispatcherInfo& info) {
-    const auto* a = static_cast<const btCollisionObject*>(pair.m_pProxy0->m_clientObject);
-    const auto* b = static_cast<const btCollisionObject*>(pair.m_pProxy1->m_clientObject);
-    if (person_of(a) != nullptr || person_of(b) != nullptr) {
-        const ObjectBody* object = person_of(a) != nullptr ? object_of(b) : object_of(a);
-        if (object != nullptr && object->escaping_from != nullptr) {
-            if (pair.m_algorithm != nullptr) {
-                pair.m_algorithm->~btCollisionAlgorithm();
-                dispatcher.freeCollisionAlgorithm(pair.m_algorithm);
-                pair.m_algorithm = nullptr;
-            }
-            return;
-        }
-    }
-    btCollisionDispatcher::defaultNearCallback(pair, dispatcher, info);
-}
-
 }  // namespace
 
 struct World::Impl {
     explicit Impl(const WorldOptions& world_options);
     ~Impl();
     static void begin_tick(btDynamicsWorld* world, btScalar tick_s);
+    ObjectBody* find_moving(std::uint32_t id);
     std::optional<IncidentKind> guard(ObjectBody& object);
     void guard_all();
     void act_on(const Incident& incident);
     void record(const Incident& incident);
     bool remove(std::uint32_t id);
-    void look_at_contacts();
-    void lead_out(ObjectBody& object);
 
     WorldOptions options;
     btDefaultCollisionConfiguration configuration;
     btCollisionDispatcher dispatcher{&configuration};
     btDbvtBroadphase broadphase;
     btSequentialImpulseConstraintSolver solver;
-    btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+    SoftBodies soft{options};
+    btSoftRigidDynamicsWorld world{
+        &dispatcher, &broadphase, &solver, &configuration, soft.solver()};
     std::map<std::uint32_t, std::unique_ptr<ObjectBody>> objects;
-    std::map<std::string, std::unique_ptr<PersonBody>> people;
+    PeopleField people;
+    PeopleContacts contacts;
+    Grabs grabs;
     std::map<std::uint32_t, Eigen::Vector3d> centres_before;  // of the objects that move
     Surroundings surroundings{world, kStillGroup, kObjectGroup};
     Joints joints{world, options.tick_s};
@@ -93,18 +67,26 @@ struct World::Impl {
     WorldCounters counters;
 };
 
-World::Impl::Impl(const WorldOptions& world_options) : options(world_options) {
+World::Impl::Impl(const WorldOptions& world_options)
+    : options(world_options),
+      contacts(dispatcher,
+               {.friction = world_options.person_friction,
+                .restitution = world_options.person_restitution,
+                .escape_mps = world_options.escape_mps}),
+      grabs({.tick_s = world_options.tick_s}) {
     assert(options.tick_s > 0.0 && options.max_speed_mps > 0.0);
     world.setGravity(to_bullet(options.gravity));
+    // else what is put down on a plane, or pressed onto it, stands on one corner for the first
+    // ticks
+    configuration.setPlaneConvexMultipointIterations();
     world.getSolverInfo().m_splitImpulsePenetrationThreshold = -kPlainContactM;
     world.getDispatchInfo().m_deterministicOverlappingPairs = true;
     world.setInternalTickCallback(&Impl::begin_tick, this, /*isPreTick=*/true);
-    dispatcher.setNearCallback(&collide_unless_escaping);
     if (options.leaving == LeavePolicy::kBounce) surroundings.add_walls(box_of(options));
 }
 
 World::Impl::~Impl() {
-    people.clear();
+    soft.clear(world);
     for (auto& [id, object] : objects) {
         joints.remove_of(id);
         world.removeRigidBody(&object->body());
@@ -113,56 +95,20 @@ World::Impl::~Impl() {
 
 void World::Impl::begin_tick(btDynamicsWorld* world, btScalar tick_s) {
     Impl& self = *static_cast<Impl*>(world->getWorldUserInfo());
-    for (auto& [name, person] : self.people) person->begin_tick(tick_s);
-    for (auto& [id, object] : self.objects) {
-        if (object->escaping_from != nullptr) self.lead_out(*object);
-    }
     self.joints.begin_tick();
+    self.grabs.begin_tick([&](std::uint32_t id) -> btRigidBody* {
+        ObjectBody* object = self.find_moving(id);
+        return object == nullptr ? nullptr : &object->body();
+    });
+    self.people.begin_tick(tick_s);
+    self.contacts.begin_tick(self.people, tick_s);
+    std::vector<btRigidBody*>& around = self.soft.begin_tick(self.people);
+    for (auto& [id, object] : self.objects) around.push_back(&object->body());
 }
 
-// Gives an object inside a person a velocity towards the nearest place on the person's surface.
-void World::Impl::lead_out(ObjectBody& object) {
-    const Eigen::Vector3f centre = object.centre().cast<float>();
-    const auto nearest = object.escaping_from->surface().nearest(
-        centre, kEscapeSearchM, [](const SurfaceSample& sample) {
-            return sample.normal.z() > -0.5F;  // not down through the soles
-        });
-    if (!nearest || nearest->normal.dot(centre - nearest->position) > 0.0F) {
-        object.escaping_from = nullptr;
-        return;
-    }
-    const Eigen::Vector3d out = nearest->normal.cast<double>();
-    const Eigen::Vector3d velocity = from_bullet(object.body().getLinearVelocity());
-    const double missing = options.escape_mps - velocity.dot(out);
-    if (missing > 0.0)
-        object.body().setLinearVelocity(to_bullet((velocity + missing * out).eval()));
-    object.body().activate();
-}
-
-void World::Impl::look_at_contacts() {
-    bool touched = false;
-    for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
-        const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
-        const btCollisionObject* a = manifold.getBody0();
-        const btCollisionObject* b = manifold.getBody1();
-        const PersonBody* person = person_of(a) != nullptr ? person_of(a) : person_of(b);
-        if (person == nullptr) continue;
-        ObjectBody* object = person_of(a) != nullptr ? object_of(b) : object_of(a);
-        double distance_m = 1.0;
-        for (int p = 0; p < manifold.getNumContacts(); ++p) {
-            distance_m = std::min<double>(distance_m, manifold.getContactPoint(p).getDistance());
-        }
-        touched = touched || distance_m <= kContactM;
-        if (object == nullptr || object->escaping_from != nullptr) continue;
-        if (distance_m > -kDeepRadii * object->inner_radius_m()) continue;
-        const Eigen::Vector3f centre = object->centre().cast<float>();
-        const auto nearest = person->surface().nearest(
-            centre, kEscapeSearchM, [](const SurfaceSample&) { return true; });
-        if (!nearest || nearest->normal.dot(centre - nearest->position) > 0.0F) continue;
-        object->escaping_from = person;
-        ++counters.num_escapes;
-    }
-    if (touched) ++counters.num_contact_ticks;
+ObjectBody* World::Impl::find_moving(std::uint32_t id) {
+    const auto object = objects.find(id);
+    return object == objects.end() || !object->second->moves() ? nullptr : object->second.get();
 }
 
 // What is wrong with an object after a tick; limits its motion where nothing is.
@@ -239,25 +185,43 @@ World::~World() = default;
 
 AddResult World::add(const RigidObject& object) {
     if (find_problem(object)) return AddResult::kInvalid;
-    if (impl_->objects.contains(object.id)) return AddResult::kIdInUse;
+    if (impl_->objects.contains(object.id) || impl_->soft.contains(object.id)) {
+        return AddResult::kIdInUse;
+    }
     if (impl_->objects.size() >= impl_->options.max_objects) return AddResult::kWorldFull;
     auto body = std::make_unique<ObjectBody>(object, impl_->options);
     const int group = body->moves() ? kObjectGroup : kStillGroup;
-    const int mask = body->moves() ? kStillGroup | kObjectGroup | kPersonGroup : kObjectGroup;
+    const int mask = body->moves() ? kStillGroup | kObjectGroup : kObjectGroup;
     impl_->world.addRigidBody(&body->body(), group, mask);
+    if (body->moves()) impl_->contacts.add(object.id, body->body());
     impl_->objects.emplace(object.id, std::move(body));
     return AddResult::kAdded;
+}
+
+AddResult World::add_soft(const SoftObject& object) {
+    if (impl_->objects.contains(object.id)) return AddResult::kIdInUse;
+    return impl_->soft.add(object, impl_->world, [&](std::uint32_t id) -> btRigidBody* {
+        const auto found = impl_->objects.find(id);
+        return found == impl_->objects.end() ? nullptr : &found->second->body();
+    });
 }
 
 bool World::remove(std::uint32_t id) { return impl_->remove(id); }
 
 bool World::Impl::remove(std::uint32_t id) {
     const auto found_at = objects.find(id);
-    if (found_at == objects.end()) return false;
-    joints.remove_of(id);
-    world.removeRigidBody(&found_at->second->body());
-    objects.erase(found_at);
-    centres_before.erase(id);
+    if (found_at != objects.end()) {
+        btRigidBody& body = found_at->second->body();
+        soft.untie(body);
+        joints.remove_of(id);
+        contacts.remove(id);
+        world.removeRigidBody(&body);
+        objects.erase(found_at);
+        centres_before.erase(id);
+        grabs.forget(id);
+    } else if (!soft.remove(id, world)) {
+        return false;
+    }
     // what rested on it must not go on sleeping in the air
     for (auto& [other, object] : objects) {
         if (object->moves()) object->body().activate();
@@ -284,6 +248,7 @@ void World::reset() {
         pairs.cleanProxyFromPairs(object->body().getBroadphaseHandle(), &impl_->dispatcher);
         object->put_back();
     }
+    impl_->soft.reset();
 }
 
 bool World::set_state(const RigidState& state) {
@@ -300,31 +265,89 @@ bool World::set_state(const RigidState& state) {
 
 bool World::push(std::uint32_t id, const Eigen::Vector3d& impulse_ns) {
     const auto found = impl_->objects.find(id);
-    if (found == impl_->objects.end() || !found->second->moves()) return false;
-    if (!impulse_ns.allFinite()) return false;
+    if (found == impl_->objects.end()) return impl_->soft.push(id, impulse_ns);
+    if (!found->second->moves() || !impulse_ns.allFinite()) return false;
     found->second->body().activate(true);
     found->second->body().applyCentralImpulse(to_bullet(impulse_ns));
     return true;
 }
 
-void World::set_person(const std::string& name, const PersonShape& shape) {
-    std::unique_ptr<PersonBody>& person = impl_->people[name];
-    if (!person) {
-        const PersonMaterial material{impl_->options.person_friction,
-                                      impl_->options.person_restitution};
-        person = std::make_unique<PersonBody>(impl_->world, material);
+bool World::grab(const std::string& holder,
+                 std::uint32_t id,
+                 const Eigen::Vector3d& point_object,
+                 const Eigen::Vector3d& goal_world) {
+    if (!point_object.allFinite() || !goal_world.allFinite()) return false;
+    const ObjectBody* object = impl_->find_moving(id);
+    return object != nullptr &&
+           impl_->grabs.hold(
+               holder, id, object->object_from_body().inverse() * point_object, goal_world);
+}
+
+bool World::move_grab(const std::string& holder,
+                      std::uint32_t id,
+                      const Eigen::Vector3d& goal_world) {
+    return goal_world.allFinite() && impl_->grabs.move(holder, id, goal_world);
+}
+
+bool World::release(const std::string& holder, std::uint32_t id) {
+    return impl_->grabs.release(holder, id);
+}
+
+void World::release_all(const std::string& holder) { impl_->grabs.release_all(holder); }
+
+std::size_t World::num_grabs() const { return impl_->grabs.size(); }
+
+void World::get_state(WorldState& state) const {
+    state.tick = impl_->counters.num_ticks;
+    state.objects.clear();
+    for (const auto& [id, object] : impl_->objects) state.objects.push_back(motion_of(*object));
+    std::vector<SoftState> soft;
+    get_soft_states(soft);
+    state.soft.clear();
+    for (SoftState& s : soft) {
+        state.soft.push_back(
+            {s.id, std::move(s.positions), std::move(s.velocities), s.num_torn_ticks});
     }
-    person->set_shape(shape);
+}
+
+bool World::set_state(const WorldState& state) {
+    for (const ObjectMotion& motion : state.objects) {
+        if (!impl_->objects.contains(motion.id) || !is_valid(motion)) return false;
+    }
+    for (const SoftMotion& motion : state.soft) {
+        const SoftBody* soft = impl_->soft.find(motion.id);
+        if (soft == nullptr || !is_valid(motion)) return false;
+        if (soft->num_nodes() != motion.places_m.size()) return false;
+    }
+    for (const ObjectMotion& motion : state.objects) {
+        set_motion(motion, *impl_->objects.at(motion.id));
+    }
+    for (const SoftMotion& motion : state.soft) {
+        SoftState soft;
+        soft.id = motion.id;
+        soft.positions = motion.places_m;
+        soft.velocities = motion.velocities;
+        soft.num_torn_ticks = motion.num_torn_ticks;
+        restore_soft(soft);
+    }
+    // after all motion is set: what is put in has its place in the broad phase from that alone
+    std::vector<btRigidBody*> bodies;
+    for (auto& [id, object] : impl_->objects) bodies.push_back(&object->body());
+    forget_history(impl_->world, bodies);
+    impl_->counters.num_ticks = state.tick;
+    return true;
+}
+
+void World::set_person(const std::string& name, const PersonShape& shape) {
+    impl_->people.set_person(name, shape);
 }
 
 void World::remove_person(const std::string& name) {
-    const auto found = impl_->people.find(name);
-    if (found == impl_->people.end()) return;
+    if (!impl_->people.remove_person(name)) return;
+    impl_->contacts.forget_person(name);
     for (auto& [id, object] : impl_->objects) {
-        if (object->escaping_from == found->second.get()) object->escaping_from = nullptr;
         if (object->moves()) object->body().activate();  // what lay on the person falls
     }
-    impl_->people.erase(found);
 }
 
 void World::tick() {
@@ -333,8 +356,13 @@ void World::tick() {
         impl_->centres_before[id] = object->centre();
     }
     impl_->world.stepSimulation(static_cast<btScalar>(impl_->options.tick_s), /*maxSubSteps=*/0);
+    impl_->soft.end_tick(impl_->counters,
+                         [&](const Incident& incident) { impl_->record(incident); });
+    impl_->contacts.end_tick();
     impl_->guard_all();
-    impl_->look_at_contacts();
+    if (impl_->contacts.is_touched() || impl_->soft.is_touched())
+        ++impl_->counters.num_contact_ticks;
+    impl_->counters.num_escapes = impl_->contacts.num_escapes();
     ++impl_->counters.num_ticks;
 }
 
@@ -348,15 +376,36 @@ void World::get_states(std::vector<RigidState>& states) const {
     for (const auto& [id, object] : impl_->objects) states.push_back(object->state());
 }
 
+void World::get_soft_states(std::vector<SoftState>& states) const {
+    states.resize(impl_->soft.bodies().size());
+    std::size_t i = 0;
+    for (const auto& [id, soft] : impl_->soft.bodies()) soft->save(states[i++]);
+}
+
+bool World::restore_soft(const SoftState& state) {
+    SoftBody* soft = impl_->soft.find(state.id);
+    return soft != nullptr && soft->restore(state);
+}
+
+const SoftTopology* World::soft_topology(std::uint32_t id) const {
+    const SoftBody* soft = impl_->soft.find(id);
+    return soft == nullptr ? nullptr : &soft->topology();
+}
+
+std::size_t World::num_soft_nodes(std::uint32_t id) const {
+    const SoftBody* soft = impl_->soft.find(id);
+    return soft == nullptr ? 0 : soft->num_nodes();
+}
+
 const WorldCounters& World::counters() const { return impl_->counters; }
 std::size_t World::num_objects() const { return impl_->objects.size(); }
 std::size_t World::num_joints() const { return impl_->joints.size(); }
-std::size_t World::num_people() const { return impl_->people.size(); }
+std::size_t World::num_people() const { return impl_->people.people().size(); }
 
-std::size_t World::num_person_pieces() const {
-    std::size_t num_pieces = 0;
-    for (const auto& [name, person] : impl_->people) num_pieces += person->num_pieces();
-    return num_pieces;
+std::size_t World::num_surfels() const {
+    std::size_t num_surfels = 0;
+    for (const auto& [name, person] : impl_->people.people()) num_surfels += person.num_surfels();
+    return num_surfels;
 }
 
 std::uint64_t World::state_hash() const {
@@ -371,6 +420,16 @@ std::uint64_t World::state_hash() const {
         for (const double x : state.world_from_object.rotation.coeffs()) add(x);
         for (const double x : state.linear_velocity) add(x);
         for (const double x : state.angular_velocity) add(x);
+    }
+    SoftState state;
+    for (const auto& [id, soft] : impl_->soft.bodies()) {
+        soft->save(state);
+        add(id);
+        for (const auto* vectors : {&state.positions, &state.velocities}) {
+            for (const Eigen::Vector3f& v : *vectors) {
+                for (const float x : v) add(x);
+            }
+        }
     }
     return hash;
 }

@@ -6,6 +6,7 @@
 #include "world_server/physics/person_shape.hpp"
 #include "world_server/physics/rigid_object.hpp"
 #include "world_server/physics/surroundings.hpp"
+#include "world_server/physics/world_state.hpp"
 
 #include <Eigen/Core>
 
@@ -45,9 +46,13 @@ struct WorldOptions {
     double max_spin_rad_s = 60.0;        // of an object
     double max_depenetration_mps = 3.0;  // at which objects that overlap are moved apart
     double escape_mps = 1.5;             // at which an object inside a person is led out
-    double person_friction = 0.8;
+    double person_friction = 1.3;        // see PeopleContactOptions
     double person_restitution = 0.2;
 };
+
+struct SoftObject;
+struct SoftState;
+struct SoftTopology;
 
 geometry::Aabb box_of(const WorldOptions& options);
 
@@ -76,16 +81,18 @@ struct WorldCounters {
     std::uint64_t num_strays = 0;         // objects that left the world's box
     std::uint64_t num_not_finite = 0;     // objects whose state was not a number, put back
     std::uint64_t num_runaways = 0;       // objects of an absurd speed, put back
-    std::uint64_t num_torn = 0;           // objects torn from what they are joined to, put back
+    std::uint64_t num_torn = 0;           // objects torn from what they are joined to, or soft ones
+                                          // out of all shape, put back
     std::uint64_t num_escapes = 0;        // objects that were found inside a person
 };
 
 /// Objects, a still surrounding, and people, in Bullet.
 ///
-/// A person is a set of convex kinematic pieces of infinite mass. When a shape arrives, each piece
-/// is set back by its velocity times the shape's period and then moves forward for that period, so
-/// that pieces sweep from mesh to mesh without a gap and stop where the mesh was captured, unless
-/// the next one has come by then. A person thus lags by one mesh period and never overshoots.
+/// A person is a volume whose surface is sampled by moving surfels (see `PeopleField`). When a
+/// shape arrives, each surfel is set back to where the mesh before had it and then moves forward
+/// for the shape's period, so that surfaces sweep from mesh to mesh without a gap and stop where
+/// the mesh was captured, unless the next one has come by then. A person thus lags by one mesh
+/// period, never overshoots, and yields to nothing.
 ///
 /// An object whose state is not a number, or that became absurdly fast, is put back to where it
 /// started, and with it all that it is joined to; the rest of the world goes on.
@@ -100,6 +107,8 @@ public:
 
     /// kInvalid: see `find_problem`.
     AddResult add(const RigidObject& object);
+    /// Ids are those of all objects, rigid and soft. See soft_object.hpp; kWorldFull: nodes.
+    AddResult add_soft(const SoftObject& object);
     /// With its joints. False: not there.
     bool remove(std::uint32_t id);
     /// False, and nothing added, where it has a problem (`find_problem`), its objects are not
@@ -114,6 +123,25 @@ public:
     /// `impulse_ns` [N s] acts at the centre of mass. False: not there, or it does not move.
     bool push(std::uint32_t id, const Eigen::Vector3d& impulse_ns);
 
+    /// Lets `holder` hold an object at a point of it [m, in its frame] and pull that towards a goal
+    /// [m, world] (grab.hpp). False: no such object that moves, or too many are held.
+    bool grab(const std::string& holder,
+              std::uint32_t id,
+              const Eigen::Vector3d& point_object,
+              const Eigen::Vector3d& goal_world);
+    /// False: the holder does not hold it.
+    bool move_grab(const std::string& holder, std::uint32_t id, const Eigen::Vector3d& goal_world);
+    bool release(const std::string& holder, std::uint32_t id);
+    void release_all(const std::string& holder);
+    std::size_t num_grabs() const;
+
+    void get_state(WorldState& state) const;
+    /// Goes on from `state`: equal states and equal calls from there on give equal states, whatever
+    /// was before, provided that nobody is in the world and nothing held at that moment. Objects
+    /// that `state` does not name stay where they are. False, and nothing is changed, where it
+    /// names one that is not there, or a number is out of range.
+    bool set_state(const WorldState& state);
+
     /// The newest shape of a person takes the place of the one before.
     void set_person(const std::string& name, const PersonShape& shape);
     void remove_person(const std::string& name);
@@ -126,12 +154,20 @@ public:
 
     /// Of all objects, in the order of their ids.
     void get_states(std::vector<RigidState>& states) const;
+    /// Of all soft objects, in the order of their ids: what `restore_soft` takes. The vectors'
+    /// memory is used again.
+    void get_soft_states(std::vector<SoftState>& states) const;
+    /// False, and nothing is changed: no such soft object, not its number of nodes, or not finite.
+    bool restore_soft(const SoftState& state);
+    /// Null: no such soft object. Valid until it is removed.
+    const SoftTopology* soft_topology(std::uint32_t id) const;
+    std::size_t num_soft_nodes(std::uint32_t id) const;  // 0: no such soft object
     const WorldCounters& counters() const;
     std::size_t num_objects() const;
     std::size_t num_joints() const;
     std::size_t num_people() const;
-    std::size_t num_person_pieces() const;
-    /// Of every object's pose and velocities, bit by bit.
+    std::size_t num_surfels() const;  // of all people
+    /// Of every object's pose and velocities, and every soft node's, bit by bit.
     std::uint64_t state_hash() const;
 
 private:

@@ -46,7 +46,7 @@ TEST(SiteRegister, MeasuresVelocityInTheWorld) {
     ASSERT_TRUE(sites.read_mesh(mesh_message(hand_at(0.50), 1000)));
     const auto shape = sites.read_mesh(mesh_message(hand_at(0.55), 1050));
     ASSERT_TRUE(shape && *shape);
-    for (const Eigen::Vector3f& v : (*shape)->velocities) EXPECT_NEAR(v.x(), -1.0, 0.1);
+    for (const auto& surfel : *(*shape)->surfels) EXPECT_NEAR(surfel.velocity.x(), -1.0, 0.1);
 }
 
 TEST(SiteRegister, RefusesBrokenLateAndFarMeshes) {
