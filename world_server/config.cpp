@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <numbers>
+#include <optional>
 #include <set>
 
 namespace atrium::world_server {
@@ -143,6 +144,15 @@ void read_world(config::TableReader& reader, WorldServerConfig& config) {
             table.reject("name", "must be unique among the objects");
         }
     }
+    config.soft = read_soft_objects(reader,
+                                    static_cast<std::uint32_t>(config.objects.size() + 1),
+                                    [&](const std::string& name) -> std::optional<std::uint32_t> {
+                                        for (const WorldObject& object : config.objects) {
+                                            if (object.scene.name == name)
+                                                return object.scene.object;
+                                        }
+                                        return std::nullopt;
+                                    });
     std::set<std::string> sites;
     for (config::TableReader& table : reader.tables("site")) {
         config.placements.push_back(read_placement(table));

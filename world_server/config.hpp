@@ -7,6 +7,7 @@
 #include "world_server/physics/person_shape.hpp"
 #include "world_server/physics/world.hpp"
 #include "world_server/placement.hpp"
+#include "world_server/soft_config.hpp"
 
 #include <string>
 #include <vector>
@@ -31,13 +32,14 @@ struct WorldServerConfig {
     physics::WorldOptions world;  // tick_s and max_objects follow from the above
     physics::PersonShapeOptions person;
     std::vector<WorldObject> objects;
+    std::vector<WorldSoftObject> soft;  // ids go on from those of `objects`
     std::vector<NamedPlacement> placements;
 };
 
 /// Declares every plain option; `config` must outlive `set`.
 void declare(WorldServerConfig& config, config::OptionSet& set);
 
-/// Reads `world.gravity`, `[[object]]` and `[[site]]`. Problems are kept by `reader`.
+/// Reads `world.gravity`, `[[object]]`, `[[soft]]` and `[[site]]`. Problems are kept by `reader`.
 void read_world(config::TableReader& reader, WorldServerConfig& config);
 
 /// What options cannot check one by one.

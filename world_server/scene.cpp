@@ -60,7 +60,18 @@ Expected<Scene> Scene::create(const WorldServerConfig& config) {
         }
         scene.objects_[object.scene.object] = object.scene;
     }
-    scene.num_described_ = static_cast<std::uint32_t>(config.objects.size());
+    for (const WorldSoftObject& soft : config.soft) {
+        if (scene.world_->add_soft(soft.object) != physics::AddResult::kAdded) {
+            return make_error(
+                ErrorKind::kConfiguration,
+                fmt::format(
+                    "soft object '{}': has no place in the world: all soft objects together "
+                    "have more than {} nodes",
+                    soft.name,
+                    physics::kMaxSoftNodesTotal));
+        }
+    }
+    scene.num_described_ = static_cast<std::uint32_t>(config.objects.size() + config.soft.size());
     return scene;
 }
 

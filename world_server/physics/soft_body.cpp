@@ -30,7 +30,7 @@ constexpr btScalar kDentStart = 0.15F;
 constexpr btScalar kDentRange = 0.35F;
 constexpr btScalar kDentShare = 0.15F;
 // A person's surface nearer to the middle of a volume than this, in radii, moves it as a whole.
-constexpr float kKeepOffRadii = 0.55F;
+constexpr float kKeepOffRadii = 0.7F;
 constexpr btScalar kKeepOffMps = 0.5F;
 constexpr float kLeavingMps = 0.5F;  // a surface that moves away faster is not one that pushes
 constexpr float kBuriedSearchM = 0.5F;
@@ -177,6 +177,7 @@ void SoftBody::step(const SoftSurroundings& surroundings) {
                    surroundings.bodies,
                    contact_options_);
     begin_ties();
+    const int num_passes = object_.shape == SoftShape::kRope ? kRopePasses : kPasses;
     const btScalar part_s = contact_options_.tick_s / btScalar(num_parts_);
     for (int part = 1; part <= num_parts_; ++part) {
         const btScalar left_s = part_s * btScalar(num_parts_ - part);
@@ -184,7 +185,7 @@ void SoftBody::step(const SoftSurroundings& surroundings) {
         move_freely(part_s);
         contacts_.begin_part();
         if (has_volume()) match_shape();
-        for (int pass = 0; pass < kPasses; ++pass) {
+        for (int pass = 0; pass < num_passes; ++pass) {
             btSoftBody::PSolve_Links(body_.get(), 1, 0);
             if (has_volume() && pass == 0) keep_volume();
             solve_ties(part_s, left_s);
