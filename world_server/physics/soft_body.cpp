@@ -15,6 +15,7 @@ namespace {
 constexpr double kPartS = 1.0 / 480.0;
 constexpr int kMaxParts = 16;
 constexpr int kPasses = 2;                // over links and contacts, in a part
+constexpr int kRopePasses = 12;           // a rope has few links, and may carry much
 constexpr btScalar kLooseStretch = 1.6F;  // times its length: a link that slips out of hands
 constexpr btScalar kTornExtents = 2.5F;   // times its size at rest: what is no more to be believed
 // Nodes further apart than about two fingers let them through: there the middles of faces count
