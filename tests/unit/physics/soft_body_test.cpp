@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <limits>
 #include <numbers>
@@ -378,16 +377,13 @@ TEST_P(SoftBallPushed, IsNeverPassedThrough) {
                 const Eigen::Vector3d hand(hand_x(t - kMeshPeriodS), y, z);
                 const Eigen::Vector3d middle =
                     Eigen::AngleAxisd(-tilt, Eigen::Vector3d::UnitZ()) * (stage.centre() - hand);
-                if (std::abs(middle.y()) > 0.05 || std::abs(middle.z()) > 0.09) return;
+                if (std::abs(middle.y()) > 0.07 || std::abs(middle.z()) > 0.11) return;
                 least_ahead = std::min(least_ahead, middle.x());
             });
         if (least_ahead <= 0.0) ++num_passed;
         EXPECT_EQ(stage.world.counters().num_not_finite, 0U);
     }
-    // a hand that meets the ball with its edge may yet cut into it
-    EXPECT_LE(num_passed, speed < 1.5 ? 2 : 0);
-    RecordProperty("num_passed", num_passed);
-    std::printf("passed through in %d of 20\n", num_passed);
+    EXPECT_EQ(num_passed, 0);
 }
 INSTANTIATE_TEST_SUITE_P(Speeds, SoftBallPushed, testing::Values(0.5, 1.0, 2.0));
 
