@@ -9,6 +9,7 @@
 #include "world_server/physics/world.hpp"
 #include "world_server/placement.hpp"
 #include "world_server/rights.hpp"
+#include "world_server/soft_config.hpp"
 
 #include <filesystem>
 #include <string>
@@ -26,6 +27,7 @@ struct WorldServerConfig {
     physics::WorldOptions world;  // tick_s and max_objects follow from the above
     physics::PersonShapeOptions person;
     std::vector<WorldObject> objects;    // ids from 1; those of puppets last
+    std::vector<WorldSoftObject> soft;   // ids go on from those of `objects`
     std::vector<physics::Joint> joints;  // of `objects`, by their ids
     std::vector<WorldScenery> scenery;
     std::vector<NamedPlacement> placements;
@@ -38,7 +40,7 @@ struct WorldServerConfig {
 void declare(WorldServerConfig& config, config::OptionSet& set);
 
 /// Reads what only a file can say (description/world_file.cpp): gravity, bounds, materials,
-/// objects, puppets, joints, scenery, sites and rights. After the plain options. Problems are kept
+/// objects, puppets, soft things, joints, scenery, sites and rights. After the plain options. Problems are kept
 /// by `reader`.
 void read_world(config::TableReader& reader, WorldServerConfig& config);
 

@@ -2,6 +2,7 @@
 
 #include "core/bus/checks.hpp"
 #include "core/bus/soft_nodes.hpp"
+#include "core/geometry/aabb.hpp"
 
 #include <fmt/format.h>
 
@@ -12,6 +13,8 @@
 
 namespace atrium::world_server {
 namespace {
+
+constexpr double kLeastExtentM = 0.001;  // of a cloth across
 
 tl::unexpected<Error> refuse(std::string why) {
     return make_error(ErrorKind::kInvalidData, std::move(why));
@@ -55,9 +58,39 @@ Expected<Scene> Scene::create(const WorldServerConfig& config) {
                               fmt::format("scenery '{}': cannot be solid", scenery.scene.name));
         }
     }
-    scene.num_described_ = static_cast<std::uint32_t>(config.objects.size());
+    for (const WorldSoftObject& soft : config.soft) {
+        if (const auto added = scene.add_soft(soft); !added) return tl::unexpected(added.error());
+    }
+    scene.num_described_ = static_cast<std::uint32_t>(config.objects.size() + config.soft.size());
     scene.description_ = scene.hash_description();
     return scene;
+}
+
+Expected<void> Scene::add_soft(const WorldSoftObject& soft) {
+    const physics::SoftObject& described = soft.object;
+    if (world_->add_soft(described) != physics::AddResult::kAdded) {
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("soft object '{}': has no place in the world: all soft "
+                                      "objects together have more than {} nodes",
+                                      soft.name,
+                                      physics::kMaxSoftNodesTotal));
+    }
+    bus::SceneObject& known = objects_[described.id];
+    known.object = described.id;
+    known.name = soft.name;
+    known.shape = bus::Shape::kSoft;
+    known.mass_kg = described.mass_kg;
+    known.friction = described.friction;
+    known.colour = soft.colour;
+    known.world_from_object = described.world_from_object;
+    world_->get_soft_states(soft_states_);
+    geometry::Aabb extent;
+    for (const physics::SoftState& state : soft_states_) {
+        if (state.id != described.id) continue;
+        for (const Eigen::Vector3f& node : state.positions) extent.add(node.cast<double>());
+    }
+    known.size_m = extent.size().cwiseMax(kLeastExtentM);
+    return {};
 }
 
 // Of what a state depends on: a new colour in the world's file does no harm.

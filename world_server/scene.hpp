@@ -60,6 +60,7 @@ public:
 
 private:
     explicit Scene(const physics::WorldOptions& options);
+    Expected<void> add_soft(const WorldSoftObject& soft);
     Expected<std::vector<SceneChange>> add(const bus::SceneObject& object);
     Expected<std::vector<SceneChange>> remove(std::uint32_t id);
     Expected<std::vector<SceneChange>> push(const bus::SceneCommand& command);

@@ -6,6 +6,7 @@
 #include "world_server/description/reading.hpp"
 #include "world_server/description/surroundings.hpp"
 
+#include <optional>
 #include <set>
 
 namespace atrium::world_server {
@@ -40,6 +41,15 @@ void read_world(config::TableReader& reader, WorldServerConfig& config) {
     const Materials materials = read_materials(reader);
     read_objects(reader, materials, config.objects);
     read_puppets(reader, materials, config.objects, config.joints);
+    config.soft = read_soft_objects(reader,
+                                    static_cast<std::uint32_t>(config.objects.size() + 1),
+                                    [&](const std::string& name) -> std::optional<std::uint32_t> {
+                                        for (const WorldObject& object : config.objects) {
+                                            if (object.scene.name == name)
+                                                return object.scene.object;
+                                        }
+                                        return std::nullopt;
+                                    });
     read_joints(reader, config.objects, config.joints);
     read_scenery(reader, materials, config.scenery);
     read_placements(reader, config.placements);

@@ -15,20 +15,23 @@ namespace {
 constexpr double kPartS = 1.0 / 480.0;
 constexpr int kMaxParts = 16;
 constexpr int kPasses = 2;                // over links and contacts, in a part
+constexpr int kRopePasses = 12;           // a rope has few links, and may carry much
 constexpr btScalar kLooseStretch = 1.6F;  // times its length: a link that slips out of hands
 constexpr btScalar kTornExtents = 2.5F;   // times its size at rest: what is no more to be believed
 // Nodes further apart than about two fingers let them through: there the middles of faces count
 // too.
 constexpr double kFingersM = 0.025;
+// Of people against what is soft. More jams a ball between hand and floor, where it ought to roll.
+constexpr double kSkinFriction = 0.7;
 constexpr btScalar kInnerDampingHz = 4;     // at which what moves against the whole is slowed
 constexpr btScalar kMaxVolumeStep = 0.02F;  // share of the volume that is set right in one part
 // How far from where its shape would have it, in radii, a node begins to be pulled back harder;
 // over what range, and to what share of the way in each part.
 constexpr btScalar kDentStart = 0.15F;
 constexpr btScalar kDentRange = 0.35F;
-constexpr btScalar kDentShare = 0.25F;
+constexpr btScalar kDentShare = 0.15F;
 // A person's surface nearer to the middle of a volume than this, in radii, moves it as a whole.
-constexpr float kKeepOffRadii = 0.4F;
+constexpr float kKeepOffRadii = 0.7F;
 constexpr btScalar kKeepOffMps = 0.5F;
 constexpr float kLeavingMps = 0.5F;  // a surface that moves away faster is not one that pushes
 constexpr float kBuriedSearchM = 0.5F;
@@ -52,7 +55,7 @@ SoftBody::SoftBody(const SoftObject& object, btSoftBodyWorldInfo& info, const Wo
     num_parts_ = std::clamp(static_cast<int>(std::lround(options.tick_s / kPartS)), 1, kMaxParts);
     contact_options_.tick_s = btScalar(options.tick_s);
     contact_options_.friction = btScalar(object.friction);
-    contact_options_.person_friction = btScalar(options.person_friction);
+    contact_options_.person_friction = btScalar(kSkinFriction);
     contact_options_.thickness_m = btScalar(0.005);
     if (object.shape == SoftShape::kCloth) {
         contact_options_.thickness_m = btScalar(std::max(0.005, object.size_m.z() / 2.0));
@@ -101,7 +104,7 @@ void SoftBody::make_body(btSoftBodyWorldInfo& info) {
     loose_.assign(start_.size(), 0);
     if (!has_volume()) return;
     body_->setPose(/*bvolume=*/false, /*bframe=*/true);
-    match_share_ = btScalar(between(0.002, 0.1, object_.stiffness));
+    match_share_ = btScalar(between(0.006, 0.12, object_.stiffness));
     gradients_.assign(start_.size(), btVector3(0, 0, 0));
     rest_volume_ = btScalar(volume_m3());
     // the gradient of the volume is along the normal
@@ -158,6 +161,7 @@ void SoftBody::untie(const btRigidBody& body) {
 void SoftBody::step(const SoftSurroundings& surroundings) {
     find_loose();
     find_bounds();
+    drives_.clear();
     if (has_volume()) {
         body_->updatePose();
         for (std::size_t i = 0; i < outward_.size(); ++i) {
@@ -174,13 +178,15 @@ void SoftBody::step(const SoftSurroundings& surroundings) {
                    surroundings.bodies,
                    contact_options_);
     begin_ties();
+    const int num_passes = object_.shape == SoftShape::kRope ? kRopePasses : kPasses;
     const btScalar part_s = contact_options_.tick_s / btScalar(num_parts_);
     for (int part = 1; part <= num_parts_; ++part) {
         const btScalar left_s = part_s * btScalar(num_parts_ - part);
+        for (const Drive& d : drives_) drive(d);
         move_freely(part_s);
         contacts_.begin_part();
         if (has_volume()) match_shape();
-        for (int pass = 0; pass < kPasses; ++pass) {
+        for (int pass = 0; pass < num_passes; ++pass) {
             btSoftBody::PSolve_Links(body_.get(), 1, 0);
             if (has_volume() && pass == 0) keep_volume();
             solve_ties(part_s, left_s);
@@ -411,11 +417,11 @@ void SoftBody::damp_inside(btScalar seconds) {
     }
 }
 
-void SoftBody::drive(const btVector3& out, btScalar speed) {
+void SoftBody::drive(const Drive& drive) {
     for (int i = 0; i < body_->m_nodes.size(); ++i) {
         btSoftBody::Node& node = body_->m_nodes[i];
-        const btScalar missing = speed - node.m_v.dot(out);
-        if (node.m_im > 0 && missing > 0) node.m_v += out * missing;
+        const btScalar missing = drive.speed - node.m_v.dot(drive.out);
+        if (node.m_im > 0 && missing > 0) node.m_v += drive.out * missing;
     }
 }
 
@@ -440,14 +446,14 @@ bool SoftBody::keep_off(const PeopleField& people) {
         if (nearest != nullptr && nearest->normal.dot(at - nearest->position) >= 0.0F) {
             const btVector3 out(nearest->normal.x(), nearest->normal.y(), nearest->normal.z());
             const btScalar near = 1 - std::sqrt(nearest_sq) / reach;
-            drive(out, nearest->normal.dot(nearest->velocity) + kKeepOffMps * near);
+            drives_.push_back({out, nearest->normal.dot(nearest->velocity) + kKeepOffMps * near});
             continue;
         }
         if (person.surface() == nullptr) continue;
         const auto side = person.surface()->nearest(
             at, kBuriedSearchM, [](const SurfaceSample& s) { return s.normal.z() > -0.5F; });
         if (!side || side->normal.dot(at - side->position) > 0.0F) continue;
-        drive(to_bullet(side->normal.cast<double>()), btScalar(options_.escape_mps));
+        drives_.push_back({to_bullet(side->normal.cast<double>()), btScalar(options_.escape_mps)});
         return false;
     }
     return true;

@@ -78,6 +78,11 @@ private:
         btVector3 shift;     // [m] that impulses have moved it in this tick
     };
 
+    struct Drive {
+        btVector3 out;       // unit length
+        btScalar speed = 0;  // [m/s] along it
+    };
+
     void make_body(btSoftBodyWorldInfo& info);
     void make_samples();
     void find_loose();
@@ -94,8 +99,8 @@ private:
     void calm_down(btScalar seconds);
     /// False: it is being led out of a person and must have no contacts with people.
     bool keep_off(const PeopleField& people);
-    /// Gives every node at least `speed` [m/s] along `out`, of unit length.
-    void drive(const btVector3& out, btScalar speed);
+    /// Gives every node at least this speed.
+    void drive(const Drive& drive);
     Eigen::Vector3f mean_velocity() const;
     bool has_volume() const {
         return object_.shape != SoftShape::kCloth && object_.shape != SoftShape::kRope;
@@ -110,8 +115,9 @@ private:
     std::vector<SoftSample> samples_;
     std::vector<Tie> ties_;
     SoftContacts contacts_;
-    std::vector<std::uint8_t> loose_;      // per node, see SoftContacts::find
-    std::vector<btVector3> gradients_;     // per node, of the volume
+    std::vector<Drive> drives_;         // of this tick, by people whose surface is inside a volume
+    std::vector<std::uint8_t> loose_;   // per node, see SoftContacts::find
+    std::vector<btVector3> gradients_;  // per node, of the volume
     std::vector<btVector3> rest_outward_;  // per node, unit length, of the shape at rest
     std::vector<btVector3> outward_;       // the same, turned as the body now is
     btScalar rest_volume_ = 0;

@@ -176,7 +176,10 @@ void SoftContacts::find_with(const btSoftBody& soft,
 }
 
 void SoftContacts::begin_part() {
-    for (SoftContact& c : contacts_) c.pressed = 0;
+    for (SoftContact& c : contacts_) {
+        c.pressed = 0;
+        c.held.setZero();
+    }
 }
 
 void SoftContacts::solve(btSoftBody& soft,
@@ -207,11 +210,13 @@ void SoftContacts::solve(btSoftBody& soft,
         if (c.pressed <= 0) continue;
         btVector3 slip = x + impulse * own_share - q - velocity * part_s;
         slip -= c.normal * c.normal.dot(slip);
-        const btScalar slipped = slip.length();
-        if (slipped > btScalar(1e-7)) {
-            const btScalar hold = slipped / (own_share + c.body_share);
-            impulse -= slip * (std::min(hold, c.friction * c.pressed) / slipped);
-        }
+        // all of a part's friction together is bounded by all of its pressure
+        const btVector3 wanted = c.held - slip / (own_share + c.body_share);
+        const btScalar most = c.friction * c.pressed;
+        const btScalar size = wanted.length();
+        const btVector3 held = size > most ? wanted * (most / size) : wanted;
+        impulse += held - c.held;
+        c.held = held;
         move(soft, c.sample, impulse);
         if (c.body != nullptr) c.body->applyImpulse(-impulse / part_s, c.arm);
     }

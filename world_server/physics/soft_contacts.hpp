@@ -33,6 +33,7 @@ struct SoftContact {
     // while it is solved
     btScalar shift = 0;    // [m] how far the impulses of the parts before have moved the plane
     btScalar pressed = 0;  // [kg m] sum of the corrections along the normal in this part
+    btVector3 held;        // [kg m] the same of friction
 };
 
 struct SoftContactOptions {
