@@ -105,6 +105,19 @@ PersonShape PersonShaper::shape(const geometry::TriangleMesh& mesh_world, Timest
     } else {
         shape.velocities.assign(shape.solid.pieces.size(), Eigen::Vector3f::Zero());
     }
+    std::vector<MovingSurfel> surfels;
+    surfels.reserve(shape.surface->samples().size());
+    for (const SurfaceSample& sample : shape.surface->samples()) {
+        const std::int32_t piece = shape.solid.piece_at(sample.position.cast<double>());
+        const Eigen::Vector3f velocity = piece < 0
+                                             ? Eigen::Vector3f::Zero().eval()
+                                             : shape.velocities[static_cast<std::size_t>(piece)];
+        surfels.push_back({sample.position,
+                           sample.normal,
+                           sample.position - velocity * static_cast<float>(shape.period_s),
+                           velocity});
+    }
+    shape.surfels = std::make_shared<const std::vector<MovingSurfel>>(std::move(surfels));
     previous_ = shape.surface;
     previous_time_ = capture_time;
     return shape;

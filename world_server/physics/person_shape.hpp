@@ -2,6 +2,7 @@
 
 #include "core/base/timestamp.hpp"
 #include "core/geometry/triangle_mesh.hpp"
+#include "world_server/physics/moving_surfel.hpp"
 #include "world_server/physics/solid_cells.hpp"
 #include "world_server/physics/surface_index.hpp"
 
@@ -24,6 +25,7 @@ struct PersonShapeOptions {
 struct PersonShape {
     SolidCells solid;                         // world frame, where the mesh was captured
     std::vector<Eigen::Vector3f> velocities;  // [m/s] one per piece
+    std::shared_ptr<const std::vector<MovingSurfel>> surfels;  // never null
     std::shared_ptr<const SurfaceIndex> surface;
     double period_s = 0.0;  // since the mesh before; 0: there was none, and nothing moves
     Timestamp capture_time;
