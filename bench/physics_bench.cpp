@@ -69,7 +69,7 @@ void tick_world(benchmark::State& state) {
         world.tick();
         ++tick;
     }
-    state.counters["pieces"] = static_cast<double>(world.num_person_pieces());
+    state.counters["pieces"] = static_cast<double>(world.num_surfels());
     state.counters["contact_ticks"] = static_cast<double>(world.counters().num_contact_ticks);
 }
 BENCHMARK(tick_world)->Arg(20)->Arg(100)->Unit(benchmark::kMillisecond);

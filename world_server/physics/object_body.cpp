@@ -165,7 +165,6 @@ void ObjectBody::put_back() {
     body_->setInterpolationLinearVelocity(zero);
     body_->setInterpolationAngularVelocity(zero);
     body_->clearForces();
-    escaping_from = nullptr;
     if (moves()) body_->activate(true);
 }
 

@@ -10,8 +10,6 @@ class btRigidBody;
 
 namespace atrium::physics {
 
-class PersonBody;
-
 /// One object of the world with what Bullet knows of it.
 class ObjectBody {
 public:
@@ -32,9 +30,6 @@ public:
     bool is_finite() const;
     /// Keeps the motion of the tick that has just been within its limits.
     void limit_motion(const Eigen::Vector3d& position_before, const WorldOptions& options);
-
-    /// The person whom this object is inside of and is being led out of; null: none.
-    const PersonBody* escaping_from = nullptr;
 
 private:
     RigidObject object_;

@@ -1,7 +1,8 @@
 #include "world_server/physics/world.hpp"
 
 #include "world_server/physics/object_body.hpp"
-#include "world_server/physics/person_body.hpp"
+#include "world_server/physics/people_contacts.hpp"
+#include "world_server/physics/people_field.hpp"
 
 #include <btBulletDynamicsCommon.h>
 
@@ -14,48 +15,15 @@
 namespace atrium::physics {
 namespace {
 
-constexpr double kContactM = 0.005;  // gap up to which a person counts as touching an object
-// An object that a person's piece reaches into deeper than this, in radii of the object, is checked
-// for being inside the person: there Bullet pushes towards the nearest side of a piece, which may
-// lie deeper inside.
-constexpr double kDeepRadii = 0.6;
-constexpr float kEscapeSearchM = 0.5F;
+/// Collision groups of the Bullet world, one bit each.
+enum CollisionGroup : int { kStillGroup = 1, kObjectGroup = 2 };
+
 // Overlap above which Bullet separates without adding velocity; its default of 4 cm makes whatever
 // is pressed by a hand pop away.
 constexpr float kPlainContactM = 0.002F;
 
 btVector3 to_bullet(const Eigen::Vector3d& v) {
     return btVector3(btScalar(v.x()), btScalar(v.y()), btScalar(v.z()));
-}
-
-ObjectBody* object_of(const btCollisionObject* body) {
-    if (body->isKinematicObject()) return nullptr;
-    return static_cast<ObjectBody*>(body->getUserPointer());
-}
-
-const PersonBody* person_of(const btCollisionObject* body) {
-    if (!body->isKinematicObject()) return nullptr;
-    return static_cast<const PersonBody*>(body->getUserPointer());
-}
-
-// Leaves out pairs with an object that is being led out of a person.
-void collide_unless_escaping(btBroadphasePair& pair,
-                             btCollisionDispatcher& dispatcher,
-                             const btDispatcherInfo& info) {
-    const auto* a = static_cast<const btCollisionObject*>(pair.m_pProxy0->m_clientObject);
-    const auto* b = static_cast<const btCollisionObject*>(pair.m_pProxy1->m_clientObject);
-    if (person_of(a) != nullptr || person_of(b) != nullptr) {
-        const ObjectBody* object = person_of(a) != nullptr ? object_of(b) : object_of(a);
-        if (object != nullptr && object->escaping_from != nullptr) {
-            if (pair.m_algorithm != nullptr) {
-                pair.m_algorithm->~btCollisionAlgorithm();
-                dispatcher.freeCollisionAlgorithm(pair.m_algorithm);
-                pair.m_algorithm = nullptr;
-            }
-            return;
-        }
-    }
-    btCollisionDispatcher::defaultNearCallback(pair, dispatcher, info);
 }
 
 }  // namespace
@@ -65,8 +33,6 @@ struct World::Impl {
     ~Impl();
     static void begin_tick(btDynamicsWorld* world, btScalar tick_s);
     void guard(ObjectBody& object);
-    void look_at_contacts();
-    void lead_out(ObjectBody& object);
 
     WorldOptions options;
     btDefaultCollisionConfiguration configuration;
@@ -75,77 +41,33 @@ struct World::Impl {
     btSequentialImpulseConstraintSolver solver;
     btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
     std::map<std::uint32_t, std::unique_ptr<ObjectBody>> objects;
-    std::map<std::string, std::unique_ptr<PersonBody>> people;
+    PeopleField people;
+    PeopleContacts contacts;
     std::map<std::uint32_t, Eigen::Vector3d> positions_before;  // of the objects that move
     WorldCounters counters;
 };
 
-World::Impl::Impl(const WorldOptions& world_options) : options(world_options) {
+World::Impl::Impl(const WorldOptions& world_options)
+    : options(world_options),
+      contacts(dispatcher,
+               {.friction = world_options.person_friction,
+                .restitution = world_options.person_restitution,
+                .escape_mps = world_options.escape_mps}) {
     assert(options.tick_s > 0.0 && options.max_speed_mps > 0.0);
     world.setGravity(to_bullet(options.gravity));
     world.getSolverInfo().m_splitImpulsePenetrationThreshold = -kPlainContactM;
     world.getDispatchInfo().m_deterministicOverlappingPairs = true;
     world.setInternalTickCallback(&Impl::begin_tick, this, /*isPreTick=*/true);
-    dispatcher.setNearCallback(&collide_unless_escaping);
 }
 
 World::Impl::~Impl() {
-    people.clear();
     for (auto& [id, object] : objects) world.removeRigidBody(&object->body());
 }
 
 void World::Impl::begin_tick(btDynamicsWorld* world, btScalar tick_s) {
     Impl& self = *static_cast<Impl*>(world->getWorldUserInfo());
-    for (auto& [name, person] : self.people) person->begin_tick(tick_s);
-    for (auto& [id, object] : self.objects) {
-        if (object->escaping_from != nullptr) self.lead_out(*object);
-    }
-}
-
-// Gives an object inside a person a velocity towards the nearest place on the person's surface.
-void World::Impl::lead_out(ObjectBody& object) {
-    const Eigen::Vector3d position = object.state().world_from_object.translation;
-    const Eigen::Vector3f centre = position.cast<float>();
-    const auto nearest = object.escaping_from->surface().nearest(
-        centre, kEscapeSearchM, [](const SurfaceSample& sample) {
-            return sample.normal.z() > -0.5F;  // not down through the soles
-        });
-    if (!nearest || nearest->normal.dot(centre - nearest->position) > 0.0F) {
-        object.escaping_from = nullptr;
-        return;
-    }
-    const Eigen::Vector3d out = nearest->normal.cast<double>();
-    const Eigen::Vector3d velocity = object.state().linear_velocity;
-    const double missing = options.escape_mps - velocity.dot(out);
-    if (missing > 0.0)
-        object.body().setLinearVelocity(to_bullet((velocity + missing * out).eval()));
-    object.body().activate();
-}
-
-void World::Impl::look_at_contacts() {
-    bool touched = false;
-    for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
-        const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
-        const btCollisionObject* a = manifold.getBody0();
-        const btCollisionObject* b = manifold.getBody1();
-        const PersonBody* person = person_of(a) != nullptr ? person_of(a) : person_of(b);
-        if (person == nullptr) continue;
-        ObjectBody* object = person_of(a) != nullptr ? object_of(b) : object_of(a);
-        double distance_m = 1.0;
-        for (int p = 0; p < manifold.getNumContacts(); ++p) {
-            distance_m = std::min<double>(distance_m, manifold.getContactPoint(p).getDistance());
-        }
-        touched = touched || distance_m <= kContactM;
-        if (object == nullptr || object->escaping_from != nullptr) continue;
-        if (distance_m > -kDeepRadii * object->inner_radius_m()) continue;
-        const Eigen::Vector3f centre = object->state().world_from_object.translation.cast<float>();
-        const auto nearest = person->surface().nearest(
-            centre, kEscapeSearchM, [](const SurfaceSample&) { return true; });
-        if (!nearest || nearest->normal.dot(centre - nearest->position) > 0.0F) continue;
-        object->escaping_from = person;
-        ++counters.num_escapes;
-    }
-    if (touched) ++counters.num_contact_ticks;
+    self.people.begin_tick(tick_s);
+    self.contacts.begin_tick(self.people, tick_s);
 }
 
 void World::Impl::guard(ObjectBody& object) {
@@ -175,8 +97,9 @@ AddResult World::add(const RigidObject& object) {
     if (impl_->objects.size() >= impl_->options.max_objects) return AddResult::kWorldFull;
     auto body = std::make_unique<ObjectBody>(object, impl_->options);
     const int group = body->moves() ? kObjectGroup : kStillGroup;
-    const int mask = body->moves() ? kStillGroup | kObjectGroup | kPersonGroup : kObjectGroup;
+    const int mask = body->moves() ? kStillGroup | kObjectGroup : kObjectGroup;
     impl_->world.addRigidBody(&body->body(), group, mask);
+    if (body->moves()) impl_->contacts.add(object.id, body->body());
     impl_->objects.emplace(object.id, std::move(body));
     return AddResult::kAdded;
 }
@@ -184,6 +107,7 @@ AddResult World::add(const RigidObject& object) {
 bool World::remove(std::uint32_t id) {
     const auto found = impl_->objects.find(id);
     if (found == impl_->objects.end()) return false;
+    impl_->contacts.remove(id);
     impl_->world.removeRigidBody(&found->second->body());
     impl_->objects.erase(found);
     impl_->positions_before.erase(id);
@@ -212,23 +136,15 @@ bool World::push(std::uint32_t id, const Eigen::Vector3d& impulse_ns) {
 }
 
 void World::set_person(const std::string& name, const PersonShape& shape) {
-    std::unique_ptr<PersonBody>& person = impl_->people[name];
-    if (!person) {
-        const PersonMaterial material{impl_->options.person_friction,
-                                      impl_->options.person_restitution};
-        person = std::make_unique<PersonBody>(impl_->world, material);
-    }
-    person->set_shape(shape);
+    impl_->people.set_person(name, shape);
 }
 
 void World::remove_person(const std::string& name) {
-    const auto found = impl_->people.find(name);
-    if (found == impl_->people.end()) return;
+    if (!impl_->people.remove_person(name)) return;
+    impl_->contacts.forget_person(name);
     for (auto& [id, object] : impl_->objects) {
-        if (object->escaping_from == found->second.get()) object->escaping_from = nullptr;
         if (object->moves()) object->body().activate();  // what lay on the person falls
     }
-    impl_->people.erase(found);
 }
 
 void World::tick() {
@@ -240,7 +156,9 @@ void World::tick() {
     for (auto& [id, object] : impl_->objects) {
         if (object->moves()) impl_->guard(*object);
     }
-    impl_->look_at_contacts();
+    impl_->contacts.end_tick();
+    if (impl_->contacts.is_touched()) ++impl_->counters.num_contact_ticks;
+    impl_->counters.num_escapes = impl_->contacts.num_escapes();
     ++impl_->counters.num_ticks;
 }
 
@@ -251,12 +169,12 @@ void World::get_states(std::vector<RigidState>& states) const {
 
 const WorldCounters& World::counters() const { return impl_->counters; }
 std::size_t World::num_objects() const { return impl_->objects.size(); }
-std::size_t World::num_people() const { return impl_->people.size(); }
+std::size_t World::num_people() const { return impl_->people.people().size(); }
 
-std::size_t World::num_person_pieces() const {
-    std::size_t num_pieces = 0;
-    for (const auto& [name, person] : impl_->people) num_pieces += person->num_pieces();
-    return num_pieces;
+std::size_t World::num_surfels() const {
+    std::size_t num_surfels = 0;
+    for (const auto& [name, person] : impl_->people.people()) num_surfels += person.num_surfels();
+    return num_surfels;
 }
 
 std::uint64_t World::state_hash() const {

@@ -57,7 +57,7 @@ struct WorldOptions {
     double max_spin_rad_s = 60.0;        // of an object
     double max_depenetration_mps = 3.0;  // at which objects that overlap are moved apart
     double escape_mps = 1.5;             // at which an object inside a person is led out
-    double person_friction = 0.8;
+    double person_friction = 1.3;        // see PeopleContactOptions
     double person_restitution = 0.2;
 };
 
@@ -74,10 +74,11 @@ struct WorldCounters {
 
 /// Objects, a still surrounding, and people, in Bullet.
 ///
-/// A person is a set of convex kinematic pieces of infinite mass. When a shape arrives, each piece
-/// is set back by its velocity times the shape's period and then moves forward for that period, so
-/// that pieces sweep from mesh to mesh without a gap and stop where the mesh was captured, unless
-/// the next one has come by then. A person thus lags by one mesh period and never overshoots.
+/// A person is a volume whose surface is sampled by moving surfels (see `PeopleField`). When a
+/// shape arrives, each surfel is set back to where the mesh before had it and then moves forward
+/// for the shape's period, so that surfaces sweep from mesh to mesh without a gap and stop where
+/// the mesh was captured, unless the next one has come by then. A person thus lags by one mesh
+/// period, never overshoots, and yields to nothing.
 ///
 /// Deterministic: equal calls give equal states. Not thread-safe; creates no threads.
 class World {
@@ -107,7 +108,7 @@ public:
     const WorldCounters& counters() const;
     std::size_t num_objects() const;
     std::size_t num_people() const;
-    std::size_t num_person_pieces() const;
+    std::size_t num_surfels() const;  // of all people
     /// Of every object's pose and velocities, bit by bit.
     std::uint64_t state_hash() const;
 

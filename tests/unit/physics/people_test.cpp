@@ -280,10 +280,10 @@ TEST(Person, StopsWhenNoMeshComesAndIsGoneWhenRemoved) {
                [&](double t) { return hand_at(-0.6 + 2.0 * t); });  // towards the ball, then lost
     for (int i = 0; i < 240; ++i) stage.world.tick();
     EXPECT_LT(stage.position().head<2>().norm(), 0.01) << "the hand that was lost went on";
-    EXPECT_GT(stage.world.num_person_pieces(), 0U);
+    EXPECT_GT(stage.world.num_surfels(), 0U);
 
     stage.world.remove_person("anna");
-    EXPECT_EQ(stage.world.num_person_pieces(), 0U);
+    EXPECT_EQ(stage.world.num_surfels(), 0U);
     EXPECT_EQ(stage.world.num_people(), 0U);
     stage.world.remove_person("anna");  // twice is no harm
     stage.world.tick();
