@@ -1,4 +1,4 @@
-// What a person costs the world server: one mesh (cut, sample, measure velocities, hand to Bullet)
+// What a person costs the world server: one mesh (sample, measure its motion)
 // and one tick among objects. Single-threaded; the mesh is a closed figure of spheres and boxes.
 #include "tests/unit/physics/meshes.hpp"
 #include "world_server/physics/person_shape.hpp"
@@ -27,16 +27,16 @@ void shape_person(benchmark::State& state) {
     const auto meshes = walking_figure(static_cast<int>(state.range(0)));
     PersonShaper shaper({});
     std::int64_t frame = 0;
-    std::size_t num_pieces = 0;
+    std::size_t num_surfels = 0;
     for (auto _ : state) {
         const auto& mesh = meshes[static_cast<std::size_t>(frame) % meshes.size()];
         const PersonShape shape = shaper.shape(mesh, frame_time(frame));
-        num_pieces = shape.solid.pieces.size();
-        benchmark::DoNotOptimize(num_pieces);
+        num_surfels = shape.surfels->size();
+        benchmark::DoNotOptimize(num_surfels);
         ++frame;
     }
     state.counters["triangles"] = static_cast<double>(meshes[0].triangles.size());
-    state.counters["pieces"] = static_cast<double>(num_pieces);
+    state.counters["surfels"] = static_cast<double>(num_surfels);
 }
 BENCHMARK(shape_person)->Arg(12)->Arg(24)->Arg(44)->Unit(benchmark::kMillisecond);
 
@@ -69,7 +69,7 @@ void tick_world(benchmark::State& state) {
         world.tick();
         ++tick;
     }
-    state.counters["pieces"] = static_cast<double>(world.num_surfels());
+    state.counters["surfels"] = static_cast<double>(world.num_surfels());
     state.counters["contact_ticks"] = static_cast<double>(world.counters().num_contact_ticks);
 }
 BENCHMARK(tick_world)->Arg(20)->Arg(100)->Unit(benchmark::kMillisecond);

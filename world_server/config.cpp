@@ -118,9 +118,9 @@ void declare(WorldServerConfig& config, config::OptionSet& set) {
     set.add("physics.person_friction", world.person_friction, "friction of people", {0, 10});
     set.add("physics.person_restitution", world.person_restitution, "bounce of people", {0, 1});
     physics::PersonShapeOptions& person = config.person;
-    set.add("physics.cell_m",
-            person.cells.cell_m,
-            "side of the cells that people are cut into [m]",
+    set.add("physics.region_m",
+            person.motion.region_m,
+            "side of the parts of a person that move as one [m]",
             {0.05, 1});
     set.add("physics.person_max_speed_mps",
             person.max_speed_mps,
