@@ -21,6 +21,7 @@ enum CollisionGroup : int { kStillGroup = 1, kObjectGroup = 2 };
 // Overlap above which Bullet separates without adding velocity; its default of 4 cm makes whatever
 // is pressed by a hand pop away.
 constexpr float kPlainContactM = 0.002F;
+constexpr int kSolverIterations = 20;
 
 btVector3 to_bullet(const Eigen::Vector3d& v) {
     return btVector3(btScalar(v.x()), btScalar(v.y()), btScalar(v.z()));
@@ -56,6 +57,9 @@ World::Impl::Impl(const WorldOptions& world_options)
     assert(options.tick_s > 0.0 && options.max_speed_mps > 0.0);
     world.setGravity(to_bullet(options.gravity));
     world.getSolverInfo().m_splitImpulsePenetrationThreshold = -kPlainContactM;
+    // what is clasped between two palms needs force from both and friction along both tangents
+    world.getSolverInfo().m_numIterations = kSolverIterations;
+    world.getSolverInfo().m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
     world.getDispatchInfo().m_deterministicOverlappingPairs = true;
     world.setInternalTickCallback(&Impl::begin_tick, this, /*isPreTick=*/true);
 }
