@@ -18,8 +18,8 @@ constexpr std::size_t kMaxSphereSamples = 600;
 
 // How what overlaps is moved apart: at a speed that grows with the depth, gently for the flicker
 // of an outline, faster where it is really deep.
-constexpr float kFreeDepthM = 0.001F;  // left alone, so that resting contacts stay
-constexpr float kSoftRate = 12.0F;     // [1/s]
+constexpr float kFreeDepthM = 0.002F;  // left alone, so that resting contacts stay
+constexpr float kSoftRate = 6.0F;      // [1/s]
 constexpr float kSoftMps = 0.5F;
 constexpr float kDeepM = 0.015F;
 constexpr float kDeepRate = 60.0F;  // [1/s]
@@ -28,6 +28,10 @@ constexpr float kDeepMps = 2.0F;
 // The depth that Bullet is told; below its threshold for shifting bodies instead. The speed is set
 // by the contact's error reduction.
 constexpr float kToldDepthM = 0.001F;
+
+// A hit: Bullet would let the gap close in this tick and, depending on how wide it was, have little
+// or nothing left to bounce off in the next. It is told that the gap is closed already.
+constexpr float kHitMps = 0.7F;
 
 // Resistance to rolling on skin and cloth, as a lever in radii of the object: the slope on which a
 // ball stays.
@@ -193,10 +197,22 @@ void PeopleContacts::begin_body(Tracked& tracked, const PeopleField& people, dou
 
 bool PeopleContacts::is_inside(const Tracked& tracked, const PersonField& person) const {
     const Eigen::Vector3f centre = from_bullet(tracked.body->getWorldTransform().getOrigin());
-    if (person.surface() == nullptr || !person.surfels().is_near(centre, centre)) return false;
-    const auto nearest = person.surface()->nearest(
-        centre, kEscapeSearchM, [](const SurfaceSample&) { return true; });
-    return nearest && nearest->normal.dot(centre - nearest->position) < 0.0F;
+    if (!person.surfels().is_near(centre, centre)) return false;
+    const PlacedSurfel* nearest =
+        person.nearest(centre, kEscapeSearchM, [](const PlacedSurfel&) { return true; });
+    if (nearest == nullptr) return false;
+    // of all about as near, most must have the centre behind them
+    const float within_m = 1.3F * (nearest->position - centre).norm() + 0.01F;
+    const Eigen::Vector3f reach = Eigen::Vector3f::Constant(within_m);
+    int num = 0;
+    int num_behind = 0;
+    person.surfels().visit_box(centre - reach, centre + reach, [&](const PlacedSurfel& s) {
+        const Eigen::Vector3f offset = centre - s.position;
+        if (offset.squaredNorm() > within_m * within_m) return;
+        ++num;
+        num_behind += s.normal.dot(offset) < 0.0F ? 1 : 0;
+    });
+    return num >= 3 && 4 * num_behind >= 3 * num;
 }
 
 // Gives an object inside a person a velocity towards the nearest place on the person's surface;
@@ -204,14 +220,13 @@ bool PeopleContacts::is_inside(const Tracked& tracked, const PersonField& person
 bool PeopleContacts::lead_out(Tracked& tracked, const PeopleField& people) {
     const auto person = people.people().find(tracked.escaping_from);
     const Eigen::Vector3f centre = from_bullet(tracked.body->getWorldTransform().getOrigin());
-    std::optional<SurfaceSample> nearest;
-    if (person != people.people().end() && person->second.surface() != nullptr) {
-        nearest = person->second.surface()->nearest(
-            centre, kEscapeSearchM, [](const SurfaceSample& sample) {
-                return sample.normal.z() > -0.5F;  // not down through the soles
-            });
+    const PlacedSurfel* nearest = nullptr;
+    if (person != people.people().end()) {
+        nearest = person->second.nearest(centre, kEscapeSearchM, [](const PlacedSurfel& surfel) {
+            return surfel.normal.z() > -0.5F;  // not down through the soles
+        });
     }
-    if (!nearest || nearest->normal.dot(centre - nearest->position) > 0.0F) {
+    if (nearest == nullptr || nearest->normal.dot(centre - nearest->position) > 0.0F) {
         tracked.escaping_from.clear();
         return false;
     }
@@ -246,10 +261,13 @@ void PeopleContacts::insert(Tracked& tracked,
 
     const btVector3 on_object = to_bullet(contact.point);
     const float depth_m = -contact.distance_m;
+    const float closing_mps = (contact.distance_m - contact.after_m) / static_cast<float>(tick_s);
+    const bool is_hit = closing_mps > kHitMps && contact.after_m < 0.0F;
+    const float told_m = std::clamp(contact.distance_m, -kToldDepthM, is_hit ? 0.0F : 1.0F);
     btManifoldPoint point(tracked.body->getWorldTransform().invXform(on_object),
                           btVector3(0, 0, 0),
                           to_bullet(contact.normal),
-                          std::max(contact.distance_m, -kToldDepthM));
+                          told_m);
     point.m_positionWorldOnA = on_object;
     point.m_positionWorldOnB = on_person;
     const auto friction = static_cast<float>(options_.friction);
@@ -261,9 +279,8 @@ void PeopleContacts::insert(Tracked& tracked,
         point.m_combinedSpinningFriction = kSpinningLever * tracked.inner_radius_m;
     }
     if (depth_m > 0.0F) {
-        const float told_m = std::min(depth_m, kToldDepthM);
         point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_ERP;
-        point.m_contactERP = separation_mps(depth_m) * static_cast<float>(tick_s) / told_m;
+        point.m_contactERP = separation_mps(depth_m) * static_cast<float>(tick_s) / -told_m;
     }
     carrier.manifold->addManifoldPoint(point);
     is_touched_ = is_touched_ || contact.distance_m <= kContactM;

@@ -15,6 +15,7 @@ constexpr float kLeavingMps = 0.5F;  // a point that moves out faster than this 
 constexpr float kEnteredM = 0.005F;  // this deep one tick ago: it has come in through this side
 constexpr float kSmoothM = 0.035F;   // radius of the plane's support around the foot point
 constexpr float kSameFacing = 0.7F;  // cosine
+constexpr int kMinSupport = 2;       // a surfel on its own is a mistake of the motion estimate
 
 // The surfel to whose side of the person a point belongs.
 struct Side {
@@ -27,7 +28,6 @@ struct Side {
 
 void PersonField::set_shape(const PersonShape& shape) {
     shape_ = shape.surfels;
-    surface_ = shape.surface;
     period_s_ = time_to_go_s_ = shape.period_s;
     is_placed_ = false;
 }
@@ -78,6 +78,7 @@ std::optional<SurfacePoint> PersonField::query(const Eigen::Vector3f& point,
     // moving least squares over what faces the same way around the foot point
     const Eigen::Vector3f foot = point - side->normal * side->normal.dot(point - side->position);
     const Eigen::Vector3f support = Eigen::Vector3f::Constant(kSmoothM);
+    int num = 0;
     float weights = 0.0F;
     Eigen::Vector3f centre = Eigen::Vector3f::Zero();
     SurfacePoint found{0.0F, Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
@@ -86,11 +87,12 @@ std::optional<SurfacePoint> PersonField::query(const Eigen::Vector3f& point,
         if (share <= 0.0F || s.normal.dot(side->normal) < kSameFacing) return;
         const float weight = share * share;
         weights += weight;
+        ++num;
         centre += weight * (s.position - foot);
         found.normal += weight * s.normal;
         found.velocity += weight * s.velocity;
     });
-    if (weights <= 0.0F) return std::nullopt;
+    if (num < kMinSupport || weights <= 0.0F) return std::nullopt;
     found.normal.normalize();
     found.velocity /= weights;
     found.distance_m = found.normal.dot(point - foot - centre / weights);

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <cstddef>
 #include <map>
 #include <memory>
@@ -38,14 +39,18 @@ public:
     std::optional<SurfacePoint> query(const Eigen::Vector3f& point,
                                       const Eigen::Vector3f& velocity) const;
 
+    /// The nearest surfel within `radius_m` for which `accept(surfel)` holds; null: none. Slower
+    /// than `query`, for what is deep inside.
+    template <typename Accept>
+    const PlacedSurfel* nearest(const Eigen::Vector3f& point,
+                                float radius_m,
+                                const Accept& accept) const;
+
     const SurfelGrid& surfels() const { return grid_; }
-    /// The surface as it was captured; null before the first shape.
-    const SurfaceIndex* surface() const { return surface_.get(); }
     std::size_t num_surfels() const { return shape_ ? shape_->size() : 0; }
 
 private:
     std::shared_ptr<const std::vector<MovingSurfel>> shape_;
-    std::shared_ptr<const SurfaceIndex> surface_;
     double period_s_ = 0.0;
     double time_to_go_s_ = 0.0;  // until the surfels are where the mesh was captured
     double tick_s_ = 0.0;
@@ -53,6 +58,25 @@ private:
     std::vector<PlacedSurfel> placed_;
     SurfelGrid grid_;
 };
+
+template <typename Accept>
+const PlacedSurfel* PersonField::nearest(const Eigen::Vector3f& point,
+                                         float radius_m,
+                                         const Accept& accept) const {
+    for (float within_m = std::min(0.08F, radius_m);;
+         within_m = std::min(2.0F * within_m, radius_m)) {
+        const PlacedSurfel* best = nullptr;
+        float best_sq = within_m * within_m;
+        const Eigen::Vector3f reach = Eigen::Vector3f::Constant(within_m);
+        grid_.visit_box(point - reach, point + reach, [&](const PlacedSurfel& s) {
+            const float distance_sq = (s.position - point).squaredNorm();
+            if (distance_sq >= best_sq || !accept(s)) return;
+            best_sq = distance_sq;
+            best = &s;
+        });
+        if (best != nullptr || within_m >= radius_m) return best;
+    }
+}
 
 /// All people of a world as moving volumes. Deterministic; not thread-safe.
 class PeopleField {

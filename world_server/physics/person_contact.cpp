@@ -6,11 +6,15 @@
 namespace atrium::physics {
 namespace {
 
-constexpr float kTouchM = 0.004F;       // gap from which on a contact is kept
-constexpr float kFastM = 0.015F;        // relative motion in a tick from which paths are followed
-constexpr float kDiscM = 0.02F;         // radius of what a surfel stands for
-constexpr float kFacingSphere = -0.8F;  // cosine between a sphere's sample and the person's normal
-constexpr float kSameNormal = 0.9F;     // cosine
+constexpr float kTouchM = 0.004F;  // gap from which on a contact is kept
+constexpr float kFastM = 0.015F;   // relative motion in a tick from which paths are followed
+constexpr float kDiscM = 0.02F;    // radius of what a surfel stands for
+// Cosines between a sphere's sample and the person's normal: below the first, the plane there is
+// what the sphere touches; up to the second, it may be an edge that the sample has come over.
+constexpr float kFacingPlane = -0.8F;
+constexpr float kFacingEdge = -0.3F;
+constexpr float kSameSide = 0.3F;    // cosine
+constexpr float kSameNormal = 0.9F;  // cosine
 constexpr float kMinApartM = 0.012F;
 
 }  // namespace
@@ -98,11 +102,17 @@ void ContactFinder::test(const ContactBody& body,
         return;
     }
     if (body.is_sphere) {
-        // the sample tells the plane, and the plane where the sphere is nearest to it
         const float facing = contact.normal.dot(offset) / body.radius_m;
-        if (facing > kFacingSphere) return;
-        contact.point = centre - body.radius_m * contact.normal;
-        contact.distance_m -= body.radius_m * (1.0F + facing);
+        if (facing > kFacingEdge) return;
+        if (facing < kFacingPlane) {
+            // the sample tells the plane, and the plane where the sphere is nearest to it
+            contact.point = centre - body.radius_m * contact.normal;
+            contact.distance_m -= body.radius_m * (1.0F + facing);
+        } else {
+            contact.is_at_edge = true;
+            contact.normal = -offset / body.radius_m;
+            contact.distance_m /= -facing;
+        }
     }
     const Eigen::Vector3f at_contact =
         motion.linear_velocity + motion.angular_velocity.cross(contact.point - centre);
@@ -112,17 +122,19 @@ void ContactFinder::test(const ContactBody& body,
     candidates_.push_back(contact);
 }
 
-// The deepest first, then whatever is far from those taken in place or faces another way.
+// The deepest first (those at edges only where there is no plane on their side), then whatever is
+// far from those taken in place or faces another way.
 void ContactFinder::select(float size_m) {
-    std::stable_sort(
-        candidates_.begin(), candidates_.end(), [](const PersonContact& a, const PersonContact& b) {
-            return a.after_m < b.after_m;
-        });
+    const auto before = [](const PersonContact& a, const PersonContact& b) {
+        return a.is_at_edge != b.is_at_edge ? b.is_at_edge : a.after_m < b.after_m;
+    };
+    std::stable_sort(candidates_.begin(), candidates_.end(), before);
     const float apart_m = std::max(kMinApartM, 0.2F * size_m);
     for (const PersonContact& c : candidates_) {
         if (selected_.size() == kMaxContacts) return;
         const bool is_new =
             std::none_of(selected_.begin(), selected_.end(), [&](const PersonContact& other) {
+                if (c.is_at_edge) return c.normal.dot(other.normal) > kSameSide;
                 return (c.point - other.point).squaredNorm() < apart_m * apart_m &&
                        c.normal.dot(other.normal) > kSameNormal;
             });

@@ -21,6 +21,7 @@ struct PersonContact {
     Eigen::Vector3f velocity;  // [m/s] of the person's surface
     float distance_m = 0.0F;   // < 0: the point is inside the person
     float after_m = 0.0F;      // what the distance would be after the tick if nothing acted
+    bool is_at_edge = false;   // of a sphere with what may be an edge of the surface
 };
 
 /// An object's surface as the contact search sees it.

@@ -1,56 +1,38 @@
 #include "world_server/physics/person_motion.hpp"
 
+#include "world_server/physics/motion_match.hpp"
+
 #include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 namespace atrium::physics {
 namespace {
 
-constexpr float kSameFacing = 0.6F;    // cosine
-constexpr float kSearchM = 0.05F;      // around the place that a displacement gives
-constexpr float kExplainedM = 0.012F;  // along the normal: closer than this, rest explains a point
+using motion::cell_at;
+using motion::is_explained_by;
+using motion::kAlikeM;
+using motion::kTrialPoints;
+using motion::match;
+
 constexpr float kScaleM = 0.012F;      // of the robust cost
-constexpr float kHardCost = 0.2F;      // above, rest does not explain a region
+constexpr float kMovingShare = 0.12F;  // of an octant's points that rest does not explain
 constexpr float kNeighbourM = 0.21F;   // between the centres of regions that are coupled
-constexpr float kAlikeM = 0.05F;       // difference of displacement of parts that move together
 constexpr float kDamping = 0.02F;      // pull towards the start, in points' worth per point
 constexpr float kCoupling = 0.08F;     // of a neighbour, in points' worth per point
-constexpr float kAgreement = 0.15F;    // cost of disagreeing with all neighbours
-constexpr float kPreviousM = 0.15F;    // off where it was headed, a place is another
-constexpr std::size_t kMaxPrevious = 3;  // starts from what regions did before
-constexpr int kNumPeaks = 4;             // starts from votes
-constexpr float kBinM = 0.04F;           // of the votes
-constexpr std::size_t kMaxVoters = 200;
-constexpr std::size_t kTrialPoints = 24;  // of a region that a start is tried on
+constexpr float kMismatch = 0.6F;      // cost above which a sample is not of its region
 
 std::uint64_t pack(const Eigen::Array3i& cell, bool moves) {
     const auto part = [](int x) { return static_cast<std::uint64_t>(x + (1 << 19)) & 0xFFFFFU; };
     return part(cell.z()) << 41U | part(cell.y()) << 21U | part(cell.x()) << 1U | (moves ? 1U : 0U);
 }
 
-Eigen::Array3i cell_at(const Eigen::Vector3f& position, float cell_m) {
-    return (position / cell_m).array().floor().cast<int>();
-}
-
 float robust_cost(float distance_m) {
     const float sq = distance_m * distance_m;
     return sq / (sq + kScaleM * kScaleM);
-}
-
-std::optional<SurfaceSample> match(const SurfaceIndex& surface,
-                                   const Eigen::Vector3f& place,
-                                   const Eigen::Vector3f& normal) {
-    return surface.nearest(place, kSearchM, [&](const SurfaceSample& candidate) {
-        return candidate.normal.dot(normal) > kSameFacing;
-    });
-}
-
-bool is_explained_by(const SurfaceIndex& surface, const SurfaceSample& sample) {
-    const auto found = match(surface, sample.position, sample.normal);
-    return found && std::abs(found->normal.dot(sample.position - found->position)) < kExplainedM;
 }
 
 }  // namespace
@@ -82,7 +64,7 @@ void MotionEstimator::estimate(const SurfaceIndex& now,
 }
 
 // Regions are the lattice's cells, cut in two where only a part of a cell has left its place: the
-// octants of which at least a third is not explained by rest are a region of their own.
+// octants of which rest leaves a good part unexplained are a region of their own.
 void MotionEstimator::make_regions() {
     const auto samples = now_->samples();
     const auto region_m = static_cast<float>(options_.region_m);
@@ -98,12 +80,15 @@ void MotionEstimator::make_regions() {
         return a.key != b.key ? a.key < b.key : a.sample < b.sample;
     };
     std::sort(points_.begin(), points_.end(), by_key);
+    octants_.clear();
     for (auto begin = points_.begin(); begin != points_.end();) {
         const auto end =
             std::find_if(begin, points_.end(), [&](const Point& p) { return p.key != begin->key; });
         const auto num_unexplained =
             std::count_if(begin, end, [](const Point& p) { return !p.is_explained; });
-        const bool moves = 3 * num_unexplained >= end - begin;
+        const bool moves =
+            static_cast<float>(num_unexplained) > kMovingShare * static_cast<float>(end - begin);
+        octants_.push_back({begin->key, moves});
         for (auto p = begin; p != end; ++p) {
             p->key = pack(cell_at(samples[p->sample].position, region_m), moves);
         }
@@ -176,163 +161,6 @@ Eigen::Vector3f MotionEstimator::refine(const Region& region,
     return displacement;
 }
 
-void MotionEstimator::start_from_rest(Region& region) {
-    const bool moves = (region.key & 1U) != 0;
-    region.displacement =
-        moves ? refine(region, Eigen::Vector3f::Zero(), 3) : Eigen::Vector3f::Zero().eval();
-    region.cost = moves ? correspond(region, region.displacement, kTrialPoints).cost : 0.0F;
-    region.is_hard = region.cost > kHardCost;
-}
-
-// What lies where a region of the mesh before was headed may go on as that did.
-void MotionEstimator::add_previous_starts() {
-    for (Region& region : regions_) {
-        if ((region.key & 1U) == 0) continue;
-        for (const Moved& moved : previous_) {
-            if (region.starts.size() == kMaxPrevious) break;
-            const Eigen::Vector3f headed = moved.centre + moved.displacement;
-            if ((headed - region.centre).squaredNorm() > kPreviousM * kPreviousM) continue;
-            const bool is_known = std::any_of(
-                region.starts.begin(), region.starts.end(), [&](const Eigen::Vector3f& start) {
-                    return (start - moved.displacement).norm() < 0.5F * kAlikeM;
-                });
-            if (!is_known) region.starts.push_back(moved.displacement);
-        }
-    }
-}
-
-// Regions that rest does not explain vote together where they touch.
-void MotionEstimator::add_voted_starts() {
-    vanished_.clear();
-    std::vector<bool> is_done(regions_.size(), false);
-    std::vector<std::uint32_t> group;
-    for (std::uint32_t seed = 0; seed < regions_.size(); ++seed) {
-        if (!regions_[seed].is_hard || is_done[seed]) continue;
-        group.assign(1, seed);
-        is_done[seed] = true;
-        for (std::size_t i = 0; i < group.size(); ++i) {
-            for (const std::uint32_t next : regions_[group[i]].neighbours) {
-                if (!regions_[next].is_hard || is_done[next]) continue;
-                is_done[next] = true;
-                group.push_back(next);
-            }
-        }
-        vote(group);
-    }
-}
-
-void MotionEstimator::vote(std::span<const std::uint32_t> group) {
-    if (vanished_.empty()) {
-        const auto samples = before_->samples();
-        const std::size_t stride = 1 + samples.size() / options_.max_points;
-        for (std::size_t i = 0; i < samples.size(); i += stride) {
-            if (!is_explained_by(*now_, samples[i])) {
-                vanished_.push_back(static_cast<std::uint32_t>(i));
-            }
-        }
-    }
-    const auto max_step_m = static_cast<float>(options_.max_step_m);
-    const int half = static_cast<int>(std::ceil(max_step_m / kBinM));
-    const int side = 2 * half + 2;
-    votes_.assign(static_cast<std::size_t>(side) * side * side, 0);
-    const auto index = [&](int x, int y, int z) {
-        return static_cast<std::size_t>((z * side + y) * side + x);
-    };
-    std::size_t num_points = 0;
-    for (const std::uint32_t r : group) num_points += regions_[r].num;
-    const std::size_t stride = 1 + num_points / kMaxVoters;
-    const std::size_t vanished_stride = 1 + vanished_.size() / (2 * kMaxVoters);
-    std::size_t count = 0;
-    for (const std::uint32_t r : group) {
-        for (std::size_t i = 0; i < regions_[r].num; ++i) {
-            const Point& point = points_[regions_[r].first + i];
-            if (point.is_explained || count++ % stride != 0) continue;
-            const SurfaceSample& sample = now_->samples()[point.sample];
-            for (std::size_t v = 0; v < vanished_.size(); v += vanished_stride) {
-                const SurfaceSample& from = before_->samples()[vanished_[v]];
-                const Eigen::Vector3f step = sample.position - from.position;
-                if (from.normal.dot(sample.normal) < kSameFacing ||
-                    step.squaredNorm() > max_step_m * max_step_m) {
-                    continue;
-                }
-                const Eigen::Array3i bin = cell_at(step, kBinM) + half;
-                ++votes_[index(bin.x(), bin.y(), bin.z())];
-            }
-        }
-    }
-    for (int peak = 0; peak < kNumPeaks; ++peak) {
-        // blocks of two bins a side, so that no true peak is cut by a border
-        int best = 0;
-        Eigen::Array3i best_bin = Eigen::Array3i::Zero();
-        for (int z = 0; z + 1 < side; ++z) {
-            for (int y = 0; y + 1 < side; ++y) {
-                for (int x = 0; x + 1 < side; ++x) {
-                    const int sum = votes_[index(x, y, z)] + votes_[index(x + 1, y, z)] +
-                                    votes_[index(x, y + 1, z)] + votes_[index(x + 1, y + 1, z)] +
-                                    votes_[index(x, y, z + 1)] + votes_[index(x + 1, y, z + 1)] +
-                                    votes_[index(x, y + 1, z + 1)] +
-                                    votes_[index(x + 1, y + 1, z + 1)];
-                    if (sum <= best) continue;
-                    best = sum;
-                    best_bin = {x, y, z};
-                }
-            }
-        }
-        if (best == 0) return;
-        const Eigen::Vector3f start = ((best_bin - half + 1).cast<float>() * kBinM).matrix();
-        for (const std::uint32_t r : group) regions_[r].starts.push_back(start);
-        for (int i = 0; i < 8; ++i) {
-            votes_[index(
-                best_bin.x() + (i & 1), best_bin.y() + (i >> 1 & 1), best_bin.z() + (i >> 2))] = 0;
-        }
-    }
-}
-
-void MotionEstimator::choose_starts() {
-    for (Region& region : regions_) {
-        for (Eigen::Vector3f& start : region.starts) {
-            start = refine(region, start, 3);
-            const float cost = correspond(region, start, kTrialPoints).cost;
-            if (cost >= region.cost) continue;
-            region.cost = cost;
-            region.displacement = start;
-        }
-    }
-}
-
-// Where several displacements explain a region about as well (a forearm along itself, a flat part),
-// its neighbours decide.
-void MotionEstimator::choose_with_neighbours() {
-    const auto disagreement = [&](const Region& region, const Eigen::Vector3f& displacement) {
-        if (region.neighbours.empty()) return 0.0F;
-        float sum = 0.0F;
-        for (const std::uint32_t n : region.neighbours) {
-            const float difference = (regions_[n].displacement - displacement).norm();
-            sum += std::min(1.0F, difference / (2.0F * kAlikeM));
-        }
-        return kAgreement * sum / static_cast<float>(region.neighbours.size());
-    };
-    for (int sweep = 0; sweep < 3; ++sweep) {
-        bool has_changed = false;
-        for (Region& region : regions_) {
-            float best = region.cost + disagreement(region, region.displacement);
-            for (const std::uint32_t n : region.neighbours) {
-                const Eigen::Vector3f& theirs = regions_[n].displacement;
-                if ((theirs - region.displacement).norm() < kAlikeM) continue;
-                const float disagreeing = disagreement(region, theirs);
-                if (disagreeing >= best) continue;
-                const float cost = correspond(region, theirs, kTrialPoints).cost;
-                if (cost + disagreeing >= best) continue;
-                best = cost + disagreeing;
-                region.cost = cost;
-                region.displacement = theirs;
-                has_changed = true;
-            }
-        }
-        if (!has_changed) return;
-    }
-}
-
 void MotionEstimator::solve_together() {
     normals_.resize(regions_.size());
     std::vector<Eigen::Vector3f> solution(regions_.size());
@@ -389,13 +217,37 @@ Eigen::Vector3f MotionEstimator::displacement_at(std::size_t index) const {
             });
         return found != regions_.end() && found->key == key ? &*found : nullptr;
     };
-    const Region* region = find(false);
-    const Region* moving = find(true);
-    if (region == nullptr) region = moving;
-    if (region == nullptr) return Eigen::Vector3f::Zero();
-    if (moving != nullptr && moving != region &&
-        mismatch(sample, moving->displacement) < mismatch(sample, region->displacement)) {
-        region = moving;
+    const std::uint64_t octant_key = pack(cell_at(sample.position, 0.5F * region_m), false);
+    const auto octant = std::lower_bound(
+        octants_.begin(), octants_.end(), octant_key, [](const Octant& o, std::uint64_t key) {
+            return o.key < key;
+        });
+    const bool moves = octant == octants_.end() || octant->key != octant_key || octant->moves;
+    const Region* own = find(moves);
+    const Region* sibling = find(!moves);
+    if (own == nullptr) std::swap(own, sibling);
+    if (own == nullptr) {  // none of the points looked up is in its cell
+        own = &*std::min_element(
+            regions_.begin(), regions_.end(), [&](const Region& a, const Region& b) {
+                return (a.centre - sample.position).squaredNorm() <
+                       (b.centre - sample.position).squaredNorm();
+            });
+    }
+    // a sample that its region does not explain, as where two parts meet, may be of another; what
+    // none explains moves with its region
+    const Region* region = own;
+    if (mismatch(sample, own->displacement) > kMismatch) {
+        const auto is_of = [&](const Region& candidate) {
+            return mismatch(sample, candidate.displacement) < kMismatch;
+        };
+        const auto beside = std::find_if(own->neighbours.begin(),
+                                         own->neighbours.end(),
+                                         [&](std::uint32_t n) { return is_of(regions_[n]); });
+        if (sibling != nullptr && is_of(*sibling)) {
+            region = sibling;
+        } else if (beside != own->neighbours.end()) {
+            region = &regions_[*beside];
+        }
     }
     // blend over into what moves alike beside it
     float weights = 0.0F;

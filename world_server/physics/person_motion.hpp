@@ -53,6 +53,7 @@ private:
         bool is_hard = false;  // rest does not explain it
         std::vector<std::uint32_t> neighbours;
         std::vector<Eigen::Vector3f> starts;
+        std::size_t num_expected = 0;  // of the starts: what the place did before
     };
     struct Moved {  // what a region did last time
         Eigen::Vector3f centre;
@@ -65,7 +66,6 @@ private:
         float cost = 0.0F;  // mean over the points, 0 .. 1
     };
 
-    void find_explained();
     void make_regions();
     void link_regions();
     Normals correspond(const Region& region,
@@ -90,7 +90,12 @@ private:
         std::uint32_t sample = 0;
         bool is_explained = false;
     };
-    std::vector<Point> points_;            // ordered by region
+    std::vector<Point> points_;  // ordered by region
+    struct Octant {
+        std::uint64_t key = 0;
+        bool moves = false;
+    };
+    std::vector<Octant> octants_;          // of the lattice's cells, ordered by key
     std::vector<std::uint32_t> vanished_;  // samples of before_ that rest does not explain
     std::vector<Region> regions_;          // ordered by key
     std::vector<std::uint16_t> votes_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <chrono>
+#include <utility>
 
 namespace atrium::physics {
 namespace {
@@ -58,7 +59,7 @@ std::vector<MovingSurfel> PersonShaper::moving_surfels(const SurfaceIndex& surfa
 PersonShape PersonShaper::shape(const geometry::TriangleMesh& mesh_world, Timestamp capture_time) {
     PersonShape shape;
     shape.capture_time = capture_time;
-    shape.surface = std::make_shared<const SurfaceIndex>(mesh_world, options_.sampling);
+    auto surface = std::make_shared<const SurfaceIndex>(mesh_world, options_.sampling);
     const double period_s = std::chrono::duration<double>(capture_time - previous_time_).count();
     const bool goes_on = previous_ && period_s > 0.0 && period_s <= options_.max_period_s;
     if (goes_on) {
@@ -67,8 +68,8 @@ PersonShape PersonShaper::shape(const geometry::TriangleMesh& mesh_world, Timest
         motion_.forget();
     }
     shape.surfels = std::make_shared<const std::vector<MovingSurfel>>(
-        goes_on ? moving_surfels(*shape.surface, period_s) : still_surfels(*shape.surface));
-    previous_ = shape.surface;
+        goes_on ? moving_surfels(*surface, period_s) : still_surfels(*surface));
+    previous_ = std::move(surface);
     previous_time_ = capture_time;
     return shape;
 }

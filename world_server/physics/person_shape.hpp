@@ -23,8 +23,7 @@ struct PersonShapeOptions {
 
 /// What one mesh of one person is to the physics: a closed surface in samples that move.
 struct PersonShape {
-    std::shared_ptr<const std::vector<MovingSurfel>> surfels;  // one per sample of `surface`
-    std::shared_ptr<const SurfaceIndex> surface;  // world frame, where the mesh was captured
+    std::shared_ptr<const std::vector<MovingSurfel>> surfels;  // never null
     double period_s = 0.0;  // since the mesh before; 0: there was none, and nothing moves
     Timestamp capture_time;
 };

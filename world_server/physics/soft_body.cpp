@@ -449,10 +449,9 @@ bool SoftBody::keep_off(const PeopleField& people) {
             drives_.push_back({out, nearest->normal.dot(nearest->velocity) + kKeepOffMps * near});
             continue;
         }
-        if (person.surface() == nullptr) continue;
-        const auto side = person.surface()->nearest(
-            at, kBuriedSearchM, [](const SurfaceSample& s) { return s.normal.z() > -0.5F; });
-        if (!side || side->normal.dot(at - side->position) > 0.0F) continue;
+        const PlacedSurfel* side = person.nearest(
+            at, kBuriedSearchM, [](const PlacedSurfel& s) { return s.normal.z() > -0.5F; });
+        if (side == nullptr || side->normal.dot(at - side->position) > 0.0F) continue;
         drives_.push_back({to_bullet(side->normal.cast<double>()), btScalar(options_.escape_mps)});
         return false;
     }

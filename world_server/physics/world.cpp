@@ -27,6 +27,7 @@ enum CollisionGroup : int { kStillGroup = 1, kObjectGroup = 2 };
 // Overlap above which Bullet separates without adding velocity; its default of 4 cm makes whatever
 // is pressed by a hand pop away.
 constexpr float kPlainContactM = 0.002F;
+constexpr int kSolverIterations = 20;
 // Nothing gains more in a tick than a few times what it may have at all.
 constexpr double kRunawayFactor = 4.0;
 constexpr double kTornM = 0.25;
@@ -80,6 +81,9 @@ World::Impl::Impl(const WorldOptions& world_options)
     // ticks
     configuration.setPlaneConvexMultipointIterations();
     world.getSolverInfo().m_splitImpulsePenetrationThreshold = -kPlainContactM;
+    // what is clasped between two palms needs force from both and friction along both tangents
+    world.getSolverInfo().m_numIterations = kSolverIterations;
+    world.getSolverInfo().m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
     world.getDispatchInfo().m_deterministicOverlappingPairs = true;
     world.setInternalTickCallback(&Impl::begin_tick, this, /*isPreTick=*/true);
     if (options.leaving == LeavePolicy::kBounce) surroundings.add_walls(box_of(options));

@@ -31,7 +31,7 @@ struct Hit {
     Eigen::Vector3d start = Eigen::Vector3d::Zero();  // of the hand's centre
     Eigen::Vector3d ball{0.0, 0.0, 1.3};
     double rest_s = 0.0;
-    double path_m = 0.6;
+    double path_m = 0.0;
 
     Eigen::Vector3d hand_at(double seconds) const {
         return start + direction * std::clamp(speed_mps * (seconds - rest_s), 0.0, path_m);
@@ -67,16 +67,23 @@ Hit make_hit(int trial, double speed_mps, double mesh_hz) {
     hit.speed_mps = speed_mps;
     hit.mesh_hz = mesh_hz;
     hit.direction = even_directions(kNumDirections)[static_cast<std::size_t>(trial)].cast<double>();
-    // turned at random, but with one of the hand's two flat faces, or the ends of the fingers,
-    // ahead
+    // turned at random, but with one of the hand's flat faces, or the ends of the fingers, ahead,
+    // and so that the ball meets that face and not its edge
+    const int axis = trial % 3 == 2 ? 2 : 0;
     hit.hand_rotation =
-        Eigen::Quaterniond::FromTwoVectors(
-            trial % 3 == 2 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX(), hit.direction) *
+        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::Unit(axis), hit.direction) *
         Eigen::AngleAxisd(uniform(-0.3, 0.3), Eigen::Vector3d::UnitX()) *
         Eigen::AngleAxisd(uniform(-0.3, 0.3), Eigen::Vector3d::UnitY());
-    const double half_m = trial % 3 == 2 ? 0.09 : 0.02;
-    hit.start = hit.ball - hit.direction * (half_m + kBallRadiusM + uniform(0.08, 0.3));
+    Eigen::Vector3d ball_in_hand;
+    for (int i = 0; i < 3; ++i) {
+        const double room_m = 0.5 * kHandSizeM[i] - 0.012;
+        ball_in_hand[i] = i == axis ? 0.5 * kHandSizeM[i] + kBallRadiusM : uniform(-room_m, room_m);
+    }
+    // the meshes before and after the start do not tell the full speed: let them pass
+    const double gap_m = uniform(0.05, 0.25) + speed_mps / mesh_hz;
+    hit.start = hit.ball - hit.hand_rotation * ball_in_hand - gap_m * hit.direction;
     hit.rest_s = 0.2 + uniform(0.0, 1.0 / mesh_hz);
+    hit.path_m = gap_m + 0.3;
     return hit;
 }
 
@@ -89,7 +96,7 @@ geometry::TriangleMesh mesh_of(const Hit& hit, double seconds, int num_cuts) {
     append(mesh, make_box_mesh(kForearmSizeM, {hit.hand_rotation, forearm}, num_cuts + 1));
     // to the side of the hand's way, as near as the way of ball and hand allows
     const Eigen::Vector3d side = hit.direction.unitOrthogonal();
-    const Eigen::Vector3d torso = hit.start + 0.48 * side;
+    const Eigen::Vector3d torso = hit.start + 0.55 * side;
     append(
         mesh,
         make_box_mesh({0.22, 0.42, 0.65}, {Eigen::Quaterniond::Identity(), torso}, num_cuts + 3));
