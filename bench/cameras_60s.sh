@@ -4,6 +4,7 @@
 # is not as it must be. tests/integration/cameras_test is the same in short.
 #   bench/cameras_60s.sh [BUILD_FOLDER]
 set -eu
+case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 root=$(cd "$(dirname "$0")/.." && pwd)
 bin=${1:-$root/build}/bin
 rig=$root/deploy/rigs/full_body_1mp.toml

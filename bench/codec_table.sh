@@ -3,6 +3,7 @@
 # renews that of docs/streams.md. BUILD has to be configured with -DATRIUM_BENCH=ON. The machine should have nothing else to do.
 # The recording is left out where ../shared/data is not there.
 set -eu
+case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."
 build=${1:-build}
 cmake --build "$build" --target codec_table > /dev/null

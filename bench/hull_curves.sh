@@ -3,6 +3,7 @@
 # draws docs/figures/hull_curves.svg, prints all tables and renews those of docs/hull.md. BUILD has to be configured with -DATRIUM_BENCH=ON.
 # The machine should have nothing else to do. What needs ../shared/data is left out where that is not there.
 set -eu
+case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."
 build=${1:-build}
 repetitions=${2:-20}

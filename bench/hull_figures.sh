@@ -3,6 +3,7 @@
 # them to deploy/views/person.json: `bench/hull_figures.sh [BUILD]`, a build folder that is
 # configured with -DATRIUM_BENCH=ON. The same tree gives the same pictures.
 set -eu
+case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."
 build=${1:-build}
 cmake --build "$build" --target hull_charts hull_picture > /dev/null

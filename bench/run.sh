@@ -1,6 +1,7 @@
 #!/bin/sh
 # Runs every benchmark of BUILD and keeps the output, with machine and date, in bench/results/.
 set -eu
+case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."
 build=${1:-build}
 mkdir -p bench/results

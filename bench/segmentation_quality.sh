@@ -3,6 +3,7 @@
 # bench/results/ and renews that of docs/segmentation.md. BUILD has to be configured with -DATRIUM_BENCH=ON. The machine
 # should have nothing else to do. Recordings are left out where ../shared/data is not there.
 set -eu
+case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."
 build=${1:-build}
 cmake --build "$build" --target segmentation_quality > /dev/null

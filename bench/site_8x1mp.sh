@@ -3,6 +3,7 @@
 # date in bench/results/ and renews the table of docs/site_node.md. BUILD has to be configured with -DATRIUM_BENCH=ON.
 # The machine should have nothing else to do. The first run renders the pictures.
 set -eu
+case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."
 build=${1:-build}
 seconds=${2:-8}

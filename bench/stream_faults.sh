@@ -3,6 +3,7 @@
 # and date in bench/results/ and renews the table of docs/streams.md. BUILD has to be configured with -DATRIUM_BENCH=ON. Needs no
 # rights, but /dev/net/tun; about five minutes, in which the machine should have nothing else to do.
 set -eu
+case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."
 build=${1:-build}
 seconds=${2:-15}

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The rows of docs/streams.md, "Links": bench/stream_links.sh [build folder]. About seven minutes; needs no rights, but /dev/net/tun.
 set -euo pipefail
+case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."
 build=${1:-build}
 profiles=$(mktemp -d)

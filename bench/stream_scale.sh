@@ -5,6 +5,7 @@
 # to do. With ONLY=name it measures one series (loopback, decode, multicast, lan, crowd) and adds it to the file of this day; RUN is
 # put before each measurement (RUN="nice -n -5").
 set -eu
+case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."
 build=${1:-build}
 seconds=${2:-12}

@@ -41,7 +41,9 @@ Expected<std::string> parse_network_file(std::string_view xml, const std::string
 Expected<std::string> load_network_file(const std::filesystem::path& file) {
     const auto text = read_text_file(file);
     if (!text) {
-        return make_error(text.error().kind,
+        // a word that is no file is more likely a typo on the command line than a file that is gone
+        const bool is_word = !file.has_parent_path() && !file.has_extension();
+        return make_error(is_word ? ErrorKind::kConfiguration : text.error().kind,
                           "bus.network: must be loopback, lan, wifi, wan, or a file that can be "
                           "read; " +
                               text.error().message);

@@ -67,7 +67,8 @@ NetworkReport report_network(const NetworkSettings& settings) {
             "once it is up");
     }
     if (settings.kind == "wan" && !settings.has_remote_peers) {
-        report.warnings.push_back("wan knows no other hosts, and will find none; --peers A,B");
+        report.warnings.push_back(
+            "wan knows no other hosts, and will find programs of this one alone; --peers A,B");
     }
     return report;
 }
