@@ -20,7 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder in memory for the one file that is looked at; it goes with the process.
+/// A folder in memory for the one file that is looked at. It goes with the process, unless that is
+/// aborted.
 class Folder {
 public:
     Folder() {
