@@ -1,5 +1,6 @@
 #include "tests/fuzz/wire_check.hpp"
 
+#include "core/bus/checks.hpp"
 #include "core/bus/limits.hpp"
 #include "core/bus/topics.hpp"
 #include "core/bus/wire.hpp"
@@ -60,6 +61,7 @@ private:
     }
     void add(std::uint8_t value) { append(value); }
     void add(bool value) { append(value); }
+    void add(std::uint16_t value) { append(value); }
     void add(std::uint32_t value) { append(value); }
     void add(std::uint64_t value) { append(value); }
 
@@ -72,6 +74,14 @@ private:
         if (text.empty() || text.size() > bus::kMaxNameLength ||
             std::any_of(text.begin(), text.end(), is_bad))
             wrong = "a name";
+        bytes.insert(bytes.end(), text.begin(), text.end());
+        bytes.push_back(0);
+    }
+    void add(atrium_ModelFile& file) {
+        const std::string_view text(file, strnlen(file, sizeof(file)));
+        if (text.size() == sizeof(file) || (!text.empty() && !bus::is_valid_model_file(text)))
+            wrong = "a model's file";
+        if (("/" + std::string(text)).find("/.") != std::string::npos) wrong = "a way out";
         bytes.insert(bytes.end(), text.begin(), text.end());
         bytes.push_back(0);
     }
@@ -291,6 +301,9 @@ constexpr auto kChecks = checks_of<bus::SiteDescription,
                                    bus::CameraTexture,
                                    bus::SitePlacement,
                                    bus::SceneObject,
+                                   bus::SoftBody,
+                                   bus::SoftBodyState,
+                                   bus::Scenery,
                                    bus::SceneState,
                                    bus::SceneCommand,
                                    bus::SiteStatus,

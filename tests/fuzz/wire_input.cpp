@@ -40,6 +40,20 @@ void WireFiller::fill(atrium_Name& name) {
     if (kind == 2 && length > 0) name[reader_.byte() % length] = static_cast<char>(reader_.byte());
 }
 
+void WireFiller::fill(atrium_ModelFile& file) {
+    constexpr std::string_view kFile = "models/a.obj";
+    constexpr std::string_view kParts = "a/.._m";
+    file[0] = '\0';
+    const int kind = reader_.below(4);
+    if (kind == 1) file[kFile.copy(file, kFile.size())] = '\0';
+    if (kind < 2) return;
+    const auto length = static_cast<std::size_t>(reader_.below(130)) % (sizeof(file) + 1);
+    for (std::size_t i = 0; i < length; ++i)
+        file[i] =
+            kind == 2 ? kParts[reader_.byte() % kParts.size()] : static_cast<char>(reader_.byte());
+    if (length < sizeof(file)) file[length] = '\0';
+}
+
 void WireFiller::fill(OptionalName& optional) {
     if (reader_.below(2) == 1)
         fill(optional.name);

@@ -28,9 +28,11 @@ private:
     void fill(double& value);
     void fill(atrium_Name& name);
     void fill(OptionalName& optional);
+    void fill(atrium_ModelFile& file);
     void fill(atrium_Pose& pose);
     void fill(std::uint8_t& value) { value = reader_.byte() ^ 1U; }
     void fill(bool& value) { value = reader_.below(2) == 1; }
+    void fill(std::uint16_t& value) { value = static_cast<std::uint16_t>(reader_.below(4)); }
     void fill(std::uint32_t& value) { value = static_cast<std::uint32_t>(integer()); }
     void fill(std::uint64_t& value) { value = integer(); }
     void fill(std::int64_t& value) { value = static_cast<std::int64_t>(integer()); }

@@ -53,8 +53,38 @@ void visit_parts(atrium_SitePlacement& wire, Visit& visit) {
 
 template <typename Visit>
 void visit_parts(atrium_SceneObject& wire, Visit& visit) {
-    auto& [object, name, shape, size_m, mass_kg, colour, world_from_object] = wire;
-    visit(object, name, shape, size_m, mass_kg, colour, world_from_object);
+    auto& [object,
+           name,
+           shape,
+           size_m,
+           mass_kg,
+           friction,
+           restitution,
+           colour,
+           model,
+           model_scale,
+           texture,
+           world_from_object] = wire;
+    visit(object, name, shape, size_m, mass_kg, friction, restitution, colour, model);
+    visit(model_scale, texture, world_from_object);
+}
+
+template <typename Visit>
+void visit_parts(atrium_SoftBody& wire, Visit& visit) {
+    auto& [object, num_nodes, thickness_m, triangles, segments] = wire;
+    visit(object, num_nodes, thickness_m, triangles, segments);
+}
+
+template <typename Visit>
+void visit_parts(atrium_SoftBodyState& wire, Visit& visit) {
+    auto& [object, tick, time_ns, origin_m, step_m, nodes] = wire;
+    visit(object, tick, time_ns, origin_m, step_m, nodes);
+}
+
+template <typename Visit>
+void visit_parts(atrium_Scenery& wire, Visit& visit) {
+    auto& [name, model, model_scale, texture, colour, world_from_model] = wire;
+    visit(name, model, model_scale, texture, colour, world_from_model);
 }
 
 template <typename Visit>
@@ -72,8 +102,8 @@ void visit_parts(atrium_SceneState& wire, Visit& visit) {
 /// The object is ignored by those that look at what is meant, unless it is to be added.
 template <typename Visit>
 void visit_parts(atrium_SceneCommand& wire, Visit& visit) {
-    auto& [sender, kind, target, impulse_ns, object] = wire;
-    visit(sender, kind, target, impulse_ns);
+    auto& [sender, kind, target, impulse_ns, point_object, goal_world, object] = wire;
+    visit(sender, kind, target, impulse_ns, point_object, goal_world);
     if (kind == 0 || Visit::kWithIgnored) visit(object);
 }
 
@@ -141,9 +171,31 @@ void visit_parts(atrium_SiteStatus& wire, Visit& visit) {
 
 template <typename Visit>
 void visit_parts(atrium_WorldStatus& wire, Visit& visit) {
-    auto& [world, time_ns, steps, meshes, rejected, sites, contacts, steps_per_s, latency, bytes] =
-        wire;
+    auto& [world,
+           time_ns,
+           steps,
+           meshes,
+           rejected,
+           sites,
+           contacts,
+           steps_per_s,
+           latency,
+           bytes,
+           objects,
+           resets,
+           last_reset,
+           skipped,
+           refused,
+           grabs,
+           saves,
+           bytes_published,
+           bytes_per_s,
+           step,
+           state_tick,
+           state_hash] = wire;
     visit(world, time_ns, steps, meshes, rejected, sites, contacts, steps_per_s, latency, bytes);
+    visit(objects, resets, last_reset, skipped, refused, grabs, saves, bytes_published);
+    visit(bytes_per_s, step, state_tick, state_hash);
 }
 
 template <typename Visit>

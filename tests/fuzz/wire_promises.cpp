@@ -49,12 +49,44 @@ std::string broken_promise(const bus::CameraTexture& message) {
 std::string broken_promise(const bus::SitePlacement& /*message*/) { return ""; }
 
 std::string broken_promise(const bus::SceneObject& message) {
-    if (message.shape > bus::Shape::kPlane) return "a shape";
+    if (message.shape > bus::Shape::kSoft) return "a shape";
+    const bool is_simple = message.shape <= bus::Shape::kPlane;
     const int num_sizes = message.shape == bus::Shape::kPlane ? 2 : 3;
-    if (!(message.size_m.head(num_sizes).minCoeff() > 0.0)) return "a size";
+    const double least_m = message.size_m.head(num_sizes).minCoeff();
+    if (is_simple ? !(least_m > 0.0) : !(least_m >= 0.0)) return "a size";
+    const bool is_model =
+        message.shape == bus::Shape::kConvex || message.shape == bus::Shape::kCompound;
+    if (is_model && message.model.empty()) return "no model";
+    if (!(message.model_scale > 0.0)) return "a model's scale";
+    if (!(message.friction >= 0.0 && message.restitution >= 0.0 && message.restitution <= 1.0))
+        return "a material";
     if (message.mass_kg < 0.0) return "a mass";
     const auto colour = message.colour.array();
     return unless((colour >= 0.0).all() && (colour <= 1.0).all(), "a colour");
+}
+
+std::string broken_promise(const bus::SoftBody& message) {
+    if (message.num_nodes > bus::kMaxSoftNodes) return "too many nodes";
+    const auto is_there = [&](std::uint16_t node) { return node < message.num_nodes; };
+    for (const auto& triangle : message.triangles) {
+        if (!std::all_of(triangle.begin(), triangle.end(), is_there)) return "a node";
+    }
+    for (const auto& segment : message.segments) {
+        if (!std::all_of(segment.begin(), segment.end(), is_there)) return "a node";
+    }
+    return unless(message.thickness_m >= 0.0, "a thickness");
+}
+
+std::string broken_promise(const bus::SoftBodyState& message) {
+    if (message.nodes.size() > bus::kMaxSoftNodes) return "too many nodes";
+    return unless(message.step_m > 0.0, "a step");
+}
+
+std::string broken_promise(const bus::Scenery& message) {
+    if (message.model.empty()) return "no model";
+    const auto colour = message.colour.array();
+    if (!((colour >= 0.0).all() && (colour <= 1.0).all())) return "a colour";
+    return unless(message.model_scale > 0.0, "a model's scale");
 }
 
 std::string broken_promise(const bus::SceneState& message) {
@@ -62,7 +94,7 @@ std::string broken_promise(const bus::SceneState& message) {
 }
 
 std::string broken_promise(const bus::SceneCommand& message) {
-    if (message.kind > bus::CommandKind::kPush) return "a kind of command";
+    if (message.kind > bus::CommandKind::kRestore) return "a kind of command";
     return message.kind == bus::CommandKind::kAdd ? broken_promise(message.object) : "";
 }
 
