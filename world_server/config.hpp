@@ -40,8 +40,8 @@ struct WorldServerConfig {
 void declare(WorldServerConfig& config, config::OptionSet& set);
 
 /// Reads what only a file can say (description/world_file.cpp): gravity, bounds, materials,
-/// objects, puppets, soft things, joints, scenery, sites and rights. After the plain options. Problems are kept
-/// by `reader`.
+/// objects, puppets, soft things, joints, scenery, sites and rights. After the plain options.
+/// Problems are kept by `reader`.
 void read_world(config::TableReader& reader, WorldServerConfig& config);
 
 /// What options cannot check one by one.

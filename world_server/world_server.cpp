@@ -106,7 +106,7 @@ bool WorldServer::Impl::arrive(const std::string& site) {
 }
 
 void WorldServer::Impl::leave(const std::string& site) {
-    sites.leave(site);
+    if (!sites.leave(site)) return;  // the end of its description and of its meshes are two
     simulation.people().put(site, std::nullopt);
     num_sites = sites.num_present();
     app::log::info("site_left site={}", site);

@@ -43,9 +43,8 @@ void WireFiller::fill(atrium_Name& name) {
 void WireFiller::fill(atrium_ModelFile& file) {
     constexpr std::string_view kFile = "models/a.obj";
     constexpr std::string_view kParts = "a/.._m";
-    file[0] = '\0';
     const int kind = reader_.below(4);
-    if (kind == 1) file[kFile.copy(file, kFile.size())] = '\0';
+    file[kind == 0 ? kFile.copy(file, kFile.size()) : 0] = '\0';  // 1: none
     if (kind < 2) return;
     const auto length = static_cast<std::size_t>(reader_.below(130)) % (sizeof(file) + 1);
     for (std::size_t i = 0; i < length; ++i)

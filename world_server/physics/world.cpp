@@ -79,11 +79,11 @@ World::Impl::Impl(const WorldOptions& world_options)
     world.setGravity(to_bullet(options.gravity));
     // else what is put down on a plane, or pressed onto it, stands on one corner for the first
     // ticks
-    configuration.setPlaneConvexMultipointIterations();
+    configuration.setPlaneConvexMultipointIterations(4, 4);
     world.getSolverInfo().m_splitImpulsePenetrationThreshold = -kPlainContactM;
-    // what is clasped between two palms needs force from both and friction along both tangents
+    // what is clasped between two palms needs force from both
     world.getSolverInfo().m_numIterations = kSolverIterations;
-    world.getSolverInfo().m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
+    world.getSolverInfo().m_solverMode |= SOLVER_INTERLEAVE_CONTACT_AND_FRICTION_CONSTRAINTS;
     world.getDispatchInfo().m_deterministicOverlappingPairs = true;
     world.setInternalTickCallback(&Impl::begin_tick, this, /*isPreTick=*/true);
     if (options.leaving == LeavePolicy::kBounce) surroundings.add_walls(box_of(options));
