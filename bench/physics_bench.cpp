@@ -1,4 +1,4 @@
-// What a person costs the world server: one mesh (cut, sample, measure velocities, hand to Bullet)
+// What a person costs the world server: one mesh (sample, measure its motion)
 // and one tick among objects. Single-threaded; the mesh is a closed figure of spheres and boxes.
 #include "tests/unit/physics/meshes.hpp"
 #include "world_server/physics/person_shape.hpp"
@@ -11,10 +11,11 @@
 namespace atrium::physics {
 namespace {
 
-// Ten instants of somebody who reaches out at 1.5 m/s while walking at 1 m/s.
+// Somebody who reaches out at 1.5 m/s while walking at 1 m/s, and back again.
 std::vector<geometry::TriangleMesh> walking_figure(int num_cuts) {
     std::vector<geometry::TriangleMesh> meshes;
-    for (int i = 0; i < 10; ++i) {
+    for (int frame = 0; frame < 18; ++frame) {
+        const int i = frame < 10 ? frame : 18 - frame;
         meshes.push_back(
             physics_test::make_person_mesh({i / 30.0, 0, 0}, 0.4 + 0.05 * i, num_cuts));
     }
@@ -27,18 +28,34 @@ void shape_person(benchmark::State& state) {
     const auto meshes = walking_figure(static_cast<int>(state.range(0)));
     PersonShaper shaper({});
     std::int64_t frame = 0;
-    std::size_t num_pieces = 0;
+    std::size_t num_surfels = 0;
     for (auto _ : state) {
         const auto& mesh = meshes[static_cast<std::size_t>(frame) % meshes.size()];
         const PersonShape shape = shaper.shape(mesh, frame_time(frame));
-        num_pieces = shape.solid.pieces.size();
-        benchmark::DoNotOptimize(num_pieces);
+        num_surfels = shape.surfels->size();
+        benchmark::DoNotOptimize(num_surfels);
         ++frame;
     }
     state.counters["triangles"] = static_cast<double>(meshes[0].triangles.size());
-    state.counters["pieces"] = static_cast<double>(num_pieces);
+    state.counters["surfels"] = static_cast<double>(num_surfels);
 }
 BENCHMARK(shape_person)->Arg(12)->Arg(24)->Arg(44)->Unit(benchmark::kMillisecond);
+
+// What the step thread does with a new mesh: hands it over, and sorts it in the next tick.
+void take_in_person(benchmark::State& state) {
+    const auto meshes = walking_figure(24);
+    PersonShaper shaper({});
+    const PersonShape first = shaper.shape(meshes[0], frame_time(0));
+    const PersonShape second = shaper.shape(meshes[1], frame_time(1));
+    World world({});
+    bool is_first = true;
+    for (auto _ : state) {
+        world.set_person("anna", is_first ? first : second);
+        world.tick();
+        is_first = !is_first;
+    }
+}
+BENCHMARK(take_in_person)->Unit(benchmark::kMillisecond);
 
 // Two people among `range(0)` balls and boxes on the floor; a new mesh of each every 4 ticks.
 void tick_world(benchmark::State& state) {
@@ -69,7 +86,7 @@ void tick_world(benchmark::State& state) {
         world.tick();
         ++tick;
     }
-    state.counters["pieces"] = static_cast<double>(world.num_person_pieces());
+    state.counters["surfels"] = static_cast<double>(world.num_surfels());
     state.counters["contact_ticks"] = static_cast<double>(world.counters().num_contact_ticks);
 }
 BENCHMARK(tick_world)->Arg(20)->Arg(100)->Unit(benchmark::kMillisecond);

@@ -7,8 +7,8 @@ if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
 endif()
 
 function(_atrium_options target)
-    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wshadow -Wnon-virtual-dtor
-                           -Wno-stringop-overflow -Wno-restrict>) # wrong alarms of g++ 12 in fmt and std::string
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wshadow -Wnon-virtual-dtor>
+                           $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-stringop-overflow -Wno-restrict>) # wrong alarms of g++ 12 in fmt and std::string
     if(ATRIUM_WERROR)
         target_compile_options(${target} PRIVATE -Werror)
     endif()

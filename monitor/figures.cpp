@@ -1,5 +1,7 @@
 #include "monitor/figures.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace atrium::monitor {
@@ -71,10 +73,25 @@ Figures figures_of(const bus::WorldStatus& status) {
     figures.rate = status.steps_per_s;
     figures.work = {{"steps", status.num_steps},
                     {"meshes_received", status.num_meshes_received},
-                    {"steps_with_contact", status.num_contacts}};
-    figures.losses = {{"rejected_samples", status.num_rejected}};
+                    {"steps_with_contact", status.num_contacts},
+                    {"bytes_published", status.num_bytes_published},
+                    {"states_saved", status.num_saves}};
+    figures.losses = {{"rejected_samples", status.num_rejected},
+                      {"refused_commands", status.num_refused},
+                      {"skipped_ticks", status.num_skipped_ticks},
+                      {"objects_put_back", status.num_resets}};
     figures.stages = {
+        {"step", status.step},
         {"capture_to_collision", status.capture_to_collision, true, /*elsewhere=*/true}};
+    figures.notes = {{"objects", fmt::format("{}", status.num_objects)},
+                     {"held", fmt::format("{}", status.num_grabs)},
+                     {"published", fmt::format("{:.1f} kB/s", status.bytes_per_s / 1e3)}};
+    if (status.last_reset != 0)
+        figures.notes.push_back({"put_back_last", fmt::format("object {}", status.last_reset)});
+    if (status.state_tick != 0) {
+        figures.notes.push_back(
+            {"state", fmt::format("{:016x} at tick {}", status.state_hash, status.state_tick)});
+    }
     figures.resident_bytes = status.resident_bytes;
     return figures;
 }

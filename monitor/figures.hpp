@@ -31,6 +31,11 @@ struct Figures {
         std::vector<Counter> losses;
     };
 
+    struct Note {
+        std::string what;
+        std::string text;
+    };
+
     Timestamp time;  // on the program's clock
     std::string rate_unit;
     double rate = 0.0;
@@ -40,6 +45,7 @@ struct Figures {
     std::vector<Topic> topics;
     std::vector<Camera> cameras;
     std::optional<bus::StreamState> stream;
+    std::vector<Note> notes;  // what is no count
     std::uint64_t resident_bytes = 0;
 };
 

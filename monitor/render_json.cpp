@@ -101,6 +101,8 @@ ordered_json program_json(const ProgramReport& program) {
     out["latencies"] = latencies_json(program.latencies);
     out["topics"] = topics_json(program.topics);
     out["stream_level"] = stream_level_json(program.stream);
+    out["notes"] = ordered_json::object();
+    for (const Figures::Note& note : program.notes) out["notes"][note.what] = note.text;
     out["cameras"] = cameras_json(program.cameras);
     out["resident_bytes"] =
         program.has_status ? ordered_json(program.resident_bytes) : ordered_json();

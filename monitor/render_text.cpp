@@ -122,6 +122,13 @@ void add_stream_level(const bus::StreamState& stream, TextLines& lines) {
     lines.add_items("  stream   ", items);
 }
 
+void add_notes(const ProgramReport& program, TextLines& lines) {
+    if (program.notes.empty()) return;
+    std::vector<std::string> items;
+    for (const Figures::Note& note : program.notes) items.push_back(note.what + " " + note.text);
+    lines.add_items(kIndent, items);
+}
+
 void add_cameras(const ProgramReport& program, TextLines& lines) {
     if (program.cameras.empty()) return;
     lines.add(fmt::format("  {:<12} {:>10} {:>8} {:>9}  {}",
@@ -174,6 +181,7 @@ void add_program(const Report& report,
         add_rates(program, lines);
         lines.add_items("  ms       ", latency_texts(program.latencies));
         if (program.stream) add_stream_level(*program.stream, lines);
+        add_notes(program, lines);
         lines.add_items("  lost     ", loss_texts(program.losses), look_of_losses(program.losses));
     } else if (program.kind != ProgramKind::kOther) {
         lines.add("  no status yet", Look::kDim);

@@ -2,6 +2,7 @@
 
 #include "core/base/timestamp.hpp"
 #include "core/bus/messages.hpp"
+#include "monitor/figures.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -86,6 +87,7 @@ struct ProgramReport {
     std::vector<TopicRate> topics;
     std::vector<CameraReport> cameras;
     std::optional<bus::StreamState> stream;
+    std::vector<Figures::Note> notes;
     std::uint64_t resident_bytes = 0;
 };
 

@@ -133,6 +133,7 @@ void WorldModel::put_figures(const Program& program, ProgramReport& out) {
                  now.cameras[i].losses, former != nullptr ? &former->losses : nullptr, elapsed_s)});
     }
     out.stream = now.stream;
+    out.notes = now.notes;
     out.resident_bytes = now.resident_bytes;
 }
 

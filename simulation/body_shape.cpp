@@ -239,6 +239,26 @@ std::vector<BodyPart> body_parts(const Look& look) {
     return std::move(list.parts);
 }
 
+CarriedSkin::CarriedSkin(const Skin& skin, const BoneTransforms& bones)
+    : skin_(skin), bones_(bones) {
+    for (std::size_t b = 0; b < kNumBones; ++b)
+        rotations_[b] = bones[b].rotation.toRotationMatrix();
+}
+
+CarriedVertex CarriedSkin::vertex(std::size_t i) const {
+    CarriedVertex carried{Vector3d::Zero(), Vector3d::Zero()};
+    const SkinWeights& weights = skin_.weights[i];
+    for (std::size_t k = 0; k < weights.bones.size(); ++k) {
+        const double weight = weights.weights[k];
+        if (weight == 0.0) continue;
+        const std::size_t b = weights.bones[k];
+        carried.position +=
+            weight * (rotations_[b] * skin_.mesh.vertices[i] + bones_[b].translation);
+        carried.normal += weight * (rotations_[b] * skin_.normals[i]);
+    }
+    return carried;
+}
+
 Skin make_skin(const Look& look) {
     const std::vector<BodyPart> parts = body_parts(look);
     const std::vector<Reach> reaches = reaches_of(parts);

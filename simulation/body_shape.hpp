@@ -40,6 +40,24 @@ struct Skin {
     std::vector<SkinWeights> weights;
 };
 
+/// One vertex of a skin that bones carry: linear blend skinning, in the body frame.
+struct CarriedVertex {
+    Eigen::Vector3d position;
+    Eigen::Vector3d normal;  // not of unit length
+};
+
+/// A skin in a posture. Refers to `skin`, which must outlive it.
+class CarriedSkin {
+public:
+    CarriedSkin(const Skin& skin, const BoneTransforms& bones);
+    CarriedVertex vertex(std::size_t i) const;
+
+private:
+    const Skin& skin_;
+    BoneTransforms bones_;
+    std::array<Eigen::Matrix3d, kNumBones> rotations_;
+};
+
 /// About 16 000 triangles; takes about a tenth of a second.
 Skin make_skin(const Look& look);
 

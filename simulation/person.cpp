@@ -63,32 +63,21 @@ Expected<Person> Person::create(const RoomOptions& options) {
     return person;
 }
 
-// Linear blend skinning. Calls visit(index, position, normal), both in the site frame.
+// Calls visit(index, position, normal), both in the site frame.
 template <typename Visit>
 void Person::visit_vertices(double time_s, Visit&& visit) const {
     const double loop_s = options_.num_frames() / options_.rate_hz;
     const double frame = std::fmod(time_s, loop_s);
-    const BoneTransforms bones = pose_bones(posture(motion_, frame / loop_s));
-    std::array<Eigen::Matrix3d, kNumBones> rotations;
-    for (std::size_t b = 0; b < kNumBones; ++b) rotations[b] = bones[b].rotation.toRotationMatrix();
+    const CarriedSkin carried(skin_, pose_bones(posture(motion_, frame / loop_s)));
     // a person's height must not lift the hands off a table, nor the table
     const double scale = motion_ == Motion::kTableHands ? 1.0 : look_.height_m / kNominalHeight;
     const Eigen::Matrix3d site_from_body =
         Eigen::AngleAxisd(options_.heading_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
     for (std::size_t i = 0; i < skin_.mesh.vertices.size(); ++i) {
-        Eigen::Vector3d position = Eigen::Vector3d::Zero();
-        Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-        const SkinWeights& weights = skin_.weights[i];
-        for (std::size_t k = 0; k < weights.bones.size(); ++k) {
-            const double weight = weights.weights[k];
-            if (weight == 0.0) continue;
-            const std::size_t b = weights.bones[k];
-            position += weight * (rotations[b] * skin_.mesh.vertices[i] + bones[b].translation);
-            normal += weight * (rotations[b] * skin_.normals[i]);
-        }
+        const CarriedVertex vertex = carried.vertex(i);
         visit(i,
-              Eigen::Vector3d(options_.position_m + scale * (site_from_body * position)),
-              Eigen::Vector3d(site_from_body * normal));
+              Eigen::Vector3d(options_.position_m + scale * (site_from_body * vertex.position)),
+              Eigen::Vector3d(site_from_body * vertex.normal));
     }
 }
 

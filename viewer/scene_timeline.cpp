@@ -81,8 +81,18 @@ void SceneTimeline::clear() {
 
 void SceneTimeline::sample(Clock::time_point now, std::vector<bus::ObjectState>& out) const {
     out.clear();
+    if (const auto time = shown_time(now)) sample_at(*time, out);
+}
+
+std::optional<Timestamp> SceneTimeline::shown_time(Clock::time_point now) const {
+    if (states_.empty()) return std::nullopt;
+    return Timestamp{std::llround(ns_since_start(now) - offset_ns_ - period_ns_)};
+}
+
+void SceneTimeline::sample_at(Timestamp time, std::vector<bus::ObjectState>& out) const {
+    out.clear();
     if (states_.empty()) return;
-    const double wanted = ns_since_start(now) - offset_ns_ - period_ns_;  // the world's clock
+    const auto wanted = static_cast<double>(time.ns);
     const auto after =
         std::find_if(states_.begin(), states_.end(), [&](const bus::SceneState& state) {
             return static_cast<double>(state.time.ns) >= wanted;

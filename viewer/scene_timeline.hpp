@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <deque>
+#include <optional>
 #include <vector>
 
 namespace atrium::viewer {
@@ -27,6 +28,11 @@ public:
     explicit SceneTimeline(const SceneTimelineOptions& options = {}) : options_(options) {}
 
     void add(bus::SceneState state, Clock::time_point arrival);
+    /// The moment of the world's clock that is shown at `now`; nothing before the first state.
+    std::optional<Timestamp> shown_time(Clock::time_point now) const;
+    /// Poses at that moment of the world's clock: the same in all viewers that have the states
+    /// around it.
+    void sample_at(Timestamp time, std::vector<bus::ObjectState>& out) const;
     /// Poses at `now`, of the objects in the newest state that is not ahead of them.
     void sample(Clock::time_point now, std::vector<bus::ObjectState>& out) const;
     void clear();

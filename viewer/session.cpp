@@ -7,7 +7,8 @@
 namespace atrium::viewer {
 namespace {
 
-constexpr std::size_t kMaxWaitingStates = 8;  // the renderer looks every few milliseconds
+constexpr std::size_t kMaxWaitingStates = 8;        // the renderer looks every few milliseconds
+constexpr std::size_t kMaxWaitingSoftStates = 256;  // of all soft objects
 
 template <typename T>
 bool assign(Expected<T> created, std::optional<T>& out, Error& error) {
@@ -41,6 +42,9 @@ Expected<std::unique_ptr<Session>> Session::create(const bus::BusOptions& option
     std::optional<bus::Reader<bus::SiteMesh>> meshes;
     std::optional<bus::Reader<bus::CameraTexture>> textures;
     std::optional<bus::Reader<bus::SceneObject>> objects;
+    std::optional<bus::Reader<bus::SoftBody>> soft_bodies;
+    std::optional<bus::Reader<bus::SoftBodyState>> soft_states;
+    std::optional<bus::Reader<bus::Scenery>> scenery;
     std::optional<bus::Reader<bus::SceneState>> states;
     std::optional<bus::Writer<bus::ViewerStatus>> status;
     std::optional<bus::Writer<bus::SceneCommand>> commands;
@@ -53,6 +57,9 @@ Expected<std::unique_ptr<Session>> Session::create(const bus::BusOptions& option
         assign(bus::Reader<bus::SiteMesh>::create(*participant), meshes, error) &&
         assign(bus::Reader<bus::CameraTexture>::create(*participant), textures, error) &&
         assign(bus::Reader<bus::SceneObject>::create(*participant), objects, error) &&
+        assign(bus::Reader<bus::SoftBody>::create(*participant), soft_bodies, error) &&
+        assign(bus::Reader<bus::SoftBodyState>::create(*participant), soft_states, error) &&
+        assign(bus::Reader<bus::Scenery>::create(*participant), scenery, error) &&
         assign(bus::Reader<bus::SceneState>::create(*participant), states, error) &&
         assign(bus::Writer<bus::ViewerStatus>::create(*participant), status, error) &&
         assign(bus::Writer<bus::SceneCommand>::create(*participant), commands, error) &&
@@ -63,6 +70,9 @@ Expected<std::unique_ptr<Session>> Session::create(const bus::BusOptions& option
     waiter->add(*meshes);
     waiter->add(*textures);
     waiter->add(*objects);
+    waiter->add(*soft_bodies);
+    waiter->add(*soft_states);
+    waiter->add(*scenery);
     waiter->add(*states);
     return std::unique_ptr<Session>(new Session({*participant,
                                                  std::move(*waiter),
@@ -71,6 +81,9 @@ Expected<std::unique_ptr<Session>> Session::create(const bus::BusOptions& option
                                                  std::move(*meshes),
                                                  std::move(*textures),
                                                  std::move(*objects),
+                                                 std::move(*soft_bodies),
+                                                 std::move(*soft_states),
+                                                 std::move(*scenery),
                                                  std::move(*states)},
                                                 std::move(*status),
                                                 std::move(*commands),
@@ -84,6 +97,7 @@ void Session::receive(std::stop_token stop) {
         readers_.waiter.wait(Feedback::kPeriod);
         take_sites();
         take_objects();
+        take_soft_objects();
         write_feedback();
         num_incomplete_ = pairing_.num_incomplete();
     }
@@ -156,6 +170,34 @@ void Session::take_objects() {
         const std::lock_guard lock(scene_mutex_);
         if (scene_.states.size() >= kMaxWaitingStates) scene_.states.erase(scene_.states.begin());
         scene_.states.emplace_back(std::move(state), now);
+    }));
+}
+
+void Session::take_soft_objects() {
+    note(readers_.soft_bodies.take(
+        [this](bus::SoftBody&& body) {
+            const std::lock_guard lock(scene_mutex_);
+            scene_.soft_bodies.insert_or_assign(body.object, std::move(body));
+        },
+        [this](const bus::SoftBody& gone) {
+            const std::lock_guard lock(scene_mutex_);
+            scene_.soft_bodies.insert_or_assign(gone.object, std::nullopt);
+        }));
+    note(readers_.scenery.take(
+        [this](bus::Scenery&& scenery) {
+            const std::lock_guard lock(scene_mutex_);
+            const std::string name = scenery.name;
+            scene_.scenery.insert_or_assign(name, std::move(scenery));
+        },
+        [this](const bus::Scenery& gone) {
+            const std::lock_guard lock(scene_mutex_);
+            scene_.scenery.insert_or_assign(gone.name, std::nullopt);
+        }));
+    note(readers_.soft_states.take([&](bus::SoftBodyState&& state) {
+        const std::lock_guard lock(scene_mutex_);
+        auto& waiting = scene_.soft_states;
+        if (waiting.size() >= kMaxWaitingSoftStates) waiting.erase(waiting.begin());
+        waiting.push_back(std::move(state));
     }));
 }
 

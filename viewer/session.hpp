@@ -32,7 +32,10 @@ struct PersonUpdate {
 
 /// What became of the scene since the last time that anybody asked.
 struct SceneChanges {
-    std::map<std::uint32_t, std::optional<bus::SceneObject>> objects;  // nullopt: removed
+    std::map<std::uint32_t, std::optional<bus::SceneObject>> objects;   // nullopt: removed
+    std::map<std::uint32_t, std::optional<bus::SoftBody>> soft_bodies;  // nullopt: removed
+    std::map<std::string, std::optional<bus::Scenery>> scenery;         // nullopt: removed
+    std::vector<bus::SoftBodyState> soft_states;
     std::map<std::string, bus::SitePlacement> placements;
     std::vector<std::pair<bus::SceneState, std::chrono::steady_clock::time_point>> states;
 };
@@ -83,6 +86,9 @@ private:
         bus::Reader<bus::SiteMesh> meshes;
         bus::Reader<bus::CameraTexture> textures;
         bus::Reader<bus::SceneObject> objects;
+        bus::Reader<bus::SoftBody> soft_bodies;
+        bus::Reader<bus::SoftBodyState> soft_states;
+        bus::Reader<bus::Scenery> scenery;
         bus::Reader<bus::SceneState> states;
     };
     using Description = std::shared_ptr<const bus::SiteDescription>;
@@ -98,6 +104,7 @@ private:
             std::string viewer);
     void take_sites();
     void take_objects();
+    void take_soft_objects();
     void hand_to_decoder(std::optional<FramePair> pair);
     template <typename Sample>
     void receive_sample(Sample&& sample, std::size_t num_bytes);

@@ -3,6 +3,7 @@
 #include "core/base/expected.hpp"
 #include "core/bus/messages.hpp"
 #include "viewer/controls.hpp"
+#include "viewer/mouse_grab.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
 
 #include <array>
@@ -15,6 +16,7 @@ namespace atrium::viewer {
 /// What the person in front of the screen wants.
 struct SurfaceEvents {
     Motion motion;
+    Pointer pointer;  // without a window: nothing is pressed
     bool close = false;
     bool screenshot = false;
     bool reset_view = false;

@@ -4,8 +4,9 @@
 #include "core/app/program.hpp"
 #include "core/base/statistics.hpp"
 #include "core/joining/join_world.hpp"
+#include "viewer/mouse_grab.hpp"
 #include "viewer/picture_file.hpp"
-#include "viewer/scene_timeline.hpp"
+#include "viewer/scene_view.hpp"
 #include "viewer/session.hpp"
 #include "viewer/surface.hpp"
 
@@ -30,22 +31,6 @@ constexpr double kHeadlessFps = 30.0;
 
 Clock::duration seconds(double s) {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
-}
-
-renderer::ShapeKind shape_kind(bus::Shape shape) {
-    switch (shape) {
-        case bus::Shape::kBox:
-            return renderer::ShapeKind::kBox;
-        case bus::Shape::kSphere:
-            return renderer::ShapeKind::kSphere;
-        case bus::Shape::kCylinder:
-            return renderer::ShapeKind::kCylinder;
-        case bus::Shape::kCapsule:
-            return renderer::ShapeKind::kCapsule;
-        case bus::Shape::kPlane:
-            return renderer::ShapeKind::kPlane;
-    }
-    return renderer::ShapeKind::kBox;
 }
 
 // That no other viewer has, not even one of another host, or of this process.
@@ -95,14 +80,15 @@ struct Viewer::Impl {
     std::unique_ptr<Surface> surface;
     std::optional<renderer::SceneRenderer> renderer;  // goes before `surface`, its context
     std::unique_ptr<VideoRecorder> video;
-    SceneTimeline timeline;
-    std::vector<bus::ObjectState> object_states;
+    std::optional<SceneView> scene;
+    std::optional<MouseGrab> mouse;
     std::map<std::string, Timestamp> shown;    // sites and the capture time of what is shown
     std::vector<Timestamp> not_displayed_yet;  // capture times of people of this picture
     renderer::RenderedPicture picture;
     LatencyWindow latency;
     RateMeter rate;
     HudFigures hud;
+    app::log::OncePerSecond command_failures;
     int num_screenshots = 0;
     std::uint64_t num_frames = 0;
     std::uint64_t num_pairs_shown = 0;
@@ -122,7 +108,7 @@ struct Viewer::Impl {
     Expected<void> open();
     void close();
     Expected<void> loop(std::stop_token stop);
-    void take_scene();
+    void send(const bus::SceneCommand& command);
     void take_people();
     Expected<void> react(const SurfaceEvents& events);
     Expected<void> draw();
@@ -178,28 +164,7 @@ void Viewer::Impl::close() {
     renderer.reset();
     surface.reset();
     shown.clear();
-    timeline.clear();
-}
-
-void Viewer::Impl::take_scene() {
-    SceneChanges changes = session->take_scene();
-    for (const auto& [id, object] : changes.objects) {
-        if (!object) {
-            renderer->remove_object(id);
-            continue;
-        }
-        renderer->set_object(id,
-                             {.shape = shape_kind(object->shape),
-                              .size_m = object->size_m,
-                              .colour = object->colour,
-                              .world_from_object = object->world_from_object});
-    }
-    for (const auto& [site, placement] : changes.placements)
-        renderer->set_site_pose(site, placement.world_from_site);
-    for (auto& [state, arrival] : changes.states) timeline.add(std::move(state), arrival);
-    timeline.sample(Clock::now(), object_states);
-    for (const bus::ObjectState& state : object_states)
-        renderer->move_object(state.object, state.world_from_object);
+    scene->clear();
 }
 
 void Viewer::Impl::take_people() {
@@ -217,8 +182,19 @@ void Viewer::Impl::take_people() {
     }
 }
 
+void Viewer::Impl::send(const bus::SceneCommand& command) {
+    if (const auto sent = session->send(command); !sent)
+        command_failures.warn("command_failed " + sent.error().message);
+}
+
 Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
-    camera = events.reset_view ? start_camera : apply(events.motion, camera);
+    const auto pick = [this](const Ray& ray) { return scene->pick(ray); };
+    for (const bus::SceneCommand& command :
+         mouse->update(events.pointer, camera, pick, Clock::now()))
+        send(command);
+    Motion motion = events.motion;
+    if (mouse->is_holding()) motion.turn_px.setZero();  // the drag moves the thing
+    camera = events.reset_view ? start_camera : apply(motion, camera);
     if (events.screenshot) {
         if (auto written = screenshot(); !written) app::log::warn("{}", written.error().message);
     }
@@ -226,8 +202,7 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
         bus::SceneCommand command;
         command.sender = config.view.name;
         command.kind = bus::CommandKind::kReset;
-        if (const auto sent = session->send(command); !sent)
-            app::log::warn("command_failed {}", sent.error().message);
+        send(command);
     }
     // a window that is minimised has no size
     const auto [width, height] = surface->size();
@@ -236,7 +211,7 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
 }
 
 Expected<void> Viewer::Impl::draw() {
-    take_scene();
+    scene->update(session->take_scene(), Clock::now(), *renderer);
     take_people();
     renderer->draw(camera);
     hud.num_objects = renderer->num_objects();
@@ -355,6 +330,8 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config, std
     if (!session) return tl::unexpected(session.error());
     impl->start_camera = impl->camera = *camera;
     impl->session = std::move(*session);
+    impl->scene.emplace(config.models);
+    impl->mouse.emplace(impl->config.view.name);
     if (auto joined = impl->join(stop); !joined) return tl::unexpected(joined.error());
     return std::unique_ptr<Viewer>(new Viewer(std::move(impl)));
 }

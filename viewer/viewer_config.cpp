@@ -40,6 +40,9 @@ void declare(ViewerConfig& config, config::OptionSet& set) {
             {.min = 0, .max = 1e9});
     set.add("output", config.output, "PNG file for the last picture; empty: none");
     set.add("screenshot_dir", config.screenshot_dir, "folder for screenshots (F12 or P)");
+    set.add("viewer.models",
+            config.models,
+            "folder of the models that worlds name; each host has its own");
     set.add("video.file", config.video.file, "video to write: .avi, .mp4 or .mkv; empty: none");
     set.add(
         "video.fps", config.video.fps, "its pictures per second [Hz]", {.min = 0.1, .max = 120});

@@ -41,6 +41,7 @@ struct ViewerConfig {
     double wait_timeout_s = 30.0;
     std::filesystem::path output;  // the last picture; empty: none
     std::filesystem::path screenshot_dir = ".";
+    std::filesystem::path models = "deploy/worlds";  // folder of the worlds' models
 };
 
 /// Declares every option, with its unit, on `set`.

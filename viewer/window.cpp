@@ -10,6 +10,8 @@
 #include <imgui_impl_glfw.h>
 #include <imgui_impl_opengl3.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <utility>
 
@@ -101,8 +103,14 @@ private:
         glfwGetCursorPos(window_, &at.x(), &at.y());
         const Eigen::Vector2d way = at - last_cursor_;
         last_cursor_ = at;
-        if (glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS)
-            events_.motion.turn_px = way;
+        // the cursor counts in units of the screen, the picture in pixels
+        std::array<int, 2> window{};
+        glfwGetWindowSize(window_, &window[0], &window[1]);
+        events_.pointer.at_px = at;
+        events_.pointer.width_px = std::max(1, window[0]);
+        events_.pointer.height_px = std::max(1, window[1]);
+        events_.pointer.is_down = glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
+        if (events_.pointer.is_down) events_.motion.turn_px = way;
         if (glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS)
             events_.motion.pan_px = way;
         events_.motion.look_around = is_down(GLFW_KEY_LEFT_SHIFT) || is_down(GLFW_KEY_RIGHT_SHIFT);

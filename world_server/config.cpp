@@ -1,108 +1,24 @@
 #include "world_server/config.hpp"
 
 #include "core/bus/bus_options.hpp"
-#include "core/bus/checks.hpp"
-#include "world_server/scene.hpp"
 
 #include <fmt/format.h>
 
-#include <numbers>
-#include <set>
-
 namespace atrium::world_server {
-namespace {
-
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-constexpr config::Range kPosition{-1000.0, 1000.0};  // [m]
-constexpr config::Range kSize{0.0, 1000.0};          // [m]; the physics narrows it
-
-Eigen::Quaterniond from_roll_pitch_yaw(const Eigen::Vector3d& angles_rad) {
-    return Eigen::AngleAxisd(angles_rad.z(), Eigen::Vector3d::UnitZ()) *
-           Eigen::AngleAxisd(angles_rad.y(), Eigen::Vector3d::UnitY()) *
-           Eigen::AngleAxisd(angles_rad.x(), Eigen::Vector3d::UnitX());
-}
-
-void read_size(config::TableReader& reader, bus::SceneObject& object, const std::string& shape) {
-    if (shape == "box") {
-        object.shape = bus::Shape::kBox;
-        reader.require("size_m");
-        return reader.read("size_m", object.size_m.data(), 3, kSize);
-    }
-    if (shape == "plane") {
-        object.shape = bus::Shape::kPlane;
-        object.size_m = {10.0, 10.0, 0.0};
-        return reader.read("size_m", object.size_m.data(), 2, kSize);
-    }
-    double diameter_m = 0.0;
-    reader.require("diameter_m");
-    reader.read("diameter_m", diameter_m, kSize);
-    object.size_m.setConstant(diameter_m);
-    if (shape == "sphere") {
-        object.shape = bus::Shape::kSphere;
-        return;
-    }
-    object.shape = shape == "cylinder" ? bus::Shape::kCylinder : bus::Shape::kCapsule;
-    reader.require("height_m");
-    reader.read("height_m", object.size_m.z(), kSize);
-}
-
-WorldObject read_object(config::TableReader& reader, std::uint32_t id) {
-    WorldObject object;
-    object.scene.object = id;
-    reader.require("name");
-    reader.read("name", object.scene.name);
-    if (!bus::is_valid_name(object.scene.name)) {
-        reader.reject("name", "must be 1 to 63 characters of A-Z a-z 0-9 _ . -");
-    }
-    std::string shape;
-    reader.require("shape");
-    reader.read("shape", shape, {"box", "sphere", "cylinder", "capsule", "plane"});
-    read_size(reader, object.scene, shape);
-    if (shape != "plane") reader.require("mass_kg");
-    reader.read("mass_kg", object.scene.mass_kg, {0.0, 1e4});
-    reader.read("colour", object.scene.colour.data(), 3, {0.0, 1.0});
-    geometry::RigidTransform& pose = object.scene.world_from_object;
-    reader.read("position_m", pose.translation.data(), 3, kPosition);
-    Eigen::Vector3d angles_deg = Eigen::Vector3d::Zero();
-    reader.read("roll_pitch_yaw_deg", angles_deg.data(), 3, {-360.0, 360.0});
-    pose.rotation = from_roll_pitch_yaw(kRadPerDeg * angles_deg);
-    reader.read("friction", object.friction, {0.0, 10.0});
-    reader.read("restitution", object.restitution, {0.0, 1.0});
-
-    if (const auto problem = physics::find_problem(to_rigid(object))) {
-        std::string key(problem->field);
-        if (key == "size_m" && !reader.has(key)) {
-            key = reader.has("height_m") ? "height_m" : "diameter_m";
-        }
-        reader.reject(key, std::string(problem->allowed));
-    }
-    return object;
-}
-
-NamedPlacement read_placement(config::TableReader& reader) {
-    NamedPlacement placement;
-    reader.require("name");
-    reader.read("name", placement.site);
-    if (!bus::is_valid_name(placement.site)) {
-        reader.reject("name", "must be 1 to 63 characters of A-Z a-z 0-9 _ . -");
-    }
-    reader.require("position_m");
-    reader.read("position_m", placement.world_from_site.translation.data(), 3, kPosition);
-    double yaw_deg = 0.0;
-    reader.read("yaw_deg", yaw_deg, {-360.0, 360.0});
-    placement.world_from_site.rotation =
-        Eigen::AngleAxisd(kRadPerDeg * yaw_deg, Eigen::Vector3d::UnitZ());
-    return placement;
-}
-
-}  // namespace
-
 void declare(WorldServerConfig& config, config::OptionSet& set) {
     set.add("world.tick_hz", config.tick_hz, "steps of the simulation per second [Hz]", {30, 1000});
     set.add("world.send_hz", config.send_hz, "states published per second [Hz]", {1, 1000});
     set.add("world.seconds", config.seconds, "how long to run [s]; 0: until Ctrl-C", {0, 1e9});
     set.add(
         "world.max_objects", config.max_objects, "objects at most, added ones included", {1, 2048});
+    set.add("world.state_file",
+            config.state_file,
+            "file for the state of the world, saved at the end and restored at the start; empty: "
+            "none");
+    set.add("world.save_every_s",
+            config.save_every_s,
+            "time between saves [s]; 0: only at the end and on command",
+            {0, 86400});
     set.add("world.max_sites", config.max_sites, "sites at most; later ones are refused", {1, 64});
     physics::WorldOptions& world = config.world;
     set.add("world.half_extent_m",
@@ -118,9 +34,9 @@ void declare(WorldServerConfig& config, config::OptionSet& set) {
     set.add("physics.person_friction", world.person_friction, "friction of people", {0, 10});
     set.add("physics.person_restitution", world.person_restitution, "bounce of people", {0, 1});
     physics::PersonShapeOptions& person = config.person;
-    set.add("physics.cell_m",
-            person.cells.cell_m,
-            "side of the cells that people are cut into [m]",
+    set.add("physics.region_m",
+            person.motion.region_m,
+            "side of the parts of a person that move as one [m]",
             {0.05, 1});
     set.add("physics.person_max_speed_mps",
             person.max_speed_mps,
@@ -131,25 +47,6 @@ void declare(WorldServerConfig& config, config::OptionSet& set) {
             "slower surfaces count as flickering outlines at rest [m/s]",
             {0.001, 1});
     bus::declare(config.bus, set);
-}
-
-void read_world(config::TableReader& reader, WorldServerConfig& config) {
-    reader.read("world.gravity", config.world.gravity.data(), 3, {-100.0, 100.0});
-    std::set<std::string> names;
-    for (config::TableReader& table : reader.tables("object")) {
-        const auto id = static_cast<std::uint32_t>(config.objects.size() + 1);
-        config.objects.push_back(read_object(table, id));
-        if (!names.insert(config.objects.back().scene.name).second) {
-            table.reject("name", "must be unique among the objects");
-        }
-    }
-    std::set<std::string> sites;
-    for (config::TableReader& table : reader.tables("site")) {
-        config.placements.push_back(read_placement(table));
-        if (!sites.insert(config.placements.back().site).second) {
-            table.reject("name", "must be unique among the sites");
-        }
-    }
 }
 
 Expected<void> check(const WorldServerConfig& config) {
@@ -166,6 +63,14 @@ Expected<void> check(const WorldServerConfig& config) {
             fmt::format("world.max_objects: must be at least the {} objects described, got {}",
                         config.objects.size(),
                         config.max_objects));
+    }
+    const geometry::Aabb box = box_of(config.world);
+    for (const WorldObject& object : config.objects) {
+        const bus::SceneObject& scene = object.scene;
+        if (scene.mass_kg > 0.0 && !box.contains(scene.world_from_object.translation)) {
+            return wrong(
+                fmt::format("object '{}': must start inside the world's bounds", scene.name));
+        }
     }
     if (config.placements.size() > static_cast<std::size_t>(config.max_sites)) {
         return wrong(fmt::format("world.max_sites: must be at least the {} sites described, got {}",

@@ -4,22 +4,18 @@
 #include "core/bus/bus.hpp"
 #include "core/config/option_set.hpp"
 #include "core/config/table_reader.hpp"
+#include "world_server/description/world_object.hpp"
 #include "world_server/physics/person_shape.hpp"
 #include "world_server/physics/world.hpp"
 #include "world_server/placement.hpp"
+#include "world_server/rights.hpp"
+#include "world_server/soft_config.hpp"
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
 namespace atrium::world_server {
-
-/// One object of the world as the file describes it. The object's id is its place in the file,
-/// counted from 1.
-struct WorldObject {
-    bus::SceneObject scene;
-    double friction = 0.6;
-    double restitution = 0.2;
-};
 
 struct WorldServerConfig {
     bus::BusOptions bus;
@@ -30,14 +26,22 @@ struct WorldServerConfig {
     int max_sites = 16;
     physics::WorldOptions world;  // tick_s and max_objects follow from the above
     physics::PersonShapeOptions person;
-    std::vector<WorldObject> objects;
+    std::vector<WorldObject> objects;    // ids from 1; those of puppets last
+    std::vector<WorldSoftObject> soft;   // ids go on from those of `objects`
+    std::vector<physics::Joint> joints;  // of `objects`, by their ids
+    std::vector<WorldScenery> scenery;
     std::vector<NamedPlacement> placements;
+    Rights rights;
+    std::filesystem::path state_file;  // empty: nothing is saved, nothing restored
+    double save_every_s = 30.0;        // 0: only at the end and on command
 };
 
 /// Declares every plain option; `config` must outlive `set`.
 void declare(WorldServerConfig& config, config::OptionSet& set);
 
-/// Reads `world.gravity`, `[[object]]` and `[[site]]`. Problems are kept by `reader`.
+/// Reads what only a file can say (description/world_file.cpp): gravity, bounds, materials,
+/// objects, puppets, soft things, joints, scenery, sites and rights. After the plain options.
+/// Problems are kept by `reader`.
 void read_world(config::TableReader& reader, WorldServerConfig& config);
 
 /// What options cannot check one by one.

@@ -22,12 +22,24 @@ Expected<Endpoints> Endpoints::create(const bus::BusOptions& options) {
     auto meshes = bus::Reader<bus::SiteMesh>::create(*participant);
     auto commands = bus::Reader<bus::SceneCommand>::create(*participant);
     auto objects = bus::Writer<bus::SceneObject>::create(*participant);
+    auto soft_bodies = bus::Writer<bus::SoftBody>::create(*participant);
+    auto scenery = bus::Writer<bus::Scenery>::create(*participant);
     auto states = bus::Writer<bus::SceneState>::create(*participant);
+    auto soft_states = bus::Writer<bus::SoftBodyState>::create(*participant);
     auto placements = bus::Writer<bus::SitePlacement>::create(*participant);
     auto statuses = bus::Writer<bus::WorldStatus>::create(*participant);
     auto waiter = bus::Waiter::create(*participant);
-    const Error* error =
-        first_error(descriptions, meshes, commands, objects, states, placements, statuses, waiter);
+    const Error* error = first_error(descriptions,
+                                     meshes,
+                                     commands,
+                                     objects,
+                                     soft_bodies,
+                                     scenery,
+                                     states,
+                                     soft_states,
+                                     placements,
+                                     statuses,
+                                     waiter);
     if (error != nullptr) return tl::unexpected(*error);
     waiter->add(*descriptions);
     waiter->add(*meshes);
@@ -37,7 +49,10 @@ Expected<Endpoints> Endpoints::create(const bus::BusOptions& options) {
                      std::move(*meshes),
                      std::move(*commands),
                      std::move(*objects),
+                     std::move(*soft_bodies),
+                     std::move(*scenery),
                      std::move(*states),
+                     std::move(*soft_states),
                      std::move(*placements),
                      std::move(*statuses),
                      std::move(*waiter)};

@@ -12,7 +12,10 @@ struct Endpoints {
     bus::Reader<bus::SiteMesh> meshes;
     bus::Reader<bus::SceneCommand> commands;
     bus::Writer<bus::SceneObject> objects;
+    bus::Writer<bus::SoftBody> soft_bodies;
+    bus::Writer<bus::Scenery> scenery;
     bus::Writer<bus::SceneState> states;
+    bus::Writer<bus::SoftBodyState> soft_states;
     bus::Writer<bus::SitePlacement> placements;
     bus::Writer<bus::WorldStatus> statuses;
     bus::Waiter waiter;

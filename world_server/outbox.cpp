@@ -4,10 +4,19 @@
 
 namespace atrium::world_server {
 
-void Outbox::put(bus::SceneState state) {
+void Outbox::put(bus::SceneState state, std::vector<bus::SoftBodyState> soft_states) {
     {
         const std::lock_guard lock(mutex_);
         state_ = std::move(state);
+        soft_states_ = std::move(soft_states);
+    }
+    changed_.notify_one();
+}
+
+void Outbox::put(const bus::Scenery& scenery) {
+    {
+        const std::lock_guard lock(mutex_);
+        scenery_.push_back(scenery);
     }
     changed_.notify_one();
 }
@@ -33,6 +42,8 @@ Outbox::Content Outbox::take(std::stop_token stop, std::chrono::steady_clock::ti
     changed_.wait_until(lock, stop, deadline, [this] { return has_content(); });
     Content content;
     content.state = std::exchange(state_, std::nullopt);
+    content.soft_states = std::exchange(soft_states_, {});
+    content.scenery = std::exchange(scenery_, {});
     for (auto& [id, change] : changes_) content.changes.push_back(std::move(change));
     for (auto& [site, placement] : placements_) content.placements.push_back(std::move(placement));
     changes_.clear();

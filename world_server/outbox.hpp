@@ -21,10 +21,14 @@ public:
     struct Content {
         std::vector<SceneChange> changes;
         std::vector<bus::SitePlacement> placements;
+        std::vector<bus::Scenery> scenery;
         std::optional<bus::SceneState> state;
+        std::vector<bus::SoftBodyState> soft_states;
     };
 
-    void put(bus::SceneState state);
+    /// `soft_states` are of the same moment.
+    void put(bus::SceneState state, std::vector<bus::SoftBodyState> soft_states);
+    void put(const bus::Scenery& scenery);
     void put(const SceneChange& change);
     void put(const bus::SitePlacement& placement);
 
@@ -32,11 +36,15 @@ public:
     Content take(std::stop_token stop, std::chrono::steady_clock::time_point deadline);
 
 private:
-    bool has_content() const { return state_ || !changes_.empty() || !placements_.empty(); }
+    bool has_content() const {
+        return state_ || !changes_.empty() || !placements_.empty() || !scenery_.empty();
+    }
 
     std::mutex mutex_;
     std::condition_variable_any changed_;
     std::optional<bus::SceneState> state_;
+    std::vector<bus::SoftBodyState> soft_states_;
+    std::vector<bus::Scenery> scenery_;
     std::map<std::uint32_t, SceneChange> changes_;
     std::map<std::string, bus::SitePlacement> placements_;
 };

@@ -1,45 +1,26 @@
 #include "world_server/scene.hpp"
 
 #include "core/bus/checks.hpp"
+#include "core/bus/soft_nodes.hpp"
+#include "core/geometry/aabb.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cassert>
+#include <set>
+#include <utility>
 
 namespace atrium::world_server {
 namespace {
 
-physics::ObjectShape to_rigid(bus::Shape shape) {
-    switch (shape) {
-        case bus::Shape::kSphere:
-            return physics::ObjectShape::kSphere;
-        case bus::Shape::kCylinder:
-            return physics::ObjectShape::kCylinder;
-        case bus::Shape::kCapsule:
-            return physics::ObjectShape::kCapsule;
-        case bus::Shape::kPlane:
-            return physics::ObjectShape::kPlane;
-        case bus::Shape::kBox:
-            break;
-    }
-    return physics::ObjectShape::kBox;
-}
+constexpr double kLeastExtentM = 0.001;  // of a cloth across
 
 tl::unexpected<Error> refuse(std::string why) {
     return make_error(ErrorKind::kInvalidData, std::move(why));
 }
 
 }  // namespace
-
-physics::RigidObject to_rigid(const WorldObject& object) {
-    return {.id = object.scene.object,
-            .shape = to_rigid(object.scene.shape),
-            .size_m = object.scene.size_m,
-            .mass_kg = object.scene.mass_kg,
-            .friction = object.friction,
-            .restitution = object.restitution,
-            .world_from_object = object.scene.world_from_object};
-}
 
 Scene::Scene(const physics::WorldOptions& options)
     : options_(options), world_(std::make_unique<physics::World>(options)) {}
@@ -58,9 +39,123 @@ Expected<Scene> Scene::create(const WorldServerConfig& config) {
                             object.scene.name,
                             object.scene.object));
         }
-        scene.objects_[object.scene.object] = object.scene;
+        bus::SceneObject& known = scene.objects_[object.scene.object] = object.scene;
+        known.friction = object.friction;
+        known.restitution = object.restitution;
     }
-    scene.num_described_ = static_cast<std::uint32_t>(config.objects.size());
+    for (const physics::Joint& joint : config.joints) {
+        if (!scene.world_->add_joint(joint)) {
+            return make_error(
+                ErrorKind::kConfiguration,
+                fmt::format("joint of objects {} and {}: cannot be made", joint.a, joint.b));
+        }
+    }
+    for (const WorldScenery& scenery : config.scenery) {
+        if (scenery.is_solid && !scene.world_->add_still({.mesh = scenery.mesh,
+                                                          .friction = scenery.friction,
+                                                          .restitution = scenery.restitution})) {
+            return make_error(ErrorKind::kConfiguration,
+                              fmt::format("scenery '{}': cannot be solid", scenery.scene.name));
+        }
+    }
+    for (const WorldSoftObject& soft : config.soft) {
+        if (const auto added = scene.add_soft(soft); !added) return tl::unexpected(added.error());
+    }
+    scene.num_described_ = static_cast<std::uint32_t>(config.objects.size() + config.soft.size());
+    scene.description_ = scene.hash_description();
+    return scene;
+}
+
+Expected<void> Scene::add_soft(const WorldSoftObject& soft) {
+    const physics::SoftObject& described = soft.object;
+    if (world_->add_soft(described) != physics::AddResult::kAdded) {
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("soft object '{}': has no place in the world: all soft "
+                                      "objects together have more than {} nodes",
+                                      soft.name,
+                                      physics::kMaxSoftNodesTotal));
+    }
+    bus::SceneObject& known = objects_[described.id];
+    known.object = described.id;
+    known.name = soft.name;
+    known.shape = bus::Shape::kSoft;
+    known.mass_kg = described.mass_kg;
+    known.friction = described.friction;
+    known.colour = soft.colour;
+    known.world_from_object = described.world_from_object;
+    world_->get_soft_states(soft_states_);
+    geometry::Aabb extent;
+    for (const physics::SoftState& state : soft_states_) {
+        if (state.id != described.id) continue;
+        for (const Eigen::Vector3f& node : state.positions) extent.add(node.cast<double>());
+    }
+    known.size_m = extent.size().cwiseMax(kLeastExtentM);
+    return {};
+}
+
+// Of what a state depends on: a new colour in the world's file does no harm.
+std::uint64_t Scene::hash_description() const {
+    std::string text = fmt::format("{} {} {} {} {}",
+                                   world_->num_joints(),
+                                   options_.tick_s,
+                                   options_.gravity.x(),
+                                   options_.gravity.y(),
+                                   options_.gravity.z());
+    for (const auto& [id, object] : objects_) {
+        text += fmt::format("; {} {} {} {} {} {} {} {} {}",
+                            id,
+                            object.name,
+                            static_cast<int>(object.shape),
+                            object.size_m.x(),
+                            object.size_m.y(),
+                            object.size_m.z(),
+                            object.mass_kg,
+                            object.model,
+                            object.model_scale);
+    }
+    std::uint64_t hash = 14695981039346656037ULL;  // FNV-1a
+    for (const char c : text) {
+        hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+    }
+    return hash;
+}
+
+void Scene::save(SavedWorld& saved) {
+    saved.description = description_;
+    saved.next_id = next_id_;
+    saved.added.clear();
+    for (const auto& [id, object] : objects_) {
+        if (id > num_described_) saved.added.push_back(object);
+    }
+    world_->get_state(saved.state);
+    [[maybe_unused]] const bool is_kept = world_->set_state(saved.state);
+    assert(is_kept);
+}
+
+Expected<Scene> Scene::restore(const WorldServerConfig& config, const SavedWorld& saved) {
+    auto scene = create(config);
+    if (!scene) return scene;
+    if (saved.description != scene->description_) {
+        return refuse("state of a world: it belongs to a world of another description");
+    }
+    std::set<std::uint32_t> kept;
+    for (const auto& motion : saved.state.objects) kept.insert(motion.id);
+    for (const auto& motion : saved.state.soft) kept.insert(motion.id);
+    for (const bus::SceneObject& object : scene->objects()) {
+        if (kept.contains(object.object)) continue;
+        scene->world_->remove(object.object);
+        scene->objects_.erase(object.object);
+    }
+    for (const bus::SceneObject& object : saved.added) {
+        if (object.object <= scene->num_described_) {
+            return refuse("state of a world: an object that was added has a described one's id");
+        }
+        if (const auto added = scene->add(object); !added) return tl::unexpected(added.error());
+    }
+    scene->next_id_ = std::max(scene->next_id_, saved.next_id);
+    if (!scene->world_->set_state(saved.state)) {
+        return refuse("state of a world: an object that moved is not in the world");
+    }
     return scene;
 }
 
@@ -75,13 +170,24 @@ Expected<std::vector<SceneChange>> Scene::apply(const bus::SceneCommand& command
         case bus::CommandKind::kReset:
             world_->reset();
             return std::vector<SceneChange>{};
+        case bus::CommandKind::kGrab:
+        case bus::CommandKind::kMove:
+        case bus::CommandKind::kRelease:
+            return hold(command);
+        case bus::CommandKind::kSave:
+        case bus::CommandKind::kRestore:
+            break;
     }
     return refuse("unknown kind of command");
 }
 
 Expected<std::vector<SceneChange>> Scene::add(const bus::SceneObject& object) {
     if (const auto valid = bus::check(object); !valid) return tl::unexpected(valid.error());
-    WorldObject added{.scene = object};
+    if (object.shape > bus::Shape::kPlane) {
+        return refuse("add: must be a box, sphere, cylinder, capsule or plane");
+    }
+    WorldObject added{
+        .scene = object, .friction = object.friction, .restitution = object.restitution};
     if (object.object == 0) {
         while (objects_.contains(next_id_)) ++next_id_;
         added.scene.object = next_id_++;
@@ -89,9 +195,7 @@ Expected<std::vector<SceneChange>> Scene::add(const bus::SceneObject& object) {
     if (const auto problem = physics::find_problem(to_rigid(added))) {
         return refuse(fmt::format("add: {} {}", problem->field, problem->allowed));
     }
-    const Eigen::Vector3d& position = object.world_from_object.translation;
-    if (position.cwiseAbs().maxCoeff() > options_.half_extent_m ||
-        position.z() < options_.lowest_z_m) {
+    if (!box_of(options_).contains(object.world_from_object.translation)) {
         return refuse("add: the position is outside the world");
     }
     switch (world_->add(to_rigid(added))) {
@@ -134,6 +238,34 @@ Expected<std::vector<SceneChange>> Scene::push(const bus::SceneCommand& command)
     return std::vector<SceneChange>{};
 }
 
+Expected<std::vector<SceneChange>> Scene::hold(const bus::SceneCommand& command) {
+    const std::uint32_t target = command.target;
+    if (command.kind == bus::CommandKind::kRelease) {
+        // what it let go of already, or what is gone, is no fault of the sender's
+        world_->release(command.sender, target);
+    } else if (command.kind == bus::CommandKind::kMove) {
+        if (!world_->move_grab(command.sender, target, command.goal_world)) {
+            return refuse(fmt::format("move: the sender does not hold object {}", target));
+        }
+    } else if (!world_->grab(command.sender, target, command.point_object, command.goal_world)) {
+        return refuse(fmt::format(
+            "grab: there is no object {} that moves, or too much is held already", target));
+    }
+    return std::vector<SceneChange>{};
+}
+
+std::vector<SceneChange> Scene::take_removed(std::vector<physics::Incident>& incidents) {
+    world_->take_incidents(incidents);
+    std::vector<SceneChange> changes;
+    for (const physics::Incident& incident : incidents) {
+        const auto found = objects_.find(incident.object);
+        if (incident.kind != physics::IncidentKind::kRemoved || found == objects_.end()) continue;
+        changes.push_back({.object = found->second, .is_gone = true});
+        objects_.erase(found);
+    }
+    return changes;
+}
+
 std::vector<bus::SceneObject> Scene::objects() const {
     std::vector<bus::SceneObject> objects;
     objects.reserve(objects_.size());
@@ -141,11 +273,45 @@ std::vector<bus::SceneObject> Scene::objects() const {
     return objects;
 }
 
-void Scene::get_state(const std::string& name, bus::SceneState& state) {
+std::vector<SceneChange> Scene::all() const {
+    std::vector<SceneChange> changes;
+    changes.reserve(objects_.size());
+    for (const auto& [id, object] : objects_) changes.push_back(described(object));
+    return changes;
+}
+
+// With what of a soft object does not change.
+SceneChange Scene::described(const bus::SceneObject& object) const {
+    SceneChange change{.object = object};
+    const physics::SoftTopology* topology = world_->soft_topology(object.object);
+    if (topology == nullptr) return change;
+    const auto node = [](std::uint32_t index) { return static_cast<std::uint16_t>(index); };
+    bus::SoftBody& soft = change.soft.emplace();
+    soft.object = object.object;
+    soft.thickness_m = 2.0 * topology->radius_m;
+    for (const auto& [a, b, c] : topology->triangles)
+        soft.triangles.push_back({node(a), node(b), node(c)});
+    for (const auto& [a, b] : topology->segments) soft.segments.push_back({node(a), node(b)});
+    soft.num_nodes = static_cast<std::uint32_t>(world_->num_soft_nodes(object.object));
+    return change;
+}
+
+void Scene::get_soft_states(Timestamp time, std::vector<bus::SoftBodyState>& states) {
+    world_->get_soft_states(soft_states_);
+    states.resize(soft_states_.size());
+    for (std::size_t i = 0; i < states.size(); ++i) {
+        states[i].object = soft_states_[i].id;
+        states[i].tick = world_->counters().num_ticks;
+        states[i].time = time;
+        bus::quantise(soft_states_[i].positions, states[i]);
+    }
+}
+
+void Scene::get_state(const std::string& name, Timestamp time, bus::SceneState& state) {
     world_->get_states(states_);
     state.world = name;
     state.tick = world_->counters().num_ticks;
-    state.time = Timestamp::now();
+    state.time = time;
     state.objects.clear();
     for (const physics::RigidState& s : states_) {
         state.objects.push_back({s.id, s.world_from_object, s.linear_velocity, s.angular_velocity});

@@ -70,6 +70,6 @@ void SiteRegister::lose_mesh(const std::string& site) {
     found->second.last_capture = {};
 }
 
-void SiteRegister::leave(const std::string& site) { sites_.erase(site); }
+bool SiteRegister::leave(const std::string& site) { return sites_.erase(site) > 0; }
 
 }  // namespace atrium::world_server

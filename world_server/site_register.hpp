@@ -32,7 +32,7 @@ public:
 
     /// The site's meshes ceased, and so did the person.
     void lose_mesh(const std::string& site);
-    void leave(const std::string& site);
+    bool leave(const std::string& site);  // false: it was not there
 
     std::size_t num_present() const { return sites_.size(); }
 

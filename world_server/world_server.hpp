@@ -12,13 +12,13 @@ namespace atrium::world_server {
 /// One shared world: takes the people of all sites and everybody's commands from the bus, simulates
 /// in real time, and publishes where things are.
 ///
-/// `run` uses three threads: one receives and turns meshes into shapes, one (the caller's)
-/// simulates, one publishes. Every hand-over keeps the newest of each site, object or state; only
-/// commands queue up, a bounded number of them.
+/// `run` uses four threads: one receives and turns meshes into shapes, one (the caller's)
+/// simulates, one publishes, one writes the world's file. Every hand-over keeps the newest of each
+/// site, object or state; only commands queue up, a bounded number of them.
 class WorldServer {
 public:
-    /// Builds the world and joins the bus; fails where the world has a server. The world is heard
-    /// from once `run` is called.
+    /// Builds the world, as its file has it where there is one, and joins the bus; fails where the
+    /// world has a server. The world is heard from once `run` is called.
     static Expected<std::unique_ptr<WorldServer>> create(const WorldServerConfig& config,
                                                          std::stop_token stop = {});
     ~WorldServer();

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -18,6 +19,13 @@ class Checker {
 public:
     void name(std::string_view field, std::string_view value) {
         if (!is_valid_name(value)) fail(field, "must have 1 to 63 characters of [A-Za-z0-9_.-]");
+    }
+    void model_file(std::string_view field, std::string_view value) {
+        if (!is_valid_model_file(value)) {
+            fail(field,
+                 "must be a relative path of 1 to 127 characters of [A-Za-z0-9_.-/] without a part "
+                 "that is empty or begins with a dot");
+        }
     }
     // All comparisons of numbers are written so that NaN fails.
     void range(std::string_view field, double value, double low, double high) {
@@ -53,6 +61,13 @@ public:
         range(field, value.median_ms, -kMaxStatistic, kMaxStatistic);
         range(field, value.p99_ms, -kMaxStatistic, kMaxStatistic);
     }
+    template <std::size_t N>
+    void indices(std::string_view field,
+                 const std::array<std::uint16_t, N>& values,
+                 std::uint32_t end) {
+        for (const std::uint16_t value : values)
+            if (value >= end) fail(field, fmt::format("node {} of {}", value, end));
+    }
     void fail(std::string_view field, std::string_view why) {
         if (fault_.empty()) fault_ = fmt::format("{}: {}", field, why);
     }
@@ -64,6 +79,11 @@ public:
 private:
     std::string fault_;
 };
+
+bool is_allowed_in_names(char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '.' || c == '-';
+}
 
 void check_camera(const geometry::CalibratedCamera& camera, Checker& checker) {
     checker.name("SiteDescription.cameras.name", camera.name);
@@ -89,12 +109,22 @@ void check_camera(const CameraStatus& camera, Checker& checker) {
 
 void check_object(const SceneObject& object, Checker& checker) {
     checker.name("SceneObject.name", object.name);
-    checker.enumerator("SceneObject.shape", object.shape, Shape::kPlane);
-    // A plane has no third size.
+    checker.enumerator("SceneObject.shape", object.shape, Shape::kSoft);
+    // A plane has no third size, and a cloth may be flat.
     const int num_sizes = object.shape == Shape::kPlane ? 2 : 3;
-    for (int i = 0; i < num_sizes; ++i)
+    for (int i = 0; i < num_sizes && object.shape < Shape::kConvex; ++i)
         checker.positive("SceneObject.size_m", object.size_m[i], kMaxCoordinate_m);
     checker.vector("SceneObject.size_m", object.size_m, kMaxCoordinate_m);
+    const bool is_model = object.shape == Shape::kConvex || object.shape == Shape::kCompound;
+    if (is_model && object.model.empty())
+        checker.fail("SceneObject.model", "a convex or compound shape needs one");
+    if (object.shape >= Shape::kConvex && object.size_m.minCoeff() < 0.0)
+        checker.fail("SceneObject.size_m", "must not be negative");
+    if (!object.model.empty()) checker.model_file("SceneObject.model", object.model);
+    checker.positive("SceneObject.model_scale", object.model_scale, kMaxModelScale);
+    if (!object.texture.empty()) checker.model_file("SceneObject.texture", object.texture);
+    checker.range("SceneObject.friction", object.friction, 0.0, kMaxFriction);
+    checker.range("SceneObject.restitution", object.restitution, 0.0, 1.0);
     checker.range("SceneObject.mass_kg", object.mass_kg, 0.0, kMaxMass_kg);
     for (const double component : object.colour)
         checker.range("SceneObject.colour", component, 0.0, 1.0);
@@ -112,12 +142,19 @@ void check_stream(const StreamState& stream, Checker& checker) {
 }  // namespace
 
 bool is_valid_name(std::string_view name) {
-    const auto is_allowed = [](char c) {
-        return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ||
-               c == '_' || c == '.' || c == '-';
-    };
     return !name.empty() && name.size() <= kMaxNameLength &&
-           std::all_of(name.begin(), name.end(), is_allowed);
+           std::all_of(name.begin(), name.end(), is_allowed_in_names);
+}
+
+bool is_valid_model_file(std::string_view file) {
+    if (file.empty() || file.size() > kMaxModelFileLength) return false;
+    bool begins_part = true;
+    for (const char c : file) {
+        if (c != '/' && !is_allowed_in_names(c)) return false;
+        if (begins_part && (c == '/' || c == '.')) return false;
+        begins_part = c == '/';
+    }
+    return !begins_part;
 }
 
 Expected<void> check(const SiteDescription& message) {
@@ -178,6 +215,40 @@ Expected<void> check(const SceneObject& message) {
     return checker.result();
 }
 
+Expected<void> check(const SoftBody& message) {
+    Checker checker;
+    checker.count("SoftBody.num_nodes", message.num_nodes, kMaxSoftNodes);
+    checker.range("SoftBody.thickness_m", message.thickness_m, 0.0, kMaxThickness_m);
+    checker.count("SoftBody.triangles", message.triangles.size(), kMaxSoftTriangles);
+    checker.count("SoftBody.segments", message.segments.size(), kMaxSoftSegments);
+    for (const auto& triangle : message.triangles)
+        checker.indices("SoftBody.triangles", triangle, message.num_nodes);
+    for (const auto& segment : message.segments)
+        checker.indices("SoftBody.segments", segment, message.num_nodes);
+    return checker.result();
+}
+
+Expected<void> check(const SoftBodyState& message) {
+    Checker checker;
+    checker.time("SoftBodyState.time", message.time);
+    checker.vector("SoftBodyState.origin_m", message.origin_m, kMaxCoordinate_m);
+    checker.positive("SoftBodyState.step_m", message.step_m, kMaxSoftStep_m);
+    checker.count("SoftBodyState.nodes", message.nodes.size(), kMaxSoftNodes);
+    return checker.result();
+}
+
+Expected<void> check(const Scenery& message) {
+    Checker checker;
+    checker.name("Scenery.name", message.name);
+    checker.model_file("Scenery.model", message.model);
+    checker.positive("Scenery.model_scale", message.model_scale, kMaxModelScale);
+    if (!message.texture.empty()) checker.model_file("Scenery.texture", message.texture);
+    for (const double component : message.colour)
+        checker.range("Scenery.colour", component, 0.0, 1.0);
+    checker.pose("Scenery.world_from_model", message.world_from_model);
+    return checker.result();
+}
+
 Expected<void> check(const SceneState& message) {
     Checker checker;
     checker.name("SceneState.world", message.world);
@@ -194,8 +265,10 @@ Expected<void> check(const SceneState& message) {
 Expected<void> check(const SceneCommand& message) {
     Checker checker;
     checker.name("SceneCommand.sender", message.sender);
-    checker.enumerator("SceneCommand.kind", message.kind, CommandKind::kPush);
+    checker.enumerator("SceneCommand.kind", message.kind, CommandKind::kRestore);
     checker.vector("SceneCommand.impulse_ns", message.impulse_ns, kMaxMass_kg);
+    checker.vector("SceneCommand.point_object", message.point_object, kMaxCoordinate_m);
+    checker.vector("SceneCommand.goal_world", message.goal_world, kMaxCoordinate_m);
     if (message.kind == CommandKind::kAdd) check_object(message.object, checker);
     return checker.result();
 }
@@ -228,6 +301,8 @@ Expected<void> check(const WorldStatus& message) {
     checker.time("WorldStatus.time", message.time);
     checker.range("WorldStatus.steps_per_s", message.steps_per_s, 0.0, kMaxStatistic);
     checker.latency("WorldStatus.capture_to_collision", message.capture_to_collision);
+    checker.range("WorldStatus.bytes_per_s", message.bytes_per_s, 0.0, kMaxStatistic);
+    checker.latency("WorldStatus.step", message.step);
     return checker.result();
 }
 

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <string>
@@ -53,7 +54,16 @@ struct SitePlacement {
     geometry::RigidTransform world_from_site;
 };
 
-enum class Shape : std::uint8_t { kBox, kSphere, kCylinder, kCapsule, kPlane };
+enum class Shape : std::uint8_t {
+    kBox,
+    kSphere,
+    kCylinder,
+    kCapsule,
+    kPlane,
+    kConvex,
+    kCompound,
+    kSoft
+};
 
 /// Transient local, on change.
 struct SceneObject {
@@ -62,11 +72,48 @@ struct SceneObject {
     Shape shape = Shape::kBox;
     /// [m] box: full extents; sphere: diameter thrice; cylinder, capsule: diameter, diameter,
     /// height along local z (a capsule's height includes its caps); plane: full extents x, y of
-    /// what is drawn, through the origin, normal +z, third unused.
+    /// what is drawn, through the origin, normal +z, third unused; convex, compound: full extents
+    /// of the model as scaled; soft: full extents of its nodes at the start.
     Eigen::Vector3d size_m = Eigen::Vector3d::Ones();
-    double mass_kg = 0.0;                                     // 0: does not move
+    double mass_kg = 0.0;  // 0: does not move
+    double friction = 0.6;
+    double restitution = 0.2;
     Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // linear RGB in [0, 1]
+    /// Convex, compound: what it looks like, in the object's frame; a file of the folder of models
+    /// that every host has of its own (checks.hpp, is_valid_model_file). Empty: none.
+    std::string model;
+    double model_scale = 1.0;                    // [m] per unit of the model
+    std::string texture;                         // a picture of that folder; empty: none
     geometry::RigidTransform world_from_object;  // where it started; SceneState tells where it is
+};
+
+/// Transient local, on change: which nodes of a soft object are joined to what is drawn.
+struct SoftBody {
+    std::uint32_t object = 0;
+    std::uint32_t num_nodes = 0;
+    double thickness_m = 0.0;                             // diameter of what segments are drawn as
+    std::vector<std::array<std::uint16_t, 3>> triangles;  // nodes; seen from both sides
+    std::vector<std::array<std::uint16_t, 2>> segments;
+};
+
+/// Every step sent, latest only: where the nodes of a soft object are (soft_nodes.hpp).
+struct SoftBodyState {
+    std::uint32_t object = 0;
+    std::uint64_t tick = 0;  // as in the SceneState of the same moment, and so is the time
+    Timestamp time;
+    Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();  // world
+    double step_m = 1e-4;
+    std::vector<std::array<std::uint16_t, 3>> nodes;  // p_world = origin_m + step_m * node
+};
+
+/// Transient local, on change: a model that is only looked at, and that each viewer loads itself.
+struct Scenery {
+    std::string name;
+    std::string model;  // as SceneObject's, and so are the next three
+    double model_scale = 1.0;
+    std::string texture;
+    Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // where the model has none
+    geometry::RigidTransform world_from_model;
 };
 
 struct ObjectState {
@@ -80,7 +127,7 @@ struct ObjectState {
 struct SceneState {
     std::string world;
     std::uint64_t tick = 0;
-    Timestamp time;
+    Timestamp time;  // when the tick was due
     std::vector<ObjectState> objects;
 };
 
@@ -102,16 +149,30 @@ struct StreamFeedback {
     double median_delay_ms = 0.0;  // of what made a frame complete; the smallest where none was
 };
 
-enum class CommandKind : std::uint8_t { kAdd, kRemove, kReset, kPush };
+enum class CommandKind : std::uint8_t {
+    kAdd,
+    kRemove,
+    kReset,
+    kPush,
+    kGrab,     // take hold of an object at one point; again: at another point
+    kMove,     // pull it elsewhere; also says that the sender still holds it
+    kRelease,  // let go
+    kSave,     // the state of the whole world, to the server's file
+    kRestore   // from there
+};
 
-/// On demand, reliable. `object` is filled for kAdd; `target` names the object for kRemove and
-/// kPush.
+/// On demand, reliable. `object` is filled for kAdd; `target` names the object for kRemove, kPush,
+/// kGrab, kMove and kRelease.
 struct SceneCommand {
     std::string sender;
     CommandKind kind = CommandKind::kReset;
     std::uint32_t target = 0;
     Eigen::Vector3d impulse_ns =
         Eigen::Vector3d::Zero();  // [N s] world, at the centre of mass, for kPush
+    /// [m] the point that is held, for kGrab: in the object's frame, of a soft one in the world.
+    Eigen::Vector3d point_object = Eigen::Vector3d::Zero();
+    /// [m] where that point is pulled to, for kGrab and kMove.
+    Eigen::Vector3d goal_world = Eigen::Vector3d::Zero();
     SceneObject object;
 };
 
@@ -208,6 +269,18 @@ struct WorldStatus {
     double steps_per_s = 0.0;
     LatencySummary capture_to_collision;  // capture_time to the step that first used the mesh
     std::uint64_t resident_bytes = 0;
+    std::uint64_t num_objects = 0;  // now, soft ones included
+    std::uint64_t num_resets = 0;   // of one object, by a guard: not a number, or out of the world
+    std::uint32_t last_reset = 0;   // the object of the latest of those; 0: there was none
+    std::uint64_t num_skipped_ticks = 0;
+    std::uint64_t num_refused = 0;  // commands, of num_rejected
+    std::uint64_t num_grabs = 0;    // now
+    std::uint64_t num_saves = 0;    // of the state
+    std::uint64_t num_bytes_published = 0;
+    double bytes_per_s = 0.0;
+    LatencySummary step;           // computing one tick
+    std::uint64_t state_tick = 0;  // the state's hash after this tick; 0: not hashed yet
+    std::uint64_t state_hash = 0;
 };
 
 struct ViewerStatus {

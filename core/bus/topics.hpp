@@ -56,6 +56,21 @@ struct Topic<SceneObject> : WireTopic<atrium_SceneObject, atrium_SceneObject_des
     static constexpr std::string_view kProfile = kDescription;
 };
 template <>
+struct Topic<SoftBody> : WireTopic<atrium_SoftBody, atrium_SoftBody_desc> {
+    static constexpr const char* kName = "SoftBody";
+    static constexpr std::string_view kProfile = kDescription;
+};
+template <>
+struct Topic<SoftBodyState> : WireTopic<atrium_SoftBodyState, atrium_SoftBodyState_desc> {
+    static constexpr const char* kName = "SoftBodyState";
+    static constexpr std::string_view kProfile = kStream;
+};
+template <>
+struct Topic<Scenery> : WireTopic<atrium_Scenery, atrium_Scenery_desc> {
+    static constexpr const char* kName = "Scenery";
+    static constexpr std::string_view kProfile = kDescription;
+};
+template <>
 struct Topic<SceneState> : WireTopic<atrium_SceneState, atrium_SceneState_desc> {
     static constexpr const char* kName = "SceneState";
     static constexpr std::string_view kProfile = kStream;

@@ -27,6 +27,16 @@ inline void put_name(std::string_view name, atrium_Name& out) {
 
 inline std::string get_name(const atrium_Name& name) { return {name, strnlen(name, sizeof(name))}; }
 
+inline void put_model_file(std::string_view file, atrium_ModelFile& out) {
+    const std::size_t size = std::min(file.size(), sizeof(out) - 1);
+    std::memcpy(out, file.data(), size);
+    out[size] = '\0';
+}
+
+inline std::string get_model_file(const atrium_ModelFile& file) {
+    return {file, strnlen(file, sizeof(file))};
+}
+
 inline void put_vector(const Eigen::Vector3d& vector, double (&out)[3]) {
     std::copy_n(vector.data(), 3, out);
 }

@@ -169,6 +169,18 @@ void to_wire(const WorldStatus& message, WireScratch& /*scratch*/, atrium_WorldS
     out.steps_per_s = message.steps_per_s;
     out.capture_to_collision = put_latency(message.capture_to_collision);
     out.resident_bytes = message.resident_bytes;
+    out.num_objects = message.num_objects;
+    out.num_resets = message.num_resets;
+    out.last_reset = message.last_reset;
+    out.num_skipped_ticks = message.num_skipped_ticks;
+    out.num_refused = message.num_refused;
+    out.num_grabs = message.num_grabs;
+    out.num_saves = message.num_saves;
+    out.num_bytes_published = message.num_bytes_published;
+    out.bytes_per_s = message.bytes_per_s;
+    out.step = put_latency(message.step);
+    out.state_tick = message.state_tick;
+    out.state_hash = message.state_hash;
 }
 
 Expected<WorldStatus> from_wire(const atrium_WorldStatus& wire) {
@@ -183,6 +195,18 @@ Expected<WorldStatus> from_wire(const atrium_WorldStatus& wire) {
     message.steps_per_s = wire.steps_per_s;
     message.capture_to_collision = get_latency(wire.capture_to_collision);
     message.resident_bytes = wire.resident_bytes;
+    message.num_objects = wire.num_objects;
+    message.num_resets = wire.num_resets;
+    message.last_reset = wire.last_reset;
+    message.num_skipped_ticks = wire.num_skipped_ticks;
+    message.num_refused = wire.num_refused;
+    message.num_grabs = wire.num_grabs;
+    message.num_saves = wire.num_saves;
+    message.num_bytes_published = wire.num_bytes_published;
+    message.bytes_per_s = wire.bytes_per_s;
+    message.step = get_latency(wire.step);
+    message.state_tick = wire.state_tick;
+    message.state_hash = wire.state_hash;
     return checked(std::move(message));
 }
 
@@ -197,7 +221,8 @@ Expected<WorldStatus> key_from_wire(const atrium_WorldStatus& wire) {
 }
 
 std::size_t payload_bytes(const WorldStatus& message) {
-    return message.world.size() + 8 * sizeof(std::uint64_t) + kLatencyBytes;
+    return message.world.size() + 18 * sizeof(std::uint64_t) + sizeof(std::uint32_t) +
+           2 * kLatencyBytes;
 }
 
 void to_wire(const ViewerStatus& message, WireScratch& /*scratch*/, atrium_ViewerStatus& out) {

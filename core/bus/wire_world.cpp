@@ -13,7 +13,12 @@ void put_object(const SceneObject& object, atrium_SceneObject& out) {
     out.shape = static_cast<std::uint8_t>(object.shape);
     put_vector(object.size_m, out.size_m);
     out.mass_kg = object.mass_kg;
+    out.friction = object.friction;
+    out.restitution = object.restitution;
     put_vector(object.colour, out.colour);
+    put_model_file(object.model, out.model);
+    out.model_scale = object.model_scale;
+    put_model_file(object.texture, out.texture);
     put_pose(object.world_from_object, out.world_from_object);
 }
 
@@ -24,7 +29,12 @@ SceneObject get_object(const atrium_SceneObject& wire) {
     object.shape = static_cast<Shape>(wire.shape);  // any octet is a value; `check` knows which
     object.size_m = get_vector(wire.size_m);
     object.mass_kg = wire.mass_kg;
+    object.friction = wire.friction;
+    object.restitution = wire.restitution;
     object.colour = get_vector(wire.colour);
+    object.model = get_model_file(wire.model);
+    object.model_scale = wire.model_scale;
+    object.texture = get_model_file(wire.texture);
     object.world_from_object = get_pose(wire.world_from_object);
     return object;
 }
@@ -75,8 +85,8 @@ Expected<SceneObject> key_from_wire(const atrium_SceneObject& wire) {
 }
 
 std::size_t payload_bytes(const SceneObject& message) {
-    return sizeof(std::uint32_t) + message.name.size() + 1 + 2 * kVectorBytes + sizeof(double) +
-           kPoseBytes;
+    return sizeof(std::uint32_t) + message.name.size() + 1 + 2 * kVectorBytes + 4 * sizeof(double) +
+           message.model.size() + message.texture.size() + kPoseBytes;
 }
 
 void to_wire(const SceneState& message, WireScratch& scratch, atrium_SceneState& out) {
@@ -135,6 +145,8 @@ void to_wire(const SceneCommand& message, WireScratch& /*scratch*/, atrium_Scene
     out.kind = static_cast<std::uint8_t>(message.kind);
     out.target = message.target;
     put_vector(message.impulse_ns, out.impulse_ns);
+    put_vector(message.point_object, out.point_object);
+    put_vector(message.goal_world, out.goal_world);
     put_object(message.object, out.object);
 }
 
@@ -144,6 +156,8 @@ Expected<SceneCommand> from_wire(const atrium_SceneCommand& wire) {
     message.kind = static_cast<CommandKind>(wire.kind);
     message.target = wire.target;
     message.impulse_ns = get_vector(wire.impulse_ns);
+    message.point_object = get_vector(wire.point_object);
+    message.goal_world = get_vector(wire.goal_world);
     // Whatever else stands there for the other kinds is not even looked at.
     if (message.kind == CommandKind::kAdd) message.object = get_object(wire.object);
     auto result = checked(std::move(message));
@@ -162,7 +176,7 @@ Expected<SceneCommand> key_from_wire(const atrium_SceneCommand& wire) {
 }
 
 std::size_t payload_bytes(const SceneCommand& message) {
-    return message.sender.size() + 1 + sizeof(std::uint32_t) + kVectorBytes +
+    return message.sender.size() + 1 + sizeof(std::uint32_t) + 3 * kVectorBytes +
            payload_bytes(message.object);
 }
 

@@ -1,5 +1,7 @@
 #include "core/config/table_reader.hpp"
 
+#include "core/config/toml_nesting.hpp"
+
 #include <fmt/format.h>
 #include <toml.hpp>
 
@@ -102,6 +104,11 @@ Expected<TableReader> TableReader::load(const std::filesystem::path& file) {
 }
 
 Expected<TableReader> TableReader::parse(const std::string& toml_text, const std::string& name) {
+    if (const std::size_t line = line_nested_too_deeply(toml_text); line != 0) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("{}:{}: more than {} levels deep", name, line, kMaxTomlNesting));
+    }
     auto document = std::make_shared<Document>();
     document->name = name;
     try {
@@ -137,6 +144,13 @@ bool TableReader::has(const std::string& key) const {
     const auto [head, rest] = split_first(key);
     if (!head.empty()) return TableReader(*this).table(head).has(rest);
     return node_->find(key) != nullptr;
+}
+
+bool TableReader::has_array(const std::string& key) const {
+    const auto [head, rest] = split_first(key);
+    if (!head.empty()) return TableReader(*this).table(head).has_array(rest);
+    const toml::value* found = node_->find(key);
+    return found != nullptr && found->is_array();
 }
 
 TableReader TableReader::table(const std::string& key) {

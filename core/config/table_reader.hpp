@@ -30,6 +30,8 @@ public:
 
     /// Like all that reads: makes the key one that is known here.
     bool has(const std::string& key) const;
+    /// There, and an array: for keys that may be one value or several.
+    bool has_array(const std::string& key) const;
 
     // Optional keys: `value` stays as it is when the key is absent. Dotted keys reach into
     // sub-tables.

@@ -1,65 +1,18 @@
 #include "tests/fuzz/hull_input.hpp"
 
+#include "tests/fuzz/byte_reader.hpp"
 #include "tests/support/rig_maker.hpp"
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace atrium::test {
 namespace {
 
 using Contour = std::vector<Eigen::Vector2d>;
-
-class Reader {
-public:
-    explicit Reader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
-
-    std::uint8_t byte() {
-        if (next_ >= bytes_.size()) return 0;
-        return bytes_[next_++];
-    }
-    std::uint16_t word() {
-        const std::uint16_t high = byte();
-        return static_cast<std::uint16_t>(high << 8 | byte());
-    }
-    int below(int limit) { return byte() % limit; }
-    /// In [low, high], on a grid of 65536 steps.
-    double between(double low, double high) { return low + (high - low) * word() / 65535.0; }
-    /// Any number at all.
-    double raw() {
-        std::uint64_t bits = 0;
-        for (int i = 0; i < 8; ++i) bits = bits << 8 | byte();
-        return std::bit_cast<double>(bits);
-    }
-    /// What programs trip over.
-    double hostile() {
-        constexpr double kInfinity = std::numeric_limits<double>::infinity();
-        constexpr std::array<double, 12> kValues{0.0,
-                                                 -0.0,
-                                                 1.0,
-                                                 -1.0,
-                                                 1e-300,
-                                                 1e300,
-                                                 -1e300,
-                                                 1e6,
-                                                 -1e6,
-                                                 kInfinity,
-                                                 -kInfinity,
-                                                 std::numeric_limits<double>::quiet_NaN()};
-        const auto choice = static_cast<std::size_t>(below(14));
-        return choice < kValues.size() ? kValues[choice] : raw();
-    }
-
-private:
-    std::span<const std::uint8_t> bytes_;
-    std::size_t next_ = 0;
-};
 
 // Repeatable noise in [0, 1) from few bytes.
 class Noise {
@@ -81,7 +34,7 @@ Eigen::Vector2d on_circle(double turn, double radius_px) {
             kMiddle_px + radius_px * std::sin(2.0 * std::numbers::pi * turn)};
 }
 
-Contour star(Reader& reader, int num_points, bool with_spikes) {
+Contour star(ByteReader& reader, int num_points, bool with_spikes) {
     const double radius_px = reader.between(1.0, 400.0);
     const double depth = reader.between(0.0, 1.0);
     const Eigen::Vector2d shift(reader.between(-300.0, 300.0), reader.between(-300.0, 300.0));
@@ -97,7 +50,7 @@ Contour star(Reader& reader, int num_points, bool with_spikes) {
 }
 
 // Far more points than bytes: walks that cross themselves.
-Contour scribble(Reader& reader, int num_points) {
+Contour scribble(ByteReader& reader, int num_points) {
     const double step_px = reader.between(0.01, 200.0);
     Noise noise(reader.word());
     Contour contour;
@@ -110,7 +63,7 @@ Contour scribble(Reader& reader, int num_points) {
     return contour;
 }
 
-Contour decode_contour(Reader& reader, const Contour& former) {
+Contour decode_contour(ByteReader& reader, const Contour& former) {
     Contour contour;
     const int kind = reader.below(9);
     const int count = reader.byte();
@@ -160,7 +113,7 @@ Contour decode_contour(Reader& reader, const Contour& former) {
     return contour;
 }
 
-geometry::RigidTransform decode_pose(Reader& reader,
+geometry::RigidTransform decode_pose(ByteReader& reader,
                                      const std::vector<hull::SilhouetteView>& former) {
     const Eigen::Vector3d target(0.0, 0.0, 0.9);
     const int kind = reader.below(16);
@@ -191,7 +144,7 @@ geometry::RigidTransform decode_pose(Reader& reader,
     return look_at({3.0 * std::cos(turn), 3.0 * std::sin(turn), height_m}, target);
 }
 
-geometry::PinholeCamera decode_intrinsics(Reader& reader) {
+geometry::PinholeCamera decode_intrinsics(ByteReader& reader) {
     geometry::PinholeCamera camera{1000, 1000, 1300.0, 1300.0, kMiddle_px, kMiddle_px};
     const int kind = reader.below(16);
     if (kind == 0) {
@@ -204,7 +157,7 @@ geometry::PinholeCamera decode_intrinsics(Reader& reader) {
     return camera;
 }
 
-Contour decode_field(Reader& reader) {
+Contour decode_field(ByteReader& reader) {
     switch (reader.below(16)) {
         case 0: {
             const double margin_px = reader.between(-100.0, 600.0);
@@ -219,7 +172,7 @@ Contour decode_field(Reader& reader) {
     }
 }
 
-void decode_options(Reader& reader, hull::HullOptions& options) {
+void decode_options(ByteReader& reader, hull::HullOptions& options) {
     const int flags = reader.byte();
     options.keep_phantoms = (flags & 1) != 0;
     options.max_segments = (flags & 2) != 0 ? 300 : (flags & 16) != 0 ? 3000 : 1000;
@@ -244,7 +197,7 @@ void decode_options(Reader& reader, hull::HullOptions& options) {
 }  // namespace
 
 HullInput decode_hull_input(std::span<const std::uint8_t> bytes) {
-    Reader reader(bytes);
+    ByteReader reader(bytes);
     HullInput input;
     decode_options(reader, input.options);
     const int num_views = 2 + reader.below(7);

@@ -82,6 +82,11 @@ private:
         return sequence._buffer;
     }
     template <typename Sequence>
+    void numbers16(Sequence& sequence, std::uint32_t length, std::uint32_t end) {
+        auto* data = elements(sequence, length);
+        for (std::uint32_t i = 0; i < length; ++i) data[i] = static_cast<std::uint16_t>(below(end));
+    }
+    template <typename Sequence>
     void bytes(Sequence& sequence) {
         auto* data = elements(sequence, below(chance(10) ? 60000 : 300));
         for (std::uint32_t i = 0; i < sequence._length; ++i)
@@ -141,11 +146,40 @@ private:
     void fill(atrium_SceneObject& w) {
         w.object = below(50);
         name(w.name);
-        w.shape = static_cast<std::uint8_t>(chance(80) ? below(5) : random_());
+        w.shape = static_cast<std::uint8_t>(chance(80) ? below(8) : random_());
+        if (w.shape >= 5 || chance(10)) name(w.model);
+        if (chance(10)) name(w.texture);
+        w.model_scale = 1.0;
+        if (chance(10)) number(w.model_scale);
+        if (chance(10)) number(w.friction);
+        if (chance(10)) number(w.restitution);
         numbers(w.size_m);
         number(w.mass_kg);
         numbers(w.colour);
         pose(w.world_from_object);
+    }
+    void fill(atrium_SoftBody& w) {
+        w.object = below(50);
+        w.num_nodes = chance(80) ? 4 : random_();
+        number(w.thickness_m);
+        numbers16(w.triangles, chance(80) ? 3 * below(20) : below(60), 5);
+        numbers16(w.segments, chance(80) ? 2 * below(20) : below(60), 5);
+    }
+    void fill(atrium_SoftBodyState& w) {
+        w.object = below(50);
+        w.tick = random_();
+        w.time_ns = chance(80) ? Timestamp::now().ns : -1;
+        numbers(w.origin_m);
+        number(w.step_m);
+        numbers16(w.nodes, chance(80) ? 12 : below(60), 65536);
+    }
+    void fill(atrium_Scenery& w) {
+        name(w.name);
+        name(w.model);
+        w.model_scale = 1.0;
+        if (chance(30)) name(w.texture);
+        numbers(w.colour);
+        pose(w.world_from_model);
     }
     void fill(atrium_SceneState& w) {
         name(w.world);
@@ -161,9 +195,11 @@ private:
     }
     void fill(atrium_SceneCommand& w) {
         name(w.sender);
-        w.kind = static_cast<std::uint8_t>(chance(80) ? below(4) : random_());
+        w.kind = static_cast<std::uint8_t>(chance(80) ? below(9) : random_());
         w.target = below(50);
         numbers(w.impulse_ns);
+        numbers(w.point_object);
+        numbers(w.goal_world);
         fill(w.object);
     }
     void fill(atrium_SiteStatus& w) {
@@ -270,6 +306,9 @@ TEST(HostilePeer, GarbageOnEveryTopicIsCountedAndHarmsNobody) {
     RawWriter<bus::CameraTexture> textures;
     RawWriter<bus::SitePlacement> placements;
     RawWriter<bus::SceneObject> objects;
+    RawWriter<bus::SoftBody> soft_bodies;
+    RawWriter<bus::SoftBodyState> soft_states;
+    RawWriter<bus::Scenery> sceneries;
     RawWriter<bus::SceneState> states;
     RawWriter<bus::SceneCommand> commands;
     RawWriter<bus::SiteStatus> site_statuses;
@@ -295,6 +334,9 @@ TEST(HostilePeer, GarbageOnEveryTopicIsCountedAndHarmsNobody) {
         textures.write_any(garbage);
         placements.write_any(garbage);
         objects.write_any(garbage);
+        soft_bodies.write_any(garbage);
+        soft_states.write_any(garbage);
+        sceneries.write_any(garbage);
         states.write_any(garbage);
         commands.write_any(garbage);
         site_statuses.write_any(garbage);

@@ -2,10 +2,13 @@
 
 #include <glad/gl.h>
 
+#include <utility>
+
 namespace atrium::renderer {
 
 ObjectDrawing make_object(const ObjectLook& look) {
-    const ShapeMesh mesh = make_shape(look.shape, look.size_m);
+    const ShapeMesh own = look.model == nullptr ? make_shape(look.shape, look.size_m) : ShapeMesh{};
+    const ShapeMesh& mesh = look.model == nullptr ? own : *look.model;
     ObjectDrawing object{.look = look,
                          .layout = gl::make_vertex_array(),
                          .corners = gl::make_buffer(),
@@ -24,6 +27,29 @@ ObjectDrawing make_object(const ObjectLook& look) {
                GL_STATIC_DRAW);
     glBindVertexArray(0);
     return object;
+}
+
+SoftDrawing::SoftDrawing(SoftLook soft_look)
+    : look(std::move(soft_look)),
+      layout(gl::make_vertex_array()),
+      corners(gl::make_buffer()),
+      indices(gl::make_buffer()) {}
+
+void SoftDrawing::move(std::span<const Eigen::Vector3f> nodes_world) {
+    make_soft_surface(look, nodes_world, surface);
+    num_indices = static_cast<int>(surface.indices.size());
+    glBindVertexArray(layout.id());
+    gl::upload(corners,
+               GL_ARRAY_BUFFER,
+               std::span<const ShapeMesh::Corner>(surface.corners),
+               GL_STREAM_DRAW);
+    gl::float_attribute(0, 3, sizeof(ShapeMesh::Corner), 0);
+    gl::float_attribute(1, 3, sizeof(ShapeMesh::Corner), sizeof(Eigen::Vector3f));
+    gl::upload(indices,
+               GL_ELEMENT_ARRAY_BUFFER,
+               std::span<const std::uint32_t>(surface.indices),
+               GL_STREAM_DRAW);
+    glBindVertexArray(0);
 }
 
 }  // namespace atrium::renderer

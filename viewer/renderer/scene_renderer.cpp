@@ -61,6 +61,8 @@ struct SceneRenderer::Impl {
     std::map<std::string, PersonDrawing> people;
     std::map<std::string, Eigen::Matrix4d> site_poses;
     std::map<std::uint32_t, ObjectDrawing> objects;
+    std::map<std::uint32_t, SoftDrawing> soft_objects;
+    std::map<std::string, std::vector<ObjectDrawing>> scenery;
     bool is_shadow_current = false;
     mutable std::vector<std::uint8_t> rows;  // of `read_pixels`, bottom row first
 
@@ -69,6 +71,8 @@ struct SceneRenderer::Impl {
     void create_square();
     void draw_shadow();
     void draw_objects(const View& view);
+    void draw_object(const ObjectDrawing& object);
+    void draw_shadow_of(const ObjectDrawing& object);
     void draw_floor(const View& view, const ObjectLook& look, bool is_ground);
     void draw_floors(const View& view);
     void draw_background(const ViewCamera& camera);
@@ -142,12 +146,31 @@ void SceneRenderer::Impl::draw_shadow() {
     shadow_shader.set("shadow_extent", kShadowExtentM);
     for (const auto& [site, person] : people) person.draw_surface(shadow_shader);
     for (const auto& [id, object] : objects) {
-        if (object.look.shape == ShapeKind::kPlane) continue;
-        shadow_shader.set("world_from_object",
-                          Eigen::Matrix4f(object.look.world_from_object.matrix().cast<float>()));
-        glBindVertexArray(object.layout.id());
-        glDrawElements(GL_TRIANGLES, object.num_indices, GL_UNSIGNED_INT, nullptr);
+        if (object.look.model != nullptr || object.look.shape != ShapeKind::kPlane)
+            draw_shadow_of(object);
     }
+    shadow_shader.set("world_from_object", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
+    for (const auto& [id, soft] : soft_objects) {
+        glBindVertexArray(soft.layout.id());
+        glDrawElements(GL_TRIANGLES, soft.num_indices, GL_UNSIGNED_INT, nullptr);
+    }
+}
+
+void SceneRenderer::Impl::draw_shadow_of(const ObjectDrawing& object) {
+    shadow_shader.set("world_from_object",
+                      Eigen::Matrix4f(object.look.world_from_object.matrix().cast<float>()));
+    glBindVertexArray(object.layout.id());
+    glDrawElements(GL_TRIANGLES, object.num_indices, GL_UNSIGNED_INT, nullptr);
+}
+
+void SceneRenderer::Impl::draw_object(const ObjectDrawing& object) {
+    const bool is_ball = object.look.model == nullptr && object.look.shape == ShapeKind::kSphere;
+    object_shader.set("world_from_object",
+                      Eigen::Matrix4f(object.look.world_from_object.matrix().cast<float>()));
+    object_shader.set("colour", Eigen::Vector3f(object.look.colour.cast<float>()));
+    object_shader.set("sectors", is_ball ? 3.0f : 0.0f);
+    glBindVertexArray(object.layout.id());
+    glDrawElements(GL_TRIANGLES, object.num_indices, GL_UNSIGNED_INT, nullptr);
 }
 
 void SceneRenderer::Impl::draw_objects(const View& view) {
@@ -157,15 +180,23 @@ void SceneRenderer::Impl::draw_objects(const View& view) {
     object_shader.set("light", kLight);
     object_shader.set("eye", Eigen::Vector3f(view.eye_world.cast<float>()));
     for (const auto& [id, object] : objects) {
-        if (object.is_floor()) continue;
-        object_shader.set("world_from_object",
-                          Eigen::Matrix4f(object.look.world_from_object.matrix().cast<float>()));
-        object_shader.set("colour", Eigen::Vector3f(object.look.colour.cast<float>()));
-        object_shader.set("sectors", object.look.shape == ShapeKind::kSphere ? 3.0f : 0.0f);
-        glBindVertexArray(object.layout.id());
-        glDrawElements(GL_TRIANGLES, object.num_indices, GL_UNSIGNED_INT, nullptr);
+        if (object.look.model == nullptr && !object.is_floor()) draw_object(object);
     }
+    // models need not be closed, and a cloth has no inside: both sides are drawn
     glDisable(GL_CULL_FACE);
+    for (const auto& [id, object] : objects) {
+        if (object.look.model != nullptr) draw_object(object);
+    }
+    for (const auto& [name, parts] : scenery) {
+        for (const ObjectDrawing& part : parts) draw_object(part);
+    }
+    object_shader.set("world_from_object", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
+    object_shader.set("sectors", 0.0f);
+    for (const auto& [id, soft] : soft_objects) {
+        object_shader.set("colour", Eigen::Vector3f(soft.look.colour.cast<float>()));
+        glBindVertexArray(soft.layout.id());
+        glDrawElements(GL_TRIANGLES, soft.num_indices, GL_UNSIGNED_INT, nullptr);
+    }
 }
 
 void SceneRenderer::Impl::draw_floor(const View& view, const ObjectLook& look, bool is_ground) {
@@ -298,7 +329,35 @@ void SceneRenderer::remove_object(std::uint32_t object) {
     impl_->objects.erase(object);
 }
 
-std::size_t SceneRenderer::num_objects() const { return impl_->objects.size(); }
+std::size_t SceneRenderer::num_objects() const {
+    return impl_->objects.size() + impl_->soft_objects.size();
+}
+
+void SceneRenderer::set_soft_object(std::uint32_t object, const SoftLook& look) {
+    impl_->is_shadow_current = false;
+    impl_->soft_objects.insert_or_assign(object, SoftDrawing(look));
+}
+
+void SceneRenderer::move_soft_object(std::uint32_t object,
+                                     std::span<const Eigen::Vector3f> nodes_world) {
+    const auto found = impl_->soft_objects.find(object);
+    if (found == impl_->soft_objects.end()) return;
+    if (found->second.look.num_nodes != nodes_world.size()) return;
+    found->second.move(nodes_world);
+    impl_->is_shadow_current = false;
+}
+
+void SceneRenderer::remove_soft_object(std::uint32_t object) {
+    impl_->is_shadow_current = false;
+    impl_->soft_objects.erase(object);
+}
+
+void SceneRenderer::set_scenery(const std::string& name, std::span<const ObjectLook> parts) {
+    std::vector<ObjectDrawing>& drawings = impl_->scenery[name];
+    drawings.clear();
+    for (const ObjectLook& part : parts) drawings.push_back(make_object(part));
+    if (drawings.empty()) impl_->scenery.erase(name);
+}
 
 Expected<void> SceneRenderer::resize(int width, int height) {
     if (width == impl_->options.width && height == impl_->options.height) return {};

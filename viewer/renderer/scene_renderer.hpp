@@ -4,10 +4,12 @@
 #include "core/geometry/rigid_transform.hpp"
 #include "viewer/renderer/object_look.hpp"
 #include "viewer/renderer/person_model.hpp"
+#include "viewer/renderer/soft_surface.hpp"
 #include "viewer/renderer/view_camera.hpp"
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -52,6 +54,15 @@ public:
     void move_object(std::uint32_t object, const geometry::RigidTransform& world_from_object);
     void remove_object(std::uint32_t object);
     std::size_t num_objects() const;
+
+    void set_soft_object(std::uint32_t object, const SoftLook& look);
+    /// Unknown objects, and other numbers of nodes than `set_soft_object` was told of, are left
+    /// alone.
+    void move_soft_object(std::uint32_t object, std::span<const Eigen::Vector3f> nodes_world);
+    void remove_soft_object(std::uint32_t object);
+
+    /// What is only looked at, in the place of what had that name before; nothing: it is gone.
+    void set_scenery(const std::string& name, std::span<const ObjectLook> parts);
 
     Expected<void> resize(int width, int height);
     int width() const;

@@ -92,6 +92,8 @@ vec3 encode(vec3 linear) {
 }
 void main() {
     vec3 n = normalize(normal_world);
+    // of what is seen from behind, the other side
+    if (!gl_FrontFacing) n = -n;
     vec3 base = colour;
     // lighter sectors show that a ball turns
     if (sectors > 0.0) {

@@ -1,115 +1,82 @@
 #include "world_server/physics/person_shape.hpp"
 
-#include <Eigen/Cholesky>
-
 #include <algorithm>
 #include <cassert>
+#include <chrono>
+#include <utility>
 
 namespace atrium::physics {
 namespace {
 
-constexpr float kSameFacing = 0.5F;        // cosine: normals at most 60 degrees apart
-constexpr double kNeighbourWeight = 0.15;  // of a cell that touches the piece's own with a face
-constexpr std::size_t kMaxQueries = 2000;  // points per mesh whose motion is looked up
-constexpr double kMaxSearchM = 0.4;        // bounds the work after a gap between meshes
-// Pull towards zero, in samples' worth per sample: biases a velocity that is well determined by a
-// few percent, and decides one that is not.
-constexpr double kDamping = 0.01;
-
-// Normal equations of `normal . displacement = distance`, summed over samples.
-struct NormalEquations {
-    Eigen::Matrix3d lhs = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d rhs = Eigen::Vector3d::Zero();
-    double num_samples = 0.0;
-
-    void add(const NormalEquations& other, double weight) {
-        lhs += weight * other.lhs;
-        rhs += weight * other.rhs;
-        num_samples += weight * other.num_samples;
-    }
-};
-
-std::vector<NormalEquations> displacements_by_cell(const SolidCells& solid,
-                                                   const SurfaceIndex& surface,
-                                                   const SurfaceIndex& previous,
-                                                   double radius_m) {
-    std::vector<NormalEquations> by_piece(solid.pieces.size());
-    // samples lie ordered by place, so that every n-th of them still covers every cell
-    const std::size_t stride = 1 + surface.samples().size() / kMaxQueries;
-    for (std::size_t i = 0; i < surface.samples().size(); i += stride) {
-        const SurfaceSample& sample = surface.samples()[i];
-        const std::int32_t piece = solid.piece_at(sample.position.cast<double>());
-        if (piece < 0) continue;
-        const auto before = previous.nearest(
-            sample.position, static_cast<float>(radius_m), [&](const SurfaceSample& candidate) {
-                return candidate.normal.dot(sample.normal) > kSameFacing;
-            });
-        if (!before) continue;
-        const Eigen::Vector3d normal = before->normal.cast<double>();
-        const double distance = normal.dot((sample.position - before->position).cast<double>());
-        NormalEquations& equations = by_piece[static_cast<std::size_t>(piece)];
-        equations.lhs += normal * normal.transpose();
-        equations.rhs += distance * normal;
-        equations.num_samples += 1.0;
-    }
-    return by_piece;
-}
-
-std::vector<Eigen::Vector3f> velocities_of(const SolidCells& solid,
-                                           const std::vector<NormalEquations>& by_piece,
-                                           double period_s,
-                                           const PersonShapeOptions& options) {
-    std::vector<Eigen::Vector3f> velocities(solid.pieces.size(), Eigen::Vector3f::Zero());
-    for (std::size_t i = 0; i < by_piece.size(); ++i) {
-        NormalEquations sum = by_piece[i];
-        const Eigen::Vector3d centre = solid.pieces[i].centre.cast<double>();
-        for (int axis = 0; axis < 3; ++axis) {
-            for (const double side : {-1.0, 1.0}) {
-                const std::int32_t beside =
-                    solid.piece_at(centre + side * solid.cell_m * Eigen::Vector3d::Unit(axis));
-                if (beside >= 0)
-                    sum.add(by_piece[static_cast<std::size_t>(beside)], kNeighbourWeight);
-            }
-        }
-        if (sum.num_samples < 1.0) continue;
-        sum.lhs.diagonal().array() += kDamping * sum.num_samples;
-        Eigen::Vector3d velocity = sum.lhs.llt().solve(sum.rhs) / period_s;
-        const double speed = velocity.norm();
-        // a smooth step at the rest speed: a hard one would make slow hands stutter
-        const double rest = options.rest_speed_mps;
-        velocity *= speed * speed / (speed * speed + rest * rest);
-        if (speed > options.max_speed_mps) velocity *= options.max_speed_mps / speed;
-        if (velocity.allFinite()) velocities[i] = velocity.cast<float>();
-    }
-    return velocities;
-}
+constexpr float kSameFacing = 0.5F;  // cosine: normals at most 60 degrees apart
+constexpr float kSearchM = 0.05F;    // around the place that the motion gives
+constexpr float kMaxOffM = 0.03F;    // that a surfel is brought onto the surface before
 
 }  // namespace
 
-PersonShaper::PersonShaper(const PersonShapeOptions& options) : options_(options) {
+PersonShaper::PersonShaper(const PersonShapeOptions& options)
+    : options_(options), motion_(options.motion) {
     assert(options.max_speed_mps > 0.0 && options.rest_speed_mps > 0.0);
+}
+
+std::vector<MovingSurfel> PersonShaper::still_surfels(const SurfaceIndex& surface) const {
+    std::vector<MovingSurfel> surfels;
+    surfels.reserve(surface.samples().size());
+    for (const SurfaceSample& s : surface.samples()) {
+        surfels.push_back({s.position, s.normal, s.position, Eigen::Vector3f::Zero()});
+    }
+    return surfels;
+}
+
+std::vector<MovingSurfel> PersonShaper::moving_surfels(const SurfaceIndex& surface,
+                                                       double period_s) {
+    std::vector<MovingSurfel> surfels = still_surfels(surface);
+    motion_.estimate(surface, *previous_, displacements_);
+    const auto rest_m = static_cast<float>(options_.rest_speed_mps * period_s);
+    const auto max_m = static_cast<float>(options_.max_speed_mps * period_s);
+    for (std::size_t i = 0; i < surfels.size(); ++i) {
+        MovingSurfel& surfel = surfels[i];
+        Eigen::Vector3f displacement = displacements_[i];
+        const float step_m = displacement.norm();
+        if (step_m > max_m) displacement *= max_m / step_m;
+        // a smooth step at the rest speed: a hard one would make slow hands stutter
+        surfel.velocity = displacement * (step_m * step_m / (step_m * step_m + rest_m * rest_m)) /
+                          static_cast<float>(period_s);
+
+        // onto the surface before, along its normal: no gap and no pop from mesh to mesh
+        surfel.from = surfel.position - displacement;
+        const auto before =
+            previous_->nearest(surfel.from, kSearchM, [&](const SurfaceSample& candidate) {
+                return candidate.normal.dot(surfel.normal) > kSameFacing;
+            });
+        if (!before) continue;
+        const float off_m = before->normal.dot(surfel.from - before->position);
+        surfel.from -= std::clamp(off_m, -kMaxOffM, kMaxOffM) * before->normal;
+    }
+    return surfels;
 }
 
 PersonShape PersonShaper::shape(const geometry::TriangleMesh& mesh_world, Timestamp capture_time) {
     PersonShape shape;
     shape.capture_time = capture_time;
-    shape.solid = cut_into_cells(mesh_world, options_.cells);
-    shape.surface = std::make_shared<const SurfaceIndex>(mesh_world, options_.sampling);
+    auto surface = std::make_shared<const SurfaceIndex>(mesh_world, options_.sampling);
     const double period_s = std::chrono::duration<double>(capture_time - previous_time_).count();
-    if (previous_ && period_s > 0.0 && period_s <= options_.max_period_s) {
+    const bool goes_on = previous_ && period_s > 0.0 && period_s <= options_.max_period_s;
+    if (goes_on) {
         shape.period_s = period_s;
-        const double radius_m = std::min(kMaxSearchM, options_.max_speed_mps * period_s);
-        const auto by_piece =
-            displacements_by_cell(shape.solid, *shape.surface, *previous_, radius_m);
-        shape.velocities = velocities_of(shape.solid, by_piece, period_s, options_);
     } else {
-        shape.velocities.assign(shape.solid.pieces.size(), Eigen::Vector3f::Zero());
+        motion_.forget();
     }
-    previous_ = shape.surface;
+    shape.surfels = std::make_shared<const std::vector<MovingSurfel>>(
+        goes_on ? moving_surfels(*surface, period_s) : still_surfels(*surface));
+    previous_ = std::move(surface);
     previous_time_ = capture_time;
     return shape;
 }
 
-void PersonShaper::forget() { previous_.reset(); }
+void PersonShaper::forget() {
+    previous_.reset();
+    motion_.forget();
+}
 
 }  // namespace atrium::physics

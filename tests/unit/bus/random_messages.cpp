@@ -1,6 +1,7 @@
 #include "tests/unit/bus/random_messages.hpp"
 
 #include <algorithm>
+#include <array>
 #include <string_view>
 
 namespace atrium::bus::testing {
@@ -18,6 +19,22 @@ std::string name(Random& random) {
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-";
     std::string out(1 + below(random, 63), ' ');
     for (char& c : out) c = kLetters[below(random, kLetters.size())];
+    return out;
+}
+
+std::string model_file(Random& random) {
+    std::string out = "models/" + name(random);
+    if (out[7] == '.') out[7] = '_';  // no part begins with a dot
+    return out;
+}
+
+template <std::size_t N>
+std::vector<std::array<std::uint16_t, N>> groups(Random& random,
+                                                 std::size_t max,
+                                                 std::uint32_t end) {
+    std::vector<std::array<std::uint16_t, N>> out(below(random, max));
+    for (auto& group : out)
+        for (auto& number : group) number = static_cast<std::uint16_t>(below(random, end));
     return out;
 }
 
@@ -156,11 +173,51 @@ SceneObject random_message(Random& random) {
     SceneObject out;
     out.object = static_cast<std::uint32_t>(random());
     out.name = name(random);
-    out.shape = static_cast<Shape>(below(random, 5));
+    out.shape = static_cast<Shape>(below(random, 8));
+    out.friction = number(random, 0, 10);
+    out.restitution = number(random, 0, 1);
+    if (out.shape >= Shape::kConvex) out.model = model_file(random);
+    out.model_scale = number(random, 1e-3, 100);
+    if (below(random, 2) == 0) out.texture = model_file(random);
     out.size_m = vector(random, 10).cwiseAbs() + Eigen::Vector3d::Constant(1e-3);
     out.mass_kg = number(random, 0, 100);
     out.colour = vector(random, 1).cwiseAbs();
     out.world_from_object = pose(random);
+    return out;
+}
+
+template <>
+SoftBody random_message(Random& random) {
+    SoftBody out;
+    out.object = static_cast<std::uint32_t>(random());
+    out.num_nodes = 1 + static_cast<std::uint32_t>(below(random, 4096));
+    out.thickness_m = number(random, 0, 0.1);
+    out.triangles = groups<3>(random, 2000, out.num_nodes);
+    out.segments = groups<2>(random, 300, out.num_nodes);
+    return out;
+}
+
+template <>
+SoftBodyState random_message(Random& random) {
+    SoftBodyState out;
+    out.object = static_cast<std::uint32_t>(random());
+    out.tick = random();
+    out.time = time(random);
+    out.origin_m = vector(random, 10);
+    out.step_m = number(random, 1e-6, 1e-3);
+    out.nodes = groups<3>(random, 2000, 65536);
+    return out;
+}
+
+template <>
+Scenery random_message(Random& random) {
+    Scenery out;
+    out.name = name(random);
+    out.model = model_file(random);
+    out.model_scale = number(random, 1e-3, 100);
+    if (below(random, 2) == 0) out.texture = model_file(random);
+    out.colour = vector(random, 1).cwiseAbs();
+    out.world_from_model = pose(random);
     return out;
 }
 
@@ -184,9 +241,11 @@ template <>
 SceneCommand random_message(Random& random) {
     SceneCommand out;
     out.sender = name(random);
-    out.kind = static_cast<CommandKind>(below(random, 4));
+    out.kind = static_cast<CommandKind>(below(random, 9));
     out.target = static_cast<std::uint32_t>(random());
     out.impulse_ns = vector(random, 100);
+    out.point_object = vector(random, 2);
+    out.goal_world = vector(random, 20);
     if (out.kind == CommandKind::kAdd) out.object = random_message<SceneObject>(random);
     return out;
 }
@@ -233,6 +292,18 @@ WorldStatus random_message(Random& random) {
             random(),
             number(random, 0, 1000),
             latency(random),
+            random(),
+            random(),
+            random(),
+            static_cast<std::uint32_t>(random()),
+            random(),
+            random(),
+            random(),
+            random(),
+            random(),
+            number(random, 0, 1e9),
+            latency(random),
+            random(),
             random()};
 }
 
@@ -302,8 +373,25 @@ bool same(const SitePlacement& a, const SitePlacement& b) {
 
 bool same(const SceneObject& a, const SceneObject& b) {
     return a.object == b.object && a.name == b.name && a.shape == b.shape && a.size_m == b.size_m &&
-           a.mass_kg == b.mass_kg && a.colour == b.colour &&
-           same(a.world_from_object, b.world_from_object);
+           a.mass_kg == b.mass_kg && a.friction == b.friction && a.restitution == b.restitution &&
+           a.colour == b.colour && a.model == b.model && a.model_scale == b.model_scale &&
+           a.texture == b.texture && same(a.world_from_object, b.world_from_object);
+}
+
+bool same(const SoftBody& a, const SoftBody& b) {
+    return a.object == b.object && a.num_nodes == b.num_nodes && a.thickness_m == b.thickness_m &&
+           a.triangles == b.triangles && a.segments == b.segments;
+}
+
+bool same(const SoftBodyState& a, const SoftBodyState& b) {
+    return a.object == b.object && a.tick == b.tick && a.time == b.time &&
+           a.origin_m == b.origin_m && a.step_m == b.step_m && a.nodes == b.nodes;
+}
+
+bool same(const Scenery& a, const Scenery& b) {
+    return a.name == b.name && a.model == b.model && a.model_scale == b.model_scale &&
+           a.texture == b.texture && a.colour == b.colour &&
+           same(a.world_from_model, b.world_from_model);
 }
 
 bool same(const SceneState& a, const SceneState& b) {
@@ -313,7 +401,8 @@ bool same(const SceneState& a, const SceneState& b) {
 
 bool same(const SceneCommand& a, const SceneCommand& b) {
     return a.sender == b.sender && a.kind == b.kind && a.target == b.target &&
-           a.impulse_ns == b.impulse_ns && same(a.object, b.object);
+           a.impulse_ns == b.impulse_ns && a.point_object == b.point_object &&
+           a.goal_world == b.goal_world && same(a.object, b.object);
 }
 
 bool same(const SiteStatus& a, const SiteStatus& b) {
@@ -336,7 +425,12 @@ bool same(const WorldStatus& a, const WorldStatus& b) {
            a.num_meshes_received == b.num_meshes_received && a.num_rejected == b.num_rejected &&
            a.num_sites == b.num_sites && a.num_contacts == b.num_contacts &&
            a.steps_per_s == b.steps_per_s && same(a.capture_to_collision, b.capture_to_collision) &&
-           a.resident_bytes == b.resident_bytes;
+           a.resident_bytes == b.resident_bytes && a.num_objects == b.num_objects &&
+           a.num_resets == b.num_resets && a.last_reset == b.last_reset &&
+           a.num_skipped_ticks == b.num_skipped_ticks && a.num_refused == b.num_refused &&
+           a.num_grabs == b.num_grabs && a.num_saves == b.num_saves &&
+           a.num_bytes_published == b.num_bytes_published && a.bytes_per_s == b.bytes_per_s &&
+           same(a.step, b.step) && a.state_tick == b.state_tick && a.state_hash == b.state_hash;
 }
 
 bool same(const ViewerStatus& a, const ViewerStatus& b) {

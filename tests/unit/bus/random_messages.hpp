@@ -22,6 +22,12 @@ SitePlacement random_message(Random& random);
 template <>
 SceneObject random_message(Random& random);
 template <>
+SoftBody random_message(Random& random);
+template <>
+SoftBodyState random_message(Random& random);
+template <>
+Scenery random_message(Random& random);
+template <>
 SceneState random_message(Random& random);
 template <>
 SceneCommand random_message(Random& random);
@@ -41,6 +47,9 @@ bool same(const SiteMesh& a, const SiteMesh& b);
 bool same(const CameraTexture& a, const CameraTexture& b);
 bool same(const SitePlacement& a, const SitePlacement& b);
 bool same(const SceneObject& a, const SceneObject& b);
+bool same(const SoftBody& a, const SoftBody& b);
+bool same(const SoftBodyState& a, const SoftBodyState& b);
+bool same(const Scenery& a, const Scenery& b);
 bool same(const SceneState& a, const SceneState& b);
 bool same(const SceneCommand& a, const SceneCommand& b);
 bool same(const SiteStatus& a, const SiteStatus& b);

@@ -2,6 +2,7 @@
 
 #include "core/bus/checks.hpp"
 #include "core/bus/limits.hpp"
+#include "core/bus/soft_nodes.hpp"
 #include "core/bus/topics.hpp"
 #include "tests/unit/bus/random_messages.hpp"
 
@@ -32,6 +33,9 @@ using Messages = ::testing::Types<SiteDescription,
                                   CameraTexture,
                                   SitePlacement,
                                   SceneObject,
+                                  SoftBody,
+                                  SoftBodyState,
+                                  Scenery,
                                   SceneState,
                                   SceneCommand,
                                   SiteStatus,
@@ -87,6 +91,11 @@ void expect_each_refused(const Message& good, const std::vector<Damage<Message>>
         EXPECT_EQ(result.error().kind, ErrorKind::kInvalidData);
         EXPECT_THAT(result.error().message, HasSubstr(damage.names));
     }
+}
+
+void spoil_file(atrium_ModelFile& file, const char* text) {
+    std::strncpy(file, text, sizeof(file) - 1);
+    file[sizeof(file) - 1] = '\0';
 }
 
 void spoil_name(atrium_Name& name, const char* text) {
@@ -185,8 +194,20 @@ TEST(FromWire, RefusesEachBadFieldOfTheWorldsTopics) {
     expect_each_refused<SceneObject>(
         ball,
         {{"name", [](auto& w) { spoil_name(w.name, "a\nb"); }},
-         {"shape", [](auto& w) { w.shape = 5; }},
+         {"shape", [](auto& w) { w.shape = 8; }},
          {"shape", [](auto& w) { w.shape = 255; }},
+         {"model", [](auto& w) { w.shape = 5; }},
+         {"model", [](auto& w) { w.shape = 6; }},
+         {"model", [](auto& w) { spoil_file(w.model, "../../etc/passwd"); }},
+         {"model", [](auto& w) { spoil_file(w.model, "/etc/passwd"); }},
+         {"model", [](auto& w) { std::memset(w.model, 'a', sizeof(w.model)); }},
+         {"model_scale", [](auto& w) { w.model_scale = 0; }},
+         {"model_scale", [](auto& w) { w.model_scale = kNan; }},
+         {"texture", [](auto& w) { spoil_file(w.texture, "a/../b.png"); }},
+         {"friction", [](auto& w) { w.friction = -0.1; }},
+         {"friction", [](auto& w) { w.friction = kInfinity; }},
+         {"restitution", [](auto& w) { w.restitution = 1.1; }},
+         {"restitution", [](auto& w) { w.restitution = kNan; }},
          {"size_m", [](auto& w) { w.size_m[0] = 0; }},
          {"size_m", [](auto& w) { w.size_m[2] = kNan; }},
          {"mass_kg", [](auto& w) { w.mass_kg = -1; }},
@@ -202,12 +223,99 @@ TEST(FromWire, RefusesEachBadFieldOfTheWorldsTopics) {
           [](auto& w) { w.objects._buffer[1].world_from_object.rotation[3] = kNan; }},
          {"linear_velocity", [](auto& w) { w.objects._buffer[1].linear_velocity[0] = kNan; }},
          {"angular_velocity", [](auto& w) { w.objects._buffer[0].angular_velocity[2] = 1e9; }}});
+    SceneCommand add;
+    add.sender = "viewer";
+    add.kind = CommandKind::kAdd;
+    add.object = ball;
     expect_each_refused<SceneCommand>(
-        {"viewer", CommandKind::kAdd, 0, Eigen::Vector3d::Zero(), ball},
+        add,
         {{"sender", [](auto& w) { spoil_name(w.sender, ""); }},
-         {"kind", [](auto& w) { w.kind = 4; }},
+         {"kind", [](auto& w) { w.kind = 9; }},
+         {"point_object", [](auto& w) { w.point_object[2] = kNan; }},
+         {"goal_world", [](auto& w) { w.goal_world[1] = 1e6; }},
          {"impulse_ns", [](auto& w) { w.impulse_ns[0] = kNan; }},
          {"SceneObject.mass_kg", [](auto& w) { w.object.mass_kg = kNan; }}});
+}
+
+TEST(FromWire, RefusesEachBadFieldOfASoftBodyAndOfScenery) {
+    static std::uint16_t beyond[] = {0, 1, 4};
+    expect_each_refused<SoftBody>({3, 4, 0.01, {{0, 1, 2}}, {{2, 3}}},
+                                  {{"num_nodes", [](auto& w) { w.num_nodes = 4097; }},
+                                   {"triangles", [](auto& w) { w.num_nodes = 2; }},
+                                   {"triangles", [](auto& w) { w.triangles._buffer = beyond; }},
+                                   {"triangles", [](auto& w) { w.triangles._length = 2; }},
+                                   {"triangles", [](auto& w) { w.triangles._length = 24579; }},
+                                   {"segments", [](auto& w) { w.num_nodes = 3; }},
+                                   {"segments", [](auto& w) { w.segments._length = 1; }},
+                                   {"segments", [](auto& w) { w.segments._length = 0xffffffff; }},
+                                   {"thickness_m", [](auto& w) { w.thickness_m = kNan; }},
+                                   {"thickness_m", [](auto& w) { w.thickness_m = -0.1; }}});
+    expect_each_refused<SoftBodyState>({3, 1, {5}, {0, 0, 0}, 1e-4, {{0, 1, 2}, {65535, 0, 9}}},
+                                       {{"time", [](auto& w) { w.time_ns = -1; }},
+                                        {"origin_m", [](auto& w) { w.origin_m[1] = kInfinity; }},
+                                        {"step_m", [](auto& w) { w.step_m = 0; }},
+                                        {"step_m", [](auto& w) { w.step_m = kNan; }},
+                                        {"step_m", [](auto& w) { w.step_m = 2; }},
+                                        {"nodes", [](auto& w) { w.nodes._length = 5; }},
+                                        {"nodes", [](auto& w) { w.nodes._length = 12291; }}});
+    Scenery room;
+    room.name = "room";
+    room.model = "room.obj";
+    expect_each_refused<Scenery>(
+        room,
+        {{"name", [](auto& w) { spoil_name(w.name, ""); }},
+         {"model", [](auto& w) { spoil_file(w.model, ""); }},
+         {"model", [](auto& w) { spoil_file(w.model, "..//x"); }},
+         {"model_scale", [](auto& w) { w.model_scale = -1; }},
+         {"texture", [](auto& w) { spoil_file(w.texture, "a b"); }},
+         {"colour", [](auto& w) { w.colour[0] = kNan; }},
+         {"world_from_model", [](auto& w) { w.world_from_model.translation[0] = kNan; }}});
+}
+
+TEST(ModelFile, StaysInItsFolder) {
+    for (const char* good : {"a", "ball.obj", "puppet/arm-1.glb", "a/b/c_d.0.stl", "a/b..c"})
+        EXPECT_TRUE(is_valid_model_file(good)) << good;
+    for (const char* bad : {"",
+                            "/",
+                            "/a",
+                            "a/",
+                            "..",
+                            "../a",
+                            "a/..",
+                            "a/../b",
+                            "a//b",
+                            ".a",
+                            "./a",
+                            "a/.b",
+                            "a\\b",
+                            "a:b",
+                            "~/a",
+                            "a\nb",
+                            "a%2e"})
+        EXPECT_FALSE(is_valid_model_file(bad)) << bad;
+    EXPECT_TRUE(is_valid_model_file(std::string(127, 'a')));
+    EXPECT_FALSE(is_valid_model_file(std::string(128, 'a')));
+    EXPECT_FALSE(is_valid_model_file(std::string("a\0b", 3)));
+}
+
+TEST(SoftNodes, AreTrueToHalfAStep) {
+    Random random(12);
+    for (const double extent_m : {0.0, 1e-7, 0.1, 2.0, 40.0}) {
+        std::uniform_real_distribution<float> anywhere(-static_cast<float>(extent_m) / 2,
+                                                       static_cast<float>(extent_m) / 2);
+        std::vector<Eigen::Vector3f> places(500);
+        for (auto& place : places)
+            place = Eigen::Vector3f(anywhere(random), anywhere(random), 5 + anywhere(random));
+        SoftBodyState state;
+        quantise(places, state);
+        ASSERT_TRUE(check(state));
+        ASSERT_EQ(state.nodes.size(), places.size());
+        EXPECT_LE(state.step_m, std::max(1e-6, extent_m / 65535.0) * 1.0001);
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const Eigen::Vector3d off = node_place(state, i) - places[i].cast<double>();
+            EXPECT_LE(off.cwiseAbs().maxCoeff(), 0.5001 * state.step_m);
+        }
+    }
 }
 
 TEST(FromWire, RefusesEachBadFieldOfAStatus) {
@@ -255,7 +363,10 @@ TEST(FromWire, RefusesEachBadFieldOfAStatus) {
         {{"world", [](auto& w) { spoil_name(w.world, ""); }},
          {"time", [](auto& w) { w.time_ns = -1; }},
          {"steps_per_s", [](auto& w) { w.steps_per_s = kNan; }},
-         {"capture_to_collision", [](auto& w) { w.capture_to_collision.p99_ms = -1e16; }}});
+         {"capture_to_collision", [](auto& w) { w.capture_to_collision.p99_ms = -1e16; }},
+         {"bytes_per_s", [](auto& w) { w.bytes_per_s = -1; }},
+         {"bytes_per_s", [](auto& w) { w.bytes_per_s = kNan; }},
+         {"step", [](auto& w) { w.step.median_ms = kInfinity; }}});
     expect_each_refused<ViewerStatus>(
         random_message<ViewerStatus>(random),
         {{"viewer", [](auto& w) { spoil_name(w.viewer, ""); }},
@@ -305,8 +416,9 @@ TEST(FromWire, NormalisesAQuaternionThatIsALittleOff) {
 TEST(FromWire, LooksAtTheObjectOfAnAddCommandOnly) {
     WireScratch scratch;
     atrium_SceneCommand wire{};
-    to_wire(
-        SceneCommand{"viewer", CommandKind::kReset, 0, Eigen::Vector3d::Zero(), {}}, scratch, wire);
+    SceneCommand reset;
+    reset.sender = "viewer";
+    to_wire(reset, scratch, wire);
     wire.object.mass_kg = kNan;
     const auto command = from_wire(wire);
     ASSERT_TRUE(command.has_value());

@@ -134,7 +134,7 @@ TEST(WorldConfig, OfEveryWorldThatIsDeliveredIsValid) {
         for (int i = 0; i < 600; ++i) scene->world().tick();
         EXPECT_EQ(scene->world().counters().num_strays, 0U) << entry.path();
         bus::SceneState state;
-        scene->get_state("w", state);
+        scene->get_state("w", {}, state);
         for (const bus::ObjectState& object : state.objects) {
             EXPECT_LT(object.linear_velocity.norm(), 0.3) << entry.path() << " " << object.object;
         }

@@ -29,7 +29,7 @@ Expected<WorldServerConfig> load_demo() {
 
 std::map<std::string, double> heights(Scene& scene) {
     bus::SceneState state;
-    scene.get_state("demo", state);
+    scene.get_state("demo", Timestamp{}, state);
     const auto objects = scene.objects();
     std::map<std::string, double> z;
     for (std::size_t i = 0; i < objects.size(); ++i) {

@@ -26,8 +26,9 @@ TEST(PersonShaper, MeasuresTheVelocityOfASlabAlongItsNormal) {
         shaper.shape(slab_at({0.0, 0.0, 1.0}, 3), frame_time(0));
         const PersonShape shape =
             shaper.shape(slab_at({speed_mps * kPeriodS, 0.0, 1.0}, 4), frame_time(1));
-        ASSERT_FALSE(shape.velocities.empty());
-        for (const Eigen::Vector3f& v : shape.velocities) {
+        ASSERT_FALSE(shape.surfels->empty());
+        for (const MovingSurfel& surfel : *shape.surfels) {
+            const Eigen::Vector3f& v = surfel.velocity;
             EXPECT_NEAR(v.x(), speed_mps, 0.08 * speed_mps);
             EXPECT_NEAR(v.y(), 0.0, 0.1 * speed_mps);
             EXPECT_NEAR(v.z(), 0.0, 0.1 * speed_mps);
@@ -44,9 +45,9 @@ TEST(PersonShaper, GivesEachPartItsOwnVelocity) {
     PersonShaper shaper({});
     shaper.shape(figure(0.0), frame_time(0));
     const PersonShape shape = shaper.shape(figure(2.0 * kPeriodS), frame_time(1));
-    for (std::size_t i = 0; i < shape.velocities.size(); ++i) {
-        const double expected = shape.solid.pieces[i].centre.y() > 0.5F ? 2.0 : 0.0;
-        EXPECT_NEAR(shape.velocities[i].x(), expected, 0.2);
+    for (const MovingSurfel& surfel : *shape.surfels) {
+        const double expected = surfel.position.y() > 0.5F ? 2.0 : 0.0;
+        EXPECT_NEAR(surfel.velocity.x(), expected, 0.2);
     }
 }
 
@@ -63,8 +64,8 @@ TEST(PersonShaper, TakesTheFlickerOfAStillOutlineForRest) {
         shape = shaper.shape(mesh, frame_time(frame));
     }
     double sum = 0.0;
-    for (const Eigen::Vector3f& v : shape.velocities) sum += v.norm();
-    EXPECT_LT(sum / static_cast<double>(shape.velocities.size()), 0.03);
+    for (const MovingSurfel& surfel : *shape.surfels) sum += surfel.velocity.norm();
+    EXPECT_LT(sum / static_cast<double>(shape.surfels->size()), 0.03);
 }
 
 TEST(PersonShaper, NeverExceedsItsSpeedLimit) {
@@ -72,7 +73,9 @@ TEST(PersonShaper, NeverExceedsItsSpeedLimit) {
     PersonShaper shaper(options);
     shaper.shape(slab_at({0.0, 0.0, 1.0}, 3), frame_time(0));
     const PersonShape shape = shaper.shape(slab_at({0.09, 0.09, 1.0}, 3), frame_time(1));
-    for (const Eigen::Vector3f& v : shape.velocities) EXPECT_LE(v.norm(), 3.0F * 1.0001F);
+    for (const MovingSurfel& surfel : *shape.surfels) {
+        EXPECT_LE(surfel.velocity.norm(), 3.0F * 1.0001F);
+    }
 }
 
 TEST(PersonShaper, GivesNoVelocityWithoutAUsableMeshBefore) {
@@ -88,8 +91,8 @@ TEST(PersonShaper, GivesNoVelocityWithoutAUsableMeshBefore) {
 
 TEST(PersonShaper, AcceptsAnEmptyMesh) {
     PersonShaper shaper({});
-    EXPECT_TRUE(shaper.shape({}, frame_time(0)).solid.pieces.empty());
-    EXPECT_FALSE(shaper.shape(slab_at({0, 0, 1}, 2), frame_time(1)).solid.pieces.empty());
+    EXPECT_TRUE(shaper.shape({}, frame_time(0)).surfels->empty());
+    EXPECT_FALSE(shaper.shape(slab_at({0, 0, 1}, 2), frame_time(1)).surfels->empty());
 }
 
 }  // namespace

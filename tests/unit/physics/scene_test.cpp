@@ -101,7 +101,7 @@ TEST_F(SceneCommands, PushIsBoundedByTheSpeedLimit) {
     ASSERT_TRUE(scene->apply(push));
     scene->world().tick();
     bus::SceneState state;
-    scene->get_state("w", state);
+    scene->get_state("w", {}, state);
     EXPECT_NEAR(state.objects.at(1).linear_velocity.x(), 2.0, 0.1);
 
     push.impulse_ns = {1e5, 0, 0};
@@ -115,16 +115,44 @@ TEST_F(SceneCommands, PushIsBoundedByTheSpeedLimit) {
     EXPECT_FALSE(scene->apply(push)) << "nobody";
 }
 
+TEST_F(SceneCommands, GrabMovesWhatTheSenderHoldsUntilItIsGone) {
+    bus::SceneCommand grab = command(bus::CommandKind::kGrab, 2);
+    grab.goal_world = {0, 0, 1};
+    ASSERT_TRUE(scene->apply(grab));
+    for (int i = 0; i < 100; ++i) scene->world().tick();
+    bus::SceneState state;
+    scene->get_state("w", {}, state);
+    EXPECT_NEAR(state.objects.at(1).world_from_object.translation.z(), 1.0, 0.02);
+
+    bus::SceneCommand move = command(bus::CommandKind::kMove, 2);
+    move.goal_world = {0.5, 0, 1};
+    ASSERT_TRUE(scene->apply(move));
+    move.sender = "other";
+    EXPECT_THAT(scene->apply(move).error().message, HasSubstr("does not hold"));
+    for (int i = 0; i < 100; ++i) scene->world().tick();
+    scene->get_state("w", {}, state);
+    EXPECT_NEAR(state.objects.at(1).world_from_object.translation.x(), 0.5, 0.02);
+
+    EXPECT_TRUE(scene->apply(command(bus::CommandKind::kRelease, 2)));
+    EXPECT_TRUE(scene->apply(command(bus::CommandKind::kRelease, 2))) << "twice is no fault";
+    EXPECT_EQ(scene->world().num_grabs(), 0U);
+    ASSERT_TRUE(scene->apply(grab));
+    scene->forget_sender("test");
+    EXPECT_EQ(scene->world().num_grabs(), 0U);
+    grab.target = 1;
+    EXPECT_FALSE(scene->apply(grab)) << "the floor";
+}
+
 TEST_F(SceneCommands, ResetPutsThingsBack) {
     bus::SceneCommand push = command(bus::CommandKind::kPush, 2);
     push.impulse_ns = {1.0, 0, 0};
     ASSERT_TRUE(scene->apply(push));
     for (int i = 0; i < 60; ++i) scene->world().tick();
     bus::SceneState state;
-    scene->get_state("w", state);
+    scene->get_state("w", {}, state);
     ASSERT_GT(state.objects.at(1).world_from_object.translation.x(), 0.3);
     ASSERT_TRUE(scene->apply(command(bus::CommandKind::kReset)));
-    scene->get_state("w", state);
+    scene->get_state("w", {}, state);
     EXPECT_NEAR(state.objects.at(1).world_from_object.translation.x(), 0.0, 1e-6);
 }
 

@@ -36,7 +36,9 @@ TEST(SiteRegister, PutsMeshesWhereTheSiteStands) {
     EXPECT_FALSE(sites.arrive("alice").value().has_value()) << "it is there already";
     const auto shape = sites.read_mesh(mesh_message(hand_at(0.5), 1000));
     ASSERT_TRUE(shape && *shape);
-    const Eigen::Vector3d centre = (*shape)->surface->bounds().centre();
+    geometry::Aabb bounds;
+    for (const auto& surfel : *(*shape)->surfels) bounds.add(surfel.position.cast<double>());
+    const Eigen::Vector3d centre = bounds.centre();
     EXPECT_LT((centre - Eigen::Vector3d(1.5, 0, 1)).norm(), 0.02);
 }
 
@@ -46,7 +48,7 @@ TEST(SiteRegister, MeasuresVelocityInTheWorld) {
     ASSERT_TRUE(sites.read_mesh(mesh_message(hand_at(0.50), 1000)));
     const auto shape = sites.read_mesh(mesh_message(hand_at(0.55), 1050));
     ASSERT_TRUE(shape && *shape);
-    for (const Eigen::Vector3f& v : (*shape)->velocities) EXPECT_NEAR(v.x(), -1.0, 0.1);
+    for (const auto& surfel : *(*shape)->surfels) EXPECT_NEAR(surfel.velocity.x(), -1.0, 0.1);
 }
 
 TEST(SiteRegister, RefusesBrokenLateAndFarMeshes) {

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <thread>
@@ -175,6 +176,101 @@ TEST(WorldServer, ServesASiteAndAViewerFromTheirArrivalToTheirLeave) {
     EXPECT_TRUE(witness->wait_until(
         [&] { return witness->status.num_steps > 0 && witness->status.num_sites == 0; }));
     EXPECT_EQ((*server)->status().num_sites, 0U);
+}
+
+TEST(WorldServer, LetsGoOfWhatAGuestHeldWhoIsGoneAndRefusesWhatIsNotAllowed) {
+    WorldServerConfig config = test_world();
+    config.rights.reset = {.everyone = false, .names = {"host"}};
+    auto server = WorldServer::create(config);
+    ASSERT_TRUE(server) << server.error().message;
+    std::jthread running([&](std::stop_token stop) { EXPECT_TRUE((*server)->run(stop)); });
+    auto witness = std::make_unique<Guest>(Guest::create(config.bus));
+    auto guest = std::make_unique<Guest>(Guest::create(config.bus));
+    ASSERT_TRUE(guest->wait_until([&] { return guest->state.objects.size() == 2; }));
+
+    bus::SceneCommand command;
+    command.sender = "guest";
+    command.kind = bus::CommandKind::kReset;
+    ASSERT_TRUE(guest->commands.write(command));
+    ASSERT_TRUE(guest->wait_until([&] { return guest->status.num_refused == 1; }));
+    EXPECT_EQ(guest->status.num_rejected, 1U);
+    command.kind = bus::CommandKind::kSave;
+    ASSERT_TRUE(guest->commands.write(command));
+    ASSERT_TRUE(guest->wait_until([&] { return guest->status.num_refused == 2; }));
+
+    command.kind = bus::CommandKind::kGrab;
+    command.target = 2;
+    command.goal_world = {0, 0, 1.5};
+    ASSERT_TRUE(guest->commands.write(command));
+    command.kind = bus::CommandKind::kMove;
+    const auto ball_z = [](const Guest& who) {
+        return who.state.objects.at(1).world_from_object.translation.z();
+    };
+    const auto keep_holding = [&] { ASSERT_TRUE(guest->commands.write(command)); };
+    EXPECT_TRUE(guest->wait_until([&] { return ball_z(*guest) > 1.4; }, keep_holding));
+    EXPECT_TRUE(guest->wait_until([&] { return guest->status.num_grabs == 1; }, keep_holding));
+    guest.reset();
+    EXPECT_TRUE(witness->wait_until([&] {
+        return witness->state.objects.size() == 2 && ball_z(*witness) < 0.2;
+    })) << "it fell";
+    EXPECT_TRUE(witness->wait_until([&] { return witness->status.num_grabs == 0; }));
+    EXPECT_GT(witness->status.num_bytes_published, 0U);
+    EXPECT_EQ(witness->status.num_objects, 2U);
+    EXPECT_GT(witness->status.step.num_samples, 0U);
+}
+
+TEST(WorldServer, GoesOnFromWhereItWasStopped) {
+    WorldServerConfig config = test_world();
+    config.state_file =
+        std::filesystem::temp_directory_path() / ("atrium-server-" + std::to_string(getpid()));
+    config.rights.save = {};
+    config.save_every_s = 0.2;
+    std::filesystem::remove(config.state_file);
+    const auto live = [&](const std::function<void(Guest&)>& visit) {
+        auto server = WorldServer::create(config);
+        ASSERT_TRUE(server) << server.error().message;
+        {
+            std::jthread running([&](std::stop_token stop) { EXPECT_TRUE((*server)->run(stop)); });
+            auto guest = Guest::create(config.bus);
+            ASSERT_TRUE(guest.wait_until([&] { return guest.state.objects.size() == 2; }));
+            visit(guest);
+        }
+    };
+    double x_m = 0.0;
+    std::uint64_t tick = 0;
+    bus::SceneCommand command;
+    command.sender = "guest";
+    live([&](Guest& guest) {
+        command.kind = bus::CommandKind::kPush;
+        command.target = 2;
+        command.impulse_ns = {0.6, 0, 0};
+        ASSERT_TRUE(guest.commands.write(command));
+        EXPECT_TRUE(guest.wait_until([&] { return guest.ball_x() > 0.5; }));
+        EXPECT_TRUE(guest.wait_until([&] { return guest.status.num_saves > 0; }))
+            << "now and then, by itself";
+        x_m = guest.ball_x();
+        tick = guest.state.tick;
+    });
+    live([&](Guest& guest) {
+        EXPECT_GE(guest.state.tick, tick);
+        EXPECT_GE(guest.ball_x(), x_m - 0.01) << "where it was, or rolled on";
+        // back to what was saved
+        command.kind = bus::CommandKind::kSave;
+        ASSERT_TRUE(guest.commands.write(command));
+        EXPECT_TRUE(guest.wait_until([&] { return guest.status.num_saves > 1; }));
+        command.kind = bus::CommandKind::kRestore;
+        ASSERT_TRUE(guest.commands.write(command));
+        const std::uint64_t before = guest.state.tick;
+        EXPECT_TRUE(guest.wait_until([&] { return guest.state.tick > before + 30; }));
+        EXPECT_GE(guest.ball_x(), x_m - 0.01);
+    });
+    // a damaged file: the world starts as described, and the file is kept
+    std::filesystem::resize_file(config.state_file, 40);
+    live([&](Guest& guest) { EXPECT_LT(std::abs(guest.ball_x()), 0.05); });
+    const std::filesystem::path aside = config.state_file.string() + ".bad-1";
+    EXPECT_TRUE(std::filesystem::exists(aside));
+    std::filesystem::remove(aside);
+    std::filesystem::remove(config.state_file);
 }
 
 TEST(WorldServer, EndsByItselfAfterTheTimeItWasGiven) {

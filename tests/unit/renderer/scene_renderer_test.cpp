@@ -261,5 +261,75 @@ TEST_F(SceneRendererTest, SmoothingSoftensEdgesAndKeepsFlatColours) {
     EXPECT_LT(num_different, kWidth * kHeight / 10);
 }
 
+TEST_F(SceneRendererTest, DrawsASoftClothFromBothSidesAndARope) {
+    const ViewCamera front{.position_m = {0, -3, 1}, .target_m = {0, 0, 1}, .fov_deg = 45.0};
+    const ViewCamera back{.position_m = {0, 3, 1}, .target_m = {0, 0, 1}, .fov_deg = 45.0};
+    draw(front);
+    const Eigen::Vector3d before = pixel_at(front, {0.1, 0, 1});
+    const SoftLook look{.num_nodes = 6,
+                        .triangles = {{0, 1, 2}, {0, 2, 3}},
+                        .segments = {{4, 5}},
+                        .thickness_m = 0.06,
+                        .colour = {0.8, 0.05, 0.05}};
+    renderer_->set_soft_object(3, look);
+    draw(front);
+    EXPECT_EQ(pixel_at(front, {0.1, 0, 1}), before) << "nothing before its nodes are known";
+
+    std::vector<Eigen::Vector3f> nodes{{-0.4F, 0, 0.6F},
+                                       {0.4F, 0, 0.6F},
+                                       {0.4F, 0, 1.4F},
+                                       {-0.4F, 0, 1.4F},
+                                       {0.7F, 0, 0.5F},
+                                       {0.7F, 0, 1.5F}};
+    renderer_->move_soft_object(3, nodes);
+    for (const ViewCamera& camera : {front, back}) {
+        draw(camera);
+        for (const Eigen::Vector3d& p : {Eigen::Vector3d(0.1, 0, 1), {-0.3, 0, 0.8}, {0.7, 0, 1}}) {
+            const Eigen::Vector3d colour = pixel_at(camera, p);
+            EXPECT_GT(colour.x(), 2.0 * colour.y()) << p.transpose();
+            EXPECT_GT(colour.x(), 0.3) << "lit, on either side";
+        }
+    }
+    for (Eigen::Vector3f& node : nodes) node.x() += 2.0F;
+    renderer_->move_soft_object(3, nodes);
+    draw(front);
+    EXPECT_LT(pixel_at(front, {-0.3, 0, 0.8}).x(), 2.0 * pixel_at(front, {-0.3, 0, 0.8}).y())
+        << "it has moved away";
+    nodes.pop_back();
+    renderer_->move_soft_object(3, nodes);  // another number of nodes: left alone
+    renderer_->remove_soft_object(3);
+    EXPECT_EQ(renderer_->num_objects(), 0U);
+}
+
+TEST_F(SceneRendererTest, DrawsAModelInPlaceOfAShapeAndScenery) {
+    const ViewCamera camera{.position_m = {0, -3, 1}, .target_m = {0, 0, 1}, .fov_deg = 45.0};
+    // a flat triangle, which a box of the object's size would cover
+    auto mesh = std::make_shared<ShapeMesh>();
+    for (const Eigen::Vector3f& p :
+         {Eigen::Vector3f(-0.4F, 0, -0.4F), {0.4F, 0, -0.4F}, {-0.4F, 0, 0.4F}})
+        mesh->corners.push_back({p, {0, -1, 0}});
+    mesh->indices = {0, 1, 2};
+    ObjectLook look{.model = mesh,
+                    .size_m = {0.8, 0.8, 0.8},
+                    .colour = {0.05, 0.7, 0.05},
+                    .world_from_object = {Eigen::Quaterniond::Identity(), {0, 0, 1}}};
+    const auto is_green = [&](const Eigen::Vector3d& p) {
+        const Eigen::Vector3d colour = pixel_at(camera, p);
+        return colour.y() > 1.5 * colour.x();
+    };
+    renderer_->set_object(1, look);
+    draw(camera);
+    EXPECT_TRUE(is_green({-0.2, 0, 0.8}));
+    EXPECT_FALSE(is_green({0.3, 0, 1.3})) << "the half of the box that the model has not";
+    renderer_->remove_object(1);
+
+    renderer_->set_scenery("room", std::vector{look});
+    draw(camera);
+    EXPECT_TRUE(is_green({-0.2, 0, 0.8}));
+    renderer_->set_scenery("room", {});
+    draw(camera);
+    EXPECT_FALSE(is_green({-0.2, 0, 0.8}));
+}
+
 }  // namespace
 }  // namespace atrium::renderer

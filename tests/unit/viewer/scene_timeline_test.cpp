@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <random>
+
 namespace atrium::viewer {
 namespace {
 
@@ -100,6 +104,62 @@ TEST_F(SceneTimelineTest, ObjectsThatAppearAreShownWhereTheyAre) {
     sut_.add(more, begin_ + 4 * kPeriod);
     sut_.sample(begin_ + 4 * kPeriod + milliseconds(10), objects_);
     EXPECT_EQ(objects_.size(), 2u);
+}
+
+// Two viewers of one world, far from it and near it, on links that lose and delay states in their
+// own ways, with clocks of their own: for the same time stamp both show the same place within 5 mm.
+TEST(TwoViewers, ShowTheSamePlaceForTheSameTime) {
+    std::mt19937 random(9);
+    std::uniform_real_distribution<double> chance(0.0, 1.0);
+    constexpr auto kSendPeriod = std::chrono::nanoseconds(16'666'667);
+    const auto make_state = [&](int step) {
+        const double t = step / 60.0;
+        const double flight_s = std::fmod(t, 0.8);  // thrown up at 3.9 m/s again and again
+        bus::SceneState state;
+        state.time = Timestamp{1'000'000'000'000} + step * kSendPeriod;
+        bus::ObjectState object;
+        object.object = 7;
+        object.world_from_object.translation = {
+            0.3 * std::sin(8 * t), 2.0 * t, 3.924 * flight_s - 4.905 * flight_s * flight_s};
+        object.linear_velocity = {2.4 * std::cos(8 * t), 2.0, 3.924 - 9.81 * flight_s};
+        state.objects.push_back(object);
+        return state;
+    };
+    SceneTimeline near;
+    SceneTimeline far;
+    std::vector<bus::ObjectState> seen_near;
+    std::vector<bus::ObjectState> seen_far;
+    const SceneTimeline::Clock::time_point near_clock{std::chrono::seconds(5000)};
+    const SceneTimeline::Clock::time_point far_clock{std::chrono::seconds(90)};
+    double largest_m = 0.0;
+    int num_compared = 0;
+    for (int step = 0; step < 600; ++step) {
+        const auto way = [&](double least_ms, double jitter_ms) {
+            return std::chrono::nanoseconds(
+                static_cast<std::int64_t>(1e6 * (least_ms + jitter_ms * chance(random))));
+        };
+        near.add(make_state(step), near_clock + step * kSendPeriod + way(0.2, 0.5));
+        if (chance(random) > 0.05)
+            far.add(make_state(step), far_clock + step * kSendPeriod + way(60.0, 8.0));
+        if (step < 30) continue;
+        // what the far one shows now is the past for the near one, which has it too
+        const auto time = far.shown_time(far_clock + step * kSendPeriod + way(62.0, 10.0));
+        ASSERT_TRUE(time);
+        const double phase_s =
+            std::fmod((*time - Timestamp{1'000'000'000'000}).count() * 1e-9, 0.8);
+        if (phase_s < 0.06 || phase_s > 0.74) continue;  // the throw itself is between two states
+        near.sample_at(*time, seen_near);
+        far.sample_at(*time, seen_far);
+        ASSERT_EQ(seen_near.size(), 1U);
+        ASSERT_EQ(seen_far.size(), 1U);
+        largest_m = std::max(
+            largest_m,
+            (seen_near[0].world_from_object.translation - seen_far[0].world_from_object.translation)
+                .norm());
+        ++num_compared;
+    }
+    EXPECT_GT(num_compared, 300);
+    EXPECT_LT(largest_m, 0.005);
 }
 
 }  // namespace

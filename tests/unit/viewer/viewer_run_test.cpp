@@ -1,3 +1,4 @@
+#include "core/bus/soft_nodes.hpp"
 #include "tests/unit/viewer/test_site.hpp"
 #include "viewer/renderer/view_camera.hpp"
 #include "viewer/viewer.hpp"
@@ -8,6 +9,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <optional>
 #include <thread>
@@ -141,6 +143,56 @@ TEST_F(ViewerRun, ShowsObjectsWhereTheWorldPutsThem) {
     finish();
     ASSERT_TRUE(result_) << result_.error().message;
     EXPECT_GT(centre_of_output()[2], 2 * centre_of_output()[1]);
+}
+
+// A green cloth in front, and a piece of scenery that fills the picture behind it.
+TEST_F(ViewerRun, ShowsSoftObjectsAndSceneryFromItsOwnFolder) {
+    std::ofstream(folder_ / "wall.mtl") << "newmtl blue\nKd 0.05 0.05 0.9\n";
+    std::ofstream(folder_ / "wall.obj")
+        << "mtllib wall.mtl\nusemtl blue\n"
+           "v 0 -5 -5\nv 0 5 -5\nv 0 5 6\nv 0 -5 6\nf 1 2 3\nf 1 3 4\n";
+    config_.models = folder_;
+    auto objects = writer<bus::SceneObject>();
+    auto bodies = writer<bus::SoftBody>();
+    auto soft_states = writer<bus::SoftBodyState>();
+    auto states = writer<bus::SceneState>();
+    auto sceneries = writer<bus::Scenery>();
+    bus::Scenery wall;
+    wall.name = "wall";
+    wall.model = "wall.obj";
+    wall.world_from_model.translation = {-2, 0, 0};
+    ASSERT_TRUE(sceneries.write(wall));
+    bus::SceneObject cloth;
+    cloth.object = 4;
+    cloth.name = "cloth";
+    cloth.shape = bus::Shape::kSoft;
+    cloth.colour = {0.0, 0.9, 0.0};
+    ASSERT_TRUE(objects.write(cloth));
+    ASSERT_TRUE(bodies.write({4, 4, 0.01, {{0, 1, 2}, {0, 2, 3}}, {}}));
+    bus::SoftBodyState nodes;
+    nodes.object = 4;
+    bus::quantise(
+        std::vector<Eigen::Vector3f>{
+            {0, -0.3F, 0.9F}, {0, 0.3F, 0.9F}, {0, 0.3F, 1.5F}, {0, -0.3F, 1.5F}},
+        nodes);
+    start();
+    ASSERT_TRUE(eventually([&] {
+        bus::SceneState state;
+        state.world = "w";
+        state.tick = ++nodes.tick;
+        state.time = nodes.time = Timestamp::now();
+        EXPECT_TRUE(states.write(state));
+        EXPECT_TRUE(soft_states.write(nodes));
+        return viewer_->status().num_frames > 40;
+    }));
+    finish();
+    ASSERT_TRUE(result_) << result_.error().message;
+    EXPECT_GT(centre_of_output()[1], 2 * centre_of_output()[2]) << "the cloth";
+    const cv::Mat picture = cv::imread(config_.output.string());
+    for (const auto& [x, y] : {std::pair(40, 60), {280, 60}, {40, 150}}) {
+        const cv::Vec3b colour = picture.at<cv::Vec3b>(y, x);
+        EXPECT_GT(colour[0], 2 * colour[2]) << "the wall, where there would be sky or floor";
+    }
 }
 
 TEST_F(ViewerRun, EndsAfterTheFramesAskedFor) {

@@ -1,0 +1,190 @@
+#include "core/model/model_file.hpp"
+
+#include <Eigen/LU>
+#include <assimp/Importer.hpp>
+#include <assimp/config.h>
+#include <assimp/material.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string_view>
+#include <system_error>
+
+namespace atrium::model {
+namespace {
+
+constexpr std::array<std::string_view, 6> kEndings{".obj", ".ply", ".stl", ".off", ".gltf", ".glb"};
+constexpr int kMaxDepth = 100;  // of nodes within nodes
+
+std::string ending_of(const std::filesystem::path& file) {
+    std::string ending = file.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) {
+        return static_cast<char>(std::tolower(c));
+    });
+    return ending;
+}
+
+Eigen::Matrix4d to_eigen(const aiMatrix4x4& m) {
+    Eigen::Matrix4d transform;
+    transform << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, m.d1, m.d2,
+        m.d3, m.d4;
+    return transform;
+}
+
+Eigen::Vector3d colour_of(const aiMaterial& material) {
+    aiColor4D colour(0.7F, 0.7F, 0.7F, 1.0F);
+    if (material.Get(AI_MATKEY_BASE_COLOR, colour) != aiReturn_SUCCESS)
+        material.Get(AI_MATKEY_COLOR_DIFFUSE, colour);
+    Eigen::Vector3d rgb(colour.r, colour.g, colour.b);
+    if (!rgb.allFinite()) return Eigen::Vector3d::Constant(0.7);
+    return rgb.cwiseMax(0.0).cwiseMin(1.0);
+}
+
+class Taker {
+public:
+    Taker(const aiScene& scene, const std::filesystem::path& file, const ModelLimits& limits)
+        : scene_(scene), file_(file), limits_(limits) {}
+
+    Expected<std::vector<ModelPart>> take(const Eigen::Matrix4d& model_from_file) {
+        if (scene_.mRootNode == nullptr) return invalid("holds nothing");
+        if (auto taken = take_node(*scene_.mRootNode, model_from_file, 0); !taken)
+            return tl::unexpected(taken.error());
+        if (num_triangles_ == 0) return invalid("holds no triangles");
+        return std::move(parts_);
+    }
+
+private:
+    tl::unexpected<Error> invalid(const std::string& what) const {
+        return make_error(ErrorKind::kInvalidData, fmt::format("{}: {}", file_.string(), what));
+    }
+
+    Expected<void> take_node(const aiNode& node, const Eigen::Matrix4d& model_from_up, int depth) {
+        if (depth > kMaxDepth) return invalid("its nodes are nested too deep");
+        const Eigen::Matrix4d model_from_node = model_from_up * to_eigen(node.mTransformation);
+        for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+            const aiMesh& mesh = *scene_.mMeshes[node.mMeshes[i]];
+            if ((mesh.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) == 0) continue;
+            if (auto taken = take_mesh(mesh, model_from_node); !taken) return taken;
+        }
+        for (unsigned i = 0; i < node.mNumChildren; ++i) {
+            if (auto taken = take_node(*node.mChildren[i], model_from_node, depth + 1); !taken)
+                return taken;
+        }
+        return {};
+    }
+
+    Expected<void> take_mesh(const aiMesh& mesh, const Eigen::Matrix4d& model_from_mesh) {
+        num_vertices_ += mesh.mNumVertices;
+        num_triangles_ += mesh.mNumFaces;
+        if (parts_.size() == limits_.max_parts)
+            return invalid(fmt::format("has more than {} parts", limits_.max_parts));
+        if (num_vertices_ > limits_.max_vertices)
+            return invalid(fmt::format("has more than {} vertices", limits_.max_vertices));
+        if (num_triangles_ > limits_.max_triangles)
+            return invalid(fmt::format("has more than {} triangles", limits_.max_triangles));
+        ModelPart part;
+        part.name = mesh.mName.C_Str();
+        if (mesh.mMaterialIndex < scene_.mNumMaterials)
+            part.colour = colour_of(*scene_.mMaterials[mesh.mMaterialIndex]);
+        for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
+            const aiVector3D& p = mesh.mVertices[v];
+            const Eigen::Vector3d at =
+                (model_from_mesh * Eigen::Vector4d(p.x, p.y, p.z, 1.0)).head<3>();
+            // written so that NaN fails
+            if (!(at.cwiseAbs().maxCoeff() <= limits_.max_coordinate_m))
+                return invalid(
+                    fmt::format("a vertex of part '{}' is further than {} m from the "
+                                "origin, or not a number",
+                                part.name,
+                                limits_.max_coordinate_m));
+            part.mesh.vertices.push_back(at);
+            if (!mesh.HasTextureCoords(0)) continue;
+            const aiVector3D& place = mesh.mTextureCoords[0][v];
+            part.texture_places.emplace_back(place.x, place.y);
+        }
+        take_triangles(mesh, model_from_mesh.topLeftCorner<3, 3>().determinant() < 0.0, part.mesh);
+        if (!part.mesh.triangles.empty()) parts_.push_back(std::move(part));
+        return {};
+    }
+
+    static void take_triangles(const aiMesh& mesh, bool is_mirrored, geometry::TriangleMesh& out) {
+        for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+            const aiFace& face = mesh.mFaces[f];
+            if (face.mNumIndices != 3) continue;
+            std::array<std::uint32_t, 3> t{face.mIndices[0], face.mIndices[1], face.mIndices[2]};
+            if (std::max({t[0], t[1], t[2]}) >= mesh.mNumVertices) continue;
+            if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
+            if (is_mirrored) std::swap(t[1], t[2]);
+            out.triangles.push_back(t);
+        }
+    }
+
+    const aiScene& scene_;
+    const std::filesystem::path& file_;
+    const ModelLimits& limits_;
+    std::vector<ModelPart> parts_;
+    std::size_t num_vertices_ = 0;
+    std::size_t num_triangles_ = 0;
+};
+
+Expected<void> check_file(const std::filesystem::path& file, const ModelLimits& limits) {
+    const auto wrong = [&](ErrorKind kind, const std::string& what) {
+        return make_error(kind, fmt::format("{}: {}", file.string(), what));
+    };
+    if (!is_model_name(file)) {
+        return wrong(ErrorKind::kInvalidData,
+                     fmt::format("a model's name ends in one of {}", model_endings()));
+    }
+    std::error_code failure;
+    if (!std::filesystem::is_regular_file(file, failure))
+        return wrong(ErrorKind::kNotFound, "there is no such file");
+    const std::uintmax_t num_bytes = std::filesystem::file_size(file, failure);
+    if (failure) return wrong(ErrorKind::kNotFound, failure.message());
+    if (num_bytes > limits.max_file_bytes) {
+        return wrong(
+            ErrorKind::kInvalidData,
+            fmt::format("has {} bytes, a model may have {}", num_bytes, limits.max_file_bytes));
+    }
+    return {};
+}
+
+}  // namespace
+
+bool is_model_name(const std::filesystem::path& file) {
+    return std::find(kEndings.begin(), kEndings.end(), ending_of(file)) != kEndings.end();
+}
+
+const std::string& model_endings() {
+    static const std::string kList = fmt::format("{}", fmt::join(kEndings, ", "));
+    return kList;
+}
+
+Expected<std::vector<ModelPart>> load_model(const std::filesystem::path& file,
+                                            double scale,
+                                            const ModelLimits& limits) {
+    if (auto good = check_file(file, limits); !good) return tl::unexpected(good.error());
+    Assimp::Importer importer;
+    importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
+                                aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+    const aiScene* scene = importer.ReadFile(
+        file.string(),
+        aiProcess_Triangulate | aiProcess_JoinIdenticalVertices | aiProcess_SortByPType |
+            aiProcess_FlipUVs | aiProcess_ValidateDataStructure);
+    if (scene == nullptr) {
+        return make_error(
+            ErrorKind::kInvalidData,
+            fmt::format("{}: cannot be read: {}", file.string(), importer.GetErrorString()));
+    }
+    Eigen::Matrix4d model_from_file = Eigen::Matrix4d::Identity();
+    const std::string ending = ending_of(file);
+    if (ending == ".gltf" || ending == ".glb")
+        model_from_file << 1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1;
+    model_from_file.topRows<3>() *= scale;
+    return Taker(*scene, file, limits).take(model_from_file);
+}
+
+}  // namespace atrium::model

@@ -1,0 +1,319 @@
+#include "tests/fuzz/wire_check.hpp"
+
+#include "core/bus/checks.hpp"
+#include "core/bus/limits.hpp"
+#include "core/bus/topics.hpp"
+#include "core/bus/wire.hpp"
+#include "tests/fuzz/cdr_type.hpp"
+#include "tests/fuzz/wire_input.hpp"
+#include "tests/fuzz/wire_promises.hpp"
+#include "tests/unit/bus/random_messages.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <string_view>
+
+namespace atrium::test {
+namespace {
+
+enum class Reading { kSample, kEndOfKey, kFields };
+constexpr int kNumReadings = 3;
+
+/// What a wire struct says, field by field, without what stands behind the ends of its names. Notes
+/// what no message may hold.
+class Statement {
+public:
+    static constexpr bool kWithIgnored = false;
+
+    template <typename Wire>
+    static Statement of(Wire& wire) {
+        Statement statement;
+        visit_parts(wire, statement);
+        return statement;
+    }
+
+    template <typename... Parts>
+    void operator()(Parts&... parts) {
+        (add(parts), ...);
+    }
+
+    std::vector<std::uint8_t> bytes;  // of all but rotations
+    std::vector<Eigen::Vector4d> rotations;
+    std::string wrong;
+
+private:
+    template <typename Value>
+    void append(const Value& value) {
+        const auto* begin = reinterpret_cast<const std::uint8_t*>(&value);
+        bytes.insert(bytes.end(), begin, begin + sizeof(value));
+    }
+
+    void add(double value) {
+        if (!(std::abs(value) <= bus::kMaxStatistic)) wrong = "a number";
+        append(value);
+    }
+    void add(std::int64_t time_ns) {
+        if (time_ns < 0 || time_ns > bus::kMaxTime_ns) wrong = "a time";
+        append(time_ns);
+    }
+    void add(std::uint8_t value) { append(value); }
+    void add(bool value) { append(value); }
+    void add(std::uint16_t value) { append(value); }
+    void add(std::uint32_t value) { append(value); }
+    void add(std::uint64_t value) { append(value); }
+
+    void add(atrium_Name& name) {
+        const std::string_view text(name, strnlen(name, sizeof(name)));
+        const auto is_bad = [](char c) {
+            return std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '.' &&
+                   c != '-';
+        };
+        if (text.empty() || text.size() > bus::kMaxNameLength ||
+            std::any_of(text.begin(), text.end(), is_bad))
+            wrong = "a name";
+        bytes.insert(bytes.end(), text.begin(), text.end());
+        bytes.push_back(0);
+    }
+    void add(atrium_ModelFile& file) {
+        const std::string_view text(file, strnlen(file, sizeof(file)));
+        if (text.size() == sizeof(file) || (!text.empty() && !bus::is_valid_model_file(text)))
+            wrong = "a model's file";
+        if (("/" + std::string(text)).find("/.") != std::string::npos) wrong = "a way out";
+        bytes.insert(bytes.end(), text.begin(), text.end());
+        bytes.push_back(0);
+    }
+    void add(OptionalName& optional) {
+        if (optional.name[0] == '\0')
+            bytes.push_back(0);
+        else
+            add(optional.name);
+    }
+
+    void add(atrium_Pose& pose) {
+        rotations.emplace_back(pose.rotation);
+        add(pose.translation);
+    }
+
+    template <std::size_t kSize>
+    void add(double (&values)[kSize]) {
+        for (const double value : values) add(value);
+    }
+
+    template <typename Wire>
+    void add(Wire& wire) {
+        if constexpr (requires { wire._buffer; }) {
+            append(wire._length);
+            for (std::uint32_t i = 0; i < wire._length; ++i) add(wire._buffer[i]);
+        } else {
+            visit_parts(wire, *this);
+        }
+    }
+};
+
+/// Rotations may be made a little longer or shorter, and nothing else may change.
+std::string compare(const Statement& received, const Statement& accepted) {
+    constexpr double kRounding = 2e-15;
+    if (received.bytes != accepted.bytes) return "not what was received";
+    if (received.rotations.size() != accepted.rotations.size()) return "not as many rotations";
+    for (std::size_t i = 0; i < accepted.rotations.size(); ++i) {
+        if (!(std::abs(accepted.rotations[i].norm() - 1.0) <= kRounding))
+            return "a rotation's length";
+        const Eigen::Vector4d change = accepted.rotations[i] - received.rotations[i];
+        if (!(change.norm() <= 1.01 * bus::kQuaternionTolerance)) return "another rotation";
+    }
+    return "";
+}
+
+template <typename Message>
+using WireOf = typename bus::Topic<Message>::Wire;
+
+/// `wire` is what `message` was made from.
+template <typename Message>
+std::string check_accepted(WireOf<Message>& wire, const Message& message) {
+    if (const std::string broken = broken_promise(message); !broken.empty()) return broken;
+    bus::WireScratch scratch;
+    WireOf<Message> sent{};
+    bus::to_wire(message, scratch, sent);
+    const Statement statement = Statement::of(sent);
+    if (!statement.wrong.empty()) return statement.wrong;
+    if (const std::string change = compare(Statement::of(wire), statement); !change.empty())
+        return change;
+
+    const auto back = bus::from_wire(sent);
+    if (!back) return "refuses what it accepted: " + back.error().message;
+    if (!bus::testing::same(*back, message)) return "another message on the way back";
+    bus::WireScratch other_scratch;
+    WireOf<Message> sent_again{};
+    bus::to_wire(*back, other_scratch, sent_again);
+    const Statement again = Statement::of(sent_again);
+    const bool is_same = again.bytes == statement.bytes && again.rotations == statement.rotations;
+    return is_same ? "" : "is sent in another way again";
+}
+
+template <typename Message>
+std::string check_key(const WireOf<Message>& wire, bool& was_accepted) {
+    const auto key = bus::key_from_wire(wire);
+    was_accepted = key.has_value();
+    if (!key) return key.error().kind == ErrorKind::kInvalidData ? "" : "another kind of error";
+    WireOf<Message> sent{};
+    bus::key_to_wire(*key, sent);
+    const auto back = bus::key_from_wire(sent);
+    if (!back) return "refuses the key that it accepted";
+    WireOf<Message> sent_again{};
+    bus::key_to_wire(*back, sent_again);
+    return std::memcmp(&sent, &sent_again, sizeof(sent)) == 0 ? "" : "another key on the way back";
+}
+
+template <typename Message>
+std::string check_sample(WireOf<Message>& wire, std::size_t num_payload, bool& was_accepted) {
+    const auto message = bus::from_wire(wire);
+    was_accepted = message.has_value();
+    bool is_key = false;
+    const std::string wrong = check_key<Message>(wire, is_key);
+    if (!wrong.empty()) return wrong;
+    if (!message)
+        return message.error().kind == ErrorKind::kInvalidData ? "" : "another kind of error";
+    if (!is_key) return "a message without a key";
+    if (num_payload > 0 && bus::payload_bytes(*message) > num_payload)
+        return "more payload than came";
+    return check_accepted(wire, *message);
+}
+
+template <typename Message>
+const CdrType& cdr_type() {
+    static const CdrType type = [] {
+        bus::testing::Random random(1);
+        const auto message = bus::testing::random_message<Message>(random);
+        bus::WireScratch scratch;
+        WireOf<Message> wire{};
+        bus::to_wire(message, scratch, wire);
+        return CdrType(bus::Topic<Message>::kDescriptor, bus::Topic<Message>::kName, &wire);
+    }();
+    return type;
+}
+
+/// A wire struct whose contents Cyclone allocates.
+template <typename Message>
+struct Received {
+    Received() = default;
+    Received(const Received&) = delete;
+    Received& operator=(const Received&) = delete;
+    ~Received() { cdr_type<Message>().free_contents(&wire); }
+    WireOf<Message> wire{};
+};
+
+template <typename Message>
+std::string check_end_of_key(std::span<const std::uint8_t> payload, bool& was_accepted) {
+    const auto data = cdr_type<Message>().accept(payload, SDK_KEY);
+    if (!data) return "";
+    Received<Message> key;
+    if (!cdr_type<Message>().read_key(*data, &key.wire)) return "";
+    return check_key<Message>(key.wire, was_accepted);
+}
+
+template <typename Message>
+std::string check_payload(std::span<const std::uint8_t> payload, bool& was_accepted) {
+    const CdrType& type = cdr_type<Message>();
+    const auto data = type.accept(payload, SDK_DATA);
+    if (!data) return "";
+    Received<Message> sample;
+    if (!type.read(*data, &sample.wire)) return "";
+    const std::string wrong = check_sample<Message>(sample.wire, payload.size(), was_accepted);
+    if (!wrong.empty() || !was_accepted) return wrong;
+
+    // Cyclone reads into structs that it has read into before
+    const Statement first = Statement::of(sample.wire);
+    if (!type.read(*data, &sample.wire)) return "is not read twice";
+    if (Statement::of(sample.wire).bytes != first.bytes) return "is read as another the next time";
+    Received<Message> key;
+    bool is_key = false;
+    if (!type.read_key(*data, &key.wire)) return "a sample without a key";
+    const std::string wrong_key = check_key<Message>(key.wire, is_key);
+    return wrong_key.empty() && !is_key ? "a key that is refused" : wrong_key;
+}
+
+template <typename Message>
+std::string check_fields(std::span<const std::uint8_t> bytes, bool& was_accepted) {
+    ByteReader reader(bytes);
+    WireFiller filler(reader);
+    WireOf<Message> wire{};
+    visit_parts(wire, filler);
+    return check_sample<Message>(wire, 0, was_accepted);
+}
+
+Bytes input_of(Reading reading, Bytes bytes) {
+    bytes.insert(bytes.begin(), static_cast<std::uint8_t>(reading));
+    return bytes;
+}
+
+template <typename Message>
+std::string check_wire_bytes(std::span<const std::uint8_t> bytes, bool& was_accepted) {
+    was_accepted = false;
+    if (bytes.empty()) return "";
+    const auto rest = bytes.subspan(1);
+    switch (static_cast<Reading>(bytes[0] % kNumReadings)) {
+        case Reading::kSample:
+            return check_payload<Message>(rest, was_accepted);
+        case Reading::kEndOfKey:
+            return check_end_of_key<Message>(rest, was_accepted);
+        case Reading::kFields:
+            return check_fields<Message>(rest, was_accepted);
+    }
+    return "no reading";
+}
+
+template <typename Message>
+std::vector<Bytes> wire_samples() {
+    constexpr int kNumDrawn = 200;
+    constexpr std::size_t kNumKept = 4;
+    bus::testing::Random random(2);
+    bus::WireScratch scratch;
+    std::vector<Bytes> inputs;
+    Bytes key;
+    for (int i = 0; i < kNumDrawn; ++i) {
+        const auto message = bus::testing::random_message<Message>(random);
+        WireOf<Message> wire{};
+        bus::to_wire(message, scratch, wire);
+        inputs.push_back(
+            input_of(Reading::kSample, cdr_type<Message>().payload_of(&wire, SDK_DATA)));
+        key = input_of(Reading::kEndOfKey, cdr_type<Message>().payload_of(&wire, SDK_KEY));
+    }
+    std::stable_sort(inputs.begin(), inputs.end(), [](const auto& a, const auto& b) {
+        return a.size() < b.size();
+    });
+    inputs.resize(kNumKept);
+    inputs.push_back(key);
+    inputs.push_back(input_of(Reading::kFields, {}));
+    return inputs;
+}
+
+template <typename... Messages>
+constexpr auto checks_of() {
+    return std::array{WireCheck{
+        bus::Topic<Messages>::kName, check_wire_bytes<Messages>, wire_samples<Messages>}...};
+}
+
+constexpr auto kChecks = checks_of<bus::SiteDescription,
+                                   bus::SiteMesh,
+                                   bus::CameraTexture,
+                                   bus::SitePlacement,
+                                   bus::SceneObject,
+                                   bus::SoftBody,
+                                   bus::SoftBodyState,
+                                   bus::Scenery,
+                                   bus::SceneState,
+                                   bus::SceneCommand,
+                                   bus::SiteStatus,
+                                   bus::WorldStatus,
+                                   bus::ViewerStatus,
+                                   bus::StreamFeedback,
+                                   bus::Presence>();
+
+}  // namespace
+
+std::span<const WireCheck> wire_checks() { return kChecks; }
+
+}  // namespace atrium::test

@@ -1,0 +1,80 @@
+#include "tests/fuzz/wire_check.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+// Samples of every topic as they come from the network, good ones, damaged ones, and those that a
+// fuzzer found to reach code that no other reaches.
+namespace atrium::test {
+namespace {
+
+std::vector<Bytes> seeds(const std::string& topic) {
+    std::vector<Bytes> all;
+    const std::filesystem::path folder = ATRIUM_SOURCE_DIR "/tests/fuzz/seeds/wire_" + topic;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        std::ifstream stream(entry.path(), std::ios::binary);
+        all.emplace_back(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
+    }
+    return all;
+}
+
+class EveryTopic : public ::testing::TestWithParam<WireCheck> {};
+INSTANTIATE_TEST_SUITE_P(WireFuzzSeeds,
+                         EveryTopic,
+                         ::testing::ValuesIn(wire_checks().begin(), wire_checks().end()),
+                         [](const auto& topic) { return std::string(topic.param.topic); });
+
+TEST_P(EveryTopic, AcceptsItsSamples) {
+    const auto samples = GetParam().samples();
+    ASSERT_FALSE(samples.empty());
+    for (const Bytes& bytes : samples) {
+        bool was_accepted = false;
+        EXPECT_EQ(GetParam().check(bytes, was_accepted), "");
+        EXPECT_TRUE(was_accepted) << "of " << bytes.size() << " bytes, the first "
+                                  << static_cast<int>(bytes.front());
+    }
+}
+
+TEST_P(EveryTopic, BearsEachSampleCutShortAnywhere) {
+    for (const Bytes& bytes : GetParam().samples()) {
+        for (std::size_t size = 0; size < bytes.size(); ++size) {
+            bool was_accepted = false;
+            ASSERT_EQ(GetParam().check({bytes.data(), size}, was_accepted), "") << size;
+        }
+    }
+}
+
+TEST_P(EveryTopic, BearsAnyByteOfEachSampleChanged) {
+    int num_refused = 0;
+    for (Bytes bytes : GetParam().samples()) {
+        for (std::size_t i = 1; i < bytes.size(); ++i) {
+            for (const std::uint8_t change : {0x01, 0x80, 0xff}) {
+                bytes[i] ^= change;
+                bool was_accepted = false;
+                ASSERT_EQ(GetParam().check(bytes, was_accepted), "") << "byte " << i;
+                num_refused += was_accepted ? 0 : 1;
+                bytes[i] ^= change;
+            }
+        }
+    }
+    EXPECT_GT(num_refused, 0);
+}
+
+TEST_P(EveryTopic, BearsWhatAFuzzerFound) {
+    int num_accepted = 0;
+    int num_refused = 0;
+    for (const Bytes& bytes : seeds(std::string(GetParam().topic))) {
+        bool was_accepted = false;
+        EXPECT_EQ(GetParam().check(bytes, was_accepted), "");
+        ++(was_accepted ? num_accepted : num_refused);
+    }
+    // else the inputs have lost their meaning
+    EXPECT_GE(num_accepted, 2);
+    EXPECT_GE(num_refused, 2);
+}
+
+}  // namespace
+}  // namespace atrium::test

@@ -1,0 +1,143 @@
+#include "tests/fuzz/wire_promises.hpp"
+
+#include "core/bus/limits.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace atrium::test {
+namespace {
+
+std::string unless(bool holds, const char* what) { return holds ? "" : what; }
+
+bool is_picture_side(int pixels) { return pixels >= 1 && pixels <= bus::kMaxImageSide_px; }
+
+}  // namespace
+
+std::string broken_promise(const bus::SiteDescription& message) {
+    if (message.cameras.size() > bus::kMaxCamerasPerSite) return "too many cameras";
+    for (const geometry::CalibratedCamera& camera : message.cameras) {
+        const geometry::PinholeCamera& intrinsics = camera.intrinsics;
+        if (!is_picture_side(intrinsics.width) || !is_picture_side(intrinsics.height))
+            return "a picture's size";
+        if (!(intrinsics.fx > 0.0 && intrinsics.fy > 0.0)) return "a focal length";
+    }
+    const geometry::Aabb& bounds = message.bounds_site;
+    return unless((bounds.min.array() <= bounds.max.array()).all(), "the bounds");
+}
+
+std::string broken_promise(const bus::SiteMesh& message) {
+    const auto& cameras = message.textured_cameras;
+    const std::set<std::uint32_t> distinct(cameras.begin(), cameras.end());
+    if (distinct.size() != cameras.size()) return "a camera twice";
+    if (!distinct.empty() && *distinct.rbegin() >= bus::kMaxCamerasPerSite)
+        return "a camera's index";
+    return unless(message.draco.size() <= bus::kMaxCodedBytes, "too many bytes");
+}
+
+std::string broken_promise(const bus::CameraTexture& message) {
+    if (message.camera >= bus::kMaxCamerasPerSite) return "a camera's index";
+    const image::PixelRect& crop = message.crop_px;
+    if (crop.x < 0 || crop.y < 0 || crop.width < 1 || crop.height < 1) return "an empty crop";
+    if (!is_picture_side(crop.width) || !is_picture_side(crop.height) ||
+        !is_picture_side(crop.x + crop.width) || !is_picture_side(crop.y + crop.height))
+        return "a crop outside of any picture";
+    const std::size_t most = std::max(message.colour.size(), message.mask.size());
+    return unless(most <= bus::kMaxCodedBytes, "too many bytes");
+}
+
+std::string broken_promise(const bus::SitePlacement& /*message*/) { return ""; }
+
+std::string broken_promise(const bus::SceneObject& message) {
+    if (message.shape > bus::Shape::kSoft) return "a shape";
+    const bool is_simple = message.shape <= bus::Shape::kPlane;
+    const int num_sizes = message.shape == bus::Shape::kPlane ? 2 : 3;
+    const double least_m = message.size_m.head(num_sizes).minCoeff();
+    if (is_simple ? !(least_m > 0.0) : !(least_m >= 0.0)) return "a size";
+    const bool is_model =
+        message.shape == bus::Shape::kConvex || message.shape == bus::Shape::kCompound;
+    if (is_model && message.model.empty()) return "no model";
+    if (!(message.model_scale > 0.0)) return "a model's scale";
+    if (!(message.friction >= 0.0 && message.restitution >= 0.0 && message.restitution <= 1.0))
+        return "a material";
+    if (message.mass_kg < 0.0) return "a mass";
+    const auto colour = message.colour.array();
+    return unless((colour >= 0.0).all() && (colour <= 1.0).all(), "a colour");
+}
+
+std::string broken_promise(const bus::SoftBody& message) {
+    if (message.num_nodes > bus::kMaxSoftNodes) return "too many nodes";
+    const auto is_there = [&](std::uint16_t node) { return node < message.num_nodes; };
+    for (const auto& triangle : message.triangles) {
+        if (!std::all_of(triangle.begin(), triangle.end(), is_there)) return "a node";
+    }
+    for (const auto& segment : message.segments) {
+        if (!std::all_of(segment.begin(), segment.end(), is_there)) return "a node";
+    }
+    return unless(message.thickness_m >= 0.0, "a thickness");
+}
+
+std::string broken_promise(const bus::SoftBodyState& message) {
+    if (message.nodes.size() > bus::kMaxSoftNodes) return "too many nodes";
+    return unless(message.step_m > 0.0, "a step");
+}
+
+std::string broken_promise(const bus::Scenery& message) {
+    if (message.model.empty()) return "no model";
+    const auto colour = message.colour.array();
+    if (!((colour >= 0.0).all() && (colour <= 1.0).all())) return "a colour";
+    return unless(message.model_scale > 0.0, "a model's scale");
+}
+
+std::string broken_promise(const bus::SceneState& message) {
+    return unless(message.objects.size() <= bus::kMaxObjects, "too many objects");
+}
+
+std::string broken_promise(const bus::SceneCommand& message) {
+    if (message.kind > bus::CommandKind::kRestore) return "a kind of command";
+    return message.kind == bus::CommandKind::kAdd ? broken_promise(message.object) : "";
+}
+
+std::string broken_promise(const bus::SiteStatus& message) {
+    if (message.cameras.size() > bus::kMaxCamerasPerSite) return "too many cameras";
+    for (const bus::CameraStatus& camera : message.cameras) {
+        if (camera.last_picture_age_ms < 0.0 && camera.last_picture_age_ms != -1.0)
+            return "a picture's age";
+    }
+    const bus::StreamState& stream = message.stream;
+    if (stream.jpeg_quality < 1 || stream.jpeg_quality > 100) return "a quality";
+    if (stream.colour_divisor != 1 && stream.colour_divisor != 2) return "a divisor";
+    if (stream.send_every < 1 || stream.send_every > bus::kMaxSendEvery) return "a share";
+    const bus::StageTimes& stages = message.stages;
+    for (const double value : {message.left_out.dropped_l,
+                               message.metaframes_per_s,
+                               message.bytes_per_s,
+                               message.mesh_bytes_per_s,
+                               message.texture_bytes_per_s,
+                               stream.cap_bit_per_s,
+                               stages.silhouettes_ms,
+                               stages.hull_ms,
+                               stages.coding_ms,
+                               stages.publishing_ms}) {
+        if (value < 0.0) return "a rate or a time";
+    }
+    return "";
+}
+
+std::string broken_promise(const bus::WorldStatus& message) {
+    return unless(message.steps_per_s >= 0.0, "a rate");
+}
+
+std::string broken_promise(const bus::ViewerStatus& message) {
+    return unless(message.frames_per_s >= 0.0, "a rate");
+}
+
+std::string broken_promise(const bus::StreamFeedback& message) {
+    return unless(message.payload_bytes_per_s >= 0.0, "a rate");
+}
+
+std::string broken_promise(const bus::Presence& message) {
+    return unless(message.kind <= bus::ProgramKind::kOther, "a kind of program");
+}
+
+}  // namespace atrium::test

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "core/bus/messages.hpp"
+
+#include <string>
+
+namespace atrium::test {
+
+/// What core/bus/messages.hpp says of a message beyond finite numbers, names and times. Empty: it
+/// holds; else what does not.
+std::string broken_promise(const bus::SiteDescription& message);
+std::string broken_promise(const bus::SiteMesh& message);
+std::string broken_promise(const bus::CameraTexture& message);
+std::string broken_promise(const bus::SitePlacement& message);
+std::string broken_promise(const bus::SceneObject& message);
+std::string broken_promise(const bus::SoftBody& message);
+std::string broken_promise(const bus::SoftBodyState& message);
+std::string broken_promise(const bus::Scenery& message);
+std::string broken_promise(const bus::SceneState& message);
+std::string broken_promise(const bus::SceneCommand& message);
+std::string broken_promise(const bus::SiteStatus& message);
+std::string broken_promise(const bus::WorldStatus& message);
+std::string broken_promise(const bus::ViewerStatus& message);
+std::string broken_promise(const bus::StreamFeedback& message);
+std::string broken_promise(const bus::Presence& message);
+
+}  // namespace atrium::test

@@ -1,0 +1,47 @@
+#pragma once
+
+#include "core/geometry/rigid_transform.hpp"
+#include "tests/support/acted_person.hpp"
+#include "tests/support/random.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+/// What the acts are made of.
+namespace atrium::test {
+
+/// From 0 at `start_s` to 1 after `seconds`, with no jump of velocity or acceleration.
+inline double ease(double time_s, double start_s, double seconds) {
+    const double t = std::clamp((time_s - start_s) / seconds, 0.0, 1.0);
+    return t * t * t * (10.0 - 15.0 * t + 6.0 * t * t);
+}
+
+/// Way at `speed` for `seconds`, with ramps of `ramp_s` before and after it that add half their
+/// length each: all in all speed * (seconds + ramp_s).
+inline double glide(double time_s, double start_s, double speed, double ramp_s, double seconds) {
+    const double t = std::clamp(time_s - start_s, 0.0, seconds + 2.0 * ramp_s);
+    const double up = std::min(t, ramp_s);
+    const double even = std::clamp(t - ramp_s, 0.0, seconds);
+    const double down = std::clamp(t - ramp_s - seconds, 0.0, ramp_s);
+    return speed * (0.5 * up * up / ramp_s + even + down - 0.5 * down * down / ramp_s);
+}
+
+inline geometry::RigidTransform upright(const Eigen::Vector3d& position, double heading_rad) {
+    return {Eigen::Quaterniond(Eigen::AngleAxisd(heading_rad, Eigen::Vector3d::UnitZ())), position};
+}
+
+inline std::string random_look(Random& random) {
+    const auto looks = simulation::look_names();
+    return looks[static_cast<std::size_t>(between(random, 0, static_cast<int>(looks.size()) - 1))];
+}
+
+/// Steps on the spot: both feet, by turns, lift by `height_m`.
+inline void step(simulation::BodyPose& pose, double turns, double height_m) {
+    const double swing = std::sin(2.0 * std::numbers::pi * turns);
+    pose.right_leg.ankle.z() += height_m * std::max(0.0, swing);
+    pose.left_leg.ankle.z() += height_m * std::max(0.0, -swing);
+}
+
+}  // namespace atrium::test

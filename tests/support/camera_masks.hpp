@@ -1,0 +1,36 @@
+#pragma once
+
+#include "core/geometry/pinhole_camera.hpp"
+#include "core/geometry/triangle_mesh.hpp"
+#include "core/image/image.hpp"
+#include "tests/support/random.hpp"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace atrium::test {
+
+/// What one camera sees of solid bodies: the pixels whose centres they cover.
+class MaskPainter {
+public:
+    /// `camera` has no lens distortion.
+    explicit MaskPainter(const geometry::CalibratedCamera& camera);
+
+    void clear();
+    /// `mesh_site` is closed and wholly before the camera.
+    void draw(const geometry::TriangleMesh& mesh_site);
+    /// Each pixel that touches one of the other side with an edge changes sides with this
+    /// probability, as the border of a segmented person flickers.
+    void flicker(double probability, Random& random);
+
+    const image::Mask& mask() const { return mask_; }
+
+private:
+    geometry::CalibratedCamera camera_;
+    image::Mask mask_;
+    image::Mask before_;                      // scratch
+    std::vector<Eigen::Vector2d> projected_;  // scratch
+};
+
+}  // namespace atrium::test

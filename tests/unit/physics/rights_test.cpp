@@ -1,0 +1,114 @@
+#include "world_server/rights.hpp"
+
+#include "world_server/command_inbox.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace atrium::world_server {
+namespace {
+
+using namespace std::chrono_literals;
+using bus::CommandKind;
+using testing::HasSubstr;
+
+Expected<Rights> read(const std::string& toml) {
+    auto reader = config::TableReader::parse(toml, "world.toml");
+    if (!reader) return tl::unexpected(reader.error());
+    Rights rights;
+    read_rights(*reader, rights);
+    if (const auto done = reader->finish(); !done) return tl::unexpected(done.error());
+    return rights;
+}
+
+TEST(Rights, WithoutATableAllowAllButSavingToEveryone) {
+    const auto rights = read("");
+    ASSERT_TRUE(rights);
+    for (const CommandKind kind : {CommandKind::kAdd,
+                                   CommandKind::kRemove,
+                                   CommandKind::kReset,
+                                   CommandKind::kPush,
+                                   CommandKind::kGrab,
+                                   CommandKind::kMove,
+                                   CommandKind::kRelease})
+        EXPECT_TRUE(rights->of(kind).allows("anybody")) << to_string(kind);
+    EXPECT_FALSE(rights->of(CommandKind::kSave).allows("anybody"));
+    EXPECT_FALSE(rights->of(CommandKind::kRestore).allows("anybody"));
+}
+
+TEST(Rights, AreWhatTheFileSays) {
+    const auto rights = read(
+        "[rights]\nadd = 'nobody'\nreset = ['eve', 'bob']\nsave = ['bob']\ngrab = []\n"
+        "push = 'everyone'\nmax_per_s = 10\n");
+    ASSERT_TRUE(rights) << rights.error().message;
+    EXPECT_FALSE(rights->of(CommandKind::kAdd).allows("eve"));
+    EXPECT_TRUE(rights->of(CommandKind::kReset).allows("eve"));
+    EXPECT_FALSE(rights->of(CommandKind::kReset).allows("ev"));
+    EXPECT_FALSE(rights->of(CommandKind::kReset).allows("mallory"));
+    EXPECT_TRUE(rights->of(CommandKind::kSave).allows("bob"));
+    EXPECT_TRUE(rights->of(CommandKind::kRestore).allows("bob"));
+    EXPECT_FALSE(rights->of(CommandKind::kMove).allows("bob")) << "goes with grab";
+    EXPECT_TRUE(rights->of(CommandKind::kPush).allows("mallory"));
+    EXPECT_TRUE(rights->of(CommandKind::kRemove).allows("mallory")) << "not in the file";
+    EXPECT_EQ(rights->max_per_s, 10.0);
+}
+
+TEST(Rights, SayWhatIsWrong) {
+    EXPECT_THAT(read("[rights]\nadd = 'some'").error().message, HasSubstr("world.toml:2"));
+    EXPECT_THAT(read("[rights]\nadd = ['a b']").error().message, HasSubstr("senders' names"));
+    EXPECT_FALSE(read("[rights]\nadd = [1]"));
+    EXPECT_FALSE(read("[rights]\nadd = 1"));
+    EXPECT_THAT(read("[rights]\nfly = 'nobody'").error().message, HasSubstr("fly"));
+    EXPECT_FALSE(read("[rights]\nmax_per_s = 0"));
+}
+
+TEST(CommandRates, HoldEachSenderToItsOwn) {
+    CommandRates rates(10.0);
+    const CommandRates::Clock::time_point start{};
+    int admitted = 0;
+    for (int i = 0; i < 100; ++i) admitted += rates.admit("eve", start) ? 1 : 0;
+    EXPECT_EQ(admitted, 5) << "a burst";
+    EXPECT_TRUE(rates.admit("bob", start)) << "whom it does not concern";
+    admitted = 0;
+    for (int i = 0; i < 1000; ++i) admitted += rates.admit("eve", start + i * 10ms) ? 1 : 0;
+    EXPECT_NEAR(admitted, 100, 2) << "10 s";
+    EXPECT_TRUE(rates.admit("eve", start + 1h));
+    rates.forget("eve");
+    EXPECT_EQ(rates.num_senders(), 1U);
+}
+
+bus::SceneCommand command(const std::string& sender, CommandKind kind) {
+    bus::SceneCommand c;
+    c.sender = sender;
+    c.kind = kind;
+    return c;
+}
+
+TEST(CommandInbox, RefusesWhatIsNotAllowedTooFastOrTooMuch) {
+    Rights rights;
+    rights.max_per_s = 600.0;
+    rights.reset = {false, {"bob"}};
+    CommandInbox inbox(rights);
+    const CommandRates::Clock::time_point now{};
+    EXPECT_FALSE(inbox.put(command("bob", CommandKind::kReset), now));
+    EXPECT_THAT(inbox.put(command("eve", CommandKind::kReset), now).value(), HasSubstr("reset"));
+    int num_fast = 0;
+    int num_many = 0;
+    for (int i = 0; i < 400; ++i) {
+        const auto why = inbox.put(command("eve", CommandKind::kPush), now);
+        if (!why) continue;
+        num_fast += why->find("a second") != std::string::npos ? 1 : 0;
+        num_many += why->find("at once") != std::string::npos ? 1 : 0;
+    }
+    EXPECT_GT(num_fast, 50);
+    EXPECT_GT(num_many, 10);
+    inbox.leave("eve");
+    const auto content = inbox.take_all();
+    EXPECT_EQ(content.commands.size(), 256U);
+    EXPECT_EQ(content.commands.front().sender, "bob") << "in order";
+    EXPECT_TRUE(content.left.contains("eve"));
+    EXPECT_TRUE(inbox.take_all().commands.empty());
+}
+
+}  // namespace
+}  // namespace atrium::world_server

@@ -1,0 +1,85 @@
+#include "viewer/model_library.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+
+namespace atrium::viewer {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A folder with a tetrahedron in it, and a file outside of it.
+class ModelLibraryTest : public testing::Test {
+protected:
+    void SetUp() override {
+        fs::create_directories(root_ / "models");
+        for (const fs::path& file : {root_ / "models" / "tetra.obj", root_ / "outside.obj"}) {
+            std::ofstream(file) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+                                   "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+        }
+    }
+    void TearDown() override { fs::remove_all(root_); }
+
+    static bus::SceneObject object(const std::string& model, double scale) {
+        bus::SceneObject object;
+        object.object = 4;
+        object.shape = bus::Shape::kConvex;
+        object.model = model;
+        object.model_scale = scale;
+        object.size_m = {0.3, 0.4, 0.5};
+        object.colour = {0.1, 0.2, 0.3};
+        return object;
+    }
+
+    fs::path root_ = fs::temp_directory_path() / ("atrium-models-" + std::to_string(getpid()));
+    ModelLibrary library_{root_ / "models"};
+};
+
+TEST_F(ModelLibraryTest, GivesAnObjectItsModelInItsOwnColour) {
+    const auto look = library_.look_of(object("tetra.obj", 0.5), renderer::ShapeKind::kBox);
+    ASSERT_TRUE(look.model);
+    EXPECT_EQ(look.model->indices.size(), 12U);
+    EXPECT_TRUE(look.colour.isApprox(Eigen::Vector3d(0.1, 0.2, 0.3)));
+    float largest = 0.0F;
+    for (const auto& corner : look.model->corners) {
+        largest = std::max(largest, corner.position_object.maxCoeff());
+        EXPECT_NEAR(corner.normal_object.norm(), 1.0F, 1e-5F);
+    }
+    EXPECT_NEAR(largest, 0.5F, 1e-6F) << "as scaled";
+    // its edges are sharp: the bottom's corners point down, all three
+    int num_down = 0;
+    for (const auto& corner : look.model->corners)
+        num_down += corner.normal_object.z() < -0.999F ? 1 : 0;
+    EXPECT_EQ(num_down, 3);
+    const auto again = library_.look_of(object("tetra.obj", 0.5), renderer::ShapeKind::kBox);
+    EXPECT_EQ(again.model, look.model) << "read once";
+}
+
+TEST_F(ModelLibraryTest, PutsABoxWhereThereIsNoModel) {
+    for (const char* missing : {"none.obj", "../outside.obj", "tetra.txt"}) {
+        const auto look = library_.look_of(object(missing, 1.0), renderer::ShapeKind::kBox);
+        EXPECT_FALSE(look.model) << missing;
+        EXPECT_EQ(look.shape, renderer::ShapeKind::kBox);
+        EXPECT_TRUE(look.size_m.isApprox(Eigen::Vector3d(0.3, 0.4, 0.5)));
+    }
+}
+
+TEST_F(ModelLibraryTest, GivesSceneryTheModelsParts) {
+    bus::Scenery scenery;
+    scenery.name = "room";
+    scenery.model = "tetra.obj";
+    scenery.world_from_model.translation = {1, 2, 3};
+    const auto looks = library_.look_of(scenery);
+    ASSERT_EQ(looks.size(), 1U);
+    ASSERT_TRUE(looks[0].model);
+    EXPECT_TRUE(looks[0].world_from_object.translation.isApprox(Eigen::Vector3d(1, 2, 3)));
+    scenery.model = "none.obj";
+    const auto box = library_.look_of(scenery);
+    ASSERT_EQ(box.size(), 1U);
+    EXPECT_FALSE(box[0].model);
+}
+
+}  // namespace
+}  // namespace atrium::viewer

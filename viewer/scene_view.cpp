@@ -1,0 +1,108 @@
+#include "viewer/scene_view.hpp"
+
+#include <utility>
+
+namespace atrium::viewer {
+namespace {
+
+renderer::ShapeKind shape_kind(bus::Shape shape) {
+    switch (shape) {
+        case bus::Shape::kSphere:
+            return renderer::ShapeKind::kSphere;
+        case bus::Shape::kCylinder:
+            return renderer::ShapeKind::kCylinder;
+        case bus::Shape::kCapsule:
+            return renderer::ShapeKind::kCapsule;
+        case bus::Shape::kPlane:
+            return renderer::ShapeKind::kPlane;
+        case bus::Shape::kBox:
+        case bus::Shape::kConvex:
+        case bus::Shape::kCompound:
+        case bus::Shape::kSoft:
+            break;
+    }
+    return renderer::ShapeKind::kBox;
+}
+
+}  // namespace
+
+// An object that is soft is drawn once both its descriptions have come, in any order.
+void SceneView::show_soft(std::uint32_t object, renderer::SceneRenderer& renderer) {
+    const auto body = soft_bodies_.find(object);
+    const auto described = objects_.find(object);
+    if (body == soft_bodies_.end() || described == objects_.end() ||
+        described->second.shape != bus::Shape::kSoft) {
+        return renderer.remove_soft_object(object);
+    }
+    renderer.set_soft_object(object,
+                             {.num_nodes = body->second.num_nodes,
+                              .triangles = body->second.triangles,
+                              .segments = body->second.segments,
+                              .thickness_m = body->second.thickness_m,
+                              .colour = described->second.colour});
+}
+
+void SceneView::update_soft(const SceneChanges& changes, renderer::SceneRenderer& renderer) {
+    for (const auto& [id, body] : changes.soft_bodies) {
+        if (body)
+            soft_bodies_.insert_or_assign(id, *body);
+        else
+            soft_bodies_.erase(id);
+        if (!body) soft_timeline_.remove(id);
+        show_soft(id, renderer);
+    }
+}
+
+void SceneView::update(SceneChanges changes,
+                       SceneTimeline::Clock::time_point now,
+                       renderer::SceneRenderer& renderer) {
+    for (const auto& [id, object] : changes.objects) {
+        renderer.remove_object(id);
+        if (object)
+            objects_.insert_or_assign(id, *object);
+        else
+            objects_.erase(id);
+        if (object && object->shape != bus::Shape::kSoft)
+            renderer.set_object(id, models_.look_of(*object, shape_kind(object->shape)));
+        show_soft(id, renderer);
+    }
+    update_soft(changes, renderer);
+    for (const auto& [name, scenery] : changes.scenery) {
+        renderer.set_scenery(
+            name, scenery ? models_.look_of(*scenery) : std::vector<renderer::ObjectLook>{});
+    }
+    for (const auto& [site, placement] : changes.placements)
+        renderer.set_site_pose(site, placement.world_from_site);
+    for (auto& state : changes.soft_states) soft_timeline_.add(std::move(state));
+    for (auto& [state, arrival] : changes.states) timeline_.add(std::move(state), arrival);
+    const auto time = timeline_.shown_time(now);
+    if (!time) return;
+    timeline_.sample_at(*time, states_);
+    for (const bus::ObjectState& state : states_)
+        renderer.move_object(state.object, state.world_from_object);
+    for (const auto& [id, body] : soft_bodies_) {
+        if (soft_timeline_.sample(id, *time, nodes_)) renderer.move_soft_object(id, nodes_);
+    }
+}
+
+std::optional<Hit> SceneView::pick(const Ray& ray) const {
+    std::optional<Hit> nearest;
+    for (const bus::ObjectState& state : states_) {
+        const auto object = objects_.find(state.object);
+        if (object == objects_.end() || object->second.mass_kg == 0.0) continue;
+        const auto candidate = hit(ray, object->second, state.world_from_object);
+        if (candidate && (!nearest || candidate->distance_m < nearest->distance_m))
+            nearest = candidate;
+    }
+    return nearest;
+}
+
+void SceneView::clear() {
+    timeline_.clear();
+    soft_timeline_.clear();
+    objects_.clear();
+    soft_bodies_.clear();
+    states_.clear();
+}
+
+}  // namespace atrium::viewer

@@ -1,0 +1,44 @@
+#pragma once
+
+#include "viewer/model_library.hpp"
+#include "viewer/mouse_grab.hpp"
+#include "viewer/renderer/scene_renderer.hpp"
+#include "viewer/scene_timeline.hpp"
+#include "viewer/session.hpp"
+#include "viewer/soft_timeline.hpp"
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <vector>
+
+namespace atrium::viewer {
+
+/// The things of the world on their way from the bus to the picture: what they look like, and where
+/// they are at the moment that is shown. Of the drawing thread.
+class SceneView {
+public:
+    explicit SceneView(std::filesystem::path models) : models_(std::move(models)) {}
+
+    void update(SceneChanges changes,
+                SceneTimeline::Clock::time_point now,
+                renderer::SceneRenderer& renderer);
+    /// The nearest thing that moves on a ray, as shown now.
+    std::optional<Hit> pick(const Ray& ray) const;
+    /// Of what is drawn, which ends with its renderer.
+    void clear();
+
+private:
+    void update_soft(const SceneChanges& changes, renderer::SceneRenderer& renderer);
+    void show_soft(std::uint32_t object, renderer::SceneRenderer& renderer);
+
+    ModelLibrary models_;
+    SceneTimeline timeline_;
+    SoftTimeline soft_timeline_;
+    std::map<std::uint32_t, bus::SceneObject> objects_;
+    std::map<std::uint32_t, bus::SoftBody> soft_bodies_;
+    std::vector<bus::ObjectState> states_;  // as shown now
+    std::vector<Eigen::Vector3f> nodes_;    // scratch
+};
+
+}  // namespace atrium::viewer

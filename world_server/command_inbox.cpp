@@ -1,0 +1,41 @@
+#include "world_server/command_inbox.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace atrium::world_server {
+namespace {
+
+constexpr std::size_t kMaxCommands = 256;  // that wait for the next tick
+constexpr std::size_t kMaxLeft = 1024;     // as many senders as have a budget
+
+}  // namespace
+
+std::optional<std::string> CommandInbox::put(bus::SceneCommand&& command,
+                                             CommandRates::Clock::time_point now) {
+    const std::lock_guard lock(mutex_);
+    // counted before it is looked at, so that what is not allowed costs its sender as much
+    if (!rates_.admit(command.sender, now)) {
+        return fmt::format("more than {:g} commands a second", rights_.max_per_s);
+    }
+    if (!rights_.of(command.kind).allows(command.sender)) {
+        return fmt::format("{}: not allowed to this sender", to_string(command.kind));
+    }
+    if (content_.commands.size() >= kMaxCommands) return "too many commands at once";
+    content_.commands.push_back(std::move(command));
+    return std::nullopt;
+}
+
+void CommandInbox::leave(const std::string& sender) {
+    const std::lock_guard lock(mutex_);
+    rates_.forget(sender);
+    if (content_.left.size() < kMaxLeft) content_.left.insert(sender);
+}
+
+CommandInbox::Content CommandInbox::take_all() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(content_, {});
+}
+
+}  // namespace atrium::world_server

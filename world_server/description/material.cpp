@@ -1,0 +1,57 @@
+#include "world_server/description/material.hpp"
+
+#include "world_server/description/reading.hpp"
+
+#include <set>
+#include <vector>
+
+namespace atrium::world_server {
+
+const Materials& built_in_materials() {
+    // densities and bounce as handbooks have them; friction is that with others of the kind, and
+    // the rolling lever what brings a hand-sized ball to rest within metres
+    static const Materials kMaterials{
+        {"wood", {600.0, 0.5, 0.3, 0.0005, {0.42, 0.26, 0.13}}},
+        {"rubber", {1100.0, 0.9, 0.7, 0.002, {0.08, 0.08, 0.09}}},
+        {"plastic", {950.0, 0.4, 0.4, 0.0005, {0.70, 0.10, 0.08}}},
+        {"foam", {40.0, 0.7, 0.3, 0.004, {0.80, 0.68, 0.25}}},
+        {"cardboard", {120.0, 0.5, 0.1, 0.002, {0.45, 0.32, 0.19}}},
+        {"steel", {7800.0, 0.4, 0.4, 0.0002, {0.45, 0.46, 0.48}}},
+        {"stone", {2500.0, 0.6, 0.2, 0.001, {0.36, 0.35, 0.33}}},
+    };
+    return kMaterials;
+}
+
+Materials read_materials(config::TableReader& reader) {
+    Materials materials = built_in_materials();
+    std::set<std::string> names;
+    for (config::TableReader& table : reader.tables("material")) {
+        std::string name;
+        read_name(table, name);
+        if (!names.insert(name).second) table.reject("name", "must be unique among the materials");
+        Material material;
+        if (table.has("density_kg_per_m3")) {
+            double density = 0.0;
+            table.read("density_kg_per_m3", density, {1.0, 30'000.0});
+            material.density_kg_per_m3 = density;
+        }
+        table.read("friction", material.friction, {0.0, 10.0});
+        table.read("restitution", material.restitution, {0.0, 1.0});
+        table.read("rolling_friction_m", material.rolling_friction_m, {0.0, 1.0});
+        table.read("colour", material.colour.data(), 3, {0.0, 1.0});
+        read_texture(table, material.texture);
+        materials[name] = material;
+    }
+    return materials;
+}
+
+Material read_material(config::TableReader& reader, const Materials& materials) {
+    std::vector<std::string> names;
+    for (const auto& [name, material] : materials) names.push_back(name);
+    std::string name;
+    reader.read("material", name, names);
+    const auto found = materials.find(name);
+    return found == materials.end() ? Material{} : found->second;
+}
+
+}  // namespace atrium::world_server

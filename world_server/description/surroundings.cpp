@@ -1,0 +1,88 @@
+#include "world_server/description/surroundings.hpp"
+
+#include "core/model/model_file.hpp"
+#include "world_server/description/reading.hpp"
+
+#include <fmt/format.h>
+
+#include <set>
+#include <string>
+
+namespace atrium::world_server {
+namespace {
+
+constexpr double kMinBoxM = 0.5;
+
+void append(geometry::TriangleMesh& sum,
+            const geometry::TriangleMesh& part,
+            const geometry::RigidTransform& world_from_part) {
+    const auto first = static_cast<std::uint32_t>(sum.vertices.size());
+    for (const Eigen::Vector3d& v : part.vertices) sum.vertices.push_back(world_from_part * v);
+    for (const auto& t : part.triangles)
+        sum.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+}
+
+// Also of what is only looked at: whoever writes the file hears of a wrong model before the
+// viewers.
+void read_scenery_model(config::TableReader& reader, WorldScenery& scenery) {
+    bus::Scenery& scene = scenery.scene;
+    if (!read_model_name(reader, scene.model, scene.model_scale)) return;
+    const auto model = model::load_model(reader.folder() / scene.model, scene.model_scale);
+    if (!model) return reader.reject("model", model.error().message);
+    if (!scenery.is_solid) return;
+    for (const model::ModelPart& part : *model)
+        append(scenery.mesh, part.mesh, scene.world_from_model);
+    if (scenery.mesh.triangles.size() > physics::kMaxStillTriangles) {
+        reader.reject("model",
+                      fmt::format("must have at most {} triangles to be solid, has {}",
+                                  physics::kMaxStillTriangles,
+                                  scenery.mesh.triangles.size()));
+    }
+}
+
+}  // namespace
+
+void read_bounds(config::TableReader& reader, physics::WorldOptions& world) {
+    if (!reader.has("bounds")) return;
+    config::TableReader table = reader.table("bounds");
+    geometry::Aabb box = box_of(world);
+    table.require("min_m");
+    table.require("max_m");
+    table.read("min_m", box.min.data(), 3, kPositionRange);
+    table.read("max_m", box.max.data(), 3, kPositionRange);
+    if ((box.size().array() < kMinBoxM).any())
+        table.reject("max_m", fmt::format("must be at least {} m above min_m", kMinBoxM));
+    world.box = box;
+    std::string leaving = "reset";
+    table.read("leave", leaving, {"reset", "remove", "bounce"});
+    world.leaving = leaving == "remove"   ? physics::LeavePolicy::kRemove
+                    : leaving == "bounce" ? physics::LeavePolicy::kBounce
+                                          : physics::LeavePolicy::kReset;
+}
+
+void read_scenery(config::TableReader& reader,
+                  const Materials& materials,
+                  std::vector<WorldScenery>& scenery) {
+    std::set<std::string> names;
+    for (config::TableReader& table : reader.tables("scenery")) {
+        WorldScenery piece;
+        read_name(table, piece.scene.name);
+        if (!names.insert(piece.scene.name).second)
+            table.reject("name", "must be unique among the scenery");
+        read_pose(table, piece.scene.world_from_model);
+        const Material material = read_material(table, materials);
+        piece.scene.colour = material.colour;
+        piece.scene.texture = material.texture;
+        piece.friction = material.friction;
+        piece.restitution = material.restitution;
+        table.read("solid", piece.is_solid);
+        table.read("colour", piece.scene.colour.data(), 3, {0.0, 1.0});
+        table.read("friction", piece.friction, {0.0, 10.0});
+        table.read("restitution", piece.restitution, {0.0, 1.0});
+        read_texture(table, piece.scene.texture);
+        read_scenery_model(table, piece);
+        scenery.push_back(std::move(piece));
+    }
+}
+
+}  // namespace atrium::world_server

@@ -1,0 +1,39 @@
+#pragma once
+
+#include "world_server/physics/joint.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+class btDynamicsWorld;
+
+namespace atrium::physics {
+
+/// The joints of a world.
+class Joints {
+public:
+    /// `world` and the objects outlive this.
+    Joints(btDynamicsWorld& world, double tick_s) : world_(world), tick_s_(tick_s) {}
+    ~Joints();
+    Joints(const Joints&) = delete;
+    Joints& operator=(const Joints&) = delete;
+
+    /// `joint` must have no problem; `b` is null for the world.
+    void add(const Joint& joint, ObjectBody& a, ObjectBody* b);
+    /// Those of an object that goes; wakes what they held.
+    void remove_of(std::uint32_t object);
+    void begin_tick();
+
+    std::size_t size() const { return joints_.size(); }
+    const std::vector<std::unique_ptr<JointBody>>& all() const { return joints_; }
+    /// The object and all that it is joined to, directly or not, sorted.
+    std::vector<std::uint32_t> group_of(std::uint32_t object) const;
+
+private:
+    btDynamicsWorld& world_;
+    double tick_s_;
+    std::vector<std::unique_ptr<JointBody>> joints_;  // in the order of their addition
+};
+
+}  // namespace atrium::physics

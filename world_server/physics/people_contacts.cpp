@@ -1,0 +1,289 @@
+#include "world_server/physics/people_contacts.hpp"
+
+#include "world_server/physics/body_samples.hpp"
+
+#include <btBulletDynamicsCommon.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace atrium::physics {
+namespace {
+
+constexpr float kContactM = 0.005F;       // gap up to which a person counts as touching an object
+constexpr float kSphereSpacingM = 0.02F;  // of a sphere's samples
+constexpr std::size_t kMinSphereSamples = 26;
+constexpr std::size_t kMaxSphereSamples = 600;
+
+// How what overlaps is moved apart: at a speed that grows with the depth, gently for the flicker
+// of an outline, faster where it is really deep.
+constexpr float kFreeDepthM = 0.002F;  // left alone, so that resting contacts stay
+constexpr float kSoftRate = 6.0F;      // [1/s]
+constexpr float kSoftMps = 0.5F;
+constexpr float kDeepM = 0.015F;
+constexpr float kDeepRate = 60.0F;  // [1/s]
+constexpr float kDeepMps = 2.0F;
+
+// The depth that Bullet is told; below its threshold for shifting bodies instead. The speed is set
+// by the contact's error reduction.
+constexpr float kToldDepthM = 0.001F;
+
+// A hit: Bullet would let the gap close in this tick and, depending on how wide it was, have little
+// or nothing left to bounce off in the next. It is told that the gap is closed already.
+constexpr float kHitMps = 0.7F;
+
+// Resistance to rolling on skin and cloth, as a lever in radii of the object: the slope on which a
+// ball stays.
+constexpr float kRollingLever = 0.5F;
+constexpr float kSpinningLever = 0.3F;
+constexpr std::size_t kNumRolling = 3;  // of an object's contacts that resist rolling
+
+// An object that is deeper inside than this, in radii, is checked for being inside altogether.
+constexpr float kDeepRadii = 0.6F;
+constexpr float kEscapeSearchM = 0.5F;
+constexpr std::uint64_t kTicksPerCheck = 8;  // of objects within a person's bounds for that
+
+// Carriers are in no world, but the solver and its sorting ask them for their places in one.
+constexpr int kFirstCarrierIndex = 1 << 16;
+
+btVector3 to_bullet(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
+Eigen::Vector3f from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+
+float separation_mps(float depth_m) {
+    const float soft = std::min(kSoftRate * std::max(0.0F, depth_m - kFreeDepthM), kSoftMps);
+    const float deep = std::min(kDeepRate * std::max(0.0F, depth_m - kDeepM), kDeepMps);
+    return soft + deep;
+}
+
+ContactMotion motion_of(const btRigidBody& body) {
+    ContactMotion motion;
+    const btMatrix3x3& basis = body.getWorldTransform().getBasis();
+    for (int row = 0; row < 3; ++row) {
+        for (int col = 0; col < 3; ++col) motion.world_from_body(row, col) = basis[row][col];
+    }
+    motion.world_from_body.makeAffine();
+    motion.world_from_body.translation() = from_bullet(body.getWorldTransform().getOrigin());
+    motion.linear_velocity = from_bullet(body.getLinearVelocity());
+    motion.angular_velocity = from_bullet(body.getAngularVelocity());
+    btVector3 low;
+    btVector3 high;
+    body.getAabb(low, high);
+    motion.low = from_bullet(low);
+    motion.high = from_bullet(high);
+    return motion;
+}
+
+ContactBody surface_of(const btCollisionShape& shape) {
+    ContactBody body;
+    btVector3 low;
+    btVector3 high;
+    shape.getAabb(btTransform::getIdentity(), low, high);
+    body.size_m = from_bullet(high - low).maxCoeff();
+    if (shape.getShapeType() != SPHERE_SHAPE_PROXYTYPE) {
+        body.samples = sample_body(shape, {});
+        return body;
+    }
+    body.is_sphere = true;
+    body.radius_m = static_cast<const btSphereShape&>(shape).getRadius();
+    const float area_m2 = 4.0F * std::numbers::pi_v<float> * body.radius_m * body.radius_m;
+    const auto num = static_cast<std::size_t>(area_m2 / (kSphereSpacingM * kSphereSpacingM));
+    body.samples = even_directions(std::clamp(num, kMinSphereSamples, kMaxSphereSamples));
+    for (Eigen::Vector3f& sample : body.samples) sample *= body.radius_m;
+    return body;
+}
+
+}  // namespace
+
+struct PeopleContacts::Carrier {
+    BT_DECLARE_ALIGNED_ALLOCATOR();
+    explicit Carrier(int index);
+
+    btSphereShape shape{0.01F};
+    btBroadphaseProxy proxy;
+    btRigidBody body;
+    btPersistentManifold* manifold = nullptr;
+};
+
+PeopleContacts::Carrier::Carrier(int index) : body(0.0F, nullptr, &shape) {
+    body.setCollisionFlags(body.getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+    // an active kinematic body wakes every sleeping object that it touches
+    body.setActivationState(DISABLE_DEACTIVATION);
+    body.setWorldArrayIndex(index);
+    proxy.m_clientObject = &body;
+    proxy.m_uniqueId = index;
+    body.setBroadphaseHandle(&proxy);
+}
+
+struct PeopleContacts::Tracked {
+    std::uint32_t id = 0;
+    btRigidBody* body = nullptr;
+    ContactBody surface;
+    float inner_radius_m = 0.0F;  // half of the smallest extent
+    std::string escaping_from;    // the person whom it is being led out of; empty: none
+};
+
+PeopleContacts::PeopleContacts(btDispatcher& dispatcher, const PeopleContactOptions& options)
+    : dispatcher_(dispatcher), options_(options) {}
+
+PeopleContacts::~PeopleContacts() { end_tick(); }
+
+void PeopleContacts::add(std::uint32_t id, btRigidBody& body) {
+    auto tracked = std::make_unique<Tracked>();
+    tracked->id = id;
+    tracked->body = &body;
+    tracked->surface = surface_of(*body.getCollisionShape());
+    btVector3 low;
+    btVector3 high;
+    body.getCollisionShape()->getAabb(btTransform::getIdentity(), low, high);
+    tracked->inner_radius_m = 0.5F * from_bullet(high - low).minCoeff();
+    bodies_[id] = std::move(tracked);
+}
+
+void PeopleContacts::remove(std::uint32_t id) { bodies_.erase(id); }
+
+void PeopleContacts::forget_person(const std::string& name) {
+    for (auto& [id, tracked] : bodies_) {
+        if (tracked->escaping_from == name) tracked->escaping_from.clear();
+    }
+}
+
+void PeopleContacts::begin_tick(const PeopleField& people, double tick_s) {
+    end_tick();
+    is_touched_ = false;
+    ++tick_;
+    for (auto& [id, tracked] : bodies_) begin_body(*tracked, people, tick_s);
+}
+
+void PeopleContacts::end_tick() {
+    for (std::size_t i = 0; i < num_used_; ++i) dispatcher_.releaseManifold(carriers_[i]->manifold);
+    num_used_ = 0;
+}
+
+void PeopleContacts::begin_body(Tracked& tracked, const PeopleField& people, double tick_s) {
+    if (!tracked.escaping_from.empty() && lead_out(tracked, people)) return;
+    const ContactMotion motion = motion_of(*tracked.body);
+    if (!motion.world_from_body.matrix().allFinite()) return;
+    std::size_t num_resisting = 0;
+    const std::size_t num_before = num_used_;
+    for (const auto& [name, person] : people.people()) {
+        if (!person.surfels().is_near(motion.low, motion.high) &&
+            person.surfels().max_speed_mps() == 0.0F && motion.linear_velocity.isZero()) {
+            continue;
+        }
+        const auto contacts = finder_.find(tracked.surface, motion, person, tick_s);
+        float deepest_m = 0.0F;
+        for (const PersonContact& c : contacts) deepest_m = std::min(deepest_m, c.distance_m);
+        const bool may_be_inside = finder_.num_near() == 0
+                                       ? (tick_ + tracked.id) % kTicksPerCheck == 0
+                                       : deepest_m < -kDeepRadii * tracked.inner_radius_m;
+        if (may_be_inside && is_inside(tracked, person)) {
+            tracked.escaping_from = name;
+            ++num_escapes_;
+            is_touched_ = true;
+            // not held by anybody while it is led out
+            while (num_used_ > num_before) {
+                dispatcher_.releaseManifold(carriers_[--num_used_]->manifold);
+            }
+            lead_out(tracked, people);
+            return;
+        }
+        for (const PersonContact& c : contacts) {
+            insert(tracked, c, num_resisting++ < kNumRolling, tick_s);
+        }
+    }
+    if (num_used_ > num_before) tracked.body->activate();
+}
+
+bool PeopleContacts::is_inside(const Tracked& tracked, const PersonField& person) const {
+    const Eigen::Vector3f centre = from_bullet(tracked.body->getWorldTransform().getOrigin());
+    if (!person.surfels().is_near(centre, centre)) return false;
+    const PlacedSurfel* nearest =
+        person.nearest(centre, kEscapeSearchM, [](const PlacedSurfel&) { return true; });
+    if (nearest == nullptr) return false;
+    // of all about as near, most must have the centre behind them
+    const float within_m = 1.3F * (nearest->position - centre).norm() + 0.01F;
+    const Eigen::Vector3f reach = Eigen::Vector3f::Constant(within_m);
+    int num = 0;
+    int num_behind = 0;
+    person.surfels().visit_box(centre - reach, centre + reach, [&](const PlacedSurfel& s) {
+        const Eigen::Vector3f offset = centre - s.position;
+        if (offset.squaredNorm() > within_m * within_m) return;
+        ++num;
+        num_behind += s.normal.dot(offset) < 0.0F ? 1 : 0;
+    });
+    return num >= 3 && 4 * num_behind >= 3 * num;
+}
+
+// Gives an object inside a person a velocity towards the nearest place on the person's surface;
+// false: it is out.
+bool PeopleContacts::lead_out(Tracked& tracked, const PeopleField& people) {
+    const auto person = people.people().find(tracked.escaping_from);
+    const Eigen::Vector3f centre = from_bullet(tracked.body->getWorldTransform().getOrigin());
+    const PlacedSurfel* nearest = nullptr;
+    if (person != people.people().end()) {
+        nearest = person->second.nearest(centre, kEscapeSearchM, [](const PlacedSurfel& surfel) {
+            return surfel.normal.z() > -0.5F;  // not down through the soles
+        });
+    }
+    if (nearest == nullptr || nearest->normal.dot(centre - nearest->position) > 0.0F) {
+        tracked.escaping_from.clear();
+        return false;
+    }
+    const Eigen::Vector3f velocity = from_bullet(tracked.body->getLinearVelocity());
+    const float missing_mps =
+        static_cast<float>(options_.escape_mps) - velocity.dot(nearest->normal);
+    if (missing_mps > 0.0F) {
+        tracked.body->setLinearVelocity(
+            to_bullet((velocity + missing_mps * nearest->normal).eval()));
+    }
+    tracked.body->activate();
+    return true;
+}
+
+void PeopleContacts::insert(Tracked& tracked,
+                            const PersonContact& contact,
+                            bool resists_rolling,
+                            double tick_s) {
+    if (num_used_ == carriers_.size()) {
+        carriers_.push_back(
+            std::make_unique<Carrier>(kFirstCarrierIndex + static_cast<int>(num_used_)));
+    }
+    Carrier& carrier = *carriers_[num_used_++];
+    const btVector3 on_person =
+        to_bullet((contact.point - contact.distance_m * contact.normal).eval());
+    btTransform place = btTransform::getIdentity();
+    place.setOrigin(on_person);
+    carrier.body.setWorldTransform(place);
+    carrier.body.setLinearVelocity(to_bullet(contact.velocity));
+    carrier.body.setCompanionId(-1);  // what the solver remembered of the tick before
+    carrier.manifold = dispatcher_.getNewManifold(tracked.body, &carrier.body);
+
+    const btVector3 on_object = to_bullet(contact.point);
+    const float depth_m = -contact.distance_m;
+    const float closing_mps = (contact.distance_m - contact.after_m) / static_cast<float>(tick_s);
+    const bool is_hit = closing_mps > kHitMps && contact.after_m < 0.0F;
+    const float told_m = std::clamp(contact.distance_m, -kToldDepthM, is_hit ? 0.0F : 1.0F);
+    btManifoldPoint point(tracked.body->getWorldTransform().invXform(on_object),
+                          btVector3(0, 0, 0),
+                          to_bullet(contact.normal),
+                          told_m);
+    point.m_positionWorldOnA = on_object;
+    point.m_positionWorldOnB = on_person;
+    const auto friction = static_cast<float>(options_.friction);
+    point.m_combinedFriction = std::sqrt(friction * tracked.body->getFriction());
+    point.m_combinedRestitution =
+        std::max(static_cast<float>(options_.restitution), 0.5F * tracked.body->getRestitution());
+    if (resists_rolling) {
+        point.m_combinedRollingFriction = kRollingLever * tracked.inner_radius_m;
+        point.m_combinedSpinningFriction = kSpinningLever * tracked.inner_radius_m;
+    }
+    if (depth_m > 0.0F) {
+        point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_ERP;
+        point.m_contactERP = separation_mps(depth_m) * static_cast<float>(tick_s) / -told_m;
+    }
+    carrier.manifold->addManifoldPoint(point);
+    is_touched_ = is_touched_ || contact.distance_m <= kContactM;
+}
+
+}  // namespace atrium::physics

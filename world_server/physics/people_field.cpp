@@ -1,0 +1,122 @@
+#include "world_server/physics/people_field.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace atrium::physics {
+namespace {
+
+// Beside a surfel, up to which the surface goes on: surfels are 2 cm apart on average, with gaps.
+constexpr float kMaxBesideM = 0.022F;
+// Distance along a surface counts half of that along the normal when the surface that a point
+// belongs to is chosen: near an edge the sparse samples would otherwise take the wrong side's part.
+constexpr float kBesideWeight = 0.25F;
+constexpr float kLeavingMps = 0.5F;  // a point that moves out faster than this is not touched
+constexpr float kEnteredM = 0.005F;  // this deep one tick ago: it has come in through this side
+constexpr float kSmoothM = 0.035F;   // radius of the plane's support around the foot point
+constexpr float kSameFacing = 0.7F;  // cosine
+constexpr int kMinSupport = 2;       // a surfel on its own is a mistake of the motion estimate
+
+// The surfel to whose side of the person a point belongs.
+struct Side {
+    const PlacedSurfel* surfel = nullptr;
+    float cost = 0.0F;
+    float distance_m = 0.0F;
+};
+
+}  // namespace
+
+void PersonField::set_shape(const PersonShape& shape) {
+    shape_ = shape.surfels;
+    period_s_ = time_to_go_s_ = shape.period_s;
+    is_placed_ = false;
+}
+
+void PersonField::begin_tick(double tick_s) {
+    tick_s_ = tick_s;
+    if (is_placed_ || !shape_) return;
+    const double moving_s = std::min(tick_s, time_to_go_s_);
+    const auto behind = static_cast<float>(period_s_ > 0.0 ? time_to_go_s_ / period_s_ : 0.0);
+    const auto share = static_cast<float>(moving_s / tick_s);
+    placed_.clear();
+    for (const MovingSurfel& s : *shape_) {
+        placed_.push_back(
+            {s.position + behind * (s.from - s.position), s.normal, share * s.velocity});
+    }
+    grid_.assign(placed_);
+    time_to_go_s_ -= moving_s;
+    is_placed_ = moving_s <= 0.0;
+}
+
+std::optional<SurfacePoint> PersonField::query(const Eigen::Vector3f& point,
+                                               const Eigen::Vector3f& velocity) const {
+    const Eigen::Vector3f reach = Eigen::Vector3f::Constant(kFieldReachM);
+    Side nearest;
+    Side entered;  // the nearest that the point does not move out of, and was before a tick ago
+    nearest.cost = entered.cost = kFieldReachM * kFieldReachM;
+    const auto tick_s = static_cast<float>(tick_s_);
+    grid_.visit_box(point - reach, point + reach, [&](const PlacedSurfel& s) {
+        const Eigen::Vector3f offset = point - s.position;
+        const float distance_m = s.normal.dot(offset);
+        const float beside_sq = offset.squaredNorm() - distance_m * distance_m;
+        if (beside_sq > kMaxBesideM * kMaxBesideM) return;
+        const float cost = distance_m * distance_m + kBesideWeight * beside_sq;
+        if (cost < nearest.cost) nearest = {&s, cost, distance_m};
+        if (cost >= entered.cost || distance_m > 0.0F) return;
+        const float leaving_mps = s.normal.dot(velocity - s.velocity);
+        if (leaving_mps > kLeavingMps || distance_m - leaving_mps * tick_s < -kEnteredM) return;
+        entered = {&s, cost, distance_m};
+    });
+    if (nearest.surfel == nullptr) return std::nullopt;
+    const PlacedSurfel* side = nearest.surfel;
+    if (side->normal.dot(velocity - side->velocity) > kLeavingMps) {
+        // in front of the surface and off; or inside, having come through another side
+        if (nearest.distance_m >= 0.0F || entered.surfel == nullptr) return std::nullopt;
+        side = entered.surfel;
+    }
+
+    // moving least squares over what faces the same way around the foot point
+    const Eigen::Vector3f foot = point - side->normal * side->normal.dot(point - side->position);
+    const Eigen::Vector3f support = Eigen::Vector3f::Constant(kSmoothM);
+    int num = 0;
+    float weights = 0.0F;
+    Eigen::Vector3f centre = Eigen::Vector3f::Zero();
+    SurfacePoint found{0.0F, Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
+    grid_.visit_box(foot - support, foot + support, [&](const PlacedSurfel& s) {
+        const float share = 1.0F - (s.position - foot).squaredNorm() / (kSmoothM * kSmoothM);
+        if (share <= 0.0F || s.normal.dot(side->normal) < kSameFacing) return;
+        const float weight = share * share;
+        weights += weight;
+        ++num;
+        centre += weight * (s.position - foot);
+        found.normal += weight * s.normal;
+        found.velocity += weight * s.velocity;
+    });
+    if (num < kMinSupport || weights <= 0.0F) return std::nullopt;
+    found.normal.normalize();
+    found.velocity /= weights;
+    found.distance_m = found.normal.dot(point - foot - centre / weights);
+    return found;
+}
+
+void PeopleField::set_person(const std::string& name, const PersonShape& shape) {
+    people_[name].set_shape(shape);
+}
+
+bool PeopleField::remove_person(const std::string& name) { return people_.erase(name) > 0; }
+
+void PeopleField::begin_tick(double tick_s) {
+    for (auto& [name, person] : people_) person.begin_tick(tick_s);
+}
+
+std::optional<SurfacePoint> PeopleField::query(const Eigen::Vector3f& p_world,
+                                               const Eigen::Vector3f& velocity_of_asker) const {
+    std::optional<SurfacePoint> deepest;
+    for (const auto& [name, person] : people_) {
+        const auto found = person.query(p_world, velocity_of_asker);
+        if (found && (!deepest || found->distance_m < deepest->distance_m)) deepest = found;
+    }
+    return deepest;
+}
+
+}  // namespace atrium::physics

@@ -1,0 +1,101 @@
+#pragma once
+
+#include "world_server/physics/person_shape.hpp"
+#include "world_server/physics/surfel_grid.hpp"
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace atrium::physics {
+
+/// What a person's surface is near a point; world frame.
+struct SurfacePoint {
+    float distance_m = 0.0F;   // along the normal, of the point that was asked for; < 0: inside
+    Eigen::Vector3f normal;    // unit length, outwards
+    Eigen::Vector3f velocity;  // [m/s] of the surface
+};
+
+/// How far from a surface a point may be to be told of it.
+inline constexpr float kFieldReachM = 0.04F;
+
+/// One person as she is at the beginning of a tick.
+class PersonField {
+public:
+    /// The newest shape takes the place of the one before. Copies nothing.
+    void set_shape(const PersonShape& shape);
+    /// Where the surfels are at the beginning of a tick of `tick_s`, and the velocities that carry
+    /// them through it; time goes on by one tick.
+    void begin_tick(double tick_s);
+
+    /// Nothing within reach, or moving out of the person there: nullopt. `velocity` [m/s]: of what
+    /// is at the point.
+    std::optional<SurfacePoint> query(const Eigen::Vector3f& point,
+                                      const Eigen::Vector3f& velocity) const;
+
+    /// The nearest surfel within `radius_m` for which `accept(surfel)` holds; null: none. Slower
+    /// than `query`, for what is deep inside.
+    template <typename Accept>
+    const PlacedSurfel* nearest(const Eigen::Vector3f& point,
+                                float radius_m,
+                                const Accept& accept) const;
+
+    const SurfelGrid& surfels() const { return grid_; }
+    std::size_t num_surfels() const { return shape_ ? shape_->size() : 0; }
+
+private:
+    std::shared_ptr<const std::vector<MovingSurfel>> shape_;
+    double period_s_ = 0.0;
+    double time_to_go_s_ = 0.0;  // until the surfels are where the mesh was captured
+    double tick_s_ = 0.0;
+    bool is_placed_ = false;  // nothing moves any more and the grid holds what there is
+    std::vector<PlacedSurfel> placed_;
+    SurfelGrid grid_;
+};
+
+template <typename Accept>
+const PlacedSurfel* PersonField::nearest(const Eigen::Vector3f& point,
+                                         float radius_m,
+                                         const Accept& accept) const {
+    for (float within_m = std::min(0.08F, radius_m);;
+         within_m = std::min(2.0F * within_m, radius_m)) {
+        const PlacedSurfel* best = nullptr;
+        float best_sq = within_m * within_m;
+        const Eigen::Vector3f reach = Eigen::Vector3f::Constant(within_m);
+        grid_.visit_box(point - reach, point + reach, [&](const PlacedSurfel& s) {
+            const float distance_sq = (s.position - point).squaredNorm();
+            if (distance_sq >= best_sq || !accept(s)) return;
+            best_sq = distance_sq;
+            best = &s;
+        });
+        if (best != nullptr || within_m >= radius_m) return best;
+    }
+}
+
+/// All people of a world as moving volumes. Deterministic; not thread-safe.
+class PeopleField {
+public:
+    void set_person(const std::string& name, const PersonShape& shape);
+    bool remove_person(const std::string& name);  // false: not there
+    void begin_tick(double tick_s);
+
+    /// The surface, of whichever person, that is nearest to the point or that the point is deepest
+    /// inside of; nullopt: nothing within `kFieldReachM`. `velocity_of_asker` [m/s]: surfaces that
+    /// the asker moves out of quickly do not count, so that a thin hand that has swept past the
+    /// point within a tick still pushes forwards.
+    std::optional<SurfacePoint> query(const Eigen::Vector3f& p_world,
+                                      const Eigen::Vector3f& velocity_of_asker) const;
+
+    const std::map<std::string, PersonField>& people() const { return people_; }
+
+private:
+    std::map<std::string, PersonField> people_;
+};
+
+}  // namespace atrium::physics

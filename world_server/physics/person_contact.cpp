@@ -1,0 +1,145 @@
+#include "world_server/physics/person_contact.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace atrium::physics {
+namespace {
+
+constexpr float kTouchM = 0.004F;  // gap from which on a contact is kept
+constexpr float kFastM = 0.015F;   // relative motion in a tick from which paths are followed
+constexpr float kDiscM = 0.02F;    // radius of what a surfel stands for
+// Cosines between a sphere's sample and the person's normal: below the first, the plane there is
+// what the sphere touches; up to the second, it may be an edge that the sample has come over.
+constexpr float kFacingPlane = -0.8F;
+constexpr float kFacingEdge = -0.3F;
+constexpr float kSameSide = 0.3F;    // cosine
+constexpr float kSameNormal = 0.9F;  // cosine
+constexpr float kMinApartM = 0.012F;
+
+}  // namespace
+
+std::span<const PersonContact> ContactFinder::find(const ContactBody& body,
+                                                   const ContactMotion& motion,
+                                                   const PersonField& person,
+                                                   double tick_s) {
+    candidates_.clear();
+    selected_.clear();
+    const auto tick = static_cast<float>(tick_s);
+    gather(motion, person, tick);
+    if (num_near_ == 0) return {};
+    for (const Eigen::Vector3f& sample : body.samples) {
+        const Eigen::Vector3f offset =
+            body.is_sphere ? sample : (motion.world_from_body.linear() * sample).eval();
+        test(body, motion, offset, person, tick);
+    }
+    select(body.size_m);
+    return selected_;
+}
+
+// Counts what could touch the object within the tick, and lists the fast part of it.
+void ContactFinder::gather(const ContactMotion& motion, const PersonField& person, float tick_s) {
+    num_near_ = 0;
+    fast_.clear();
+    const float own_mps = motion.linear_velocity.norm();
+    const float reach_m = kFieldReachM + tick_s * (own_mps + person.surfels().max_speed_mps());
+    const Eigen::Vector3f reach = Eigen::Vector3f::Constant(reach_m);
+    near_low_ = motion.high;
+    near_high_ = motion.low;
+    person.surfels().visit_box(motion.low - reach, motion.high + reach, [&](const PlacedSurfel& s) {
+        ++num_near_;
+        near_low_ = near_low_.cwiseMin(s.position);
+        near_high_ = near_high_.cwiseMax(s.position);
+        if ((s.velocity - motion.linear_velocity).squaredNorm() * tick_s * tick_s >
+            kFastM * kFastM) {
+            fast_.push_back(s);
+        }
+    });
+    near_low_ -= reach;
+    near_high_ += reach;
+}
+
+// The surfel whose disc the point meets first from the front within the tick.
+const PlacedSurfel* ContactFinder::first_on_path(const Eigen::Vector3f& point,
+                                                 const Eigen::Vector3f& velocity,
+                                                 float tick_s) const {
+    const PlacedSurfel* first = nullptr;
+    float first_s = tick_s;
+    for (const PlacedSurfel& s : fast_) {
+        const Eigen::Vector3f offset = point - s.position;
+        const float distance_m = s.normal.dot(offset);
+        if (distance_m < 0.0F) continue;
+        const Eigen::Vector3f relative = velocity - s.velocity;
+        const float closing_mps = -s.normal.dot(relative);
+        if (distance_m >= closing_mps * first_s) continue;
+        const float meeting_s = distance_m / closing_mps;
+        if ((offset + meeting_s * relative).squaredNorm() > kDiscM * kDiscM) continue;
+        first = &s;
+        first_s = meeting_s;
+    }
+    return first;
+}
+
+void ContactFinder::test(const ContactBody& body,
+                         const ContactMotion& motion,
+                         const Eigen::Vector3f& offset,
+                         const PersonField& person,
+                         float tick_s) {
+    const Eigen::Vector3f centre = motion.world_from_body.translation();
+    const Eigen::Vector3f point = centre + offset;
+    if ((point.array() < near_low_.array()).any() || (point.array() > near_high_.array()).any()) {
+        return;
+    }
+    const Eigen::Vector3f velocity = motion.linear_velocity + motion.angular_velocity.cross(offset);
+    PersonContact contact;
+    if (const auto found = person.query(point, velocity)) {
+        contact = {point, found->normal, found->velocity, found->distance_m};
+    } else if (const PlacedSurfel* surfel =
+                   fast_.empty() ? nullptr : first_on_path(point, velocity, tick_s)) {
+        contact = {
+            point, surfel->normal, surfel->velocity, surfel->normal.dot(point - surfel->position)};
+    } else {
+        return;
+    }
+    if (body.is_sphere) {
+        const float facing = contact.normal.dot(offset) / body.radius_m;
+        if (facing > kFacingEdge) return;
+        if (facing < kFacingPlane) {
+            // the sample tells the plane, and the plane where the sphere is nearest to it
+            contact.point = centre - body.radius_m * contact.normal;
+            contact.distance_m -= body.radius_m * (1.0F + facing);
+        } else {
+            contact.is_at_edge = true;
+            contact.normal = -offset / body.radius_m;
+            contact.distance_m /= -facing;
+        }
+    }
+    const Eigen::Vector3f at_contact =
+        motion.linear_velocity + motion.angular_velocity.cross(contact.point - centre);
+    contact.after_m =
+        contact.distance_m + tick_s * contact.normal.dot(at_contact - contact.velocity);
+    if (std::min(contact.distance_m, contact.after_m) > kTouchM) return;
+    candidates_.push_back(contact);
+}
+
+// The deepest first (those at edges only where there is no plane on their side), then whatever is
+// far from those taken in place or faces another way.
+void ContactFinder::select(float size_m) {
+    const auto before = [](const PersonContact& a, const PersonContact& b) {
+        return a.is_at_edge != b.is_at_edge ? b.is_at_edge : a.after_m < b.after_m;
+    };
+    std::stable_sort(candidates_.begin(), candidates_.end(), before);
+    const float apart_m = std::max(kMinApartM, 0.2F * size_m);
+    for (const PersonContact& c : candidates_) {
+        if (selected_.size() == kMaxContacts) return;
+        const bool is_new =
+            std::none_of(selected_.begin(), selected_.end(), [&](const PersonContact& other) {
+                if (c.is_at_edge) return c.normal.dot(other.normal) > kSameSide;
+                return (c.point - other.point).squaredNorm() < apart_m * apart_m &&
+                       c.normal.dot(other.normal) > kSameNormal;
+            });
+        if (is_new) selected_.push_back(c);
+    }
+}
+
+}  // namespace atrium::physics

@@ -1,0 +1,216 @@
+// Where the search for a region's motion starts: rest, what was before, votes, neighbours.
+#include "world_server/physics/motion_match.hpp"
+#include "world_server/physics/person_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace atrium::physics {
+namespace {
+
+using motion::cell_at;
+using motion::is_explained_by;
+using motion::kAlikeM;
+using motion::kSameFacing;
+using motion::kTrialPoints;
+
+constexpr float kHardCost = 0.08F;   // above, rest does not explain a region
+constexpr float kAgreement = 0.15F;  // cost of disagreeing with all neighbours
+constexpr float kFewPoints = 15.0F;
+constexpr float kNearSq = 0.1F * 0.1F;  // [m^2] of neighbours that matter most
+constexpr float kSurprise = 0.13F;      // cost of moving by kFullSurpriseM otherwise than expected
+constexpr float kFullSurpriseM = 0.1F;
+constexpr float kPreviousM = 0.15F;      // off where it was headed, a place is another
+constexpr std::size_t kMaxPrevious = 3;  // starts from what regions did before
+constexpr int kNumPeaks = 4;             // starts from votes
+constexpr float kBinM = 0.04F;           // of the votes
+constexpr std::size_t kMaxVoters = 200;
+
+}  // namespace
+
+void MotionEstimator::start_from_rest(Region& region) {
+    const bool moves = (region.key & 1U) != 0;
+    if (moves) {
+        region.displacement = refine(region, Eigen::Vector3f::Zero(), 3);
+        region.cost = correspond(region, region.displacement, kTrialPoints).cost;
+    } else {
+        const auto first = points_.begin() + region.first;
+        const auto num_unexplained = std::count_if(
+            first, first + region.num, [](const Point& p) { return !p.is_explained; });
+        region.cost = static_cast<float>(num_unexplained) / static_cast<float>(region.num);
+    }
+    region.is_hard = moves && region.cost > kHardCost;
+}
+
+// What lies where a region of the mesh before was headed may go on as that did.
+void MotionEstimator::add_previous_starts() {
+    for (Region& region : regions_) {
+        if ((region.key & 1U) == 0) continue;
+        for (const Moved& moved : previous_) {
+            if (region.starts.size() == kMaxPrevious) break;
+            const Eigen::Vector3f headed = moved.centre + moved.displacement;
+            if ((headed - region.centre).squaredNorm() > kPreviousM * kPreviousM) continue;
+            const bool is_known = std::any_of(
+                region.starts.begin(), region.starts.end(), [&](const Eigen::Vector3f& start) {
+                    return (start - moved.displacement).norm() < 0.5F * kAlikeM;
+                });
+            if (!is_known) region.starts.push_back(moved.displacement);
+        }
+        region.num_expected = region.starts.size();
+    }
+}
+
+// Regions that rest does not explain vote together where they touch.
+void MotionEstimator::add_voted_starts() {
+    vanished_.clear();
+    std::vector<bool> is_done(regions_.size(), false);
+    std::vector<std::uint32_t> group;
+    for (std::uint32_t seed = 0; seed < regions_.size(); ++seed) {
+        if (!regions_[seed].is_hard || is_done[seed]) continue;
+        group.assign(1, seed);
+        is_done[seed] = true;
+        for (std::size_t i = 0; i < group.size(); ++i) {
+            for (const std::uint32_t next : regions_[group[i]].neighbours) {
+                if (!regions_[next].is_hard || is_done[next]) continue;
+                is_done[next] = true;
+                group.push_back(next);
+            }
+        }
+        vote(group);
+    }
+}
+
+void MotionEstimator::vote(std::span<const std::uint32_t> group) {
+    if (vanished_.empty()) {
+        const auto samples = before_->samples();
+        const std::size_t stride = 1 + samples.size() / options_.max_points;
+        for (std::size_t i = 0; i < samples.size(); i += stride) {
+            if (!is_explained_by(*now_, samples[i])) {
+                vanished_.push_back(static_cast<std::uint32_t>(i));
+            }
+        }
+    }
+    const auto max_step_m = static_cast<float>(options_.max_step_m);
+    const int half = static_cast<int>(std::ceil(max_step_m / kBinM));
+    const int side = 2 * half + 2;
+    votes_.assign(static_cast<std::size_t>(side) * side * side, 0);
+    const auto index = [&](int x, int y, int z) {
+        return static_cast<std::size_t>((z * side + y) * side + x);
+    };
+    std::size_t num_points = 0;
+    for (const std::uint32_t r : group) num_points += regions_[r].num;
+    const std::size_t stride = 1 + num_points / kMaxVoters;
+    const std::size_t vanished_stride = 1 + vanished_.size() / (2 * kMaxVoters);
+    std::size_t count = 0;
+    for (const std::uint32_t r : group) {
+        for (std::size_t i = 0; i < regions_[r].num; ++i) {
+            const Point& point = points_[regions_[r].first + i];
+            if (point.is_explained || count++ % stride != 0) continue;
+            const SurfaceSample& sample = now_->samples()[point.sample];
+            for (std::size_t v = 0; v < vanished_.size(); v += vanished_stride) {
+                const SurfaceSample& from = before_->samples()[vanished_[v]];
+                const Eigen::Vector3f step = sample.position - from.position;
+                if (from.normal.dot(sample.normal) < kSameFacing ||
+                    step.squaredNorm() > max_step_m * max_step_m) {
+                    continue;
+                }
+                const Eigen::Array3i bin = cell_at(step, kBinM) + half;
+                ++votes_[index(bin.x(), bin.y(), bin.z())];
+            }
+        }
+    }
+    for (int peak = 0; peak < kNumPeaks; ++peak) {
+        // blocks of two bins a side, so that no true peak is cut by a border
+        int best = 0;
+        Eigen::Array3i best_bin = Eigen::Array3i::Zero();
+        for (int z = 0; z + 1 < side; ++z) {
+            for (int y = 0; y + 1 < side; ++y) {
+                for (int x = 0; x + 1 < side; ++x) {
+                    const int sum = votes_[index(x, y, z)] + votes_[index(x + 1, y, z)] +
+                                    votes_[index(x, y + 1, z)] + votes_[index(x + 1, y + 1, z)] +
+                                    votes_[index(x, y, z + 1)] + votes_[index(x + 1, y, z + 1)] +
+                                    votes_[index(x, y + 1, z + 1)] +
+                                    votes_[index(x + 1, y + 1, z + 1)];
+                    if (sum <= best) continue;
+                    best = sum;
+                    best_bin = {x, y, z};
+                }
+            }
+        }
+        if (best == 0) return;
+        const Eigen::Vector3f start = ((best_bin - half + 1).cast<float>() * kBinM).matrix();
+        for (const std::uint32_t r : group) regions_[r].starts.push_back(start);
+        for (int i = 0; i < 8; ++i) {
+            votes_[index(
+                best_bin.x() + (i & 1), best_bin.y() + (i >> 1 & 1), best_bin.z() + (i >> 2))] = 0;
+        }
+    }
+}
+
+// A start from votes must explain more than what is to be expected, the more so the further off it
+// is: two hands look alike.
+void MotionEstimator::choose_starts() {
+    for (Region& region : regions_) {
+        if (region.starts.empty()) continue;
+        const Eigen::Vector3f from_rest = region.displacement;
+        float least = region.cost;
+        for (std::size_t i = 0; i < region.starts.size(); ++i) {
+            Eigen::Vector3f& start = region.starts[i];
+            start = refine(region, start, 3);
+            const float cost = correspond(region, start, kTrialPoints).cost;
+            float surprise_m = 0.0F;
+            if (i >= region.num_expected) {
+                surprise_m = (start - from_rest).norm();
+                for (std::size_t j = 0; j < region.num_expected; ++j) {
+                    surprise_m = std::min(surprise_m, (start - region.starts[j]).norm());
+                }
+            }
+            const float total = cost + kSurprise * std::min(1.0F, surprise_m / kFullSurpriseM);
+            if (total >= least) continue;
+            least = total;
+            region.cost = cost;
+            region.displacement = start;
+        }
+    }
+}
+
+// Where several displacements explain a region about as well (a forearm along itself, a flat part),
+// its neighbours decide.
+void MotionEstimator::choose_with_neighbours() {
+    // weighs the more the fewer points a region has to tell otherwise
+    const auto disagreement = [&](const Region& region, const Eigen::Vector3f& displacement) {
+        float sum = 0.0F;
+        float weights = 0.0F;
+        for (const std::uint32_t n : region.neighbours) {
+            const float difference = (regions_[n].displacement - displacement).norm();
+            const float weight =
+                static_cast<float>(regions_[n].num) *
+                std::exp(-(regions_[n].centre - region.centre).squaredNorm() / kNearSq);
+            sum += weight * std::min(1.0F, difference / (2.0F * kAlikeM));
+            weights += weight;
+        }
+        if (weights <= 0.0F) return 0.0F;
+        return kAgreement * (1.0F + kFewPoints / static_cast<float>(region.num)) * sum / weights;
+    };
+    for (int sweep = 0; sweep < 3; ++sweep) {
+        bool has_changed = false;
+        for (Region& region : regions_) {
+            float best = region.cost + disagreement(region, region.displacement);
+            for (const std::uint32_t n : region.neighbours) {
+                const Eigen::Vector3f& theirs = regions_[n].displacement;
+                if ((theirs - region.displacement).norm() < kAlikeM) continue;
+                const float disagreeing = disagreement(region, theirs);
+                if (disagreeing >= best) continue;
+                const float cost = correspond(region, theirs, kTrialPoints).cost;
+                if (cost + disagreeing >= best) continue;
+                best = cost + disagreeing;
+                region.cost = cost;
+                region.displacement = theirs;
+                has_changed = true;
+            }
+        }
+        if (!has_changed) return;
+    }
+}
+
+}  // namespace atrium::physics

@@ -1,0 +1,123 @@
+#include "world_server/physics/soft_bodies.hpp"
+
+#include "world_server/physics/bullet_types.hpp"
+
+#include <BulletSoftBody/btSoftBody.h>
+#include <BulletSoftBody/btSoftBodySolvers.h>
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
+
+#include <algorithm>
+
+namespace atrium::physics {
+
+// What Bullet's world asks of whoever solves its soft bodies. Nothing is predicted before the rigid
+// bodies move: a soft body's step is one whole, after them.
+class SoftBodies::Solver final : public btSoftBodySolver {
+public:
+    explicit Solver(SoftBodies& owner) : owner_(owner) {}
+    SolverTypes getSolverType() const override { return DEFAULT_SOLVER; }
+    bool checkInitialized() override { return true; }
+    void optimize(btAlignedObjectArray<btSoftBody*>&, bool) override {}
+    void copyBackToSoftBodies(bool) override {}
+    void predictMotion(btScalar) override {}
+    void solveConstraints(btScalar) override {
+        for (auto& [id, body] : owner_.bodies_) body->step(owner_.surroundings_);
+    }
+    void updateSoftBodies() override {}
+    void processCollision(btSoftBody*, const btCollisionObjectWrapper*) override {}
+    void processCollision(btSoftBody*, btSoftBody*) override {}
+
+private:
+    SoftBodies& owner_;
+};
+
+SoftBodies::SoftBodies(const WorldOptions& options)
+    : options_(options), solver_(std::make_unique<Solver>(*this)) {}
+SoftBodies::~SoftBodies() = default;
+
+btSoftBodySolver* SoftBodies::solver() { return solver_.get(); }
+
+AddResult SoftBodies::add(const SoftObject& object,
+                          btSoftRigidDynamicsWorld& world,
+                          const std::function<btRigidBody*(std::uint32_t id)>& find) {
+    if (find_problem(object)) return AddResult::kInvalid;
+    if (contains(object.id)) return AddResult::kIdInUse;
+    if (num_nodes_ + count_soft_nodes(object) > kMaxSoftNodesTotal) return AddResult::kWorldFull;
+    auto body = std::make_unique<SoftBody>(object, world.getWorldInfo(), options_);
+    if (!body->tie(find)) return AddResult::kInvalid;
+    // no group and no mask: contacts are the soft body's own affair
+    world.addSoftBody(&body->body(), 0, 0);
+    num_nodes_ += body->num_nodes();
+    bodies_.emplace(object.id, std::move(body));
+    return AddResult::kAdded;
+}
+
+bool SoftBodies::remove(std::uint32_t id, btSoftRigidDynamicsWorld& world) {
+    const auto found = bodies_.find(id);
+    if (found == bodies_.end()) return false;
+    world.removeSoftBody(&found->second->body());
+    num_nodes_ -= found->second->num_nodes();
+    bodies_.erase(found);
+    return true;
+}
+
+void SoftBodies::clear(btSoftRigidDynamicsWorld& world) {
+    for (auto& [id, body] : bodies_) world.removeSoftBody(&body->body());
+    bodies_.clear();
+    num_nodes_ = 0;
+}
+
+void SoftBodies::untie(const btRigidBody& body) {
+    for (auto& [id, soft] : bodies_) soft->untie(body);
+}
+
+void SoftBodies::reset() {
+    for (auto& [id, soft] : bodies_) soft->put_back();
+}
+
+bool SoftBodies::push(std::uint32_t id, const Eigen::Vector3d& impulse_ns) {
+    SoftBody* soft = find(id);
+    if (soft == nullptr || !impulse_ns.allFinite()) return false;
+    const btVector3 gain = to_bullet(impulse_ns) / btScalar(soft->object().mass_kg);
+    for (int i = 0; i < soft->body().m_nodes.size(); ++i) {
+        btSoftBody::Node& node = soft->body().m_nodes[i];
+        if (node.m_im > 0) node.m_v += gain;
+    }
+    return true;
+}
+
+std::vector<btRigidBody*>& SoftBodies::begin_tick(const PeopleField& people) {
+    surroundings_.people = &people;
+    surroundings_.bodies.clear();
+    return surroundings_.bodies;
+}
+
+void SoftBodies::end_tick(WorldCounters& counters,
+                          const std::function<void(const Incident& incident)>& record) {
+    const geometry::Aabb box = box_of(options_);
+    for (auto& [id, soft] : bodies_) {
+        const bool is_finite = soft->is_finite();
+        if (!is_finite || soft->is_torn()) {
+            ++(is_finite ? counters.num_torn : counters.num_not_finite);
+            record({id, is_finite ? IncidentKind::kTorn : IncidentKind::kNotFinite});
+            soft->put_back();
+        } else if (!box.contains(soft->centre())) {
+            ++counters.num_strays;
+            record({id, IncidentKind::kLeft});
+            soft->put_back();
+        }
+    }
+}
+
+bool SoftBodies::is_touched() const {
+    return std::any_of(bodies_.begin(), bodies_.end(), [](const auto& entry) {
+        return entry.second->touches_person();
+    });
+}
+
+SoftBody* SoftBodies::find(std::uint32_t id) const {
+    const auto found = bodies_.find(id);
+    return found == bodies_.end() ? nullptr : found->second.get();
+}
+
+}  // namespace atrium::physics

@@ -1,0 +1,241 @@
+#include "world_server/physics/soft_contacts.hpp"
+
+#include "world_server/physics/people_field.hpp"
+#include "world_server/physics/shape_distance.hpp"
+
+#include <BulletSoftBody/btSoftBody.h>
+#include <LinearMath/btAabbUtil2.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace atrium::physics {
+namespace {
+
+// A sample that moves further than this against a surface in a tick is followed on its way.
+constexpr btScalar kStepM = btScalar(0.01);
+constexpr int kMaxSteps = 24;
+constexpr btScalar kFromInside = btScalar(0.1);  // cosine
+
+using Moving = SoftContacts::Moving;
+
+Moving moving(const btSoftBody& soft, const SoftSample& sample) {
+    Moving m{btVector3(0, 0, 0), btVector3(0, 0, 0), 0};
+    for (int i = 0; i < 3; ++i) {
+        const btSoftBody::Node& node = soft.m_nodes[static_cast<int>(sample.nodes[i])];
+        const btScalar w = sample.weights[i];
+        m.position += w * node.m_x;
+        m.velocity += w * node.m_v;
+        m.share += w * w * node.m_im;
+    }
+    return m;
+}
+
+void move(btSoftBody& soft, const SoftSample& sample, const btVector3& impulse) {
+    for (int i = 0; i < 3; ++i) {
+        btSoftBody::Node& node = soft.m_nodes[static_cast<int>(sample.nodes[i])];
+        node.m_x += impulse * (node.m_im * sample.weights[i]);
+    }
+}
+
+bool is_any_loose(const SoftSample& sample, const std::vector<std::uint8_t>& loose) {
+    return (loose[sample.nodes[0]] | loose[sample.nodes[1]] | loose[sample.nodes[2]]) != 0;
+}
+
+btScalar share_of_body(const btRigidBody& body, const btVector3& arm, const btVector3& direction) {
+    const btVector3 turn = arm.cross(direction);
+    return body.getInvMass() + turn.dot(body.getInvInertiaTensorWorld() * turn);
+}
+
+bool is_from_inside(const SoftContact& contact,
+                    const SoftSample& sample,
+                    const std::vector<btVector3>& outward) {
+    if (outward.empty()) return false;
+    btVector3 out(0, 0, 0);
+    for (int i = 0; i < 3; ++i) out += sample.weights[i] * outward[sample.nodes[i]];
+    return contact.normal.dot(out) > kFromInside;
+}
+
+// Of the surface, with what the body has been given since the contact was found.
+btVector3 velocity_of(const SoftContact& c) {
+    return c.body != nullptr ? c.body->getVelocityInLocalPoint(c.arm) : c.velocity;
+}
+
+// The first place on the sample's way, as the body sees it, that is inside `thickness` of it; where
+// there is none, the end of the way.
+std::optional<SoftContact> meet_on_way(const btRigidBody& body,
+                                       const Moving& sample,
+                                       const SoftContactOptions& options) {
+    const btScalar thickness_m = options.thickness_m;
+    const btTransform& pose = body.getWorldTransform();
+    const btVector3 arm = sample.position - pose.getOrigin();
+    const btVector3 velocity = body.getVelocityInLocalPoint(arm);
+    const btVector3 way = (sample.velocity - velocity) * options.tick_s;
+    // where the body now is, at the end of the tick
+    const btVector3 start = sample.position + velocity * options.tick_s;
+    const btScalar length = way.length();
+    const btScalar reach = thickness_m + options.margin_m;
+    std::optional<ShapePoint> found;
+    btVector3 at;
+    btScalar walked = 0;
+    for (int step = 0; step < kMaxSteps; ++step) {
+        at = start + (length > 0 ? way * (walked / length) : btVector3(0, 0, 0));
+        found = distance_to_shape(
+            *body.getCollisionShape(), pose.invXform(at), reach + length - walked);
+        if (!found) return std::nullopt;
+        if (found->distance <= thickness_m || walked >= length) break;
+        walked = std::min(length, walked + std::max(found->distance - thickness_m, kStepM));
+    }
+    if (found->distance > reach) return std::nullopt;
+    SoftContact contact;
+    contact.normal = pose.getBasis() * found->normal;
+    contact.point = at - contact.normal * (found->distance - thickness_m);
+    contact.velocity = velocity;
+    contact.depth = std::max(btScalar(0), -contact.normal.dot(start - contact.point));
+    return contact;
+}
+
+std::optional<SoftContact> meet_person(const PeopleField& people,
+                                       const Moving& sample,
+                                       const SoftContactOptions& options) {
+    const btVector3& x = sample.position;
+    const btVector3& v = sample.velocity;
+    const auto found = people.query({x.x(), x.y(), x.z()}, {v.x(), v.y(), v.z()});
+    if (!found) return std::nullopt;
+    SoftContact contact;
+    contact.normal = btVector3(found->normal.x(), found->normal.y(), found->normal.z());
+    contact.velocity = btVector3(found->velocity.x(), found->velocity.y(), found->velocity.z());
+    const btScalar gap = found->distance_m - options.thickness_m;
+    const btScalar closing = contact.normal.dot(contact.velocity - v) * options.tick_s;
+    if (gap - std::max(closing, btScalar(0)) > options.margin_m) return std::nullopt;
+    contact.point = x - contact.normal * gap + contact.velocity * options.tick_s;
+    contact.depth = std::max(btScalar(0), -gap);
+    contact.friction = std::sqrt(options.friction * options.person_friction);
+    return contact;
+}
+
+}  // namespace
+
+void SoftContacts::find(btSoftBody& soft,
+                        const std::vector<SoftSample>& samples,
+                        const std::vector<std::uint8_t>& loose,
+                        const std::vector<btVector3>& outward,
+                        const PeopleField* people,
+                        const std::vector<btRigidBody*>& bodies,
+                        const SoftContactOptions& options) {
+    contacts_.clear();
+    num_person_contacts_ = 0;
+    ways_.clear();
+    for (const SoftSample& sample : samples) ways_.push_back(moving(soft, sample));
+    if (people != nullptr && !people->people().empty()) {
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            if (!(ways_[i].share > 0) || is_any_loose(samples[i], loose)) continue;
+            const auto contact = meet_person(*people, ways_[i], options);
+            if (!contact || is_from_inside(*contact, samples[i], outward)) continue;
+            contacts_.push_back(*contact);
+            contacts_.back().sample = samples[i];
+            ++num_person_contacts_;
+        }
+    }
+    for (btRigidBody* body : bodies) find_with(soft, *body, samples, options);
+}
+
+// Of one rigid body, which mostly is out of reach as a whole.
+void SoftContacts::find_with(const btSoftBody& soft,
+                             btRigidBody& body,
+                             const std::vector<SoftSample>& samples,
+                             const SoftContactOptions& options) {
+    btVector3 low, high;
+    body.getAabb(low, high);
+    const btScalar reach = options.thickness_m + options.margin_m;
+    const btVector3 travel =
+        body.getLinearVelocity().absolute() * options.tick_s + btVector3(reach, reach, reach);
+    low -= travel;
+    high += travel;
+    if (!TestAabbAgainstAabb2(low, high, soft.m_bounds[0], soft.m_bounds[1])) return;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        if (!(ways_[i].share > 0)) continue;
+        const btVector3& start = ways_[i].position;
+        const btVector3 end = start + ways_[i].velocity * options.tick_s;
+        btVector3 way_low = start, way_high = start;
+        way_low.setMin(end);
+        way_high.setMax(end);
+        if (!TestAabbAgainstAabb2(low, high, way_low, way_high)) continue;
+        auto contact = meet_on_way(body, ways_[i], options);
+        if (!contact) continue;
+        contact->sample = samples[i];
+        contact->friction = std::sqrt(options.friction * body.getFriction());
+        if (body.getInvMass() > 0) {
+            contact->body = &body;
+            contact->arm = contact->point - body.getCenterOfMassPosition();
+            contact->body_share = share_of_body(body, contact->arm, contact->normal);
+        }
+        contacts_.push_back(*contact);
+    }
+}
+
+void SoftContacts::begin_part() {
+    for (SoftContact& c : contacts_) {
+        c.pressed = 0;
+        c.held.setZero();
+    }
+}
+
+void SoftContacts::solve(btSoftBody& soft,
+                         btScalar part_s,
+                         btScalar left_s,
+                         const SoftContactOptions& options) {
+    const btScalar done_s = options.tick_s - left_s;
+    for (SoftContact& c : contacts_) {
+        btVector3 x(0, 0, 0), q(0, 0, 0);
+        btScalar own_share = 0;
+        for (int i = 0; i < 3; ++i) {
+            const btSoftBody::Node& node = soft.m_nodes[static_cast<int>(c.sample.nodes[i])];
+            const btScalar w = c.sample.weights[i];
+            x += w * node.m_x;
+            q += w * node.m_q;
+            own_share += w * w * node.m_im;
+        }
+        const btScalar allowed = -std::max(btScalar(0), c.depth - options.recovery_mps * done_s);
+        const btVector3 velocity = velocity_of(c);
+        const btScalar height = c.normal.dot(x - c.point + c.velocity * left_s) - c.shift -
+                                c.normal.dot(velocity - c.velocity) * part_s;
+        btVector3 impulse(0, 0, 0);
+        if (height < allowed) {
+            const btScalar push = (allowed - height) / (own_share + c.body_share);
+            c.pressed += push;
+            impulse = c.normal * push;
+        }
+        if (c.pressed <= 0) continue;
+        btVector3 slip = x + impulse * own_share - q - velocity * part_s;
+        slip -= c.normal * c.normal.dot(slip);
+        // all of a part's friction together is bounded by all of its pressure
+        const btVector3 wanted = c.held - slip / (own_share + c.body_share);
+        const btScalar most = c.friction * c.pressed;
+        const btScalar size = wanted.length();
+        const btVector3 held = size > most ? wanted * (most / size) : wanted;
+        impulse += held - c.held;
+        c.held = held;
+        move(soft, c.sample, impulse);
+        if (c.body != nullptr) c.body->applyImpulse(-impulse / part_s, c.arm);
+    }
+}
+
+void SoftContacts::end_part(btSoftBody& soft, btScalar part_s, const SoftContactOptions& options) {
+    for (SoftContact& c : contacts_) {
+        const btVector3 velocity = velocity_of(c);
+        c.shift += c.normal.dot(velocity - c.velocity) * part_s;
+        if (c.pressed <= 0) continue;
+        if (c.body != nullptr) c.body->activate();
+        if (c.depth <= 0) continue;
+        for (int i = 0; i < 3; ++i) {
+            if (c.sample.weights[i] <= 0) continue;
+            btSoftBody::Node& node = soft.m_nodes[static_cast<int>(c.sample.nodes[i])];
+            const btScalar out = c.normal.dot(node.m_v - velocity);
+            if (out > 0) node.m_v -= c.normal * std::min(out, options.recovery_mps);
+        }
+    }
+}
+
+}  // namespace atrium::physics

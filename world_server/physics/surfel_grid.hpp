@@ -1,0 +1,72 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atrium::physics {
+
+/// A surfel as it is at one instant; world frame.
+struct PlacedSurfel {
+    Eigen::Vector3f position;
+    Eigen::Vector3f normal;    // unit length, outwards
+    Eigen::Vector3f velocity;  // [m/s]
+};
+
+/// Surfels sorted into cells, made anew every tick in memory that is reused. Deterministic.
+class SurfelGrid {
+public:
+    /// Finite positions.
+    void assign(std::span<const PlacedSurfel> surfels);
+
+    bool empty() const { return surfels_.empty(); }
+    std::span<const PlacedSurfel> surfels() const { return surfels_; }  // ordered by cell
+    const Eigen::Vector3f& low() const { return low_; }                 // of the surfels' bounds
+    const Eigen::Vector3f& high() const { return high_; }
+    float max_speed_mps() const { return max_speed_mps_; }
+    bool is_near(const Eigen::Vector3f& low, const Eigen::Vector3f& high) const {
+        return !empty() && (high.array() >= low_.array()).all() &&
+               (low.array() <= high_.array()).all();
+    }
+
+    /// Calls `visit(surfel)` for all surfels in the cells that the box touches; some of them lie
+    /// outside it.
+    template <typename Visit>
+    void visit_box(const Eigen::Vector3f& low,
+                   const Eigen::Vector3f& high,
+                   const Visit& visit) const {
+        if (!is_near(low, high)) return;
+        const Eigen::Array3i from = cell_of(low).max(0);
+        const Eigen::Array3i to = cell_of(high).min(dims_ - 1);
+        for (int z = from.z(); z <= to.z(); ++z) {
+            for (int y = from.y(); y <= to.y(); ++y) {
+                const std::size_t begin = cell_begin_[cell_index(from.x(), y, z)];
+                const std::size_t end = cell_begin_[cell_index(to.x(), y, z) + 1];
+                for (std::size_t i = begin; i < end; ++i) visit(surfels_[i]);
+            }
+        }
+    }
+
+private:
+    Eigen::Array3i cell_of(const Eigen::Vector3f& p) const {
+        return ((p - low_) * inverse_cell_).array().floor().cast<int>();
+    }
+    std::size_t cell_index(int x, int y, int z) const {
+        return static_cast<std::size_t>((z * dims_.y() + y) * dims_.x() + x);
+    }
+    void fit_cells(std::span<const PlacedSurfel> surfels);
+
+    std::vector<PlacedSurfel> surfels_;
+    std::vector<std::uint32_t> cell_begin_;  // surfels of cell i: [cell_begin_[i], [i + 1])
+    std::vector<std::uint32_t> cell_of_surfel_;
+    Eigen::Array3i dims_ = Eigen::Array3i::Zero();
+    Eigen::Vector3f low_ = Eigen::Vector3f::Zero();
+    Eigen::Vector3f high_ = Eigen::Vector3f::Zero();
+    float inverse_cell_ = 1.0F;  // [1/m]
+    float max_speed_mps_ = 0.0F;
+};
+
+}  // namespace atrium::physics

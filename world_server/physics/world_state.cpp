@@ -1,0 +1,119 @@
+#include "world_server/physics/world_state.hpp"
+
+#include "world_server/physics/object_body.hpp"
+
+#include <BulletSoftBody/btSoftBody.h>
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
+#include <Eigen/LU>
+#include <btBulletDynamicsCommon.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace atrium::physics {
+namespace {
+
+// Bullet keeps rotations orthonormal to rounding; what is off by more was not written by it.
+constexpr float kRotationTolerance = 1e-3F;
+
+Eigen::Vector3f to_eigen(const btVector3& v) { return {float(v.x()), float(v.y()), float(v.z())}; }
+btVector3 to_btv(const Eigen::Vector3f& v) {
+    return btVector3(btScalar(v.x()), btScalar(v.y()), btScalar(v.z()));
+}
+
+}  // namespace
+
+ObjectMotion motion_of(ObjectBody& object) {
+    const btRigidBody& body = object.body();
+    const btTransform& transform = body.getWorldTransform();
+    ObjectMotion motion;
+    motion.id = object.object().id;
+    motion.position_m = to_eigen(transform.getOrigin());
+    for (int r = 0; r < 3; ++r) {
+        motion.rotation.row(r) = to_eigen(transform.getBasis()[r]).transpose();
+    }
+    motion.linear_velocity = to_eigen(body.getLinearVelocity());
+    motion.angular_velocity = to_eigen(body.getAngularVelocity());
+    motion.activation = body.getActivationState();
+    motion.idle_s = float(body.getDeactivationTime());
+    return motion;
+}
+
+bool is_valid(const ObjectMotion& motion) {
+    const bool is_finite = motion.position_m.allFinite() && motion.rotation.allFinite() &&
+                           motion.linear_velocity.allFinite() &&
+                           motion.angular_velocity.allFinite() && std::isfinite(motion.idle_s);
+    if (!is_finite || motion.activation < ACTIVE_TAG || motion.activation > WANTS_DEACTIVATION) {
+        return false;
+    }
+    const Eigen::Matrix3f product = motion.rotation * motion.rotation.transpose();
+    return product.isApprox(Eigen::Matrix3f::Identity(), kRotationTolerance) &&
+           motion.rotation.determinant() > 0.0F;
+}
+
+bool is_valid(const SoftMotion& motion) {
+    const auto is_finite = [](const Eigen::Vector3f& v) { return v.allFinite(); };
+    return motion.places_m.size() == motion.velocities.size() &&
+           std::all_of(motion.places_m.begin(), motion.places_m.end(), is_finite) &&
+           std::all_of(motion.velocities.begin(), motion.velocities.end(), is_finite);
+}
+
+void set_motion(const ObjectMotion& motion, ObjectBody& object) {
+    object.put_back();  // forces, and what is remembered besides
+    btRigidBody& body = object.body();
+    btTransform transform;
+    transform.setOrigin(to_btv(motion.position_m));
+    const Eigen::Matrix3f& m = motion.rotation;
+    transform.setBasis(btMatrix3x3(
+        m(0, 0), m(0, 1), m(0, 2), m(1, 0), m(1, 1), m(1, 2), m(2, 0), m(2, 1), m(2, 2)));
+    body.setLinearVelocity(to_btv(motion.linear_velocity));
+    body.setAngularVelocity(to_btv(motion.angular_velocity));
+    body.setCenterOfMassTransform(transform);
+    body.setInterpolationWorldTransform(transform);
+    body.forceActivationState(motion.activation);
+    body.setDeactivationTime(btScalar(motion.idle_s));
+}
+
+void forget_history(btSoftRigidDynamicsWorld& world, const std::vector<btRigidBody*>& bodies) {
+    struct Member {
+        btCollisionObject* object;
+        int group;
+        int mask;
+        int activation;
+        btScalar idle_s;
+        std::pair<std::size_t, int> place;  // in the order that they come back in
+    };
+    std::vector<Member> members;
+    for (int i = 0; i < world.getNumCollisionObjects(); ++i) {
+        btCollisionObject* object = world.getCollisionObjectArray()[i];
+        const btBroadphaseProxy& proxy = *object->getBroadphaseHandle();
+        // what is not in the list keeps its order: numbers of proxies rise
+        const auto found = std::find(bodies.begin(), bodies.end(), object);
+        const std::size_t place =
+            found == bodies.end() ? 0 : 1 + static_cast<std::size_t>(found - bodies.begin());
+        members.push_back({object,
+                           proxy.m_collisionFilterGroup,
+                           proxy.m_collisionFilterMask,
+                           object->getActivationState(),
+                           object->getDeactivationTime(),
+                           {place, proxy.m_uniqueId}});
+    }
+    std::sort(members.begin(), members.end(), [](const Member& a, const Member& b) {
+        return a.place < b.place;
+    });
+    for (const Member& member : members) world.removeCollisionObject(member.object);
+    world.getBroadphase()->resetPool(world.getDispatcher());
+    world.getConstraintSolver()->reset();
+    for (const Member& member : members) {
+        if (auto* body = btRigidBody::upcast(member.object))
+            world.addRigidBody(body, member.group, member.mask);
+        else if (auto* soft = btSoftBody::upcast(member.object))
+            world.addSoftBody(soft, member.group, member.mask);
+        else
+            world.addCollisionObject(member.object, member.group, member.mask);
+        member.object->forceActivationState(member.activation);
+        member.object->setDeactivationTime(member.idle_s);
+    }
+}
+
+}  // namespace atrium::physics

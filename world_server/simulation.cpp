@@ -1,0 +1,185 @@
+#include "world_server/simulation.hpp"
+
+#include "world_server/pace.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace atrium::world_server {
+namespace {
+
+using Clock = Pace::Clock;
+constexpr int kMaxCatchUpTicks = 4;  // what a tick of 120 Hz may be late by is one mesh period
+constexpr double kHashPeriodS = 10.0;
+
+bus::LatencySummary to_summary(const Quantiles& quantiles) {
+    return {quantiles.median_ms, quantiles.p99_ms, quantiles.num_samples};
+}
+
+}  // namespace
+
+Simulation::Simulation(const WorldServerConfig& config,
+                       Scene scene,
+                       std::function<void(const std::string& why)> reject)
+    : config_(config),
+      scene_(std::move(scene)),
+      reject_(std::move(reject)),
+      commands_(config.rights),
+      saver_(config.state_file) {
+    for (const SceneChange& change : scene_.all()) outbox_.put(change);
+}
+
+void Simulation::refuse(const bus::SceneCommand& command, const std::string& why) {
+    {
+        const std::lock_guard lock(status_mutex_);
+        ++figures_.num_refused;
+    }
+    reject_("command of " + command.sender + ": " + why);
+}
+
+void Simulation::apply(const bus::SceneCommand& command) {
+    const bool is_of_file =
+        command.kind == bus::CommandKind::kSave || command.kind == bus::CommandKind::kRestore;
+    if (is_of_file && !saver_.is_on()) {
+        return refuse(command, fmt::format("{}: the world has no file", to_string(command.kind)));
+    }
+    if (command.kind == bus::CommandKind::kSave) return save();
+    if (command.kind == bus::CommandKind::kRestore) return restore();
+    const auto changes = scene_.apply(command);
+    if (!changes) return refuse(command, changes.error().message);
+    for (const SceneChange& change : *changes) outbox_.put(change);
+}
+
+void Simulation::apply_commands() {
+    const CommandInbox::Content waiting = commands_.take_all();
+    for (const bus::SceneCommand& command : waiting.commands) apply(command);
+    for (const std::string& sender : waiting.left) scene_.forget_sender(sender);
+}
+
+void Simulation::save() {
+    save_credit_s_ = 0.0;
+    SavedWorld saved;
+    scene_.save(saved);
+    saver_.put(std::move(saved));
+}
+
+// On the simulating thread, which waits for the disk: nothing else may happen to the world
+// meanwhile. People come back with their next mesh.
+void Simulation::restore() {
+    auto restored = load_scene(config_);
+    if (!restored) return app::log::error("restore_failed {}", restored.error().message);
+    if (!*restored) return app::log::warn("restore_failed nothing was saved yet");
+    for (SceneChange& change : scene_.all()) {
+        change.is_gone = true;
+        outbox_.put(change);
+    }
+    scene_ = std::move(**restored);
+    for (const SceneChange& change : scene_.all()) outbox_.put(change);
+    app::log::info("state_restored tick={}", scene_.world().counters().num_ticks);
+}
+
+void Simulation::apply_people() {
+    people_.take_all([&](const std::string& site, std::optional<physics::PersonShape>&& shape) {
+        if (!shape) return scene_.world().remove_person(site);
+        scene_.world().set_person(site, *shape);
+        const std::lock_guard lock(status_mutex_);
+        capture_to_collision_.add(Timestamp::now() - shape->capture_time);
+    });
+}
+
+void Simulation::send_state(Timestamp due) {
+    send_credit_ += config_.send_hz / config_.tick_hz;
+    if (send_credit_ < 1.0) return;
+    send_credit_ -= 1.0;
+    bus::SceneState state;
+    scene_.get_state(config_.bus.world, due, state);
+    std::vector<bus::SoftBodyState> soft_states;
+    scene_.get_soft_states(due, soft_states);
+    outbox_.put(std::move(state), std::move(soft_states));
+}
+
+void Simulation::hash_now_and_then(double tick_s) {
+    hash_credit_s_ += tick_s;
+    if (hash_credit_s_ < kHashPeriodS) return;
+    hash_credit_s_ = 0.0;
+    const std::uint64_t tick = scene_.world().counters().num_ticks;
+    const std::uint64_t hash = scene_.world().state_hash();
+    app::log::info("state_hash tick={} hash={:016x}", tick, hash);
+    const std::lock_guard lock(status_mutex_);
+    figures_.state_tick = tick;
+    figures_.state_hash = hash;
+}
+
+// What the world did on its own, the hash now and then, and the file.
+void Simulation::look_after() {
+    const double tick_s = 1.0 / config_.tick_hz;
+    for (const SceneChange& change : scene_.take_removed(incidents_)) outbox_.put(change);
+    for (const physics::Incident& incident : incidents_) {
+        incidents_log_.warn(
+            fmt::format("object {} {}", incident.object, physics::describe(incident.kind)));
+    }
+    hash_now_and_then(tick_s);
+    save_credit_s_ += tick_s;
+    if (saver_.is_on() && config_.save_every_s > 0.0 && save_credit_s_ >= config_.save_every_s)
+        save();
+    const std::lock_guard lock(status_mutex_);
+    if (!incidents_.empty()) {
+        figures_.num_resets += incidents_.size();
+        figures_.last_reset = incidents_.back().object;
+    }
+    figures_.num_objects = scene_.num_objects();
+    figures_.num_grabs = scene_.world().num_grabs();
+    const physics::WorldCounters& counters = scene_.world().counters();
+    figures_.num_steps = counters.num_ticks;
+    figures_.num_contacts = counters.num_contact_ticks;
+}
+
+void Simulation::step(Timestamp due) {
+    const Clock::time_point begin = Clock::now();
+    apply_commands();
+    apply_people();
+    scene_.world().tick();
+    send_state(due);
+    look_after();
+    const std::lock_guard lock(status_mutex_);
+    step_times_.add(Clock::now() - begin);
+}
+
+void Simulation::run(std::stop_token stop) {
+    const std::chrono::nanoseconds tick(static_cast<std::int64_t>(1e9 / config_.tick_hz));
+    const Clock::time_point start = Clock::now();
+    Pace pace(tick, kMaxCatchUpTicks, start);
+    while (!stop.stop_requested()) {
+        sleep_until(pace.next(), stop);
+        const Clock::time_point now = Clock::now();
+        for (int i = pace.num_due(now); i > 0 && !stop.stop_requested(); --i) {
+            // when it was due, on the clock that states are stamped with
+            const std::chrono::nanoseconds ahead = pace.next() - i * tick - Clock::now();
+            step(Timestamp::now() + ahead);
+        }
+        {
+            const std::lock_guard lock(status_mutex_);
+            figures_.num_skipped_ticks = pace.num_skipped();
+        }
+        const double seconds = std::chrono::duration<double>(now - start).count();
+        if (config_.seconds > 0.0 && seconds >= config_.seconds) return;
+    }
+}
+
+void Simulation::save_last() {
+    if (!saver_.is_on()) return;
+    SavedWorld last;
+    scene_.save(last);
+    saver_.save(last);
+}
+
+void Simulation::fill(bus::WorldStatus& status) const {
+    const std::lock_guard lock(status_mutex_);
+    status = figures_;
+    status.num_saves = saver_.num_saves();
+    status.capture_to_collision = to_summary(capture_to_collision_.quantiles());
+    status.step = to_summary(step_times_.quantiles());
+}
+
+}  // namespace atrium::world_server

@@ -1,0 +1,278 @@
+#include "core/bus/checks.hpp"
+#include "core/bus/limits.hpp"
+#include "world_server/state_file.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <bit>
+#include <cstring>
+#include <string_view>
+
+// A header of 28 bytes: magic (8), version (4), length of the rest (8), its checksum (8). The rest:
+// description, tick, next id; then three lists, each with its length: objects, soft objects, added
+// objects. All numbers are little endian, IEEE 754.
+namespace atrium::world_server {
+namespace {
+
+constexpr std::string_view kMagic = "ATRIUMWS";
+constexpr std::uint32_t kVersion = 1;
+constexpr std::size_t kHeaderBytes = 28;
+constexpr std::size_t kMaxObjects = bus::kMaxObjects;
+
+// FNV-1a: one byte that differs always shows.
+std::uint64_t checksum(std::span<const std::uint8_t> bytes) {
+    std::uint64_t hash = 14695981039346656037ULL;
+    for (const std::uint8_t byte : bytes) hash = (hash ^ byte) * 1099511628211ULL;
+    return hash;
+}
+
+class ByteWriter {
+public:
+    template <typename Integer>
+    void integer(Integer value) {
+        for (std::size_t i = 0; i < sizeof(Integer); ++i) {
+            bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+        }
+    }
+    void number(float value) { integer(std::bit_cast<std::uint32_t>(value)); }
+    void number(double value) { integer(std::bit_cast<std::uint64_t>(value)); }
+    template <typename Matrix>
+    void numbers(const Matrix& matrix) {
+        for (Eigen::Index i = 0; i < matrix.size(); ++i) number(matrix.data()[i]);
+    }
+    void text(const std::string& value) {
+        integer(static_cast<std::uint32_t>(value.size()));
+        bytes.insert(bytes.end(), value.begin(), value.end());
+    }
+
+    std::vector<std::uint8_t> bytes;
+};
+
+// Reads zeros behind the end, and remembers that.
+class ByteReader {
+public:
+    explicit ByteReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+
+    template <typename Integer>
+    Integer integer() {
+        const auto bytes = take(sizeof(Integer));
+        Integer value = 0;
+        for (std::size_t i = 0; i < bytes.size(); ++i) {
+            value |= static_cast<Integer>(static_cast<Integer>(bytes[i]) << (8 * i));
+        }
+        return value;
+    }
+    void number(float& value) { value = std::bit_cast<float>(integer<std::uint32_t>()); }
+    void number(double& value) { value = std::bit_cast<double>(integer<std::uint64_t>()); }
+    template <typename Matrix>
+    void numbers(Matrix&& matrix) {
+        for (Eigen::Index i = 0; i < matrix.size(); ++i) number(matrix.data()[i]);
+    }
+    std::string text(std::size_t max) {
+        const auto size = integer<std::uint32_t>();
+        if (size > max) return fail();
+        const auto bytes = take(size);
+        return {bytes.begin(), bytes.end()};
+    }
+    /// The length of a list whose elements have at least so many bytes.
+    std::size_t count(std::size_t max, std::size_t element_bytes) {
+        const auto count = integer<std::uint32_t>();
+        if (count > max || count * element_bytes > bytes_.size()) {
+            fail();
+            return 0;
+        }
+        return count;
+    }
+    bool is_at_end() const { return is_good_ && bytes_.empty(); }
+    bool is_good() const { return is_good_; }
+
+private:
+    std::span<const std::uint8_t> take(std::size_t size) {
+        if (size > bytes_.size()) {
+            fail();
+            return {};
+        }
+        const auto taken = bytes_.first(size);
+        bytes_ = bytes_.subspan(size);
+        return taken;
+    }
+    std::string fail() {
+        is_good_ = false;
+        bytes_ = {};
+        return {};
+    }
+
+    std::span<const std::uint8_t> bytes_;
+    bool is_good_ = true;
+};
+
+void put(const physics::ObjectMotion& motion, ByteWriter& out) {
+    out.integer(motion.id);
+    out.integer(static_cast<std::uint32_t>(motion.activation));
+    out.number(motion.idle_s);
+    out.numbers(motion.position_m);
+    out.numbers(motion.rotation);
+    out.numbers(motion.linear_velocity);
+    out.numbers(motion.angular_velocity);
+}
+constexpr std::size_t kMotionBytes = 21 * 4;
+
+physics::ObjectMotion get_motion(ByteReader& in) {
+    physics::ObjectMotion motion;
+    motion.id = in.integer<std::uint32_t>();
+    motion.activation = static_cast<std::int32_t>(in.integer<std::uint32_t>());
+    in.number(motion.idle_s);
+    in.numbers(motion.position_m);
+    in.numbers(motion.rotation);
+    in.numbers(motion.linear_velocity);
+    in.numbers(motion.angular_velocity);
+    return motion;
+}
+
+void put(const physics::SoftMotion& motion, ByteWriter& out) {
+    out.integer(motion.id);
+    out.integer(static_cast<std::uint32_t>(motion.num_torn_ticks));
+    out.integer(static_cast<std::uint32_t>(motion.places_m.size()));
+    for (std::size_t i = 0; i < motion.places_m.size(); ++i) {
+        out.numbers(motion.places_m[i]);
+        out.numbers(motion.velocities[i]);
+    }
+}
+
+physics::SoftMotion get_soft_motion(ByteReader& in) {
+    physics::SoftMotion motion;
+    motion.id = in.integer<std::uint32_t>();
+    motion.num_torn_ticks = static_cast<std::int32_t>(in.integer<std::uint32_t>());
+    const std::size_t num_nodes = in.count(bus::kMaxSoftNodes, 24);
+    motion.places_m.resize(num_nodes);
+    motion.velocities.resize(num_nodes);
+    for (std::size_t i = 0; i < num_nodes; ++i) {
+        in.numbers(motion.places_m[i]);
+        in.numbers(motion.velocities[i]);
+    }
+    return motion;
+}
+
+void put(const bus::SceneObject& object, ByteWriter& out) {
+    out.integer(object.object);
+    out.text(object.name);
+    out.integer(static_cast<std::uint8_t>(object.shape));
+    out.numbers(object.size_m);
+    for (const double value : {object.mass_kg, object.friction, object.restitution}) {
+        out.number(value);
+    }
+    out.numbers(object.colour);
+    out.text(object.model);
+    out.number(object.model_scale);
+    out.text(object.texture);
+    out.numbers(object.world_from_object.rotation.coeffs());
+    out.numbers(object.world_from_object.translation);
+}
+constexpr std::size_t kAddedBytes = 4 + 4 + 1 + 24 + 24 + 24 + 4 + 8 + 4 + 56;  // without texts
+
+bus::SceneObject get_object(ByteReader& in) {
+    bus::SceneObject object;
+    object.object = in.integer<std::uint32_t>();
+    object.name = in.text(bus::kMaxNameLength);
+    object.shape = static_cast<bus::Shape>(in.integer<std::uint8_t>());
+    in.numbers(object.size_m);
+    for (double* value : {&object.mass_kg, &object.friction, &object.restitution}) {
+        in.number(*value);
+    }
+    in.numbers(object.colour);
+    object.model = in.text(bus::kMaxModelFileLength);
+    in.number(object.model_scale);
+    object.texture = in.text(bus::kMaxModelFileLength);
+    in.numbers(object.world_from_object.rotation.coeffs());
+    in.numbers(object.world_from_object.translation);
+    return object;
+}
+
+tl::unexpected<Error> wrong(std::string why) {
+    return make_error(ErrorKind::kInvalidData, "state of a world: " + std::move(why));
+}
+
+Expected<void> check(const SavedWorld& world) {
+    std::uint32_t last_id = 0;
+    for (const auto& motion : world.state.objects) {
+        if (motion.id <= last_id) return wrong("ids of objects do not rise");
+        if (!physics::is_valid(motion)) {
+            return wrong(fmt::format("object {}: a number is out of range", motion.id));
+        }
+        last_id = motion.id;
+    }
+    for (const auto& motion : world.state.soft) {
+        if (!physics::is_valid(motion)) {
+            return wrong(fmt::format("soft object {}: a number is out of range", motion.id));
+        }
+    }
+    for (const auto& object : world.added) {
+        if (const auto valid = bus::check(object); !valid) return wrong(valid.error().message);
+    }
+    return {};
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encode(const SavedWorld& world) {
+    ByteWriter body;
+    body.integer(world.description);
+    body.integer(world.state.tick);
+    body.integer(world.next_id);
+    const auto put_list = [&](const auto& elements) {
+        body.integer(static_cast<std::uint32_t>(elements.size()));
+        for (const auto& element : elements) put(element, body);
+    };
+    put_list(world.state.objects);
+    put_list(world.state.soft);
+    put_list(world.added);
+
+    ByteWriter out;
+    out.bytes.assign(kMagic.begin(), kMagic.end());
+    out.integer(kVersion);
+    out.integer(static_cast<std::uint64_t>(body.bytes.size()));
+    out.integer(checksum(body.bytes));
+    out.bytes.insert(out.bytes.end(), body.bytes.begin(), body.bytes.end());
+    return std::move(out.bytes);
+}
+
+Expected<SavedWorld> decode(std::span<const std::uint8_t> bytes) {
+    if (bytes.size() < kHeaderBytes ||
+        std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) != 0) {
+        return wrong("this is not one");
+    }
+    ByteReader header(bytes.subspan(kMagic.size(), kHeaderBytes - kMagic.size()));
+    const auto version = header.integer<std::uint32_t>();
+    if (version != kVersion) {
+        return wrong(fmt::format("has version {}, this program knows {}", version, kVersion));
+    }
+    const auto size = header.integer<std::uint64_t>();
+    const auto body = bytes.subspan(kHeaderBytes);
+    if (size != body.size()) {
+        return wrong(fmt::format("{} bytes are there, {} were written", body.size(), size));
+    }
+    if (header.integer<std::uint64_t>() != checksum(body)) {
+        return wrong("its checksum does not fit: it was damaged");
+    }
+
+    ByteReader in(body);
+    SavedWorld world;
+    world.description = in.integer<std::uint64_t>();
+    world.state.tick = in.integer<std::uint64_t>();
+    world.next_id = in.integer<std::uint32_t>();
+    for (std::size_t n = in.count(kMaxObjects, kMotionBytes); n > 0 && in.is_good(); --n) {
+        world.state.objects.push_back(get_motion(in));
+    }
+    for (std::size_t n = in.count(kMaxObjects, 12); n > 0 && in.is_good(); --n) {
+        world.state.soft.push_back(get_soft_motion(in));
+    }
+    for (std::size_t n = in.count(kMaxObjects, kAddedBytes); n > 0 && in.is_good(); --n) {
+        world.added.push_back(get_object(in));
+    }
+    if (!in.is_at_end()) return wrong("its parts do not fit its length");
+    if (const auto valid = check(world); !valid) return tl::unexpected(valid.error());
+    return world;
+}
+
+}  // namespace atrium::world_server

@@ -1,0 +1,112 @@
+#include "world_server/state_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+namespace atrium::world_server {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::uintmax_t kMaxBytes = std::uintmax_t{64} << 20U;  // 2048 objects have 0.5 MB
+constexpr int kMaxKept = 1000;
+
+Error failed(const char* what, const fs::path& file, int number) {
+    return {ErrorKind::kUnavailable,
+            fmt::format("{}: cannot {}: {}", file.string(), what, std::strerror(number))};
+}
+
+// Closes once.
+class Descriptor {
+public:
+    explicit Descriptor(int number) : number_(number) {}
+    ~Descriptor() {
+        if (number_ >= 0) ::close(number_);
+    }
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+    int get() const { return number_; }
+
+private:
+    int number_;
+};
+
+Expected<void> write_all(const Descriptor& out,
+                         std::span<const std::uint8_t> bytes,
+                         const fs::path& file) {
+    while (!bytes.empty()) {
+        const ssize_t written = ::write(out.get(), bytes.data(), bytes.size());
+        if (written < 0 && errno == EINTR) continue;
+        if (written < 0) return tl::unexpected(failed("write", file, errno));
+        bytes = bytes.subspan(static_cast<std::size_t>(written));
+    }
+    if (::fsync(out.get()) != 0) return tl::unexpected(failed("write", file, errno));
+    return {};
+}
+
+fs::path folder_of(const fs::path& file) {
+    return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
+}  // namespace
+
+Expected<void> write_atomically(const fs::path& file, std::span<const std::uint8_t> bytes) {
+    const fs::path temporary = file.string() + ".new";
+    {
+        const Descriptor out(
+            ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+        if (out.get() < 0) return tl::unexpected(failed("create", temporary, errno));
+        if (auto written = write_all(out, bytes, temporary); !written) {
+            ::unlink(temporary.c_str());
+            return written;
+        }
+    }
+    if (::rename(temporary.c_str(), file.c_str()) != 0) {
+        return tl::unexpected(failed("replace", file, errno));
+    }
+    // the new name is on the disk only once its folder is
+    const Descriptor folder(::open(folder_of(file).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (folder.get() < 0 || ::fsync(folder.get()) != 0) {
+        return tl::unexpected(failed("write the folder of", file, errno));
+    }
+    return {};
+}
+
+Expected<std::vector<std::uint8_t>> read_file(const fs::path& file) {
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(file, error);
+    if (error == std::errc::no_such_file_or_directory) {
+        return make_error(ErrorKind::kNotFound, file.string() + ": is not there");
+    }
+    if (error) return tl::unexpected(failed("read", file, error.value()));
+    if (size > kMaxBytes) {
+        return make_error(ErrorKind::kInvalidData,
+                          fmt::format("{}: {} bytes are more than any state", file.string(), size));
+    }
+    std::vector<std::uint8_t> bytes(size);
+    std::ifstream in(file, std::ios::binary);
+    in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+    if (!in) return tl::unexpected(failed("read", file, EIO));
+    return bytes;
+}
+
+Expected<fs::path> put_aside(const fs::path& file) {
+    for (int number = 1; number <= kMaxKept; ++number) {
+        const fs::path aside = fmt::format("{}.bad-{}", file.string(), number);
+        // a link fails where the name is taken, which a rename does not
+        if (::link(file.c_str(), aside.c_str()) == 0) {
+            if (::unlink(file.c_str()) != 0) return tl::unexpected(failed("rename", file, errno));
+            return aside;
+        }
+        if (errno != EEXIST) return tl::unexpected(failed("rename", file, errno));
+    }
+    return make_error(
+        ErrorKind::kUnavailable,
+        fmt::format("{}: {} damaged ones were kept already", file.string(), kMaxKept));
+}
+
+}  // namespace atrium::world_server

@@ -1,0 +1,59 @@
+#include "world_server/state_saver.hpp"
+
+#include "core/app/log.hpp"
+
+#include <utility>
+
+namespace atrium::world_server {
+
+void StateSaver::run(std::stop_token stop) {
+    while (const auto world = slot_.take(stop)) save(*world);
+}
+
+void StateSaver::save(const SavedWorld& world) {
+    const auto bytes = encode(world);
+    if (const auto written = write_atomically(file_, bytes); !written) {
+        app::log::error("save_failed {}", written.error().message);
+        return;
+    }
+    ++num_saves_;
+    app::log::info("state_saved file={} tick={} objects={} bytes={}",
+                   file_.string(),
+                   world.state.tick,
+                   world.state.objects.size() + world.state.soft.size(),
+                   bytes.size());
+}
+
+Expected<std::optional<Scene>> load_scene(const WorldServerConfig& config) {
+    const auto refuse = [&](const Error& why) -> Expected<std::optional<Scene>> {
+        const auto aside = put_aside(config.state_file);
+        return make_error(
+            why.kind,
+            why.message + "; " + (aside ? "kept as " + aside->string() : aside.error().message));
+    };
+    const auto bytes = read_file(config.state_file);
+    if (!bytes && bytes.error().kind == ErrorKind::kNotFound) return std::nullopt;
+    if (!bytes) return refuse(bytes.error());
+    const auto saved = decode(*bytes);
+    if (!saved) return refuse(saved.error());
+    auto scene = Scene::restore(config, *saved);
+    if (!scene) return refuse(scene.error());
+    return std::optional<Scene>(std::move(*scene));
+}
+
+Expected<Scene> start_scene(const WorldServerConfig& config) {
+    auto described = Scene::create(config);
+    if (!described || config.state_file.empty()) return described;
+    auto saved = load_scene(config);
+    if (!saved) {
+        app::log::error("restore_failed {}; the world starts as described", saved.error().message);
+        return described;
+    }
+    if (!*saved) return described;
+    app::log::info("state_restored file={} tick={}",
+                   config.state_file.string(),
+                   (*saved)->world().counters().num_ticks);
+    return std::move(**saved);
+}
+
+}  // namespace atrium::world_server
