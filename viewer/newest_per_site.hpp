@@ -38,8 +38,8 @@ public:
         return replaced;
     }
 
-    /// Waits for a value of any site; nullopt once a stop is requested, even while there are values:
-    /// a taker that does not keep up would otherwise never end.
+    /// Waits for a value of any site; nullopt once a stop is requested, even while there are
+    /// values: a taker that does not keep up would otherwise never end.
     std::optional<Item> take(std::stop_token stop) {
         std::unique_lock lock(mutex_);
         if (stop.stop_requested()) return std::nullopt;
