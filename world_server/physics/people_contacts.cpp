@@ -283,7 +283,8 @@ void PeopleContacts::insert(Tracked& tracked,
         point.m_contactERP = separation_mps(depth_m) * static_cast<float>(tick_s) / -told_m;
     }
     carrier.manifold->addManifoldPoint(point);
-    is_touched_ = is_touched_ || contact.distance_m <= kContactM;
+    // one that would be inside after the tick is stopped, or driven, within it
+    is_touched_ = is_touched_ || contact.distance_m <= kContactM || contact.after_m < 0.0F;
 }
 
 }  // namespace atrium::physics
