@@ -1,4 +1,5 @@
 #include "bench/scale/own_host.hpp"
+#include "bench/usage.hpp"
 #include "core/base/timestamp.hpp"
 #include "tests/support/hosted_process.hpp"
 #include "tests/support/impaired_network.hpp"
@@ -27,6 +28,11 @@ using namespace atrium;
 using namespace std::chrono_literals;
 using test::HostedProcess;
 
+constexpr const char* kUsage =
+    "usage: stream_crowd idle PROGRAM NETWORK COUNT PER_SECOND SECONDS\n"
+    "       stream_crowd announce NETWORK SECONDS\n"
+    "       stream_crowd head\n"
+    "One row of docs/streams.md, Participants; head: the names of the columns of the first.\n";
 constexpr auto kPatience = 60s;
 constexpr auto kSettle = 5s;
 
@@ -148,7 +154,7 @@ void announce(const std::vector<std::string>& words) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    const std::vector<std::string> words(argv + 1, argv + argc);
+    const std::vector<std::string> words = bench::words_or_usage(argc, argv, {1, 3, 6}, kUsage);
     if (words.size() == 1 && words[0] == "head") {
         fmt::print(
             "program,count,seconds,percent_each,percent_all,host_percent,start_cpu_s,started_s,"
@@ -158,6 +164,7 @@ int main(int argc, char** argv) {
     } else if (words.size() == 3 && words[0] == "announce") {
         announce(words);
     } else {
+        fmt::print(stderr, "{}", kUsage);
         return 2;
     }
     return 0;

@@ -1,3 +1,4 @@
+#include "bench/usage.hpp"
 #include "tests/integration/site_over_link.hpp"
 
 #include <fmt/format.h>
@@ -114,9 +115,14 @@ int measure(const Case& fault_case,
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc < 2) return 2;
-    const auto duration = std::chrono::milliseconds(std::lround(1000.0 * std::stod(argv[1])));
-    const std::string only = argc > 2 ? argv[2] : "";
+    const std::vector<std::string> words = atrium::bench::words_or_usage(
+        argc,
+        argv,
+        {1, 2},
+        "usage: stream_faults SECONDS_OF_EACH [ONLY]\n"
+        "A row of CSV per case of docs/streams.md, Faults; ONLY: the case of this name.\n");
+    const auto duration = std::chrono::milliseconds(std::lround(1000.0 * std::stod(words[0])));
+    const std::string only = words.size() > 1 ? words[1] : "";
     const auto cache =
         std::filesystem::temp_directory_path() / fmt::format("stream_faults-{}", getpid());
     fmt::print(

@@ -1,4 +1,5 @@
 // A run over a simulated link that becomes narrow and wide again, as numbers: stream_figures.sh.
+#include "bench/usage.hpp"
 #include "tests/support/simulated_stream.hpp"
 
 #include <cstdio>
@@ -18,8 +19,15 @@ double link_bit_per_s(double time_s) {
 
 // One line per half second: time [s], link, wanted, carried [Mbit/s], largest and median age [ms].
 // Then one line per step of the level: "step", time [s], quality, divisor, send every.
-int main() {
+int main(int argc, char** argv) {
     using namespace atrium::test;
+    atrium::bench::words_or_usage(
+        argc,
+        argv,
+        {0},
+        "usage: stream_link\n"
+        "A line per half second: time [s], link, wanted, carried [Mbit/s], largest and median age\n"
+        "[ms]; then one per step: time [s], quality, divisor, send every.\n");
     SimulatedLink link;
     link.bit_per_s = link_bit_per_s;
     link.jitter_ms = 5.0;

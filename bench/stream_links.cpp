@@ -1,3 +1,4 @@
+#include "bench/usage.hpp"
 #include "tests/integration/stream_over_link.hpp"
 
 #include <fmt/format.h>
@@ -19,9 +20,14 @@
 // one built in; 0 MBIT/S: no limit; the rest in bytes.
 int main(int argc, char** argv) {
     using namespace atrium::test;
-    const std::vector<std::string> words(argv + 1, argv + argc);
-    if (words.size() != 8 && words.size() != 10 && words.size() != 12 && words.size() != 13)
-        return 2;
+    const std::vector<std::string> words = atrium::bench::words_or_usage(
+        argc,
+        argv,
+        {8, 10, 12, 13},
+        "usage: stream_links NAME INTERNAL PROFILES MBIT/S DELAY_MS JITTER_MS LOSS FRAMES\n"
+        "                    [MESH TEXTURE [MESSAGE FRAGMENT [TEXTURE_WRITERS]]]\n"
+        "INTERNAL: Cyclone's elements of <Internal>; PROFILES: a file, \"\" for the one built in;\n"
+        "0 MBIT/S: no limit; the rest in bytes. One row of docs/streams.md, Links.\n");
     auto network = ImpairedNetwork::create(2, 1);
     if (!network) {
         fmt::print(stderr, "{}\n", network.error().message);

@@ -1,4 +1,5 @@
 #include "bench/scale/own_host.hpp"
+#include "bench/usage.hpp"
 #include "core/base/timestamp.hpp"
 #include "tests/support/hosted_process.hpp"
 
@@ -28,6 +29,11 @@ using namespace atrium;
 using namespace std::chrono_literals;
 using test::HostedProcess;
 
+constexpr const char* kUsage =
+    "usage: stream_scale NAME NETWORK STREAM SITES SUBSCRIBERS DECODE SECONDS\n"
+    "       stream_scale head\n"
+    "One row of docs/streams.md, Scale. NETWORK: as --network; STREAM: as replayed_site --code\n"
+    "makes it; DECODE: true or false; head: the names of the columns.\n";
 constexpr auto kPatience = 60s;  // many programs on few cores
 constexpr auto kSettle = 3s;
 constexpr auto kLast = 1s;  // what is on its way still comes
@@ -198,7 +204,7 @@ double mean_memory_mb(const Run& run, std::size_t first, std::size_t last) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    const std::vector<std::string> words(argv + 1, argv + argc);
+    const std::vector<std::string> words = bench::words_or_usage(argc, argv, {1, 7}, kUsage);
     if (words.size() == 1 && words[0] == "head") {
         fmt::print(
             "case,sites,subscribers,decode,seconds,cores,site_percent,subscriber_percent,"
@@ -206,7 +212,10 @@ int main(int argc, char** argv) {
             "datagrams_per_frame,kb_per_frame,site_mb,subscriber_mb,failed\n");
         return 0;
     }
-    if (words.size() != 7) return 2;
+    if (words.size() == 1) {
+        fmt::print(stderr, "{}", kUsage);
+        return 2;
+    }
     if (const auto entered = bench::enter_own_host(); !entered) fail(3, entered.error().message);
     Run run(words);
     std::this_thread::sleep_for(kSettle);

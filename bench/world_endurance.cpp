@@ -1,22 +1,26 @@
-// Two people who move about in every world of deploy/worlds, minute after minute: whether anything
-// explodes. Speeds and energy are looked at after every step; comma-separated values, a row per
-// world, and exit code 1 where a bound was broken. Usage: world_endurance [MINUTES [WORLD ...]]
+// Two people who move about among the things of every world of deploy/worlds, minute after minute:
+// whether anything explodes. All bounds of tests/support/endurance.hpp are looked at after every
+// step; comma-separated values, a row per world, and exit code 1 where a bound was broken;
+// world_endurance.sh keeps them. Once a minute all things are put back, so that there is always
+// something to push.
+// Usage: world_endurance [MINUTES [WORLD ...]]
+#include "core/base/thread_pool.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "core/config/rig.hpp"
-#include "simulation/choreography.hpp"
+#include "tests/support/endurance.hpp"
 #include "tests/support/hull_film.hpp"
 #include "world_server/config.hpp"
-#include "world_server/scene.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <numbers>
-#include <optional>
+#include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace atrium::bench {
@@ -25,12 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kRateHz = 30.0;
-constexpr double kLoopS = 3.0;
-constexpr double kResetS = 30.0;  // things are put back, so that there is something to push
-// Nobody moves faster than 3 m/s here. What is hit leaves with at most 2.2 times that; what falls
-// 2 m has 6.3 m/s.
-constexpr double kMostMps = 11.0;
-constexpr double kGravity = 9.81;
+constexpr double kPutBackS = 60.0;
 
 template <typename T>
 T value_of(Expected<T> result) {
@@ -53,159 +52,160 @@ world_server::WorldServerConfig load(const fs::path& file) {
     return config;
 }
 
-// One of the built-in motions, on the spot.
-test::Act loop_of(simulation::Motion motion, const std::string& name, const std::string& look) {
-    test::Act act;
-    act.name = "loop-" + name + "-" + look;
-    act.look = look;
-    act.seconds = kLoopS - 0.5 / kRateHz;
-    act.pose = [motion](double t) { return simulation::posture(motion, t / kLoopS); };
-    act.site_from_feet = [](double) { return geometry::RigidTransform{}; };
-    return act;
-}
-
-// Somebody who walks a rosette of 1.5 m around the world's middle, half a metre a second, and does
-// one motion after the other.
+// Somebody on the rosette, as the cameras of a room see her.
 class Wanderer {
 public:
-    Wanderer(std::vector<test::HullFilm> loops,
-             double phase,
-             const physics::PersonShapeOptions& options)
-        : loops_(std::move(loops)), phase_(phase), shaper_(options) {}
+    Wanderer(const test::HullFilm& film, double start_s, double phase_rad)
+        : film_(film), start_s_(start_s), phase_rad_(phase_rad) {}
 
-    physics::PersonShape shape(double time_s, Timestamp stamp) {
-        const auto turn = static_cast<std::size_t>(time_s / kLoopS);
-        const test::HullFilm& loop = loops_[(turn + (phase_ > 0.0 ? 1 : 0)) % loops_.size()];
-        const auto frame =
-            static_cast<std::size_t>(std::lround(time_s * kRateHz)) % loop.frames.size();
-        auto mesh = value_of(codec::decode_mesh(loop.frames[frame].draco));
-        const Eigen::Vector2d place = place_at(time_s);
-        const Eigen::Vector2d way = place_at(time_s + 0.01) - place;
-        const geometry::RigidTransform world_from_person{
-            Eigen::Quaterniond(Eigen::AngleAxisd(
-                std::atan2(way.y(), way.x()) - std::numbers::pi / 2, Eigen::Vector3d::UnitZ())),
-            {place.x(), place.y(), 0.0}};
-        for (Eigen::Vector3d& vertex : mesh.vertices) vertex = world_from_person * vertex;
-        return shaper_.shape(mesh, stamp);
+    physics::PersonShape shape(std::int64_t picture) {
+        const double time_s = static_cast<double>(picture) / kRateHz;
+        const auto frame = static_cast<std::size_t>(picture + std::lround(start_s_ * kRateHz)) %
+                           film_.frames.size();
+        auto mesh = value_of(codec::decode_mesh(film_.frames[frame].draco));
+        const geometry::RigidTransform world_from_feet = test::wander_place(time_s, phase_rad_);
+        for (Eigen::Vector3d& vertex : mesh.vertices) vertex = world_from_feet * vertex;
+        return shaper_.shape(mesh, {1'000'000'000 + std::llround(1e9 * time_s)});
     }
 
 private:
-    Eigen::Vector2d place_at(double t) const {
-        const double a = 0.23 * t + phase_;
-        return 1.5 * std::cos(1.618 * a) * Eigen::Vector2d(std::cos(a), std::sin(a));
-    }
-
-    std::vector<test::HullFilm> loops_;
-    double phase_;
-    physics::PersonShaper shaper_;
+    const test::HullFilm& film_;
+    double start_s_;
+    double phase_rad_;
+    physics::PersonShaper shaper_{physics::PersonShapeOptions{}};
 };
 
-struct Extremes {
-    double speed_mps = 0.0;
-    double spin_rad_s = 0.0;
-    double energy_j = 0.0;
-    double energy_bound_j = 0.0;
-    std::string broken;  // the first bound that was, and when
-};
+class Run {
+public:
+    Run(const fs::path& file, const test::EnduranceBounds& bounds)
+        : name_(file.stem().string()),
+          config_(load(file)),
+          scene_(value_of(world_server::Scene::create(config_))),
+          watch_(scene_, bounds) {}
 
-void look(const std::vector<physics::RigidState>& states,
-          const std::vector<bus::SceneObject>& objects,
-          double time_s,
-          Extremes& extremes) {
-    double energy_j = 0.0;
-    double mass_kg = 0.0;
-    for (std::size_t i = 0; i < states.size(); ++i) {
-        const double m = objects[i].mass_kg;
-        if (m <= 0.0) continue;
-        const double speed = states[i].linear_velocity.norm();
-        const double height = states[i].world_from_object.translation.z();
-        extremes.speed_mps = std::max(extremes.speed_mps, speed);
-        extremes.spin_rad_s = std::max(extremes.spin_rad_s, states[i].angular_velocity.norm());
-        energy_j += m * (0.5 * speed * speed + kGravity * std::max(0.0, height));
-        mass_kg += m;
-        const bool is_fine = std::isfinite(speed) && std::isfinite(height) && speed <= kMostMps;
-        if (!is_fine && extremes.broken.empty())
-            extremes.broken =
-                fmt::format("{} at {:.2f} m/s after {:.2f} s", objects[i].name, speed, time_s);
-    }
-    extremes.energy_j = std::max(extremes.energy_j, energy_j);
-    // everything two metres up and at a walk, which never happens
-    extremes.energy_bound_j = mass_kg * (kGravity * 2.0 + 0.5 * 3.0 * 3.0);
-    if (energy_j > extremes.energy_bound_j && extremes.broken.empty())
-        extremes.broken = fmt::format("energy {:.0f} J after {:.2f} s", energy_j, time_s);
-}
-
-bool endure(const fs::path& file, double seconds, const std::vector<test::HullFilm>& loops) {
-    const auto config = load(file);
-    auto scene = value_of(world_server::Scene::create(config));
-    physics::World& world = scene.world();
-    std::vector<Wanderer> people;
-    people.emplace_back(loops, 0.0, config.person);
-    people.emplace_back(loops, 2.0, config.person);
-    const double tick_s = 1.0 / config.tick_hz;
-    std::vector<physics::RigidState> states;
-    const auto objects = scene.objects();
-    Extremes extremes;
-    std::int64_t num_meshes = 0;
-    const auto num_ticks = static_cast<std::int64_t>(seconds / tick_s);
-    for (std::int64_t tick = 0; tick < num_ticks; ++tick) {
-        const double time_s = static_cast<double>(tick) * tick_s;
-        if (time_s * kRateHz >= static_cast<double>(num_meshes)) {
-            const Timestamp stamp{1'000'000'000 + num_meshes * 33'333'333};
-            for (std::size_t p = 0; p < people.size(); ++p)
-                world.set_person(fmt::format("person{}", p),
-                                 people[p].shape(static_cast<double>(num_meshes) / kRateHz, stamp));
-            ++num_meshes;
+    // Up to a time, with people who are new.
+    void advance(const std::vector<physics::PersonShape>& people, double until_s) {
+        for (std::size_t p = 0; p < people.size(); ++p)
+            scene_.world().set_person(fmt::format("person{}", p), people[p]);
+        const double tick_s = 1.0 / config_.tick_hz;
+        const auto ticks_per_reset = static_cast<std::int64_t>(kPutBackS / tick_s);
+        for (; static_cast<double>(tick_) * tick_s < until_s - 1e-9; ++tick_) {
+            if (tick_ > 0 && tick_ % ticks_per_reset == 0) {
+                scene_.world().reset();
+                watch_.forget();
+            }
+            const auto begin = std::chrono::steady_clock::now();
+            scene_.world().tick();
+            seconds_ +=
+                std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+            watch_.look(static_cast<double>(tick_) * tick_s);
         }
-        const auto ticks_per_reset = static_cast<std::int64_t>(kResetS / tick_s);
-        if (tick % ticks_per_reset == 0) world.reset();
-        world.tick();
-        world.get_states(states);
-        if (states.size() == objects.size()) look(states, objects, time_s, extremes);
     }
-    const auto& counters = world.counters();
-    fmt::print("{},{:.1f},{},{:.2f},{:.1f},{:.0f},{:.0f},{},{},{},{},\"{}\"\n",
-               file.stem().string(),
-               seconds / 60.0,
-               objects.size(),
-               extremes.speed_mps,
-               extremes.spin_rad_s,
-               extremes.energy_j,
-               extremes.energy_bound_j,
-               counters.num_contact_ticks,
-               counters.num_escapes,
-               counters.num_strays,
-               counters.num_not_finite,
-               extremes.broken);
-    std::fflush(stdout);
-    return extremes.broken.empty() && counters.num_not_finite == 0;
+
+    bool print(double minutes) const {
+        const test::EnduranceFigures& f = watch_.figures();
+        const physics::WorldCounters& counters = scene_.world().counters();
+        std::string left = "";
+        for (const physics::Incident& incident : f.incidents) {
+            left += fmt::format("{}{} {}",
+                                left.empty() ? "" : "; ",
+                                incident.object,
+                                physics::describe(incident.kind));
+        }
+        const auto ticks = static_cast<double>(counters.num_ticks);
+        fmt::print(
+            "{},{:.1f},{},{:.3f},{:.2f},{:.1f},{:.2f},{:.3f},{:.3f},{:.1f},{:.1f},{:.3f},"
+            "{},{:.5f},{},{},{},{},{},{:.3f},\"{}\",\"{}\"\n",
+            name_,
+            minutes,
+            scene_.num_objects(),
+            static_cast<double>(counters.num_contact_ticks) / ticks,
+            f.rigid_mps,
+            f.spin_rad_s,
+            f.soft_mps,
+            f.rigid_specific,
+            f.soft_specific,
+            f.energy_j,
+            f.energy_bound_j,
+            f.lowest_m,
+            f.num_untouched,
+            f.untouched_gain_j,
+            counters.num_not_finite,
+            counters.num_runaways,
+            counters.num_torn,
+            counters.num_strays,
+            counters.num_escapes,
+            1e3 * seconds_ / ticks,
+            f.broken,
+            left);
+        return f.broken.empty();
+    }
+
+    const std::string& name() const { return name_; }
+    const std::string& broken() const { return watch_.figures().broken; }
+
+private:
+    std::string name_;
+    world_server::WorldServerConfig config_;
+    world_server::Scene scene_;
+    test::WorldWatch watch_;
+    std::int64_t tick_ = 0;
+    double seconds_ = 0.0;  // spent in ticks
+};
+
+std::vector<fs::path> worlds_of(const std::vector<std::string>& arguments) {
+    std::vector<fs::path> worlds;
+    for (std::size_t i = 1; i < arguments.size(); ++i) worlds.emplace_back(arguments[i]);
+    if (!worlds.empty()) return worlds;
+    for (const auto& entry : fs::directory_iterator(ATRIUM_SOURCE_DIR "/deploy/worlds"))
+        if (entry.path().extension() == ".toml") worlds.push_back(entry.path());
+    std::sort(worlds.begin(), worlds.end());
+    return worlds;
 }
 
 int run(const std::vector<std::string>& arguments) {
     const fs::path root = ATRIUM_SOURCE_DIR;
+    const double minutes = arguments.empty() ? 10.0 : std::stod(arguments[0]);
     test::FilmOptions options;
     options.cameras = value_of(config::load_rig(root / "deploy/rigs/full_body.toml")).cameras;
     options.rate_hz = kRateHz;
-    std::vector<test::HullFilm> loops;
-    for (const std::string name : {"walk", "push", "wave", "sway", "raise"}) {
-        const auto act = loop_of(*simulation::find_motion(name), name, "ada");
-        loops.push_back(value_of(test::film(act, options, root / ".cache/world_trials")));
+    const test::Act act = test::wander_act("ada");
+    const auto film = value_of(test::film(act, options, root / ".cache/world_trials"));
+    const test::EnduranceBounds bounds{.people_mps = test::wander_speed_mps(act)};
+    fmt::print(stderr,
+               "people move at up to {:.2f} m/s, {} pictures\n",
+               bounds.people_mps,
+               film.frames.size());
+
+    std::vector<std::unique_ptr<Run>> runs;
+    for (const fs::path& world : worlds_of(arguments))
+        runs.push_back(std::make_unique<Run>(world, bounds));
+    std::vector<Wanderer> people{{film, 0.0, 0.0}, {film, test::kWanderLoopS / 2.0, 2.0}};
+    ThreadPool pool(std::max(1U, std::thread::hardware_concurrency()));
+    const auto num_pictures = static_cast<std::int64_t>(std::llround(60.0 * minutes * kRateHz));
+    std::vector<physics::PersonShape> shapes(people.size());
+    std::int64_t at = 0;
+    const auto shape = [&](std::size_t p, std::size_t) { shapes[p] = people[p].shape(at); };
+    for (std::int64_t picture = 0; picture < num_pictures; ++picture) {
+        at = picture;
+        pool.parallel_for(people.size(), shape);
+        const auto advance = [&](std::size_t i, std::size_t) {
+            runs[i]->advance(shapes, static_cast<double>(picture + 1) / kRateHz);
+        };
+        pool.parallel_for(runs.size(), advance);
+        if ((picture + 1) % static_cast<std::int64_t>(15 * kRateHz) != 0) continue;
+        fmt::print(stderr, "{:.2f} min", static_cast<double>(picture + 1) / kRateHz / 60.0);
+        for (const auto& r : runs)
+            if (!r->broken().empty()) fmt::print(stderr, "; {}: {}", r->name(), r->broken());
+        fmt::print(stderr, "\n");
     }
-    std::vector<fs::path> worlds;
-    for (std::size_t i = 1; i < arguments.size(); ++i) worlds.emplace_back(arguments[i]);
-    if (worlds.empty()) {
-        for (const auto& entry : fs::directory_iterator(root / "deploy/worlds"))
-            if (entry.path().extension() == ".toml") worlds.push_back(entry.path());
-        std::sort(worlds.begin(), worlds.end());
-    }
-    const double minutes = arguments.empty() ? 10.0 : std::stod(arguments[0]);
+    fmt::print("# people at up to {:.2f} m/s\n", bounds.people_mps);
     fmt::print(
-        "world,minutes,objects,speed_mps,spin_rad_s,energy_j,energy_bound_j,contact_ticks,"
-        "escapes,strays,not_finite,broken\n");
+        "world,minutes,objects,touched,rigid_mps,spin_rad_s,soft_mps,rigid_specific,"
+        "soft_specific,energy_j,energy_bound_j,lowest_m,untouched_ticks,untouched_gain_j,"
+        "not_finite,runaways,torn,left,led_out,tick_ms,broken,incidents\n");
     bool all_fine = true;
-    for (const fs::path& world : worlds)
-        all_fine =
-            endure(world, 60.0 * minutes / static_cast<double>(worlds.size()), loops) && all_fine;
+    for (const auto& r : runs) all_fine = r->print(minutes) && all_fine;
     return all_fine ? 0 : 1;
 }
 

@@ -1,40 +1,50 @@
 // How long the steps of a world take, and taking in a person's mesh: comma-separated values, a row
-// per setting; world_step.sh keeps them. One thread; the people are figures of spheres and boxes
-// who walk and reach among falling things.
+// per setting; world_step.sh keeps them. One thread, its CPU time. In the world are rigid bodies, a
+// curtain and a soft ball (and more of both), and a puppet on strings; the people are figures of
+// spheres and boxes who walk and reach among them, meshes at 30 Hz.
 #include "tests/unit/physics/meshes.hpp"
 #include "world_server/config.hpp"
 #include "world_server/physics/person_shape.hpp"
+#include "world_server/puppet.hpp"
 #include "world_server/scene.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <ctime>
+#include <numbers>
 #include <string>
 #include <vector>
 
 namespace atrium::bench {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr int kTicksPerMesh = 4;  // 30 Hz
-constexpr int kNumPoses = 20;
-constexpr int kTicks = 1200;
+constexpr int kTicksPerState = 2;
+constexpr int kNumPoses = 20;                                 // there, and as many back
+constexpr int kTicksPerWalk = 2 * kNumPoses * kTicksPerMesh;  // there and back
+constexpr int kTicksPerReset = 2 * kTicksPerWalk;             // 2.7 s
+constexpr int kTicks = 10 * kTicksPerReset;                   // of the standard setting, 27 s,
+constexpr int kTicksOfSweep = 4 * kTicksPerReset;             // and of the others
 constexpr int kWarmUpTicks = 60;
-constexpr std::uint32_t kFirstId = 5000;  // of what is added to the world file's things
+constexpr double kApartM = 0.6;  // of people, along y
 
 struct Setting {
     std::string sweep;
     int bodies = 100;
     int people = 2;
     int triangles = 10'000;
+    int soft = 2;
+    int puppets = 1;
 };
 
-double ms_since(Clock::time_point begin) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+// Of this thread on a core, so that what else the machine does counts as little as can be.
+double now_ms() {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
 }
 
 double quantile(std::vector<double> values, double share) {
@@ -44,20 +54,9 @@ double quantile(std::vector<double> values, double share) {
     return values[static_cast<std::size_t>(at)];
 }
 
-world_server::WorldServerConfig load(const std::string& file) {
-    world_server::WorldServerConfig config;
-    auto reader = config::TableReader::load(file);
-    if (reader) {
-        config::OptionSet set;
-        declare(config, set);
-        set.read_file(*reader);
-        read_world(*reader, config);
-        if (const auto read = reader->finish(); read) return config;
-        fmt::print(stderr, "{}: {}\n", file, reader->finish().error().message);
-    } else {
-        fmt::print(stderr, "{}\n", reader.error().message);
-    }
-    std::exit(2);
+[[noreturn]] void fail(const std::string& message, int code) {
+    fmt::print(stderr, "{}\n", message);
+    std::exit(code);
 }
 
 geometry::TriangleMesh figure(const Eigen::Vector3d& feet, double reach_m, int triangles) {
@@ -69,94 +68,193 @@ geometry::TriangleMesh figure(const Eigen::Vector3d& feet, double reach_m, int t
     return physics_test::make_person_mesh(feet, reach_m, cuts);
 }
 
-// Somebody who walks at 1 m/s and reaches out at 1 m/s, to and fro.
-std::vector<physics::PersonShape> walk(const Eigen::Vector3d& feet,
-                                       int triangles,
-                                       const physics::PersonShapeOptions& options,
-                                       std::vector<double>& shape_ms) {
-    physics::PersonShaper shaper(options);
-    std::vector<physics::PersonShape> shapes;
-    for (int i = 0; i < 2 * kNumPoses; ++i) {
-        const int there = i < kNumPoses ? i : 2 * kNumPoses - i;
-        const Eigen::Vector3d step(there / 30.0, 0.0, 0.0);
-        const auto mesh = figure(feet + step, 0.3 + there / 60.0, triangles);
-        const auto begin = Clock::now();
-        shapes.push_back(shaper.shape(mesh, {1'000'000'000 + i * 33'333'333LL}));
-        shape_ms.push_back(ms_since(begin));
+double place_of(int person) { return kApartM * (person - 1); }
+
+// Somebody who walks at 1 m/s and reaches out at 0.5 m/s, to and fro. The second round is kept, in
+// which the first mesh has one before it.
+std::vector<physics::PersonShape> walk(int person, int triangles, std::vector<double>& shape_ms) {
+    physics::PersonShaper shaper(physics::PersonShapeOptions{});
+    std::vector<physics::PersonShape> shapes(2 * kNumPoses);
+    for (int i = 0; i < 4 * kNumPoses; ++i) {
+        const int pose = i % (2 * kNumPoses);
+        const int there = pose < kNumPoses ? pose : 2 * kNumPoses - pose;
+        const Eigen::Vector3d feet(-0.7 + there / 30.0, place_of(person), 0.0);
+        const auto mesh = figure(feet, 0.3 + there / 60.0, triangles);
+        const double begin_ms = now_ms();
+        shapes[static_cast<std::size_t>(pose)] =
+            shaper.shape(mesh, {1'000'000'000 + i * 33'333'333LL});
+        shape_ms.push_back(now_ms() - begin_ms);
     }
     return shapes;
 }
 
-void add_bodies(physics::World& world, int num) {
+void add_floor(world_server::WorldServerConfig& config) {
+    world_server::WorldObject floor;
+    floor.scene.object = 1;
+    floor.scene.name = "floor";
+    floor.scene.shape = bus::Shape::kPlane;
+    floor.scene.size_m = {8.0, 8.0, 0.001};
+    config.objects.push_back(floor);
+}
+
+// Balls and boxes by turns, in layers above where people walk.
+void add_bodies(world_server::WorldServerConfig& config, int num) {
     for (int i = 0; i < num; ++i) {
-        const bool is_ball = i % 2 == 0;
-        physics::RigidObject body;
-        body.id = kFirstId + static_cast<std::uint32_t>(i);
-        body.shape = is_ball ? physics::ObjectShape::kSphere : physics::ObjectShape::kBox;
-        body.size_m = Eigen::Vector3d::Constant(0.2);
-        body.mass_kg = 0.5;
-        body.world_from_object.translation = {
-            0.3 * (i % 5) - 0.6, 0.3 * (i / 5 % 5) - 0.6, 0.8 + 0.3 * (i / 25)};
-        if (world.add(body) != physics::AddResult::kAdded) {
-            fmt::print(stderr, "the world has no room for {} bodies more\n", num);
-            std::exit(1);
-        }
+        world_server::WorldObject body;
+        body.scene.object = static_cast<std::uint32_t>(config.objects.size() + 1);
+        body.scene.name = fmt::format("body-{}", i);
+        body.scene.shape = i % 2 == 0 ? bus::Shape::kSphere : bus::Shape::kBox;
+        body.scene.size_m = Eigen::Vector3d::Constant(0.2);
+        body.scene.mass_kg = 0.5;
+        body.scene.world_from_object.translation = {
+            0.3 * (i % 5) - 0.6, 0.3 * (i / 5 % 5) - 0.9, 0.8 + 0.3 * (i / 25)};
+        config.objects.push_back(body);
     }
 }
 
-void measure(const std::string& file, const Setting& setting) {
-    auto config = load(file);
-    config.max_objects = std::max(config.max_objects, 1000);
+// Puppets on strings, each before one of the people.
+void add_puppets(world_server::WorldServerConfig& config, int num) {
+    for (int i = 0; i < num; ++i) {
+        world_server::PuppetDescription description;
+        description.name = fmt::format("puppet-{}", i);
+        description.world_from_puppet.translation = {0.35, place_of(1 + i) + 0.17, 1.0};
+        description.string_m = 0.45;
+        const auto puppet = world_server::make_puppet(
+            description, static_cast<std::uint32_t>(config.objects.size() + 1));
+        config.objects.insert(config.objects.end(), puppet.parts.begin(), puppet.parts.end());
+        config.joints.insert(config.joints.end(), puppet.joints.begin(), puppet.joints.end());
+    }
+}
+
+// By turns a curtain, before the hands, and a ball, before the feet: those of curtain.toml.
+void add_soft(world_server::WorldServerConfig& config, int num) {
+    for (int i = 0; i < num; ++i) {
+        world_server::WorldSoftObject soft;
+        soft.name = fmt::format("soft-{}", i);
+        physics::SoftObject& object = soft.object;
+        object.id = static_cast<std::uint32_t>(config.objects.size() + config.soft.size() + 1);
+        if (i % 2 == 0) {
+            object.shape = physics::SoftShape::kCloth;
+            object.size_m = {0.8, 1.9, 0.01};
+            object.spacing_m = 0.08;
+            object.stiffness = 0.3;
+            object.damping_hz = 1.5;
+            object.pins = {{.place = physics::PinPlace::kTop}};
+            object.world_from_object.translation = {0.3, place_of(i / 2), 1.15};
+            object.world_from_object.rotation =
+                Eigen::AngleAxisd(std::numbers::pi / 2.0, Eigen::Vector3d::UnitZ());
+        } else {
+            object.shape = physics::SoftShape::kBall;
+            object.size_m = Eigen::Vector3d::Constant(0.34);
+            object.spacing_m = 0.045;
+            object.stiffness = 0.6;
+            object.world_from_object.translation = {-0.3, place_of(1 - i / 2), 0.18};
+        }
+        object.mass_kg = 0.5;
+        config.soft.push_back(soft);
+    }
+}
+
+world_server::Scene make_scene(const Setting& setting) {
+    world_server::WorldServerConfig config;
+    config.max_objects = 1000;
+    add_floor(config);
+    add_bodies(config, setting.bodies);
+    add_puppets(config, setting.puppets);
+    add_soft(config, setting.soft);
     auto scene = world_server::Scene::create(config);
-    if (!scene) {
-        fmt::print(stderr, "{}\n", scene.error().message);
-        std::exit(1);
-    }
-    physics::World& world = scene->world();
-    add_bodies(world, setting.bodies);
-    std::vector<double> shape_ms;
+    if (!scene) fail(scene.error().message, 1);
+    return std::move(*scene);
+}
+
+struct Times {
+    std::vector<double> step_ms;   // all that the simulating thread does in a tick
+    std::vector<double> take_ms;   // taking in a mesh, a part of it
+    std::vector<double> shape_ms;  // preparing it, which another thread does
+    std::size_t num_contact_ticks = 0;
+    std::size_t num_soft_contact_ticks = 0;
+    std::size_t num_moving = 0;  // rigid objects, over all ticks
+    std::uint64_t hash = 0;      // of the state at the end: the same work was done
+};
+
+Times measure(const Setting& setting) {
+    Times times;
+    const int num_ticks = setting.sweep == "standard" ? kTicks : kTicksOfSweep;
+    world_server::Scene scene = make_scene(setting);
+    physics::World& world = scene.world();
     std::vector<std::vector<physics::PersonShape>> people;
-    for (int p = 0; p < setting.people; ++p) {
-        const Eigen::Vector3d feet(-0.7 + 0.1 * p, -0.6 + 0.4 * p, 0.0);
-        people.push_back(walk(feet, setting.triangles, config.person, shape_ms));
-    }
-    std::vector<double> step_ms;
-    std::vector<double> take_ms;
-    for (int tick = 0; tick < kTicks; ++tick) {
-        if (tick % 240 == 0) world.reset();  // keeps things in the air and in the way
+    for (int p = 0; p < setting.people; ++p)
+        people.push_back(walk(p, setting.triangles, times.shape_ms));
+    bus::SceneState state;
+    std::vector<bus::SoftBodyState> soft_states;
+    std::vector<physics::RigidState> rigid;
+    physics::WorldCounters before;
+    for (int tick = 0; tick < kWarmUpTicks + num_ticks; ++tick) {
+        if (tick == kWarmUpTicks) before = world.counters();
+        // back into the air and in the way, when people have stepped back
+        if (tick % kTicksPerReset == 0) world.reset();
+        double take_ms = 0.0;
         for (int p = 0; p < setting.people; ++p) {
-            // not both in the same tick, as sites have clocks of their own
+            // not all in the same tick, as sites have clocks of their own
             if (tick % kTicksPerMesh != p % kTicksPerMesh) continue;
             const auto& shapes = people[static_cast<std::size_t>(p)];
-            const auto& shape =
-                shapes[static_cast<std::size_t>(tick / kTicksPerMesh) % shapes.size()];
-            const auto begin = Clock::now();
-            world.set_person(fmt::format("person{}", p), shape);
-            if (tick >= kWarmUpTicks) take_ms.push_back(ms_since(begin));
+            const auto at = static_cast<std::size_t>(tick / kTicksPerMesh) % shapes.size();
+            const std::string name = fmt::format("person{}", p);
+            const double begin_ms = now_ms();
+            world.set_person(name, shapes[at]);
+            const double ms = now_ms() - begin_ms;
+            if (tick >= kWarmUpTicks) times.take_ms.push_back(ms);
+            take_ms += ms;
         }
-        const auto begin = Clock::now();
+        const double begin_ms = now_ms();
         world.tick();
-        if (tick >= kWarmUpTicks) step_ms.push_back(ms_since(begin));
+        if (tick % kTicksPerState == 0) {
+            scene.get_state("world", {tick}, state);
+            scene.get_soft_states({tick}, soft_states);
+        }
+        if (tick < kWarmUpTicks) continue;
+        times.step_ms.push_back(take_ms + (now_ms() - begin_ms));
+        world.get_states(rigid);
+        times.num_moving += static_cast<std::size_t>(
+            std::count_if(rigid.begin(), rigid.end(), [](const physics::RigidState& s) {
+                return s.linear_velocity.norm() > 0.02;
+            }));
     }
-    fmt::print("{},{},{},{},{:.3f},{:.3f},{:.3f},{:.4f},{:.4f},{:.3f}\n",
-               setting.sweep,
-               setting.bodies,
-               setting.people,
-               setting.triangles,
-               quantile(step_ms, 0.5),
-               quantile(step_ms, 0.99),
-               quantile(step_ms, 1.0),
-               quantile(take_ms, 0.5),
-               quantile(take_ms, 1.0),
-               quantile(shape_ms, 0.5));
+    const physics::WorldCounters& after = world.counters();
+    times.hash = world.state_hash();
+    times.num_contact_ticks = after.num_contact_ticks - before.num_contact_ticks;
+    times.num_soft_contact_ticks = after.num_soft_contact_ticks - before.num_soft_contact_ticks;
+    return times;
+}
+
+void print(const Setting& setting, const Times& times) {
+    const auto share = [&](std::size_t num) {
+        return static_cast<double>(num) / static_cast<double>(times.step_ms.size());
+    };
+    fmt::print(
+        "{},{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.4f},{:.4f},{:.3f},{:.3f},{:.3f},{:.1f},{:016x}"
+        "\n",
+        setting.sweep,
+        setting.bodies,
+        setting.people,
+        setting.triangles,
+        setting.soft,
+        setting.puppets,
+        quantile(times.step_ms, 0.5),
+        quantile(times.step_ms, 0.99),
+        quantile(times.step_ms, 1.0),
+        quantile(times.take_ms, 0.5),
+        quantile(times.take_ms, 1.0),
+        quantile(times.shape_ms, 0.5),
+        share(times.num_contact_ticks),
+        share(times.num_soft_contact_ticks),
+        share(times.num_moving),
+        times.hash);
     std::fflush(stdout);
 }
 
-// world_step [WORLD [NAME]]: the things of a world file, with bodies and people added; NAME: only
-// this sweep
+// world_step [SWEEP]: all settings, or those of one sweep
 int run(const std::vector<std::string>& arguments) {
-    const std::string file =
-        !arguments.empty() ? arguments[0] : ATRIUM_SOURCE_DIR "/deploy/worlds/demo.toml";
     std::vector<Setting> settings{{.sweep = "standard"}};
     for (const int bodies : {10, 25, 50, 100, 200, 400})
         settings.push_back({.sweep = "bodies", .bodies = bodies});
@@ -164,12 +262,13 @@ int run(const std::vector<std::string>& arguments) {
         settings.push_back({.sweep = "people", .people = people});
     for (const int triangles : {2'000, 5'000, 10'000, 20'000, 40'000})
         settings.push_back({.sweep = "triangles", .triangles = triangles});
+    for (const int soft : {0, 2, 4}) settings.push_back({.sweep = "soft", .soft = soft});
     fmt::print(
-        "sweep,bodies,people,triangles,median_ms,p99_ms,max_ms,take_median_ms,take_max_ms,"
-        "shape_ms\n");
+        "sweep,bodies,people,triangles,soft,puppets,median_ms,p99_ms,max_ms,take_median_ms,"
+        "take_max_ms,shape_ms,touched,soft_touched,moving,state_hash\n");
     for (const Setting& setting : settings) {
-        if (arguments.size() > 1 && arguments[1] != setting.sweep) continue;
-        measure(file, setting);
+        if (!arguments.empty() && arguments[0] != setting.sweep) continue;
+        print(setting, measure(setting));
     }
     return 0;
 }

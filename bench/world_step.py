@@ -12,21 +12,28 @@ import svg
 from page_table import read_rows, renew
 
 SWEEPS = [("bodies", "rigid bodies", "Bodies"), ("people", "people", "People"), ("triangles", "triangles of a person", "Triangles")]
+BARS = [("median_ms", "median", 4.0), ("p99_ms", "p99", 8.0), ("take_max_ms", "taking in a mesh, longest", 1.0)]
 COLUMNS = [("median_ms", "step, median [ms]", "{:.2f}"), ("p99_ms", "p99", "{:.2f}"), ("take_median_ms", "taking in a mesh [ms]", "{:.3f}"),
-           ("take_max_ms", "longest", "{:.3f}"), ("shape_ms", "preparing it beside the step [ms]", "{:.1f}")]
+           ("take_max_ms", "longest", "{:.3f}"), ("shape_ms", "preparing it beside the step [ms]", "{:.1f}"),
+           ("touched", "ticks in which people touch things", "{:.0%}"), ("soft_touched", "and soft things", "{:.0%}"),
+           ("moving", "objects that move", "{:.0f}")]
 
 
 def table(rows, comment):
-    out = ["| bodies | people | triangles | " + " | ".join(name for _, name, _ in COLUMNS) + " |", "|" + "---|" * (3 + len(COLUMNS))]
+    out = ["| bodies | people | triangles | soft | " + " | ".join(name for _, name, _ in COLUMNS) + " |", "|" + "---|" * (4 + len(COLUMNS))]
     seen = set()
     for row in rows:
-        key = (row["bodies"], row["people"], row["triangles"])
+        key = (row["bodies"], row["people"], row["triangles"], row["soft"])
         if key in seen:
             continue
         seen.add(key)
         cells = list(key) + [form.format(float(row[name])) for name, _, form in COLUMNS]
         out.append("| " + " | ".join(cells) + " |")
-    return "\n".join(out + ["", comment + "."])
+    first = rows[0]
+    bars = ", ".join("{} {:.2g} of {:g} ms: {}".format(name, float(first[column]), most, "met" if float(first[column]) <= most else "missed")
+                     for column, name, most in BARS)
+    return "\n".join(out + ["", f"The first row against its bars: {bars}. {comment}.", "",
+                             "![Times of a step against bodies, people and triangles](figures/world_step.svg)"])
 
 
 def curves(rows, path):

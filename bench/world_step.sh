@@ -1,18 +1,17 @@
 #!/bin/sh
-# Measures the steps of a world: `bench/world_step.sh [BUILD [WORLD]]`. Keeps the table with machine and date in bench/results/ and
-# renews table and curves of docs/world_server.md. BUILD has to be configured with -DATRIUM_BENCH=ON, and is best a release build; the
-# machine should have nothing else to do. WORLD is a world file, whose things are there besides; without: deploy/worlds/demo.toml.
+# Measures the steps of a world: `bench/world_step.sh [BUILD]`. Keeps the table with machine and date in bench/results/ and renews
+# table and curves of docs/world_server.md. BUILD has to be configured with -DATRIUM_BENCH=ON, and is best a release build; the
+# machine should have nothing else to do.
 set -eu
 cd "$(dirname "$0")/.."
 build=${1:-build}
-world=${2:-deploy/worlds/demo.toml}
 cmake --build "$build" --target world_step > /dev/null
 machine=$(lscpu | sed -n 's/^Model name: *//p')
 table="bench/results/$(date +%Y-%m-%d)-$(echo "$machine" | tr -c 'A-Za-z0-9\n' '-')-world-step.csv"
 mkdir -p bench/results
 {
-    echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, one thread, $(c++ --version | head -n 1), besides the things of $world"
-    "$build"/bin/world_step "$world"
+    echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, CPU time of one thread, $(c++ --version | head -n 1)"
+    "$build"/bin/world_step
 } > "$table"
 python3 bench/world_step.py "$table" docs/world_server.md docs/figures/world_step.svg
 echo "kept in $table"

@@ -80,11 +80,10 @@ std::map<std::string, Trial> all_trials() {
     return trials;
 }
 
-// world_trials [--trials N] [--first SEED] [--trace] [name or beginning of names ...]
+// world_trials [--rig FILE] [--trials N] [--first SEED] [--trace] [name or beginning of names ...]
 int run(const std::vector<std::string>& arguments) {
     TrialSetting setting;
-    setting.cameras =
-        value_of(config::load_rig(ATRIUM_SOURCE_DIR "/deploy/rigs/full_body.toml")).cameras;
+    std::string rig = ATRIUM_SOURCE_DIR "/deploy/rigs/full_body_1mp.toml";
     setting.cache = ATRIUM_SOURCE_DIR "/.cache/world_trials";
     std::uint64_t num_trials = 20;
     std::uint64_t first = 0;
@@ -95,11 +94,14 @@ int run(const std::vector<std::string>& arguments) {
             num_trials = std::stoull(arguments[++i]);
         else if (arguments[i] == "--first" && has_value)
             first = std::stoull(arguments[++i]);
+        else if (arguments[i] == "--rig" && has_value)
+            rig = arguments[++i];
         else if (arguments[i] == "--trace")
             setting.trace = &std::cerr;
         else
             names.push_back(arguments[i]);
     }
+    setting.cameras = value_of(config::load_rig(rig)).cameras;
     fmt::print("trial,seed,succeeded,measure,reason\n");
     for (const auto& [name, trial] : all_trials()) {
         const bool is_wanted =

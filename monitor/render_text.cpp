@@ -4,6 +4,7 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -200,6 +201,25 @@ std::size_t num_of(const Report& report, ProgramKind kind) {
         }));
 }
 
+// A name given on the command line that no site has, as one that is misspelt.
+void add_unknown_sites(const Report& report,
+                       const std::vector<std::string>& names,
+                       TextLines& lines) {
+    std::vector<std::string> there;
+    for (const ProgramReport& program : report.programs)
+        if (program.kind == ProgramKind::kSiteNode) there.push_back(program.name);
+    for (const std::string& name : names) {
+        if (std::find(there.begin(), there.end(), name) != there.end()) continue;
+        lines.add_words(
+            "! ",
+            fmt::format("no site '{}' is there{}",
+                        name,
+                        there.empty() ? ", nor any other"
+                                      : fmt::format("; there are: {}", fmt::join(there, ", "))),
+            Look::kWarning);
+    }
+}
+
 TextLines render(const Report& report, const TextOptions& options, bool with_all_cameras) {
     TextLines lines(std::max(options.width, kMinWidth), options.colour);
     const std::time_t time = report.time.ns / 1'000'000'000;
@@ -214,6 +234,7 @@ TextLines render(const Report& report, const TextOptions& options, bool with_all
     for (const std::string& notice : report.notices) {
         lines.add_words("! ", notice, Look::kWarning);
     }
+    add_unknown_sites(report, options.sites, lines);
     if (report.programs.empty()) lines.add("nobody is there", Look::kWarning);
     for (const ProgramReport& program : report.programs) {
         const bool is_named = program.kind == ProgramKind::kSiteNode &&

@@ -1,9 +1,11 @@
 #include "simulation/choreography.hpp"
 
+#include "simulation/motion_parts.hpp"
+#include "simulation/play_motions.hpp"
+
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 namespace atrium::simulation {
@@ -11,49 +13,19 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::array<std::pair<std::string_view, Motion>, 6> kMotions = {
+constexpr std::array<std::pair<std::string_view, Motion>, 12> kMotions = {
     {{"wave", Motion::kWave},
      {"push", Motion::kPush},
      {"walk", Motion::kWalk},
      {"sway", Motion::kSway},
      {"raise", Motion::kRaise},
-     {"table_hands", Motion::kTableHands}}};
-
-// Position in the loop: sines whose whole numbers of turns make every motion end where it began.
-struct Phase {
-    double value = 0.0;
-    double sine(int turns, double offset = 0.0) const {
-        return std::sin(2.0 * std::numbers::pi * (turns * value + offset));
-    }
-    /// Swells from 0 to 1 and back, `turns` times per loop; 0 at the start.
-    double swell(int turns, double offset = 0.0) const {
-        return 0.5 - 0.5 * sine(turns, offset + 0.25);
-    }
-};
-
-Vector3d between(const Vector3d& a, const Vector3d& b, double t) { return a + t * (b - a); }
-
-ArmPose between(const ArmPose& a, const ArmPose& b, double t) {
-    return {between(a.wrist, b.wrist, t),
-            between(a.elbow_towards, b.elbow_towards, t),
-            between(a.fingers, b.fingers, t),
-            between(a.palm, b.palm, t)};
-}
-
-// Breathing and a shift of the weight, which every standing person does.
-BodyPose stand(const Phase& phase, double amount_m) {
-    BodyPose pose;
-    pose.shift += Vector3d(
-        amount_m * phase.sine(1), 0.25 * amount_m * phase.sine(2, 0.1), 0.003 * phase.sine(2));
-    pose.pelvis_turn = {0.0, 0.6 * amount_m * phase.sine(1), 0.04 * phase.sine(1, 0.2)};
-    pose.chest_turn = {
-        -0.015 * phase.sine(2), -1.2 * amount_m * phase.sine(1), 0.04 * phase.sine(1, 0.1)};
-    pose.head_turn = {0.03 * phase.sine(1), 0.0, 0.12 * phase.sine(1, 0.35)};
-    const double side = pose.shift.x();
-    pose.right_arm.wrist += Vector3d(side, 0.02 * phase.sine(1), 0.0);
-    pose.left_arm.wrist += Vector3d(-side, -0.02 * phase.sine(1), 0.0);
-    return pose;
-}
+     {"table_hands", Motion::kTableHands},
+     {"kick", Motion::kKick},
+     {"nudge", Motion::kNudge},
+     {"scoop", Motion::kScoop},
+     {"wade", Motion::kWade},
+     {"part", Motion::kPart},
+     {"carry", Motion::kCarry}}};
 
 BodyPose wave(const Phase& phase) {
     BodyPose pose = stand(phase, 0.025);
@@ -200,6 +172,18 @@ BodyPose posture(Motion motion, double phase_value) {
             return raise(phase);
         case Motion::kTableHands:
             return table_hands(phase);
+        case Motion::kKick:
+            return kick(phase);
+        case Motion::kNudge:
+            return nudge(phase);
+        case Motion::kScoop:
+            return scoop(phase);
+        case Motion::kWade:
+            return wade(phase);
+        case Motion::kPart:
+            return part(phase);
+        case Motion::kCarry:
+            return carry(phase);
     }
     assert(false);
     return {};

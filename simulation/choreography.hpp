@@ -18,10 +18,16 @@ enum class Motion : std::uint8_t {
     kSway,        // stands and shifts the weight
     kRaise,       // lifts both arms overhead and lowers them
     kTableHands,  // stands before a table and reaches over its top with both hands
+    // play with things (play_motions.hpp)
+    kKick,   // swings the right foot forwards, low over the floor
+    kNudge,  // pushes something small off its place with the fingertips of the right hand
+    kScoop,  // crouches, dips both hands low in front and flings them up
+    kWade,   // goes forwards and back with high knees
+    kPart,   // opens a curtain with both hands, steps through it and back
+    kCarry,  // reaches below something with both arms, lifts it, turns with it, puts it back
 };
 
-/// nullopt if there is no motion of that name ("wave", "push", "walk", "sway", "raise",
-/// "table_hands").
+/// nullopt if there is no motion of that name; the names are those above ("wave", "table_hands").
 std::optional<Motion> find_motion(std::string_view name);
 
 std::vector<std::string> motion_names();

@@ -93,6 +93,19 @@ Expected<void> learn_background(const SiteNodeConfig& config, std::stop_token st
 Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& config,
                                                      std::stop_token stop) {
     if (auto checked = check(config); !checked) return tl::unexpected(checked.error());
+    // before the room is opened and learned, which takes a while: what is wrong with the network
+    // or the name is said at once
+    auto participant = bus::Participant::create(config.bus);
+    if (!participant) return tl::unexpected(participant.error());
+    const auto end = std::make_shared<RunEnd>();
+    auto member = joining::join_world(
+        *participant,
+        bus::ProgramKind::kSiteNode,
+        config.name,
+        [end](const Error& lost) { end->lose_name(lost); },
+        stop);
+    if (!member) return tl::unexpected(member.error());
+
     auto source = open_source(config, stop);
     if (!source) return tl::unexpected(source.error());
     app::log::info("source opened kind={} cameras={} rate_hz={}",
@@ -107,8 +120,6 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& confi
                        name);
     }
 
-    auto participant = bus::Participant::create(config.bus);
-    if (!participant) return tl::unexpected(participant.error());
     std::optional<bus::Writer<bus::SiteDescription>> description;
     std::optional<bus::Writer<bus::SiteMesh>> mesh;
     std::optional<bus::Writer<bus::SiteStatus>> status;
@@ -122,21 +133,22 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& confi
     }
     Writers writers{
         std::move(*description), std::move(*mesh), std::move(*textures), std::move(*status)};
-    std::unique_ptr<SiteNode> node(new SiteNode(config,
-                                                std::move(*source),
-                                                std::move(*pipeline),
-                                                std::move(writers),
-                                                std::move(*feedback)));
-    if (auto joined = node->join(*participant, stop); !joined)
-        return tl::unexpected(joined.error());
-    return node;
+    return std::unique_ptr<SiteNode>(new SiteNode(config,
+                                                  std::move(*source),
+                                                  std::move(*pipeline),
+                                                  std::move(writers),
+                                                  std::move(*feedback),
+                                                  end,
+                                                  std::move(*member)));
 }
 
 SiteNode::SiteNode(const SiteNodeConfig& config,
                    std::unique_ptr<capture::FrameSource> source,
                    Pipeline pipeline,
                    Writers writers,
-                   bus::Reader<bus::StreamFeedback> feedback)
+                   bus::Reader<bus::StreamFeedback> feedback,
+                   std::shared_ptr<RunEnd> end,
+                   std::unique_ptr<bus::Membership> membership)
     : config_(config),
       source_(std::move(source)),
       pipeline_(std::move(pipeline)),
@@ -147,42 +159,18 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
               config_.name,
               std::move(feedback)),
       pool_(static_cast<std::size_t>(config.threads)),
-      offsets_(source_->rig(), source_->is_live()) {
+      offsets_(source_->rig(), source_->is_live()),
+      end_(std::move(end)),
+      membership_(std::move(membership)) {
     if (config_.preview.empty()) return;
     std::vector<std::string> names;
     for (const auto& camera : source_->rig().cameras) names.push_back(camera.name);
     preview_ = std::make_unique<preview::Preview>(config_.preview, std::move(names));
 }
 
-Expected<void> SiteNode::join(const bus::Participant& participant, std::stop_token stop) {
-    auto member = joining::join_world(
-        participant,
-        bus::ProgramKind::kSiteNode,
-        config_.name,
-        [this](const Error& lost) { lose_name(lost); },
-        stop);
-    if (!member) return tl::unexpected(member.error());
-    membership_ = std::move(*member);
-    return {};
-}
-
-// Also where `run` has not begun, or begins just now.
-void SiteNode::lose_name(const Error& lost) {
-    {
-        const std::lock_guard lock(end_mutex_);
-        name_lost_ = true;
-    }
-    finish(tl::unexpected(lost));
-}
-
 Expected<void> SiteNode::run(std::stop_token stop) {
-    {
-        const std::lock_guard lock(end_mutex_);
-        if (name_lost_) return end_result_;
-        end_ = std::stop_source();
-        end_result_ = {};
-    }
-    const std::stop_callback pass_on(stop, [this] { end_.request_stop(); });
+    if (auto begun = end_->begin(); !begun) return begun;
+    const std::stop_callback pass_on(stop, [this] { end_->finish({}); });
     const bus::SiteDescription description{
         config_.name, source_->rig().cameras, source_->rig().bounds_site};
     if (auto written = writers_.description.write(description); !written)
@@ -193,17 +181,14 @@ Expected<void> SiteNode::run(std::stop_token stop) {
         const std::jthread publisher =
             named_thread("publish", [this](std::stop_token s) { publish_frames(s); });
         const std::jthread worker = named_thread("work", [this](std::stop_token s) { work(s); });
-        const std::jthread capturer = named_thread(
-            "capture", [this](std::stop_token) { capture_metaframes(end_.get_token()); });
-        report_status(end_.get_token());
+        const std::jthread capturer =
+            named_thread("capture", [this](std::stop_token) { capture_metaframes(end_->token()); });
+        report_status(end_->token());
     }
-    {
-        // where the name is another's, so is what stands under it
-        const std::lock_guard lock(end_mutex_);
-        if (!name_lost_) {
-            if (auto gone = writers_.description.dispose(description); !gone)
-                app::log::warn("{}", gone.error().message);
-        }
+    // where the name is another's, so is what stands under it
+    if (!end_->has_lost_name()) {
+        if (auto gone = writers_.description.dispose(description); !gone)
+            app::log::warn("{}", gone.error().message);
     }
     const bus::SiteStatus total = status();
     app::log::info("stopped captured={} published={} incomplete={} late={} rate={} failed={}",
@@ -219,19 +204,7 @@ Expected<void> SiteNode::run(std::stop_token stop) {
         if (source_->is_live() || has_faults(counters))
             app::log::info("camera {}", to_line(counters));
     }
-    const std::lock_guard lock(end_mutex_);
-    return end_result_;
-}
-
-// Ends all threads; the first result is that of `run`.
-void SiteNode::finish(const Expected<void>& result) {
-    std::stop_source end;
-    {
-        const std::lock_guard lock(end_mutex_);
-        if (end_result_) end_result_ = result;
-        end = end_;
-    }
-    end.request_stop();
+    return end_->result();
 }
 
 void SiteNode::capture_metaframes(std::stop_token stop) {
@@ -254,7 +227,7 @@ void SiteNode::capture_metaframes(std::stop_token stop) {
     });
     if (!stop.stop_requested()) take(assembler.finish());
     if (source_->is_live()) app::log::info("camera offsets in ms {}", offsets_.line());
-    finish(result);
+    end_->finish(result);
 }
 
 void SiteNode::hand_over(capture::Metaframe metaframe) {

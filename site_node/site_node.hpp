@@ -11,6 +11,7 @@
 #include "site_node/capture/metaframe_assembler.hpp"
 #include "site_node/config.hpp"
 #include "site_node/preview/preview.hpp"
+#include "site_node/run_end.hpp"
 #include "site_node/stage_times.hpp"
 #include "site_node/stream_adapter.hpp"
 
@@ -57,8 +58,9 @@ private:
              std::unique_ptr<capture::FrameSource> source,
              Pipeline pipeline,
              Writers writers,
-             bus::Reader<bus::StreamFeedback> feedback);
-    Expected<void> join(const bus::Participant& participant, std::stop_token stop);
+             bus::Reader<bus::StreamFeedback> feedback,
+             std::shared_ptr<RunEnd> end,
+             std::unique_ptr<bus::Membership> membership);
 
     void capture_metaframes(std::stop_token stop);
     void hand_over(capture::Metaframe metaframe);
@@ -69,8 +71,6 @@ private:
     void publish_frames(std::stop_token stop);
     void report_status(std::stop_token stop);
     Expected<std::size_t> publish(const SiteFrame& frame);
-    void finish(const Expected<void>& result);
-    void lose_name(const Error& lost);
 
     SiteNodeConfig config_;
     std::unique_ptr<capture::FrameSource> source_;
@@ -103,11 +103,8 @@ private:
     std::atomic<double> bytes_per_s_{0.0};
     app::log::OncePerSecond complaints_;
 
-    std::mutex end_mutex_;
-    Expected<void> end_result_;
-    std::stop_source end_;
-    bool name_lost_ = false;
-    std::unique_ptr<bus::Membership> membership_;  // goes first: its thread uses the rest
+    std::shared_ptr<RunEnd> end_;  // with the membership, which is there first
+    std::unique_ptr<bus::Membership> membership_;
 };
 
 }  // namespace atrium::site_node

@@ -16,8 +16,11 @@ namespace {
 constexpr float kSmoothCos = 0.77F;       // faces that meet at less than 40 degrees look round
 constexpr std::size_t kMaxModels = 1024;  // that are kept; names come from the network
 
-// Corners of their own for each triangle, with a normal that is smooth unless there is an edge.
-void append(const geometry::TriangleMesh& mesh, renderer::ShapeMesh& out) {
+// Corners of their own for each triangle, with a normal that is smooth unless there is an edge, and
+// with the file's places in a picture where it has them.
+void append(const model::ModelPart& part, renderer::ShapeMesh& out) {
+    const geometry::TriangleMesh& mesh = part.mesh;
+    const bool has_places = part.texture_places.size() == mesh.vertices.size();
     std::vector<Eigen::Vector3f> smooth(mesh.vertices.size(), Eigen::Vector3f::Zero());
     const auto normal_of = [&](const auto& triangle) -> Eigen::Vector3f {
         const Eigen::Vector3f a = mesh.vertices[triangle[0]].template cast<float>();
@@ -32,9 +35,12 @@ void append(const geometry::TriangleMesh& mesh, renderer::ShapeMesh& out) {
         const Eigen::Vector3f normal = normal_of(triangle).normalized();
         for (const auto vertex : triangle) {
             const Eigen::Vector3f round = smooth[vertex].normalized();
+            const Eigen::Vector3f position = mesh.vertices[vertex].template cast<float>();
             out.indices.push_back(static_cast<std::uint32_t>(out.corners.size()));
-            out.corners.push_back({mesh.vertices[vertex].template cast<float>(),
-                                   round.dot(normal) > kSmoothCos ? round : normal});
+            out.corners.push_back({position,
+                                   round.dot(normal) > kSmoothCos ? round : normal,
+                                   has_places ? part.texture_places[vertex]
+                                              : renderer::projected_place(position, normal)});
         }
     }
 }
@@ -58,7 +64,7 @@ const std::vector<ModelLibrary::Part>& ModelLibrary::parts_of(const std::string&
     }
     for (const model::ModelPart& part : *loaded) {
         renderer::ShapeMesh mesh;
-        append(part.mesh, mesh);
+        append(part, mesh);
         parts.push_back(
             {std::make_shared<const renderer::ShapeMesh>(std::move(mesh)), part.colour});
     }
@@ -70,6 +76,7 @@ renderer::ObjectLook ModelLibrary::look_of(const bus::SceneObject& object,
     renderer::ObjectLook look{.shape = shape,
                               .size_m = object.size_m,
                               .colour = object.colour,
+                              .texture = object.texture,
                               .world_from_object = object.world_from_object};
     if (object.model.empty()) return look;
     const std::vector<Part>& parts = parts_of(object.model, object.model_scale);
@@ -93,10 +100,13 @@ std::vector<renderer::ObjectLook> ModelLibrary::look_of(const bus::Scenery& scen
     for (const Part& part : parts_of(scenery.model, scenery.model_scale)) {
         looks.push_back({.model = part.mesh,
                          .colour = part.colour,
+                         .texture = scenery.texture,
                          .world_from_object = scenery.world_from_model});
     }
     if (looks.empty()) {
-        looks.push_back({.colour = scenery.colour, .world_from_object = scenery.world_from_model});
+        looks.push_back({.colour = scenery.colour,
+                         .texture = scenery.texture,
+                         .world_from_object = scenery.world_from_model});
     }
     return looks;
 }

@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kMovePeriod{15};
 constexpr std::chrono::milliseconds kSignOfLife{500};
+constexpr double kRopeReachM = 0.02;  // beside a rope's middle, at least, that is still the rope
 
 Eigen::Vector3d forward_of(const renderer::ViewCamera& camera) {
     return (camera.target_m - camera.position_m).normalized();
@@ -38,6 +39,43 @@ std::optional<double> enters_ball(const Ray& ray, double radius_m) {
     return along - std::sqrt(inside);
 }
 
+// Distance at which the ray meets a triangle, from either side (Möller, Trumbore, "Fast, Minimum
+// Storage Ray/Triangle Intersection", 1997).
+std::optional<double> meets_triangle(const Ray& ray,
+                                     const Eigen::Vector3d& a,
+                                     const Eigen::Vector3d& b,
+                                     const Eigen::Vector3d& c) {
+    const Eigen::Vector3d across = ray.direction.cross(c - a);
+    const double determinant = (b - a).dot(across);
+    if (determinant == 0.0) return std::nullopt;
+    const Eigen::Vector3d from = ray.origin - a;
+    const double u = from.dot(across) / determinant;
+    const Eigen::Vector3d up = from.cross(b - a);
+    const double v = ray.direction.dot(up) / determinant;
+    const double distance = (c - a).dot(up) / determinant;
+    const bool is_met = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0;
+    return is_met ? std::optional(distance) : std::nullopt;
+}
+
+// Distance to where the ray is nearest to a line from a to b, where it is within `radius_m`.
+std::optional<double> meets_line(const Ray& ray,
+                                 const Eigen::Vector3d& a,
+                                 const Eigen::Vector3d& b,
+                                 double radius_m) {
+    const Eigen::Vector3d line = b - a;
+    const double turn = line.dot(ray.direction);
+    const double slope = line.squaredNorm() - turn * turn;
+    const Eigen::Vector3d from = a - ray.origin;
+    const double share =
+        slope > 0.0
+            ? std::clamp((from.dot(ray.direction) * turn - from.dot(line)) / slope, 0.0, 1.0)
+            : 0.0;
+    const Eigen::Vector3d at = from + share * line;
+    const double distance = at.dot(ray.direction);
+    const bool is_met = distance > 0.0 && (at - distance * ray.direction).norm() <= radius_m;
+    return is_met ? std::optional(distance) : std::nullopt;
+}
+
 }  // namespace
 
 Ray ray_through(const renderer::ViewCamera& camera, const Pointer& pointer) {
@@ -61,6 +99,22 @@ std::optional<Hit> hit(const Ray& ray,
                               : enters_box(local, 0.5 * object.size_m);
     if (!distance) return std::nullopt;
     return Hit{object.object, *distance, local.origin + *distance * local.direction};
+}
+
+std::optional<Hit> hit(const Ray& ray,
+                       const bus::SoftBody& body,
+                       std::span<const Eigen::Vector3f> nodes) {
+    if (nodes.size() != body.num_nodes) return std::nullopt;
+    const auto at = [&](std::uint16_t node) { return nodes[node].cast<double>().eval(); };
+    std::optional<double> nearest;
+    const auto consider = [&](const std::optional<double>& distance) {
+        if (distance && (!nearest || *distance < *nearest)) nearest = distance;
+    };
+    for (const auto& [a, b, c] : body.triangles) consider(meets_triangle(ray, at(a), at(b), at(c)));
+    const double radius_m = std::max(kRopeReachM, 0.5 * body.thickness_m);
+    for (const auto& [a, b] : body.segments) consider(meets_line(ray, at(a), at(b), radius_m));
+    if (!nearest) return std::nullopt;
+    return Hit{body.object, *nearest, ray.origin + *nearest * ray.direction};
 }
 
 bus::SceneCommand MouseGrab::command(bus::CommandKind kind,

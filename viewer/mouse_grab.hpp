@@ -8,6 +8,7 @@
 #include <chrono>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,13 +34,19 @@ Ray ray_through(const renderer::ViewCamera& camera, const Pointer& pointer);
 struct Hit {
     std::uint32_t object = 0;
     double distance_m = 0.0;
-    Eigen::Vector3d point_object = Eigen::Vector3d::Zero();
+    Eigen::Vector3d point_object = Eigen::Vector3d::Zero();  // of a soft one in the world
 };
 
 /// Where the ray enters the object's box, or ball; nothing: it passes.
 std::optional<Hit> hit(const Ray& ray,
                        const bus::SceneObject& object,
                        const geometry::RigidTransform& world_from_object);
+
+/// The same of a soft object whose nodes are at `nodes` [m, world]: its faces from both sides, and
+/// what is drawn as a rope with some room around it, as it is thin.
+std::optional<Hit> hit(const Ray& ray,
+                       const bus::SoftBody& body,
+                       std::span<const Eigen::Vector3f> nodes);
 
 /// Takes hold of what the left button is pressed on, pulls it in the plane through that point that
 /// faces the camera, and lets go with the button.

@@ -39,7 +39,8 @@ void SceneView::show_soft(std::uint32_t object, renderer::SceneRenderer& rendere
                               .triangles = body->second.triangles,
                               .segments = body->second.segments,
                               .thickness_m = body->second.thickness_m,
-                              .colour = described->second.colour});
+                              .colour = described->second.colour,
+                              .texture = described->second.texture});
 }
 
 void SceneView::update_soft(const SceneChanges& changes, renderer::SceneRenderer& renderer) {
@@ -49,6 +50,7 @@ void SceneView::update_soft(const SceneChanges& changes, renderer::SceneRenderer
         else
             soft_bodies_.erase(id);
         if (!body) soft_timeline_.remove(id);
+        nodes_.erase(id);
         show_soft(id, renderer);
     }
 }
@@ -62,15 +64,18 @@ void SceneView::update(SceneChanges changes,
             objects_.insert_or_assign(id, *object);
         else
             objects_.erase(id);
+        if (object && !object->texture.empty()) textures_.want(object->texture);
         if (object && object->shape != bus::Shape::kSoft)
             renderer.set_object(id, models_.look_of(*object, shape_kind(object->shape)));
         show_soft(id, renderer);
     }
     update_soft(changes, renderer);
     for (const auto& [name, scenery] : changes.scenery) {
+        if (scenery && !scenery->texture.empty()) textures_.want(scenery->texture);
         renderer.set_scenery(
             name, scenery ? models_.look_of(*scenery) : std::vector<renderer::ObjectLook>{});
     }
+    for (const auto& [name, picture] : textures_.take()) renderer.set_texture(name, picture);
     for (const auto& [site, placement] : changes.placements)
         renderer.set_site_pose(site, placement.world_from_site);
     for (auto& state : changes.soft_states) soft_timeline_.add(std::move(state));
@@ -81,18 +86,25 @@ void SceneView::update(SceneChanges changes,
     for (const bus::ObjectState& state : states_)
         renderer.move_object(state.object, state.world_from_object);
     for (const auto& [id, body] : soft_bodies_) {
-        if (soft_timeline_.sample(id, *time, nodes_)) renderer.move_soft_object(id, nodes_);
+        std::vector<Eigen::Vector3f>& nodes = nodes_[id];
+        if (soft_timeline_.sample(id, *time, nodes)) renderer.move_soft_object(id, nodes);
     }
 }
 
 std::optional<Hit> SceneView::pick(const Ray& ray) const {
     std::optional<Hit> nearest;
+    const auto consider = [&](const std::optional<Hit>& candidate) {
+        if (candidate && (!nearest || candidate->distance_m < nearest->distance_m))
+            nearest = candidate;
+    };
     for (const bus::ObjectState& state : states_) {
         const auto object = objects_.find(state.object);
         if (object == objects_.end() || object->second.mass_kg == 0.0) continue;
-        const auto candidate = hit(ray, object->second, state.world_from_object);
-        if (candidate && (!nearest || candidate->distance_m < nearest->distance_m))
-            nearest = candidate;
+        consider(hit(ray, object->second, state.world_from_object));
+    }
+    for (const auto& [id, body] : soft_bodies_) {
+        const auto nodes = nodes_.find(id);
+        if (nodes != nodes_.end()) consider(hit(ray, body, nodes->second));
     }
     return nearest;
 }
@@ -100,8 +112,10 @@ std::optional<Hit> SceneView::pick(const Ray& ray) const {
 void SceneView::clear() {
     timeline_.clear();
     soft_timeline_.clear();
+    textures_.forget();
     objects_.clear();
     soft_bodies_.clear();
+    nodes_.clear();
     states_.clear();
 }
 

@@ -6,6 +6,7 @@
 #include "viewer/scene_timeline.hpp"
 #include "viewer/session.hpp"
 #include "viewer/soft_timeline.hpp"
+#include "viewer/texture_library.hpp"
 
 #include <filesystem>
 #include <map>
@@ -18,7 +19,8 @@ namespace atrium::viewer {
 /// they are at the moment that is shown. Of the drawing thread.
 class SceneView {
 public:
-    explicit SceneView(std::filesystem::path models) : models_(std::move(models)) {}
+    /// `models`: the folder of models and textures that worlds name.
+    explicit SceneView(const std::filesystem::path& models) : models_(models), textures_(models) {}
 
     void update(SceneChanges changes,
                 SceneTimeline::Clock::time_point now,
@@ -33,12 +35,13 @@ private:
     void show_soft(std::uint32_t object, renderer::SceneRenderer& renderer);
 
     ModelLibrary models_;
+    TextureLibrary textures_;
     SceneTimeline timeline_;
     SoftTimeline soft_timeline_;
     std::map<std::uint32_t, bus::SceneObject> objects_;
     std::map<std::uint32_t, bus::SoftBody> soft_bodies_;
-    std::vector<bus::ObjectState> states_;  // as shown now
-    std::vector<Eigen::Vector3f> nodes_;    // scratch
+    std::vector<bus::ObjectState> states_;                         // as shown now
+    std::map<std::uint32_t, std::vector<Eigen::Vector3f>> nodes_;  // of soft bodies, as shown now
 };
 
 }  // namespace atrium::viewer

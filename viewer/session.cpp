@@ -204,6 +204,10 @@ void Session::take_soft_objects() {
 void Session::hand_to_decoder(std::optional<FramePair> pair) {
     if (!pair) return;
     const std::string site = pair->mesh.site;
+    if (held_up_.add(site, pair->mesh.capture_time, Timestamp::now())) {
+        ++num_pairs_skipped_;  // from before somebody stopped: better nothing than the past
+        return;
+    }
     const auto description = descriptions_.find(site);
     if (description == descriptions_.end()) {
         ++num_pairs_skipped_;  // its cameras are not known yet
@@ -215,6 +219,7 @@ void Session::hand_to_decoder(std::optional<FramePair> pair) {
 
 void Session::site_gone(const std::string& site) {
     pairing_.forget(site);
+    held_up_.forget(site);
     if (feedback_.forget(site)) {
         bus::StreamFeedback key;
         key.viewer = viewer_;

@@ -5,6 +5,7 @@
 #include "core/base/latest_slot.hpp"
 #include "core/bus/bus.hpp"
 #include "viewer/feedback.hpp"
+#include "viewer/held_up.hpp"
 #include "viewer/newest_per_site.hpp"
 #include "viewer/pairing.hpp"
 #include "viewer/renderer/person_model.hpp"
@@ -73,6 +74,7 @@ public:
     std::uint64_t num_deadlines_missed() const {
         return readers_.meshes.num_deadlines_missed() + readers_.states.num_deadlines_missed();
     }
+    /// Complete, but replaced by a newer one before they were shown, held up, or of a site unknown.
     std::uint64_t num_pairs_skipped() const { return num_pairs_skipped_; }
     std::uint64_t num_incomplete() const { return num_incomplete_; }
     std::uint64_t num_rejected() const { return num_rejected_; }
@@ -121,6 +123,7 @@ private:
     std::function<void(const FramePair&)> on_complete_;
     Pairing pairing_;
     Feedback feedback_;                                // of the receiving thread alone
+    HeldUp held_up_;                                   // of the receiving thread alone
     std::map<std::string, Description> descriptions_;  // of the receiving thread alone
     NewestPerSite<Job> jobs_;
     NewestPerSite<PersonUpdate> people_;

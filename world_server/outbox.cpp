@@ -4,11 +4,11 @@
 
 namespace atrium::world_server {
 
-void Outbox::put(bus::SceneState state, std::vector<bus::SoftBodyState> soft_states) {
+void Outbox::put(MovedState& state) {
     {
         const std::lock_guard lock(mutex_);
-        state_ = std::move(state);
-        soft_states_ = std::move(soft_states);
+        std::swap(state_, state);
+        has_state_ = true;
     }
     changed_.notify_one();
 }
@@ -37,18 +37,20 @@ void Outbox::put(const bus::SitePlacement& placement) {
     changed_.notify_one();
 }
 
-Outbox::Content Outbox::take(std::stop_token stop, std::chrono::steady_clock::time_point deadline) {
+void Outbox::take(Content& content,
+                  std::stop_token stop,
+                  std::chrono::steady_clock::time_point deadline) {
+    content.changes.clear();
+    content.placements.clear();
     std::unique_lock lock(mutex_);
     changed_.wait_until(lock, stop, deadline, [this] { return has_content(); });
-    Content content;
-    content.state = std::exchange(state_, std::nullopt);
-    content.soft_states = std::exchange(soft_states_, {});
+    content.has_state = std::exchange(has_state_, false);
+    if (content.has_state) std::swap(content.state, state_);
     content.scenery = std::exchange(scenery_, {});
     for (auto& [id, change] : changes_) content.changes.push_back(std::move(change));
     for (auto& [site, placement] : placements_) content.placements.push_back(std::move(placement));
     changes_.clear();
     placements_.clear();
-    return content;
 }
 
 }  // namespace atrium::world_server

@@ -34,8 +34,9 @@ void Publisher::send(const Outbox::Content& content) {
     for (const SceneChange& change : content.changes) send(change);
     for (const auto& placement : content.placements) write(endpoints_.placements, placement);
     for (const auto& scenery : content.scenery) write(endpoints_.scenery, scenery);
-    if (content.state) write(endpoints_.states, *content.state);
-    for (const auto& state : content.soft_states) write(endpoints_.soft_states, state);
+    if (!content.has_state) return;
+    write(endpoints_.states, content.state.rigid);
+    for (const auto& state : content.state.soft) write(endpoints_.soft_states, state);
 }
 
 }  // namespace atrium::world_server

@@ -120,8 +120,8 @@ private:
         object.scene.colour = colour;
         object.scene.world_from_object =
             d_.world_from_puppet * geometry::RigidTransform{turn, d_.height_m * centre};
-        object.friction = object.scene.friction = d_.friction;
-        object.restitution = object.scene.restitution = 0.1;
+        object.scene.friction = d_.friction;
+        object.scene.restitution = 0.1;
         object.drag_per_s = kDrag_per_s;
         object.scene.mass_kg = d_.density_kg_per_m3 * physics::volume_m3(to_rigid(object));
         puppet_.parts.push_back(object);

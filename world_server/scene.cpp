@@ -1,5 +1,6 @@
 #include "world_server/scene.hpp"
 
+#include "core/base/fnv1a.hpp"
 #include "core/bus/checks.hpp"
 #include "core/bus/soft_nodes.hpp"
 #include "core/geometry/aabb.hpp"
@@ -39,9 +40,7 @@ Expected<Scene> Scene::create(const WorldServerConfig& config) {
                             object.scene.name,
                             object.scene.object));
         }
-        bus::SceneObject& known = scene.objects_[object.scene.object] = object.scene;
-        known.friction = object.friction;
-        known.restitution = object.restitution;
+        scene.objects_[object.scene.object] = object.scene;
     }
     for (const physics::Joint& joint : config.joints) {
         if (!scene.world_->add_joint(joint)) {
@@ -82,13 +81,11 @@ Expected<void> Scene::add_soft(const WorldSoftObject& soft) {
     known.mass_kg = described.mass_kg;
     known.friction = described.friction;
     known.colour = soft.colour;
+    known.texture = soft.texture;
     known.world_from_object = described.world_from_object;
-    world_->get_soft_states(soft_states_);
+    world_->get_soft_nodes(described.id, nodes_);
     geometry::Aabb extent;
-    for (const physics::SoftState& state : soft_states_) {
-        if (state.id != described.id) continue;
-        for (const Eigen::Vector3f& node : state.positions) extent.add(node.cast<double>());
-    }
+    for (const Eigen::Vector3f& node : nodes_) extent.add(node.cast<double>());
     known.size_m = extent.size().cwiseMax(kLeastExtentM);
     return {};
 }
@@ -113,11 +110,7 @@ std::uint64_t Scene::hash_description() const {
                             object.model,
                             object.model_scale);
     }
-    std::uint64_t hash = 14695981039346656037ULL;  // FNV-1a
-    for (const char c : text) {
-        hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
-    }
-    return hash;
+    return fnv1a<char>(text);
 }
 
 void Scene::save(SavedWorld& saved) {
@@ -186,8 +179,7 @@ Expected<std::vector<SceneChange>> Scene::add(const bus::SceneObject& object) {
     if (object.shape > bus::Shape::kPlane) {
         return refuse("add: must be a box, sphere, cylinder, capsule or plane");
     }
-    WorldObject added{
-        .scene = object, .friction = object.friction, .restitution = object.restitution};
+    WorldObject added{.scene = object};
     if (object.object == 0) {
         while (objects_.contains(next_id_)) ++next_id_;
         added.scene.object = next_id_++;
@@ -297,14 +289,18 @@ SceneChange Scene::described(const bus::SceneObject& object) const {
 }
 
 void Scene::get_soft_states(Timestamp time, std::vector<bus::SoftBodyState>& states) {
-    world_->get_soft_states(soft_states_);
-    states.resize(soft_states_.size());
-    for (std::size_t i = 0; i < states.size(); ++i) {
-        states[i].object = soft_states_[i].id;
-        states[i].tick = world_->counters().num_ticks;
-        states[i].time = time;
-        bus::quantise(soft_states_[i].positions, states[i]);
+    std::size_t num = 0;
+    for (const auto& [id, object] : objects_) {
+        if (object.shape != bus::Shape::kSoft) continue;
+        if (num == states.size()) states.emplace_back();
+        bus::SoftBodyState& state = states[num++];
+        state.object = id;
+        state.tick = world_->counters().num_ticks;
+        state.time = time;
+        world_->get_soft_nodes(id, nodes_);
+        bus::quantise(nodes_, state);
     }
+    states.resize(num);
 }
 
 void Scene::get_state(const std::string& name, Timestamp time, bus::SceneState& state) {

@@ -56,6 +56,7 @@ public:
     std::size_t num_objects() const { return objects_.size(); }
     /// `time`: when the tick was due.
     void get_state(const std::string& name, Timestamp time, bus::SceneState& state);
+    /// Where the nodes of all soft objects are, in the order of their ids.
     void get_soft_states(Timestamp time, std::vector<bus::SoftBodyState>& states);
 
 private:
@@ -75,7 +76,7 @@ private:
     std::uint64_t description_ = 0;    // their hash
     std::uint32_t next_id_ = 1000;
     std::vector<physics::RigidState> states_;  // scratch, as is the next one
-    std::vector<physics::SoftState> soft_states_;
+    std::vector<Eigen::Vector3f> nodes_;
 };
 
 }  // namespace atrium::world_server

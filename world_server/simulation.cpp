@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace atrium::world_server {
@@ -12,6 +13,7 @@ namespace {
 using Clock = Pace::Clock;
 constexpr int kMaxCatchUpTicks = 4;  // what a tick of 120 Hz may be late by is one mesh period
 constexpr double kHashPeriodS = 10.0;
+constexpr double kRounding = 1e-9;  // of a sum of parts that make a whole
 
 bus::LatencySummary to_summary(const Quantiles& quantiles) {
     return {quantiles.median_ms, quantiles.p99_ms, quantiles.num_samples};
@@ -89,14 +91,12 @@ void Simulation::apply_people() {
 }
 
 void Simulation::send_state(Timestamp due) {
-    send_credit_ += config_.send_hz / config_.tick_hz;
-    if (send_credit_ < 1.0) return;
+    send_credit_ += credit_of_tick();
+    if (send_credit_ < 1.0 - kRounding) return;
     send_credit_ -= 1.0;
-    bus::SceneState state;
-    scene_.get_state(config_.bus.world, due, state);
-    std::vector<bus::SoftBodyState> soft_states;
-    scene_.get_soft_states(due, soft_states);
-    outbox_.put(std::move(state), std::move(soft_states));
+    scene_.get_state(config_.bus.world, due, moved_.rigid);
+    scene_.get_soft_states(due, moved_.soft);
+    outbox_.put(moved_);
 }
 
 void Simulation::hash_now_and_then(double tick_s) {
@@ -139,7 +139,13 @@ void Simulation::step(Timestamp due) {
     const Clock::time_point begin = Clock::now();
     apply_commands();
     apply_people();
+    const std::uint64_t num_contacts = scene_.world().counters().num_contact_ticks;
     scene_.world().tick();
+    const bool is_touched = scene_.world().counters().num_contact_ticks > num_contacts;
+    // somebody has come to touch something: viewers are told by this tick, not by the next that is
+    // due to be sent
+    if (is_touched && !was_touched_) send_credit_ = std::max(send_credit_, 1.0 - credit_of_tick());
+    was_touched_ = is_touched;
     send_state(due);
     look_after();
     const std::lock_guard lock(status_mutex_);

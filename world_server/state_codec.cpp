@@ -1,3 +1,4 @@
+#include "core/base/fnv1a.hpp"
 #include "core/bus/checks.hpp"
 #include "core/bus/limits.hpp"
 #include "world_server/state_file.hpp"
@@ -9,9 +10,9 @@
 #include <cstring>
 #include <string_view>
 
-// A header of 28 bytes: magic (8), version (4), length of the rest (8), its checksum (8). The rest:
-// description, tick, next id; then three lists, each with its length: objects, soft objects, added
-// objects. All numbers are little endian, IEEE 754.
+// A header of 28 bytes: magic (8), version (4), length of the rest (8), its FNV-1a hash (8). The
+// rest: description, tick, next id; then three lists, each with its length: objects, soft objects,
+// added objects. All numbers are little endian, IEEE 754.
 namespace atrium::world_server {
 namespace {
 
@@ -19,13 +20,6 @@ constexpr std::string_view kMagic = "ATRIUMWS";
 constexpr std::uint32_t kVersion = 1;
 constexpr std::size_t kHeaderBytes = 28;
 constexpr std::size_t kMaxObjects = bus::kMaxObjects;
-
-// FNV-1a: one byte that differs always shows.
-std::uint64_t checksum(std::span<const std::uint8_t> bytes) {
-    std::uint64_t hash = 14695981039346656037ULL;
-    for (const std::uint8_t byte : bytes) hash = (hash ^ byte) * 1099511628211ULL;
-    return hash;
-}
 
 class ByteWriter {
 public:
@@ -130,25 +124,25 @@ physics::ObjectMotion get_motion(ByteReader& in) {
     return motion;
 }
 
-void put(const physics::SoftMotion& motion, ByteWriter& out) {
+void put(const physics::SoftState& motion, ByteWriter& out) {
     out.integer(motion.id);
     out.integer(static_cast<std::uint32_t>(motion.num_torn_ticks));
-    out.integer(static_cast<std::uint32_t>(motion.places_m.size()));
-    for (std::size_t i = 0; i < motion.places_m.size(); ++i) {
-        out.numbers(motion.places_m[i]);
+    out.integer(static_cast<std::uint32_t>(motion.positions.size()));
+    for (std::size_t i = 0; i < motion.positions.size(); ++i) {
+        out.numbers(motion.positions[i]);
         out.numbers(motion.velocities[i]);
     }
 }
 
-physics::SoftMotion get_soft_motion(ByteReader& in) {
-    physics::SoftMotion motion;
+physics::SoftState get_soft_state(ByteReader& in) {
+    physics::SoftState motion;
     motion.id = in.integer<std::uint32_t>();
     motion.num_torn_ticks = static_cast<std::int32_t>(in.integer<std::uint32_t>());
     const std::size_t num_nodes = in.count(bus::kMaxSoftNodes, 24);
-    motion.places_m.resize(num_nodes);
+    motion.positions.resize(num_nodes);
     motion.velocities.resize(num_nodes);
     for (std::size_t i = 0; i < num_nodes; ++i) {
-        in.numbers(motion.places_m[i]);
+        in.numbers(motion.positions[i]);
         in.numbers(motion.velocities[i]);
     }
     return motion;
@@ -232,7 +226,7 @@ std::vector<std::uint8_t> encode(const SavedWorld& world) {
     out.bytes.assign(kMagic.begin(), kMagic.end());
     out.integer(kVersion);
     out.integer(static_cast<std::uint64_t>(body.bytes.size()));
-    out.integer(checksum(body.bytes));
+    out.integer(fnv1a<std::uint8_t>(body.bytes));
     out.bytes.insert(out.bytes.end(), body.bytes.begin(), body.bytes.end());
     return std::move(out.bytes);
 }
@@ -252,7 +246,7 @@ Expected<SavedWorld> decode(std::span<const std::uint8_t> bytes) {
     if (size != body.size()) {
         return wrong(fmt::format("{} bytes are there, {} were written", body.size(), size));
     }
-    if (header.integer<std::uint64_t>() != checksum(body)) {
+    if (header.integer<std::uint64_t>() != fnv1a<std::uint8_t>(body)) {
         return wrong("its checksum does not fit: it was damaged");
     }
 
@@ -265,7 +259,7 @@ Expected<SavedWorld> decode(std::span<const std::uint8_t> bytes) {
         world.state.objects.push_back(get_motion(in));
     }
     for (std::size_t n = in.count(kMaxObjects, 12); n > 0 && in.is_good(); --n) {
-        world.state.soft.push_back(get_soft_motion(in));
+        world.state.soft.push_back(get_soft_state(in));
     }
     for (std::size_t n = in.count(kMaxObjects, kAddedBytes); n > 0 && in.is_good(); --n) {
         world.added.push_back(get_object(in));

@@ -43,8 +43,11 @@ struct WorldServer::Impl {
 
     const WorldServerConfig config;
     Endpoints endpoints;
-    SiteRegister sites;  // of the receiving thread, as is the next one
+    SiteRegister sites;  // of the receiving thread, as are the next two
     std::set<std::string> described_sites;
+    // Sites whose description is gone and that were not heard of since, but whose last meshes may
+    // still wait to be taken.
+    std::set<std::string> ended_sites;
     Publisher publisher{endpoints};  // of the publishing thread
     app::log::OncePerSecond rejections_log;
     Simulation simulation;
@@ -115,10 +118,14 @@ void WorldServer::Impl::leave(const std::string& site) {
 void WorldServer::Impl::take_descriptions() {
     count_rejected(endpoints.descriptions.take(
         [&](bus::SiteDescription&& description) {
-            if (arrive(description.site)) described_sites.insert(description.site);
+            if (!arrive(description.site)) return;
+            described_sites.insert(description.site);
+            ended_sites.erase(description.site);
         },
         [&](const bus::SiteDescription& gone) {
-            if (described_sites.erase(gone.site) > 0) leave(gone.site);
+            if (described_sites.erase(gone.site) == 0) return;
+            ended_sites.insert(gone.site);
+            leave(gone.site);
         }));
 }
 
@@ -133,12 +140,13 @@ void WorldServer::Impl::take_meshes() {
         },
         [&](const bus::SiteMesh& gone) {
             newest.erase(gone.site);
+            ended_sites.erase(gone.site);
             if (!described_sites.contains(gone.site)) return leave(gone.site);
             sites.lose_mesh(gone.site);
             simulation.people().put(gone.site, std::nullopt);
         }));
     for (const auto& [site, message] : newest) {
-        if (!arrive(site)) continue;
+        if (ended_sites.contains(site) || !arrive(site)) continue;
         auto shape = sites.read_mesh(message);
         if (shape)
             simulation.people().put(site, std::move(*shape));
@@ -173,10 +181,12 @@ void WorldServer::Impl::receive(std::stop_token stop) {
 void WorldServer::Impl::publish(std::stop_token stop) {
     RateMeter step_rate;
     RateMeter byte_rate;
+    Outbox::Content content;
     Clock::time_point next_status = Clock::now();
     std::uint64_t last_skipped = 0;
     while (!stop.stop_requested()) {
-        publisher.send(simulation.outbox().take(stop, next_status));
+        simulation.outbox().take(content, stop, next_status);
+        publisher.send(content);
 
         const Clock::time_point now = Clock::now();
         if (now < next_status) continue;

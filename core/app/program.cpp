@@ -7,6 +7,7 @@
 #include <pthread.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -40,6 +41,12 @@ Expected<void> read_file(const std::filesystem::path& file,
 Start end_with_error(const std::string& program, const Error& error) {
     fmt::print(stderr, "{}: error: {}\n", program, error.message);
     return {false, exit_code(error)};
+}
+
+std::string in_one_line(std::string lines) {
+    if (!lines.empty()) lines.pop_back();  // the last line's end
+    std::replace(lines.begin(), lines.end(), '\n', ';');
+    return lines;
 }
 
 sigset_t stop_signals() {
@@ -123,14 +130,14 @@ Start start(const ProgramInfo& info,
         if (auto set = options.set(key, text, "--" + key); !set)
             return end_with_error(info.name, set.error());
     }
-    std::string effective = options.effective();
-    std::replace(effective.begin(), effective.end(), '\n', ';');
+    // all of it is some thousand characters, in which nobody finds the error that may follow
+    log::debug("effective options=\"{}\"", in_one_line(options.effective()));
     const bool only_prints = info.only_prints && info.only_prints();
     log::write(only_prints ? log::Level::kDebug : log::Level::kInfo,
-               fmt::format("started version={} config={} effective=\"{}\"",
+               fmt::format("started version={} config={} options=\"{}\"",
                            ATRIUM_VERSION,
                            config_file.string(),
-                           effective));
+                           in_one_line(options.changed())));
     return {true, 0};
 }
 

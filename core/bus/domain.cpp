@@ -55,6 +55,15 @@ Registry& registry() {
     return instance;
 }
 
+// Cyclone knows the settings by the name of an environment variable, as a text within its value:
+// "(CYCLONEDDS_URI+0 line 7)".
+std::string without_its_name(std::string said) {
+    constexpr std::string_view kName = "CYCLONEDDS_URI+";
+    for (auto at = said.find(kName); at != std::string::npos; at = said.find(kName, at))
+        said.erase(at, said.find_first_not_of("0123456789 ", at + kName.size()) - at);
+    return said;
+}
+
 tl::unexpected<Error> describe_failure(std::uint32_t id,
                                        dds_entity_t code,
                                        const std::string& source,
@@ -67,7 +76,8 @@ tl::unexpected<Error> describe_failure(std::uint32_t id,
                                       id));
     }
     if (log.find("config:") != std::string::npos)
-        return make_error(ErrorKind::kConfiguration, fmt::format("{}: {}", source, said));
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("{}: {}", source, without_its_name(said)));
     return make_error(
         ErrorKind::kUnavailable,
         fmt::format("cannot open DDS domain {} with {} ({}). If its ports are taken, end programs "

@@ -3,11 +3,50 @@
 #include <fmt/format.h>
 #include <pugixml.hpp>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 namespace atrium::bus {
+namespace {
+
+std::ptrdiff_t num_line_ends(std::string_view text) { return std::ranges::count(text, '\n'); }
+
+/// Puts line ends between the elements of a document, so that each is on the line that it has in
+/// `xml`, from which the document was parsed.
+class LineKeeper : public pugi::xml_tree_walker {
+public:
+    explicit LineKeeper(std::string_view xml) : xml_(xml) {}
+
+    void keep_lines(pugi::xml_node root) {
+        root.traverse(*this);
+        std::ptrdiff_t line = 0;  // of what has been passed; the root is on the first
+        for (const auto& [node, line_there] : found_) {
+            if (node.type() != pugi::node_element) {
+                line += num_line_ends(node.value());
+            } else if (line_there > line) {
+                const std::string ends(static_cast<std::size_t>(line_there - line), '\n');
+                node.parent().insert_child_before(pugi::node_pcdata, node).set_value(ends.c_str());
+                line = line_there;
+            }
+        }
+    }
+
+private:
+    bool for_each(pugi::xml_node& node) override {
+        const std::ptrdiff_t offset = std::max<std::ptrdiff_t>(node.offset_debug(), 0);
+        found_.emplace_back(node, num_line_ends(xml_.substr(0, static_cast<std::size_t>(offset))));
+        return true;
+    }
+
+    std::string_view xml_;
+    std::vector<std::pair<pugi::xml_node, std::ptrdiff_t>> found_;  // in the order of the text
+};
+
+}  // namespace
 
 Expected<std::string> read_text_file(const std::filesystem::path& file) {
     std::error_code ignored;
@@ -27,12 +66,13 @@ Expected<std::string> parse_network_file(std::string_view xml, const std::string
                                       result.description(),
                                       static_cast<long>(result.offset)));
     }
-    const pugi::xml_node root = document.document_element();
+    pugi::xml_node root = document.document_element();
     if (std::string_view(root.name()) != "CycloneDDS") {
         return make_error(
             ErrorKind::kConfiguration,
             fmt::format("{}: the root is <{}>, must be <CycloneDDS>", source, root.name()));
     }
+    LineKeeper(xml).keep_lines(root);
     std::ostringstream text;
     root.print(text, "", pugi::format_raw);
     return text.str();

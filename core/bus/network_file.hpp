@@ -12,8 +12,8 @@ namespace atrium::bus {
 Expected<std::string> read_text_file(const std::filesystem::path& file);
 
 /// Checks that the text is XML with the root <CycloneDDS> and returns it without comments and
-/// declaration, which is what Cyclone takes; what stands in it Cyclone checks itself. `source`
-/// names the text in errors.
+/// declaration, which is what Cyclone takes, each element on the line that it had; what stands in
+/// it Cyclone checks itself. `source` names the text in errors.
 Expected<std::string> parse_network_file(std::string_view xml, const std::string& source);
 
 /// Of the file.

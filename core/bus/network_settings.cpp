@@ -97,7 +97,8 @@ pugi::xml_node child(pugi::xml_node parent, const char* name) {
 class DomainElement {
 public:
     explicit DomainElement(const std::string& xml) {
-        document_.load_string(xml.c_str());
+        // with the line ends between the elements, for Cyclone's errors
+        document_.load_string(xml.c_str(), pugi::parse_default | pugi::parse_ws_pcdata);
         domain_ = child(document_.document_element(), "Domain");
     }
 
@@ -132,7 +133,8 @@ public:
 
     std::vector<std::string> peers() const {
         std::vector<std::string> addresses;
-        for (const pugi::xml_node& peer : domain_.child("Discovery").child("Peers").children())
+        for (const pugi::xml_node& peer :
+             domain_.child("Discovery").child("Peers").children("Peer"))
             addresses.emplace_back(peer.attribute("Address").value());
         return addresses;
     }

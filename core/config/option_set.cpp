@@ -148,7 +148,8 @@ void OptionSet::add_word_or_path(const std::string& key,
 void OptionSet::also_called(const std::string& name) { entries_.back().short_name = name; }
 
 void OptionSet::show(const std::string& key, std::function<std::string()> current) {
-    shown_.emplace_back(key, std::move(current));
+    std::string declared = current();
+    shown_.push_back({key, std::move(current), std::move(declared)});
 }
 
 void OptionSet::read_file(TableReader& reader) const {
@@ -173,7 +174,18 @@ std::string OptionSet::effective() const {
     for (std::size_t i = 0; i < entries_.size(); ++i) {
         text += fmt::format("{} = {}\n", entries_[i].key, current_[i]());
     }
-    for (const auto& [key, current] : shown_) text += fmt::format("{} = {}\n", key, current());
+    for (const Shown& shown : shown_) text += fmt::format("{} = {}\n", shown.key, shown.current());
+    return text;
+}
+
+std::string OptionSet::changed() const {
+    std::string text;
+    const auto add = [&](const std::string& key, const std::string& now, const std::string& was) {
+        if (now != was) text += fmt::format("{} = {}\n", key, now);
+    };
+    for (std::size_t i = 0; i < entries_.size(); ++i)
+        add(entries_[i].key, current_[i](), entries_[i].default_value);
+    for (const Shown& shown : shown_) add(shown.key, shown.current(), shown.declared);
     return text;
 }
 

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <functional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace atrium::config {
@@ -77,8 +76,10 @@ public:
     };
     const std::vector<Entry>& entries() const { return entries_; }
     /// `key = value` of every option as it is now, one per line, and of what is shown besides: the
-    /// effective configuration, logged once at the start.
+    /// effective configuration.
     std::string effective() const;
+    /// Those lines of it that are not as they were declared.
+    std::string changed() const;
 
 private:
     template <typename T, typename... Limits>
@@ -87,9 +88,14 @@ private:
                    const std::string& help,
                    std::string type_name,
                    Limits... limits);
+    struct Shown {
+        std::string key;
+        std::function<std::string()> current;
+        std::string declared;
+    };
     std::vector<Entry> entries_;
     std::vector<std::function<std::string()>> current_;  // of the entries
-    std::vector<std::pair<std::string, std::function<std::string()>>> shown_;
+    std::vector<Shown> shown_;
 };
 
 }  // namespace atrium::config

@@ -116,10 +116,14 @@ Expected<void> Demo::start_programs() {
     const bool window = config_.window == "yes" || (config_.window == "auto" && has_display);
     auto started = start("world", "world_server", {"--config", config_.world.string()});
     if (!started) return started;
-    for (const std::string& site : split(config_.sites)) {
-        const fs::path file = config_.deploy / "sites" / (site + ".toml");
-        if (auto site_started = start(site, "site_node", {"--config", file.string()});
-            !site_started)
+    const std::vector<std::string> sites = split(config_.sites);
+    const std::vector<std::string> motions = split(config_.motions);
+    for (std::size_t i = 0; i < sites.size(); ++i) {
+        const fs::path file = config_.deploy / "sites" / (sites[i] + ".toml");
+        std::vector<std::string> arguments{"--config", file.string()};
+        if (!motions.empty())
+            arguments.insert(arguments.end(), {"--simulation.motion", motions[i]});
+        if (auto site_started = start(sites[i], "site_node", arguments); !site_started)
             return site_started;
     }
     std::vector<std::string> arguments{"--config",
@@ -128,6 +132,12 @@ Expected<void> Demo::start_programs() {
                                        (config_.output / "view.png").string(),
                                        "--video.file",
                                        (config_.output / "view.avi").string()};
+    if (!config_.camera.empty())
+        arguments.insert(arguments.end(), {"--view.position_m", config_.camera});
+    if (!config_.target.empty())
+        arguments.insert(arguments.end(), {"--view.target_m", config_.target});
+    if (config_.fov_deg > 0.0)
+        arguments.insert(arguments.end(), {"--view.fov_deg", fmt::format("{}", config_.fov_deg)});
     if (!window) arguments.push_back("--headless");
     return start("viewer", "viewer", arguments);
 }
@@ -263,8 +273,20 @@ void declare(DemoConfig& config, config::OptionSet& options) {
                 "folder of site_node, world_server and viewer; none: this program's own");
     options.add("deploy", config.deploy, "folder that holds sites/NAME.toml");
     options.add("sites", config.sites, "names of the sites, separated by commas");
+    options.add("motions",
+                config.motions,
+                "what those do who stand in the sites, in that order, separated by commas "
+                "(site_node's simulation.motion); none: as the sites' files say");
     options.add("world", config.world, "world description");
     options.add("viewer", config.viewer, "viewer configuration");
+    options.add("camera",
+                config.camera,
+                "from where the viewer looks, \"x,y,z\" in the world [m]; none: as its file says");
+    options.add("target", config.target, "where it looks to, likewise");
+    options.add("fov-deg",
+                config.fov_deg,
+                "its vertical angle of view [deg]; 0: as its file says",
+                {0, 120});
     options.add("domain", config.domain, "DDS domain", {0, 230});
 }
 
@@ -276,6 +298,13 @@ Expected<void> run_demo(const DemoConfig& given, std::stop_token stop) {
     if (split(config.sites).empty()) {
         return make_error(ErrorKind::kConfiguration,
                           "sites: name at least one, for example alice,bob");
+    }
+    if (const std::size_t num_motions = split(config.motions).size();
+        num_motions != 0 && num_motions != split(config.sites).size()) {
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("motions: name one for each of the {} sites, or none; got {}",
+                                      split(config.sites).size(),
+                                      num_motions));
     }
     fs::create_directories(config.output, failure);
     if (!fs::is_directory(config.output)) {

@@ -22,8 +22,11 @@ struct DemoConfig {
     std::filesystem::path deploy =
         "deploy";                     // like the next two, relative to the repository's root
     std::string sites = "alice,bob";  // deploy/sites/NAME.toml each
+    std::string motions;  // what they do there, in that order; empty: as their files say
     std::filesystem::path world = "deploy/worlds/demo.toml";
     std::filesystem::path viewer = "deploy/viewer.toml";
+    std::string camera, target;  // "x,y,z" in the world [m]; empty: as the viewer's file says
+    double fov_deg = 0.0;        // vertical; 0: likewise
     std::uint64_t domain = 0;
 };
 

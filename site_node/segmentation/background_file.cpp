@@ -1,5 +1,7 @@
 #include "site_node/segmentation/background_file.hpp"
 
+#include "core/base/fnv1a.hpp"
+
 #include <unistd.h>
 
 #include <array>
@@ -18,14 +20,8 @@ constexpr std::uint32_t kVersion = 1;
 constexpr std::uint32_t kMaxSize_px = 8192;
 constexpr std::uint32_t kMaxName = 63;
 
-// FNV-1a: finds damage, not malice.
 std::uint64_t checksum(const std::vector<char>& bytes, std::size_t size) {
-    std::uint64_t hash = 14695981039346656037ULL;
-    for (std::size_t i = 0; i < size; ++i) {
-        hash ^= static_cast<std::uint8_t>(bytes[i]);
-        hash *= 1099511628211ULL;
-    }
-    return hash;
+    return fnv1a<char>({bytes.data(), size});
 }
 
 template <typename Value>

@@ -1,25 +1,12 @@
+#include "tests/fuzz/replay.hpp"
 #include "tests/fuzz/wire_check.hpp"
 
 #include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 
 // Samples of every topic as they come from the network, good ones, damaged ones, and those that a
 // fuzzer found to reach code that no other reaches.
 namespace atrium::test {
 namespace {
-
-std::vector<Bytes> seeds(const std::string& topic) {
-    std::vector<Bytes> all;
-    const std::filesystem::path folder = ATRIUM_SOURCE_DIR "/tests/fuzz/seeds/wire_" + topic;
-    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-        std::ifstream stream(entry.path(), std::ios::binary);
-        all.emplace_back(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
-    }
-    return all;
-}
 
 class EveryTopic : public ::testing::TestWithParam<WireCheck> {};
 INSTANTIATE_TEST_SUITE_P(WireFuzzSeeds,
@@ -64,16 +51,7 @@ TEST_P(EveryTopic, BearsAnyByteOfEachSampleChanged) {
 }
 
 TEST_P(EveryTopic, BearsWhatAFuzzerFound) {
-    int num_accepted = 0;
-    int num_refused = 0;
-    for (const Bytes& bytes : seeds(std::string(GetParam().topic))) {
-        bool was_accepted = false;
-        EXPECT_EQ(GetParam().check(bytes, was_accepted), "");
-        ++(was_accepted ? num_accepted : num_refused);
-    }
-    // else the inputs have lost their meaning
-    EXPECT_GE(num_accepted, 2);
-    EXPECT_GE(num_refused, 2);
+    replay("wire_" + std::string(GetParam().topic), GetParam().check, 2, 2);
 }
 
 }  // namespace

@@ -40,6 +40,21 @@ protected:
     fs::path folder_;
 };
 
+TEST_F(CommandLine, AMistakeInANetworkFileIsNamedBeforeTheRoomIsOpened) {
+    const std::string network = file("net.xml",
+                                     "<CycloneDDS>\n  <Domain Id='any'>\n    <Generl/>\n"
+                                     "  </Domain>\n</CycloneDDS>\n");
+    const Outcome got = run("site_node --capture.source simulated --capture.rig " ATRIUM_SOURCE_DIR
+                            "/deploy/rigs/table.toml --simulation.cache '' --network " +
+                            network);
+    EXPECT_EQ(got.exit_code, 2);
+    EXPECT_THAT(got.output,
+                AllOf(HasSubstr(network + ": "), HasSubstr("Generl"), HasSubstr("(line 3)")));
+    EXPECT_THAT(got.output, Not(HasSubstr("source opened")));
+    // what is as it is without options would only hide the error
+    EXPECT_THAT(got.output, AllOf(HasSubstr("bus.network = "), Not(HasSubstr("hull.min_views"))));
+}
+
 TEST_F(CommandLine, EveryProgramExplainsItselfAndItsVersion) {
     for (const std::string program : {"site_node",
                                       "world_server",

@@ -2,6 +2,8 @@
 #include "tests/support/acts.hpp"
 #include "tests/unit/physics/meshes.hpp"
 
+#include <fmt/format.h>
+
 namespace atrium::test {
 
 using Eigen::Vector3d;
@@ -80,11 +82,16 @@ StrikeAct strike(const Vector3d& target_site,
     const double run_up_s = 2.0 * kRunUpM / speed_mps;
     const double even_s = (kBeforeM + kBeyondM) / speed_mps;
     const double stop_s = 2.0 * kStopM / speed_mps;
+    const Vector3d forwards = direction.normalized();
     StrikeAct act;
-    act.act.name = "strike" + std::to_string(seed);
+    act.act.name = fmt::format("strike{}_{:g}mps_{:.3f}_{:.3f}_{:.3f}",
+                               seed,
+                               speed_mps,
+                               forwards.x(),
+                               forwards.y(),
+                               forwards.z());
     act.act.seconds = kStillS + run_up_s + even_s + stop_s + 0.2;
     act.contact_s = kStillS + run_up_s + kBeforeM / speed_mps;
-    const Vector3d forwards = direction.normalized();
     act.velocity_site = speed_mps * forwards;
     const double tilt = between(random, -0.35, 0.35);
     const double about = between(random, -std::numbers::pi, std::numbers::pi);

@@ -113,9 +113,10 @@ Expected<void> write(const fs::path& file, const HullFilm& film) {
 }  // namespace
 
 Expected<HullFilm> film(const Act& act, const FilmOptions& options, const fs::path& cache) {
-    const fs::path file = cache / fmt::format("{}_{}cams_{:g}hz_{:.4f}s_{}_{:g}_v{}.hulls",
+    const fs::path file = cache / fmt::format("{}_{}cams_{}px_{:g}hz_{:.4f}s_{}_{:g}_v{}.hulls",
                                               act.name,
                                               options.cameras.size(),
+                                              options.cameras.front().intrinsics.width,
                                               options.rate_hz,
                                               options.first_s,
                                               options.seed,

@@ -16,6 +16,8 @@ struct ObjectDrawing {
     gl::Buffer indices;
     int num_indices = 0;
 
+    /// With the shader in use.
+    void draw() const;
     bool is_floor() const {
         return look.model == nullptr && look.shape == ShapeKind::kPlane &&
                (look.world_from_object.rotation * Eigen::Vector3d::UnitZ()).z() > 0.99;
@@ -29,6 +31,7 @@ struct SoftDrawing {
     explicit SoftDrawing(SoftLook soft_look);
     /// As many nodes as the look has.
     void move(std::span<const Eigen::Vector3f> nodes_world);
+    void draw() const;
 
     SoftLook look;
     gl::VertexArray layout;

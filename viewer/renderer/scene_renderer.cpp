@@ -2,62 +2,32 @@
 
 #include "core/gl/resources.hpp"
 #include "core/gl/shader_program.hpp"
+#include "viewer/renderer/backdrop.hpp"
 #include "viewer/renderer/object_drawing.hpp"
 #include "viewer/renderer/person_drawing.hpp"
+#include "viewer/renderer/screen_square.hpp"
 #include "viewer/renderer/shaders.hpp"
+#include "viewer/renderer/textures.hpp"
 
-#include <Eigen/Geometry>
 #include <glad/gl.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <map>
 #include <optional>
 #include <utility>
 
 namespace atrium::renderer {
-namespace {
-
-constexpr float kShadowExtentM = 10.0f;  // side of the floor's square, around the origin, that
-                                         // shadows fall on
-constexpr int kShadowPx = 512;           // 2 cm a pixel; kFloorFragment blurs by it
-const Eigen::Vector3f kLight = Eigen::Vector3f(0.30f, -0.22f, 1.0f).normalized();
-// sRGB-encoded
-const Eigen::Vector3f kHorizon(0.82f, 0.85f, 0.88f);
-const Eigen::Vector3f kZenith(0.45f, 0.54f, 0.66f);
-const Eigen::Vector3f kGroundColour(0.70f, 0.69f, 0.67f);
-constexpr double kGroundSizeM = 60.0;
-
-Eigen::Vector3f encode_srgb(const Eigen::Vector3d& linear) {
-    return linear
-        .unaryExpr([](double v) {
-            v = std::clamp(v, 0.0, 1.0);
-            return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055;
-        })
-        .cast<float>();
-}
-
-struct View {
-    Eigen::Matrix4d clip_from_world;
-    Eigen::Vector3d eye_world;
-};
-
-}  // namespace
 
 struct SceneRenderer::Impl {
     RendererOptions options;
     PersonShaders person_shaders;
     gl::ShaderProgram object_shader;
-    gl::ShaderProgram floor_shader;
-    gl::ShaderProgram background_shader;
-    gl::ShaderProgram shadow_shader;
     gl::ShaderProgram smooth_shader;
     gl::Framebuffer target;
     gl::Framebuffer smoothed;  // only with anti-aliasing
-    gl::Framebuffer shadow;
-    gl::VertexArray square_layout;
-    gl::Buffer square;
+    ScreenSquare square;
+    std::optional<Backdrop> backdrop;
+    Textures textures;
     std::map<std::string, PersonDrawing> people;
     std::map<std::string, Eigen::Matrix4d> site_poses;
     std::map<std::uint32_t, ObjectDrawing> objects;
@@ -68,14 +38,10 @@ struct SceneRenderer::Impl {
 
     Expected<void> create_shaders();
     Expected<void> create_targets(int width, int height);
-    void create_square();
     void draw_shadow();
     void draw_objects(const View& view);
     void draw_object(const ObjectDrawing& object);
-    void draw_shadow_of(const ObjectDrawing& object);
-    void draw_floor(const View& view, const ObjectLook& look, bool is_ground);
     void draw_floors(const View& view);
-    void draw_background(const ViewCamera& camera);
     void smooth();
     const gl::Framebuffer& finished() const {
         return options.antialias == Antialias::kFxaa ? smoothed : target;
@@ -86,25 +52,17 @@ Expected<void> SceneRenderer::Impl::create_shaders() {
     auto person = PersonShaders::create();
     if (!person) return tl::unexpected(person.error());
     person_shaders = std::move(*person);
-    struct Source {
-        gl::ShaderProgram& program;
-        const char* name;
-        const char* vertex;
-        const char* fragment;
-    };
-    for (const Source& source :
-         {Source{object_shader, "object", shaders::kObjectVertex, shaders::kObjectFragment},
-          Source{floor_shader, "floor", shaders::kFloorVertex, shaders::kFloorFragment},
-          Source{background_shader,
-                 "background",
-                 shaders::kBackgroundVertex,
-                 shaders::kBackgroundFragment},
-          Source{shadow_shader, "shadow", shaders::kShadowVertex, shaders::kShadowFragment},
-          Source{smooth_shader, "smooth", shaders::kScreenVertex, shaders::kSmoothFragment}}) {
-        auto program = gl::ShaderProgram::create(source.name, source.vertex, source.fragment);
-        if (!program) return tl::unexpected(program.error());
-        source.program = std::move(*program);
-    }
+    auto object =
+        gl::ShaderProgram::create("object", shaders::kObjectVertex, shaders::kObjectFragment);
+    if (!object) return tl::unexpected(object.error());
+    object_shader = std::move(*object);
+    auto smoothing =
+        gl::ShaderProgram::create("smooth", shaders::kScreenVertex, shaders::kSmoothFragment);
+    if (!smoothing) return tl::unexpected(smoothing.error());
+    smooth_shader = std::move(*smoothing);
+    auto behind = Backdrop::create();
+    if (!behind) return tl::unexpected(behind.error());
+    backdrop = std::move(*behind);
     return {};
 }
 
@@ -122,45 +80,19 @@ Expected<void> SceneRenderer::Impl::create_targets(int width, int height) {
     return {};
 }
 
-void SceneRenderer::Impl::create_square() {
-    constexpr std::array<float, 8> kCorners = {-1.0f, -1.0f, 1.0f, -1.0f, -1.0f, 1.0f, 1.0f, 1.0f};
-    square_layout = gl::make_vertex_array();
-    square = gl::make_buffer();
-    glBindVertexArray(square_layout.id());
-    gl::upload(square, GL_ARRAY_BUFFER, std::span<const float>(kCorners), GL_STATIC_DRAW);
-    gl::float_attribute(0, 2, 2 * sizeof(float), 0);
-    glBindVertexArray(0);
-}
-
-// One picture of the floor from above, white where something stands between it and the light.
 void SceneRenderer::Impl::draw_shadow() {
     if (is_shadow_current) return;
     is_shadow_current = true;
-    shadow.bind();
-    glDisable(GL_DEPTH_TEST);
-    glDisable(GL_CULL_FACE);
-    glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
-    glClear(GL_COLOR_BUFFER_BIT);
-    shadow_shader.use();
-    shadow_shader.set("light", kLight);
-    shadow_shader.set("shadow_extent", kShadowExtentM);
-    for (const auto& [site, person] : people) person.draw_surface(shadow_shader);
+    const gl::ShaderProgram& shader = backdrop->begin_shadow();
+    for (const auto& [site, person] : people) person.draw_surface(shader);
     for (const auto& [id, object] : objects) {
-        if (object.look.model != nullptr || object.look.shape != ShapeKind::kPlane)
-            draw_shadow_of(object);
+        if (object.look.model == nullptr && object.look.shape == ShapeKind::kPlane) continue;
+        shader.set("world_from_object",
+                   Eigen::Matrix4f(object.look.world_from_object.matrix().cast<float>()));
+        object.draw();
     }
-    shadow_shader.set("world_from_object", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
-    for (const auto& [id, soft] : soft_objects) {
-        glBindVertexArray(soft.layout.id());
-        glDrawElements(GL_TRIANGLES, soft.num_indices, GL_UNSIGNED_INT, nullptr);
-    }
-}
-
-void SceneRenderer::Impl::draw_shadow_of(const ObjectDrawing& object) {
-    shadow_shader.set("world_from_object",
-                      Eigen::Matrix4f(object.look.world_from_object.matrix().cast<float>()));
-    glBindVertexArray(object.layout.id());
-    glDrawElements(GL_TRIANGLES, object.num_indices, GL_UNSIGNED_INT, nullptr);
+    shader.set("world_from_object", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
+    for (const auto& [id, soft] : soft_objects) soft.draw();
 }
 
 void SceneRenderer::Impl::draw_object(const ObjectDrawing& object) {
@@ -168,16 +100,16 @@ void SceneRenderer::Impl::draw_object(const ObjectDrawing& object) {
     object_shader.set("world_from_object",
                       Eigen::Matrix4f(object.look.world_from_object.matrix().cast<float>()));
     object_shader.set("colour", Eigen::Vector3f(object.look.colour.cast<float>()));
-    object_shader.set("sectors", is_ball ? 3.0f : 0.0f);
-    glBindVertexArray(object.layout.id());
-    glDrawElements(GL_TRIANGLES, object.num_indices, GL_UNSIGNED_INT, nullptr);
+    object_shader.set("sectors", is_ball && object.look.texture.empty() ? 3.0f : 0.0f);
+    textures.use(object.look.texture, object_shader, 0);
+    object.draw();
 }
 
 void SceneRenderer::Impl::draw_objects(const View& view) {
     glEnable(GL_CULL_FACE);
     object_shader.use();
     object_shader.set("clip_from_world", Eigen::Matrix4f(view.clip_from_world.cast<float>()));
-    object_shader.set("light", kLight);
+    object_shader.set("light", light_world());
     object_shader.set("eye", Eigen::Vector3f(view.eye_world.cast<float>()));
     for (const auto& [id, object] : objects) {
         if (object.look.model == nullptr && !object.is_floor()) draw_object(object);
@@ -194,31 +126,9 @@ void SceneRenderer::Impl::draw_objects(const View& view) {
     object_shader.set("sectors", 0.0f);
     for (const auto& [id, soft] : soft_objects) {
         object_shader.set("colour", Eigen::Vector3f(soft.look.colour.cast<float>()));
-        glBindVertexArray(soft.layout.id());
-        glDrawElements(GL_TRIANGLES, soft.num_indices, GL_UNSIGNED_INT, nullptr);
+        textures.use(soft.look.texture, object_shader, 0);
+        soft.draw();
     }
-}
-
-void SceneRenderer::Impl::draw_floor(const View& view, const ObjectLook& look, bool is_ground) {
-    const double height = look.world_from_object.translation.z();
-    floor_shader.use();
-    floor_shader.set("clip_from_world", Eigen::Matrix4f(view.clip_from_world.cast<float>()));
-    floor_shader.set("world_from_floor",
-                     Eigen::Matrix4f(look.world_from_object.matrix().cast<float>()));
-    floor_shader.set("half_size", Eigen::Vector2f((0.5 * look.size_m.head<2>()).cast<float>()));
-    floor_shader.set("colour", is_ground ? kGroundColour : encode_srgb(look.colour));
-    floor_shader.set("horizon", kHorizon);
-    gl::bind_texture(0, shadow.colour);
-    floor_shader.set("shadow", 0);
-    floor_shader.set("shadow_extent", kShadowExtentM);
-    // shadows are cast onto the ground; a shelf somewhere above has none. Four samples are summed.
-    floor_shader.set("shadow_strength", std::abs(height) < 0.05 ? 0.30f / 4.0f : 0.0f);
-    // squared distances from the origin between which the floor fades into the horizon
-    const float begin = 5.0f * 5.0f;
-    const float end = 22.0f * 22.0f;
-    floor_shader.set("fade", Eigen::Vector2f(begin, 1.0f / (end - begin)));
-    glBindVertexArray(square_layout.id());
-    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
 }
 
 void SceneRenderer::Impl::draw_floors(const View& view) {
@@ -226,29 +136,12 @@ void SceneRenderer::Impl::draw_floors(const View& view) {
     bool has_floor = false;
     for (const auto& [id, object] : objects) {
         if (!object.is_floor()) continue;
-        draw_floor(view, object.look, false);
+        backdrop->draw_floor(view, object.look, textures);
         has_floor = true;
         lowest = std::min(lowest, object.look.world_from_object.translation.z());
     }
-    // the ground around, after them: what they cover of it is not drawn
     constexpr double kBelowM = 0.01;
-    ObjectLook ground{.shape = ShapeKind::kPlane};
-    ground.size_m = {kGroundSizeM, kGroundSizeM, 0.0};
-    ground.world_from_object.translation.z() = has_floor ? lowest - kBelowM : 0.0;
-    draw_floor(view, ground, true);
-}
-
-void SceneRenderer::Impl::draw_background(const ViewCamera& camera) {
-    const Eigen::Vector3d forward = (camera.target_m - camera.position_m).normalized();
-    const double half_fov = camera.fov_deg * M_PI / 360.0;
-    background_shader.use();
-    background_shader.set("slope",
-                          Eigen::Vector2f(static_cast<float>(forward.z()) + 0.1f,
-                                          static_cast<float>(std::sin(half_fov))));
-    background_shader.set("horizon", kHorizon);
-    background_shader.set("zenith", kZenith);
-    glBindVertexArray(square_layout.id());
-    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+    backdrop->draw_ground(view, has_floor ? lowest - kBelowM : 0.0);
 }
 
 void SceneRenderer::Impl::smooth() {
@@ -260,8 +153,7 @@ void SceneRenderer::Impl::smooth() {
     smooth_shader.set("pixel",
                       Eigen::Vector2f(1.0f / static_cast<float>(target.width),
                                       1.0f / static_cast<float>(target.height)));
-    glBindVertexArray(square_layout.id());
-    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+    square.draw();
 }
 
 SceneRenderer::SceneRenderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -275,10 +167,6 @@ Expected<SceneRenderer> SceneRenderer::create(const RendererOptions& options) {
     if (auto ok = impl->create_shaders(); !ok) return tl::unexpected(ok.error());
     if (auto ok = impl->create_targets(options.width, options.height); !ok)
         return tl::unexpected(ok.error());
-    auto shadow = gl::make_framebuffer(kShadowPx, kShadowPx, gl::PixelFormat::kR8);
-    if (!shadow) return tl::unexpected(shadow.error());
-    impl->shadow = std::move(*shadow);
-    impl->create_square();
     return SceneRenderer(std::move(impl));
 }
 
@@ -359,6 +247,10 @@ void SceneRenderer::set_scenery(const std::string& name, std::span<const ObjectL
     if (drawings.empty()) impl_->scenery.erase(name);
 }
 
+void SceneRenderer::set_texture(const std::string& name, const TexturePicture& picture) {
+    impl_->textures.set(name, picture);
+}
+
 Expected<void> SceneRenderer::resize(int width, int height) {
     if (width == impl_->options.width && height == impl_->options.height) return {};
     return impl_->create_targets(width, height);
@@ -384,7 +276,7 @@ void SceneRenderer::draw(const ViewCamera& camera) {
         person.draw(impl.person_shaders, view.clip_from_world, view.eye_world);
     impl.draw_objects(view);
     impl.draw_floors(view);
-    impl.draw_background(camera);
+    impl.backdrop->draw_sky(camera);
     if (impl.options.antialias == Antialias::kFxaa) impl.smooth();
     glBindVertexArray(0);
 }

@@ -64,6 +64,10 @@ public:
     /// What is only looked at, in the place of what had that name before; nothing: it is gone.
     void set_scenery(const std::string& name, std::span<const ObjectLook> parts);
 
+    /// The picture that lies from now on on all things whose look names it; kept until the renderer
+    /// ends.
+    void set_texture(const std::string& name, const TexturePicture& picture);
+
     Expected<void> resize(int width, int height);
     int width() const;
     int height() const;

@@ -64,14 +64,17 @@ std::string person_fragment(std::size_t num_cameras) {
 const char* const kObjectVertex = R"(#version 330 core
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
+layout(location = 2) in vec2 place;
 uniform mat4 clip_from_world;
 uniform mat4 world_from_object;
+out vec2 p_picture;
 out vec3 p_object;
 out vec3 p_world;
 out vec3 normal_world;
 void main() {
     vec4 p = world_from_object * vec4(position, 1.0);
     p_object = position;
+    p_picture = place;
     p_world = p.xyz;
     normal_world = mat3(world_from_object) * normal;
     gl_Position = clip_from_world * p;
@@ -80,9 +83,12 @@ void main() {
 
 const char* const kObjectFragment = R"(#version 330 core
 in vec3 p_object;
+in vec2 p_picture;
 in vec3 p_world;
 in vec3 normal_world;
 uniform vec3 colour;
+uniform sampler2D picture;
+uniform float textured;
 uniform vec3 light;
 uniform vec3 eye;
 uniform float sectors;
@@ -95,6 +101,10 @@ void main() {
     // of what is seen from behind, the other side
     if (!gl_FrontFacing) n = -n;
     vec3 base = colour;
+    if (textured > 0.0) {
+        vec4 painted = texture(picture, p_picture);
+        base = mix(base, painted.rgb, painted.a);
+    }
     // lighter sectors show that a ball turns
     if (sectors > 0.0) {
         float wave = sin(atan(p_object.y, p_object.x) * sectors);
@@ -130,12 +140,22 @@ in vec3 p_world;
 in vec2 p_floor;
 uniform vec3 colour;
 uniform vec3 horizon;
+uniform sampler2D picture;
+uniform float textured;
 uniform sampler2D shadow;
 uniform float shadow_extent;
 uniform float shadow_strength;
 uniform vec2 fade;
 out vec4 fragment;
+vec3 encode(vec3 linear) {
+    return mix(12.92 * linear, 1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, linear));
+}
 void main() {
+    vec3 base = colour;
+    if (textured > 0.0) {
+        vec4 painted = texture(picture, vec2(p_floor.x, -p_floor.y));
+        base = mix(base, encode(painted.rgb), painted.a);
+    }
     vec2 cell = p_floor;
     vec2 line = abs(fract(cell - 0.5) - 0.5) / max(fwidth(cell), 1e-4);
     float grid = 1.0 - min(min(line.x, line.y), 1.0);
@@ -145,7 +165,7 @@ void main() {
                + texture(shadow, at + vec2(-texel * 0.4, texel)).r
                + texture(shadow, at + vec2(-texel, -texel * 0.4)).r
                + texture(shadow, at + vec2(texel * 0.4, -texel)).r;
-    vec3 c = colour * (1.0 - 0.10 * grid) * (1.0 - shadow_strength * dark);
+    vec3 c = base * (1.0 - 0.10 * grid) * (1.0 - shadow_strength * dark);
     float far = clamp((dot(p_world.xy, p_world.xy) - fade.x) * fade.y, 0.0, 1.0);
     fragment = vec4(mix(c, horizon, far), 1.0);
 }

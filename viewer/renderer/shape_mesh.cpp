@@ -12,6 +12,7 @@ namespace {
 constexpr int kNumSectors = 32;
 constexpr int kNumRings = 8;  // of half a sphere
 
+// `u` is to the right of the picture on it, `v` up.
 void add_quad(const Eigen::Vector3f& centre,
               const Eigen::Vector3f& u,
               const Eigen::Vector3f& v,
@@ -19,7 +20,8 @@ void add_quad(const Eigen::Vector3f& centre,
     const auto first = static_cast<std::uint32_t>(mesh.corners.size());
     const Eigen::Vector3f normal = u.cross(v).normalized();
     for (const auto& [s, t] : {std::pair{-1.0f, -1.0f}, {1.0f, -1.0f}, {1.0f, 1.0f}, {-1.0f, 1.0f}})
-        mesh.corners.push_back({centre + s * u + t * v, normal});
+        mesh.corners.push_back(
+            {centre + s * u + t * v, normal, {0.5f + 0.5f * s, 0.5f - 0.5f * t}});
     for (const std::uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) mesh.indices.push_back(first + i);
 }
 
@@ -29,20 +31,27 @@ struct Ring {
     float z;
     float normal_radial;
     float normal_z;
+    float down;  // in the picture that lies around it, 0 to 1
 };
 
-void add_revolution(const std::vector<Ring>& rings, ShapeMesh& mesh) {
+// `flat_radius`: of an end, which a picture lies across instead of around; 0 elsewhere.
+void add_revolution(const std::vector<Ring>& rings, float flat_radius, ShapeMesh& mesh) {
     const auto first = static_cast<std::uint32_t>(mesh.corners.size());
     constexpr std::uint32_t kStride = kNumSectors + 1;
     for (const Ring& ring : rings) {
         for (int i = 0; i <= kNumSectors; ++i) {
-            const float angle = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i) /
-                                static_cast<float>(kNumSectors);
+            const float turn = static_cast<float>(i) / static_cast<float>(kNumSectors);
+            const float angle = 2.0f * std::numbers::pi_v<float> * turn;
             const float c = std::cos(angle);
             const float s = std::sin(angle);
-            mesh.corners.push_back(
-                {{ring.radius * c, ring.radius * s, ring.z},
-                 {ring.normal_radial * c, ring.normal_radial * s, ring.normal_z}});
+            Eigen::Vector2f place(turn, ring.down);
+            if (flat_radius > 0.0f) {
+                const float out = 0.5f * ring.radius / flat_radius;
+                place = {0.5f + out * c, 0.5f - out * s};
+            }
+            mesh.corners.push_back({{ring.radius * c, ring.radius * s, ring.z},
+                                    {ring.normal_radial * c, ring.normal_radial * s, ring.normal_z},
+                                    place});
         }
     }
     for (std::uint32_t r = 0; r + 1 < rings.size(); ++r) {
@@ -58,13 +67,16 @@ void add_revolution(const std::vector<Ring>& rings, ShapeMesh& mesh) {
 // From the south pole to the north pole; the halves `half_gap` away from the middle.
 std::vector<Ring> sphere_rings(float radius, float half_gap) {
     std::vector<Ring> rings;
+    const float length = std::numbers::pi_v<float> * radius + 2.0f * half_gap;  // pole to pole
     for (int side = -1; side <= 1; side += 2) {
         for (int i = 0; i <= kNumRings; ++i) {
             const float t = static_cast<float>(side < 0 ? i - kNumRings : i) / kNumRings;
             const float elevation = t * std::numbers::pi_v<float> / 2.0f;
             const float c = std::cos(elevation);
             const float s = std::sin(elevation);
-            rings.push_back({radius * c, radius * s + static_cast<float>(side) * half_gap, c, s});
+            const float gap = static_cast<float>(side) * half_gap;
+            rings.push_back(
+                {radius * c, radius * s + gap, c, s, 0.5f - (radius * elevation + gap) / length});
         }
     }
     return rings;
@@ -81,30 +93,43 @@ ShapeMesh make_shape(ShapeKind kind, const Eigen::Vector3d& size_m) {
     switch (kind) {
         case ShapeKind::kBox:
             add_quad(x, y, z, mesh);
-            add_quad(-x, z, y, mesh);
-            add_quad(y, z, x, mesh);
+            add_quad(-x, -y, z, mesh);
+            add_quad(y, -x, z, mesh);
             add_quad(-y, x, z, mesh);
             add_quad(z, x, y, mesh);
             add_quad(-z, y, x, mesh);
             break;
         case ShapeKind::kSphere:
-            add_revolution(sphere_rings(half.x(), 0.0f), mesh);
+            add_revolution(sphere_rings(half.x(), 0.0f), 0.0f, mesh);
             break;
         case ShapeKind::kCapsule:
-            add_revolution(sphere_rings(half.x(), std::max(0.0f, half.z() - half.x())), mesh);
+            add_revolution(sphere_rings(half.x(), std::max(0.0f, half.z() - half.x())), 0.0f, mesh);
             break;
         case ShapeKind::kCylinder: {
             const float r = half.x();
-            add_revolution({{0.0f, -half.z(), 0.0f, -1.0f}, {r, -half.z(), 0.0f, -1.0f}}, mesh);
-            add_revolution({{r, -half.z(), 1.0f, 0.0f}, {r, half.z(), 1.0f, 0.0f}}, mesh);
-            add_revolution({{r, half.z(), 0.0f, 1.0f}, {0.0f, half.z(), 0.0f, 1.0f}}, mesh);
+            const float h = half.z();
+            add_revolution({{0.0f, -h, 0.0f, -1.0f, 0.0f}, {r, -h, 0.0f, -1.0f, 0.0f}}, r, mesh);
+            add_revolution({{r, -h, 1.0f, 0.0f, 1.0f}, {r, h, 1.0f, 0.0f, 0.0f}}, 0.0f, mesh);
+            add_revolution({{r, h, 0.0f, 1.0f, 0.0f}, {0.0f, h, 0.0f, 1.0f, 0.0f}}, r, mesh);
             break;
         }
         case ShapeKind::kPlane:
             add_quad(Eigen::Vector3f::Zero(), x, y, mesh);
+            for (ShapeMesh::Corner& corner : mesh.corners)
+                corner.texture_place =
+                    projected_place(corner.position_object, corner.normal_object);
             break;
     }
     return mesh;
+}
+
+Eigen::Vector2f projected_place(const Eigen::Vector3f& p, const Eigen::Vector3f& normal) {
+    Eigen::Index axis = 0;
+    normal.cwiseAbs().maxCoeff(&axis);
+    const float side = normal[axis] < 0.0f ? -1.0f : 1.0f;
+    if (axis == 0) return {side * p.y(), -p.z()};
+    if (axis == 1) return {-side * p.x(), -p.z()};
+    return {side * p.x(), -p.y()};
 }
 
 }  // namespace atrium::renderer

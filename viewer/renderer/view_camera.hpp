@@ -29,4 +29,10 @@ Eigen::Vector2d project_px(const ViewCamera& camera,
                            int width,
                            int height);
 
+/// What the shaders want of it.
+struct View {
+    Eigen::Matrix4d clip_from_world;
+    Eigen::Vector3d eye_world;
+};
+
 }  // namespace atrium::renderer

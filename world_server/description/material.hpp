@@ -32,4 +32,11 @@ Materials read_materials(config::TableReader& reader);
 /// What `material` names in a table; the default where it names none.
 Material read_material(config::TableReader& reader, const Materials& materials);
 
+/// `mass_kg`, or what `density_kg_per_m3` or the material makes of a volume. One of the three must
+/// be there.
+void read_mass(config::TableReader& reader,
+               const Material& material,
+               double volume_m3,
+               double& mass_kg);
+
 }  // namespace atrium::world_server

@@ -91,22 +91,6 @@ bus::Shape read_shape(config::TableReader& reader) {
     return kShapes.at(name);
 }
 
-void read_mass(config::TableReader& reader, const Material& material, WorldObject& object) {
-    double& mass_kg = object.scene.mass_kg;
-    const bool has_mass = reader.has("mass_kg");
-    const bool has_density = reader.has("density_kg_per_m3");
-    reader.read("mass_kg", mass_kg, {0.0, 1e4});
-    if (object.scene.shape == bus::Shape::kPlane || (has_mass && !has_density)) return;
-    if (has_mass) return reader.reject("density_kg_per_m3", "must not stand beside mass_kg");
-    if (!has_density && !material.density_kg_per_m3) {
-        return reader.reject("mass_kg",
-                             "is missing, or density_kg_per_m3, or a material that has a density");
-    }
-    double density = material.density_kg_per_m3.value_or(0.0);
-    reader.read("density_kg_per_m3", density, {1.0, 30'000.0});
-    mass_kg = density * physics::volume_m3(to_rigid(object));
-}
-
 WorldObject read_object(config::TableReader& reader,
                         std::uint32_t id,
                         const Materials& materials,
@@ -123,20 +107,21 @@ WorldObject read_object(config::TableReader& reader,
     else
         read_size(reader, scene);
     const Material material = read_material(reader, materials);
-    object.friction = material.friction;
-    object.restitution = material.restitution;
+    scene.friction = material.friction;
+    scene.restitution = material.restitution;
     object.rolling_friction_m = material.rolling_friction_m;
     scene.colour = material.colour;
     scene.texture = material.texture;
-    read_mass(reader, material, object);
+    if (scene.shape == bus::Shape::kPlane)
+        reader.read("mass_kg", scene.mass_kg, {0.0, 1e4});
+    else
+        read_mass(reader, material, physics::volume_m3(to_rigid(object)), scene.mass_kg);
     reader.read("colour", scene.colour.data(), 3, {0.0, 1.0});
     read_texture(reader, scene.texture);
     read_pose(reader, scene.world_from_object);
-    reader.read("friction", object.friction, {0.0, 10.0});
-    reader.read("restitution", object.restitution, {0.0, 1.0});
+    reader.read("friction", scene.friction, {0.0, 10.0});
+    reader.read("restitution", scene.restitution, {0.0, 1.0});
     reader.read("rolling_friction_m", object.rolling_friction_m, {0.0, 1.0});
-    scene.friction = object.friction;
-    scene.restitution = object.restitution;
 
     if (has_model && !object.parts) return object;  // said already
     if (const auto problem = physics::find_problem(to_rigid(object))) {

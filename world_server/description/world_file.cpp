@@ -42,6 +42,7 @@ void read_world(config::TableReader& reader, WorldServerConfig& config) {
     read_objects(reader, materials, config.objects);
     read_puppets(reader, materials, config.objects, config.joints);
     config.soft = read_soft_objects(reader,
+                                    materials,
                                     static_cast<std::uint32_t>(config.objects.size() + 1),
                                     [&](const std::string& name) -> std::optional<std::uint32_t> {
                                         for (const WorldObject& object : config.objects) {

@@ -13,8 +13,6 @@ namespace atrium::world_server {
 /// 1; the parts of puppets come after all objects.
 struct WorldObject {
     bus::SceneObject scene;
-    double friction = 0.6;
-    double restitution = 0.2;
     double rolling_friction_m = 0.0005;
     double drag_per_s = 0.02;
     /// Convex, compound: as physics::RigidObject has them; else null.

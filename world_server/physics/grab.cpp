@@ -1,6 +1,7 @@
 #include "world_server/physics/grab.hpp"
 
 #include "world_server/physics/bullet_types.hpp"
+#include "world_server/physics/soft_body.hpp"
 
 #include <Eigen/LU>
 #include <btBulletDynamicsCommon.h>
@@ -8,6 +9,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 namespace atrium::physics {
 namespace {
@@ -42,25 +44,48 @@ int Grabs::patience() const {
     return std::max(1, static_cast<int>(std::lround(options_.patience_s / options_.tick_s)));
 }
 
-bool Grabs::hold(const std::string& holder,
-                 std::uint32_t object,
-                 const Eigen::Vector3d& point_object,
-                 const Eigen::Vector3d& goal_world) {
-    assert(point_object.allFinite() && goal_world.allFinite());
-    if (Grab* held = find(holder, object)) {
-        held->point_object = point_object;
-        held->goal_world = goal_world;
-        held->ticks_left = patience();
+bool Grabs::hold(Grab grab) {
+    assert(grab.goal_world.allFinite());
+    grab.ticks_left = patience();
+    if (Grab* held = find(grab.holder, grab.object)) {
+        *held = std::move(grab);
         return true;
     }
-    const auto of_holder = std::count_if(
-        grabs_.begin(), grabs_.end(), [&](const Grab& grab) { return grab.holder == holder; });
+    const auto of_holder = std::count_if(grabs_.begin(), grabs_.end(), [&](const Grab& other) {
+        return other.holder == grab.holder;
+    });
     if (grabs_.size() >= options_.max_grabs ||
         static_cast<std::size_t>(of_holder) >= options_.max_per_holder) {
         return false;
     }
-    grabs_.push_back({holder, object, point_object, goal_world, patience()});
+    grabs_.push_back(std::move(grab));
     return true;
+}
+
+bool Grabs::hold(const std::string& holder,
+                 std::uint32_t object,
+                 const Eigen::Vector3d& point_object,
+                 const Eigen::Vector3d& goal_world) {
+    assert(point_object.allFinite());
+    Grab grab;
+    grab.holder = holder;
+    grab.object = object;
+    grab.point_object = point_object;
+    grab.goal_world = goal_world;
+    return hold(std::move(grab));
+}
+
+bool Grabs::hold(const std::string& holder,
+                 std::uint32_t object,
+                 const SoftHandle& handle,
+                 const Eigen::Vector3d& goal_world) {
+    assert(!handle.nodes.empty());
+    Grab grab;
+    grab.holder = holder;
+    grab.object = object;
+    grab.handle = handle;
+    grab.goal_world = goal_world;
+    return hold(std::move(grab));
 }
 
 bool Grabs::move(const std::string& holder,
@@ -88,25 +113,42 @@ void Grabs::forget(std::uint32_t object) {
     std::erase_if(grabs_, [&](const Grab& grab) { return grab.object == object; });
 }
 
+double Grabs::max_force_n(double mass_kg) const {
+    return std::min(options_.max_force_n, mass_kg * options_.max_acceleration);
+}
+
+// Of the held point, `way` [m] from its goal: no faster than what the force can bring to rest until
+// there, gravity or not.
+Eigen::Vector3d Grabs::wanted_velocity(const Eigen::Vector3d& way,
+                                       double mass_kg,
+                                       double gravity) const {
+    const double braking = std::max(0.5, 0.5 * (max_force_n(mass_kg) / mass_kg - gravity));
+    const double speed_mps =
+        std::min(options_.max_speed_mps, std::sqrt(2.0 * braking * way.norm()));
+    return limited(options_.follow_hz * way, speed_mps);
+}
+
+void Grabs::pull(const Grab& grab, SoftBody& soft, double gravity) const {
+    const double mass_kg = soft.object().mass_kg;
+    const Eigen::Vector3d place = from_bullet(place_of(soft.body(), grab.handle));
+    const Eigen::Vector3d wanted = wanted_velocity(grab.goal_world - place, mass_kg, gravity);
+    if (!wanted.allFinite()) return;
+    soft.pull(grab.handle, to_bullet(wanted), btScalar(max_force_n(mass_kg)));
+}
+
 void Grabs::pull(const Grab& grab, btRigidBody& body) const {
     const btTransform& world_from_body = body.getWorldTransform();
     const Eigen::Vector3d place = from_bullet(world_from_body * to_bullet(grab.point_object));
     const Eigen::Vector3d arm = place - from_bullet(world_from_body.getOrigin());
     const Eigen::Vector3d velocity = from_bullet(body.getVelocityInLocalPoint(to_bullet(arm)));
     const double mass_kg = 1.0 / body.getInvMass();
-    const double max_force_n = std::min(options_.max_force_n, mass_kg * options_.max_acceleration);
-    // no faster than what the force can bring to rest until the goal, gravity or not
-    const Eigen::Vector3d way = grab.goal_world - place;
-    const double gravity = from_bullet(body.getGravity()).norm();
-    const double braking = std::max(0.5, 0.5 * (max_force_n / mass_kg - gravity));
-    const double speed_mps =
-        std::min(options_.max_speed_mps, std::sqrt(2.0 * braking * way.norm()));
-    const Eigen::Vector3d wanted = limited(options_.follow_hz * way, speed_mps);
+    const Eigen::Vector3d wanted =
+        wanted_velocity(grab.goal_world - place, mass_kg, from_bullet(body.getGravity()).norm());
     // gravity is applied after this and before the tick's motion
     const Eigen::Vector3d missing =
         wanted - velocity - options_.tick_s * from_bullet(body.getGravity());
-    const Eigen::Vector3d impulse =
-        limited(inverse_mass_at(body, arm).inverse() * missing, options_.tick_s * max_force_n);
+    const Eigen::Vector3d impulse = limited(inverse_mass_at(body, arm).inverse() * missing,
+                                            options_.tick_s * max_force_n(mass_kg));
     if (!impulse.allFinite()) return;
     body.activate(true);
     body.applyImpulse(to_bullet(impulse), to_bullet(arm));
@@ -114,13 +156,16 @@ void Grabs::pull(const Grab& grab, btRigidBody& body) const {
     body.setAngularVelocity(kept * body.getAngularVelocity());
 }
 
-void Grabs::begin_tick(const std::function<btRigidBody*(std::uint32_t object)>& find) {
+void Grabs::begin_tick(const std::function<Held(std::uint32_t object)>& find,
+                       const Eigen::Vector3d& gravity) {
     for (Grab& grab : grabs_) {
-        btRigidBody* body = --grab.ticks_left >= 0 ? find(grab.object) : nullptr;
-        if (body == nullptr || body->getInvMass() == btScalar(0))
-            grab.ticks_left = -1;
+        const Held held = --grab.ticks_left >= 0 ? find(grab.object) : Held{};
+        if (held.soft != nullptr && !grab.handle.nodes.empty())
+            pull(grab, *held.soft, gravity.norm());
+        else if (held.body != nullptr && held.body->getInvMass() > btScalar(0))
+            pull(grab, *held.body);
         else
-            pull(grab, *body);
+            grab.ticks_left = -1;
     }
     std::erase_if(grabs_, [](const Grab& grab) { return grab.ticks_left < 0; });
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "world_server/physics/soft_pulls.hpp"
+
 #include <Eigen/Core>
 
 #include <cstddef>
@@ -11,6 +13,8 @@
 class btRigidBody;
 
 namespace atrium::physics {
+
+class SoftBody;
 
 struct GrabOptions {
     double tick_s = 1.0 / 120.0;
@@ -31,6 +35,9 @@ struct GrabOptions {
 /// The impulse is bounded, so a grab cannot push through what is in the way. What lets go changes
 /// no velocity: the object flies on.
 ///
+/// A soft thing is held by a handful of its nodes, with the same limits; its points are the
+/// world's when it is taken.
+///
 /// Points are in the frame of the body, the world's in metres. Not thread-safe; deterministic: what
 /// it does depends on the calls and their order alone.
 class Grabs {
@@ -42,6 +49,11 @@ public:
               std::uint32_t object,
               const Eigen::Vector3d& point_object,
               const Eigen::Vector3d& goal_world);
+    /// The same of a handful of a soft object.
+    bool hold(const std::string& holder,
+              std::uint32_t object,
+              const SoftHandle& handle,
+              const Eigen::Vector3d& goal_world);
     /// False: the holder does not hold the object.
     bool move(const std::string& holder, std::uint32_t object, const Eigen::Vector3d& goal_world);
     bool release(const std::string& holder, std::uint32_t object);
@@ -49,8 +61,14 @@ public:
     /// The object is gone.
     void forget(std::uint32_t object);
 
-    /// One tick's impulses. `find` returns the body of an object that moves, or null: it is let go.
-    void begin_tick(const std::function<btRigidBody*(std::uint32_t object)>& find);
+    /// What is at the other end of a grab: one of the two, or none, and it is let go.
+    struct Held {
+        btRigidBody* body = nullptr;  // that moves
+        SoftBody* soft = nullptr;
+    };
+    /// One tick's impulses. `gravity` [m/s^2] is that of soft things.
+    void begin_tick(const std::function<Held(std::uint32_t object)>& find,
+                    const Eigen::Vector3d& gravity);
 
     std::size_t size() const { return grabs_.size(); }
 
@@ -59,11 +77,18 @@ private:
         std::string holder;
         std::uint32_t object = 0;
         Eigen::Vector3d point_object;
+        SoftHandle handle;  // of a soft object, instead
         Eigen::Vector3d goal_world;
         int ticks_left = 0;
     };
+    bool hold(Grab grab);
     Grab* find(const std::string& holder, std::uint32_t object);
     void pull(const Grab& grab, btRigidBody& body) const;
+    void pull(const Grab& grab, SoftBody& soft, double gravity) const;
+    double max_force_n(double mass_kg) const;
+    Eigen::Vector3d wanted_velocity(const Eigen::Vector3d& way,
+                                    double mass_kg,
+                                    double gravity) const;
     int patience() const;
 
     GrabOptions options_;

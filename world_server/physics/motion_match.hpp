@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <optional>
 
-// What the two halves of the motion estimate share.
+// What the parts of the motion estimate share.
 namespace atrium::physics::motion {
 
 inline constexpr float kSameFacing = 0.6F;  // cosine
@@ -28,6 +28,13 @@ inline std::optional<SurfaceSample> match(const SurfaceIndex& surface,
     return surface.nearest(place, kSearchM, [&](const SurfaceSample& candidate) {
         return candidate.normal.dot(normal) > kSameFacing;
     });
+}
+
+/// 0: fits; 1: does not.
+inline float robust_cost(float distance_m) {
+    constexpr float kScaleM = 0.012F;
+    const float sq = distance_m * distance_m;
+    return sq / (sq + kScaleM * kScaleM);
 }
 
 inline bool is_explained_by(const SurfaceIndex& surface, const SurfaceSample& sample) {

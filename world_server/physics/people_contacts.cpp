@@ -17,13 +17,14 @@ constexpr std::size_t kMinSphereSamples = 26;
 constexpr std::size_t kMaxSphereSamples = 600;
 
 // How what overlaps is moved apart: at a speed that grows with the depth, gently for the flicker
-// of an outline, faster where it is really deep.
+// of an outline, faster where it is really deep. More throws what lies on a hand into the air
+// whenever the hull is a little larger than the one before.
 constexpr float kFreeDepthM = 0.002F;  // left alone, so that resting contacts stay
 constexpr float kSoftRate = 6.0F;      // [1/s]
-constexpr float kSoftMps = 0.5F;
+constexpr float kSoftMps = 0.3F;
 constexpr float kDeepM = 0.015F;
 constexpr float kDeepRate = 60.0F;  // [1/s]
-constexpr float kDeepMps = 2.0F;
+constexpr float kDeepMps = 0.3F;
 
 // The depth that Bullet is told; below its threshold for shifting bodies instead. The speed is set
 // by the contact's error reduction.
@@ -34,8 +35,8 @@ constexpr float kToldDepthM = 0.001F;
 constexpr float kHitMps = 0.7F;
 
 // Resistance to rolling on skin and cloth, as a lever in radii of the object: the slope on which a
-// ball stays.
-constexpr float kRollingLever = 0.5F;
+// ball stays. A hand gives way around what it holds and cups it, which no hull shows.
+constexpr float kRollingLever = 1.5F;
 constexpr float kSpinningLever = 0.3F;
 constexpr std::size_t kNumRolling = 3;  // of an object's contacts that resist rolling
 

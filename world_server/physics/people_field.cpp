@@ -15,6 +15,7 @@ constexpr float kLeavingMps = 0.5F;  // a point that moves out faster than this 
 constexpr float kEnteredM = 0.005F;  // this deep one tick ago: it has come in through this side
 constexpr float kSmoothM = 0.035F;   // radius of the plane's support around the foot point
 constexpr float kSameFacing = 0.7F;  // cosine
+constexpr float kFarther = 1.001F;   // than what is asked for, for rounding
 constexpr int kMinSupport = 2;       // a surfel on its own is a mistake of the motion estimate
 
 // The surfel to whose side of the person a point belongs.
@@ -23,6 +24,29 @@ struct Side {
     float cost = 0.0F;
     float distance_m = 0.0F;
 };
+
+// The side of least cost for which `accept(surfel, distance)` holds; none: no surfel.
+template <typename Accept>
+Side find_side(const SurfelGrid& grid, const Eigen::Vector3f& point, const Accept& accept) {
+    constexpr float kMaxBesideSq = kMaxBesideM * kMaxBesideM;
+    Side best;
+    best.cost = kFieldReachM * kFieldReachM;
+    // most surfels of the cells are further off than any of less cost can be
+    float within_sq = kFarther * (best.cost + (1.0F - kBesideWeight) * kMaxBesideSq);
+    grid.visit_ball(point, std::sqrt(within_sq), kFieldReachM, [&](const PlacedSurfel& s) {
+        const Eigen::Vector3f offset = point - s.position;
+        const float offset_sq = offset.squaredNorm();
+        if (offset_sq > within_sq) return;
+        const float distance_m = s.normal.dot(offset);
+        const float beside_sq = offset_sq - distance_m * distance_m;
+        if (beside_sq > kMaxBesideSq) return;
+        const float cost = distance_m * distance_m + kBesideWeight * beside_sq;
+        if (cost >= best.cost || !accept(s, distance_m)) return;
+        best = {&s, cost, distance_m};
+        within_sq = kFarther * (cost + (1.0F - kBesideWeight) * kMaxBesideSq);
+    });
+    return best;
+}
 
 }  // namespace
 
@@ -50,39 +74,30 @@ void PersonField::begin_tick(double tick_s) {
 
 std::optional<SurfacePoint> PersonField::query(const Eigen::Vector3f& point,
                                                const Eigen::Vector3f& velocity) const {
-    const Eigen::Vector3f reach = Eigen::Vector3f::Constant(kFieldReachM);
-    Side nearest;
-    Side entered;  // the nearest that the point does not move out of, and was before a tick ago
-    nearest.cost = entered.cost = kFieldReachM * kFieldReachM;
-    const auto tick_s = static_cast<float>(tick_s_);
-    grid_.visit_box(point - reach, point + reach, [&](const PlacedSurfel& s) {
-        const Eigen::Vector3f offset = point - s.position;
-        const float distance_m = s.normal.dot(offset);
-        const float beside_sq = offset.squaredNorm() - distance_m * distance_m;
-        if (beside_sq > kMaxBesideM * kMaxBesideM) return;
-        const float cost = distance_m * distance_m + kBesideWeight * beside_sq;
-        if (cost < nearest.cost) nearest = {&s, cost, distance_m};
-        if (cost >= entered.cost || distance_m > 0.0F) return;
-        const float leaving_mps = s.normal.dot(velocity - s.velocity);
-        if (leaving_mps > kLeavingMps || distance_m - leaving_mps * tick_s < -kEnteredM) return;
-        entered = {&s, cost, distance_m};
-    });
+    const Side nearest = find_side(grid_, point, [](const PlacedSurfel&, float) { return true; });
     if (nearest.surfel == nullptr) return std::nullopt;
     const PlacedSurfel* side = nearest.surfel;
     if (side->normal.dot(velocity - side->velocity) > kLeavingMps) {
-        // in front of the surface and off; or inside, having come through another side
-        if (nearest.distance_m >= 0.0F || entered.surfel == nullptr) return std::nullopt;
+        // in front of the surface and off; or inside, having come through another side: the
+        // nearest that the point does not move out of, and was before a tick ago
+        if (nearest.distance_m >= 0.0F) return std::nullopt;
+        const auto tick_s = static_cast<float>(tick_s_);
+        const Side entered = find_side(grid_, point, [&](const PlacedSurfel& s, float distance_m) {
+            if (distance_m > 0.0F) return false;
+            const float leaving_mps = s.normal.dot(velocity - s.velocity);
+            return leaving_mps <= kLeavingMps && distance_m - leaving_mps * tick_s >= -kEnteredM;
+        });
+        if (entered.surfel == nullptr) return std::nullopt;
         side = entered.surfel;
     }
 
     // moving least squares over what faces the same way around the foot point
     const Eigen::Vector3f foot = point - side->normal * side->normal.dot(point - side->position);
-    const Eigen::Vector3f support = Eigen::Vector3f::Constant(kSmoothM);
     int num = 0;
     float weights = 0.0F;
     Eigen::Vector3f centre = Eigen::Vector3f::Zero();
     SurfacePoint found{0.0F, Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
-    grid_.visit_box(foot - support, foot + support, [&](const PlacedSurfel& s) {
+    grid_.visit_ball(foot, kSmoothM, kSmoothM, [&](const PlacedSurfel& s) {
         const float share = 1.0F - (s.position - foot).squaredNorm() / (kSmoothM * kSmoothM);
         if (share <= 0.0F || s.normal.dot(side->normal) < kSameFacing) return;
         const float weight = share * share;

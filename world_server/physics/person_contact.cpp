@@ -8,6 +8,7 @@ namespace {
 
 constexpr float kTouchM = 0.004F;  // gap from which on a contact is kept
 constexpr float kFastM = 0.015F;   // relative motion in a tick from which paths are followed
+constexpr float kSlackM = 0.001F;  // of bounds, for rounding
 constexpr float kDiscM = 0.02F;    // radius of what a surfel stands for
 // Cosines between a sphere's sample and the person's normal: below the first, the plane there is
 // what the sphere touches; up to the second, it may be an edge that the sample has come over.
@@ -46,14 +47,23 @@ void ContactFinder::gather(const ContactMotion& motion, const PersonField& perso
     const Eigen::Vector3f reach = Eigen::Vector3f::Constant(reach_m);
     near_low_ = motion.high;
     near_high_ = motion.low;
+    // what turning adds to the velocity of any place of the object
+    const float turning_mps = motion.angular_velocity.norm() * (motion.high - motion.low).norm();
+    const Eigen::Vector3f disc = Eigen::Vector3f::Constant(kDiscM + tick_s * turning_mps + kSlackM);
     person.surfels().visit_box(motion.low - reach, motion.high + reach, [&](const PlacedSurfel& s) {
         ++num_near_;
         near_low_ = near_low_.cwiseMin(s.position);
         near_high_ = near_high_.cwiseMax(s.position);
-        if ((s.velocity - motion.linear_velocity).squaredNorm() * tick_s * tick_s >
-            kFastM * kFastM) {
-            fast_.push_back(s);
+        const Eigen::Vector3f way = tick_s * (motion.linear_velocity - s.velocity);
+        if (way.squaredNorm() <= kFastM * kFastM) return;
+        // no place of the object can meet what it moves away from, or what is beside its way
+        if (s.normal.dot(way) > tick_s * turning_mps + kSlackM) return;
+        const Eigen::Vector3f low = motion.low + way.cwiseMin(0.0F) - disc;
+        const Eigen::Vector3f high = motion.high + way.cwiseMax(0.0F) + disc;
+        if ((s.position.array() < low.array()).any() || (s.position.array() > high.array()).any()) {
+            return;
         }
+        fast_.push_back(s);
     });
     near_low_ -= reach;
     near_high_ += reach;

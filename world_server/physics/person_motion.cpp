@@ -2,7 +2,7 @@
 
 #include "world_server/physics/motion_match.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cassert>
@@ -15,24 +15,16 @@ namespace {
 using motion::cell_at;
 using motion::is_explained_by;
 using motion::kAlikeM;
-using motion::kTrialPoints;
 using motion::match;
+using motion::robust_cost;
 
-constexpr float kScaleM = 0.012F;      // of the robust cost
 constexpr float kMovingShare = 0.12F;  // of an octant's points that rest does not explain
-constexpr float kNeighbourM = 0.21F;   // between the centres of regions that are coupled
-constexpr float kDamping = 0.02F;      // pull towards the start, in points' worth per point
-constexpr float kCoupling = 0.08F;     // of a neighbour, in points' worth per point
+constexpr float kTouchM = 0.06F;       // between points of regions that are neighbours
 constexpr float kMismatch = 0.6F;      // cost above which a sample is not of its region
 
 std::uint64_t pack(const Eigen::Array3i& cell, bool moves) {
     const auto part = [](int x) { return static_cast<std::uint64_t>(x + (1 << 19)) & 0xFFFFFU; };
     return part(cell.z()) << 41U | part(cell.y()) << 21U | part(cell.x()) << 1U | (moves ? 1U : 0U);
-}
-
-float robust_cost(float distance_m) {
-    const float sq = distance_m * distance_m;
-    return sq / (sq + kScaleM * kScaleM);
 }
 
 }  // namespace
@@ -51,15 +43,14 @@ void MotionEstimator::estimate(const SurfaceIndex& now,
     make_regions();
     link_regions();
     for (Region& region : regions_) start_from_rest(region);
-    add_previous_starts();
-    add_voted_starts();
-    choose_starts();
+    start_from_before();
+    start_from_votes();
     choose_with_neighbours();
     solve_together();
     for (std::size_t i = 0; i < displacements.size(); ++i) displacements[i] = displacement_at(i);
     previous_.clear();
     for (const Region& region : regions_) {
-        previous_.push_back({region.centre, region.displacement});
+        previous_.push_back({region.centre, region.displacement, region.turn});
     }
 }
 
@@ -108,94 +99,56 @@ void MotionEstimator::make_regions() {
     for (Region& region : regions_) region.centre /= static_cast<float>(region.num);
 }
 
+// Regions are neighbours where points of them lie side by side, and the more so the more such pairs
+// there are: a hand before the chest is no neighbour of it.
 void MotionEstimator::link_regions() {
-    for (std::uint32_t i = 0; i < regions_.size(); ++i) {
-        for (std::uint32_t j = i + 1; j < regions_.size(); ++j) {
-            if ((regions_[i].centre - regions_[j].centre).squaredNorm() >
-                kNeighbourM * kNeighbourM) {
-                continue;
-            }
-            regions_[i].neighbours.push_back(j);
-            regions_[j].neighbours.push_back(i);
+    struct Placed {
+        std::uint64_t cell;
+        std::uint32_t point;
+        std::uint32_t region;
+    };
+    const auto position = [&](std::uint32_t point) -> const Eigen::Vector3f& {
+        return now_->samples()[points_[point].sample].position;
+    };
+    std::vector<Placed> placed;
+    placed.reserve(points_.size());
+    for (std::uint32_t r = 0; r < regions_.size(); ++r) {
+        for (std::uint32_t p = regions_[r].first; p < regions_[r].first + regions_[r].num; ++p) {
+            placed.push_back({pack(cell_at(position(p), kTouchM), false), p, r});
         }
     }
-}
-
-MotionEstimator::Normals MotionEstimator::correspond(const Region& region,
-                                                     const Eigen::Vector3f& displacement,
-                                                     std::size_t max_points) const {
-    Normals sum;
-    const std::size_t stride = 1 + (region.num - 1) / max_points;
-    float num = 0.0F;
-    for (std::size_t i = 0; i < region.num; i += stride) {
-        const SurfaceSample& sample = now_->samples()[points_[region.first + i].sample];
-        const Eigen::Vector3f place = sample.position - displacement;
-        num += 1.0F;
-        const auto found = match(*before_, place, sample.normal);
-        if (!found) {
-            sum.cost += 1.0F;
-            continue;
-        }
-        const Eigen::Vector3f& normal = found->normal;
-        const float distance_m = normal.dot(place - found->position);
-        const float cost = robust_cost(distance_m);
-        const float weight = (1.0F - cost) + 0.05F;  // what fits badly may yet pull a little
-        sum.cost += cost;
-        sum.lhs += weight * normal * normal.transpose();
-        sum.rhs += weight * distance_m * normal;
-        sum.weight += weight;
-    }
-    sum.cost /= num;
-    return sum;
-}
-
-Eigen::Vector3f MotionEstimator::refine(const Region& region,
-                                        Eigen::Vector3f displacement,
-                                        int rounds) const {
-    for (int round = 0; round < rounds; ++round) {
-        Normals sum = correspond(region, displacement, kTrialPoints);
-        if (sum.weight <= 0.0F) break;
-        sum.lhs.diagonal().array() += kDamping * sum.weight;
-        displacement += sum.lhs.llt().solve(sum.rhs);
-    }
-    return displacement;
-}
-
-void MotionEstimator::solve_together() {
-    normals_.resize(regions_.size());
-    std::vector<Eigen::Vector3f> solution(regions_.size());
-    for (int round = 0; round < 3; ++round) {
-        for (std::size_t i = 0; i < regions_.size(); ++i) {
-            normals_[i] = correspond(regions_[i], regions_[i].displacement);
-            solution[i] = regions_[i].displacement;
-        }
-        for (int sweep = 0; sweep < 12; ++sweep) {
-            for (std::size_t i = 0; i < regions_.size(); ++i) {
-                const Region& region = regions_[i];
-                // in terms of the whole displacement rather than the step
-                Eigen::Matrix3f lhs = normals_[i].lhs;
-                Eigen::Vector3f rhs = normals_[i].rhs + lhs * region.displacement;
-                const float damping = kDamping * 0.1F * (normals_[i].weight + 0.1F);
-                lhs.diagonal().array() += damping;
-                rhs += damping * region.displacement;
-                for (const std::uint32_t n : region.neighbours) {
-                    const float difference = (solution[n] - solution[i]).squaredNorm();
-                    const float weight = kCoupling * (normals_[i].weight + 0.1F) /
-                                         (1.0F + difference / (kAlikeM * kAlikeM));
-                    lhs.diagonal().array() += weight;
-                    rhs += weight * solution[n];
+    std::sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) {
+        return a.cell != b.cell ? a.cell < b.cell : a.point < b.point;
+    });
+    std::vector<std::uint64_t> pairs;  // of regions, one for each pair of points
+    for (const Placed& own : placed) {
+        const Eigen::Array3i cell = cell_at(position(own.point), kTouchM);
+        for (int row = 0; row < 9; ++row) {
+            const Eigen::Array3i first = cell + Eigen::Array3i(-1, row % 3 - 1, row / 3 - 1);
+            const std::uint64_t last = pack(first + Eigen::Array3i(2, 0, 0), false);
+            auto other = std::lower_bound(
+                placed.begin(),
+                placed.end(),
+                pack(first, false),
+                [](const Placed& candidate, std::uint64_t key) { return candidate.cell < key; });
+            for (; other != placed.end() && other->cell <= last; ++other) {
+                if (other->region <= own.region) continue;
+                if ((position(other->point) - position(own.point)).squaredNorm() <
+                    kTouchM * kTouchM) {
+                    pairs.push_back(std::uint64_t{own.region} << 32U | other->region);
                 }
-                solution[i] = lhs.llt().solve(rhs);
             }
         }
-        const auto max_step_m = static_cast<float>(options_.max_step_m);
-        for (std::size_t i = 0; i < regions_.size(); ++i) {
-            const float step_m = solution[i].norm();
-            if (!std::isfinite(step_m)) continue;
-            if (step_m > max_step_m) solution[i] *= max_step_m / step_m;
-            regions_[i].displacement = solution[i];
-            regions_[i].cost = normals_[i].cost;
-        }
+    }
+    std::sort(pairs.begin(), pairs.end());
+    for (auto begin = pairs.begin(); begin != pairs.end();) {
+        const auto end = std::upper_bound(begin, pairs.end(), *begin);
+        const auto a = static_cast<std::uint32_t>(*begin >> 32U);
+        const auto b = static_cast<std::uint32_t>(*begin);
+        const auto num_pairs = static_cast<float>(end - begin);
+        regions_[a].neighbours.push_back({b, num_pairs});
+        regions_[b].neighbours.push_back({a, num_pairs});
+        begin = end;
     }
 }
 
@@ -240,13 +193,14 @@ Eigen::Vector3f MotionEstimator::displacement_at(std::size_t index) const {
         const auto is_of = [&](const Region& candidate) {
             return mismatch(sample, candidate.displacement) < kMismatch;
         };
-        const auto beside = std::find_if(own->neighbours.begin(),
-                                         own->neighbours.end(),
-                                         [&](std::uint32_t n) { return is_of(regions_[n]); });
+        const auto beside =
+            std::find_if(own->neighbours.begin(), own->neighbours.end(), [&](const Neighbour& n) {
+                return is_of(regions_[n.region]);
+            });
         if (sibling != nullptr && is_of(*sibling)) {
             region = sibling;
         } else if (beside != own->neighbours.end()) {
-            region = &regions_[*beside];
+            region = &regions_[beside->region];
         }
     }
     // blend over into what moves alike beside it
@@ -258,10 +212,10 @@ Eigen::Vector3f MotionEstimator::displacement_at(std::size_t index) const {
             (other.displacement - region->displacement).squaredNorm() / (kAlikeM * kAlikeM);
         const float weight = std::exp(-2.0F * apart) / (1.0F + unlike * unlike);
         weights += weight;
-        sum += weight * other.displacement;
+        sum += weight * (other.displacement + other.turn.cross(sample.position - other.centre));
     };
     add(*region);
-    for (const std::uint32_t n : region->neighbours) add(regions_[n]);
+    for (const Neighbour& n : region->neighbours) add(regions_[n.region]);
     return weights > 1e-6F ? (sum / weights).eval() : region->displacement;
 }
 

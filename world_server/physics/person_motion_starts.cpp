@@ -14,7 +14,7 @@ using motion::kAlikeM;
 using motion::kSameFacing;
 using motion::kTrialPoints;
 
-constexpr float kHardCost = 0.08F;   // above, rest does not explain a region
+constexpr float kHardCost = 0.08F;   // above, a region is not explained
 constexpr float kAgreement = 0.15F;  // cost of disagreeing with all neighbours
 constexpr float kFewPoints = 15.0F;
 constexpr float kNearSq = 0.1F * 0.1F;  // [m^2] of neighbours that matter most
@@ -39,11 +39,11 @@ void MotionEstimator::start_from_rest(Region& region) {
             first, first + region.num, [](const Point& p) { return !p.is_explained; });
         region.cost = static_cast<float>(num_unexplained) / static_cast<float>(region.num);
     }
-    region.is_hard = moves && region.cost > kHardCost;
+    region.from_rest = region.displacement;
 }
 
 // What lies where a region of the mesh before was headed may go on as that did.
-void MotionEstimator::add_previous_starts() {
+void MotionEstimator::start_from_before() {
     for (Region& region : regions_) {
         if ((region.key & 1U) == 0) continue;
         for (const Moved& moved : previous_) {
@@ -57,11 +57,13 @@ void MotionEstimator::add_previous_starts() {
             if (!is_known) region.starts.push_back(moved.displacement);
         }
         region.num_expected = region.starts.size();
+        choose_start(region, 0);
+        region.is_hard = region.cost > kHardCost;
     }
 }
 
-// Regions that rest does not explain vote together where they touch.
-void MotionEstimator::add_voted_starts() {
+// Regions that nothing explains yet vote together where they touch.
+void MotionEstimator::start_from_votes() {
     vanished_.clear();
     std::vector<bool> is_done(regions_.size(), false);
     std::vector<std::uint32_t> group;
@@ -70,7 +72,7 @@ void MotionEstimator::add_voted_starts() {
         group.assign(1, seed);
         is_done[seed] = true;
         for (std::size_t i = 0; i < group.size(); ++i) {
-            for (const std::uint32_t next : regions_[group[i]].neighbours) {
+            for (const auto& [next, num_pairs] : regions_[group[i]].neighbours) {
                 if (!regions_[next].is_hard || is_done[next]) continue;
                 is_done[next] = true;
                 group.push_back(next);
@@ -78,6 +80,7 @@ void MotionEstimator::add_voted_starts() {
         }
         vote(group);
     }
+    for (Region& region : regions_) choose_start(region, region.num_expected);
 }
 
 void MotionEstimator::vote(std::span<const std::uint32_t> group) {
@@ -147,30 +150,26 @@ void MotionEstimator::vote(std::span<const std::uint32_t> group) {
     }
 }
 
-// A start from votes must explain more than what is to be expected, the more so the further off it
-// is: two hands look alike.
-void MotionEstimator::choose_starts() {
-    for (Region& region : regions_) {
-        if (region.starts.empty()) continue;
-        const Eigen::Vector3f from_rest = region.displacement;
-        float least = region.cost;
-        for (std::size_t i = 0; i < region.starts.size(); ++i) {
-            Eigen::Vector3f& start = region.starts[i];
-            start = refine(region, start, 3);
-            const float cost = correspond(region, start, kTrialPoints).cost;
-            float surprise_m = 0.0F;
-            if (i >= region.num_expected) {
-                surprise_m = (start - from_rest).norm();
-                for (std::size_t j = 0; j < region.num_expected; ++j) {
-                    surprise_m = std::min(surprise_m, (start - region.starts[j]).norm());
-                }
+// Of the starts from the `first` on. One from votes must explain more than what is to be expected,
+// the more so the further off it is: two hands look alike.
+void MotionEstimator::choose_start(Region& region, std::size_t first) const {
+    float least = region.cost;
+    for (std::size_t i = first; i < region.starts.size(); ++i) {
+        Eigen::Vector3f& start = region.starts[i];
+        start = refine(region, start, 3);
+        const float cost = correspond(region, start, kTrialPoints).cost;
+        float surprise_m = 0.0F;
+        if (i >= region.num_expected) {
+            surprise_m = (start - region.from_rest).norm();
+            for (std::size_t j = 0; j < region.num_expected; ++j) {
+                surprise_m = std::min(surprise_m, (start - region.starts[j]).norm());
             }
-            const float total = cost + kSurprise * std::min(1.0F, surprise_m / kFullSurpriseM);
-            if (total >= least) continue;
-            least = total;
-            region.cost = cost;
-            region.displacement = start;
         }
+        const float total = cost + kSurprise * std::min(1.0F, surprise_m / kFullSurpriseM);
+        if (total >= least) continue;
+        least = total;
+        region.cost = cost;
+        region.displacement = start;
     }
 }
 
@@ -181,7 +180,7 @@ void MotionEstimator::choose_with_neighbours() {
     const auto disagreement = [&](const Region& region, const Eigen::Vector3f& displacement) {
         float sum = 0.0F;
         float weights = 0.0F;
-        for (const std::uint32_t n : region.neighbours) {
+        for (const auto& [n, num_pairs] : region.neighbours) {
             const float difference = (regions_[n].displacement - displacement).norm();
             const float weight =
                 static_cast<float>(regions_[n].num) *
@@ -196,7 +195,7 @@ void MotionEstimator::choose_with_neighbours() {
         bool has_changed = false;
         for (Region& region : regions_) {
             float best = region.cost + disagreement(region, region.displacement);
-            for (const std::uint32_t n : region.neighbours) {
+            for (const auto& [n, num_pairs] : region.neighbours) {
                 const Eigen::Vector3f& theirs = regions_[n].displacement;
                 if ((theirs - region.displacement).norm() < kAlikeM) continue;
                 const float disagreeing = disagreement(region, theirs);

@@ -7,8 +7,15 @@
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace atrium::physics {
+namespace {
+
+constexpr double kPartS = 1.0 / 480.0;
+constexpr int kMaxParts = 16;
+
+}  // namespace
 
 // What Bullet's world asks of whoever solves its soft bodies. Nothing is predicted before the rigid
 // bodies move: a soft body's step is one whole, after them.
@@ -20,9 +27,7 @@ public:
     void optimize(btAlignedObjectArray<btSoftBody*>&, bool) override {}
     void copyBackToSoftBodies(bool) override {}
     void predictMotion(btScalar) override {}
-    void solveConstraints(btScalar) override {
-        for (auto& [id, body] : owner_.bodies_) body->step(owner_.surroundings_);
-    }
+    void solveConstraints(btScalar) override { owner_.step(); }
     void updateSoftBodies() override {}
     void processCollision(btSoftBody*, const btCollisionObjectWrapper*) override {}
     void processCollision(btSoftBody*, btSoftBody*) override {}
@@ -90,6 +95,31 @@ std::vector<btRigidBody*>& SoftBodies::begin_tick(const PeopleField& people) {
     surroundings_.people = &people;
     surroundings_.bodies.clear();
     return surroundings_.bodies;
+}
+
+// All soft bodies go through a tick together, part by part, so that they can push each other.
+void SoftBodies::step() {
+    surfaces_.clear();
+    for (auto& [id, body] : bodies_) {
+        body->begin_tick(surroundings_);
+        surfaces_.push_back(body->surface());
+    }
+    pairs_.find(surfaces_, btScalar(options_.tick_s));
+    const int num_parts =
+        std::clamp(static_cast<int>(std::lround(options_.tick_s / kPartS)), 1, kMaxParts);
+    const btScalar part_s = btScalar(options_.tick_s) / btScalar(num_parts);
+    for (int i = 1; i <= num_parts; ++i) {
+        const SoftPart part{part_s, part_s * btScalar(num_parts - i)};
+        for (auto& [id, body] : bodies_) body->begin_part(part);
+        pairs_.begin_part();
+        for (int pass = 0; pass < kSoftPasses; ++pass) {
+            for (auto& [id, body] : bodies_) body->solve(part, pass);
+            pairs_.solve(part.left_s);
+        }
+        for (auto& [id, body] : bodies_) body->end_part(part);
+        pairs_.end_part();
+    }
+    for (auto& [id, body] : bodies_) body->end_tick();
 }
 
 void SoftBodies::end_tick(WorldCounters& counters,

@@ -2,6 +2,7 @@
 
 #include "world_server/physics/soft_body.hpp"
 #include "world_server/physics/soft_object.hpp"
+#include "world_server/physics/soft_pairs.hpp"
 #include "world_server/physics/world.hpp"
 
 #include <cstddef>
@@ -60,10 +61,13 @@ public:
 
 private:
     class Solver;
+    void step();
     WorldOptions options_;
     std::unique_ptr<Solver> solver_;
     std::map<std::uint32_t, std::unique_ptr<SoftBody>> bodies_;
     SoftSurroundings surroundings_;
+    SoftPairs pairs_;
+    std::vector<SoftSurface> surfaces_;  // scratch
     std::size_t num_nodes_ = 0;
 };
 

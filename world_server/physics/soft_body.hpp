@@ -1,8 +1,13 @@
 #pragma once
 
 #include "world_server/physics/soft_contacts.hpp"
+#include "world_server/physics/soft_drives.hpp"
 #include "world_server/physics/soft_mesh.hpp"
 #include "world_server/physics/soft_object.hpp"
+#include "world_server/physics/soft_pairs.hpp"
+#include "world_server/physics/soft_pulls.hpp"
+#include "world_server/physics/soft_ties.hpp"
+#include "world_server/physics/soft_volume.hpp"
 #include "world_server/physics/world.hpp"
 
 #include <Eigen/Core>
@@ -12,7 +17,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <span>
+#include <optional>
 #include <vector>
 
 class btRigidBody;
@@ -20,6 +25,15 @@ class btSoftBody;
 struct btSoftBodyWorldInfo;
 
 namespace atrium::physics {
+
+/// A part of a tick.
+struct SoftPart {
+    btScalar part_s = 0;  // its length
+    btScalar left_s = 0;  // from its end to the end of the tick
+};
+
+/// How often all constraints of a part are gone through.
+inline constexpr int kSoftPasses = 2;
 
 /// One soft object of the world.
 ///
@@ -49,8 +63,21 @@ public:
     /// The body is about to go.
     void untie(const btRigidBody& body);
 
-    /// One tick, after that of the rigid bodies.
-    void step(const SoftSurroundings& surroundings);
+    /// Pulls in the coming tick; see `SoftPulls::add`.
+    void pull(const SoftHandle& handle, const btVector3& velocity, btScalar max_force_n) {
+        pulls_.add(handle, velocity, max_force_n);
+    }
+
+    // A tick, after that of the rigid bodies, is: begin_tick; for each part begin_part, solve
+    // kSoftPasses times, end_part; end_tick.
+    void begin_tick(const SoftSurroundings& surroundings);
+    void begin_part(const SoftPart& part);
+    void solve(const SoftPart& part, int pass);
+    void end_part(const SoftPart& part);
+    void end_tick();
+
+    /// For others, in this tick: after begin_tick.
+    SoftSurface surface();
 
     /// Back to where it started, at rest.
     void put_back();
@@ -60,8 +87,6 @@ public:
     /// Stretched far beyond its size, for longer than a pull explains.
     bool is_torn() const { return num_torn_ticks_ > 60; }
     bool touches_person() const { return contacts_.num_person_contacts() > 0; }
-    double kinetic_energy_j() const;
-    double volume_m3() const;  // that it encloses; 0 of a cloth or rope
 
     /// One per node [m].
     void get_positions(std::vector<Eigen::Vector3f>& positions) const;
@@ -70,61 +95,30 @@ public:
     bool restore(const SoftState& state);
 
 private:
-    struct Tie {
-        std::uint32_t node = 0;
-        btRigidBody* body = nullptr;
-        btVector3 place;     // in the body's frame
-        btVector3 velocity;  // of that place when the tick began
-        btVector3 shift;     // [m] that impulses have moved it in this tick
-    };
-
-    struct Drive {
-        btVector3 out;       // unit length
-        btScalar speed = 0;  // [m/s] along it
-    };
-
     void make_body(btSoftBodyWorldInfo& info);
     void make_samples();
     void find_loose();
+    void resist_folds();
     void find_bounds();
-    void begin_ties();
     void move_freely(btScalar part_s);
-    void match_shape();
-    btScalar find_gradients();
-    void keep_volume();
-    void solve_ties(btScalar part_s, btScalar left_s);
-    void end_part(btScalar part_s);
-    void damp_inside(btScalar seconds);
     void damp_links(btScalar seconds);
     void calm_down(btScalar seconds);
-    /// False: it is being led out of a person and must have no contacts with people.
-    bool keep_off(const PeopleField& people);
-    /// Gives every node at least this speed.
-    void drive(const Drive& drive);
-    Eigen::Vector3f mean_velocity() const;
-    bool has_volume() const {
-        return object_.shape != SoftShape::kCloth && object_.shape != SoftShape::kRope;
-    }
 
     SoftObject object_;
     WorldOptions options_;
     SoftMesh mesh_;
     SoftContactOptions contact_options_;
     std::unique_ptr<btSoftBody> body_;
-    std::vector<btVector3> start_;  // one per node
+    std::optional<SoftVolume> volume_;  // none of a cloth or rope
+    std::vector<btVector3> start_;      // one per node
     std::vector<SoftSample> samples_;
-    std::vector<Tie> ties_;
+    SoftTies ties_;
+    SoftPulls pulls_;
     SoftContacts contacts_;
-    std::vector<Drive> drives_;         // of this tick, by people whose surface is inside a volume
-    std::vector<std::uint8_t> loose_;   // per node, see SoftContacts::find
-    std::vector<btVector3> gradients_;  // per node, of the volume
-    std::vector<btVector3> rest_outward_;  // per node, unit length, of the shape at rest
-    std::vector<btVector3> outward_;       // the same, turned as the body now is
-    btScalar rest_volume_ = 0;
-    btScalar match_share_ = 0;   // of the way to the matched shape that a node goes in a part
-    btScalar inner_radius_ = 1;  // half of the smallest extent of a volume at rest [m]
-    btScalar rest_extent_ = 0;   // diagonal of its bounds [m]
-    int num_parts_ = 1;          // of a tick
+    SoftDrives drives_;                // of this tick, by people whose surface is inside a volume
+    std::vector<std::uint8_t> loose_;  // per node, see SoftContacts::find
+    std::size_t first_bend_ = 0;       // of the links: these come last
+    btScalar rest_extent_ = 0;         // diagonal of its bounds [m]
     int num_torn_ticks_ = 0;
 };
 

@@ -5,8 +5,10 @@
 
 #include <BulletSoftBody/btSoftBody.h>
 #include <LinearMath/btAabbUtil2.h>
+#include <btBulletCollisionCommon.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -18,28 +20,7 @@ constexpr btScalar kStepM = btScalar(0.01);
 constexpr int kMaxSteps = 24;
 constexpr btScalar kFromInside = btScalar(0.1);  // cosine
 
-using Moving = SoftContacts::Moving;
-
-Moving moving(const btSoftBody& soft, const SoftSample& sample) {
-    Moving m{btVector3(0, 0, 0), btVector3(0, 0, 0), 0};
-    for (int i = 0; i < 3; ++i) {
-        const btSoftBody::Node& node = soft.m_nodes[static_cast<int>(sample.nodes[i])];
-        const btScalar w = sample.weights[i];
-        m.position += w * node.m_x;
-        m.velocity += w * node.m_v;
-        m.share += w * w * node.m_im;
-    }
-    return m;
-}
-
-void move(btSoftBody& soft, const SoftSample& sample, const btVector3& impulse) {
-    for (int i = 0; i < 3; ++i) {
-        btSoftBody::Node& node = soft.m_nodes[static_cast<int>(sample.nodes[i])];
-        node.m_x += impulse * (node.m_im * sample.weights[i]);
-    }
-}
-
-bool is_any_loose(const SoftSample& sample, const std::vector<std::uint8_t>& loose) {
+bool is_any_loose(const SoftSample& sample, std::span<const std::uint8_t> loose) {
     return (loose[sample.nodes[0]] | loose[sample.nodes[1]] | loose[sample.nodes[2]]) != 0;
 }
 
@@ -48,13 +29,17 @@ btScalar share_of_body(const btRigidBody& body, const btVector3& arm, const btVe
     return body.getInvMass() + turn.dot(body.getInvInertiaTensorWorld() * turn);
 }
 
-bool is_from_inside(const SoftContact& contact,
-                    const SoftSample& sample,
-                    const std::vector<btVector3>& outward) {
-    if (outward.empty()) return false;
+// Nothing where the soft body is no volume.
+std::optional<btVector3> outward_at(const SoftSample& sample, std::span<const btVector3> outward) {
+    if (outward.empty()) return std::nullopt;
     btVector3 out(0, 0, 0);
     for (int i = 0; i < 3; ++i) out += sample.weights[i] * outward[sample.nodes[i]];
-    return contact.normal.dot(out) > kFromInside;
+    return out;
+}
+
+bool is_from_inside(const SoftContact& contact, const SoftSample& sample, const SoftSkin& skin) {
+    const auto out = outward_at(sample, skin.outward);
+    return out && contact.normal.dot(*out) > kFromInside;
 }
 
 // Of the surface, with what the body has been given since the contact was found.
@@ -65,7 +50,7 @@ btVector3 velocity_of(const SoftContact& c) {
 // The first place on the sample's way, as the body sees it, that is inside `thickness` of it; where
 // there is none, the end of the way.
 std::optional<SoftContact> meet_on_way(const btRigidBody& body,
-                                       const Moving& sample,
+                                       const SampleMotion& sample,
                                        const SoftContactOptions& options) {
     const btScalar thickness_m = options.thickness_m;
     const btTransform& pose = body.getWorldTransform();
@@ -97,7 +82,7 @@ std::optional<SoftContact> meet_on_way(const btRigidBody& body,
 }
 
 std::optional<SoftContact> meet_person(const PeopleField& people,
-                                       const Moving& sample,
+                                       const SampleMotion& sample,
                                        const SoftContactOptions& options) {
     const btVector3& x = sample.position;
     const btVector3& v = sample.velocity;
@@ -115,36 +100,80 @@ std::optional<SoftContact> meet_person(const PeopleField& people,
     return contact;
 }
 
+// Takes over the triangles that Bullet's tree names.
+class FaceTaker final : public btTriangleCallback {
+public:
+    FaceTaker(const btTransform& world_from_mesh, const MeetingLimits& limits, FaceIndex& faces)
+        : world_from_mesh_(world_from_mesh), limits_(limits), faces_(faces) {}
+    void processTriangle(btVector3* corners, int /*part*/, int /*triangle*/) override {
+        MovingFace face;
+        face.velocity.setZero();
+        for (int i = 0; i < 3; ++i) face.corners[i] = world_from_mesh_ * corners[i];
+        faces_.add(face, limits_);
+    }
+
+private:
+    const btTransform& world_from_mesh_;
+    const MeetingLimits& limits_;
+    FaceIndex& faces_;
+};
+
+// Of what a place meets, the first of each way that faces go, three at most.
+class NearestOfEachWay {
+public:
+    void add(const FaceMeeting& meeting) {
+        FaceMeeting* const end = kept_.data() + num_kept_;
+        FaceMeeting* const same = std::find_if(kept_.data(), end, [&](const FaceMeeting& kept) {
+            return kept.normal.dot(meeting.normal) > kSameWay;
+        });
+        if (same != end) {
+            if (meeting.way < same->way) *same = meeting;
+        } else if (num_kept_ < kept_.size()) {
+            kept_[num_kept_++] = meeting;
+        }
+    }
+    std::span<const FaceMeeting> all() const { return {kept_.data(), num_kept_}; }
+
+private:
+    static constexpr btScalar kSameWay = btScalar(0.9);  // cosine
+    std::array<FaceMeeting, 3> kept_{};
+    std::size_t num_kept_ = 0;
+};
+
 }  // namespace
 
 void SoftContacts::find(btSoftBody& soft,
-                        const std::vector<SoftSample>& samples,
-                        const std::vector<std::uint8_t>& loose,
-                        const std::vector<btVector3>& outward,
+                        const SoftSkin& skin,
                         const PeopleField* people,
                         const std::vector<btRigidBody*>& bodies,
                         const SoftContactOptions& options) {
     contacts_.clear();
     num_person_contacts_ = 0;
     ways_.clear();
-    for (const SoftSample& sample : samples) ways_.push_back(moving(soft, sample));
+    for (const SoftSample& sample : skin.samples) ways_.push_back(motion_of(soft, sample));
     if (people != nullptr && !people->people().empty()) {
-        for (std::size_t i = 0; i < samples.size(); ++i) {
-            if (!(ways_[i].share > 0) || is_any_loose(samples[i], loose)) continue;
+        for (std::size_t i = 0; i < skin.samples.size(); ++i) {
+            const SoftSample& sample = skin.samples[i];
+            if (!(ways_[i].share > 0) || is_any_loose(sample, skin.loose)) continue;
             const auto contact = meet_person(*people, ways_[i], options);
-            if (!contact || is_from_inside(*contact, samples[i], outward)) continue;
+            if (!contact || is_from_inside(*contact, sample, skin)) continue;
             contacts_.push_back(*contact);
-            contacts_.back().sample = samples[i];
+            contacts_.back().sample = sample;
             ++num_person_contacts_;
         }
     }
-    for (btRigidBody* body : bodies) find_with(soft, *body, samples, options);
+    for (btRigidBody* body : bodies) {
+        if (body->getCollisionShape()->getShapeType() == TRIANGLE_MESH_SHAPE_PROXYTYPE)
+            find_with_mesh(soft, *body, skin, options);
+        else
+            find_with(soft, *body, skin, options);
+    }
 }
 
 // Of one rigid body, which mostly is out of reach as a whole.
 void SoftContacts::find_with(const btSoftBody& soft,
                              btRigidBody& body,
-                             const std::vector<SoftSample>& samples,
+                             const SoftSkin& skin,
                              const SoftContactOptions& options) {
     btVector3 low, high;
     body.getAabb(low, high);
@@ -154,7 +183,7 @@ void SoftContacts::find_with(const btSoftBody& soft,
     low -= travel;
     high += travel;
     if (!TestAabbAgainstAabb2(low, high, soft.m_bounds[0], soft.m_bounds[1])) return;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
+    for (std::size_t i = 0; i < skin.samples.size(); ++i) {
         if (!(ways_[i].share > 0)) continue;
         const btVector3& start = ways_[i].position;
         const btVector3 end = start + ways_[i].velocity * options.tick_s;
@@ -164,7 +193,7 @@ void SoftContacts::find_with(const btSoftBody& soft,
         if (!TestAabbAgainstAabb2(low, high, way_low, way_high)) continue;
         auto contact = meet_on_way(body, ways_[i], options);
         if (!contact) continue;
-        contact->sample = samples[i];
+        contact->sample = skin.samples[i];
         contact->friction = std::sqrt(options.friction * body.getFriction());
         if (body.getInvMass() > 0) {
             contact->body = &body;
@@ -172,6 +201,45 @@ void SoftContacts::find_with(const btSoftBody& soft,
             contact->body_share = share_of_body(body, contact->arm, contact->normal);
         }
         contacts_.push_back(*contact);
+    }
+}
+
+// Of one still mesh, whose faces have two sides. A place may meet several that face differently, in
+// a corner.
+void SoftContacts::find_with_mesh(const btSoftBody& soft,
+                                  const btRigidBody& body,
+                                  const SoftSkin& skin,
+                                  const SoftContactOptions& options) {
+    const MeetingLimits limits{options.tick_s, options.thickness_m, options.margin_m, skin.depth_m};
+    const auto& mesh = static_cast<const btBvhTriangleMeshShape&>(*body.getCollisionShape());
+    FaceTaker taker(body.getWorldTransform(), limits, faces_);
+    const btTransform mesh_from_world = body.getWorldTransform().inverse();
+    btVector3 low, high;
+    btTransformAabb(soft.m_bounds[0], soft.m_bounds[1], 0, mesh_from_world, low, high);
+    faces_.clear();
+    mesh.processAllTriangles(&taker, low, high);
+    if (faces_.empty()) return;
+    faces_.sort();
+    for (std::size_t i = 0; i < skin.samples.size(); ++i) {
+        if (!(ways_[i].share > 0)) continue;
+        const auto outward = outward_at(skin.samples[i], skin.outward);
+        const btVector3* out = outward ? &*outward : nullptr;
+        NearestOfEachWay nearest;
+        const Box box = box_of_way(ways_[i], out, limits);
+        faces_.visit_box(box, [&](const MovingFace& face) {
+            if (const auto meeting = meet(ways_[i], face, out, limits)) nearest.add(*meeting);
+        });
+        for (const FaceMeeting& meeting : nearest.all()) {
+            SoftContact contact;
+            contact.sample = skin.samples[i];
+            contact.normal = meeting.normal;
+            const btScalar gap = meeting.distance - options.thickness_m;
+            contact.point = ways_[i].position - meeting.normal * gap;
+            contact.velocity.setZero();
+            contact.depth = std::max(btScalar(0), -gap);
+            contact.friction = std::sqrt(options.friction * body.getFriction());
+            contacts_.push_back(contact);
+        }
     }
 }
 

@@ -1,9 +1,13 @@
 #pragma once
 
+#include "world_server/physics/moving_faces.hpp"
+#include "world_server/physics/soft_sample.hpp"
+
 #include <LinearMath/btVector3.h>
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 class btRigidBody;
@@ -12,12 +16,6 @@ class btSoftBody;
 namespace atrium::physics {
 
 class PeopleField;
-
-/// A place on a soft body that is tested for contacts: a node, or the middle of a face.
-struct SoftSample {
-    std::uint32_t nodes[3];
-    btScalar weights[3];  // add up to 1
-};
 
 /// A place on a soft body with the plane that it must stay in front of, which moves.
 struct SoftContact {
@@ -45,10 +43,22 @@ struct SoftContactOptions {
     btScalar recovery_mps = btScalar(0.6);  // at which what is inside comes out
 };
 
+/// Where a soft body touches what is around it.
+struct SoftSkin {
+    std::span<const SoftSample> samples{};
+    /// Of a volume, per node, unit length: where it faces by the shape at rest; else empty. A
+    /// surface that faces the same way has come up inside the volume, and the skin must not hook on
+    /// to it.
+    std::span<const btVector3> outward{};
+    btScalar depth_m = 0;  // of a volume: how deep a face of scenery may get into it
+    std::span<const std::uint8_t> loose{};  // per node; not 0: stretched so far that people cannot
+                                            // hold it any more
+};
+
 /// What may touch a soft body in a tick.
 struct SoftSurroundings {
     const PeopleField* people = nullptr;  // at the beginning of the tick
-    std::vector<btRigidBody*> bodies;     // at the end of the tick
+    std::vector<btRigidBody*> bodies;     // at the end of the tick; meshes among them never move
 };
 
 /// The contacts of one soft body for one tick. Samples on their way are tested against the moving
@@ -56,14 +66,9 @@ struct SoftSurroundings {
 /// tick; so nothing has to be inside before it is stopped.
 class SoftContacts {
 public:
-    /// `outward`: of a volume, the direction in which each node faces by the shape at rest; else
-    /// empty. A surface that faces the same way has come up inside the volume, and the skin must
-    /// not hook on to it. `people`, or null, is as at the beginning of the tick, `bodies` as at its
-    /// end. `loose[i]` != 0: node i is stretched so far that people cannot hold it any more.
+    /// `people`, or null, is as at the beginning of the tick, `bodies` as at its end.
     void find(btSoftBody& soft,
-              const std::vector<SoftSample>& samples,
-              const std::vector<std::uint8_t>& loose,
-              const std::vector<btVector3>& outward,
+              const SoftSkin& skin,
               const PeopleField* people,
               const std::vector<btRigidBody*>& bodies,
               const SoftContactOptions& options);
@@ -80,20 +85,19 @@ public:
 
     std::size_t num_person_contacts() const { return num_person_contacts_; }
 
-    struct Moving {
-        btVector3 position;  // at the beginning of the tick
-        btVector3 velocity;
-        btScalar share;  // inverse of the mass
-    };
-
 private:
     void find_with(const btSoftBody& soft,
                    btRigidBody& body,
-                   const std::vector<SoftSample>& samples,
+                   const SoftSkin& skin,
                    const SoftContactOptions& options);
+    void find_with_mesh(const btSoftBody& soft,
+                        const btRigidBody& body,
+                        const SoftSkin& skin,
+                        const SoftContactOptions& options);
 
     std::vector<SoftContact> contacts_;
-    std::vector<Moving> ways_;  // of the samples
+    std::vector<SampleMotion> ways_;  // of the samples
+    FaceIndex faces_;                 // scratch
     std::size_t num_person_contacts_ = 0;
 };
 

@@ -20,7 +20,7 @@ struct SoftLink {
 struct SoftMesh {
     std::vector<Eigen::Vector3d> nodes;  // [m]
     std::vector<double> shares;          // of the mass, one per node; they add up to 1
-    std::vector<SoftLink> links;
+    std::vector<SoftLink> links;         // those that bend last
     SoftTopology topology;
 };
 

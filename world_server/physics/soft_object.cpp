@@ -3,6 +3,7 @@
 #include "world_server/physics/soft_mesh.hpp"
 
 #include <cmath>
+#include <numbers>
 
 namespace atrium::physics {
 namespace {
@@ -26,6 +27,9 @@ std::optional<ObjectProblem> find_size_problem(const SoftObject& object) {
         const geometry::MeshReport report = geometry::inspect(object.model);
         if (!report.manifold || !(report.volume_m3 > 0.0)) {
             return ObjectProblem{"model", "must be closed, without holes, and face outwards"};
+        }
+        if ((geometry::bounds(object.model).size().array() < kMinSizeM).any()) {
+            return ObjectProblem{"scale", "must make the model at least 0.01 m along each axis"};
         }
         return std::nullopt;
     }
@@ -70,6 +74,22 @@ std::optional<ObjectProblem> find_pin_problem(const SoftObject& object) {
 }
 
 }  // namespace
+
+double volume_m3(const SoftObject& object) {
+    const Eigen::Vector3d& s = object.size_m;
+    switch (object.shape) {
+        case SoftShape::kRope:
+            return std::numbers::pi / 4.0 * s.y() * s.y() * s.x();
+        case SoftShape::kBall:
+            return std::numbers::pi / 6.0 * s.prod();
+        case SoftShape::kModel:
+            return geometry::volume_m3(object.model);
+        case SoftShape::kCloth:
+        case SoftShape::kBox:
+            break;
+    }
+    return s.prod();
+}
 
 std::optional<ObjectProblem> find_problem(const SoftObject& object) {
     const geometry::RigidTransform& pose = object.world_from_object;

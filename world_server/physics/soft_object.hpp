@@ -49,9 +49,12 @@ struct SoftObject {
     geometry::RigidTransform world_from_object{};  // where it starts, and where `reset` puts it
 };
 
+/// Of the thing at rest, filled; of a cloth and a rope with its thickness.
+double volume_m3(const SoftObject& object);
+
 /// A number is not finite or out of range (sizes 1 cm to 20 m, spacings 1 cm to 1 m, masses 1 g to
 /// 100 kg), there would be more than `kMaxSoftNodes` nodes, a pin does not fit the shape, or the
-/// model is not closed.
+/// model is not closed or less than 1 cm across.
 std::optional<ObjectProblem> find_problem(const SoftObject& object);
 
 /// What of a soft object never changes.
@@ -59,14 +62,6 @@ struct SoftTopology {
     std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise from outside
     std::vector<std::array<std::uint32_t, 2>> segments;   // of a rope
     double radius_m = 0.0;                                // of a rope
-};
-
-/// All that changes of a soft object: what `restore` needs to go on as if nothing had been.
-struct SoftState {
-    std::uint32_t id = 0;
-    std::vector<Eigen::Vector3f> positions;   // [m] world, one per node
-    std::vector<Eigen::Vector3f> velocities;  // [m/s] world, one per node
-    std::int32_t num_torn_ticks = 0;          // for how long it has been stretched out of shape
 };
 
 }  // namespace atrium::physics

@@ -73,35 +73,28 @@ std::optional<SurfaceSample> SurfaceIndex::nearest(const Eigen::Vector3f& positi
     const SurfaceSample* best = nullptr;
     float best_sq = radius_m * radius_m;
     const Eigen::Array3i centre = cell_of(position);
-    const auto visit = [&](int x, int y, int z) {
-        const std::size_t cell = cell_index(x, y, z);
-        for (std::uint32_t i = cell_begin_[cell]; i < cell_begin_[cell + 1]; ++i) {
-            const float distance_sq = (samples_[i].position - position).squaredNorm();
-            if (distance_sq < best_sq && accept(samples_[i])) {
-                best_sq = distance_sq;
-                best = &samples_[i];
-            }
-        }
-    };
-    // shells of cells of growing size; whatever lies beyond shell r is farther than r cells
-    const int num_shells = static_cast<int>(std::ceil(radius_m / cell_m_)) + 1;
-    for (int r = 0; r <= num_shells; ++r) {
-        const Eigen::Array3i low = (centre - r).max(0);
-        const Eigen::Array3i high = (centre + r).min(dims_ - 1);
+    // what is beside the middle cell first; then all there is, row by row, for cells of a row lie
+    // one after the other in memory
+    const auto visit_box = [&](int reach) {
+        const Eigen::Array3i low = (centre - reach).max(0);
+        const Eigen::Array3i high = (centre + reach).min(dims_ - 1);
+        if (low.x() > high.x()) return;
         for (int z = low.z(); z <= high.z(); ++z) {
             for (int y = low.y(); y <= high.y(); ++y) {
-                const bool whole_row =
-                    std::abs(z - centre.z()) == r || std::abs(y - centre.y()) == r;
-                if (whole_row) {
-                    for (int x = low.x(); x <= high.x(); ++x) visit(x, y, z);
-                } else if (low.x() <= high.x()) {
-                    if (centre.x() - r == low.x()) visit(low.x(), y, z);
-                    if (centre.x() + r == high.x()) visit(high.x(), y, z);
+                const std::uint32_t end = cell_begin_[cell_index(high.x(), y, z) + 1];
+                for (std::uint32_t i = cell_begin_[cell_index(low.x(), y, z)]; i < end; ++i) {
+                    const float distance_sq = (samples_[i].position - position).squaredNorm();
+                    if (distance_sq >= best_sq || !accept(samples_[i])) continue;
+                    best_sq = distance_sq;
+                    best = &samples_[i];
                 }
             }
         }
-        const float reached_m = static_cast<float>(r) * cell_m_;
-        if (best_sq <= reached_m * reached_m) break;
+    };
+    visit_box(1);
+    if (best_sq > cell_m_ * cell_m_) {
+        const int reach = static_cast<int>(std::ceil(std::sqrt(best_sq) / cell_m_));
+        if (reach > 1) visit_box(reach);
     }
     if (best == nullptr) return std::nullopt;
     return *best;

@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -50,7 +52,46 @@ public:
         }
     }
 
+    /// Calls `visit(surfel)` for all surfels within `radius_m` of a point that are in the cells
+    /// that the box of `reach_m` around it touches, in the order of `visit_box`; some are further
+    /// off.
+    template <typename Visit>
+    void visit_ball(const Eigen::Vector3f& centre,
+                    float radius_m,
+                    float reach_m,
+                    const Visit& visit) const {
+        const Eigen::Vector3f reach = Eigen::Vector3f::Constant(reach_m);
+        const Eigen::Vector3f low = centre - reach;
+        const Eigen::Vector3f high = centre + reach;
+        if (!is_near(low, high)) return;
+        const Eigen::Array3i from = cell_of(low).max(0);
+        const Eigen::Array3i to = cell_of(high).min(dims_ - 1);
+        const Eigen::Array3f at = ((centre - low_) * inverse_cell_).array();  // in cells
+        const float radius = radius_m * inverse_cell_ + kCellSlack;
+        for (int z = from.z(); z <= to.z(); ++z) {
+            const float left_sq = radius * radius - square(beside_cell(at.z(), z));
+            for (int y = from.y(); y <= to.y(); ++y) {
+                const float half_sq = left_sq - square(beside_cell(at.y(), y));
+                if (half_sq <= 0.0F) continue;
+                const float half = std::sqrt(half_sq);
+                const int begin_x = std::max(from.x(), static_cast<int>(at.x() - half));
+                const int end_x = std::min(to.x(), static_cast<int>(at.x() + half));
+                if (begin_x > end_x) continue;
+                const std::size_t begin = cell_begin_[cell_index(begin_x, y, z)];
+                const std::size_t end = cell_begin_[cell_index(end_x, y, z) + 1];
+                for (std::size_t i = begin; i < end; ++i) visit(surfels_[i]);
+            }
+        }
+    }
+
 private:
+    static constexpr float kCellSlack = 1e-3F;  // of a cell, for rounding
+    static float square(float x) { return x * x; }
+    // How far a coordinate is from the nearer side of a cell, in cells; 0 within it.
+    static float beside_cell(float at, int cell) {
+        const auto side = static_cast<float>(cell);
+        return std::max({0.0F, side - at, at - side - 1.0F});
+    }
     Eigen::Array3i cell_of(const Eigen::Vector3f& p) const {
         return ((p - low_) * inverse_cell_).array().floor().cast<int>();
     }

@@ -78,6 +78,7 @@ void Surroundings::place(std::unique_ptr<Piece> piece, double friction, double r
     info.m_restitution = btScalar(restitution);
     piece->body = std::make_unique<btRigidBody>(info);
     world_.addRigidBody(piece->body.get(), group_, mask_);
+    bodies_.push_back(piece->body.get());
     pieces_.push_back(std::move(piece));
 }
 

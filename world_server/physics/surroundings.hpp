@@ -8,6 +8,7 @@
 #include <vector>
 
 class btDynamicsWorld;
+class btRigidBody;
 
 namespace atrium::physics {
 
@@ -35,6 +36,8 @@ public:
     bool add(const StillMesh& mesh);
     /// Six planes that keep everything inside.
     void add_walls(const geometry::Aabb& box);
+    /// All of it, none of which moves.
+    const std::vector<btRigidBody*>& bodies() const { return bodies_; }
 
 private:
     struct Piece;
@@ -42,6 +45,7 @@ private:
     btDynamicsWorld& world_;
     int group_, mask_;
     std::vector<std::unique_ptr<Piece>> pieces_;
+    std::vector<btRigidBody*> bodies_;  // theirs
 };
 
 }  // namespace atrium::physics

@@ -51,7 +51,6 @@ struct WorldOptions {
 };
 
 struct SoftObject;
-struct SoftState;
 struct SoftTopology;
 
 geometry::Aabb box_of(const WorldOptions& options);
@@ -78,12 +77,13 @@ enum class AddResult : std::uint8_t { kAdded, kIdInUse, kWorldFull, kInvalid };
 struct WorldCounters {
     std::uint64_t num_ticks = 0;
     std::uint64_t num_contact_ticks = 0;  // with at least one contact of a person and an object
-    std::uint64_t num_strays = 0;         // objects that left the world's box
-    std::uint64_t num_not_finite = 0;     // objects whose state was not a number, put back
-    std::uint64_t num_runaways = 0;       // objects of an absurd speed, put back
-    std::uint64_t num_torn = 0;           // objects torn from what they are joined to, or soft ones
-                                          // out of all shape, put back
-    std::uint64_t num_escapes = 0;        // objects that were found inside a person
+    std::uint64_t num_soft_contact_ticks = 0;  // of these, of a person and a soft object
+    std::uint64_t num_strays = 0;              // objects that left the world's box
+    std::uint64_t num_not_finite = 0;          // objects whose state was not a number, put back
+    std::uint64_t num_runaways = 0;            // objects of an absurd speed, put back
+    std::uint64_t num_torn = 0;     // objects torn from what they are joined to, or soft ones
+                                    // out of all shape, put back
+    std::uint64_t num_escapes = 0;  // objects that were found inside a person
 };
 
 /// Objects, a still surrounding, and people, in Bullet.
@@ -123,8 +123,9 @@ public:
     /// `impulse_ns` [N s] acts at the centre of mass. False: not there, or it does not move.
     bool push(std::uint32_t id, const Eigen::Vector3d& impulse_ns);
 
-    /// Lets `holder` hold an object at a point of it [m, in its frame] and pull that towards a goal
-    /// [m, world] (grab.hpp). False: no such object that moves, or too many are held.
+    /// Lets `holder` hold an object at a point of it [m, in its frame; of a soft one in the world]
+    /// and pull that towards a goal [m, world] (grab.hpp). False: no such object that moves, or too
+    /// many are held.
     bool grab(const std::string& holder,
               std::uint32_t id,
               const Eigen::Vector3d& point_object,
@@ -154,6 +155,9 @@ public:
 
     /// Of all objects, in the order of their ids.
     void get_states(std::vector<RigidState>& states) const;
+    /// The places of a soft object's nodes [m, world], in memory that is used again. False: no such
+    /// soft object.
+    bool get_soft_nodes(std::uint32_t id, std::vector<Eigen::Vector3f>& nodes) const;
     /// Of all soft objects, in the order of their ids: what `restore_soft` takes. The vectors'
     /// memory is used again.
     void get_soft_states(std::vector<SoftState>& states) const;

@@ -51,10 +51,10 @@ bool is_valid(const ObjectMotion& motion) {
            motion.rotation.determinant() > 0.0F;
 }
 
-bool is_valid(const SoftMotion& motion) {
+bool is_valid(const SoftState& motion) {
     const auto is_finite = [](const Eigen::Vector3f& v) { return v.allFinite(); };
-    return motion.places_m.size() == motion.velocities.size() &&
-           std::all_of(motion.places_m.begin(), motion.places_m.end(), is_finite) &&
+    return motion.positions.size() == motion.velocities.size() &&
+           std::all_of(motion.positions.begin(), motion.positions.end(), is_finite) &&
            std::all_of(motion.velocities.begin(), motion.velocities.end(), is_finite);
 }
 

@@ -27,13 +27,13 @@ struct ObjectMotion {
 };
 
 /// All that changes of a soft object.
-struct SoftMotion {
+struct SoftState {
     std::uint32_t id = 0;
-    std::vector<Eigen::Vector3f> places_m;    // of the nodes, world
+    std::vector<Eigen::Vector3f> positions;   // [m] world, one per node
     std::vector<Eigen::Vector3f> velocities;  // [m/s] world, one per node
     std::int32_t num_torn_ticks = 0;          // how long it has been stretched out of all shape
 
-    bool operator==(const SoftMotion&) const = default;
+    bool operator==(const SoftState&) const = default;
 };
 
 /// All that changes of a world, but for people, who come back with their next mesh, and for what is
@@ -41,7 +41,7 @@ struct SoftMotion {
 struct WorldState {
     std::uint64_t tick = 0;
     std::vector<ObjectMotion> objects;  // ids rise
-    std::vector<SoftMotion> soft;
+    std::vector<SoftState> soft;
 
     bool operator==(const WorldState&) const = default;
 };
@@ -49,8 +49,8 @@ struct WorldState {
 ObjectMotion motion_of(ObjectBody& body);
 /// Numbers are finite, the rotation is one, the activation is one of Bullet's.
 bool is_valid(const ObjectMotion& motion);
-/// Numbers are finite, and there are as many velocities as places.
-bool is_valid(const SoftMotion& motion);
+/// Numbers are finite, and there are as many velocities as positions.
+bool is_valid(const SoftState& motion);
 void set_motion(const ObjectMotion& motion, ObjectBody& body);
 
 /// Takes all that collides out of the world and puts it back, `bodies` last and in the order given,

@@ -59,15 +59,24 @@ TEST(Participant, SaysWhatIsWrongWithItsOptions) {
     EXPECT_THAT(error_of(options).message, HasSubstr("lacks the profile 'description'"));
 }
 
-TEST(Participant, PassesOnWhatCycloneSaysOfANetworkFile) {
+TEST(Participant, PassesOnWhatCycloneSaysOfANetworkFileWithTheLine) {
     BusOptions options = own_world("network", 103);
     const TemporaryFile file(
-        "<CycloneDDS><Domain Id='any'><Internal><Nonsense>1</Nonsense></Internal></Domain>"
-        "</CycloneDDS>");
-    options.network = file.path().string();
-    EXPECT_EQ(error_of(options).kind, ErrorKind::kConfiguration);
-    EXPECT_THAT(error_of(options).message,
-                AllOf(HasSubstr(file.path().string()), HasSubstr("Nonsense")));
+        "<?xml version='1.0'?>\n<!-- of\n  two lines -->\n<CycloneDDS>\n  <Domain Id='any'>\n"
+        "    <General><AllowMulticast>\n      false\n    </AllowMulticast>\n"
+        "      <Interfaces><NetworkInterface\n        name='lo'/></Interfaces></General>\n"
+        "    <!-- <Tracing> -->\n    <Internal>\n      <Nonsense>1</Nonsense></Internal>\n"
+        "  </Domain>\n</CycloneDDS>\n");
+    for (const std::string peers : {"", "127.0.0.1"}) {
+        options.network = file.path().string();
+        options.peers = peers;  // changes what Cyclone is given
+        EXPECT_EQ(error_of(options).kind, ErrorKind::kConfiguration);
+        EXPECT_THAT(error_of(options).message,
+                    AllOf(HasSubstr(file.path().string()),
+                          HasSubstr("Nonsense"),
+                          HasSubstr("(line 13)"),
+                          Not(HasSubstr("CYCLONEDDS_URI"))));
+    }
 }
 
 TEST(Participant, NamesAnInterfaceThatIsNotThere) {

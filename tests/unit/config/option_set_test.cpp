@@ -100,5 +100,16 @@ TEST(OptionSet, ListsTheEffectiveValues) {
     EXPECT_THAT(set.effective(), HasSubstr("capture.rate_hz = 30\n"));
 }
 
+TEST(OptionSet, ListsWhatIsNotAsItWasDeclared) {
+    Options options;
+    OptionSet set = declare(options);
+    std::string area = "none";
+    set.show("hull.area", [&area] { return area; });
+    EXPECT_EQ(set.changed(), "");
+    options.threads = 3;
+    area = "[0, 1]";
+    EXPECT_EQ(set.changed(), "hull.threads = 3\nhull.area = [0, 1]\n");
+}
+
 }  // namespace
 }  // namespace atrium::config

@@ -105,6 +105,17 @@ TEST(RenderText, ShowsProgramsWithWhatTheyDoAndLose) {
     EXPECT_THAT(shown, Not(HasSubstr("failed"))) << "what is zero is not shown";
 }
 
+TEST(RenderText, SaysWhichSiteOfTheCommandLineIsNotThere) {
+    const TextOptions options{.sites = {"alice", "nobody"}};
+    const std::string shown = text(whole_report(), options);
+    EXPECT_THAT(shown, HasSubstr("! no site 'nobody' is there; there are: alice\n"));
+    EXPECT_THAT(shown, Not(HasSubstr("no site 'alice'")));
+    EXPECT_THAT(text(whole_report()), Not(HasSubstr("no site")));
+    Report empty = whole_report();
+    empty.programs.clear();
+    EXPECT_THAT(text(empty, options), HasSubstr("! no site 'alice' is there, nor any other\n"));
+}
+
 TEST(RenderText, LatenciesSayWhatTheyAreWorth) {
     EXPECT_THAT(text(whole_report(ClockTrust::kSynchronised)),
                 HasSubstr("capture to display 51.0 (p99 60.2) +- 1.5"));

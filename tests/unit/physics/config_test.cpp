@@ -57,12 +57,12 @@ TEST(WorldConfig, ReadsObjectsSitesAndOptions) {
     EXPECT_EQ(config->bus.world, "moon");
     ASSERT_EQ(config->objects.size(), 3U);
     EXPECT_EQ(config->objects[0].scene.shape, bus::Shape::kPlane);
-    EXPECT_EQ(config->objects[0].friction, 0.9);
+    EXPECT_EQ(config->objects[0].scene.friction, 0.9);
     const WorldObject& crate = config->objects[1];
     EXPECT_EQ(crate.scene.object, 2U);
     EXPECT_EQ(crate.scene.size_m, Eigen::Vector3d(0.1, 0.2, 0.3));
     EXPECT_EQ(crate.scene.colour, Eigen::Vector3d(1, 0.5, 0));
-    EXPECT_EQ(crate.restitution, 0.5);
+    EXPECT_EQ(crate.scene.restitution, 0.5);
     const Eigen::Vector3d turned = crate.scene.world_from_object * Eigen::Vector3d(1, 0, 0);
     EXPECT_LT((turned - Eigen::Vector3d(1, 3, 3)).norm(), 1e-12);
     EXPECT_EQ(config->objects[2].scene.size_m, Eigen::Vector3d(0.1, 0.1, 0.5));

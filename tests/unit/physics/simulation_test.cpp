@@ -1,5 +1,8 @@
 #include "world_server/simulation.hpp"
 
+#include "meshes.hpp"
+#include "simulation_stage.hpp"
+
 #include <gtest/gtest.h>
 
 #include <thread>
@@ -8,29 +11,6 @@ namespace atrium::world_server {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-WorldServerConfig floor_and_ball() {
-    WorldServerConfig config;
-    WorldObject floor;
-    floor.scene.object = 1;
-    floor.scene.name = "floor";
-    floor.scene.shape = bus::Shape::kPlane;
-    WorldObject ball;
-    ball.scene.object = 2;
-    ball.scene.name = "ball";
-    ball.scene.shape = bus::Shape::kSphere;
-    ball.scene.size_m.setConstant(0.2);
-    ball.scene.mass_kg = 0.5;
-    ball.scene.world_from_object.translation = {0, 0, 0.1};
-    config.objects = {floor, ball};
-    config.tick_hz = 120.0;
-    return config;
-}
-
-Simulation simulation_of(const WorldServerConfig& config,
-                         std::function<void(const std::string&)> reject) {
-    return {config, Scene::create(config).value(), std::move(reject)};
-}
 
 TEST(Simulation, SkipsAStallInsteadOfRunningBehindIt) {
     WorldServerConfig config = floor_and_ball();
@@ -57,6 +37,30 @@ TEST(Simulation, SkipsAStallInsteadOfRunningBehindIt) {
     EXPECT_GT(status.step.p99_ms, 250.0) << "and it shows";
 }
 
+TEST(Simulation, SendsTheTickInWhichATouchBegins) {
+    WorldServerConfig config = floor_and_ball();
+    config.send_hz = 0.01;  // the next state would go out in a hundred seconds
+    auto simulation = simulation_of(config, [](const std::string&) {});
+    physics::PersonShaper shaper(config.person);
+    const auto hand_at = [&](double x_m, std::int64_t ns) {
+        return shaper.shape(
+            physics_test::make_box_mesh(
+                {0.1, 0.2, 0.2}, {Eigen::Quaterniond::Identity(), {x_m, 0, 0.12}}, 10),
+            {1'000'000'000 + ns});
+    };
+    hand_at(-0.17, 0);
+    simulation.people().put("alice", hand_at(-0.13, 33'333'333));  // 3 cm into the ball
+    std::jthread running([&](std::stop_token stop) { simulation.run(stop); });
+    const Clock::time_point patience = Clock::now() + std::chrono::seconds(20);
+    Outbox::Content content;
+    while (!content.has_state && Clock::now() < patience)
+        simulation.outbox().take(content, {}, patience);
+    ASSERT_TRUE(content.has_state);
+    const bus::ObjectState& ball = content.state.rigid.objects[1];
+    EXPECT_GT(ball.linear_velocity.x(), 0.1);
+    EXPECT_LT(ball.world_from_object.translation.x(), 0.03) << "it has just begun";
+}
+
 TEST(Simulation, StampsStatesWithTheTimeTheyWereDue) {
     WorldServerConfig config = floor_and_ball();
     config.seconds = 0.5;
@@ -64,10 +68,11 @@ TEST(Simulation, StampsStatesWithTheTimeTheyWereDue) {
     std::vector<bus::SceneState> states;
     {
         std::jthread reader([&](std::stop_token stop) {
+            Outbox::Content content;
             while (!stop.stop_requested()) {
-                auto content =
-                    simulation.outbox().take(stop, Clock::now() + std::chrono::milliseconds(50));
-                if (content.state) states.push_back(std::move(*content.state));
+                simulation.outbox().take(
+                    content, stop, Clock::now() + std::chrono::milliseconds(50));
+                if (content.has_state) states.push_back(content.state.rigid);
             }
         });
         simulation.run({});

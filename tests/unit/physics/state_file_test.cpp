@@ -74,10 +74,10 @@ SavedWorld random_world(Random& random, std::size_t max_objects) {
         world.state.objects.push_back(motion);
     }
     for (std::size_t n = random() % 3; n > 0; --n) {
-        physics::SoftMotion soft;
+        physics::SoftState soft;
         soft.id = id += 1;
         for (std::size_t node = random() % 20; node > 0; --node) {
-            soft.places_m.push_back(Eigen::Vector3f::Random());
+            soft.positions.push_back(Eigen::Vector3f::Random());
             soft.velocities.push_back(Eigen::Vector3f::Random());
         }
         world.state.soft.push_back(soft);

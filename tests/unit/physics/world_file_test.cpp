@@ -88,9 +88,8 @@ TEST_F(WorldFile, ReadsModelsMaterialsAndTextures) {
     EXPECT_EQ(corner.scene.texture, "models/paint.png");
     EXPECT_LT((corner.scene.size_m - Eigen::Vector3d::Constant(0.6)).norm(), 1e-6);
     EXPECT_NEAR(corner.scene.mass_kg, 1800 * 0.6 * 0.6 * 0.6 / 6.0, 1e-3);
-    EXPECT_EQ(corner.friction, 0.3) << "the object's own";
-    EXPECT_EQ(corner.scene.friction, 0.3);
-    EXPECT_EQ(corner.restitution, 0.05) << "the material's";
+    EXPECT_EQ(corner.scene.friction, 0.3) << "the object's own";
+    EXPECT_EQ(corner.scene.restitution, 0.05) << "the material's";
     EXPECT_EQ(corner.rolling_friction_m, 0.01);
     EXPECT_EQ(corner.scene.colour, Eigen::Vector3d(0.5, 0.3, 0.2));
     EXPECT_EQ(config->objects[1].scene.shape, bus::Shape::kCompound);

@@ -4,6 +4,7 @@
 #include "core/bus/bus.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "meshes.hpp"
+#include "simulation_stage.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -19,21 +20,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 WorldServerConfig test_world() {
-    WorldServerConfig config;
+    WorldServerConfig config = floor_and_ball();
     config.bus.world = "world-server-test-" + std::to_string(getpid());
     config.bus.domain = 77;
-    WorldObject floor;
-    floor.scene.object = 1;
-    floor.scene.name = "floor";
-    floor.scene.shape = bus::Shape::kPlane;
-    WorldObject ball;
-    ball.scene.object = 2;
-    ball.scene.name = "ball";
-    ball.scene.shape = bus::Shape::kSphere;
-    ball.scene.size_m.setConstant(0.2);
-    ball.scene.mass_kg = 0.5;
-    ball.scene.world_from_object.translation = {0, 0, 0.1};
-    config.objects = {floor, ball};
     config.placements = {{"alice", {Eigen::Quaterniond::Identity(), {-1, 0, 0}}}};
     return config;
 }
@@ -176,6 +165,53 @@ TEST(WorldServer, ServesASiteAndAViewerFromTheirArrivalToTheirLeave) {
     EXPECT_TRUE(witness->wait_until(
         [&] { return witness->status.num_steps > 0 && witness->status.num_sites == 0; }));
     EXPECT_EQ((*server)->status().num_sites, 0U);
+}
+
+TEST(WorldServer, TakesALastMeshOfASiteThatHasEndedForNoNewArrival) {
+    const WorldServerConfig config = test_world();
+    auto server = WorldServer::create(config);
+    ASSERT_TRUE(server) << server.error().message;
+    std::jthread running([&](std::stop_token stop) { EXPECT_TRUE((*server)->run(stop)); });
+    Guest guest = Guest::create(config.bus);
+    bus::SiteDescription description;
+    description.site = "alice";
+    description.bounds_site.add({-1, -1, 0});
+    description.bounds_site.add({2, 1, 2});
+    bus::SiteMesh mesh;
+    mesh.site = "alice";
+    ASSERT_TRUE(
+        codec::encode_mesh(physics_test::make_box_mesh(
+                               {0.1, 0.2, 0.3}, {Eigen::Quaterniond::Identity(), {0, 0, 1}}, 3),
+                           {},
+                           mesh.draco));
+    const auto send_mesh = [&] {
+        mesh.capture_time = Timestamp::now();
+        ++mesh.frame_id;
+        ASSERT_TRUE(guest.meshes.write(mesh));
+    };
+    const auto is_there = [&] {
+        return (*server)->status().num_sites == 1 && (*server)->status().num_meshes_received > 0;
+    };
+    ASSERT_TRUE(guest.descriptions.write(description));
+    ASSERT_TRUE(guest.wait_until(is_there, send_mesh));
+
+    // as if these had waited in a queue while the description went
+    ASSERT_TRUE(guest.descriptions.dispose(description));
+    ASSERT_TRUE(guest.wait_until([&] { return (*server)->status().num_sites == 0; }));
+    const std::uint64_t num_before = (*server)->status().num_meshes_received;
+    bool has_arrived = false;
+    EXPECT_TRUE(guest.wait_until(
+        [&] {
+            has_arrived |= (*server)->status().num_sites > 0;
+            return (*server)->status().num_meshes_received >= num_before + 3;
+        },
+        send_mesh));
+    EXPECT_FALSE(has_arrived || (*server)->status().num_sites > 0);
+
+    // one that begins again is there again
+    ASSERT_TRUE(guest.descriptions.write(description));
+    EXPECT_TRUE(guest.wait_until(is_there, send_mesh));
+    EXPECT_EQ((*server)->status().num_rejected, 0U);
 }
 
 TEST(WorldServer, LetsGoOfWhatAGuestHeldWhoIsGoneAndRefusesWhatIsNotAllowed) {

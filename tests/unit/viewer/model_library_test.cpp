@@ -57,6 +57,29 @@ TEST_F(ModelLibraryTest, GivesAnObjectItsModelInItsOwnColour) {
     EXPECT_EQ(again.model, look.model) << "read once";
 }
 
+TEST_F(ModelLibraryTest, TakesPlacesInAPictureFromTheFileOrElseFromAbove) {
+    bus::SceneObject thing = object("tetra.obj", 1.0);
+    thing.texture = "wood.png";
+    const auto plain = library_.look_of(thing, renderer::ShapeKind::kBox);
+    EXPECT_EQ(plain.texture, "wood.png");
+    ASSERT_TRUE(plain.model);
+    for (const auto& corner : plain.model->corners) {
+        EXPECT_TRUE(corner.texture_place.isApprox(
+            renderer::projected_place(corner.position_object, corner.normal_object)));
+    }
+    std::ofstream(root_ / "models/painted.obj")
+        << "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.25 0.125\nvt 0.5 0.125\nvt 0.25 1\nf 1/1 2/2 3/3\n";
+    const auto painted = library_.look_of(object("painted.obj", 1.0), renderer::ShapeKind::kBox);
+    ASSERT_TRUE(painted.model);
+    ASSERT_EQ(painted.model->corners.size(), 3U);
+    for (const auto& corner : painted.model->corners) {
+        const Eigen::Vector3f p = corner.position_object;
+        // the file counts from the bottom
+        const Eigen::Vector2f place(p.x() > 0.5F ? 0.5F : 0.25F, p.y() > 0.5F ? 0.0F : 0.875F);
+        EXPECT_LT((corner.texture_place - place).norm(), 1e-5F) << p.transpose();
+    }
+}
+
 TEST_F(ModelLibraryTest, PutsABoxWhereThereIsNoModel) {
     for (const char* missing : {"none.obj", "../outside.obj", "tetra.txt"}) {
         const auto look = library_.look_of(object(missing, 1.0), renderer::ShapeKind::kBox);

@@ -70,6 +70,34 @@ TEST(Hit, IsWhereTheRayEnters) {
     EXPECT_FALSE(hit(ray, thing(bus::Shape::kSphere, 0.4), behind));
 }
 
+TEST(Hit, OfASoftThingIsOnItsFacesOrNearItsRope) {
+    const Ray ray{{0, -3, 1}, {0, 1, 0}};
+    bus::SoftBody body;
+    body.object = 9;
+    body.num_nodes = 3;
+    body.triangles = {{0, 1, 2}};
+    const std::vector<Eigen::Vector3f> nodes{{-1, 0.5F, 0.5F}, {1, 0.5F, 0.5F}, {0, 0.5F, 2}};
+    const auto face = hit(ray, body, nodes);
+    ASSERT_TRUE(face);
+    EXPECT_EQ(face->object, 9U);
+    EXPECT_NEAR(face->distance_m, 3.5, 1e-9);
+    EXPECT_TRUE(face->point_object.isApprox(Eigen::Vector3d(0, 0.5, 1), 1e-9)) << "in the world";
+    body.triangles = {{0, 2, 1}};
+    EXPECT_TRUE(hit(ray, body, nodes)) << "from behind";
+    EXPECT_FALSE(hit({{0, -3, 3}, {0, 1, 0}}, body, nodes)) << "above it";
+    EXPECT_FALSE(hit({{0, 3, 1}, {0, 1, 0}}, body, nodes)) << "behind the eye";
+    EXPECT_FALSE(hit(ray, body, {nodes.data(), 2})) << "its nodes are not known yet";
+
+    body.triangles.clear();
+    body.segments = {{0, 1}};  // 0.5 m below the ray
+    body.thickness_m = 0.02;
+    EXPECT_FALSE(hit(ray, body, nodes));
+    const auto rope = hit({{0.3, -3, 0.515}, {0, 1, 0}}, body, nodes);
+    ASSERT_TRUE(rope);
+    EXPECT_NEAR(rope->distance_m, 3.5, 1e-6);
+    EXPECT_FALSE(hit({{1.1, -3, 0.5}, {0, 1, 0}}, body, nodes)) << "beyond its end";
+}
+
 class MouseGrabTest : public testing::Test {
 protected:
     std::vector<bus::SceneCommand> update(const Eigen::Vector3d& p_world, bool is_down) {

@@ -1,0 +1,25 @@
+#!/bin/sh
+# From a hand's capture to the motion of what it pushes: `bench/world_latency.sh [BUILD] [SECONDS of each case]`. Keeps the figures with
+# machine and date in bench/results/ and renews the table of docs/world_server.md. BUILD has to be configured with -DATRIUM_BENCH=ON.
+# Needs no rights; about six minutes, in which the machine should have nothing else to do. RUN is put before each measurement
+# (RUN="nice -n -5"). The first run renders the rooms.
+set -eu
+case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
+cd "$(dirname "$0")/.."
+build=${1:-build}
+seconds=${2:-90}
+run=${RUN:-}
+cmake --build "$build" --target world_latency > /dev/null
+machine=$(lscpu | sed -n 's/^Model name: *//p')
+out="bench/results/$(date +%Y-%m-%d)-$(echo "$machine" | tr -c 'A-Za-z0-9\n' '-')-world-latency.csv"
+mkdir -p bench/results
+{
+    echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(nproc) cores, $(c++ --version | head -n 1), ${seconds} s each"
+    "$build"/bin/world_latency head
+    $run "$build"/bin/world_latency "a simulated room, 8 cameras of 640x480" deploy/rigs/full_body.toml 1 "$seconds"
+    $run "$build"/bin/world_latency "two such rooms" deploy/rigs/full_body.toml 2 "$seconds"
+    $run "$build"/bin/world_latency "made-up meshes, 16 ms after their capture" meshes 1 "$seconds"
+    $run "$build"/bin/world_latency "two such made-up sites" meshes 2 "$seconds"
+} > "$out"
+python3 bench/world_latency.py "$out" docs/world_server.md
+echo "kept in $out"

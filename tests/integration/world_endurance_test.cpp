@@ -1,0 +1,133 @@
+#include "tests/support/endurance.hpp"
+#include "world_server/config.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+// Some seconds of what bench/world_endurance does for minutes: two people walk through every
+// delivered world and do what they do, and nothing explodes. Here their surfaces come from no
+// cameras.
+namespace atrium::test {
+namespace {
+
+constexpr double kSeconds = 6.0;
+constexpr double kRateHz = 30.0;
+constexpr int kTicksPerPicture = 4;
+
+Expected<world_server::WorldServerConfig> load(const std::filesystem::path& file) {
+    auto reader = config::TableReader::load(file);
+    if (!reader) return tl::unexpected(reader.error());
+    world_server::WorldServerConfig config;
+    config::OptionSet set;
+    declare(config, set);
+    set.read_file(*reader);
+    read_world(*reader, config);
+    if (const auto read = reader->finish(); !read) return tl::unexpected(read.error());
+    return config;
+}
+
+struct Walked {
+    std::string name;
+    std::unique_ptr<world_server::Scene> scene;
+    std::unique_ptr<WorldWatch> watch;
+};
+
+std::vector<Walked> delivered_worlds(const EnduranceBounds& bounds) {
+    std::vector<Walked> worlds;
+    for (const auto& entry :
+         std::filesystem::directory_iterator(ATRIUM_SOURCE_DIR "/deploy/worlds")) {
+        if (entry.path().extension() != ".toml") continue;
+        const auto config = load(entry.path());
+        if (!config) ADD_FAILURE() << config.error().message;
+        if (!config) continue;
+        EXPECT_EQ(config->tick_hz, kRateHz * kTicksPerPicture) << entry.path();
+        auto scene = world_server::Scene::create(*config);
+        if (!scene) ADD_FAILURE() << scene.error().message;
+        if (!scene) continue;
+        Walked world;
+        world.name = entry.path().stem();
+        world.scene = std::make_unique<world_server::Scene>(std::move(*scene));
+        world.watch = std::make_unique<WorldWatch>(*world.scene, bounds);
+        worlds.push_back(std::move(world));
+    }
+    return worlds;
+}
+
+TEST(WorldEndurance, NothingExplodesWhereTwoPeopleWalkThroughTheDeliveredWorlds) {
+    const Act act = wander_act("ada");
+    const auto worlds = delivered_worlds({.people_mps = wander_speed_mps(act)});
+    ASSERT_GE(worlds.size(), 6U);
+    const ActedPerson body(act);
+    std::vector<physics::PersonShaper> shapers(
+        2, physics::PersonShaper(physics::PersonShapeOptions{}));
+    for (int picture = 0; picture < static_cast<int>(kSeconds * kRateHz); ++picture) {
+        const double time_s = picture / kRateHz;
+        for (std::size_t p = 0; p < shapers.size(); ++p) {
+            const double own_s = time_s + static_cast<double>(p) * kWanderLoopS / 2.0;
+            auto mesh = body.mesh_site(own_s);
+            const auto place = wander_place(time_s, 2.0 * static_cast<double>(p));
+            for (Eigen::Vector3d& vertex : mesh.vertices) vertex = place * vertex;
+            const auto shape =
+                shapers[p].shape(mesh, Timestamp{1'000'000'000 + picture * 33'333'333LL});
+            for (const Walked& world : worlds)
+                world.scene->world().set_person(p == 0 ? "ada" : "bob", shape);
+        }
+        for (const Walked& world : worlds) {
+            for (int i = 0; i < kTicksPerPicture; ++i) {
+                world.scene->world().tick();
+                world.watch->look(time_s);
+            }
+        }
+    }
+    for (const Walked& world : worlds) {
+        const EnduranceFigures& figures = world.watch->figures();
+        EXPECT_EQ(figures.broken, "") << world.name;
+        EXPECT_GT(world.scene->world().counters().num_contact_ticks, 12U)
+            << world.name << ": the people have to meet something";
+        EXPECT_GT(figures.rigid_mps + figures.soft_mps, 0.3) << world.name;
+    }
+}
+
+// A world that is watched is found out.
+TEST(WorldEndurance, WhatIsTooFastOrTooDeepIsReported) {
+    world_server::WorldServerConfig config;
+    world_server::WorldObject ball;
+    ball.scene.object = 1;
+    ball.scene.name = "ball";
+    ball.scene.shape = bus::Shape::kSphere;
+    ball.scene.size_m.setConstant(0.2);
+    ball.scene.mass_kg = 1.0;
+    ball.scene.world_from_object.translation = {0.0, 0.0, 1.0};
+    config.objects = {ball};
+    const EnduranceBounds bounds{.people_mps = 1.0, .untouched_gain_j = 0.1};
+    const auto broken_after = [&](const physics::RigidState& state) {
+        auto scene = world_server::Scene::create(config);
+        EXPECT_TRUE(scene);
+        WorldWatch watch(*scene, bounds);
+        for (int i = 0; i < 3; ++i) {
+            scene->world().tick();
+            watch.look(0.0);
+        }
+        EXPECT_EQ(watch.figures().broken, "") << "it only falls";
+        EXPECT_TRUE(scene->world().set_state(state));
+        scene->world().tick();
+        watch.look(1.0);
+        return watch.figures().broken;
+    };
+    physics::RigidState state;
+    state.id = 1;
+    state.world_from_object.translation = {0.0, 0.0, 0.9};
+    state.linear_velocity = {9.0, 0.0, 0.0};
+    EXPECT_NE(broken_after(state).find("ball [m2/s2]"), std::string::npos);
+    state.linear_velocity = {2.0, 0.0, 0.0};
+    EXPECT_NE(broken_after(state).find("energy from nowhere"), std::string::npos);
+    state.linear_velocity.setZero();
+    state.world_from_object.translation.z() = -0.5;
+    EXPECT_NE(broken_after(state).find("below the floor"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace atrium::test

@@ -1,0 +1,57 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/base/timestamp.hpp"
+#include "core/bus/bus.hpp"
+#include "core/geometry/triangle_mesh.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+
+namespace atrium::test {
+
+struct MeshSiteOptions {
+    std::string name = "site";
+    double rate_hz = 30.0;
+    /// From a capture to the moment its mesh is handed to the bus: what a site takes to compute it.
+    std::chrono::nanoseconds work{0};
+};
+
+/// A site without cameras and pictures: publishes what somebody looks like at each capture, coded
+/// as sites do, in real time. Captures that come too late are left out, as a site does.
+class MeshSite {
+public:
+    /// Closed mesh in the site's frame; called by the site's thread, capture times rise.
+    using MeshAt = std::function<geometry::TriangleMesh(Timestamp capture_time)>;
+
+    static Expected<std::unique_ptr<MeshSite>> start(const bus::BusOptions& options,
+                                                     MeshSiteOptions site,
+                                                     MeshAt mesh_at);
+    /// The site leaves: its description and meshes are gone.
+    ~MeshSite() = default;
+
+    std::uint64_t num_published() const { return num_published_; }
+    std::uint64_t num_failed() const { return num_failed_; }
+
+private:
+    MeshSite(MeshSiteOptions site,
+             MeshAt mesh_at,
+             bus::Writer<bus::SiteDescription> descriptions,
+             bus::Writer<bus::SiteMesh> meshes);
+    void run(std::stop_token stop);
+    void publish(bus::SiteMesh& mesh);
+
+    const MeshSiteOptions site_;
+    const MeshAt mesh_at_;
+    bus::Writer<bus::SiteDescription> descriptions_;
+    bus::Writer<bus::SiteMesh> meshes_;
+    std::atomic<std::uint64_t> num_published_ = 0;
+    std::atomic<std::uint64_t> num_failed_ = 0;
+    std::jthread thread_;  // goes first: it uses the rest
+};
+
+}  // namespace atrium::test

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "world_server/simulation.hpp"
+
+#include <functional>
+#include <string>
+#include <utility>
+
+/// A floor and a ball of 20 cm that rests on it.
+namespace atrium::world_server {
+
+inline WorldServerConfig floor_and_ball() {
+    WorldServerConfig config;
+    WorldObject floor;
+    floor.scene.object = 1;
+    floor.scene.name = "floor";
+    floor.scene.shape = bus::Shape::kPlane;
+    WorldObject ball;
+    ball.scene.object = 2;
+    ball.scene.name = "ball";
+    ball.scene.shape = bus::Shape::kSphere;
+    ball.scene.size_m.setConstant(0.2);
+    ball.scene.mass_kg = 0.5;
+    ball.scene.world_from_object.translation = {0, 0, 0.1};
+    config.objects = {floor, ball};
+    config.tick_hz = 120.0;
+    return config;
+}
+
+inline Simulation simulation_of(const WorldServerConfig& config,
+                                std::function<void(const std::string&)> reject) {
+    return {config, Scene::create(config).value(), std::move(reject)};
+}
+
+}  // namespace atrium::world_server

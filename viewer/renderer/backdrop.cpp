@@ -1,0 +1,123 @@
+#include "viewer/renderer/backdrop.hpp"
+
+#include "viewer/renderer/shaders.hpp"
+
+#include <Eigen/Geometry>
+#include <glad/gl.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace atrium::renderer {
+namespace {
+
+constexpr float kShadowExtentM = 10.0f;  // side of the floor's square, around the origin, that
+                                         // shadows fall on
+constexpr int kShadowPx = 512;           // 2 cm a pixel; kFloorFragment blurs by it
+// sRGB-encoded
+const Eigen::Vector3f kHorizon(0.82f, 0.85f, 0.88f);
+const Eigen::Vector3f kZenith(0.45f, 0.54f, 0.66f);
+const Eigen::Vector3f kGroundColour(0.70f, 0.69f, 0.67f);
+constexpr double kGroundSizeM = 60.0;
+
+Eigen::Vector3f encode_srgb(const Eigen::Vector3d& linear) {
+    return linear
+        .unaryExpr([](double v) {
+            v = std::clamp(v, 0.0, 1.0);
+            return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055;
+        })
+        .cast<float>();
+}
+
+}  // namespace
+
+Eigen::Vector3f light_world() { return Eigen::Vector3f(0.30f, -0.22f, 1.0f).normalized(); }
+
+Expected<Backdrop> Backdrop::create() {
+    Backdrop made;
+    struct Source {
+        gl::ShaderProgram& program;
+        const char* name;
+        const char* vertex;
+        const char* fragment;
+    };
+    for (const Source& source :
+         {Source{made.floor_shader_, "floor", shaders::kFloorVertex, shaders::kFloorFragment},
+          Source{made.sky_shader_,
+                 "background",
+                 shaders::kBackgroundVertex,
+                 shaders::kBackgroundFragment},
+          Source{
+              made.shadow_shader_, "shadow", shaders::kShadowVertex, shaders::kShadowFragment}}) {
+        auto program = gl::ShaderProgram::create(source.name, source.vertex, source.fragment);
+        if (!program) return tl::unexpected(program.error());
+        source.program = std::move(*program);
+    }
+    auto shadow = gl::make_framebuffer(kShadowPx, kShadowPx, gl::PixelFormat::kR8);
+    if (!shadow) return tl::unexpected(shadow.error());
+    made.shadow_ = std::move(*shadow);
+    return made;
+}
+
+const gl::ShaderProgram& Backdrop::begin_shadow() {
+    shadow_.bind();
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_CULL_FACE);
+    glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
+    glClear(GL_COLOR_BUFFER_BIT);
+    shadow_shader_.use();
+    shadow_shader_.set("light", light_world());
+    shadow_shader_.set("shadow_extent", kShadowExtentM);
+    return shadow_shader_;
+}
+
+void Backdrop::draw_plane(const View& view,
+                          const ObjectLook& look,
+                          const Eigen::Vector3f& colour,
+                          const Textures& textures) {
+    const double height = look.world_from_object.translation.z();
+    floor_shader_.use();
+    floor_shader_.set("clip_from_world", Eigen::Matrix4f(view.clip_from_world.cast<float>()));
+    floor_shader_.set("world_from_floor",
+                      Eigen::Matrix4f(look.world_from_object.matrix().cast<float>()));
+    floor_shader_.set("half_size", Eigen::Vector2f((0.5 * look.size_m.head<2>()).cast<float>()));
+    floor_shader_.set("colour", colour);
+    floor_shader_.set("horizon", kHorizon);
+    textures.use(look.texture, floor_shader_, 1);
+    gl::bind_texture(0, shadow_.colour);
+    floor_shader_.set("shadow", 0);
+    floor_shader_.set("shadow_extent", kShadowExtentM);
+    // shadows are cast onto the ground; a shelf somewhere above has none. Four samples are summed.
+    floor_shader_.set("shadow_strength", std::abs(height) < 0.05 ? 0.30f / 4.0f : 0.0f);
+    // squared distances from the origin between which the floor fades into the horizon
+    const float begin = 5.0f * 5.0f;
+    const float end = 22.0f * 22.0f;
+    floor_shader_.set("fade", Eigen::Vector2f(begin, 1.0f / (end - begin)));
+    square_.draw();
+}
+
+void Backdrop::draw_floor(const View& view, const ObjectLook& look, const Textures& textures) {
+    draw_plane(view, look, encode_srgb(look.colour), textures);
+}
+
+void Backdrop::draw_ground(const View& view, double height_m) {
+    ObjectLook ground{.shape = ShapeKind::kPlane};
+    ground.size_m = {kGroundSizeM, kGroundSizeM, 0.0};
+    ground.world_from_object.translation.z() = height_m;
+    draw_plane(view, ground, kGroundColour, {});
+}
+
+void Backdrop::draw_sky(const ViewCamera& camera) {
+    const Eigen::Vector3d forward = (camera.target_m - camera.position_m).normalized();
+    const double half_fov = camera.fov_deg * M_PI / 360.0;
+    sky_shader_.use();
+    sky_shader_.set("slope",
+                    Eigen::Vector2f(static_cast<float>(forward.z()) + 0.1f,
+                                    static_cast<float>(std::sin(half_fov))));
+    sky_shader_.set("horizon", kHorizon);
+    sky_shader_.set("zenith", kZenith);
+    square_.draw();
+}
+
+}  // namespace atrium::renderer

@@ -1,0 +1,47 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/gl/resources.hpp"
+#include "core/gl/shader_program.hpp"
+#include "viewer/renderer/object_look.hpp"
+#include "viewer/renderer/screen_square.hpp"
+#include "viewer/renderer/textures.hpp"
+#include "viewer/renderer/view_camera.hpp"
+
+#include <Eigen/Core>
+
+namespace atrium::renderer {
+
+/// Towards the light, of length 1, in the world.
+Eigen::Vector3f light_world();
+
+/// What things stand on and before: floors with shadows on them, the ground around, the sky.
+class Backdrop {
+public:
+    static Expected<Backdrop> create();
+
+    /// Clears the one picture of all shadows on the floor; what is drawn with the shader returned,
+    /// which is in use, from then on stands in the light. It wants "world_from_object".
+    const gl::ShaderProgram& begin_shadow();
+
+    /// A plane with its normal up.
+    void draw_floor(const View& view, const ObjectLook& look, const Textures& textures);
+    /// At a height [m], to the horizon; after the floors, for what they cover of it is not drawn.
+    void draw_ground(const View& view, double height_m);
+    /// Last: it is behind everything.
+    void draw_sky(const ViewCamera& camera);
+
+private:
+    void draw_plane(const View& view,
+                    const ObjectLook& look,
+                    const Eigen::Vector3f& colour,
+                    const Textures& textures);
+
+    gl::ShaderProgram floor_shader_;
+    gl::ShaderProgram sky_shader_;
+    gl::ShaderProgram shadow_shader_;
+    gl::Framebuffer shadow_;  // white where something stands between the floor and the light
+    ScreenSquare square_;
+};
+
+}  // namespace atrium::renderer

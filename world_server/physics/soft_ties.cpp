@@ -1,0 +1,59 @@
+#include "world_server/physics/soft_ties.hpp"
+
+#include <BulletSoftBody/btSoftBody.h>
+
+namespace atrium::physics {
+
+void SoftTies::tie(const btSoftBody& soft, std::uint32_t node, btRigidBody& body) {
+    Tie tie;
+    tie.node = node;
+    tie.body = &body;
+    tie.place = body.getWorldTransform().invXform(soft.m_nodes[static_cast<int>(node)].m_x);
+    ties_.push_back(tie);
+}
+
+void SoftTies::untie(const btRigidBody& body) {
+    std::erase_if(ties_, [&](const Tie& tie) { return tie.body == &body; });
+}
+
+void SoftTies::begin_tick() {
+    for (Tie& tie : ties_) {
+        const btVector3 arm = tie.body->getWorldTransform().getBasis() * tie.place;
+        tie.velocity = tie.body->getVelocityInLocalPoint(arm);
+        tie.shift.setZero();
+    }
+}
+
+void SoftTies::solve(btSoftBody& soft, btScalar part_s, btScalar left_s) {
+    for (Tie& tie : ties_) {
+        btSoftBody::Node& node = soft.m_nodes[static_cast<int>(tie.node)];
+        const btTransform& pose = tie.body->getWorldTransform();
+        const btVector3 arm = pose.getBasis() * tie.place;
+        const btVector3 gained = tie.body->getVelocityInLocalPoint(arm) - tie.velocity;
+        const btVector3 place =
+            pose.getOrigin() + arm - tie.velocity * left_s + tie.shift + gained * part_s;
+        // how far node and place move apart under an impulse
+        const btScalar share = node.m_im + tie.body->getInvMass();
+        btMatrix3x3 cross;
+        arm.getSkewSymmetricMatrix(&cross[0], &cross[1], &cross[2]);
+        btMatrix3x3 apart = cross * tie.body->getInvInertiaTensorWorld() * cross;
+        apart = btMatrix3x3(share, 0, 0, 0, share, 0, 0, 0, share) - apart;
+        const btScalar determinant = apart.determinant();
+        if (!(determinant > 0)) continue;
+        const btVector3 impulse = apart.inverse() * (place - node.m_x);
+        node.m_x += impulse * node.m_im;
+        if (tie.body->getInvMass() > 0) {
+            tie.body->applyImpulse(-impulse / part_s, arm);
+            tie.body->activate();
+        }
+    }
+}
+
+void SoftTies::end_part(btScalar part_s) {
+    for (Tie& tie : ties_) {
+        const btVector3 arm = tie.body->getWorldTransform().getBasis() * tie.place;
+        tie.shift += (tie.body->getVelocityInLocalPoint(arm) - tie.velocity) * part_s;
+    }
+}
+
+}  // namespace atrium::physics

@@ -1,0 +1,61 @@
+#pragma once
+
+#include "world_server/physics/grab.hpp"
+#include "world_server/physics/joints.hpp"
+#include "world_server/physics/object_body.hpp"
+#include "world_server/physics/people_contacts.hpp"
+#include "world_server/physics/people_field.hpp"
+#include "world_server/physics/soft_bodies.hpp"
+#include "world_server/physics/surroundings.hpp"
+#include "world_server/physics/world.hpp"
+
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
+#include <btBulletDynamicsCommon.h>
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <vector>
+
+namespace atrium::physics {
+
+/// Collision groups of the Bullet world, one bit each.
+enum CollisionGroup : int { kStillGroup = 1, kObjectGroup = 2 };
+
+/// What a world consists of. The parts of `World` share it: world.cpp, world_guard.cpp and
+/// world_saving.cpp.
+struct World::Impl {
+    explicit Impl(const WorldOptions& world_options);
+    ~Impl();
+    static void begin_tick(btDynamicsWorld* world, btScalar tick_s);
+    ObjectBody* find_moving(std::uint32_t id);
+    std::optional<IncidentKind> guard(ObjectBody& object);
+    void guard_all();
+    void act_on(const Incident& incident);
+    void record(const Incident& incident);
+    bool remove(std::uint32_t id);
+
+    WorldOptions options;
+    btDefaultCollisionConfiguration configuration;
+    btCollisionDispatcher dispatcher{&configuration};
+    btDbvtBroadphase broadphase;
+    btSequentialImpulseConstraintSolver solver;
+    SoftBodies soft{options};
+    btSoftRigidDynamicsWorld world{
+        &dispatcher, &broadphase, &solver, &configuration, soft.solver()};
+    std::map<std::uint32_t, std::unique_ptr<ObjectBody>> objects;
+    PeopleField people;
+    PeopleContacts contacts;
+    Grabs grabs;
+    std::map<std::uint32_t, Eigen::Vector3d> centres_before;  // of the objects that move
+    Surroundings surroundings{world, kStillGroup, kObjectGroup};
+    Joints joints{world, options.tick_s};
+    std::vector<Incident> found;         // in this tick; scratch
+    std::set<std::uint32_t> dealt_with;  // in this tick; scratch
+    std::vector<Incident> incidents;
+    WorldCounters counters;
+};
+
+}  // namespace atrium::physics
