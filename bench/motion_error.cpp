@@ -1,6 +1,7 @@
 // How far the motion that physics gives a person's surface is from the true one, with hulls from
 // the cameras of a rig: rows of comma-separated values, one per act, of all surfels that are within
 // 15 cm of what the act holds or hits with.
+#include "bench/trial_options.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "core/config/rig.hpp"
 #include "tests/support/acts.hpp"
@@ -156,25 +157,19 @@ Errors measure(const test::Act& act,
 }
 
 // motion_error [--rig FILE] [--trials N] [--first SEED] [--trace] [name or beginning of names ...]
-int run(const std::vector<std::string>& arguments) {
-    std::string rig = ATRIUM_SOURCE_DIR "/deploy/rigs/full_body_1mp.toml";
-    std::uint64_t num_trials = 4;
-    std::uint64_t first = 0;
-    bool traces = false;
-    std::vector<std::string> names;
-    for (std::size_t i = 0; i < arguments.size(); ++i) {
-        const bool has_value = i + 1 < arguments.size();
-        if (arguments[i] == "--trials" && has_value)
-            num_trials = std::stoull(arguments[++i]);
-        else if (arguments[i] == "--first" && has_value)
-            first = std::stoull(arguments[++i]);
-        else if (arguments[i] == "--rig" && has_value)
-            rig = arguments[++i];
-        else if (arguments[i] == "--trace")
-            traces = true;
-        else
-            names.push_back(arguments[i]);
-    }
+int run(int argc, char** argv) {
+    TrialOptions options;
+    options.num_trials = 4;
+    const app::Start started =
+        start({"motion_error",
+               "Compares the velocities that the physics finds on people's surfaces, near what "
+               "they hold, carry or hit with, "
+               "with the true ones, with hulls from the cameras of a simulated room.",
+               "  motion_error --trials 2 --only throw,clasp\n"},
+              options,
+              argc,
+              argv);
+    if (!started.go_on) return started.exit_code;
     using MakeAct = std::function<test::Act(std::uint64_t)>;
     const std::map<std::string, MakeAct> acts{
         {"palm", [](std::uint64_t seed) { return test::carry_on_palm(seed).act; }},
@@ -192,22 +187,20 @@ int run(const std::vector<std::string>& arguments) {
              return test::strike({0.0, 0.0, 1.1}, {1.0, 0.3, 0.1}, 8.0, seed).act;
          }},
     };
-    test::FilmOptions options;
-    options.cameras = value_of(config::load_rig(rig)).cameras;
+    test::FilmOptions filming;
+    filming.cameras = value_of(config::load_rig(options.rig)).cameras;
     fmt::print("act,surfels,median_mps,p90_mps,p99_mps,over_0.3_percent,over_1_percent,along,ms\n");
     for (const auto& [name, make] : acts) {
-        if (!names.empty() && std::none_of(names.begin(), names.end(), [&](const auto& wanted) {
-                return name.starts_with(wanted);
-            }))
-            continue;
+        if (!options.wants(name)) continue;
         Errors together;
-        for (std::uint64_t seed = first; seed < first + num_trials; ++seed) {
+        for (std::uint64_t i = 0; i < options.num_trials; ++i) {
+            const std::uint64_t seed = options.first + i;
             const test::Act act = make(seed);
-            options.seed = seed + 1;
-            options.first_s = 0.001 * static_cast<double>(seed * 7 % 33);
+            filming.seed = seed + 1;
+            filming.first_s = 0.001 * static_cast<double>(seed * 7 % 33);
             const auto film =
-                value_of(test::film(act, options, ATRIUM_SOURCE_DIR "/.cache/world_trials"));
-            together.add(measure(act, film, {}, traces));
+                value_of(test::film(act, filming, ATRIUM_SOURCE_DIR "/.cache/world_trials"));
+            together.add(measure(act, film, {}, options.traces));
         }
         together.print(name);
     }
@@ -217,4 +210,4 @@ int run(const std::vector<std::string>& arguments) {
 }  // namespace
 }  // namespace atrium::bench
 
-int main(int argc, char** argv) { return atrium::bench::run({argv + 1, argv + argc}); }
+int main(int argc, char** argv) { return atrium::bench::run(argc, argv); }

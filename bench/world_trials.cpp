@@ -2,6 +2,7 @@
 // rows of comma-separated values, one per trial; world_trials.sh keeps them and makes the table.
 #include "tests/support/world_trials.hpp"
 
+#include "bench/trial_options.hpp"
 #include "core/config/rig.hpp"
 
 #include <fmt/format.h>
@@ -80,37 +81,29 @@ std::map<std::string, Trial> all_trials() {
     return trials;
 }
 
-// world_trials [--rig FILE] [--trials N] [--first SEED] [--trace] [name or beginning of names ...]
-int run(const std::vector<std::string>& arguments) {
+int run(int argc, char** argv) {
+    TrialOptions options;
+    const app::Start started =
+        start({"world_trials",
+               "Tries what people can do to the things of a world, with hulls from the cameras of "
+               "a simulated room: rows of "
+               "comma-separated values, one per trial. Hulls are kept in .cache/world_trials.",
+               "  world_trials --trials 4 --only palm,tray-ball\n  world_trials --first 7 --trials "
+               "1 --only clasp-box --trace\n"},
+              options,
+              argc,
+              argv);
+    if (!started.go_on) return started.exit_code;
     TrialSetting setting;
-    std::string rig = ATRIUM_SOURCE_DIR "/deploy/rigs/full_body_1mp.toml";
     setting.cache = ATRIUM_SOURCE_DIR "/.cache/world_trials";
-    std::uint64_t num_trials = 20;
-    std::uint64_t first = 0;
-    std::vector<std::string> names;
-    for (std::size_t i = 0; i < arguments.size(); ++i) {
-        const bool has_value = i + 1 < arguments.size();
-        if (arguments[i] == "--trials" && has_value)
-            num_trials = std::stoull(arguments[++i]);
-        else if (arguments[i] == "--first" && has_value)
-            first = std::stoull(arguments[++i]);
-        else if (arguments[i] == "--rig" && has_value)
-            rig = arguments[++i];
-        else if (arguments[i] == "--trace")
-            setting.trace = &std::cerr;
-        else
-            names.push_back(arguments[i]);
-    }
-    setting.cameras = value_of(config::load_rig(rig)).cameras;
+    setting.cameras = value_of(config::load_rig(options.rig)).cameras;
+    if (options.traces) setting.trace = &std::cerr;
     fmt::print("trial,seed,succeeded,measure,reason\n");
     for (const auto& [name, trial] : all_trials()) {
-        const bool is_wanted =
-            names.empty() || std::any_of(names.begin(), names.end(), [&](const auto& wanted) {
-                return name.starts_with(wanted);
-            });
-        if (!is_wanted) continue;
+        if (!options.wants(name)) continue;
         std::uint64_t num_succeeded = 0;
-        for (std::uint64_t seed = first; seed < first + num_trials; ++seed) {
+        for (std::uint64_t i = 0; i < options.num_trials; ++i) {
+            const std::uint64_t seed = options.first + i;
             const TrialResult result = trial(setting, seed);
             num_succeeded += result.succeeded ? 1 : 0;
             fmt::print("{},{},{},{:.3f},\"{}\"\n",
@@ -121,7 +114,7 @@ int run(const std::vector<std::string>& arguments) {
                        result.reason);
             std::fflush(stdout);
         }
-        fmt::print(stderr, "{}: {} of {}\n", name, num_succeeded, num_trials);
+        fmt::print(stderr, "{}: {} of {}\n", name, num_succeeded, options.num_trials);
     }
     return 0;
 }
@@ -129,4 +122,4 @@ int run(const std::vector<std::string>& arguments) {
 }  // namespace
 }  // namespace atrium::bench
 
-int main(int argc, char** argv) { return atrium::bench::run({argv + 1, argv + argc}); }
+int main(int argc, char** argv) { return atrium::bench::run(argc, argv); }

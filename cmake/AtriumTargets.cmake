@@ -6,6 +6,36 @@ if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
     set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
 endif()
 
+# What nearly every source includes is parsed once: it halves the time of a build from nothing. Sources still include what they
+# use: -DATRIUM_PCH=OFF builds without. The flags of the PCH have to be those of the sources, so fmt, which sets one, is linked
+# by all.
+option(ATRIUM_PCH "Precompile the common headers" ON)
+set(CMAKE_PCH_WARN_INVALID OFF) # a target with flags of its own (-pthread) parses the headers itself
+set(ATRIUM_PCH_HEADERS <algorithm> <array> <chrono> <cmath> <condition_variable> <filesystem> <fstream> <functional> <map>
+    <memory> <mutex> <optional> <random> <set> <span> <string> <thread> <vector> <Eigen/Core> <Eigen/Geometry>
+    <fmt/format.h> <tl/expected.hpp>)
+set(ATRIUM_TEST_PCH_HEADERS <gtest/gtest.h> <gmock/gmock.h>)
+
+# _atrium_pch(target kind LINK lib ...): the PCH of this kind is made by a target of its own, the first time one asks for it.
+function(_atrium_pch target kind)
+    target_link_libraries(${target} PRIVATE fmt::fmt)
+    if(NOT ATRIUM_PCH)
+        return()
+    endif()
+    if(NOT TARGET pch_${kind})
+        file(WRITE ${CMAKE_BINARY_DIR}/pch_${kind}.cpp "")
+        add_library(pch_${kind} OBJECT ${CMAKE_BINARY_DIR}/pch_${kind}.cpp)
+        target_link_libraries(pch_${kind} PRIVATE fmt::fmt Eigen3::Eigen tl::expected)
+        target_precompile_headers(pch_${kind} PRIVATE ${ATRIUM_PCH_HEADERS})
+        if(kind STREQUAL test)
+            target_link_libraries(pch_${kind} PRIVATE GTest::gtest GTest::gmock)
+            target_precompile_headers(pch_${kind} PRIVATE ${ATRIUM_TEST_PCH_HEADERS})
+        endif()
+        _atrium_options(pch_${kind})
+    endif()
+    target_precompile_headers(${target} REUSE_FROM pch_${kind})
+endfunction()
+
 function(_atrium_options target)
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wshadow -Wnon-virtual-dtor>
                            $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-stringop-overflow -Wno-restrict>) # wrong alarms of g++ 12 in fmt and std::string
@@ -25,6 +55,7 @@ function(atrium_library name)
     add_library(${name} STATIC ${ARG_SOURCES})
     target_link_libraries(${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
     _atrium_options(${name})
+    _atrium_pch(${name} code)
 endfunction()
 
 # atrium_program(name SOURCES main.cpp ... LINK lib ...)
@@ -33,6 +64,7 @@ function(atrium_program name)
     add_executable(${name} ${ARG_SOURCES})
     target_link_libraries(${name} PRIVATE ${ARG_LINK})
     _atrium_options(${name})
+    _atrium_pch(${name} code)
 endfunction()
 
 # atrium_test(name LABELS unit ... SOURCES a_test.cpp ... LINK lib ... [TIMEOUT seconds])
@@ -44,6 +76,7 @@ function(atrium_test name)
     target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
     target_compile_definitions(${name} PRIVATE ATRIUM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
     _atrium_options(${name})
+    _atrium_pch(${name} test)
     add_test(NAME ${name} COMMAND ${name})
     if(NOT ARG_TIMEOUT)
         set(ARG_TIMEOUT 300)
