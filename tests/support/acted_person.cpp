@@ -1,5 +1,6 @@
 #include "tests/support/acted_person.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <map>
 
@@ -35,6 +36,18 @@ simulation::ArmPose reach(const Eigen::Vector3d& palm_m,
     arm.fingers = fingers;
     arm.palm = palm;
     return arm;
+}
+
+double out_of_reach_m(const simulation::BodyPose& pose) {
+    const simulation::RestJoints rest;
+    const auto bones = simulation::pose_bones(pose);
+    const auto mirrored = [](const Eigen::Vector3d& p) {
+        return Eigen::Vector3d(-p.x(), p.y(), p.z());
+    };
+    const Eigen::Vector3d right = bones[simulation::kHand] * rest.wrist();
+    const Eigen::Vector3d left =
+        mirrored(bones[simulation::left_of(simulation::kHand)] * mirrored(rest.wrist()));
+    return std::max((right - pose.right_arm.wrist).norm(), (left - pose.left_arm.wrist).norm());
 }
 
 double scale_of(const std::string& look) {

@@ -35,6 +35,10 @@ simulation::ArmPose reach(const Eigen::Vector3d& palm_m,
                           const Eigen::Vector3d& elbow_towards,
                           double scale);
 
+/// How far the wrists stay behind where the pose wants them, because the arms are too short, in
+/// metres of a person of the nominal height; the larger of both.
+double out_of_reach_m(const simulation::BodyPose& pose);
+
 /// Height over the nominal one of one of `simulation::look_names()`.
 double scale_of(const std::string& look);
 

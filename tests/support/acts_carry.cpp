@@ -9,12 +9,13 @@ using Eigen::Vector3d;
 using geometry::RigidTransform;
 using simulation::BodyPose;
 
-constexpr double kSpeed = 0.5;     // [m/s] both ways
-constexpr double kSeconds = 2.0;   // at that speed
-constexpr double kStillS = 0.8;    // before: what falls comes to rest
-constexpr double kEndS = 0.5;      // after
-constexpr double kLowM = 0.64;     // of palm or tray at the beginning
-constexpr double kCrouchM = 0.34;  // by which the body is lower then
+constexpr double kSpeed = 0.5;       // [m/s] both ways
+constexpr double kSeconds = 2.0;     // at that speed
+constexpr double kStillS = 0.8;      // before: what falls comes to rest
+constexpr double kEndS = 0.5;        // after
+constexpr double kLowM = 0.66;       // of palm or tray at the beginning
+constexpr double kForwardsM = 0.33;  // of the palms from the body's middle
+constexpr double kCrouchM = 0.34;    // by which the body is lower then
 const Vector3d kTraySize(0.40, 0.28, 0.02);
 
 // Where the body is and how high palm or tray is held.
@@ -75,7 +76,7 @@ CarryAct carry_on_palm(std::uint64_t seed) {
     carry.act.name = "palm" + std::to_string(seed);
     carry.act.pose = [=](double t) {
         BodyPose pose = motion.stance(t);
-        pose.right_arm = reach({side_m, 0.36, motion.height_m(t)},
+        pose.right_arm = reach({side_m, kForwardsM, motion.height_m(t)},
                                Vector3d::UnitY(),
                                Vector3d::UnitZ(),
                                kElbow,
@@ -84,7 +85,8 @@ CarryAct carry_on_palm(std::uint64_t seed) {
     };
     carry.act.site_from_grip = [=](double t) {
         const RigidTransform feet = motion.site_from_feet(t);
-        return RigidTransform{feet.rotation, feet * Vector3d(side_m, 0.36, motion.height_m(t))};
+        return RigidTransform{feet.rotation,
+                              feet * Vector3d(side_m, kForwardsM, motion.height_m(t))};
     };
     return carry;
 }
@@ -98,7 +100,7 @@ CarryAct carry_on_tray(std::uint64_t seed) {
     carry.act.name = "tray" + std::to_string(seed);
     carry.act.pose = [=](double t) {
         BodyPose pose = motion.stance(t);
-        pose.right_arm = reach({0.13, 0.36, motion.height_m(t) - kTraySize.z()},
+        pose.right_arm = reach({0.13, kForwardsM, motion.height_m(t) - kTraySize.z()},
                                Vector3d::UnitY(),
                                Vector3d::UnitZ(),
                                kElbow,
@@ -109,7 +111,8 @@ CarryAct carry_on_tray(std::uint64_t seed) {
     carry.act.prop = physics_test::make_box_mesh(kTraySize, {}, 6);
     const auto grip = [=](double t) {
         const RigidTransform feet = motion.site_from_feet(t);
-        return RigidTransform{feet.rotation, feet * Vector3d(0.0, 0.40, motion.height_m(t))};
+        return RigidTransform{feet.rotation,
+                              feet * Vector3d(0.0, kForwardsM + 0.04, motion.height_m(t))};
     };
     carry.act.site_from_grip = grip;
     carry.act.site_from_prop = [=](double t) {

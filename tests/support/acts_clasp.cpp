@@ -8,8 +8,10 @@ using Eigen::Vector3d;
 using geometry::RigidTransform;
 using simulation::BodyPose;
 
-constexpr double kOpenM = 0.16;  // by which open palms are further apart than the thing is wide
+constexpr double kOpenM = 0.12;  // by which open palms are further apart than the thing is wide
 constexpr double kCloseS = 0.6;  // that closing takes
+constexpr double kForwardsM =
+    0.33;  // from the body's middle to what is held; within reach of the lower arm
 constexpr double kLiftM = 0.12;
 const Vector3d kElbow(0.7, -0.6, -0.8);
 
@@ -43,7 +45,7 @@ ClaspAct clasp_move_turn(std::uint64_t seed, bool level) {
     const double scale = scale_of(look);
     const double width = between(random, 0.16, 0.22);
     const double squeeze = between(random, 0.015, 0.03);
-    const double height = between(random, 1.00, 1.15);
+    const double height = scale * between(random, 1.20, 1.26);
     const double heading = between(random, -std::numbers::pi, std::numbers::pi);
     const double turn = (between(random, 0, 1) == 0 ? -0.5 : 0.5) * std::numbers::pi;
     const double towards = between(random, -std::numbers::pi, std::numbers::pi);
@@ -63,7 +65,7 @@ ClaspAct clasp_move_turn(std::uint64_t seed, bool level) {
     const double lifted_s = clasp.lifted_s;
     // the thing, not the feet, goes by one metre: the turn moves it as well
     const auto thing = [=](double heading_now) {
-        return Vector3d(upright(Vector3d::Zero(), heading_now) * Vector3d(0.0, 0.37, 0.0));
+        return Vector3d(upright(Vector3d::Zero(), heading_now) * Vector3d(0.0, kForwardsM, 0.0));
     };
     const Vector3d step_m(std::cos(towards), std::sin(towards), 0.0);
     const Vector3d feet_way = step_m - thing(heading + turn) + thing(heading);
@@ -73,7 +75,7 @@ ClaspAct clasp_move_turn(std::uint64_t seed, bool level) {
         return upright(feet_start + done * feet_way, heading + done * turn);
     };
     const auto middle = [=](double t) {
-        return Vector3d(0.0, 0.37, height + kLiftM * ease(t, lift_start_s, 0.5));
+        return Vector3d(0.0, kForwardsM, height + kLiftM * ease(t, lift_start_s, 0.5));
     };
     clasp.act.site_from_feet = feet;
     clasp.act.pose = [=](double t) {
@@ -102,7 +104,7 @@ HandOverAct hand_over(std::uint64_t seed) {
     const double width = between(random, 0.15, 0.20);
     const double giver_squeeze = between(random, 0.015, 0.03);
     const double taker_squeeze = between(random, 0.015, 0.03);
-    const double height = between(random, 1.05, 1.15);
+    const double height = std::max(giver_scale, taker_scale) * between(random, 1.20, 1.24);
     const double aside = between(random, -0.03, 0.03);  // by which the taker stands off
     const double late_s = between(random, 0.0, 0.3);
     // in the world the two clasps cross, for the two face each other
@@ -122,7 +124,7 @@ HandOverAct hand_over(std::uint64_t seed) {
     act.end_s = act.opened_s + 1.0;
     act.giver.seconds = act.taker.seconds = act.end_s + 0.4;
     const double opened_s = act.opened_s;
-    const double between_rooms_m = 2.0 * (kWalkM + 0.38);
+    const double between_rooms_m = 2.0 * (kWalkM + kForwardsM);
     act.world_from_giver = upright({-0.5 * between_rooms_m, 0.0, 0.0}, 0.0);
     act.world_from_taker = upright({0.5 * between_rooms_m, 0.0, 0.0}, std::numbers::pi);
 
@@ -134,9 +136,9 @@ HandOverAct hand_over(std::uint64_t seed) {
         const double x = kWalkM * ease(t, walk_s, kWalkS) - 0.3 * ease(t, opened_s, 1.0);
         return upright({x, aside, 0.0}, kForwards);
     };
-    const Vector3d lifted(0.0, 0.38, height + kLiftM);
+    const Vector3d lifted(0.0, kForwardsM, height + kLiftM);
     const auto giver_middle = [=](double t) {
-        return Vector3d(0.0, 0.38, height + kLiftM * ease(t, lift_s, 0.4));
+        return Vector3d(0.0, kForwardsM, height + kLiftM * ease(t, lift_s, 0.4));
     };
     act.giver.site_from_feet = giver_feet;
     act.taker.site_from_feet = taker_feet;
@@ -173,11 +175,12 @@ ThrowAct throw_forwards(std::uint64_t seed) {
     const double scale = scale_of(look);
     const double width = between(random, 0.14, 0.20);
     const double squeeze = between(random, 0.015, 0.03);
-    const double height = between(random, 1.10, 1.20);
+    const double height = scale * between(random, 1.22, 1.28);
     const double heading = between(random, -std::numbers::pi, std::numbers::pi);
     const double speed = between(random, 1.5, 2.5);
     const Clasp hands{scale, between(random, -0.2, 0.2)};
     constexpr double kStrokeM = 0.36;
+    constexpr double kArms = 0.42;
     const double closed_s = 0.3 + kCloseS;
     const double start_s = closed_s + 0.3;
     const double stroke_s = 2.0 * kStrokeM / speed;  // at even acceleration
@@ -189,7 +192,7 @@ ThrowAct throw_forwards(std::uint64_t seed) {
     thrown.act.look = look;
     thrown.act.seconds = thrown.release_s + 0.5;
     const double release_s = thrown.release_s;
-    // the trunk gives a third of the way
+    // the arms give this much of the way, a step the rest
     const auto forwards = [=](double t) {
         const double up = std::clamp(t - start_s, 0.0, stroke_s);
         const double down = std::clamp(t - release_s, 0.0, 0.1);
@@ -197,11 +200,9 @@ ThrowAct throw_forwards(std::uint64_t seed) {
     };
     const auto feet = [=](double t) {
         const RigidTransform turned = upright(Vector3d::Zero(), heading);
-        return upright(turned * Vector3d(0.0, forwards(t) / 3.0 - 0.5, 0.0), heading);
+        return upright(turned * Vector3d(0.0, (1.0 - kArms) * forwards(t) - 0.5, 0.0), heading);
     };
-    const auto middle = [=](double t) {
-        return Vector3d(0.0, 0.25 + forwards(t) * 2.0 / 3.0, height);
-    };
+    const auto middle = [=](double t) { return Vector3d(0.0, 0.18 + kArms * forwards(t), height); };
     thrown.act.site_from_feet = feet;
     thrown.act.pose = [=](double t) {
         BodyPose pose;

@@ -24,7 +24,7 @@ struct Caster {
         object.setCollisionShape(const_cast<btCollisionShape*>(&shape));
         object.setWorldTransform(btTransform::getIdentity());
     }
-    void cast(const btVector3& from, const btVector3& to, std::vector<Eigen::Vector3f>& points) {
+    void cast(const btVector3& from, const btVector3& to, std::vector<BodySample>& samples) {
         btCollisionWorld::ClosestRayResultCallback result(from, to);
         btCollisionWorld::rayTestSingle(btTransform(btQuaternion::getIdentity(), from),
                                         btTransform(btQuaternion::getIdentity(), to),
@@ -35,7 +35,8 @@ struct Caster {
         if (!result.hasHit()) return;
         const btVector3 back = (from - to).normalized();
         if (result.m_hitNormalWorld.dot(back) < kFacing) return;
-        points.push_back(from_bullet(result.m_hitPointWorld));
+        samples.push_back({from_bullet(result.m_hitPointWorld),
+                           from_bullet(result.m_hitNormalWorld).normalized()});
     }
     const btCollisionShape& shape;
     btCollisionObject object;
@@ -45,7 +46,7 @@ void cast_lattice(const btCollisionShape& shape,
                   const Eigen::Vector3f& low,
                   const Eigen::Vector3f& high,
                   double spacing_m,
-                  std::vector<Eigen::Vector3f>& points) {
+                  std::vector<BodySample>& samples) {
     Caster caster(shape);
     const Eigen::Vector3f size = high - low;
     const auto num_along = [&](int axis) {
@@ -65,33 +66,47 @@ void cast_lattice(const btCollisionShape& shape,
             from[axis] = low[axis] - 0.1F;
             Eigen::Vector3f to = from;
             to[axis] = high[axis] + 0.1F;
-            caster.cast(to_bullet(from), to_bullet(to), points);
-            caster.cast(to_bullet(to), to_bullet(from), points);
+            caster.cast(to_bullet(from), to_bullet(to), samples);
+            caster.cast(to_bullet(to), to_bullet(from), samples);
         }
     }
 }
 
-void add_tip(const Eigen::Vector3f& tip, std::vector<Eigen::Vector3f>& points) {
-    for (const Eigen::Vector3f& p : points) {
-        if ((p - tip).squaredNorm() < kSamePointM * kSamePointM) return;
+// `tip` lies furthest in `direction`. `tips` are those found before.
+void add_tip(const Eigen::Vector3f& tip,
+             const Eigen::Vector3f& direction,
+             const std::vector<BodySample>& samples,
+             std::vector<BodySample>& tips) {
+    const auto is_there = [&](const BodySample& other) {
+        return (other.point - tip).squaredNorm() < kSamePointM * kSamePointM;
+    };
+    if (std::any_of(samples.begin(), samples.end(), is_there)) return;
+    const auto known = std::find_if(tips.begin(), tips.end(), is_there);
+    if (known == tips.end()) {
+        tips.push_back({tip, direction});
+    } else {
+        known->outwards += direction;
     }
-    points.push_back(tip);
 }
 
 void add_tips(const btCollisionShape& shape,
               const btTransform& place,
-              std::vector<Eigen::Vector3f>& points) {
+              const std::vector<BodySample>& samples,
+              std::vector<BodySample>& tips) {
     if (shape.isCompound()) {
         const auto& compound = static_cast<const btCompoundShape&>(shape);
         for (int i = 0; i < compound.getNumChildShapes(); ++i) {
-            add_tips(*compound.getChildShape(i), place * compound.getChildTransform(i), points);
+            const btTransform child = place * compound.getChildTransform(i);
+            add_tips(*compound.getChildShape(i), child, samples, tips);
         }
         return;
     }
     if (!shape.isConvex()) return;
     const auto& convex = static_cast<const btConvexShape&>(shape);
     for (const Eigen::Vector3f& direction : even_directions(kNumTips)) {
-        add_tip(from_bullet(place * convex.localGetSupportingVertex(to_bullet(direction))), points);
+        const btVector3 tip = place * convex.localGetSupportingVertex(to_bullet(direction));
+        const btVector3 outwards = place.getBasis() * to_bullet(direction);
+        add_tip(from_bullet(tip), from_bullet(outwards), samples, tips);
     }
 }
 
@@ -111,8 +126,8 @@ std::vector<Eigen::Vector3f> even_directions(std::size_t num) {
     return directions;
 }
 
-std::vector<Eigen::Vector3f> sample_body(const btCollisionShape& shape,
-                                         const BodySamplingOptions& options) {
+std::vector<BodySample> sample_body(const btCollisionShape& shape,
+                                    const BodySamplingOptions& options) {
     btVector3 low;
     btVector3 high;
     shape.getAabb(btTransform::getIdentity(), low, high);
@@ -120,10 +135,15 @@ std::vector<Eigen::Vector3f> sample_body(const btCollisionShape& shape,
     const double box_m2 = 2.0 * (size.x() * size.y() + size.y() * size.z() + size.z() * size.x());
     const double spacing_m =
         std::max(options.spacing_m, std::sqrt(box_m2 / static_cast<double>(options.max_samples)));
-    std::vector<Eigen::Vector3f> points;
-    cast_lattice(shape, from_bullet(low), from_bullet(high), spacing_m, points);
-    add_tips(shape, btTransform::getIdentity(), points);
-    return points;
+    std::vector<BodySample> samples;
+    cast_lattice(shape, from_bullet(low), from_bullet(high), spacing_m, samples);
+    std::vector<BodySample> tips;
+    add_tips(shape, btTransform::getIdentity(), samples, tips);
+    for (BodySample& tip : tips) {
+        tip.outwards.normalize();
+        samples.push_back(tip);
+    }
+    return samples;
 }
 
 }  // namespace atrium::physics

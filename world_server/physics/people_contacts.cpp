@@ -1,6 +1,7 @@
 #include "world_server/physics/people_contacts.hpp"
 
 #include "world_server/physics/body_samples.hpp"
+#include "world_server/physics/hold.hpp"
 
 #include <btBulletDynamicsCommon.h>
 
@@ -16,18 +17,15 @@ constexpr float kSphereSpacingM = 0.02F;  // of a sphere's samples
 constexpr std::size_t kMinSphereSamples = 26;
 constexpr std::size_t kMaxSphereSamples = 600;
 
-// How what overlaps is moved apart: at a speed that grows with the depth, gently for the flicker
-// of an outline, faster where it is really deep. More throws what lies on a hand into the air
-// whenever the hull is a little larger than the one before.
-constexpr float kFreeDepthM = 0.002F;  // left alone, so that resting contacts stay
-constexpr float kSoftRate = 6.0F;      // [1/s]
-constexpr float kSoftMps = 0.3F;
-constexpr float kDeepM = 0.015F;
-constexpr float kDeepRate = 60.0F;  // [1/s]
-constexpr float kDeepMps = 0.3F;
+// A hand gives way around what it holds: an overlap pushes like a spring, damped so that it creeps
+// apart instead of throwing what lies on a hand into the air whenever the hull is a little larger
+// than the one before. Between two palms the springs come to rest in the middle, where velocities
+// that contradict each other would fight. Per mass of the object, shared by its contacts.
+constexpr float kStiffness = 1600.0F;  // [1/s^2]
+constexpr float kDamping = 480.0F;     // [1/s]
 
-// The depth that Bullet is told; below its threshold for shifting bodies instead. The speed is set
-// by the contact's error reduction.
+// The depth that Bullet is told; below its threshold for shifting bodies instead. What the real one
+// does is set by the contact's error reduction.
 constexpr float kToldDepthM = 0.001F;
 
 // A hit: Bullet would let the gap close in this tick and, depending on how wide it was, have little
@@ -50,12 +48,6 @@ constexpr int kFirstCarrierIndex = 1 << 16;
 
 btVector3 to_bullet(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
 Eigen::Vector3f from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
-
-float separation_mps(float depth_m) {
-    const float soft = std::min(kSoftRate * std::max(0.0F, depth_m - kFreeDepthM), kSoftMps);
-    const float deep = std::min(kDeepRate * std::max(0.0F, depth_m - kDeepM), kDeepMps);
-    return soft + deep;
-}
 
 ContactMotion motion_of(const btRigidBody& body) {
     ContactMotion motion;
@@ -89,8 +81,10 @@ ContactBody surface_of(const btCollisionShape& shape) {
     body.radius_m = static_cast<const btSphereShape&>(shape).getRadius();
     const float area_m2 = 4.0F * std::numbers::pi_v<float> * body.radius_m * body.radius_m;
     const auto num = static_cast<std::size_t>(area_m2 / (kSphereSpacingM * kSphereSpacingM));
-    body.samples = even_directions(std::clamp(num, kMinSphereSamples, kMaxSphereSamples));
-    for (Eigen::Vector3f& sample : body.samples) sample *= body.radius_m;
+    for (const Eigen::Vector3f& outwards :
+         even_directions(std::clamp(num, kMinSphereSamples, kMaxSphereSamples))) {
+        body.samples.push_back({body.radius_m * outwards, outwards});
+    }
     return body;
 }
 
@@ -122,6 +116,15 @@ struct PeopleContacts::Tracked {
     ContactBody surface;
     float inner_radius_m = 0.0F;  // half of the smallest extent
     std::string escaping_from;    // the person whom it is being led out of; empty: none
+    std::map<std::string, Hold> holds;
+};
+
+// What the contacts of an object with a person have in common.
+struct PeopleContacts::Surface {
+    Eigen::Vector3f turning;  // [rad/s]
+    const Hold& hold;
+    float share = 1.0F;            // of a contact in the object's mass
+    bool resists_rolling = false;  // the next one does
 };
 
 PeopleContacts::PeopleContacts(btDispatcher& dispatcher, const PeopleContactOptions& options)
@@ -146,6 +149,7 @@ void PeopleContacts::remove(std::uint32_t id) { bodies_.erase(id); }
 void PeopleContacts::forget_person(const std::string& name) {
     for (auto& [id, tracked] : bodies_) {
         if (tracked->escaping_from == name) tracked->escaping_from.clear();
+        tracked->holds.erase(name);
     }
 }
 
@@ -170,6 +174,7 @@ void PeopleContacts::begin_body(Tracked& tracked, const PeopleField& people, dou
     for (const auto& [name, person] : people.people()) {
         if (!person.surfels().is_near(motion.low, motion.high) &&
             person.surfels().max_speed_mps() == 0.0F && motion.linear_velocity.isZero()) {
+            tracked.holds.erase(name);
             continue;
         }
         const auto contacts = finder_.find(tracked.surface, motion, person, tick_s);
@@ -189,8 +194,17 @@ void PeopleContacts::begin_body(Tracked& tracked, const PeopleField& people, dou
             lead_out(tracked, people);
             return;
         }
+        if (contacts.empty()) {
+            tracked.holds.erase(name);
+            continue;
+        }
+        Hold& hold = tracked.holds[name];
+        hold.update(motion, person, contacts, finder_.turning());
+        Surface surface{finder_.turning() + hold.turning(), hold};
+        surface.share = 1.0F / static_cast<float>(contacts.size());
         for (const PersonContact& c : contacts) {
-            insert(tracked, c, num_resisting++ < kNumRolling, tick_s);
+            surface.resists_rolling = num_resisting++ < kNumRolling;
+            insert(tracked, c, surface, tick_s);
         }
     }
     if (num_used_ > num_before) tracked.body->activate();
@@ -244,7 +258,7 @@ bool PeopleContacts::lead_out(Tracked& tracked, const PeopleField& people) {
 
 void PeopleContacts::insert(Tracked& tracked,
                             const PersonContact& contact,
-                            bool resists_rolling,
+                            const Surface& surface,
                             double tick_s) {
     if (num_used_ == carriers_.size()) {
         carriers_.push_back(
@@ -256,7 +270,12 @@ void PeopleContacts::insert(Tracked& tracked,
     btTransform place = btTransform::getIdentity();
     place.setOrigin(on_person);
     carrier.body.setWorldTransform(place);
-    carrier.body.setLinearVelocity(to_bullet(contact.velocity));
+    // along the surface only: how deep it is, the spring knows
+    const Eigen::Vector3f centre = from_bullet(tracked.body->getWorldTransform().getOrigin());
+    Eigen::Vector3f behind = surface.hold.velocity_at(contact.point - centre);
+    behind -= contact.normal * contact.normal.dot(behind);
+    carrier.body.setLinearVelocity(to_bullet((contact.velocity + behind).eval()));
+    carrier.body.setAngularVelocity(to_bullet(surface.turning));
     carrier.body.setCompanionId(-1);  // what the solver remembered of the tick before
     carrier.manifold = dispatcher_.getNewManifold(tracked.body, &carrier.body);
 
@@ -275,13 +294,18 @@ void PeopleContacts::insert(Tracked& tracked,
     point.m_combinedFriction = std::sqrt(friction * tracked.body->getFriction());
     point.m_combinedRestitution =
         std::max(static_cast<float>(options_.restitution), 0.5F * tracked.body->getRestitution());
-    if (resists_rolling) {
+    if (surface.resists_rolling) {
         point.m_combinedRollingFriction = kRollingLever * tracked.inner_radius_m;
         point.m_combinedSpinningFriction = kSpinningLever * tracked.inner_radius_m;
     }
-    if (depth_m > 0.0F) {
-        point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_ERP;
-        point.m_contactERP = separation_mps(depth_m) * static_cast<float>(tick_s) / -told_m;
+    if (!is_hit) {
+        const auto tick = static_cast<float>(tick_s);
+        const float rate = kStiffness * tick + kDamping;  // [1/s] of an implicit step
+        const float mass_kg = surface.share / tracked.body->getInvMass();
+        point.m_contactPointFlags |=
+            BT_CONTACT_FLAG_HAS_CONTACT_CFM | BT_CONTACT_FLAG_HAS_CONTACT_ERP;
+        point.m_contactCFM = 1.0F / (mass_kg * rate);
+        point.m_contactERP = depth_m > 0.0F ? kStiffness / rate * depth_m * tick / -told_m : 0.0F;
     }
     carrier.manifold->addManifoldPoint(point);
     // one that would be inside after the tick is stopped, or driven, within it

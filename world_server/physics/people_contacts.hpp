@@ -54,12 +54,13 @@ public:
 private:
     struct Carrier;
     struct Tracked;
+    struct Surface;
     void begin_body(Tracked& tracked, const PeopleField& people, double tick_s);
     bool lead_out(Tracked& tracked, const PeopleField& people);
     bool is_inside(const Tracked& tracked, const PersonField& person) const;
     void insert(Tracked& tracked,
                 const PersonContact& contact,
-                bool resists_rolling,
+                const Surface& surface,
                 double tick_s);
 
     btDispatcher& dispatcher_;

@@ -58,8 +58,11 @@ void PersonField::set_shape(const PersonShape& shape) {
 
 void PersonField::begin_tick(double tick_s) {
     tick_s_ = tick_s;
+    is_half_way_ = false;
     if (is_placed_ || !shape_) return;
     const double moving_s = std::min(tick_s, time_to_go_s_);
+    const double half_s = 0.5 * period_s_ + 1e-6;  // for rounding
+    is_half_way_ = time_to_go_s_ <= half_s && time_to_go_s_ + tick_s > half_s;
     const auto behind = static_cast<float>(period_s_ > 0.0 ? time_to_go_s_ / period_s_ : 0.0);
     const auto share = static_cast<float>(moving_s / tick_s);
     placed_.clear();
@@ -73,18 +76,19 @@ void PersonField::begin_tick(double tick_s) {
 }
 
 std::optional<SurfacePoint> PersonField::query(const Eigen::Vector3f& point,
-                                               const Eigen::Vector3f& velocity) const {
-    const Side nearest = find_side(grid_, point, [](const PlacedSurfel&, float) { return true; });
+                                               const Asker& asker) const {
+    const Side nearest = find_side(
+        grid_, point, [&](const PlacedSurfel& s, float) { return asker.faces(s.normal); });
     if (nearest.surfel == nullptr) return std::nullopt;
     const PlacedSurfel* side = nearest.surfel;
-    if (side->normal.dot(velocity - side->velocity) > kLeavingMps) {
+    if (side->normal.dot(asker.velocity - side->velocity) > kLeavingMps) {
         // in front of the surface and off; or inside, having come through another side: the
         // nearest that the point does not move out of, and was before a tick ago
         if (nearest.distance_m >= 0.0F) return std::nullopt;
         const auto tick_s = static_cast<float>(tick_s_);
         const Side entered = find_side(grid_, point, [&](const PlacedSurfel& s, float distance_m) {
-            if (distance_m > 0.0F) return false;
-            const float leaving_mps = s.normal.dot(velocity - s.velocity);
+            if (distance_m > 0.0F || !asker.faces(s.normal)) return false;
+            const float leaving_mps = s.normal.dot(asker.velocity - s.velocity);
             return leaving_mps <= kLeavingMps && distance_m - leaving_mps * tick_s >= -kEnteredM;
         });
         if (entered.surfel == nullptr) return std::nullopt;
@@ -125,10 +129,10 @@ void PeopleField::begin_tick(double tick_s) {
 }
 
 std::optional<SurfacePoint> PeopleField::query(const Eigen::Vector3f& p_world,
-                                               const Eigen::Vector3f& velocity_of_asker) const {
+                                               const Asker& asker) const {
     std::optional<SurfacePoint> deepest;
     for (const auto& [name, person] : people_) {
-        const auto found = person.query(p_world, velocity_of_asker);
+        const auto found = person.query(p_world, asker);
         if (found && (!deepest || found->distance_m < deepest->distance_m)) deepest = found;
     }
     return deepest;

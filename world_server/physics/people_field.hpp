@@ -22,6 +22,20 @@ struct SurfacePoint {
     Eigen::Vector3f velocity;  // [m/s] of the surface
 };
 
+/// Who asks for the surface at a point.
+struct Asker {
+    Eigen::Vector3f velocity = Eigen::Vector3f::Zero();  // [m/s] of what is at the point
+    /// Unit length: out of the asker's surface there; zero: it faces nowhere.
+    Eigen::Vector3f outwards = Eigen::Vector3f::Zero();
+
+    /// Only surfaces that face the asker's count: what lies on a hand is not pushed down by the
+    /// back of it, however thin it is and however deep the thing is inside.
+    bool faces(const Eigen::Vector3f& normal) const {
+        return outwards.isZero() || normal.dot(outwards) < kFacing;
+    }
+    static constexpr float kFacing = -0.25F;  // cosine
+};
+
 /// How far from a surface a point may be to be told of it.
 inline constexpr float kFieldReachM = 0.04F;
 
@@ -34,10 +48,8 @@ public:
     /// them through it; time goes on by one tick.
     void begin_tick(double tick_s);
 
-    /// Nothing within reach, or moving out of the person there: nullopt. `velocity` [m/s]: of what
-    /// is at the point.
-    std::optional<SurfacePoint> query(const Eigen::Vector3f& point,
-                                      const Eigen::Vector3f& velocity) const;
+    /// Nothing within reach that the asker faces, or moving out of the person there: nullopt.
+    std::optional<SurfacePoint> query(const Eigen::Vector3f& point, const Asker& asker) const;
 
     /// The nearest surfel within `radius_m` for which `accept(surfel)` holds; null: none. Slower
     /// than `query`, for what is deep inside.
@@ -45,6 +57,9 @@ public:
     const PlacedSurfel* nearest(const Eigen::Vector3f& point,
                                 float radius_m,
                                 const Accept& accept) const;
+
+    /// True in one tick of each mesh's way: the moment to compare it with others.
+    bool is_half_way() const { return is_half_way_; }
 
     const SurfelGrid& surfels() const { return grid_; }
     std::size_t num_surfels() const { return shape_ ? shape_->size() : 0; }
@@ -54,6 +69,7 @@ private:
     double period_s_ = 0.0;
     double time_to_go_s_ = 0.0;  // until the surfels are where the mesh was captured
     double tick_s_ = 0.0;
+    bool is_half_way_ = false;
     bool is_placed_ = false;  // nothing moves any more and the grid holds what there is
     std::vector<PlacedSurfel> placed_;
     SurfelGrid grid_;
@@ -86,11 +102,10 @@ public:
     void begin_tick(double tick_s);
 
     /// The surface, of whichever person, that is nearest to the point or that the point is deepest
-    /// inside of; nullopt: nothing within `kFieldReachM`. `velocity_of_asker` [m/s]: surfaces that
-    /// the asker moves out of quickly do not count, so that a thin hand that has swept past the
-    /// point within a tick still pushes forwards.
-    std::optional<SurfacePoint> query(const Eigen::Vector3f& p_world,
-                                      const Eigen::Vector3f& velocity_of_asker) const;
+    /// inside of; nullopt: nothing within `kFieldReachM`. Surfaces that the asker moves out of
+    /// quickly do not count, so that a thin hand that has swept past the point within a tick still
+    /// pushes forwards.
+    std::optional<SurfacePoint> query(const Eigen::Vector3f& p_world, const Asker& asker) const;
 
     const std::map<std::string, PersonField>& people() const { return people_; }
 

@@ -1,5 +1,7 @@
 #include "world_server/physics/person_contact.hpp"
 
+#include <Eigen/Cholesky>
+
 #include <algorithm>
 #include <cmath>
 
@@ -16,6 +18,7 @@ constexpr float kFacingPlane = -0.8F;
 constexpr float kFacingEdge = -0.3F;
 constexpr float kSameSide = 0.3F;    // cosine
 constexpr float kSameNormal = 0.9F;  // cosine
+constexpr float kTurningM = 0.01F;   // what is smaller than this hardly tells how it turns
 constexpr float kMinApartM = 0.012F;
 
 }  // namespace
@@ -29,11 +32,8 @@ std::span<const PersonContact> ContactFinder::find(const ContactBody& body,
     const auto tick = static_cast<float>(tick_s);
     gather(motion, person, tick);
     if (num_near_ == 0) return {};
-    for (const Eigen::Vector3f& sample : body.samples) {
-        const Eigen::Vector3f offset =
-            body.is_sphere ? sample : (motion.world_from_body.linear() * sample).eval();
-        test(body, motion, offset, person, tick);
-    }
+    find_turning();
+    for (const BodySample& sample : body.samples) test(body, motion, sample, person, tick);
     select(body.size_m);
     return selected_;
 }
@@ -42,6 +42,7 @@ std::span<const PersonContact> ContactFinder::find(const ContactBody& body,
 void ContactFinder::gather(const ContactMotion& motion, const PersonField& person, float tick_s) {
     num_near_ = 0;
     fast_.clear();
+    near_.clear();
     const float own_mps = motion.linear_velocity.norm();
     const float reach_m = kFieldReachM + tick_s * (own_mps + person.surfels().max_speed_mps());
     const Eigen::Vector3f reach = Eigen::Vector3f::Constant(reach_m);
@@ -52,6 +53,7 @@ void ContactFinder::gather(const ContactMotion& motion, const PersonField& perso
     const Eigen::Vector3f disc = Eigen::Vector3f::Constant(kDiscM + tick_s * turning_mps + kSlackM);
     person.surfels().visit_box(motion.low - reach, motion.high + reach, [&](const PlacedSurfel& s) {
         ++num_near_;
+        near_.push_back(&s);
         near_low_ = near_low_.cwiseMin(s.position);
         near_high_ = near_high_.cwiseMax(s.position);
         const Eigen::Vector3f way = tick_s * (motion.linear_velocity - s.velocity);
@@ -69,17 +71,39 @@ void ContactFinder::gather(const ContactMotion& motion, const PersonField& perso
     near_high_ += reach;
 }
 
+// The rigid motion that comes closest to that of all surfels near the object.
+void ContactFinder::find_turning() {
+    turning_.setZero();
+    Eigen::Vector3f centre = Eigen::Vector3f::Zero();
+    Eigen::Vector3f velocity = Eigen::Vector3f::Zero();
+    for (const PlacedSurfel* s : near_) {
+        centre += s->position;
+        velocity += s->velocity;
+    }
+    const auto num = static_cast<float>(near_.size());
+    centre /= num;
+    velocity /= num;
+    Eigen::Matrix3f inertia = num * kTurningM * kTurningM * Eigen::Matrix3f::Identity();
+    Eigen::Vector3f momentum = Eigen::Vector3f::Zero();
+    for (const PlacedSurfel* s : near_) {
+        const Eigen::Vector3f arm = s->position - centre;
+        inertia += arm.squaredNorm() * Eigen::Matrix3f::Identity() - arm * arm.transpose();
+        momentum += arm.cross(s->velocity - velocity);
+    }
+    turning_ = inertia.ldlt().solve(momentum);
+}
+
 // The surfel whose disc the point meets first from the front within the tick.
 const PlacedSurfel* ContactFinder::first_on_path(const Eigen::Vector3f& point,
-                                                 const Eigen::Vector3f& velocity,
+                                                 const Asker& asker,
                                                  float tick_s) const {
     const PlacedSurfel* first = nullptr;
     float first_s = tick_s;
     for (const PlacedSurfel& s : fast_) {
         const Eigen::Vector3f offset = point - s.position;
         const float distance_m = s.normal.dot(offset);
-        if (distance_m < 0.0F) continue;
-        const Eigen::Vector3f relative = velocity - s.velocity;
+        if (distance_m < 0.0F || !asker.faces(s.normal)) continue;
+        const Eigen::Vector3f relative = asker.velocity - s.velocity;
         const float closing_mps = -s.normal.dot(relative);
         if (distance_m >= closing_mps * first_s) continue;
         const float meeting_s = distance_m / closing_mps;
@@ -92,20 +116,25 @@ const PlacedSurfel* ContactFinder::first_on_path(const Eigen::Vector3f& point,
 
 void ContactFinder::test(const ContactBody& body,
                          const ContactMotion& motion,
-                         const Eigen::Vector3f& offset,
+                         const BodySample& sample,
                          const PersonField& person,
                          float tick_s) {
     const Eigen::Vector3f centre = motion.world_from_body.translation();
+    const auto in_world = [&](const Eigen::Vector3f& v) -> Eigen::Vector3f {
+        return body.is_sphere ? v : (motion.world_from_body.linear() * v).eval();
+    };
+    const Eigen::Vector3f offset = in_world(sample.point);
     const Eigen::Vector3f point = centre + offset;
     if ((point.array() < near_low_.array()).any() || (point.array() > near_high_.array()).any()) {
         return;
     }
-    const Eigen::Vector3f velocity = motion.linear_velocity + motion.angular_velocity.cross(offset);
+    const Asker asker{motion.linear_velocity + motion.angular_velocity.cross(offset),
+                      in_world(sample.outwards)};
     PersonContact contact;
-    if (const auto found = person.query(point, velocity)) {
+    if (const auto found = person.query(point, asker)) {
         contact = {point, found->normal, found->velocity, found->distance_m};
     } else if (const PlacedSurfel* surfel =
-                   fast_.empty() ? nullptr : first_on_path(point, velocity, tick_s)) {
+                   fast_.empty() ? nullptr : first_on_path(point, asker, tick_s)) {
         contact = {
             point, surfel->normal, surfel->velocity, surfel->normal.dot(point - surfel->position)};
     } else {

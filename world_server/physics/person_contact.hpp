@@ -1,5 +1,6 @@
 #pragma once
 
+#include "world_server/physics/body_samples.hpp"
 #include "world_server/physics/people_field.hpp"
 
 #include <Eigen/Core>
@@ -27,10 +28,9 @@ struct PersonContact {
 /// An object's surface as the contact search sees it.
 struct ContactBody {
     bool is_sphere = false;
-    float radius_m = 0.0F;                 // of a sphere
-    float size_m = 0.0F;                   // largest extent
-    std::vector<Eigen::Vector3f> samples;  // in the object's frame; of a sphere: relative to its
-                                           // centre, in the world's axes
+    float radius_m = 0.0F;            // of a sphere
+    float size_m = 0.0F;              // largest extent
+    std::vector<BodySample> samples;  // of a sphere: relative to its centre, world's axes
 };
 
 /// The object's motion at the beginning of a tick; world frame.
@@ -54,20 +54,25 @@ public:
                                         const PersonField& person,
                                         double tick_s);
     std::size_t num_near() const { return num_near_; }
+    /// [rad/s], world frame, of what is near as if it were one piece.
+    const Eigen::Vector3f& turning() const { return turning_; }
 
 private:
     void gather(const ContactMotion& motion, const PersonField& person, float tick_s);
+    void find_turning();
     void test(const ContactBody& body,
               const ContactMotion& motion,
-              const Eigen::Vector3f& offset,
+              const BodySample& sample,
               const PersonField& person,
               float tick_s);
     const PlacedSurfel* first_on_path(const Eigen::Vector3f& point,
-                                      const Eigen::Vector3f& velocity,
+                                      const Asker& asker,
                                       float tick_s) const;
     void select(float size_m);
 
     std::size_t num_near_ = 0;
+    Eigen::Vector3f turning_;
+    std::vector<const PlacedSurfel*> near_;
     Eigen::Vector3f near_low_;
     Eigen::Vector3f near_high_;
     std::vector<PlacedSurfel> fast_;  // near and so fast that the field's reach does not do

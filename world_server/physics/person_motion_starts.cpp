@@ -14,6 +14,8 @@ using motion::kAlikeM;
 using motion::kSameFacing;
 using motion::kTrialPoints;
 
+constexpr float kSlidesM = 0.004F;   // less is not worth a start of its own
+constexpr float kNoWorse = 0.05F;    // cost by which what goes on as before may fit worse than rest
 constexpr float kHardCost = 0.08F;   // above, a region is not explained
 constexpr float kAgreement = 0.15F;  // cost of disagreeing with all neighbours
 constexpr float kFewPoints = 15.0F;
@@ -45,7 +47,15 @@ void MotionEstimator::start_from_rest(Region& region) {
 // What lies where a region of the mesh before was headed may go on as that did.
 void MotionEstimator::start_from_before() {
     for (Region& region : regions_) {
-        if ((region.key & 1U) == 0) continue;
+        if ((region.key & 1U) == 0) {
+            // a palm that slides along itself is explained by rest as well
+            const auto before = predicted(region);
+            if (!before || before->norm() < kSlidesM) continue;
+            const float cost = correspond(region, *before, kTrialPoints).cost;
+            const float at_rest = correspond(region, region.displacement, kTrialPoints).cost;
+            if (cost <= at_rest + kNoWorse) region.displacement = *before;
+            continue;
+        }
         for (const Moved& moved : previous_) {
             if (region.starts.size() == kMaxPrevious) break;
             const Eigen::Vector3f headed = moved.centre + moved.displacement;

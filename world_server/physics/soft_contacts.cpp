@@ -86,7 +86,7 @@ std::optional<SoftContact> meet_person(const PeopleField& people,
                                        const SoftContactOptions& options) {
     const btVector3& x = sample.position;
     const btVector3& v = sample.velocity;
-    const auto found = people.query({x.x(), x.y(), x.z()}, {v.x(), v.y(), v.z()});
+    const auto found = people.query({x.x(), x.y(), x.z()}, {.velocity = {v.x(), v.y(), v.z()}});
     if (!found) return std::nullopt;
     SoftContact contact;
     contact.normal = btVector3(found->normal.x(), found->normal.y(), found->normal.z());

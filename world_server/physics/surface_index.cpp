@@ -10,6 +10,7 @@ namespace atrium::physics {
 namespace {
 
 constexpr double kMinCellM = 0.04;  // about two sample spacings: a handful of samples per cell
+constexpr float kSmoothM = 0.03F;   // around a sample, of what its normal is a mean of
 constexpr int kMaxCells = 1 << 18;  // a mesh that claims to be huge gets larger cells, not more
 
 // Spreads the samples of one large triangle: the R2 low-discrepancy sequence, folded into it.
@@ -39,7 +40,9 @@ double area_m2(const geometry::TriangleMesh& mesh) {
 SurfaceIndex::SurfaceIndex(const geometry::TriangleMesh& mesh, const SamplingOptions& options) {
     assert(options.spacing_m > 0.0 && options.max_samples > 0);
     take_samples(mesh, options);
-    if (!samples_.empty()) sort_into_cells();
+    if (samples_.empty()) return;
+    sort_into_cells();
+    smooth_normals();
 }
 
 void SurfaceIndex::take_samples(const geometry::TriangleMesh& mesh,
@@ -92,6 +95,34 @@ void SurfaceIndex::sort_into_cells() {
     std::vector<std::uint32_t> next(cell_begin_.begin(), cell_begin_.end() - 1);
     for (const SurfaceSample& sample : samples_) sorted[next[key(sample)]++] = sample;
     samples_ = std::move(sorted);
+}
+
+// A facet of a hull is some pixels of one outline, and tilts with their noise. Where regions of a
+// surface slide along themselves, such tilts would tell a motion that is not there.
+void SurfaceIndex::smooth_normals() {
+    std::vector<Eigen::Vector3f> smooth;
+    smooth.reserve(samples_.size());
+    for (const SurfaceSample& s : samples_) {
+        const Eigen::Array3i low = cell_of((s.position.array() - kSmoothM).matrix()).max(0);
+        const Eigen::Array3i high =
+            cell_of((s.position.array() + kSmoothM).matrix()).min(dims_ - 1);
+        Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+        for (int z = low.z(); z <= high.z(); ++z) {
+            for (int y = low.y(); y <= high.y(); ++y) {
+                const std::uint32_t end = cell_begin_[cell_index(high.x(), y, z) + 1];
+                for (std::uint32_t i = cell_begin_[cell_index(low.x(), y, z)]; i < end; ++i) {
+                    const SurfaceSample& beside = samples_[i];
+                    const float apart_sq = (beside.position - s.position).squaredNorm();
+                    const float weight = 1.0F - apart_sq / (kSmoothM * kSmoothM);
+                    if (weight > 0.0F && beside.normal.dot(s.normal) > 0.0F) {
+                        sum += weight * beside.normal;
+                    }
+                }
+            }
+        }
+        smooth.push_back(sum.normalized());  // its own normal is part of it
+    }
+    for (std::size_t i = 0; i < samples_.size(); ++i) samples_[i].normal = smooth[i];
 }
 
 }  // namespace atrium::physics

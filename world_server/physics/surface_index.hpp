@@ -45,6 +45,7 @@ public:
 private:
     void take_samples(const geometry::TriangleMesh& mesh, const SamplingOptions& options);
     void sort_into_cells();
+    void smooth_normals();
     bool is_near(const Eigen::Vector3f& position, float radius_m) const {
         const Eigen::Array3d p = position.cast<double>().array();
         return (p >= bounds_.min.array() - radius_m).all() &&

@@ -1,0 +1,135 @@
+#include "world_server/physics/hold.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <cmath>
+
+namespace atrium::physics {
+namespace {
+
+constexpr float kStickMps = 0.25F;   // of surface and object past each other
+constexpr float kStickRadps = 2.0F;  // a ball that rolls along an arm is not held
+constexpr std::size_t kLooseTicks = 10;
+constexpr float kAroundM = 0.08F;     // beyond the object's bounds, up to which the surface is kept
+constexpr std::size_t kMinKept = 24;  // fewer do not tell how they lie
+constexpr std::size_t kMaxKept = 250;
+constexpr int kRounds = 3;
+constexpr float kSearchM = 0.025F;
+constexpr float kSameFacing = 0.6F;  // cosine
+constexpr float kScaleM = 0.008F;    // off by this, a point counts half
+constexpr float kMinShare = 0.6F;    // of the points that fit
+constexpr float kDamping = 0.02F;    // per point: a direction that nothing tells stays as it is
+constexpr float kLeverM = 0.1F;      // compares turns with shifts
+constexpr float kSlippedM = 0.03F;
+constexpr float kSlippedRad = 0.3F;
+constexpr float kCatchUpS = 0.15F;
+constexpr float kMaxMps = 0.2F;
+constexpr float kMaxRadps = 1.5F;
+
+Eigen::Vector3f shortened(const Eigen::Vector3f& v, float max_norm) {
+    const float norm = v.norm();
+    return norm > max_norm ? (v * (max_norm / norm)).eval() : v;
+}
+
+}  // namespace
+
+void Hold::forget() {
+    kept_.clear();
+    num_loose_ = 0;
+    velocity_.setZero();
+    turning_.setZero();
+}
+
+bool Hold::sticks(const ContactMotion& motion,
+                  std::span<const PersonContact> contacts,
+                  const Eigen::Vector3f& surface_turning) {
+    if (contacts.empty() || (motion.angular_velocity - surface_turning).norm() > kStickRadps) {
+        return false;
+    }
+    float sum_mps = 0.0F;
+    for (const PersonContact& c : contacts) {
+        const Eigen::Vector3f offset = c.point - motion.world_from_body.translation();
+        sum_mps +=
+            (motion.linear_velocity + motion.angular_velocity.cross(offset) - c.velocity).norm();
+    }
+    return sum_mps < kStickMps * static_cast<float>(contacts.size());
+}
+
+void Hold::update(const ContactMotion& motion,
+                  const PersonField& person,
+                  std::span<const PersonContact> contacts,
+                  const Eigen::Vector3f& surface_turning) {
+    num_loose_ = sticks(motion, contacts, surface_turning) ? 0 : num_loose_ + 1;
+    if (num_loose_ > kLooseTicks) return forget();
+    if (!person.is_half_way()) return;
+    const Offset offset = kept_.empty() ? Offset{} : find_offset(motion, person);
+    if (!offset.is_sure || offset.shift.norm() > kSlippedM || offset.turn.norm() > kSlippedRad) {
+        forget();
+        if (sticks(motion, contacts, surface_turning)) remember(motion, person);
+        return;
+    }
+    velocity_ = shortened(offset.shift / kCatchUpS, kMaxMps);
+    turning_ = shortened(offset.turn / kCatchUpS, kMaxRadps);
+}
+
+void Hold::remember(const ContactMotion& motion, const PersonField& person) {
+    const Eigen::Vector3f around = Eigen::Vector3f::Constant(kAroundM);
+    const Eigen::Vector3f low = motion.low - around;
+    const Eigen::Vector3f high = motion.high + around;
+    const Eigen::Isometry3f body_from_world = motion.world_from_body.inverse();
+    person.surfels().visit_box(low, high, [&](const PlacedSurfel& s) {
+        if ((s.position.array() < low.array()).any() || (s.position.array() > high.array()).any()) {
+            return;
+        }
+        kept_.push_back({body_from_world * s.position, body_from_world.linear() * s.normal});
+    });
+    if (kept_.size() < kMinKept) kept_.clear();
+    if (kept_.size() > kMaxKept) {  // evenly less of it
+        for (std::size_t i = 0; i < kMaxKept; ++i) kept_[i] = kept_[i * kept_.size() / kMaxKept];
+        kept_.resize(kMaxKept);
+    }
+}
+
+Hold::Offset Hold::find_offset(const ContactMotion& motion, const PersonField& person) const {
+    using Matrix6 = Eigen::Matrix<float, 6, 6>;
+    using Vector6 = Eigen::Matrix<float, 6, 1>;
+    const Eigen::Vector3f search = Eigen::Vector3f::Constant(kSearchM);
+    const auto num = static_cast<float>(kept_.size());
+    Offset offset;
+    for (int round = 0; round < kRounds; ++round) {
+        Matrix6 lhs = kDamping * num * Matrix6::Identity();
+        Vector6 rhs = Vector6::Zero();
+        float num_fitting = 0.0F;
+        for (const Kept& kept : kept_) {
+            const Eigen::Vector3f arm = motion.world_from_body.linear() * kept.position;
+            const Eigen::Vector3f normal = motion.world_from_body.linear() * kept.normal;
+            const Eigen::Vector3f place =
+                motion.world_from_body.translation() + arm + offset.shift + offset.turn.cross(arm);
+            const PlacedSurfel* nearest = nullptr;
+            float least_sq = kSearchM * kSearchM;
+            person.surfels().visit_box(place - search, place + search, [&](const PlacedSurfel& s) {
+                const float apart_sq = (s.position - place).squaredNorm();
+                if (apart_sq >= least_sq || s.normal.dot(normal) < kSameFacing) return;
+                least_sq = apart_sq;
+                nearest = &s;
+            });
+            if (nearest == nullptr) continue;
+            const float behind_m = nearest->normal.dot(nearest->position - place);
+            const float weight = 1.0F / (1.0F + behind_m * behind_m / (kScaleM * kScaleM));
+            num_fitting += weight > 0.5F ? 1.0F : 0.0F;
+            Vector6 row;
+            row << nearest->normal, arm.cross(nearest->normal) / kLeverM;
+            lhs += weight * row * row.transpose();
+            rhs += weight * behind_m * row;
+        }
+        if (num_fitting < kMinShare * num) return {};
+        const Vector6 step = lhs.llt().solve(rhs);
+        if (!step.allFinite()) return {};
+        offset.shift += step.head<3>();
+        offset.turn += step.tail<3>() / kLeverM;
+    }
+    offset.is_sure = true;
+    return offset;
+}
+
+}  // namespace atrium::physics
