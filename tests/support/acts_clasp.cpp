@@ -181,6 +181,7 @@ ThrowAct throw_forwards(std::uint64_t seed) {
     const Clasp hands{scale, between(random, -0.2, 0.2)};
     constexpr double kStrokeM = 0.36;
     constexpr double kArms = 0.42;
+    constexpr double kOpenEarlyS = 0.08;  // the palms let go while they are fast
     const double closed_s = 0.3 + kCloseS;
     const double start_s = closed_s + 0.3;
     const double stroke_s = 2.0 * kStrokeM / speed;  // at even acceleration
@@ -202,14 +203,14 @@ ThrowAct throw_forwards(std::uint64_t seed) {
         const RigidTransform turned = upright(Vector3d::Zero(), heading);
         return upright(turned * Vector3d(0.0, (1.0 - kArms) * forwards(t) - 0.5, 0.0), heading);
     };
-    const auto middle = [=](double t) { return Vector3d(0.0, 0.18 + kArms * forwards(t), height); };
+    const auto middle = [=](double t) { return Vector3d(0.0, 0.20 + kArms * forwards(t), height); };
     thrown.act.site_from_feet = feet;
     thrown.act.pose = [=](double t) {
         BodyPose pose;
         pose.left_leg.ankle.y() += 0.15;
         pose.right_leg.ankle.y() -= 0.15;
         const double gap = width + kOpenM - (kOpenM + squeeze) * ease(t, 0.3, kCloseS) +
-                           kOpenM * ease(t, release_s, 0.12);
+                           kOpenM * ease(t, release_s - kOpenEarlyS, 0.12);
         hands.apply(pose, middle(t), gap);
         return pose;
     };

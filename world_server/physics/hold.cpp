@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 
+#include <algorithm>
 #include <cmath>
 
 namespace atrium::physics {
@@ -10,19 +11,19 @@ namespace {
 constexpr float kStickMps = 0.25F;   // of surface and object past each other
 constexpr float kStickRadps = 2.0F;  // a ball that rolls along an arm is not held
 constexpr std::size_t kLooseTicks = 10;
-constexpr float kAroundM = 0.08F;     // beyond the object's bounds, up to which the surface is kept
+constexpr float kAroundM = 0.10F;     // a contact, up to which the surface is kept: a hand's length
 constexpr std::size_t kMinKept = 24;  // fewer do not tell how they lie
 constexpr std::size_t kMaxKept = 250;
 constexpr int kRounds = 3;
 constexpr float kSearchM = 0.025F;
 constexpr float kSameFacing = 0.6F;  // cosine
 constexpr float kScaleM = 0.008F;    // off by this, a point counts half
-constexpr float kMinShare = 0.6F;    // of the points that fit
+constexpr float kMinShare = 0.5F;    // of the points that fit
 constexpr float kDamping = 0.02F;    // per point: a direction that nothing tells stays as it is
 constexpr float kLeverM = 0.1F;      // compares turns with shifts
 constexpr float kSlippedM = 0.03F;
 constexpr float kSlippedRad = 0.3F;
-constexpr float kCatchUpS = 0.15F;
+constexpr float kCatchUpS = 0.1F;
 constexpr float kMaxMps = 0.2F;
 constexpr float kMaxRadps = 1.5F;
 
@@ -35,6 +36,7 @@ Eigen::Vector3f shortened(const Eigen::Vector3f& v, float max_norm) {
 
 void Hold::forget() {
     kept_.clear();
+    last_ = {};
     num_loose_ = 0;
     velocity_.setZero();
     turning_.setZero();
@@ -62,26 +64,43 @@ void Hold::update(const ContactMotion& motion,
     num_loose_ = sticks(motion, contacts, surface_turning) ? 0 : num_loose_ + 1;
     if (num_loose_ > kLooseTicks) return forget();
     if (!person.is_half_way()) return;
-    const Offset offset = kept_.empty() ? Offset{} : find_offset(motion, person);
-    if (!offset.is_sure || offset.shift.norm() > kSlippedM || offset.turn.norm() > kSlippedRad) {
-        forget();
-        if (sticks(motion, contacts, surface_turning)) remember(motion, person);
-        return;
+    if (kept_.empty()) return remember(motion, person, contacts, {});
+    const Offset offset = find_offset(motion, person);
+    if (!offset.is_sure) {
+        // its look has changed, as that of a hull does that turns before the cameras
+        return remember(motion, person, contacts, last_);
     }
+    if (offset.shift.norm() > kSlippedM || offset.turn.norm() > kSlippedRad) {
+        forget();
+        return remember(motion, person, contacts, {});
+    }
+    last_ = offset;
     velocity_ = shortened(offset.shift / kCatchUpS, kMaxMps);
     turning_ = shortened(offset.turn / kCatchUpS, kMaxRadps);
 }
 
-void Hold::remember(const ContactMotion& motion, const PersonField& person) {
+void Hold::remember(const ContactMotion& motion,
+                    const PersonField& person,
+                    std::span<const PersonContact> contacts,
+                    const Offset& behind) {
+    kept_.clear();
+    if (num_loose_ > 0) return;
     const Eigen::Vector3f around = Eigen::Vector3f::Constant(kAroundM);
-    const Eigen::Vector3f low = motion.low - around;
-    const Eigen::Vector3f high = motion.high + around;
+    Eigen::Vector3f low = contacts.front().point;
+    Eigen::Vector3f high = low;
+    for (const PersonContact& c : contacts) {
+        low = low.cwiseMin(c.point);
+        high = high.cwiseMax(c.point);
+    }
     const Eigen::Isometry3f body_from_world = motion.world_from_body.inverse();
-    person.surfels().visit_box(low, high, [&](const PlacedSurfel& s) {
-        if ((s.position.array() < low.array()).any() || (s.position.array() > high.array()).any()) {
-            return;
-        }
-        kept_.push_back({body_from_world * s.position, body_from_world.linear() * s.normal});
+    person.surfels().visit_box(low - around, high + around, [&](const PlacedSurfel& s) {
+        const bool is_near = std::any_of(contacts.begin(), contacts.end(), [&](const auto& c) {
+            return (c.point - s.position).squaredNorm() < kAroundM * kAroundM;
+        });
+        if (!is_near) return;
+        const Eigen::Vector3f arm = s.position - motion.world_from_body.translation();
+        const Eigen::Vector3f place = s.position - behind.shift - behind.turn.cross(arm);
+        kept_.push_back({body_from_world * place, body_from_world.linear() * s.normal});
     });
     if (kept_.size() < kMinKept) kept_.clear();
     if (kept_.size() > kMaxKept) {  // evenly less of it

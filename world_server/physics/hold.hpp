@@ -48,10 +48,15 @@ private:
     static bool sticks(const ContactMotion& motion,
                        std::span<const PersonContact> contacts,
                        const Eigen::Vector3f& surface_turning);
-    void remember(const ContactMotion& motion, const PersonField& person);
+    /// `behind`: what the object already lags.
+    void remember(const ContactMotion& motion,
+                  const PersonField& person,
+                  std::span<const PersonContact> contacts,
+                  const Offset& behind);
     Offset find_offset(const ContactMotion& motion, const PersonField& person) const;
 
     std::vector<Kept> kept_;
+    Offset last_;
     std::size_t num_loose_ = 0;  // ticks in a row in which it did not stick
     Eigen::Vector3f velocity_ = Eigen::Vector3f::Zero();
     Eigen::Vector3f turning_ = Eigen::Vector3f::Zero();

@@ -21,8 +21,8 @@ constexpr std::size_t kMaxSphereSamples = 600;
 // apart instead of throwing what lies on a hand into the air whenever the hull is a little larger
 // than the one before. Between two palms the springs come to rest in the middle, where velocities
 // that contradict each other would fight. Per mass of the object, shared by its contacts.
-constexpr float kStiffness = 1600.0F;  // [1/s^2]
-constexpr float kDamping = 480.0F;     // [1/s]
+constexpr float kStiffness = 6400.0F;  // [1/s^2]
+constexpr float kDamping = 600.0F;     // [1/s]
 
 // The depth that Bullet is told; below its threshold for shifting bodies instead. What the real one
 // does is set by the contact's error reduction.

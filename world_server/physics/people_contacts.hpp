@@ -18,7 +18,7 @@ namespace atrium::physics {
 
 struct PeopleContactOptions {
     /// Combined friction: the geometric mean of this and the object's.
-    double friction = 1.3;
+    double friction = 2.0;
     /// Combined restitution: this, or half of the object's where that is more: skin damps.
     double restitution = 0.2;
     double escape_mps = 1.5;  // at which an object inside a person is led out

@@ -46,7 +46,7 @@ struct WorldOptions {
     double max_spin_rad_s = 60.0;        // of an object
     double max_depenetration_mps = 3.0;  // at which objects that overlap are moved apart
     double escape_mps = 1.5;             // at which an object inside a person is led out
-    double person_friction = 1.3;        // see PeopleContactOptions
+    double person_friction = 2.0;        // see PeopleContactOptions
     double person_restitution = 0.2;
 };
 
