@@ -13,7 +13,7 @@ constexpr double kSpeed = 0.5;       // [m/s] both ways
 constexpr double kSeconds = 2.0;     // at that speed
 constexpr double kStillS = 0.8;      // before: what falls comes to rest
 constexpr double kEndS = 0.5;        // after
-constexpr double kLowM = 0.66;       // of palm or tray at the beginning
+constexpr double kLowM = 0.65;       // of palm or tray at the beginning
 constexpr double kForwardsM = 0.33;  // of the palms from the body's middle
 constexpr double kCrouchM = 0.34;    // by which the body is lower then
 const Vector3d kTraySize(0.40, 0.28, 0.02);

@@ -16,19 +16,22 @@ constexpr double kLiftM = 0.12;
 const Vector3d kElbow(0.7, -0.6, -0.8);
 
 // Both palms face each other, `gap` apart, around a place before the chest. Slant 0: the right one
-// is below, the left one above; 90 degrees: right and left.
+// is below, the left one above; 90 degrees: right and left. Lean: the right one is behind as well.
 struct Clasp {
     double scale = 1.0;
     double slant_rad = 0.0;
+    double lean_rad = 0.0;
 
     void apply(BodyPose& pose, const Vector3d& middle_m, double gap_m) const {
-        const Vector3d axis(-std::sin(slant_rad), 0.0, std::cos(slant_rad));
+        const Eigen::Quaterniond lean(Eigen::AngleAxisd(-lean_rad, Vector3d::UnitX()));
+        const Vector3d axis = lean * Vector3d(-std::sin(slant_rad), 0.0, std::cos(slant_rad));
+        const Vector3d fingers = lean * Vector3d::UnitY();
         const Vector3d half = 0.5 * gap_m * axis;
         const double level = std::abs(std::sin(slant_rad));
         const Vector3d upper_elbow = level * kElbow + (1.0 - level) * Vector3d(1.0, -0.3, 0.3);
-        pose.right_arm = reach(middle_m - half, Vector3d::UnitY(), axis, kElbow, scale);
-        pose.left_arm = reach(
-            mirrored(middle_m + half), Vector3d::UnitY(), mirrored(-axis), upper_elbow, scale);
+        pose.right_arm = reach(middle_m - half, fingers, axis, kElbow, scale);
+        pose.left_arm =
+            reach(mirrored(middle_m + half), fingers, mirrored(-axis), upper_elbow, scale);
     }
 
 private:
@@ -178,10 +181,12 @@ ThrowAct throw_forwards(std::uint64_t seed) {
     const double height = scale * between(random, 1.22, 1.28);
     const double heading = between(random, -std::numbers::pi, std::numbers::pi);
     const double speed = between(random, 1.5, 2.5);
-    const Clasp hands{scale, between(random, -0.2, 0.2)};
+    constexpr double kLean = 0.8;  // the right palm pushes from behind
+    const Clasp hands{scale, between(random, -0.2, 0.2), kLean};
     constexpr double kStrokeM = 0.36;
-    constexpr double kArms = 0.42;
-    constexpr double kOpenEarlyS = 0.08;  // the palms let go while they are fast
+    constexpr double kArms = 0.30;
+    constexpr double kLetGoM = 0.22;      // wide enough for what falls on its way
+    constexpr double kOpenEarlyS = 0.06;  // the palms let go while they are fast
     const double closed_s = 0.3 + kCloseS;
     const double start_s = closed_s + 0.3;
     const double stroke_s = 2.0 * kStrokeM / speed;  // at even acceleration
@@ -203,14 +208,14 @@ ThrowAct throw_forwards(std::uint64_t seed) {
         const RigidTransform turned = upright(Vector3d::Zero(), heading);
         return upright(turned * Vector3d(0.0, (1.0 - kArms) * forwards(t) - 0.5, 0.0), heading);
     };
-    const auto middle = [=](double t) { return Vector3d(0.0, 0.20 + kArms * forwards(t), height); };
+    const auto middle = [=](double t) { return Vector3d(0.0, 0.27 + kArms * forwards(t), height); };
     thrown.act.site_from_feet = feet;
     thrown.act.pose = [=](double t) {
         BodyPose pose;
         pose.left_leg.ankle.y() += 0.15;
         pose.right_leg.ankle.y() -= 0.15;
         const double gap = width + kOpenM - (kOpenM + squeeze) * ease(t, 0.3, kCloseS) +
-                           kOpenM * ease(t, release_s - kOpenEarlyS, 0.12);
+                           kLetGoM * ease(t, release_s - kOpenEarlyS, 0.16);
         hands.apply(pose, middle(t), gap);
         return pose;
     };
