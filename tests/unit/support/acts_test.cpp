@@ -44,7 +44,7 @@ TEST(Acts, OutOfReachIsHowFarTheWristStaysBehind) {
     const simulation::RestJoints rest;
     const double arm_m = 0.998 * (rest.upper_arm_m + rest.forearm_m);  // never quite straight
     pose.left_arm.wrist = rest.shoulder + Eigen::Vector3d(0.0, arm_m + 0.1, 0.0);
-    EXPECT_NEAR(test::out_of_reach_m(pose), 0.1, 1e-9);
+    EXPECT_NEAR(test::out_of_reach_m(pose), 0.1, 1e-3);  // rest directions have four digits
 }
 
 }  // namespace
