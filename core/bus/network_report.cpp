@@ -56,18 +56,18 @@ NetworkReport report_network(const NetworkSettings& settings) {
                         kRemedyBytes));
     }
     if (settings.kind == "loopback" && settings.has_remote_peers) {
-        report.warnings.push_back(
+        report.warnings.emplace_back(
             "bus.peers names other hosts, which bus.network = loopback does "
             "not reach; --network lan, wifi or wan");
     }
     const bool stays_here = settings.card.empty() || settings.address.rfind("127.", 0) == 0;
     if (settings.kind != "loopback" && stays_here && settings.has_remote_peers) {
-        report.warnings.push_back(
+        report.warnings.emplace_back(
             "no network card leads to other hosts; name one with --interface "
             "once it is up");
     }
     if (settings.kind == "wan" && !settings.has_remote_peers) {
-        report.warnings.push_back(
+        report.warnings.emplace_back(
             "wan knows no other hosts, and will find programs of this one alone; --peers A,B");
     }
     return report;

@@ -50,6 +50,23 @@ Side find_side(const SurfelGrid& grid, const Eigen::Vector3f& point, const Accep
 
 }  // namespace
 
+std::uint8_t Asker::facing_octants() const {
+    static_assert(kFieldReachM <= SurfelGrid::kOctantReachM);
+    if (outwards.isZero()) return 0xFF;
+    const Eigen::Array3f sq = outwards.array().square();
+    int octants = 0;
+    for (int octant = 0; octant < 8; ++octant) {
+        // of all directions in it, the one that is most opposed has only these components
+        float opposed_sq = 0.0F;
+        for (int axis = 0; axis < 3; ++axis) {
+            const bool is_negative = (octant >> axis & 1) != 0;
+            if (is_negative == (outwards[axis] > 0.0F)) opposed_sq += sq[axis];
+        }
+        if (opposed_sq > kFacing * kFacing) octants |= 1 << octant;
+    }
+    return static_cast<std::uint8_t>(octants);
+}
+
 void PersonField::set_shape(const PersonShape& shape) {
     shape_ = shape.surfels;
     period_s_ = time_to_go_s_ = shape.period_s;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -33,6 +34,9 @@ struct Asker {
     bool faces(const Eigen::Vector3f& normal) const {
         return outwards.isZero() || normal.dot(outwards) < kFacing;
     }
+    /// In which octants normals can lie that face it.
+    std::uint8_t facing_octants() const;
+
     static constexpr float kFacing = -0.25F;  // cosine
 };
 
@@ -57,6 +61,11 @@ public:
     const PlacedSurfel* nearest(const Eigen::Vector3f& point,
                                 float radius_m,
                                 const Accept& accept) const;
+
+    /// False: `query` would find nothing. Quick.
+    bool may_find(const Eigen::Vector3f& point, const Asker& asker) const {
+        return (grid_.octants_near(point) & asker.facing_octants()) != 0;
+    }
 
     /// True in one tick of each mesh's way: the moment to compare it with others.
     bool is_half_way() const { return is_half_way_; }

@@ -32,9 +32,9 @@ std::span<const PersonContact> ContactFinder::find(const ContactBody& body,
     const auto tick = static_cast<float>(tick_s);
     gather(motion, person, tick);
     if (num_near_ == 0) return {};
-    find_turning();
     for (const BodySample& sample : body.samples) test(body, motion, sample, person, tick);
     select(body.size_m);
+    if (!selected_.empty()) find_turning();
     return selected_;
 }
 
@@ -131,7 +131,8 @@ void ContactFinder::test(const ContactBody& body,
     const Asker asker{motion.linear_velocity + motion.angular_velocity.cross(offset),
                       in_world(sample.outwards)};
     PersonContact contact;
-    if (const auto found = person.query(point, asker)) {
+    const auto found = person.may_find(point, asker) ? person.query(point, asker) : std::nullopt;
+    if (found) {
         contact = {point, found->normal, found->velocity, found->distance_m};
     } else if (const PlacedSurfel* surfel =
                    fast_.empty() ? nullptr : first_on_path(point, asker, tick_s)) {

@@ -54,7 +54,8 @@ public:
                                         const PersonField& person,
                                         double tick_s);
     std::size_t num_near() const { return num_near_; }
-    /// [rad/s], world frame, of what is near as if it were one piece.
+    /// [rad/s], world frame, of what is near as if it were one piece; of the last call that found
+    /// contacts.
     const Eigen::Vector3f& turning() const { return turning_; }
 
 private:
@@ -71,7 +72,7 @@ private:
     void select(float size_m);
 
     std::size_t num_near_ = 0;
-    Eigen::Vector3f turning_;
+    Eigen::Vector3f turning_ = Eigen::Vector3f::Zero();
     std::vector<const PlacedSurfel*> near_;
     Eigen::Vector3f near_low_;
     Eigen::Vector3f near_high_;

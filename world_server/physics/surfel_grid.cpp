@@ -33,6 +33,7 @@ void SurfelGrid::assign(std::span<const PlacedSurfel> surfels) {
     if (surfels.empty()) return;
     fit_cells(surfels);
 
+    octants_near_.assign(static_cast<std::size_t>(dims_.prod()), 0);
     // counting sort
     cell_begin_.assign(static_cast<std::size_t>(dims_.prod()) + 1, 0);
     cell_of_surfel_.resize(surfels.size());
@@ -41,6 +42,7 @@ void SurfelGrid::assign(std::span<const PlacedSurfel> surfels) {
         const std::size_t index = cell_index(cell.x(), cell.y(), cell.z());
         cell_of_surfel_[i] = static_cast<std::uint32_t>(index);
         ++cell_begin_[index + 1];
+        octants_near_[index] |= octant_of(surfels[i].normal);
     }
     for (std::size_t i = 1; i < cell_begin_.size(); ++i) cell_begin_[i] += cell_begin_[i - 1];
     // backwards, each cell's end counts down to its begin
@@ -50,6 +52,23 @@ void SurfelGrid::assign(std::span<const PlacedSurfel> surfels) {
     // entry c + 1 now holds the begin of cell c: move all down by one
     std::copy(cell_begin_.begin() + 1, cell_begin_.end(), cell_begin_.begin());
     cell_begin_.back() = static_cast<std::uint32_t>(surfels.size());
+    spread_octants();
+}
+
+// By one cell each way, one axis after the other.
+void SurfelGrid::spread_octants() {
+    static_assert(kOctantReachM <= kCellM);
+    const auto num = static_cast<std::ptrdiff_t>(octants_near_.size());
+    for (const std::ptrdiff_t step : {1, dims_.x(), dims_.x() * dims_.y()}) {
+        spreading_ = octants_near_;
+        // beyond the end of a row it goes on at the next: a cell more is no harm
+        for (std::ptrdiff_t i = step; i < num; ++i) {
+            octants_near_[static_cast<std::size_t>(i)] |=
+                spreading_[static_cast<std::size_t>(i - step)];
+            octants_near_[static_cast<std::size_t>(i - step)] |=
+                spreading_[static_cast<std::size_t>(i)];
+        }
+    }
 }
 
 }  // namespace atrium::physics

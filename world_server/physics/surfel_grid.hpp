@@ -18,6 +18,13 @@ struct PlacedSurfel {
     Eigen::Vector3f velocity;  // [m/s]
 };
 
+/// One bit of eight: the octant that a direction lies in.
+inline std::uint8_t octant_of(const Eigen::Vector3f& direction) {
+    const int index = (direction.x() < 0.0F ? 1 : 0) | (direction.y() < 0.0F ? 2 : 0) |
+                      (direction.z() < 0.0F ? 4 : 0);
+    return static_cast<std::uint8_t>(1 << index);
+}
+
 /// Surfels sorted into cells, made anew every tick in memory that is reused. Deterministic.
 class SurfelGrid {
 public:
@@ -33,6 +40,17 @@ public:
         return !empty() && (high.array() >= low_.array()).all() &&
                (low.array() <= high_.array()).all();
     }
+
+    /// The octants of the normals of all surfels within `kOctantReachM` of a point, and perhaps of
+    /// some that are further off.
+    std::uint8_t octants_near(const Eigen::Vector3f& p) const {
+        if (empty()) return 0;
+        const Eigen::Array3i cell = cell_of(p);
+        if ((cell < -1).any() || (cell > dims_).any()) return 0;
+        const Eigen::Array3i within = cell.max(0).min(dims_ - 1);
+        return octants_near_[cell_index(within.x(), within.y(), within.z())];
+    }
+    static constexpr float kOctantReachM = 0.04F;
 
     /// Calls `visit(surfel)` for all surfels in the cells that the box touches; some of them lie
     /// outside it.
@@ -99,10 +117,13 @@ private:
         return static_cast<std::size_t>((z * dims_.y() + y) * dims_.x() + x);
     }
     void fit_cells(std::span<const PlacedSurfel> surfels);
+    void spread_octants();
 
     std::vector<PlacedSurfel> surfels_;
     std::vector<std::uint32_t> cell_begin_;  // surfels of cell i: [cell_begin_[i], [i + 1])
     std::vector<std::uint32_t> cell_of_surfel_;
+    std::vector<std::uint8_t> octants_near_;  // of normals in a cell and those beside it
+    std::vector<std::uint8_t> spreading_;
     Eigen::Array3i dims_ = Eigen::Array3i::Zero();
     Eigen::Vector3f low_ = Eigen::Vector3f::Zero();
     Eigen::Vector3f high_ = Eigen::Vector3f::Zero();
