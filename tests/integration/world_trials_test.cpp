@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-// Those of the trials of bench/world_trials that succeed so far: people whose hulls come from the
-// cameras of a simulated room carry and hit.
+// A few of the trials of bench/world_trials: people whose hulls come from the cameras of a simulated
+// room carry, hold, hand over and hit.
 namespace atrium::test {
 namespace {
 
@@ -32,6 +32,18 @@ protected:
 
 TEST_F(WorldTrials, ABallStaysOnATrayThatMovesAndRises) {
     EXPECT_TRUE(succeeds(try_carry(setting_, carry_on_tray(0), Thing::kBall, 0)));
+}
+
+TEST_F(WorldTrials, ABoxStaysOnAPalmThatMovesAndRises) {
+    EXPECT_TRUE(succeeds(try_carry(setting_, carry_on_palm(1), Thing::kBox, 1)));
+}
+
+TEST_F(WorldTrials, ABallBetweenTwoPalmsIsLiftedMovedAndTurned) {
+    EXPECT_TRUE(succeeds(try_clasp(setting_, clasp_move_turn(1), Thing::kBall)));
+}
+
+TEST_F(WorldTrials, ABoxIsHandedFromThePersonOfOneSiteToThatOfAnother) {
+    EXPECT_TRUE(succeeds(try_hand_over(setting_, hand_over(0), Thing::kBox)));
 }
 
 TEST_F(WorldTrials, AHandHitsASmallBallAtEverySpeed) {

@@ -38,10 +38,10 @@ std::span<const PersonContact> ContactFinder::find(const ContactBody& body,
     return selected_;
 }
 
-// Counts what could touch the object within the tick, and lists the fast part of it.
+// Counts what could touch the object within the tick, and bounds the velocities of the fast part.
 void ContactFinder::gather(const ContactMotion& motion, const PersonField& person, float tick_s) {
     num_near_ = 0;
-    fast_.clear();
+    has_fast_ = false;
     near_.clear();
     const float own_mps = motion.linear_velocity.norm();
     const float reach_m = kFieldReachM + tick_s * (own_mps + person.surfels().max_speed_mps());
@@ -65,7 +65,9 @@ void ContactFinder::gather(const ContactMotion& motion, const PersonField& perso
         if ((s.position.array() < low.array()).any() || (s.position.array() > high.array()).any()) {
             return;
         }
-        fast_.push_back(s);
+        fast_low_mps_ = has_fast_ ? fast_low_mps_.cwiseMin(s.velocity).eval() : s.velocity;
+        fast_high_mps_ = has_fast_ ? fast_high_mps_.cwiseMax(s.velocity).eval() : s.velocity;
+        has_fast_ = true;
     });
     near_low_ -= reach;
     near_high_ += reach;
@@ -93,24 +95,35 @@ void ContactFinder::find_turning() {
     turning_ = inertia.ldlt().solve(momentum);
 }
 
-// The surfel whose disc the point meets first from the front within the tick.
+// The surfel whose disc the point meets first from the front within the tick, of those that move so
+// fast past the object that the field's reach does not do.
 const PlacedSurfel* ContactFinder::first_on_path(const Eigen::Vector3f& point,
                                                  const Asker& asker,
+                                                 const ContactMotion& motion,
+                                                 const PersonField& person,
                                                  float tick_s) const {
+    const Eigen::Vector3f disc = Eigen::Vector3f::Constant(kDiscM + kSlackM);
+    const Eigen::Vector3f low = tick_s * (asker.velocity - fast_high_mps_);
+    const Eigen::Vector3f high = tick_s * (asker.velocity - fast_low_mps_);
     const PlacedSurfel* first = nullptr;
     float first_s = tick_s;
-    for (const PlacedSurfel& s : fast_) {
-        const Eigen::Vector3f offset = point - s.position;
-        const float distance_m = s.normal.dot(offset);
-        if (distance_m < 0.0F || !asker.faces(s.normal)) continue;
-        const Eigen::Vector3f relative = asker.velocity - s.velocity;
-        const float closing_mps = -s.normal.dot(relative);
-        if (distance_m >= closing_mps * first_s) continue;
-        const float meeting_s = distance_m / closing_mps;
-        if ((offset + meeting_s * relative).squaredNorm() > kDiscM * kDiscM) continue;
-        first = &s;
-        first_s = meeting_s;
-    }
+    person.surfels().visit_box(
+        point + low.cwiseMin(0.0F) - disc,
+        point + high.cwiseMax(0.0F) + disc,
+        [&](const PlacedSurfel& s) {
+            const Eigen::Vector3f offset = point - s.position;
+            const float distance_m = s.normal.dot(offset);
+            if (distance_m < 0.0F || !asker.faces(s.normal)) return;
+            const Eigen::Vector3f relative = asker.velocity - s.velocity;
+            const float closing_mps = -s.normal.dot(relative);
+            if (distance_m >= closing_mps * first_s) return;
+            const float meeting_s = distance_m / closing_mps;
+            if ((offset + meeting_s * relative).squaredNorm() > kDiscM * kDiscM) return;
+            const Eigen::Vector3f way = tick_s * (motion.linear_velocity - s.velocity);
+            if (way.squaredNorm() <= kFastM * kFastM) return;
+            first = &s;
+            first_s = meeting_s;
+        });
     return first;
 }
 
@@ -135,7 +148,7 @@ void ContactFinder::test(const ContactBody& body,
     if (found) {
         contact = {point, found->normal, found->velocity, found->distance_m};
     } else if (const PlacedSurfel* surfel =
-                   fast_.empty() ? nullptr : first_on_path(point, asker, tick_s)) {
+                   has_fast_ ? first_on_path(point, asker, motion, person, tick_s) : nullptr) {
         contact = {
             point, surfel->normal, surfel->velocity, surfel->normal.dot(point - surfel->position)};
     } else {

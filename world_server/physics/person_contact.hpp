@@ -68,6 +68,8 @@ private:
               float tick_s);
     const PlacedSurfel* first_on_path(const Eigen::Vector3f& point,
                                       const Asker& asker,
+                                      const ContactMotion& motion,
+                                      const PersonField& person,
                                       float tick_s) const;
     void select(float size_m);
 
@@ -76,7 +78,10 @@ private:
     std::vector<const PlacedSurfel*> near_;
     Eigen::Vector3f near_low_;
     Eigen::Vector3f near_high_;
-    std::vector<PlacedSurfel> fast_;  // near and so fast that the field's reach does not do
+    // Of what is near and so fast that the field's reach does not do.
+    bool has_fast_ = false;
+    Eigen::Vector3f fast_low_mps_;
+    Eigen::Vector3f fast_high_mps_;
     std::vector<PersonContact> candidates_;
     std::vector<PersonContact> selected_;
 };
