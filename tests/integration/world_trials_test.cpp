@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-// A few of the trials of bench/world_trials: people whose hulls come from the cameras of a simulated
-// room carry, hold, hand over and hit.
+// A few of the trials of bench/world_trials: people whose hulls come from the cameras of a
+// simulated room carry, hold, hand over and hit.
 namespace atrium::test {
 namespace {
 
