@@ -4,6 +4,7 @@
 // world_endurance.sh keeps them. Once a minute all things are put back, so that there is always
 // something to push.
 // Usage: world_endurance [MINUTES [WORLD ...]]
+#include "bench/usage.hpp"
 #include "core/base/thread_pool.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "core/config/rig.hpp"
@@ -165,7 +166,11 @@ std::vector<fs::path> worlds_of(const std::vector<std::string>& arguments) {
 
 int run(const std::vector<std::string>& arguments) {
     const fs::path root = ATRIUM_SOURCE_DIR;
-    const double minutes = arguments.empty() ? 10.0 : std::stod(arguments[0]);
+    const double minutes = arguments.empty() ? 10.0 : std::strtod(arguments[0].c_str(), nullptr);
+    if (!(minutes > 0.0 && minutes <= 600.0)) {
+        fmt::print(stderr, "MINUTES is a number of up to 600, not {}\n", arguments[0]);
+        return 2;
+    }
     test::FilmOptions options;
     options.cameras = value_of(config::load_rig(root / "deploy/rigs/full_body.toml")).cameras;
     options.rate_hz = kRateHz;
@@ -212,4 +217,11 @@ int run(const std::vector<std::string>& arguments) {
 }  // namespace
 }  // namespace atrium::bench
 
-int main(int argc, char** argv) { return atrium::bench::run({argv + 1, argv + argc}); }
+int main(int argc, char** argv) {
+    return atrium::bench::run(
+        atrium::bench::words_or_usage(argc,
+                                      argv,
+                                      {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10},
+                                      "usage: world_endurance [MINUTES [WORLD.toml ...]]    10 "
+                                      "minutes of all delivered worlds by default\n"));
+}
