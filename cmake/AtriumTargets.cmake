@@ -6,8 +6,8 @@ if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
     set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
 endif()
 
-# What nearly every source includes is parsed once: it halves the time of a build from nothing. Sources still include what they
-# use: -DATRIUM_PCH=OFF builds without. The flags of the PCH have to be those of the sources, so fmt, which sets one, is linked
+# What nearly every source includes is parsed once, which is a good part of the work of a build from nothing. Sources still include
+# what they use: -DATRIUM_PCH=OFF builds without. The flags of the PCH have to be those of the sources, so fmt, which sets one, is linked
 # by all.
 option(ATRIUM_PCH "Precompile the common headers" ON)
 set(CMAKE_PCH_WARN_INVALID OFF) # a target with flags of its own (-pthread) parses the headers itself
@@ -16,7 +16,7 @@ set(ATRIUM_PCH_HEADERS <algorithm> <array> <chrono> <cmath> <condition_variable>
     <fmt/format.h> <tl/expected.hpp>)
 set(ATRIUM_TEST_PCH_HEADERS <gtest/gtest.h> <gmock/gmock.h>)
 
-# _atrium_pch(target kind LINK lib ...): the PCH of this kind is made by a target of its own, the first time one asks for it.
+# _atrium_pch(target code|test): the PCH of this kind is made by a target of its own, the first time one asks for it.
 function(_atrium_pch target kind)
     target_link_libraries(${target} PRIVATE fmt::fmt)
     if(NOT ATRIUM_PCH)

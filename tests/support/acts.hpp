@@ -47,7 +47,7 @@ struct HandOverAct {
 };
 HandOverAct hand_over(std::uint64_t seed);
 
-/// Throws something forwards that is held between the palms.
+/// Throws something forwards that is held between the palms, of which one pushes from behind.
 struct ThrowAct {
     Act act;
     double width_m = 0.0;
