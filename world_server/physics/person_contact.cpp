@@ -31,16 +31,15 @@ std::span<const PersonContact> ContactFinder::find(const ContactBody& body,
     selected_.clear();
     const auto tick = static_cast<float>(tick_s);
     gather(motion, person, tick);
-    if (num_near_ == 0) return {};
+    if (near_.empty()) return {};
     for (const BodySample& sample : body.samples) test(body, motion, sample, person, tick);
     select(body.size_m);
     if (!selected_.empty()) find_turning();
     return selected_;
 }
 
-// Counts what could touch the object within the tick, and bounds the velocities of the fast part.
+// Lists what could touch the object within the tick, and bounds the velocities of the fast part.
 void ContactFinder::gather(const ContactMotion& motion, const PersonField& person, float tick_s) {
-    num_near_ = 0;
     has_fast_ = false;
     near_.clear();
     const float own_mps = motion.linear_velocity.norm();
@@ -52,7 +51,6 @@ void ContactFinder::gather(const ContactMotion& motion, const PersonField& perso
     const float turning_mps = motion.angular_velocity.norm() * (motion.high - motion.low).norm();
     const Eigen::Vector3f disc = Eigen::Vector3f::Constant(kDiscM + tick_s * turning_mps + kSlackM);
     person.surfels().visit_box(motion.low - reach, motion.high + reach, [&](const PlacedSurfel& s) {
-        ++num_near_;
         near_.push_back(&s);
         near_low_ = near_low_.cwiseMin(s.position);
         near_high_ = near_high_.cwiseMax(s.position);

@@ -53,7 +53,7 @@ public:
                                         const ContactMotion& motion,
                                         const PersonField& person,
                                         double tick_s);
-    std::size_t num_near() const { return num_near_; }
+    std::size_t num_near() const { return near_.size(); }
     /// [rad/s], world frame, of what is near as if it were one piece; of the last call that found
     /// contacts.
     const Eigen::Vector3f& turning() const { return turning_; }
@@ -73,7 +73,6 @@ private:
                                       float tick_s) const;
     void select(float size_m);
 
-    std::size_t num_near_ = 0;
     Eigen::Vector3f turning_ = Eigen::Vector3f::Zero();
     std::vector<const PlacedSurfel*> near_;
     Eigen::Vector3f near_low_;
