@@ -82,7 +82,7 @@ public:
         : name_(file.stem().string()),
           config_(load(file)),
           scene_(value_of(world_server::Scene::create(config_))),
-          watch_(scene_, bounds) {}
+          watch_(scene_, config_.joints, bounds) {}
 
     // Up to a time, with people who are new.
     void advance(const std::vector<physics::PersonShape>& people, double until_s) {

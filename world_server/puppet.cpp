@@ -16,6 +16,10 @@ constexpr double kSettle_s = 0.25;
 constexpr double kDrag_per_s = 0.2;
 // By which a string stretches under the weight of the whole puppet.
 constexpr double kStringStretch_m = 0.01;
+// A string gives where somebody pulls the puppet away: else it would fling a forearm like a
+// catapult once that slips out of her hands. A puppet that swings overhead weighs three times as
+// much as at rest.
+constexpr double kStringMaxWeights = 3.0;
 
 // All lengths below are in heights of the puppet, all places in its frame.
 class Builder {
@@ -90,6 +94,7 @@ private:
         joint.rest_length_m = d_.string_m;
         joint.stiffness_npm = mass_kg * 9.81 / kStringStretch_m;
         joint.damping = 0.4 * std::sqrt(joint.stiffness_npm * mass_kg);
+        joint.force_max = kStringMaxWeights * mass_kg * 9.81;
         joint.pulls_only = true;
         puppet_.joints.push_back(joint);
     }

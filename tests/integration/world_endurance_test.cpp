@@ -50,7 +50,7 @@ std::vector<Walked> delivered_worlds(const EnduranceBounds& bounds) {
         Walked world;
         world.name = entry.path().stem();
         world.scene = std::make_unique<world_server::Scene>(std::move(*scene));
-        world.watch = std::make_unique<WorldWatch>(*world.scene, bounds);
+        world.watch = std::make_unique<WorldWatch>(*world.scene, config->joints, bounds);
         worlds.push_back(std::move(world));
     }
     return worlds;
@@ -106,7 +106,7 @@ TEST(WorldEndurance, WhatIsTooFastOrTooDeepIsReported) {
     const auto broken_after = [&](const physics::RigidState& state) {
         auto scene = world_server::Scene::create(config);
         EXPECT_TRUE(scene);
-        WorldWatch watch(*scene, bounds);
+        WorldWatch watch(*scene, config.joints, bounds);
         for (int i = 0; i < 3; ++i) {
             scene->world().tick();
             watch.look(0.0);
@@ -127,6 +127,39 @@ TEST(WorldEndurance, WhatIsTooFastOrTooDeepIsReported) {
     state.linear_velocity.setZero();
     state.world_from_object.translation.z() = -0.5;
     EXPECT_NE(broken_after(state).find("below the floor"), std::string::npos);
+}
+
+TEST(WorldEndurance, WhatIsJoinedIsBoundedAsAWhole) {
+    world_server::WorldServerConfig config;
+    for (const std::uint32_t id : {1U, 2U}) {
+        world_server::WorldObject ball;
+        ball.scene.object = id;
+        ball.scene.name = id == 1 ? "hand" : "body";
+        ball.scene.shape = bus::Shape::kSphere;
+        ball.scene.size_m.setConstant(0.2);
+        ball.scene.mass_kg = id == 1 ? 0.1 : 10.0;
+        ball.scene.world_from_object.translation = {0.0, 0.25 * id, 1.0};
+        config.objects.push_back(ball);
+    }
+    const auto broken_with = [&](const std::vector<physics::Joint>& joints,
+                                 const EnduranceBounds& bounds) {
+        auto scene = world_server::Scene::create(config);
+        EXPECT_TRUE(scene);
+        WorldWatch watch(*scene, joints, bounds);
+        physics::RigidState state;
+        state.id = 1;
+        state.world_from_object.translation = {0.0, 0.25, 1.0};
+        state.linear_velocity = {9.0, 0.0, 0.0};
+        EXPECT_TRUE(scene->world().set_state(state));
+        scene->world().tick();
+        watch.look(0.0);
+        return watch.figures().broken;
+    };
+    const std::vector<physics::Joint> joined{{.a = 1, .b = 2}};
+    EXPECT_NE(broken_with({}, {.people_mps = 1.0}).find("hand [m2/s2]"), std::string::npos);
+    EXPECT_EQ(broken_with(joined, {.people_mps = 1.0}), "");
+    EXPECT_NE(broken_with(joined, {.people_mps = 1.0, .part_mps = 8.0}).find("hand [m/s]"),
+              std::string::npos);
 }
 
 }  // namespace

@@ -109,7 +109,9 @@ double wander_speed_mps(const Act& act) {
     return most_mps + 0.7;
 }
 
-WorldWatch::WorldWatch(world_server::Scene& scene, const EnduranceBounds& bounds)
+WorldWatch::WorldWatch(world_server::Scene& scene,
+                       const std::vector<physics::Joint>& joints,
+                       const EnduranceBounds& bounds)
     : scene_(scene), bounds_(bounds) {
     const double hit_mps = bounds.hit_factor * bounds.people_mps;
     most_specific_ = 0.5 * hit_mps * hit_mps + kGravity * bounds.reach_m;
@@ -119,12 +121,25 @@ WorldWatch::WorldWatch(world_server::Scene& scene, const EnduranceBounds& bounds
             object.name,
             object.mass_kg,
             object.mass_kg / 12.0 *
-                Eigen::Vector3d(sq.y() + sq.z(), sq.z() + sq.x(), sq.x() + sq.y())};
+                Eigen::Vector3d(sq.y() + sq.z(), sq.z() + sq.x(), sq.x() + sq.y()),
+            object.object};
         const double height = std::max(bounds.head_m, object.world_from_object.translation.z());
         figures_.energy_bound_j +=
             object.mass_kg * (kGravity * height + 0.5 * bounds.people_mps * bounds.people_mps);
     }
+    for (const physics::Joint& joint : joints) join(joint);
     contact_ticks_ = scene.world().counters().num_contact_ticks;
+}
+
+void WorldWatch::join(const physics::Joint& joint) {
+    const auto a = things_.find(joint.a);
+    const auto b = things_.find(joint.b);
+    if (a == things_.end() || b == things_.end()) return;  // to the world
+    if (a->second.mass_kg <= 0.0 || b->second.mass_kg <= 0.0) return;
+    const std::uint32_t from = a->second.whole;
+    const std::uint32_t to = b->second.whole;
+    for (auto& [id, thing] : things_)
+        if (thing.whole == from) thing.whole = to;
 }
 
 // Keeps the first that is over its bound, or not a number.
@@ -137,6 +152,7 @@ void WorldWatch::note(double value, double bound, const std::string& what, doubl
 double WorldWatch::look_at_rigid(double time_s) {
     scene_.world().get_states(rigid_);
     double energy_j = 0.0;
+    wholes_.clear();
     for (const physics::RigidState& state : rigid_) {
         const Thing& thing = things_.at(state.id);
         if (thing.mass_kg <= 0.0) continue;
@@ -149,10 +165,25 @@ double WorldWatch::look_at_rigid(double time_s) {
                     0.5 * spin.dot(thing.inertia.cwiseProduct(spin));
         figures_.rigid_mps = std::max(figures_.rigid_mps, std::sqrt(speed_sq));
         figures_.spin_rad_s = std::max(figures_.spin_rad_s, spin.norm());
-        figures_.rigid_specific = std::max(figures_.rigid_specific, specific / most_specific_);
         figures_.lowest_m = std::min(figures_.lowest_m, z);
-        note(specific, most_specific_, thing.name + " [m2/s2]", time_s);
+        Whole& whole = wholes_[thing.whole];
+        whole.mass_kg += thing.mass_kg;
+        whole.energy_j += thing.mass_kg * specific;
+        ++whole.num_parts;
         note(-z, -bounds_.lowest_m, thing.name + " below the floor [m]", time_s);
+    }
+    for (const auto& [id, whole] : wholes_) {
+        const double specific = whole.energy_j / whole.mass_kg;
+        figures_.rigid_specific = std::max(figures_.rigid_specific, specific / most_specific_);
+        note(specific, most_specific_, things_.at(id).name + " [m2/s2]", time_s);
+    }
+    for (const physics::RigidState& state : rigid_) {
+        const Thing& thing = things_.at(state.id);
+        if (thing.mass_kg <= 0.0 || wholes_.at(thing.whole).num_parts == 1) continue;
+        note(state.linear_velocity.norm(),
+             kRounded * bounds_.part_mps,
+             thing.name + " [m/s]",
+             time_s);
     }
     return energy_j;
 }
@@ -171,7 +202,7 @@ double WorldWatch::look_at_soft(double time_s) {
             figures_.soft_mps = std::max(figures_.soft_mps, std::sqrt(speed_sq));
             figures_.lowest_m = std::min(figures_.lowest_m, z);
             note(std::sqrt(speed_sq),
-                 kRounded * bounds_.node_mps,
+                 kRounded * bounds_.part_mps,
                  "a node of " + thing.name + " [m/s]",
                  time_s);
             note(-z, -bounds_.lowest_m, "a node of " + thing.name + " below the floor [m]", time_s);

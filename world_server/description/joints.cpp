@@ -95,6 +95,7 @@ void read_spring(config::TableReader& reader, physics::Joint& joint) {
     reader.read("damping_nspm", joint.damping, kAmount);
     joint.rest_length_m = (joint.anchor_m - joint.anchor_b_m).norm();
     reader.read("rest_length_m", joint.rest_length_m, {0.0, 1000.0});
+    reader.read("force_max_n", joint.force_max, kAmount);
     reader.read("pulls_only", joint.pulls_only);
 }
 

@@ -222,6 +222,8 @@ std::optional<JointProblem> find_problem(const Joint& joint) {
         return JointProblem{"stiffness_npm", "must be 0 to 1000000"};
     if (!is_within(joint.rest_length_m, 0.0, kMaxCoordinateM))
         return JointProblem{"rest_length_m", "must be 0 to 1000"};
+    if (!is_within(joint.force_max, 0.0, 1e5))
+        return JointProblem{"force_max_n", "must be 0 to 100000"};
     return std::nullopt;
 }
 
@@ -260,9 +262,14 @@ void JointBody::pull() {
     const double speed = along.dot(velocity_at(&a_, end_a) - velocity_at(b_, end_b) +
                                    tick_s_ * (gravity_of(&a_) - gravity_of(b_)));
     const double yield = yield_at(&a_, end_a, along) + yield_at(b_, end_b, along);
-    const double per_speed = joint_.stiffness_npm * tick_s_ + joint_.damping;  // [N s/m]
-    const double impulse = -tick_s_ * (joint_.stiffness_npm * excess + per_speed * speed) /
-                           (1.0 + tick_s_ * per_speed * yield);
+    const auto impulse_of = [&](double force, double per_speed) {
+        return -tick_s_ * (force + per_speed * speed) / (1.0 + tick_s_ * per_speed * yield);
+    };
+    double impulse = impulse_of(joint_.stiffness_npm * excess,
+                                joint_.stiffness_npm * tick_s_ + joint_.damping);
+    const double force = joint_.stiffness_npm * (excess + tick_s_ * (speed + yield * impulse));
+    if (joint_.force_max > 0.0 && std::abs(force) > joint_.force_max)
+        impulse = impulse_of(std::copysign(joint_.force_max, force), joint_.damping);
     if (joint_.pulls_only && (excess <= 0.0 || impulse >= 0.0)) return;
     push_at(&a_, end_a, impulse * along);
     push_at(b_, end_b, -impulse * along);

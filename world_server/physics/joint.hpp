@@ -38,6 +38,7 @@ struct Joint {
     double damping = 0.0;        // hinge, ball [N m s/rad], slider, spring [N s/m]
     double stiffness_npm = 0.0;  // spring
     double rest_length_m = 0.0;  // spring
+    double force_max = 0.0;      // spring [N]: its length pulls no more, as if it gave; 0: no bound
     Eigen::Vector3d anchor_b_m = Eigen::Vector3d::Zero();  // spring: its other end, at `b`
     bool pulls_only = false;                               // spring: a string
     bool collides = false;                                 // `a` with `b`

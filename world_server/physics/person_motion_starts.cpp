@@ -20,13 +20,21 @@ constexpr float kHardCost = 0.08F;   // above, a region is not explained
 constexpr float kAgreement = 0.15F;  // cost of disagreeing with all neighbours
 constexpr float kFewPoints = 15.0F;
 constexpr float kNearSq = 0.1F * 0.1F;  // [m^2] of neighbours that matter most
-constexpr float kSurprise = 0.13F;      // cost of moving by kFullSurpriseM otherwise than expected
-constexpr float kFullSurpriseM = 0.1F;
+// Cost of moving by kSurpriseM otherwise than expected, as much again for each kFurtherM.
+constexpr float kSurprise = 0.13F;
+constexpr float kSurpriseM = 0.1F;
+constexpr float kFurtherM = 0.2F;
 constexpr float kPreviousM = 0.15F;      // off where it was headed, a place is another
 constexpr std::size_t kMaxPrevious = 3;  // starts from what regions did before
 constexpr int kNumPeaks = 4;             // starts from votes
 constexpr float kBinM = 0.04F;           // of the votes
 constexpr std::size_t kMaxVoters = 200;
+
+float surprise(float off_m, std::size_t num_points) {
+    const float further = std::max(0.0F, off_m - kSurpriseM) / kFurtherM;
+    return kSurprise * (std::min(1.0F, off_m / kSurpriseM) + further) *
+           (1.0F + kFewPoints / static_cast<float>(num_points));
+}
 
 }  // namespace
 
@@ -161,7 +169,8 @@ void MotionEstimator::vote(std::span<const std::uint32_t> group) {
 }
 
 // Of the starts from the `first` on. One from votes must explain more than what is to be expected,
-// the more so the further off it is: two hands look alike.
+// the more so the further off it is, as two hands look alike, and the fewer points it explains, as
+// for a speck of surface that was not there before some place always fits.
 void MotionEstimator::choose_start(Region& region, std::size_t first) const {
     float least = region.cost;
     for (std::size_t i = first; i < region.starts.size(); ++i) {
@@ -175,7 +184,7 @@ void MotionEstimator::choose_start(Region& region, std::size_t first) const {
                 surprise_m = std::min(surprise_m, (start - region.starts[j]).norm());
             }
         }
-        const float total = cost + kSurprise * std::min(1.0F, surprise_m / kFullSurpriseM);
+        const float total = cost + surprise(surprise_m, region.num);
         if (total >= least) continue;
         least = total;
         region.cost = cost;

@@ -13,6 +13,11 @@ namespace {
 
 constexpr int kRopeRounds = 6;            // a rope has few links, and may carry much: in a pass
 constexpr btScalar kLooseStretch = 1.6F;  // times its length: a link that slips out of hands
+// A link that was pulled longer than this snaps back without becoming faster than that: cloth and
+// rope hardly stretch, and lose what they store.
+constexpr btScalar kTautStretch = 1.2F;
+constexpr btScalar kSnapMps = 4;
+constexpr std::uint8_t kSnapTicks = 12;  // that it takes
 constexpr btScalar kOpen = 0.5F;  // square of the share of its length: below, a link is folded
 constexpr btScalar kFoldStiffness = 0.3F;
 constexpr btScalar kTornExtents = 2.5F;  // times its size at rest: what is no more to be believed
@@ -94,6 +99,7 @@ void SoftBody::make_body(btSoftBodyWorldInfo& info) {
     first_bend_ = static_cast<std::size_t>(
         std::find_if(mesh_.links.begin(), mesh_.links.end(), bends) - mesh_.links.begin());
     loose_.assign(start_.size(), 0);
+    taut_.assign(start_.size(), 0);
     find_bounds();
     if (has_volume(object_)) {
         const auto match_share = btScalar(between(0.006, 0.12, object_.stiffness));
@@ -135,7 +141,7 @@ bool SoftBody::tie(const std::function<btRigidBody*(std::uint32_t id)>& find) {
 void SoftBody::untie(const btRigidBody& body) { ties_.untie(body); }
 
 void SoftBody::begin_tick(const SoftSurroundings& surroundings) {
-    find_loose();
+    find_stretched();
     resist_folds();
     find_bounds();
     const PeopleField* people = surroundings.people;
@@ -193,11 +199,12 @@ void SoftBody::solve(const SoftPart& part, int pass) {
 }
 
 void SoftBody::end_part(const SoftPart& part) {
-    // what springs back from a hand that it slipped out of would be faster than anything may be
     const btScalar max_speed = btScalar(options_.max_speed_mps);
     for (int i = 0; i < body_->m_nodes.size(); ++i) {
         btSoftBody::Node& node = body_->m_nodes[i];
-        node.m_v = slowed((node.m_x - node.m_q) / part.part_s, max_speed);
+        const bool is_taut = taut_[static_cast<std::size_t>(i)] != 0;
+        const btScalar most = is_taut ? std::max(kSnapMps, node.m_v.length()) : max_speed;
+        node.m_v = slowed((node.m_x - node.m_q) / part.part_s, std::min(most, max_speed));
     }
     contacts_.end_part(*body_, part.part_s, contact_options_);
     ties_.end_part(part.part_s);
@@ -208,20 +215,24 @@ void SoftBody::end_tick() {
     if (volume_) pulls_.damp_swing(*body_, contact_options_.tick_s);
     pulls_.end_tick();
     calm_down(contact_options_.tick_s);
+    // each of a link's ends may have been given what the other had
+    limit_speeds();
     const btScalar extent = (body_->m_bounds[1] - body_->m_bounds[0]).length();
     num_torn_ticks_ = extent > kTornExtents * rest_extent_ ? num_torn_ticks_ + 1 : 0;
 }
 
-void SoftBody::find_loose() {
+void SoftBody::find_stretched() {
     std::fill(loose_.begin(), loose_.end(), std::uint8_t{0});
+    for (std::uint8_t& ticks : taut_) ticks -= ticks > 0 ? 1 : 0;
     if (volume_) return;
     for (int i = 0; i < body_->m_links.size(); ++i) {
         const btSoftBody::Link& link = body_->m_links[i];
         if (mesh_.links[static_cast<std::size_t>(i)].bends) continue;
-        const btScalar limit = kLooseStretch * link.m_rl;
-        if ((link.m_n[0]->m_x - link.m_n[1]->m_x).length2() < limit * limit) continue;
+        const btScalar length = (link.m_n[0]->m_x - link.m_n[1]->m_x).length();
+        if (length < kTautStretch * link.m_rl) continue;
         for (const std::uint32_t node : mesh_.links[static_cast<std::size_t>(i)].nodes) {
-            loose_[node] = 1;
+            taut_[node] = kSnapTicks;
+            if (length >= kLooseStretch * link.m_rl) loose_[node] = 1;
         }
     }
 }
@@ -300,6 +311,14 @@ void SoftBody::calm_down(btScalar seconds) {
     if (energy > kCalmMps * kCalmMps * mass) return;
     const btScalar kept = std::exp(-kCalmDampingHz * seconds);
     for (int i = 0; i < body_->m_nodes.size(); ++i) body_->m_nodes[i].m_v *= kept;
+}
+
+void SoftBody::limit_speeds() {
+    const btScalar max_speed = btScalar(options_.max_speed_mps);
+    for (int i = 0; i < body_->m_nodes.size(); ++i) {
+        btVector3& velocity = body_->m_nodes[i].m_v;
+        velocity = slowed(velocity, max_speed);
+    }
 }
 
 void SoftBody::put_back() {

@@ -97,12 +97,13 @@ public:
 private:
     void make_body(btSoftBodyWorldInfo& info);
     void make_samples();
-    void find_loose();
+    void find_stretched();
     void resist_folds();
     void find_bounds();
     void move_freely(btScalar part_s);
     void damp_links(btScalar seconds);
     void calm_down(btScalar seconds);
+    void limit_speeds();
 
     SoftObject object_;
     WorldOptions options_;
@@ -117,6 +118,7 @@ private:
     SoftContacts contacts_;
     SoftDrives drives_;                // of this tick, by people whose surface is inside a volume
     std::vector<std::uint8_t> loose_;  // per node, see SoftContacts::find
+    std::vector<std::uint8_t> taut_;   // ticks, per node, in which it snaps back
     std::size_t first_bend_ = 0;       // of the links: these come last
     btScalar rest_extent_ = 0;         // diagonal of its bounds [m]
     int num_torn_ticks_ = 0;

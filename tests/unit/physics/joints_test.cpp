@@ -169,6 +169,29 @@ TEST(Joints, ASpringBeyondWhatTheStepResolvesIsStable) {
     EXPECT_NEAR(state_of(world, 2).world_from_object.translation.z(), 1.1, 0.05);
 }
 
+TEST(Joints, ASpringPullsNoMoreThanItsBound) {
+    for (const bool is_stretched : {true, false}) {
+        World world({.gravity = Eigen::Vector3d::Zero()});
+        const RigidObject box = box_at(2, {0, 0, 1});  // 4 kg
+        ASSERT_EQ(world.add(box), AddResult::kAdded);
+        ASSERT_TRUE(world.add_joint({.kind = JointKind::kSpring,
+                                     .a = 2,
+                                     .anchor_m = {0, 0, 1},
+                                     .stiffness_npm = 5000.0,
+                                     .rest_length_m = is_stretched ? 0.2 : 1.8,
+                                     .force_max = 10.0,
+                                     .anchor_b_m = {0, 0, 2}}));
+        run(world, 0.25);
+        const double speed = state_of(world, 2).linear_velocity.z();
+        EXPECT_NEAR(speed * (is_stretched ? 1.0 : -1.0), 10.0 / box.mass_kg * 0.25, 0.01);
+        // within its bound it is the spring that it was
+        for (int i = 0; i < 1200; ++i) {
+            world.tick();
+            ASSERT_LT(state_of(world, 2).linear_velocity.norm(), 2.1);  // 10 N over 0.8 m
+        }
+    }
+}
+
 TEST(Joints, AStringPullsAndDoesNotPush) {
     World world({});
     ASSERT_EQ(world.add(floor_plane()), AddResult::kAdded);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 namespace atrium::physics {
@@ -76,6 +77,39 @@ TEST(PersonShaper, NeverExceedsItsSpeedLimit) {
     for (const MovingSurfel& surfel : *shape.surfels) {
         EXPECT_LE(surfel.velocity.norm(), 3.0F * 1.0001F);
     }
+}
+
+// Specks of surface come and go where cameras see little; some other speck is always near.
+TEST(PersonShaper, DoesNotTakeASpeckThatAppearsForOneThatFlew) {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> extent_m(0.02, 0.05);
+    std::uniform_real_distribution<double> way_m(-0.3, 0.3);
+    const auto triple = [&](auto& distribution) {
+        return Eigen::Vector3d(distribution(random), distribution(random), distribution(random));
+    };
+    const Eigen::Vector3d before(-0.5, 0.1, 1.3);
+    int num_specks = 0;
+    int num_flying = 0;
+    while (num_specks < 100) {
+        const Eigen::Vector3d now = before + triple(way_m);
+        const auto figure = [&](const Eigen::Vector3d& speck, int num_cuts) {
+            geometry::TriangleMesh mesh = physics_test::make_person_mesh({0, 0, 0}, 0.5, num_cuts);
+            physics_test::append(
+                mesh, make_box_mesh(triple(extent_m), {Eigen::Quaterniond::Identity(), speck}, 3));
+            return mesh;
+        };
+        if ((now - before).norm() < 0.2) continue;
+        PersonShaper shaper({});
+        shaper.shape(figure(before, 10), frame_time(0));
+        const PersonShape shape = shaper.shape(figure(now, 11), frame_time(1));
+        ++num_specks;
+        num_flying += std::any_of(shape.surfels->begin(),
+                                  shape.surfels->end(),
+                                  [](const MovingSurfel& s) { return s.velocity.norm() > 3.0F; })
+                          ? 1
+                          : 0;
+    }
+    EXPECT_LE(num_flying, 5) << "of " << num_specks;
 }
 
 TEST(PersonShaper, GivesNoVelocityWithoutAUsableMeshBefore) {

@@ -119,6 +119,29 @@ TEST_P(PuppetOfHeight, HangsByItsStringsAndComesToRestAfterAHit) {
     EXPECT_LT(fastest_mps(world, puppet), 0.1) << "and comes to rest";
 }
 
+// Somebody walked off with it and lets it go: what the strings store must not make a catapult.
+TEST_P(PuppetOfHeight, IsNotFlungByItsStrings) {
+    World world({});
+    PuppetDescription description{.name = "p", .height_m = GetParam(), .string_m = 0.5};
+    description.world_from_puppet.translation = {0, 0, 1.0};
+    const Puppet puppet = add_puppet(world, description);
+    physics::run(world, 5.0);
+    for (const WorldObject& part : puppet.parts) {
+        physics::RigidState state = physics::state_of(world, part.scene.object);
+        state.world_from_object.translation += Eigen::Vector3d(0.8, 0.0, 0.0);
+        ASSERT_TRUE(world.set_state(state));
+    }
+    double furthest_back = 1.0;
+    for (int i = 0; i < 240; ++i) {
+        world.tick();
+        ASSERT_LT(fastest_mps(world, puppet), 8.0) << "tick " << i;
+        const double x = physics::state_of(world, 101).world_from_object.translation.x();
+        furthest_back = std::min(furthest_back, x);
+    }
+    EXPECT_LT(furthest_back, 0.1) << "it swings back";
+    EXPECT_EQ(world.counters().num_torn + world.counters().num_runaways, 0U);
+}
+
 TEST_P(PuppetOfHeight, ThrownHardStaysInOnePiece) {
     World world({});
     ASSERT_EQ(world.add(physics::floor_plane()), physics::AddResult::kAdded);

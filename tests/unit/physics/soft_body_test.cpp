@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
 
 namespace atrium::physics {
 namespace {
@@ -254,6 +255,55 @@ TEST(SoftWorld, GoesOnFromASavedStateAsIfNothingHadBeen) {
     broken.velocities[3].x() = std::numeric_limits<float>::infinity();
     EXPECT_FALSE(again.world.restore_soft(broken));
     EXPECT_EQ(once.world.state_hash(), again.world.state_hash());
+}
+
+TEST(SoftWorld, HasNoNodeFasterThanTheWorldAllows) {
+    for (const auto& object : {curtain_at({0, 0, 1.5}), ball_at({0, 0, 1.0}), rope_at({0, 0, 1})}) {
+        Stage stage({.max_speed_mps = 4.0});
+        ASSERT_EQ(stage.world.add_soft(object), AddResult::kAdded);
+        std::mt19937 random(8);
+        std::uniform_real_distribution<float> speed(-6.0F, 6.0F);
+        for (int round = 0; round < 20; ++round) {
+            SoftState torn_at = stage.soft();
+            for (Eigen::Vector3f& v : torn_at.velocities)
+                v = {speed(random), speed(random), speed(random)};
+            ASSERT_TRUE(stage.world.restore_soft(torn_at));
+            stage.run(0.05, [&] {
+                for (const Eigen::Vector3f& v : stage.soft().velocities)
+                    ASSERT_LE(v.norm(), 4.0F * 1.0001F);
+            });
+        }
+    }
+}
+
+// As where somebody walks off with its middle and it slips out of her hands.
+TEST(SoftWorld, SnapsBackWithoutBeingFlung) {
+    const auto rope = rope_at({0, 0, 1.5});
+    const auto curtain = curtain_at({0, 0, 2.0});
+    for (const auto& object : {rope, curtain}) {
+        Stage stage;
+        ASSERT_EQ(stage.world.add_soft(object), AddResult::kAdded);
+        stage.run(2.0);
+        SoftState state = stage.soft();
+        const std::vector<Eigen::Vector3f> hanging = state.positions;
+        // twice as far below the pins
+        float top_m = 0.0F;
+        for (const Eigen::Vector3f& x : hanging) top_m = std::max(top_m, x.z());
+        for (Eigen::Vector3f& x : state.positions) x.z() = 2.0F * x.z() - top_m;
+        ASSERT_TRUE(stage.world.restore_soft(state));
+        stage.run(0.5, [&] {
+            double sum = 0.0;
+            for (const Eigen::Vector3f& v : stage.soft().velocities) sum += v.squaredNorm();
+            const double rms_mps = std::sqrt(sum / static_cast<double>(hanging.size()));
+            ASSERT_LT(rms_mps, 6.0);
+        });
+        stage.run(8.0);
+        double off_m = 0.0;
+        for (std::size_t i = 0; i < hanging.size(); ++i)
+            off_m += double((stage.soft().positions[i] - hanging[i]).norm()) /
+                     static_cast<double>(hanging.size());
+        EXPECT_LT(off_m, 0.15) << "it hangs again";
+    }
 }
 
 TEST(SoftWorld, PutsBackWhatLeavesIt) {
