@@ -265,8 +265,8 @@ void JointBody::pull() {
     const auto impulse_of = [&](double force, double per_speed) {
         return -tick_s_ * (force + per_speed * speed) / (1.0 + tick_s_ * per_speed * yield);
     };
-    double impulse = impulse_of(joint_.stiffness_npm * excess,
-                                joint_.stiffness_npm * tick_s_ + joint_.damping);
+    double impulse =
+        impulse_of(joint_.stiffness_npm * excess, joint_.stiffness_npm * tick_s_ + joint_.damping);
     const double force = joint_.stiffness_npm * (excess + tick_s_ * (speed + yield * impulse));
     if (joint_.force_max > 0.0 && std::abs(force) > joint_.force_max)
         impulse = impulse_of(std::copysign(joint_.force_max, force), joint_.damping);
