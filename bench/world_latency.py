@@ -10,16 +10,14 @@ import sys
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from page_table import read_rows, renew
 
-BAR_MS = 1000.0 / 30.0 + 25.0
-
 
 def main(table_file, page):
     rows, comment = read_rows(table_file)
-    out = ["| sites | pushes, missed | median, p90, p99 [ms] | within the bar | capture to mesh | mesh to tick | tick to state | from the touch itself |",
-           "|---|---|---|---|---|---|---|---|"]
+    out = ["| sites | pictures/s | pushes, missed | median, p90, p99 [ms] | allowed | within the bar | capture to mesh | mesh to tick | tick to state | from the touch itself |",
+           "|---|---|---|---|---|---|---|---|---|---|"]
     for row in rows:
-        met = "met" if float(row["median_ms"]) <= BAR_MS else "missed"
-        out.append(f"| {row['case']} | {row['pushes']}, {row['missed']} | **{row['median_ms']}**, {row['p90_ms']}, {row['p99_ms']}: {met} "
+        met = "met" if float(row["median_ms"]) <= float(row["bar_ms"]) else "missed"
+        out.append(f"| {row['case']} | {float(row['rate_hz']):.0f} | {row['pushes']}, {row['missed']} | **{row['median_ms']}**, {row['p90_ms']}, {row['p99_ms']}: {met} | {row['bar_ms']} "
                    f"| {100.0 * float(row['share_within']):.0f} % | {row['site_ms']} | {row['world_ms']} | {row['send_ms']} | {row['touch_ms']} |")
     out += ["", comment + "."]
     text = "\n".join(out)

@@ -1,7 +1,7 @@
 #!/bin/sh
 # From a hand's capture to the motion of what it pushes: `bench/world_latency.sh [BUILD] [SECONDS of each case]`. Keeps the figures with
 # machine and date in bench/results/ and renews the table of docs/world_server.md. BUILD has to be configured with -DATRIUM_BENCH=ON.
-# Needs no rights; about six minutes, in which the machine should have nothing else to do. RUN is put before each measurement
+# Needs no rights; about eight minutes, in which the machine should have nothing else to do. RUN is put before each measurement
 # (RUN="nice -n -5"). The first run renders the rooms.
 set -eu
 case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
@@ -17,6 +17,7 @@ mkdir -p bench/results
     echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(nproc) cores, $(c++ --version | head -n 1), ${seconds} s each"
     "$build"/bin/world_latency head
     $run "$build"/bin/world_latency "a simulated room, 8 cameras of 640x480" deploy/rigs/full_body.toml 1 "$seconds"
+    $run "$build"/bin/world_latency "two such rooms" deploy/rigs/full_body.toml 2 "$seconds" 20
     $run "$build"/bin/world_latency "two such rooms" deploy/rigs/full_body.toml 2 "$seconds"
     $run "$build"/bin/world_latency "made-up meshes, 16 ms after their capture" meshes 1 "$seconds"
     $run "$build"/bin/world_latency "two such made-up sites" meshes 2 "$seconds"

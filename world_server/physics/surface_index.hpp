@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -73,13 +74,11 @@ std::optional<SurfaceSample> SurfaceIndex::nearest(const Eigen::Vector3f& positi
     if (samples_.empty() || !is_near(position, radius_m)) return std::nullopt;
     const SurfaceSample* best = nullptr;
     float best_sq = radius_m * radius_m;
-    const Eigen::Array3i centre = cell_of(position);
-    // what is beside the middle cell first; then all there is, row by row, for cells of a row lie
-    // one after the other in memory
-    const auto visit_box = [&](int reach) {
-        const Eigen::Array3i low = (centre - reach).max(0);
-        const Eigen::Array3i high = (centre + reach).min(dims_ - 1);
+    const auto visit_box = [&](const Eigen::Array3i& from, const Eigen::Array3i& to) {
+        const Eigen::Array3i low = from.max(0);
+        const Eigen::Array3i high = to.min(dims_ - 1);
         if (low.x() > high.x()) return;
+        // cells of a row lie one after the other in memory
         for (int z = low.z(); z <= high.z(); ++z) {
             for (int y = low.y(); y <= high.y(); ++y) {
                 const std::uint32_t end = cell_begin_[cell_index(high.x(), y, z) + 1];
@@ -92,11 +91,17 @@ std::optional<SurfaceSample> SurfaceIndex::nearest(const Eigen::Vector3f& positi
             }
         }
     };
-    visit_box(1);
-    if (best_sq > cell_m_ * cell_m_) {
-        const int reach = static_cast<int>(std::ceil(std::sqrt(best_sq) / cell_m_));
-        if (reach > 1) visit_box(reach);
-    }
+    const auto visit_around = [&](float reach_m) {
+        visit_box(cell_of((position.array() - reach_m).matrix()),
+                  cell_of((position.array() + reach_m).matrix()));
+    };
+    // mostly the nearest is in the cell itself or just beside it: the more is known, the less is
+    // looked at
+    const Eigen::Array3i centre = cell_of(position);
+    visit_box(centre, centre);
+    const float near_m = 0.5F * cell_m_;
+    if (best_sq > near_m * near_m) visit_around(std::min(std::sqrt(best_sq), near_m));
+    visit_around(std::sqrt(best_sq));
     if (best == nullptr) return std::nullopt;
     return *best;
 }
