@@ -235,6 +235,10 @@ void SoftBody::find_stretched() {
             if (length >= kLooseStretch * link.m_rl) loose_[node] = 1;
         }
     }
+    // what slips out of hands takes the rest along
+    const auto is_loose = [](std::uint8_t node) { return node != 0; };
+    if (std::any_of(loose_.begin(), loose_.end(), is_loose))
+        std::fill(taut_.begin(), taut_.end(), kSnapTicks);
 }
 
 // Bends as sharp as the nodes' spacing would stay for ever, as nothing but the bending links opens
