@@ -215,6 +215,7 @@ void SoftBody::end_tick() {
     if (volume_) pulls_.damp_swing(*body_, contact_options_.tick_s);
     pulls_.end_tick();
     calm_down(contact_options_.tick_s);
+    ties_.limit(taut_, kSnapMps);
     // each of a link's ends may have been given what the other had
     limit_speeds();
     const btScalar extent = (body_->m_bounds[1] - body_->m_bounds[0]).length();
