@@ -262,9 +262,7 @@ void Session::decode(std::stop_token stop) {
 
 void Session::show(const std::string& site, PersonUpdate update) {
     auto replaced = people_.put(site, std::move(update));
-    if (!replaced || !replaced->model) return;
-    ++num_pairs_skipped_;
-    recycle(std::move(*replaced->model));
+    if (replaced && replaced->model) skip(std::move(*replaced->model));
 }
 
 SceneChanges Session::take_scene() {

@@ -63,6 +63,11 @@ public:
     SceneChanges take_scene();
     /// Gives back a model that is no longer shown, whose memory the decoder uses again.
     void recycle(renderer::PersonModel model) { spent_.put(std::move(model)); }
+    /// The same for one that was taken, but will not be shown.
+    void skip(renderer::PersonModel model) {
+        ++num_pairs_skipped_;
+        recycle(std::move(model));
+    }
 
     Expected<std::size_t> publish(const bus::ViewerStatus& status) { return status_.write(status); }
     Expected<std::size_t> send(const bus::SceneCommand& command) {

@@ -48,13 +48,17 @@ struct SurfaceOptions {
     int width = 960;
     int height = 540;
     bool wait_for_display = true;  // a window's vertical synchronisation
+    bool has_two_buffers = false;  // a window's, one for each eye
 };
 
 /// A window. Error kUnavailable where there is no display or no OpenGL 3.3 on it. On the main
 /// thread, one at a time.
 Expected<std::unique_ptr<Surface>> open_window(const SurfaceOptions& options);
 
-/// Software rendering without a display; any thread.
+/// Software rendering without a display; any thread. Has no buffers for two eyes.
 Expected<std::unique_ptr<Surface>> open_headless(const SurfaceOptions& options);
+
+/// A window, or software rendering where it cannot be had, which is logged.
+Expected<std::unique_ptr<Surface>> open_surface(const SurfaceOptions& options);
 
 }  // namespace atrium::viewer

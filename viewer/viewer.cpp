@@ -4,6 +4,8 @@
 #include "core/app/program.hpp"
 #include "core/base/statistics.hpp"
 #include "core/joining/join_world.hpp"
+#include "viewer/display.hpp"
+#include "viewer/due_people.hpp"
 #include "viewer/mouse_grab.hpp"
 #include "viewer/picture_file.hpp"
 #include "viewer/scene_view.hpp"
@@ -48,32 +50,13 @@ double pictures_per_second(const ViewConfig& view, const Surface& surface) {
     return surface.display_hz() > 0.0 ? kSlack * surface.display_hz() : kHeadlessFps;
 }
 
-Expected<std::unique_ptr<Surface>> open_surface(const ViewerConfig& config) {
-    const SurfaceOptions options{.width = config.view.width,
-                                 .height = config.view.height,
-                                 .wait_for_display = config.view.max_fps == 0.0};
-    std::string why_no_window = "asked for";
-    if (!config.headless) {
-        auto window = open_window(options);
-        if (window) return window;
-        why_no_window = window.error().message;
-    }
-    auto headless = open_headless(options);
-    if (headless) {
-        app::log::info("surface_headless reason=\"{}\"", why_no_window);
-        return headless;
-    }
-    return make_error(ErrorKind::kUnavailable,
-                      "neither a window (" + why_no_window + ") nor software rendering (" +
-                          headless.error().message + ") can be had");
-}
-
 }  // namespace
 
 struct Viewer::Impl {
     ViewerConfig config;
     renderer::ViewCamera start_camera;
     renderer::ViewCamera camera;
+    Display display;
     std::unique_ptr<Session> session;
 
     // of the drawing thread
@@ -81,6 +64,7 @@ struct Viewer::Impl {
     std::optional<renderer::SceneRenderer> renderer;  // goes before `surface`, its context
     std::unique_ptr<VideoRecorder> video;
     std::optional<SceneView> scene;
+    DuePeople due_people;  // of a display that shows what was a while ago
     std::optional<MouseGrab> mouse;
     std::map<std::string, Timestamp> shown;    // sites and the capture time of what is shown
     std::vector<Timestamp> not_displayed_yet;  // capture times of people of this picture
@@ -109,7 +93,9 @@ struct Viewer::Impl {
     void close();
     Expected<void> loop(std::stop_token stop);
     void send(const bus::SceneCommand& command);
-    void take_people();
+    void take_people(const std::optional<Timestamp>& instant);
+    void show_person(const std::string& site, PersonUpdate update);
+    void move_about(const SurfaceEvents& events);
     Expected<void> react(const SurfaceEvents& events);
     Expected<void> draw();
     void record();
@@ -134,10 +120,14 @@ Expected<void> Viewer::Impl::join(std::stop_token stop) {
 }
 
 Expected<void> Viewer::Impl::open() {
-    auto opened = open_surface(config);
+    const SurfaceOptions options{.width = config.view.width,
+                                 .height = config.view.height,
+                                 .wait_for_display = config.view.max_fps == 0.0,
+                                 .has_two_buffers = display.stereo() == Stereo::kQuadBuffer};
+    auto opened = config.headless ? open_headless(options) : open_surface(options);
     if (!opened) return tl::unexpected(opened.error());
     surface = std::move(*opened);
-    const auto [width, height] = surface->size();
+    const auto [width, height] = display.picture_size(surface->size());
     auto created = renderer::SceneRenderer::create({.width = width,
                                                     .height = height,
                                                     .antialias = config.view.antialias == "fxaa"
@@ -164,22 +154,36 @@ void Viewer::Impl::close() {
     renderer.reset();
     surface.reset();
     shown.clear();
+    due_people.clear();
     scene->clear();
 }
 
-void Viewer::Impl::take_people() {
-    for (auto& [site, update] : session->take_people()) {
-        if (!update.model) {
-            if (shown.erase(site) > 0) app::log::info("person_gone site={}", site);
-            renderer->remove_person(site);
-            continue;
-        }
-        const bool is_new = shown.insert_or_assign(site, update.capture_time).second;
-        if (is_new) app::log::info("person_shown site={}", site);
-        not_displayed_yet.push_back(update.capture_time);
-        session->recycle(renderer->set_person(site, std::move(*update.model)));
-        ++num_pairs_shown;
+void Viewer::Impl::show_person(const std::string& site, PersonUpdate update) {
+    if (!update.model) {
+        if (shown.erase(site) > 0) app::log::info("person_gone site={}", site);
+        renderer->remove_person(site);
+        return;
     }
+    const bool is_new = shown.insert_or_assign(site, update.capture_time).second;
+    if (is_new) app::log::info("person_shown site={}", site);
+    not_displayed_yet.push_back(update.capture_time);
+    session->recycle(renderer->set_person(site, std::move(*update.model)));
+    ++num_pairs_shown;
+}
+
+void Viewer::Impl::take_people(const std::optional<Timestamp>& instant) {
+    const auto skip = [this](PersonUpdate update) {
+        if (update.model) session->skip(std::move(*update.model));
+    };
+    for (auto& [site, update] : session->take_people()) {
+        if (instant)
+            due_people.add(site, std::move(update), skip);
+        else
+            show_person(site, std::move(update));
+    }
+    if (!instant) return;
+    for (auto& [site, update] : due_people.take(*instant, skip))
+        show_person(site, std::move(update));
 }
 
 void Viewer::Impl::send(const bus::SceneCommand& command) {
@@ -187,14 +191,18 @@ void Viewer::Impl::send(const bus::SceneCommand& command) {
         command_failures.warn("command_failed " + sent.error().message);
 }
 
-Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
+void Viewer::Impl::move_about(const SurfaceEvents& events) {
     const auto pick = [this](const Ray& ray) { return scene->pick(ray); };
-    for (const bus::SceneCommand& command :
-         mouse->update(events.pointer, camera, pick, Clock::now()))
+    const Pointer pointer = display.over_one_eye(events.pointer);
+    for (const bus::SceneCommand& command : mouse->update(pointer, camera, pick, Clock::now()))
         send(command);
     Motion motion = events.motion;
     if (mouse->is_holding()) motion.turn_px.setZero();  // the drag moves the thing
     camera = events.reset_view ? start_camera : apply(motion, camera);
+}
+
+Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
+    if (!display.is_tile()) move_about(events);
     if (events.screenshot) {
         if (auto written = screenshot(); !written) app::log::warn("{}", written.error().message);
     }
@@ -205,15 +213,16 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
         send(command);
     }
     // a window that is minimised has no size
-    const auto [width, height] = surface->size();
+    const auto [width, height] = display.picture_size(surface->size());
     if (width > 0 && height > 0) return renderer->resize(width, height);
     return {};
 }
 
 Expected<void> Viewer::Impl::draw() {
-    scene->update(session->take_scene(), Clock::now(), *renderer);
-    take_people();
-    renderer->draw(camera);
+    const std::optional<Timestamp> instant = display.instant(Timestamp::now());
+    scene->update(session->take_scene(), Clock::now(), instant, *renderer);
+    take_people(instant);
+    renderer->draw(display.eyes(camera, renderer->width(), renderer->height()));
     hud.num_objects = renderer->num_objects();
     surface->show(*renderer, hud);
     const Timestamp displayed = Timestamp::now();
@@ -323,14 +332,17 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config, std
     }
     const auto camera = make_view_camera(config.view);
     if (!camera) return tl::unexpected(camera.error());
+    auto display = Display::create(config.display);
+    if (!display) return tl::unexpected(display.error());
     auto impl = std::make_unique<Impl>();
     impl->config = config;
     if (config.view.name.empty()) impl->config.view.name = own_name();
     auto session = Session::create(config.bus, impl->config.view.name);
     if (!session) return tl::unexpected(session.error());
     impl->start_camera = impl->camera = *camera;
+    impl->display = std::move(*display);
     impl->session = std::move(*session);
-    impl->scene.emplace(config.models);
+    impl->scene.emplace(config.models, impl->display.delay());
     impl->mouse.emplace(impl->config.view.name);
     if (auto joined = impl->join(stop); !joined) return tl::unexpected(joined.error());
     return std::unique_ptr<Viewer>(new Viewer(std::move(impl)));

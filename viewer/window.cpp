@@ -26,7 +26,8 @@ std::string last_glfw_error() {
 
 class Window : public Surface {
 public:
-    explicit Window(GLFWwindow* window) : window_(window) {
+    Window(GLFWwindow* window, const SurfaceOptions& options)
+        : window_(window), has_two_buffers_(options.has_two_buffers) {
         glfwSetWindowUserPointer(window_, this);
         glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int) {
             if (action == GLFW_PRESS)
@@ -76,7 +77,10 @@ public:
     }
 
     void show(const renderer::SceneRenderer& renderer, const HudFigures& figures) override {
-        renderer.present();
+        if (has_two_buffers_)
+            renderer.present_halves();
+        else
+            renderer.present();
         if (is_hud_shown_) {
             ImGui_ImplOpenGL3_NewFrame();
             ImGui_ImplGlfw_NewFrame();
@@ -127,6 +131,7 @@ private:
     }
 
     GLFWwindow* window_;
+    bool has_two_buffers_;
     bool is_hud_shown_ = true;
     SurfaceEvents events_;
     Eigen::Vector2d last_cursor_ = Eigen::Vector2d::Zero();
@@ -143,6 +148,7 @@ Expected<std::unique_ptr<Surface>> open_window(const SurfaceOptions& options) {
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_STEREO, options.has_two_buffers ? GLFW_TRUE : GLFW_FALSE);
     GLFWwindow* window =
         glfwCreateWindow(options.width, options.height, "Atrium", nullptr, nullptr);
     if (window == nullptr) {
@@ -157,7 +163,7 @@ Expected<std::unique_ptr<Surface>> open_window(const SurfaceOptions& options) {
         return tl::unexpected(loaded.error());
     }
     glfwSwapInterval(options.wait_for_display ? 1 : 0);
-    return std::make_unique<Window>(window);
+    return std::make_unique<Window>(window, options);
 }
 
 }  // namespace atrium::viewer

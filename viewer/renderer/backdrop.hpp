@@ -29,7 +29,7 @@ public:
     /// At a height [m], to the horizon; after the floors, for what they cover of it is not drawn.
     void draw_ground(const View& view, double height_m);
     /// Last: it is behind everything.
-    void draw_sky(const ViewCamera& camera);
+    void draw_sky(const EyeView& eye);
 
 private:
     void draw_plane(const View& view,

@@ -73,9 +73,14 @@ public:
     int height() const;
 
     void draw(const ViewCamera& camera);
+    /// What several eyes see, one after the other, each in its part. Parts cover the picture.
+    void draw(std::span<const EyeView> eyes);
 
     /// Copies the picture into the framebuffer of the window or context that is current.
     void present() const;
+    /// Likewise its left half into the buffer for the left eye and its right one into the other: of
+    /// a window that has both.
+    void present_halves() const;
     /// The picture as last drawn. `out` keeps its memory.
     void read_pixels(RenderedPicture& out) const;
 

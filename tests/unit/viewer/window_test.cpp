@@ -47,7 +47,7 @@ protected:
         if (size != Size{renderer_->width(), renderer_->height()}) {
             EXPECT_TRUE(renderer_->resize(size[0], size[1]));
         }
-        renderer_->draw({});
+        renderer_->draw(renderer::ViewCamera{});
         window_->show(*renderer_, {});
         return events;
     }
