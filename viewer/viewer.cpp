@@ -5,8 +5,8 @@
 #include "core/base/statistics.hpp"
 #include "core/joining/join_world.hpp"
 #include "viewer/display.hpp"
-#include "viewer/due_people.hpp"
 #include "viewer/mouse_grab.hpp"
+#include "viewer/people_view.hpp"
 #include "viewer/picture_file.hpp"
 #include "viewer/scene_view.hpp"
 #include "viewer/session.hpp"
@@ -19,7 +19,6 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -64,10 +63,8 @@ struct Viewer::Impl {
     std::optional<renderer::SceneRenderer> renderer;  // goes before `surface`, its context
     std::unique_ptr<VideoRecorder> video;
     std::optional<SceneView> scene;
-    DuePeople due_people;  // of a display that shows what was a while ago
+    PeopleView people;
     std::optional<MouseGrab> mouse;
-    std::map<std::string, Timestamp> shown;    // sites and the capture time of what is shown
-    std::vector<Timestamp> not_displayed_yet;  // capture times of people of this picture
     renderer::RenderedPicture picture;
     LatencyWindow latency;
     RateMeter rate;
@@ -75,7 +72,6 @@ struct Viewer::Impl {
     app::log::OncePerSecond command_failures;
     int num_screenshots = 0;
     std::uint64_t num_frames = 0;
-    std::uint64_t num_pairs_shown = 0;
 
     mutable std::mutex status_mutex;
     bus::ViewerStatus status;
@@ -93,8 +89,6 @@ struct Viewer::Impl {
     void close();
     Expected<void> loop(std::stop_token stop);
     void send(const bus::SceneCommand& command);
-    void take_people(const std::optional<Timestamp>& instant);
-    void show_person(const std::string& site, PersonUpdate update);
     void move_about(const SurfaceEvents& events);
     Expected<void> react(const SurfaceEvents& events);
     Expected<void> draw();
@@ -153,37 +147,8 @@ void Viewer::Impl::close() {
     video.reset();
     renderer.reset();
     surface.reset();
-    shown.clear();
-    due_people.clear();
+    people.clear();
     scene->clear();
-}
-
-void Viewer::Impl::show_person(const std::string& site, PersonUpdate update) {
-    if (!update.model) {
-        if (shown.erase(site) > 0) app::log::info("person_gone site={}", site);
-        renderer->remove_person(site);
-        return;
-    }
-    const bool is_new = shown.insert_or_assign(site, update.capture_time).second;
-    if (is_new) app::log::info("person_shown site={}", site);
-    not_displayed_yet.push_back(update.capture_time);
-    session->recycle(renderer->set_person(site, std::move(*update.model)));
-    ++num_pairs_shown;
-}
-
-void Viewer::Impl::take_people(const std::optional<Timestamp>& instant) {
-    const auto skip = [this](PersonUpdate update) {
-        if (update.model) session->skip(std::move(*update.model));
-    };
-    for (auto& [site, update] : session->take_people()) {
-        if (instant)
-            due_people.add(site, std::move(update), skip);
-        else
-            show_person(site, std::move(update));
-    }
-    if (!instant) return;
-    for (auto& [site, update] : due_people.take(*instant, skip))
-        show_person(site, std::move(update));
 }
 
 void Viewer::Impl::send(const bus::SceneCommand& command) {
@@ -220,14 +185,14 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
 
 Expected<void> Viewer::Impl::draw() {
     const std::optional<Timestamp> instant = display.instant(Timestamp::now());
-    scene->update(session->take_scene(), Clock::now(), instant, *renderer);
-    take_people(instant);
+    const Clock::time_point now = Clock::now();
+    scene->update(session->take_scene(), now, instant, *renderer);
+    people.update(*session, instant, now, *renderer);
     renderer->draw(display.eyes(camera, renderer->width(), renderer->height()));
     hud.num_objects = renderer->num_objects();
     surface->show(*renderer, hud);
     const Timestamp displayed = Timestamp::now();
-    for (const Timestamp captured : not_displayed_yet) latency.add(displayed - captured);
-    not_displayed_yet.clear();
+    for (const Timestamp captured : people.just_shown()) latency.add(displayed - captured);
     ++num_frames;
     record();
     return {};
@@ -259,13 +224,12 @@ void Viewer::Impl::update_status(Clock::time_point now) {
     const Quantiles quantiles = latency.quantiles();
     hud.capture_to_display = {quantiles.median_ms, quantiles.p99_ms, quantiles.num_samples};
     hud.frames_per_s = rate.update(num_frames, now);
-    hud.sites.clear();
-    for (const auto& [site, captured] : shown) hud.sites.push_back("site " + site);
+    hud.sites = people.lines(now);
     bus::ViewerStatus next;
     next.viewer = config.view.name;
     next.time = Timestamp::now();
     next.num_frames = num_frames;
-    next.num_pairs_shown = num_pairs_shown;
+    next.num_pairs_shown = people.num_pairs_shown();
     next.num_pairs_skipped = session->num_pairs_skipped();
     next.num_incomplete = session->num_incomplete();
     next.num_rejected = session->num_rejected();
@@ -299,7 +263,7 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
             if (auto sent = session->publish(status); !sent)
                 app::log::warn("status_failed {}", sent.error().message);
         }
-        if (!is_counting && shown.size() >= config.wait_people) {
+        if (!is_counting && people.size() >= config.wait_people) {
             is_counting = true;
             counted_since = now;
             counted_from = num_frames;
@@ -307,7 +271,7 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
         if (!is_counting && now - begin > seconds(config.wait_timeout_s)) {
             return make_error(ErrorKind::kUnavailable,
                               fmt::format("{} of {} people came within {} s",
-                                          shown.size(),
+                                          people.size(),
                                           config.wait_people,
                                           config.wait_timeout_s));
         }

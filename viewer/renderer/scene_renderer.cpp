@@ -43,6 +43,7 @@ struct SceneRenderer::Impl {
     void draw_object(const ObjectDrawing& object);
     void draw_floors(const View& view);
     void draw_eye(const EyeView& eye);
+    void draw_faded(PersonDrawing& person, const EyeView& eye);
     void smooth();
     void present(const image::PixelRect& part_px, unsigned buffer) const;
     const gl::Framebuffer& finished() const {
@@ -86,7 +87,15 @@ void SceneRenderer::Impl::draw_shadow() {
     if (is_shadow_current) return;
     is_shadow_current = true;
     const gl::ShaderProgram& shader = backdrop->begin_shadow();
-    for (const auto& [site, person] : people) person.draw_surface(shader);
+    // faded ones first: what is solid darkens all of its shadow
+    for (const bool is_solid : {false, true}) {
+        for (const auto& [site, person] : people) {
+            if (person.is_solid() != is_solid) continue;
+            shader.set("darkness", static_cast<float>(person.opacity()));
+            person.draw_surface(shader);
+        }
+    }
+    shader.set("darkness", 1.0f);
     for (const auto& [id, object] : objects) {
         if (object.look.model == nullptr && object.look.shape == ShapeKind::kPlane) continue;
         shader.set("world_from_object",
@@ -148,11 +157,29 @@ void SceneRenderer::Impl::draw_floors(const View& view) {
 
 void SceneRenderer::Impl::draw_eye(const EyeView& eye) {
     const View view{eye.clip_from_world(), eye.eye_world()};
-    for (auto& [site, person] : people)
-        person.draw(person_shaders, view.clip_from_world, view.eye_world);
+    for (auto& [site, person] : people) {
+        if (person.is_solid()) person.draw(person_shaders, view.clip_from_world, view.eye_world);
+    }
     draw_objects(view);
     draw_floors(view);
     backdrop->draw_sky(eye);
+    // over what is seen through them
+    for (auto& [site, person] : people) {
+        if (!person.is_solid()) draw_faded(person, eye);
+    }
+}
+
+void SceneRenderer::Impl::draw_faded(PersonDrawing& person, const EyeView& eye) {
+    const View view{eye.clip_from_world(), eye.eye_world()};
+    // depth alone first, so that an arm before the chest is not seen through
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    person.draw(person_shaders, view.clip_from_world, view.eye_world);
+    glColorMask(eye.writes[0], eye.writes[1], eye.writes[2], GL_TRUE);
+    glEnable(GL_BLEND);
+    glBlendColor(0.0f, 0.0f, 0.0f, static_cast<float>(person.opacity()));
+    glBlendFunc(GL_CONSTANT_ALPHA, GL_ONE_MINUS_CONSTANT_ALPHA);
+    person.draw(person_shaders, view.clip_from_world, view.eye_world);
+    glDisable(GL_BLEND);
 }
 
 void SceneRenderer::Impl::smooth() {
@@ -197,6 +224,13 @@ void SceneRenderer::set_site_pose(const std::string& site,
     impl_->site_poses[site] = world_from_site.matrix();
     const auto found = impl_->people.find(site);
     if (found != impl_->people.end()) found->second.set_pose(world_from_site.matrix());
+}
+
+void SceneRenderer::set_person_opacity(const std::string& site, double opacity) {
+    const auto found = impl_->people.find(site);
+    if (found == impl_->people.end() || found->second.opacity() == opacity) return;
+    impl_->is_shadow_current = false;
+    found->second.set_opacity(opacity);
 }
 
 void SceneRenderer::remove_person(const std::string& site) {

@@ -204,8 +204,9 @@ void main() {
 )";
 
 const char* const kShadowFragment = R"(#version 330 core
+uniform float darkness;
 out vec4 fragment;
-void main() { fragment = vec4(1.0); }
+void main() { fragment = vec4(darkness); }
 )";
 
 const char* const kScreenVertex = R"(#version 330 core

@@ -363,6 +363,27 @@ protected:
     const ViewCamera camera_{.position_m = {0.5, -3.5, 1.6}, .target_m = {0.2, 0.0, 0.9}};
 };
 
+TEST_F(SeveralEyes, SeeThroughWhoFades) {
+    const std::vector<EyeView> eye{eye_of(camera_, kWidth, kHeight)};
+    const RenderedPicture solid = seen_by(eye);
+    renderer_->set_person_opacity("a", 0.25);
+    const RenderedPicture faded = seen_by(eye);
+    renderer_->set_person_opacity("a", 0.0);
+    const RenderedPicture none = seen_by(eye);
+    renderer_->set_person_opacity("a", 1.0);
+    EXPECT_EQ(seen_by(eye).rgba, solid.rgba);
+    std::size_t num_of_person = 0;
+    for (std::size_t i = 0; i < solid.rgba.size(); ++i) {
+        // what lies behind the person shows through evenly; her shadow is linear as well
+        const double expected = 0.25 * solid.rgba[i] + 0.75 * none.rgba[i];
+        ASSERT_NEAR(faded.rgba[i], expected, 2.0);
+        num_of_person += std::abs(int{solid.rgba[i]} - int{none.rgba[i]}) > 40 ? 1 : 0;
+    }
+    EXPECT_GT(num_of_person, 3000U);
+    renderer_->remove_person("a");
+    EXPECT_EQ(seen_by(eye).rgba, none.rgba) << "and no shadow";
+}
+
 TEST_F(SeveralEyes, TilesOfAWallMakeOnePicture) {
     const RenderedPicture whole = seen_by({eye_of(camera_, kWidth, kHeight)});
     const Screen screen = screen_of(camera_, static_cast<double>(kWidth) / kHeight, 2.0);

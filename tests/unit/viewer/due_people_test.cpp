@@ -1,5 +1,7 @@
 #include "viewer/due_people.hpp"
 
+#include "viewer/people_view.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -72,6 +74,18 @@ TEST_F(DuePeopleTest, AreTheSameHoweverOftenOneAsks) {
         EXPECT_EQ(shown, shown_by_other);
     }
     EXPECT_GT(shown, 800);
+}
+
+TEST(PeopleView, FadesWhoIsSilentAndNobodyElse) {
+    using std::chrono::milliseconds;
+    EXPECT_EQ(opacity_after(milliseconds(0)), 1.0);
+    EXPECT_EQ(opacity_after(milliseconds(400)), 1.0) << "two lost of five a second";
+    double before = 1.0;
+    for (int ms = 700; ms <= 1400; ms += 100) {
+        EXPECT_LT(opacity_after(milliseconds(ms)), before);
+        before = opacity_after(milliseconds(ms));
+    }
+    EXPECT_GT(opacity_after(std::chrono::hours(1)), 0.2) << "still there, as the site is";
 }
 
 TEST_F(DuePeopleTest, DoNotPileUpWhereNobodyAsks) {
