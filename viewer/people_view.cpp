@@ -36,11 +36,14 @@ void PeopleView::show(const std::string& site,
         renderer.remove_person(site);
         return;
     }
-    const auto [found, is_new] = shown_.try_emplace(site, now);
+    const auto [found, is_new] = shown_.try_emplace(site);
+    Shown& shown = found->second;
     if (is_new) app::log::info("person_shown site={}", site);
-    if (now - found->second > kStalled)
-        app::log::info("person_back site={} after_s={:.1f}", site, seconds(now - found->second));
-    found->second = now;
+    if (!is_new && now - shown.since > kStalled)
+        app::log::info("person_back site={} after_s={:.1f}", site, seconds(now - shown.since));
+    shown.since = now;
+    ++shown.num_pairs;
+    shown.place_site = place_of(update.model->vertices_site);
     just_shown_.push_back(update.capture_time);
     session.recycle(renderer.set_person(site, std::move(*update.model)));
     ++num_pairs_shown_;
@@ -64,16 +67,30 @@ void PeopleView::update(Session& session,
         for (auto& [site, update] : due_.take(*instant, skip))
             show(site, std::move(update), session, now, renderer);
     }
-    for (const auto& [site, since] : shown_)
-        renderer.set_person_opacity(site, opacity_after(now - since));
+    for (const auto& [site, shown] : shown_)
+        renderer.set_person_opacity(site, opacity_after(now - shown.since));
 }
 
-std::vector<std::string> PeopleView::lines(Clock::time_point now) const {
-    std::vector<std::string> lines;
-    for (const auto& [site, since] : shown_) {
-        lines.push_back("site " + site);
-        if (now - since > kStalled)
-            lines.back() += fmt::format(": nothing new for {:.1f} s", seconds(now - since));
+Companion::Places PeopleView::places(const renderer::SceneRenderer& renderer) const {
+    Companion::Places places;
+    for (const auto& [site, shown] : shown_) {
+        const Eigen::Isometry3d world_from_site(renderer.world_from_site(site));
+        places[site] = {world_from_site * shown.place_site.middle,
+                        world_from_site * shown.place_site.eyes};
+    }
+    return places;
+}
+
+std::vector<SiteLine> PeopleView::lines(Clock::time_point now) {
+    std::vector<SiteLine> lines;
+    for (auto& [site, shown] : shown_) {
+        const double per_s = shown.rate.update(shown.num_pairs, now);
+        if (now - shown.since > kStalled) {
+            const double silent_s = seconds(now - shown.since);
+            lines.push_back({fmt::format("{}: nothing new for {:.1f} s", site, silent_s), true});
+        } else {
+            lines.push_back({fmt::format("{}: {:.0f} new/s", site, per_s), false});
+        }
     }
     return lines;
 }

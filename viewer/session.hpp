@@ -83,6 +83,8 @@ public:
     std::uint64_t num_pairs_skipped() const { return num_pairs_skipped_; }
     std::uint64_t num_incomplete() const { return num_incomplete_; }
     std::uint64_t num_rejected() const { return num_rejected_; }
+    /// Of meshes and pictures, as they came.
+    std::uint64_t num_bytes() const { return num_bytes_; }
 
 private:
     struct Readers {
@@ -139,6 +141,7 @@ private:
     std::atomic<std::uint64_t> num_pairs_skipped_ = 0;
     std::atomic<std::uint64_t> num_incomplete_ = 0;
     std::atomic<std::uint64_t> num_rejected_ = 0;
+    std::atomic<std::uint64_t> num_bytes_ = 0;
 };
 
 }  // namespace atrium::viewer

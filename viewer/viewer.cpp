@@ -4,10 +4,10 @@
 #include "core/app/program.hpp"
 #include "core/base/statistics.hpp"
 #include "core/joining/join_world.hpp"
+#include "viewer/album.hpp"
 #include "viewer/display.hpp"
 #include "viewer/mouse_grab.hpp"
 #include "viewer/people_view.hpp"
-#include "viewer/picture_file.hpp"
 #include "viewer/scene_view.hpp"
 #include "viewer/session.hpp"
 #include "viewer/surface.hpp"
@@ -28,6 +28,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr auto kStatusPeriod = std::chrono::seconds(1);
+constexpr auto kNoticePeriod = std::chrono::seconds(4);
 constexpr double kHeadlessFps = 30.0;
 
 Clock::duration seconds(double s) {
@@ -61,16 +62,19 @@ struct Viewer::Impl {
     // of the drawing thread
     std::unique_ptr<Surface> surface;
     std::optional<renderer::SceneRenderer> renderer;  // goes before `surface`, its context
-    std::unique_ptr<VideoRecorder> video;
+    std::optional<Album> album;
     std::optional<SceneView> scene;
     PeopleView people;
     std::optional<MouseGrab> mouse;
-    renderer::RenderedPicture picture;
+    Companion companion;
     LatencyWindow latency;
     RateMeter rate;
+    RateMeter byte_rate;
+    History latencies_ms;  // of each picture that somebody new was in
+    History pictures;
     HudFigures hud;
     app::log::OncePerSecond command_failures;
-    int num_screenshots = 0;
+    Clock::time_point notice_until;
     std::uint64_t num_frames = 0;
 
     mutable std::mutex status_mutex;
@@ -92,10 +96,8 @@ struct Viewer::Impl {
     void move_about(const SurfaceEvents& events);
     Expected<void> react(const SurfaceEvents& events);
     Expected<void> draw();
-    void record();
-    Expected<void> screenshot();
+    void say(const std::string& notice);  // to who looks at the picture, and to the log
     void update_status(Clock::time_point now);
-    Expected<void> write_output();
 };
 
 Expected<void> Viewer::Impl::join(std::stop_token stop) {
@@ -130,21 +132,17 @@ Expected<void> Viewer::Impl::open() {
     if (!created) return tl::unexpected(created.error());
     renderer.emplace(std::move(*created));
     app::log::info("surface_open on=\"{}\" size={}x{}", surface->description(), width, height);
-    if (config.video.file.empty()) return {};
-    // video formats want even sizes
-    const int video_width = (config.video.width > 0 ? config.video.width : width) / 2 * 2;
-    const int video_height = (config.video.height > 0 ? config.video.height : height) / 2 * 2;
-    auto recorder = VideoRecorder::create({.file = config.video.file,
-                                           .fps = config.video.fps,
-                                           .width = video_width,
-                                           .height = video_height});
-    if (!recorder) return tl::unexpected(recorder.error());
-    video = std::move(*recorder);
-    return {};
+    return album->open(*renderer);
+}
+
+void Viewer::Impl::say(const std::string& notice) {
+    app::log::info("{}", notice);
+    hud.notice = notice;
+    notice_until = Clock::now() + kNoticePeriod;
 }
 
 void Viewer::Impl::close() {
-    video.reset();
+    album->close();
     renderer.reset();
     surface.reset();
     people.clear();
@@ -163,14 +161,25 @@ void Viewer::Impl::move_about(const SurfaceEvents& events) {
         send(command);
     Motion motion = events.motion;
     if (mouse->is_holding()) motion.turn_px.setZero();  // the drag moves the thing
+    const Companion::Places places = people.places(*renderer);
+    if (events.follow) companion.toggle_follow(camera, places);
+    if (events.person > 0) companion.toggle_eyes(events.person, places);
+    if (events.reset_view) companion.leave();
+    if (companion.has_own_eyes()) {
+        motion.look_around = true;
+        motion.walk = false;
+        motion.fly.setZero();
+        motion.pan_px.setZero();
+        motion.zoom_steps = 0.0;
+    }
     camera = events.reset_view ? start_camera : apply(motion, camera);
+    camera = companion.update(camera, places, Clock::now());
 }
 
 Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
     if (!display.is_tile()) move_about(events);
-    if (events.screenshot) {
-        if (auto written = screenshot(); !written) app::log::warn("{}", written.error().message);
-    }
+    if (events.screenshot) say(album->screenshot(*renderer));
+    if (events.record) say(album->toggle_video(*renderer));
     if (events.reset_scene) {
         bus::SceneCommand command;
         command.sender = config.view.name;
@@ -190,34 +199,18 @@ Expected<void> Viewer::Impl::draw() {
     people.update(*session, instant, now, *renderer);
     renderer->draw(display.eyes(camera, renderer->width(), renderer->height()));
     hud.num_objects = renderer->num_objects();
+    hud.recording_s = album->video_s();
+    if (now > notice_until) hud.notice.clear();
     surface->show(*renderer, hud);
     const Timestamp displayed = Timestamp::now();
-    for (const Timestamp captured : people.just_shown()) latency.add(displayed - captured);
+    pictures.add(1.0, now);
+    for (const Timestamp captured : people.just_shown()) {
+        latency.add(displayed - captured);
+        latencies_ms.add(1e-6 * static_cast<double>((displayed - captured).count()), now);
+    }
     ++num_frames;
-    record();
+    album->add(*renderer);
     return {};
-}
-
-void Viewer::Impl::record() {
-    if (!video || !video->wants_picture()) return;
-    renderer::RenderedPicture frame;
-    renderer->read_pixels(frame);
-    video->offer(std::move(frame));
-}
-
-Expected<void> Viewer::Impl::screenshot() {
-    renderer->read_pixels(picture);
-    const auto file =
-        config.screenshot_dir / fmt::format("atrium-{}-{:03}.png", getpid(), ++num_screenshots);
-    auto written = write_png(file, picture);
-    if (written) app::log::info("screenshot_written file={}", file.string());
-    return written;
-}
-
-Expected<void> Viewer::Impl::write_output() {
-    if (config.output.empty()) return {};
-    renderer->read_pixels(picture);
-    return write_png(config.output, picture);
 }
 
 void Viewer::Impl::update_status(Clock::time_point now) {
@@ -225,6 +218,12 @@ void Viewer::Impl::update_status(Clock::time_point now) {
     hud.capture_to_display = {quantiles.median_ms, quantiles.p99_ms, quantiles.num_samples};
     hud.frames_per_s = rate.update(num_frames, now);
     hud.sites = people.lines(now);
+    hud.bytes_per_s = byte_rate.update(session->num_bytes(), now);
+    hud.num_skipped = session->num_pairs_skipped();
+    hud.num_incomplete = session->num_incomplete();
+    hud.num_rejected = session->num_rejected();
+    hud.latency_ms = latencies_ms.values(History::Of::kMean, now);
+    hud.pictures_per_s = pictures.values(History::Of::kPerSecond, now);
     bus::ViewerStatus next;
     next.viewer = config.view.name;
     next.time = Timestamp::now();
@@ -307,6 +306,7 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config, std
     impl->display = std::move(*display);
     impl->session = std::move(*session);
     impl->scene.emplace(config.models, impl->display.delay());
+    impl->album.emplace(impl->config);
     impl->mouse.emplace(impl->config.view.name);
     if (auto joined = impl->join(stop); !joined) return tl::unexpected(joined.error());
     return std::unique_ptr<Viewer>(new Viewer(std::move(impl)));
@@ -337,7 +337,7 @@ Expected<void> Viewer::run(std::stop_token stop) {
         last.capture_to_display.median_ms,
         last.capture_to_display.p99_ms,
         impl_->session->num_deadlines_missed());
-    if (result) result = impl_->write_output();
+    if (result) result = impl_->album->write_output(*impl_->renderer);
     impl_->close();
     return result;
 }

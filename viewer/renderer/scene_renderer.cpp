@@ -226,6 +226,11 @@ void SceneRenderer::set_site_pose(const std::string& site,
     if (found != impl_->people.end()) found->second.set_pose(world_from_site.matrix());
 }
 
+Eigen::Matrix4d SceneRenderer::world_from_site(const std::string& site) const {
+    const auto found = impl_->site_poses.find(site);
+    return found == impl_->site_poses.end() ? Eigen::Matrix4d::Identity() : found->second;
+}
+
 void SceneRenderer::set_person_opacity(const std::string& site, double opacity) {
     const auto found = impl_->people.find(site);
     if (found == impl_->people.end() || found->second.opacity() == opacity) return;

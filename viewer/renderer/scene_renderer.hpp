@@ -45,6 +45,7 @@ public:
     /// whose memory can be used for the next one.
     PersonModel set_person(const std::string& site, PersonModel model);
     void set_site_pose(const std::string& site, const geometry::RigidTransform& world_from_site);
+    Eigen::Matrix4d world_from_site(const std::string& site) const;  // identity where none was set
     /// 1: solid, as one who is new; 0: not seen at all.
     void set_person_opacity(const std::string& site, double opacity);
     void remove_person(const std::string& site);
