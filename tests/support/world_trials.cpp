@@ -344,6 +344,7 @@ Expected<StrikeResult> try_strike(const TrialSetting& setting, const StrikeAct& 
     physics::WorldOptions options = setting.world;
     options.gravity = Vector3d::Zero();
     options.max_speed_mps = 30.0;
+    options.lowest_z_m = -options.half_extent_m;  // there is no floor, and some are hit downwards
     physics::World world(options);
     RigidTransform start;
     const RigidTransform at_contact = act.act.site_from_grip(act.contact_s);

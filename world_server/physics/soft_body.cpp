@@ -215,6 +215,7 @@ void SoftBody::end_tick() {
     if (volume_) pulls_.damp_swing(*body_, contact_options_.tick_s);
     pulls_.end_tick();
     calm_down(contact_options_.tick_s);
+    ties_.limit(taut_, kSnapMps);
     // each of a link's ends may have been given what the other had
     limit_speeds();
     const btScalar extent = (body_->m_bounds[1] - body_->m_bounds[0]).length();
@@ -235,6 +236,10 @@ void SoftBody::find_stretched() {
             if (length >= kLooseStretch * link.m_rl) loose_[node] = 1;
         }
     }
+    // what slips out of hands takes the rest along
+    const auto is_loose = [](std::uint8_t node) { return node != 0; };
+    if (std::any_of(loose_.begin(), loose_.end(), is_loose))
+        std::fill(taut_.begin(), taut_.end(), kSnapTicks);
 }
 
 // Bends as sharp as the nodes' spacing would stay for ever, as nothing but the bending links opens

@@ -2,6 +2,8 @@
 
 #include <BulletSoftBody/btSoftBody.h>
 
+#include <algorithm>
+
 namespace atrium::physics {
 
 void SoftTies::tie(const btSoftBody& soft, std::uint32_t node, btRigidBody& body) {
@@ -53,6 +55,16 @@ void SoftTies::end_part(btScalar part_s) {
     for (Tie& tie : ties_) {
         const btVector3 arm = tie.body->getWorldTransform().getBasis() * tie.place;
         tie.shift += (tie.body->getVelocityInLocalPoint(arm) - tie.velocity) * part_s;
+    }
+}
+
+void SoftTies::limit(std::span<const std::uint8_t> marks, btScalar most_mps) {
+    for (const Tie& tie : ties_) {
+        if (marks[tie.node] == 0) continue;
+        const btScalar most = std::max(most_mps, tie.velocity.length());
+        const btScalar speed = tie.body->getLinearVelocity().length();
+        if (speed > most)
+            tie.body->setLinearVelocity(tie.body->getLinearVelocity() * (most / speed));
     }
 }
 

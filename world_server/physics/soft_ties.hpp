@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 class btRigidBody;
@@ -27,6 +28,9 @@ public:
     /// `left_s`: from the end of this part to the end of the tick.
     void solve(btSoftBody& soft, btScalar part_s, btScalar left_s);
     void end_part(btScalar part_s);
+    /// In the end: what hangs on nodes that are marked, one mark per node, has become no faster in
+    /// this tick than that, unless it was.
+    void limit(std::span<const std::uint8_t> marks, btScalar most_mps);
 
 private:
     struct Tie {

@@ -205,7 +205,9 @@ TEST_F(DemoWorld, HasABallToKickAndATowerToPushOver) {
     const Eigen::Vector3d ball = play_->place("football");
     go_on(3.0);
     EXPECT_GT((play_->place("football") - ball).norm(), 0.8);
-    EXPECT_LT(play_->place("box-6").z(), 1.0) << "it was the top of the tower, at 1.4 m";
+    EXPECT_LT(play_->place("box-5").z(), 0.3) << "the hand met it, at 1.1 m";
+    // it falls to the floor, or onto what stands yet
+    EXPECT_LT(play_->place("box-6").z(), 1.2) << "it was the top of the tower, at 1.4 m";
 }
 
 }  // namespace
