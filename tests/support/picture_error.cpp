@@ -75,11 +75,13 @@ PictureError picture_error(const std::vector<std::uint8_t>& true_bgr,
     if (num == 0) return error;
     if (sum_sq > 0.0)
         error.psnr_db = 10.0 * std::log10(255.0 * 255.0 * static_cast<double>(num) / sum_sq);
-    cv::Mat weights(mask.height, mask.width, CV_8U, const_cast<std::uint8_t*>(mask.data.data()));
+    const cv::Mat weights(mask.height, mask.width, CV_8U, const_cast<std::uint8_t*>(mask.data.data()));
+    const cv::Rect part = cv::boundingRect(weights);
     cv::Mat shares;
-    weights.convertTo(shares, CV_64F, 1.0 / 255.0);
-    error.ssim =
-        ssim(luma_of(picture_of(true_bgr, mask)), luma_of(picture_of(shown_bgr, mask)), shares);
+    weights(part).convertTo(shares, CV_64F, 1.0 / 255.0);
+    error.ssim = ssim(luma_of(picture_of(true_bgr, mask)(part)),
+                      luma_of(picture_of(shown_bgr, mask)(part)),
+                      shares);
     return error;
 }
 
