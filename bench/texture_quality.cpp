@@ -118,7 +118,6 @@ public:
         std::vector<Photo> photos;
         photos.push_back(photographer_.take(truth.camera, person_));
         const Eigen::Vector3d eye = truth.camera.centre_site();
-        if (!getenv("FAST"))
         for (const CameraWeights& weights : {nearest_camera(model_, eye),
                                              nearest_seeing_camera(model_, eye),
                                              all_facing_cameras(model_)}) {
@@ -272,8 +271,7 @@ void compare_room(const Options& options) {
     room.look = options.look;
     std::vector<TruePicture> pictures = value_of(test::film_room(cameras, room, kTime_s));
     const std::span<const TruePicture> texturing(pictures.data(), rig.size());
-    auto person = value_of(test::receive_person(texturing, publishing(options)));
-    if (getenv("TRUEMESH")) person.mesh = simulation::person_mesh(room, kTime_s);
+    const auto person = value_of(test::receive_person(texturing, publishing(options)));
     show_person_alone(rig, room, pictures);
     if (wants(options, "room")) {
         compare_all("room", person, std::span(pictures).subspan(rig.size()), options);
