@@ -222,7 +222,8 @@ void compare_orbit(const Options& options,
                    const std::vector<geometry::CalibratedCamera>& rig,
                    const simulation::RoomOptions& room,
                    const test::ReceivedPerson& person) {
-    const auto cameras = test::orbit(options.orbit_steps, 2.6, 1.3, 360, 480, 560.0);
+    auto cameras = test::orbit(options.orbit_steps, 2.6, 1.3, 360, 480, 560.0);
+    cameras.push_back(cameras.front());
     const test::PictureChanges true_changes =
         test::changes(value_of(test::photograph_truth(rig, room, kTime_s, cameras)));
     Comparison comparison("orbit", person, options);
@@ -277,7 +278,8 @@ void compare_room(const Options& options) {
         compare_all("room", person, std::span(pictures).subspan(rig.size()), options);
         compare_all("room own", person, texturing, options);
     }
-    if (wants(options, "orbit")) compare_orbit(options, rig, room, person);
+    if (options.orbit_steps > 0 && wants(options, "orbit"))
+        compare_orbit(options, rig, room, person);
 }
 
 int run(int argc, char** argv) {

@@ -132,9 +132,9 @@ Expected<std::vector<Photo>> photograph_truth(
 
 PictureChanges changes(std::span<const Photo> photos) {
     PictureChanges all;
-    for (std::size_t i = 0; i < photos.size(); ++i) {
+    for (std::size_t i = 0; i + 1 < photos.size(); ++i) {
         const Photo& from = photos[i];
-        const std::vector<double> blocks = block_changes(from, photos[(i + 1) % photos.size()]);
+        const std::vector<double> blocks = block_changes(from, photos[i + 1]);
         double sum = 0.0;
         for (const double block : blocks) {
             sum += block;
@@ -142,7 +142,7 @@ PictureChanges changes(std::span<const Photo> photos) {
         }
         const double mean = sum / (static_cast<double>(from.width) * from.height);
         all.largest = std::max(all.largest, mean);
-        all.mean += mean / static_cast<double>(photos.size());
+        all.mean += mean / static_cast<double>(photos.size() - 1);
     }
     return all;
 }

@@ -34,7 +34,7 @@ Expected<std::vector<Photo>> photograph_truth(
     double time_s,
     std::span<const geometry::CalibratedCamera> cameras);
 
-/// How much pictures of a smooth way change from each to the next, the last to the first included.
+/// How much pictures of a smooth way change from each to the next.
 struct PictureChanges {
     double largest = 0.0;  // of the means over the picture of the absolute differences, grey levels
     double largest_block = 0.0;  // of the means over blocks of 16 x 16 pixels
