@@ -14,6 +14,8 @@ constexpr double kZoomPerStep = 0.88;
 constexpr double kMinDistanceM = 0.2;
 constexpr double kMaxDistanceM = 50.0;
 constexpr double kFlySpeedMPerS = 1.8;
+constexpr double kWalkSpeedMPerS = 1.4;
+constexpr double kEyesM = 1.65;       // above the floor, of who walks
 constexpr double kPanPerPx = 0.0015;  // of the distance to the target
 
 Eigen::Vector3d turned(const Eigen::Vector3d& arm, const Eigen::Vector2d& turn_px) {
@@ -28,16 +30,30 @@ Eigen::Vector3d turned(const Eigen::Vector3d& arm, const Eigen::Vector2d& turn_p
                                     std::sin(elevation));
 }
 
+renderer::ViewCamera walked(const Motion& motion, renderer::ViewCamera camera) {
+    Eigen::Vector3d ahead = camera.target_m - camera.position_m;
+    ahead.z() = 0.0;
+    ahead.normalize();  // the eye is never above or below the target
+    const Eigen::Vector3d right = ahead.cross(Eigen::Vector3d::UnitZ());
+    Eigen::Vector3d shift =
+        kWalkSpeedMPerS * motion.seconds * (motion.fly.x() * right + motion.fly.y() * ahead);
+    shift.z() = kEyesM - camera.position_m.z();
+    camera.position_m += shift;
+    camera.target_m += shift;
+    return camera;
+}
+
 }  // namespace
 
 renderer::ViewCamera apply(const Motion& motion, const renderer::ViewCamera& camera) {
     renderer::ViewCamera moved = camera;
     const Eigen::Vector3d arm = camera.position_m - camera.target_m;
-    if (motion.look_around)
+    if (motion.look_around || motion.walk)
         moved.target_m = moved.position_m - turned(arm, motion.turn_px);
     else
         moved.position_m = moved.target_m + turned(arm, motion.turn_px);
 
+    if (motion.walk) return walked(motion, moved);
     const Eigen::Vector3d to_eye = moved.position_m - moved.target_m;
     const double distance = std::clamp(
         to_eye.norm() * std::pow(kZoomPerStep, motion.zoom_steps), kMinDistanceM, kMaxDistanceM);

@@ -14,6 +14,7 @@ struct Motion {
     Eigen::Vector3d fly = Eigen::Vector3d::Zero();      // right, forward, up, each in [-1, 1], for
     double seconds = 0.0;                               // this long
     bool look_around = false;  // turning moves the target around the eye, not the eye around it
+    bool walk = false;         // on the floor (z = 0): looks around, goes level
 };
 
 /// Moves the viewpoint: orbits around the target, looks around, pans, zooms, flies. The eye stays

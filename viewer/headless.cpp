@@ -25,6 +25,10 @@ private:
 }  // namespace
 
 Expected<std::unique_ptr<Surface>> open_headless(const SurfaceOptions& options) {
+    if (options.has_two_buffers) {
+        return make_error(ErrorKind::kUnavailable,
+                          "display.stereo: quad_buffer needs a window, not headless");
+    }
     // pictures are drawn into the renderer's own framebuffer: the context's stays small
     auto context = gl::OffscreenContext::create(16, 16);
     if (!context) return tl::unexpected(context.error());

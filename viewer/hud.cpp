@@ -2,26 +2,93 @@
 
 #include <imgui.h>
 
+#include <algorithm>
+#include <array>
+#include <utility>
+
 namespace atrium::viewer {
+namespace {
+
+constexpr int kFlags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
+                       ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoSavedSettings;
+const ImVec4 kWarning{1.0f, 0.75f, 0.3f, 1.0f};
+const ImVec2 kCurve{240.0f, 44.0f};
+
+template <std::size_t Size>
+void draw_curve(const char* title, const std::array<float, Size>& values, float least_top) {
+    const float top = std::max(least_top, 1.1f * *std::max_element(values.begin(), values.end()));
+    ImGui::PlotLines("", values.data(), static_cast<int>(Size), 0, title, 0.0f, top, kCurve);
+}
+
+void draw_losses(const HudFigures& figures) {
+    if (figures.num_skipped + figures.num_incomplete + figures.num_rejected == 0) return;
+    ImGui::Text("skipped %llu  incomplete %llu  rejected %llu",
+                static_cast<unsigned long long>(figures.num_skipped),
+                static_cast<unsigned long long>(figures.num_incomplete),
+                static_cast<unsigned long long>(figures.num_rejected));
+}
+
+}  // namespace
 
 void draw_hud(const HudFigures& figures) {
     ImGui::SetNextWindowPos({10.0f, 10.0f});
     ImGui::SetNextWindowBgAlpha(0.6f);
-    const int flags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
-                      ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoSavedSettings;
-    ImGui::Begin("figures", nullptr, flags);
+    ImGui::Begin("figures", nullptr, kFlags);
     ImGui::Text("%.0f pictures/s", figures.frames_per_s);
     if (figures.capture_to_display.num_samples > 0) {
         ImGui::Text("capture to display %.0f ms (99 %%: %.0f ms)",
                     figures.capture_to_display.median_ms,
                     figures.capture_to_display.p99_ms);
     }
-    ImGui::Text("%zu objects", figures.num_objects);
-    for (const std::string& site : figures.sites) ImGui::TextUnformatted(site.c_str());
+    ImGui::Text("%.2f MB/s   %zu objects", 1e-6 * figures.bytes_per_s, figures.num_objects);
+    draw_losses(figures);
+    for (const SiteLine& site : figures.sites) {
+        if (site.is_warning)
+            ImGui::TextColored(kWarning, "%s", site.text.c_str());
+        else
+            ImGui::TextUnformatted(site.text.c_str());
+    }
     if (figures.sites.empty()) ImGui::TextUnformatted("nobody is here");
-    ImGui::Separator();
-    ImGui::TextUnformatted("drag: orbit   shift-drag: look   right: pan   wheel: zoom");
-    ImGui::TextUnformatted("WASD QE: fly   V: view   R: reset objects   F12: picture   H: hide");
+    draw_curve("capture to display, ms, 30 s", figures.latency_ms, 50.0f);
+    draw_curve("pictures/s, 30 s", figures.pictures_per_s, 60.0f);
+    if (figures.recording_s)
+        ImGui::TextColored(kWarning, "recording, %.1f s   F9: end", *figures.recording_s);
+    if (!figures.notice.empty()) ImGui::TextUnformatted(figures.notice.c_str());
+    ImGui::TextUnformatted("?: keys   H: hide");
+    ImGui::End();
+}
+
+void draw_keys() {
+    constexpr std::array<std::pair<const char*, const char*>, 15> kKeys{{
+        {"drag left, on a thing", "pull it; letting go throws it"},
+        {"drag left elsewhere", "orbit around the target"},
+        {"shift and drag left", "look around"},
+        {"drag right, wheel", "pan, zoom"},
+        {"W A S D, Q E", "fly; down, up"},
+        {"G", "walk on the floor, or fly again"},
+        {"1 ... 9", "through the eyes of that person; again: leave"},
+        {"F", "follow the nearest person, or stop"},
+        {"V", "back to the viewpoint of the start"},
+        {"R", "put all objects back"},
+        {"F11", "full screen, or a window again"},
+        {"F12, P", "screenshot"},
+        {"F9", "begin, or end, a video"},
+        {"H", "hide the figures"},
+        {"Esc", "close"},
+    }};
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos({0.5f * size.x, 0.5f * size.y}, 0, {0.5f, 0.5f});
+    ImGui::SetNextWindowBgAlpha(0.85f);
+    ImGui::Begin("keys", nullptr, kFlags);
+    if (ImGui::BeginTable("keys", 2)) {
+        for (const auto& [key, what] : kKeys) {
+            ImGui::TableNextColumn();
+            ImGui::TextUnformatted(key);
+            ImGui::TableNextColumn();
+            ImGui::TextUnformatted(what);
+        }
+        ImGui::EndTable();
+    }
     ImGui::End();
 }
 

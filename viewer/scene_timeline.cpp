@@ -9,7 +9,6 @@
 namespace atrium::viewer {
 namespace {
 
-constexpr std::size_t kMaxStates = 8;
 constexpr double kPeriodSmoothing = 0.1;
 // how fast the offset may grow, so that it follows a drifting clock: 1 ms in 100 states
 constexpr double kOffsetCreepNs = 1e4;
@@ -71,7 +70,7 @@ void SceneTimeline::add(bus::SceneState state, Clock::time_point arrival) {
     }
     offset_ns_ = states_.empty() ? offset : std::min(offset, offset_ns_ + kOffsetCreepNs);
     states_.push_back(std::move(state));
-    if (states_.size() > kMaxStates) states_.pop_front();
+    if (states_.size() > options_.max_states) states_.pop_front();
 }
 
 void SceneTimeline::clear() {

@@ -12,6 +12,7 @@ namespace atrium::viewer {
 struct SceneTimelineOptions {
     std::chrono::nanoseconds max_extrapolation = std::chrono::milliseconds(50);
     std::chrono::nanoseconds max_delay = std::chrono::milliseconds(100);
+    std::size_t max_states = 8;
 };
 
 /// Where the objects are at any moment between two SceneStates.

@@ -24,7 +24,19 @@ renderer::ShapeKind shape_kind(bus::Shape shape) {
     return renderer::ShapeKind::kBox;
 }
 
+// That are kept, of a world that sends at most 120 a second.
+std::size_t states_within(std::chrono::nanoseconds delay) {
+    constexpr std::size_t kAround = 8;
+    return kAround + static_cast<std::size_t>(120.0 * std::chrono::duration<double>(delay).count());
+}
+
 }  // namespace
+
+SceneView::SceneView(const std::filesystem::path& models, std::chrono::nanoseconds delay)
+    : models_(models),
+      textures_(models),
+      timeline_({.max_states = states_within(delay)}),
+      soft_timeline_(states_within(delay)) {}
 
 // An object that is soft is drawn once both its descriptions have come, in any order.
 void SceneView::show_soft(std::uint32_t object, renderer::SceneRenderer& renderer) {
@@ -57,6 +69,7 @@ void SceneView::update_soft(const SceneChanges& changes, renderer::SceneRenderer
 
 void SceneView::update(SceneChanges changes,
                        SceneTimeline::Clock::time_point now,
+                       const std::optional<Timestamp>& instant,
                        renderer::SceneRenderer& renderer) {
     for (const auto& [id, object] : changes.objects) {
         renderer.remove_object(id);
@@ -80,14 +93,15 @@ void SceneView::update(SceneChanges changes,
         renderer.set_site_pose(site, placement.world_from_site);
     for (auto& state : changes.soft_states) soft_timeline_.add(std::move(state));
     for (auto& [state, arrival] : changes.states) timeline_.add(std::move(state), arrival);
-    const auto time = timeline_.shown_time(now);
-    if (!time) return;
-    timeline_.sample_at(*time, states_);
+    const auto newest = timeline_.shown_time(now);
+    if (!newest) return;
+    const Timestamp time = instant.value_or(*newest);
+    timeline_.sample_at(time, states_);
     for (const bus::ObjectState& state : states_)
         renderer.move_object(state.object, state.world_from_object);
     for (const auto& [id, body] : soft_bodies_) {
         std::vector<Eigen::Vector3f>& nodes = nodes_[id];
-        if (soft_timeline_.sample(id, *time, nodes)) renderer.move_soft_object(id, nodes);
+        if (soft_timeline_.sample(id, time, nodes)) renderer.move_soft_object(id, nodes);
     }
 }
 

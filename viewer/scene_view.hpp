@@ -20,10 +20,14 @@ namespace atrium::viewer {
 class SceneView {
 public:
     /// `models`: the folder of models and textures that worlds name.
-    explicit SceneView(const std::filesystem::path& models) : models_(models), textures_(models) {}
+    /// `delay`: how long ago the moments lie that it will be asked for.
+    explicit SceneView(const std::filesystem::path& models, std::chrono::nanoseconds delay = {});
 
+    /// Shows the things as they were at `instant` of the world's clock; without one, as late as the
+    /// states allow.
     void update(SceneChanges changes,
                 SceneTimeline::Clock::time_point now,
+                const std::optional<Timestamp>& instant,
                 renderer::SceneRenderer& renderer);
     /// The nearest thing that moves on a ray, as shown now.
     std::optional<Hit> pick(const Ray& ray) const;

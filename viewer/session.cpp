@@ -137,6 +137,7 @@ void Session::receive_sample(Sample&& sample, std::size_t num_bytes) {
     const std::string site = sample.site;
     const Timestamp now = Timestamp::now();
     feedback_.arrived(site, sample.capture_time, num_bytes, now);
+    num_bytes_ += num_bytes;
     const std::uint64_t num_incomplete = pairing_.num_incomplete();
     const std::uint64_t num_late = pairing_.num_late();
     auto pair = pairing_.add(std::forward<Sample>(sample));
@@ -262,9 +263,7 @@ void Session::decode(std::stop_token stop) {
 
 void Session::show(const std::string& site, PersonUpdate update) {
     auto replaced = people_.put(site, std::move(update));
-    if (!replaced || !replaced->model) return;
-    ++num_pairs_skipped_;
-    recycle(std::move(*replaced->model));
+    if (replaced && replaced->model) skip(std::move(*replaced->model));
 }
 
 SceneChanges Session::take_scene() {

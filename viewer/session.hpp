@@ -63,6 +63,11 @@ public:
     SceneChanges take_scene();
     /// Gives back a model that is no longer shown, whose memory the decoder uses again.
     void recycle(renderer::PersonModel model) { spent_.put(std::move(model)); }
+    /// The same for one that was taken, but will not be shown.
+    void skip(renderer::PersonModel model) {
+        ++num_pairs_skipped_;
+        recycle(std::move(model));
+    }
 
     Expected<std::size_t> publish(const bus::ViewerStatus& status) { return status_.write(status); }
     Expected<std::size_t> send(const bus::SceneCommand& command) {
@@ -78,6 +83,8 @@ public:
     std::uint64_t num_pairs_skipped() const { return num_pairs_skipped_; }
     std::uint64_t num_incomplete() const { return num_incomplete_; }
     std::uint64_t num_rejected() const { return num_rejected_; }
+    /// Of meshes and pictures, as they came.
+    std::uint64_t num_bytes() const { return num_bytes_; }
 
 private:
     struct Readers {
@@ -134,6 +141,7 @@ private:
     std::atomic<std::uint64_t> num_pairs_skipped_ = 0;
     std::atomic<std::uint64_t> num_incomplete_ = 0;
     std::atomic<std::uint64_t> num_rejected_ = 0;
+    std::atomic<std::uint64_t> num_bytes_ = 0;
 };
 
 }  // namespace atrium::viewer

@@ -8,7 +8,6 @@
 namespace atrium::viewer {
 namespace {
 
-constexpr std::size_t kMaxStates = 8;
 constexpr std::size_t kMaxObjects = 2048;
 constexpr std::int64_t kClockStepNs = 1'000'000'000;  // a larger step back: a clock was set
 
@@ -22,7 +21,7 @@ void SoftTimeline::add(bus::SoftBodyState state) {
         states.clear();
     }
     states.push_back(std::move(state));
-    if (states.size() > kMaxStates) states.pop_front();
+    if (states.size() > max_states_) states.pop_front();
 }
 
 bool SoftTimeline::sample(std::uint32_t object,

@@ -3,11 +3,14 @@
 #include "core/base/expected.hpp"
 #include "core/bus/messages.hpp"
 #include "viewer/controls.hpp"
+#include "viewer/history.hpp"
 #include "viewer/mouse_grab.hpp"
+#include "viewer/people_view.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,7 +22,10 @@ struct SurfaceEvents {
     Pointer pointer;  // without a window: nothing is pressed
     bool close = false;
     bool screenshot = false;
+    bool record = false;  // begin, or end, a video
     bool reset_view = false;
+    bool follow = false;     // somebody, or nobody any more
+    std::size_t person = 0;  // through whose eyes to look, from 1; 0: as before
     bool reset_scene = false;
 };
 
@@ -27,8 +33,16 @@ struct SurfaceEvents {
 struct HudFigures {
     double frames_per_s = 0.0;
     bus::LatencySummary capture_to_display;
-    std::vector<std::string> sites;  // one line each
+    double bytes_per_s = 0.0;
+    std::uint64_t num_skipped = 0;     // pairs that a newer one replaced, or that came too late
+    std::uint64_t num_incomplete = 0;  // of which something was lost on the way
+    std::uint64_t num_rejected = 0;
+    std::vector<SiteLine> sites;
     std::size_t num_objects = 0;
+    std::optional<double> recording_s;                     // of the video that is being recorded
+    std::string notice;                                    // what just happened; empty: nothing
+    std::array<float, History::kLength - 1> latency_ms{};  // of the last 30 s, see History
+    std::array<float, History::kLength - 1> pictures_per_s{};
 };
 
 /// Where the picture goes: it owns the GL context, which is current on the thread that made it.
@@ -48,13 +62,17 @@ struct SurfaceOptions {
     int width = 960;
     int height = 540;
     bool wait_for_display = true;  // a window's vertical synchronisation
+    bool has_two_buffers = false;  // a window's, one for each eye
 };
 
 /// A window. Error kUnavailable where there is no display or no OpenGL 3.3 on it. On the main
 /// thread, one at a time.
 Expected<std::unique_ptr<Surface>> open_window(const SurfaceOptions& options);
 
-/// Software rendering without a display; any thread.
+/// Software rendering without a display; any thread. Has no buffers for two eyes.
 Expected<std::unique_ptr<Surface>> open_headless(const SurfaceOptions& options);
+
+/// A window, or software rendering where it cannot be had, which is logged.
+Expected<std::unique_ptr<Surface>> open_surface(const SurfaceOptions& options);
 
 }  // namespace atrium::viewer

@@ -4,8 +4,10 @@
 #include "core/app/program.hpp"
 #include "core/base/statistics.hpp"
 #include "core/joining/join_world.hpp"
+#include "viewer/album.hpp"
+#include "viewer/display.hpp"
 #include "viewer/mouse_grab.hpp"
-#include "viewer/picture_file.hpp"
+#include "viewer/people_view.hpp"
 #include "viewer/scene_view.hpp"
 #include "viewer/session.hpp"
 #include "viewer/surface.hpp"
@@ -17,7 +19,6 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -27,6 +28,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr auto kStatusPeriod = std::chrono::seconds(1);
+constexpr auto kNoticePeriod = std::chrono::seconds(4);
 constexpr double kHeadlessFps = 30.0;
 
 Clock::duration seconds(double s) {
@@ -48,50 +50,32 @@ double pictures_per_second(const ViewConfig& view, const Surface& surface) {
     return surface.display_hz() > 0.0 ? kSlack * surface.display_hz() : kHeadlessFps;
 }
 
-Expected<std::unique_ptr<Surface>> open_surface(const ViewerConfig& config) {
-    const SurfaceOptions options{.width = config.view.width,
-                                 .height = config.view.height,
-                                 .wait_for_display = config.view.max_fps == 0.0};
-    std::string why_no_window = "asked for";
-    if (!config.headless) {
-        auto window = open_window(options);
-        if (window) return window;
-        why_no_window = window.error().message;
-    }
-    auto headless = open_headless(options);
-    if (headless) {
-        app::log::info("surface_headless reason=\"{}\"", why_no_window);
-        return headless;
-    }
-    return make_error(ErrorKind::kUnavailable,
-                      "neither a window (" + why_no_window + ") nor software rendering (" +
-                          headless.error().message + ") can be had");
-}
-
 }  // namespace
 
 struct Viewer::Impl {
     ViewerConfig config;
     renderer::ViewCamera start_camera;
     renderer::ViewCamera camera;
+    Display display;
     std::unique_ptr<Session> session;
 
     // of the drawing thread
     std::unique_ptr<Surface> surface;
     std::optional<renderer::SceneRenderer> renderer;  // goes before `surface`, its context
-    std::unique_ptr<VideoRecorder> video;
+    std::optional<Album> album;
     std::optional<SceneView> scene;
+    PeopleView people;
     std::optional<MouseGrab> mouse;
-    std::map<std::string, Timestamp> shown;    // sites and the capture time of what is shown
-    std::vector<Timestamp> not_displayed_yet;  // capture times of people of this picture
-    renderer::RenderedPicture picture;
+    Companion companion;
     LatencyWindow latency;
     RateMeter rate;
+    RateMeter byte_rate;
+    History latencies_ms;  // of each picture that somebody new was in
+    History pictures;
     HudFigures hud;
     app::log::OncePerSecond command_failures;
-    int num_screenshots = 0;
+    Clock::time_point notice_until;
     std::uint64_t num_frames = 0;
-    std::uint64_t num_pairs_shown = 0;
 
     mutable std::mutex status_mutex;
     bus::ViewerStatus status;
@@ -109,13 +93,11 @@ struct Viewer::Impl {
     void close();
     Expected<void> loop(std::stop_token stop);
     void send(const bus::SceneCommand& command);
-    void take_people();
+    void move_about(const SurfaceEvents& events);
     Expected<void> react(const SurfaceEvents& events);
     Expected<void> draw();
-    void record();
-    Expected<void> screenshot();
+    void say(const std::string& notice);  // to who looks at the picture, and to the log
     void update_status(Clock::time_point now);
-    Expected<void> write_output();
 };
 
 Expected<void> Viewer::Impl::join(std::stop_token stop) {
@@ -134,10 +116,14 @@ Expected<void> Viewer::Impl::join(std::stop_token stop) {
 }
 
 Expected<void> Viewer::Impl::open() {
-    auto opened = open_surface(config);
+    const SurfaceOptions options{.width = config.view.width,
+                                 .height = config.view.height,
+                                 .wait_for_display = config.view.max_fps == 0.0,
+                                 .has_two_buffers = display.stereo() == Stereo::kQuadBuffer};
+    auto opened = config.headless ? open_headless(options) : open_surface(options);
     if (!opened) return tl::unexpected(opened.error());
     surface = std::move(*opened);
-    const auto [width, height] = surface->size();
+    const auto [width, height] = display.picture_size(surface->size());
     auto created = renderer::SceneRenderer::create({.width = width,
                                                     .height = height,
                                                     .antialias = config.view.antialias == "fxaa"
@@ -146,40 +132,21 @@ Expected<void> Viewer::Impl::open() {
     if (!created) return tl::unexpected(created.error());
     renderer.emplace(std::move(*created));
     app::log::info("surface_open on=\"{}\" size={}x{}", surface->description(), width, height);
-    if (config.video.file.empty()) return {};
-    // video formats want even sizes
-    const int video_width = (config.video.width > 0 ? config.video.width : width) / 2 * 2;
-    const int video_height = (config.video.height > 0 ? config.video.height : height) / 2 * 2;
-    auto recorder = VideoRecorder::create({.file = config.video.file,
-                                           .fps = config.video.fps,
-                                           .width = video_width,
-                                           .height = video_height});
-    if (!recorder) return tl::unexpected(recorder.error());
-    video = std::move(*recorder);
-    return {};
+    return album->open(*renderer);
+}
+
+void Viewer::Impl::say(const std::string& notice) {
+    app::log::info("{}", notice);
+    hud.notice = notice;
+    notice_until = Clock::now() + kNoticePeriod;
 }
 
 void Viewer::Impl::close() {
-    video.reset();
+    album->close();
     renderer.reset();
     surface.reset();
-    shown.clear();
+    people.clear();
     scene->clear();
-}
-
-void Viewer::Impl::take_people() {
-    for (auto& [site, update] : session->take_people()) {
-        if (!update.model) {
-            if (shown.erase(site) > 0) app::log::info("person_gone site={}", site);
-            renderer->remove_person(site);
-            continue;
-        }
-        const bool is_new = shown.insert_or_assign(site, update.capture_time).second;
-        if (is_new) app::log::info("person_shown site={}", site);
-        not_displayed_yet.push_back(update.capture_time);
-        session->recycle(renderer->set_person(site, std::move(*update.model)));
-        ++num_pairs_shown;
-    }
 }
 
 void Viewer::Impl::send(const bus::SceneCommand& command) {
@@ -187,17 +154,32 @@ void Viewer::Impl::send(const bus::SceneCommand& command) {
         command_failures.warn("command_failed " + sent.error().message);
 }
 
-Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
+void Viewer::Impl::move_about(const SurfaceEvents& events) {
     const auto pick = [this](const Ray& ray) { return scene->pick(ray); };
-    for (const bus::SceneCommand& command :
-         mouse->update(events.pointer, camera, pick, Clock::now()))
+    const Pointer pointer = display.over_one_eye(events.pointer);
+    for (const bus::SceneCommand& command : mouse->update(pointer, camera, pick, Clock::now()))
         send(command);
     Motion motion = events.motion;
     if (mouse->is_holding()) motion.turn_px.setZero();  // the drag moves the thing
-    camera = events.reset_view ? start_camera : apply(motion, camera);
-    if (events.screenshot) {
-        if (auto written = screenshot(); !written) app::log::warn("{}", written.error().message);
+    const Companion::Places places = people.places(*renderer);
+    if (events.follow) companion.toggle_follow(camera, places);
+    if (events.person > 0) companion.toggle_eyes(events.person, places);
+    if (events.reset_view) companion.leave();
+    if (companion.has_own_eyes()) {
+        motion.look_around = true;
+        motion.walk = false;
+        motion.fly.setZero();
+        motion.pan_px.setZero();
+        motion.zoom_steps = 0.0;
     }
+    camera = events.reset_view ? start_camera : apply(motion, camera);
+    camera = companion.update(camera, places, Clock::now());
+}
+
+Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
+    if (!display.is_tile()) move_about(events);
+    if (events.screenshot) say(album->screenshot(*renderer));
+    if (events.record) say(album->toggle_video(*renderer));
     if (events.reset_scene) {
         bus::SceneCommand command;
         command.sender = config.view.name;
@@ -205,58 +187,48 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
         send(command);
     }
     // a window that is minimised has no size
-    const auto [width, height] = surface->size();
+    const auto [width, height] = display.picture_size(surface->size());
     if (width > 0 && height > 0) return renderer->resize(width, height);
     return {};
 }
 
 Expected<void> Viewer::Impl::draw() {
-    scene->update(session->take_scene(), Clock::now(), *renderer);
-    take_people();
-    renderer->draw(camera);
+    const std::optional<Timestamp> instant = display.instant(Timestamp::now());
+    const Clock::time_point now = Clock::now();
+    scene->update(session->take_scene(), now, instant, *renderer);
+    people.update(*session, instant, now, *renderer);
+    renderer->draw(display.eyes(camera, renderer->width(), renderer->height()));
     hud.num_objects = renderer->num_objects();
+    hud.recording_s = album->video_s();
+    if (now > notice_until) hud.notice.clear();
     surface->show(*renderer, hud);
     const Timestamp displayed = Timestamp::now();
-    for (const Timestamp captured : not_displayed_yet) latency.add(displayed - captured);
-    not_displayed_yet.clear();
+    pictures.add(1.0, now);
+    for (const Timestamp captured : people.just_shown()) {
+        latency.add(displayed - captured);
+        latencies_ms.add(1e-6 * static_cast<double>((displayed - captured).count()), now);
+    }
     ++num_frames;
-    record();
+    album->add(*renderer);
     return {};
-}
-
-void Viewer::Impl::record() {
-    if (!video || !video->wants_picture()) return;
-    renderer::RenderedPicture frame;
-    renderer->read_pixels(frame);
-    video->offer(std::move(frame));
-}
-
-Expected<void> Viewer::Impl::screenshot() {
-    renderer->read_pixels(picture);
-    const auto file =
-        config.screenshot_dir / fmt::format("atrium-{}-{:03}.png", getpid(), ++num_screenshots);
-    auto written = write_png(file, picture);
-    if (written) app::log::info("screenshot_written file={}", file.string());
-    return written;
-}
-
-Expected<void> Viewer::Impl::write_output() {
-    if (config.output.empty()) return {};
-    renderer->read_pixels(picture);
-    return write_png(config.output, picture);
 }
 
 void Viewer::Impl::update_status(Clock::time_point now) {
     const Quantiles quantiles = latency.quantiles();
     hud.capture_to_display = {quantiles.median_ms, quantiles.p99_ms, quantiles.num_samples};
     hud.frames_per_s = rate.update(num_frames, now);
-    hud.sites.clear();
-    for (const auto& [site, captured] : shown) hud.sites.push_back("site " + site);
+    hud.sites = people.lines(now);
+    hud.bytes_per_s = byte_rate.update(session->num_bytes(), now);
+    hud.num_skipped = session->num_pairs_skipped();
+    hud.num_incomplete = session->num_incomplete();
+    hud.num_rejected = session->num_rejected();
+    hud.latency_ms = latencies_ms.values(History::Of::kMean, now);
+    hud.pictures_per_s = pictures.values(History::Of::kPerSecond, now);
     bus::ViewerStatus next;
     next.viewer = config.view.name;
     next.time = Timestamp::now();
     next.num_frames = num_frames;
-    next.num_pairs_shown = num_pairs_shown;
+    next.num_pairs_shown = people.num_pairs_shown();
     next.num_pairs_skipped = session->num_pairs_skipped();
     next.num_incomplete = session->num_incomplete();
     next.num_rejected = session->num_rejected();
@@ -290,7 +262,7 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
             if (auto sent = session->publish(status); !sent)
                 app::log::warn("status_failed {}", sent.error().message);
         }
-        if (!is_counting && shown.size() >= config.wait_people) {
+        if (!is_counting && people.size() >= config.wait_people) {
             is_counting = true;
             counted_since = now;
             counted_from = num_frames;
@@ -298,7 +270,7 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
         if (!is_counting && now - begin > seconds(config.wait_timeout_s)) {
             return make_error(ErrorKind::kUnavailable,
                               fmt::format("{} of {} people came within {} s",
-                                          shown.size(),
+                                          people.size(),
                                           config.wait_people,
                                           config.wait_timeout_s));
         }
@@ -323,14 +295,18 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config, std
     }
     const auto camera = make_view_camera(config.view);
     if (!camera) return tl::unexpected(camera.error());
+    auto display = Display::create(config.display);
+    if (!display) return tl::unexpected(display.error());
     auto impl = std::make_unique<Impl>();
     impl->config = config;
     if (config.view.name.empty()) impl->config.view.name = own_name();
     auto session = Session::create(config.bus, impl->config.view.name);
     if (!session) return tl::unexpected(session.error());
     impl->start_camera = impl->camera = *camera;
+    impl->display = std::move(*display);
     impl->session = std::move(*session);
-    impl->scene.emplace(config.models);
+    impl->scene.emplace(config.models, impl->display.delay());
+    impl->album.emplace(impl->config);
     impl->mouse.emplace(impl->config.view.name);
     if (auto joined = impl->join(stop); !joined) return tl::unexpected(joined.error());
     return std::unique_ptr<Viewer>(new Viewer(std::move(impl)));
@@ -361,7 +337,7 @@ Expected<void> Viewer::run(std::stop_token stop) {
         last.capture_to_display.median_ms,
         last.capture_to_display.p99_ms,
         impl_->session->num_deadlines_missed());
-    if (result) result = impl_->write_output();
+    if (result) result = impl_->album->write_output(*impl_->renderer);
     impl_->close();
     return result;
 }

@@ -3,6 +3,7 @@
 #include "core/base/expected.hpp"
 #include "core/bus/bus.hpp"
 #include "core/config/option_set.hpp"
+#include "viewer/display.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
 #include "viewer/renderer/view_camera.hpp"
 
@@ -33,6 +34,7 @@ struct VideoConfig {
 struct ViewerConfig {
     bus::BusOptions bus;
     ViewConfig view;
+    DisplayConfig display;
     VideoConfig video;
     bool headless = false;
     std::uint64_t frames = 0;  // 0: until stopped

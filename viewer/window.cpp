@@ -26,11 +26,15 @@ std::string last_glfw_error() {
 
 class Window : public Surface {
 public:
-    explicit Window(GLFWwindow* window) : window_(window) {
+    Window(GLFWwindow* window, const SurfaceOptions& options)
+        : window_(window), has_two_buffers_(options.has_two_buffers) {
         glfwSetWindowUserPointer(window_, this);
         glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int) {
             if (action == GLFW_PRESS)
                 static_cast<Window*>(glfwGetWindowUserPointer(w))->pressed(key);
+        });
+        glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned character) {
+            static_cast<Window*>(glfwGetWindowUserPointer(w))->typed(character);
         });
         glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double steps) {
             static_cast<Window*>(glfwGetWindowUserPointer(w))->events_.motion.zoom_steps += steps;
@@ -76,12 +80,16 @@ public:
     }
 
     void show(const renderer::SceneRenderer& renderer, const HudFigures& figures) override {
-        renderer.present();
-        if (is_hud_shown_) {
+        if (has_two_buffers_)
+            renderer.present_halves();
+        else
+            renderer.present();
+        if (is_hud_shown_ || are_keys_shown_) {
             ImGui_ImplOpenGL3_NewFrame();
             ImGui_ImplGlfw_NewFrame();
             ImGui::NewFrame();
-            draw_hud(figures);
+            if (is_hud_shown_) draw_hud(figures);
+            if (are_keys_shown_) draw_keys();
             ImGui::Render();
             ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
         }
@@ -93,8 +101,31 @@ private:
         if (key == GLFW_KEY_F12 || key == GLFW_KEY_P) events_.screenshot = true;
         if (key == GLFW_KEY_R) events_.reset_scene = true;
         if (key == GLFW_KEY_V) events_.reset_view = true;
+        if (key == GLFW_KEY_F9) events_.record = true;
+        if (key == GLFW_KEY_F) events_.follow = true;
+        if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9)
+            events_.person = static_cast<std::size_t>(key - GLFW_KEY_0);
+        if (key == GLFW_KEY_G) walks_ = !walks_;
+        if (key == GLFW_KEY_F11) toggle_full_screen();
         if (key == GLFW_KEY_H) is_hud_shown_ = !is_hud_shown_;
         if (key == GLFW_KEY_ESCAPE) glfwSetWindowShouldClose(window_, GLFW_TRUE);
+    }
+    // by the character: where ? is differs with the keyboard
+    void typed(unsigned character) {
+        if (character == '?') are_keys_shown_ = !are_keys_shown_;
+    }
+    void toggle_full_screen() {
+        if (glfwGetWindowMonitor(window_) != nullptr) {
+            glfwSetWindowMonitor(
+                window_, nullptr, windowed_[0], windowed_[1], windowed_[2], windowed_[3], 0);
+            return;
+        }
+        GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+        const GLFWvidmode* mode = monitor == nullptr ? nullptr : glfwGetVideoMode(monitor);
+        if (mode == nullptr) return;
+        glfwGetWindowPos(window_, &windowed_[0], &windowed_[1]);
+        glfwGetWindowSize(window_, &windowed_[2], &windowed_[3]);
+        glfwSetWindowMonitor(window_, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
     }
     bool is_down(int key) const { return glfwGetKey(window_, key) == GLFW_PRESS; }
 
@@ -124,10 +155,15 @@ private:
         events_.motion.fly = {axis(GLFW_KEY_D, GLFW_KEY_A),
                               axis(GLFW_KEY_W, GLFW_KEY_S),
                               axis(GLFW_KEY_E, GLFW_KEY_Q)};
+        events_.motion.walk = walks_;
     }
 
     GLFWwindow* window_;
+    bool has_two_buffers_;
     bool is_hud_shown_ = true;
+    bool are_keys_shown_ = false;
+    bool walks_ = false;
+    std::array<int, 4> windowed_{};  // place and size, to come back to from the full screen
     SurfaceEvents events_;
     Eigen::Vector2d last_cursor_ = Eigen::Vector2d::Zero();
     double last_time_s_ = 0.0;
@@ -143,6 +179,7 @@ Expected<std::unique_ptr<Surface>> open_window(const SurfaceOptions& options) {
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_STEREO, options.has_two_buffers ? GLFW_TRUE : GLFW_FALSE);
     GLFWwindow* window =
         glfwCreateWindow(options.width, options.height, "Atrium", nullptr, nullptr);
     if (window == nullptr) {
@@ -157,7 +194,7 @@ Expected<std::unique_ptr<Surface>> open_window(const SurfaceOptions& options) {
         return tl::unexpected(loaded.error());
     }
     glfwSwapInterval(options.wait_for_display ? 1 : 0);
-    return std::make_unique<Window>(window);
+    return std::make_unique<Window>(window, options);
 }
 
 }  // namespace atrium::viewer

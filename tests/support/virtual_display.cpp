@@ -2,6 +2,7 @@
 
 #include "core/base/descriptor.hpp"
 
+#include <X11/XKBlib.h>
 #include <X11/Xlib.h>
 #include <X11/Xutil.h>
 #include <X11/keysym.h>
@@ -222,13 +223,20 @@ void VirtualDisplay::resize(const std::string& title, const Size& size) {
                       static_cast<unsigned>(size[1]));
 }
 
-void VirtualDisplay::press_escape(const std::string& title) {
+void VirtualDisplay::press(const std::string& title, const std::string& key) {
+    const KeySym symbol = XStringToKeysym(key.c_str());
     XEvent event{};
     event.xkey.type = KeyPress;
     event.xkey.root = DefaultRootWindow(impl_->display);
     event.xkey.time = CurrentTime;
     event.xkey.same_screen = True;
-    event.xkey.keycode = XKeysymToKeycode(impl_->display, XK_Escape);
+    const KeyCode code = XKeysymToKeycode(impl_->display, symbol);
+    event.xkey.keycode = code;
+    const bool is_shifted = XkbKeycodeToKeysym(impl_->display, code, 0, 0) != symbol;
+    event.xkey.state = is_shifted ? ShiftMask : 0;
+    impl_->send(title, event);
+    // a key that is held down sends no second press
+    event.xkey.type = KeyRelease;
     impl_->send(title, event);
 }
 

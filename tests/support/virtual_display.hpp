@@ -33,7 +33,9 @@ public:
 
     /// Moves it into the screen's upper left corner as well.
     void resize(const std::string& title, const Size& size);
-    void press_escape(const std::string& title);
+    /// A key by X's name of what it types: "Escape", "F9", "h", "question".
+    void press(const std::string& title, const std::string& key);
+    void press_escape(const std::string& title) { press(title, "Escape"); }
     /// As the button in a window's frame does.
     void ask_to_close(const std::string& title);
 

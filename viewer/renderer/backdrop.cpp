@@ -3,6 +3,7 @@
 #include "viewer/renderer/shaders.hpp"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <glad/gl.h>
 
 #include <algorithm>
@@ -20,6 +21,7 @@ const Eigen::Vector3f kHorizon(0.82f, 0.85f, 0.88f);
 const Eigen::Vector3f kZenith(0.45f, 0.54f, 0.66f);
 const Eigen::Vector3f kGroundColour(0.70f, 0.69f, 0.67f);
 constexpr double kGroundSizeM = 60.0;
+constexpr float kHorizonAbove = 0.1f;  // sine below the horizon from which the sky's colour rises
 
 Eigen::Vector3f encode_srgb(const Eigen::Vector3d& linear) {
     return linear
@@ -108,13 +110,17 @@ void Backdrop::draw_ground(const View& view, double height_m) {
     draw_plane(view, ground, kGroundColour, {});
 }
 
-void Backdrop::draw_sky(const ViewCamera& camera) {
-    const Eigen::Vector3d forward = (camera.target_m - camera.position_m).normalized();
-    const double half_fov = camera.fov_deg * M_PI / 360.0;
+void Backdrop::draw_sky(const EyeView& eye) {
+    // the sine of the elevation at the corners, where a ray of each leaves; linear enough between
+    const Eigen::Matrix4d world_from_clip = eye.clip_from_world().inverse();
+    const auto sine_at = [&](double x, double y) {
+        const Eigen::Vector4d far = world_from_clip * Eigen::Vector4d(x, y, 1.0, 1.0);
+        const Eigen::Vector3d way = far.head<3>() / far.w() - eye.eye_world();
+        return static_cast<float>(way.normalized().z()) + kHorizonAbove;
+    };
     sky_shader_.use();
-    sky_shader_.set("slope",
-                    Eigen::Vector2f(static_cast<float>(forward.z()) + 0.1f,
-                                    static_cast<float>(std::sin(half_fov))));
+    sky_shader_.set("lower", Eigen::Vector2f(sine_at(-1.0, -1.0), sine_at(1.0, -1.0)));
+    sky_shader_.set("upper", Eigen::Vector2f(sine_at(-1.0, 1.0), sine_at(1.0, 1.0)));
     sky_shader_.set("horizon", kHorizon);
     sky_shader_.set("zenith", kZenith);
     square_.draw();

@@ -21,7 +21,8 @@ public:
     static Expected<Backdrop> create();
 
     /// Clears the one picture of all shadows on the floor; what is drawn with the shader returned,
-    /// which is in use, from then on stands in the light. It wants "world_from_object".
+    /// which is in use, from then on stands in the light. It wants "world_from_object" and
+    /// "darkness": 1 of what is solid.
     const gl::ShaderProgram& begin_shadow();
 
     /// A plane with its normal up.
@@ -29,7 +30,7 @@ public:
     /// At a height [m], to the horizon; after the floors, for what they cover of it is not drawn.
     void draw_ground(const View& view, double height_m);
     /// Last: it is behind everything.
-    void draw_sky(const ViewCamera& camera);
+    void draw_sky(const EyeView& eye);
 
 private:
     void draw_plane(const View& view,

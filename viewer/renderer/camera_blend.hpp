@@ -36,20 +36,24 @@ struct BlendedMesh {
 struct BlendScratch {
     std::vector<VertexBlend> vertices;
     std::vector<std::array<float, kCamerasPerVertex + 1>> penalties;
+    std::vector<Eigen::Vector3f> to_eye;  // per vertex, unit
+    std::vector<float> cos_eye;           // per vertex: between that and the normal
 };
 
 /// Chooses for each vertex the three cameras whose direction is nearest to the viewer's.
 ///
 /// Penalty of a camera: angle between the directions to it and to the eye, over its quality at the
-/// vertex. Weight: (1 - penalty / threshold) / penalty, the threshold being the fourth smallest
-/// penalty: it reaches 0 where another camera takes its place, so that nothing pops.
+/// vertex, and how much more the surface is foreshortened to it than to the eye. Weight:
+/// ((1 - penalty / threshold) / penalty)^2, the threshold being the fourth smallest penalty: it
+/// reaches 0 where another camera takes its place, so that nothing pops.
 ///
 /// After: Buehler, Bosse, McMillan, Gortler, Cohen. Unstructured Lumigraph Rendering. SIGGRAPH
-/// 2001. We differ: visibility and resolution are in the quality, and the blending field is
+/// 2001. We differ: visibility is in the quality, weights are squared, and the blending field is
 /// evaluated at the vertices of the surface instead of in the picture plane.
 void choose_cameras(const PersonModel& model, const Eigen::Vector3f& eye_site, BlendScratch& out);
 
-/// `choose_cameras`, and lays out the triangles for drawing. At most 255 cameras.
+/// `choose_cameras`, and lays out the triangles for drawing, each without the cameras to which it
+/// is edge-on. At most 255 cameras.
 void blend_for_view(const PersonModel& model,
                     const Eigen::Vector3f& eye_site,
                     BlendScratch& scratch,

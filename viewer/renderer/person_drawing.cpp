@@ -58,6 +58,7 @@ PersonDrawing::PersonDrawing()
 PersonModel PersonDrawing::set_model(PersonModel model) {
     std::swap(model_, model);
     is_blended_ = false;
+    opacity_ = 1.0;
     upload_pictures();
     glBindVertexArray(surface_layout_.id());
     gl::upload(surface_vertices_,

@@ -25,6 +25,10 @@ public:
     /// Hands back the former model, so that its memory can be used again.
     PersonModel set_model(PersonModel model);
     void set_pose(const Eigen::Matrix4d& world_from_site);
+    /// What it blends with, or makes its shadow of, is up to the caller.
+    void set_opacity(double opacity) { opacity_ = opacity; }
+    double opacity() const { return opacity_; }
+    bool is_solid() const { return opacity_ >= 1.0; }
 
     void draw(const PersonShaders& shaders,
               const Eigen::Matrix4d& clip_from_world,
@@ -42,6 +46,7 @@ private:
     };
     PersonModel model_;
     Eigen::Matrix4d world_from_site_ = Eigen::Matrix4d::Identity();
+    double opacity_ = 1.0;
     std::array<Group, kCamerasPerTriangle.size()> groups_;
     BlendScratch scratch_;
     BlendedMesh blended_;

@@ -23,15 +23,17 @@ bool is_usable(const CameraPicture& picture) {
 
 // Area-weighted normals, smoothed once over the neighbours: those of a hull jump from strip to
 // strip.
-void compute_normals(const PersonModel& model, PersonModelScratch& scratch) {
+void compute_normals(PersonModel& model, PersonModelScratch& scratch) {
     auto& sums = scratch.normal_sums;
-    auto& normals = scratch.normals;
+    auto& normals = model.normals;
     sums.assign(model.vertices_site.size(), Eigen::Vector3f::Zero());
+    scratch.face_normals.clear();
     for (const auto& [a, b, c] : model.triangles) {
         const Eigen::Vector3f& p = model.vertices_site[a];
         const Eigen::Vector3f twice_area =
             (model.vertices_site[b] - p).cross(model.vertices_site[c] - p);
         for (const std::uint32_t v : {a, b, c}) sums[v] += twice_area;
+        scratch.face_normals.push_back(twice_area.normalized());
     }
     for (auto& n : sums) n.normalize();
     normals = sums;
@@ -153,9 +155,8 @@ void project_vertices(const CameraStage& stage, PersonModel& model, PersonModelS
             continue;
         }
         const Eigen::Vector2d px = lens.project(p);
-        const bool bends =
-            is_distorted && (centre - model.vertices_site[v]).dot(scratch.normals[v]) >
-                                kCosFacingAway * static_cast<float>(p.z());
+        const bool bends = is_distorted && (centre - model.vertices_site[v]).dot(model.normals[v]) >
+                                               kCosFacingAway * static_cast<float>(p.z());
         const Eigen::Vector2d in_picture = bends ? lens.distort(px) : px;
         const Eigen::Array2d st =
             ((in_picture.array() - crop_origin) * texels_per_px + kBorder) / layer_size;
@@ -187,6 +188,28 @@ DepthWindow fit_depth_window(int long_side_px, PersonModelScratch& scratch) {
     return window;
 }
 
+// The vertices of a hull lie on outlines: there the mean normal is across the view of the cameras
+// that made them, though a face beside them may be seen well. So each face is judged by itself, and
+// a vertex by the face of its own that the camera sees best.
+void judge_faces(const CameraStage& stage, PersonModelScratch& scratch, PersonModel& model) {
+    PersonModel::Camera& camera = model.cameras[stage.index];
+    const auto cos_min = static_cast<float>(stage.options.cos_min);
+    const auto cos_full = static_cast<float>(stage.options.cos_full);
+    camera.facing.resize(model.triangles.size());
+    scratch.most_facing.assign(model.vertices_site.size(), -1.0f);
+    for (std::size_t t = 0; t < model.triangles.size(); ++t) {
+        const auto& triangle = model.triangles[t];
+        const Eigen::Vector3f to_camera = camera.centre_site - model.vertices_site[triangle[0]];
+        const float along = to_camera.dot(scratch.face_normals[t]);
+        camera.facing[t] = 0.0f;
+        if (along <= 0.0f) continue;
+        const float cos_angle = along / to_camera.norm();
+        camera.facing[t] = smooth_step(cos_min, cos_full, cos_angle);
+        for (const std::uint32_t v : triangle)
+            scratch.most_facing[v] = std::max(scratch.most_facing[v], cos_angle);
+    }
+}
+
 void judge_vertices(const CameraStage& stage,
                     const DepthWindow& window,
                     PersonModelScratch& scratch,
@@ -202,9 +225,7 @@ void judge_vertices(const CameraStage& stage,
     for (std::size_t v = 0; v < camera.quality.size(); ++v) {
         const Eigen::Vector3f& corner = scratch.corners[v];
         if (!(corner.z() > 0.0f)) continue;
-        const Eigen::Vector3f to_camera =
-            (camera.centre_site - model.vertices_site[v]).normalized();
-        const float cos_angle = to_camera.dot(scratch.normals[v]);
+        const float cos_angle = scratch.most_facing[v];
         const float frontal = smooth_step(cos_min, cos_full, cos_angle);
         if (frontal <= 0.0f) continue;
         const Eigen::Vector3f& st = camera.layer_coordinates[v];
@@ -213,7 +234,7 @@ void judge_vertices(const CameraStage& stage,
         // slope-scaled: over the 3 x 3 pixels looked at, a slanted surface comes nearer by itself
         const float nearest = scratch.depth.nearest_around(corner.x(), corner.y());
         const float depth = 1.0f / corner.z();
-        const float slope = std::sqrt(1.0f - cos_angle * cos_angle) / cos_angle;
+        const float slope = std::sqrt(std::max(0.0f, 1.0f - cos_angle * cos_angle)) / cos_angle;
         const float bias = static_cast<float>(options.hidden_bias_m) +
                            1.5f * depth * pixel_tangent * std::min(slope, 4.0f);
         const float behind = nearest > 0.0f ? depth - 1.0f / nearest : 0.0f;
@@ -299,6 +320,7 @@ void build_person_model(const geometry::TriangleMesh& mesh_site,
         project_vertices(stage, out, scratch);
         const DepthWindow window = fit_depth_window(options.depth_picture_px, scratch);
         draw_inverse_depth(scratch.corners, out.triangles, scratch.depth);
+        judge_faces(stage, scratch, out);
         judge_vertices(stage, window, scratch, out);
         ++index;
     }

@@ -31,12 +31,16 @@ struct PersonModel {
         /// depth. Linear in the position (but for the lens distortion), so that the perspective
         /// interpolation of triangles is right.
         std::vector<Eigen::Vector3f> layer_coordinates;
-        /// Per vertex, in [0, 1]: 0 where the camera does not see it (facing away, hidden behind
-        /// another part, outside the mask), 1 where it sees it from the front. Continuous.
+        /// Per vertex, in [0, 1]: 0 where the camera does not see it (no face there faces it,
+        /// hidden behind another part, outside the mask). Continuous.
         std::vector<float> quality;
+        /// Per triangle, in [0, 1]: 0 where it faces away or is edge-on, as the faces are that the
+        /// camera's own silhouette made; 1 where it does not graze.
+        std::vector<float> facing;
     };
 
     std::vector<Eigen::Vector3f> vertices_site;
+    std::vector<Eigen::Vector3f> normals;  // per vertex, unit, smoothed
     std::vector<std::array<std::uint32_t, 3>> triangles;
     std::vector<Camera> cameras;
     std::vector<Eigen::Vector3f> fallback;  // per vertex, in [0, 1]: for where no camera sees it
@@ -50,13 +54,14 @@ struct PersonModelOptions {
     int depth_picture_px = 192;    // long side of the pictures that decide what hides what
     double hidden_bias_m = 0.012;  // a surface this far behind another one is still not hidden
     double hidden_soft_m = 0.02;   // over this further distance it fades out
-    double cos_min = 0.12;         // a camera that sees the surface at a more grazing angle is
-    double cos_full = 0.5;         // not used; from here on fully
+    double cos_min = 0.03;         // a camera that sees a face at a more grazing angle is not
+    double cos_full = 0.2;         // used; from here on fully
 };
 
 struct PersonModelScratch {
-    std::vector<Eigen::Vector3f> normals;
     std::vector<Eigen::Vector3f> normal_sums;
+    std::vector<Eigen::Vector3f> face_normals;
+    std::vector<float> most_facing;  // per vertex: cosine of the face that faces the camera most
     std::vector<Eigen::Vector3f> corners;
     std::vector<std::uint8_t> is_coloured;
     InverseDepthPicture depth;

@@ -42,7 +42,10 @@ struct SceneRenderer::Impl {
     void draw_objects(const View& view);
     void draw_object(const ObjectDrawing& object);
     void draw_floors(const View& view);
+    void draw_eye(const EyeView& eye);
+    void draw_faded(PersonDrawing& person, const EyeView& eye);
     void smooth();
+    void present(const image::PixelRect& part_px, unsigned buffer) const;
     const gl::Framebuffer& finished() const {
         return options.antialias == Antialias::kFxaa ? smoothed : target;
     }
@@ -84,7 +87,15 @@ void SceneRenderer::Impl::draw_shadow() {
     if (is_shadow_current) return;
     is_shadow_current = true;
     const gl::ShaderProgram& shader = backdrop->begin_shadow();
-    for (const auto& [site, person] : people) person.draw_surface(shader);
+    // faded ones first: what is solid darkens all of its shadow
+    for (const bool is_solid : {false, true}) {
+        for (const auto& [site, person] : people) {
+            if (person.is_solid() != is_solid) continue;
+            shader.set("darkness", static_cast<float>(person.opacity()));
+            person.draw_surface(shader);
+        }
+    }
+    shader.set("darkness", 1.0f);
     for (const auto& [id, object] : objects) {
         if (object.look.model == nullptr && object.look.shape == ShapeKind::kPlane) continue;
         shader.set("world_from_object",
@@ -144,6 +155,33 @@ void SceneRenderer::Impl::draw_floors(const View& view) {
     backdrop->draw_ground(view, has_floor ? lowest - kBelowM : 0.0);
 }
 
+void SceneRenderer::Impl::draw_eye(const EyeView& eye) {
+    const View view{eye.clip_from_world(), eye.eye_world()};
+    for (auto& [site, person] : people) {
+        if (person.is_solid()) person.draw(person_shaders, view.clip_from_world, view.eye_world);
+    }
+    draw_objects(view);
+    draw_floors(view);
+    backdrop->draw_sky(eye);
+    // over what is seen through them
+    for (auto& [site, person] : people) {
+        if (!person.is_solid()) draw_faded(person, eye);
+    }
+}
+
+void SceneRenderer::Impl::draw_faded(PersonDrawing& person, const EyeView& eye) {
+    const View view{eye.clip_from_world(), eye.eye_world()};
+    // depth alone first, so that an arm before the chest is not seen through
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    person.draw(person_shaders, view.clip_from_world, view.eye_world);
+    glColorMask(eye.writes[0], eye.writes[1], eye.writes[2], GL_TRUE);
+    glEnable(GL_BLEND);
+    glBlendColor(0.0f, 0.0f, 0.0f, static_cast<float>(person.opacity()));
+    glBlendFunc(GL_CONSTANT_ALPHA, GL_ONE_MINUS_CONSTANT_ALPHA);
+    person.draw(person_shaders, view.clip_from_world, view.eye_world);
+    glDisable(GL_BLEND);
+}
+
 void SceneRenderer::Impl::smooth() {
     smoothed.bind();
     glDisable(GL_DEPTH_TEST);
@@ -186,6 +224,18 @@ void SceneRenderer::set_site_pose(const std::string& site,
     impl_->site_poses[site] = world_from_site.matrix();
     const auto found = impl_->people.find(site);
     if (found != impl_->people.end()) found->second.set_pose(world_from_site.matrix());
+}
+
+Eigen::Matrix4d SceneRenderer::world_from_site(const std::string& site) const {
+    const auto found = impl_->site_poses.find(site);
+    return found == impl_->site_poses.end() ? Eigen::Matrix4d::Identity() : found->second;
+}
+
+void SceneRenderer::set_person_opacity(const std::string& site, double opacity) {
+    const auto found = impl_->people.find(site);
+    if (found == impl_->people.end() || found->second.opacity() == opacity) return;
+    impl_->is_shadow_current = false;
+    found->second.set_opacity(opacity);
 }
 
 void SceneRenderer::remove_person(const std::string& site) {
@@ -260,6 +310,11 @@ int SceneRenderer::width() const { return impl_->options.width; }
 int SceneRenderer::height() const { return impl_->options.height; }
 
 void SceneRenderer::draw(const ViewCamera& camera) {
+    const EyeView eye = eye_of(camera, impl_->options.width, impl_->options.height);
+    draw({&eye, 1});
+}
+
+void SceneRenderer::draw(std::span<const EyeView> eyes) {
     Impl& impl = *impl_;
     impl.draw_shadow();
     impl.target.bind();
@@ -268,35 +323,47 @@ void SceneRenderer::draw(const ViewCamera& camera) {
     glDepthFunc(GL_LEQUAL);
     glDisable(GL_BLEND);
     glDisable(GL_SCISSOR_TEST);
-    glClear(GL_DEPTH_BUFFER_BIT);
-    const double aspect =
-        static_cast<double>(impl.options.width) / static_cast<double>(impl.options.height);
-    const View view{clip_from_view(camera, aspect) * view_from_world(camera), camera.position_m};
-    for (auto& [site, person] : impl.people)
-        person.draw(impl.person_shaders, view.clip_from_world, view.eye_world);
-    impl.draw_objects(view);
-    impl.draw_floors(view);
-    impl.backdrop->draw_sky(camera);
+    for (const EyeView& eye : eyes) {
+        // the depths of another eye in the same place are of no use
+        glClear(GL_DEPTH_BUFFER_BIT);
+        glViewport(eye.part_px.x,
+                   impl.options.height - eye.part_px.y - eye.part_px.height,
+                   eye.part_px.width,
+                   eye.part_px.height);
+        glColorMask(eye.writes[0], eye.writes[1], eye.writes[2], GL_TRUE);
+        impl.draw_eye(eye);
+    }
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     if (impl.options.antialias == Antialias::kFxaa) impl.smooth();
     glBindVertexArray(0);
 }
 
-void SceneRenderer::present() const {
-    const gl::Framebuffer& from = impl_->finished();
+void SceneRenderer::Impl::present(const image::PixelRect& part_px, unsigned buffer) const {
+    const gl::Framebuffer& from = finished();
     glBindFramebuffer(GL_READ_FRAMEBUFFER, from.name.id());
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
-    glBlitFramebuffer(0,
+    if (buffer != 0) glDrawBuffer(buffer);
+    glBlitFramebuffer(part_px.x,
+                      part_px.y,
+                      part_px.x + part_px.width,
+                      part_px.y + part_px.height,
                       0,
-                      from.width,
-                      from.height,
                       0,
-                      0,
-                      from.width,
-                      from.height,
+                      part_px.width,
+                      part_px.height,
                       GL_COLOR_BUFFER_BIT,
                       GL_NEAREST);
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
-    glViewport(0, 0, from.width, from.height);
+    glViewport(0, 0, part_px.width, part_px.height);
+}
+
+void SceneRenderer::present() const { impl_->present({0, 0, width(), height()}, 0); }
+
+void SceneRenderer::present_halves() const {
+    const int half = width() / 2;
+    impl_->present({0, 0, half, height()}, GL_BACK_LEFT);
+    impl_->present({half, 0, half, height()}, GL_BACK_RIGHT);
+    glDrawBuffer(GL_BACK);  // of both
 }
 
 void SceneRenderer::read_pixels(RenderedPicture& out) const {

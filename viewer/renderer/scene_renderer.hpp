@@ -45,6 +45,9 @@ public:
     /// whose memory can be used for the next one.
     PersonModel set_person(const std::string& site, PersonModel model);
     void set_site_pose(const std::string& site, const geometry::RigidTransform& world_from_site);
+    Eigen::Matrix4d world_from_site(const std::string& site) const;  // identity where none was set
+    /// 1: solid, as one who is new; 0: not seen at all.
+    void set_person_opacity(const std::string& site, double opacity);
     void remove_person(const std::string& site);
     std::size_t num_people() const;
 
@@ -73,9 +76,14 @@ public:
     int height() const;
 
     void draw(const ViewCamera& camera);
+    /// What several eyes see, one after the other, each in its part. Parts cover the picture.
+    void draw(std::span<const EyeView> eyes);
 
     /// Copies the picture into the framebuffer of the window or context that is current.
     void present() const;
+    /// Likewise its left half into the buffer for the left eye and its right one into the other: of
+    /// a window that has both.
+    void present_halves() const;
     /// The picture as last drawn. `out` keeps its memory.
     void read_pixels(RenderedPicture& out) const;
 

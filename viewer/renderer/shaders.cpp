@@ -173,11 +173,12 @@ void main() {
 
 const char* const kBackgroundVertex = R"(#version 330 core
 layout(location = 0) in vec2 corner;
-uniform vec2 slope;
+uniform vec2 lower;
+uniform vec2 upper;
 out float height;
 void main() {
-    // the sine of the elevation, linear enough across the picture
-    height = slope.x + slope.y * corner.y;
+    vec2 side = mix(lower, upper, 0.5 + 0.5 * corner.y);
+    height = mix(side.x, side.y, 0.5 + 0.5 * corner.x);
     gl_Position = vec4(corner, 1.0, 1.0);
 }
 )";
@@ -203,8 +204,9 @@ void main() {
 )";
 
 const char* const kShadowFragment = R"(#version 330 core
+uniform float darkness;
 out vec4 fragment;
-void main() { fragment = vec4(1.0); }
+void main() { fragment = vec4(darkness); }
 )";
 
 const char* const kScreenVertex = R"(#version 330 core

@@ -33,6 +33,19 @@ Eigen::Matrix4d clip_from_view(const ViewCamera& camera, double aspect) {
     return m;
 }
 
+Eigen::Vector3d EyeView::eye_world() const {
+    return -(view_from_world.topLeftCorner<3, 3>().transpose() *
+             view_from_world.topRightCorner<3, 1>());
+}
+
+EyeView eye_of(const ViewCamera& camera, int width, int height) {
+    EyeView eye;
+    eye.view_from_world = view_from_world(camera);
+    eye.clip_from_view = clip_from_view(camera, static_cast<double>(width) / height);
+    eye.part_px = {0, 0, width, height};
+    return eye;
+}
+
 Eigen::Vector2d project_px(const ViewCamera& camera,
                            const Eigen::Vector3d& p_world,
                            int width,

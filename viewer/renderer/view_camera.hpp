@@ -1,6 +1,10 @@
 #pragma once
 
+#include "core/image/image.hpp"
+
 #include <Eigen/Core>
+
+#include <array>
 
 namespace atrium::renderer {
 
@@ -28,6 +32,21 @@ Eigen::Vector2d project_px(const ViewCamera& camera,
                            const Eigen::Vector3d& p_world,
                            int width,
                            int height);
+
+/// What one eye sees, in a part of the renderer's picture. Its pose and projection may come from
+/// outside, as those of a head-mounted display do.
+struct EyeView {
+    Eigen::Matrix4d view_from_world = Eigen::Matrix4d::Identity();  // looks along -Z, +Y up
+    Eigen::Matrix4d clip_from_view = Eigen::Matrix4d::Identity();   // invertible
+    image::PixelRect part_px;  // x to the right, y down, from the picture's upper left corner
+    std::array<bool, 3> writes{true, true, true};  // which of red, green and blue
+
+    Eigen::Vector3d eye_world() const;
+    Eigen::Matrix4d clip_from_world() const { return clip_from_view * view_from_world; }
+};
+
+/// One eye, and all of a picture of that size.
+EyeView eye_of(const ViewCamera& camera, int width, int height);
 
 /// What the shaders want of it.
 struct View {

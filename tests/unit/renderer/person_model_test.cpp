@@ -42,8 +42,60 @@ TEST(PersonModel, ACameraSeesWhatFacesItAndNothingElse) {
             (p - sphere.centre).normalized().dot((camera.centre_site() - p).normalized());
         if (cos_angle > 0.6) {
             EXPECT_GT(model.cameras[0].quality[v], 0.99f) << p.transpose();
-        } else if (cos_angle < 0.05) {
+        } else if (cos_angle < -0.12) {
+            // the faces around a vertex are tilted by up to 6 degrees
             EXPECT_EQ(model.cameras[0].quality[v], 0.0f) << p.transpose();
+        }
+    }
+}
+
+TEST(PersonModel, AnEdgeOnFaceTakesNothingFromThatCamera) {
+    const Sphere sphere{{0.0, 0.0, 1.0}, 0.5};
+    const auto cameras = synthetic::ring(8, sphere.centre);
+    const PersonModel model = build({sphere}, cameras);
+    const auto cos_of = [&](std::size_t t, std::size_t c) {
+        const auto& [i, j, k] = model.triangles[t];
+        const Eigen::Vector3f& p = model.vertices_site[i];
+        const Eigen::Vector3f normal =
+            (model.vertices_site[j] - p).cross(model.vertices_site[k] - p).normalized();
+        return normal.dot((model.cameras[c].centre_site - p).normalized());
+    };
+    std::size_t num_edge_on = 0;
+    for (std::size_t c = 0; c < cameras.size(); ++c) {
+        for (std::size_t t = 0; t < model.triangles.size(); ++t) {
+            if (cos_of(t, c) < 0.02f) {
+                EXPECT_EQ(model.cameras[c].facing[t], 0.0f);
+                num_edge_on += cos_of(t, c) > -0.02f ? 1 : 0;
+            }
+            if (cos_of(t, c) > 0.21f) {
+                EXPECT_EQ(model.cameras[c].facing[t], 1.0f);
+            }
+        }
+    }
+    EXPECT_GT(num_edge_on, 100u);
+
+    // and what is laid out for drawing has none of its weight
+    BlendScratch scratch;
+    BlendedMesh blended;
+    blend_for_view(model, Eigen::Vector3f(1.5f, 1.5f, 1.2f), scratch, blended);
+    for (std::size_t g = 0; g < blended.groups.size(); ++g) {
+        const std::size_t n = kCamerasPerTriangle[g];
+        const std::size_t stride = floats_per_vertex(n);
+        for (std::size_t v = 0; v + 2 < blended.groups[g].num_vertices; v += 3) {
+            const float* corner = blended.groups[g].data.data() + v * stride;
+            const auto at = [&](std::size_t i) {
+                return Eigen::Vector3f(
+                    corner[i * stride], corner[i * stride + 1], corner[i * stride + 2]);
+            };
+            const Eigen::Vector3f normal = (at(1) - at(0)).cross(at(2) - at(0)).normalized();
+            for (std::size_t i = 0; i < 3 * n; ++i) {
+                const float* own = corner + i / n * stride + 6;
+                const auto camera = static_cast<std::size_t>(own[i % n]);
+                const Eigen::Vector3f to_camera = model.cameras[camera].centre_site - at(0);
+                if (own[n + 4 * (i % n) + 3] > 0.0f) {
+                    EXPECT_GT(normal.dot(to_camera.normalized()), 0.02f);
+                }
+            }
         }
     }
 }

@@ -1,7 +1,4 @@
-#include "viewer/renderer/scene_renderer.hpp"
-
-#include "core/gl/offscreen_context.hpp"
-#include "tests/unit/renderer/synthetic_person.hpp"
+#include "tests/unit/renderer/scene_renderer_fixture.hpp"
 
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
@@ -9,56 +6,11 @@
 
 #include <cmath>
 #include <numbers>
-#include <optional>
 
 namespace atrium::renderer {
 namespace {
 
 using synthetic::Sphere;
-
-constexpr int kWidth = 480;
-constexpr int kHeight = 360;
-
-PersonModel person_of(const std::vector<Sphere>& spheres,
-                      const std::vector<CameraPicture>& pictures) {
-    PersonModelScratch scratch;
-    PersonModel model;
-    build_person_model(synthetic::mesh_of(spheres, 40), pictures, {}, scratch, model);
-    return model;
-}
-
-class SceneRendererTest : public testing::Test {
-protected:
-    void SetUp() override {
-        auto context = gl::OffscreenContext::create(16, 16);
-        ASSERT_TRUE(context) << context.error().message;
-        context_.emplace(std::move(*context));
-        auto renderer = SceneRenderer::create({.width = kWidth, .height = kHeight});
-        ASSERT_TRUE(renderer) << renderer.error().message;
-        renderer_.emplace(std::move(*renderer));
-    }
-    void TearDown() override { renderer_.reset(); }
-
-    void draw(const ViewCamera& camera) {
-        renderer_->draw(camera);
-        renderer_->read_pixels(picture_);
-    }
-    Eigen::Vector3d pixel(int x, int y) const {
-        const std::size_t i =
-            4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(picture_.width) +
-                 static_cast<std::size_t>(x));
-        return Eigen::Vector3d(picture_.rgba[i], picture_.rgba[i + 1], picture_.rgba[i + 2]) /
-               255.0;
-    }
-    Eigen::Vector3d pixel_at(const ViewCamera& camera, const Eigen::Vector3d& p_world) const {
-        const Eigen::Vector2d px = project_px(camera, p_world, picture_.width, picture_.height);
-        return pixel(static_cast<int>(std::lround(px.x())), static_cast<int>(std::lround(px.y())));
-    }
-
-    std::optional<gl::OffscreenContext> context_;
-    std::optional<SceneRenderer> renderer_;
-    RenderedPicture picture_;
-};
 
 // Ray of pixel (x, y) by the definition of the view, not by its matrices.
 Eigen::Vector3d ray_of(const ViewCamera& camera, int x, int y) {

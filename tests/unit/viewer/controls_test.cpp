@@ -33,6 +33,21 @@ TEST(Controls, DraggingDownRaisesTheOrbitingEye) {
     EXPECT_GT(apply({.turn_px = {0.0, 20.0}}, kStart).position_m.z(), kStart.position_m.z());
 }
 
+TEST(Controls, WalkingStaysOnTheFloor) {
+    renderer::ViewCamera camera = kStart;
+    const Eigen::Vector2d ahead =
+        (camera.target_m - camera.position_m).head<2>().normalized().eval();
+    for (int i = 0; i < 60; ++i)
+        camera = apply({.fly = {0, 1, 1}, .seconds = 1.0 / 60.0, .walk = true}, camera);
+    EXPECT_NEAR(camera.position_m.z(), 1.65, 1e-9);
+    const Eigen::Vector2d way = (camera.position_m - kStart.position_m).head<2>();
+    EXPECT_NEAR(way.norm(), 1.4, 1e-6) << "a walk's speed, however the eye is tilted";
+    EXPECT_NEAR(way.normalized().dot(ahead), 1.0, 1e-9);
+    const auto turned = apply({.turn_px = {80.0, 20.0}, .walk = true}, camera);
+    EXPECT_EQ(turned.position_m, camera.position_m) << "the mouse turns the head";
+    EXPECT_GT((turned.target_m - camera.target_m).norm(), 0.3);
+}
+
 TEST(Controls, LookingAroundKeepsTheEye) {
     const auto camera = apply({.turn_px = {80.0, 20.0}, .look_around = true}, kStart);
     EXPECT_EQ(camera.position_m, kStart.position_m);

@@ -116,6 +116,33 @@ TEST_F(ViewerRun, ShowsAPersonAndForgetsItWithItsSite) {
     EXPECT_GT(std::abs(centre_of_output()[2] - 230), 10);
 }
 
+// The site is there, but sends nothing any more.
+TEST_F(ViewerRun, APersonOfASiteThatStallsFades) {
+    start();
+    auto descriptions = writer<bus::SiteDescription>();
+    auto meshes = writer<bus::SiteMesh>();
+    auto textures = writer<bus::CameraTexture>();
+    ASSERT_TRUE(descriptions.write(test_site::description("alice")));
+    std::uint64_t frame_id = 0;
+    ASSERT_TRUE(eventually([&] {
+        test_site::Frame frame = test_site::frame("alice", ++frame_id, 230);
+        EXPECT_TRUE(meshes.write(frame.mesh));
+        for (const auto& texture : frame.textures) EXPECT_TRUE(textures.write(texture));
+        return viewer_->status().num_pairs_shown >= 3;
+    }));
+    const auto frames = viewer_->status().num_frames;
+    ASSERT_TRUE(eventually([&] { return viewer_->status().num_frames > frames + 60; }));
+    finish();
+    ASSERT_TRUE(result_) << result_.error().message;
+    const cv::Vec3b stalled = centre_of_output();
+    start();
+    ASSERT_TRUE(eventually([&] { return viewer_->status().num_frames > 5; }));
+    finish();
+    const cv::Vec3b empty = centre_of_output();
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(stalled[i], 0.35 * 230 + 0.65 * empty[i], 6);
+    EXPECT_GT(cv::norm(stalled, empty), 10.0);
+}
+
 TEST_F(ViewerRun, ShowsObjectsWhereTheWorldPutsThem) {
     auto objects = writer<bus::SceneObject>();
     auto states = writer<bus::SceneState>();

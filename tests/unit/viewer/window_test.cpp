@@ -47,7 +47,7 @@ protected:
         if (size != Size{renderer_->width(), renderer_->height()}) {
             EXPECT_TRUE(renderer_->resize(size[0], size[1]));
         }
-        renderer_->draw({});
+        renderer_->draw(renderer::ViewCamera{});
         window_->show(*renderer_, {});
         return events;
     }
@@ -92,6 +92,54 @@ TEST_F(ViewerWindow, IsClosedByEscapeAndByItsFrame) {
     EXPECT_FALSE(draw().close);
     display_->ask_to_close(kTitle);
     EXPECT_TRUE(comes_true([&] { return draw().close; }));
+}
+
+TEST_F(ViewerWindow, TakesItsKeys) {
+    const auto gives = [&](const std::string& key, auto&& has) {
+        display_->press(kTitle, key);
+        return comes_true([&] { return has(draw()); });
+    };
+    EXPECT_TRUE(gives("F12", [](const SurfaceEvents& e) { return e.screenshot; }));
+    EXPECT_TRUE(gives("F9", [](const SurfaceEvents& e) { return e.record; }));
+    EXPECT_TRUE(gives("r", [](const SurfaceEvents& e) { return e.reset_scene; }));
+    EXPECT_TRUE(gives("v", [](const SurfaceEvents& e) { return e.reset_view; }));
+    EXPECT_TRUE(gives("f", [](const SurfaceEvents& e) { return e.follow; }));
+    EXPECT_TRUE(gives("2", [](const SurfaceEvents& e) { return e.person == 2; }));
+    EXPECT_TRUE(gives("g", [](const SurfaceEvents& e) { return e.motion.walk; }));
+    EXPECT_TRUE(gives("g", [](const SurfaceEvents& e) { return !e.motion.walk; }));
+}
+
+// The list of all keys stands in the middle of the picture.
+TEST_F(ViewerWindow, ListsItsKeysWhenAsked) {
+    const auto shows_list = [&] {
+        draw();
+        const auto [width, height] = window_->size();
+        int num_different = 0;
+        for (int x = width / 2 - 100; x < width / 2 + 100; x += 4) {
+            const auto shown = display_->colour_in(kTitle, x, height / 2);
+            num_different += shown && *shown != drawn_at(x, height / 2) ? 1 : 0;
+        }
+        return num_different > 40;
+    };
+    EXPECT_FALSE(shows_list());
+    display_->press(kTitle, "question");
+    EXPECT_TRUE(comes_true(shows_list));
+    display_->press(kTitle, "question");
+    EXPECT_TRUE(comes_true([&] { return !shows_list(); }));
+}
+
+TEST_F(ViewerWindow, FillsTheScreenAndComesBack) {
+    const Size before = window_->size();
+    display_->press(kTitle, "F11");
+    EXPECT_TRUE(comes_true([&] {
+        draw();
+        return window_->size() == Size{1280, 800};
+    }));
+    display_->press(kTitle, "F11");
+    EXPECT_TRUE(comes_true([&] {
+        draw();
+        return window_->size() == before;
+    }));
 }
 
 }  // namespace

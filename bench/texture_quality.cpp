@@ -1,0 +1,326 @@
+// How people look beside what real cameras saw, and beside simpler ways to texture them: rows of
+// comma-separated values, one per picture and way; texture_quality.sh keeps them and makes the
+// table of docs/viewer.md.
+#include "bench/texture_baselines.hpp"
+#include "core/app/program.hpp"
+#include "core/config/rig.hpp"
+#include "tests/support/camera_orbit.hpp"
+#include "tests/support/filmed_person.hpp"
+#include "tests/support/person_photographer.hpp"
+#include "tests/support/picture_error.hpp"
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace atrium::bench {
+namespace {
+
+using test::Photo;
+using test::TruePicture;
+
+constexpr double kTime_s = 0.6;  // instant of the simulated motion
+
+struct Options {
+    std::filesystem::path recording = ATRIUM_SOURCE_DIR "/../shared/data/recordings/ring20";
+    std::filesystem::path rig = ATRIUM_SOURCE_DIR "/deploy/rigs/full_body_1mp.toml";
+    std::filesystem::path pictures;
+    std::string look = "ada";
+    std::string publishing = "site";
+    std::string only;
+    int orbit_steps = 360;
+    std::uint64_t repeats = 1;
+};
+
+template <typename T>
+T value_of(Expected<T> result) {
+    if (result) return std::move(*result);
+    fmt::print(stderr, "{}\n", result.error().message);
+    std::exit(1);
+}
+
+const std::vector<std::string> kWays = {"viewer", "nearest camera", "nearest that sees", "equal"};
+
+void write_side_by_side(const std::filesystem::path& file,
+                        const TruePicture& truth,
+                        const std::vector<Photo>& photos) {
+    int x0 = truth.width(), y0 = truth.height(), x1 = 0, y1 = 0;
+    for (int y = 0; y < truth.height(); ++y) {
+        for (int x = 0; x < truth.width(); ++x) {
+            if (truth.mask.at(x, y) == 0) continue;
+            x0 = std::min(x0, x);
+            x1 = std::max(x1, x + 1);
+            y0 = std::min(y0, y);
+            y1 = std::max(y1, y + 1);
+        }
+    }
+    constexpr int kMargin = 12;
+    x0 = std::max(x0 - kMargin, 0);
+    y0 = std::max(y0 - kMargin, 0);
+    x1 = std::min(x1 + kMargin, truth.width());
+    y1 = std::min(y1 + kMargin, truth.height());
+    const cv::Rect part(x0, y0, x1 - x0, y1 - y0);
+    std::vector<cv::Mat> panels;
+    const auto add = [&](const std::vector<std::uint8_t>& bgr) {
+        const cv::Mat whole(
+            truth.height(), truth.width(), CV_8UC3, const_cast<std::uint8_t*>(bgr.data()));
+        panels.push_back(whole(part).clone());
+    };
+    add(truth.bgr);
+    for (const Photo& photo : photos) add(photo.bgr);
+    cv::Mat row;
+    cv::hconcat(panels, row);
+    if (!cv::imwrite(file.string(), row)) fmt::print(stderr, "cannot write {}\n", file.string());
+}
+
+renderer::PersonModel model_of(const test::ReceivedPerson& person, std::uint64_t repeats) {
+    renderer::PersonModelScratch scratch;
+    renderer::PersonModel model;
+    double best_ms = 1e9;
+    for (std::uint64_t i = 0; i < repeats; ++i) {
+        const auto start = std::chrono::steady_clock::now();
+        renderer::build_person_model(person.mesh, person.pictures, {}, scratch, model);
+        best_ms = std::min(
+            best_ms,
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+                .count());
+    }
+    fmt::print(stderr,
+               "{} cameras, {} triangles, model prepared in {:.2f} ms\n",
+               model.cameras.size(),
+               model.triangles.size(),
+               best_ms);
+    return model;
+}
+
+// One scene: a person from some cameras, shown where others stood.
+class Comparison {
+public:
+    Comparison(std::string scene, const test::ReceivedPerson& person, const Options& options)
+        : scene_(std::move(scene)),
+          options_(options),
+          photographer_(value_of(test::PersonPhotographer::create())),
+          model_(model_of(person, options.repeats)),
+          weighted_(model_) {
+        person_.set_model(model_);
+    }
+
+    void compare(const TruePicture& truth) {
+        std::vector<Photo> photos;
+        photos.push_back(photographer_.take(truth.camera, person_));
+        const Eigen::Vector3d eye = truth.camera.centre_site();
+        for (const CameraWeights& weights : {nearest_camera(model_, eye),
+                                             nearest_seeing_camera(model_, eye),
+                                             all_facing_cameras(model_)}) {
+            photos.push_back(photographer_.take(
+                truth.camera,
+                [&](const Eigen::Matrix4d& clip_from_site, const Eigen::Vector3d& eye_site) {
+                    weighted_.draw(weights, clip_from_site, eye_site);
+                }));
+        }
+        for (std::size_t i = 0; i < photos.size(); ++i) report(truth, photos[i], kWays[i]);
+        if (!options_.pictures.empty()) {
+            write_side_by_side(
+                options_.pictures / fmt::format("{}-{:02}.png", scene_, num_views_), truth, photos);
+        }
+        ++num_views_;
+    }
+
+    Photo take(const geometry::CalibratedCamera& camera) {
+        return photographer_.take(camera, person_);
+    }
+
+    ~Comparison() {
+        for (const auto& [way, sum] : sums_)
+            fmt::print(stderr,
+                       "{:24} {:18} {:6.2f} dB  ssim {:.4f}\n",
+                       scene_,
+                       way,
+                       sum.psnr_db / num_views_,
+                       sum.ssim / num_views_);
+    }
+    Comparison(const Comparison&) = delete;
+    Comparison& operator=(const Comparison&) = delete;
+
+private:
+    void report(const TruePicture& truth, const Photo& photo, const std::string& way) {
+        const test::PictureError error = test::picture_error(truth.bgr, photo.bgr, truth.mask);
+        std::size_t num = 0;
+        std::size_t num_bare = 0;
+        for (std::size_t i = 0; i < truth.mask.data.size(); ++i) {
+            if (truth.mask.data[i] == 0) continue;
+            ++num;
+            num_bare += photo.covered.data[i] == 0 ? 1 : 0;
+        }
+        fmt::print("{},{},{},{:.3f},{:.5f},{:.5f}\n",
+                   scene_,
+                   num_views_,
+                   way,
+                   error.psnr_db,
+                   error.ssim,
+                   static_cast<double>(num_bare) / static_cast<double>(num));
+        std::fflush(stdout);
+        sums_[way].psnr_db += error.psnr_db;
+        sums_[way].ssim += error.ssim;
+    }
+
+    std::string scene_;
+    const Options& options_;
+    test::PersonPhotographer photographer_;  // goes last: it owns the context
+    renderer::PersonModel model_;
+    renderer::PersonDrawing person_;
+    WeightedDrawing weighted_;
+    std::map<std::string, test::PictureError> sums_;
+    int num_views_ = 0;
+};
+
+// Contexts follow each other: each comparison ends before the next begins.
+void compare_all(const std::string& scene,
+                 const test::ReceivedPerson& person,
+                 std::span<const TruePicture> truths,
+                 const Options& options) {
+    Comparison comparison(scene, person, options);
+    for (const TruePicture& truth : truths) comparison.compare(truth);
+}
+
+test::Publishing publishing(const Options& options) {
+    return options.publishing == "site" ? test::Publishing::kAsSites
+                                        : test::Publishing::kAsTheyWere;
+}
+
+bool wants(const Options& options, const std::string& scene) {
+    return options.only.empty() || scene.starts_with(options.only);
+}
+
+void compare_recording(const Options& options) {
+    const std::string name = options.recording.filename().string();
+    if (!wants(options, name)) return;
+    if (!std::filesystem::exists(options.recording)) {
+        fmt::print(stderr, "{} is not here: left out\n", options.recording.string());
+        return;
+    }
+    const auto pictures = value_of(test::load_pictures(options.recording));
+    std::vector<TruePicture> texturing;
+    std::vector<TruePicture> held_back;
+    for (std::size_t i = 0; i < pictures.size(); ++i)
+        (i % 2 == 0 ? texturing : held_back).push_back(pictures[i]);
+    const auto person = value_of(test::receive_person(texturing, publishing(options)));
+    compare_all(name, person, held_back, options);
+    compare_all(name + " own", person, texturing, options);
+}
+
+void compare_orbit(const Options& options,
+                   const std::vector<geometry::CalibratedCamera>& rig,
+                   const simulation::RoomOptions& room,
+                   const test::ReceivedPerson& person) {
+    auto cameras = test::orbit(options.orbit_steps, 2.6, 1.3, 360, 480, 560.0);
+    cameras.push_back(cameras.front());
+    const test::PictureChanges true_changes =
+        test::changes(value_of(test::photograph_truth(rig, room, kTime_s, cameras)));
+    Comparison comparison("orbit", person, options);
+    std::vector<Photo> photos;
+    for (const auto& camera : cameras) photos.push_back(comparison.take(camera));
+    const test::PictureChanges shown = test::changes(photos);
+    fmt::print("orbit,0,viewer,{:.4f},{:.4f},{:.4f}\norbit,0,truth,{:.4f},{:.4f},{:.4f}\n",
+               shown.largest,
+               shown.largest_block,
+               shown.mean,
+               true_changes.largest,
+               true_changes.largest_block,
+               true_changes.mean);
+    fmt::print(
+        stderr,
+        "orbit: largest change {:.3f}, of the truth {:.3f}: {:.3f}; of blocks {:.1f}, {:.1f}: "
+        "{:.3f}; mean {:.3f}, {:.3f}\n",
+        shown.largest,
+        true_changes.largest,
+        shown.largest / true_changes.largest,
+        shown.largest_block,
+        true_changes.largest_block,
+        shown.largest_block / true_changes.largest_block,
+        shown.mean,
+        true_changes.mean);
+}
+
+// In place of what the cameras saw the person's own colours: those of the room have no part in the
+// pixels at the outline.
+void show_person_alone(std::span<const geometry::CalibratedCamera> rig,
+                       const simulation::RoomOptions& room,
+                       std::vector<TruePicture>& pictures) {
+    std::vector<geometry::CalibratedCamera> cameras;
+    for (const TruePicture& picture : pictures) cameras.push_back(picture.camera);
+    std::vector<Photo> photos = value_of(test::photograph_truth(rig, room, kTime_s, cameras));
+    for (std::size_t i = 0; i < pictures.size(); ++i) pictures[i].bgr.swap(photos[i].bgr);
+}
+
+void compare_room(const Options& options) {
+    if (!wants(options, "room") && !wants(options, "orbit")) return;
+    std::vector<geometry::CalibratedCamera> cameras =
+        value_of(config::load_rig(options.rig)).cameras;
+    const std::vector<geometry::CalibratedCamera> rig = cameras;
+    for (const auto& camera : test::free_viewpoints(20, 1000, 800.0)) cameras.push_back(camera);
+    simulation::RoomOptions room;
+    room.look = options.look;
+    std::vector<TruePicture> pictures = value_of(test::film_room(cameras, room, kTime_s));
+    const std::span<const TruePicture> texturing(pictures.data(), rig.size());
+    const auto person = value_of(test::receive_person(texturing, publishing(options)));
+    show_person_alone(rig, room, pictures);
+    if (wants(options, "room")) {
+        compare_all("room", person, std::span(pictures).subspan(rig.size()), options);
+        compare_all("room own", person, texturing, options);
+    }
+    if (options.orbit_steps > 0 && wants(options, "orbit"))
+        compare_orbit(options, rig, room, person);
+}
+
+int run(int argc, char** argv) {
+    Options options;
+    config::OptionSet set;
+    set.add("recording",
+            options.recording,
+            "folder of a recording with masks; every second camera gives textures");
+    set.add("rig", options.rig, "cameras of the simulated room, a rig file");
+    set.add("look", options.look, "of the simulated person");
+    set.add("publishing",
+            options.publishing,
+            "site: textures at half resolution through the codec; full: as the cameras have them",
+            {"site", "full"});
+    set.add("only", options.only, "scenes whose names begin so: ring20, room, orbit");
+    set.add("pictures", options.pictures, "folder for pictures side by side: real, viewer, others");
+    set.add("orbit-steps",
+            options.orbit_steps,
+            "pictures of a turn around the simulated person",
+            {0, 3600});
+    set.add("repeats",
+            options.repeats,
+            "the model is prepared so often; the shortest time is told",
+            {1, 1000});
+    const app::Start started =
+        app::start({"texture_quality",
+                    "Compares people as the viewer shows them with what cameras saw: PSNR and SSIM "
+                    "inside the true mask, beside simpler ways to texture.",
+                    "  texture_quality --only ring20 --pictures /tmp/side_by_side\n"},
+                   set,
+                   argc,
+                   argv);
+    if (!started.go_on) return started.exit_code;
+    if (!options.pictures.empty()) std::filesystem::create_directories(options.pictures);
+    fmt::print("scene,view,way,psnr_db,ssim,bare\n");
+    compare_recording(options);
+    compare_room(options);
+    return 0;
+}
+
+}  // namespace
+}  // namespace atrium::bench
+
+int main(int argc, char** argv) { return atrium::bench::run(argc, argv); }

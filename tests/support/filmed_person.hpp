@@ -1,0 +1,54 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/geometry/pinhole_camera.hpp"
+#include "core/geometry/triangle_mesh.hpp"
+#include "core/image/image.hpp"
+#include "simulation/person.hpp"
+#include "viewer/renderer/person_model.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+namespace atrium::test {
+
+/// What one camera really saw of a person.
+struct TruePicture {
+    geometry::CalibratedCamera camera;
+    image::YuvImage yuv;
+    std::vector<std::uint8_t> bgr;  // packed, rows from the top
+    image::Mask mask;               // of the person, as large as the picture
+
+    int width() const { return mask.width; }
+    int height() const { return mask.height; }
+};
+
+/// Pictures of the built-in person in a simulated room at `time_s`, with their true masks.
+Expected<std::vector<TruePicture>> film_room(const std::vector<geometry::CalibratedCamera>& cameras,
+                                             const simulation::RoomOptions& options,
+                                             double time_s);
+
+/// The first frame of a recording that has masks, of all of its cameras.
+Expected<std::vector<TruePicture>> load_pictures(const std::filesystem::path& recording);
+
+/// How the pictures of the texturing cameras reach the viewer.
+enum class Publishing : std::uint8_t {
+    kAsSites,     // at half resolution, through the codec with its usual quality
+    kAsTheyWere,  // at full resolution, not coded
+};
+
+/// A person as a viewer receives it.
+struct ReceivedPerson {
+    geometry::TriangleMesh mesh;
+    std::vector<renderer::CameraPicture> pictures;
+};
+
+/// Silhouettes, hull and textures from `pictures`, through the stages of a site but for the
+/// segmentation, in whose place the true masks are taken. The mesh is the hull as it is, not coded.
+Expected<ReceivedPerson> receive_person(std::span<const TruePicture> pictures,
+                                        Publishing publishing);
+
+}  // namespace atrium::test

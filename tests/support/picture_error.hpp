@@ -1,0 +1,25 @@
+#pragma once
+
+#include "core/image/image.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace atrium::test {
+
+/// How far a picture is from the true one, where `mask` is not 0. All are of the mask's size.
+struct PictureError {
+    double psnr_db = 0.0;  // of blue, green and red alike
+    double ssim = 0.0;     // of luma
+};
+
+/// The windows of the structural similarity (Gaussian, sigma 1.5 px, 11 px wide) weigh the mask's
+/// pixels alone, so that what is outside has no part in it; mean over the mask.
+///
+/// Wang, Bovik, Sheikh, Simoncelli. Image Quality Assessment: From Error Visibility to Structural
+/// Similarity. IEEE Transactions on Image Processing 13(4), 2004.
+PictureError picture_error(const std::vector<std::uint8_t>& true_bgr,
+                           const std::vector<std::uint8_t>& shown_bgr,
+                           const image::Mask& mask);
+
+}  // namespace atrium::test

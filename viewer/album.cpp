@@ -1,0 +1,67 @@
+#include "viewer/album.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <utility>
+
+namespace atrium::viewer {
+
+std::filesystem::path Album::next_file(const std::string& extension) {
+    return config_.screenshot_dir /
+           fmt::format("atrium-{}-{:03}{}", getpid(), ++num_files_, extension);
+}
+
+Expected<void> Album::begin_video(const std::filesystem::path& file,
+                                  const renderer::SceneRenderer& renderer) {
+    // video formats want even sizes
+    const int width = config_.video.width > 0 ? config_.video.width : renderer.width();
+    const int height = config_.video.height > 0 ? config_.video.height : renderer.height();
+    auto recorder = VideoRecorder::create(
+        {.file = file, .fps = config_.video.fps, .width = width / 2 * 2, .height = height / 2 * 2});
+    if (!recorder) return tl::unexpected(recorder.error());
+    video_ = std::move(*recorder);
+    video_file_ = file;
+    return {};
+}
+
+Expected<void> Album::open(const renderer::SceneRenderer& renderer) {
+    if (config_.video.file.empty()) return {};
+    return begin_video(config_.video.file, renderer);
+}
+
+void Album::add(const renderer::SceneRenderer& renderer) {
+    if (!video_ || !video_->wants_picture()) return;
+    renderer::RenderedPicture frame;
+    renderer.read_pixels(frame);
+    video_->offer(std::move(frame));
+}
+
+std::optional<double> Album::video_s() const {
+    if (!video_) return std::nullopt;
+    return static_cast<double>(video_->num_written()) / config_.video.fps;
+}
+
+std::string Album::toggle_video(const renderer::SceneRenderer& renderer) {
+    if (video_) {
+        video_.reset();
+        return "video in " + video_file_.string();
+    }
+    const auto begun = begin_video(next_file(".avi"), renderer);
+    return begun ? "recording into " + video_file_.string() : begun.error().message;
+}
+
+std::string Album::screenshot(const renderer::SceneRenderer& renderer) {
+    renderer.read_pixels(picture_);
+    const auto file = next_file(".png");
+    const auto written = write_png(file, picture_);
+    return written ? "screenshot in " + file.string() : written.error().message;
+}
+
+Expected<void> Album::write_output(const renderer::SceneRenderer& renderer) {
+    if (config_.output.empty()) return {};
+    renderer.read_pixels(picture_);
+    return write_png(config_.output, picture_);
+}
+
+}  // namespace atrium::viewer

@@ -1,0 +1,49 @@
+#pragma once
+
+#include "viewer/picture_file.hpp"
+#include "viewer/renderer/scene_renderer.hpp"
+#include "viewer/viewer_config.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace atrium::viewer {
+
+/// What is kept of the pictures: screenshots, videos and the last one. Of the drawing thread; a
+/// renderer's context has to be current.
+class Album {
+public:
+    explicit Album(const ViewerConfig& config) : config_(config) {}
+
+    /// Begins the video that the configuration asks for, if it does.
+    Expected<void> open(const renderer::SceneRenderer& renderer);
+    /// Finishes the video.
+    void close() { video_.reset(); }
+
+    /// Offers the picture that was just drawn to the video.
+    void add(const renderer::SceneRenderer& renderer);
+    /// How long the video is by now [s]; nothing: none is recorded.
+    std::optional<double> video_s() const;
+
+    // For people who press keys: return what became of it, to be read.
+    std::string toggle_video(const renderer::SceneRenderer& renderer);
+    std::string screenshot(const renderer::SceneRenderer& renderer);
+
+    /// The last picture, where the configuration asks for it.
+    Expected<void> write_output(const renderer::SceneRenderer& renderer);
+
+private:
+    Expected<void> begin_video(const std::filesystem::path& file,
+                               const renderer::SceneRenderer& renderer);
+    std::filesystem::path next_file(const std::string& extension);
+
+    const ViewerConfig& config_;
+    std::unique_ptr<VideoRecorder> video_;
+    std::filesystem::path video_file_;
+    renderer::RenderedPicture picture_;
+    int num_files_ = 0;
+};
+
+}  // namespace atrium::viewer

@@ -1,0 +1,64 @@
+#pragma once
+
+#include "viewer/session.hpp"
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace atrium::viewer {
+
+/// People on their way to a display that shows what was a while ago: of each site, the newest that
+/// is due. Not thread-safe.
+class DuePeople {
+public:
+    struct Item {
+        std::string site;
+        PersonUpdate update;
+    };
+
+    /// `replaced` is handed what will never be shown, of which a newer one was due or which were
+    /// too many.
+    template <typename Replaced>
+    void add(const std::string& site, PersonUpdate update, const Replaced& replaced);
+    /// What is to be shown from `instant` on, and was not taken yet. Nobody being there any more
+    /// is due at once.
+    template <typename Replaced>
+    std::vector<Item> take(Timestamp instant, const Replaced& replaced);
+    void clear() { waiting_.clear(); }
+
+private:
+    static constexpr std::size_t kMaxWaiting = 16;  // of a site: half a second
+
+    std::map<std::string, std::deque<PersonUpdate>> waiting_;  // in the order of their arrival
+};
+
+template <typename Replaced>
+void DuePeople::add(const std::string& site, PersonUpdate update, const Replaced& replaced) {
+    std::deque<PersonUpdate>& waiting = waiting_[site];
+    waiting.push_back(std::move(update));
+    if (waiting.size() <= kMaxWaiting) return;
+    replaced(std::move(waiting.front()));
+    waiting.pop_front();
+}
+
+template <typename Replaced>
+std::vector<DuePeople::Item> DuePeople::take(Timestamp instant, const Replaced& replaced) {
+    std::vector<Item> due;
+    for (auto& [site, waiting] : waiting_) {
+        std::optional<PersonUpdate> newest;
+        while (!waiting.empty() &&
+               (!waiting.front().model || waiting.front().capture_time <= instant)) {
+            if (newest) replaced(std::move(*newest));
+            newest = std::move(waiting.front());
+            waiting.pop_front();
+        }
+        if (newest) due.push_back({site, std::move(*newest)});
+    }
+    return due;
+}
+
+}  // namespace atrium::viewer

@@ -1,0 +1,22 @@
+#include "viewer/surface.hpp"
+
+#include "core/app/log.hpp"
+
+namespace atrium::viewer {
+
+Expected<std::unique_ptr<Surface>> open_surface(const SurfaceOptions& options) {
+    auto window = open_window(options);
+    if (window) return window;
+    const std::string& why_no_window = window.error().message;
+    if (options.has_two_buffers) return window;
+    auto headless = open_headless(options);
+    if (headless) {
+        app::log::info("surface_headless reason=\"{}\"", why_no_window);
+        return headless;
+    }
+    return make_error(ErrorKind::kUnavailable,
+                      "neither a window (" + why_no_window + ") nor software rendering (" +
+                          headless.error().message + ") can be had");
+}
+
+}  // namespace atrium::viewer
