@@ -75,7 +75,8 @@ PictureError picture_error(const std::vector<std::uint8_t>& true_bgr,
     if (num == 0) return error;
     if (sum_sq > 0.0)
         error.psnr_db = 10.0 * std::log10(255.0 * 255.0 * static_cast<double>(num) / sum_sq);
-    const cv::Mat weights(mask.height, mask.width, CV_8U, const_cast<std::uint8_t*>(mask.data.data()));
+    const cv::Mat weights(
+        mask.height, mask.width, CV_8U, const_cast<std::uint8_t*>(mask.data.data()));
     const cv::Rect part = cv::boundingRect(weights);
     cv::Mat shares;
     weights(part).convertTo(shares, CV_64F, 1.0 / 255.0);
