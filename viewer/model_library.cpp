@@ -14,10 +14,10 @@ namespace atrium::viewer {
 namespace {
 
 constexpr float kSmoothCos = 0.77F;       // faces that meet at less than 40 degrees look round
-constexpr std::size_t kMaxModels = 1024;  // that are kept; names come from the network
+constexpr std::size_t kMaxModels = 1024;  // asked for; names come from the network
 
-// Corners of their own for each triangle, with a normal that is smooth unless there is an edge, and
-// with the file's places in a picture where it has them.
+// Appends corners of their own for each triangle, with a normal that is smooth unless there is an
+// edge, and with the file's places in a picture where it has them.
 void append(const model::ModelPart& part, renderer::ShapeMesh& out) {
     const geometry::TriangleMesh& mesh = part.mesh;
     const bool has_places = part.texture_places.size() == mesh.vertices.size();
@@ -47,28 +47,51 @@ void append(const model::ModelPart& part, renderer::ShapeMesh& out) {
 
 }  // namespace
 
-const std::vector<ModelLibrary::Part>& ModelLibrary::parts_of(const std::string& file,
-                                                              double scale) {
-    const auto key = std::pair(file, scale);
-    const auto known = models_.find(key);
-    if (known != models_.end()) return known->second;
-    if (models_.size() >= kMaxModels) models_.clear();
-    std::vector<Part>& parts = models_[key];
-    // the bus has checked it; a folder is left by nobody
-    if (!bus::is_valid_model_file(file)) return parts;
-    const auto loaded = model::load_model(folder_ / file, scale);
-    if (!loaded) {
-        if (complained_.size() < kMaxModels && complained_.insert(file).second)
-            app::log::warn("model_missing {}; a box stands for it", loaded.error().message);
-        return parts;
-    }
-    for (const model::ModelPart& part : *loaded) {
+ModelLibrary::ModelLibrary(const std::filesystem::path& folder)
+    : reader_([folder](const Key& key) -> Expected<Model> {
+          const auto parts = model::load_model(folder / key.first, key.second);
+          if (!parts) return tl::unexpected(parts.error());
+          return make(*parts);
+      }) {}
+
+ModelLibrary::Model ModelLibrary::make(const std::vector<model::ModelPart>& parts) {
+    Model model;
+    renderer::ShapeMesh whole;
+    for (const model::ModelPart& part : parts) {
         renderer::ShapeMesh mesh;
         append(part, mesh);
-        parts.push_back(
+        append(part, whole);
+        model.parts.push_back(
             {std::make_shared<const renderer::ShapeMesh>(std::move(mesh)), part.colour});
     }
-    return parts;
+    model.whole = std::make_shared<const renderer::ShapeMesh>(std::move(whole));
+    return model;
+}
+
+const ModelLibrary::Model& ModelLibrary::model(const std::string& file, double scale) {
+    static const Model kNone;
+    const Key key(file, scale);
+    const auto known = models_.find(key);
+    if (known != models_.end()) return known->second;
+    // the bus has checked it; a folder is left by nobody
+    if (bus::is_valid_model_file(file) && reader_.num_wanted() < kMaxModels) reader_.want(key);
+    return kNone;
+}
+
+std::set<std::string> ModelLibrary::take() {
+    std::set<std::string> files;
+    for (auto& [key, loaded] : reader_.take()) {
+        if (!loaded && complained_.size() < kMaxModels && complained_.insert(key.first).second)
+            app::log::warn("model_missing {}; a box stands for it", loaded.error().message);
+        models_[key] = loaded ? std::move(*loaded) : Model{};
+        files.insert(key.first);
+    }
+    return files;
+}
+
+void ModelLibrary::forget() {
+    reader_.forget();
+    models_.clear();
 }
 
 renderer::ObjectLook ModelLibrary::look_of(const bus::SceneObject& object,
@@ -78,26 +101,13 @@ renderer::ObjectLook ModelLibrary::look_of(const bus::SceneObject& object,
                               .colour = object.colour,
                               .texture = object.texture,
                               .world_from_object = object.world_from_object};
-    if (object.model.empty()) return look;
-    const std::vector<Part>& parts = parts_of(object.model, object.model_scale);
-    if (parts.size() == 1) look.model = parts.front().mesh;
-    if (parts.size() > 1) {
-        renderer::ShapeMesh whole;
-        for (const Part& part : parts) {
-            const auto first = static_cast<std::uint32_t>(whole.corners.size());
-            whole.corners.insert(
-                whole.corners.end(), part.mesh->corners.begin(), part.mesh->corners.end());
-            for (const std::uint32_t index : part.mesh->indices)
-                whole.indices.push_back(first + index);
-        }
-        look.model = std::make_shared<const renderer::ShapeMesh>(std::move(whole));
-    }
+    if (!object.model.empty()) look.model = model(object.model, object.model_scale).whole;
     return look;
 }
 
 std::vector<renderer::ObjectLook> ModelLibrary::look_of(const bus::Scenery& scenery) {
     std::vector<renderer::ObjectLook> looks;
-    for (const Part& part : parts_of(scenery.model, scenery.model_scale)) {
+    for (const Part& part : model(scenery.model, scenery.model_scale).parts) {
         looks.push_back({.model = part.mesh,
                          .colour = part.colour,
                          .texture = scenery.texture,

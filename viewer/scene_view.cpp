@@ -67,6 +67,33 @@ void SceneView::update_soft(const SceneChanges& changes, renderer::SceneRenderer
     }
 }
 
+void SceneView::update_scenery(const SceneChanges& changes, renderer::SceneRenderer& renderer) {
+    for (const auto& [name, scenery] : changes.scenery) {
+        if (!scenery) {
+            scenery_.erase(name);
+            renderer.set_scenery(name, {});
+            continue;
+        }
+        if (!scenery->texture.empty()) textures_.want(scenery->texture);
+        scenery_.insert_or_assign(name, *scenery);
+        renderer.set_scenery(name, models_.look_of(*scenery));
+    }
+}
+
+// What has been read by now of what things look like.
+void SceneView::show_new_files(renderer::SceneRenderer& renderer) {
+    for (const auto& [name, picture] : textures_.take()) renderer.set_texture(name, picture);
+    const std::set<std::string> models = models_.take();
+    if (models.empty()) return;
+    for (const auto& [id, object] : objects_) {
+        if (models.contains(object.model) && object.shape != bus::Shape::kSoft)
+            renderer.set_object(id, models_.look_of(object, shape_kind(object.shape)));
+    }
+    for (const auto& [name, scenery] : scenery_) {
+        if (models.contains(scenery.model)) renderer.set_scenery(name, models_.look_of(scenery));
+    }
+}
+
 void SceneView::update(SceneChanges changes,
                        SceneTimeline::Clock::time_point now,
                        const std::optional<Timestamp>& instant,
@@ -83,12 +110,8 @@ void SceneView::update(SceneChanges changes,
         show_soft(id, renderer);
     }
     update_soft(changes, renderer);
-    for (const auto& [name, scenery] : changes.scenery) {
-        if (scenery && !scenery->texture.empty()) textures_.want(scenery->texture);
-        renderer.set_scenery(
-            name, scenery ? models_.look_of(*scenery) : std::vector<renderer::ObjectLook>{});
-    }
-    for (const auto& [name, picture] : textures_.take()) renderer.set_texture(name, picture);
+    update_scenery(changes, renderer);
+    show_new_files(renderer);
     for (const auto& [site, placement] : changes.placements)
         renderer.set_site_pose(site, placement.world_from_site);
     for (auto& state : changes.soft_states) soft_timeline_.add(std::move(state));
@@ -127,7 +150,9 @@ void SceneView::clear() {
     timeline_.clear();
     soft_timeline_.clear();
     textures_.forget();
+    models_.forget();
     objects_.clear();
+    scenery_.clear();
     soft_bodies_.clear();
     nodes_.clear();
     states_.clear();

@@ -36,6 +36,8 @@ public:
 
 private:
     void update_soft(const SceneChanges& changes, renderer::SceneRenderer& renderer);
+    void update_scenery(const SceneChanges& changes, renderer::SceneRenderer& renderer);
+    void show_new_files(renderer::SceneRenderer& renderer);
     void show_soft(std::uint32_t object, renderer::SceneRenderer& renderer);
 
     ModelLibrary models_;
@@ -44,6 +46,7 @@ private:
     SoftTimeline soft_timeline_;
     std::map<std::uint32_t, bus::SceneObject> objects_;
     std::map<std::uint32_t, bus::SoftBody> soft_bodies_;
+    std::map<std::string, bus::Scenery> scenery_;
     std::vector<bus::ObjectState> states_;                         // as shown now
     std::map<std::uint32_t, std::vector<Eigen::Vector3f>> nodes_;  // of soft bodies, as shown now
 };

@@ -7,10 +7,12 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include <algorithm>
 #include <fstream>
 #include <optional>
 #include <span>
 #include <system_error>
+#include <utility>
 
 namespace atrium::viewer {
 namespace {
@@ -115,67 +117,49 @@ Expected<renderer::TexturePicture> read_texture(const std::filesystem::path& fil
     return picture;
 }
 
-TextureLibrary::TextureLibrary(std::filesystem::path folder, const TextureLimits& limits)
-    : folder_(std::move(folder)),
-      limits_(limits),
-      thread_([this](std::stop_token stop) { read(std::move(stop)); }) {}
+TextureLibrary::TextureLibrary(const std::filesystem::path& folder, const TextureLimits& limits)
+    : limits_(limits), reader_([folder, limits](const std::string& file) {
+          return read_texture(folder / file, limits);
+      }) {}
 
 void TextureLibrary::want(const std::string& file) {
-    {
-        const std::lock_guard lock(mutex_);
-        // the bus has checked it; a folder is left by nobody
-        if (!bus::is_valid_model_file(file) || wanted_.contains(file)) return;
-        if (wanted_.size() >= limits_.max_textures)
-            return complain(file, fmt::format("{} are the most there can be", wanted_.size()));
-        wanted_.insert(file);
-        waiting_.push_back(file);
-    }
-    changed_.notify_one();
+    // the bus has checked it; a folder is left by nobody
+    if (!bus::is_valid_model_file(file) || reader_.is_wanted(file)) return;
+    const std::size_t num_wanted = reader_.num_wanted();
+    if (num_wanted >= limits_.max_textures)
+        return complain(file, fmt::format("{} are the most there can be", num_wanted));
+    reader_.want(file);
 }
 
 std::vector<TextureLibrary::Loaded> TextureLibrary::take() {
-    const std::lock_guard lock(mutex_);
-    return std::exchange(loaded_, {});
-}
-
-void TextureLibrary::forget() {
-    const std::lock_guard lock(mutex_);
-    wanted_.clear();
-    waiting_.clear();
-    loaded_.clear();
-    num_pixels_ = 0;
-}
-
-// Once per file; with the mutex held.
-void TextureLibrary::complain(const std::string& file, const std::string& why) {
-    if (complained_.size() >= limits_.max_textures || !complained_.insert(file).second) return;
-    app::log::warn("texture_missing {}: {}; its plain colour is drawn", file, why);
-}
-
-void TextureLibrary::read(std::stop_token stop) {
-    for (;;) {
-        std::string file;
-        {
-            std::unique_lock lock(mutex_);
-            if (!changed_.wait(lock, stop, [this] { return !waiting_.empty(); })) return;
-            file = waiting_.front();
-            waiting_.pop_front();
-        }
-        auto picture = read_texture(folder_ / file, limits_);
-        const std::lock_guard lock(mutex_);
-        if (!wanted_.contains(file)) continue;  // forgotten meanwhile
-        if (picture && num_pixels_ + picture->rgba.size() / 4 > limits_.max_pixels) {
-            picture = make_error(
-                ErrorKind::kInvalidData,
-                fmt::format("all textures together have more than {} pixels", limits_.max_pixels));
-        }
+    std::vector<Loaded> loaded;
+    for (auto& [file, picture] : reader_.take()) {
         if (!picture) {
             complain(file, picture.error().message);
             continue;
         }
-        num_pixels_ += picture->rgba.size() / 4;
-        loaded_.emplace_back(file, std::move(*picture));
+        const std::size_t num_pixels = picture->rgba.size() / 4;
+        if (num_pixels_ + num_pixels > limits_.max_pixels) {
+            complain(
+                file,
+                fmt::format("all textures together have more than {} pixels", limits_.max_pixels));
+            continue;
+        }
+        num_pixels_ += num_pixels;
+        loaded.emplace_back(file, std::move(*picture));
     }
+    return loaded;
+}
+
+void TextureLibrary::forget() {
+    reader_.forget();
+    num_pixels_ = 0;
+}
+
+// Once per file.
+void TextureLibrary::complain(const std::string& file, const std::string& why) {
+    if (complained_.size() >= limits_.max_textures || !complained_.insert(file).second) return;
+    app::log::warn("texture_missing {}: {}; its plain colour is drawn", file, why);
 }
 
 }  // namespace atrium::viewer

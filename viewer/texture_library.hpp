@@ -1,18 +1,13 @@
 #pragma once
 
 #include "core/base/expected.hpp"
+#include "viewer/background_reader.hpp"
 #include "viewer/renderer/object_look.hpp"
 
-#include <condition_variable>
 #include <cstdint>
-#include <deque>
 #include <filesystem>
-#include <memory>
-#include <mutex>
 #include <set>
-#include <stop_token>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -31,13 +26,13 @@ struct TextureLimits {
 Expected<renderer::TexturePicture> read_texture(const std::filesystem::path& file,
                                                 const TextureLimits& limits = {});
 
-/// The pictures that lie on things, from files of one folder. A thread of its own reads each once,
-/// so that who draws never waits for a disk; what cannot be had is said once in the log.
+/// The pictures that lie on things, from files of one folder, read in the background; what cannot
+/// be had is said once in the log. Not thread-safe.
 class TextureLibrary {
 public:
     using Loaded = std::pair<std::string, renderer::TexturePicture>;
 
-    explicit TextureLibrary(std::filesystem::path folder, const TextureLimits& limits = {});
+    explicit TextureLibrary(const std::filesystem::path& folder, const TextureLimits& limits = {});
 
     /// Asks for a file of the folder (bus::is_valid_model_file); again only after `forget`.
     void want(const std::string& file);
@@ -47,19 +42,12 @@ public:
     void forget();
 
 private:
-    void read(std::stop_token stop);
     void complain(const std::string& file, const std::string& why);
 
-    std::filesystem::path folder_;
     TextureLimits limits_;
-    std::mutex mutex_;  // of all that follows
-    std::condition_variable_any changed_;
-    std::set<std::string> wanted_;     // ever
-    std::deque<std::string> waiting_;  // of them, to be read
-    std::vector<Loaded> loaded_;
-    std::set<std::string> complained_;
     std::size_t num_pixels_ = 0;
-    std::jthread thread_;  // last: stops before the rest goes
+    std::set<std::string> complained_;
+    BackgroundReader<std::string, renderer::TexturePicture> reader_;
 };
 
 }  // namespace atrium::viewer
