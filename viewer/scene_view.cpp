@@ -24,6 +24,8 @@ renderer::ShapeKind shape_kind(bus::Shape shape) {
     return renderer::ShapeKind::kBox;
 }
 
+constexpr auto kTimeForChanges = std::chrono::milliseconds(5);  // of a picture
+
 // That are kept, of a world that sends at most 120 a second.
 std::size_t states_within(std::chrono::nanoseconds delay) {
     constexpr std::size_t kAround = 8;
@@ -55,42 +57,70 @@ void SceneView::show_soft(std::uint32_t object, renderer::SceneRenderer& rendere
                               .texture = described->second.texture});
 }
 
-void SceneView::update_soft(const SceneChanges& changes, renderer::SceneRenderer& renderer) {
-    for (const auto& [id, body] : changes.soft_bodies) {
-        if (body)
-            soft_bodies_.insert_or_assign(id, *body);
-        else
-            soft_bodies_.erase(id);
-        if (!body) soft_timeline_.remove(id);
-        nodes_.erase(id);
-        show_soft(id, renderer);
-    }
+void SceneView::change(std::uint32_t id,
+                       const std::optional<bus::SceneObject>& object,
+                       renderer::SceneRenderer& renderer) {
+    renderer.remove_object(id);
+    if (object)
+        objects_.insert_or_assign(id, *object);
+    else
+        objects_.erase(id);
+    if (object && !object->texture.empty()) textures_.want(object->texture);
+    if (object && object->shape != bus::Shape::kSoft)
+        renderer.set_object(id, models_.look_of(*object, shape_kind(object->shape)));
+    show_soft(id, renderer);
 }
 
-void SceneView::update_scenery(const SceneChanges& changes, renderer::SceneRenderer& renderer) {
-    for (const auto& [name, scenery] : changes.scenery) {
-        if (!scenery) {
-            scenery_.erase(name);
-            renderer.set_scenery(name, {});
-            continue;
+void SceneView::change(std::uint32_t id,
+                       const std::optional<bus::SoftBody>& body,
+                       renderer::SceneRenderer& renderer) {
+    if (body)
+        soft_bodies_.insert_or_assign(id, *body);
+    else
+        soft_bodies_.erase(id);
+    if (!body) soft_timeline_.remove(id);
+    nodes_.erase(id);
+    show_soft(id, renderer);
+}
+
+void SceneView::change(const std::string& name,
+                       const std::optional<bus::Scenery>& scenery,
+                       renderer::SceneRenderer& renderer) {
+    if (!scenery) {
+        scenery_.erase(name);
+        renderer.set_scenery(name, {});
+        return;
+    }
+    if (!scenery->texture.empty()) textures_.want(scenery->texture);
+    scenery_.insert_or_assign(name, *scenery);
+    renderer.set_scenery(name, models_.look_of(*scenery));
+}
+
+// A world of thousands of things does not hold up the picture: at least one a picture, then as many
+// as there is time for.
+void SceneView::take_changes(SceneTimeline::Clock::time_point until,
+                             renderer::SceneRenderer& renderer) {
+    const auto take_from = [&](auto& changes) {
+        while (!changes.empty()) {
+            const auto next = changes.extract(changes.begin());
+            change(next.key(), next.mapped(), renderer);
+            if (SceneTimeline::Clock::now() >= until) return false;
         }
-        if (!scenery->texture.empty()) textures_.want(scenery->texture);
-        scenery_.insert_or_assign(name, *scenery);
-        renderer.set_scenery(name, models_.look_of(*scenery));
-    }
+        return true;
+    };
+    if (take_from(waiting_.objects) && take_from(waiting_.soft_bodies)) take_from(waiting_.scenery);
 }
 
-// What has been read by now of what things look like.
+// What has been read by now of what things look like: those of the models wait for their turn.
 void SceneView::show_new_files(renderer::SceneRenderer& renderer) {
     for (const auto& [name, picture] : textures_.take()) renderer.set_texture(name, picture);
     const std::set<std::string> models = models_.take();
     if (models.empty()) return;
     for (const auto& [id, object] : objects_) {
-        if (models.contains(object.model) && object.shape != bus::Shape::kSoft)
-            renderer.set_object(id, models_.look_of(object, shape_kind(object.shape)));
+        if (models.contains(object.model)) waiting_.objects.try_emplace(id, object);
     }
     for (const auto& [name, scenery] : scenery_) {
-        if (models.contains(scenery.model)) renderer.set_scenery(name, models_.look_of(scenery));
+        if (models.contains(scenery.model)) waiting_.scenery.try_emplace(name, scenery);
     }
 }
 
@@ -98,20 +128,15 @@ void SceneView::update(SceneChanges changes,
                        SceneTimeline::Clock::time_point now,
                        const std::optional<Timestamp>& instant,
                        renderer::SceneRenderer& renderer) {
-    for (const auto& [id, object] : changes.objects) {
-        renderer.remove_object(id);
-        if (object)
-            objects_.insert_or_assign(id, *object);
-        else
-            objects_.erase(id);
-        if (object && !object->texture.empty()) textures_.want(object->texture);
-        if (object && object->shape != bus::Shape::kSoft)
-            renderer.set_object(id, models_.look_of(*object, shape_kind(object->shape)));
-        show_soft(id, renderer);
-    }
-    update_soft(changes, renderer);
-    update_scenery(changes, renderer);
+    const auto add = [](auto& waiting, auto& newer) {
+        newer.merge(waiting);  // what both have is as the newer one says
+        waiting.swap(newer);
+    };
+    add(waiting_.objects, changes.objects);
+    add(waiting_.soft_bodies, changes.soft_bodies);
+    add(waiting_.scenery, changes.scenery);
     show_new_files(renderer);
+    take_changes(SceneTimeline::Clock::now() + kTimeForChanges, renderer);
     for (const auto& [site, placement] : changes.placements)
         renderer.set_site_pose(site, placement.world_from_site);
     for (auto& state : changes.soft_states) soft_timeline_.add(std::move(state));
@@ -151,6 +176,7 @@ void SceneView::clear() {
     soft_timeline_.clear();
     textures_.forget();
     models_.forget();
+    waiting_ = {};
     objects_.clear();
     scenery_.clear();
     soft_bodies_.clear();

@@ -24,7 +24,7 @@ public:
     explicit SceneView(const std::filesystem::path& models, std::chrono::nanoseconds delay = {});
 
     /// Shows the things as they were at `instant` of the world's clock; without one, as late as the
-    /// states allow.
+    /// states allow. What is new of very many things is shown over several pictures.
     void update(SceneChanges changes,
                 SceneTimeline::Clock::time_point now,
                 const std::optional<Timestamp>& instant,
@@ -35,8 +35,16 @@ public:
     void clear();
 
 private:
-    void update_soft(const SceneChanges& changes, renderer::SceneRenderer& renderer);
-    void update_scenery(const SceneChanges& changes, renderer::SceneRenderer& renderer);
+    void take_changes(SceneTimeline::Clock::time_point until, renderer::SceneRenderer& renderer);
+    void change(std::uint32_t id,
+                const std::optional<bus::SceneObject>& object,
+                renderer::SceneRenderer& renderer);
+    void change(std::uint32_t id,
+                const std::optional<bus::SoftBody>& body,
+                renderer::SceneRenderer& renderer);
+    void change(const std::string& name,
+                const std::optional<bus::Scenery>& scenery,
+                renderer::SceneRenderer& renderer);
     void show_new_files(renderer::SceneRenderer& renderer);
     void show_soft(std::uint32_t object, renderer::SceneRenderer& renderer);
 
@@ -44,6 +52,7 @@ private:
     TextureLibrary textures_;
     SceneTimeline timeline_;
     SoftTimeline soft_timeline_;
+    SceneChanges waiting_;  // descriptions that this picture had no time for
     std::map<std::uint32_t, bus::SceneObject> objects_;
     std::map<std::uint32_t, bus::SoftBody> soft_bodies_;
     std::map<std::string, bus::Scenery> scenery_;

@@ -1,0 +1,106 @@
+#include "viewer/scene_view.hpp"
+
+#include "core/gl/offscreen_context.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <thread>
+
+namespace atrium::viewer {
+namespace {
+
+namespace fs = std::filesystem;
+
+class SceneViewTest : public testing::Test {
+protected:
+    void SetUp() override {
+        fs::create_directories(folder_);
+        std::ofstream(folder_ / "tetra.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+                                                "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+        auto context = gl::OffscreenContext::create(16, 16);
+        ASSERT_TRUE(context) << context.error().message;
+        context_.emplace(std::move(*context));
+        auto renderer = renderer::SceneRenderer::create({.width = 96, .height = 72});
+        ASSERT_TRUE(renderer) << renderer.error().message;
+        renderer_.emplace(std::move(*renderer));
+    }
+    void TearDown() override {
+        renderer_.reset();
+        fs::remove_all(folder_);
+    }
+
+    static bus::SceneObject ball(std::uint32_t id) {
+        bus::SceneObject object;
+        object.object = id;
+        object.shape = bus::Shape::kSphere;
+        object.size_m = Eigen::Vector3d::Constant(0.2);
+        object.mass_kg = 1.0;
+        return object;
+    }
+    void update(SceneChanges changes) {
+        view_.update(std::move(changes), SceneTimeline::Clock::now(), std::nullopt, *renderer_);
+    }
+    // The picture of what there is now, its middle.
+    renderer::RenderedPicture draw() {
+        renderer_->draw(
+            renderer::ViewCamera{.position_m = {0.0, -3.0, 0.3}, .target_m = {0.2, 0.0, 0.2}});
+        renderer::RenderedPicture picture;
+        renderer_->read_pixels(picture);
+        return picture;
+    }
+
+    const fs::path folder_ =
+        fs::temp_directory_path() / ("atrium-scene-view-" + std::to_string(getpid()));
+    std::optional<gl::OffscreenContext> context_;
+    std::optional<renderer::SceneRenderer> renderer_;  // goes before its context
+    SceneView view_{folder_};
+};
+
+TEST_F(SceneViewTest, ShowsThousandsOfThingsOverSeveralPictures) {
+    constexpr std::uint32_t kNum = 3000;
+    SceneChanges changes;
+    for (std::uint32_t id = 1; id <= kNum; ++id) changes.objects[id] = ball(id);
+    update(std::move(changes));
+    EXPECT_GT(renderer_->num_objects(), 0U);
+    // what goes while it waits is never seen; the order in which they come is that of their numbers
+    SceneChanges later;
+    later.objects[kNum] = std::nullopt;
+    later.objects[1] = std::nullopt;
+    update(std::move(later));
+    for (std::size_t before = 0; before != renderer_->num_objects();) {
+        before = renderer_->num_objects();
+        update({});
+    }
+    EXPECT_EQ(renderer_->num_objects(), kNum - 2);
+    view_.clear();
+    update({});
+}
+
+TEST_F(SceneViewTest, GivesThingsTheirModelsOnceTheyAreRead) {
+    bus::SceneObject thing = ball(7);
+    thing.shape = bus::Shape::kConvex;
+    thing.model = "tetra.obj";
+    thing.size_m = {0.02, 0.02, 0.02};
+    SceneChanges changes;
+    changes.objects[7] = thing;
+    bus::Scenery scenery;
+    scenery.name = "stage";
+    scenery.model = "tetra.obj";
+    scenery.world_from_model.translation = {0.0, 1.0, 0.0};
+    changes.scenery["stage"] = scenery;
+    update(std::move(changes));
+    const renderer::RenderedPicture before = draw();
+    // a box of 2 cm, and one of 1 m for the scenery, until the models have come
+    while (draw().rgba == before.rgba) {
+        update({});
+        std::this_thread::yield();
+    }
+    EXPECT_EQ(renderer_->num_objects(), 1U);
+}
+
+}  // namespace
+}  // namespace atrium::viewer
