@@ -58,6 +58,7 @@ std::vector<DuePeople::Item> DuePeople::take(Timestamp instant, const Replaced& 
         }
         if (newest) due.push_back({site, std::move(*newest)});
     }
+    std::erase_if(waiting_, [](const auto& site) { return site.second.empty(); });
     return due;
 }
 
