@@ -68,6 +68,7 @@ struct Viewer::Impl {
     std::optional<MouseGrab> mouse;
     Companion companion;
     LatencyWindow latency;
+    LatencyWindow taking_in;  // of this thread's time, for the people that are new in a picture
     RateMeter rate;
     RateMeter byte_rate;
     History latencies_ms;  // of each picture that somebody new was in
@@ -76,6 +77,7 @@ struct Viewer::Impl {
     app::log::OncePerSecond command_failures;
     Clock::time_point notice_until;
     std::uint64_t num_frames = 0;
+    double frames_per_s = 0.0;  // in the end, of those that counted
 
     mutable std::mutex status_mutex;
     bus::ViewerStatus status;
@@ -196,7 +198,9 @@ Expected<void> Viewer::Impl::draw() {
     const std::optional<Timestamp> instant = display.instant(Timestamp::now());
     const Clock::time_point now = Clock::now();
     scene->update(session->take_scene(), now, instant, *renderer);
+    const Clock::duration scene_took = Clock::now() - now;
     people.update(*session, instant, now, *renderer);
+    if (!people.just_shown().empty()) taking_in.add(Clock::now() - now - scene_took);
     renderer->draw(display.eyes(camera, renderer->width(), renderer->height()));
     hud.num_objects = renderer->num_objects();
     hud.recording_s = album->video_s();
@@ -274,6 +278,10 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
                                           config.wait_people,
                                           config.wait_timeout_s));
         }
+        if (is_counting && now > counted_since) {
+            frames_per_s = static_cast<double>(num_frames - counted_from) /
+                           std::chrono::duration<double>(now - counted_since).count();
+        }
         if (is_counting && config.frames > 0 && num_frames - counted_from >= config.frames) break;
         if (is_counting && config.seconds > 0.0 && now - counted_since >= seconds(config.seconds))
             break;
@@ -326,16 +334,21 @@ Expected<void> Viewer::run(std::stop_token stop) {
     }
     impl_->update_status(Clock::now());
     const bus::ViewerStatus last = status();
+    const Quantiles taking_in = impl_->taking_in.quantiles();
     app::log::info(
-        "viewer_stopped frames={} pairs_shown={} pairs_skipped={} incomplete={} rejected={} "
-        "capture_to_display_ms={:.1f} p99_ms={:.1f} deadlines_missed={}",
+        "viewer_stopped frames={} frames_per_s={:.1f} pairs_shown={} pairs_skipped={} "
+        "incomplete={} rejected={} capture_to_display_ms={:.1f} p99_ms={:.1f} "
+        "taking_in_ms={:.2f} taking_in_p99_ms={:.2f} deadlines_missed={}",
         last.num_frames,
+        impl_->frames_per_s,
         last.num_pairs_shown,
         last.num_pairs_skipped,
         last.num_incomplete,
         last.num_rejected,
         last.capture_to_display.median_ms,
         last.capture_to_display.p99_ms,
+        taking_in.median_ms,
+        taking_in.p99_ms,
         impl_->session->num_deadlines_missed());
     if (result) result = impl_->album->write_output(*impl_->renderer);
     impl_->close();
