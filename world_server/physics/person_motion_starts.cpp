@@ -31,9 +31,11 @@ constexpr float kBinM = 0.04F;           // of the votes
 constexpr std::size_t kMaxVoters = 200;
 
 float surprise(float off_m, std::size_t num_points) {
+    const float full = std::min(1.0F, off_m / kSurpriseM);
+    const float leap = std::clamp(2.0F * full - 1.0F, 0.0F, 1.0F);
     const float further = std::max(0.0F, off_m - kSurpriseM) / kFurtherM;
-    return kSurprise * (std::min(1.0F, off_m / kSurpriseM) + further) *
-           (1.0F + kFewPoints / static_cast<float>(num_points));
+    return kSurprise * (full + further) *
+           (1.0F + leap * kFewPoints / static_cast<float>(num_points));
 }
 
 }  // namespace
@@ -169,8 +171,8 @@ void MotionEstimator::vote(std::span<const std::uint32_t> group) {
 }
 
 // Of the starts from the `first` on. One from votes must explain more than what is to be expected,
-// the more so the further off it is, as two hands look alike, and the fewer points it explains, as
-// for a speck of surface that was not there before some place always fits.
+// the more so the further off it is, as two hands look alike; and for a leap the more so the fewer
+// points it explains, as for a speck of surface that was not there before some place always fits.
 void MotionEstimator::choose_start(Region& region, std::size_t first) const {
     float least = region.cost;
     for (std::size_t i = first; i < region.starts.size(); ++i) {
