@@ -100,8 +100,9 @@ std::vector<btRigidBody*>& SoftBodies::begin_tick(const PeopleField& people) {
 // All soft bodies go through a tick together, part by part, so that they can push each other.
 void SoftBodies::step() {
     surfaces_.clear();
+    tied_.begin_tick();
     for (auto& [id, body] : bodies_) {
-        body->begin_tick(surroundings_);
+        body->begin_tick(surroundings_, tied_);
         surfaces_.push_back(body->surface());
     }
     pairs_.find(surfaces_, btScalar(options_.tick_s));
@@ -118,7 +119,9 @@ void SoftBodies::step() {
         }
         for (auto& [id, body] : bodies_) body->end_part(part);
         pairs_.end_part();
+        tied_.end_part(part_s);
     }
+    tied_.end_tick();
     for (auto& [id, body] : bodies_) body->end_tick();
 }
 

@@ -67,6 +67,7 @@ private:
     std::map<std::uint32_t, std::unique_ptr<SoftBody>> bodies_;
     SoftSurroundings surroundings_;
     SoftPairs pairs_;
+    TiedBodies tied_;
     std::vector<SoftSurface> surfaces_;  // scratch
     std::size_t num_nodes_ = 0;
 };

@@ -140,7 +140,7 @@ bool SoftBody::tie(const std::function<btRigidBody*(std::uint32_t id)>& find) {
 
 void SoftBody::untie(const btRigidBody& body) { ties_.untie(body); }
 
-void SoftBody::begin_tick(const SoftSurroundings& surroundings) {
+void SoftBody::begin_tick(const SoftSurroundings& surroundings, TiedBodies& tied) {
     find_stretched();
     resist_folds();
     find_bounds();
@@ -158,8 +158,12 @@ void SoftBody::begin_tick(const SoftSurroundings& surroundings) {
         skin.outward = volume_->outward();
         skin.depth_m = volume_->inner_radius_m();
     }
-    contacts_.find(*body_, skin, people, surroundings.bodies, contact_options_);
-    ties_.begin_tick();
+    // what it holds on to lies at its nodes: to keep that off as well would be a fight
+    loose_bodies_.clear();
+    for (btRigidBody* body : surroundings.bodies)
+        if (!ties_.hold(*body)) loose_bodies_.push_back(body);
+    contacts_.find(*body_, skin, people, loose_bodies_, contact_options_);
+    ties_.begin_tick(tied);
     pulls_.begin_tick(*body_);
 }
 

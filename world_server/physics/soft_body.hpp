@@ -70,7 +70,7 @@ public:
 
     // A tick, after that of the rigid bodies, is: begin_tick; for each part begin_part, solve
     // kSoftPasses times, end_part; end_tick.
-    void begin_tick(const SoftSurroundings& surroundings);
+    void begin_tick(const SoftSurroundings& surroundings, TiedBodies& tied);
     void begin_part(const SoftPart& part);
     void solve(const SoftPart& part, int pass);
     void end_part(const SoftPart& part);
@@ -116,6 +116,7 @@ private:
     SoftTies ties_;
     SoftPulls pulls_;
     SoftContacts contacts_;
+    std::vector<btRigidBody*> loose_bodies_;  // scratch: that it is not tied to
     SoftDrives drives_;                // of this tick, by people whose surface is inside a volume
     std::vector<std::uint8_t> loose_;  // per node, see SoftContacts::find
     std::vector<std::uint8_t> taut_;   // ticks, per node, in which it snaps back

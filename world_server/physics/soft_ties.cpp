@@ -1,10 +1,36 @@
 #include "world_server/physics/soft_ties.hpp"
 
 #include <BulletSoftBody/btSoftBody.h>
+#include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
 
 namespace atrium::physics {
+
+void TiedBodies::add(btRigidBody& body) {
+    const auto is_same = [&](const Body& known) { return known.body == &body; };
+    if (body.getInvMass() == 0 || std::any_of(bodies_.begin(), bodies_.end(), is_same)) return;
+    const btVector3 none(0, 0, 0);
+    bodies_.push_back({&body, body.getLinearVelocity(), body.getAngularVelocity(), none, none});
+}
+
+void TiedBodies::end_part(btScalar part_s) {
+    for (Body& b : bodies_) {
+        b.moved += (b.body->getLinearVelocity() - b.velocity) * part_s;
+        b.turned += (b.body->getAngularVelocity() - b.spin) * part_s;
+    }
+}
+
+void TiedBodies::end_tick() {
+    for (const Body& b : bodies_) {
+        btTransform before = b.body->getWorldTransform();
+        btTransform after;
+        btTransformUtil::integrateTransform(before, b.moved, b.turned, 1, after);
+        b.body->setWorldTransform(after);
+        b.body->setInterpolationWorldTransform(after);
+        b.body->updateInertiaTensor();
+    }
+}
 
 void SoftTies::tie(const btSoftBody& soft, std::uint32_t node, btRigidBody& body) {
     Tie tie;
@@ -18,8 +44,14 @@ void SoftTies::untie(const btRigidBody& body) {
     std::erase_if(ties_, [&](const Tie& tie) { return tie.body == &body; });
 }
 
-void SoftTies::begin_tick() {
+bool SoftTies::hold(const btRigidBody& body) const {
+    return std::any_of(
+        ties_.begin(), ties_.end(), [&](const Tie& tie) { return tie.body == &body; });
+}
+
+void SoftTies::begin_tick(TiedBodies& bodies) {
     for (Tie& tie : ties_) {
+        bodies.add(*tie.body);
         const btVector3 arm = tie.body->getWorldTransform().getBasis() * tie.place;
         tie.velocity = tie.body->getVelocityInLocalPoint(arm);
         tie.shift.setZero();
