@@ -72,6 +72,12 @@ Expected<void> check(const WorldServerConfig& config) {
                 fmt::format("object '{}': must start inside the world's bounds", scene.name));
         }
     }
+    for (const WorldSoftObject& soft : config.soft) {
+        if (!box.contains(soft.object.world_from_object.translation)) {
+            return wrong(
+                fmt::format("soft object '{}': must start inside the world's bounds", soft.name));
+        }
+    }
     if (config.placements.size() > static_cast<std::size_t>(config.max_sites)) {
         return wrong(fmt::format("world.max_sites: must be at least the {} sites described, got {}",
                                  config.placements.size(),

@@ -258,6 +258,11 @@ std::vector<SceneChange> Scene::take_removed(std::vector<physics::Incident>& inc
     return changes;
 }
 
+std::string Scene::name_of(std::uint32_t id) const {
+    const auto found = objects_.find(id);
+    return found == objects_.end() ? std::string() : found->second.name;
+}
+
 std::vector<bus::SceneObject> Scene::objects() const {
     std::vector<bus::SceneObject> objects;
     objects.reserve(objects_.size());

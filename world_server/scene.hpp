@@ -50,6 +50,7 @@ public:
     physics::World& world() { return *world_; }
     const physics::World& world() const { return *world_; }
     /// In the order of their ids.
+    std::string name_of(std::uint32_t id) const;  // empty: there is none of that id
     std::vector<bus::SceneObject> objects() const;
     /// All of them, as if they were new.
     std::vector<SceneChange> all() const;

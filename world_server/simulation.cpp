@@ -5,6 +5,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <map>
+#include <string>
 #include <utility>
 
 namespace atrium::world_server {
@@ -114,10 +117,18 @@ void Simulation::hash_now_and_then(double tick_s) {
 // What the world did on its own, the hash now and then, and the file.
 void Simulation::look_after() {
     const double tick_s = 1.0 / config_.tick_hz;
-    for (const SceneChange& change : scene_.take_removed(incidents_)) outbox_.put(change);
+    std::map<std::uint32_t, std::string> names;  // of those that are gone
+    for (const SceneChange& change : scene_.take_removed(incidents_)) {
+        names[change.object.object] = change.object.name;
+        outbox_.put(change);
+    }
     for (const physics::Incident& incident : incidents_) {
+        const auto gone = names.find(incident.object);
         incidents_log_.warn(
-            fmt::format("object {} {}", incident.object, physics::describe(incident.kind)));
+            fmt::format("object {} ({}) {}",
+                        incident.object,
+                        gone == names.end() ? scene_.name_of(incident.object) : gone->second,
+                        physics::describe(incident.kind)));
     }
     hash_now_and_then(tick_s);
     save_credit_s_ += tick_s;
@@ -173,11 +184,11 @@ void Simulation::run(std::stop_token stop) {
     }
 }
 
-void Simulation::save_last() {
-    if (!saver_.is_on()) return;
+Expected<void> Simulation::save_last() {
+    if (!saver_.is_on()) return {};
     SavedWorld last;
     scene_.save(last);
-    saver_.save(last);
+    return saver_.save(last);
 }
 
 void Simulation::fill(bus::WorldStatus& status) const {

@@ -38,7 +38,7 @@ public:
     /// Allocates nothing as long as no object comes or goes and nothing is saved.
     void step(Timestamp due);
     /// The state as it is now, to the file, if there is one.
-    void save_last();
+    Expected<void> save_last();
     /// The figures that it knows, as of now. Thread-safe.
     void fill(bus::WorldStatus& status) const;
 

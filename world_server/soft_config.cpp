@@ -146,6 +146,7 @@ WorldSoftObject read_soft_object(
     read_texture(table, soft.texture);
     read_pose(table, object.world_from_object);
     read_pins(table, "pins", 0, object);
+    if (table.has("tied") && !table.has("tied_to")) table.reject("tied", "needs tied_to");
     if (table.has("tied_to")) {
         std::string name;
         table.read("tied_to", name);

@@ -76,6 +76,16 @@ Expected<void> write_atomically(const fs::path& file, std::span<const std::uint8
     return {};
 }
 
+Expected<void> check_writable(const fs::path& file) {
+    std::error_code ignored;
+    if (fs::is_directory(file, ignored)) return tl::unexpected(failed("replace", file, EISDIR));
+    const fs::path temporary = file.string() + ".new";
+    const Descriptor out(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+    if (out.get() < 0) return tl::unexpected(failed("create", temporary, errno));
+    ::unlink(temporary.c_str());
+    return {};
+}
+
 Expected<std::vector<std::uint8_t>> read_file(const fs::path& file) {
     std::error_code error;
     const std::uintmax_t size = fs::file_size(file, error);

@@ -33,6 +33,9 @@ Expected<SavedWorld> decode(std::span<const std::uint8_t> bytes);
 Expected<void> write_atomically(const std::filesystem::path& file,
                                 std::span<const std::uint8_t> bytes);
 
+/// Whether `write_atomically` could be done now, without doing it: kUnavailable, with the reason.
+Expected<void> check_writable(const std::filesystem::path& file);
+
 /// kNotFound where there is none; kInvalidData where it is larger than any state.
 Expected<std::vector<std::uint8_t>> read_file(const std::filesystem::path& file);
 

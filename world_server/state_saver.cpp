@@ -7,14 +7,14 @@
 namespace atrium::world_server {
 
 void StateSaver::run(std::stop_token stop) {
-    while (const auto world = slot_.take(stop)) save(*world);
+    while (const auto world = slot_.take(stop)) static_cast<void>(save(*world));  // tried again
 }
 
-void StateSaver::save(const SavedWorld& world) {
+Expected<void> StateSaver::save(const SavedWorld& world) {
     const auto bytes = encode(world);
     if (const auto written = write_atomically(file_, bytes); !written) {
         app::log::error("save_failed {}", written.error().message);
-        return;
+        return written;
     }
     ++num_saves_;
     app::log::info("state_saved file={} tick={} objects={} bytes={}",
@@ -22,6 +22,7 @@ void StateSaver::save(const SavedWorld& world) {
                    world.state.tick,
                    world.state.objects.size() + world.state.soft.size(),
                    bytes.size());
+    return {};
 }
 
 Expected<std::optional<Scene>> load_scene(const WorldServerConfig& config) {
@@ -41,9 +42,10 @@ Expected<std::optional<Scene>> load_scene(const WorldServerConfig& config) {
     return std::optional<Scene>(std::move(*scene));
 }
 
-Expected<Scene> start_scene(const WorldServerConfig& config) {
-    auto described = Scene::create(config);
-    if (!described || config.state_file.empty()) return described;
+Expected<Scene> start_scene(const WorldServerConfig& config, Scene described) {
+    if (config.state_file.empty()) return described;
+    if (const auto writable = check_writable(config.state_file); !writable)
+        return make_error(writable.error().kind, "world.state_file: " + writable.error().message);
     auto saved = load_scene(config);
     if (!saved) {
         app::log::error("restore_failed {}; the world starts as described", saved.error().message);

@@ -24,7 +24,7 @@ public:
     /// The body of the thread.
     void run(std::stop_token stop);
     /// Writes at once; logs what came of it.
-    void save(const SavedWorld& world);
+    Expected<void> save(const SavedWorld& world);
     std::uint64_t num_saves() const { return num_saves_; }
 
 private:
@@ -37,7 +37,8 @@ private:
 /// damaged, or of another world or version, is put aside, which is an error that says where.
 Expected<std::optional<Scene>> load_scene(const WorldServerConfig& config);
 
-/// As it was saved, or else, with the reason in the log, as it is described.
-Expected<Scene> start_scene(const WorldServerConfig& config);
+/// As it was saved, or else, with the reason in the log, as it is `described`. Fails where the file
+/// could not be written (kUnavailable).
+Expected<Scene> start_scene(const WorldServerConfig& config, Scene described);
 
 }  // namespace atrium::world_server

@@ -21,10 +21,21 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kStatusPeriod{1000};
 
+// Why this process has to end though nobody asked it to.
+struct Loss {
+    std::mutex mutex;  // guards the next one
+    std::optional<Error> error;
+    std::stop_source end;
+};
+
 }  // namespace
 
 struct WorldServer::Impl {
-    Impl(const WorldServerConfig& server_config, Endpoints server_endpoints, Scene server_scene);
+    Impl(const WorldServerConfig& server_config,
+         Endpoints server_endpoints,
+         std::shared_ptr<Loss> server_loss,
+         std::unique_ptr<bus::Membership> server_membership,
+         Scene server_scene);
 
     // the receiving thread
     void receive(std::stop_token stop);
@@ -59,19 +70,21 @@ struct WorldServer::Impl {
     std::atomic<double> steps_per_s{0.0};
     std::atomic<double> bytes_per_s{0.0};
 
-    std::mutex lost_mutex;  // guards the next one
-    std::optional<Error> lost;
-    std::stop_source end;
-    std::unique_ptr<bus::Membership> membership;  // goes first: its thread uses the rest
+    std::shared_ptr<Loss> loss;
+    std::unique_ptr<bus::Membership> membership;  // goes first: it uses the endpoints
 };
 
 WorldServer::Impl::Impl(const WorldServerConfig& server_config,
                         Endpoints server_endpoints,
+                        std::shared_ptr<Loss> server_loss,
+                        std::unique_ptr<bus::Membership> server_membership,
                         Scene server_scene)
     : config(server_config),
       endpoints(std::move(server_endpoints)),
       sites(config.placements, static_cast<std::size_t>(config.max_sites), config.person),
-      simulation(config, std::move(server_scene), [this](const std::string& why) { reject(why); }) {
+      simulation(config, std::move(server_scene), [this](const std::string& why) { reject(why); }),
+      loss(std::move(server_loss)),
+      membership(std::move(server_membership)) {
     for (const WorldScenery& scenery : config.scenery) simulation.outbox().put(scenery.scene);
     for (const NamedPlacement& placement : config.placements) {
         simulation.outbox().put(bus::SitePlacement{placement.site, placement.world_from_site});
@@ -226,42 +239,45 @@ WorldServer::~WorldServer() = default;
 Expected<std::unique_ptr<WorldServer>> WorldServer::create(const WorldServerConfig& config,
                                                            std::stop_token stop) {
     if (const auto valid = check(config); !valid) return tl::unexpected(valid.error());
-    auto scene = start_scene(config);
-    if (!scene) return tl::unexpected(scene.error());
+    auto described = Scene::create(config);
+    if (!described) return tl::unexpected(described.error());
     auto endpoints = Endpoints::create(config.bus);
     if (!endpoints) return tl::unexpected(endpoints.error());
-    auto impl = std::make_unique<Impl>(config, std::move(*endpoints), std::move(*scene));
+    const auto loss = std::make_shared<Loss>();
     auto member = joining::join_world(
-        impl->endpoints.participant,
+        endpoints->participant,
         bus::ProgramKind::kWorldServer,
         config.bus.world,
-        [self = impl.get()](const Error& lost) {
+        [loss](const Error& error) {
             {
-                const std::lock_guard lock(self->lost_mutex);
-                self->lost = lost;
+                const std::lock_guard lock(loss->mutex);
+                loss->error = error;
             }
-            self->end.request_stop();
+            loss->end.request_stop();
         },
         stop);
     if (!member) return tl::unexpected(member.error());
-    impl->membership = std::move(*member);
-    return std::unique_ptr<WorldServer>(new WorldServer(std::move(impl)));
+    // only now: the file is that of the server that has the name
+    auto scene = start_scene(config, std::move(*described));
+    if (!scene) return tl::unexpected(scene.error());
+    return std::unique_ptr<WorldServer>(new WorldServer(std::make_unique<Impl>(
+        config, std::move(*endpoints), loss, std::move(*member), std::move(*scene))));
 }
 
 Expected<void> WorldServer::run(std::stop_token stop) {
     {
-        const std::stop_callback pass_on(stop, [this] { impl_->end.request_stop(); });
+        const std::stop_callback pass_on(stop, [this] { impl_->loss->end.request_stop(); });
         std::jthread receiver([this](std::stop_token own) { impl_->receive(std::move(own)); });
         std::jthread publisher([this](std::stop_token own) { impl_->publish(std::move(own)); });
         std::jthread saver(
             [this](std::stop_token own) { impl_->simulation.saver().run(std::move(own)); });
-        impl_->simulation.run(impl_->end.get_token());
+        impl_->simulation.run(impl_->loss->end.get_token());
     }  // the threads are stopped and joined here
-    impl_->simulation.save_last();
+    const auto saved = impl_->simulation.save_last();
     app::log::info("stopped deadlines_missed={}", impl_->endpoints.meshes.num_deadlines_missed());
-    const std::lock_guard lock(impl_->lost_mutex);
-    if (impl_->lost) return tl::unexpected(*impl_->lost);
-    return {};
+    const std::lock_guard lock(impl_->loss->mutex);
+    if (impl_->loss->error) return tl::unexpected(*impl_->loss->error);
+    return saved;
 }
 
 bus::WorldStatus WorldServer::status() const { return impl_->status(); }

@@ -10,9 +10,12 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 namespace atrium::config {
 
@@ -50,6 +53,8 @@ struct TableReader::Node {
 
 namespace {
 
+constexpr std::size_t kMaxTypo = 2;
+
 std::string describe(Range allowed) {
     const bool has_min = std::isfinite(allowed.min);
     const bool has_max = std::isfinite(allowed.max);
@@ -76,6 +81,22 @@ std::optional<double> as_number(const toml::value& value) {
     if (value.is_floating()) return value.as_floating();
     if (value.is_integer()) return static_cast<double>(value.as_integer());
     return std::nullopt;
+}
+
+// To be inserted, left out or replaced to make one of the other (Levenshtein); swapped neighbours
+// are two.
+std::size_t num_edits(const std::string& a, const std::string& b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        std::size_t diagonal = std::exchange(row[0], i);
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            const std::size_t same = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+            diagonal = row[j];
+            row[j] = std::min({row[j] + 1, row[j - 1] + 1, same});
+        }
+    }
+    return row.back();
 }
 
 bool within(double v, Range allowed) {
@@ -220,8 +241,20 @@ void TableReader::reject(const std::string& key, const std::string& what_is_allo
                                        : what_is_allowed);
 }
 
+// Of a key that is missing the reason may be one that is there, and nearly the same.
 void TableReader::require(const std::string& key) {
-    if (!has(key)) reject(key, "is missing");
+    if (has(key)) return;
+    const auto [head, rest] = split_first(key);
+    if (!head.empty()) return table(head).require(rest);
+    if (node_->table != nullptr) {
+        for (const auto& [other, value] : node_->table->as_table()) {
+            if (node_->asked.contains(other) || num_edits(other, key) > kMaxTypo) continue;
+            document_->report(location(document_->name, value),
+                              node_->path + other,
+                              fmt::format("unknown key; {} is missing, is that meant?", key));
+        }
+    }
+    reject(key, "is missing");
 }
 
 void TableReader::read(const std::string& key, bool& value) {

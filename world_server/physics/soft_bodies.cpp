@@ -125,9 +125,10 @@ void SoftBodies::step() {
     for (auto& [id, body] : bodies_) body->end_tick();
 }
 
-void SoftBodies::end_tick(WorldCounters& counters,
-                          const std::function<void(const Incident& incident)>& record) {
+const std::vector<std::uint32_t>& SoftBodies::end_tick(
+    WorldCounters& counters, const std::function<void(const Incident& incident)>& record) {
     const geometry::Aabb box = box_of(options_);
+    left_.clear();
     for (auto& [id, soft] : bodies_) {
         const bool is_finite = soft->is_finite();
         if (!is_finite || soft->is_torn()) {
@@ -136,10 +137,15 @@ void SoftBodies::end_tick(WorldCounters& counters,
             soft->put_back();
         } else if (!box.contains(soft->centre())) {
             ++counters.num_strays;
-            record({id, IncidentKind::kLeft});
-            soft->put_back();
+            const bool is_removed = options_.leaving == LeavePolicy::kRemove;
+            record({id, is_removed ? IncidentKind::kRemoved : IncidentKind::kLeft});
+            if (is_removed)
+                left_.push_back(id);
+            else
+                soft->put_back();
         }
     }
+    return left_;
 }
 
 bool SoftBodies::is_touched() const {

@@ -50,9 +50,10 @@ public:
     /// that is returned, empty.
     std::vector<btRigidBody*>& begin_tick(const PeopleField& people);
     /// To be called after each step of the world: puts back what is not a number, what is torn and
-    /// what has left the world, counts it and says so.
-    void end_tick(WorldCounters& counters,
-                  const std::function<void(const Incident& incident)>& record);
+    /// what has left the world, counts it and says so. Returns those that are to be removed
+    /// instead.
+    const std::vector<std::uint32_t>& end_tick(
+        WorldCounters& counters, const std::function<void(const Incident& incident)>& record);
 
     bool is_touched() const;  // any of them, by a person, in the last tick
     bool contains(std::uint32_t id) const { return bodies_.contains(id); }
@@ -68,6 +69,7 @@ private:
     SoftSurroundings surroundings_;
     SoftPairs pairs_;
     TiedBodies tied_;
+    std::vector<std::uint32_t> left_;    // scratch
     std::vector<SoftSurface> surfaces_;  // scratch
     std::size_t num_nodes_ = 0;
 };

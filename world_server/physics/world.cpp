@@ -207,8 +207,8 @@ void World::tick() {
         impl_->centres_before[id] = object->centre();
     }
     impl_->world.stepSimulation(static_cast<btScalar>(impl_->options.tick_s), /*maxSubSteps=*/0);
-    impl_->soft.end_tick(impl_->counters,
-                         [&](const Incident& incident) { impl_->record(incident); });
+    const auto record = [&](const Incident& incident) { impl_->record(incident); };
+    for (const std::uint32_t id : impl_->soft.end_tick(impl_->counters, record)) impl_->remove(id);
     impl_->contacts.end_tick();
     impl_->guard_all();
     const bool is_soft_touched = impl_->soft.is_touched();

@@ -70,6 +70,16 @@ TEST(TableReader, NamesFileLineAndKeyOfAnUnknownKey) {
                 AllOf(HasSubstr("room.toml:4"), HasSubstr("hull.treads"), HasSubstr("threads")));
 }
 
+TEST(TableReader, TakesAKeyThatIsNearlyTheMissingOneForAMistake) {
+    TableReader reader = reader_of("[hull]\nnr = 1\ntreads = 3\n");
+    reader.table("hull").require("threads");
+    EXPECT_THAT(reader.finish().error().message,
+                AllOf(HasSubstr("room.toml:3"), HasSubstr("hull.treads: unknown key")));
+    TableReader other = reader_of("[hull]\nstrands = 3\n");
+    other.require("hull.threads");
+    EXPECT_THAT(other.finish().error().message, HasSubstr("hull.threads: is missing"));
+}
+
 TEST(TableReader, KnowsKeysThatWereOnlyLookedFor) {
     TableReader reader = reader_of("[hull]\nbound = 1\n");
     EXPECT_FALSE(reader.has("hull.bounds"));

@@ -357,6 +357,22 @@ TEST(SoftWorld, PutsBackWhatLeavesIt) {
     EXPECT_NEAR(stage.centre().x(), 0.0, 1e-3);
 }
 
+TEST(SoftWorld, LosesWhatLeavesItWhereThatIsWhatItsBoundsSay) {
+    Stage stage({.leaving = LeavePolicy::kRemove});
+    ASSERT_EQ(stage.world.add_soft(ball_at({0, 0, 0.6})), AddResult::kAdded);
+    SoftState far = stage.soft();
+    for (Eigen::Vector3f& p : far.positions) p.x() += 100.0F;
+    ASSERT_TRUE(stage.world.restore_soft(far));
+    stage.run(kTickS);
+    std::vector<Incident> incidents;
+    stage.world.take_incidents(incidents);
+    ASSERT_EQ(incidents.size(), 1U);
+    EXPECT_EQ(incidents[0].object, kSoft);
+    EXPECT_EQ(incidents[0].kind, IncidentKind::kRemoved);
+    EXPECT_EQ(stage.world.num_soft_nodes(kSoft), 0U);
+    stage.run(0.1);
+}
+
 TEST(SoftCloth, CatchesABallThatIsThrownOnIt) {
     Stage stage;
     SoftObject sheet = curtain_at({0, 0, 1.0});

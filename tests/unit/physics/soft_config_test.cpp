@@ -40,6 +40,7 @@ TEST(SoftConfig, NamesFileLineAndKeyOfWhatIsWrong) {
     expect_error(kCloth + "spacing_m = 0.01\n", "spacing_m");
     expect_error(kCloth + "stiffness = 2.0\n", "stiffness");
     expect_error(kCloth + "tied_to = \"nobody\"\ntied = [\"top\"]\n", "tied_to");
+    expect_error(kCloth + "tied = [\"top\"]\n", "needs tied_to");
     expect_error(kCloth + "softness = 2.0\n", "softness");
     expect_error(kCloth + kCloth, "name");
     expect_error("[[soft]]\nname = \"b\"\nshape = \"ball\"\ndiameter_m = 0.001\nmass_kg = 1.0\n",

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <map>
 #include <thread>
@@ -307,6 +308,42 @@ TEST(WorldServer, GoesOnFromWhereItWasStopped) {
     EXPECT_TRUE(std::filesystem::exists(aside));
     std::filesystem::remove(aside);
     std::filesystem::remove(config.state_file);
+}
+
+TEST(WorldServer, LeavesTheFileOfAnotherAloneThatHasTheName) {
+    WorldServerConfig config = test_world();
+    config.state_file =
+        std::filesystem::temp_directory_path() / ("atrium-taken-" + std::to_string(getpid()));
+    auto server = WorldServer::create(config);
+    ASSERT_TRUE(server) << server.error().message;
+    std::ofstream(config.state_file) << "what the first one has saved";
+    WorldServerConfig other = config;
+    other.objects[1].scene.size_m.setConstant(0.3);
+    const auto second = WorldServer::create(other);
+    ASSERT_FALSE(second);
+    EXPECT_EQ(second.error().kind, ErrorKind::kConfiguration);
+    EXPECT_EQ(std::filesystem::file_size(config.state_file), 28U);
+    EXPECT_FALSE(std::filesystem::exists(config.state_file.string() + ".bad-1"));
+    std::filesystem::remove(config.state_file);
+}
+
+TEST(WorldServer, SaysAtOnceThatItsStateCannotBeKeptAndInTheEndThatItWasNot) {
+    WorldServerConfig config = test_world();
+    const std::filesystem::path folder =
+        std::filesystem::temp_directory_path() / ("atrium-gone-" + std::to_string(getpid()));
+    config.state_file = folder / "world.state";
+    const auto server = WorldServer::create(config);
+    ASSERT_FALSE(server);
+    EXPECT_EQ(server.error().kind, ErrorKind::kUnavailable);
+    EXPECT_NE(server.error().message.find("world.state_file"), std::string::npos);
+    std::filesystem::create_directory(folder);
+    config.seconds = 0.1;
+    config.save_every_s = 0.0;
+    auto kept = WorldServer::create(config);
+    ASSERT_TRUE(kept) << kept.error().message;
+    EXPECT_TRUE(std::filesystem::is_empty(folder)) << "having looked leaves nothing";
+    std::filesystem::remove(folder);
+    EXPECT_FALSE((*kept)->run({}));
 }
 
 TEST(WorldServer, EndsByItselfAfterTheTimeItWasGiven) {
