@@ -311,41 +311,6 @@ TEST(SoftWorld, SnapsBackWithoutBeingFlung) {
     }
 }
 
-// As where somebody takes the weight of a swing along until it slips out of her hands.
-TEST(SoftWorld, DoesNotFlingWhatHangsOnARope) {
-    Stage stage;
-    const RigidObject weight{.id = 7,
-                             .shape = ObjectShape::kSphere,
-                             .size_m = {0.12, 0.12, 0.12},
-                             .mass_kg = 0.4,
-                             .world_from_object = {Eigen::Quaterniond::Identity(), {0, 0, 1.0}}};
-    ASSERT_EQ(stage.world.add(weight), AddResult::kAdded);
-    SoftObject rope = rope_at({0, 0, 1.6});
-    rope.size_m = {1.2, 0.02, 1.2};
-    rope.world_from_object.rotation =
-        Eigen::AngleAxisd(std::numbers::pi / 2.0, Eigen::Vector3d::UnitY());
-    rope.pins = {{PinPlace::kLeft}, {.place = PinPlace::kRight, .object_id = 7}};
-    ASSERT_EQ(stage.world.add_soft(rope), AddResult::kAdded);
-    stage.run(1.0);
-    for (const double away_m : {0.6, 1.2}) {
-        RigidState state = stage.rigid(7);
-        const Eigen::Vector3d shift(0.5 * away_m, 0.0, -0.5 * away_m);
-        state.world_from_object.translation += shift;
-        ASSERT_TRUE(stage.world.set_state(state));
-        SoftState stretched = stage.soft();
-        for (std::size_t i = 0; i < stretched.positions.size(); ++i) {
-            const double share =
-                static_cast<double>(i) / static_cast<double>(stretched.positions.size() - 1);
-            stretched.positions[i] += (share * shift).cast<float>();
-        }
-        ASSERT_TRUE(stage.world.restore_soft(stretched));
-        stage.run(1.0,
-                  [&] { ASSERT_LT(stage.rigid(7).linear_velocity.norm(), 6.5) << away_m << " m"; });
-        stage.run(8.0);
-        EXPECT_LT(stage.rigid(7).linear_velocity.norm(), 4.9) << "it swings, as deep as it hangs";
-    }
-}
-
 TEST(SoftWorld, PutsBackWhatLeavesIt) {
     Stage stage;
     ASSERT_EQ(stage.world.add_soft(ball_at({0, 0, 0.6})), AddResult::kAdded);

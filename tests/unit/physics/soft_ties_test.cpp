@@ -106,5 +106,30 @@ TEST(SoftTies, ABarAtTheFootOfAClothComesToRest) {
     }
 }
 
+// As where somebody takes the weight of a swing along until it slips out of her hands.
+TEST(SoftTies, DoNotFlingWhatHangsOnARope) {
+    Stage stage;
+    add_pendulum(stage, {0, 0, 2.2}, 0.4, 0.0);
+    stage.run(1.0);
+    for (const double away_m : {0.6, 1.2}) {
+        RigidState state = stage.rigid(kWeight);
+        const Eigen::Vector3d shift(0.5 * away_m, 0.0, -0.5 * away_m);
+        state.world_from_object.translation += shift;
+        ASSERT_TRUE(stage.world.set_state(state));
+        SoftState stretched = stage.soft();
+        for (std::size_t i = 0; i < stretched.positions.size(); ++i) {
+            const double share =
+                static_cast<double>(i) / static_cast<double>(stretched.positions.size() - 1);
+            stretched.positions[i] += (share * shift).cast<float>();
+        }
+        ASSERT_TRUE(stage.world.restore_soft(stretched));
+        stage.run(1.0, [&] {
+            ASSERT_LT(stage.rigid(kWeight).linear_velocity.norm(), 6.5) << away_m << " m";
+        });
+        stage.run(8.0);
+        EXPECT_LT(stage.rigid(kWeight).linear_velocity.norm(), 0.8) << "it has nearly swung out";
+    }
+}
+
 }  // namespace
 }  // namespace atrium::physics
