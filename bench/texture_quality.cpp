@@ -2,6 +2,7 @@
 // comma-separated values, one per picture and way; texture_quality.sh keeps them and makes the
 // table of docs/viewer.md.
 #include "bench/texture_baselines.hpp"
+#include "bench/texture_pictures.hpp"
 #include "core/app/program.hpp"
 #include "core/config/rig.hpp"
 #include "tests/support/camera_orbit.hpp"
@@ -10,7 +11,6 @@
 #include "tests/support/picture_error.hpp"
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -48,39 +48,8 @@ T value_of(Expected<T> result) {
     std::exit(1);
 }
 
-const std::vector<std::string> kWays = {"viewer", "nearest camera", "nearest that sees", "equal"};
-
-void write_side_by_side(const std::filesystem::path& file,
-                        const TruePicture& truth,
-                        const std::vector<Photo>& photos) {
-    int x0 = truth.width(), y0 = truth.height(), x1 = 0, y1 = 0;
-    for (int y = 0; y < truth.height(); ++y) {
-        for (int x = 0; x < truth.width(); ++x) {
-            if (truth.mask.at(x, y) == 0) continue;
-            x0 = std::min(x0, x);
-            x1 = std::max(x1, x + 1);
-            y0 = std::min(y0, y);
-            y1 = std::max(y1, y + 1);
-        }
-    }
-    constexpr int kMargin = 12;
-    x0 = std::max(x0 - kMargin, 0);
-    y0 = std::max(y0 - kMargin, 0);
-    x1 = std::min(x1 + kMargin, truth.width());
-    y1 = std::min(y1 + kMargin, truth.height());
-    const cv::Rect part(x0, y0, x1 - x0, y1 - y0);
-    std::vector<cv::Mat> panels;
-    const auto add = [&](const std::vector<std::uint8_t>& bgr) {
-        const cv::Mat whole(
-            truth.height(), truth.width(), CV_8UC3, const_cast<std::uint8_t*>(bgr.data()));
-        panels.push_back(whole(part).clone());
-    };
-    add(truth.bgr);
-    for (const Photo& photo : photos) add(photo.bgr);
-    cv::Mat row;
-    cv::hconcat(panels, row);
-    if (!cv::imwrite(file.string(), row)) fmt::print(stderr, "cannot write {}\n", file.string());
-}
+const std::vector<std::string> kWays = {
+    "viewer", "nearest camera", "nearest that sees", "equal", "its texture"};
 
 renderer::PersonModel model_of(const test::ReceivedPerson& person, std::uint64_t repeats) {
     renderer::PersonModelScratch scratch;
@@ -105,16 +74,20 @@ renderer::PersonModel model_of(const test::ReceivedPerson& person, std::uint64_t
 // One scene: a person from some cameras, shown where others stood.
 class Comparison {
 public:
-    Comparison(std::string scene, const test::ReceivedPerson& person, const Options& options)
+    Comparison(std::string scene,
+               const test::ReceivedPerson& person,
+               const Options& options,
+               test::Sampling sampling = test::Sampling::kMean)
         : scene_(std::move(scene)),
           options_(options),
-          photographer_(value_of(test::PersonPhotographer::create())),
+          photographer_(value_of(test::PersonPhotographer::create(sampling))),
           model_(model_of(person, options.repeats)),
           weighted_(model_) {
         person_.set_model(model_);
     }
 
-    void compare(const TruePicture& truth) {
+    // `own`: the texture that was made of `truth`, if any.
+    void compare(const TruePicture& truth, const renderer::CameraPicture* own) {
         std::vector<Photo> photos;
         photos.push_back(photographer_.take(truth.camera, person_));
         const Eigen::Vector3d eye = truth.camera.centre_site();
@@ -127,6 +100,7 @@ public:
                     weighted_.draw(weights, clip_from_site, eye_site);
                 }));
         }
+        if (own != nullptr) photos.push_back(enlarged(*own, truth.width(), truth.height()));
         for (std::size_t i = 0; i < photos.size(); ++i) report(truth, photos[i], kWays[i]);
         if (!options_.pictures.empty()) {
             write_side_by_side(
@@ -142,10 +116,11 @@ public:
     ~Comparison() {
         for (const auto& [way, sum] : sums_)
             fmt::print(stderr,
-                       "{:24} {:18} {:6.2f} dB  ssim {:.4f}\n",
+                       "{:24} {:18} {:6.2f} dB  inside {:6.2f} dB  ssim {:.4f}\n",
                        scene_,
                        way,
                        sum.psnr_db / num_views_,
+                       sum.inner_psnr_db / num_views_,
                        sum.ssim / num_views_);
     }
     Comparison(const Comparison&) = delete;
@@ -161,17 +136,22 @@ private:
             ++num;
             num_bare += photo.covered.data[i] == 0 ? 1 : 0;
         }
-        fmt::print("{},{},{},{:.3f},{:.5f},{:.5f}\n",
+        fmt::print("{},{},{},{:.3f},{:.3f},{:.5f},{:.5f}\n",
                    scene_,
                    num_views_,
                    way,
                    error.psnr_db,
+                   error.inner_psnr_db,
                    error.ssim,
                    static_cast<double>(num_bare) / static_cast<double>(num));
         std::fflush(stdout);
-        sums_[way].psnr_db += error.psnr_db;
-        sums_[way].ssim += error.ssim;
+        test::PictureError& sum = sums_.try_emplace(way, kNoError).first->second;
+        sum.psnr_db += error.psnr_db;
+        sum.inner_psnr_db += error.inner_psnr_db;
+        sum.ssim += error.ssim;
     }
+
+    static constexpr test::PictureError kNoError{0.0, 0.0, 0.0};
 
     std::string scene_;
     const Options& options_;
@@ -189,7 +169,26 @@ void compare_all(const std::string& scene,
                  std::span<const TruePicture> truths,
                  const Options& options) {
     Comparison comparison(scene, person, options);
-    for (const TruePicture& truth : truths) comparison.compare(truth);
+    for (const TruePicture& truth : truths) comparison.compare(truth, nullptr);
+}
+
+// At the poses of the cameras that gave the textures, at their resolution and at the textures'.
+void compare_own(const std::string& scene,
+                 const test::ReceivedPerson& person,
+                 std::span<const TruePicture> texturing,
+                 const Options& options) {
+    {
+        Comparison comparison(scene + " own", person, options, test::Sampling::kCentre);
+        for (std::size_t i = 0; i < texturing.size(); ++i)
+            comparison.compare(texturing[i], &person.pictures[i]);
+    }
+    Comparison comparison(scene + " own half", person, options, test::Sampling::kCentre);
+    for (std::size_t i = 0; i < texturing.size(); ++i) {
+        renderer::CameraPicture own = person.pictures[i];
+        for (int* size : {&own.crop_px.x, &own.crop_px.y, &own.crop_px.width, &own.crop_px.height})
+            *size /= 2;
+        comparison.compare(halved(texturing[i]), &own);
+    }
 }
 
 test::Publishing publishing(const Options& options) {
@@ -215,7 +214,7 @@ void compare_recording(const Options& options) {
         (i % 2 == 0 ? texturing : held_back).push_back(pictures[i]);
     const auto person = value_of(test::receive_person(texturing, publishing(options)));
     compare_all(name, person, held_back, options);
-    compare_all(name + " own", person, texturing, options);
+    compare_own(name, person, texturing, options);
 }
 
 void compare_orbit(const Options& options,
@@ -273,10 +272,12 @@ void compare_room(const Options& options) {
     std::vector<TruePicture> pictures = value_of(test::film_room(cameras, room, kTime_s));
     const std::span<const TruePicture> texturing(pictures.data(), rig.size());
     const auto person = value_of(test::receive_person(texturing, publishing(options)));
+    // at its own pose, though, a camera's picture is the truth as it is
+    const std::vector<TruePicture> filmed(texturing.begin(), texturing.end());
     show_person_alone(rig, room, pictures);
     if (wants(options, "room")) {
         compare_all("room", person, std::span(pictures).subspan(rig.size()), options);
-        compare_all("room own", person, texturing, options);
+        compare_own("room", person, filmed, options);
     }
     if (options.orbit_steps > 0 && wants(options, "orbit"))
         compare_orbit(options, rig, room, person);
@@ -314,7 +315,7 @@ int run(int argc, char** argv) {
                    argv);
     if (!started.go_on) return started.exit_code;
     if (!options.pictures.empty()) std::filesystem::create_directories(options.pictures);
-    fmt::print("scene,view,way,psnr_db,ssim,bare\n");
+    fmt::print("scene,view,way,psnr_db,inner_psnr_db,ssim,bare\n");
     compare_recording(options);
     compare_room(options);
     return 0;
