@@ -13,7 +13,7 @@ constexpr float kMaxPenalty = 40.0f;     // as of a camera opposite to the viewe
 constexpr float kFullWeight = 9e-4f;     // sum of the weights from which on cameras alone colour
 constexpr float kAngleFloor = 0.06f;     // [rad] keeps the weight of an aligned camera finite
 constexpr float kStretchPenalty = 0.4f;  // [rad] of a camera that sees half of what the eye sees
-constexpr float kLeastCos = 0.2f;       // beyond it, stretch grows no more
+constexpr float kLeastCos = 0.2f;        // beyond it, stretch grows no more
 
 // Cameras that colour one triangle, in the order of their appearance.
 struct TriangleCameras {
