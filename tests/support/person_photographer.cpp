@@ -30,6 +30,8 @@ Eigen::Matrix4d clip_from_camera(const geometry::PinholeCamera& c) {
     return m;
 }
 
+constexpr double kLeastCoverage = 0.01;
+
 // Sums of the samples around one pixel.
 class Samples {
 public:
@@ -39,7 +41,10 @@ public:
     // Of the pixel around (x, y), as `at`.
     Eigen::Vector4d pixel(double x, double y) const {
         const int n = samples_of(sampling_);
-        if (sampling_ == Sampling::kCentre) return at((x + 0.5) * n - 0.5, (y + 0.5) * n - 0.5);
+        if (sampling_ == Sampling::kCentre) {
+            const Eigen::Vector4d centre = at((x + 0.5) * n - 0.5, (y + 0.5) * n - 0.5);
+            if (centre.w() >= kLeastCoverage) return centre;
+        }
         Eigen::Vector4d sum = Eigen::Vector4d::Zero();
         for (const double dy : {-0.25, 0.25}) {
             for (const double dx : {-0.25, 0.25})
@@ -140,7 +145,7 @@ Photo PersonPhotographer::take(const geometry::CalibratedCamera& camera, const P
                 at = *straight;
             }
             const Eigen::Vector4d sum = samples.pixel(at.x(), at.y());
-            if (sum.w() < 0.01) continue;
+            if (sum.w() < kLeastCoverage) continue;
             const std::size_t i =
                 static_cast<std::size_t>(y) * static_cast<std::size_t>(lens.width) +
                 static_cast<std::size_t>(x);

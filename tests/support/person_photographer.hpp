@@ -27,7 +27,7 @@ struct Photo {
 /// What a pixel of a photo is.
 enum class Sampling : std::uint8_t {
     kMean,    // of four samples, as a camera gathers light
-    kCentre,  // what is seen at its centre, as the viewer draws
+    kCentre,  // what is seen at its centre, as the viewer draws; beside the person's edge, the mean
 };
 
 /// Draws people as the viewer does, but from a calibrated camera, lens distortion included, and

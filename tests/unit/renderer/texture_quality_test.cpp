@@ -89,9 +89,7 @@ TEST_F(SimulatedRoom, ATexturingCameraIsShownItsOwnPicture) {
     const PictureError error = mean_error(model_of(*person), own(), Sampling::kCentre);
     RecordProperty("psnr_db", std::to_string(error.psnr_db));
     RecordProperty("inner_psnr_db", std::to_string(error.inner_psnr_db));
-    // at the outline, where texels mix with what is behind, other cameras have a part in the colour
-    EXPECT_GT(error.inner_psnr_db, 32.0);
-    EXPECT_GT(error.psnr_db, 31.5);
+    EXPECT_GT(error.psnr_db, 32.0);
 }
 
 TEST_F(SimulatedRoom, CamerasOfDifferentColoursAreEvenedOut) {
