@@ -2,15 +2,16 @@
 // comma-separated values, one per picture and way; texture_quality.sh keeps them and makes the
 // table of docs/viewer.md.
 #include "bench/texture_baselines.hpp"
+#include "bench/texture_pictures.hpp"
 #include "core/app/program.hpp"
 #include "core/config/rig.hpp"
 #include "tests/support/camera_orbit.hpp"
 #include "tests/support/filmed_person.hpp"
 #include "tests/support/person_photographer.hpp"
 #include "tests/support/picture_error.hpp"
+#include "viewer/renderer/camera_blend.hpp"
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -38,6 +39,7 @@ struct Options {
     std::string publishing = "site";
     std::string only;
     int orbit_steps = 360;
+    bool even_colours = true;
     std::uint64_t repeats = 1;
 };
 
@@ -48,73 +50,62 @@ T value_of(Expected<T> result) {
     std::exit(1);
 }
 
-const std::vector<std::string> kWays = {"viewer", "nearest camera", "nearest that sees", "equal"};
+const std::vector<std::string> kWays = {
+    "viewer", "nearest camera", "nearest that sees", "equal", "its texture"};
 
-void write_side_by_side(const std::filesystem::path& file,
-                        const TruePicture& truth,
-                        const std::vector<Photo>& photos) {
-    int x0 = truth.width(), y0 = truth.height(), x1 = 0, y1 = 0;
-    for (int y = 0; y < truth.height(); ++y) {
-        for (int x = 0; x < truth.width(); ++x) {
-            if (truth.mask.at(x, y) == 0) continue;
-            x0 = std::min(x0, x);
-            x1 = std::max(x1, x + 1);
-            y0 = std::min(y0, y);
-            y1 = std::max(y1, y + 1);
-        }
-    }
-    constexpr int kMargin = 12;
-    x0 = std::max(x0 - kMargin, 0);
-    y0 = std::max(y0 - kMargin, 0);
-    x1 = std::min(x1 + kMargin, truth.width());
-    y1 = std::min(y1 + kMargin, truth.height());
-    const cv::Rect part(x0, y0, x1 - x0, y1 - y0);
-    std::vector<cv::Mat> panels;
-    const auto add = [&](const std::vector<std::uint8_t>& bgr) {
-        const cv::Mat whole(
-            truth.height(), truth.width(), CV_8UC3, const_cast<std::uint8_t*>(bgr.data()));
-        panels.push_back(whole(part).clone());
-    };
-    add(truth.bgr);
-    for (const Photo& photo : photos) add(photo.bgr);
-    cv::Mat row;
-    cv::hconcat(panels, row);
-    if (!cv::imwrite(file.string(), row)) fmt::print(stderr, "cannot write {}\n", file.string());
-}
-
-renderer::PersonModel model_of(const test::ReceivedPerson& person, std::uint64_t repeats) {
-    renderer::PersonModelScratch scratch;
-    renderer::PersonModel model;
+template <typename Work>
+double shortest_ms(std::uint64_t repeats, const Work& work) {
     double best_ms = 1e9;
     for (std::uint64_t i = 0; i < repeats; ++i) {
         const auto start = std::chrono::steady_clock::now();
-        renderer::build_person_model(person.mesh, person.pictures, {}, scratch, model);
+        work();
         best_ms = std::min(
             best_ms,
             std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
                 .count());
     }
+    return best_ms;
+}
+
+renderer::PersonModel model_of(const test::ReceivedPerson& person, const Options& options) {
+    renderer::PersonModelScratch scratch;
+    renderer::PersonModel model;
+    renderer::PersonModelOptions model_options;
+    if (!options.even_colours) model_options.colour_evening.max_points = 0;
+    const double prepared_ms = shortest_ms(options.repeats, [&] {
+        renderer::build_person_model(person.mesh, person.pictures, model_options, scratch, model);
+    });
+    renderer::BlendScratch blend_scratch;
+    renderer::BlendedMesh blended;
+    const double blended_ms = shortest_ms(options.repeats, [&] {
+        renderer::blend_for_view(model, Eigen::Vector3f(2.0F, 1.5F, 1.5F), blend_scratch, blended);
+    });
     fmt::print(stderr,
-               "{} cameras, {} triangles, model prepared in {:.2f} ms\n",
+               "{} cameras, {} triangles: prepared in {:.2f} ms, blended in {:.2f} ms\n",
                model.cameras.size(),
                model.triangles.size(),
-               best_ms);
+               prepared_ms,
+               blended_ms);
     return model;
 }
 
 // One scene: a person from some cameras, shown where others stood.
 class Comparison {
 public:
-    Comparison(std::string scene, const test::ReceivedPerson& person, const Options& options)
+    Comparison(std::string scene,
+               const test::ReceivedPerson& person,
+               const Options& options,
+               test::Sampling sampling = test::Sampling::kMean)
         : scene_(std::move(scene)),
           options_(options),
-          photographer_(value_of(test::PersonPhotographer::create())),
-          model_(model_of(person, options.repeats)),
+          photographer_(value_of(test::PersonPhotographer::create(sampling))),
+          model_(model_of(person, options)),
           weighted_(model_) {
         person_.set_model(model_);
     }
 
-    void compare(const TruePicture& truth) {
+    // `own`: the texture that was made of `truth`, if any.
+    void compare(const TruePicture& truth, const renderer::CameraPicture* own) {
         std::vector<Photo> photos;
         photos.push_back(photographer_.take(truth.camera, person_));
         const Eigen::Vector3d eye = truth.camera.centre_site();
@@ -127,6 +118,7 @@ public:
                     weighted_.draw(weights, clip_from_site, eye_site);
                 }));
         }
+        if (own != nullptr) photos.push_back(enlarged(*own, truth.width(), truth.height()));
         for (std::size_t i = 0; i < photos.size(); ++i) report(truth, photos[i], kWays[i]);
         if (!options_.pictures.empty()) {
             write_side_by_side(
@@ -142,10 +134,11 @@ public:
     ~Comparison() {
         for (const auto& [way, sum] : sums_)
             fmt::print(stderr,
-                       "{:24} {:18} {:6.2f} dB  ssim {:.4f}\n",
+                       "{:24} {:18} {:6.2f} dB  inside {:6.2f} dB  ssim {:.4f}\n",
                        scene_,
                        way,
                        sum.psnr_db / num_views_,
+                       sum.inner_psnr_db / num_views_,
                        sum.ssim / num_views_);
     }
     Comparison(const Comparison&) = delete;
@@ -161,17 +154,22 @@ private:
             ++num;
             num_bare += photo.covered.data[i] == 0 ? 1 : 0;
         }
-        fmt::print("{},{},{},{:.3f},{:.5f},{:.5f}\n",
+        fmt::print("{},{},{},{:.3f},{:.3f},{:.5f},{:.5f}\n",
                    scene_,
                    num_views_,
                    way,
                    error.psnr_db,
+                   error.inner_psnr_db,
                    error.ssim,
                    static_cast<double>(num_bare) / static_cast<double>(num));
         std::fflush(stdout);
-        sums_[way].psnr_db += error.psnr_db;
-        sums_[way].ssim += error.ssim;
+        test::PictureError& sum = sums_.try_emplace(way, kNoError).first->second;
+        sum.psnr_db += error.psnr_db;
+        sum.inner_psnr_db += error.inner_psnr_db;
+        sum.ssim += error.ssim;
     }
+
+    static constexpr test::PictureError kNoError{0.0, 0.0, 0.0};
 
     std::string scene_;
     const Options& options_;
@@ -189,7 +187,26 @@ void compare_all(const std::string& scene,
                  std::span<const TruePicture> truths,
                  const Options& options) {
     Comparison comparison(scene, person, options);
-    for (const TruePicture& truth : truths) comparison.compare(truth);
+    for (const TruePicture& truth : truths) comparison.compare(truth, nullptr);
+}
+
+// At the poses of the cameras that gave the textures, at their resolution and at the textures'.
+void compare_own(const std::string& scene,
+                 const test::ReceivedPerson& person,
+                 std::span<const TruePicture> texturing,
+                 const Options& options) {
+    {
+        Comparison comparison(scene + " own", person, options, test::Sampling::kCentre);
+        for (std::size_t i = 0; i < texturing.size(); ++i)
+            comparison.compare(texturing[i], &person.pictures[i]);
+    }
+    Comparison comparison(scene + " own half", person, options, test::Sampling::kCentre);
+    for (std::size_t i = 0; i < texturing.size(); ++i) {
+        renderer::CameraPicture own = person.pictures[i];
+        for (int* size : {&own.crop_px.x, &own.crop_px.y, &own.crop_px.width, &own.crop_px.height})
+            *size /= 2;
+        comparison.compare(halved(texturing[i]), &own);
+    }
 }
 
 test::Publishing publishing(const Options& options) {
@@ -215,7 +232,7 @@ void compare_recording(const Options& options) {
         (i % 2 == 0 ? texturing : held_back).push_back(pictures[i]);
     const auto person = value_of(test::receive_person(texturing, publishing(options)));
     compare_all(name, person, held_back, options);
-    compare_all(name + " own", person, texturing, options);
+    compare_own(name, person, texturing, options);
 }
 
 void compare_orbit(const Options& options,
@@ -273,10 +290,12 @@ void compare_room(const Options& options) {
     std::vector<TruePicture> pictures = value_of(test::film_room(cameras, room, kTime_s));
     const std::span<const TruePicture> texturing(pictures.data(), rig.size());
     const auto person = value_of(test::receive_person(texturing, publishing(options)));
+    // at its own pose, though, a camera's picture is the truth as it is
+    const std::vector<TruePicture> filmed(texturing.begin(), texturing.end());
     show_person_alone(rig, room, pictures);
     if (wants(options, "room")) {
         compare_all("room", person, std::span(pictures).subspan(rig.size()), options);
-        compare_all("room own", person, texturing, options);
+        compare_own("room", person, filmed, options);
     }
     if (options.orbit_steps > 0 && wants(options, "orbit"))
         compare_orbit(options, rig, room, person);
@@ -300,9 +319,10 @@ int run(int argc, char** argv) {
             options.orbit_steps,
             "pictures of a turn around the simulated person",
             {0, 3600});
+    set.add("even-colours", options.even_colours, "cameras' colours are evened out");
     set.add("repeats",
             options.repeats,
-            "the model is prepared so often; the shortest time is told",
+            "the model is prepared and blended so often; the shortest times are told",
             {1, 1000});
     const app::Start started =
         app::start({"texture_quality",
@@ -314,7 +334,7 @@ int run(int argc, char** argv) {
                    argv);
     if (!started.go_on) return started.exit_code;
     if (!options.pictures.empty()) std::filesystem::create_directories(options.pictures);
-    fmt::print("scene,view,way,psnr_db,ssim,bare\n");
+    fmt::print("scene,view,way,psnr_db,inner_psnr_db,ssim,bare\n");
     compare_recording(options);
     compare_room(options);
     return 0;

@@ -10,7 +10,10 @@
 namespace atrium::test {
 namespace {
 
-constexpr int kSamples = 2;  // per pixel, each way
+// Per pixel, each way. An odd number has one at the centre: others are looked at only where the
+// lens bends, and then so near by that next to nothing is blurred.
+constexpr int samples_of(Sampling sampling) { return sampling == Sampling::kMean ? 2 : 3; }
+
 constexpr std::uint8_t kGrey = 128;
 
 // GL's projection of a camera's undistorted pixels, the top row at the top of the clip space.
@@ -27,12 +30,30 @@ Eigen::Matrix4d clip_from_camera(const geometry::PinholeCamera& c) {
     return m;
 }
 
+constexpr double kLeastCoverage = 0.01;
+
 // Sums of the samples around one pixel.
 class Samples {
 public:
-    Samples(const std::vector<std::uint8_t>& rgba, int width, int height)
-        : rgba_(rgba), width_(width), height_(height) {}
+    Samples(const std::vector<std::uint8_t>& rgba, int width, int height, Sampling sampling)
+        : rgba_(rgba), width_(width), height_(height), sampling_(sampling) {}
 
+    // Of the pixel around (x, y), as `at`.
+    Eigen::Vector4d pixel(double x, double y) const {
+        const int n = samples_of(sampling_);
+        if (sampling_ == Sampling::kCentre) {
+            const Eigen::Vector4d centre = at((x + 0.5) * n - 0.5, (y + 0.5) * n - 0.5);
+            if (centre.w() >= kLeastCoverage) return centre;
+        }
+        Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+        for (const double dy : {-0.25, 0.25}) {
+            for (const double dx : {-0.25, 0.25})
+                sum += at((x + dx + 0.5) * n - 0.5, (y + dy + 0.5) * n - 0.5);
+        }
+        return sum;
+    }
+
+private:
     // Red, green, blue times coverage, and coverage, at (x, y) from the top, linear in between.
     Eigen::Vector4d at(double x, double y) const {
         const auto x0 = static_cast<int>(std::floor(x));
@@ -42,8 +63,6 @@ public:
         return (1 - v) * ((1 - u) * sample(x0, y0) + u * sample(x0 + 1, y0)) +
                v * ((1 - u) * sample(x0, y0 + 1) + u * sample(x0 + 1, y0 + 1));
     }
-
-private:
     Eigen::Vector4d sample(int x, int y) const {
         if (x < 0 || y < 0 || x >= width_ || y >= height_) return Eigen::Vector4d::Zero();
         const std::uint8_t* p =
@@ -54,10 +73,14 @@ private:
     const std::vector<std::uint8_t>& rgba_;
     int width_;
     int height_;
+    Sampling sampling_;
 };
 
 // Where the covered samples are, widened by what the lens may bend: nothing else is looked at.
-image::PixelRect painted_rect(const std::vector<std::uint8_t>& rgba, int width, int height) {
+image::PixelRect painted_rect(const std::vector<std::uint8_t>& rgba,
+                              int width,
+                              int height,
+                              int num_samples) {
     int x0 = width, y0 = height, x1 = -1, y1 = -1;
     for (int y = 0; y < height; ++y) {
         const std::uint8_t* row =
@@ -71,18 +94,18 @@ image::PixelRect painted_rect(const std::vector<std::uint8_t>& rgba, int width, 
         }
     }
     const int margin = width / 20;
-    const auto low = [&](int v) { return std::max(v - margin, 0) / kSamples; };
-    const auto high = [&](int v, int size) { return std::min(v + margin, size - 1) / kSamples; };
+    const auto low = [&](int v) { return std::max(v - margin, 0) / num_samples; };
+    const auto high = [&](int v, int size) { return std::min(v + margin, size - 1) / num_samples; };
     if (x1 < 0) return {};
     return {low(x0), low(y0), high(x1, width) - low(x0) + 1, high(y1, height) - low(y0) + 1};
 }
 
 }  // namespace
 
-Expected<PersonPhotographer> PersonPhotographer::create() {
+Expected<PersonPhotographer> PersonPhotographer::create(Sampling sampling) {
     auto context = gl::OffscreenContext::create(8, 8);
     if (!context) return tl::unexpected(context.error());
-    PersonPhotographer photographer(std::move(*context));
+    PersonPhotographer photographer(std::move(*context), sampling);
     auto shaders = renderer::PersonShaders::create();
     if (!shaders) return tl::unexpected(shaders.error());
     photographer.shaders_ = std::move(*shaders);
@@ -91,8 +114,8 @@ Expected<PersonPhotographer> PersonPhotographer::create() {
 
 Photo PersonPhotographer::take(const geometry::CalibratedCamera& camera, const Paint& paint) {
     const geometry::PinholeCamera& lens = camera.intrinsics;
-    const int width = kSamples * lens.width;
-    const int height = kSamples * lens.height;
+    const int width = samples_of(sampling_) * lens.width;
+    const int height = samples_of(sampling_) * lens.height;
     if (target_.width != width || target_.height != height) {
         auto target = gl::make_framebuffer(width, height);
         if (!target) std::abort();  // only for want of memory
@@ -111,8 +134,8 @@ Photo PersonPhotographer::take(const geometry::CalibratedCamera& camera, const P
 
     Photo photo{lens.width, lens.height, {}, image::Mask(lens.width, lens.height)};
     photo.bgr.assign(photo.covered.data.size() * 3, kGrey);
-    const Samples samples(samples_, width, height);
-    const image::PixelRect rect = painted_rect(samples_, width, height);
+    const Samples samples(samples_, width, height, sampling_);
+    const image::PixelRect rect = painted_rect(samples_, width, height, samples_of(sampling_));
     for (int y = rect.y; y < rect.y + rect.height; ++y) {
         for (int x = rect.x; x < rect.x + rect.width; ++x) {
             Eigen::Vector2d at(x, y);
@@ -121,13 +144,8 @@ Photo PersonPhotographer::take(const geometry::CalibratedCamera& camera, const P
                 if (!straight) continue;
                 at = *straight;
             }
-            Eigen::Vector4d sum = Eigen::Vector4d::Zero();
-            for (const double dy : {-0.25, 0.25}) {
-                for (const double dx : {-0.25, 0.25})
-                    sum += samples.at((at.x() + dx + 0.5) * kSamples - 0.5,
-                                      (at.y() + dy + 0.5) * kSamples - 0.5);
-            }
-            if (sum.w() < 0.01) continue;
+            const Eigen::Vector4d sum = samples.pixel(at.x(), at.y());
+            if (sum.w() < kLeastCoverage) continue;
             const std::size_t i =
                 static_cast<std::size_t>(y) * static_cast<std::size_t>(lens.width) +
                 static_cast<std::size_t>(x);

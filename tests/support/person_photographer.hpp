@@ -21,17 +21,23 @@ struct Photo {
     int width = 0;
     int height = 0;
     std::vector<std::uint8_t> bgr;  // packed, rows from the top; grey where the person is not
-    image::Mask covered;            // 255 where any of the pixel's four samples shows the person
+    image::Mask covered;            // 255 where any of the pixel's samples shows the person
+};
+
+/// What a pixel of a photo is.
+enum class Sampling : std::uint8_t {
+    kMean,    // of four samples, as a camera gathers light
+    kCentre,  // what is seen at its centre, as the viewer draws; beside the person's edge, the mean
 };
 
 /// Draws people as the viewer does, but from a calibrated camera, lens distortion included, and
 /// without the world around them.
 ///
-/// Four samples per pixel. Owns a GL context, which is current from the creation on; what is drawn
+/// Owns a GL context, which is current from the creation on; what is drawn
 /// is made and destroyed while it is.
 class PersonPhotographer {
 public:
-    static Expected<PersonPhotographer> create();
+    static Expected<PersonPhotographer> create(Sampling sampling = Sampling::kMean);
 
     /// Draws something into the bound framebuffer, whose alpha is 0 where nothing is.
     using Paint =
@@ -42,9 +48,11 @@ public:
     Photo take(const geometry::CalibratedCamera& camera, renderer::PersonDrawing& person);
 
 private:
-    explicit PersonPhotographer(gl::OffscreenContext context) : context_(std::move(context)) {}
+    PersonPhotographer(gl::OffscreenContext context, Sampling sampling)
+        : context_(std::move(context)), sampling_(sampling) {}
 
     gl::OffscreenContext context_;  // goes last
+    Sampling sampling_;
     std::optional<renderer::PersonShaders> shaders_;
     gl::Framebuffer target_;
     std::vector<std::uint8_t> samples_;  // RGBA, bottom row first

@@ -9,6 +9,8 @@
 namespace atrium::test {
 namespace {
 
+constexpr int kOutlinePx = 3;  // so far in from the mask's edge the inside begins
+
 cv::Mat picture_of(const std::vector<std::uint8_t>& bgr, const image::Mask& mask) {
     assert(bgr.size() == 3 * mask.data.size());
     return {mask.height, mask.width, CV_8UC3, const_cast<std::uint8_t*>(bgr.data())};
@@ -57,11 +59,9 @@ double ssim(const cv::Mat& a, const cv::Mat& b, const cv::Mat& weights) {
     return similarity.dot(weights) / cv::sum(weights)[0];
 }
 
-}  // namespace
-
-PictureError picture_error(const std::vector<std::uint8_t>& true_bgr,
-                           const std::vector<std::uint8_t>& shown_bgr,
-                           const image::Mask& mask) {
+double psnr_db(const std::vector<std::uint8_t>& true_bgr,
+               const std::vector<std::uint8_t>& shown_bgr,
+               const image::Mask& mask) {
     double sum_sq = 0.0;
     std::size_t num = 0;
     for (std::size_t i = 0; i < mask.data.size(); ++i) {
@@ -71,12 +71,24 @@ PictureError picture_error(const std::vector<std::uint8_t>& true_bgr,
             sum_sq += difference * difference;
         }
     }
-    PictureError error{std::numeric_limits<double>::infinity(), 1.0};
-    if (num == 0) return error;
-    if (sum_sq > 0.0)
-        error.psnr_db = 10.0 * std::log10(255.0 * 255.0 * static_cast<double>(num) / sum_sq);
+    if (!(sum_sq > 0.0)) return std::numeric_limits<double>::infinity();
+    return 10.0 * std::log10(255.0 * 255.0 * static_cast<double>(num) / sum_sq);
+}
+
+}  // namespace
+
+PictureError picture_error(const std::vector<std::uint8_t>& true_bgr,
+                           const std::vector<std::uint8_t>& shown_bgr,
+                           const image::Mask& mask) {
+    PictureError error;
+    error.psnr_db = psnr_db(true_bgr, shown_bgr, mask);
     const cv::Mat weights(
         mask.height, mask.width, CV_8U, const_cast<std::uint8_t*>(mask.data.data()));
+    image::Mask inner(mask.width, mask.height);
+    cv::Mat eroded(mask.height, mask.width, CV_8U, inner.data.data());
+    cv::erode(weights, eroded, cv::Mat::ones(2 * kOutlinePx + 1, 2 * kOutlinePx + 1, CV_8U));
+    error.inner_psnr_db = psnr_db(true_bgr, shown_bgr, inner);
+    if (cv::countNonZero(weights) == 0) return error;
     const cv::Rect part = cv::boundingRect(weights);
     cv::Mat shares;
     weights(part).convertTo(shares, CV_64F, 1.0 / 255.0);

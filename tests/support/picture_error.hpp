@@ -9,8 +9,9 @@ namespace atrium::test {
 
 /// How far a picture is from the true one, where `mask` is not 0. All are of the mask's size.
 struct PictureError {
-    double psnr_db = 0.0;  // of blue, green and red alike
-    double ssim = 0.0;     // of luma
+    double psnr_db = 0.0;        // of blue, green and red alike; infinite where nothing differs
+    double inner_psnr_db = 0.0;  // more than three pixels inside the mask's edge
+    double ssim = 1.0;           // of luma
 };
 
 /// The windows of the structural similarity (Gaussian, sigma 1.5 px, 11 px wide) weigh the mask's

@@ -324,6 +324,7 @@ void build_person_model(const geometry::TriangleMesh& mesh_site,
         judge_vertices(stage, window, scratch, out);
         ++index;
     }
+    even_colours(options.colour_evening, scratch.colour_evening, out);
     colour_vertices(out, scratch);
 }
 

@@ -3,6 +3,7 @@
 #include "core/geometry/pinhole_camera.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 #include "core/image/image.hpp"
+#include "viewer/renderer/colour_evening.hpp"
 #include "viewer/renderer/inverse_depth.hpp"
 
 #include <Eigen/Core>
@@ -56,6 +57,7 @@ struct PersonModelOptions {
     double hidden_soft_m = 0.02;   // over this further distance it fades out
     double cos_min = 0.03;         // a camera that sees a face at a more grazing angle is not
     double cos_full = 0.2;         // used; from here on fully
+    ColourEveningOptions colour_evening;
 };
 
 struct PersonModelScratch {
@@ -65,6 +67,7 @@ struct PersonModelScratch {
     std::vector<Eigen::Vector3f> corners;
     std::vector<std::uint8_t> is_coloured;
     InverseDepthPicture depth;
+    ColourEveningScratch colour_evening;
 };
 
 /// Fills `out`, whose memory is used again. Pictures that are empty are left out. The mesh's

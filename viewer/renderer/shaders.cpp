@@ -51,7 +51,7 @@ std::string person_fragment(std::size_t num_cameras) {
     text += for_each_slot(num_cameras, "in vec4 in_picture#;");
     // texels carry colour times mask, so that the sum divides out to a colour of the person alone;
     // the fallback takes over, without an edge, where weights and masks leave next to nothing
-    text += "void main() {\n    vec4 sum = vec4(fallback_colour, 1.0) * 0.02;\n";
+    text += "void main() {\n    vec4 sum = vec4(fallback_colour, 1.0) * 0.01;\n";
     for (std::size_t i = 0; i < num_cameras; ++i) {
         const std::string slot = std::to_string(i);
         text += "    sum += in_picture" + slot + ".w * texture(pictures, vec3(in_picture" + slot +

@@ -1,0 +1,60 @@
+#!/usr/bin/env python3
+"""Renews the tables of docs/viewer.md from what texture_quality.sh keeps.
+
+usage: texture_quality.py TABLE PAGE    they go between <!-- texture-quality --> and <!-- /texture-quality -->
+"""
+
+import os
+import sys
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from page_table import read_rows, renew
+
+SCENES = {"ring20": "ring20: 10 cameras give textures, shown where the other 10 stood",
+          "room": "simulated room: 8 cameras, shown at 20 free viewpoints",
+          "ring20 own": "ring20, at the poses of the cameras that gave the textures",
+          "room own": "simulated room, likewise",
+          "ring20 own half": "ring20, likewise, at the textures' resolution",
+          "room own half": "simulated room, likewise"}
+WAYS = {"viewer": "viewer", "nearest camera": "nearest camera alone", "equal": "all that face it, equally", "its texture": "the texture itself"}
+
+
+def mean(rows, column):
+    return sum(float(row[column]) for row in rows) / len(rows)
+
+
+def quality(rows):
+    """Mean PSNR, that of the inside, and SSIM of one scene and way."""
+    if not rows:
+        return ""
+    return f"{mean(rows, 'psnr_db'):.1f} ({mean(rows, 'inner_psnr_db'):.1f}) dB, {mean(rows, 'ssim'):.3f}"
+
+
+def main(table, page):
+    rows, comment = read_rows(table)
+    out = ["| shown | " + " | ".join(WAYS.values()) + " | not covered |", "|---" * (2 + len(WAYS)) + "|"]
+    for scene, what in SCENES.items():
+        own = [row for row in rows if row["scene"] == scene]
+        if not own:
+            continue
+        by_way = {way: [row for row in own if row["way"] == way] for way in WAYS}
+        cells = [quality(by_way[way]) for way in WAYS]
+        out.append(f"| {what} | " + " | ".join(cells) + f" | {100 * mean(by_way['viewer'], 'bare'):.1f} % |")
+    orbit = {row["way"]: row for row in rows if row["scene"] == "orbit"}
+    if orbit:
+        shown, true = orbit["viewer"], orbit["truth"]
+        # of orbits the columns are: largest change of a picture, of a block, and the mean change
+        out += ["", "| around the simulated person in 360 steps: change from picture to picture, grey levels | viewer | true surface | ratio |",
+                "|---|---|---|---|"]
+        for column, what in {"psnr_db": "largest, mean over the picture", "inner_psnr_db": "largest, mean over a block of 16 x 16 pixels",
+                             "ssim": "mean of all"}.items():
+            a, b = float(shown[column]), float(true[column])
+            out.append(f"| {what} | {a:.2f} | {b:.2f} | {a / b:.2f} |")
+    out += ["", comment + "."]
+    text = "\n".join(out)
+    print(text)
+    renew(page, "texture-quality", text)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
