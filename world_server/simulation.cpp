@@ -54,6 +54,8 @@ void Simulation::apply(const bus::SceneCommand& command) {
     const auto changes = scene_.apply(command);
     if (!changes) return refuse(command, changes.error().message);
     for (const SceneChange& change : *changes) outbox_.put(change);
+    if (command.kind == bus::CommandKind::kReset || !changes->empty())
+        commands_log_.info(fmt::format("{} by={}", to_string(command.kind), command.sender));
 }
 
 void Simulation::apply_commands() {

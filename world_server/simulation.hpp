@@ -68,6 +68,7 @@ private:
     MovedState moved_;            // scratch, as is the next one
     std::vector<physics::Incident> incidents_;
     app::log::OncePerSecond incidents_log_;
+    app::log::OncePerSecond commands_log_;  // what came and went by them
 
     mutable std::mutex status_mutex_;  // guards the rest
     bus::WorldStatus figures_;         // those that no other member has

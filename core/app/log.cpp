@@ -53,24 +53,24 @@ bool set_level(std::string_view name) {
 
 void write(Level level, std::string_view line) { logger().log(to_spdlog(level), "{}", line); }
 
+std::optional<std::string> OncePerSecond::next(std::string_view line) {
+    const std::lock_guard lock(mutex_);
+    const auto now = std::chrono::steady_clock::now();
+    if (last_ != std::chrono::steady_clock::time_point{} && now - last_ < std::chrono::seconds(1)) {
+        ++num_held_back_;
+        return std::nullopt;
+    }
+    last_ = now;
+    const std::size_t held_back = std::exchange(num_held_back_, 0);
+    return held_back > 0 ? fmt::format("{} held_back={}", line, held_back) : std::string(line);
+}
+
 void OncePerSecond::warn(std::string_view line) {
-    std::size_t held_back = 0;
-    {
-        const std::lock_guard lock(mutex_);
-        const auto now = std::chrono::steady_clock::now();
-        if (last_ != std::chrono::steady_clock::time_point{} &&
-            now - last_ < std::chrono::seconds(1)) {
-            ++num_held_back_;
-            return;
-        }
-        last_ = now;
-        held_back = std::exchange(num_held_back_, 0);
-    }
-    if (held_back > 0) {
-        log::warn("{} held_back={}", line, held_back);
-    } else {
-        log::warn("{}", line);
-    }
+    if (const auto text = next(line)) log::warn("{}", *text);
+}
+
+void OncePerSecond::info(std::string_view line) {
+    if (const auto text = next(line)) log::info("{}", *text);
 }
 
 }  // namespace atrium::app::log

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -42,8 +43,12 @@ void error(fmt::format_string<Args...> text, Args&&... args) {
 class OncePerSecond {
 public:
     void warn(std::string_view line);
+    void info(std::string_view line);
 
 private:
+    /// The line, and how many were held back before it; nothing: it is held back too.
+    std::optional<std::string> next(std::string_view line);
+
     std::mutex mutex_;
     std::chrono::steady_clock::time_point last_{};
     std::size_t num_held_back_ = 0;
