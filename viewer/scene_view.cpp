@@ -24,6 +24,8 @@ renderer::ShapeKind shape_kind(bus::Shape shape) {
     return renderer::ShapeKind::kBox;
 }
 
+constexpr std::size_t kMaxSites = 64;  // as of people
+
 // That are kept, of a world that sends at most 120 a second.
 std::size_t states_within(std::chrono::nanoseconds delay) {
     constexpr std::size_t kAround = 8;
@@ -71,6 +73,7 @@ void SceneView::update(SceneChanges changes,
                        SceneTimeline::Clock::time_point now,
                        const std::optional<Timestamp>& instant,
                        renderer::SceneRenderer& renderer) {
+    if (!changes.objects.empty()) ++revision_;
     for (const auto& [id, object] : changes.objects) {
         renderer.remove_object(id);
         if (object)
@@ -89,6 +92,12 @@ void SceneView::update(SceneChanges changes,
             name, scenery ? models_.look_of(*scenery) : std::vector<renderer::ObjectLook>{});
     }
     for (const auto& [name, picture] : textures_.take()) renderer.set_texture(name, picture);
+    for (auto& [site, description] : changes.sites) {
+        if (description == nullptr)
+            sites_.erase(site);
+        else if (sites_.size() < kMaxSites || sites_.contains(site))
+            sites_.insert_or_assign(site, std::move(description));
+    }
     for (const auto& [site, placement] : changes.placements)
         renderer.set_site_pose(site, placement.world_from_site);
     for (auto& state : changes.soft_states) soft_timeline_.add(std::move(state));

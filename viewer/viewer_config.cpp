@@ -25,6 +25,10 @@ void declare(ViewerConfig& config, config::OptionSet& set) {
             view.antialias,
             "smoothing of edges; fxaa costs about 12 ms of one core per picture in software",
             {"none", "fxaa"});
+    set.add("view.names",
+            view.names,
+            "people's names over their heads; auto: in a window, not in pictures without one",
+            {"auto", "on", "off"});
     declare(config.display, set);
     set.add("headless", config.headless, "draw without a window even where there is a display");
     set.add("frames", config.frames, "end after this many pictures; 0: go on until stopped");

@@ -22,6 +22,7 @@ struct ViewConfig {
     std::string target_m = "0,0,0.95";
     double fov_deg = 38.0;
     std::string antialias = "none";
+    std::string names = "auto";  // auto: in a window
 };
 
 struct VideoConfig {
