@@ -2,7 +2,7 @@
 
 #include "core/base/timestamp.hpp"
 #include "core/bus/messages.hpp"
-#include "monitor/figures.hpp"
+#include "core/status/figures.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -11,6 +11,10 @@
 
 /// Shows who is in a world and how they fare. An observer: nobody hears of it.
 namespace atrium::monitor {
+
+using status::Counter;
+using status::Figures;
+using status::figures_of;
 
 /// What a running count says now, and how fast it grew lately: never negative, for one that went
 /// back began anew; nothing, before there are two readings to compare.

@@ -2,8 +2,8 @@
 
 #include "core/bus/bus.hpp"
 #include "core/bus/messages.hpp"
+#include "core/status/figures.hpp"
 #include "monitor/clock_trust.hpp"
-#include "monitor/figures.hpp"
 #include "monitor/rate_window.hpp"
 #include "monitor/report.hpp"
 

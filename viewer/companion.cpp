@@ -29,7 +29,9 @@ PersonPlace place_of(std::span<const Eigen::Vector3f> vertices) {
     }
     PersonPlace place;
     place.middle = (0.5F * (low + high)).cast<double>();
+    place.size = (high - low).cast<double>();
     place.eyes = (0.5F * (head_low + head_high)).cast<double>();
+    place.top = {place.eyes.x(), place.eyes.y(), static_cast<double>(high.z())};
     return place;
 }
 

@@ -16,6 +16,8 @@ namespace atrium::viewer {
 struct PersonPlace {
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // of the bounds
     Eigen::Vector3d eyes = Eigen::Vector3d::Zero();    // in the middle of the head
+    Eigen::Vector3d top = Eigen::Vector3d::Zero();     // of the head
+    Eigen::Vector3d size = Eigen::Vector3d::Zero();    // of the bounds, along the site's axes
 };
 
 /// Of a surface that is not empty; +Z is up. The head is what lies within 25 cm below the top.

@@ -12,6 +12,7 @@ public:
         : context_(std::move(context)), size_{options.width, options.height} {}
 
     std::string description() const override { return "OSMesa, no window"; }
+    bool is_window() const override { return false; }
     double display_hz() const override { return 0.0; }
     std::array<int, 2> size() const override { return size_; }
     SurfaceEvents poll() override { return {}; }

@@ -28,9 +28,21 @@ void draw_losses(const HudFigures& figures) {
                 static_cast<unsigned long long>(figures.num_rejected));
 }
 
+// Of a hundred sites, as many as leave the picture to be seen.
+void draw_lines(const std::vector<SiteLine>& lines) {
+    constexpr std::size_t kMostLines = 16;
+    for (std::size_t i = 0; i < std::min(lines.size(), kMostLines); ++i) {
+        if (lines[i].is_warning)
+            ImGui::TextColored(kWarning, "%s", lines[i].text.c_str());
+        else
+            ImGui::TextUnformatted(lines[i].text.c_str());
+    }
+    if (lines.size() > kMostLines) ImGui::Text("... and %zu more", lines.size() - kMostLines);
+}
+
 }  // namespace
 
-void draw_hud(const HudFigures& figures) {
+void draw_hud(const HudFigures& figures, bool has_details) {
     ImGui::SetNextWindowPos({10.0f, 10.0f});
     ImGui::SetNextWindowBgAlpha(0.6f);
     ImGui::Begin("figures", nullptr, kFlags);
@@ -42,24 +54,21 @@ void draw_hud(const HudFigures& figures) {
     }
     ImGui::Text("%.2f MB/s   %zu objects", 1e-6 * figures.bytes_per_s, figures.num_objects);
     draw_losses(figures);
-    for (const SiteLine& site : figures.sites) {
-        if (site.is_warning)
-            ImGui::TextColored(kWarning, "%s", site.text.c_str());
-        else
-            ImGui::TextUnformatted(site.text.c_str());
-    }
+    draw_lines(figures.sites);
     if (figures.sites.empty()) ImGui::TextUnformatted("nobody is here");
+    draw_lines(figures.warnings);
+    if (has_details) draw_lines(figures.details);
     draw_curve("capture to display, ms, 30 s", figures.latency_ms, 50.0f);
     draw_curve("pictures/s, 30 s", figures.pictures_per_s, 60.0f);
     if (figures.recording_s)
         ImGui::TextColored(kWarning, "recording, %.1f s   F9: end", *figures.recording_s);
     if (!figures.notice.empty()) ImGui::TextUnformatted(figures.notice.c_str());
-    ImGui::TextUnformatted("?: keys   H: hide");
+    ImGui::TextUnformatted("?: keys   M: menu   T: times   H: hide");
     ImGui::End();
 }
 
 void draw_keys() {
-    constexpr std::array<std::pair<const char*, const char*>, 15> kKeys{{
+    constexpr std::array<std::pair<const char*, const char*>, 20> kKeys{{
         {"drag left, on a thing", "pull it; letting go throws it"},
         {"drag left elsewhere", "orbit around the target"},
         {"shift and drag left", "look around"},
@@ -69,10 +78,15 @@ void draw_keys() {
         {"1 ... 9", "through the eyes of that person; again: leave"},
         {"F", "follow the nearest person, or stop"},
         {"V", "back to the viewpoint of the start"},
+        {"N", "show people's names, or hide them"},
+        {"M", "menu: add things, remove them"},
+        {"Delete", "remove the thing under the mouse"},
+        {"B", "wires, cameras, bounds and velocities"},
         {"R", "put all objects back"},
         {"F11", "full screen, or a window again"},
         {"F12, P", "screenshot"},
         {"F9", "begin, or end, a video"},
+        {"T", "how long sites and worlds take for what"},
         {"H", "hide the figures"},
         {"Esc", "close"},
     }};

@@ -76,7 +76,9 @@ Companion::Places PeopleView::places(const renderer::SceneRenderer& renderer) co
     for (const auto& [site, shown] : shown_) {
         const Eigen::Isometry3d world_from_site(renderer.world_from_site(site));
         places[site] = {world_from_site * shown.place_site.middle,
-                        world_from_site * shown.place_site.eyes};
+                        world_from_site * shown.place_site.eyes,
+                        world_from_site * shown.place_site.top,
+                        shown.place_site.size};
     }
     return places;
 }

@@ -45,6 +45,10 @@ public:
     const std::vector<Timestamp>& just_shown() const { return just_shown_; }
     /// Where they are in the world.
     Companion::Places places(const renderer::SceneRenderer& renderer) const;
+    /// How much is seen of somebody who is there, in [0, 1].
+    double opacity(const std::string& site, Clock::time_point now) const {
+        return opacity_after(now - shown_.at(site).since);
+    }
     /// One for each; rates count from the last call on.
     std::vector<SiteLine> lines(Clock::time_point now);
 

@@ -25,6 +25,7 @@ renderer::ShapeKind shape_kind(bus::Shape shape) {
 }
 
 constexpr auto kTimeForChanges = std::chrono::milliseconds(5);  // of a picture
+constexpr std::size_t kMaxSites = 64;                           // as of people
 
 // That are kept, of a world that sends at most 120 a second.
 std::size_t states_within(std::chrono::nanoseconds delay) {
@@ -60,6 +61,7 @@ void SceneView::show_soft(std::uint32_t object, renderer::SceneRenderer& rendere
 void SceneView::change(std::uint32_t id,
                        const std::optional<bus::SceneObject>& object,
                        renderer::SceneRenderer& renderer) {
+    ++revision_;
     renderer.remove_object(id);
     if (object)
         objects_.insert_or_assign(id, *object);
@@ -137,6 +139,12 @@ void SceneView::update(SceneChanges changes,
     add(waiting_.scenery, changes.scenery);
     show_new_files(renderer);
     take_changes(SceneTimeline::Clock::now() + kTimeForChanges, renderer);
+    for (auto& [site, description] : changes.sites) {
+        if (description == nullptr)
+            sites_.erase(site);
+        else if (sites_.size() < kMaxSites || sites_.contains(site))
+            sites_.insert_or_assign(site, std::move(description));
+    }
     for (const auto& [site, placement] : changes.placements)
         renderer.set_site_pose(site, placement.world_from_site);
     for (auto& state : changes.soft_states) soft_timeline_.add(std::move(state));

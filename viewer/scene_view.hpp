@@ -8,6 +8,7 @@
 #include "viewer/soft_timeline.hpp"
 #include "viewer/texture_library.hpp"
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -31,6 +32,17 @@ public:
                 renderer::SceneRenderer& renderer);
     /// The nearest thing that moves on a ray, as shown now.
     std::optional<Hit> pick(const Ray& ray) const;
+    /// What is in the world, soft things included.
+    const std::map<std::uint32_t, bus::SceneObject>& objects() const { return objects_; }
+    /// Where those that are rigid are, as shown now.
+    const std::vector<bus::ObjectState>& states() const { return states_; }
+    /// And the nodes of those that are soft.
+    const std::map<std::uint32_t, std::vector<Eigen::Vector3f>>& nodes() const { return nodes_; }
+    /// All sites that have described themselves, whether anybody is there or not.
+    using Sites = std::map<std::string, std::shared_ptr<const bus::SiteDescription>>;
+    const Sites& sites() const { return sites_; }
+    /// Grows whenever `objects` change.
+    std::uint64_t revision() const { return revision_; }
     /// Of what is drawn, which ends with its renderer.
     void clear();
 
@@ -54,8 +66,10 @@ private:
     SoftTimeline soft_timeline_;
     SceneChanges waiting_;  // descriptions that this picture had no time for
     std::map<std::uint32_t, bus::SceneObject> objects_;
+    std::uint64_t revision_ = 0;
     std::map<std::uint32_t, bus::SoftBody> soft_bodies_;
     std::map<std::string, bus::Scenery> scenery_;
+    Sites sites_;
     std::vector<bus::ObjectState> states_;                         // as shown now
     std::map<std::uint32_t, std::vector<Eigen::Vector3f>> nodes_;  // of soft bodies, as shown now
 };

@@ -8,6 +8,7 @@ namespace atrium::viewer {
 namespace {
 
 constexpr std::size_t kMaxWaitingStates = 8;        // the renderer looks every few milliseconds
+constexpr std::size_t kMaxStatuses = 64;            // of sites, and of worlds
 constexpr std::size_t kMaxWaitingSoftStates = 256;  // of all soft objects
 
 template <typename T>
@@ -46,6 +47,8 @@ Expected<std::unique_ptr<Session>> Session::create(const bus::BusOptions& option
     std::optional<bus::Reader<bus::SoftBodyState>> soft_states;
     std::optional<bus::Reader<bus::Scenery>> scenery;
     std::optional<bus::Reader<bus::SceneState>> states;
+    std::optional<bus::Reader<bus::SiteStatus>> site_statuses;
+    std::optional<bus::Reader<bus::WorldStatus>> world_statuses;
     std::optional<bus::Writer<bus::ViewerStatus>> status;
     std::optional<bus::Writer<bus::SceneCommand>> commands;
     std::optional<bus::Writer<bus::StreamFeedback>> feedback;
@@ -61,6 +64,8 @@ Expected<std::unique_ptr<Session>> Session::create(const bus::BusOptions& option
         assign(bus::Reader<bus::SoftBodyState>::create(*participant), soft_states, error) &&
         assign(bus::Reader<bus::Scenery>::create(*participant), scenery, error) &&
         assign(bus::Reader<bus::SceneState>::create(*participant), states, error) &&
+        assign(bus::Reader<bus::SiteStatus>::create(*participant), site_statuses, error) &&
+        assign(bus::Reader<bus::WorldStatus>::create(*participant), world_statuses, error) &&
         assign(bus::Writer<bus::ViewerStatus>::create(*participant), status, error) &&
         assign(bus::Writer<bus::SceneCommand>::create(*participant), commands, error) &&
         assign(bus::Writer<bus::StreamFeedback>::create(*participant), feedback, error);
@@ -74,6 +79,8 @@ Expected<std::unique_ptr<Session>> Session::create(const bus::BusOptions& option
     waiter->add(*soft_states);
     waiter->add(*scenery);
     waiter->add(*states);
+    waiter->add(*site_statuses);
+    waiter->add(*world_statuses);
     return std::unique_ptr<Session>(new Session({*participant,
                                                  std::move(*waiter),
                                                  std::move(*descriptions),
@@ -84,7 +91,9 @@ Expected<std::unique_ptr<Session>> Session::create(const bus::BusOptions& option
                                                  std::move(*soft_bodies),
                                                  std::move(*soft_states),
                                                  std::move(*scenery),
-                                                 std::move(*states)},
+                                                 std::move(*states),
+                                                 std::move(*site_statuses),
+                                                 std::move(*world_statuses)},
                                                 std::move(*status),
                                                 std::move(*commands),
                                                 std::move(*feedback),
@@ -98,6 +107,7 @@ void Session::receive(std::stop_token stop) {
         take_sites();
         take_objects();
         take_soft_objects();
+        receive_statuses();
         write_feedback();
         num_incomplete_ = pairing_.num_incomplete();
     }
@@ -110,10 +120,14 @@ void Session::take_sites() {
             const std::string site = description.site;
             descriptions_[site] =
                 std::make_shared<const bus::SiteDescription>(std::move(description));
+            const std::lock_guard lock(scene_mutex_);
+            scene_.sites[site] = descriptions_[site];
         },
         [this](const bus::SiteDescription& gone) {
             descriptions_.erase(gone.site);
             site_gone(gone.site);
+            const std::lock_guard lock(scene_mutex_);
+            scene_.sites[gone.site] = nullptr;
         }));
     note(readers_.placements.take([this](bus::SitePlacement&& placement) {
         const std::lock_guard lock(scene_mutex_);
@@ -171,6 +185,22 @@ void Session::take_objects() {
         const std::lock_guard lock(scene_mutex_);
         if (scene_.states.size() >= kMaxWaitingStates) scene_.states.erase(scene_.states.begin());
         scene_.states.emplace_back(std::move(state), now);
+    }));
+}
+
+void Session::receive_statuses() {
+    const auto keep = [this](auto& statuses, const std::string& name, auto&& status) {
+        const std::lock_guard lock(scene_mutex_);
+        if (statuses.size() < kMaxStatuses || statuses.contains(name))
+            statuses.insert_or_assign(name, std::forward<decltype(status)>(status));
+    };
+    note(readers_.site_statuses.take([&](bus::SiteStatus&& status) {
+        const std::string site = status.site;
+        keep(statuses_.sites, site, std::move(status));
+    }));
+    note(readers_.world_statuses.take([&](bus::WorldStatus&& status) {
+        const std::string world = status.world;
+        keep(statuses_.worlds, world, std::move(status));
     }));
 }
 
@@ -269,6 +299,11 @@ void Session::show(const std::string& site, PersonUpdate update) {
 SceneChanges Session::take_scene() {
     const std::lock_guard lock(scene_mutex_);
     return std::exchange(scene_, {});
+}
+
+StatusReports Session::take_statuses() {
+    const std::lock_guard lock(scene_mutex_);
+    return std::exchange(statuses_, {});
 }
 
 }  // namespace atrium::viewer

@@ -38,7 +38,14 @@ struct SceneChanges {
     std::map<std::string, std::optional<bus::Scenery>> scenery;         // nullopt: removed
     std::vector<bus::SoftBodyState> soft_states;
     std::map<std::string, bus::SitePlacement> placements;
+    std::map<std::string, std::shared_ptr<const bus::SiteDescription>> sites;  // null: gone
     std::vector<std::pair<bus::SceneState, std::chrono::steady_clock::time_point>> states;
+};
+
+/// What programs reported of themselves since the last time that anybody asked.
+struct StatusReports {
+    std::map<std::string, bus::SiteStatus> sites;
+    std::map<std::string, bus::WorldStatus> worlds;
 };
 
 /// The viewer's side of the bus. `receive` and `decode` are the bodies of two threads that the
@@ -61,6 +68,7 @@ public:
 
     std::vector<NewestPerSite<PersonUpdate>::Item> take_people() { return people_.take_all(); }
     SceneChanges take_scene();
+    StatusReports take_statuses();
     /// Gives back a model that is no longer shown, whose memory the decoder uses again.
     void recycle(renderer::PersonModel model) { spent_.put(std::move(model)); }
     /// The same for one that was taken, but will not be shown.
@@ -99,6 +107,8 @@ private:
         bus::Reader<bus::SoftBodyState> soft_states;
         bus::Reader<bus::Scenery> scenery;
         bus::Reader<bus::SceneState> states;
+        bus::Reader<bus::SiteStatus> site_statuses;
+        bus::Reader<bus::WorldStatus> world_statuses;
     };
     using Description = std::shared_ptr<const bus::SiteDescription>;
     struct Job {
@@ -114,6 +124,7 @@ private:
     void take_sites();
     void take_objects();
     void take_soft_objects();
+    void receive_statuses();
     void hand_to_decoder(std::optional<FramePair> pair);
     template <typename Sample>
     void receive_sample(Sample&& sample, std::size_t num_bytes);
@@ -137,6 +148,7 @@ private:
     LatestSlot<renderer::PersonModel> spent_;
     std::mutex scene_mutex_;
     SceneChanges scene_;
+    StatusReports statuses_;  // guarded by the scene's mutex as well
     app::log::OncePerSecond rejections_;
     std::atomic<std::uint64_t> num_pairs_skipped_ = 0;
     std::atomic<std::uint64_t> num_incomplete_ = 0;

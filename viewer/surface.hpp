@@ -7,6 +7,7 @@
 #include "viewer/mouse_grab.hpp"
 #include "viewer/people_view.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
+#include "viewer/scene_editor.hpp"
 
 #include <array>
 #include <memory>
@@ -23,10 +24,21 @@ struct SurfaceEvents {
     bool close = false;
     bool screenshot = false;
     bool record = false;  // begin, or end, a video
+    bool names = false;   // show people's, or hide them
+    bool debug = false;   // show what is behind the picture, or hide it
     bool reset_view = false;
     bool follow = false;     // somebody, or nobody any more
     std::size_t person = 0;  // through whose eyes to look, from 1; 0: as before
     bool reset_scene = false;
+    std::optional<NewThing> add;          // put that into the world, before the eye
+    std::optional<std::uint32_t> remove;  // take that object out of it
+    bool remove_pointed = false;          // and what the pointer is on
+};
+
+/// A thing of the world, to choose from a list.
+struct ThingLine {
+    std::uint32_t object = 0;
+    std::string text;
 };
 
 /// What stands on the screen beside the picture.
@@ -38,7 +50,10 @@ struct HudFigures {
     std::uint64_t num_incomplete = 0;  // of which something was lost on the way
     std::uint64_t num_rejected = 0;
     std::vector<SiteLine> sites;
+    std::vector<SiteLine> warnings;  // about sites and worlds, of their own reports
+    std::vector<SiteLine> details;   // of how long they take for what
     std::size_t num_objects = 0;
+    std::vector<ThingLine> things;                         // in the order of their numbers
     std::optional<double> recording_s;                     // of the video that is being recorded
     std::string notice;                                    // what just happened; empty: nothing
     std::array<float, History::kLength - 1> latency_ms{};  // of the last 30 s, see History
@@ -50,6 +65,7 @@ class Surface {
 public:
     virtual ~Surface() = default;
     virtual std::string description() const = 0;
+    virtual bool is_window() const = 0;
     /// Pictures per second that the display can show [Hz]; 0 where there is none.
     virtual double display_hz() const = 0;
     virtual std::array<int, 2> size() const = 0;  // of the picture [px]

@@ -5,23 +5,25 @@
 #include "core/base/statistics.hpp"
 #include "core/joining/join_world.hpp"
 #include "viewer/album.hpp"
+#include "viewer/annotations.hpp"
 #include "viewer/display.hpp"
 #include "viewer/mouse_grab.hpp"
 #include "viewer/people_view.hpp"
+#include "viewer/scene_editor.hpp"
 #include "viewer/scene_view.hpp"
 #include "viewer/session.hpp"
+#include "viewer/status_lines.hpp"
 #include "viewer/surface.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <utility>
 
 namespace atrium::viewer {
 namespace {
@@ -33,14 +35,6 @@ constexpr double kHeadlessFps = 30.0;
 
 Clock::duration seconds(double s) {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
-}
-
-// That no other viewer has, not even one of another host, or of this process.
-std::string own_name() {
-    static std::atomic<int> num_named{0};
-    const std::string end = fmt::format("-{}-{}", getpid(), ++num_named);
-    const std::string host = bus::host_name();
-    return "viewer-" + host.substr(0, 63 - std::min<std::size_t>(63, 7 + end.size())) + end;
 }
 
 double pictures_per_second(const ViewConfig& view, const Surface& surface) {
@@ -65,7 +59,11 @@ struct Viewer::Impl {
     std::optional<Album> album;
     std::optional<SceneView> scene;
     PeopleView people;
+    std::optional<Annotations> annotations;
     std::optional<MouseGrab> mouse;
+    std::optional<SceneEditor> editor;
+    StatusLines reports;
+    std::uint64_t listed_revision = 0;  // of the scene that hud.things are of
     Companion companion;
     LatencyWindow latency;
     LatencyWindow taking_in;  // of this thread's time, for the people that are new in a picture
@@ -97,6 +95,8 @@ struct Viewer::Impl {
     void send(const bus::SceneCommand& command);
     void move_about(const SurfaceEvents& events);
     Expected<void> react(const SurfaceEvents& events);
+    void edit(const SurfaceEvents& events);
+    void list_things();
     Expected<void> draw();
     void say(const std::string& notice);  // to who looks at the picture, and to the log
     void update_status(Clock::time_point now);
@@ -133,6 +133,8 @@ Expected<void> Viewer::Impl::open() {
                                                                      : renderer::Antialias::kNone});
     if (!created) return tl::unexpected(created.error());
     renderer.emplace(std::move(*created));
+    const std::string& names = config.view.names;
+    annotations.emplace(names == "on" || (names == "auto" && surface->is_window()));
     app::log::info("surface_open on=\"{}\" size={}x{}", surface->description(), width, height);
     return album->open(*renderer);
 }
@@ -178,16 +180,38 @@ void Viewer::Impl::move_about(const SurfaceEvents& events) {
     camera = companion.update(camera, places, Clock::now());
 }
 
+void Viewer::Impl::edit(const SurfaceEvents& events) {
+    const Clock::time_point now = Clock::now();
+    const auto& objects = scene->objects();
+    if (events.reset_scene) send(editor->reset());
+    if (events.add) {
+        const auto eyes = display.eyes(camera, renderer->width(), renderer->height());
+        send(editor->add(make_object(*events.add, eyes.front()), objects, now));
+    }
+    if (events.remove) send(editor->remove(*events.remove, objects, now));
+    if (events.remove_pointed && !display.is_tile()) {
+        const Pointer pointer = display.over_one_eye(events.pointer);
+        if (const auto hit = scene->pick(ray_through(camera, pointer)))
+            send(editor->remove(hit->object, objects, now));
+    }
+    const SceneEditor::Servers servers{reports.has_world(), reports.num_refused()};
+    for (const auto& outcome : editor->outcomes(objects, servers, now)) say(outcome.text);
+}
+
+void Viewer::Impl::list_things() {
+    if (std::exchange(listed_revision, scene->revision()) == scene->revision()) return;
+    hud.things.clear();
+    for (const auto& [id, object] : scene->objects())
+        hud.things.push_back({id, fmt::format("{} ({})", object.name, id)});
+}
+
 Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
     if (!display.is_tile()) move_about(events);
     if (events.screenshot) say(album->screenshot(*renderer));
+    if (events.debug) annotations->toggle_debug();
+    if (events.names) annotations->toggle_names();
     if (events.record) say(album->toggle_video(*renderer));
-    if (events.reset_scene) {
-        bus::SceneCommand command;
-        command.sender = config.view.name;
-        command.kind = bus::CommandKind::kReset;
-        send(command);
-    }
+    edit(events);
     // a window that is minimised has no size
     const auto [width, height] = display.picture_size(surface->size());
     if (width > 0 && height > 0) return renderer->resize(width, height);
@@ -201,7 +225,11 @@ Expected<void> Viewer::Impl::draw() {
     const Clock::duration scene_took = Clock::now() - now;
     people.update(*session, instant, now, *renderer);
     if (!people.just_shown().empty()) taking_in.add(Clock::now() - now - scene_took);
-    renderer->draw(display.eyes(camera, renderer->width(), renderer->height()));
+    const auto eyes = display.eyes(camera, renderer->width(), renderer->height());
+    const std::string inside = companion.has_own_eyes() ? companion.name() : "";
+    annotations->update(*scene, people, inside, eyes, now, *renderer);
+    renderer->draw(eyes);
+    list_things();
     hud.num_objects = renderer->num_objects();
     hud.recording_s = album->video_s();
     if (now > notice_until) hud.notice.clear();
@@ -222,6 +250,12 @@ void Viewer::Impl::update_status(Clock::time_point now) {
     hud.capture_to_display = {quantiles.median_ms, quantiles.p99_ms, quantiles.num_samples};
     hud.frames_per_s = rate.update(num_frames, now);
     hud.sites = people.lines(now);
+    const StatusReports came = session->take_statuses();
+    for (const auto& [site, report] : came.sites) reports.add(site, report, now);
+    for (const auto& [world, report] : came.worlds) reports.add(world, report, now);
+    reports.forget_silent(now);
+    hud.warnings = reports.warnings();
+    hud.details = reports.details();
     hud.bytes_per_s = byte_rate.update(session->num_bytes(), now);
     hud.num_skipped = session->num_pairs_skipped();
     hud.num_incomplete = session->num_incomplete();
@@ -307,7 +341,7 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config, std
     if (!display) return tl::unexpected(display.error());
     auto impl = std::make_unique<Impl>();
     impl->config = config;
-    if (config.view.name.empty()) impl->config.view.name = own_name();
+    if (config.view.name.empty()) impl->config.view.name = name_of_its_own();
     auto session = Session::create(config.bus, impl->config.view.name);
     if (!session) return tl::unexpected(session.error());
     impl->start_camera = impl->camera = *camera;
@@ -316,6 +350,7 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config, std
     impl->scene.emplace(config.models, impl->display.delay());
     impl->album.emplace(impl->config);
     impl->mouse.emplace(impl->config.view.name);
+    impl->editor.emplace(impl->config.view.name);
     if (auto joined = impl->join(stop); !joined) return tl::unexpected(joined.error());
     return std::unique_ptr<Viewer>(new Viewer(std::move(impl)));
 }

@@ -1,7 +1,13 @@
 #include "viewer/viewer_config.hpp"
 
 #include "core/bus/bus_options.hpp"
+#include "core/bus/membership.hpp"
 
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <sstream>
 
@@ -25,6 +31,10 @@ void declare(ViewerConfig& config, config::OptionSet& set) {
             view.antialias,
             "smoothing of edges; fxaa costs about 12 ms of one core per picture in software",
             {"none", "fxaa"});
+    set.add("view.names",
+            view.names,
+            "people's names over their heads; auto: in a window, not in pictures without one",
+            {"auto", "on", "off"});
     declare(config.display, set);
     set.add("headless", config.headless, "draw without a window even where there is a display");
     set.add("frames", config.frames, "end after this many pictures; 0: go on until stopped");
@@ -83,6 +93,13 @@ Expected<renderer::ViewCamera> make_view_camera(const ViewConfig& config) {
     }
     return renderer::ViewCamera{
         .position_m = *position, .target_m = *target, .fov_deg = config.fov_deg};
+}
+
+std::string name_of_its_own() {
+    static std::atomic<int> num_named{0};
+    const std::string end = fmt::format("-{}-{}", getpid(), ++num_named);
+    const std::string host = bus::host_name();
+    return "viewer-" + host.substr(0, 63 - std::min<std::size_t>(63, 7 + end.size())) + end;
 }
 
 }  // namespace atrium::viewer

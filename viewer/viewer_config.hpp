@@ -22,6 +22,7 @@ struct ViewConfig {
     std::string target_m = "0,0,0.95";
     double fov_deg = 38.0;
     std::string antialias = "none";
+    std::string names = "auto";  // auto: in a window
 };
 
 struct VideoConfig {
@@ -54,5 +55,8 @@ Expected<Eigen::Vector3d> parse_point(const std::string& key, const std::string&
 
 /// The viewpoint that `config` describes; an error where it makes no sense.
 Expected<renderer::ViewCamera> make_view_camera(const ViewConfig& config);
+
+/// That no other viewer has, not even one of another host, or of this process.
+std::string name_of_its_own();
 
 }  // namespace atrium::viewer

@@ -1,5 +1,6 @@
 #include "core/gl/entry_points.hpp"
 #include "viewer/hud.hpp"
+#include "viewer/menu.hpp"
 #include "viewer/surface.hpp"
 
 #include <glad/gl.h>
@@ -37,12 +38,14 @@ public:
             static_cast<Window*>(glfwGetWindowUserPointer(w))->typed(character);
         });
         glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double steps) {
+            if (ImGui::GetIO().WantCaptureMouse) return;
             static_cast<Window*>(glfwGetWindowUserPointer(w))->events_.motion.zoom_steps += steps;
         });
         // ImGui keeps its context in a global: one window at a time
         ImGui::CreateContext();
         ImGui::GetIO().IniFilename = nullptr;
-        ImGui_ImplGlfw_InitForOpenGL(window_, false);
+        // it puts its own callbacks before those above, which it calls in turn
+        ImGui_ImplGlfw_InitForOpenGL(window_, true);
         ImGui_ImplOpenGL3_Init("#version 330 core");
         last_time_s_ = glfwGetTime();
     }
@@ -60,6 +63,7 @@ public:
         const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
         return std::string("window, ") + (name == nullptr ? "unknown renderer" : name);
     }
+    bool is_window() const override { return true; }
     double display_hz() const override {
         constexpr int kUsualHz = 60;  // of displays that do not tell, virtual ones for example
         const GLFWvidmode* mode = glfwGetVideoMode(glfwGetPrimaryMonitor());
@@ -84,20 +88,21 @@ public:
             renderer.present_halves();
         else
             renderer.present();
-        if (is_hud_shown_ || are_keys_shown_) {
-            ImGui_ImplOpenGL3_NewFrame();
-            ImGui_ImplGlfw_NewFrame();
-            ImGui::NewFrame();
-            if (is_hud_shown_) draw_hud(figures);
-            if (are_keys_shown_) draw_keys();
-            ImGui::Render();
-            ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
-        }
+        // also where nothing is laid out: so it knows that mouse and keys are not for it
+        ImGui_ImplOpenGL3_NewFrame();
+        ImGui_ImplGlfw_NewFrame();
+        ImGui::NewFrame();
+        if (is_hud_shown_) draw_hud(figures, has_details_);
+        if (is_menu_shown_) menu_.draw(figures, events_);
+        if (are_keys_shown_) draw_keys();
+        ImGui::Render();
+        ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
         glfwSwapBuffers(window_);
     }
 
 private:
     void pressed(int key) {
+        if (ImGui::GetIO().WantTextInput) return;  // somebody types a name
         if (key == GLFW_KEY_F12 || key == GLFW_KEY_P) events_.screenshot = true;
         if (key == GLFW_KEY_R) events_.reset_scene = true;
         if (key == GLFW_KEY_V) events_.reset_view = true;
@@ -105,14 +110,22 @@ private:
         if (key == GLFW_KEY_F) events_.follow = true;
         if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9)
             events_.person = static_cast<std::size_t>(key - GLFW_KEY_0);
+        if (key == GLFW_KEY_N) events_.names = true;
+        if (key == GLFW_KEY_B) events_.debug = true;
+        if (key == GLFW_KEY_T) has_details_ = !has_details_;
         if (key == GLFW_KEY_G) walks_ = !walks_;
         if (key == GLFW_KEY_F11) toggle_full_screen();
         if (key == GLFW_KEY_H) is_hud_shown_ = !is_hud_shown_;
-        if (key == GLFW_KEY_ESCAPE) glfwSetWindowShouldClose(window_, GLFW_TRUE);
+        if (key == GLFW_KEY_M) is_menu_shown_ = !is_menu_shown_;
+        if (key == GLFW_KEY_DELETE) events_.remove_pointed = !ImGui::GetIO().WantCaptureMouse;
+        if (key == GLFW_KEY_ESCAPE) close_what_is_open();
     }
     // by the character: where ? is differs with the keyboard
     void typed(unsigned character) {
-        if (character == '?') are_keys_shown_ = !are_keys_shown_;
+        if (character == '?' && !ImGui::GetIO().WantTextInput) are_keys_shown_ = !are_keys_shown_;
+    }
+    void close_what_is_open() {
+        if (!std::exchange(is_menu_shown_, false)) glfwSetWindowShouldClose(window_, GLFW_TRUE);
     }
     void toggle_full_screen() {
         if (glfwGetWindowMonitor(window_) != nullptr) {
@@ -140,6 +153,8 @@ private:
         events_.pointer.at_px = at;
         events_.pointer.width_px = std::max(1, window[0]);
         events_.pointer.height_px = std::max(1, window[1]);
+        // what is done to the menu is not done to the world behind it
+        if (ImGui::GetIO().WantCaptureMouse) return;
         events_.pointer.is_down = glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
         if (events_.pointer.is_down) events_.motion.turn_px = way;
         if (glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS)
@@ -149,19 +164,23 @@ private:
     void read_keys() {
         const double now_s = glfwGetTime();
         events_.motion.seconds = now_s - std::exchange(last_time_s_, now_s);
+        events_.motion.walk = walks_;
+        if (ImGui::GetIO().WantTextInput) return;
         const auto axis = [this](int plus, int minus) {
             return static_cast<double>(is_down(plus)) - static_cast<double>(is_down(minus));
         };
         events_.motion.fly = {axis(GLFW_KEY_D, GLFW_KEY_A),
                               axis(GLFW_KEY_W, GLFW_KEY_S),
                               axis(GLFW_KEY_E, GLFW_KEY_Q)};
-        events_.motion.walk = walks_;
     }
 
     GLFWwindow* window_;
     bool has_two_buffers_;
     bool is_hud_shown_ = true;
     bool are_keys_shown_ = false;
+    bool is_menu_shown_ = false;
+    bool has_details_ = false;
+    Menu menu_;
     bool walks_ = false;
     std::array<int, 4> windowed_{};  // place and size, to come back to from the full screen
     SurfaceEvents events_;

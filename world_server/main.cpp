@@ -25,7 +25,9 @@ int main(int argc, char** argv) {
 
     auto server = world_server::WorldServer::create(config, stop.token());
     if (!server) return stop.token().stop_requested() ? 0 : app::fail(server.error());
-    app::log::info("running world={} objects={}", config.bus.world, config.objects.size() + config.soft.size());
+    app::log::info("running world={} objects={}",
+                   config.bus.world,
+                   config.objects.size() + config.soft.size());
     if (const auto done = (*server)->run(stop.token()); !done) return app::fail(done.error());
     return 0;
 }

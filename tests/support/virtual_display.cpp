@@ -240,6 +240,23 @@ void VirtualDisplay::press(const std::string& title, const std::string& key) {
     impl_->send(title, event);
 }
 
+void VirtualDisplay::point_at(const std::string& title, int x, int y) {
+    const Grab grab(impl_->display);
+    const auto place = find(impl_->display, title);
+    if (place) XWarpPointer(impl_->display, None, place->window, 0, 0, 0, 0, x, y);
+}
+
+void VirtualDisplay::hold_button(const std::string& title, bool is_down) {
+    XEvent event{};
+    event.xbutton.type = is_down ? ButtonPress : ButtonRelease;
+    event.xbutton.root = DefaultRootWindow(impl_->display);
+    event.xbutton.time = CurrentTime;
+    event.xbutton.same_screen = True;
+    event.xbutton.button = Button1;
+    event.xbutton.state = is_down ? 0 : Button1Mask;
+    impl_->send(title, event);
+}
+
 void VirtualDisplay::ask_to_close(const std::string& title) {
     XEvent event{};
     event.xclient.type = ClientMessage;

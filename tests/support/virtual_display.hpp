@@ -35,6 +35,10 @@ public:
     void resize(const std::string& title, const Size& size);
     /// A key by X's name of what it types: "Escape", "F9", "h", "question".
     void press(const std::string& title, const std::string& key);
+    /// Puts the mouse there, from the window's upper left corner.
+    void point_at(const std::string& title, int x, int y);
+    /// Presses the left button where the mouse is, or lets it go.
+    void hold_button(const std::string& title, bool is_down);
     void press_escape(const std::string& title) { press(title, "Escape"); }
     /// As the button in a window's frame does.
     void ask_to_close(const std::string& title);

@@ -27,6 +27,7 @@ struct SceneRenderer::Impl {
     gl::Framebuffer smoothed;  // only with anti-aliasing
     ScreenSquare square;
     std::optional<Backdrop> backdrop;
+    std::optional<Overlay> overlay;
     Textures textures;
     std::map<std::string, PersonDrawing> people;
     std::map<std::string, Eigen::Matrix4d> site_poses;
@@ -66,6 +67,9 @@ Expected<void> SceneRenderer::Impl::create_shaders() {
     auto behind = Backdrop::create();
     if (!behind) return tl::unexpected(behind.error());
     backdrop = std::move(*behind);
+    auto over = Overlay::create();
+    if (!over) return tl::unexpected(over.error());
+    overlay = std::move(*over);
     return {};
 }
 
@@ -157,16 +161,19 @@ void SceneRenderer::Impl::draw_floors(const View& view) {
 
 void SceneRenderer::Impl::draw_eye(const EyeView& eye) {
     const View view{eye.clip_from_world(), eye.eye_world()};
+    if (overlay->is_wireframe()) glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
     for (auto& [site, person] : people) {
         if (person.is_solid()) person.draw(person_shaders, view.clip_from_world, view.eye_world);
     }
     draw_objects(view);
+    glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     draw_floors(view);
     backdrop->draw_sky(eye);
     // over what is seen through them
     for (auto& [site, person] : people) {
         if (!person.is_solid()) draw_faded(person, eye);
     }
+    overlay->draw(eye);
 }
 
 void SceneRenderer::Impl::draw_faded(PersonDrawing& person, const EyeView& eye) {
@@ -305,6 +312,8 @@ Expected<void> SceneRenderer::resize(int width, int height) {
     if (width == impl_->options.width && height == impl_->options.height) return {};
     return impl_->create_targets(width, height);
 }
+
+Overlay& SceneRenderer::overlay() { return *impl_->overlay; }
 
 int SceneRenderer::width() const { return impl_->options.width; }
 int SceneRenderer::height() const { return impl_->options.height; }

@@ -3,6 +3,7 @@
 #include "core/base/expected.hpp"
 #include "core/geometry/rigid_transform.hpp"
 #include "viewer/renderer/object_look.hpp"
+#include "viewer/renderer/overlay.hpp"
 #include "viewer/renderer/person_model.hpp"
 #include "viewer/renderer/soft_surface.hpp"
 #include "viewer/renderer/view_camera.hpp"
@@ -70,6 +71,9 @@ public:
     /// The picture that lies from now on on all things whose look names it; kept until the renderer
     /// ends.
     void set_texture(const std::string& name, const TexturePicture& picture);
+
+    /// What is drawn over people and objects from now on.
+    Overlay& overlay();
 
     Expected<void> resize(int width, int height);
     int width() const;

@@ -218,6 +218,44 @@ void main() {
 }
 )";
 
+const char* const kLabelVertex = R"(#version 330 core
+layout(location = 0) in vec2 corner;
+uniform mat4 clip_from_view;
+uniform vec3 middle;
+uniform vec2 half_size;
+out vec2 at;
+void main() {
+    at = vec2(0.5 + 0.5 * corner.x, 0.5 - 0.5 * corner.y);
+    gl_Position = clip_from_view * vec4(middle + vec3(corner * half_size, 0.0), 1.0);
+}
+)";
+
+const char* const kLabelFragment = R"(#version 330 core
+in vec2 at;
+uniform sampler2D picture;
+uniform float opacity;
+out vec4 fragment;
+void main() { fragment = opacity * texture(picture, at); }
+)";
+
+const char* const kLineVertex = R"(#version 330 core
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 colour;
+uniform mat4 clip_from_world;
+out vec3 line_colour;
+void main() {
+    line_colour = colour;
+    gl_Position = clip_from_world * vec4(position, 1.0);
+}
+)";
+
+const char* const kLineFragment = R"(#version 330 core
+in vec3 line_colour;
+uniform float opacity;
+out vec4 fragment;
+void main() { fragment = vec4(line_colour, opacity); }
+)";
+
 // After the idea of fast approximate anti-aliasing (Lottes 2009), in its shortest form: where the
 // luma of the four diagonal neighbours differs, average along the edge.
 const char* const kSmoothFragment = R"(#version 330 core

@@ -24,6 +24,14 @@ extern const char* const kBackgroundFragment;
 extern const char* const kShadowVertex;
 extern const char* const kShadowFragment;
 
+/// A picture at a place before the eye, its colours multiplied by alpha.
+extern const char* const kLabelVertex;
+extern const char* const kLabelFragment;
+
+/// A line of two colours.
+extern const char* const kLineVertex;
+extern const char* const kLineFragment;
+
 /// Smooths edges of the finished picture (`view.antialias = "fxaa"`).
 extern const char* const kScreenVertex;
 extern const char* const kSmoothFragment;

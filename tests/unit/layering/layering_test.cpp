@@ -63,6 +63,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude{
     {"core/gl/", {"core/base/"}},
     {"core/codec/", {"core/base/", "core/geometry/", "core/image/"}},
     {"core/bus/", {"core/base/", "core/geometry/", "core/image/", "core/config/"}},
+    {"core/status/", {"core/base/", "core/bus/"}},
     {"core/app/", {"core/base/", "core/config/"}},
     {"core/joining/", {"core/base/", "core/bus/", "core/app/"}},
     {"simulation/", {"core/base/", "core/geometry/", "core/image/", "core/gl/", "core/config/"}},
@@ -84,7 +85,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude{
     {"site_node/preview/",
      {"core/base/", "core/image/", "core/gl/", "core/app/", "site_node/capture/"}},
     {"world_server/physics/", {"core/base/", "core/geometry/"}},
-    {"monitor/", {"core/base/", "core/bus/", "core/config/", "core/app/"}},
+    {"monitor/", {"core/base/", "core/bus/", "core/config/", "core/app/", "core/status/"}},
     {"viewer/renderer/", {"core/base/", "core/geometry/", "core/image/", "core/gl/"}},
 };
 

@@ -15,7 +15,7 @@ using std::chrono::milliseconds;
 const ViewCamera kCamera{.position_m = {3, 0, 2}, .target_m = {0, 0, 1}};
 const Companion::Clock::time_point kStart{std::chrono::hours(1)};
 
-PersonPlace standing_at(double x, double y) { return {{x, y, 0.9}, {x, y, 1.65}}; }
+PersonPlace standing_at(double x, double y) { return {{x, y, 0.9}, {x, y, 1.65}, {x, y, 1.8}}; }
 
 TEST(PersonPlace, HasTheEyesInTheHead) {
     // a body with one arm far out, and a head off its middle
@@ -27,6 +27,7 @@ TEST(PersonPlace, HasTheEyesInTheHead) {
         for (const float x : {0.0F, 0.2F}) vertices.emplace_back(x, 0.05F, z);
     const PersonPlace place = place_of(vertices);
     EXPECT_LT((place.eyes - Eigen::Vector3d(0.1, 0.05, 1.58)).norm(), 0.03);
+    EXPECT_LT((place.top - Eigen::Vector3d(0.1, 0.05, 1.7)).norm(), 0.01);
     EXPECT_NEAR(place.middle.x(), 0.35, 1e-6);
     EXPECT_NEAR(place.middle.z(), 0.85, 1e-3);
 }

@@ -116,6 +116,34 @@ TEST_F(ViewerRun, ShowsAPersonAndForgetsItWithItsSite) {
     EXPECT_GT(std::abs(centre_of_output()[2] - 230), 10);
 }
 
+TEST_F(ViewerRun, WritesNamesOverHeadsWhereAsked) {
+    config_.view.position_m = "6,0,1.2";
+    config_.view.width = 640;
+    config_.view.height = 360;
+    auto descriptions = writer<bus::SiteDescription>();
+    auto meshes = writer<bus::SiteMesh>();
+    auto textures = writer<bus::CameraTexture>();
+    ASSERT_TRUE(descriptions.write(test_site::description("alice")));
+    std::uint64_t frame_id = 0;
+    std::vector<cv::Mat> pictures;
+    for (const char* names : {"auto", "on"}) {
+        config_.view.names = names;
+        start();
+        ASSERT_TRUE(eventually([&] {
+            test_site::Frame frame = test_site::frame("alice", ++frame_id, 230);
+            EXPECT_TRUE(meshes.write(frame.mesh));
+            for (const auto& texture : frame.textures) EXPECT_TRUE(textures.write(texture));
+            return viewer_->status().num_pairs_shown >= 3;
+        }));
+        finish();
+        pictures.push_back(cv::imread(config_.output.string()));
+    }
+    cv::Mat difference;
+    cv::absdiff(pictures[0], pictures[1], difference);
+    EXPECT_GT(cv::norm(difference.rowRange(0, 180), cv::NORM_INF), 100) << "without a window: none";
+    EXPECT_LT(cv::norm(difference.rowRange(180, 360), cv::NORM_INF), 20) << "over the head alone";
+}
+
 // The site is there, but sends nothing any more.
 TEST_F(ViewerRun, APersonOfASiteThatStallsFades) {
     start();

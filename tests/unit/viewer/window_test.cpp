@@ -48,8 +48,27 @@ protected:
             EXPECT_TRUE(renderer_->resize(size[0], size[1]));
         }
         renderer_->draw(renderer::ViewCamera{});
-        window_->show(*renderer_, {});
+        window_->show(*renderer_, figures_);
         return events;
+    }
+
+    // What a click there makes of the mouse and of the menu: it is let go, and seen to be.
+    SurfaceEvents click(int x, int y) {
+        display_->point_at(kTitle, x, y);
+        for (int i = 0; i < 3; ++i) draw();
+        SurfaceEvents all;
+        const auto take = [&] {
+            const SurfaceEvents events = draw();
+            all.pointer.is_down |= events.pointer.is_down;
+            all.reset_scene |= events.reset_scene;
+            if (events.add) all.add = events.add;
+            if (events.remove) all.remove = events.remove;
+        };
+        for (const bool is_down : {true, false}) {
+            display_->hold_button(kTitle, is_down);
+            for (int i = 0; i < 3; ++i) take();
+        }
+        return all;
     }
 
     // The picture as it was drawn, without what stands beside it.
@@ -63,6 +82,7 @@ protected:
 
     std::unique_ptr<VirtualDisplay> display_;
     std::unique_ptr<Surface> window_;
+    HudFigures figures_;
     std::optional<renderer::SceneRenderer> renderer_;
 };
 
@@ -102,6 +122,9 @@ TEST_F(ViewerWindow, TakesItsKeys) {
     EXPECT_TRUE(gives("F12", [](const SurfaceEvents& e) { return e.screenshot; }));
     EXPECT_TRUE(gives("F9", [](const SurfaceEvents& e) { return e.record; }));
     EXPECT_TRUE(gives("r", [](const SurfaceEvents& e) { return e.reset_scene; }));
+    EXPECT_TRUE(gives("n", [](const SurfaceEvents& e) { return e.names; }));
+    EXPECT_TRUE(gives("b", [](const SurfaceEvents& e) { return e.debug; }));
+    EXPECT_TRUE(gives("Delete", [](const SurfaceEvents& e) { return e.remove_pointed; }));
     EXPECT_TRUE(gives("v", [](const SurfaceEvents& e) { return e.reset_view; }));
     EXPECT_TRUE(gives("f", [](const SurfaceEvents& e) { return e.follow; }));
     EXPECT_TRUE(gives("2", [](const SurfaceEvents& e) { return e.person == 2; }));
@@ -126,6 +149,54 @@ TEST_F(ViewerWindow, ListsItsKeysWhenAsked) {
     EXPECT_TRUE(comes_true(shows_list));
     display_->press(kTitle, "question");
     EXPECT_TRUE(comes_true([&] { return !shows_list(); }));
+}
+
+// The menu stands at the right, 290 pixels wide; what is in it is found by trying.
+TEST_F(ViewerWindow, HasAMenuThatTakesTheMouseAndTheKeys) {
+    display_->resize(kTitle, {640, 520});
+    ASSERT_TRUE(comes_true([&] {
+        draw();
+        return window_->size() == Size{640, 520};
+    }));
+    const int x = 640 - 10 - 290 + 150;
+    EXPECT_TRUE(click(x, 120).pointer.is_down) << "the world's";
+    display_->press(kTitle, "m");
+    for (int i = 0; i < 20; ++i) draw();
+    figures_.things = {{7, "ball (7)"}, {8, "box (8)"}};
+    std::optional<int> reset_at;
+    std::optional<int> name_at;
+    std::optional<NewThing> added;
+    for (int y = 20; y < 340; y += 7) {
+        const SurfaceEvents events = click(x, y);
+        EXPECT_FALSE(events.pointer.is_down) << y;
+        EXPECT_FALSE(events.remove) << "nothing is chosen yet";
+        if (events.reset_scene && !reset_at) reset_at = y;
+        if (events.add) {
+            added = events.add;
+            break;
+        }
+        display_->press(kTitle, "n");
+        bool is_taken = true;
+        for (int i = 0; i < 5; ++i) is_taken &= !draw().names;
+        if (is_taken && !name_at) {
+            name_at = y;
+            for (const char* key : {"b", "question", "4"}) display_->press(kTitle, key);
+            for (int i = 0; i < 5; ++i) EXPECT_FALSE(draw().debug);
+        }
+    }
+    EXPECT_TRUE(reset_at);
+    EXPECT_TRUE(name_at);
+    ASSERT_TRUE(added);
+    EXPECT_LE(added->shape, bus::Shape::kCapsule) << "one of its buttons was met on the way";
+    EXPECT_GT(added->size_m.minCoeff(), 0.0);
+    EXPECT_EQ(added->name.substr(0, 3), "nb4") << "names have no question marks";
+    std::optional<std::uint32_t> removed;
+    for (int y = 220; y < 420 && !removed; y += 9) removed = click(x, y).remove;
+    ASSERT_TRUE(removed);
+    EXPECT_TRUE(*removed == 7 || *removed == 8);
+    display_->press_escape(kTitle);
+    for (int i = 0; i < 20; ++i) EXPECT_FALSE(draw().close) << "closes the menu alone";
+    EXPECT_TRUE(click(x, 120).pointer.is_down) << "it is closed";
 }
 
 TEST_F(ViewerWindow, FillsTheScreenAndComesBack) {

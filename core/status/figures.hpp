@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace atrium::monitor {
+namespace atrium::status {
 
 struct Counter {
     std::string what;
@@ -56,4 +56,4 @@ Figures figures_of(const bus::ViewerStatus& status);
 /// Whether `now` may be of the process that wrote `before`: its counters went on, and time too.
 bool goes_on(const Figures& before, const Figures& now);
 
-}  // namespace atrium::monitor
+}  // namespace atrium::status

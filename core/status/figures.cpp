@@ -1,10 +1,10 @@
-#include "monitor/figures.hpp"
+#include "core/status/figures.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-namespace atrium::monitor {
+namespace atrium::status {
 namespace {
 
 // A median of a status that has no number of samples with it: 0 where there is none.
@@ -125,4 +125,4 @@ bool goes_on(const Figures& before, const Figures& now) {
     return true;
 }
 
-}  // namespace atrium::monitor
+}  // namespace atrium::status

@@ -1,0 +1,91 @@
+#include "viewer/status_lines.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace atrium::viewer {
+namespace {
+
+using std::chrono::seconds;
+
+const StatusLines::Clock::time_point kStart{std::chrono::hours(1)};
+
+bus::SiteStatus site_status(std::uint64_t num_late) {
+    bus::SiteStatus status;
+    status.time = Timestamp{std::int64_t{1'000'000'000} * std::int64_t(100 + num_late)};
+    status.metaframes_per_s = 12.96;
+    status.num_dropped_late = num_late;
+    status.left_out.num_phantoms = 10 * num_late;
+    status.stages = {7.61, 21.5, 7.9, 0.2};
+    status.capture_to_publish = {47.6, 126.1, 512};
+    return status;
+}
+
+std::vector<std::string> texts(const std::vector<SiteLine>& lines) {
+    std::vector<std::string> texts;
+    for (const SiteLine& line : lines) texts.push_back(line.text);
+    return texts;
+}
+
+TEST(StatusLines, SayHowLongEachStageTakes) {
+    StatusLines lines;
+    lines.add("alice", site_status(0), kStart);
+    bus::WorldStatus world;
+    world.steps_per_s = 119.0;
+    world.step = {0.8, 2.1, 512};
+    world.capture_to_collision = {68.1, 143.1, 512};
+    lines.add("lab", world, kStart);
+    EXPECT_THAT(texts(lines.details()),
+                testing::ElementsAre("site alice: 13.0 metaframes/s",
+                                     "  ms  silhouettes 7.6  hull 21.5  coding 7.9  publishing 0.2",
+                                     "  ms  capture to publish 47.6 (99 %: 126.1)",
+                                     "world lab: 119.0 steps/s",
+                                     "  ms  step 0.8 (99 %: 2.1)",
+                                     "  ms  capture to collision 68.1 (99 %: 143.1)"));
+    EXPECT_TRUE(lines.warnings().empty());
+}
+
+TEST(StatusLines, WarnOfWhatWasLostSinceTheReportBefore) {
+    StatusLines lines;
+    lines.add("alice", site_status(100), kStart);
+    EXPECT_TRUE(lines.warnings().empty()) << "that was before";
+    lines.add("alice", site_status(103), kStart + seconds(1));
+    const auto warnings = lines.warnings();
+    ASSERT_EQ(warnings.size(), 1U);
+    EXPECT_TRUE(warnings[0].is_warning);
+    EXPECT_EQ(warnings[0].text, "site alice: dropped late 3") << "phantoms are the site's affair";
+    lines.add("alice", site_status(103), kStart + seconds(2));
+    EXPECT_TRUE(lines.warnings().empty());
+    lines.add("alice", site_status(2), kStart + seconds(3));
+    EXPECT_TRUE(lines.warnings().empty()) << "it started again";
+    bus::SiteStatus status = site_status(2);
+    status.cameras.resize(3);
+    status.cameras[1].connected = true;
+    lines.add("bob", status, kStart);
+    EXPECT_THAT(texts(lines.warnings()), testing::ElementsAre("site bob: 2 cameras off"));
+}
+
+TEST(StatusLines, KnowWhetherAWorldServerIsThereAndWhatItRefused) {
+    StatusLines lines;
+    EXPECT_FALSE(lines.has_world());
+    lines.add("alice", site_status(0), kStart);
+    EXPECT_FALSE(lines.has_world());
+    bus::WorldStatus world;
+    world.num_refused = 5;
+    lines.add("lab", world, kStart);
+    lines.add("alice", site_status(0), kStart + seconds(3));
+    EXPECT_TRUE(lines.has_world());
+    EXPECT_EQ(lines.num_refused(), 5U);
+    lines.forget_silent(kStart + seconds(5));
+    EXPECT_FALSE(lines.has_world());
+    EXPECT_EQ(texts(lines.details()).size(), 3U) << "the site is still there";
+}
+
+TEST(StatusLines, TakeABoundedNumberOfPrograms) {
+    StatusLines lines;
+    for (int i = 0; i < 1000; ++i) lines.add("s" + std::to_string(i), site_status(0), kStart);
+    EXPECT_LE(lines.details().size(), 3U * 128U);
+}
+
+}  // namespace
+}  // namespace atrium::viewer

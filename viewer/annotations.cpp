@@ -1,0 +1,32 @@
+#include "viewer/annotations.hpp"
+
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace atrium::viewer {
+
+void Annotations::update(const SceneView& scene,
+                         const PeopleView& people,
+                         const std::string& inside,
+                         std::span<const renderer::EyeView> eyes,
+                         Clock::time_point now,
+                         renderer::SceneRenderer& renderer) {
+    std::vector<renderer::Label> labels;
+    if (has_names_ && !eyes.empty()) {
+        std::map<std::string, NameTags::Person> heads;
+        for (const auto& [name, place] : people.places(renderer))
+            heads[name] = {place.top, people.opacity(name, now)};
+        labels = names_.update(heads, inside, eyes.front().eye_world(), now);
+    }
+    lines_.clear();
+    if (is_debug_)
+        debug_.append(scene, people, renderer, lines_, labels);
+    else
+        debug_.clear();
+    renderer.overlay().set_wireframe(is_debug_);
+    renderer.overlay().set_lines(lines_);
+    renderer.overlay().set_labels(std::move(labels));
+}
+
+}  // namespace atrium::viewer

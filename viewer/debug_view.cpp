@@ -1,0 +1,147 @@
+#include "viewer/debug_view.hpp"
+
+#include "viewer/text_picture.hpp"
+
+#include <Eigen/Geometry>
+
+#include <array>
+
+namespace atrium::viewer {
+namespace {
+
+using renderer::Line;
+
+const Eigen::Vector3f kCameraColour(0.15f, 0.55f, 1.0f);
+const Eigen::Vector3f kSpaceColour(0.55f, 0.55f, 0.6f);
+const Eigen::Vector3f kPersonColour(1.0f, 0.75f, 0.1f);
+const Eigen::Vector3f kThingColour(0.2f, 0.85f, 0.3f);
+const Eigen::Vector3f kVelocityColour(1.0f, 0.15f, 0.1f);
+constexpr double kFrustumM = 0.35;
+constexpr double kVelocityS = 0.25;     // a line reaches where the thing will be after this
+constexpr double kSlowestMps = 0.02;    // of what is drawn a line for
+constexpr double kNameHeight = 0.035;   // of the picture's
+constexpr std::size_t kMaxNames = 128;  // 64 sites of 64 cameras would fill the memory with names
+constexpr int kMaxNewNames = 4;         // in one picture
+
+void append_line(const Eigen::Vector3d& from,
+                 const Eigen::Vector3d& to,
+                 const Eigen::Vector3f& colour,
+                 std::vector<Line>& lines) {
+    lines.push_back({{from.cast<float>(), colour}, {to.cast<float>(), colour}});
+}
+
+void append_bounds(const std::vector<Eigen::Vector3f>& points,
+                   const Eigen::Vector3f& colour,
+                   std::vector<Line>& lines) {
+    if (points.empty()) return;
+    Eigen::Vector3f low = points.front();
+    Eigen::Vector3f high = points.front();
+    for (const Eigen::Vector3f& p : points) {
+        low = low.cwiseMin(p);
+        high = high.cwiseMax(p);
+    }
+    Eigen::Matrix4d world_from_box = Eigen::Matrix4d::Identity();
+    world_from_box.topRightCorner<3, 1>() = (0.5f * (low + high)).cast<double>();
+    append_box(world_from_box, (high - low).cast<double>(), colour, lines);
+}
+
+void append_things(const SceneView& scene, std::vector<Line>& lines) {
+    for (const bus::ObjectState& state : scene.states()) {
+        const auto found = scene.objects().find(state.object);
+        if (found == scene.objects().end()) continue;
+        const bus::SceneObject& object = found->second;
+        if (object.shape == bus::Shape::kPlane || object.shape == bus::Shape::kSoft) continue;
+        append_box(state.world_from_object.matrix(), object.size_m, kThingColour, lines);
+        const Eigen::Vector3d& at = state.world_from_object.translation;
+        if (state.linear_velocity.norm() > kSlowestMps)
+            append_line(at, at + kVelocityS * state.linear_velocity, kVelocityColour, lines);
+    }
+    for (const auto& [id, nodes] : scene.nodes()) append_bounds(nodes, kThingColour, lines);
+}
+
+}  // namespace
+
+void append_box(const Eigen::Matrix4d& world_from_box,
+                const Eigen::Vector3d& size_m,
+                const Eigen::Vector3f& colour,
+                std::vector<Line>& lines) {
+    const auto corner = [&](int index) -> Eigen::Vector3d {
+        const Eigen::Vector3d signs((index & 1) != 0 ? 0.5 : -0.5,
+                                    (index & 2) != 0 ? 0.5 : -0.5,
+                                    (index & 4) != 0 ? 0.5 : -0.5);
+        return (world_from_box * signs.cwiseProduct(size_m).homogeneous()).head<3>();
+    };
+    for (int index = 0; index < 8; ++index) {
+        for (const int axis : {1, 2, 4}) {
+            if ((index & axis) == 0)
+                append_line(corner(index), corner(index | axis), colour, lines);
+        }
+    }
+}
+
+void append_frustum(const geometry::CalibratedCamera& camera,
+                    const Eigen::Matrix4d& world_from_site,
+                    double length_m,
+                    const Eigen::Vector3f& colour,
+                    std::vector<Line>& lines) {
+    const geometry::PinholeCamera& lens = camera.intrinsics;
+    const Eigen::Matrix4d world_from_camera =
+        world_from_site * camera.camera_from_site.inverse().matrix();
+    const auto in_world = [&](double x_px, double y_px) -> Eigen::Vector3d {
+        const Eigen::Vector3d p_camera = length_m * lens.ray_camera({x_px, y_px});
+        return (world_from_camera * p_camera.homogeneous()).head<3>();
+    };
+    // the picture reaches half a pixel beyond the centres of its outer pixels
+    const double right = lens.width - 0.5;
+    const double bottom = lens.height - 0.5;
+    const std::array<Eigen::Vector3d, 4> corners{in_world(-0.5, -0.5),
+                                                 in_world(right, -0.5),
+                                                 in_world(right, bottom),
+                                                 in_world(-0.5, bottom)};
+    const Eigen::Vector3d centre = world_from_camera.topRightCorner<3, 1>();
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        append_line(centre, corners[i], colour, lines);
+        append_line(corners[i], corners[(i + 1) % corners.size()], colour, lines);
+    }
+}
+
+void DebugView::append_site(const bus::SiteDescription& site,
+                            const Eigen::Matrix4d& world_from_site,
+                            std::vector<Line>& lines,
+                            std::vector<renderer::Label>& labels) {
+    Eigen::Matrix4d site_from_box = Eigen::Matrix4d::Identity();
+    site_from_box.topRightCorner<3, 1>() = site.bounds_site.centre();
+    append_box(world_from_site * site_from_box, site.bounds_site.size(), kSpaceColour, lines);
+    for (const geometry::CalibratedCamera& camera : site.cameras) {
+        append_frustum(camera, world_from_site, kFrustumM, kCameraColour, lines);
+        auto found = names_.find(camera.name);
+        if (found == names_.end()) {
+            if (names_.size() >= kMaxNames || ++num_new_names_ > kMaxNewNames) continue;
+            found = names_.emplace(camera.name, draw_text(camera.name)).first;
+        }
+        if (labels.size() >= kMaxNames) continue;
+        labels.push_back(
+            {.picture = found->second,
+             .at_world = (world_from_site * camera.centre_site().homogeneous()).head<3>(),
+             .height = kNameHeight,
+             .opacity = 0.9});
+    }
+}
+
+void DebugView::append(const SceneView& scene,
+                       const PeopleView& people,
+                       const renderer::SceneRenderer& renderer,
+                       std::vector<Line>& lines,
+                       std::vector<renderer::Label>& labels) {
+    num_new_names_ = 0;
+    for (const auto& [name, site] : scene.sites())
+        append_site(*site, renderer.world_from_site(name), lines, labels);
+    for (const auto& [name, place] : people.places(renderer)) {
+        Eigen::Matrix4d world_from_box = renderer.world_from_site(name);
+        world_from_box.topRightCorner<3, 1>() = place.middle;
+        append_box(world_from_box, place.size, kPersonColour, lines);
+    }
+    append_things(scene, lines);
+}
+
+}  // namespace atrium::viewer

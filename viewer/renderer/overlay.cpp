@@ -1,0 +1,142 @@
+#include "viewer/renderer/overlay.hpp"
+
+#include "viewer/renderer/shaders.hpp"
+
+#include <glad/gl.h>
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+namespace atrium::renderer {
+namespace {
+
+constexpr double kNearestM = 0.1;  // before the eye: nearer ones would fill the picture
+
+gl::Texture upload(const TexturePicture& picture) {
+    assert(picture.rgba.size() ==
+           std::size_t{4} * static_cast<std::size_t>(picture.width * picture.height));
+    GLuint id = 0;
+    glGenTextures(1, &id);
+    gl::Texture texture(id);
+    gl::bind_texture(0, texture);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    glTexImage2D(GL_TEXTURE_2D,
+                 0,
+                 GL_RGBA8,
+                 picture.width,
+                 picture.height,
+                 0,
+                 GL_RGBA,
+                 GL_UNSIGNED_BYTE,
+                 picture.rgba.data());
+    // drawn at half its size and less: smooth only from pictures that were shrunk before
+    glGenerateMipmap(GL_TEXTURE_2D);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    return texture;
+}
+
+double depth_of(const EyeView& eye, const Eigen::Vector3d& p_world) {
+    return -(eye.view_from_world.row(2).head<3>().dot(p_world) + eye.view_from_world(2, 3));
+}
+
+}  // namespace
+
+Expected<Overlay> Overlay::create() {
+    auto label = gl::ShaderProgram::create("label", shaders::kLabelVertex, shaders::kLabelFragment);
+    if (!label) return tl::unexpected(label.error());
+    auto line = gl::ShaderProgram::create("line", shaders::kLineVertex, shaders::kLineFragment);
+    if (!line) return tl::unexpected(line.error());
+    Overlay made;
+    made.label_shader_ = std::move(*label);
+    made.line_shader_ = std::move(*line);
+    made.line_layout_ = gl::make_vertex_array();
+    made.line_ends_ = gl::make_buffer();
+    return made;
+}
+
+void Overlay::set_labels(std::vector<Label> labels) {
+    labels_ = std::move(labels);
+    std::map<std::shared_ptr<const TexturePicture>, gl::Texture> used;
+    for (const Label& label : labels_) {
+        if (used.contains(label.picture)) continue;
+        const auto found = pictures_.find(label.picture);
+        used[label.picture] =
+            found != pictures_.end() ? std::move(found->second) : upload(*label.picture);
+    }
+    pictures_ = std::move(used);
+}
+
+void Overlay::set_lines(std::span<const Line> lines) {
+    num_lines_ = lines.size();
+    if (lines.empty()) return;
+    glBindVertexArray(line_layout_.id());
+    gl::upload(line_ends_, GL_ARRAY_BUFFER, lines, GL_STREAM_DRAW);
+    gl::float_attribute(0, 3, sizeof(Line::End), 0);
+    gl::float_attribute(1, 3, sizeof(Line::End), sizeof(Eigen::Vector3f));
+    glBindVertexArray(0);
+}
+
+void Overlay::draw_label(const Label& label, const EyeView& eye) const {
+    const double depth_m = depth_of(eye, label.at_world);
+    if (depth_m < kNearestM || label.opacity <= 0.0) return;
+    // in the eye's own metres, so that a picture that the display stretches stretches it as well
+    const double half_height_m = label.height * depth_m / eye.clip_from_view(1, 1);
+    const double aspect = static_cast<double>(label.picture->width) / label.picture->height;
+    Eigen::Vector3d middle = (eye.view_from_world * label.at_world.homogeneous()).head<3>();
+    middle.y() += half_height_m;
+    label_shader_.set("clip_from_view", Eigen::Matrix4f(eye.clip_from_view.cast<float>()));
+    label_shader_.set("middle", Eigen::Vector3f(middle.cast<float>()));
+    label_shader_.set("half_size",
+                      Eigen::Vector2f(static_cast<float>(aspect * half_height_m),
+                                      static_cast<float>(half_height_m)));
+    label_shader_.set("opacity", static_cast<float>(label.opacity));
+    gl::bind_texture(0, pictures_.at(label.picture));
+    square_.draw();
+}
+
+void Overlay::draw_lines(const EyeView& eye) const {
+    constexpr float kHiddenOpacity = 0.3f;
+    line_shader_.use();
+    line_shader_.set("clip_from_world", Eigen::Matrix4f(eye.clip_from_world().cast<float>()));
+    glBindVertexArray(line_layout_.id());
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    for (const bool is_hidden : {true, false}) {
+        // the depths stay those of the scene, so that lines do not hide each other
+        glDepthMask(GL_FALSE);
+        glDepthFunc(is_hidden ? GL_GREATER : GL_LEQUAL);
+        line_shader_.set("opacity", is_hidden ? kHiddenOpacity : 1.0f);
+        glDrawArrays(GL_LINES, 0, static_cast<GLsizei>(2 * num_lines_));
+    }
+    glDepthMask(GL_TRUE);
+    glDepthFunc(GL_LEQUAL);
+    glDisable(GL_BLEND);
+}
+
+void Overlay::draw(const EyeView& eye) const {
+    if (num_lines_ > 0) draw_lines(eye);
+    if (!labels_.empty()) draw_labels(eye);
+}
+
+void Overlay::draw_labels(const EyeView& eye) const {
+    // the nearest last, over the others
+    std::vector<const Label*> order;
+    for (const Label& label : labels_) order.push_back(&label);
+    std::sort(order.begin(), order.end(), [&](const Label* a, const Label* b) {
+        return depth_of(eye, a->at_world) > depth_of(eye, b->at_world);
+    });
+    glDisable(GL_DEPTH_TEST);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    label_shader_.use();
+    label_shader_.set("picture", 0);
+    for (const Label* label : order) draw_label(*label, eye);
+    glDisable(GL_BLEND);
+    glEnable(GL_DEPTH_TEST);
+}
+
+}  // namespace atrium::renderer

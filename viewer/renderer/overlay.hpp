@@ -1,0 +1,74 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/gl/resources.hpp"
+#include "core/gl/shader_program.hpp"
+#include "viewer/renderer/object_look.hpp"
+#include "viewer/renderer/screen_square.hpp"
+#include "viewer/renderer/view_camera.hpp"
+
+#include <Eigen/Core>
+
+#include <map>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace atrium::renderer {
+
+/// A small picture at a place in the world that every eye sees upright, of one size however far it
+/// is, and before everything else.
+struct Label {
+    std::shared_ptr<const TexturePicture> picture;       // its colours multiplied by alpha
+    Eigen::Vector3d at_world = Eigen::Vector3d::Zero();  // the middle of its lower edge
+    double height = 0.04;                                // share of the height that the eye sees
+    double opacity = 1.0;
+};
+
+/// A straight line in the world, one pixel wide; where something is before it, it is fainter.
+struct Line {
+    struct End {
+        Eigen::Vector3f at_world;
+        Eigen::Vector3f colour;  // sRGB in [0, 1]
+    };
+    End from;
+    End to;
+};
+
+/// What is drawn over the scene, into each eye's part of the picture and in each eye's colours: so
+/// it is right on every display, and in screenshots and videos.
+class Overlay {
+public:
+    static Expected<Overlay> create();
+
+    /// All labels from now on; pictures that none of them has any more are forgotten.
+    void set_labels(std::vector<Label> labels);
+
+    /// All lines from now on.
+    void set_lines(std::span<const Line> lines);
+
+    /// Whether people and things are drawn as the edges of their triangles.
+    bool is_wireframe() const { return is_wireframe_; }
+    void set_wireframe(bool is_wireframe) { is_wireframe_ = is_wireframe; }
+
+    /// With the eye's viewport and colours set.
+    void draw(const EyeView& eye) const;
+
+private:
+    Overlay() = default;
+    void draw_label(const Label& label, const EyeView& eye) const;
+    void draw_labels(const EyeView& eye) const;
+    void draw_lines(const EyeView& eye) const;
+
+    gl::ShaderProgram label_shader_;
+    ScreenSquare square_;
+    std::vector<Label> labels_;
+    std::map<std::shared_ptr<const TexturePicture>, gl::Texture> pictures_;
+    gl::ShaderProgram line_shader_;
+    gl::VertexArray line_layout_;
+    gl::Buffer line_ends_;
+    std::size_t num_lines_ = 0;
+    bool is_wireframe_ = false;
+};
+
+}  // namespace atrium::renderer

@@ -1,0 +1,141 @@
+#include "viewer/scene_editor.hpp"
+
+#include "core/bus/checks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace atrium::viewer {
+namespace {
+
+constexpr double kBeforeTheEyeM = 1.2;  // to the thing's nearest point, about
+constexpr double kOffTheFloorM = 0.01;
+constexpr double kMinSizeM = 0.02;
+constexpr double kMaxSizeM = 4.0;
+constexpr std::size_t kMaxWishes = 64;  // that are watched; the world takes 200 commands a second
+
+std::string valid_name(std::string name, bus::Shape shape) {
+    name = name.substr(0, 63);
+    for (char& c : name) {
+        if (!bus::is_valid_name({&c, 1})) c = '_';
+    }
+    if (!name.empty()) return name;
+    switch (shape) {
+        case bus::Shape::kSphere:
+            return "ball";
+        case bus::Shape::kCylinder:
+            return "cylinder";
+        case bus::Shape::kCapsule:
+            return "capsule";
+        default:
+            return "box";
+    }
+}
+
+// The sizes as each shape wants them.
+Eigen::Vector3d size_of(const NewThing& thing) {
+    const Eigen::Vector3d size = thing.size_m.cwiseMax(kMinSizeM).cwiseMin(kMaxSizeM);
+    if (thing.shape == bus::Shape::kSphere) return Eigen::Vector3d::Constant(size.x());
+    if (thing.shape == bus::Shape::kCylinder) return {size.x(), size.x(), size.z()};
+    if (thing.shape == bus::Shape::kCapsule)
+        return {size.x(), size.x(), std::max(size.x(), size.z())};
+    return size;
+}
+
+}  // namespace
+
+bus::SceneObject make_object(const NewThing& thing, const renderer::EyeView& eye) {
+    bus::SceneObject object;
+    object.shape = thing.shape;
+    object.name = valid_name(thing.name, thing.shape);
+    object.size_m = size_of(thing);
+    object.mass_kg = std::clamp(thing.mass_kg, 0.01, 1000.0);
+    object.restitution = thing.shape == bus::Shape::kSphere ? 0.6 : 0.2;
+    object.colour = thing.colour.cwiseMax(0.0).cwiseMin(1.0);
+    const Eigen::Vector3d forward = -eye.view_from_world.row(2).head<3>().transpose();
+    Eigen::Vector3d& at = object.world_from_object.translation;
+    at = eye.eye_world() + (kBeforeTheEyeM + 0.5 * object.size_m.maxCoeff()) * forward;
+    at.z() = std::max(at.z(), 0.5 * object.size_m.z() + kOffTheFloorM);
+    return object;
+}
+
+bus::SceneCommand SceneEditor::command(bus::CommandKind kind) const {
+    bus::SceneCommand command;
+    command.sender = sender_;
+    command.kind = kind;
+    return command;
+}
+
+void SceneEditor::remember(Wish wish) {
+    if (wishes_.size() >= kMaxWishes) wishes_.erase(wishes_.begin());
+    wishes_.push_back(std::move(wish));
+}
+
+bus::SceneCommand SceneEditor::add(const bus::SceneObject& object,
+                                   const Objects& objects,
+                                   Clock::time_point now) {
+    Wish wish{object.name, now, num_refused_, std::nullopt, {}};
+    for (const auto& [id, there] : objects) {
+        if (there.name == object.name) wish.before.insert(id);
+    }
+    remember(std::move(wish));
+    bus::SceneCommand add = command(bus::CommandKind::kAdd);
+    add.object = object;
+    return add;
+}
+
+bus::SceneCommand SceneEditor::remove(std::uint32_t object,
+                                      const Objects& objects,
+                                      Clock::time_point now) {
+    const auto found = objects.find(object);
+    const std::string name = found == objects.end() ? "it" : found->second.name;
+    remember({name, now, num_refused_, object, {}});
+    bus::SceneCommand remove = command(bus::CommandKind::kRemove);
+    remove.target = object;
+    return remove;
+}
+
+bool SceneEditor::is_fulfilled(const Wish& wish, const Objects& objects) {
+    if (wish.gone) return !objects.contains(*wish.gone);
+    const auto came = std::find_if(objects.begin(), objects.end(), [&](const auto& there) {
+        return there.second.name == wish.name && !wish.before.contains(there.first);
+    });
+    if (came == objects.end()) return false;
+    // who asked twice gets two
+    for (Wish& other : wishes_) {
+        if (!other.gone && other.name == wish.name) other.before.insert(came->first);
+    }
+    return true;
+}
+
+std::string SceneEditor::reason(const Wish& wish, const Servers& servers) const {
+    if (!servers.are_there) return "no world server is there";
+    // it counts what it refuses, without saying whose it was
+    return servers.num_refused > wish.num_refused ? "the world server refused it"
+                                                  : "the world server did not do it";
+}
+
+std::vector<SceneEditor::Outcome> SceneEditor::outcomes(const Objects& objects,
+                                                        const Servers& servers,
+                                                        Clock::time_point now) {
+    num_refused_ = servers.num_refused;
+    std::vector<Outcome> outcomes;
+    for (auto wish = wishes_.begin(); wish != wishes_.end();) {
+        const bool is_done = is_fulfilled(*wish, objects);
+        if (!is_done && now - wish->since < kPatience) {
+            ++wish;
+            continue;
+        }
+        const std::string what = wish->gone ? "removed" : "added";
+        outcomes.push_back(
+            {is_done ? fmt::format("{} was {}", wish->name, what)
+                     : fmt::format("{} was not {}: {}", wish->name, what, reason(*wish, servers)),
+             is_done});
+        wish = wishes_.erase(wish);
+    }
+    return outcomes;
+}
+
+}  // namespace atrium::viewer

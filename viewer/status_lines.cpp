@@ -1,0 +1,110 @@
+#include "viewer/status_lines.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+namespace atrium::viewer {
+namespace {
+
+constexpr std::chrono::seconds kForgotten{4};
+constexpr std::size_t kMaxPrograms = 128;  // 64 sites and as many worlds
+
+// What a viewer has to be told of: the rest belongs to how sites work (phantoms), or is wanted
+// (metaframes left out for a narrow network).
+constexpr std::array<std::string_view, 7> kWorthAWarning{"dropped_incomplete",
+                                                         "dropped_late",
+                                                         "failed",
+                                                         "pictures_missing",
+                                                         "skipped_ticks",
+                                                         "refused_commands",
+                                                         "objects_put_back"};
+
+std::string spaced(std::string text) {
+    std::replace(text.begin(), text.end(), '_', ' ');
+    return text;
+}
+
+std::string with_p99(const status::Figures::Stage& stage) {
+    const std::string text = fmt::format("{} {:.1f}", spaced(stage.name), stage.latency.median_ms);
+    return stage.has_p99 ? fmt::format("{} (99 %: {:.1f})", text, stage.latency.p99_ms) : text;
+}
+
+}  // namespace
+
+void StatusLines::add(const std::string& title, status::Figures figures, Clock::time_point now) {
+    const auto found = programs_.find(title);
+    if (found == programs_.end()) {
+        if (programs_.size() < kMaxPrograms)
+            programs_.emplace(title, Program{std::nullopt, std::move(figures), now});
+        return;
+    }
+    Program& program = found->second;
+    program.before.reset();
+    // one that started again counts from 0: nothing can be said of what it lost
+    if (goes_on(program.now, figures)) program.before = std::move(program.now);
+    program.now = std::move(figures);
+    program.at = now;
+}
+
+void StatusLines::forget_silent(Clock::time_point now) {
+    std::erase_if(programs_, [&](const auto& item) { return now - item.second.at > kForgotten; });
+}
+
+std::vector<SiteLine> StatusLines::warnings() const {
+    std::vector<SiteLine> lines;
+    for (const auto& [title, program] : programs_) {
+        std::string lost;
+        for (std::size_t i = 0; program.before && i < program.now.losses.size(); ++i) {
+            const status::Counter& counter = program.now.losses[i];
+            const std::uint64_t more = counter.total - program.before->losses[i].total;
+            if (more == 0 || std::ranges::count(kWorthAWarning, counter.what) == 0) continue;
+            lost += fmt::format("{}{} {}", lost.empty() ? "" : ", ", spaced(counter.what), more);
+        }
+        const auto is_off = [](const auto& camera) { return !camera.status.connected; };
+        const auto num_off = std::ranges::count_if(program.now.cameras, is_off);
+        if (num_off > 0) lost += fmt::format("{}{} cameras off", lost.empty() ? "" : ", ", num_off);
+        if (!lost.empty()) lines.push_back({title + ": " + lost, true});
+    }
+    return lines;
+}
+
+std::vector<SiteLine> StatusLines::details() const {
+    std::vector<SiteLine> lines;
+    for (const auto& [title, program] : programs_) {
+        lines.push_back(
+            {fmt::format("{}: {:.1f} {}", title, program.now.rate, program.now.rate_unit), false});
+        std::string stages;
+        for (const status::Figures::Stage& stage : program.now.stages) {
+            if (stage.latency.num_samples == 0) continue;
+            // what it takes as a whole has a line of its own
+            if (stage.name.starts_with("capture_to_")) {
+                if (!stages.empty()) lines.push_back({"  ms  " + std::exchange(stages, ""), false});
+                lines.push_back({"  ms  " + with_p99(stage), false});
+            } else {
+                stages += (stages.empty() ? "" : "  ") + with_p99(stage);
+            }
+        }
+        if (!stages.empty()) lines.push_back({"  ms  " + stages, false});
+    }
+    return lines;
+}
+
+bool StatusLines::has_world() const {
+    return std::ranges::any_of(programs_,
+                               [](const auto& item) { return item.first.starts_with("world "); });
+}
+
+std::uint64_t StatusLines::num_refused() const {
+    std::uint64_t num = 0;
+    for (const auto& [title, program] : programs_) {
+        for (const status::Counter& counter : program.now.losses)
+            if (counter.what == "refused_commands") num += counter.total;
+    }
+    return num;
+}
+
+}  // namespace atrium::viewer
