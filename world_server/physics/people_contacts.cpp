@@ -2,6 +2,7 @@
 
 #include "world_server/physics/body_samples.hpp"
 #include "world_server/physics/hold.hpp"
+#include "world_server/physics/shape_distance.hpp"
 
 #include <btBulletDynamicsCommon.h>
 
@@ -12,6 +13,7 @@
 namespace atrium::physics {
 namespace {
 
+constexpr btScalar kAroundM = 0.002F;     // of a surface in an object: less is a touch
 constexpr float kContactM = 0.005F;       // gap up to which a person counts as touching an object
 constexpr float kSphereSpacingM = 0.02F;  // of a sphere's samples
 constexpr std::size_t kMinSphereSamples = 26;
@@ -116,6 +118,7 @@ struct PeopleContacts::Tracked {
     ContactBody surface;
     float inner_radius_m = 0.0F;  // half of the smallest extent
     std::string escaping_from;    // the person whom it is being led out of; empty: none
+    bool is_put = false;          // and has not been apart from all people since
     std::map<std::string, Hold> holds;
 };
 
@@ -146,6 +149,14 @@ void PeopleContacts::add(std::uint32_t id, btRigidBody& body) {
 
 void PeopleContacts::remove(std::uint32_t id) { bodies_.erase(id); }
 
+void PeopleContacts::put(std::uint32_t id) {
+    const auto found = bodies_.find(id);
+    if (found == bodies_.end()) return;
+    found->second->is_put = true;
+    found->second->escaping_from.clear();
+    found->second->holds.clear();
+}
+
 void PeopleContacts::forget_person(const std::string& name) {
     for (auto& [id, tracked] : bodies_) {
         if (tracked->escaping_from == name) tracked->escaping_from.clear();
@@ -169,6 +180,14 @@ void PeopleContacts::begin_body(Tracked& tracked, const PeopleField& people, dou
     if (!tracked.escaping_from.empty() && lead_out(tracked, people)) return;
     const ContactMotion motion = motion_of(*tracked.body);
     if (!motion.world_from_body.matrix().allFinite()) return;
+    if (tracked.is_put) {
+        const auto is_around_one = [&](const auto& person) {
+            return is_around(tracked, person.second) && !is_inside(tracked, person.second);
+        };
+        const auto& all = people.people();
+        tracked.is_put = std::any_of(all.begin(), all.end(), is_around_one);
+        if (tracked.is_put) return;
+    }
     std::size_t num_resisting = 0;
     const std::size_t num_before = num_used_;
     for (const auto& [name, person] : people.people()) {
@@ -228,6 +247,21 @@ bool PeopleContacts::is_inside(const Tracked& tracked, const PersonField& person
         num_behind += s.normal.dot(offset) < 0.0F ? 1 : 0;
     });
     return num >= 3 && 4 * num_behind >= 3 * num;
+}
+
+// Whether some of a person's surface is deep in the object.
+bool PeopleContacts::is_around(const Tracked& tracked, const PersonField& person) const {
+    btVector3 low, high;
+    tracked.body->getAabb(low, high);
+    const btTransform body_from_world = tracked.body->getWorldTransform().inverse();
+    const btCollisionShape& shape = *tracked.body->getCollisionShape();
+    bool is_around = false;
+    person.surfels().visit_box(from_bullet(low), from_bullet(high), [&](const PlacedSurfel& s) {
+        if (is_around) return;
+        const auto at = distance_to_shape(shape, body_from_world * to_bullet(s.position), 0);
+        is_around = at && at->distance < -kAroundM;
+    });
+    return is_around;
 }
 
 // Gives an object inside a person a velocity towards the nearest place on the person's surface;

@@ -40,6 +40,9 @@ public:
     /// An object that moves; `body` must stay until `remove`.
     void add(std::uint32_t id, btRigidBody& body);
     void remove(std::uint32_t id);  // no harm if it is not there
+    /// It has been put back to where it is and did not come there: a person of whom a part is
+    /// inside it does not touch it before they are apart. Else it would stick on a hand.
+    void put(std::uint32_t id);
 
     /// To be called by the pre-tick callback, after the field's own `begin_tick`.
     void begin_tick(const PeopleField& people, double tick_s);
@@ -58,6 +61,7 @@ private:
     void begin_body(Tracked& tracked, const PeopleField& people, double tick_s);
     bool lead_out(Tracked& tracked, const PeopleField& people);
     bool is_inside(const Tracked& tracked, const PersonField& person) const;
+    bool is_around(const Tracked& tracked, const PersonField& person) const;
     void insert(Tracked& tracked,
                 const PersonContact& contact,
                 const Surface& surface,
