@@ -101,6 +101,8 @@ Expected<std::unique_ptr<PreviewWindow>> PreviewWindow::open(const std::string& 
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     impl->window = glfwCreateWindow(kFirstWidth, kFirstHeight, title.c_str(), nullptr, nullptr);
     if (impl->window == nullptr) return failed(last_error());
+    // a key that was pressed and let go between two looks counts as well
+    glfwSetInputMode(impl->window, GLFW_STICKY_KEYS, GLFW_TRUE);
     glfwMakeContextCurrent(impl->window);
     if (auto loaded = gl::load_entry_points(&glfwGetProcAddress); !loaded)
         return tl::unexpected(loaded.error());
