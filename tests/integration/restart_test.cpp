@@ -152,6 +152,7 @@ private:
 struct Times {
     std::vector<double> ms;
     void print(const std::string& what) {
+        if (ms.empty()) return;  // it came to nothing, and the test has said so
         std::sort(ms.begin(), ms.end());
         std::printf("%-28s %zu times, median %.0f ms, longest %.0f ms\n",
                     what.c_str(),
@@ -332,7 +333,7 @@ TEST_F(Restart, AViewerThatIsKilledIsGoneAndComesBackWhileTheOthersGoOn) {
     for (int round = 0; round < num_rounds() && !HasFailure(); ++round) {
         kill_and_restart(
             "wall",
-            "surface_headless",
+            "surface_open",
             {{"wall", "", "person_shown site=alice"}, {"wall", "", "person_shown site=bob"}});
     }
     gone_.print("viewer gone");
