@@ -1,5 +1,6 @@
 #include "core/config/table_reader.hpp"
 
+#include "core/config/spelling.hpp"
 #include "core/config/toml_nesting.hpp"
 
 #include <fmt/format.h>
@@ -10,12 +11,10 @@
 #include <fstream>
 #include <functional>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <set>
 #include <sstream>
 #include <utility>
-#include <vector>
 
 namespace atrium::config {
 
@@ -25,6 +24,7 @@ struct TableReader::Document {
     std::filesystem::path folder;
     toml::value root;
     std::optional<Error> first_problem;
+    std::pair<std::shared_ptr<Node>, std::string> missing;  // the key whose lack that is, if it is
 
     void report(const std::string& where, const std::string& key, const std::string& problem) {
         if (!first_problem) {
@@ -53,8 +53,6 @@ struct TableReader::Node {
 
 namespace {
 
-constexpr std::size_t kMaxTypo = 2;
-
 std::string describe(Range allowed) {
     const bool has_min = std::isfinite(allowed.min);
     const bool has_max = std::isfinite(allowed.max);
@@ -81,22 +79,6 @@ std::optional<double> as_number(const toml::value& value) {
     if (value.is_floating()) return value.as_floating();
     if (value.is_integer()) return static_cast<double>(value.as_integer());
     return std::nullopt;
-}
-
-// To be inserted, left out or replaced to make one of the other (Levenshtein); swapped neighbours
-// are two.
-std::size_t num_edits(const std::string& a, const std::string& b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (std::size_t i = 1; i <= a.size(); ++i) {
-        std::size_t diagonal = std::exchange(row[0], i);
-        for (std::size_t j = 1; j <= b.size(); ++j) {
-            const std::size_t same = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-            diagonal = row[j];
-            row[j] = std::min({row[j] + 1, row[j - 1] + 1, same});
-        }
-    }
-    return row.back();
 }
 
 bool within(double v, Range allowed) {
@@ -241,19 +223,11 @@ void TableReader::reject(const std::string& key, const std::string& what_is_allo
                                        : what_is_allowed);
 }
 
-// Of a key that is missing the reason may be one that is there, and nearly the same.
 void TableReader::require(const std::string& key) {
-    if (has(key)) return;
     const auto [head, rest] = split_first(key);
     if (!head.empty()) return table(head).require(rest);
-    if (node_->table != nullptr) {
-        for (const auto& [other, value] : node_->table->as_table()) {
-            if (node_->asked.contains(other) || num_edits(other, key) > kMaxTypo) continue;
-            document_->report(location(document_->name, value),
-                              node_->path + other,
-                              fmt::format("unknown key; {} is missing, is that meant?", key));
-        }
-    }
+    if (has(key)) return;
+    if (!document_->first_problem) document_->missing = {node_, key};
     reject(key, "is missing");
 }
 
@@ -386,8 +360,27 @@ void TableReader::read(const std::string& key, std::vector<std::string>& values)
     for (const toml::value& v : found->as_array()) values.push_back(v.as_string());
 }
 
+// The key that nobody asked for where the first problem is the lack of one that is spelt like it.
+std::optional<Error> TableReader::misspelling() const {
+    const auto& [node, missing] = document_->missing;
+    if (node == nullptr || node->table == nullptr) return std::nullopt;
+    for (const auto& [key, value] : node->table->as_table()) {
+        if (node->asked.contains(key) || !may_be_meant(key, missing)) continue;
+        return Error{ErrorKind::kConfiguration,
+                     fmt::format("{}: {}{}: unknown key; {} is missing, is that meant?",
+                                 location(document_->name, value),
+                                 node->path,
+                                 key,
+                                 missing)};
+    }
+    return std::nullopt;
+}
+
 Expected<void> TableReader::finish() const {
-    if (document_->first_problem) return tl::unexpected(*document_->first_problem);
+    if (const auto& problem = document_->first_problem) {
+        const auto misspelt = misspelling();
+        return tl::unexpected(misspelt ? *misspelt : *problem);
+    }
     // breadth is small: recursion over the tables that were opened
     const std::function<std::optional<Error>(const Node&)> first_unknown =
         [&](const Node& node) -> std::optional<Error> {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -79,6 +80,7 @@ public:
 private:
     struct Document;
     struct Node;
+    std::optional<Error> misspelling() const;
     TableReader(std::shared_ptr<Document> document, std::shared_ptr<Node> node);
     std::shared_ptr<Document> document_;
     std::shared_ptr<Node> node_;

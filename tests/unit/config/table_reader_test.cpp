@@ -75,6 +75,14 @@ TEST(TableReader, TakesAKeyThatIsNearlyTheMissingOneForAMistake) {
     reader.table("hull").require("threads");
     EXPECT_THAT(reader.finish().error().message,
                 AllOf(HasSubstr("room.toml:3"), HasSubstr("hull.treads: unknown key")));
+    // one that is like it, but known, is no mistake, whenever it is asked for
+    TableReader joint = reader_of("[joint]\nb = 1\nmax_m = 2\n");
+    joint.require("joint.a");
+    joint.require("joint.min_m");
+    double value = 0;
+    joint.read("joint.b", value);
+    joint.read("joint.max_m", value);
+    EXPECT_THAT(joint.finish().error().message, HasSubstr("joint.a: is missing"));
     TableReader other = reader_of("[hull]\nstrands = 3\n");
     other.require("hull.threads");
     EXPECT_THAT(other.finish().error().message, HasSubstr("hull.threads: is missing"));
