@@ -66,6 +66,35 @@ protected:
         EXPECT_TRUE(created) << created.error().message;
         return std::move(*created);
     }
+    // alice's, which says what it is when it is made; each `send` is a frame.
+    class Site {
+    public:
+        explicit Site(ViewerRun& run)
+            : descriptions_(run.writer<bus::SiteDescription>()),
+              meshes_(run.writer<bus::SiteMesh>()),
+              textures_(run.writer<bus::CameraTexture>()) {
+            EXPECT_TRUE(descriptions_.write(test_site::description("alice")));
+        }
+        void send() {
+            const test_site::Frame frame = test_site::frame("alice", ++frame_id_, 230);
+            EXPECT_TRUE(meshes_.write(frame.mesh));
+            for (const auto& texture : frame.textures) EXPECT_TRUE(textures_.write(texture));
+        }
+
+    private:
+        bus::Writer<bus::SiteDescription> descriptions_;
+        bus::Writer<bus::SiteMesh> meshes_;
+        bus::Writer<bus::CameraTexture> textures_;
+        std::uint64_t frame_id_ = 0;
+    };
+    // Sends until that many more have been shown.
+    bool show(Site& site, std::uint64_t num) {
+        const std::uint64_t until = viewer_->status().num_pairs_shown + num;
+        return eventually([&] {
+            site.send();
+            return viewer_->status().num_pairs_shown >= until;
+        });
+    }
     cv::Vec3b centre_of_output() const {
         const cv::Mat picture = cv::imread(config_.output.string());
         EXPECT_EQ(picture.size(), cv::Size(320, 180));
@@ -84,29 +113,14 @@ protected:
 TEST_F(ViewerRun, ShowsAPersonAndForgetsItWithItsSite) {
     start();
     {
-        auto descriptions = writer<bus::SiteDescription>();
-        auto meshes = writer<bus::SiteMesh>();
-        auto textures = writer<bus::CameraTexture>();
-        ASSERT_TRUE(descriptions.write(test_site::description("alice")));
-        std::uint64_t frame_id = 0;
-        ASSERT_TRUE(eventually([&] {
-            test_site::Frame frame = test_site::frame("alice", ++frame_id, 230);
-            EXPECT_TRUE(meshes.write(frame.mesh));
-            for (const auto& texture : frame.textures) EXPECT_TRUE(textures.write(texture));
-            return viewer_->status().num_pairs_shown >= 3;
-        }));
+        Site alice(*this);
+        ASSERT_TRUE(show(alice, 3));
         EXPECT_GT(viewer_->status().capture_to_display.num_samples, 0u);
         finish();
         ASSERT_TRUE(result_) << result_.error().message;
         for (int i = 0; i < 3; ++i) EXPECT_NEAR(centre_of_output()[i], 230, 6);
         start();
-        const std::uint64_t shown = viewer_->status().num_pairs_shown;
-        ASSERT_TRUE(eventually([&] {
-            test_site::Frame frame = test_site::frame("alice", ++frame_id, 230);
-            EXPECT_TRUE(meshes.write(frame.mesh));
-            for (const auto& texture : frame.textures) EXPECT_TRUE(textures.write(texture));
-            return viewer_->status().num_pairs_shown > shown;
-        }));
+        ASSERT_TRUE(show(alice, 1));
     }
     // the writers are gone: what is shown at the end is the empty room
     const auto frames = viewer_->status().num_frames;
@@ -120,21 +134,12 @@ TEST_F(ViewerRun, WritesNamesOverHeadsWhereAsked) {
     config_.view.position_m = "6,0,1.2";
     config_.view.width = 640;
     config_.view.height = 360;
-    auto descriptions = writer<bus::SiteDescription>();
-    auto meshes = writer<bus::SiteMesh>();
-    auto textures = writer<bus::CameraTexture>();
-    ASSERT_TRUE(descriptions.write(test_site::description("alice")));
-    std::uint64_t frame_id = 0;
+    Site alice(*this);
     std::vector<cv::Mat> pictures;
     for (const char* names : {"auto", "on"}) {
         config_.view.names = names;
         start();
-        ASSERT_TRUE(eventually([&] {
-            test_site::Frame frame = test_site::frame("alice", ++frame_id, 230);
-            EXPECT_TRUE(meshes.write(frame.mesh));
-            for (const auto& texture : frame.textures) EXPECT_TRUE(textures.write(texture));
-            return viewer_->status().num_pairs_shown >= 3;
-        }));
+        ASSERT_TRUE(show(alice, 3));
         finish();
         pictures.push_back(cv::imread(config_.output.string()));
     }
@@ -147,17 +152,8 @@ TEST_F(ViewerRun, WritesNamesOverHeadsWhereAsked) {
 // The site is there, but sends nothing any more.
 TEST_F(ViewerRun, APersonOfASiteThatStallsFades) {
     start();
-    auto descriptions = writer<bus::SiteDescription>();
-    auto meshes = writer<bus::SiteMesh>();
-    auto textures = writer<bus::CameraTexture>();
-    ASSERT_TRUE(descriptions.write(test_site::description("alice")));
-    std::uint64_t frame_id = 0;
-    ASSERT_TRUE(eventually([&] {
-        test_site::Frame frame = test_site::frame("alice", ++frame_id, 230);
-        EXPECT_TRUE(meshes.write(frame.mesh));
-        for (const auto& texture : frame.textures) EXPECT_TRUE(textures.write(texture));
-        return viewer_->status().num_pairs_shown >= 3;
-    }));
+    Site alice(*this);
+    ASSERT_TRUE(show(alice, 3));
     const auto frames = viewer_->status().num_frames;
     ASSERT_TRUE(eventually([&] { return viewer_->status().num_frames > frames + 60; }));
     finish();
