@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -80,23 +81,24 @@ TruePicture halved(const TruePicture& from) {
     lens.cx = (lens.cx - 0.5) / 2;
     lens.cy = (lens.cy - 0.5) / 2;
     out.mask = image::Mask(lens.width, lens.height);
-    const cv::Mat whole(
-        from.height(), from.width(), CV_8UC3, const_cast<std::uint8_t*>(from.bgr.data()));
-    cv::Mat half;
-    cv::resize(whole(cv::Rect(0, 0, 2 * lens.width, 2 * lens.height)),
-               half,
-               {lens.width, lens.height},
-               0,
-               0,
-               cv::INTER_AREA);
-    out.bgr.assign(half.datastart, half.dataend);
+    out.bgr.resize(out.mask.data.size() * 3);
     for (int y = 0; y < lens.height; ++y) {
         for (int x = 0; x < lens.width; ++x) {
+            std::array<int, 3> sum{};
             int votes = 0;
-            for (const auto& [dx, dy] : {std::pair{0, 0}, {1, 0}, {0, 1}, {1, 1}})
-                votes += from.mask.at(2 * x + dx, 2 * y + dy) > 0 ? 1 : 0;
-            out.mask.data[static_cast<std::size_t>(y) * static_cast<std::size_t>(lens.width) +
-                          static_cast<std::size_t>(x)] = votes >= 2 ? 255 : 0;
+            for (const auto& [dx, dy] : {std::pair{0, 0}, {1, 0}, {0, 1}, {1, 1}}) {
+                if (from.mask.at(2 * x + dx, 2 * y + dy) == 0) continue;
+                ++votes;
+                const std::uint8_t* bgr =
+                    from.bgr.data() +
+                    3 * (static_cast<std::ptrdiff_t>(2 * y + dy) * from.width() + 2 * x + dx);
+                for (std::size_t c = 0; c < 3; ++c) sum[c] += bgr[c];
+            }
+            const auto pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(lens.width) +
+                               static_cast<std::size_t>(x);
+            out.mask.data[pixel] = votes >= 2 ? 255 : 0;
+            for (std::size_t c = 0; c < 3 && votes > 0; ++c)
+                out.bgr[3 * pixel + c] = static_cast<std::uint8_t>((sum[c] + votes / 2) / votes);
         }
     }
     return out;

@@ -19,7 +19,8 @@ void write_side_by_side(const std::filesystem::path& file,
 /// it at the camera's own pose is expected to do better.
 test::Photo enlarged(const renderer::CameraPicture& picture, int width, int height);
 
-/// As a camera with pixels twice as large would have seen it: of the size of the textures.
+/// As a camera with pixels twice as large would have seen the person alone: of the size of the
+/// textures, each pixel the mean of those of four that are inside the mask.
 test::TruePicture halved(const test::TruePicture& from);
 
 }  // namespace atrium::bench

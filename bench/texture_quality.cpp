@@ -36,7 +36,7 @@ struct Options {
     std::filesystem::path rig = ATRIUM_SOURCE_DIR "/deploy/rigs/full_body_1mp.toml";
     std::filesystem::path pictures;
     std::string look = "ada";
-    std::string publishing = "site";
+    std::string publishing = "half";
     std::string only;
     int orbit_steps = 360;
     bool even_colours = true;
@@ -209,8 +209,22 @@ void compare_own(const std::string& scene,
     }
 }
 
+// The same of a site that sends textures at full resolution (codec.texture_resolution).
+void compare_full(const std::string& scene,
+                  std::span<const TruePicture> texturing,
+                  std::span<const TruePicture> truths,
+                  const Options& options) {
+    if (options.publishing != "half") return;
+    const auto person = value_of(test::receive_person(texturing, test::Publishing::kFull));
+    compare_all(scene + " full", person, truths, options);
+    Comparison comparison(scene + " full own", person, options, test::Sampling::kCentre);
+    for (std::size_t i = 0; i < texturing.size(); ++i)
+        comparison.compare(texturing[i], &person.pictures[i]);
+}
+
 test::Publishing publishing(const Options& options) {
-    return options.publishing == "site" ? test::Publishing::kAsSites
+    if (options.publishing == "full") return test::Publishing::kFull;
+    return options.publishing == "half" ? test::Publishing::kAsSites
                                         : test::Publishing::kAsTheyWere;
 }
 
@@ -233,6 +247,7 @@ void compare_recording(const Options& options) {
     const auto person = value_of(test::receive_person(texturing, publishing(options)));
     compare_all(name, person, held_back, options);
     compare_own(name, person, texturing, options);
+    compare_full(name, texturing, held_back, options);
 }
 
 void compare_orbit(const Options& options,
@@ -296,6 +311,7 @@ void compare_room(const Options& options) {
     if (wants(options, "room")) {
         compare_all("room", person, std::span(pictures).subspan(rig.size()), options);
         compare_own("room", person, filmed, options);
+        compare_full("room", filmed, std::span(pictures).subspan(rig.size()), options);
     }
     if (options.orbit_steps > 0 && wants(options, "orbit"))
         compare_orbit(options, rig, room, person);
@@ -309,10 +325,11 @@ int run(int argc, char** argv) {
             "folder of a recording with masks; every second camera gives textures");
     set.add("rig", options.rig, "cameras of the simulated room, a rig file");
     set.add("look", options.look, "of the simulated person");
-    set.add("publishing",
-            options.publishing,
-            "site: textures at half resolution through the codec; full: as the cameras have them",
-            {"site", "full"});
+    set.add(
+        "publishing",
+        options.publishing,
+        "of textures: at half or full resolution through the codec, or as the cameras have them",
+        {"half", "full", "uncoded"});
     set.add("only", options.only, "scenes whose names begin so: ring20, room, orbit");
     set.add("pictures", options.pictures, "folder for pictures side by side: real, viewer, others");
     set.add("orbit-steps",

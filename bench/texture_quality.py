@@ -15,7 +15,11 @@ SCENES = {"ring20": "ring20: 10 cameras give textures, shown where the other 10 
           "ring20 own": "ring20, at the poses of the cameras that gave the textures",
           "room own": "simulated room, likewise",
           "ring20 own half": "ring20, likewise, at the textures' resolution",
-          "room own half": "simulated room, likewise"}
+          "room own half": "simulated room, likewise",
+          "ring20 full": "ring20 with textures at full resolution, where the other 10 stood",
+          "room full": "simulated room likewise, at 20 free viewpoints",
+          "ring20 full own": "ring20 with textures at full resolution, at the poses of the cameras that gave them",
+          "room full own": "simulated room, likewise"}
 WAYS = {"viewer": "viewer", "nearest camera": "nearest camera alone", "equal": "all that face it, equally", "its texture": "the texture itself"}
 
 

@@ -261,6 +261,10 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             "Draco's, 0 smallest to 10 fastest",
             {0, 10});
     set.add("codec.jpeg_quality", config.pipeline.jpeg_quality, "of the textures", {10, 100});
+    set.add("codec.texture_resolution",
+            config.texture_resolution,
+            "of the textures, beside the cameras' pictures; full: three times the bytes",
+            {"half", "full"});
     declare_stream(config, set);
     bus::declare(config.bus, set);
     show_hull(config.pipeline.hull, set);
@@ -299,6 +303,8 @@ void read_segmentation(config::TableReader& reader, SiteNodeConfig& config) {
 }
 
 void resolve(SiteNodeConfig& config) {
+    if (config.texture_resolution == "full")
+        config.pipeline.texture.resolution = texture::Resolution::kFull;
     config.stream.adapt = config.stream_adapt == "on" ||
                           (config.stream_adapt == "auto" && config.bus.network != "loopback");
     if (config.recording.empty()) return;

@@ -36,7 +36,8 @@ struct SiteNodeConfig {
     PipelineOptions pipeline;
     stream::StreamOptions stream;
     /// "auto": `stream.adapt` but on loopback, where a delay is that of a busy processor.
-    std::string stream_adapt = "auto";  // or "on", "off"
+    std::string stream_adapt = "auto";        // or "on", "off"
+    std::string texture_resolution = "half";  // or "full"
     bus::BusOptions bus;
 
     // what to do instead of running

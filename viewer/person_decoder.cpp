@@ -22,8 +22,9 @@ Expected<void> decode_picture(const bus::CameraTexture& texture,
     }
     if (auto ok = scratch.textures.decode(texture.colour, texture.mask, scratch.texture); !ok)
         return ok;
-    if (scratch.texture.width * 2 != texture.crop_px.width ||
-        scratch.texture.height * 2 != texture.crop_px.height) {
+    const int divisor = scratch.texture.width == texture.crop_px.width ? 1 : 2;
+    if (scratch.texture.width * divisor != texture.crop_px.width ||
+        scratch.texture.height * divisor != texture.crop_px.height) {
         return make_error(ErrorKind::kInvalidData,
                           fmt::format("texture of {}x{} for a crop of {}x{}",
                                       scratch.texture.width,
@@ -51,22 +52,24 @@ Expected<void> decode_person(const FramePair& pair,
         {.max_triangles = limits.max_triangles, .max_vertices = 3 * limits.max_triangles});
     if (!mesh) return tl::unexpected(mesh.error());
     scratch.pictures.resize(pair.textures.size());
-    std::size_t width = 0;
-    std::size_t height = 0;
+    int width = 0;
+    int height = 0;
     for (std::size_t i = 0; i < pair.textures.size(); ++i) {
-        const bus::CameraTexture& texture = pair.textures[i];
-        width = std::max(width, static_cast<std::size_t>(texture.crop_px.width));
-        height = std::max(height, static_cast<std::size_t>(texture.crop_px.height));
+        renderer::CameraPicture& picture = scratch.pictures[i];
+        if (auto ok = decode_picture(pair.textures[i], description, scratch, picture); !ok)
+            return ok;
+        width = std::max(width, picture.width);
+        height = std::max(height, picture.height);
         // the layers of all cameras are as large as the largest one
-        if (std::max(width, height) > 2 * static_cast<std::size_t>(limits.max_picture_side_px) ||
-            width * height * pair.textures.size() > limits.max_layer_bytes) {
+        const std::size_t layer_bytes =
+            4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+        if (std::max(width, height) > limits.max_picture_side_px ||
+            layer_bytes * pair.textures.size() > limits.max_layer_bytes) {
             return make_error(
                 ErrorKind::kInvalidData,
                 fmt::format(
                     "{} pictures of {}x{} are too much", pair.textures.size(), width, height));
         }
-        if (auto ok = decode_picture(texture, description, scratch, scratch.pictures[i]); !ok)
-            return ok;
     }
     renderer::build_person_model(*mesh, scratch.pictures, {}, scratch.model, out);
     return {};

@@ -15,7 +15,7 @@ namespace atrium::viewer {
 /// What is shown of a stranger at most.
 struct PersonLimits {
     std::uint32_t max_triangles = 100'000;      // a person has about 10,000
-    int max_picture_side_px = 4096;             // half resolution
+    int max_picture_side_px = 4096;             // of a texture
     std::size_t max_layer_bytes = 256U << 20U;  // all pictures together, decoded
 };
 

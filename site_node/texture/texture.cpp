@@ -1,10 +1,12 @@
 #include "site_node/texture/texture.hpp"
 
 #include "core/image/block_luma.hpp"
+#include "site_node/texture/whole_resolution.hpp"
 
 #include <algorithm>
 #include <cassert>
 #include <cstring>
+#include <utility>
 
 namespace atrium::texture {
 namespace {
@@ -48,57 +50,92 @@ void set_size(image::Plane& plane, int width, int height) {
     plane.data.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
 }
 
-// Plain C++ that the compiler vectorises; each set of instructions is one more instance of it.
+// `outline` where a block shows both the person and what is behind. Plain C++ that the compiler
+// vectorises; each set of instructions is one more instance of it.
 #define ATRIUM_INLINE inline __attribute__((always_inline))
 
 ATRIUM_INLINE void vote(const std::uint8_t* __restrict top,
                         const std::uint8_t* __restrict bottom,
                         int num_blocks,
-                        std::uint8_t* __restrict alpha) {
+                        std::uint8_t* __restrict alpha,
+                        std::uint8_t* __restrict outline) {
     for (int x = 0; x < num_blocks; ++x) {
         const int votes =
             (top[2 * x] & 1) + (top[2 * x + 1] & 1) + (bottom[2 * x] & 1) + (bottom[2 * x + 1] & 1);
         alpha[x] = votes >= 2 ? 255 : 0;
+        outline[x] = votes == 2 || votes == 3 ? 255 : 0;
     }
 }
 
 void vote_baseline(const std::uint8_t* top,
                    const std::uint8_t* bottom,
                    int num_blocks,
-                   std::uint8_t* alpha) {
-    vote(top, bottom, num_blocks, alpha);
+                   std::uint8_t* alpha,
+                   std::uint8_t* outline) {
+    vote(top, bottom, num_blocks, alpha, outline);
 }
 
 #if defined(__x86_64__)
 __attribute__((target("avx2"))) void vote_avx2(const std::uint8_t* top,
                                                const std::uint8_t* bottom,
                                                int num_blocks,
-                                               std::uint8_t* alpha) {
-    vote(top, bottom, num_blocks, alpha);
+                                               std::uint8_t* alpha,
+                                               std::uint8_t* outline) {
+    vote(top, bottom, num_blocks, alpha, outline);
 }
 #endif
 
 #undef ATRIUM_INLINE
 
+// Of the 2x2 block at (x, y), the mean of those pixels that show the person.
+std::uint8_t foreground_luma(const image::YuvView& frame, const image::Mask& mask, int x, int y) {
+    int sum = 0;
+    int num_foreground = 0;
+    for (const auto& [px, py] : {std::pair{x, y}, {x + 1, y}, {x, y + 1}, {x + 1, y + 1}}) {
+        if (mask.at(px, py) == 0) continue;
+        sum += frame.y.at(px, py);
+        ++num_foreground;
+    }
+    return static_cast<std::uint8_t>((sum + num_foreground / 2) / num_foreground);
+}
+
 void halve(const image::YuvView& frame,
            const image::Mask& mask,
            const image::PixelRect& crop,
            image::RowCode code,
+           TextureScratch& scratch,
            codec::TextureCrop& out) {
     auto* vote_row = vote_baseline;
 #if defined(__x86_64__)
     if (code == image::RowCode::kAvx2) vote_row = vote_avx2;
 #endif
     const int width = crop.width / 2;
+    scratch.outline.resize(static_cast<std::size_t>(width));
+    std::uint8_t* outline = scratch.outline.data();
     for (int y = 0; y < crop.height / 2; ++y) {
+        std::copy_n(frame.u.row(crop.y / 2 + y) + crop.x / 2, width, out.u.row(y));
+        std::copy_n(frame.v.row(crop.y / 2 + y) + crop.x / 2, width, out.v.row(y));
         image::luma_of_blocks(frame, {crop.x, crop.y + 2 * y, width}, code, out.y.row(y));
         vote_row(mask.row(crop.y + 2 * y) + crop.x,
                  mask.row(crop.y + 2 * y + 1) + crop.x,
                  width,
-                 out.mask.row(y));
-        std::copy_n(frame.u.row(crop.y / 2 + y) + crop.x / 2, width, out.u.row(y));
-        std::copy_n(frame.v.row(crop.y / 2 + y) + crop.x / 2, width, out.v.row(y));
+                 out.mask.row(y),
+                 outline);
+        if (frame.mosaic != image::Mosaic::kNone) continue;
+        for (int x = 0; (x += first_foreground(outline + x, width - x)) < width; ++x)
+            out.y.row(y)[x] = foreground_luma(frame, mask, crop.x + 2 * x, crop.y + 2 * y);
     }
+}
+
+void copy_whole(const image::YuvView& frame,
+                const image::Mask& mask,
+                const image::PixelRect& crop,
+                codec::TextureCrop& out) {
+    whole_luma(frame, crop, out.y);
+    whole_chroma(frame.u, crop, out.u);
+    whole_chroma(frame.v, crop, out.v);
+    for (int y = 0; y < crop.height; ++y)
+        std::copy_n(mask.row(crop.y + y) + crop.x, crop.width, out.mask.row(y));
 }
 
 struct BlockGrid {
@@ -289,9 +326,15 @@ bool crop_texture(const image::YuvView& frame,
         padded_even(subject, options.padding_px, frame.width(), frame.height());
     if (crop.empty()) return false;
     out.crop_px = crop;
+    const bool is_full =
+        options.resolution == Resolution::kFull && crop.width <= kMaxFullPixels / crop.height;
+    const int divisor = is_full ? 1 : 2;
     for (image::Plane* plane : {&out.y, &out.u, &out.v, &out.mask})
-        set_size(*plane, crop.width / 2, crop.height / 2);
-    halve(frame, mask, crop, code, out);
+        set_size(*plane, crop.width / divisor, crop.height / divisor);
+    if (is_full)
+        copy_whole(frame, mask, crop, out);
+    else
+        halve(frame, mask, crop, code, scratch, out);
     fill_background(out, scratch.blocks);
     return true;
 }

@@ -10,8 +10,16 @@
 
 namespace atrium::texture {
 
+/// How large the texture of a camera is beside its picture.
+enum class Resolution : std::uint8_t { kHalf, kFull };
+
+/// Larger ones would become samples of more than 0.3 MB, which networks that lose packets seldom
+/// bring whole.
+constexpr int kMaxFullPixels = 1 << 20;
+
 struct TextureOptions {
     int padding_px = 4;  // kept around the subject's bounding rectangle, full-resolution pixels
+    Resolution resolution = Resolution::kHalf;
 };
 
 /// Reused memory; one per thread.
@@ -21,11 +29,14 @@ struct TextureScratch {
         std::array<std::uint32_t, 3> sum{};  // of Y, U, V over the foreground
     };
     std::vector<Block> blocks;
+    std::vector<std::uint8_t> outline;
 };
 
-/// Cuts out `subject`, a rectangle around what the mask shows, at half resolution: Y is the mean of
-/// each 2x2 block (of a mosaic: the block's luma), U and V are as they are, and a pixel is
-/// foreground if at least two of its four are.
+/// Cuts out `subject`, a rectangle around what the mask shows. At half resolution Y is the mean of
+/// the foreground in each 2x2 block (of a mosaic: the block's luma), U and V are as they are, and a
+/// pixel is foreground if at least two of its four are. At full resolution Y and the mask are as
+/// they are, U and V interpolated, of a mosaic Y as well: four times the work, and of the bytes
+/// three times. A subject of more than kMaxFullPixels stays at half resolution.
 ///
 /// Where the result is background it is made smooth, so that it codes small and no background
 /// shines through at the edge: within each 8x8 block (the unit of JPEG) the foreground is continued

@@ -33,14 +33,16 @@ Expected<TruePicture> true_picture(const geometry::CalibratedCamera& camera,
 }
 
 Expected<renderer::CameraPicture> coded_picture(const TruePicture& from,
-                                                const image::PixelRect& subject) {
+                                                const image::PixelRect& subject,
+                                                texture::Resolution resolution) {
     texture::TextureScratch scratch;
     codec::TextureCrop crop;
     codec::CodedTexture coded;
     codec::DecodedTexture decoded;
     codec::TextureEncoder encoder;
     codec::TextureDecoder decoder;
-    if (!texture::crop_texture(from.yuv, from.mask, subject, {}, scratch, crop))
+    if (!texture::crop_texture(
+            from.yuv, from.mask, subject, {.resolution = resolution}, scratch, crop))
         return make_error(ErrorKind::kInvalidData, from.camera.name + " sees nobody");
     if (auto ok = encoder.encode(crop, kSiteJpegQuality, coded); !ok)
         return tl::unexpected(ok.error());
@@ -111,7 +113,10 @@ Expected<ReceivedPerson> receive_person(std::span<const TruePicture> pictures,
             person.pictures.push_back(whole_picture(picture, subject));
             continue;
         }
-        auto coded = coded_picture(picture, subject);
+        auto coded = coded_picture(picture,
+                                   subject,
+                                   publishing == Publishing::kFull ? texture::Resolution::kFull
+                                                                   : texture::Resolution::kHalf);
         if (!coded) return tl::unexpected(coded.error());
         person.pictures.push_back(std::move(*coded));
     }

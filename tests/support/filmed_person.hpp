@@ -37,6 +37,7 @@ Expected<std::vector<TruePicture>> load_pictures(const std::filesystem::path& re
 /// How the pictures of the texturing cameras reach the viewer.
 enum class Publishing : std::uint8_t {
     kAsSites,     // at half resolution, through the codec with its usual quality
+    kFull,        // likewise, but at full resolution
     kAsTheyWere,  // at full resolution, not coded
 };
 

@@ -86,16 +86,17 @@ TEST(CropTexture, ForegroundKeepsItsColoursAndTheMaskIsTheMajorityOfFour) {
             const int fx = crop.crop_px.x + 2 * x;
             const int fy = crop.crop_px.y + 2 * y;
             int votes = 0;
-            int luma = 2;
+            int luma = 0;
             for (const auto& [px, py] :
                  {std::pair{fx, fy}, {fx + 1, fy}, {fx, fy + 1}, {fx + 1, fy + 1}}) {
-                votes += mask.at(px, py) != 0;
+                if (mask.at(px, py) == 0) continue;
+                ++votes;
                 luma += frame.y.at(px, py);
             }
             ASSERT_EQ(crop.mask.at(x, y), votes >= 2 ? 255 : 0);
             if (votes < 2) continue;
             ++num_foreground;
-            ASSERT_EQ(crop.y.at(x, y), luma / 4);
+            ASSERT_EQ(crop.y.at(x, y), (luma + votes / 2) / votes);
             ASSERT_EQ(crop.u.at(x, y), frame.u.at(fx / 2, fy / 2));
             ASSERT_EQ(crop.v.at(x, y), frame.v.at(fx / 2, fy / 2));
         }
@@ -179,6 +180,92 @@ TEST(CropTexture, OddMasksOfOddPicturesLoseTheirLastColumnAndRow) {
     fill(mask, {20, 20, 13, 11}, 255);
     ASSERT_TRUE(crop_texture(noise_frame(32, 30, 5), mask, bounding_rect(mask), {}, scratch, crop));
     EXPECT_EQ(crop.crop_px, (image::PixelRect{16, 16, 16, 14}));
+}
+
+TEST(CropTexture, AtFullResolutionLumaAndMaskAreAsTheyWere) {
+    TextureScratch scratch;
+    codec::TextureCrop crop;
+    image::YuvImage frame = noise_frame(128, 96, 6);
+    fill(frame.u, {0, 0, 64, 48}, 70);
+    image::Mask mask(128, 96);
+    fill(mask, {31, 21, 50, 40}, 255);
+    ASSERT_TRUE(crop_texture(
+        frame, mask, bounding_rect(mask), {.resolution = Resolution::kFull}, scratch, crop));
+    EXPECT_EQ(crop.crop_px, (image::PixelRect{26, 16, 60, 50}));
+    ASSERT_EQ(crop.width(), 60);
+    ASSERT_EQ(crop.height(), 50);
+    for (int y = 0; y < crop.height(); ++y) {
+        for (int x = 0; x < crop.width(); ++x) {
+            const int fx = crop.crop_px.x + x;
+            const int fy = crop.crop_px.y + y;
+            ASSERT_EQ(crop.mask.at(x, y), mask.at(fx, fy));
+            if (mask.at(fx, fy) == 0) continue;
+            ASSERT_EQ(crop.y.at(x, y), frame.y.at(fx, fy));
+            ASSERT_EQ(crop.u.at(x, y), 70);
+        }
+    }
+}
+
+// Chroma that rises evenly is where it was: no shift by half a pixel.
+TEST(CropTexture, AtFullResolutionChromaStaysInPlace) {
+    TextureScratch scratch;
+    codec::TextureCrop crop;
+    image::YuvImage frame = noise_frame(64, 64, 7);
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 32; ++x) frame.v.row(y)[x] = static_cast<std::uint8_t>(4 * x + 2 * y);
+    const image::Mask mask(64, 64, 255);
+    ASSERT_TRUE(crop_texture(frame,
+                             mask,
+                             {10, 10, 40, 40},
+                             {.padding_px = 0, .resolution = Resolution::kFull},
+                             scratch,
+                             crop));
+    for (int y = 0; y < crop.height(); ++y)
+        for (int x = 0; x < crop.width(); ++x)
+            EXPECT_NEAR(crop.v.at(x, y),
+                        4 * ((crop.crop_px.x + x + 0.5) / 2 - 0.5) +
+                            2 * ((crop.crop_px.y + y + 0.5) / 2 - 0.5),
+                        1.01);
+}
+
+// Of a colour that is the same everywhere each mosaic gives its luma, to the crop's edge.
+TEST(CropTexture, AtFullResolutionMosaicsAreInterpolated) {
+    TextureScratch scratch;
+    codec::TextureCrop crop;
+    for (const auto mosaic :
+         {image::Mosaic::kRG, image::Mosaic::kGR, image::Mosaic::kGB, image::Mosaic::kBG}) {
+        image::YuvImage frame = noise_frame(64, 64, 8);
+        const image::RedAt red = image::red_at(mosaic);
+        for (int y = 0; y < 64; ++y) {
+            for (int x = 0; x < 64; ++x) {
+                const bool is_red = x % 2 == red.x && y % 2 == red.y;
+                const bool is_blue = x % 2 != red.x && y % 2 != red.y;
+                frame.y.row(y)[x] = is_red ? 200 : is_blue ? 40 : 100;
+            }
+        }
+        image::YuvView view(frame);
+        view.mosaic = mosaic;
+        const image::Mask mask(64, 64, 255);
+        for (const image::PixelRect& subject :
+             {image::PixelRect{20, 20, 20, 20}, image::PixelRect{0, 0, 64, 64}}) {
+            ASSERT_TRUE(crop_texture(
+                view, mask, subject, {.resolution = Resolution::kFull}, scratch, crop));
+            for (const std::uint8_t luma : crop.y.data) EXPECT_NEAR(luma, 123.1, 1.5);
+        }
+    }
+}
+
+TEST(CropTexture, WhatIsTooLargeForAFullOneStaysAtHalf) {
+    TextureScratch scratch;
+    codec::TextureCrop crop;
+    const image::Mask mask(1100, 1000, 255);
+    ASSERT_TRUE(crop_texture(noise_frame(1100, 1000, 9),
+                             mask,
+                             bounding_rect(mask),
+                             {.resolution = Resolution::kFull},
+                             scratch,
+                             crop));
+    EXPECT_EQ(crop.width(), 550);
 }
 
 TEST(CropTexture, IsTheSameWithAllInstructionSets) {

@@ -46,6 +46,24 @@ TEST_F(PersonDecoderTest, RefusesATextureThatIsNotOfItsCropsSize) {
     EXPECT_THAT(decode_error(), testing::HasSubstr("crop"));
 }
 
+// Textures as large as the crops, as sites have them with codec.texture_resolution = "full".
+TEST_F(PersonDecoderTest, TakesTexturesAtFullResolution) {
+    ASSERT_EQ(decode_error(), "");
+    const renderer::PersonModel half = model_;
+    for (bus::CameraTexture& texture : pair_.textures) {
+        texture.crop_px.width /= 2;
+        texture.crop_px.height /= 2;
+    }
+    EXPECT_EQ(decode_error(), "");
+    // the same picture on half of the width: coordinates within the crop are twice as large
+    const auto across = [](const renderer::PersonModel& model) {
+        const Eigen::Vector3f& st = model.cameras[0].layer_coordinates[0];
+        return st.x() / st.z() * static_cast<float>(model.layer_width) - 1.0f;  // a border of 1
+    };
+    EXPECT_EQ(model_.layer_width, half.layer_width);
+    EXPECT_NEAR(across(model_), 2.0f * across(half), 0.01f);
+}
+
 TEST_F(PersonDecoderTest, RefusesMoreThanItsLimits) {
     EXPECT_THAT(decode_error({.max_layer_bytes = 1000}), testing::HasSubstr("too much"));
     EXPECT_NE(decode_error({.max_triangles = 100}), "");
