@@ -1,4 +1,5 @@
 #include "bench/scale/coded_stream.hpp"
+#include "bench/scenes/viewer_guests.hpp"
 #include "core/app/log.hpp"
 #include "core/app/program.hpp"
 #include "core/bus/bus_options.hpp"
@@ -137,11 +138,20 @@ int main(int argc, char** argv) {
     std::string name = "replayed";
     std::filesystem::path file = "stream.coded";
     bool code = false;
+    double tolerance_px = 0.0;
+    int num_cameras = 0;
+    int subdivide = 0;
+    bool absurd = false;
     config::OptionSet options;
     bus::declare(bus_options, options);
     options.add("name", name, "name of the site");
     options.add("stream", file, "coded stream, as --code makes it");
     options.add("code", code, "code the simulated room and keep it, instead of publishing");
+    options.add(
+        "tolerance_px", tolerance_px, "of --code: of the outlines [px]; 0: as sites have it");
+    options.add("cameras", num_cameras, "the textures again until there are so many", {0, 64});
+    options.add("subdivide", subdivide, "each triangle cut into four, so many times over", {0, 3});
+    options.add("absurd", absurd, "cameras and meshes that nothing real is like");
     const app::Start start =
         app::start({.name = "replayed_site",
                     .summary = "Publishes a coded stream again and again, as a site would.",
@@ -152,10 +162,16 @@ int main(int argc, char** argv) {
                    argv);
     if (!start.go_on) return start.exit_code;
     if (code) {
-        const auto saved = bench::save(value(bench::code_simulated_person()), file);
+        const auto saved = bench::save(value(bench::code_simulated_person(tolerance_px)), file);
         return saved ? 0 : app::fail(saved.error());
     }
     auto stream = value(bench::load_coded_stream(file));
+    bench::repeat_cameras(static_cast<std::size_t>(num_cameras), stream);
+    if (subdivide > 0)
+        if (const auto done = bench::subdivide_meshes(subdivide, stream); !done)
+            return app::fail(done.error());
+    if (absurd)
+        if (const auto done = bench::make_absurd(stream); !done) return app::fail(done.error());
     const auto participant = value(bus::Participant::create(bus_options));
     ReplayedSite site(participant, name, std::move(stream));
     const auto membership = value(joining::join_world(

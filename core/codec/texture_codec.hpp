@@ -16,8 +16,8 @@ namespace atrium::codec {
 /// it.
 constexpr std::size_t kMaxColourBytes = std::size_t{1} << 20;
 
-/// The subject as one camera sees it, at half resolution or, where a site says so, at full: all four
-/// planes are as large as crop_px, or half as wide and high.
+/// The subject as one camera sees it, at half resolution or, where a site says so, at full: all
+/// four planes are as large as crop_px, or half as wide and high.
 struct TextureCrop {
     image::PixelRect
         crop_px;     // in the delivered picture, full-resolution pixels; all four numbers are even
