@@ -38,7 +38,12 @@ void PeopleView::show(const std::string& site,
     }
     const auto [found, is_new] = shown_.try_emplace(site);
     Shown& shown = found->second;
-    if (is_new) app::log::info("person_shown site={}", site);
+    if (is_new) {
+        app::log::info("person_shown site={} triangles={} cameras={}",
+                       site,
+                       update.model->triangles.size(),
+                       update.model->cameras.size());
+    }
     if (!is_new && now - shown.since > kStalled)
         app::log::info("person_back site={} after_s={:.1f}", site, seconds(now - shown.since));
     shown.since = now;

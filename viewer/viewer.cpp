@@ -7,6 +7,7 @@
 #include "viewer/album.hpp"
 #include "viewer/annotations.hpp"
 #include "viewer/display.hpp"
+#include "viewer/drawing_times.hpp"
 #include "viewer/mouse_grab.hpp"
 #include "viewer/people_view.hpp"
 #include "viewer/scene_editor.hpp"
@@ -66,7 +67,7 @@ struct Viewer::Impl {
     std::uint64_t listed_revision = 0;  // of the scene that hud.things are of
     Companion companion;
     LatencyWindow latency;
-    LatencyWindow taking_in;  // of this thread's time, for the people that are new in a picture
+    DrawingTimes times;
     RateMeter rate;
     RateMeter byte_rate;
     History latencies_ms;  // of each picture that somebody new was in
@@ -224,7 +225,7 @@ Expected<void> Viewer::Impl::draw() {
     scene->update(session->take_scene(), now, instant, *renderer);
     const Clock::duration scene_took = Clock::now() - now;
     people.update(*session, instant, now, *renderer);
-    if (!people.just_shown().empty()) taking_in.add(Clock::now() - now - scene_took);
+    if (!people.just_shown().empty()) times.add_people(Clock::now() - now - scene_took);
     const auto eyes = display.eyes(camera, renderer->width(), renderer->height());
     const std::string inside = companion.has_own_eyes() ? companion.name() : "";
     annotations->update(*scene, people, inside, eyes, now, *renderer);
@@ -288,6 +289,7 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
     std::mutex mutex;
     std::condition_variable_any never;
     while (!stop.stop_requested()) {
+        const Clock::time_point picture_begin = Clock::now();
         const SurfaceEvents events = surface->poll();
         if (events.close) break;
         if (const auto error = lost_name()) return tl::unexpected(*error);
@@ -304,6 +306,7 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
             is_counting = true;
             counted_since = now;
             counted_from = num_frames;
+            times.begin_pictures();
         }
         if (!is_counting && now - begin > seconds(config.wait_timeout_s)) {
             return make_error(ErrorKind::kUnavailable,
@@ -319,6 +322,7 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
         if (is_counting && config.frames > 0 && num_frames - counted_from >= config.frames) break;
         if (is_counting && config.seconds > 0.0 && now - counted_since >= seconds(config.seconds))
             break;
+        times.add_picture(Clock::now() - picture_begin);
         // what was late is not made up for
         due = std::max(due + seconds(1.0 / max_fps), now);
         std::unique_lock lock(mutex);
@@ -369,11 +373,10 @@ Expected<void> Viewer::run(std::stop_token stop) {
     }
     impl_->update_status(Clock::now());
     const bus::ViewerStatus last = status();
-    const Quantiles taking_in = impl_->taking_in.quantiles();
     app::log::info(
         "viewer_stopped frames={} frames_per_s={:.1f} pairs_shown={} pairs_skipped={} "
         "incomplete={} rejected={} capture_to_display_ms={:.1f} p99_ms={:.1f} "
-        "taking_in_ms={:.2f} taking_in_p99_ms={:.2f} deadlines_missed={}",
+        "{} deadlines_missed={}",
         last.num_frames,
         impl_->frames_per_s,
         last.num_pairs_shown,
@@ -382,8 +385,7 @@ Expected<void> Viewer::run(std::stop_token stop) {
         last.num_rejected,
         last.capture_to_display.median_ms,
         last.capture_to_display.p99_ms,
-        taking_in.median_ms,
-        taking_in.p99_ms,
+        impl_->times.text(),
         impl_->session->num_deadlines_missed());
     if (result) result = impl_->album->write_output(*impl_->renderer);
     impl_->close();

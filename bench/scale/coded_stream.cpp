@@ -113,13 +113,11 @@ CodedStream::Frame to_frame(const site_node::SiteFrame& coded) {
 
 }  // namespace
 
-Expected<CodedStream> code_simulated_person(double tolerance_px) {
+Expected<CodedStream> code_simulated_person() {
     const SiteSceneOptions options;
     auto scene = SiteScene::create(options);
     if (!scene) return tl::unexpected(scene.error());
-    site_node::PipelineOptions pipeline_options;
-    if (tolerance_px > 0.0) pipeline_options.silhouette.tolerance_px = tolerance_px;
-    auto pipeline = site_node::Pipeline::create(*scene, pipeline_options, {});
+    auto pipeline = site_node::Pipeline::create(*scene, {}, {});
     if (!pipeline) return tl::unexpected(pipeline.error());
     CodedStream stream;
     stream.description.cameras = scene->rig().cameras;

@@ -20,9 +20,8 @@ struct CodedStream {
 };
 
 /// One second of the simulated room as a site codes it by itself: eight cameras of 1 MP with a
-/// mosaic and noise. With outlines of segments of up to `tolerance_px` (0: as sites do): the finer,
-/// the more triangles. Takes a minute where the room is not in the cache.
-Expected<CodedStream> code_simulated_person(double tolerance_px = 0.0);
+/// mosaic and noise. Takes a minute where the room is not in the cache.
+Expected<CodedStream> code_simulated_person();
 
 /// A file for other processes of this machine.
 Expected<void> save(const CodedStream& stream, const std::filesystem::path& file);

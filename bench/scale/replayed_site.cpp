@@ -138,7 +138,6 @@ int main(int argc, char** argv) {
     std::string name = "replayed";
     std::filesystem::path file = "stream.coded";
     bool code = false;
-    double tolerance_px = 0.0;
     int num_cameras = 0;
     int subdivide = 0;
     bool absurd = false;
@@ -147,8 +146,6 @@ int main(int argc, char** argv) {
     options.add("name", name, "name of the site");
     options.add("stream", file, "coded stream, as --code makes it");
     options.add("code", code, "code the simulated room and keep it, instead of publishing");
-    options.add(
-        "tolerance_px", tolerance_px, "of --code: of the outlines [px]; 0: as sites have it");
     options.add("cameras", num_cameras, "the textures again until there are so many", {0, 64});
     options.add("subdivide", subdivide, "each triangle cut into four, so many times over", {0, 3});
     options.add("absurd", absurd, "cameras and meshes that nothing real is like");
@@ -162,7 +159,7 @@ int main(int argc, char** argv) {
                    argv);
     if (!start.go_on) return start.exit_code;
     if (code) {
-        const auto saved = bench::save(value(bench::code_simulated_person(tolerance_px)), file);
+        const auto saved = bench::save(value(bench::code_simulated_person()), file);
         return saved ? 0 : app::fail(saved.error());
     }
     auto stream = value(bench::load_coded_stream(file));

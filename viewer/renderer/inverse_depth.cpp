@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace atrium::renderer {
 namespace {
@@ -17,15 +18,16 @@ Span pixels_between(float low, float high, int size) {
             static_cast<int>(std::floor(std::clamp(high, -1.0f, last)))};
 }
 
-void draw_triangle(const Eigen::Vector3f& a,
-                   const Eigen::Vector3f& b,
-                   const Eigen::Vector3f& c,
-                   InverseDepthPicture& picture) {
+// Returns how many pixels it looked at.
+std::int64_t draw_triangle(const Eigen::Vector3f& a,
+                           const Eigen::Vector3f& b,
+                           const Eigen::Vector3f& c,
+                           InverseDepthPicture& picture) {
     const Eigen::Vector2f ab = (b - a).head<2>();
     const Eigen::Vector2f ac = (c - a).head<2>();
     // y points down in pictures: what is counter-clockwise from outside has negative area here
     const float area = ab.x() * ac.y() - ab.y() * ac.x();
-    if (!(area < 0.0f)) return;
+    if (!(area < 0.0f)) return 0;
     const auto [x0, x1] = pixels_between(
         std::min({a.x(), b.x(), c.x()}), std::max({a.x(), b.x(), c.x()}), picture.width);
     const auto [y0, y1] = pixels_between(
@@ -50,6 +52,7 @@ void draw_triangle(const Eigen::Vector3f& a,
             row[x] = std::max(row[x], a.z() + weight_b * slope_b + weight_c * slope_c);
         }
     }
+    return std::int64_t{std::max(x1 - x0 + 1, 0)} * std::max(y1 - y0 + 1, 0);
 }
 
 }  // namespace
@@ -71,11 +74,15 @@ void draw_inverse_depth(std::span<const Eigen::Vector3f> corners,
                         InverseDepthPicture& picture) {
     picture.values.assign(
         static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height), 0.0f);
+    // a person takes some 16 times the picture; a mesh that is no surface of anything ends here
+    constexpr std::int64_t kMostTimes = 100;
+    std::int64_t left = kMostTimes * picture.width * picture.height;
     for (const auto& [ia, ib, ic] : triangles) {
+        if (left <= 0) break;
         const Eigen::Vector3f& a = corners[ia];
         const Eigen::Vector3f& b = corners[ib];
         const Eigen::Vector3f& c = corners[ic];
-        if (a.z() > 0.0f && b.z() > 0.0f && c.z() > 0.0f) draw_triangle(a, b, c, picture);
+        if (a.z() > 0.0f && b.z() > 0.0f && c.z() > 0.0f) left -= draw_triangle(a, b, c, picture);
     }
 }
 

@@ -129,6 +129,13 @@ struct CameraStage {
     const PersonModelOptions& options;
 };
 
+// Of no use are pixels beyond any picture, as lenses have them that somebody made up; NaN is not
+// near either.
+bool is_near_pictures(const Eigen::Vector2d& px) {
+    constexpr double kFar_px = 1e6;
+    return std::abs(px.x()) < kFar_px && std::abs(px.y()) < kFar_px;
+}
+
 // Per vertex: texture coordinates, and in `scratch.corners` undistorted pixels and inverse depth.
 void project_vertices(const CameraStage& stage, PersonModel& model, PersonModelScratch& scratch) {
     const auto& [camera, crop, width, height, rgba] = stage.picture;
@@ -148,16 +155,15 @@ void project_vertices(const CameraStage& stage, PersonModel& model, PersonModelS
     const bool is_distorted = lens.has_distortion();
     const Eigen::Vector3f& centre = model.cameras[stage.index].centre_site;
     for (std::size_t v = 0; v < coordinates.size(); ++v) {
+        coordinates[v] = Eigen::Vector3f(0.0f, 0.0f, 1.0f);
+        scratch.corners[v].setZero();
         const Eigen::Vector3d p = rotation * model.vertices_site[v].cast<double>() + translation;
-        if (!(p.z() > kNearest)) {
-            coordinates[v] = Eigen::Vector3f(0.0f, 0.0f, 1.0f);
-            scratch.corners[v].setZero();
-            continue;
-        }
+        if (!(p.z() > kNearest)) continue;
         const Eigen::Vector2d px = lens.project(p);
         const bool bends = is_distorted && (centre - model.vertices_site[v]).dot(model.normals[v]) >
                                                kCosFacingAway * static_cast<float>(p.z());
         const Eigen::Vector2d in_picture = bends ? lens.distort(px) : px;
+        if (!is_near_pictures(px) || !is_near_pictures(in_picture)) continue;
         const Eigen::Array2d st =
             ((in_picture.array() - crop_origin) * texels_per_px + kBorder) / layer_size;
         coordinates[v] = Eigen::Vector3d(st.x() * p.z(), st.y() * p.z(), p.z()).cast<float>();
@@ -174,11 +180,11 @@ DepthWindow fit_depth_window(int long_side_px, PersonModelScratch& scratch) {
         high = high.cwiseMax(corner.head<2>());
     }
     DepthWindow window;
-    const float extent = std::max((high - low).maxCoeff(), 1.0f);
-    if (!(extent < 1e8f)) {
+    if (low.x() > high.x()) {  // nothing is before this camera
         scratch.depth.width = scratch.depth.height = 1;
         return window;
     }
+    const float extent = std::max((high - low).maxCoeff(), 1.0f);
     window.origin_px = low;
     window.scale = static_cast<float>(long_side_px - 1) / extent;
     scratch.depth.width = static_cast<int>((high.x() - low.x()) * window.scale) + 1;

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 namespace atrium::renderer {
@@ -46,6 +47,78 @@ TEST(PersonModel, ACameraSeesWhatFacesItAndNothingElse) {
             // the faces around a vertex are tilted by up to 6 degrees
             EXPECT_EQ(model.cameras[0].quality[v], 0.0f) << p.transpose();
         }
+    }
+}
+
+// Lenses, places and sizes anywhere within what the bus lets through.
+class AbsurdPeople {
+public:
+    explicit AbsurdPeople(unsigned seed) : random_(seed) {}
+
+    PersonModel model() {
+        auto mesh = synthetic::mesh_of({kSphere}, 6);
+        const double scale = chance() ? power_of_ten(-9.0, 5.0) : 1.0;
+        const Eigen::Vector3d shift = chance() ? vector(9e4) : Eigen::Vector3d(0.0, 0.0, 0.0);
+        const bool is_flat = chance();
+        for (Eigen::Vector3d& p : mesh.vertices) {
+            p = (scale * p + shift).cwiseMax(-1e5).cwiseMin(1e5);
+            if (is_flat) p.z() = 0.0;
+        }
+        auto cameras = synthetic::ring(6, kSphere.centre);
+        std::vector<CameraPicture> pictures;
+        for (auto& camera : cameras) {
+            pictures.push_back(
+                synthetic::picture_of({kSphere}, camera, [](const auto&) { return kGreen; }));
+            spoil(camera);
+            pictures.back().camera = camera;
+            if (chance()) pictures.back().crop_px.x = -(1 << 20);
+            if (chance()) pictures.back().crop_px.width = 1;
+        }
+        return build(mesh, pictures);
+    }
+    Eigen::Vector3f eye() { return (chance() ? vector(1e5) : vector(3.0)).cast<float>(); }
+
+private:
+    bool chance() { return random_() % 3 == 0; }
+    double between(double low, double high) {
+        return std::uniform_real_distribution<double>(low, high)(random_);
+    }
+    double power_of_ten(double low, double high) { return std::pow(10.0, between(low, high)); }
+    Eigen::Vector3d vector(double reach) {
+        return {between(-reach, reach), between(-reach, reach), between(-reach, reach)};
+    }
+    void spoil(geometry::CalibratedCamera& camera) {
+        auto& lens = camera.intrinsics;
+        if (chance()) lens.fx = power_of_ten(-300.0, 7.0);
+        if (chance()) lens.fy = power_of_ten(-300.0, 7.0);
+        if (chance()) lens.cx = between(-1e7, 1e7);
+        if (chance()) lens.skew = between(-1e7, 1e7);
+        if (chance())
+            for (double& k : lens.distortion) k = between(-1.0, 1.0) * power_of_ten(-3.0, 7.0);
+        if (chance()) camera.camera_from_site.translation = vector(chance() ? 1e5 : 0.5);
+    }
+
+    static inline const Sphere kSphere{{0.0, 0.0, 1.0}, 0.5};
+    std::mt19937 random_;
+};
+
+TEST(PersonModel, OfAbsurdCamerasAndMeshesHoldsNumbers) {
+    for (unsigned seed = 0; seed < 400; ++seed) {
+        AbsurdPeople people(seed);
+        const PersonModel model = people.model();
+        for (const auto& camera : model.cameras) {
+            for (std::size_t v = 0; v < model.vertices_site.size(); ++v) {
+                ASSERT_TRUE(camera.layer_coordinates[v].allFinite()) << seed;
+                ASSERT_TRUE(camera.quality[v] >= 0.0f && camera.quality[v] <= 1.0f) << seed;
+            }
+        }
+        for (const auto& colour : model.fallback) ASSERT_TRUE(colour.allFinite()) << seed;
+        BlendScratch scratch;
+        BlendedMesh blended;
+        blend_for_view(model, people.eye(), scratch, blended);
+        for (const VertexBlend& blend : scratch.vertices)
+            for (const float weight : blend.weights)
+                ASSERT_TRUE(weight >= 0.0f && weight <= 1.0f) << seed << " " << weight;
     }
 }
 

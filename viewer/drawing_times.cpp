@@ -1,0 +1,25 @@
+#include "viewer/drawing_times.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace atrium::viewer {
+
+void DrawingTimes::add_picture(Duration duration) {
+    pictures_.add(duration);
+    longest_ = std::max(longest_, duration);
+}
+
+std::string DrawingTimes::text() const {
+    const Quantiles people = people_.quantiles();
+    const Quantiles pictures = pictures_.quantiles();
+    return fmt::format(
+        "taking_in_ms={:.2f} taking_in_p99_ms={:.2f} picture_ms={:.1f} longest_picture_ms={:.1f}",
+        people.median_ms,
+        people.p99_ms,
+        pictures.median_ms,
+        std::chrono::duration<double, std::milli>(longest_).count());
+}
+
+}  // namespace atrium::viewer

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "core/base/statistics.hpp"
+
+#include <chrono>
+#include <string>
+
+namespace atrium::viewer {
+
+/// How long the drawing thread is busy. Not thread-safe.
+class DrawingTimes {
+public:
+    using Duration = std::chrono::steady_clock::duration;
+
+    /// With what the people who are new in a picture cost it.
+    void add_people(Duration duration) { people_.add(duration); }
+    /// With a whole picture, but for waiting until it is due.
+    void add_picture(Duration duration);
+    /// Forgets the pictures that were before, which did not count.
+    void begin_pictures() { longest_ = {}; }
+    /// "taking_in_ms=..." and more of the kind, for the log.
+    std::string text() const;
+
+private:
+    LatencyWindow people_;
+    LatencyWindow pictures_;
+    Duration longest_{};
+};
+
+}  // namespace atrium::viewer
