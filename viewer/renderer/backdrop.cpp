@@ -13,9 +13,6 @@
 namespace atrium::renderer {
 namespace {
 
-constexpr float kShadowExtentM = 10.0f;  // side of the floor's square, around the origin, that
-                                         // shadows fall on
-constexpr int kShadowPx = 512;           // 2 cm a pixel; kFloorFragment blurs by it
 // sRGB-encoded
 const Eigen::Vector3f kHorizon(0.82f, 0.85f, 0.88f);
 const Eigen::Vector3f kZenith(0.45f, 0.54f, 0.66f);

@@ -18,6 +18,10 @@ Eigen::Vector3f light_world();
 /// What things stand on and before: floors with shadows on them, the ground around, the sky.
 class Backdrop {
 public:
+    /// Side of the floor's square, around the origin, that shadows fall on.
+    static constexpr float kShadowExtentM = 10.0f;
+    static constexpr int kShadowPx = 512;  // 2 cm a pixel; kFloorFragment blurs by it
+
     static Expected<Backdrop> create();
 
     /// Clears the one picture of all shadows on the floor; what is drawn with the shader returned,

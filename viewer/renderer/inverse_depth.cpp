@@ -74,8 +74,8 @@ void draw_inverse_depth(std::span<const Eigen::Vector3f> corners,
                         InverseDepthPicture& picture) {
     picture.values.assign(
         static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height), 0.0f);
-    // a person takes some 16 times the picture; a mesh that is no surface of anything ends here
-    constexpr std::int64_t kMostTimes = 100;
+    // a person takes three or four times the picture; what is no surface of anything ends here
+    constexpr std::int64_t kMostTimes = 50;
     std::int64_t left = kMostTimes * picture.width * picture.height;
     for (const auto& [ia, ib, ic] : triangles) {
         if (left <= 0) break;

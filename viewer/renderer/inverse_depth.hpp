@@ -25,7 +25,7 @@ struct InverseDepthPicture {
 
 /// Draws the triangles that face the camera. `corners` holds one (x, y, 1 / z) per vertex, x and y
 /// in pixels of the picture; a triangle with a corner at 1 / z <= 0 (behind the camera) is left
-/// out.
+/// out, and so is the rest of a mesh whose triangles have filled the picture fifty times.
 void draw_inverse_depth(std::span<const Eigen::Vector3f> corners,
                         std::span<const std::array<std::uint32_t, 3>> triangles,
                         InverseDepthPicture& picture);

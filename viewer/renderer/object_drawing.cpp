@@ -2,7 +2,10 @@
 
 #include <glad/gl.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <utility>
+#include <vector>
 
 namespace atrium::renderer {
 
@@ -25,7 +28,18 @@ ObjectDrawing make_object(const ObjectLook& look) {
                          .layout = gl::make_vertex_array(),
                          .corners = gl::make_buffer(),
                          .indices = gl::make_buffer(),
-                         .num_indices = static_cast<int>(mesh.indices.size())};
+                         .levels = {}};
+    std::vector<std::uint32_t> indices = mesh.indices;
+    object.levels.fill({0, static_cast<int>(indices.size())});
+    for (std::size_t i = 0; i < mesh.coarser.size(); ++i) {
+        const auto& coarse = mesh.coarser[i];
+        if (coarse.empty()) continue;
+        object.levels[i + 1] = {indices.size(), static_cast<int>(coarse.size())};
+        indices.insert(indices.end(), coarse.begin(), coarse.end());
+    }
+    for (const ShapeMesh::Corner& corner : mesh.corners)
+        object.radius_m =
+            std::max(object.radius_m, static_cast<double>(corner.position_object.norm()));
     glBindVertexArray(object.layout.id());
     gl::upload(object.corners,
                GL_ARRAY_BUFFER,
@@ -34,15 +48,20 @@ ObjectDrawing make_object(const ObjectLook& look) {
     read_corners();
     gl::upload(object.indices,
                GL_ELEMENT_ARRAY_BUFFER,
-               std::span<const std::uint32_t>(mesh.indices),
+               std::span<const std::uint32_t>(indices),
                GL_STATIC_DRAW);
     glBindVertexArray(0);
     return object;
 }
 
-void ObjectDrawing::draw() const {
+void ObjectDrawing::draw(double radius_px) const {
+    // the outline of a circle of 32, 16 or 8 sides is within half a pixel there
+    const std::size_t level = radius_px > 24.0 ? 0 : radius_px > 6.0 ? 1 : 2;
     glBindVertexArray(layout.id());
-    glDrawElements(GL_TRIANGLES, num_indices, GL_UNSIGNED_INT, nullptr);
+    glDrawElements(GL_TRIANGLES,
+                   levels[level].num_indices,
+                   GL_UNSIGNED_INT,
+                   reinterpret_cast<const void*>(levels[level].first * sizeof(std::uint32_t)));
 }
 
 SoftDrawing::SoftDrawing(SoftLook soft_look)

@@ -41,7 +41,7 @@ struct SceneRenderer::Impl {
     Expected<void> create_targets(int width, int height);
     void draw_shadow();
     void draw_objects(const View& view);
-    void draw_object(const ObjectDrawing& object);
+    void draw_object(const View& view, const ObjectDrawing& object);
     void draw_floors(const View& view);
     void draw_eye(const EyeView& eye);
     void draw_faded(PersonDrawing& person, const EyeView& eye);
@@ -104,20 +104,23 @@ void SceneRenderer::Impl::draw_shadow() {
         if (object.look.model == nullptr && object.look.shape == ShapeKind::kPlane) continue;
         shader.set("world_from_object",
                    Eigen::Matrix4f(object.look.world_from_object.matrix().cast<float>()));
-        object.draw();
+        object.draw(object.radius_m * Backdrop::kShadowPx / Backdrop::kShadowExtentM);
     }
     shader.set("world_from_object", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
     for (const auto& [id, soft] : soft_objects) soft.draw();
 }
 
-void SceneRenderer::Impl::draw_object(const ObjectDrawing& object) {
+void SceneRenderer::Impl::draw_object(const View& view, const ObjectDrawing& object) {
+    const double radius_px =
+        seen_radius_px(view, object.look.world_from_object.translation, object.radius_m);
+    if (radius_px == 0.0) return;
     const bool is_ball = object.look.model == nullptr && object.look.shape == ShapeKind::kSphere;
     object_shader.set("world_from_object",
                       Eigen::Matrix4f(object.look.world_from_object.matrix().cast<float>()));
     object_shader.set("colour", Eigen::Vector3f(object.look.colour.cast<float>()));
     object_shader.set("sectors", is_ball && object.look.texture.empty() ? 3.0f : 0.0f);
     textures.use(object.look.texture, object_shader, 0);
-    object.draw();
+    object.draw(radius_px);
 }
 
 void SceneRenderer::Impl::draw_objects(const View& view) {
@@ -127,15 +130,15 @@ void SceneRenderer::Impl::draw_objects(const View& view) {
     object_shader.set("light", light_world());
     object_shader.set("eye", Eigen::Vector3f(view.eye_world.cast<float>()));
     for (const auto& [id, object] : objects) {
-        if (object.look.model == nullptr && !object.is_floor()) draw_object(object);
+        if (object.look.model == nullptr && !object.is_floor()) draw_object(view, object);
     }
     // models need not be closed, and a cloth has no inside: both sides are drawn
     glDisable(GL_CULL_FACE);
     for (const auto& [id, object] : objects) {
-        if (object.look.model != nullptr) draw_object(object);
+        if (object.look.model != nullptr) draw_object(view, object);
     }
     for (const auto& [name, parts] : scenery) {
-        for (const ObjectDrawing& part : parts) draw_object(part);
+        for (const ObjectDrawing& part : parts) draw_object(view, part);
     }
     object_shader.set("world_from_object", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
     object_shader.set("sectors", 0.0f);
@@ -160,7 +163,7 @@ void SceneRenderer::Impl::draw_floors(const View& view) {
 }
 
 void SceneRenderer::Impl::draw_eye(const EyeView& eye) {
-    const View view{eye.clip_from_world(), eye.eye_world()};
+    const View view{eye.clip_from_world(), eye.eye_world(), eye.part_px.height};
     if (overlay->is_wireframe()) glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
     for (auto& [site, person] : people) {
         if (person.is_solid()) person.draw(person_shaders, view.clip_from_world, view.eye_world);
@@ -177,7 +180,7 @@ void SceneRenderer::Impl::draw_eye(const EyeView& eye) {
 }
 
 void SceneRenderer::Impl::draw_faded(PersonDrawing& person, const EyeView& eye) {
-    const View view{eye.clip_from_world(), eye.eye_world()};
+    const View view{eye.clip_from_world(), eye.eye_world(), eye.part_px.height};
     // depth alone first, so that an arm before the chest is not seen through
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     person.draw(person_shaders, view.clip_from_world, view.eye_world);

@@ -34,10 +34,32 @@ struct Ring {
     float down;  // in the picture that lies around it, 0 to 1
 };
 
+constexpr std::uint32_t kStride = kNumSectors + 1;  // corners of a ring
+
+// Of a surface of revolution whose corners begin at `first`: every `step`th sector and, of the
+// halves of a sphere, ring.
+void add_bands(std::size_t num_rings,
+               std::uint32_t first,
+               std::uint32_t step,
+               std::vector<std::uint32_t>& indices) {
+    const bool is_sphere = num_rings == 2 * (kNumRings + 1);
+    std::uint32_t lower = 0;
+    while (lower + 1 < num_rings) {
+        const bool is_between_halves = lower == kNumRings;
+        const std::uint32_t upper = lower + (is_sphere && !is_between_halves ? step : 1);
+        for (std::uint32_t i = 0; i < kNumSectors; i += step) {
+            const std::uint32_t a = first + lower * kStride + i;
+            const std::uint32_t b = first + upper * kStride + i;
+            for (const std::uint32_t index : {a, a + step, b + step, a, b + step, b})
+                indices.push_back(index);
+        }
+        lower = upper;
+    }
+}
+
 // `flat_radius`: of an end, which a picture lies across instead of around; 0 elsewhere.
 void add_revolution(const std::vector<Ring>& rings, float flat_radius, ShapeMesh& mesh) {
     const auto first = static_cast<std::uint32_t>(mesh.corners.size());
-    constexpr std::uint32_t kStride = kNumSectors + 1;
     for (const Ring& ring : rings) {
         for (int i = 0; i <= kNumSectors; ++i) {
             const float turn = static_cast<float>(i) / static_cast<float>(kNumSectors);
@@ -54,14 +76,9 @@ void add_revolution(const std::vector<Ring>& rings, float flat_radius, ShapeMesh
                                     place});
         }
     }
-    for (std::uint32_t r = 0; r + 1 < rings.size(); ++r) {
-        for (std::uint32_t i = 0; i < kNumSectors; ++i) {
-            const std::uint32_t a = first + r * kStride + i;
-            const std::uint32_t b = a + kStride;
-            for (const std::uint32_t index : {a, a + 1, b + 1, a, b + 1, b})
-                mesh.indices.push_back(index);
-        }
-    }
+    add_bands(rings.size(), first, 1, mesh.indices);
+    add_bands(rings.size(), first, 2, mesh.coarser[0]);
+    add_bands(rings.size(), first, 4, mesh.coarser[1]);
 }
 
 // From the south pole to the north pole; the halves `half_gap` away from the middle.

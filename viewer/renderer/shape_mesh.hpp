@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -19,6 +20,8 @@ struct ShapeMesh {
     };
     std::vector<Corner> corners;
     std::vector<std::uint32_t> indices;  // three per triangle, counter-clockwise from outside
+    /// The same of fewer triangles each, for where it is small; empty: there are not fewer.
+    std::array<std::vector<std::uint32_t>, 2> coarser;
 };
 
 /// Surface of a shape with its centre at the origin. `size_m`: full extents; a sphere's diameter

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -54,6 +55,20 @@ Eigen::Vector2d project_px(const ViewCamera& camera,
                                  view_from_world(camera) * p_world.homogeneous();
     const Eigen::Vector2d ndc = clip.head<2>() / clip.w();
     return {(ndc.x() + 1.0) * 0.5 * width - 0.5, (1.0 - ndc.y()) * 0.5 * height - 0.5};
+}
+
+double seen_radius_px(const View& view, const Eigen::Vector3d& centre_world, double radius_m) {
+    const Eigen::Matrix4d& m = view.clip_from_world;
+    const Eigen::Vector4d centre = centre_world.homogeneous();
+    for (const double side : {-1.0, 1.0}) {
+        for (Eigen::Index i = 0; i < 3; ++i) {
+            const Eigen::RowVector4d plane = m.row(3) + side * m.row(i);
+            if (plane * centre < -radius_m * plane.head<3>().norm()) return 0.0;
+        }
+    }
+    const double depth = m.row(3) * centre;
+    const double focal_px = 0.5 * view.height_px * m.row(1).head<3>().norm();
+    return radius_m * focal_px / std::max(depth - radius_m, 1e-3);
 }
 
 }  // namespace atrium::renderer

@@ -52,6 +52,11 @@ EyeView eye_of(const ViewCamera& camera, int width, int height);
 struct View {
     Eigen::Matrix4d clip_from_world;
     Eigen::Vector3d eye_world;
+    int height_px = 0;
 };
+
+/// How large a ball is in the picture, about [px]; 0 where nothing of it is in sight, and much
+/// where the eye is in it.
+double seen_radius_px(const View& view, const Eigen::Vector3d& centre_world, double radius_m);
 
 }  // namespace atrium::renderer

@@ -1,0 +1,95 @@
+// Things that are small in the picture are drawn with fewer triangles, those out of sight not at
+// all.
+#include "tests/unit/renderer/scene_renderer_fixture.hpp"
+
+#include <Eigen/Geometry>
+
+#include <random>
+
+namespace atrium::renderer {
+namespace {
+
+double volume(const ShapeMesh& mesh, const std::vector<std::uint32_t>& indices) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < indices.size(); i += 3) {
+        const auto at = [&](std::size_t k) {
+            return Eigen::Vector3d(mesh.corners[indices[i + k]].position_object.cast<double>());
+        };
+        sum += at(0).dot(at(1).cross(at(2))) / 6.0;
+    }
+    return sum;
+}
+
+TEST(ShapeMesh, CoarserLevelsAreTheSameSolidWithAQuarterOfTheTriangles) {
+    for (const ShapeKind kind : {ShapeKind::kSphere, ShapeKind::kCapsule, ShapeKind::kCylinder}) {
+        const ShapeMesh mesh = make_shape(kind, {0.4, 0.4, 1.0});
+        const double whole = volume(mesh, mesh.indices);
+        // of a circle, a polygon of 16 sides has 0.974 and one of 8 sides 0.900
+        EXPECT_GT(volume(mesh, mesh.coarser[0]), 0.94 * whole);
+        EXPECT_GT(volume(mesh, mesh.coarser[1]), 0.80 * whole);
+        EXPECT_LT(volume(mesh, mesh.coarser[0]), whole);
+        EXPECT_LE(mesh.coarser[0].size(), mesh.indices.size() / 2);
+        EXPECT_LE(mesh.coarser[1].size(), mesh.coarser[0].size() / 2);
+    }
+    EXPECT_TRUE(make_shape(ShapeKind::kBox, {1, 1, 1}).coarser[0].empty());
+}
+
+TEST(SeenRadius, IsNothingOnlyWhereNoPointOfTheBallIsInSight) {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> place(-6.0, 6.0);
+    const ViewCamera camera;
+    const EyeView eye = eye_of(camera, kWidth, kHeight);
+    const View view{eye.clip_from_world(), eye.eye_world(), kHeight};
+    int num_out_of_sight = 0;
+    for (int i = 0; i < 500; ++i) {
+        const Eigen::Vector3d centre(place(random), place(random), place(random));
+        const double radius_m = std::abs(place(random)) / 6.0;
+        const double seen_px = seen_radius_px(view, centre, radius_m);
+        num_out_of_sight += seen_px == 0.0 ? 1 : 0;
+        for (int k = 0; k < 100 && seen_px == 0.0; ++k) {
+            const Eigen::Vector3d direction =
+                Eigen::Vector3d(place(random), place(random), place(random)).normalized();
+            const Eigen::Vector4d clip =
+                view.clip_from_world * (centre + radius_m * direction).homogeneous();
+            EXPECT_GT(clip.head<3>().cwiseAbs().maxCoeff(), clip.w()) << centre.transpose();
+        }
+    }
+    EXPECT_GT(num_out_of_sight, 100);
+    EXPECT_LT(num_out_of_sight, 490);
+}
+
+TEST(SeenRadius, IsThatOfTheBallsOutline) {
+    const ViewCamera camera;
+    const EyeView eye = eye_of(camera, kWidth, kHeight);
+    const View view{eye.clip_from_world(), eye.eye_world(), kHeight};
+    const double distance_m = (camera.target_m - camera.position_m).norm();
+    const Eigen::Vector3d up = eye.view_from_world.row(1).head<3>();
+    const double half_px = (project_px(camera, camera.target_m + 0.05 * up, kWidth, kHeight) -
+                            project_px(camera, camera.target_m, kWidth, kHeight))
+                               .norm();
+    EXPECT_NEAR(seen_radius_px(view, camera.target_m, 0.05),
+                half_px * distance_m / (distance_m - 0.05),
+                0.01);
+    EXPECT_GT(seen_radius_px(view, camera.position_m, 1.0), kHeight);
+}
+
+// What casts a shadow into the picture need not be in it itself.
+TEST_F(SceneRendererTest, ThingsOutOfSightStillCastTheirShadows) {
+    ViewCamera camera;
+    camera.position_m = {0.0, -2.0, 1.2};
+    camera.target_m = {0.0, 0.0, 0.0};
+    renderer_->set_object(1, {.shape = ShapeKind::kPlane, .size_m = {8, 8, 0}});
+    draw(camera);
+    const RenderedPicture bare = picture_;
+    ObjectLook high{.shape = ShapeKind::kSphere, .size_m = {0.6, 0.6, 0.6}};
+    high.world_from_object.translation = {0.0, 0.0, 3.0};
+    renderer_->set_object(2, high);
+    draw(camera);
+    std::size_t num_darker = 0;
+    for (std::size_t i = 0; i < bare.rgba.size(); i += 4)
+        num_darker += picture_.rgba[i] + 10 < bare.rgba[i] ? 1 : 0;
+    EXPECT_GT(num_darker, 500u);
+}
+
+}  // namespace
+}  // namespace atrium::renderer
