@@ -241,5 +241,48 @@ TEST_F(ViewerProgram, RecordsVideosBetweenKeysAndUntilItIsClosed) {
     EXPECT_GT(ended_by_closing.num_frames, 1);
 }
 
+// Whoever is asked for draws, or the program says what is missing.
+class ViewerContext : public testing::Test {
+protected:
+    static Outcome run(const std::string& options, const std::string& before = "") {
+        return test_support::run_program(ATRIUM_BIN_DIR "/viewer --frames 1 --bus.domain " +
+                                             std::to_string(kDomain) + " " + options,
+                                         60,
+                                         "unset DISPLAY; " + before);
+    }
+    // of libEGL, which then finds no driver
+    const std::string no_driver_ = "export __EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json; ";
+};
+
+TEST_F(ViewerContext, DrawsWithOsmesaOrEglWhereAskedTo) {
+    const Outcome osmesa = run("--view.context osmesa");
+    EXPECT_EQ(osmesa.exit_code, 0) << osmesa.output;
+    EXPECT_THAT(osmesa.output, HasSubstr("surface_open on=\"OSMesa, llvmpipe"));
+    const Outcome egl = run("--view.context egl");
+    if (egl.exit_code == 3) GTEST_SKIP() << egl.output;
+    EXPECT_EQ(egl.exit_code, 0) << egl.output;
+    EXPECT_THAT(egl.output, HasSubstr("surface_open on=\"EGL, "));
+}
+
+TEST_F(ViewerContext, SaysWhatIsMissing) {
+    const Outcome egl = run("--view.context egl", no_driver_);
+    EXPECT_EQ(egl.exit_code, 3) << egl.output;
+    EXPECT_THAT(egl.output, HasSubstr("EGL: no driver"));
+    const Outcome window = run("--view.context window");
+    EXPECT_EQ(window.exit_code, 3) << window.output;
+    EXPECT_THAT(window.output, HasSubstr("DISPLAY is not set"));
+    const Outcome neither = run("--view.context window --headless");
+    EXPECT_EQ(neither.exit_code, 2) << neither.output;
+    EXPECT_THAT(neither.output, HasSubstr("view.context"));
+}
+
+TEST_F(ViewerContext, IsOsmesaWhereNoGpuIsAndTheLogSaysWhy) {
+    const Outcome outcome = run("--headless", no_driver_);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+    EXPECT_THAT(outcome.output,
+                testing::AllOf(HasSubstr("surface_software reason=\"EGL: no driver"),
+                               HasSubstr("surface_open on=\"OSMesa, ")));
+}
+
 }  // namespace
 }  // namespace atrium
