@@ -20,10 +20,19 @@ using gl::EglContext;
 using gl::EglDevices;
 using renderer::RenderedPicture;
 
-// Another driver may put each pixel of an edge on the other side and filter textures a little
-// differently. Edges are 2 to 5 % of these pictures.
-constexpr Limits kOtherDriver{
-    .mean = 1.0, .percentile_99_9 = std::numeric_limits<double>::infinity(), .share_over_5 = 0.02};
+// Of a GPU, whose driver may put a pixel of an edge on the other side, and blends the texels of a
+// floor far away otherwise. Less than a thing that moves by two pixels. Nobody has measured it on a
+// GPU yet; softpipe, a rasteriser of Mesa's that shares nothing with llvmpipe, stays within the
+// limits of the same driver: mean 0.1, nothing over 5.
+constexpr Limits kOtherDriver{.mean = 1.0, .percentile_99_9 = 10.0, .share_over_5 = 0.005};
+// Which pixels a line covers is not laid down: softpipe has 8 % over 5.
+constexpr Limits kLinesOfOtherDriver{
+    .mean = 3.0, .percentile_99_9 = std::numeric_limits<double>::infinity(), .share_over_5 = 0.15};
+
+Limits limits_of(const EglContext& context, const Scene& scene) {
+    if (!context.is_hardware()) return {};
+    return scene.name == "debug_view" ? kLinesOfOtherDriver : kOtherDriver;
+}
 
 RenderedPicture drawn(const Scene& scene) {
     auto picture = draw(scene);
@@ -60,7 +69,7 @@ TEST_P(EglPicture, IsThatOfOsmesa) {
     {
         const auto context = open();
         if (!context) GTEST_SKIP() << reason_;
-        if (context->is_hardware()) limits = kOtherDriver;
+        limits = limits_of(*context, GetParam());
         of_egl = drawn(GetParam());
     }
     const PictureDifference difference = picture_difference(of_osmesa, of_egl);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,8 @@ struct Scene {
     std::vector<renderer::EyeView> eyes;
     std::function<void(renderer::SceneRenderer&)> fill;
 };
+
+inline std::ostream& operator<<(std::ostream& out, const Scene& scene) { return out << scene.name; }
 
 /// One for each kind of thing that the renderer draws.
 std::vector<Scene> all_scenes();
