@@ -41,7 +41,7 @@ simulated() {
 # row NAME ALLOWED_FPS WIDTH HEIGHT: one viewer among what was begun
 row() {
     begin world_server --config deploy/worlds/demo.toml
-    if ! "$build"/bin/viewer --bus.world "$world" --headless true --view.width "$3" --view.height "$4" --view.max_fps 240 --wait_people 2 \
+    if ! "$build"/bin/viewer --bus.world "$world" --view.context osmesa --view.width "$3" --view.height "$4" --view.max_fps 240 --wait_people 2 \
         --wait_timeout_s 240 --seconds "$seconds" > "$work/viewer.log" 2>&1; then
         cat "$work/viewer.log"
         exit 1

@@ -5,6 +5,8 @@
 namespace atrium::viewer {
 
 Expected<std::unique_ptr<Surface>> open_surface(const SurfaceOptions& options) {
+    if (options.context == ContextKind::kWindow) return open_window(options);
+    if (options.context != ContextKind::kAuto || options.is_headless) return open_headless(options);
     auto window = open_window(options);
     if (window) return window;
     const std::string& why_no_window = window.error().message;

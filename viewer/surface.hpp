@@ -10,6 +10,7 @@
 #include "viewer/scene_editor.hpp"
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -74,9 +75,19 @@ public:
     virtual void show(const renderer::SceneRenderer& renderer, const HudFigures& figures) = 0;
 };
 
+/// Who draws the pictures.
+enum class ContextKind : std::uint8_t {
+    kAuto,    // what can be had first of a window, a GPU without one, and OSMesa
+    kWindow,  // and nothing else
+    kEgl,     // without a window; in software where there is no GPU
+    kOsmesa   // without a window, in software
+};
+
 struct SurfaceOptions {
     int width = 960;
     int height = 540;
+    ContextKind context = ContextKind::kAuto;
+    bool is_headless = false;      // no window even where there is a display
     bool wait_for_display = true;  // a window's vertical synchronisation
     bool has_two_buffers = false;  // a window's, one for each eye
 };
@@ -85,10 +96,12 @@ struct SurfaceOptions {
 /// thread, one at a time.
 Expected<std::unique_ptr<Surface>> open_window(const SurfaceOptions& options);
 
-/// Software rendering without a display; any thread. Has no buffers for two eyes.
+/// Pictures without a display; any thread. Has no buffers for two eyes. kAuto: on a GPU through
+/// EGL, or with OSMesa where there is none, and the log says why.
 Expected<std::unique_ptr<Surface>> open_headless(const SurfaceOptions& options);
 
-/// A window, or software rendering where it cannot be had, which is logged.
+/// What the options ask for; where a window cannot be had and need not be, what draws without one,
+/// and the log says why.
 Expected<std::unique_ptr<Surface>> open_surface(const SurfaceOptions& options);
 
 }  // namespace atrium::viewer

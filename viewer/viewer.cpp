@@ -49,6 +49,7 @@ double pictures_per_second(const ViewConfig& view, const Surface& surface) {
 
 struct Viewer::Impl {
     ViewerConfig config;
+    SurfaceOptions surface_options;
     renderer::ViewCamera start_camera;
     renderer::ViewCamera camera;
     Display display;
@@ -119,11 +120,7 @@ Expected<void> Viewer::Impl::join(std::stop_token stop) {
 }
 
 Expected<void> Viewer::Impl::open() {
-    const SurfaceOptions options{.width = config.view.width,
-                                 .height = config.view.height,
-                                 .wait_for_display = config.view.max_fps == 0.0,
-                                 .has_two_buffers = display.stereo() == Stereo::kQuadBuffer};
-    auto opened = config.headless ? open_headless(options) : open_surface(options);
+    auto opened = open_surface(surface_options);
     if (!opened) return tl::unexpected(opened.error());
     surface = std::move(*opened);
     const auto [width, height] = display.picture_size(surface->size());
@@ -341,6 +338,8 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config, std
     }
     const auto camera = make_view_camera(config.view);
     if (!camera) return tl::unexpected(camera.error());
+    const auto surface = surface_options(config);
+    if (!surface) return tl::unexpected(surface.error());
     auto display = Display::create(config.display);
     if (!display) return tl::unexpected(display.error());
     auto impl = std::make_unique<Impl>();
@@ -348,6 +347,7 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config, std
     if (config.view.name.empty()) impl->config.view.name = name_of_its_own();
     auto session = Session::create(config.bus, impl->config.view.name);
     if (!session) return tl::unexpected(session.error());
+    impl->surface_options = *surface;
     impl->start_camera = impl->camera = *camera;
     impl->display = std::move(*display);
     impl->session = std::move(*session);

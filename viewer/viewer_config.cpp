@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <map>
 #include <sstream>
 
 namespace atrium::viewer {
@@ -35,6 +36,11 @@ void declare(ViewerConfig& config, config::OptionSet& set) {
             view.names,
             "people's names over their heads; auto: in a window, not in pictures without one",
             {"auto", "on", "off"});
+    set.add("view.context",
+            view.context,
+            "who draws; auto: a window, else a GPU through EGL, else OSMesa in software; egl and "
+            "osmesa: without a window",
+            {"auto", "window", "egl", "osmesa"});
     declare(config.display, set);
     set.add("headless", config.headless, "draw without a window even where there is a display");
     set.add("frames", config.frames, "end after this many pictures; 0: go on until stopped");
@@ -80,6 +86,24 @@ Expected<Eigen::Vector3d> parse_point(const std::string& key, const std::string&
             key + ": expected three numbers \"x,y,z\" in metres, got \"" + text + "\"");
     }
     return p;
+}
+
+Expected<SurfaceOptions> surface_options(const ViewerConfig& config) {
+    static const std::map<std::string, ContextKind> kContexts{{"auto", ContextKind::kAuto},
+                                                              {"window", ContextKind::kWindow},
+                                                              {"egl", ContextKind::kEgl},
+                                                              {"osmesa", ContextKind::kOsmesa}};
+    const SurfaceOptions options{.width = config.view.width,
+                                 .height = config.view.height,
+                                 .context = kContexts.at(config.view.context),
+                                 .is_headless = config.headless,
+                                 .wait_for_display = config.view.max_fps == 0.0,
+                                 .has_two_buffers = config.display.stereo == "quad_buffer"};
+    if (options.context == ContextKind::kWindow && options.is_headless) {
+        return make_error(ErrorKind::kConfiguration,
+                          "view.context: is \"window\", but headless is set");
+    }
+    return options;
 }
 
 Expected<renderer::ViewCamera> make_view_camera(const ViewConfig& config) {

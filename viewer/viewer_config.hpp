@@ -6,6 +6,7 @@
 #include "viewer/display.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
 #include "viewer/renderer/view_camera.hpp"
+#include "viewer/surface.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -22,7 +23,8 @@ struct ViewConfig {
     std::string target_m = "0,0,0.95";
     double fov_deg = 38.0;
     std::string antialias = "none";
-    std::string names = "auto";  // auto: in a window
+    std::string names = "auto";    // auto: in a window
+    std::string context = "auto";  // window, egl or osmesa: that one and no other
 };
 
 struct VideoConfig {
@@ -52,6 +54,9 @@ void declare(ViewerConfig& config, config::OptionSet& set);
 
 /// "x,y,z" as three numbers; error kConfiguration names `key`.
 Expected<Eigen::Vector3d> parse_point(const std::string& key, const std::string& text);
+
+/// Who is to draw, and where to; an error where that is a window and `headless` forbids it.
+Expected<SurfaceOptions> surface_options(const ViewerConfig& config);
 
 /// The viewpoint that `config` describes; an error where it makes no sense.
 Expected<renderer::ViewCamera> make_view_camera(const ViewConfig& config);

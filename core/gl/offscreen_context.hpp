@@ -11,7 +11,7 @@ namespace atrium::gl {
 /// Each object is a context of its own; nothing is shared between them. A context is current on at
 /// most one thread, and GL objects made in it must be used and destroyed while it is current there.
 /// Several contexts on different threads may work at the same time; see `load_entry_points` for
-/// offscreen contexts beside a window's.
+/// those of OSMesa beside a window's or EGL's.
 class OffscreenContext {
 public:
     /// Creates a context and makes it current on the calling thread. `width` by `height` is the

@@ -80,6 +80,7 @@ viewer::ViewerConfig viewer_config(const fs::path& output) {
     viewer::ViewerConfig config;
     config.bus = bus_options();
     config.headless = true;
+    config.view.context = "osmesa";  // which draws the rooms in this process
     config.view.width = 480;
     config.view.height = 270;
     config.output = output;

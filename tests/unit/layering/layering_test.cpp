@@ -141,6 +141,7 @@ TEST_F(Layering, MiddlewareStaysInItsAdapters) {
         {{"draco/"}, {"core/codec/"}},
         {{"turbojpeg.h"}, {"core/codec/"}},
         {{"GL/osmesa.h", "glad/"}, {"core/gl/", "simulation/", "viewer/", "site_node/preview/"}},
+        {{"EGL/"}, {"core/gl/"}},
         {{"GLFW/"}, {"viewer/", "site_node/preview/"}},
         {{"imgui"}, {"viewer/"}},
         {{"toml.hpp"}, {"core/config/"}},

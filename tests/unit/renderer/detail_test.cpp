@@ -24,9 +24,9 @@ TEST(ShapeMesh, CoarserLevelsAreTheSameSolidWithAQuarterOfTheTriangles) {
     for (const ShapeKind kind : {ShapeKind::kSphere, ShapeKind::kCapsule, ShapeKind::kCylinder}) {
         const ShapeMesh mesh = make_shape(kind, {0.4, 0.4, 1.0});
         const double whole = volume(mesh, mesh.indices);
-        // of a circle, a polygon of 16 sides has 0.974 and one of 8 sides 0.900
+        // of a circle, a polygon of 16 sides has 0.974 and one of 8 sides 0.900; balls lose more
         EXPECT_GT(volume(mesh, mesh.coarser[0]), 0.94 * whole);
-        EXPECT_GT(volume(mesh, mesh.coarser[1]), 0.80 * whole);
+        EXPECT_GT(volume(mesh, mesh.coarser[1]), 0.75 * whole);
         EXPECT_LT(volume(mesh, mesh.coarser[0]), whole);
         EXPECT_LE(mesh.coarser[0].size(), mesh.indices.size() / 2);
         EXPECT_LE(mesh.coarser[1].size(), mesh.coarser[0].size() / 2);
