@@ -35,6 +35,10 @@ void declare(ViewerConfig& config, config::OptionSet& set) {
             view.names,
             "people's names over their heads; auto: in a window, not in pictures without one",
             {"auto", "on", "off"});
+    set.add("view.debug",
+            view.debug,
+            "what is behind the picture: wires, cameras, silhouettes, proxies (B in a window)",
+            {"off", "on"});
     declare(config.display, set);
     set.add("headless", config.headless, "draw without a window even where there is a display");
     set.add("frames", config.frames, "end after this many pictures; 0: go on until stopped");

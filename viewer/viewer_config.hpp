@@ -23,6 +23,7 @@ struct ViewConfig {
     double fov_deg = 38.0;
     std::string antialias = "none";
     std::string names = "auto";  // auto: in a window
+    std::string debug = "off";   // whether it begins with what is behind the picture
 };
 
 struct VideoConfig {
