@@ -4,11 +4,12 @@
 #include "core/bus/limits.hpp"
 #include "core/bus/proxy_points.hpp"
 #include "meshes.hpp"
+#include "simulation_stage.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <set>
+#include <chrono>
 
 namespace atrium::world_server {
 namespace {
@@ -73,6 +74,91 @@ TEST(PersonProxy, SaysWhatIsTouchedUpToALimit) {
     person.touches.clear();
     fill_proxy(person, places, proxy);
     EXPECT_TRUE(proxy.touches.empty()) << "not those of the time before";
+}
+
+physics::PersonShape hand_at(double x_m) {
+    physics::PersonShaper shaper{physics::PersonShapeOptions{}};
+    return shaper.shape(physics_test::make_box_mesh(
+                            {0.1, 0.2, 0.2}, {Eigen::Quaterniond::Identity(), {x_m, 0, 0.12}}, 10),
+                        Timestamp{5});
+}
+
+TEST(WorldPeople, AreWhatThePhysicsHasAndWhatTheyTouchNow) {
+    Scene scene = Scene::create(floor_and_ball()).value();
+    physics::World& world = scene.world();
+    std::vector<physics::PersonNow> people;
+    world.get_people(people);
+    EXPECT_TRUE(people.empty());
+    world.set_person("bob", hand_at(3.0));
+    world.set_person("alice", hand_at(-0.14));  // 1 cm into the ball
+    world.tick();
+    world.get_people(people);
+    ASSERT_EQ(people.size(), 2U);
+    EXPECT_EQ(people[0].name, "alice");
+    EXPECT_EQ(people[0].capture_time, Timestamp{5});
+    EXPECT_EQ(people[0].surfels->size(), world.num_surfels() - people[1].surfels->size());
+    ASSERT_FALSE(people[0].touches.empty());
+    for (const auto& touch : people[0].touches) {
+        EXPECT_EQ(touch.object, 2U);
+        EXPECT_NEAR(touch.point.x(), -0.09F, 0.01F) << "on the side of the hand";
+        EXPECT_LT((touch.point - Eigen::Vector3f(0, 0, 0.1F)).norm(), 0.12F);
+    }
+    EXPECT_TRUE(people[1].touches.empty());
+    world.set_person("alice", hand_at(-1.0));
+    world.tick();
+    world.get_people(people);
+    EXPECT_TRUE(people[0].touches.empty()) << "not those of the tick before";
+}
+
+TEST(Simulation, TellsOfPeopleTenTimesASecondAndOnlyWhereItIsWanted) {
+    auto simulation = simulation_of(floor_and_ball(), [](const std::string&) {});
+    simulation.people().put("alice", hand_at(1.0));
+    Outbox::Content content;
+    std::int64_t tick = 0;
+    const auto num_told_in_a_second = [&] {
+        int num = 0;
+        for (int i = 0; i < 120; ++i) {
+            simulation.step(Timestamp{++tick * 8'333'333});
+            simulation.outbox().take(content, {}, std::chrono::steady_clock::now());
+            num += content.has_people ? 1 : 0;
+        }
+        return num;
+    };
+    EXPECT_EQ(num_told_in_a_second(), 0);
+    simulation.want_people(true);
+    EXPECT_EQ(num_told_in_a_second(), 10);
+    ASSERT_EQ(content.people.size(), 1U);
+    EXPECT_EQ(content.people.front().name, "alice");
+    simulation.want_people(false);
+    EXPECT_EQ(num_told_in_a_second(), 0);
+}
+
+TEST(ObjectProxy, ComesWithAModelAndNotWithWhatIsAddedInItsPlace) {
+    WorldServerConfig config = floor_and_ball();
+    WorldObject rock;
+    rock.scene.object = 3;
+    rock.scene.name = "rock";
+    rock.scene.shape = bus::Shape::kConvex;
+    rock.scene.model = "rock.obj";
+    rock.scene.mass_kg = 10.0;
+    rock.scene.size_m = {0.2, 0.4, 0.6};
+    rock.scene.world_from_object.translation = {2, 0, 0.3};
+    rock.parts = std::make_shared<const std::vector<geometry::TriangleMesh>>(
+        1, physics_test::make_box_mesh(rock.scene.size_m, {}, 1));
+    config.objects.push_back(rock);
+    Scene scene = Scene::create(config).value();
+    for (const SceneChange& change : scene.all())
+        EXPECT_EQ(change.proxy.has_value(), change.object.object == 3) << change.object.object;
+    bus::SceneCommand command;
+    command.kind = bus::CommandKind::kRemove;
+    command.target = 3;
+    ASSERT_TRUE(scene.apply(command));
+    command.kind = bus::CommandKind::kAdd;
+    command.object = config.objects[1].scene;
+    command.object.object = 3;
+    command.object.world_from_object.translation = {2, 0, 0.3};
+    ASSERT_TRUE(scene.apply(command));
+    for (const SceneChange& change : scene.all()) EXPECT_FALSE(change.proxy);
 }
 
 TEST(ObjectProxy, HasTheEdgesOfEachPartWithoutThoseWithinItsFaces) {
