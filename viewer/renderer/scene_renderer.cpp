@@ -178,10 +178,7 @@ void SceneRenderer::Impl::draw_eye(const EyeView& eye) {
     for (auto& [site, person] : people) {
         if (!person.is_solid()) draw_faded(person, eye);
     }
-    if (overlay->silhouettes_m() > 0.0) {
-        for (const auto& [site, person] : people)
-            silhouettes->draw(person, view.clip_from_world, overlay->silhouettes_m());
-    }
+    silhouettes->draw(people, view.clip_from_world, overlay->silhouettes_m());
     overlay->draw(eye);
 }
 

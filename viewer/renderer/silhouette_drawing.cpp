@@ -57,6 +57,13 @@ Expected<SilhouetteDrawing> SilhouetteDrawing::create() {
     return made;
 }
 
+void SilhouetteDrawing::draw(const std::map<std::string, PersonDrawing>& people,
+                             const Eigen::Matrix4d& clip_from_world,
+                             double distance_m) {
+    if (distance_m <= 0.0) return;
+    for (const auto& [site, person] : people) draw(person, clip_from_world, distance_m);
+}
+
 void SilhouetteDrawing::draw(const PersonDrawing& person,
                              const Eigen::Matrix4d& clip_from_world,
                              double distance_m) {

@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 
+#include <map>
+#include <string>
 #include <vector>
 
 namespace atrium::renderer {
@@ -23,19 +25,23 @@ void append_silhouette(const PersonModel::Camera& camera,
                        double distance_m,
                        std::vector<SilhouetteCorner>& corners);
 
-/// What each camera saw of a person, where it stands. Uses the pictures that the person is textured
-/// with.
+/// What each camera saw of its person, where it stands. Uses the pictures that the person is
+/// textured with.
 class SilhouetteDrawing {
 public:
     static Expected<SilhouetteDrawing> create();
 
     /// With the eye's viewport and colours set. What is before it hides it; it hides nothing.
-    void draw(const PersonDrawing& person,
+    /// Nothing is drawn, and nothing done, for a distance of 0.
+    void draw(const std::map<std::string, PersonDrawing>& people,
               const Eigen::Matrix4d& clip_from_world,
               double distance_m);
 
 private:
     SilhouetteDrawing() = default;
+    void draw(const PersonDrawing& person,
+              const Eigen::Matrix4d& clip_from_world,
+              double distance_m);
 
     gl::ShaderProgram shader_;
     gl::VertexArray layout_;
