@@ -6,6 +6,12 @@
 
 namespace atrium::viewer {
 
+void Annotations::take(ProxyInbox& proxies, Clock::time_point now) {
+    proxies.want(is_debug_);
+    proxies_.update(proxies.take(), now);
+    if (!is_debug_) proxies_.clear();
+}
+
 void Annotations::update(const SceneView& scene,
                          const PeopleView& people,
                          const std::string& inside,
@@ -21,10 +27,11 @@ void Annotations::update(const SceneView& scene,
     }
     lines_.clear();
     if (is_debug_)
-        debug_.append(scene, people, renderer, lines_, labels);
+        debug_.append(scene, people, proxies_, renderer, lines_, labels);
     else
         debug_.clear();
     renderer.overlay().set_wireframe(is_debug_);
+    renderer.overlay().set_silhouettes(is_debug_ ? DebugView::kFrustumM : 0.0);
     renderer.overlay().set_lines(lines_);
     renderer.overlay().set_labels(std::move(labels));
 }

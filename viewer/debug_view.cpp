@@ -1,5 +1,6 @@
 #include "viewer/debug_view.hpp"
 
+#include "viewer/shape_wires.hpp"
 #include "viewer/text_picture.hpp"
 
 #include <Eigen/Geometry>
@@ -16,19 +17,12 @@ const Eigen::Vector3f kSpaceColour(0.55f, 0.55f, 0.6f);
 const Eigen::Vector3f kPersonColour(1.0f, 0.75f, 0.1f);
 const Eigen::Vector3f kThingColour(0.2f, 0.85f, 0.3f);
 const Eigen::Vector3f kVelocityColour(1.0f, 0.15f, 0.1f);
-constexpr double kFrustumM = 0.35;
-constexpr double kVelocityS = 0.25;     // a line reaches where the thing will be after this
-constexpr double kSlowestMps = 0.02;    // of what is drawn a line for
+constexpr double kVelocityS = 0.25;   // a line reaches where the thing will be after this
+constexpr double kSlowestMps = 0.02;  // of what is drawn a line for
+constexpr std::size_t kMaxLines = 200'000;
 constexpr double kNameHeight = 0.035;   // of the picture's
 constexpr std::size_t kMaxNames = 128;  // 64 sites of 64 cameras would fill the memory with names
 constexpr int kMaxNewNames = 4;         // in one picture
-
-void append_line(const Eigen::Vector3d& from,
-                 const Eigen::Vector3d& to,
-                 const Eigen::Vector3f& colour,
-                 std::vector<Line>& lines) {
-    lines.push_back({{from.cast<float>(), colour}, {to.cast<float>(), colour}});
-}
 
 void append_bounds(const std::vector<Eigen::Vector3f>& points,
                    const Eigen::Vector3f& colour,
@@ -45,13 +39,16 @@ void append_bounds(const std::vector<Eigen::Vector3f>& points,
     append_box(world_from_box, (high - low).cast<double>(), colour, lines);
 }
 
-void append_things(const SceneView& scene, std::vector<Line>& lines) {
+void append_things(const SceneView& scene, const ProxyView& proxies, std::vector<Line>& lines) {
     for (const bus::ObjectState& state : scene.states()) {
         const auto found = scene.objects().find(state.object);
         if (found == scene.objects().end()) continue;
         const bus::SceneObject& object = found->second;
-        if (object.shape == bus::Shape::kPlane || object.shape == bus::Shape::kSoft) continue;
-        append_box(state.world_from_object.matrix(), object.size_m, kThingColour, lines);
+        const Eigen::Matrix4d world_from_object = state.world_from_object.matrix();
+        const bool has_room = lines.size() < kMaxLines;  // for what anybody may have sent
+        if (!has_room ||
+            !proxies.append_edges(state.object, world_from_object, kThingColour, lines))
+            append_shape(object, world_from_object, kThingColour, lines);
         const Eigen::Vector3d& at = state.world_from_object.translation;
         if (state.linear_velocity.norm() > kSlowestMps)
             append_line(at, at + kVelocityS * state.linear_velocity, kVelocityColour, lines);
@@ -60,24 +57,6 @@ void append_things(const SceneView& scene, std::vector<Line>& lines) {
 }
 
 }  // namespace
-
-void append_box(const Eigen::Matrix4d& world_from_box,
-                const Eigen::Vector3d& size_m,
-                const Eigen::Vector3f& colour,
-                std::vector<Line>& lines) {
-    const auto corner = [&](int index) -> Eigen::Vector3d {
-        const Eigen::Vector3d signs((index & 1) != 0 ? 0.5 : -0.5,
-                                    (index & 2) != 0 ? 0.5 : -0.5,
-                                    (index & 4) != 0 ? 0.5 : -0.5);
-        return (world_from_box * signs.cwiseProduct(size_m).homogeneous()).head<3>();
-    };
-    for (int index = 0; index < 8; ++index) {
-        for (const int axis : {1, 2, 4}) {
-            if ((index & axis) == 0)
-                append_line(corner(index), corner(index | axis), colour, lines);
-        }
-    }
-}
 
 void append_frustum(const geometry::CalibratedCamera& camera,
                     const Eigen::Matrix4d& world_from_site,
@@ -130,6 +109,7 @@ void DebugView::append_site(const bus::SiteDescription& site,
 
 void DebugView::append(const SceneView& scene,
                        const PeopleView& people,
+                       const ProxyView& proxies,
                        const renderer::SceneRenderer& renderer,
                        std::vector<Line>& lines,
                        std::vector<renderer::Label>& labels) {
@@ -141,7 +121,8 @@ void DebugView::append(const SceneView& scene,
         world_from_box.topRightCorner<3, 1>() = place.middle;
         append_box(world_from_box, place.size, kPersonColour, lines);
     }
-    append_things(scene, lines);
+    append_things(scene, proxies, lines);
+    proxies.append_people(lines);
 }
 
 }  // namespace atrium::viewer

@@ -3,6 +3,7 @@
 #include "core/geometry/pinhole_camera.hpp"
 #include "core/geometry/rigid_transform.hpp"
 #include "viewer/people_view.hpp"
+#include "viewer/proxy_view.hpp"
 #include "viewer/renderer/overlay.hpp"
 #include "viewer/scene_view.hpp"
 
@@ -15,12 +16,6 @@
 
 namespace atrium::viewer {
 
-/// The twelve edges of a box of that size around the origin of its frame.
-void append_box(const Eigen::Matrix4d& world_from_box,
-                const Eigen::Vector3d& size_m,
-                const Eigen::Vector3f& colour,
-                std::vector<renderer::Line>& lines);
-
 /// What the camera sees, up to `length_m` before it, without its lens distortion.
 void append_frustum(const geometry::CalibratedCamera& camera,
                     const Eigen::Matrix4d& world_from_site,
@@ -28,13 +23,16 @@ void append_frustum(const geometry::CalibratedCamera& camera,
                     const Eigen::Vector3f& colour,
                     std::vector<renderer::Line>& lines);
 
-/// What is behind the picture, as lines: the sites' spaces and cameras, the bounds of people and
-/// things, and where things go. Of the drawing thread.
+/// What is behind the picture, as lines: the sites' spaces and cameras, the bounds of people, what
+/// the physics takes people and things for, and where they go. Of the drawing thread.
 class DebugView {
 public:
+    static constexpr double kFrustumM = 0.35;  // length of the cameras' frustums
+
     /// Adds to `lines` and `labels` what is there now.
     void append(const SceneView& scene,
                 const PeopleView& people,
+                const ProxyView& proxies,
                 const renderer::SceneRenderer& renderer,
                 std::vector<renderer::Line>& lines,
                 std::vector<renderer::Label>& labels);

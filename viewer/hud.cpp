@@ -81,7 +81,7 @@ void draw_keys() {
         {"N", "show people's names, or hide them"},
         {"M", "menu: add things, remove them"},
         {"Delete", "remove the thing under the mouse"},
-        {"B", "wires, cameras, bounds and velocities"},
+        {"B", "wires, silhouettes, what physics tests"},
         {"R", "put all objects back"},
         {"F11", "full screen, or a window again"},
         {"F12, P", "screenshot"},

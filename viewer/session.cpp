@@ -108,6 +108,7 @@ void Session::receive(std::stop_token stop) {
         take_objects();
         take_soft_objects();
         receive_statuses();
+        note(proxies_.receive(readers_.participant));
         write_feedback();
         num_incomplete_ = pairing_.num_incomplete();
     }

@@ -8,6 +8,7 @@
 #include "viewer/held_up.hpp"
 #include "viewer/newest_per_site.hpp"
 #include "viewer/pairing.hpp"
+#include "viewer/proxy_inbox.hpp"
 #include "viewer/renderer/person_model.hpp"
 
 #include <atomic>
@@ -69,6 +70,8 @@ public:
     std::vector<NewestPerSite<PersonUpdate>::Item> take_people() { return people_.take_all(); }
     SceneChanges take_scene();
     StatusReports take_statuses();
+    /// What people and models are to the physics, where somebody wants to know.
+    ProxyInbox& proxies() { return proxies_; }
     /// Gives back a model that is no longer shown, whose memory the decoder uses again.
     void recycle(renderer::PersonModel model) { spent_.put(std::move(model)); }
     /// The same for one that was taken, but will not be shown.
@@ -140,7 +143,8 @@ private:
     std::string viewer_;
     std::function<void(const FramePair&)> on_complete_;
     Pairing pairing_;
-    Feedback feedback_;                                // of the receiving thread alone
+    Feedback feedback_;  // of the receiving thread alone
+    ProxyInbox proxies_;
     HeldUp held_up_;                                   // of the receiving thread alone
     std::map<std::string, Description> descriptions_;  // of the receiving thread alone
     NewestPerSite<Job> jobs_;

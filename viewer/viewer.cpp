@@ -131,8 +131,7 @@ Expected<void> Viewer::Impl::open() {
                                                                      : renderer::Antialias::kNone});
     if (!created) return tl::unexpected(created.error());
     renderer.emplace(std::move(*created));
-    const std::string& names = config.view.names;
-    annotations.emplace(names == "on" || (names == "auto" && surface->is_window()));
+    annotations.emplace(config.view, surface->is_window());
     app::log::info("surface_open on=\"{}\" size={}x{}", surface->description(), width, height);
     return album->open(*renderer);
 }
@@ -225,6 +224,7 @@ Expected<void> Viewer::Impl::draw() {
     if (!people.just_shown().empty()) times.add_people(Clock::now() - now - scene_took);
     const auto eyes = display.eyes(camera, renderer->width(), renderer->height());
     const std::string inside = companion.has_own_eyes() ? companion.name() : "";
+    annotations->take(session->proxies(), now);
     annotations->update(*scene, people, inside, eyes, now, *renderer);
     renderer->draw(eyes);
     list_things();

@@ -41,6 +41,10 @@ void declare(ViewerConfig& config, config::OptionSet& set) {
             "who draws; auto: a window, else a GPU through EGL, else OSMesa in software; egl and "
             "osmesa: without a window",
             {"auto", "window", "egl", "osmesa"});
+    set.add("view.debug",
+            view.debug,
+            "what is behind the picture: wires, cameras, silhouettes, proxies (B in a window)",
+            {"off", "on"});
     declare(config.display, set);
     set.add("headless", config.headless, "draw without a window even where there is a display");
     set.add("frames", config.frames, "end after this many pictures; 0: go on until stopped");

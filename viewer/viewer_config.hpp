@@ -25,6 +25,7 @@ struct ViewConfig {
     std::string antialias = "none";
     std::string names = "auto";    // auto: in a window
     std::string context = "auto";  // window, egl or osmesa: that one and no other
+    std::string debug = "off";     // whether it begins with what is behind the picture
 };
 
 struct VideoConfig {

@@ -27,6 +27,8 @@ Expected<Endpoints> Endpoints::create(const bus::BusOptions& options) {
     auto states = bus::Writer<bus::SceneState>::create(*participant);
     auto soft_states = bus::Writer<bus::SoftBodyState>::create(*participant);
     auto placements = bus::Writer<bus::SitePlacement>::create(*participant);
+    auto person_proxies = bus::Writer<bus::PersonProxy>::create(*participant);
+    auto object_proxies = bus::Writer<bus::ObjectProxy>::create(*participant);
     auto statuses = bus::Writer<bus::WorldStatus>::create(*participant);
     auto waiter = bus::Waiter::create(*participant);
     const Error* error = first_error(descriptions,
@@ -38,6 +40,8 @@ Expected<Endpoints> Endpoints::create(const bus::BusOptions& options) {
                                      states,
                                      soft_states,
                                      placements,
+                                     person_proxies,
+                                     object_proxies,
                                      statuses,
                                      waiter);
     if (error != nullptr) return tl::unexpected(*error);
@@ -54,6 +58,8 @@ Expected<Endpoints> Endpoints::create(const bus::BusOptions& options) {
                      std::move(*states),
                      std::move(*soft_states),
                      std::move(*placements),
+                     std::move(*person_proxies),
+                     std::move(*object_proxies),
                      std::move(*statuses),
                      std::move(*waiter)};
 }

@@ -17,6 +17,8 @@ struct Endpoints {
     bus::Writer<bus::SceneState> states;
     bus::Writer<bus::SoftBodyState> soft_states;
     bus::Writer<bus::SitePlacement> placements;
+    bus::Writer<bus::PersonProxy> person_proxies;
+    bus::Writer<bus::ObjectProxy> object_proxies;
     bus::Writer<bus::WorldStatus> statuses;
     bus::Waiter waiter;
 

@@ -13,6 +13,15 @@ void Outbox::put(MovedState& state) {
     changed_.notify_one();
 }
 
+void Outbox::put(std::vector<physics::PersonNow>& people) {
+    {
+        const std::lock_guard lock(mutex_);
+        std::swap(people_, people);
+        has_people_ = true;
+    }
+    changed_.notify_one();
+}
+
 void Outbox::put(const bus::Scenery& scenery) {
     {
         const std::lock_guard lock(mutex_);
@@ -46,6 +55,8 @@ void Outbox::take(Content& content,
     changed_.wait_until(lock, stop, deadline, [this] { return has_content(); });
     content.has_state = std::exchange(has_state_, false);
     if (content.has_state) std::swap(content.state, state_);
+    content.has_people = std::exchange(has_people_, false);
+    if (content.has_people) std::swap(content.people, people_);
     content.scenery = std::exchange(scenery_, {});
     for (auto& [id, change] : changes_) content.changes.push_back(std::move(change));
     for (auto& [site, placement] : placements_) content.placements.push_back(std::move(placement));

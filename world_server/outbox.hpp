@@ -30,10 +30,14 @@ public:
         std::vector<bus::Scenery> scenery;
         bool has_state = false;
         MovedState state;  // of before where `has_state` is false
+        bool has_people = false;
+        std::vector<physics::PersonNow> people;  // likewise
     };
 
     /// Leaves an older state, or an empty one, in the place of `state`.
     void put(MovedState& state);
+    /// Likewise: everybody who is there.
+    void put(std::vector<physics::PersonNow>& people);
     void put(const bus::Scenery& scenery);
     void put(const SceneChange& change);
     void put(const bus::SitePlacement& placement);
@@ -46,13 +50,16 @@ public:
 
 private:
     bool has_content() const {
-        return has_state_ || !changes_.empty() || !placements_.empty() || !scenery_.empty();
+        return has_state_ || has_people_ || !changes_.empty() || !placements_.empty() ||
+               !scenery_.empty();
     }
 
     std::mutex mutex_;
     std::condition_variable_any changed_;
     bool has_state_ = false;
     MovedState state_;
+    bool has_people_ = false;
+    std::vector<physics::PersonNow> people_;
     std::vector<bus::Scenery> scenery_;
     std::map<std::uint32_t, SceneChange> changes_;
     std::map<std::string, bus::SitePlacement> placements_;

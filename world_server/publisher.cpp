@@ -1,5 +1,9 @@
 #include "world_server/publisher.hpp"
 
+#include "world_server/proxies.hpp"
+
+#include <algorithm>
+
 namespace atrium::world_server {
 
 void Publisher::note(const Expected<std::size_t>& written) {
@@ -13,14 +17,16 @@ void Publisher::send(const SceneChange& change) {
     if (!change.is_gone) {
         write(endpoints_.objects, change.object);
         if (change.soft) write(endpoints_.soft_bodies, *change.soft);
+        if (change.proxy) write(endpoints_.object_proxies, *change.proxy);
         return;
     }
-    const auto dispose = [&](auto& writer, const auto& key) {
-        if (const auto gone = writer.dispose(key); !gone) {
-            log_.warn("publish_failed " + gone.error().message);
-        }
-    };
     dispose(endpoints_.objects, change.object);
+    if (change.object.shape == bus::Shape::kConvex ||
+        change.object.shape == bus::Shape::kCompound) {
+        bus::ObjectProxy proxy;
+        proxy.object = change.object.object;
+        dispose(endpoints_.object_proxies, proxy);
+    }
     if (change.object.shape != bus::Shape::kSoft) return;
     bus::SoftBody body;
     body.object = change.object.object;
@@ -30,10 +36,38 @@ void Publisher::send(const SceneChange& change) {
     dispose(endpoints_.soft_states, state);
 }
 
+void Publisher::forget_all_but(std::span<const physics::PersonNow> people) {
+    std::erase_if(proxied_, [&](const std::string& site) {
+        const bool is_there = std::any_of(
+            people.begin(), people.end(), [&](const auto& person) { return person.name == site; });
+        if (is_there) return false;
+        bus::PersonProxy key;
+        key.site = site;
+        dispose(endpoints_.person_proxies, key);
+        return true;
+    });
+}
+
+bool Publisher::has_proxy_readers() {
+    const bool has_some = endpoints_.person_proxies.num_readers() > 0;
+    if (!has_some) forget_all_but({});
+    return has_some;
+}
+
+void Publisher::send(std::span<const physics::PersonNow> people) {
+    forget_all_but(people);
+    for (const physics::PersonNow& person : people) {
+        fill_proxy(person, places_, proxy_);
+        proxied_.insert(person.name);
+        write(endpoints_.person_proxies, proxy_);
+    }
+}
+
 void Publisher::send(const Outbox::Content& content) {
     for (const SceneChange& change : content.changes) send(change);
     for (const auto& placement : content.placements) write(endpoints_.placements, placement);
     for (const auto& scenery : content.scenery) write(endpoints_.scenery, scenery);
+    if (content.has_people && has_proxy_readers()) send(content.people);
     if (!content.has_state) return;
     write(endpoints_.states, content.state.rigid);
     for (const auto& state : content.state.soft) write(endpoints_.soft_states, state);

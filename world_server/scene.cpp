@@ -4,6 +4,7 @@
 #include "core/bus/checks.hpp"
 #include "core/bus/soft_nodes.hpp"
 #include "core/geometry/aabb.hpp"
+#include "world_server/proxies.hpp"
 
 #include <fmt/format.h>
 
@@ -41,6 +42,7 @@ Expected<Scene> Scene::create(const WorldServerConfig& config) {
                             object.scene.object));
         }
         scene.objects_[object.scene.object] = object.scene;
+        if (object.parts) scene.parts_[object.scene.object] = object.parts;
     }
     for (const physics::Joint& joint : config.joints) {
         if (!scene.world_->add_joint(joint)) {
@@ -277,9 +279,15 @@ std::vector<SceneChange> Scene::all() const {
     return changes;
 }
 
-// With what of a soft object does not change.
+// With what of a soft object, or of one with a model, does not change.
 SceneChange Scene::described(const bus::SceneObject& object) const {
     SceneChange change{.object = object};
+    const auto parts = parts_.find(object.object);
+    // a removed one's id may be an added one's, which has none
+    const bool is_model =
+        object.shape == bus::Shape::kConvex || object.shape == bus::Shape::kCompound;
+    if (is_model && parts != parts_.end())
+        change.proxy = make_object_proxy(object.object, *parts->second);
     const physics::SoftTopology* topology = world_->soft_topology(object.object);
     if (topology == nullptr) return change;
     const auto node = [](std::uint32_t index) { return static_cast<std::uint16_t>(index); };

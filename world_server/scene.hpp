@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -18,7 +19,8 @@ namespace atrium::world_server {
 struct SceneChange {
     bus::SceneObject object;
     bool is_gone = false;
-    std::optional<bus::SoftBody> soft = std::nullopt;  // of a soft object that is new
+    std::optional<bus::SoftBody> soft = std::nullopt;      // of a soft object that is new
+    std::optional<bus::ObjectProxy> proxy = std::nullopt;  // of one with a model that is new
 };
 
 /// The objects as the viewers know them and as the physics moves them. Not thread-safe; no network.
@@ -73,8 +75,10 @@ private:
     physics::WorldOptions options_;
     std::unique_ptr<physics::World> world_;
     std::map<std::uint32_t, bus::SceneObject> objects_;
-    std::uint32_t num_described_ = 0;  // ids 1..num_described_ are those of the world file
-    std::uint64_t description_ = 0;    // their hash
+    using Parts = std::shared_ptr<const std::vector<geometry::TriangleMesh>>;
+    std::map<std::uint32_t, Parts> parts_;  // of described objects made of some
+    std::uint32_t num_described_ = 0;       // ids 1..num_described_ are those of the world file
+    std::uint64_t description_ = 0;         // their hash
     std::uint32_t next_id_ = 1000;
     std::vector<physics::RigidState> states_;  // scratch, as is the next one
     std::vector<Eigen::Vector3f> nodes_;

@@ -16,6 +16,7 @@ namespace {
 using Clock = Pace::Clock;
 constexpr int kMaxCatchUpTicks = 4;  // what a tick of 120 Hz may be late by is one mesh period
 constexpr double kHashPeriodS = 10.0;
+constexpr double kPeopleHz = 10.0;  // who looks behind the picture needs no more
 constexpr double kRounding = 1e-9;  // of a sum of parts that make a whole
 
 bus::LatencySummary to_summary(const Quantiles& quantiles) {
@@ -104,6 +105,16 @@ void Simulation::send_state(Timestamp due) {
     outbox_.put(moved_);
 }
 
+// Surfels are shared, not copied: it costs the tick next to nothing.
+void Simulation::send_people() {
+    if (!wants_people_) return;
+    people_credit_ += kPeopleHz / config_.tick_hz;
+    if (people_credit_ < 1.0 - kRounding) return;
+    people_credit_ = 0.0;
+    scene_.world().get_people(people_now_);
+    outbox_.put(people_now_);
+}
+
 void Simulation::hash_now_and_then(double tick_s) {
     hash_credit_s_ += tick_s;
     if (hash_credit_s_ < kHashPeriodS) return;
@@ -160,6 +171,7 @@ void Simulation::step(Timestamp due) {
     if (is_touched && !was_touched_) send_credit_ = std::max(send_credit_, 1.0 - credit_of_tick());
     was_touched_ = is_touched;
     send_state(due);
+    send_people();
     look_after();
     const std::lock_guard lock(status_mutex_);
     step_times_.add(Clock::now() - begin);

@@ -10,6 +10,7 @@
 #include "world_server/scene.hpp"
 #include "world_server/state_saver.hpp"
 
+#include <atomic>
 #include <functional>
 #include <mutex>
 #include <stop_token>
@@ -19,7 +20,7 @@
 namespace atrium::world_server {
 
 /// The world in real time: takes people and commands from their inboxes before each tick, and puts
-/// what came of it into the outbox. Of one thread, but for `fill`.
+/// what came of it into the outbox. Of one thread, but for `want_people` and `fill`.
 class Simulation {
 public:
     /// `reject` is told why a command was refused, by the simulating thread.
@@ -31,6 +32,10 @@ public:
     CommandInbox& commands() { return commands_; }
     Outbox& outbox() { return outbox_; }
     StateSaver& saver() { return saver_; }
+
+    /// Whether somebody wants to know what people are to the physics; then it puts that into the
+    /// outbox ten times a second. Thread-safe.
+    void want_people(bool is_wanted) { wants_people_ = is_wanted; }
 
     /// Until a stop is requested or `config.seconds` have passed.
     void run(std::stop_token stop);
@@ -51,6 +56,7 @@ private:
     void restore();
     double credit_of_tick() const { return config_.send_hz / config_.tick_hz; }
     void send_state(Timestamp due);
+    void send_people();
     void look_after();
     void hash_now_and_then(double tick_s);
 
@@ -65,7 +71,10 @@ private:
     double send_credit_ = 0.0;    // states that should have been sent by now,
     double save_credit_s_ = 0.0;  // and simulated time since the last save,
     double hash_credit_s_ = 0.0;  // and the last hash
-    MovedState moved_;            // scratch, as is the next one
+    double people_credit_ = 0.0;  // people that should have been sent by now
+    std::atomic<bool> wants_people_ = false;
+    MovedState moved_;  // scratch, as are the next two
+    std::vector<physics::PersonNow> people_now_;
     std::vector<physics::Incident> incidents_;
     app::log::OncePerSecond incidents_log_;
     app::log::OncePerSecond commands_log_;  // what came and went by them

@@ -200,6 +200,7 @@ void WorldServer::Impl::publish(std::stop_token stop) {
     while (!stop.stop_requested()) {
         simulation.outbox().take(content, stop, next_status);
         publisher.send(content);
+        simulation.want_people(publisher.has_proxy_readers());
 
         const Clock::time_point now = Clock::now();
         if (now < next_status) continue;

@@ -66,7 +66,7 @@ public:
                  const std::array<std::uint16_t, N>& values,
                  std::uint32_t end) {
         for (const std::uint16_t value : values)
-            if (value >= end) fail(field, fmt::format("node {} of {}", value, end));
+            if (value >= end) fail(field, fmt::format("index {} of {}", value, end));
     }
     void fail(std::string_view field, std::string_view why) {
         if (fault_.empty()) fault_ = fmt::format("{}: {}", field, why);
@@ -259,6 +259,30 @@ Expected<void> check(const SceneState& message) {
         checker.vector("SceneState.objects.linear_velocity", object.linear_velocity, kMaxSpeed);
         checker.vector("SceneState.objects.angular_velocity", object.angular_velocity, kMaxSpeed);
     }
+    return checker.result();
+}
+
+Expected<void> check(const PersonProxy& message) {
+    Checker checker;
+    checker.name("PersonProxy.site", message.site);
+    checker.time("PersonProxy.capture_time", message.capture_time);
+    checker.vector("PersonProxy.origin_m", message.origin_m, kMaxCoordinate_m);
+    checker.positive("PersonProxy.step_m", message.step_m, kMaxProxyStep_m);
+    checker.count("PersonProxy.points", message.points.size(), kMaxProxyPoints);
+    checker.count("PersonProxy.touches", message.touches.size(), kMaxTouches);
+    for (const Touch& touch : message.touches)
+        checker.vector("PersonProxy.touches.point_world", touch.point_world, kMaxCoordinate_m);
+    return checker.result();
+}
+
+Expected<void> check(const ObjectProxy& message) {
+    Checker checker;
+    checker.vector("ObjectProxy.origin_m", message.origin_m, kMaxCoordinate_m);
+    checker.positive("ObjectProxy.step_m", message.step_m, kMaxProxyStep_m);
+    checker.count("ObjectProxy.vertices", message.vertices.size(), kMaxProxyVertices);
+    checker.count("ObjectProxy.edges", message.edges.size(), kMaxProxyEdges);
+    const auto end = static_cast<std::uint32_t>(message.vertices.size());
+    for (const auto& edge : message.edges) checker.indices("ObjectProxy.edges", edge, end);
     return checker.result();
 }
 

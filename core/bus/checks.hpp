@@ -24,6 +24,8 @@ Expected<void> check(const SoftBody& message);
 Expected<void> check(const SoftBodyState& message);
 Expected<void> check(const Scenery& message);
 Expected<void> check(const SceneState& message);
+Expected<void> check(const PersonProxy& message);
+Expected<void> check(const ObjectProxy& message);
 Expected<void> check(const SceneCommand& message);
 Expected<void> check(const SiteStatus& message);
 Expected<void> check(const WorldStatus& message);

@@ -116,6 +116,43 @@ struct Scenery {
     geometry::RigidTransform world_from_model;
 };
 
+/// A sample of a person's surface as the physics has it; proxy_points.hpp makes and reads these.
+struct ProxyPoint {
+    std::array<std::uint16_t, 3> place{};         // p_world = origin_m + step_m * place
+    std::array<std::int16_t, 3> velocity_mmps{};  // [mm/s] world
+    std::array<std::int16_t, 3> normal{};         // outwards, 32767 times the unit vector
+
+    bool operator==(const ProxyPoint&) const = default;
+};
+
+/// Where a person touches a rigid object.
+struct Touch {
+    std::uint32_t object = 0;
+    Eigen::Vector3d point_world = Eigen::Vector3d::Zero();  // [m] on the person
+};
+
+/// At most ten a second, latest only, and only while somebody reads it: what the physics takes the
+/// person of a site for.
+struct PersonProxy {
+    std::string site;
+    Timestamp capture_time;         // of the mesh that it is moving to, or has come to
+    std::uint32_t num_surfels = 0;  // that the physics has; `points` are an even choice of them
+    Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();  // world
+    double step_m = 1e-4;
+    std::vector<ProxyPoint> points;
+    std::vector<Touch> touches;  // in the same tick
+};
+
+/// Transient local, on change: what the physics takes an object with a model for, the edges of its
+/// convex parts.
+struct ObjectProxy {
+    std::uint32_t object = 0;
+    Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();  // in the object's frame
+    double step_m = 1e-4;
+    std::vector<std::array<std::uint16_t, 3>> vertices;  // p_object = origin_m + step_m * vertex
+    std::vector<std::array<std::uint16_t, 2>> edges;
+};
+
 struct ObjectState {
     std::uint32_t object = 0;
     geometry::RigidTransform world_from_object;

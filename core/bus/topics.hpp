@@ -4,6 +4,7 @@
 
 #include <feedback.h>
 #include <presence.h>
+#include <proxy.h>
 #include <site.h>
 #include <status.h>
 #include <world.h>
@@ -74,6 +75,16 @@ template <>
 struct Topic<SceneState> : WireTopic<atrium_SceneState, atrium_SceneState_desc> {
     static constexpr const char* kName = "SceneState";
     static constexpr std::string_view kProfile = kStream;
+};
+template <>
+struct Topic<PersonProxy> : WireTopic<atrium_PersonProxy, atrium_PersonProxy_desc> {
+    static constexpr const char* kName = "PersonProxy";
+    static constexpr std::string_view kProfile = kTexture;
+};
+template <>
+struct Topic<ObjectProxy> : WireTopic<atrium_ObjectProxy, atrium_ObjectProxy_desc> {
+    static constexpr const char* kName = "ObjectProxy";
+    static constexpr std::string_view kProfile = kDescription;
 };
 template <>
 struct Topic<SceneCommand> : WireTopic<atrium_SceneCommand, atrium_SceneCommand_desc> {

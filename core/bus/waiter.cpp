@@ -55,6 +55,8 @@ template void Waiter::add(const Reader<SoftBody>&);
 template void Waiter::add(const Reader<SoftBodyState>&);
 template void Waiter::add(const Reader<Scenery>&);
 template void Waiter::add(const Reader<SceneState>&);
+template void Waiter::add(const Reader<PersonProxy>&);
+template void Waiter::add(const Reader<ObjectProxy>&);
 template void Waiter::add(const Reader<SceneCommand>&);
 template void Waiter::add(const Reader<SiteStatus>&);
 template void Waiter::add(const Reader<WorldStatus>&);

@@ -5,6 +5,7 @@
 
 #include <feedback.h>
 #include <presence.h>
+#include <proxy.h>
 #include <site.h>
 #include <status.h>
 #include <world.h>
@@ -25,6 +26,8 @@ struct WireScratch {
     std::vector<atrium_Camera> cameras;
     std::vector<atrium_ObjectState> objects;
     std::vector<atrium_CameraStatus> camera_statuses;
+    std::vector<atrium_ProxyPoint> proxy_points;
+    std::vector<atrium_Touch> touches;
 };
 
 void to_wire(const SiteDescription& message, WireScratch& scratch, atrium_SiteDescription& out);
@@ -36,6 +39,8 @@ void to_wire(const SoftBody& message, WireScratch& scratch, atrium_SoftBody& out
 void to_wire(const SoftBodyState& message, WireScratch& scratch, atrium_SoftBodyState& out);
 void to_wire(const Scenery& message, WireScratch& scratch, atrium_Scenery& out);
 void to_wire(const SceneState& message, WireScratch& scratch, atrium_SceneState& out);
+void to_wire(const PersonProxy& message, WireScratch& scratch, atrium_PersonProxy& out);
+void to_wire(const ObjectProxy& message, WireScratch& scratch, atrium_ObjectProxy& out);
 void to_wire(const SceneCommand& message, WireScratch& scratch, atrium_SceneCommand& out);
 void to_wire(const SiteStatus& message, WireScratch& scratch, atrium_SiteStatus& out);
 void to_wire(const WorldStatus& message, WireScratch& scratch, atrium_WorldStatus& out);
@@ -52,6 +57,8 @@ Expected<SoftBody> from_wire(const atrium_SoftBody& wire);
 Expected<SoftBodyState> from_wire(const atrium_SoftBodyState& wire);
 Expected<Scenery> from_wire(const atrium_Scenery& wire);
 Expected<SceneState> from_wire(const atrium_SceneState& wire);
+Expected<PersonProxy> from_wire(const atrium_PersonProxy& wire);
+Expected<ObjectProxy> from_wire(const atrium_ObjectProxy& wire);
 Expected<SceneCommand> from_wire(const atrium_SceneCommand& wire);
 Expected<SiteStatus> from_wire(const atrium_SiteStatus& wire);
 Expected<WorldStatus> from_wire(const atrium_WorldStatus& wire);
@@ -68,6 +75,8 @@ void key_to_wire(const SoftBody& message, atrium_SoftBody& out);
 void key_to_wire(const SoftBodyState& message, atrium_SoftBodyState& out);
 void key_to_wire(const Scenery& message, atrium_Scenery& out);
 void key_to_wire(const SceneState& message, atrium_SceneState& out);
+void key_to_wire(const PersonProxy& message, atrium_PersonProxy& out);
+void key_to_wire(const ObjectProxy& message, atrium_ObjectProxy& out);
 void key_to_wire(const SceneCommand& message, atrium_SceneCommand& out);
 void key_to_wire(const SiteStatus& message, atrium_SiteStatus& out);
 void key_to_wire(const WorldStatus& message, atrium_WorldStatus& out);
@@ -84,6 +93,8 @@ Expected<SoftBody> key_from_wire(const atrium_SoftBody& wire);
 Expected<SoftBodyState> key_from_wire(const atrium_SoftBodyState& wire);
 Expected<Scenery> key_from_wire(const atrium_Scenery& wire);
 Expected<SceneState> key_from_wire(const atrium_SceneState& wire);
+Expected<PersonProxy> key_from_wire(const atrium_PersonProxy& wire);
+Expected<ObjectProxy> key_from_wire(const atrium_ObjectProxy& wire);
 Expected<SceneCommand> key_from_wire(const atrium_SceneCommand& wire);
 Expected<SiteStatus> key_from_wire(const atrium_SiteStatus& wire);
 Expected<WorldStatus> key_from_wire(const atrium_WorldStatus& wire);
@@ -100,6 +111,8 @@ std::size_t payload_bytes(const SoftBody& message);
 std::size_t payload_bytes(const SoftBodyState& message);
 std::size_t payload_bytes(const Scenery& message);
 std::size_t payload_bytes(const SceneState& message);
+std::size_t payload_bytes(const PersonProxy& message);
+std::size_t payload_bytes(const ObjectProxy& message);
 std::size_t payload_bytes(const SceneCommand& message);
 std::size_t payload_bytes(const SiteStatus& message);
 std::size_t payload_bytes(const WorldStatus& message);

@@ -2,34 +2,6 @@
 #include "core/bus/wire_fields.hpp"
 
 namespace atrium::bus {
-namespace {
-
-// Lends elements of N numbers as one sequence of numbers.
-template <typename Sequence, std::size_t N>
-void lend_groups(const std::vector<std::array<std::uint16_t, N>>& groups, Sequence& out) {
-    static_assert(sizeof(std::array<std::uint16_t, N>) == N * sizeof(std::uint16_t));
-    out._maximum = out._length = static_cast<std::uint32_t>(N * groups.size());
-    out._buffer = groups.empty() ? nullptr : const_cast<std::uint16_t*>(groups.front().data());
-    out._release = false;
-}
-
-template <std::size_t N, typename Sequence>
-Expected<std::vector<std::array<std::uint16_t, N>>> groups_of(const Sequence& sequence,
-                                                              std::size_t max,
-                                                              std::string_view field) {
-    if (sequence._length > N * max) return too_many(field);
-    if (sequence._length % N != 0) {
-        return make_error(ErrorKind::kInvalidData,
-                          std::string(field) + ": its last element is not complete");
-    }
-    std::vector<std::array<std::uint16_t, N>> groups(sequence._length / N);
-    for (std::size_t i = 0; i < sequence._length; ++i) {
-        groups[i / N][i % N] = sequence._buffer[i];
-    }
-    return groups;
-}
-
-}  // namespace
 
 void to_wire(const SoftBody& message, WireScratch& /*scratch*/, atrium_SoftBody& out) {
     key_to_wire(message, out);

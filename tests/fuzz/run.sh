@@ -24,7 +24,7 @@ readonly build=build-fuzz
 
 build_fuzzers() {
     if [[ ! -f $build/build.ninja ]]; then
-        CC=clang CXX=clang++ cmake -S . -B $build -G Ninja -DATRIUM_FUZZ=ON >&2
+        CC=clang CXX=clang++ cmake -S . -B $build -G Ninja -DATRIUM_FUZZ=ON -DATRIUM_PCH=OFF >&2
     fi
     cmake --build $build --target fuzzers >&2
 }

@@ -62,6 +62,7 @@ private:
     void add(std::uint8_t value) { append(value); }
     void add(bool value) { append(value); }
     void add(std::uint16_t value) { append(value); }
+    void add(std::int16_t value) { append(value); }
     void add(std::uint32_t value) { append(value); }
     void add(std::uint64_t value) { append(value); }
 
@@ -97,9 +98,9 @@ private:
         add(pose.translation);
     }
 
-    template <std::size_t kSize>
-    void add(double (&values)[kSize]) {
-        for (const double value : values) add(value);
+    template <typename Number, std::size_t kSize>
+    void add(Number (&values)[kSize]) {
+        for (const Number value : values) add(value);
     }
 
     template <typename Wire>
@@ -305,6 +306,8 @@ constexpr auto kChecks = checks_of<bus::SiteDescription,
                                    bus::SoftBodyState,
                                    bus::Scenery,
                                    bus::SceneState,
+                                   bus::PersonProxy,
+                                   bus::ObjectProxy,
                                    bus::SceneCommand,
                                    bus::SiteStatus,
                                    bus::WorldStatus,

@@ -33,13 +33,14 @@ private:
     void fill(std::uint8_t& value) { value = reader_.byte() ^ 1U; }
     void fill(bool& value) { value = reader_.below(2) == 1; }
     void fill(std::uint16_t& value) { value = static_cast<std::uint16_t>(reader_.below(4)); }
+    void fill(std::int16_t& value) { value = static_cast<std::int16_t>(integer()); }
     void fill(std::uint32_t& value) { value = static_cast<std::uint32_t>(integer()); }
     void fill(std::uint64_t& value) { value = integer(); }
     void fill(std::int64_t& value) { value = static_cast<std::int64_t>(integer()); }
 
-    template <std::size_t kSize>
-    void fill(double (&values)[kSize]) {
-        for (double& value : values) fill(value);
+    template <typename Number, std::size_t kSize>
+    void fill(Number (&values)[kSize]) {
+        for (Number& value : values) fill(value);
     }
 
     template <typename Wire>

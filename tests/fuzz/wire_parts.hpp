@@ -2,6 +2,7 @@
 
 #include <feedback.h>
 #include <presence.h>
+#include <proxy.h>
 #include <site.h>
 #include <status.h>
 #include <world.h>
@@ -97,6 +98,30 @@ template <typename Visit>
 void visit_parts(atrium_SceneState& wire, Visit& visit) {
     auto& [world, tick, time_ns, objects] = wire;
     visit(world, tick, time_ns, objects);
+}
+
+template <typename Visit>
+void visit_parts(atrium_ProxyPoint& wire, Visit& visit) {
+    auto& [place, velocity_mmps, normal] = wire;
+    visit(place, velocity_mmps, normal);
+}
+
+template <typename Visit>
+void visit_parts(atrium_Touch& wire, Visit& visit) {
+    auto& [object, point_world] = wire;
+    visit(object, point_world);
+}
+
+template <typename Visit>
+void visit_parts(atrium_PersonProxy& wire, Visit& visit) {
+    auto& [site, capture_time_ns, num_surfels, origin_m, step_m, points, touches] = wire;
+    visit(site, capture_time_ns, num_surfels, origin_m, step_m, points, touches);
+}
+
+template <typename Visit>
+void visit_parts(atrium_ObjectProxy& wire, Visit& visit) {
+    auto& [object, origin_m, step_m, vertices, edges] = wire;
+    visit(object, origin_m, step_m, vertices, edges);
 }
 
 /// The object is ignored by those that look at what is meant, unless it is to be added.

@@ -93,6 +93,20 @@ std::string broken_promise(const bus::SceneState& message) {
     return unless(message.objects.size() <= bus::kMaxObjects, "too many objects");
 }
 
+std::string broken_promise(const bus::PersonProxy& message) {
+    if (message.points.size() > bus::kMaxProxyPoints) return "too many points";
+    if (message.touches.size() > bus::kMaxTouches) return "too many touches";
+    return unless(message.step_m > 0.0, "a step");
+}
+
+std::string broken_promise(const bus::ObjectProxy& message) {
+    if (message.vertices.size() > bus::kMaxProxyVertices) return "too many vertices";
+    for (const auto& [from, to] : message.edges) {
+        if (std::max(from, to) >= message.vertices.size()) return "a vertex";
+    }
+    return unless(message.step_m > 0.0, "a step");
+}
+
 std::string broken_promise(const bus::SceneCommand& message) {
     if (message.kind > bus::CommandKind::kRestore) return "a kind of command";
     return message.kind == bus::CommandKind::kAdd ? broken_promise(message.object) : "";

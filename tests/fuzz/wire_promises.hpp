@@ -17,6 +17,8 @@ std::string broken_promise(const bus::SoftBody& message);
 std::string broken_promise(const bus::SoftBodyState& message);
 std::string broken_promise(const bus::Scenery& message);
 std::string broken_promise(const bus::SceneState& message);
+std::string broken_promise(const bus::PersonProxy& message);
+std::string broken_promise(const bus::ObjectProxy& message);
 std::string broken_promise(const bus::SceneCommand& message);
 std::string broken_promise(const bus::SiteStatus& message);
 std::string broken_promise(const bus::WorldStatus& message);

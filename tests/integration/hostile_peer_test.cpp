@@ -173,6 +173,29 @@ private:
         number(w.step_m);
         numbers16(w.nodes, chance(80) ? 12 : below(60), 65536);
     }
+    void fill(atrium_PersonProxy& w) {
+        name(w.site);
+        w.capture_time_ns = chance(80) ? Timestamp::now().ns : -1;
+        w.num_surfels = random_();
+        numbers(w.origin_m);
+        w.step_m = 1e-4;
+        if (chance(30)) number(w.step_m);
+        auto* points = elements(w.points, below(chance(5) ? 3000 : 60));
+        for (std::uint32_t i = 0; i < w.points._length; ++i) raw(points[i]);
+        auto* touches = elements(w.touches, below(20));
+        for (std::uint32_t i = 0; i < w.touches._length; ++i) {
+            touches[i].object = below(50);
+            numbers(touches[i].point_world);
+        }
+    }
+    void fill(atrium_ObjectProxy& w) {
+        w.object = below(50);
+        numbers(w.origin_m);
+        w.step_m = 1e-4;
+        if (chance(30)) number(w.step_m);
+        numbers16(w.vertices, chance(80) ? 12 : below(60), 65536);
+        numbers16(w.edges, chance(80) ? 2 * below(20) : below(60), 5);
+    }
     void fill(atrium_Scenery& w) {
         name(w.name);
         name(w.model);
@@ -287,6 +310,7 @@ TEST(HostilePeer, GarbageOnEveryTopicIsCountedAndHarmsNobody) {
     viewer::ViewerConfig viewer_config;
     viewer_config.bus = bus_options();
     viewer_config.headless = true;
+    viewer_config.view.debug = "on";  // it reads all topics then
     viewer_config.view.width = 160;
     viewer_config.view.height = 120;
     auto viewer = viewer::Viewer::create(viewer_config);
@@ -309,6 +333,8 @@ TEST(HostilePeer, GarbageOnEveryTopicIsCountedAndHarmsNobody) {
     RawWriter<bus::SoftBody> soft_bodies;
     RawWriter<bus::SoftBodyState> soft_states;
     RawWriter<bus::Scenery> sceneries;
+    RawWriter<bus::PersonProxy> person_proxies;
+    RawWriter<bus::ObjectProxy> object_proxies;
     RawWriter<bus::SceneState> states;
     RawWriter<bus::SceneCommand> commands;
     RawWriter<bus::SiteStatus> site_statuses;
@@ -337,6 +363,8 @@ TEST(HostilePeer, GarbageOnEveryTopicIsCountedAndHarmsNobody) {
         soft_bodies.write_any(garbage);
         soft_states.write_any(garbage);
         sceneries.write_any(garbage);
+        person_proxies.write_any(garbage);
+        object_proxies.write_any(garbage);
         states.write_any(garbage);
         commands.write_any(garbage);
         site_statuses.write_any(garbage);

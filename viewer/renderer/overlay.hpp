@@ -51,6 +51,10 @@ public:
     bool is_wireframe() const { return is_wireframe_; }
     void set_wireframe(bool is_wireframe) { is_wireframe_ = is_wireframe; }
 
+    /// How far before each camera its picture of the person is drawn [m]; 0: it is not.
+    double silhouettes_m() const { return silhouettes_m_; }
+    void set_silhouettes(double distance_m) { silhouettes_m_ = distance_m; }
+
     /// With the eye's viewport and colours set.
     void draw(const EyeView& eye) const;
 
@@ -69,6 +73,7 @@ private:
     gl::Buffer line_ends_;
     std::size_t num_lines_ = 0;
     bool is_wireframe_ = false;
+    double silhouettes_m_ = 0.0;
 };
 
 }  // namespace atrium::renderer

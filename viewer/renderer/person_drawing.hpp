@@ -30,6 +30,11 @@ public:
     double opacity() const { return opacity_; }
     bool is_solid() const { return opacity_ >= 1.0; }
 
+    const PersonModel& model() const { return model_; }
+    const Eigen::Matrix4d& world_from_site() const { return world_from_site_; }
+    /// Array, one layer for each of the model's cameras.
+    const gl::Texture& pictures() const { return pictures_; }
+
     void draw(const PersonShaders& shaders,
               const Eigen::Matrix4d& clip_from_world,
               const Eigen::Vector3d& eye_world);

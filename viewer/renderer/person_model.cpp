@@ -136,6 +136,20 @@ bool is_near_pictures(const Eigen::Vector2d& px) {
     return std::abs(px.x()) < kFar_px && std::abs(px.y()) < kFar_px;
 }
 
+void note_place(const CameraPicture& picture,
+                const PersonModel& model,
+                PersonModel::Camera& camera) {
+    camera.intrinsics = picture.camera.intrinsics;
+    camera.camera_from_site = picture.camera.camera_from_site;
+    camera.centre_site = picture.camera.centre_site().cast<float>();
+    camera.crop_px = picture.crop_px;
+    const Eigen::Array2f layer_size =
+        Eigen::Array2i(model.layer_width, model.layer_height).cast<float>();
+    const Eigen::Array2i size(picture.width, picture.height);
+    camera.low_st = Eigen::Array2f(kBorder, kBorder) / layer_size;
+    camera.high_st = (size + kBorder).cast<float>() / layer_size;
+}
+
 // Per vertex: texture coordinates, and in `scratch.corners` undistorted pixels and inverse depth.
 void project_vertices(const CameraStage& stage, PersonModel& model, PersonModelScratch& scratch) {
     const auto& [camera, crop, width, height, rgba] = stage.picture;
@@ -320,7 +334,7 @@ void build_person_model(const geometry::TriangleMesh& mesh_site,
         if (!is_usable(picture)) continue;
         assert(picture.rgba.size() == static_cast<std::size_t>(picture.width) *
                                           static_cast<std::size_t>(picture.height) * 4);
-        out.cameras[index].centre_site = picture.camera.centre_site().cast<float>();
+        note_place(picture, out, out.cameras[index]);
         fill_layer(picture, out, out.layers.data() + index * layer_bytes(out));
         const CameraStage stage{picture, index, options};
         project_vertices(stage, out, scratch);

@@ -27,6 +27,13 @@ struct CameraPicture {
 /// A person ready to be textured from any viewpoint: all that does not depend on the viewpoint.
 struct PersonModel {
     struct Camera {
+        /// Where what is in its layer was seen.
+        geometry::PinholeCamera intrinsics;
+        geometry::RigidTransform camera_from_site;
+        image::PixelRect crop_px;  // of the distorted picture; fills the layer from `low_st` on
+        Eigen::Vector2f low_st = Eigen::Vector2f::Zero();  // texture coordinates of its corners
+        Eigen::Vector2f high_st = Eigen::Vector2f::Ones();
+
         Eigen::Vector3f centre_site = Eigen::Vector3f::Zero();
         /// Per vertex (s z, t z, z): s, t are texture coordinates in the camera's layer, z is the
         /// depth. Linear in the position (but for the lens distortion), so that the perspective

@@ -7,6 +7,7 @@
 #include "viewer/renderer/person_drawing.hpp"
 #include "viewer/renderer/screen_square.hpp"
 #include "viewer/renderer/shaders.hpp"
+#include "viewer/renderer/silhouette_drawing.hpp"
 #include "viewer/renderer/textures.hpp"
 
 #include <glad/gl.h>
@@ -28,6 +29,7 @@ struct SceneRenderer::Impl {
     ScreenSquare square;
     std::optional<Backdrop> backdrop;
     std::optional<Overlay> overlay;
+    std::optional<SilhouetteDrawing> silhouettes;
     Textures textures;
     std::map<std::string, PersonDrawing> people;
     std::map<std::string, Eigen::Matrix4d> site_poses;
@@ -70,6 +72,9 @@ Expected<void> SceneRenderer::Impl::create_shaders() {
     auto over = Overlay::create();
     if (!over) return tl::unexpected(over.error());
     overlay = std::move(*over);
+    auto silhouette = SilhouetteDrawing::create();
+    if (!silhouette) return tl::unexpected(silhouette.error());
+    silhouettes = std::move(*silhouette);
     return {};
 }
 
@@ -176,6 +181,7 @@ void SceneRenderer::Impl::draw_eye(const EyeView& eye) {
     for (auto& [site, person] : people) {
         if (!person.is_solid()) draw_faded(person, eye);
     }
+    silhouettes->draw(people, view.clip_from_world, overlay->silhouettes_m());
     overlay->draw(eye);
 }
 

@@ -256,6 +256,43 @@ out vec4 fragment;
 void main() { fragment = vec4(line_colour, opacity); }
 )";
 
+const char* const kSilhouetteVertex = R"(#version 330 core
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec2 place;
+uniform mat4 clip_from_site;
+out vec2 at;
+void main() {
+    at = place;
+    gl_Position = clip_from_site * vec4(position, 1.0);
+}
+)";
+
+// The outline is a pixel of the screen wide, around the person, however small she is there.
+const char* const kSilhouetteFragment = R"(#version 330 core
+in vec2 at;
+uniform sampler2DArray pictures;
+uniform float layer;
+uniform float opacity;
+uniform vec3 outline;
+out vec4 fragment;
+const float kInside = 0.1;  // least alpha of the mask's texels, which is less at its edge
+void main() {
+    vec4 here = texture(pictures, vec3(at, layer));
+    vec2 right = dFdx(at);
+    vec2 up = dFdy(at);
+    vec2 beside = max(vec2(texture(pictures, vec3(at - right, layer)).a,
+                           texture(pictures, vec3(at - up, layer)).a),
+                      vec2(texture(pictures, vec3(at + right, layer)).a,
+                           texture(pictures, vec3(at + up, layer)).a));
+    vec4 colour = vec4(outline, 0.12);
+    if (here.a >= kInside)
+        colour = vec4(here.rgb / here.a, 0.95);
+    else if (max(beside.x, beside.y) >= kInside)
+        colour.a = 1.0;
+    fragment = vec4(colour.rgb * colour.a, colour.a) * opacity;
+}
+)";
+
 // After the idea of fast approximate anti-aliasing (Lottes 2009), in its shortest form: where the
 // luma of the four diagonal neighbours differs, average along the edge.
 const char* const kSmoothFragment = R"(#version 330 core

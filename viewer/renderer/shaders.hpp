@@ -32,6 +32,10 @@ extern const char* const kLabelFragment;
 extern const char* const kLineVertex;
 extern const char* const kLineFragment;
 
+/// A camera's picture of a person in the world: her colours, her outline, and a tint around her.
+extern const char* const kSilhouetteVertex;
+extern const char* const kSilhouetteFragment;
+
 /// Smooths edges of the finished picture (`view.antialias = "fxaa"`).
 extern const char* const kScreenVertex;
 extern const char* const kSmoothFragment;

@@ -167,6 +167,7 @@ void PeopleContacts::forget_person(const std::string& name) {
 void PeopleContacts::begin_tick(const PeopleField& people, double tick_s) {
     end_tick();
     is_touched_ = false;
+    num_touches_ = 0;
     ++tick_;
     for (auto& [id, tracked] : bodies_) begin_body(*tracked, people, tick_s);
 }
@@ -190,6 +191,7 @@ void PeopleContacts::begin_body(Tracked& tracked, const PeopleField& people, dou
     }
     std::size_t num_resisting = 0;
     const std::size_t num_before = num_used_;
+    const std::size_t num_touches_before = num_touches_;
     for (const auto& [name, person] : people.people()) {
         if (!person.surfels().is_near(motion.low, motion.high) &&
             person.surfels().max_speed_mps() == 0.0F && motion.linear_velocity.isZero()) {
@@ -210,6 +212,7 @@ void PeopleContacts::begin_body(Tracked& tracked, const PeopleField& people, dou
             while (num_used_ > num_before) {
                 dispatcher_.releaseManifold(carriers_[--num_used_]->manifold);
             }
+            num_touches_ = num_touches_before;
             lead_out(tracked, people);
             return;
         }
@@ -223,7 +226,7 @@ void PeopleContacts::begin_body(Tracked& tracked, const PeopleField& people, dou
         surface.share = 1.0F / static_cast<float>(contacts.size());
         for (const PersonContact& c : contacts) {
             surface.resists_rolling = num_resisting++ < kNumRolling;
-            insert(tracked, c, surface, tick_s);
+            if (insert(tracked, c, surface, tick_s)) note_touch(name, tracked, c);
         }
     }
     if (num_used_ > num_before) tracked.body->activate();
@@ -290,7 +293,19 @@ bool PeopleContacts::lead_out(Tracked& tracked, const PeopleField& people) {
     return true;
 }
 
-void PeopleContacts::insert(Tracked& tracked,
+// In memory that is used again.
+void PeopleContacts::note_touch(const std::string& person,
+                                const Tracked& tracked,
+                                const PersonContact& at) {
+    if (num_touches_ == kMaxPersonTouches) return;
+    if (num_touches_ == touches_.size()) touches_.emplace_back();
+    PersonTouch& touch = touches_[num_touches_++];
+    touch.person = person;
+    touch.object = tracked.id;
+    touch.point = at.point - at.distance_m * at.normal;
+}
+
+bool PeopleContacts::insert(Tracked& tracked,
                             const PersonContact& contact,
                             const Surface& surface,
                             double tick_s) {
@@ -343,7 +358,9 @@ void PeopleContacts::insert(Tracked& tracked,
     }
     carrier.manifold->addManifoldPoint(point);
     // one that would be inside after the tick is stopped, or driven, within it
-    is_touched_ = is_touched_ || contact.distance_m <= kContactM || contact.after_m < 0.0F;
+    const bool is_touch = contact.distance_m <= kContactM || contact.after_m < 0.0F;
+    is_touched_ = is_touched_ || is_touch;
+    return is_touch;
 }
 
 }  // namespace atrium::physics

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,14 @@ struct PeopleContactOptions {
     double restitution = 0.2;
     double escape_mps = 1.5;  // at which an object inside a person is led out
 };
+
+/// Where an object touched a person in a tick.
+struct PersonTouch {
+    std::string person;
+    std::uint32_t object = 0;
+    Eigen::Vector3f point;  // on the person, world [m]
+};
+inline constexpr std::size_t kMaxPersonTouches = 512;  // of a tick that are kept
 
 /// Gives Bullet's solver the contacts of objects with people, who are in no Bullet world: before
 /// each tick a manifold for each contact, between the object and a carrier, a kinematic body with
@@ -51,18 +60,22 @@ public:
     /// A person is gone for good: nothing is led out of her any more.
     void forget_person(const std::string& name);
 
-    bool is_touched() const { return is_touched_; }             // a contact in this tick
+    bool is_touched() const { return is_touched_; }  // a contact in this tick
+    /// Of the last tick: those who were in touch, not all that was near.
+    std::span<const PersonTouch> touches() const { return {touches_.data(), num_touches_}; }
     std::uint64_t num_escapes() const { return num_escapes_; }  // since the construction
 
 private:
     struct Carrier;
     struct Tracked;
     struct Surface;
+    void note_touch(const std::string& person, const Tracked& tracked, const PersonContact& at);
     void begin_body(Tracked& tracked, const PeopleField& people, double tick_s);
     bool lead_out(Tracked& tracked, const PeopleField& people);
     bool is_inside(const Tracked& tracked, const PersonField& person) const;
     bool is_around(const Tracked& tracked, const PersonField& person) const;
-    void insert(Tracked& tracked,
+    // True where they are in touch.
+    bool insert(Tracked& tracked,
                 const PersonContact& contact,
                 const Surface& surface,
                 double tick_s);
@@ -73,6 +86,8 @@ private:
     std::map<std::uint32_t, std::unique_ptr<Tracked>> bodies_;
     std::vector<std::unique_ptr<Carrier>> carriers_;  // the first num_used_ are of this tick
     std::size_t num_used_ = 0;
+    std::vector<PersonTouch> touches_;  // the first num_touches_ are of this tick
+    std::size_t num_touches_ = 0;
     std::uint64_t tick_ = 0;
     std::uint64_t num_escapes_ = 0;
     bool is_touched_ = false;

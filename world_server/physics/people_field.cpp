@@ -69,6 +69,7 @@ std::uint8_t Asker::facing_octants() const {
 
 void PersonField::set_shape(const PersonShape& shape) {
     shape_ = shape.surfels;
+    capture_time_ = shape.capture_time;
     period_s_ = time_to_go_s_ = shape.period_s;
     is_placed_ = false;
 }
@@ -80,7 +81,7 @@ void PersonField::begin_tick(double tick_s) {
     const double moving_s = std::min(tick_s, time_to_go_s_);
     const double half_s = 0.5 * period_s_ + 1e-6;  // for rounding
     is_half_way_ = time_to_go_s_ <= half_s && time_to_go_s_ + tick_s > half_s;
-    const auto behind = static_cast<float>(period_s_ > 0.0 ? time_to_go_s_ / period_s_ : 0.0);
+    const float behind = share_to_go();
     const auto share = static_cast<float>(moving_s / tick_s);
     placed_.clear();
     for (const MovingSurfel& s : *shape_) {

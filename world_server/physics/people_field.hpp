@@ -70,11 +70,20 @@ public:
     /// True in one tick of each mesh's way: the moment to compare it with others.
     bool is_half_way() const { return is_half_way_; }
 
+    /// The newest shape, and how much of its way is still to go: 1 at its start, 0 where it was
+    /// captured.
+    const std::shared_ptr<const std::vector<MovingSurfel>>& shape() const { return shape_; }
+    float share_to_go() const {
+        return static_cast<float>(period_s_ > 0.0 ? time_to_go_s_ / period_s_ : 0.0);
+    }
+    Timestamp capture_time() const { return capture_time_; }
+
     const SurfelGrid& surfels() const { return grid_; }
     std::size_t num_surfels() const { return shape_ ? shape_->size() : 0; }
 
 private:
     std::shared_ptr<const std::vector<MovingSurfel>> shape_;
+    Timestamp capture_time_;
     double period_s_ = 0.0;
     double time_to_go_s_ = 0.0;  // until the surfels are where the mesh was captured
     double tick_s_ = 0.0;

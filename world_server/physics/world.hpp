@@ -50,6 +50,19 @@ struct WorldOptions {
     double person_restitution = 0.2;
 };
 
+/// What a person is to the physics at one moment.
+struct PersonNow {
+    std::string name;
+    std::shared_ptr<const std::vector<MovingSurfel>> surfels;
+    float share_to_go = 0.0F;  // of the way of each surfel from `from` to `position`
+    Timestamp capture_time;    // when it was at `position`
+    struct Touch {
+        std::uint32_t object = 0;
+        Eigen::Vector3f point;  // [m] world, on the person
+    };
+    std::vector<Touch> touches;  // in the last tick, with rigid objects
+};
+
 struct SoftObject;
 struct SoftTopology;
 
@@ -146,6 +159,10 @@ public:
     /// The newest shape of a person takes the place of the one before.
     void set_person(const std::string& name, const PersonShape& shape);
     void remove_person(const std::string& name);
+
+    /// Everybody who is there, in the order of their names. Copies no surfels, and uses the memory
+    /// of `people` again.
+    void get_people(std::vector<PersonNow>& people) const;
 
     /// One step of `tick_s`.
     void tick();

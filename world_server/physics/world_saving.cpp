@@ -52,6 +52,22 @@ bool World::get_soft_nodes(std::uint32_t id, std::vector<Eigen::Vector3f>& nodes
     return true;
 }
 
+void World::get_people(std::vector<PersonNow>& people) const {
+    people.resize(impl_->people.people().size());
+    std::size_t i = 0;
+    for (const auto& [name, field] : impl_->people.people()) {
+        PersonNow& person = people[i++];
+        person.name = name;
+        person.surfels = field.shape();
+        person.share_to_go = field.share_to_go();
+        person.capture_time = field.capture_time();
+        person.touches.clear();
+        for (const PersonTouch& touch : impl_->contacts.touches()) {
+            if (touch.person == name) person.touches.push_back({touch.object, touch.point});
+        }
+    }
+}
+
 bool World::restore_soft(const SoftState& state) {
     SoftBody* soft = impl_->soft.find(state.id);
     return soft != nullptr && soft->restore(state);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <string_view>
+#include <type_traits>
 
 namespace atrium::bus::testing {
 
@@ -238,6 +239,42 @@ SceneState random_message(Random& random) {
 }
 
 template <>
+PersonProxy random_message(Random& random) {
+    const auto triple = [&](auto& numbers) {
+        for (auto& number : numbers)
+            number = static_cast<std::remove_reference_t<decltype(number)>>(random());
+    };
+    PersonProxy out;
+    out.site = name(random);
+    out.capture_time = time(random);
+    out.num_surfels = static_cast<std::uint32_t>(random());
+    out.origin_m = vector(random, 100);
+    out.step_m = number(random, 1e-6, 1e-3);
+    out.points.resize(below(random, 600));
+    for (ProxyPoint& point : out.points) {
+        triple(point.place);
+        triple(point.velocity_mmps);
+        triple(point.normal);
+    }
+    out.touches.resize(below(random, 30));
+    for (Touch& touch : out.touches)
+        touch = {static_cast<std::uint32_t>(random()), vector(random, 100)};
+    return out;
+}
+
+template <>
+ObjectProxy random_message(Random& random) {
+    ObjectProxy out;
+    out.object = static_cast<std::uint32_t>(random());
+    out.origin_m = vector(random, 10);
+    out.step_m = number(random, 1e-6, 1e-3);
+    out.vertices = groups<3>(random, 600, 65536);
+    out.vertices.emplace_back();
+    out.edges = groups<2>(random, 1500, static_cast<std::uint32_t>(out.vertices.size()));
+    return out;
+}
+
+template <>
 SceneCommand random_message(Random& random) {
     SceneCommand out;
     out.sender = name(random);
@@ -397,6 +434,21 @@ bool same(const Scenery& a, const Scenery& b) {
 bool same(const SceneState& a, const SceneState& b) {
     return a.world == b.world && a.tick == b.tick && a.time == b.time &&
            same_elements(a.objects, b.objects);
+}
+
+bool same(const PersonProxy& a, const PersonProxy& b) {
+    const auto same_touch = [](const Touch& one, const Touch& other) {
+        return one.object == other.object && one.point_world == other.point_world;
+    };
+    return a.site == b.site && a.capture_time == b.capture_time && a.num_surfels == b.num_surfels &&
+           a.origin_m == b.origin_m && a.step_m == b.step_m && a.points == b.points &&
+           std::equal(
+               a.touches.begin(), a.touches.end(), b.touches.begin(), b.touches.end(), same_touch);
+}
+
+bool same(const ObjectProxy& a, const ObjectProxy& b) {
+    return a.object == b.object && a.origin_m == b.origin_m && a.step_m == b.step_m &&
+           a.vertices == b.vertices && a.edges == b.edges;
 }
 
 bool same(const SceneCommand& a, const SceneCommand& b) {

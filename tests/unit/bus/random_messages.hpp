@@ -30,6 +30,10 @@ Scenery random_message(Random& random);
 template <>
 SceneState random_message(Random& random);
 template <>
+PersonProxy random_message(Random& random);
+template <>
+ObjectProxy random_message(Random& random);
+template <>
 SceneCommand random_message(Random& random);
 template <>
 SiteStatus random_message(Random& random);
@@ -51,6 +55,8 @@ bool same(const SoftBody& a, const SoftBody& b);
 bool same(const SoftBodyState& a, const SoftBodyState& b);
 bool same(const Scenery& a, const Scenery& b);
 bool same(const SceneState& a, const SceneState& b);
+bool same(const PersonProxy& a, const PersonProxy& b);
+bool same(const ObjectProxy& a, const ObjectProxy& b);
 bool same(const SceneCommand& a, const SceneCommand& b);
 bool same(const SiteStatus& a, const SiteStatus& b);
 bool same(const WorldStatus& a, const WorldStatus& b);

@@ -37,6 +37,8 @@ using Messages = ::testing::Types<SiteDescription,
                                   SoftBodyState,
                                   Scenery,
                                   SceneState,
+                                  PersonProxy,
+                                  ObjectProxy,
                                   SceneCommand,
                                   SiteStatus,
                                   WorldStatus,
@@ -270,6 +272,35 @@ TEST(FromWire, RefusesEachBadFieldOfASoftBodyAndOfScenery) {
          {"texture", [](auto& w) { spoil_file(w.texture, "a b"); }},
          {"colour", [](auto& w) { w.colour[0] = kNan; }},
          {"world_from_model", [](auto& w) { w.world_from_model.translation[0] = kNan; }}});
+}
+
+TEST(FromWire, RefusesEachBadFieldOfAProxy) {
+    PersonProxy person;
+    person.site = "alice";
+    person.points.resize(3);
+    person.touches = {{2, {0.1, 0.2, 0.3}}};
+    expect_each_refused<PersonProxy>(
+        person,
+        {{"site", [](auto& w) { spoil_name(w.site, "a b"); }},
+         {"capture_time", [](auto& w) { w.capture_time_ns = -1; }},
+         {"origin_m", [](auto& w) { w.origin_m[0] = kNan; }},
+         {"origin_m", [](auto& w) { w.origin_m[2] = 1e6; }},
+         {"step_m", [](auto& w) { w.step_m = kNan; }},
+         {"step_m", [](auto& w) { w.step_m = 0; }},
+         {"step_m", [](auto& w) { w.step_m = 2; }},
+         {"points", [](auto& w) { w.points._length = 2049; }},
+         {"touches", [](auto& w) { w.touches._length = 0xffffffff; }},
+         {"point_world", [](auto& w) { w.touches._buffer[0].point_world[1] = kInfinity; }}});
+    static std::uint16_t beyond[] = {0, 2};
+    expect_each_refused<ObjectProxy>({3, {0, 0, 0}, 1e-4, {{0, 1, 2}, {65535, 0, 9}}, {{0, 1}}},
+                                     {{"origin_m", [](auto& w) { w.origin_m[1] = kInfinity; }},
+                                      {"step_m", [](auto& w) { w.step_m = kNan; }},
+                                      {"step_m", [](auto& w) { w.step_m = -1e-4; }},
+                                      {"vertices", [](auto& w) { w.vertices._length = 5; }},
+                                      {"vertices", [](auto& w) { w.vertices._length = 12291; }},
+                                      {"edges", [](auto& w) { w.edges._length = 1; }},
+                                      {"edges", [](auto& w) { w.edges._length = 24578; }},
+                                      {"edges", [](auto& w) { w.edges._buffer = beyond; }}});
 }
 
 TEST(ModelFile, StaysInItsFolder) {

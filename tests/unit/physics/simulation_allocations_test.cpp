@@ -31,13 +31,20 @@ TEST(Simulation, StepsAndSendsStatesInMemoryThatItHas) {
     simulation.people().put(
         "alice",
         shaper.shape(physics_test::make_person_mesh({0.1, 0.45, 0.0}, 0.3, 8), Timestamp{1}));
+    simulation.want_people(true);
     Outbox::Content content;
+    int num_people = 0;
     int num_states = 0, num_soft_states = 0;
     std::uint64_t newest = 0;
     const auto step = [&](int tick) {
         simulation.step(Timestamp{tick * 8'333'333LL});
         if (tick % 3 != 0) return;  // slower than states are made: some are replaced unread
         simulation.outbox().take(content, {}, Clock::now());
+        if (content.has_people) {
+            ++num_people;
+            ASSERT_EQ(content.people.size(), 1U);
+            EXPECT_GT(content.people.front().surfels->size(), 500U);
+        }
         if (!content.has_state) return;
         ++num_states;
         num_soft_states += static_cast<int>(content.state.soft.size());
@@ -51,12 +58,13 @@ TEST(Simulation, StepsAndSendsStatesInMemoryThatItHas) {
     bus::WorldStatus warm;
     simulation.fill(warm);
     ASSERT_GT(warm.num_contacts, 0U) << "people are there to be touched";
-    num_states = num_soft_states = 0;
+    num_states = num_soft_states = num_people = 0;
     const std::uint64_t before = test::num_allocations();
     for (int tick = 240; tick < 600; ++tick) step(tick);
     EXPECT_EQ(test::num_allocations() - before, 0U);
     EXPECT_EQ(num_states, 120);
     EXPECT_EQ(num_soft_states, 120);
+    EXPECT_EQ(num_people, 30) << "ten a second";
 }
 
 }  // namespace

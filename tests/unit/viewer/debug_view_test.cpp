@@ -1,5 +1,7 @@
 #include "viewer/debug_view.hpp"
 
+#include "viewer/shape_wires.hpp"
+
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,7 @@
+#include "core/bus/proxy_points.hpp"
 #include "core/bus/soft_nodes.hpp"
 #include "tests/unit/viewer/test_site.hpp"
+#include "viewer/proxy_inbox.hpp"
 #include "viewer/renderer/view_camera.hpp"
 #include "viewer/viewer.hpp"
 
@@ -147,6 +149,77 @@ TEST_F(ViewerRun, WritesNamesOverHeadsWhereAsked) {
     cv::absdiff(pictures[0], pictures[1], difference);
     EXPECT_GT(cv::norm(difference.rowRange(0, 180), cv::NORM_INF), 100) << "without a window: none";
     EXPECT_LT(cv::norm(difference.rowRange(180, 360), cv::NORM_INF), 20) << "over the head alone";
+}
+
+TEST_F(ViewerRun, ReadsProxiesOnlyBehindThePictureAndDrawsThem) {
+    const std::vector<Eigen::Vector3f> places{{0, -0.3F, 0.9F}, {0, 0.3F, 1.5F}};
+    const bus::Lattice lattice = bus::lattice_around(places);
+    bus::PersonProxy proxy;
+    proxy.site = "alice";
+    proxy.origin_m = lattice.origin_m;
+    proxy.step_m = lattice.step_m;
+    // a sheet of surfels that rush up, so that their ways cover the middle of the picture
+    for (int i = 0; i < 2000; ++i) {
+        const Eigen::Vector3f at(0, -0.3F + 3e-4F * static_cast<float>(i), 0.9F);
+        proxy.points.push_back(bus::make_proxy_point(lattice, at, {0, 0, 6}, {1, 0, 0}));
+    }
+    auto proxies = writer<bus::PersonProxy>();
+    const auto send_until_drawn = [&] {
+        const auto frames = viewer_->status().num_frames;
+        return eventually([&] {
+            EXPECT_TRUE(proxies.write(proxy));
+            return viewer_->status().num_frames > frames + 40;
+        });
+    };
+    start();
+    ASSERT_TRUE(send_until_drawn());
+    EXPECT_EQ(proxies.num_readers(), 0);
+    finish();
+    const cv::Vec3b without = centre_of_output();
+    config_.view.debug = "on";
+    start();
+    ASSERT_TRUE(eventually([&] { return proxies.num_readers() == 1; }));
+    ASSERT_TRUE(send_until_drawn());
+    EXPECT_EQ(viewer_->status().num_rejected, 0U);
+    finish();
+    ASSERT_TRUE(result_) << result_.error().message;
+    const cv::Vec3b with = centre_of_output();
+    EXPECT_GT(with[2], 2 * with[1]) << "red: it is fast";
+    EXPECT_GT(cv::norm(with, without), 60.0);
+}
+
+TEST_F(ViewerRun, AProxyInboxHasReadersOnlyWhileItIsWanted) {
+    auto people = writer<bus::PersonProxy>();
+    auto objects = writer<bus::ObjectProxy>();
+    bus::ObjectProxy chair;
+    chair.object = 7;
+    chair.vertices = {{0, 0, 0}, {1, 0, 0}};
+    chair.edges = {{0, 1}};
+    ASSERT_TRUE(objects.write(chair));  // before anybody looks
+    ProxyInbox inbox;
+    const auto has_taken = [&] {
+        EXPECT_EQ(inbox.receive(*participant_).num_rejected, 0U);
+        bus::PersonProxy alice;
+        alice.site = "alice";
+        EXPECT_TRUE(people.write(alice));
+        const ProxyChanges changes = inbox.take();
+        return changes.objects.contains(7) && changes.objects.at(7).has_value();
+    };
+    for (int round = 0; round < 2; ++round) {
+        inbox.want(false);
+        inbox.receive(*participant_);
+        EXPECT_TRUE(eventually([&] { return people.num_readers() == 0; }));
+        EXPECT_TRUE(inbox.take().people.empty());
+        inbox.want(true);
+        EXPECT_TRUE(eventually(has_taken)) << "again where it was read before";
+        EXPECT_EQ(people.num_readers(), 1);
+    }
+    ASSERT_TRUE(objects.dispose(chair));
+    EXPECT_TRUE(eventually([&] {
+        inbox.receive(*participant_);
+        const ProxyChanges changes = inbox.take();
+        return changes.objects.contains(7) && !changes.objects.at(7);
+    }));
 }
 
 // The site is there, but sends nothing any more.
