@@ -4,6 +4,7 @@
 #include "viewer/debug_view.hpp"
 #include "viewer/display.hpp"
 #include "viewer/name_tags.hpp"
+#include "viewer/shape_wires.hpp"
 #include "viewer/text_picture.hpp"
 
 #include <Eigen/Geometry>
