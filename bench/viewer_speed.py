@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Renews the table of docs/viewer.md from what viewer_speed.sh keeps.
+"""Renews the tables of docs/viewer.md from what viewer_speed.sh keeps.
 
-usage: viewer_speed.py TABLE PAGE    the table goes between <!-- viewer-speed --> and <!-- /viewer-speed -->
+usage: viewer_speed.py SPEED GUESTS PAGE    between <!-- viewer-speed --> and <!-- /viewer-speed -->, <!-- viewer-guests --> and its end
 """
 
 import os
@@ -11,18 +11,32 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from page_table import read_rows, renew
 
 
-def main(table_file, page):
-    rows, comment = read_rows(table_file)
-    out = ["| what | picture | pictures/s | at least | taking in new people, median and p99 [ms] | capture to display, median and p99 [ms] |",
-           "|---|---|---|---|---|---|"]
+def speed(rows, comment):
+    out = ["| what | triangles | picture | pictures/s | at least | taking in new people, median and p99 [ms] | capture to display, median and p99 [ms] |",
+           "|---|---|---|---|---|---|---|"]
     for row in rows:
         met = "met" if float(row["frames_per_s"]) >= float(row["allowed_fps"]) else "missed"
-        out.append(f"| {row['case']} | {row['width']}x{row['height']} | **{row['frames_per_s']}**: {met} | {row['allowed_fps']} "
+        triangles = " and ".join(f"{int(n):,}" for n in row["triangles"].split())
+        out.append(f"| {row['case']} | {triangles} | {row['width']}x{row['height']} | **{row['frames_per_s']}**: {met} | {row['allowed_fps']} "
                    f"| {row['taking_in_ms']}, {row['taking_in_p99_ms']} | {row['capture_to_display_ms']}, {row['p99_ms']} |")
-    out += ["", comment + "."]
-    text = "\n".join(out)
-    print(text)
-    renew(page, "viewer-speed", text)
+    return "\n".join(out + ["", comment + "."])
+
+
+def guests(rows, comment):
+    out = ["| who comes to a person of 8 cameras | pictures/s of 30 | a picture, median [ms] | longest before it is drawn [ms] | longest in all [ms] | refused |",
+           "|---|---|---|---|---|---|"]
+    for row in rows:
+        out.append(f"| {row['guest']} | {row['frames_per_s']} | {row['picture_ms']} | {row['longest_preparation_ms']} | {row['longest_picture_ms']} "
+                   f"| {row['rejected']} |")
+    return "\n".join(out + ["", comment + ", 640x360."])
+
+
+def main(speed_file, guests_file, page):
+    for name, file, table in (("viewer-speed", speed_file, speed), ("viewer-guests", guests_file, guests)):
+        rows, comment = read_rows(file)
+        text = table(rows, comment)
+        print(text, end="\n\n")
+        renew(page, name, text)
 
 
 if __name__ == "__main__":

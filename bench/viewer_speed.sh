@@ -1,15 +1,17 @@
 #!/bin/sh
-# How fast the viewer draws two people without a display: `bench/viewer_speed.sh [BUILD] [SECONDS of each case]`. Keeps the figures with
-# machine and date in bench/results/ and renews the table of docs/viewer.md. BUILD has to be configured with -DATRIUM_BENCH=ON. Needs no
-# rights; some three minutes, in which the machine should have nothing else to do. The first run renders the rooms.
+# How fast the viewer draws two people without a display, and what guests cost it that ask for more than people do:
+# `bench/viewer_speed.sh [BUILD] [SECONDS of each case]`. Keeps the figures with machine and date in bench/results/ and renews the tables of
+# docs/viewer.md. BUILD has to be configured with -DATRIUM_BENCH=ON. Needs no rights; some five minutes, in which the machine should have
+# nothing else to do. The first run renders the rooms.
 set -eu
 case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."
 build=${1:-build}
 seconds=${2:-20}
-cmake --build "$build" --target replayed_site site_node world_server viewer > /dev/null
+cmake --build "$build" --target replayed_site viewer_things site_node world_server viewer > /dev/null
 machine=$(lscpu | sed -n 's/^Model name: *//p')
 out="bench/results/$(date +%Y-%m-%d)-$(echo "$machine" | tr -c 'A-Za-z0-9\n' '-')-viewer-speed.csv"
+guests="bench/results/$(date +%Y-%m-%d)-$(echo "$machine" | tr -c 'A-Za-z0-9\n' '-')-viewer-guests.csv"
 work=$(mktemp -d)
 started=
 stop() {
@@ -38,28 +40,54 @@ simulated() {
     begin site_node --config deploy/sites/bob.toml
 }
 
-# row NAME ALLOWED_FPS WIDTH HEIGHT: one viewer among what was begun
-row() {
-    begin world_server --config deploy/worlds/demo.toml
-    if ! "$build"/bin/viewer --bus.world "$world" --view.context osmesa --view.width "$3" --view.height "$4" --view.max_fps 240 --wait_people 2 \
-        --wait_timeout_s 240 --seconds "$seconds" > "$work/viewer.log" 2>&1; then
+# view ARGS...: a viewer until its end; value NAME: one of the figures that it then told
+view() {
+    if ! "$build"/bin/viewer --bus.world "$world" --view.context osmesa --wait_timeout_s 240 --seconds "$seconds" "$@" > "$work/viewer.log" 2>&1; then
         cat "$work/viewer.log"
         exit 1
     fi
-    figures=$(sed -n 's/.* viewer_stopped //p' "$work/viewer.log")
-    value() { echo "$figures" | tr ' ' '\n' | sed -n "s/^$1=//p"; }
-    echo "\"$1\",$3,$4,$2,$(value frames_per_s),$(value taking_in_ms),$(value taking_in_p99_ms),$(value capture_to_display_ms),$(value p99_ms)" >> "$out"
+}
+value() { sed -n 's/.* viewer_stopped //p' "$work/viewer.log" | tr ' ' '\n' | sed -n "s/^$1=//p"; }
+
+# row NAME ALLOWED_FPS WIDTH HEIGHT: one viewer among what was begun
+row() {
+    begin world_server --config deploy/worlds/demo.toml
+    view --view.width "$3" --view.height "$4" --view.max_fps 240 --wait_people 2
+    triangles=$(sed -n 's/.* person_shown .* triangles=\([0-9]*\) .*/\1/p' "$work/viewer.log" | paste -sd ' ')
+    echo "\"$1\",$triangles,$3,$4,$2,$(value frames_per_s),$(value taking_in_ms),$(value taking_in_p99_ms),$(value capture_to_display_ms),$(value p99_ms)" >> "$out"
+    stop
+}
+
+# guest NAME PROGRAM ARGS...: comes when a person has been there for some pictures
+guest() {
+    name=$1
+    program=$2
+    shift 2
+    begin replayed_site --stream "$work/person" --name alice
+    if [ "$program" != none ]; then
+        (sleep 4 && exec "$build/bin/$program" --bus.world "$world" "$@") > "$work/guest.log" 2>&1 &
+        started="$started $!"
+    fi
+    view --view.width 640 --view.height 360 --wait_people 1
+    echo "\"$name\",$(value frames_per_s),$(value picture_ms),$(value longest_preparation_ms),$(value longest_picture_ms),$(value rejected)" >> "$guests"
     stop
 }
 
 "$build"/bin/replayed_site --stream "$work/person" --code true > "$work/log" 2>&1 || { cat "$work/log"; exit 1; }
-{
-    echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(nproc) cores, OSMesa, $(c++ --version | head -n 1), $seconds s each"
-    echo "case,width,height,allowed_fps,frames_per_s,taking_in_ms,taking_in_p99_ms,capture_to_display_ms,p99_ms"
-} > "$out"
+comment="# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(nproc) cores, OSMesa, $(c++ --version | head -n 1), $seconds s each"
+echo "$comment" > "$out"
+echo "case,triangles,width,height,allowed_fps,frames_per_s,taking_in_ms,taking_in_p99_ms,capture_to_display_ms,p99_ms" >> "$out"
 replayed
 row "two people of 8 cameras come ready made" 15 1280 720
 simulated
 row "two simulated sites of 640x480 beside it" 10 1280 720
-python3 bench/viewer_speed.py "$out" docs/viewer.md
-echo "kept in $out"
+echo "$comment" > "$guests"
+echo "guest,frames_per_s,picture_ms,longest_preparation_ms,longest_picture_ms,rejected" >> "$guests"
+guest "nobody" none
+guest "a thousand things that come, move, and go, every 3 s" viewer_things
+guest "likewise, of any size, anywhere, at 100 km/s" viewer_things --absurd true
+guest "a site of 64 cameras" replayed_site --stream "$work/person" --name eve --cameras 64
+guest "a site of 64 cameras and 44,000 triangles" replayed_site --stream "$work/person" --name eve --cameras 64 --subdivide 1
+guest "cameras and meshes that nothing real is like" replayed_site --stream "$work/person" --name eve --absurd true
+python3 bench/viewer_speed.py "$out" "$guests" docs/viewer.md
+echo "kept in $out and $guests"

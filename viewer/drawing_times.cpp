@@ -5,21 +5,35 @@
 #include <algorithm>
 
 namespace atrium::viewer {
+namespace {
+
+double milliseconds(DrawingTimes::Duration duration) {
+    return std::chrono::duration<double, std::milli>(duration).count();
+}
+
+}  // namespace
 
 void DrawingTimes::add_picture(Duration duration) {
     pictures_.add(duration);
     longest_ = std::max(longest_, duration);
 }
 
+void DrawingTimes::add_preparation(Duration duration) {
+    longest_preparation_ = std::max(longest_preparation_, duration);
+}
+
 std::string DrawingTimes::text() const {
     const Quantiles people = people_.quantiles();
     const Quantiles pictures = pictures_.quantiles();
     return fmt::format(
-        "taking_in_ms={:.2f} taking_in_p99_ms={:.2f} picture_ms={:.1f} longest_picture_ms={:.1f}",
+        "taking_in_ms={:.2f} taking_in_p99_ms={:.2f} picture_ms={:.1f} "
+        "longest_preparation_ms={:.1f} "
+        "longest_picture_ms={:.1f}",
         people.median_ms,
         people.p99_ms,
         pictures.median_ms,
-        std::chrono::duration<double, std::milli>(longest_).count());
+        milliseconds(longest_preparation_),
+        milliseconds(longest_));
 }
 
 }  // namespace atrium::viewer

@@ -14,10 +14,12 @@ public:
 
     /// With what the people who are new in a picture cost it.
     void add_people(Duration duration) { people_.add(duration); }
+    /// With what is done for a picture before it is drawn.
+    void add_preparation(Duration duration);
     /// With a whole picture, but for waiting until it is due.
     void add_picture(Duration duration);
     /// Forgets the pictures that were before, which did not count.
-    void begin_pictures() { longest_ = {}; }
+    void begin_pictures() { longest_ = longest_preparation_ = {}; }
     /// "taking_in_ms=..." and more of the kind, for the log.
     std::string text() const;
 
@@ -25,6 +27,7 @@ private:
     LatencyWindow people_;
     LatencyWindow pictures_;
     Duration longest_{};
+    Duration longest_preparation_{};
 };
 
 }  // namespace atrium::viewer

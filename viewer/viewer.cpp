@@ -10,6 +10,7 @@
 #include "viewer/drawing_times.hpp"
 #include "viewer/mouse_grab.hpp"
 #include "viewer/people_view.hpp"
+#include "viewer/run_limit.hpp"
 #include "viewer/scene_editor.hpp"
 #include "viewer/scene_view.hpp"
 #include "viewer/session.hpp"
@@ -77,7 +78,7 @@ struct Viewer::Impl {
     app::log::OncePerSecond command_failures;
     Clock::time_point notice_until;
     std::uint64_t num_frames = 0;
-    double frames_per_s = 0.0;  // in the end, of those that counted
+    std::optional<RunLimit> limit;
 
     mutable std::mutex status_mutex;
     bus::ViewerStatus status;
@@ -226,6 +227,7 @@ Expected<void> Viewer::Impl::draw() {
     const std::string inside = companion.has_own_eyes() ? companion.name() : "";
     annotations->take(session->proxies(), now);
     annotations->update(*scene, people, inside, eyes, now, *renderer);
+    times.add_preparation(Clock::now() - now);
     renderer->draw(eyes);
     list_things();
     hud.num_objects = renderer->num_objects();
@@ -278,9 +280,7 @@ void Viewer::Impl::update_status(Clock::time_point now) {
 Expected<void> Viewer::Impl::loop(std::stop_token stop) {
     const double max_fps = pictures_per_second(config.view, *surface);
     const Clock::time_point begin = Clock::now();
-    Clock::time_point counted_since = begin;
-    std::uint64_t counted_from = 0;
-    bool is_counting = config.wait_people == 0;
+    limit.emplace(config, begin);
     Clock::time_point due = begin;
     Clock::time_point status_due = begin;
     std::mutex mutex;
@@ -299,26 +299,10 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
             if (auto sent = session->publish(status); !sent)
                 app::log::warn("status_failed {}", sent.error().message);
         }
-        if (!is_counting && people.size() >= config.wait_people) {
-            is_counting = true;
-            counted_since = now;
-            counted_from = num_frames;
-            times.begin_pictures();
-        }
-        if (!is_counting && now - begin > seconds(config.wait_timeout_s)) {
-            return make_error(ErrorKind::kUnavailable,
-                              fmt::format("{} of {} people came within {} s",
-                                          people.size(),
-                                          config.wait_people,
-                                          config.wait_timeout_s));
-        }
-        if (is_counting && now > counted_since) {
-            frames_per_s = static_cast<double>(num_frames - counted_from) /
-                           std::chrono::duration<double>(now - counted_since).count();
-        }
-        if (is_counting && config.frames > 0 && num_frames - counted_from >= config.frames) break;
-        if (is_counting && config.seconds > 0.0 && now - counted_since >= seconds(config.seconds))
-            break;
+        const auto run = limit->update(num_frames, people.size(), now);
+        if (!run) return tl::unexpected(run.error());
+        if (*run == RunLimit::Now::kOver) break;
+        if (*run == RunLimit::Now::kBegan) times.begin_pictures();
         times.add_picture(Clock::now() - picture_begin);
         // what was late is not made up for
         due = std::max(due + seconds(1.0 / max_fps), now);
@@ -378,7 +362,7 @@ Expected<void> Viewer::run(std::stop_token stop) {
         "incomplete={} rejected={} capture_to_display_ms={:.1f} p99_ms={:.1f} "
         "{} deadlines_missed={}",
         last.num_frames,
-        impl_->frames_per_s,
+        impl_->limit ? impl_->limit->frames_per_s() : 0.0,
         last.num_pairs_shown,
         last.num_pairs_skipped,
         last.num_incomplete,

@@ -55,8 +55,8 @@ ObjectDrawing make_object(const ObjectLook& look) {
 }
 
 void ObjectDrawing::draw(double radius_px) const {
-    // the outline of a circle of 32, 16 or 8 sides is within half a pixel there
-    const std::size_t level = radius_px > 24.0 ? 0 : radius_px > 6.0 ? 1 : 2;
+    // the outline of a circle of 32, 16 or 8 sides is within a quarter of a pixel there
+    const std::size_t level = radius_px > 12.0 ? 0 : radius_px > 3.0 ? 1 : 2;
     glBindVertexArray(layout.id());
     glDrawElements(GL_TRIANGLES,
                    levels[level].num_indices,

@@ -5,9 +5,9 @@
 #include "viewer/renderer/backdrop.hpp"
 #include "viewer/renderer/object_drawing.hpp"
 #include "viewer/renderer/person_drawing.hpp"
-#include "viewer/renderer/screen_square.hpp"
 #include "viewer/renderer/shaders.hpp"
 #include "viewer/renderer/silhouette_drawing.hpp"
+#include "viewer/renderer/smoothing.hpp"
 #include "viewer/renderer/textures.hpp"
 
 #include <glad/gl.h>
@@ -23,10 +23,8 @@ struct SceneRenderer::Impl {
     RendererOptions options;
     PersonShaders person_shaders;
     gl::ShaderProgram object_shader;
-    gl::ShaderProgram smooth_shader;
     gl::Framebuffer target;
-    gl::Framebuffer smoothed;  // only with anti-aliasing
-    ScreenSquare square;
+    std::optional<Smoothing> smoothing;  // only with anti-aliasing
     std::optional<Backdrop> backdrop;
     std::optional<Overlay> overlay;
     std::optional<SilhouetteDrawing> silhouettes;
@@ -47,11 +45,8 @@ struct SceneRenderer::Impl {
     void draw_floors(const View& view);
     void draw_eye(const EyeView& eye);
     void draw_faded(PersonDrawing& person, const EyeView& eye);
-    void smooth();
     void present(const image::PixelRect& part_px, unsigned buffer) const;
-    const gl::Framebuffer& finished() const {
-        return options.antialias == Antialias::kFxaa ? smoothed : target;
-    }
+    const gl::Framebuffer& finished() const { return smoothing ? smoothing->picture() : target; }
 };
 
 Expected<void> SceneRenderer::Impl::create_shaders() {
@@ -62,10 +57,11 @@ Expected<void> SceneRenderer::Impl::create_shaders() {
         gl::ShaderProgram::create("object", shaders::kObjectVertex, shaders::kObjectFragment);
     if (!object) return tl::unexpected(object.error());
     object_shader = std::move(*object);
-    auto smoothing =
-        gl::ShaderProgram::create("smooth", shaders::kScreenVertex, shaders::kSmoothFragment);
-    if (!smoothing) return tl::unexpected(smoothing.error());
-    smooth_shader = std::move(*smoothing);
+    if (options.antialias == Antialias::kFxaa) {
+        auto created = Smoothing::create();
+        if (!created) return tl::unexpected(created.error());
+        smoothing = std::move(*created);
+    }
     auto behind = Backdrop::create();
     if (!behind) return tl::unexpected(behind.error());
     backdrop = std::move(*behind);
@@ -82,11 +78,8 @@ Expected<void> SceneRenderer::Impl::create_targets(int width, int height) {
     auto framebuffer = gl::make_framebuffer(width, height);
     if (!framebuffer) return tl::unexpected(framebuffer.error());
     target = std::move(*framebuffer);
-    if (options.antialias == Antialias::kFxaa) {
-        auto second = gl::make_framebuffer(width, height);
-        if (!second) return tl::unexpected(second.error());
-        smoothed = std::move(*second);
-    }
+    if (smoothing)
+        if (auto ok = smoothing->resize(width, height); !ok) return ok;
     options.width = width;
     options.height = height;
     return {};
@@ -196,18 +189,6 @@ void SceneRenderer::Impl::draw_faded(PersonDrawing& person, const EyeView& eye) 
     glBlendFunc(GL_CONSTANT_ALPHA, GL_ONE_MINUS_CONSTANT_ALPHA);
     person.draw(person_shaders, view.clip_from_world, view.eye_world);
     glDisable(GL_BLEND);
-}
-
-void SceneRenderer::Impl::smooth() {
-    smoothed.bind();
-    glDisable(GL_DEPTH_TEST);
-    smooth_shader.use();
-    gl::bind_texture(0, target.colour);
-    smooth_shader.set("picture", 0);
-    smooth_shader.set("pixel",
-                      Eigen::Vector2f(1.0f / static_cast<float>(target.width),
-                                      1.0f / static_cast<float>(target.height)));
-    square.draw();
 }
 
 SceneRenderer::SceneRenderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -352,7 +333,7 @@ void SceneRenderer::draw(std::span<const EyeView> eyes) {
         impl.draw_eye(eye);
     }
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-    if (impl.options.antialias == Antialias::kFxaa) impl.smooth();
+    if (impl.smoothing) impl.smoothing->draw(impl.target);
     glBindVertexArray(0);
 }
 

@@ -1,0 +1,49 @@
+#include "viewer/run_limit.hpp"
+
+#include <fmt/format.h>
+
+namespace atrium::viewer {
+namespace {
+
+RunLimit::Clock::duration seconds(double s) {
+    return std::chrono::duration_cast<RunLimit::Clock::duration>(std::chrono::duration<double>(s));
+}
+
+}  // namespace
+
+RunLimit::RunLimit(const ViewerConfig& config, Clock::time_point begin)
+    : wait_people_(config.wait_people),
+      wait_timeout_(seconds(config.wait_timeout_s)),
+      frames_(config.frames),
+      length_(seconds(config.seconds)),
+      since_(begin),
+      is_counting_(config.wait_people == 0) {}
+
+Expected<RunLimit::Now> RunLimit::update(std::uint64_t num_frames,
+                                         std::size_t num_people,
+                                         Clock::time_point now) {
+    bool began = false;
+    if (!is_counting_ && num_people >= wait_people_) {
+        is_counting_ = began = true;
+        since_ = now;
+        counted_from_ = num_frames;
+    }
+    if (!is_counting_) {
+        if (now - since_ <= wait_timeout_) return Now::kGoesOn;
+        return make_error(ErrorKind::kUnavailable,
+                          fmt::format("{} of {} people came within {} s",
+                                      num_people,
+                                      wait_people_,
+                                      std::chrono::duration<double>(wait_timeout_).count()));
+    }
+    const std::uint64_t num_counted = num_frames - counted_from_;
+    const Clock::duration passed = now - since_;
+    if (passed.count() > 0)
+        frames_per_s_ =
+            static_cast<double>(num_counted) / std::chrono::duration<double>(passed).count();
+    if (frames_ > 0 && num_counted >= frames_) return Now::kOver;
+    if (length_.count() > 0 && passed >= length_) return Now::kOver;
+    return began ? Now::kBegan : Now::kGoesOn;
+}
+
+}  // namespace atrium::viewer

@@ -1,0 +1,39 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "viewer/viewer_config.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+namespace atrium::viewer {
+
+/// From when on the pictures of a run count, and when it is over: `wait_people`, `frames` and
+/// `seconds` of the options.
+class RunLimit {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    RunLimit(const ViewerConfig& config, Clock::time_point begin);
+
+    enum class Now { kGoesOn, kBegan, kOver };  // kBegan: what comes from now on counts
+    /// After every picture; `num_frames` of them so far. Error kUnavailable where people do not
+    /// come.
+    Expected<Now> update(std::uint64_t num_frames, std::size_t num_people, Clock::time_point now);
+
+    /// Of those that counted.
+    double frames_per_s() const { return frames_per_s_; }
+
+private:
+    std::size_t wait_people_;
+    Clock::duration wait_timeout_;
+    std::uint64_t frames_;
+    Clock::duration length_;  // 0: no end
+    Clock::time_point since_;
+    std::uint64_t counted_from_ = 0;
+    bool is_counting_;
+    double frames_per_s_ = 0.0;
+};
+
+}  // namespace atrium::viewer
