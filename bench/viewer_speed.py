@@ -12,7 +12,7 @@ from page_table import read_rows, renew
 
 
 def speed(rows, comment):
-    out = ["| what | triangles | picture | pictures/s | at least | taking in new people, median and p99 [ms] | capture to display, median and p99 [ms] |",
+    out = ["| what | triangles | picture | pictures/s | at least | taking in a new person, median and p99 [ms] | capture to display, median and p99 [ms] |",
            "|---|---|---|---|---|---|---|"]
     for row in rows:
         met = "met" if float(row["frames_per_s"]) >= float(row["allowed_fps"]) else "missed"

@@ -12,7 +12,7 @@ class DrawingTimes {
 public:
     using Duration = std::chrono::steady_clock::duration;
 
-    /// With what the people who are new in a picture cost it.
+    /// With what each of the people who are new in a picture cost it, before it was drawn.
     void add_people(Duration duration) { people_.add(duration); }
     /// With what is done for a picture before it is drawn.
     void add_preparation(Duration duration);

@@ -222,7 +222,8 @@ Expected<void> Viewer::Impl::draw() {
     scene->update(session->take_scene(), now, instant, *renderer);
     const Clock::duration scene_took = Clock::now() - now;
     people.update(*session, instant, now, *renderer);
-    if (!people.just_shown().empty()) times.add_people(Clock::now() - now - scene_took);
+    if (const std::size_t num_new = people.just_shown().size(); num_new > 0)
+        times.add_people((Clock::now() - now - scene_took) / num_new);
     const auto eyes = display.eyes(camera, renderer->width(), renderer->height());
     const std::string inside = companion.has_own_eyes() ? companion.name() : "";
     annotations->take(session->proxies(), now);
