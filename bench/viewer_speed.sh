@@ -61,11 +61,11 @@ row() {
 # guest NAME PROGRAM ARGS...: comes when a person has been there for some pictures
 guest() {
     name=$1
-    program=$2
+    guest_program=$2
     shift 2
     begin replayed_site --stream "$work/person" --name alice
-    if [ "$program" != none ]; then
-        (sleep 4 && exec "$build/bin/$program" --bus.world "$world" "$@") > "$work/guest.log" 2>&1 &
+    if [ "$guest_program" != none ]; then
+        (sleep 4 && exec "$build/bin/$guest_program" --bus.world "$world" "$@") > "$work/guest.log" 2>&1 &
         started="$started $!"
     fi
     view --view.width 640 --view.height 360 --wait_people 1
