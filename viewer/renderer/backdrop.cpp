@@ -47,8 +47,11 @@ Expected<Backdrop> Backdrop::create() {
                  "background",
                  shaders::kBackgroundVertex,
                  shaders::kBackgroundFragment},
-          Source{
-              made.shadow_shader_, "shadow", shaders::kShadowVertex, shaders::kShadowFragment}}) {
+          Source{made.shadow_shader_, "shadow", shaders::kShadowVertex, shaders::kShadowFragment},
+          Source{made.object_shadow_shader_,
+                 "object_shadow",
+                 shaders::kObjectShadowVertex,
+                 shaders::kShadowFragment}}) {
         auto program = gl::ShaderProgram::create(source.name, source.vertex, source.fragment);
         if (!program) return tl::unexpected(program.error());
         source.program = std::move(*program);
@@ -59,16 +62,29 @@ Expected<Backdrop> Backdrop::create() {
     return made;
 }
 
+namespace {
+
+const gl::ShaderProgram& begin(const gl::ShaderProgram& shader) {
+    shader.use();
+    shader.set("light", light_world());
+    shader.set("shadow_extent", Backdrop::kShadowExtentM);
+    return shader;
+}
+
+}  // namespace
+
 const gl::ShaderProgram& Backdrop::begin_shadow() {
     shadow_.bind();
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
     glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
     glClear(GL_COLOR_BUFFER_BIT);
-    shadow_shader_.use();
-    shadow_shader_.set("light", light_world());
-    shadow_shader_.set("shadow_extent", kShadowExtentM);
-    return shadow_shader_;
+    return begin(shadow_shader_);
+}
+
+const gl::ShaderProgram& Backdrop::begin_object_shadows() {
+    begin(object_shadow_shader_).set("darkness", 1.0f);
+    return object_shadow_shader_;
 }
 
 void Backdrop::draw_plane(const View& view,

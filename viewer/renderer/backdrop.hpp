@@ -28,6 +28,8 @@ public:
     /// which is in use, from then on stands in the light. It wants "world_from_object" and
     /// "darkness": 1 of what is solid.
     const gl::ShaderProgram& begin_shadow();
+    /// After it: the shader for instances of rigid things.
+    const gl::ShaderProgram& begin_object_shadows();
 
     /// A plane with its normal up.
     void draw_floor(const View& view, const ObjectLook& look, const Textures& textures);
@@ -45,6 +47,7 @@ private:
     gl::ShaderProgram floor_shader_;
     gl::ShaderProgram sky_shader_;
     gl::ShaderProgram shadow_shader_;
+    gl::ShaderProgram object_shadow_shader_;
     gl::Framebuffer shadow_;  // white where something stands between the floor and the light
     ScreenSquare square_;
 };

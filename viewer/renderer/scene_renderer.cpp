@@ -3,6 +3,7 @@
 #include "core/gl/resources.hpp"
 #include "core/gl/shader_program.hpp"
 #include "viewer/renderer/backdrop.hpp"
+#include "viewer/renderer/object_batch.hpp"
 #include "viewer/renderer/object_drawing.hpp"
 #include "viewer/renderer/person_drawing.hpp"
 #include "viewer/renderer/shaders.hpp"
@@ -23,6 +24,7 @@ struct SceneRenderer::Impl {
     RendererOptions options;
     PersonShaders person_shaders;
     gl::ShaderProgram object_shader;
+    gl::ShaderProgram soft_shader;
     gl::Framebuffer target;
     std::optional<Smoothing> smoothing;  // only with anti-aliasing
     std::optional<Backdrop> backdrop;
@@ -31,6 +33,8 @@ struct SceneRenderer::Impl {
     Textures textures;
     std::map<std::string, PersonDrawing> people;
     std::map<std::string, Eigen::Matrix4d> site_poses;
+    ObjectMeshes meshes;
+    ObjectBatch batch;
     std::map<std::uint32_t, ObjectDrawing> objects;
     std::map<std::uint32_t, SoftDrawing> soft_objects;
     std::map<std::string, std::vector<ObjectDrawing>> scenery;
@@ -41,7 +45,7 @@ struct SceneRenderer::Impl {
     Expected<void> create_targets(int width, int height);
     void draw_shadow();
     void draw_objects(const View& view);
-    void draw_object(const View& view, const ObjectDrawing& object);
+    void add_object(const View& view, const ObjectDrawing& object);
     void draw_floors(const View& view);
     void draw_eye(const EyeView& eye);
     void draw_faded(PersonDrawing& person, const EyeView& eye);
@@ -57,6 +61,9 @@ Expected<void> SceneRenderer::Impl::create_shaders() {
         gl::ShaderProgram::create("object", shaders::kObjectVertex, shaders::kObjectFragment);
     if (!object) return tl::unexpected(object.error());
     object_shader = std::move(*object);
+    auto soft = gl::ShaderProgram::create("soft", shaders::kSoftVertex, shaders::kObjectFragment);
+    if (!soft) return tl::unexpected(soft.error());
+    soft_shader = std::move(*soft);
     if (options.antialias == Antialias::kFxaa) {
         auto created = Smoothing::create();
         if (!created) return tl::unexpected(created.error());
@@ -98,51 +105,46 @@ void SceneRenderer::Impl::draw_shadow() {
         }
     }
     shader.set("darkness", 1.0f);
-    for (const auto& [id, object] : objects) {
-        if (object.look.model == nullptr && object.look.shape == ShapeKind::kPlane) continue;
-        shader.set("world_from_object",
-                   Eigen::Matrix4f(object.look.world_from_object.matrix().cast<float>()));
-        object.draw(object.radius_m * Backdrop::kShadowPx / Backdrop::kShadowExtentM);
-    }
     shader.set("world_from_object", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
     for (const auto& [id, soft] : soft_objects) soft.draw();
+    for (const auto& [id, object] : objects) {
+        if (object.look.model == nullptr && object.look.shape == ShapeKind::kPlane) continue;
+        batch.add(object, object.radius_m * Backdrop::kShadowPx / Backdrop::kShadowExtentM);
+    }
+    batch.draw(backdrop->begin_object_shadows(), nullptr);
 }
 
-void SceneRenderer::Impl::draw_object(const View& view, const ObjectDrawing& object) {
+void SceneRenderer::Impl::add_object(const View& view, const ObjectDrawing& object) {
     const double radius_px =
         seen_radius_px(view, object.look.world_from_object.translation, object.radius_m);
-    if (radius_px == 0.0) return;
-    const bool is_ball = object.look.model == nullptr && object.look.shape == ShapeKind::kSphere;
-    object_shader.set("world_from_object",
-                      Eigen::Matrix4f(object.look.world_from_object.matrix().cast<float>()));
-    object_shader.set("colour", Eigen::Vector3f(object.look.colour.cast<float>()));
-    object_shader.set("sectors", is_ball && object.look.texture.empty() ? 3.0f : 0.0f);
-    textures.use(object.look.texture, object_shader, 0);
-    object.draw(radius_px);
+    if (radius_px > 0.0) batch.add(object, radius_px);
 }
 
 void SceneRenderer::Impl::draw_objects(const View& view) {
-    glEnable(GL_CULL_FACE);
-    object_shader.use();
-    object_shader.set("clip_from_world", Eigen::Matrix4f(view.clip_from_world.cast<float>()));
-    object_shader.set("light", light_world());
-    object_shader.set("eye", Eigen::Vector3f(view.eye_world.cast<float>()));
-    for (const auto& [id, object] : objects) {
-        if (object.look.model == nullptr && !object.is_floor()) draw_object(view, object);
+    for (gl::ShaderProgram* shader : {&soft_shader, &object_shader}) {
+        shader->use();
+        shader->set("clip_from_world", Eigen::Matrix4f(view.clip_from_world.cast<float>()));
+        shader->set("light", light_world());
+        shader->set("eye", Eigen::Vector3f(view.eye_world.cast<float>()));
     }
+    glEnable(GL_CULL_FACE);
+    for (const auto& [id, object] : objects) {
+        if (object.look.model == nullptr && !object.is_floor()) add_object(view, object);
+    }
+    batch.draw(object_shader, &textures);
     // models need not be closed, and a cloth has no inside: both sides are drawn
     glDisable(GL_CULL_FACE);
     for (const auto& [id, object] : objects) {
-        if (object.look.model != nullptr) draw_object(view, object);
+        if (object.look.model != nullptr) add_object(view, object);
     }
     for (const auto& [name, parts] : scenery) {
-        for (const ObjectDrawing& part : parts) draw_object(view, part);
+        for (const ObjectDrawing& part : parts) add_object(view, part);
     }
-    object_shader.set("world_from_object", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
-    object_shader.set("sectors", 0.0f);
+    batch.draw(object_shader, &textures);
+    soft_shader.use();
     for (const auto& [id, soft] : soft_objects) {
-        object_shader.set("colour", Eigen::Vector3f(soft.look.colour.cast<float>()));
-        textures.use(soft.look.texture, object_shader, 0);
+        soft_shader.set("soft_colour", Eigen::Vector3f(soft.look.colour.cast<float>()));
+        textures.use(soft.look.texture, soft_shader, 0);
         soft.draw();
     }
 }
@@ -244,7 +246,7 @@ std::size_t SceneRenderer::num_people() const { return impl_->people.size(); }
 
 void SceneRenderer::set_object(std::uint32_t object, const ObjectLook& look) {
     impl_->is_shadow_current = false;
-    impl_->objects.insert_or_assign(object, make_object(look));
+    impl_->objects.insert_or_assign(object, ObjectDrawing(look, impl_->meshes));
 }
 
 void SceneRenderer::move_object(std::uint32_t object,
@@ -290,7 +292,7 @@ void SceneRenderer::remove_soft_object(std::uint32_t object) {
 void SceneRenderer::set_scenery(const std::string& name, std::span<const ObjectLook> parts) {
     std::vector<ObjectDrawing>& drawings = impl_->scenery[name];
     drawings.clear();
-    for (const ObjectLook& part : parts) drawings.push_back(make_object(part));
+    for (const ObjectLook& part : parts) drawings.emplace_back(part, impl_->meshes);
     if (drawings.empty()) impl_->scenery.erase(name);
 }
 

@@ -65,33 +65,63 @@ const char* const kObjectVertex = R"(#version 330 core
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec2 place;
+layout(location = 3) in mat4 world_from_mesh;
+layout(location = 7) in vec4 colour_and_sectors;
 uniform mat4 clip_from_world;
-uniform mat4 world_from_object;
 out vec2 p_picture;
-out vec3 p_object;
+out vec3 p_mesh;
 out vec3 p_world;
 out vec3 normal_world;
+flat out vec3 colour;
+flat out float sectors;
 void main() {
-    vec4 p = world_from_object * vec4(position, 1.0);
-    p_object = position;
+    vec4 p = world_from_mesh * vec4(position, 1.0);
+    p_mesh = position;
     p_picture = place;
     p_world = p.xyz;
-    normal_world = mat3(world_from_object) * normal;
+    // where it is scaled, normals are so inversely
+    mat3 linear = mat3(world_from_mesh);
+    vec3 scale2 = vec3(dot(linear[0], linear[0]), dot(linear[1], linear[1]), dot(linear[2], linear[2]));
+    normal_world = linear * (normal / scale2);
+    colour = colour_and_sectors.rgb;
+    sectors = colour_and_sectors.a;
     gl_Position = clip_from_world * p;
 }
 )";
 
+const char* const kSoftVertex = R"(#version 330 core
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec2 place;
+uniform mat4 clip_from_world;
+uniform vec3 soft_colour;
+out vec2 p_picture;
+out vec3 p_mesh;
+out vec3 p_world;
+out vec3 normal_world;
+flat out vec3 colour;
+flat out float sectors;
+void main() {
+    p_mesh = p_world = position;
+    p_picture = place;
+    normal_world = normal;
+    colour = soft_colour;
+    sectors = 0.0;
+    gl_Position = clip_from_world * vec4(position, 1.0);
+}
+)";
+
 const char* const kObjectFragment = R"(#version 330 core
-in vec3 p_object;
+in vec3 p_mesh;
 in vec2 p_picture;
 in vec3 p_world;
 in vec3 normal_world;
-uniform vec3 colour;
+flat in vec3 colour;
+flat in float sectors;
 uniform sampler2D picture;
 uniform float textured;
 uniform vec3 light;
 uniform vec3 eye;
-uniform float sectors;
 out vec4 fragment;
 vec3 encode(vec3 linear) {
     return mix(12.92 * linear, 1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, linear));
@@ -107,7 +137,7 @@ void main() {
     }
     // lighter sectors show that a ball turns
     if (sectors > 0.0) {
-        float wave = sin(atan(p_object.y, p_object.x) * sectors);
+        float wave = sin(atan(p_mesh.y, p_mesh.x) * sectors);
         base = mix(base, mix(base, vec3(1.0), 0.35), smoothstep(-0.05, 0.05, wave));
     }
     vec3 ambient = mix(vec3(0.22, 0.21, 0.20), vec3(0.42, 0.44, 0.48), 0.5 + 0.5 * n.z);
@@ -198,6 +228,18 @@ uniform vec3 light;
 uniform float shadow_extent;
 void main() {
     vec3 p = (world_from_object * vec4(position, 1.0)).xyz;
+    vec2 on_floor = p.xy - light.xy * (p.z / light.z);
+    gl_Position = vec4(on_floor * 2.0 / shadow_extent, 0.0, 1.0);
+}
+)";
+
+const char* const kObjectShadowVertex = R"(#version 330 core
+layout(location = 0) in vec3 position;
+layout(location = 3) in mat4 world_from_mesh;
+uniform vec3 light;
+uniform float shadow_extent;
+void main() {
+    vec3 p = (world_from_mesh * vec4(position, 1.0)).xyz;
     vec2 on_floor = p.xy - light.xy * (p.z / light.z);
     gl_Position = vec4(on_floor * 2.0 / shadow_extent, 0.0, 1.0);
 }

@@ -11,7 +11,10 @@ namespace atrium::renderer::shaders {
 std::string person_vertex(std::size_t num_cameras);
 std::string person_fragment(std::size_t num_cameras);
 
+/// Of rigid things, one instance each: world_from_mesh, colour and sectors as ObjectBatch has them.
 extern const char* const kObjectVertex;
+/// Of soft things, whose nodes are in the world.
+extern const char* const kSoftVertex;
 extern const char* const kObjectFragment;
 
 extern const char* const kFloorVertex;
@@ -22,6 +25,7 @@ extern const char* const kBackgroundFragment;
 
 /// Flattens what it draws along the light onto the floor, in the floor's shadow picture.
 extern const char* const kShadowVertex;
+extern const char* const kObjectShadowVertex;  // of instances
 extern const char* const kShadowFragment;
 
 /// A picture at a place before the eye, its colours multiplied by alpha.
