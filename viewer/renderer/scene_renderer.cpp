@@ -20,6 +20,9 @@
 
 namespace atrium::renderer {
 
+// The floor blurs its picture of the shadows over some three pixels.
+constexpr double kShadowDetail_px_per_m = Backdrop::kShadowPx / Backdrop::kShadowExtentM / 3.0;
+
 struct SceneRenderer::Impl {
     RendererOptions options;
     PersonShaders person_shaders;
@@ -109,7 +112,7 @@ void SceneRenderer::Impl::draw_shadow() {
     for (const auto& [id, soft] : soft_objects) soft.draw();
     for (const auto& [id, object] : objects) {
         if (object.look.model == nullptr && object.look.shape == ShapeKind::kPlane) continue;
-        batch.add(object, object.radius_m * Backdrop::kShadowPx / Backdrop::kShadowExtentM);
+        batch.add(object, object.radius_m * kShadowDetail_px_per_m);
     }
     batch.draw(backdrop->begin_object_shadows(), nullptr);
 }
