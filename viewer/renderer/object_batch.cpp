@@ -20,13 +20,14 @@ ObjectBatch::ObjectBatch() : buffer_(gl::make_buffer()) {}
 
 void ObjectBatch::add(const ObjectDrawing& object, double radius_px) {
     const ObjectMesh& mesh = *object.scaled.mesh;
-    entries_.push_back({&mesh, &mesh.level_of(radius_px), &object});
+    entries_.push_back({&mesh, ObjectMesh::level_of(radius_px), &object});
 }
 
 void ObjectBatch::draw(const gl::ShaderProgram& shader, const Textures* textures) {
     static_assert(sizeof(Instance) == kNumAttributes * 4 * sizeof(float));
+    // what is large first: it hides what is small, whose pixels then cost nothing
     const auto key = [](const Entry& entry) {
-        return std::tie(entry.mesh, entry.level, entry.object->look.texture);
+        return std::tie(entry.level, entry.mesh, entry.object->look.texture);
     };
     std::sort(entries_.begin(), entries_.end(), [&](const Entry& a, const Entry& b) {
         return key(a) < key(b);
@@ -54,6 +55,7 @@ void ObjectBatch::draw(const gl::ShaderProgram& shader, const Textures* textures
 
 void ObjectBatch::draw_alike(std::size_t first, std::size_t num) const {
     const Entry& entry = entries_[first];
+    const ObjectMesh::Level& level = entry.mesh->levels[entry.level];
     glBindVertexArray(entry.mesh->layout.id());
     glBindBuffer(GL_ARRAY_BUFFER, buffer_.id());
     for (unsigned i = 0; i < kNumAttributes; ++i) {
@@ -61,12 +63,11 @@ void ObjectBatch::draw_alike(std::size_t first, std::size_t num) const {
         gl::float_attribute(kFirstAttribute + i, 4, sizeof(Instance), offset);
         glVertexAttribDivisor(kFirstAttribute + i, 1);
     }
-    glDrawElementsInstanced(
-        GL_TRIANGLES,
-        entry.level->num_indices,
-        GL_UNSIGNED_INT,
-        reinterpret_cast<const void*>(entry.level->first * sizeof(std::uint32_t)),
-        static_cast<GLsizei>(num));
+    glDrawElementsInstanced(GL_TRIANGLES,
+                            level.num_indices,
+                            GL_UNSIGNED_INT,
+                            reinterpret_cast<const void*>(level.first * sizeof(std::uint32_t)),
+                            static_cast<GLsizei>(num));
 }
 
 }  // namespace atrium::renderer

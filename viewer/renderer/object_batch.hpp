@@ -4,6 +4,7 @@
 #include "viewer/renderer/object_drawing.hpp"
 #include "viewer/renderer/textures.hpp"
 
+#include <cstddef>
 #include <vector>
 
 namespace atrium::renderer {
@@ -28,7 +29,7 @@ private:
     };
     struct Entry {
         const ObjectMesh* mesh;
-        const ObjectMesh::Level* level;
+        std::size_t level;
         const ObjectDrawing* object;
     };
     void draw_alike(std::size_t first, std::size_t num) const;

@@ -68,9 +68,9 @@ Eigen::Vector3d scale_of(const ObjectLook& look) {
 
 }  // namespace
 
-const ObjectMesh::Level& ObjectMesh::level_of(double radius_px) const {
+std::size_t ObjectMesh::level_of(double radius_px) {
     // the outline of a circle of 32, 16 or 8 sides is within a quarter of a pixel there
-    return levels[radius_px > 12.0 ? 0 : radius_px > 3.0 ? 1 : 2];
+    return radius_px > 12.0 ? 0 : radius_px > 3.0 ? 1 : 2;
 }
 
 void read_corners() {

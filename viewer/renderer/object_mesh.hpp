@@ -24,8 +24,9 @@ struct ObjectMesh {
     std::array<Level, 3> levels;  // ever fewer triangles
     Eigen::Vector3d half_extent = Eigen::Vector3d::Zero();
 
-    /// The one with as many triangles as make no difference where it is `radius_px` large.
-    const Level& level_of(double radius_px) const;
+    /// Number of the one with as many triangles as make no difference where it is `radius_px`
+    /// large.
+    static std::size_t level_of(double radius_px);
 };
 
 /// A mesh, and how much larger a thing is than it.
