@@ -4,7 +4,10 @@
 
 #include <Eigen/Geometry>
 
+#include <array>
 #include <random>
+#include <utility>
+#include <vector>
 
 namespace atrium::renderer {
 namespace {
@@ -89,6 +92,35 @@ TEST_F(SceneRendererTest, ThingsOutOfSightStillCastTheirShadows) {
     for (std::size_t i = 0; i < bare.rgba.size(); i += 4)
         num_darker += picture_.rgba[i] + 10 < bare.rgba[i] ? 1 : 0;
     EXPECT_GT(num_darker, 500u);
+}
+
+// They share their meshes and are drawn in one go, but each has its own place, size and colour.
+TEST_F(SceneRendererTest, EachOfACrowdIsWhereAndWhatItIs) {
+    ViewCamera camera;
+    camera.position_m = {0.0, -0.5, 7.0};  // nothing hides anything
+    camera.target_m = {0.0, 0.0, 0.0};
+    constexpr std::array kKinds = {ShapeKind::kBox, ShapeKind::kCylinder, ShapeKind::kCapsule};
+    const std::array<Eigen::Vector3d, 3> colours = {
+        Eigen::Vector3d{0.9, 0.05, 0.05}, {0.05, 0.9, 0.05}, {0.05, 0.05, 0.9}};
+    std::vector<std::pair<Eigen::Vector3d, Eigen::Index>> places;  // of tops, and their colours
+    for (std::uint32_t i = 0; i < 360; ++i) {
+        const double size_m = 0.05 + 0.03 * (i % 4);
+        ObjectLook look{.shape = kKinds[i % 3], .size_m = {size_m, size_m, 2.0 * size_m}};
+        const Eigen::Index colour = (i / 3) % 3;
+        look.colour = colours[static_cast<std::size_t>(colour)];
+        look.world_from_object.translation = {
+            0.2 * (i % 20) - 1.9, 0.22 * static_cast<double>(i / 20) - 2.0, size_m};
+        renderer_->set_object(i + 1, look);
+        places.emplace_back(look.world_from_object.translation, colour);
+    }
+    draw(camera);
+    for (const auto& [place, colour] : places) {
+        const Eigen::Vector3d seen = pixel_at(camera, place);
+        Eigen::Index most = 0;
+        EXPECT_GT(seen.maxCoeff(&most), 0.15);
+        EXPECT_EQ(most, colour) << place.transpose() << ": " << seen.transpose();
+        EXPECT_GT(seen.maxCoeff(), 2.0 * seen.minCoeff());
+    }
 }
 
 }  // namespace
