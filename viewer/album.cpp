@@ -1,5 +1,7 @@
 #include "viewer/album.hpp"
 
+#include "core/app/log.hpp"
+
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -30,6 +32,13 @@ Expected<void> Album::open(const renderer::SceneRenderer& renderer) {
     return begin_video(config_.video.file, renderer);
 }
 
+void Album::close() {
+    if (!video_) return;
+    const double length_s = *video_s();
+    video_.reset();
+    app::log::info("video_written file={} length_s={:.1f}", video_file_.string(), length_s);
+}
+
 void Album::add(const renderer::SceneRenderer& renderer) {
     if (!video_ || !video_->wants_picture()) return;
     renderer::RenderedPicture frame;
@@ -44,7 +53,7 @@ std::optional<double> Album::video_s() const {
 
 std::string Album::toggle_video(const renderer::SceneRenderer& renderer) {
     if (video_) {
-        video_.reset();
+        close();
         return "video in " + video_file_.string();
     }
     const auto begun = begin_video(next_file(".avi"), renderer);
@@ -61,7 +70,9 @@ std::string Album::screenshot(const renderer::SceneRenderer& renderer) {
 Expected<void> Album::write_output(const renderer::SceneRenderer& renderer) {
     if (config_.output.empty()) return {};
     renderer.read_pixels(picture_);
-    return write_png(config_.output, picture_);
+    auto written = write_png(config_.output, picture_);
+    if (written) app::log::info("picture_written file={}", config_.output.string());
+    return written;
 }
 
 }  // namespace atrium::viewer

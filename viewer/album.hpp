@@ -20,7 +20,7 @@ public:
     /// Begins the video that the configuration asks for, if it does.
     Expected<void> open(const renderer::SceneRenderer& renderer);
     /// Finishes the video.
-    void close() { video_.reset(); }
+    void close();
 
     /// Offers the picture that was just drawn to the video.
     void add(const renderer::SceneRenderer& renderer);

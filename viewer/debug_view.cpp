@@ -93,10 +93,11 @@ void DebugView::append_site(const bus::SiteDescription& site,
     append_box(world_from_site * site_from_box, site.bounds_site.size(), kSpaceColour, lines);
     for (const geometry::CalibratedCamera& camera : site.cameras) {
         append_frustum(camera, world_from_site, kFrustumM, kCameraColour, lines);
-        auto found = names_.find(camera.name);
+        const std::string name = site.site + "/" + camera.name;
+        auto found = names_.find(name);
         if (found == names_.end()) {
             if (names_.size() >= kMaxNames || ++num_new_names_ > kMaxNewNames) continue;
-            found = names_.emplace(camera.name, draw_text(camera.name)).first;
+            found = names_.emplace(name, draw_text(name)).first;
         }
         if (labels.size() >= kMaxNames) continue;
         labels.push_back(

@@ -1,5 +1,7 @@
 #include "viewer/status_lines.hpp"
 
+#include "core/app/log.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +13,10 @@ namespace atrium::viewer {
 namespace {
 
 constexpr std::chrono::seconds kForgotten{4};
+
+double seconds(StatusLines::Clock::duration duration) {
+    return std::chrono::duration<double>(duration).count();
+}
 constexpr std::size_t kMaxPrograms = 128;  // 64 sites and as many worlds
 
 // What a viewer has to be told of: the rest belongs to how sites work (phantoms), or is wanted
@@ -52,10 +58,22 @@ void StatusLines::add(const std::string& title, status::Figures figures, Clock::
 
 void StatusLines::forget_silent(Clock::time_point now) {
     std::erase_if(programs_, [&](const auto& item) { return now - item.second.at > kForgotten; });
+    if (has_world()) {
+        if (without_world_ > Clock::duration::zero())
+            app::log::info("world_back after_s={:.1f}", seconds(without_world_));
+        without_world_ = {};
+    } else if (last_world_) {
+        if (without_world_ == Clock::duration::zero()) app::log::warn("world_gone");
+        without_world_ = now - *last_world_;
+    }
 }
 
 std::vector<SiteLine> StatusLines::warnings() const {
     std::vector<SiteLine> lines;
+    if (without_world_ > Clock::duration::zero()) {
+        const double silent_s = seconds(without_world_);
+        lines.push_back({fmt::format("no world server for {:.0f} s", silent_s), true});
+    }
     for (const auto& [title, program] : programs_) {
         std::string lost;
         for (std::size_t i = 0; program.before && i < program.now.losses.size(); ++i) {

@@ -23,11 +23,14 @@ public:
     }
     void add(const std::string& name, const bus::WorldStatus& status, Clock::time_point now) {
         add("world " + name, status::figures_of(status), now);
+        last_world_ = now;
     }
-    /// After all that came: forgets who fell silent.
+    /// After all that came: forgets who fell silent. Says in the log when the last world does, and
+    /// when one is back.
     void forget_silent(Clock::time_point now);
 
-    /// One for each who lost something from its report before to its last one.
+    /// One for each who lost something from its report before to its last one, and one where there
+    /// is no world any more.
     std::vector<SiteLine> warnings() const;
     /// For each, how fast it is, and how long each of its stages takes.
     std::vector<SiteLine> details() const;
@@ -44,7 +47,9 @@ private:
     };
     void add(const std::string& title, status::Figures figures, Clock::time_point now);
 
-    std::map<std::string, Program> programs_;  // by kind and name
+    std::map<std::string, Program> programs_;      // by kind and name
+    std::optional<Clock::time_point> last_world_;  // last report of any
+    Clock::duration without_world_{};              // 0 while there is one, and before there was any
 };
 
 }  // namespace atrium::viewer

@@ -372,7 +372,9 @@ Expected<void> Viewer::run(std::stop_token stop) {
         last.capture_to_display.p99_ms,
         impl_->times.text(),
         impl_->session->num_deadlines_missed());
-    if (result) result = impl_->album->write_output(*impl_->renderer);
+    // however it ends: it shows who had come
+    const auto written = impl_->album->write_output(*impl_->renderer);
+    if (result) result = written;
     impl_->close();
     return result;
 }

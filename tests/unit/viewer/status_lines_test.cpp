@@ -45,6 +45,21 @@ TEST(StatusLines, SayHowLongEachStageTakes) {
     EXPECT_TRUE(lines.warnings().empty());
 }
 
+TEST(StatusLines, WarnWhileTheWorldIsGone) {
+    StatusLines lines;
+    lines.forget_silent(kStart);
+    EXPECT_TRUE(lines.warnings().empty()) << "there was none yet";
+    lines.add("lab", bus::WorldStatus(), kStart);
+    lines.forget_silent(kStart);
+    EXPECT_TRUE(lines.warnings().empty());
+    lines.forget_silent(kStart + seconds(6));
+    lines.forget_silent(kStart + seconds(9));
+    EXPECT_THAT(texts(lines.warnings()), testing::ElementsAre("no world server for 9 s"));
+    lines.add("lab", bus::WorldStatus(), kStart + seconds(10));
+    lines.forget_silent(kStart + seconds(10));
+    EXPECT_TRUE(lines.warnings().empty());
+}
+
 TEST(StatusLines, WarnOfWhatWasLostSinceTheReportBefore) {
     StatusLines lines;
     lines.add("alice", site_status(100), kStart);
