@@ -24,8 +24,8 @@ void ObjectBatch::add(const ObjectDrawing& object, double radius_px) {
 }
 
 void ObjectBatch::draw(const gl::ShaderProgram& shader, const Textures* textures) {
+    if (entries_.empty()) return;
     static_assert(sizeof(Instance) == kNumAttributes * 4 * sizeof(float));
-    // what is large first: it hides what is small, whose pixels then cost nothing
     const auto key = [](const Entry& entry) {
         return std::tie(entry.level, entry.mesh, entry.object->look.texture);
     };

@@ -9,8 +9,7 @@
 
 namespace atrium::renderer {
 
-/// Rigid things that are drawn in one go for all that have the same mesh and texture: a call for
-/// each of a thousand would take longer than their pixels.
+/// Rigid things, drawn in one go for all that have the same mesh, texture and level of detail.
 class ObjectBatch {
 public:
     ObjectBatch();
