@@ -263,7 +263,7 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
     set.add("codec.jpeg_quality", config.pipeline.jpeg_quality, "of the textures", {10, 100});
     set.add("codec.texture_resolution",
             config.texture_resolution,
-            "of the textures, beside the cameras' pictures; full: three times the bytes",
+            "of the textures, beside the cameras' pictures; full: sharper, and more bytes",
             {"half", "full"});
     declare_stream(config, set);
     bus::declare(config.bus, set);
