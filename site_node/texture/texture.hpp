@@ -13,8 +13,7 @@ namespace atrium::texture {
 /// How large the texture of a camera is beside its picture.
 enum class Resolution : std::uint8_t { kHalf, kFull };
 
-/// Larger ones would become samples of more than 0.3 MB, which networks that lose packets seldom
-/// bring whole.
+/// So that samples of full resolution stay near the 0.3 MB that the largest is foreseen to have.
 constexpr int kMaxFullPixels = 1 << 20;
 
 struct TextureOptions {
@@ -35,8 +34,8 @@ struct TextureScratch {
 /// Cuts out `subject`, a rectangle around what the mask shows. At half resolution Y is the mean of
 /// the foreground in each 2x2 block (of a mosaic: the block's luma), U and V are as they are, and a
 /// pixel is foreground if at least two of its four are. At full resolution Y and the mask are as
-/// they are, U and V interpolated, of a mosaic Y as well: four times the work, and of the bytes
-/// three times. A subject of more than kMaxFullPixels stays at half resolution.
+/// they are, U and V interpolated, of a mosaic Y as well. A subject of more than kMaxFullPixels
+/// stays at half resolution.
 ///
 /// Where the result is background it is made smooth, so that it codes small and no background
 /// shines through at the edge: within each 8x8 block (the unit of JPEG) the foreground is continued
