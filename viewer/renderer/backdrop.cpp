@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 namespace atrium::renderer {
@@ -38,7 +39,7 @@ Expected<Backdrop> Backdrop::create() {
     struct Source {
         gl::ShaderProgram& program;
         const char* name;
-        const char* vertex;
+        std::string vertex;
         const char* fragment;
     };
     for (const Source& source :
@@ -47,10 +48,13 @@ Expected<Backdrop> Backdrop::create() {
                  "background",
                  shaders::kBackgroundVertex,
                  shaders::kBackgroundFragment},
-          Source{made.shadow_shader_, "shadow", shaders::kShadowVertex, shaders::kShadowFragment},
+          Source{made.shadow_shader_,
+                 "shadow",
+                 shaders::shadow_vertex(shaders::Placed::kAllAlike),
+                 shaders::kShadowFragment},
           Source{made.object_shadow_shader_,
                  "object_shadow",
-                 shaders::kObjectShadowVertex,
+                 shaders::shadow_vertex(shaders::Placed::kEachInstance),
                  shaders::kShadowFragment}}) {
         auto program = gl::ShaderProgram::create(source.name, source.vertex, source.fragment);
         if (!program) return tl::unexpected(program.error());

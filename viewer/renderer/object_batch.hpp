@@ -16,7 +16,7 @@ public:
 
     /// The thing stays as it is until the batch was drawn.
     void add(const ObjectDrawing& object, double radius_px);
-    /// Draws and forgets all of them, with a shader of kObjectVertex or kObjectShadowVertex in use;
+    /// Draws and forgets all of them, with a shader of kObjectVertex or of shadow_vertex in use;
     /// without `textures` all are plain.
     void draw(const gl::ShaderProgram& shader, const Textures* textures);
 

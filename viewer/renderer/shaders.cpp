@@ -221,9 +221,10 @@ out vec4 fragment;
 void main() { fragment = vec4(mix(horizon, zenith, clamp(height, 0.0, 1.0)), 1.0); }
 )";
 
-const char* const kShadowVertex = R"(#version 330 core
-layout(location = 0) in vec3 position;
-uniform mat4 world_from_object;
+std::string shadow_vertex(Placed placed) {
+    return std::string("#version 330 core\nlayout(location = 0) in vec3 position;\n") +
+           (placed == Placed::kEachInstance ? "layout(location = 3) in" : "uniform") +
+           R"( mat4 world_from_object;
 uniform vec3 light;
 uniform float shadow_extent;
 void main() {
@@ -232,18 +233,7 @@ void main() {
     gl_Position = vec4(on_floor * 2.0 / shadow_extent, 0.0, 1.0);
 }
 )";
-
-const char* const kObjectShadowVertex = R"(#version 330 core
-layout(location = 0) in vec3 position;
-layout(location = 3) in mat4 world_from_mesh;
-uniform vec3 light;
-uniform float shadow_extent;
-void main() {
-    vec3 p = (world_from_mesh * vec4(position, 1.0)).xyz;
-    vec2 on_floor = p.xy - light.xy * (p.z / light.z);
-    gl_Position = vec4(on_floor * 2.0 / shadow_extent, 0.0, 1.0);
 }
-)";
 
 const char* const kShadowFragment = R"(#version 330 core
 uniform float darkness;

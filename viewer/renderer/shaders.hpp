@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 
 /// GLSL sources. Colours of people are sRGB as the cameras gave them and pass through unchanged;
@@ -24,8 +25,8 @@ extern const char* const kBackgroundVertex;
 extern const char* const kBackgroundFragment;
 
 /// Flattens what it draws along the light onto the floor, in the floor's shadow picture.
-extern const char* const kShadowVertex;
-extern const char* const kObjectShadowVertex;  // of instances
+enum class Placed : std::uint8_t { kAllAlike, kEachInstance };  // world_from_object
+std::string shadow_vertex(Placed placed);
 extern const char* const kShadowFragment;
 
 /// A picture at a place before the eye, its colours multiplied by alpha.
