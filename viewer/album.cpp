@@ -28,7 +28,11 @@ Expected<void> Album::begin_video(const std::filesystem::path& file,
 }
 
 Expected<void> Album::open(const renderer::SceneRenderer& renderer) {
+    if (!config_.output.empty()) {
+        if (auto ready = prepare_file(config_.output); !ready) return ready;
+    }
     if (config_.video.file.empty()) return {};
+    is_asked_for_ = true;
     return begin_video(config_.video.file, renderer);
 }
 
@@ -36,11 +40,12 @@ void Album::close() {
     if (!video_) return;
     const double length_s = *video_s();
     video_.reset();
+    is_asked_for_ = false;
     app::log::info("video_written file={} length_s={:.1f}", video_file_.string(), length_s);
 }
 
-void Album::add(const renderer::SceneRenderer& renderer) {
-    if (!video_ || !video_->wants_picture()) return;
+void Album::add(const renderer::SceneRenderer& renderer, bool counts) {
+    if (!video_ || !video_->wants_picture() || (is_asked_for_ && !counts)) return;
     renderer::RenderedPicture frame;
     renderer.read_pixels(frame);
     video_->offer(std::move(frame));

@@ -17,13 +17,15 @@ class Album {
 public:
     explicit Album(const ViewerConfig& config) : config_(config) {}
 
-    /// Begins the video that the configuration asks for, if it does.
+    /// Makes the files ready that the configuration asks for; error kUnavailable where one cannot
+    /// be written.
     Expected<void> open(const renderer::SceneRenderer& renderer);
     /// Finishes the video.
     void close();
 
-    /// Offers the picture that was just drawn to the video.
-    void add(const renderer::SceneRenderer& renderer);
+    /// Offers the picture that was just drawn to the video; to the one that the configuration asks
+    /// for only if it `counts`, see RunLimit.
+    void add(const renderer::SceneRenderer& renderer, bool counts);
     /// How long the video is by now [s]; nothing: none is recorded.
     std::optional<double> video_s() const;
 
@@ -42,6 +44,7 @@ private:
     const ViewerConfig& config_;
     std::unique_ptr<VideoRecorder> video_;
     std::filesystem::path video_file_;
+    bool is_asked_for_ = false;  // the video, by the configuration
     renderer::RenderedPicture picture_;
     int num_files_ = 0;
 };

@@ -5,7 +5,9 @@
 #include <opencv2/videoio.hpp>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <fstream>
 #include <system_error>
 
 namespace atrium::viewer {
@@ -20,6 +22,20 @@ cv::Mat bgr_of(const renderer::RenderedPicture& picture) {
 }
 
 }  // namespace
+
+Expected<void> prepare_file(const std::filesystem::path& file) {
+    std::error_code failure;
+    if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), failure);
+    const bool is_there = std::filesystem::exists(file, failure);
+    errno = 0;
+    if (!std::ofstream(file, std::ios::app)) {
+        return make_error(
+            ErrorKind::kUnavailable,
+            "cannot write " + file.string() + ": " + std::generic_category().message(errno));
+    }
+    if (!is_there) std::filesystem::remove(file, failure);
+    return {};
+}
 
 Expected<void> write_png(const std::filesystem::path& file,
                          const renderer::RenderedPicture& picture) {
@@ -58,6 +74,8 @@ VideoRecorder::~VideoRecorder() {
 }
 
 Expected<std::unique_ptr<VideoRecorder>> VideoRecorder::create(const VideoFormat& format) {
+    // OpenCV's own words for a file that cannot be written are many and name no reason
+    if (const auto ready = prepare_file(format.file); !ready) return tl::unexpected(ready.error());
     auto impl = std::make_unique<Impl>();
     impl->format = format;
     const int fourcc = format.file.extension() == ".mp4"
@@ -71,9 +89,7 @@ Expected<std::unique_ptr<VideoRecorder>> VideoRecorder::create(const VideoFormat
         is_open = false;
     }
     if (!is_open) {
-        return make_error(ErrorKind::kUnavailable,
-                          "cannot write video " + format.file.string() +
-                              ": the folder must exist and the name end in .avi, .mkv or .mp4");
+        return make_error(ErrorKind::kUnavailable, "cannot write video " + format.file.string());
     }
     return std::unique_ptr<VideoRecorder>(new VideoRecorder(std::move(impl)));
 }

@@ -13,6 +13,10 @@
 
 namespace atrium::viewer {
 
+/// Makes its folder where that is missing and tries whether the file can be written, so that one
+/// learns of it before the pictures are there. Error kUnavailable.
+Expected<void> prepare_file(const std::filesystem::path& file);
+
 /// Writes through a file of another name, so that nobody sees half a picture.
 Expected<void> write_png(const std::filesystem::path& file,
                          const renderer::RenderedPicture& picture);

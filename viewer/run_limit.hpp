@@ -22,6 +22,8 @@ public:
     /// come.
     Expected<Now> update(std::uint64_t num_frames, std::size_t num_people, Clock::time_point now);
 
+    /// Whether pictures count by now.
+    bool is_counting() const { return is_counting_; }
     /// Of those that counted.
     double frames_per_s() const { return frames_per_s_; }
 

@@ -242,7 +242,7 @@ Expected<void> Viewer::Impl::draw() {
         latencies_ms.add(1e-6 * static_cast<double>((displayed - captured).count()), now);
     }
     ++num_frames;
-    album->add(*renderer);
+    album->add(*renderer, limit->is_counting());
     return {};
 }
 
@@ -317,10 +317,7 @@ Viewer::Viewer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Viewer::~Viewer() = default;
 
 Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config, std::stop_token stop) {
-    if (!config.output.empty() && config.output.extension() != ".png") {
-        return make_error(ErrorKind::kConfiguration,
-                          "output: must end in .png, got '" + config.output.string() + "'");
-    }
+    if (auto named = check_file_names(config); !named) return tl::unexpected(named.error());
     const auto camera = make_view_camera(config.view);
     if (!camera) return tl::unexpected(camera.error());
     const auto surface = surface_options(config);

@@ -77,6 +77,22 @@ void declare(ViewerConfig& config, config::OptionSet& set) {
             {.min = 0, .max = 8192});
 }
 
+Expected<void> check_file_names(const ViewerConfig& config) {
+    const std::filesystem::path& output = config.output;
+    if (!output.empty() && output.extension() != ".png") {
+        return make_error(ErrorKind::kConfiguration,
+                          "output: must end in .png, got '" + output.string() + "'");
+    }
+    const std::filesystem::path& video = config.video.file;
+    const std::string format = video.extension().string();
+    if (!video.empty() && format != ".avi" && format != ".mkv" && format != ".mp4") {
+        return make_error(
+            ErrorKind::kConfiguration,
+            "video.file: must end in .avi, .mkv or .mp4, got '" + video.string() + "'");
+    }
+    return {};
+}
+
 Expected<Eigen::Vector3d> parse_point(const std::string& key, const std::string& text) {
     std::istringstream in(text);
     Eigen::Vector3d p = Eigen::Vector3d::Zero();

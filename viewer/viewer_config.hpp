@@ -53,6 +53,9 @@ struct ViewerConfig {
 /// Declares every option, with its unit, on `set`.
 void declare(ViewerConfig& config, config::OptionSet& set);
 
+/// Error kConfiguration where the name of a file does not end as its format wants.
+Expected<void> check_file_names(const ViewerConfig& config);
+
 /// "x,y,z" as three numbers; error kConfiguration names `key`.
 Expected<Eigen::Vector3d> parse_point(const std::string& key, const std::string& text);
 

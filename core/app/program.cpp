@@ -1,9 +1,11 @@
 #include "core/app/program.hpp"
 
 #include "core/app/log.hpp"
+#include "core/config/spelling.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <pthread.h>
 #include <unistd.h>
 
@@ -15,7 +17,9 @@
 #include <cstdlib>
 #include <map>
 #include <optional>
+#include <string>
 #include <thread>
+#include <vector>
 
 #ifndef ATRIUM_VERSION
 #error "ATRIUM_VERSION is set by the build"
@@ -47,6 +51,21 @@ std::string in_one_line(std::string lines) {
     if (!lines.empty()) lines.pop_back();  // the last line's end
     std::replace(lines.begin(), lines.end(), '\n', ';');
     return lines;
+}
+
+// Of arguments that no option takes, with the option that may be meant by the first.
+std::string say_unknown(const CLI::App& cli) {
+    const std::vector<std::string> unknown = cli.remaining();
+    std::string text = fmt::format("unexpected: {}", fmt::join(unknown, " "));
+    if (unknown.empty() || !unknown.front().starts_with("--")) return text;
+    const std::string written = unknown.front().substr(2, unknown.front().find('=') - 2);
+    for (const CLI::Option* option : cli.get_options()) {
+        for (const std::string& name : option->get_lnames()) {
+            if (config::may_be_meant(written, name))
+                return text + fmt::format("; is --{} meant?", name);
+        }
+    }
+    return text;
 }
 
 sigset_t stop_signals() {
@@ -109,6 +128,10 @@ Start start(const ProgramInfo& info,
         cli.parse(argc, argv);
     } catch (const CLI::Success& asked) {
         return {false, cli.exit(asked)};
+    } catch (const CLI::ExtrasError&) {
+        return end_with_error(
+            info.name,
+            {ErrorKind::kConfiguration, say_unknown(cli) + "; --help lists the options"});
     } catch (const CLI::ParseError& wrong) {
         return end_with_error(
             info.name,

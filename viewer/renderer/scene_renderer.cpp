@@ -23,6 +23,8 @@ namespace atrium::renderer {
 
 // The floor blurs its picture of the shadows over some three pixels.
 constexpr double kShadowDetail_px_per_m = Backdrop::kShadowPx / Backdrop::kShadowExtentM / 3.0;
+// Scenery that reaches further from its origin is a room, whose roof would darken all of the floor.
+constexpr double kRoomRadiusM = 3.5;
 
 struct SceneRenderer::Impl {
     RendererOptions options;
@@ -114,6 +116,12 @@ void SceneRenderer::Impl::draw_shadow() {
     for (const auto& [id, object] : objects) {
         if (object.look.model == nullptr && object.look.shape == ShapeKind::kPlane) continue;
         batch.add(object, object.radius_m * kShadowDetail_px_per_m);
+    }
+    for (const auto& [name, parts] : scenery) {
+        for (const ObjectDrawing& part : parts) {
+            if (part.radius_m < kRoomRadiusM)
+                batch.add(part, part.radius_m * kShadowDetail_px_per_m);
+        }
     }
     batch.draw(backdrop->begin_object_shadows(), nullptr);
 }
@@ -297,6 +305,7 @@ void SceneRenderer::remove_soft_object(std::uint32_t object) {
 }
 
 void SceneRenderer::set_scenery(const std::string& name, std::span<const ObjectLook> parts) {
+    impl_->is_shadow_current = false;
     std::vector<ObjectDrawing>& drawings = impl_->scenery[name];
     drawings.clear();
     for (const ObjectLook& part : parts) drawings.emplace_back(part, impl_->meshes);

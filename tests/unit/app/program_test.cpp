@@ -9,7 +9,9 @@
 namespace atrium::app {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 struct Options {
     double rate_hz = 30.0;
@@ -98,12 +100,22 @@ TEST_F(ProgramStart, HelpNamesEveryOptionWithUnitRangeAndDefault) {
 }
 
 TEST_F(ProgramStart, ErrorsEndItWithTheRightCode) {
-    EXPECT_EQ(start_with({"--rat_hz", "3"}).exit_code, 2);
     EXPECT_EQ(start_with({"--rate_hz", "0"}).exit_code, 2);
     EXPECT_THAT(errors_, HasSubstr("--rate_hz: must be a number in [1, 240], got '0'"));
     EXPECT_EQ(start_with({"--config", "/nonexistent.toml"}).exit_code, 3);
     EXPECT_EQ(start_with({"--config", file("rat_hz = 3\n")}).exit_code, 2);
     EXPECT_EQ(start_with({"--log-level", "loud"}).exit_code, 2);
+}
+
+TEST_F(ProgramStart, AnUnknownOptionIsSaidWithWhatMayBeMeant) {
+    EXPECT_EQ(start_with({"--rat_hz", "3"}).exit_code, 2);
+    EXPECT_THAT(errors_, HasSubstr("unexpected: --rat_hz 3; is --rate_hz meant?"));
+    EXPECT_EQ(start_with({"--confg=x.toml"}).exit_code, 2);
+    EXPECT_THAT(errors_, HasSubstr("is --config meant?"));
+    EXPECT_EQ(start_with({"--elephant"}).exit_code, 2);
+    EXPECT_THAT(errors_, AllOf(HasSubstr("--elephant"), Not(HasSubstr("meant"))));
+    EXPECT_EQ(start_with({"file.toml"}).exit_code, 2);
+    EXPECT_THAT(errors_, HasSubstr("unexpected: file.toml;"));
 }
 
 TEST_F(ProgramStart, AProgramMayReadMoreOfItsFile) {

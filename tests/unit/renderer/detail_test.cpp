@@ -88,10 +88,7 @@ TEST_F(SceneRendererTest, ThingsOutOfSightStillCastTheirShadows) {
     high.world_from_object.translation = {0.0, 0.0, 3.0};
     renderer_->set_object(2, high);
     draw(camera);
-    std::size_t num_darker = 0;
-    for (std::size_t i = 0; i < bare.rgba.size(); i += 4)
-        num_darker += picture_.rgba[i] + 10 < bare.rgba[i] ? 1 : 0;
-    EXPECT_GT(num_darker, 500u);
+    EXPECT_GT(num_darker(picture_, bare), 500);
 }
 
 // They share their meshes and are drawn in one go, but each has its own place, size and colour.

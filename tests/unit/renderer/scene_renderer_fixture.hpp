@@ -52,6 +52,16 @@ protected:
         const Eigen::Vector2d px = project_px(camera, p_world, picture_.width, picture_.height);
         return pixel(static_cast<int>(std::lround(px.x())), static_cast<int>(std::lround(px.y())));
     }
+    // Pixels of `now` that are darker than they were, in rows from `top_row` on.
+    static int num_darker(const RenderedPicture& now,
+                          const RenderedPicture& before,
+                          int top_row = 0) {
+        int count = 0;
+        const auto first = static_cast<std::size_t>(4 * top_row * now.width);
+        for (std::size_t i = first; i < now.rgba.size(); i += 4)
+            count += now.rgba[i] + 10 < before.rgba[i] ? 1 : 0;
+        return count;
+    }
 
     std::optional<gl::OffscreenContext> context_;
     std::optional<SceneRenderer> renderer_;

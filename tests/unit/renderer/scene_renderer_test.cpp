@@ -275,9 +275,25 @@ TEST_F(SceneRendererTest, DrawsAModelInPlaceOfAShapeAndScenery) {
     EXPECT_FALSE(is_green({0.3, 0, 1.3})) << "the half of the box that the model has not";
     renderer_->remove_object(1);
 
+    renderer_->set_object(1, {.shape = ShapeKind::kPlane, .size_m = {8, 8, 0}});
     renderer_->set_scenery("room", std::vector{look});
     draw(camera);
     EXPECT_TRUE(is_green({-0.2, 0, 0.8}));
+    const RenderedPicture shaded = picture_;
+    renderer_->set_scenery("room", {});
+    draw(camera);
+    EXPECT_GT(num_darker(shaded, picture_, kHeight * 2 / 3), 100) << "on the floor";
+    const RenderedPicture bare = picture_;
+    // a roof over everything
+    mesh = std::make_shared<ShapeMesh>(*mesh);
+    for (ShapeMesh::Corner& corner : mesh->corners) corner.position_object *= 20.0F;
+    look.model = mesh;
+    look.world_from_object.rotation =
+        Eigen::AngleAxisd(0.5 * std::numbers::pi, Eigen::Vector3d::UnitX());
+    look.world_from_object.translation = {0, 0, 3};
+    renderer_->set_scenery("room", std::vector{look});
+    draw(camera);
+    EXPECT_EQ(num_darker(picture_, bare, kHeight * 2 / 3), 0) << "a room darkens nothing";
     renderer_->set_scenery("room", {});
     draw(camera);
     EXPECT_FALSE(is_green({-0.2, 0, 0.8}));

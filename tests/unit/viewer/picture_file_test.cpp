@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 
 namespace atrium::viewer {
 namespace {
@@ -68,8 +69,21 @@ TEST_F(FilesTest, VideoHoldsWhatWasShown) {
 }
 
 TEST_F(FilesTest, AVideoThatCannotBeWrittenIsAnError) {
-    EXPECT_FALSE(VideoRecorder::create(
-        {.file = folder_ / "none" / "v.avi", .fps = 10.0, .width = 64, .height = 48}));
+    const auto made =
+        VideoRecorder::create({.file = "/proc/none/v.avi", .fps = 10.0, .width = 64, .height = 48});
+    ASSERT_FALSE(made);
+    EXPECT_THAT(made.error().message, testing::HasSubstr("/proc/none/v.avi"));
+}
+
+TEST_F(FilesTest, PreparingLeavesNothingBehindAndWhatIsThereAlone) {
+    const auto file = folder_ / "deep" / "er" / "p.png";
+    ASSERT_TRUE(prepare_file(file));
+    EXPECT_FALSE(std::filesystem::exists(file));
+    EXPECT_TRUE(std::filesystem::is_directory(file.parent_path()));
+    std::ofstream(file) << "before";
+    ASSERT_TRUE(prepare_file(file));
+    EXPECT_EQ(std::filesystem::file_size(file), 6u);
+    EXPECT_FALSE(prepare_file(file.parent_path())) << "a folder";
 }
 
 TEST(NewestPerSite, ReplacesPerSiteAndServesSitesInTurn) {
