@@ -12,7 +12,7 @@ demo: build
 	$(BUILD)/bin/demo --seconds $(SECONDS) $(DEMO_OPTIONS)
 
 test: build
-	ctest --test-dir $(BUILD) --output-on-failure
+	ctest --test-dir $(BUILD) --output-on-failure -j $$(nproc)
 
 bench:
 	deploy/build.sh $(BUILD) -DATRIUM_BENCH=ON

@@ -25,7 +25,7 @@ std::string pixel_format_rule(const std::string& got) {
     return fmt::format("must be one of {}, got '{}'", names, got);
 }
 
-std::optional<std::array<int, 4>> read_region(config::TableReader& table) {
+std::optional<std::array<int, 4>> read_capture_region(config::TableReader& table) {
     if (!table.has("region_px")) return std::nullopt;
     std::array<double, 4> numbers{};
     table.read("region_px", numbers.data(), numbers.size(), {0, 65535});
@@ -53,7 +53,7 @@ capture::CameraEntry read_camera(config::TableReader& table) {
     table.read("trigger_source", settings.trigger_source);
     table.read("packet_size", settings.packet_size, kPacketBytes);
     table.read("packet_delay_ns", settings.packet_delay_ns, kPacketDelay_ns);
-    settings.region_px = read_region(table);
+    settings.region_px = read_capture_region(table);
     return camera;
 }
 

@@ -5,13 +5,6 @@
 #include <algorithm>
 
 namespace atrium::viewer {
-namespace {
-
-double milliseconds(DrawingTimes::Duration duration) {
-    return std::chrono::duration<double, std::milli>(duration).count();
-}
-
-}  // namespace
 
 void DrawingTimes::add_picture(Duration duration) {
     pictures_.add(duration);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/statistics.hpp"
+#include "core/base/timestamp.hpp"
 
 #include <chrono>
 #include <string>

@@ -4,13 +4,6 @@
 #include <cmath>
 
 namespace atrium::viewer {
-namespace {
-
-double milliseconds(std::chrono::nanoseconds duration) {
-    return std::chrono::duration<double, std::milli>(duration).count();
-}
-
-}  // namespace
 
 Feedback::Site* Feedback::find_or_add(const std::string& name, Timestamp now) {
     if (const auto known = sites_.find(name); known != sites_.end()) return &known->second;

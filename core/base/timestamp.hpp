@@ -21,6 +21,9 @@ struct Timestamp {
 inline std::chrono::nanoseconds operator-(Timestamp a, Timestamp b) {
     return std::chrono::nanoseconds(a.ns - b.ns);
 }
+inline double milliseconds(std::chrono::nanoseconds d) {
+    return std::chrono::duration<double, std::milli>(d).count();
+}
 inline Timestamp operator+(Timestamp t, std::chrono::nanoseconds d) { return {t.ns + d.count()}; }
 
 }  // namespace atrium

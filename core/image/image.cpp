@@ -13,11 +13,6 @@ constexpr int kShift = 16;
 constexpr int kHalf = 1 << (kShift - 1);
 constexpr int fixed(double v) { return static_cast<int>(v * (1 << kShift) + (v < 0 ? -0.5 : 0.5)); }
 
-void resize(Plane& plane, int width, int height) {
-    if (plane.width == width && plane.height == height) return;
-    plane = Plane(width, height);
-}
-
 std::uint8_t clamp_byte(int v) { return static_cast<std::uint8_t>(std::clamp(v, 0, 255)); }
 
 void yuv_from_packed(const std::uint8_t* pixels,

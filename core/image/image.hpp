@@ -25,6 +25,11 @@ struct Plane {
     std::uint8_t at(int x, int y) const { return row(y)[x]; }
 };
 
+/// Keeps the pixels of a plane that has that size already.
+inline void resize(Plane& plane, int width, int height) {
+    if (plane.width != width || plane.height != height) plane = Plane(width, height);
+}
+
 /// A binary picture: 0 = background, 255 = foreground; nothing else.
 using Mask = Plane;
 

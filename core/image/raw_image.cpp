@@ -8,11 +8,6 @@
 namespace atrium::image {
 namespace {
 
-void resize(Plane& plane, int width, int height) {
-    if (plane.width == width && plane.height == height) return;
-    plane = Plane(width, height);
-}
-
 void yuv_of_packed(const PlaneView& pixels, bool blue_first, const PixelRect& part, YuvImage& out) {
     const RowCode code = best_row_code();
     for (int y = part.y; y < part.y + part.height; y += 2) {

@@ -1,5 +1,7 @@
 #include "world_server/physics/body_samples.hpp"
 
+#include "world_server/physics/bullet_types.hpp"
+
 #include <btBulletCollisionCommon.h>
 
 #include <algorithm>
@@ -14,9 +16,6 @@ constexpr float kInsetM = 0.0005F;     // rays along the very edge of a shape wo
 constexpr float kFacing = 0.5F;        // cosine; what is steeper is cast on from another side
 constexpr std::size_t kNumTips = 42;   // directions in which extreme points are added
 constexpr float kSamePointM = 0.004F;  // closer than this to another, a tip adds nothing
-
-btVector3 to_bullet(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
-Eigen::Vector3f from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 
 // Where the ray meets the shape and what it faces there.
 struct Caster {
@@ -35,8 +34,8 @@ struct Caster {
         if (!result.hasHit()) return;
         const btVector3 back = (from - to).normalized();
         if (result.m_hitNormalWorld.dot(back) < kFacing) return;
-        samples.push_back({from_bullet(result.m_hitPointWorld),
-                           from_bullet(result.m_hitNormalWorld).normalized()});
+        samples.push_back({floats_from_bullet(result.m_hitPointWorld),
+                           floats_from_bullet(result.m_hitNormalWorld).normalized()});
     }
     const btCollisionShape& shape;
     btCollisionObject object;
@@ -106,7 +105,7 @@ void add_tips(const btCollisionShape& shape,
     for (const Eigen::Vector3f& direction : even_directions(kNumTips)) {
         const btVector3 tip = place * convex.localGetSupportingVertex(to_bullet(direction));
         const btVector3 outwards = place.getBasis() * to_bullet(direction);
-        add_tip(from_bullet(tip), from_bullet(outwards), samples, tips);
+        add_tip(floats_from_bullet(tip), floats_from_bullet(outwards), samples, tips);
     }
 }
 
@@ -131,12 +130,12 @@ std::vector<BodySample> sample_body(const btCollisionShape& shape,
     btVector3 low;
     btVector3 high;
     shape.getAabb(btTransform::getIdentity(), low, high);
-    const Eigen::Vector3f size = from_bullet(high) - from_bullet(low);
+    const Eigen::Vector3f size = floats_from_bullet(high) - floats_from_bullet(low);
     const double box_m2 = 2.0 * (size.x() * size.y() + size.y() * size.z() + size.z() * size.x());
     const double spacing_m =
         std::max(options.spacing_m, std::sqrt(box_m2 / static_cast<double>(options.max_samples)));
     std::vector<BodySample> samples;
-    cast_lattice(shape, from_bullet(low), from_bullet(high), spacing_m, samples);
+    cast_lattice(shape, floats_from_bullet(low), floats_from_bullet(high), spacing_m, samples);
     std::vector<BodySample> tips;
     add_tips(shape, btTransform::getIdentity(), samples, tips);
     for (BodySample& tip : tips) {

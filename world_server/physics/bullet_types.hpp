@@ -5,13 +5,16 @@
 #include <Eigen/Core>
 #include <LinearMath/btTransform.h>
 
-/// Between Eigen's doubles and Bullet's floats.
+/// Between Eigen's numbers and Bullet's floats.
 namespace atrium::physics {
 
 inline btVector3 to_bullet(const Eigen::Vector3d& v) {
     return btVector3(btScalar(v.x()), btScalar(v.y()), btScalar(v.z()));
 }
 
+inline btVector3 to_bullet(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
+
+inline Eigen::Vector3f floats_from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 inline Eigen::Vector3d from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 
 inline btTransform to_bullet(const geometry::RigidTransform& t) {

@@ -1,6 +1,7 @@
 #include "world_server/physics/people_contacts.hpp"
 
 #include "world_server/physics/body_samples.hpp"
+#include "world_server/physics/bullet_types.hpp"
 #include "world_server/physics/hold.hpp"
 #include "world_server/physics/shape_distance.hpp"
 
@@ -48,9 +49,6 @@ constexpr std::uint64_t kTicksPerCheck = 8;  // of objects within a person's bou
 // Carriers are in no world, but the solver and its sorting ask them for their places in one.
 constexpr int kFirstCarrierIndex = 1 << 16;
 
-btVector3 to_bullet(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
-Eigen::Vector3f from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
-
 ContactMotion motion_of(const btRigidBody& body) {
     ContactMotion motion;
     const btMatrix3x3& basis = body.getWorldTransform().getBasis();
@@ -58,14 +56,14 @@ ContactMotion motion_of(const btRigidBody& body) {
         for (int col = 0; col < 3; ++col) motion.world_from_body(row, col) = basis[row][col];
     }
     motion.world_from_body.makeAffine();
-    motion.world_from_body.translation() = from_bullet(body.getWorldTransform().getOrigin());
-    motion.linear_velocity = from_bullet(body.getLinearVelocity());
-    motion.angular_velocity = from_bullet(body.getAngularVelocity());
+    motion.world_from_body.translation() = floats_from_bullet(body.getWorldTransform().getOrigin());
+    motion.linear_velocity = floats_from_bullet(body.getLinearVelocity());
+    motion.angular_velocity = floats_from_bullet(body.getAngularVelocity());
     btVector3 low;
     btVector3 high;
     body.getAabb(low, high);
-    motion.low = from_bullet(low);
-    motion.high = from_bullet(high);
+    motion.low = floats_from_bullet(low);
+    motion.high = floats_from_bullet(high);
     return motion;
 }
 
@@ -74,7 +72,7 @@ ContactBody surface_of(const btCollisionShape& shape) {
     btVector3 low;
     btVector3 high;
     shape.getAabb(btTransform::getIdentity(), low, high);
-    body.size_m = from_bullet(high - low).maxCoeff();
+    body.size_m = floats_from_bullet(high - low).maxCoeff();
     if (shape.getShapeType() != SPHERE_SHAPE_PROXYTYPE) {
         body.samples = sample_body(shape, {});
         return body;
@@ -143,7 +141,7 @@ void PeopleContacts::add(std::uint32_t id, btRigidBody& body) {
     btVector3 low;
     btVector3 high;
     body.getCollisionShape()->getAabb(btTransform::getIdentity(), low, high);
-    tracked->inner_radius_m = 0.5F * from_bullet(high - low).minCoeff();
+    tracked->inner_radius_m = 0.5F * floats_from_bullet(high - low).minCoeff();
     bodies_[id] = std::move(tracked);
 }
 
@@ -233,7 +231,8 @@ void PeopleContacts::begin_body(Tracked& tracked, const PeopleField& people, dou
 }
 
 bool PeopleContacts::is_inside(const Tracked& tracked, const PersonField& person) const {
-    const Eigen::Vector3f centre = from_bullet(tracked.body->getWorldTransform().getOrigin());
+    const Eigen::Vector3f centre =
+        floats_from_bullet(tracked.body->getWorldTransform().getOrigin());
     if (!person.surfels().is_near(centre, centre)) return false;
     const PlacedSurfel* nearest =
         person.nearest(centre, kEscapeSearchM, [](const PlacedSurfel&) { return true; });
@@ -259,11 +258,12 @@ bool PeopleContacts::is_around(const Tracked& tracked, const PersonField& person
     const btTransform body_from_world = tracked.body->getWorldTransform().inverse();
     const btCollisionShape& shape = *tracked.body->getCollisionShape();
     bool is_around = false;
-    person.surfels().visit_box(from_bullet(low), from_bullet(high), [&](const PlacedSurfel& s) {
-        if (is_around) return;
-        const auto at = distance_to_shape(shape, body_from_world * to_bullet(s.position), 0);
-        is_around = at && at->distance < -kAroundM;
-    });
+    person.surfels().visit_box(
+        floats_from_bullet(low), floats_from_bullet(high), [&](const PlacedSurfel& s) {
+            if (is_around) return;
+            const auto at = distance_to_shape(shape, body_from_world * to_bullet(s.position), 0);
+            is_around = at && at->distance < -kAroundM;
+        });
     return is_around;
 }
 
@@ -271,7 +271,8 @@ bool PeopleContacts::is_around(const Tracked& tracked, const PersonField& person
 // false: it is out.
 bool PeopleContacts::lead_out(Tracked& tracked, const PeopleField& people) {
     const auto person = people.people().find(tracked.escaping_from);
-    const Eigen::Vector3f centre = from_bullet(tracked.body->getWorldTransform().getOrigin());
+    const Eigen::Vector3f centre =
+        floats_from_bullet(tracked.body->getWorldTransform().getOrigin());
     const PlacedSurfel* nearest = nullptr;
     if (person != people.people().end()) {
         nearest = person->second.nearest(centre, kEscapeSearchM, [](const PlacedSurfel& surfel) {
@@ -282,7 +283,7 @@ bool PeopleContacts::lead_out(Tracked& tracked, const PeopleField& people) {
         tracked.escaping_from.clear();
         return false;
     }
-    const Eigen::Vector3f velocity = from_bullet(tracked.body->getLinearVelocity());
+    const Eigen::Vector3f velocity = floats_from_bullet(tracked.body->getLinearVelocity());
     const float missing_mps =
         static_cast<float>(options_.escape_mps) - velocity.dot(nearest->normal);
     if (missing_mps > 0.0F) {
@@ -320,7 +321,8 @@ bool PeopleContacts::insert(Tracked& tracked,
     place.setOrigin(on_person);
     carrier.body.setWorldTransform(place);
     // along the surface only: how deep it is, the spring knows
-    const Eigen::Vector3f centre = from_bullet(tracked.body->getWorldTransform().getOrigin());
+    const Eigen::Vector3f centre =
+        floats_from_bullet(tracked.body->getWorldTransform().getOrigin());
     Eigen::Vector3f behind = surface.hold.velocity_at(contact.point - centre);
     behind -= contact.normal * contact.normal.dot(behind);
     carrier.body.setLinearVelocity(to_bullet((contact.velocity + behind).eval()));
