@@ -65,8 +65,8 @@ public:
     void move_soft_object(std::uint32_t object, std::span<const Eigen::Vector3f> nodes_world);
     void remove_soft_object(std::uint32_t object);
 
-    /// What is only looked at, in the place of what had that name before; nothing: it is gone. Parts
-    /// that reach 3.5 m from their origin cast no shadow: they are rooms, around everything.
+    /// What is only looked at, in the place of what had that name before; nothing: it is gone.
+    /// Parts that reach 3.5 m from their origin cast no shadow: they are rooms, around everything.
     void set_scenery(const std::string& name, std::span<const ObjectLook> parts);
 
     /// The picture that lies from now on on all things whose look names it; kept until the renderer

@@ -53,7 +53,7 @@ bool SoftDrives::find(const btSoftBody& soft,
         const PlacedSurfel* side = person.nearest(
             at, kBuriedSearchM, [](const PlacedSurfel& s) { return s.normal.z() > -0.5F; });
         if (side == nullptr || side->normal.dot(at - side->position) > 0.0F) continue;
-        drives_.push_back({to_bullet(side->normal.cast<double>()), escape_mps});
+        drives_.push_back({to_bullet(side->normal), escape_mps});
         return false;
     }
     return true;
