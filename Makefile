@@ -3,12 +3,16 @@ BUILD ?= build
 SECONDS ?= 20
 DEMO_OPTIONS ?=
 
-.PHONY: demo test bench format build
+.PHONY: demo test bench format build programs
 build:
 	deploy/build.sh $(BUILD)
 
+# half of the work: without the tests
+programs:
+	TARGETS=programs deploy/build.sh $(BUILD)
+
 # make demo SECONDS=60, or SECONDS=0 to run until Ctrl-C
-demo: build
+demo: programs
 	$(BUILD)/bin/demo --seconds $(SECONDS) $(DEMO_OPTIONS)
 
 test: build

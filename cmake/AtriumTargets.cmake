@@ -66,13 +66,17 @@ function(atrium_library name)
     _atrium_pch(${name} code)
 endfunction()
 
-# atrium_program(name SOURCES main.cpp ... LINK lib ...)
+# atrium_program(name SOURCES main.cpp ... LINK lib ...); the target `programs` is all of them.
 function(atrium_program name)
     cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
     add_executable(${name} ${ARG_SOURCES})
     target_link_libraries(${name} PRIVATE ${ARG_LINK})
     _atrium_options(${name})
     _atrium_pch(${name} code)
+    if(NOT TARGET programs)
+        add_custom_target(programs)
+    endif()
+    add_dependencies(programs ${name})
 endfunction()
 
 # atrium_test(name LABELS unit ... SOURCES a_test.cpp ... LINK lib ... [TIMEOUT seconds])
