@@ -81,7 +81,8 @@ endfunction()
 
 # atrium_test(name LABELS unit ... SOURCES a_test.cpp ... LINK lib ... [TIMEOUT seconds])
 # One executable and one ctest entry per module; labels: unit property golden fuzz integration gl dds threads.
-# `threads` marks what the ThreadSanitizer run executes; `integration` has the machine to itself.
+# `threads` marks what the ThreadSanitizer run executes; `integration` and `dds`, whose peers have to be in time, have the machine
+# to themselves.
 function(atrium_test name)
     cmake_parse_arguments(ARG "" "TIMEOUT" "LABELS;SOURCES;LINK" ${ARGN})
     add_executable(${name} ${ARG_SOURCES})
@@ -97,7 +98,7 @@ function(atrium_test name)
     set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
     set_tests_properties(${name} PROPERTIES ENVIRONMENT
                          "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp;LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp:print_suppressions=0")
-    if("integration" IN_LIST ARG_LABELS)
+    if("integration" IN_LIST ARG_LABELS OR "dds" IN_LIST ARG_LABELS)
         set_tests_properties(${name} PROPERTIES RUN_SERIAL ON)
     endif()
     # `cmake --build build --target tests_threads` builds what `ctest -L threads` runs
