@@ -96,6 +96,14 @@ std::array<int, 2> Display::picture_size(std::array<int, 2> surface_px) const {
     return surface_px;
 }
 
+double Display::pixel_aspect(std::array<int, 2> surface_px) const {
+    if (!tile_) return 1.0;
+    const Screen& screen = tile_->screen_wall;
+    const double width_m = (screen.lower_right_m - screen.lower_left_m).norm();
+    const double height_m = (screen.upper_left_m - screen.lower_left_m).norm();
+    return (width_m / surface_px[0]) / (height_m / surface_px[1]);
+}
+
 std::vector<EyeView> Display::eyes(const ViewCamera& camera, int width, int height) const {
     Screen screen;
     Eigen::Vector3d middle_m = camera.position_m;

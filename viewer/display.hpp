@@ -55,6 +55,9 @@ public:
     /// Where a pointer on the surface is in the picture of the eye that it is over.
     Pointer over_one_eye(Pointer pointer) const;
 
+    /// How many times as wide as high a pixel of such a surface is on the tile; 1 without a wall.
+    double pixel_aspect(std::array<int, 2> surface_px) const;
+
     Stereo stereo() const { return stereo_; }
     bool is_tile() const { return tile_.has_value(); }
     /// The moment to show at `now`: nothing where the newest is shown. All tiles of a wall show the

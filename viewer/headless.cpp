@@ -48,9 +48,6 @@ Expected<std::unique_ptr<Surface>> open_osmesa(const SurfaceOptions& options) {
 }  // namespace
 
 Expected<std::unique_ptr<Surface>> open_headless(const SurfaceOptions& options) {
-    if (options.has_two_buffers) {
-        return make_error(ErrorKind::kUnavailable, "display.stereo: quad_buffer needs a window");
-    }
     if (options.context == ContextKind::kEgl) return open_egl(gl::EglDevices::kAny, options);
     if (options.context == ContextKind::kOsmesa) return open_osmesa(options);
     auto on_gpu = open_egl(gl::EglDevices::kHardware, options);

@@ -21,6 +21,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <mutex>
 #include <optional>
@@ -133,6 +134,14 @@ Expected<void> Viewer::Impl::open() {
     if (!created) return tl::unexpected(created.error());
     renderer.emplace(std::move(*created));
     annotations.emplace(config.view, surface->is_window());
+    const double aspect = display.pixel_aspect(surface->size());
+    if (constexpr double kSeen = 0.02; std::abs(aspect - 1.0) > kSeen) {
+        app::log::warn(
+            "tile_shape tile={} pixels on it are {:.2f} times as wide as high: is this "
+            "the projector's resolution?",
+            config.display.tile,
+            aspect);
+    }
     app::log::info("surface_open on=\"{}\" size={}x{}", surface->description(), width, height);
     return album->open(*renderer);
 }

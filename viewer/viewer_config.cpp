@@ -123,6 +123,12 @@ Expected<SurfaceOptions> surface_options(const ViewerConfig& config) {
         return make_error(ErrorKind::kConfiguration,
                           "view.context: is \"window\", but headless is set");
     }
+    if (options.has_two_buffers && (options.is_headless || options.context == ContextKind::kEgl ||
+                                    options.context == ContextKind::kOsmesa)) {
+        return make_error(ErrorKind::kConfiguration,
+                          "display.stereo: quad_buffer needs a window, which headless or "
+                          "view.context rules out");
+    }
     return options;
 }
 

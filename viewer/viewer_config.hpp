@@ -59,7 +59,7 @@ Expected<void> check_file_names(const ViewerConfig& config);
 /// "x,y,z" as three numbers; error kConfiguration names `key`.
 Expected<Eigen::Vector3d> parse_point(const std::string& key, const std::string& text);
 
-/// Who is to draw, and where to; an error where that is a window and `headless` forbids it.
+/// Who is to draw, and where to; an error where that has to be a window and may not.
 Expected<SurfaceOptions> surface_options(const ViewerConfig& config);
 
 /// The viewpoint that `config` describes; an error where it makes no sense.

@@ -178,6 +178,16 @@ TEST_F(DisplayWall, IsOneWindowIntoTheWorldForAllItsTiles) {
     }
 }
 
+TEST_F(DisplayWall, KnowsWhetherAPictureHasTheShapeOfItsTile) {
+    const auto file = write(tile("left", -2.0, 0.0));  // 2 m by 1.5 m
+    for (const char* stereo : {"none", "side_by_side", "quad_buffer"}) {
+        const Display display = make({.stereo = stereo, .wall = file, .tile = "left"});
+        EXPECT_NEAR(display.pixel_aspect({800, 600}), 1.0, 1e-12);
+        EXPECT_NEAR(display.pixel_aspect({1600, 600}), 0.5, 1e-12);
+    }
+    EXPECT_EQ(make({}).pixel_aspect({1600, 600}), 1.0);
+}
+
 TEST_F(DisplayWall, ShowsTheSameMomentsOnAllTiles) {
     const auto file = write(tile("left", -2.0, 0.0));
     const Display display = make({.wall = file, .tile = "left", .delay_ms = 100.0});

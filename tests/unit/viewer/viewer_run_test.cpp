@@ -371,6 +371,14 @@ TEST_F(ViewerRun, FilesThatCannotBeWrittenAreErrorsBeforeTheFirstPicture) {
     EXPECT_THAT(misnamed.error().message, testing::HasSubstr("video.file: must end in"));
 }
 
+TEST_F(ViewerRun, AWindowForTwoEyesIsNotAskedForWithoutOne) {
+    config_.display.stereo = "quad_buffer";
+    const auto viewer = Viewer::create(config_);
+    ASSERT_FALSE(viewer);
+    EXPECT_EQ(viewer.error().kind, ErrorKind::kConfiguration);
+    EXPECT_THAT(viewer.error().message, testing::HasSubstr("quad_buffer needs a window"));
+}
+
 TEST_F(ViewerRun, PeopleWhoDoNotComeAreAnError) {
     config_.wait_people = 2;
     config_.frames = 1;
