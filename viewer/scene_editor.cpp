@@ -11,6 +11,9 @@ namespace atrium::viewer {
 namespace {
 
 constexpr double kBeforeTheEyeM = 1.2;  // to the thing's nearest point, about
+constexpr double kFarthestM = 6.0;
+constexpr double kStepM = 0.1;
+constexpr double kLowestInView = -0.8;  // of half the picture, below its middle
 constexpr double kOffTheFloorM = 0.01;
 constexpr double kMinSizeM = 0.02;
 constexpr double kMaxSizeM = 4.0;
@@ -44,6 +47,21 @@ Eigen::Vector3d size_of(const NewThing& thing) {
     return size;
 }
 
+// Where the eye looks, no nearer than that what falls from there comes to lie in the picture.
+Eigen::Vector3d place_before(const renderer::EyeView& eye, const Eigen::Vector3d& size_m) {
+    const Eigen::Vector3d forward = -eye.view_from_world.row(2).head<3>().transpose();
+    const Eigen::Matrix4d clip_from_world = eye.clip_from_world();
+    Eigen::Vector3d at;
+    for (double ahead_m = kBeforeTheEyeM + 0.5 * size_m.maxCoeff();; ahead_m += kStepM) {
+        at = eye.eye_world() + ahead_m * forward;
+        const Eigen::Vector4d lying =
+            clip_from_world * Eigen::Vector4d(at.x(), at.y(), 0.5 * size_m.z(), 1.0);
+        if (ahead_m > kFarthestM || lying.y() > kLowestInView * lying.w()) break;
+    }
+    at.z() = std::max(at.z(), 0.5 * size_m.z() + kOffTheFloorM);
+    return at;
+}
+
 }  // namespace
 
 bus::SceneObject make_object(const NewThing& thing, const renderer::EyeView& eye) {
@@ -54,10 +72,7 @@ bus::SceneObject make_object(const NewThing& thing, const renderer::EyeView& eye
     object.mass_kg = std::clamp(thing.mass_kg, 0.01, 1000.0);
     object.restitution = thing.shape == bus::Shape::kSphere ? 0.6 : 0.2;
     object.colour = thing.colour.cwiseMax(0.0).cwiseMin(1.0);
-    const Eigen::Vector3d forward = -eye.view_from_world.row(2).head<3>().transpose();
-    Eigen::Vector3d& at = object.world_from_object.translation;
-    at = eye.eye_world() + (kBeforeTheEyeM + 0.5 * object.size_m.maxCoeff()) * forward;
-    at.z() = std::max(at.z(), 0.5 * object.size_m.z() + kOffTheFloorM);
+    object.world_from_object.translation = place_before(eye, object.size_m);
     return object;
 }
 

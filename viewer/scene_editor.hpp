@@ -24,7 +24,8 @@ struct NewThing {
     std::string name;  // what the bus does not take is replaced
 };
 
-/// As the bus and the physics take it, before the eye and above the floor (z = 0).
+/// As the bus and the physics take it, before the eye and above the floor (z = 0): so far away that
+/// it is still in the picture when it has fallen, and at most 6 m.
 bus::SceneObject make_object(const NewThing& thing, const renderer::EyeView& eye);
 
 /// Asks the world server to put things into the world and to take them out, and finds out what

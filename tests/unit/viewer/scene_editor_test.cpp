@@ -25,12 +25,38 @@ TEST(NewThing, StandsBeforeTheEyeAndNotInTheFloor) {
     const bus::SceneObject ball = make_object(thing, eye);
     EXPECT_TRUE(bus::check(ball));
     EXPECT_EQ(ball.size_m, Eigen::Vector3d(0.4, 0.4, 0.4));
-    EXPECT_LT((ball.world_from_object.translation - Eigen::Vector3d(0, -1.6, 1.6)).norm(), 1e-9);
+    const Eigen::Vector3d& at = ball.world_from_object.translation;
+    EXPECT_LT((at - Eigen::Vector3d(0, at.y(), 1.6)).norm(), 1e-9) << "where the eye looks";
+    EXPECT_GT(at.y(), -1.6 - 1e-9);
     thing.shape = bus::Shape::kBox;
     thing.size_m = {0.2, 0.3, 1.0};
     const bus::SceneObject box = make_object(
         thing, renderer::eye_of({.position_m = {0, 0, 1}, .target_m = {0, 0, 0}}, 640, 360));
     EXPECT_NEAR(box.world_from_object.translation.z(), 0.51, 1e-9) << "looking down";
+}
+
+TEST(NewThing, IsInThePictureWhenItHasFallen) {
+    const NewThing thing{.size_m = {0.3, 0.3, 0.3}, .name = "ball"};
+    double before_m = 0.0;
+    // ever less steeply down
+    for (const double target_z_m : {-6.0, -2.0, 0.0, 0.8, 1.6}) {
+        const renderer::ViewCamera camera{.position_m = {0, -3, 1.6},
+                                          .target_m = {0, 0, target_z_m}};
+        const renderer::EyeView eye = renderer::eye_of(camera, 640, 360);
+        const auto at = make_object(thing, eye).world_from_object.translation;
+        const Eigen::Vector2d lying =
+            renderer::project_px(camera, {at.x(), at.y(), 0.15}, 640, 360);
+        EXPECT_GT(lying.y(), 0.0);
+        EXPECT_LT(lying.y(), 340.0);
+        const double away_m = (at - camera.position_m).head<2>().norm();
+        EXPECT_GT(away_m, before_m) << "no further than it must";
+        before_m = away_m;
+    }
+    // the sky: nothing that has fallen is there
+    const renderer::EyeView up =
+        renderer::eye_of({.position_m = {0, -3, 1.6}, .target_m = {0, 0, 5}}, 640, 360);
+    const auto at = make_object(thing, up).world_from_object.translation;
+    EXPECT_LT((at - up.eye_world()).norm(), 6.2);
 }
 
 TEST(NewThing, IsWhatTheWorldTakes) {
