@@ -18,6 +18,10 @@ set(ATRIUM_TEST_PCH_HEADERS <gtest/gtest.h> <gmock/gmock.h>)
 # Of what tests do themselves; what they test is as fast as ever.
 set(ATRIUM_TEST_OPTIMISATION $<$<CONFIG:RelWithDebInfo>:-O1>)
 
+# Several sources of a library at once is a good part less work for a build from nothing, and more for one after a change: CI's
+# sanitizer builds want it. Sources still include what they use and name things apart.
+option(ATRIUM_UNITY "Compile the sources of each library together" OFF)
+
 # _atrium_pch(target code|test): the PCH of this kind is made by a target of its own, the first time one asks for it.
 function(_atrium_pch target kind)
     target_link_libraries(${target} PRIVATE fmt::fmt)
@@ -42,6 +46,10 @@ endfunction()
 function(_atrium_options target)
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wshadow -Wnon-virtual-dtor>
                            $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-stringop-overflow -Wno-restrict -Wno-array-bounds>) # wrong alarms of g++ 12 in fmt and std::string
+    if(ATRIUM_UNITY)
+        # a type of one source alone may have members of that source's own types
+        target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
+    endif()
     if(ATRIUM_WERROR)
         target_compile_options(${target} PRIVATE -Werror)
     endif()
@@ -51,10 +59,6 @@ function(_atrium_options target)
         target_link_options(${target} PUBLIC -fsanitize=${ATRIUM_SANITIZE})
     endif()
 endfunction()
-
-# Several sources of a library at once is a good part less work for a build from nothing, and more for one after a change: CI's
-# sanitizer builds want it. Sources still include what they use and name things apart.
-option(ATRIUM_UNITY "Compile the sources of each library together" OFF)
 
 # atrium_library(name SOURCES a.cpp ... PUBLIC lib ... PRIVATE lib ...)
 function(atrium_library name)
