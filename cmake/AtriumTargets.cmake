@@ -15,8 +15,8 @@ set(ATRIUM_PCH_HEADERS <algorithm> <array> <chrono> <cmath> <condition_variable>
     <memory> <mutex> <optional> <random> <set> <span> <string> <thread> <vector> <Eigen/Core> <Eigen/Geometry>
     <fmt/format.h> <tl/expected.hpp>)
 set(ATRIUM_TEST_PCH_HEADERS <gtest/gtest.h> <gmock/gmock.h>)
-# Of what tests do themselves; what they test is as fast as ever.
-set(ATRIUM_TEST_OPTIMISATION $<$<CONFIG:RelWithDebInfo>:-O1>)
+# Of what tests do themselves; what they test is as fast as ever. Of what sanitizers add, -O1 takes a third longer to compile.
+set(ATRIUM_TEST_OPTIMISATION $<$<CONFIG:RelWithDebInfo>:-O1> $<$<CONFIG:Sanitize>:-Og>)
 
 # Several sources of a library at once is a good part less work for a build from nothing, and more for one after a change: CI's
 # sanitizer builds want it. Sources still include what they use and name things apart.
