@@ -140,7 +140,8 @@ Expected<void> Membership::Impl::claim(std::stop_token stop) {
     while (!stop.stop_requested()) {
         waiter->wait(kJoinStep);
         take();
-        const NameClaim::Verdict verdict = name.decide(Clock::now());
+        const Clock::time_point now = Clock::now();
+        const NameClaim::Verdict verdict = name.decide(now);
         const Presence* rival = name.rival();
         if (verdict == NameClaim::Verdict::kHold) {
             {
@@ -158,6 +159,9 @@ Expected<void> Membership::Impl::claim(std::stop_token stop) {
         if (rival != nullptr && !std::exchange(has_said, true)) {
             events.info(fmt::format(
                 "name_wait for=\"{}\" limit_ms={}", describe(*rival), NameClaim::kLease.count()));
+        }
+        if (verdict == NameClaim::Verdict::kWait && name.should_ask(now)) {
+            if (auto announced = announce(); !announced) return announced;
         }
     }
     return make_error(ErrorKind::kUnavailable, "stopped while it asked for its name");

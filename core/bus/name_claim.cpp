@@ -34,6 +34,10 @@ void NameClaim::see(const Presence& other, Clock::time_point now) {
     }
     Other& known = found->second;
     if (other.is_holder && !known.presence.is_holder) known.seen_at = now;
+    if (!other.is_holder && now - known.seen_at >= kAskAgain / 2) {
+        known.seen_at = now;
+        was_asked_ |= is_holder_;
+    }
     known.is_alive = true;
     known.presence = other;
 }
@@ -59,6 +63,12 @@ NameClaim::Verdict NameClaim::decide(Clock::time_point now) {
     // who asked before is not yet told
     was_asked_ = !others_.empty();
     return Verdict::kHold;
+}
+
+bool NameClaim::should_ask(Clock::time_point now) {
+    if (!rival_ || !rival_->is_holder || is_holder_ || now - asked_at_ < kAskAgain) return false;
+    asked_at_ = now;
+    return true;
 }
 
 bool NameClaim::take_question() { return std::exchange(was_asked_, false); }

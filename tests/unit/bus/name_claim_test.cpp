@@ -53,6 +53,46 @@ TEST(NameClaim, IsRefusedAtOnceWhereTheHolderAnswers) {
                       HasSubstr("1970-01-01T00:00:50Z")));
 }
 
+// The holder's answer was its last word before the newcomer found it: that looks like a killed
+// one's.
+TEST(NameClaim, AsksAgainWhereTheAnswerCameBeforeItCouldBeHeard) {
+    NameClaim holder(lab(2, 50, false), kStart);
+    ASSERT_EQ(holder.decide(kStart + 1s), Verdict::kHold);
+    const auto begin = kStart + 2s;
+    NameClaim newcomer(lab(1, 100, false), begin);
+    holder.see(lab(1, 100, false), begin);
+    EXPECT_TRUE(holder.take_question());
+    newcomer.see(lab(2, 50, true), begin + 10ms);
+    EXPECT_EQ(newcomer.decide(begin + 10ms), Verdict::kWait);
+    EXPECT_FALSE(newcomer.should_ask(begin + 10ms));
+    const auto again = begin + NameClaim::kAskAgain;
+    EXPECT_EQ(newcomer.decide(again), Verdict::kWait);
+    EXPECT_TRUE(newcomer.should_ask(again));
+    EXPECT_FALSE(newcomer.should_ask(again + 20ms)) << "not with each look";
+    holder.see(lab(1, 100, false), again);
+    EXPECT_TRUE(holder.take_question());
+    newcomer.see(lab(2, 50, true), again + 10ms);
+    EXPECT_EQ(newcomer.decide(again + 10ms), Verdict::kRefused);
+}
+
+TEST(NameClaim, WhoAsksAllTheTimeIsNotAnsweredAllTheTime) {
+    NameClaim holder(lab(2, 50, false), kStart);
+    ASSERT_EQ(holder.decide(kStart + 1s), Verdict::kHold);
+    int num_answers = 0;
+    for (auto now = kStart + 1s; now < kStart + 2s; now += 1ms) {
+        holder.see(lab(1, 100, false), now);
+        num_answers += holder.take_question();
+    }
+    EXPECT_EQ(num_answers, 10);
+}
+
+TEST(NameClaim, NobodyIsAskedWhereNobodyHoldsTheName) {
+    NameClaim claim(lab(1, 100, false), kStart);
+    claim.see(lab(2, 50, false), kStart);
+    EXPECT_EQ(claim.decide(kStart + 1s), Verdict::kWait);
+    EXPECT_FALSE(claim.should_ask(kStart + 1s));
+}
+
 TEST(NameClaim, IsRefusedAlsoByAHolderWhoseClockIsBehindOrAhead) {
     for (const std::int64_t holder_start_s : {std::int64_t{1}, std::int64_t{100'000}}) {
         NameClaim claim(lab(1, 5000, false), kStart);
@@ -114,7 +154,7 @@ std::vector<std::uint64_t> survivors(std::int64_t start_a_s,
                 self.own.is_holder = true;
                 write(i, step);
             }
-            if (self.claim.take_question()) write(i, step);
+            if (self.claim.take_question() || self.claim.should_ask(now)) write(i, step);
             if (verdict != Verdict::kRefused) continue;
             self.is_out = true;
             all[1 - i].claim.gone(self.own);
