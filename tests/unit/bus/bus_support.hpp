@@ -46,6 +46,14 @@ struct Listener {
         if (!report.first_rejection.empty()) first_rejection = report.first_rejection;
     }
 
+    /// What was received so far, and what comes until now.
+    void forget() {
+        take();
+        samples.clear();
+        gone.clear();
+        endings.clear();
+    }
+
     /// Takes until the condition holds; false after the time limit.
     bool await(const std::function<bool()>& condition,
                std::chrono::milliseconds limit = std::chrono::seconds(10)) {

@@ -169,6 +169,10 @@ protected:
         return AravisSource::open(rig, options, keep, stop_.get_token());
     }
 
+    void forget_events() {
+        const std::lock_guard lock(events_mutex_);
+        events_.clear();
+    }
     bool wait_for_event(const std::string& part) {
         std::unique_lock lock(events_mutex_);
         return events_changed_.wait_for(lock, kLongEnough, [&] {
