@@ -71,6 +71,13 @@ double SiteReport::share() const {
     return static_cast<double>(num_complete) / static_cast<double>(num_published);
 }
 
+double SiteReport::published_per_s(std::int64_t from_ns, std::int64_t to_ns) const {
+    const auto num = std::count_if(published_ns.begin(), published_ns.end(), [&](std::int64_t ns) {
+        return ns > from_ns && ns <= to_ns;
+    });
+    return static_cast<double>(num) / (1e-9 * static_cast<double>(to_ns - from_ns));
+}
+
 double SiteReport::age_ms(double share) const {
     if (ages_ms.empty()) return std::nan("");
     return ages_ms[static_cast<std::size_t>(
@@ -152,6 +159,7 @@ Expected<SiteReport> SiteOverLink::finish(const Moment& from, const Moment& to) 
     }
     std::sort(report.ages_ms.begin(), report.ages_ms.end());
     for (const ShownFrame& frame : read_published(report.output_of_site)) {
+        report.published_ns.push_back(frame.capture_ns);
         if (frame.capture_ns <= from.now_ns || frame.capture_ns > to.now_ns) continue;
         ++report.num_published;
         report.num_complete += complete.count(frame.id);

@@ -32,17 +32,20 @@ struct ShownFrame {
 
 /// What came of the frames of some time; `now_ns` of a Moment and these times are of one clock.
 struct SiteReport {
-    std::size_t num_published = 0;     // of that time
-    std::size_t num_complete = 0;      // of those
-    std::vector<ShownFrame> shown;     // all, in the order in which they were complete
-    std::size_t num_out_of_order = 0;  // complete after a newer one; of all
-    std::vector<double> ages_ms;       // of those complete in that time, sorted
-    double bytes_per_s = 0.0;          // on the link, from the site; of that time
-    std::int64_t resident_before = 0;  // [B] of the site
+    std::size_t num_published = 0;           // of that time
+    std::size_t num_complete = 0;            // of those
+    std::vector<std::int64_t> published_ns;  // capture times of all, in order
+    std::vector<ShownFrame> shown;           // all, in the order in which they were complete
+    std::size_t num_out_of_order = 0;        // complete after a newer one; of all
+    std::vector<double> ages_ms;             // of those complete in that time, sorted
+    double bytes_per_s = 0.0;                // on the link, from the site; of that time
+    std::int64_t resident_before = 0;        // [B] of the site
     std::int64_t resident_after = 0;
     std::string output_of_site;
 
     double share() const;
+    /// Frames per second that the site published of what it captured from one time to the other.
+    double published_per_s(std::int64_t from_ns, std::int64_t to_ns) const;
     double age_ms(double share) const;
     /// From that time to the first complete frame that was captured later; NaN: none.
     double recovery_ms(std::int64_t since_ns) const;
