@@ -216,7 +216,12 @@ void SiteNode::capture_metaframes(std::stop_token stop) {
     options.deadline = nanoseconds(static_cast<std::int64_t>(config_.capture.deadline_ms * 1e6));
     options.min_cameras = static_cast<std::size_t>(config_.capture.min_cameras);
     capture::MetaframeAssembler assembler(source_->rig().cameras.size(), options);
+    std::uint64_t num_stray = 0;
     const auto take = [&](std::optional<capture::Metaframe> metaframe) {
+        if (assembler.counters().num_stray > num_stray) {
+            num_stray = assembler.counters().num_stray;
+            complaints_.warn(fmt::format("pictures that fit no metaframe num={}", num_stray));
+        }
         num_incomplete_ = assembler.counters().num_incomplete;
         num_incomplete_used_ = assembler.counters().num_incomplete_used;
         offsets_.update(assembler.offsets(), options.tolerance);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/base/timestamp.hpp"
+
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
@@ -31,6 +33,9 @@ public:
 
     /// When the last tick was due.
     Clock::time_point due() const { return next_; }
+    /// The same for stamps: a busy machine that wakes late takes a picture of the instant it was
+    /// meant for, and two of them stay a period apart.
+    Timestamp due_time() const { return Timestamp::now() + (next_ - Clock::now()); }
 
 private:
     std::chrono::nanoseconds period_;

@@ -236,7 +236,7 @@ Expected<void> RecordingSource::run(std::stop_token stop, const Sink& sink) {
             if (!pace.wait(stop,
                            std::clamp(since_former, std::chrono::nanoseconds(0), 10 * period)))
                 return {};
-            const Timestamp now = Timestamp::now();
+            const Timestamp now = pace.due_time();
             for (CameraFrame& frame : frames) {
                 const auto own_ns = offset_of(index, frame.camera);
                 frame.capture_time = own_ns ? Timestamp{now.ns + (*own_ns - *first_ns)} : now;
