@@ -44,7 +44,7 @@ TEST(Command, TellsOfItsSignal) {
     // the command ends only once the signal has come through: it waits for what `on_signal` does
     std::stop_source stop;
     const auto code =
-        run_command({"sh", "-c", "kill -USR1 $PPID; sleep 60"}, stop.get_token(), [&] {
+        run_command({"sh", "-c", "kill -USR1 $PPID; exec sleep 60"}, stop.get_token(), [&] {
             ++num_signals;
             stop.request_stop();
         });
