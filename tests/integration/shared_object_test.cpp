@@ -26,6 +26,7 @@ using Clock = std::chrono::steady_clock;
 constexpr double kHandM = 0.14;  // a fist
 constexpr double kPushMps = 0.35;
 constexpr double kBackMps = 1.5;  // of a hand that touches nothing
+constexpr double kMaxStepS = 0.1;
 constexpr double kBoxM = 0.3;
 constexpr std::uint32_t kFloor = 1;
 constexpr std::uint32_t kBox = 2;
@@ -85,7 +86,9 @@ public:
     Eigen::Vector3d move_on(Timestamp time) {
         const std::lock_guard lock(mutex_);
         if (last_ != Timestamp{}) {
-            const double way_m = speed_mps_ * std::chrono::duration<double>(time - last_).count();
+            // a machine that stands still does not take it through the box
+            const double step_s = std::min(1e-3 * milliseconds(time - last_), kMaxStepS);
+            const double way_m = speed_mps_ * step_s;
             const Eigen::Vector3d to_go = goal_ - at_;
             const double left_m = to_go.norm();
             at_ = left_m <= way_m ? goal_ : Eigen::Vector3d(at_ + way_m / left_m * to_go);
