@@ -16,11 +16,9 @@ std::filesystem::path Album::next_file(const std::string& extension) {
 
 Expected<void> Album::begin_video(const std::filesystem::path& file,
                                   const renderer::SceneRenderer& renderer) {
-    // video formats want even sizes
-    const int width = config_.video.width > 0 ? config_.video.width : renderer.width();
-    const int height = config_.video.height > 0 ? config_.video.height : renderer.height();
+    const auto [width, height] = video_size(config_.video, {renderer.width(), renderer.height()});
     auto recorder = VideoRecorder::create(
-        {.file = file, .fps = config_.video.fps, .width = width / 2 * 2, .height = height / 2 * 2});
+        {.file = file, .fps = config_.video.fps, .width = width, .height = height});
     if (!recorder) return tl::unexpected(recorder.error());
     video_ = std::move(*recorder);
     video_file_ = file;
@@ -36,12 +34,15 @@ Expected<void> Album::open(const renderer::SceneRenderer& renderer) {
     return begin_video(config_.video.file, renderer);
 }
 
-void Album::close() {
-    if (!video_) return;
+Expected<void> Album::close() {
+    if (!video_) return {};
+    const auto finished = video_->finish();
     const double length_s = *video_s();
     video_.reset();
     is_asked_for_ = false;
+    if (!finished) return finished;
     app::log::info("video_written file={} length_s={:.1f}", video_file_.string(), length_s);
+    return {};
 }
 
 void Album::add(const renderer::SceneRenderer& renderer, bool counts) {
@@ -58,8 +59,8 @@ std::optional<double> Album::video_s() const {
 
 std::string Album::toggle_video(const renderer::SceneRenderer& renderer) {
     if (video_) {
-        close();
-        return "video in " + video_file_.string();
+        const auto closed = close();
+        return closed ? "video in " + video_file_.string() : closed.error().message;
     }
     const auto begun = begin_video(next_file(".avi"), renderer);
     return begun ? "recording into " + video_file_.string() : begun.error().message;

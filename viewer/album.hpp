@@ -20,8 +20,8 @@ public:
     /// Makes the files ready that the configuration asks for; error kUnavailable where one cannot
     /// be written.
     Expected<void> open(const renderer::SceneRenderer& renderer);
-    /// Finishes the video.
-    void close();
+    /// Finishes the video; error kUnavailable where it is not whole.
+    Expected<void> close();
 
     /// Offers the picture that was just drawn to the video; to the one that the configuration asks
     /// for only if it `counts`, see RunLimit.

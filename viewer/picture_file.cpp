@@ -1,5 +1,8 @@
 #include "viewer/picture_file.hpp"
 
+#include "core/app/log.hpp"
+
+#include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
@@ -19,6 +22,14 @@ cv::Mat bgr_of(const renderer::RenderedPicture& picture) {
     cv::Mat bgr;
     cv::cvtColor(rgba, bgr, cv::COLOR_RGBA2BGR);
     return bgr;
+}
+
+// What a video still needs to be finished: a picture, and an index of all of them.
+bool is_nearly_full(const std::filesystem::path& file) {
+    constexpr std::uintmax_t kLeast = 8'000'000;
+    std::error_code failure;
+    const auto space = std::filesystem::space(file, failure);
+    return !failure && space.available < kLeast;
 }
 
 }  // namespace
@@ -68,9 +79,25 @@ VideoRecorder::VideoRecorder(std::unique_ptr<Impl> impl)
     : impl_(std::move(impl)), thread_([this](std::stop_token stop) { record(stop); }) {}
 
 VideoRecorder::~VideoRecorder() {
+    if (thread_.joinable()) static_cast<void>(finish());
+}
+
+Expected<void> VideoRecorder::finish() {
     thread_.request_stop();
     thread_.join();
     impl_->writer.release();
+    const std::string file = impl_->format.file.string();
+    if (is_disk_full_) {
+        return make_error(ErrorKind::kUnavailable,
+                          fmt::format("video {} ends after {:.1f} s: the disk is full",
+                                      file,
+                                      static_cast<double>(num_written_) / impl_->format.fps));
+    }
+    // OpenCV tells of nothing that goes wrong as it writes; asked for no backend, it tries cameras
+    // too
+    if (num_written_ > 0 && !cv::VideoCapture(file, cv::CAP_FFMPEG).grab())
+        return make_error(ErrorKind::kUnavailable, "video " + file + " cannot be read again");
+    return {};
 }
 
 Expected<std::unique_ptr<VideoRecorder>> VideoRecorder::create(const VideoFormat& format) {
@@ -116,6 +143,11 @@ void VideoRecorder::record(std::stop_token stop) {
         impl_->writer.write(frame);
         ++num_written_;
         if (stop.stop_requested()) return;
+        if (is_nearly_full(impl_->format.file)) {
+            is_disk_full_ = true;
+            app::log::warn("video_ends file={} the disk is full", impl_->format.file.string());
+            return;
+        }
         wants_picture_ = true;
         // a writer that cannot keep up leaves pictures out rather than falling behind
         due = std::max(due, Clock::now() - period);

@@ -29,12 +29,16 @@ struct VideoFormat {
 };
 
 /// Writes a video of real time in a thread of its own: `fps` pictures per second, of whatever was
-/// shown last. A picture that comes while the last one waits replaces it.
+/// shown last. A picture that comes while the last one waits replaces it. Ends by itself, with a
+/// file that can be played, where the disk is nearly full.
 class VideoRecorder {
 public:
     static Expected<std::unique_ptr<VideoRecorder>> create(const VideoFormat& format);
-    /// Finishes the file.
     ~VideoRecorder();
+
+    /// Finishes the file; once, and nothing else is called after it. Error kUnavailable where not
+    /// all that was shown is in it.
+    Expected<void> finish();
 
     /// Whether it is time for the next picture: reading one back costs.
     bool wants_picture() const;
@@ -50,6 +54,7 @@ private:
     LatestSlot<renderer::RenderedPicture> slot_;
     std::atomic<bool> wants_picture_ = true;
     std::atomic<std::uint64_t> num_written_ = 0;
+    std::atomic<bool> is_disk_full_ = false;
     std::jthread thread_;  // last: stops before the rest goes
 };
 

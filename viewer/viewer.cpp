@@ -6,6 +6,7 @@
 #include "core/joining/join_world.hpp"
 #include "viewer/album.hpp"
 #include "viewer/annotations.hpp"
+#include "viewer/company.hpp"
 #include "viewer/display.hpp"
 #include "viewer/drawing_times.hpp"
 #include "viewer/mouse_grab.hpp"
@@ -80,6 +81,7 @@ struct Viewer::Impl {
     Clock::time_point notice_until;
     std::uint64_t num_frames = 0;
     std::optional<RunLimit> limit;
+    std::optional<Company> company;
 
     mutable std::mutex status_mutex;
     bus::ViewerStatus status;
@@ -94,7 +96,7 @@ struct Viewer::Impl {
     }
     Expected<void> join(std::stop_token stop);
     Expected<void> open();
-    void close();
+    Expected<void> close();
     Expected<void> loop(std::stop_token stop);
     void send(const bus::SceneCommand& command);
     void move_about(const SurfaceEvents& events);
@@ -152,12 +154,13 @@ void Viewer::Impl::say(const std::string& notice) {
     notice_until = Clock::now() + kNoticePeriod;
 }
 
-void Viewer::Impl::close() {
-    album->close();
+Expected<void> Viewer::Impl::close() {
+    auto closed = album->close();
     renderer.reset();
     surface.reset();
     people.clear();
     scene->clear();
+    return closed;
 }
 
 void Viewer::Impl::send(const bus::SceneCommand& command) {
@@ -306,13 +309,17 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
         if (now >= status_due) {
             status_due = now + kStatusPeriod;
             update_status(now);
+            company->look(membership->present(), now, false);
             if (auto sent = session->publish(status); !sent)
                 app::log::warn("status_failed {}", sent.error().message);
         }
         const auto run = limit->update(num_frames, people.size(), now);
         if (!run) return tl::unexpected(run.error());
         if (*run == RunLimit::Now::kOver) break;
-        if (*run == RunLimit::Now::kBegan) times.begin_pictures();
+        if (*run == RunLimit::Now::kBegan) {
+            times.begin_pictures();
+            album->add(*renderer, true);  // this one shows them; the next may take long
+        }
         times.add_picture(Clock::now() - picture_begin);
         // what was late is not made up for
         due = std::max(due + seconds(1.0 / max_fps), now);
@@ -344,6 +351,7 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config, std
     impl->session = std::move(*session);
     impl->scene.emplace(config.models, impl->display.delay());
     impl->album.emplace(impl->config);
+    impl->company.emplace(config.bus.world);
     impl->mouse.emplace(impl->config.view.name);
     impl->editor.emplace(impl->config.view.name);
     if (auto joined = impl->join(stop); !joined) return tl::unexpected(joined.error());
@@ -352,7 +360,7 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config, std
 
 Expected<void> Viewer::run(std::stop_token stop) {
     if (auto opened = impl_->open(); !opened) {
-        impl_->close();
+        static_cast<void>(impl_->close());
         return opened;
     }
     Expected<void> result;
@@ -363,6 +371,7 @@ Expected<void> Viewer::run(std::stop_token stop) {
         result = impl_->loop(stop);
     }
     impl_->update_status(Clock::now());
+    impl_->company->look(impl_->membership->present(), Clock::now(), true);
     const bus::ViewerStatus last = status();
     app::log::info(
         "viewer_stopped frames={} frames_per_s={:.1f} pairs_shown={} pairs_skipped={} "
@@ -380,9 +389,8 @@ Expected<void> Viewer::run(std::stop_token stop) {
         impl_->session->num_deadlines_missed());
     // however it ends: it shows who had come
     const auto written = impl_->album->write_output(*impl_->renderer);
-    if (result) result = written;
-    impl_->close();
-    return result;
+    const auto closed = impl_->close();
+    return !result ? result : !written ? written : closed;
 }
 
 bus::ViewerStatus Viewer::status() const {

@@ -69,11 +69,11 @@ void declare(ViewerConfig& config, config::OptionSet& set) {
         "video.fps", config.video.fps, "its pictures per second [Hz]", {.min = 0.1, .max = 120});
     set.add("video.width",
             config.video.width,
-            "its width [px], 0: as the view",
+            "its width [px], 0: as the view, or as its height wants",
             {.min = 0, .max = 8192});
     set.add("video.height",
             config.video.height,
-            "its height [px], 0: as the view",
+            "its height [px], 0: as the view, or as its width wants",
             {.min = 0, .max = 8192});
 }
 
@@ -91,6 +91,19 @@ Expected<void> check_file_names(const ViewerConfig& config) {
             "video.file: must end in .avi, .mkv or .mp4, got '" + video.string() + "'");
     }
     return {};
+}
+
+std::pair<int, int> video_size(const VideoConfig& video, std::pair<int, int> picture) {
+    const double width = picture.first;
+    const double height = picture.second;
+    const double scale = video.width > 0    ? video.width / width
+                         : video.height > 0 ? video.height / height
+                                            : 1.0;
+    const auto even = [](double size) {
+        return std::max(2, static_cast<int>(std::lround(size)) / 2 * 2);
+    };
+    return {even(video.width > 0 ? video.width : scale * width),
+            even(video.height > 0 ? video.height : scale * height)};
 }
 
 Expected<Eigen::Vector3d> parse_point(const std::string& key, const std::string& text) {

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 namespace atrium::viewer {
 
@@ -31,8 +32,8 @@ struct ViewConfig {
 struct VideoConfig {
     std::filesystem::path file;  // empty: none
     double fps = 10.0;
-    int width = 0;  // 0: as the view
-    int height = 0;
+    int width = 0;   // 0: as the view
+    int height = 0;  // where one is 0 and the other is not, it follows from the view's shape
 };
 
 struct ViewerConfig {
@@ -55,6 +56,9 @@ void declare(ViewerConfig& config, config::OptionSet& set);
 
 /// Error kConfiguration where the name of a file does not end as its format wants.
 Expected<void> check_file_names(const ViewerConfig& config);
+
+/// Width and height of a video of pictures of that size [px]: even, as its formats want.
+std::pair<int, int> video_size(const VideoConfig& video, std::pair<int, int> picture);
 
 /// "x,y,z" as three numbers; error kConfiguration names `key`.
 Expected<Eigen::Vector3d> parse_point(const std::string& key, const std::string& text);

@@ -11,6 +11,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <map>
 #include <mutex>
@@ -39,6 +40,11 @@ ErrorKind kind_of_exit(int code) {
     if (code == 2) return ErrorKind::kConfiguration;
     if (code == 3) return ErrorKind::kUnavailable;
     return ErrorKind::kInternal;
+}
+
+std::string how_it_ended(int code) {
+    if (code <= 128) return fmt::format("ended with exit code {}", code);
+    return fmt::format("was ended by signal {} ({})", code - 128, strsignal(code - 128));
 }
 
 /// Refreshes its lines in place on a terminal; elsewhere prints them one below the other.
@@ -138,7 +144,13 @@ Expected<void> Demo::start_programs() {
         arguments.insert(arguments.end(), {"--view.target_m", config_.target});
     if (config_.fov_deg > 0.0)
         arguments.insert(arguments.end(), {"--view.fov_deg", fmt::format("{}", config_.fov_deg)});
+    // the video begins with everybody, without an empty room; it is the demo that loses patience
+    arguments.insert(
+        arguments.end(),
+        {"--wait_people", std::to_string(sites.size()), "--wait_timeout_s", "1000000000"});
     if (!window) arguments.push_back("--headless");
+    // without a display it says so
+    if (config_.window == "yes") arguments.insert(arguments.end(), {"--view.context", "window"});
     return start("viewer", "viewer", arguments);
 }
 
@@ -146,9 +158,9 @@ Expected<void> Demo::check_children() {
     for (ChildProcess& child : children_) {
         if (const auto code = child.exit_code()) {
             return make_error(kind_of_exit(*code),
-                              fmt::format("{} ended with exit code {}; the end of {}: {}",
+                              fmt::format("{} {}; the end of {}: {}",
                                           child.name(),
-                                          *code,
+                                          how_it_ended(*code),
                                           child.log_file().string(),
                                           child.last_log_line()));
         }
@@ -231,9 +243,9 @@ Expected<void> Demo::stop_programs() {
         const int code = children_.back().stop(kStopPatience);
         if (code != 0 && result) {
             result = make_error(ErrorKind::kInternal,
-                                fmt::format("{} ended with exit code {}, see {}",
+                                fmt::format("{} {}, see {}",
                                             children_.back().name(),
-                                            code,
+                                            how_it_ended(code),
                                             children_.back().log_file().string()));
         }
         children_.pop_back();

@@ -1,6 +1,7 @@
 #include "viewer/picture_file.hpp"
 
 #include "viewer/newest_per_site.hpp"
+#include "viewer/viewer_config.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -66,6 +67,33 @@ TEST_F(FilesTest, VideoHoldsWhatWasShown) {
     ASSERT_TRUE(again.read(frame));
     EXPECT_NEAR(frame.at<cv::Vec3b>(24, 32)[2], 220, 6);
     EXPECT_NEAR(frame.at<cv::Vec3b>(24, 32)[0], 30, 6);
+}
+
+TEST_F(FilesTest, AVideoThatIsCutOffBeforeItEndsIsAnError) {
+    const auto file = folder_ / "v.mp4";
+    auto recorder = VideoRecorder::create({.file = file, .fps = 50.0, .width = 64, .height = 48});
+    ASSERT_TRUE(recorder) << recorder.error().message;
+    (*recorder)->offer(picture(220, 30));
+    while ((*recorder)->num_written() < 3) std::this_thread::yield();
+    std::filesystem::remove(file);
+    const auto finished = (*recorder)->finish();
+    ASSERT_FALSE(finished);
+    EXPECT_THAT(finished.error().message, testing::HasSubstr("v.mp4"));
+}
+
+TEST(VideoSize, KeepsTheShapeOfThePictureWhereOneSideIsGiven) {
+    const auto size = [](int width, int height, std::pair<int, int> picture) {
+        VideoConfig video;
+        video.width = width;
+        video.height = height;
+        return video_size(video, picture);
+    };
+    EXPECT_EQ(size(0, 0, {960, 540}), std::pair(960, 540));
+    EXPECT_EQ(size(320, 0, {960, 540}), std::pair(320, 180));
+    EXPECT_EQ(size(0, 270, {960, 540}), std::pair(480, 270));
+    EXPECT_EQ(size(100, 300, {960, 540}), std::pair(100, 300));
+    EXPECT_EQ(size(333, 0, {961, 541}), std::pair(332, 186)) << "even";
+    EXPECT_EQ(size(0, 1, {10, 1000}), std::pair(2, 2));
 }
 
 TEST_F(FilesTest, AVideoThatCannotBeWrittenIsAnError) {

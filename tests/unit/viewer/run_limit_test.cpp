@@ -1,5 +1,7 @@
 #include "viewer/run_limit.hpp"
 
+#include "viewer/company.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,6 +12,25 @@ using namespace std::chrono_literals;
 using Now = RunLimit::Now;
 
 const RunLimit::Clock::time_point kBegin{100s};
+
+TEST(Company, IsMissedOnceWhereNobodyCame) {
+    bus::Presence viewer;
+    viewer.kind = bus::ProgramKind::kViewer;
+    Company company("atrium");
+    EXPECT_FALSE(company.look({viewer}, kBegin, false));
+    EXPECT_FALSE(company.look({viewer}, kBegin + Company::kPatience - 1ms, false));
+    EXPECT_TRUE(company.look({viewer}, kBegin + Company::kPatience, false));
+    EXPECT_FALSE(company.look({viewer}, kBegin + 60s, true)) << "once";
+
+    Company short_run("atrium");
+    EXPECT_TRUE(short_run.look({viewer}, kBegin, true));
+
+    Company in_company("atrium");
+    bus::Presence site;
+    site.kind = bus::ProgramKind::kSiteNode;
+    EXPECT_FALSE(in_company.look({viewer, site}, kBegin, false));
+    EXPECT_FALSE(in_company.look({viewer}, kBegin + 60s, true)) << "it may leave";
+}
 
 TEST(RunLimit, WithoutOneARunGoesOn) {
     RunLimit limit({}, kBegin);
