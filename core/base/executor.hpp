@@ -38,6 +38,21 @@ public:
     /// done. What `body` throws (want of memory) is thrown again here, once no worker is in `body`
     /// any more; some tasks may then never have begun.
     virtual void parallel_for(std::size_t num_tasks, Body body) = 0;
+
+    /// A task that takes long calls this every few tens of microseconds with its worker number.
+    /// More urgent tasks of other callers may run here before it returns.
+    virtual void give_way(std::size_t /*worker*/) {}
+};
+
+/// `Executor::give_way` of one task, to be passed on to what takes long in it. By default it does
+/// nothing.
+struct GiveWay {
+    Executor* executor = nullptr;
+    std::size_t worker = 0;
+
+    void operator()() const {
+        if (executor != nullptr) executor->give_way(worker);
+    }
 };
 
 /// Everything on the calling thread, in order.

@@ -5,14 +5,54 @@
 namespace atrium {
 
 ThreadPool::ThreadPool(std::size_t num_workers) {
-    for (std::size_t worker = 1; worker < num_workers; ++worker) {
-        threads_.emplace_back(
-            [this, worker](std::stop_token stop) { work(std::move(stop), worker); });
+    try {
+        for (std::size_t worker = 1; worker < num_workers; ++worker)
+            threads_.emplace_back([this, worker] { work(worker); });
+    } catch (...) {
+        stop();
+        throw;
     }
 }
 
-ThreadPool::~ThreadPool() {
-    for (std::jthread& thread : threads_) thread.request_stop();
+ThreadPool::~ThreadPool() { stop(); }
+
+void ThreadPool::stop() {
+    {
+        const std::lock_guard lock(mutex_);
+        is_stopping_ = true;
+    }
+    start_.notify_all();
+    threads_.clear();  // joins
+}
+
+void ThreadPool::begin(Round& round, std::size_t num_tasks, const Body& body) {
+    {
+        const std::lock_guard lock(mutex_);
+        round.body = &body;
+        round.next_task.store(0, std::memory_order_relaxed);
+        round.num_tasks.store(num_tasks, std::memory_order_relaxed);
+    }
+    start_.notify_all();
+}
+
+// Runs tasks of `round` without the lock, which is held before and after.
+void ThreadPool::enter(Round& round, std::size_t worker, std::unique_lock<std::mutex>& lock) {
+    ++round.num_inside;
+    lock.unlock();
+    run_tasks(round, worker);
+    lock.lock();
+    if (--round.num_inside == 0 && !round.has_task()) round.changed.notify_all();
+}
+
+// Waits for the others.
+void ThreadPool::finish(Round& round, std::unique_lock<std::mutex>& lock) {
+    round.changed.wait(lock, [&] { return round.num_inside == 0 && !round.has_task(); });
+    round.body = nullptr;
+    if (round.failure) {
+        const std::exception_ptr failure = std::exchange(round.failure, nullptr);
+        lock.unlock();
+        std::rethrow_exception(failure);
+    }
 }
 
 void ThreadPool::parallel_for(std::size_t num_tasks, Body body) {
@@ -20,48 +60,73 @@ void ThreadPool::parallel_for(std::size_t num_tasks, Body body) {
         for (std::size_t task = 0; task < num_tasks; ++task) body(task, 0);
         return;
     }
-    {
-        const std::lock_guard lock(mutex_);
-        body_ = &body;
-        num_tasks_ = num_tasks;
-        next_task_.store(0, std::memory_order_relaxed);
-        num_busy_ = threads_.size();
-        ++round_;
-    }
-    start_.notify_all();
-    run_tasks(body, num_tasks, 0);
+    begin(urgent_, num_tasks, body);
     std::unique_lock lock(mutex_);
-    done_.wait(lock, [this] { return num_busy_ == 0; });
-    body_ = nullptr;
-    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+    enter(urgent_, 0, lock);
+    finish(urgent_, lock);
 }
 
-void ThreadPool::work(std::stop_token stop, std::size_t worker) {
-    std::uint64_t seen = 0;
-    for (;;) {
+void ThreadPool::run_in_background(std::size_t num_tasks, const Body& body) {
+    if (num_tasks == 0) return;
+    begin(background_, num_tasks, body);
+    std::unique_lock lock(mutex_);
+    while (background_.has_task()) {
+        if (num_priorities_ == 0) {
+            enter(background_, 0, lock);
+        } else {
+            background_.changed.wait(
+                lock, [this] { return num_priorities_ == 0 || !background_.has_task(); });
+        }
+    }
+    finish(background_, lock);
+}
+
+void ThreadPool::give_way(std::size_t worker) {
+    if (worker == 0) {
+        if (num_priorities_.load(std::memory_order_relaxed) == 0) return;
         std::unique_lock lock(mutex_);
-        if (!start_.wait(lock, stop, [&] { return round_ != seen; })) return;
-        seen = round_;
-        const Body body = *body_;
-        const std::size_t num_tasks = num_tasks_;
-        lock.unlock();
-        run_tasks(body, num_tasks, worker);
-        lock.lock();
-        if (--num_busy_ == 0) done_.notify_one();
+        background_.changed.wait(lock, [this] { return num_priorities_ == 0; });
+        return;
+    }
+    if (!urgent_.has_task()) return;
+    std::unique_lock lock(mutex_);
+    if (urgent_.has_task()) enter(urgent_, worker, lock);
+}
+
+void ThreadPool::add_priority(int change) {
+    const std::lock_guard lock(mutex_);
+    num_priorities_ += change;
+    if (num_priorities_ == 0) background_.changed.notify_all();
+}
+
+void ThreadPool::work(std::size_t worker) {
+    std::unique_lock lock(mutex_);
+    for (;;) {
+        start_.wait(
+            lock, [this] { return is_stopping_ || urgent_.has_task() || background_.has_task(); });
+        if (is_stopping_) return;
+        enter(urgent_.has_task() ? urgent_ : background_, worker, lock);
     }
 }
 
-void ThreadPool::run_tasks(const Body& body, std::size_t num_tasks, std::size_t worker) noexcept {
+// Between two tasks of `round`.
+bool ThreadPool::must_leave(const Round& round, std::size_t worker) const {
+    if (&round == &urgent_) return false;
+    return worker == 0 ? num_priorities_.load(std::memory_order_relaxed) > 0 : urgent_.has_task();
+}
+
+void ThreadPool::run_tasks(Round& round, std::size_t worker) noexcept {
+    const std::size_t num_tasks = round.num_tasks.load(std::memory_order_relaxed);
     try {
-        for (;;) {
-            const std::size_t task = next_task_.fetch_add(1, std::memory_order_relaxed);
+        while (!must_leave(round, worker)) {
+            const std::size_t task = round.next_task.fetch_add(1, std::memory_order_relaxed);
             if (task >= num_tasks) return;
-            body(task, worker);
+            (*round.body)(task, worker);
         }
     } catch (...) {
-        next_task_.store(num_tasks, std::memory_order_relaxed);  // the others need not go on
+        round.next_task.store(num_tasks, std::memory_order_relaxed);  // the others need not go on
         const std::lock_guard lock(mutex_);
-        if (!failure_) failure_ = std::current_exception();
+        if (!round.failure) round.failure = std::current_exception();
     }
 }
 

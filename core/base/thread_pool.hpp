@@ -7,17 +7,21 @@
 #include <cstdint>
 #include <exception>
 #include <mutex>
-#include <stop_token>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace atrium {
 
 /// Threads that a program owns and lends to its stages. The caller of `parallel_for` works too, as
 /// worker 0, so a pool of n workers has n - 1 threads. One `parallel_for` at a time.
+///
+/// `background()` is a second executor on the same threads, for one more caller at the same time.
+/// Its tasks run only where no task of `parallel_for` is left to begin, and while somebody holds
+/// `Priority` its caller does not work itself. So with both in use no more than n threads work.
 class ThreadPool final : public Executor {
 public:
-    /// Throws std::system_error where the system has no room for so many threads.
+    /// Throws std::system_error if the threads cannot be created.
     explicit ThreadPool(std::size_t num_workers);
     ~ThreadPool() override;
     ThreadPool(const ThreadPool&) = delete;
@@ -26,19 +30,77 @@ public:
     std::size_t num_workers() const override { return threads_.size() + 1; }
     void parallel_for(std::size_t num_tasks, Body body) override;
 
+    /// Takes the place of one worker for a thread that calls `parallel_for`, from construction to
+    /// destruction, its serial parts included. Hold it on behalf of that thread from before it
+    /// begins. Movable; must not outlive the pool.
+    class Priority {
+    public:
+        Priority() = default;
+        explicit Priority(ThreadPool& pool) : pool_(&pool) { pool.add_priority(1); }
+        Priority(Priority&& other) noexcept : pool_(std::exchange(other.pool_, nullptr)) {}
+        Priority& operator=(Priority&& other) noexcept {
+            Priority old(std::move(*this));
+            pool_ = std::exchange(other.pool_, nullptr);
+            return *this;
+        }
+        ~Priority() {
+            if (pool_ != nullptr) pool_->add_priority(-1);
+        }
+
+    private:
+        ThreadPool* pool_ = nullptr;
+    };
+
+    /// For work that must not delay `parallel_for`. Its tasks call `give_way`.
+    Executor& background() { return background_executor_; }
+
 private:
-    void work(std::stop_token stop, std::size_t worker);
-    void run_tasks(const Body& body, std::size_t num_tasks, std::size_t worker) noexcept;
+    // The tasks of one caller.
+    struct Round {
+        const Body* body = nullptr;             // valid while the round runs
+        std::atomic<std::size_t> num_tasks{0};  // the two are read without the lock as a hint
+        std::atomic<std::size_t> next_task{0};
+        std::size_t num_inside = 0;  // threads that may run its tasks
+        std::exception_ptr failure;  // the first
+        std::condition_variable changed;
+
+        bool has_task() const {
+            return next_task.load(std::memory_order_relaxed) <
+                   num_tasks.load(std::memory_order_relaxed);
+        }
+    };
+
+    class Background final : public Executor {
+    public:
+        explicit Background(ThreadPool& pool) : pool_(pool) {}
+        std::size_t num_workers() const override { return pool_.num_workers(); }
+        void parallel_for(std::size_t num_tasks, Body body) override {
+            pool_.run_in_background(num_tasks, body);
+        }
+        void give_way(std::size_t worker) override { pool_.give_way(worker); }
+
+    private:
+        ThreadPool& pool_;
+    };
+
+    void stop();
+    void work(std::size_t worker);
+    void begin(Round& round, std::size_t num_tasks, const Body& body);
+    void enter(Round& round, std::size_t worker, std::unique_lock<std::mutex>& lock);
+    void run_tasks(Round& round, std::size_t worker) noexcept;
+    static void finish(Round& round, std::unique_lock<std::mutex>& lock);
+    bool must_leave(const Round& round, std::size_t worker) const;
+    void run_in_background(std::size_t num_tasks, const Body& body);
+    void give_way(std::size_t worker);
+    void add_priority(int change);
 
     std::mutex mutex_;
-    std::condition_variable_any start_;
-    std::condition_variable done_;
-    const Body* body_ = nullptr;  // valid while a round runs
-    std::size_t num_tasks_ = 0;
-    std::uint64_t round_ = 0;
-    std::size_t num_busy_ = 0;    // threads that have not finished the round
-    std::exception_ptr failure_;  // the round's first
-    std::atomic<std::size_t> next_task_{0};
+    std::condition_variable start_;
+    bool is_stopping_ = false;
+    Round urgent_;
+    Round background_;
+    std::atomic<int> num_priorities_{0};
+    Background background_executor_{*this};
     std::vector<std::jthread> threads_;  // last: they use all of the above
 };
 

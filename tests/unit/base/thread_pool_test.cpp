@@ -5,6 +5,8 @@
 #include <atomic>
 #include <new>
 #include <numeric>
+#include <optional>
+#include <thread>
 #include <vector>
 
 namespace atrium {
@@ -62,6 +64,144 @@ TEST(ThreadPool, GivesTheCallerWhatABodyThrowsAndGoesOn) {
             pool.parallel_for(100, next);
             EXPECT_EQ(num_done, 100);
         }
+    }
+}
+
+// Threads that are in a task right now, and the most there were at once.
+class Crowd {
+public:
+    class Member {
+    public:
+        explicit Member(Crowd& crowd) : crowd_(crowd) {
+            const int now = crowd_.num_now_.fetch_add(1) + 1;
+            int most = crowd_.most_.load();
+            while (now > most && !crowd_.most_.compare_exchange_weak(most, now)) {
+            }
+        }
+        ~Member() { crowd_.num_now_.fetch_sub(1); }
+
+    private:
+        Crowd& crowd_;
+    };
+    int most() const { return most_; }
+
+private:
+    std::atomic<int> num_now_{0};
+    std::atomic<int> most_{0};
+};
+
+TEST(ThreadPool, DoesEachTaskOfBothCallersOnce) {
+    constexpr int kNumRounds = 300;
+    constexpr std::size_t kNumTasks = 40;
+    for (const std::size_t num_workers : {1u, 2u, 4u}) {
+        ThreadPool pool(num_workers);
+        EXPECT_EQ(pool.background().num_workers(), num_workers);
+        std::vector<std::atomic<int>> background(kNumTasks);
+        std::vector<std::atomic<int>> urgent(kNumTasks);
+        std::atomic<bool> shared{false};
+        std::jthread other([&] {
+            std::vector<std::atomic<int>> busy(num_workers);
+            const auto body = [&](std::size_t task, std::size_t worker) {
+                if (busy[worker].fetch_add(1) != 0) shared = true;
+                for (int i = 0; i < 5; ++i) pool.background().give_way(worker);
+                busy[worker].fetch_sub(1);
+                ++background[task];
+            };
+            for (int round = 0; round < kNumRounds; ++round)
+                pool.background().parallel_for(kNumTasks, body);
+        });
+        std::vector<std::atomic<int>> busy(num_workers);
+        const auto body = [&](std::size_t task, std::size_t worker) {
+            if (busy[worker].fetch_add(1) != 0) shared = true;
+            busy[worker].fetch_sub(1);
+            ++urgent[task];
+        };
+        for (int round = 0; round < kNumRounds; ++round) {
+            const ThreadPool::Priority priority(pool);
+            pool.parallel_for(kNumTasks, body);
+        }
+        other.join();
+        EXPECT_FALSE(shared);
+        for (const auto& n : background) EXPECT_EQ(n, kNumRounds);
+        for (const auto& n : urgent) EXPECT_EQ(n, kNumRounds);
+    }
+}
+
+// Both tasks of an urgent round wait for each other, with one pool thread, which is in a task of
+// the background: only by giving way there the round can end.
+TEST(ThreadPool, GivesWayInTheMiddleOfATask) {
+    ThreadPool pool(2);
+    std::atomic<int> num_begun{0};
+    std::atomic<bool> urgent_done{false};
+    std::optional<ThreadPool::Priority> priority(pool);
+    std::jthread other([&] {
+        const auto body = [&](std::size_t, std::size_t worker) {
+            ++num_begun;
+            num_begun.notify_all();
+            while (!urgent_done) pool.background().give_way(worker);
+        };
+        pool.background().parallel_for(1, body);
+    });
+    num_begun.wait(0);  // in the pool thread, as somebody holds the priority
+    std::atomic<int> num_met{0};
+    const auto meet = [&](std::size_t, std::size_t) {
+        ++num_met;
+        num_met.notify_all();
+        for (int n = num_met; n < 2; n = num_met) num_met.wait(n);
+    };
+    pool.parallel_for(2, meet);
+    urgent_done = true;
+    other.join();
+    EXPECT_EQ(num_met, 2);
+}
+
+TEST(ThreadPool, TheBackgroundsCallerWorksOnlyWhereNobodyHasPriority) {
+    ThreadPool alone(1);
+    std::optional<ThreadPool::Priority> priority(alone);
+    std::atomic<int> num_done{0};
+    std::jthread other([&] {
+        const auto body = [&](std::size_t, std::size_t) { ++num_done; };
+        alone.background().parallel_for(10, body);
+    });
+    const auto urgent = [&](std::size_t, std::size_t) { EXPECT_EQ(num_done, 0); };
+    for (int i = 0; i < 1000; ++i) alone.parallel_for(3, urgent);
+    ThreadPool::Priority moved(std::move(*priority));
+    priority.reset();  // of what was moved from
+    alone.parallel_for(3, urgent);
+    moved = ThreadPool::Priority();
+    other.join();
+    EXPECT_EQ(num_done, 10);
+}
+
+TEST(ThreadPool, NoMoreThreadsWorkThanItHasWorkers) {
+    constexpr std::size_t kNumWorkers = 3;
+    ThreadPool pool(kNumWorkers);
+    Crowd crowd;
+    std::atomic<bool> ends{false};
+    std::optional<ThreadPool::Priority> priority(pool);  // held throughout
+    std::jthread other([&] {
+        const auto body = [&](std::size_t, std::size_t) { const Crowd::Member member(crowd); };
+        while (!ends) pool.background().parallel_for(20, body);
+    });
+    const auto urgent = [&](std::size_t, std::size_t) { const Crowd::Member member(crowd); };
+    for (int round = 0; round < 500; ++round) pool.parallel_for(20, urgent);
+    ends = true;
+    priority.reset();
+    other.join();
+    EXPECT_LE(crowd.most(), static_cast<int>(kNumWorkers));
+}
+
+TEST(ThreadPool, GivesTheBackgroundsCallerWhatABodyThrows) {
+    for (const std::size_t num_workers : {1u, 2u, 5u}) {
+        ThreadPool pool(num_workers);
+        const auto bad = [&](std::size_t task, std::size_t) {
+            if (task >= 50) throw std::bad_alloc();
+        };
+        EXPECT_THROW(pool.background().parallel_for(100, bad), std::bad_alloc);
+        std::atomic<int> num_done{0};
+        const auto next = [&](std::size_t, std::size_t) { ++num_done; };
+        pool.background().parallel_for(100, next);
+        EXPECT_EQ(num_done, 100);
     }
 }
 
