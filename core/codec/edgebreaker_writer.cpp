@@ -3,12 +3,15 @@
 #include <draco/attributes/geometry_attribute.h>
 #include <draco/compression/bit_coders/rans_bit_encoder.h>
 #include <draco/compression/config/compression_shared.h>
+#include <draco/compression/entropy/rans_symbol_encoder.h>
+#include <draco/compression/entropy/shannon_entropy.h>
 #include <draco/compression/entropy/symbol_encoding.h>
 #include <draco/core/encoder_buffer.h>
 #include <draco/core/varint_encoding.h>
 #include <draco/mesh/mesh.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -56,6 +59,55 @@ void write_handles(const std::vector<HandleEvent>& handles, draco::EncoderBuffer
     for (const HandleEvent& handle : handles)
         out.EncodeLeastSignificantBits32(1, handle.on_right ? 1 : 0);
     out.EndBitEncoding();
+}
+
+/// Bits, the lowest of each byte first.
+class BitPacker {
+public:
+    explicit BitPacker(std::vector<std::uint8_t>& bytes) : bytes_(bytes) { bytes_.clear(); }
+
+    void put(std::uint32_t value, int num_bits) {
+        pending_ |= static_cast<std::uint64_t>(value) << num_pending_;
+        num_pending_ += num_bits;
+        for (; num_pending_ >= 8; num_pending_ -= 8) {
+            bytes_.push_back(static_cast<std::uint8_t>(pending_));
+            pending_ >>= 8U;
+        }
+    }
+
+    void finish() {
+        if (num_pending_ > 0) bytes_.push_back(static_cast<std::uint8_t>(pending_));
+    }
+
+private:
+    std::vector<std::uint8_t>& bytes_;
+    std::uint64_t pending_ = 0;
+    int num_pending_ = 0;
+};
+
+constexpr std::size_t kMaxTagBits = 32;
+
+// Whether Draco would tag each three values with their length in bits rather than code each by
+// itself: by what it estimates both to take.
+bool has_draco_tag(const std::vector<std::uint32_t>& values,
+                   const std::vector<std::uint32_t>& lengths,
+                   std::uint32_t max_value) {
+    constexpr int kMaxBitsWithoutTag = 18;
+    if (max_value >> kMaxBitsWithoutTag != 0) return true;
+    std::int64_t num_value_bits = 0;
+    for (const std::uint32_t length : lengths) num_value_bits += 3 * std::int64_t{length};
+    int num_lengths = 0;
+    const std::int64_t num_tag_bits = draco::ComputeShannonEntropy(
+        lengths.data(), static_cast<int>(lengths.size()), kMaxTagBits, &num_lengths);
+    int num_different = 0;
+    const std::int64_t num_bits = draco::ComputeShannonEntropy(values.data(),
+                                                               static_cast<int>(values.size()),
+                                                               static_cast<int>(max_value),
+                                                               &num_different);
+    return num_tag_bits + draco::ApproximateRAnsFrequencyTableBits(num_lengths, num_lengths) +
+               num_value_bits <
+           num_bits +
+               draco::ApproximateRAnsFrequencyTableBits(static_cast<int>(max_value), num_different);
 }
 
 }  // namespace
@@ -143,18 +195,10 @@ void EdgebreakerWriter::find_residuals() {
 }
 
 void EdgebreakerWriter::write_symbols(draco::EncoderBuffer& out) {
-    bits_.clear();
-    std::uint64_t pending = 0;
-    int num_pending = 0;
-    for (auto symbol = order_.symbols.rbegin(); symbol != order_.symbols.rend(); ++symbol) {
-        pending |= static_cast<std::uint64_t>(*symbol) << num_pending;
-        num_pending += *symbol == Symbol::kC ? 1 : 3;
-        for (; num_pending >= 8; num_pending -= 8) {
-            bits_.push_back(static_cast<std::uint8_t>(pending));
-            pending >>= 8U;
-        }
-    }
-    if (num_pending > 0) bits_.push_back(static_cast<std::uint8_t>(pending));
+    BitPacker packer(bits_);
+    for (auto symbol = order_.symbols.rbegin(); symbol != order_.symbols.rend(); ++symbol)
+        packer.put(static_cast<std::uint32_t>(*symbol), *symbol == Symbol::kC ? 1 : 3);
+    packer.finish();
     draco::EncodeVarint(static_cast<std::uint64_t>(bits_.size()), &out);
     out.Encode(bits_.data(), bits_.size());
     draco::RAnsBitEncoder starts;
@@ -173,15 +217,49 @@ void EdgebreakerWriter::write_connectivity(draco::EncoderBuffer& out) {
     write_symbols(out);
 }
 
+// The tags from the last to the first, then the values in their order. Writes the same bytes as
+// draco::EncodeSymbols, which writes the values bit by bit.
+bool EdgebreakerWriter::write_tagged_residuals(draco::EncoderBuffer& out) {
+    out.Encode(static_cast<std::uint8_t>(draco::SYMBOL_CODING_TAGGED));
+    std::array<std::uint64_t, kMaxTagBits> frequencies{};
+    for (const std::uint32_t length : lengths_) ++frequencies[length];
+    draco::RAnsSymbolEncoder<5> tags;
+    if (!tags.Create(frequencies.data(), static_cast<int>(frequencies.size()), &out)) return false;
+    tags.StartEncoding(&out);
+    std::for_each(lengths_.rbegin(), lengths_.rend(), [&](std::uint32_t length) {
+        tags.EncodeSymbol(length);
+    });
+    tags.EndEncoding(&out);
+    BitPacker packer(bits_);
+    for (std::size_t i = 0; i < residuals_.size(); ++i)
+        packer.put(residuals_[i], static_cast<int>(lengths_[i / 3]));
+    packer.finish();
+    out.Encode(bits_.data(), bits_.size());
+    return true;
+}
+
+bool EdgebreakerWriter::write_residuals(int speed, draco::EncoderBuffer& out) {
+    lengths_.clear();
+    std::uint32_t max_value = 0;
+    for (std::size_t i = 0; i < residuals_.size(); i += 3) {
+        const std::uint32_t largest =
+            std::max(std::max(residuals_[i], residuals_[i + 1]), residuals_[i + 2]);
+        max_value = std::max(max_value, largest);
+        lengths_.push_back(static_cast<std::uint32_t>(std::bit_width(std::max(largest, 1U))));
+    }
+    if (max_value >> (kMaxTagBits - 1) == 0 && has_draco_tag(residuals_, lengths_, max_value))
+        return write_tagged_residuals(out);
+    draco::Options options;
+    draco::SetSymbolEncodingCompressionLevel(&options, 10 - speed);
+    return draco::EncodeSymbols(
+        residuals_.data(), static_cast<int>(residuals_.size()), 3, &options, &out);
+}
+
 bool EdgebreakerWriter::write_positions(int position_bits, int speed, draco::EncoderBuffer& out) {
     out.Encode(static_cast<std::int8_t>(draco::MESH_PREDICTION_PARALLELOGRAM));
     out.Encode(static_cast<std::int8_t>(draco::PREDICTION_TRANSFORM_WRAP));
     out.Encode(std::uint8_t{1});  // residuals are coded
-    draco::Options options;
-    draco::SetSymbolEncodingCompressionLevel(&options, 10 - speed);
-    if (!draco::EncodeSymbols(
-            residuals_.data(), static_cast<int>(residuals_.size()), 3, &options, &out))
-        return false;
+    if (!write_residuals(speed, out)) return false;
     out.Encode(lowest_);
     out.Encode(highest_);
     for (const float coordinate_m : origin_m_) out.Encode(coordinate_m);

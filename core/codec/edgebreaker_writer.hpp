@@ -18,7 +18,7 @@ namespace atrium::codec {
 ///
 /// The bytes are those that Draco's own encoder writes at the same speed, in a third of its time:
 /// that a mesh has to be closed spares most of the search for neighbours, and memory is kept from
-/// mesh to mesh. The entropy coders are the library's.
+/// mesh to mesh. The entropy coders are the library's, but for plain bits.
 class EdgebreakerWriter {
 public:
     /// Draco's speeds with this kind of prediction.
@@ -43,6 +43,8 @@ private:
     Position predict(Gate gate) const;
     void write_connectivity(draco::EncoderBuffer& out);
     void write_symbols(draco::EncoderBuffer& out);
+    bool write_tagged_residuals(draco::EncoderBuffer& out);
+    bool write_residuals(int speed, draco::EncoderBuffer& out);
     bool write_positions(int position_bits, int speed, draco::EncoderBuffer& out);
 
     Surface surface_;
@@ -55,6 +57,7 @@ private:
     std::int32_t highest_ = 0;
     std::uint32_t last_vertex_ = 0;         // whose residual was added last
     std::vector<std::uint32_t> residuals_;  // three per vertex, sign in the lowest bit
+    std::vector<std::uint32_t> lengths_;    // in bits: of the longest residual of each vertex
     std::vector<std::uint8_t> bits_;
 };
 

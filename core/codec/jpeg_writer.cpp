@@ -11,6 +11,7 @@
 #include <cmath>
 #include <csetjmp>
 #include <cstdio>
+#include <cstring>
 #include <string>
 
 namespace atrium::codec {
@@ -55,7 +56,7 @@ struct JpegWriter::State {
     ErrorManager errors;
     bool is_ready = false;
     std::vector<unsigned char> out;    // fits the worst case; much larger than what comes out
-    std::vector<unsigned char> strip;  // eight rows of each plane, padded to whole blocks
+    std::vector<unsigned char> strip;  // eight rows of each plane, padded to whole blocks, and one
     std::array<std::array<JSAMPROW, kBlock>, 3> rows{};
 
     State() {
@@ -78,7 +79,7 @@ struct JpegWriter::State {
         const std::size_t samples =
             3 * static_cast<std::size_t>(padded(width)) * static_cast<std::size_t>(padded(height));
         out.resize(std::max(out.size(), 7 * samples + kHeaderBytes));
-        strip.resize(static_cast<std::size_t>(3 * kBlock * padded(width)));
+        strip.resize(static_cast<std::size_t>(3 * kBlock * padded(width) + kBlock));
         for (std::size_t p = 0; p < 3; ++p) {
             for (std::size_t y = 0; y < kBlock; ++y)
                 rows[p][y] =
@@ -93,7 +94,8 @@ struct JpegWriter::State {
                 const std::uint8_t* from = plane.row(std::min(first_row + y, plane.height - 1));
                 unsigned char* to = rows[p][static_cast<std::size_t>(y)];
                 std::copy_n(from, plane.width, to);
-                std::fill(to + plane.width, to + padded(plane.width), from[plane.width - 1]);
+                // a whole block's width: what is too much belongs to the row that comes next
+                std::memset(to + plane.width, from[plane.width - 1], kBlock);
             }
         }
     }

@@ -105,23 +105,24 @@ private:
 };
 
 void find_changes(const std::uint8_t* row, int width, Changes& out) {
+    constexpr int kStep = 8;
     out.size = 0;
-    std::uint8_t value = 0;
-    for (int x = 0; x < width;) {
+    std::uint64_t before = 0;  // the pixel on the left
+    int x = 0;
+    for (; x + kStep <= width; x += kStep) {
         std::uint64_t word = 0;
-        if (x + 8 <= width) {
-            std::memcpy(&word, row + x, sizeof word);
-            if (word == (value != 0 ? ~std::uint64_t{0} : 0)) {
-                x += 8;
-                continue;
-            }
+        std::memcpy(&word, row + x, sizeof word);
+        std::uint64_t changes = (word ^ (word << 8 | before)) & 0x0101010101010101;
+        for (; changes != 0; changes &= changes - 1) {
+            const int byte = std::countr_zero(changes) / 8;
+            out.column[out.size++] = static_cast<std::uint16_t>(x + byte);
         }
-        const int end = std::min(x + 8, width);
-        for (; x < end; ++x) {
-            if (row[x] == value) continue;
-            value = row[x];
-            out.column[out.size++] = static_cast<std::uint16_t>(x);
-        }
+        before = word >> 56;
+    }
+    for (; x < width; ++x) {
+        if (row[x] == before) continue;
+        before = row[x];
+        out.column[out.size++] = static_cast<std::uint16_t>(x);
     }
 }
 

@@ -1,10 +1,10 @@
 #include "core/codec/mesh_codec.hpp"
 
+#include "core/codec/draco_reader.hpp"
+#include "core/codec/edgebreaker_reader.hpp"
 #include "core/codec/edgebreaker_writer.hpp"
 
 #include <draco/compression/encode.h>
-#include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
-#include <draco/core/varint_decoding.h>
 #include <draco/mesh/mesh.h>
 #include <fmt/format.h>
 
@@ -14,6 +14,7 @@
 #include <cassert>
 #include <cmath>
 #include <exception>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -86,84 +87,6 @@ draco::Status encode_with_draco(const TriangleMesh& mesh,
     return encoder.EncodeMeshToBuffer(draco_mesh, &out);
 }
 
-/// Draco's decoder with a stop after every stage in which a stream declares how much memory the
-/// next one takes: one position attribute of three floats and a bounded number of points.
-class GuardedDecoder : public draco::MeshEdgebreakerDecoder {
-public:
-    explicit GuardedDecoder(const MeshLimits& limits) : limits_(limits) {}
-
-protected:
-    bool CreateAttributesDecoder(std::int32_t decoder_id) override {
-        return decoder_id == 0 && mesh()->num_faces() <= limits_.max_triangles &&
-               mesh()->num_points() <= limits_.max_vertices &&
-               MeshEdgebreakerDecoder::CreateAttributesDecoder(decoder_id);
-    }
-
-    bool DecodeAllAttributes() override {
-        if (point_cloud()->num_attributes() != 1) return false;
-        const draco::PointAttribute& only = *point_cloud()->attribute(0);
-        return only.attribute_type() == draco::GeometryAttribute::POSITION &&
-               only.data_type() == draco::DT_FLOAT32 && only.num_components() == 3 &&
-               MeshEdgebreakerDecoder::DecodeAllAttributes();
-    }
-
-private:
-    MeshLimits limits_;
-};
-
-/// Reads the counts that stand in front of an edgebreaker stream. Draco allocates tables for them
-/// before it looks at the data that should back them up.
-std::optional<std::string> find_header_fault(std::span<const std::uint8_t> bytes,
-                                             const MeshLimits& limits) {
-    // "DRACO", version 2.2, triangular mesh, edgebreaker, no flags (no metadata), standard symbols
-    constexpr std::array<std::uint8_t, 12> kStart{'D', 'R', 'A', 'C', 'O', 2, 2, 1, 1, 0, 0, 0};
-    if (bytes.size() < kStart.size() || !std::equal(kStart.begin(), kStart.end(), bytes.begin()))
-        return "not a Draco 2.2 edgebreaker mesh";
-    draco::DecoderBuffer rest;
-    rest.Init(reinterpret_cast<const char*>(bytes.data()) + kStart.size(),
-              bytes.size() - kStart.size(),
-              DRACO_BITSTREAM_VERSION(2, 2));
-    std::uint32_t num_vertices = 0;
-    std::uint32_t num_triangles = 0;
-    if (!draco::DecodeVarint(&num_vertices, &rest) || !draco::DecodeVarint(&num_triangles, &rest))
-        return "ends within its header";
-    if (num_vertices > limits.max_vertices)
-        return fmt::format("{} vertices, at most {} are read", num_vertices, limits.max_vertices);
-    if (num_triangles > limits.max_triangles)
-        return fmt::format(
-            "{} triangles, at most {} are read", num_triangles, limits.max_triangles);
-    return std::nullopt;
-}
-
-Expected<TriangleMesh> from_draco_mesh(const draco::Mesh& coded, const MeshLimits& limits) {
-    const draco::PointAttribute* positions =
-        coded.GetNamedAttribute(draco::GeometryAttribute::POSITION);
-    if (positions == nullptr) return invalid("no positions");
-    TriangleMesh mesh;
-    const std::uint32_t num_points = coded.num_points();
-    mesh.vertices.reserve(num_points);
-    for (std::uint32_t i = 0; i < num_points; ++i) {
-        const draco::AttributeValueIndex value = positions->mapped_index(draco::PointIndex(i));
-        Eigen::Vector3f position;
-        if (value.value() >= positions->size() ||
-            !positions->ConvertValue<float, 3>(value, position.data()))
-            return invalid("a vertex has no position");
-        // Written so that NaN fails as well.
-        if (!(position.cwiseAbs().maxCoeff() <= limits.max_coordinate_m) || !position.allFinite())
-            return invalid("a coordinate is not finite or too large");
-        mesh.vertices.push_back(position.cast<double>());
-    }
-    mesh.triangles.reserve(coded.num_faces());
-    for (std::uint32_t i = 0; i < coded.num_faces(); ++i) {
-        const draco::Mesh::Face& face = coded.face(draco::FaceIndex(i));
-        const std::array triangle{face[0].value(), face[1].value(), face[2].value()};
-        if (std::any_of(triangle.begin(), triangle.end(), [&](auto v) { return v >= num_points; }))
-            return invalid("a triangle's index is out of range");
-        mesh.triangles.push_back(triangle);
-    }
-    return mesh;
-}
-
 }  // namespace
 
 double quantisation_step_m(const TriangleMesh& mesh, const MeshCodecOptions& options) {
@@ -171,32 +94,124 @@ double quantisation_step_m(const TriangleMesh& mesh, const MeshCodecOptions& opt
     return step_m(geometry::bounds(mesh).size().maxCoeff(), options.position_bits);
 }
 
-int position_bits_for(const TriangleMesh& mesh,
-                      std::span<const geometry::CalibratedCamera> cameras) {
-    constexpr int kFewestBits = 8;
-    constexpr int kMostBits = 16;
-    constexpr int kUnseenBits = 14;
-    double most_sq = 0.0;  // [px^2 / m^2]
-    for (const geometry::CalibratedCamera& camera : cameras) {
+namespace {
+
+/// Square of the most pixels by which a camera sees a vertex move per metre [px^2 / m^2].
+double most_motion_sq(const TriangleMesh& mesh, const geometry::CalibratedCamera& camera) {
+    const Eigen::Matrix3d rotation = camera.camera_from_site.rotation.toRotationMatrix();
+    const Eigen::Vector3d& translation = camera.camera_from_site.translation;
+    const double focal_px = std::max(camera.intrinsics.fx, camera.intrinsics.fy);
+    double widest = 0.0;  // distance^2 / depth^4
+    for (const Eigen::Vector3d& vertex : mesh.vertices) {
+        const Eigen::Vector3d seen = rotation * vertex + translation;
+        const double depth_sq = seen.z() * seen.z();
+        // the division is rare
+        if (seen.squaredNorm() > widest * (depth_sq * depth_sq) && seen.z() > 0.0)
+            widest = seen.squaredNorm() / (depth_sq * depth_sq);
+    }
+    return focal_px * focal_px * widest;
+}
+
+// A camera in floats: the depth of a place is `depth_axis * place + depth`.
+struct DepthCamera {
+    explicit DepthCamera(const geometry::CalibratedCamera& camera) {
         const Eigen::Matrix3d rotation = camera.camera_from_site.rotation.toRotationMatrix();
         const Eigen::Vector3d& translation = camera.camera_from_site.translation;
+        depth_axis = rotation.row(2).transpose().cast<float>();
+        depth = static_cast<float>(translation.z());
+        centre_m = (-(rotation.transpose() * translation)).cast<float>();
         const double focal_px = std::max(camera.intrinsics.fx, camera.intrinsics.fy);
-        double widest = 0.0;  // distance^2 / depth^4
-        for (const Eigen::Vector3d& vertex : mesh.vertices) {
-            const Eigen::Vector3d seen = rotation * vertex + translation;
-            const double depth_sq = seen.z() * seen.z();
-            // the division is rare
-            if (seen.squaredNorm() > widest * (depth_sq * depth_sq) && seen.z() > 0.0)
-                widest = seen.squaredNorm() / (depth_sq * depth_sq);
-        }
-        most_sq = std::max(most_sq, focal_px * focal_px * widest);
+        focal_sq = static_cast<float>(focal_px * focal_px);
     }
-    if (most_sq == 0.0) return kUnseenBits;
-    const double longest_step_m = 2.0 * kStepInTexturePixels / std::sqrt(most_sq);
-    const double side_m = geometry::bounds(mesh).size().maxCoeff();
+
+    Eigen::Vector3f depth_axis;
+    float depth = 0.0F;
+    Eigen::Vector3f centre_m;
+    float focal_sq = 0.0F;
+};
+
+// The most of most_motion_sq over all cameras, right to kEstimateError of it: in floats, several
+// vertices at once. None where one is so near to a camera's plane, or so far away, that it may be
+// further off.
+constexpr double kEstimateError = 1e-3;
+
+std::optional<double> estimate_most_motion_sq(const TriangleMesh& mesh,
+                                              std::span<const geometry::CalibratedCamera> cameras) {
+    constexpr float kLeastDepth_m = 0.25F;
+    constexpr double kFurthest_m = 60.0;
+    constexpr std::size_t kLanes = 8;
+    constexpr std::size_t kChunk = 512;
+    using Lanes = std::array<float, kLanes>;
+    const geometry::Aabb box = geometry::bounds(mesh);
+    if (!(std::max(-box.min.minCoeff(), box.max.maxCoeff()) < kFurthest_m)) return std::nullopt;
+    std::array<std::array<Lanes, kChunk / kLanes>, 3> at;
+    Lanes most{};
+    Lanes nearest;
+    Lanes furthest_sq{};
+    nearest.fill(std::numeric_limits<float>::infinity());
+    for (std::size_t first = 0; first < mesh.vertices.size(); first += kChunk) {
+        const std::size_t num = std::min(kChunk, mesh.vertices.size() - first);
+        const std::size_t num_groups = (num + kLanes - 1) / kLanes;
+        for (std::size_t i = 0; i < num_groups * kLanes; ++i) {
+            // the last group is filled up with the last vertex
+            const Eigen::Vector3d& vertex = mesh.vertices[first + std::min(i, num - 1)];
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                at[axis][i / kLanes][i % kLanes] =
+                    static_cast<float>(vertex[static_cast<Eigen::Index>(axis)]);
+        }
+        for (const geometry::CalibratedCamera& calibrated : cameras) {
+            const DepthCamera camera(calibrated);
+            for (std::size_t group = 0; group < num_groups; ++group) {
+                const Lanes& x = at[0][group];
+                const Lanes& y = at[1][group];
+                const Lanes& z = at[2][group];
+                for (std::size_t i = 0; i < kLanes; ++i) {
+                    const float depth = camera.depth_axis.x() * x[i] +
+                                        camera.depth_axis.y() * y[i] +
+                                        camera.depth_axis.z() * z[i] + camera.depth;
+                    const float dx = x[i] - camera.centre_m.x();
+                    const float dy = y[i] - camera.centre_m.y();
+                    const float dz = z[i] - camera.centre_m.z();
+                    const float distance_sq = dx * dx + dy * dy + dz * dz;
+                    const float depth_sq = depth * depth;
+                    const float motion_sq = camera.focal_sq * distance_sq / (depth_sq * depth_sq);
+                    most[i] = most[i] < motion_sq ? motion_sq : most[i];
+                    nearest[i] = depth < nearest[i] ? depth : nearest[i];
+                    furthest_sq[i] = furthest_sq[i] < distance_sq ? distance_sq : furthest_sq[i];
+                }
+            }
+        }
+    }
+    if (*std::min_element(nearest.begin(), nearest.end()) < kLeastDepth_m ||
+        *std::max_element(furthest_sq.begin(), furthest_sq.end()) > kFurthest_m * kFurthest_m)
+        return std::nullopt;
+    return *std::max_element(most.begin(), most.end());
+}
+
+int position_bits_of(double side_m, double most_motion_sq) {
+    constexpr int kFewestBits = 8;
+    constexpr int kMostBits = 16;
+    const double longest_step_m = 2.0 * kStepInTexturePixels / std::sqrt(most_motion_sq);
     int bits = kFewestBits;
     while (bits < kMostBits && step_m(side_m, bits) > longest_step_m) ++bits;
     return bits;
+}
+
+}  // namespace
+
+int position_bits_for(const TriangleMesh& mesh,
+                      std::span<const geometry::CalibratedCamera> cameras) {
+    constexpr int kUnseenBits = 14;
+    const double side_m = geometry::bounds(mesh).size().maxCoeff();
+    const std::optional<double> estimate = estimate_most_motion_sq(mesh, cameras);
+    if (estimate && *estimate > 0.0) {
+        const int bits = position_bits_of(side_m, *estimate * (1.0 - kEstimateError));
+        if (bits == position_bits_of(side_m, *estimate * (1.0 + kEstimateError))) return bits;
+    }
+    double most_sq = 0.0;
+    for (const geometry::CalibratedCamera& camera : cameras)
+        most_sq = std::max(most_sq, most_motion_sq(mesh, camera));
+    return most_sq == 0.0 ? kUnseenBits : position_bits_of(side_m, most_sq);
 }
 
 struct MeshEncoder::State {
@@ -241,21 +256,35 @@ Expected<std::size_t> encode_mesh(const TriangleMesh& mesh,
     return MeshEncoder().encode(mesh, options, out);
 }
 
-Expected<TriangleMesh> decode_mesh(std::span<const std::uint8_t> bytes, const MeshLimits& limits) {
-    if (bytes.empty()) return TriangleMesh{};
-    if (const auto fault = find_header_fault(bytes, limits)) return invalid(*fault);
+struct MeshDecoder::State {
+    EdgebreakerReader reader;
+};
+
+MeshDecoder::MeshDecoder() : state_(std::make_unique<State>()) {}
+MeshDecoder::~MeshDecoder() = default;
+MeshDecoder::MeshDecoder(MeshDecoder&&) noexcept = default;
+MeshDecoder& MeshDecoder::operator=(MeshDecoder&&) noexcept = default;
+
+Expected<void> MeshDecoder::decode(std::span<const std::uint8_t> bytes,
+                                   const MeshLimits& limits,
+                                   TriangleMesh& out) {
+    if (bytes.empty()) {
+        out.clear();
+        return {};
+    }
     try {
-        draco::DecoderBuffer buffer;
-        buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-        draco::Mesh coded;
-        const draco::DecoderOptions no_options;
-        GuardedDecoder decoder(limits);
-        const draco::Status status = decoder.Decode(no_options, &buffer, &coded);
-        if (!status.ok()) return invalid(status.error_msg_string());
-        return from_draco_mesh(coded, limits);
+        if (state_->reader.read(bytes, limits, out)) return {};
+        return read_with_draco(bytes, limits, out);
     } catch (const std::exception& error) {
         return invalid(error.what());
     }
+}
+
+Expected<TriangleMesh> decode_mesh(std::span<const std::uint8_t> bytes, const MeshLimits& limits) {
+    TriangleMesh mesh;
+    if (auto ok = MeshDecoder().decode(bytes, limits, mesh); !ok)
+        return tl::unexpected(std::move(ok.error()));
+    return mesh;
 }
 
 }  // namespace atrium::codec

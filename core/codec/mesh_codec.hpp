@@ -20,7 +20,7 @@ struct MeshCodecOptions {
     int speed = 7;  // Draco's: 0 smallest and slowest, 10 fastest; 7 is the best trade measured
 };
 
-/// What `decode_mesh` accepts from a stranger. One person is about 10,000 triangles.
+/// What MeshDecoder accepts from a stranger. One person is about 10,000 triangles.
 struct MeshLimits {
     std::uint32_t max_triangles = 400'000;
     std::uint32_t max_vertices = 200'004;
@@ -83,10 +83,32 @@ Expected<std::size_t> encode_mesh(const geometry::TriangleMesh& mesh,
                                   const MeshCodecOptions& options,
                                   std::vector<std::uint8_t>& out);
 
-/// The reverse, of bytes that anyone may have sent. Only streams of the form that `encode_mesh`
-/// makes are read; the counts they declare are held against `limits` before anything is allocated
-/// for them. What comes back has finite coordinates within `limits` and indices in range; that it
-/// is closed or makes sense is not known. Zero bytes are the empty mesh. Fails with kInvalidData.
+/// The reverse. Holds the memory that is reused from mesh to mesh; one per thread.
+class MeshDecoder {
+public:
+    MeshDecoder();
+    ~MeshDecoder();
+    MeshDecoder(MeshDecoder&&) noexcept;
+    MeshDecoder& operator=(MeshDecoder&&) noexcept;
+
+    /// Replaces `out` by the mesh of `bytes` that anyone may have sent; on failure `out` holds
+    /// anything. Only streams of the form that MeshEncoder makes are read; the counts they declare
+    /// are held against `limits` before anything is allocated for them. What comes back has finite
+    /// coordinates within `limits` and indices in range; that it is closed or makes sense is not
+    /// known. Zero bytes are the empty mesh. Fails with kInvalidData.
+    ///
+    /// Streams of closed meshes at speeds of 2 to 7 are read here (see EdgebreakerReader), all
+    /// others by Draco's decoder. Both give the same mesh.
+    Expected<void> decode(std::span<const std::uint8_t> bytes,
+                          const MeshLimits& limits,
+                          geometry::TriangleMesh& out);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// MeshDecoder::decode with memory of its own.
 Expected<geometry::TriangleMesh> decode_mesh(std::span<const std::uint8_t> bytes,
                                              const MeshLimits& limits = {});
 

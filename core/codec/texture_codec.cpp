@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <cstring>
 #include <string>
 
 namespace atrium::codec {
@@ -185,6 +186,19 @@ Expected<void> decode_colour(std::span<const std::uint8_t> bytes,
     return {};
 }
 
+// By whole pixels, of which the compiler handles several at once.
+void set_alpha(const image::Mask& mask, std::vector<std::uint8_t>& rgba) {
+    static_assert(std::endian::native == std::endian::little);
+    const std::uint8_t* __restrict alpha = mask.data.data();
+    std::uint8_t* __restrict pixels = rgba.data();
+    for (std::size_t i = 0; i < mask.data.size(); ++i) {
+        std::uint32_t pixel = 0;
+        std::memcpy(&pixel, pixels + 4 * i, sizeof pixel);
+        pixel = (pixel & 0x00ffffffU) | (std::uint32_t{alpha[i]} << 24U);
+        std::memcpy(pixels + 4 * i, &pixel, sizeof pixel);
+    }
+}
+
 }  // namespace
 
 Expected<void> TextureEncoder::encode(const TextureCrop& crop, int quality, CodedTexture& out) {
@@ -230,8 +244,7 @@ Expected<void> TextureDecoder::decode(std::span<const std::uint8_t> colour,
         state_->restart();
         return decoded;
     }
-    for (std::size_t i = 0; i < state_->mask.data.size(); ++i)
-        out.rgba[4 * i + 3] = state_->mask.data[i];
+    set_alpha(state_->mask, out.rgba);
     return {};
 }
 

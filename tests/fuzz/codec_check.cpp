@@ -1,5 +1,7 @@
 #include "tests/fuzz/codec_check.hpp"
 
+#include "core/codec/draco_reader.hpp"
+#include "core/codec/edgebreaker_reader.hpp"
 #include "core/codec/mask_codec.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "core/codec/texture_codec.hpp"
@@ -8,8 +10,26 @@
 
 namespace atrium::test {
 
+namespace {
+
+constexpr codec::MeshLimits kMeshLimits{.max_triangles = 20'000, .max_vertices = 20'000};
+
+// What our own reader takes, Draco's takes as well, and for the same mesh.
+std::string check_own_reader(std::span<const std::uint8_t> bytes) {
+    geometry::TriangleMesh mesh;
+    if (!codec::EdgebreakerReader().read(bytes, kMeshLimits, mesh)) return "";
+    geometry::TriangleMesh expected;
+    if (!codec::read_with_draco(bytes, kMeshLimits, expected)) return "Draco refuses it";
+    if (mesh.triangles != expected.triangles) return "Draco reads other triangles";
+    if (mesh.vertices != expected.vertices) return "Draco reads other vertices";
+    return "";
+}
+
+}  // namespace
+
 std::string check_mesh_bytes(std::span<const std::uint8_t> bytes, bool& was_accepted) {
-    const codec::MeshLimits limits{.max_triangles = 20'000, .max_vertices = 20'000};
+    const codec::MeshLimits& limits = kMeshLimits;
+    if (std::string wrong = check_own_reader(bytes); !wrong.empty()) return wrong;
     const auto mesh = codec::decode_mesh(bytes, limits);
     was_accepted = mesh.has_value();
     if (!mesh) return mesh.error().kind == ErrorKind::kInvalidData ? "" : "another kind of error";

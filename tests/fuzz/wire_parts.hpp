@@ -23,6 +23,12 @@ void visit_parts(atrium_Latency& wire, Visit& visit) {
 }
 
 template <typename Visit>
+void visit_parts(atrium_ProcessorUse& wire, Visit& visit) {
+    auto& [run_ns, waited_ns, run, waited, longest_wait, is_waiting_known, nice] = wire;
+    visit(run_ns, waited_ns, run, waited, longest_wait, is_waiting_known, nice);
+}
+
+template <typename Visit>
 void visit_parts(atrium_Camera& wire, Visit& visit) {
     auto& [name, width, height, fx, fy, cx, cy, skew, distortion, camera_from_site] = wire;
     visit(name, width, height, fx, fy, cx, cy, skew, distortion, camera_from_site);
@@ -188,10 +194,13 @@ void visit_parts(atrium_SiteStatus& wire, Visit& visit) {
            stream,
            stages,
            mesh_bytes_per_s,
-           texture_bytes_per_s] = wire;
+           texture_bytes_per_s,
+           processor,
+           first_output_s] = wire;
     visit(site, time_ns, captured, published, incomplete_used, dropped_incomplete, dropped_late);
     visit(failed, left_out, bytes_published, metaframes_per_s, bytes_per_s, capture_to_publish);
     visit(resident_bytes, cameras, stream, stages, mesh_bytes_per_s, texture_bytes_per_s);
+    visit(processor, first_output_s);
 }
 
 template <typename Visit>
@@ -216,11 +225,16 @@ void visit_parts(atrium_WorldStatus& wire, Visit& visit) {
            bytes_published,
            bytes_per_s,
            step,
+           prepare,
+           meshes_dropped,
            state_tick,
-           state_hash] = wire;
+           state_hash,
+           processor,
+           first_output_s] = wire;
     visit(world, time_ns, steps, meshes, rejected, sites, contacts, steps_per_s, latency, bytes);
     visit(objects, resets, last_reset, skipped, refused, grabs, saves, bytes_published);
-    visit(bytes_per_s, step, state_tick, state_hash);
+    visit(bytes_per_s, step, prepare, meshes_dropped, state_tick, state_hash);
+    visit(processor, first_output_s);
 }
 
 template <typename Visit>
@@ -234,9 +248,16 @@ void visit_parts(atrium_ViewerStatus& wire, Visit& visit) {
            rejected,
            frames_per_s,
            latency,
-           bytes] = wire;
+           bytes,
+           processor,
+           first_output_s,
+           max_frames_per_s,
+           scale,
+           has_shadows,
+           num_video_dropped] = wire;
     visit(viewer, time_ns, frames, shown, skipped, incomplete, rejected, frames_per_s, latency);
-    visit(bytes);
+    visit(bytes, processor, first_output_s);
+    visit(max_frames_per_s, scale, has_shadows, num_video_dropped);
 }
 
 template <typename Visit>
@@ -251,9 +272,11 @@ void visit_parts(atrium_StreamFeedback& wire, Visit& visit) {
            samples,
            payload_bytes_per_s,
            min_delay_ms,
-           median_delay_ms] = wire;
+           sure_delay_ms,
+           median_delay_ms,
+           longest_wait_ms] = wire;
     visit(viewer, site, time_ns, newest_frame_id, complete, incomplete, late, samples);
-    visit(payload_bytes_per_s, min_delay_ms, median_delay_ms);
+    visit(payload_bytes_per_s, min_delay_ms, sure_delay_ms, median_delay_ms, longest_wait_ms);
 }
 
 template <typename Visit>

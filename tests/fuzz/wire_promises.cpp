@@ -12,6 +12,14 @@ std::string unless(bool holds, const char* what) { return holds ? "" : what; }
 
 bool is_picture_side(int pixels) { return pixels >= 1 && pixels <= bus::kMaxImageSide_px; }
 
+std::string broken_by_process(const ProcessorUse& use, double first_output_s) {
+    for (const double value : {use.run_per_s, use.waited_per_s, use.longest_wait_per_s}) {
+        if (value < 0.0) return "a share";
+    }
+    if (use.nice < -20 || use.nice > 19) return "a niceness";
+    return unless(first_output_s >= 0.0, "a time");
+}
+
 }  // namespace
 
 std::string broken_promise(const bus::SiteDescription& message) {
@@ -135,19 +143,23 @@ std::string broken_promise(const bus::SiteStatus& message) {
                                stages.publishing_ms}) {
         if (value < 0.0) return "a rate or a time";
     }
-    return "";
+    return broken_by_process(message.processor, message.first_output_s);
 }
 
 std::string broken_promise(const bus::WorldStatus& message) {
-    return unless(message.steps_per_s >= 0.0, "a rate");
+    if (message.steps_per_s < 0.0) return "a rate";
+    return broken_by_process(message.processor, message.first_output_s);
 }
 
 std::string broken_promise(const bus::ViewerStatus& message) {
-    return unless(message.frames_per_s >= 0.0, "a rate");
+    if (message.frames_per_s < 0.0 || message.max_frames_per_s < 0.0) return "a rate";
+    if (message.scale < 0.0 || message.scale > 1.0) return "a scale";
+    return broken_by_process(message.processor, message.first_output_s);
 }
 
 std::string broken_promise(const bus::StreamFeedback& message) {
-    return unless(message.payload_bytes_per_s >= 0.0, "a rate");
+    return unless(message.payload_bytes_per_s >= 0.0 && message.longest_wait_ms >= 0.0,
+                  "a rate and a time");
 }
 
 std::string broken_promise(const bus::Presence& message) {

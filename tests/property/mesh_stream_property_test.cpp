@@ -1,3 +1,5 @@
+#include "core/codec/draco_reader.hpp"
+#include "core/codec/edgebreaker_reader.hpp"
 #include "core/codec/edgebreaker_writer.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "site_node/hull/visual_hull.hpp"
@@ -16,13 +18,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <map>
 #include <set>
 
-// The streams of meshes against those that Draco's encoder writes, byte by byte, and against its
-// decoder as it is.
+// The streams of meshes against those that Draco's encoder writes, byte by byte, and what is read
+// from them against its decoder, bit by bit.
 namespace atrium::codec {
 namespace {
 
@@ -111,6 +114,18 @@ Triangles quantised(const TriangleMesh& mesh, int position_bits) {
     return canonical(triangles);
 }
 
+template <typename T>
+bool has_same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+    return a.size() == b.size() &&
+           (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+bool has_same_bits(const TriangleMesh& a, const TriangleMesh& b) {
+    return has_same_bits(a.vertices, b.vertices) && has_same_bits(a.triangles, b.triangles);
+}
+
+constexpr MeshLimits kAnySize{.max_coordinate_m = 1e35};
+
 MeshCodecOptions random_options(Random& random) {
     return {test::between(random, 8, 20), test::between(random, 2, 7)};
 }
@@ -127,6 +142,10 @@ protected:
             << mesh.triangles.size() << " triangles, " << options.position_bits << " bits, speed "
             << options.speed;
         EXPECT_TRUE(triangles_of(bytes) == quantised(mesh, options.position_bits));
+        TriangleMesh expected;
+        ASSERT_TRUE(reader_.read(bytes, kAnySize, read_)) << "by Draco alone";
+        ASSERT_TRUE(read_with_draco(bytes, kAnySize, expected));
+        EXPECT_TRUE(has_same_bits(read_, expected)) << mesh.triangles.size() << " triangles";
     }
 
     /// By the encoder, whoever it asks: as Draco does, which may be an error.
@@ -136,6 +155,22 @@ protected:
         const Bytes expected = draco_bytes(mesh, options);
         EXPECT_EQ(is_coded, !expected.empty());
         EXPECT_EQ(bytes, expected) << mesh.triangles.size() << " triangles";
+        if (is_coded) expect_read_as_draco(bytes);
+    }
+
+    /// Whoever reads it; which may be an error. Returns whether it was read without Draco.
+    bool expect_read_as_draco(const Bytes& bytes) {
+        TriangleMesh expected;
+        const auto draco = read_with_draco(bytes, kAnySize, expected);
+        const auto decoded = decoder_.decode(bytes, kAnySize, decoded_);
+        EXPECT_EQ(decoded.has_value(), draco.has_value());
+        if (!draco && !decoded) {
+            EXPECT_EQ(decoded.error().message, draco.error().message);
+        }
+        if (draco && decoded) {
+            EXPECT_TRUE(has_same_bits(decoded_, expected));
+        }
+        return reader_.read(bytes, kAnySize, read_);
     }
 
     bool is_written(const TriangleMesh& mesh) {
@@ -148,6 +183,10 @@ protected:
     // the same for all meshes of a test: what one leaves behind is there for the next
     EdgebreakerWriter writer_;
     MeshEncoder encoder_;
+    EdgebreakerReader reader_;
+    MeshDecoder decoder_;
+    TriangleMesh read_;
+    TriangleMesh decoded_;
 };
 
 TEST_F(MeshStream, OfShuffledClosedMeshesIsDracos) {
@@ -307,6 +346,35 @@ TEST_F(MeshStream, OfOtherSpeedsIsDracos) {
         EXPECT_FALSE(EdgebreakerWriter::takes_speed(speed));
         expect_as_draco(mesh, {12, speed});
     }
+}
+
+// Some of what is damaged still is a mesh, and then the same one to both.
+TEST_F(MeshStream, IsReadAsDracoDoesWhereItIsDamaged) {
+    Random random(36);
+    std::vector<Bytes> streams;
+    const auto add = [&](const TriangleMesh& mesh, const MeshCodecOptions& options) {
+        encoder_.encode(mesh, options, streams.emplace_back());
+        EXPECT_TRUE(reader_.read(streams.back(), kAnySize, read_));
+    };
+    add(test::make_octahedron({0, 0, 0}, 1.0), {8, 7});
+    add(test::make_torus(5, 4), {11, 7});
+    add(test::make_torus(12, 6), {14, 7});
+    add(make_knot(3, random), {11, 5});
+    TriangleMesh two = test::make_sphere(1, 1.0);
+    test::append(two, test::make_torus(6, 5));
+    add(two, {11, 7});
+    int num_read = 0;
+    for (int round = 0; round < 20'000; ++round) {
+        Bytes bytes = streams[static_cast<std::size_t>(round) % streams.size()];
+        for (int damage = test::between(random, 1, 3); damage > 0; --damage) {
+            std::uint8_t& byte = bytes[random() % bytes.size()];
+            byte =
+                static_cast<std::uint8_t>(round % 2 == 0 ? byte ^ (1U << random() % 8) : random());
+        }
+        if (round % 50 == 0) bytes.resize(1 + random() % (bytes.size() - 1));
+        num_read += expect_read_as_draco(bytes) ? 1 : 0;
+    }
+    EXPECT_GT(num_read, 1000);
 }
 
 // From a few vertices nearly everything has too many or too few triangles at an edge; from closed

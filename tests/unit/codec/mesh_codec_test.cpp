@@ -181,6 +181,42 @@ TEST(MeshCodec, AutomaticBitsMoveNoVertexFurtherThanWhatACameraCanSee) {
     EXPECT_LT(fewest, most);
 }
 
+// Whatever floats may get wrong.
+TEST(MeshCodec, AutomaticBitsAreTheFewestWithWhichNoStepIsTooLong) {
+    Random random(28);
+    for (int round = 0; round < 300; ++round) {
+        const TriangleMesh mesh = make_torus(20, 12, number(random, 0.1, 0.5));
+        std::vector<geometry::CalibratedCamera> cameras;
+        double most_px_per_m = 0.0;
+        for (int i = 0; i < 3; ++i) {
+            // some look through the mesh from within
+            const double turn = number(random, 0.0, 6.28);
+            const double far_m = number(random, 0.0, round % 3 == 0 ? 80.0 : 5.0) + 0.1;
+            cameras.push_back(camera_towards({number(random, -0.2, 0.2), 0, 0},
+                                             {far_m * std::cos(turn), far_m * std::sin(turn), 0.5},
+                                             number(random, 100, 3000)));
+            for (const Eigen::Vector3d& vertex : mesh.vertices) {
+                const Eigen::Vector3d seen = cameras.back().camera_from_site * vertex;
+                if (seen.z() <= 0.0) continue;
+                const double focal_px =
+                    std::max(cameras.back().intrinsics.fx, cameras.back().intrinsics.fy);
+                most_px_per_m =
+                    std::max(most_px_per_m, focal_px * seen.norm() / (seen.z() * seen.z()));
+            }
+        }
+        const int bits = position_bits_for(mesh, cameras);
+        const auto step_px = [&](int num_bits) {
+            return most_px_per_m * quantisation_step_m(mesh, {.position_bits = num_bits});
+        };
+        if (bits < 16) {
+            EXPECT_LE(step_px(bits), 2.0 * kStepInTexturePixels);
+        }
+        if (bits > 8) {
+            EXPECT_GT(step_px(bits - 1), 2.0 * kStepInTexturePixels);
+        }
+    }
+}
+
 TEST(MeshCodec, AutomaticBitsWithoutACameraThatSeesAnything) {
     const TriangleMesh mesh = make_torus(20, 12);
     EXPECT_EQ(position_bits_for(mesh, {}), 14);
@@ -312,6 +348,27 @@ TEST(MeshCodec, SurvivesRandomBytesBehindAGoodBeginning) {
         const std::size_t num_good = random() % good.size();
         std::copy_n(good.begin(), std::min(num_good, bytes.size()), bytes.begin());
         expect_harmless(bytes, {});
+    }
+}
+
+TEST(MeshCodec, OneDecoderReadsGoodMeshesBetweenDamagedAndEmptyOnes) {
+    const std::array streams{encode(make_torus(20, 10)),
+                             encode(make_sphere(3, 1.0), {12, 0}),  // read by Draco
+                             encode(make_octahedron({0, 0, 0}, 0.1), {14, 7})};
+    MeshDecoder decoder;
+    TriangleMesh mesh;
+    for (std::size_t round = 0; round < 30; ++round) {
+        const auto& good = streams[round % streams.size()];
+        ASSERT_TRUE(decoder.decode(good, {}, mesh).has_value());
+        const auto expected = decode_mesh(good);
+        EXPECT_EQ(mesh.vertices, expected->vertices);
+        EXPECT_EQ(mesh.triangles, expected->triangles);
+        auto bad = good;
+        bad.resize(good.size() * (round + 1) / 31);
+        EXPECT_FALSE(decoder.decode(bad, {}, mesh).has_value());
+        ASSERT_TRUE(decoder.decode({}, {}, mesh).has_value());
+        EXPECT_TRUE(mesh.empty());
+        EXPECT_TRUE(mesh.vertices.empty());
     }
 }
 

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "core/codec/mesh_codec.hpp"
+
+namespace atrium::codec {
+
+/// Reads a mesh with Draco's own decoder: any stream of Draco 2.2, edgebreaker with standard
+/// symbols and one attribute of positions. Replaces `out`, which on failure holds anything; limits
+/// and failures as of MeshDecoder. Takes three times as long as EdgebreakerReader, and allocates.
+Expected<void> read_with_draco(std::span<const std::uint8_t> bytes,
+                               const MeshLimits& limits,
+                               geometry::TriangleMesh& out);
+
+}  // namespace atrium::codec
