@@ -76,6 +76,29 @@ ordered_json stream_level_json(const std::optional<bus::StreamState>& stream) {
             {"cap_set_by", stream->cap_set_by}};
 }
 
+ordered_json processor_json(const ProgramReport& program) {
+    const ProcessorUse& use = program.processor;
+    const auto waited = [&](double seconds) {
+        return program.has_status && use.is_waiting_known ? ordered_json(seconds) : ordered_json();
+    };
+    const auto known = [&](auto value) {
+        return program.has_status ? ordered_json(value) : ordered_json();
+    };
+    return {{"cores", known(use.run_per_s)},
+            {"run_s", known(1e-9 * static_cast<double>(use.run_ns))},
+            {"waited_s", waited(1e-9 * static_cast<double>(use.waited_ns))},
+            {"waited_per_s", waited(use.waited_per_s)},
+            {"longest_wait_per_s", waited(use.longest_wait_per_s)},
+            {"nice", known(use.nice)}};
+}
+
+ordered_json bottlenecks_json(const std::vector<status::Bottleneck>& bottlenecks) {
+    ordered_json out = ordered_json::array();
+    for (const status::Bottleneck& found : bottlenecks)
+        out.push_back({{"cause", status::name_of(found.cause)}, {"text", found.text}});
+    return out;
+}
+
 ordered_json program_json(const ProgramReport& program) {
     ordered_json out;
     out["kind"] = kKinds[std::min<std::size_t>(static_cast<std::size_t>(program.kind), 3)];
@@ -106,6 +129,10 @@ ordered_json program_json(const ProgramReport& program) {
     out["cameras"] = cameras_json(program.cameras);
     out["resident_bytes"] =
         program.has_status ? ordered_json(program.resident_bytes) : ordered_json();
+    out["processor"] = processor_json(program);
+    out["first_output_s"] =
+        program.first_output_s > 0.0 ? ordered_json(program.first_output_s) : ordered_json();
+    out["bottlenecks"] = bottlenecks_json(program.bottlenecks);
     return out;
 }
 

@@ -181,9 +181,12 @@ void add_program(const Report& report,
     if (program.has_status) {
         add_rates(program, lines);
         lines.add_items("  ms       ", latency_texts(program.latencies));
+        lines.add_items("  cpu      ", status::processor_items(program.processor));
         if (program.stream) add_stream_level(*program.stream, lines);
         add_notes(program, lines);
         lines.add_items("  lost     ", loss_texts(program.losses), look_of_losses(program.losses));
+        for (const status::Bottleneck& found : program.bottlenecks)
+            lines.add_words("  slow     ", found.text, Look::kWarning);
     } else if (program.kind != ProgramKind::kOther) {
         lines.add("  no status yet", Look::kDim);
     }

@@ -2,6 +2,7 @@
 
 #include "core/base/timestamp.hpp"
 #include "core/bus/messages.hpp"
+#include "core/status/bottleneck.hpp"
 #include "core/status/figures.hpp"
 
 #include <cstdint>
@@ -93,6 +94,9 @@ struct ProgramReport {
     std::optional<bus::StreamState> stream;
     std::vector<Figures::Note> notes;
     std::uint64_t resident_bytes = 0;
+    ProcessorUse processor;
+    double first_output_s = 0.0;  // from the start of the process; 0: none yet
+    std::vector<status::Bottleneck> bottlenecks;
 };
 
 /// How the stream of one site arrives at one viewer.

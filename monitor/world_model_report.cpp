@@ -48,6 +48,23 @@ const char* kind_name(ProgramKind kind) {
     return kNames[std::min<std::size_t>(static_cast<std::size_t>(kind), 3)];
 }
 
+// A viewer that is short of processor may make a site believe in a slow network.
+void blame_slow_viewers(std::vector<ProgramReport>& programs) {
+    for (ProgramReport& site : programs) {
+        if (site.kind != ProgramKind::kSiteNode || !site.stream) continue;
+        const auto viewer = std::ranges::find_if(programs, [&](const ProgramReport& program) {
+            return program.kind == ProgramKind::kViewer &&
+                   program.name == site.stream->cap_set_by &&
+                   status::is_short_of_processor(program.processor);
+        });
+        if (viewer == programs.end()) continue;
+        for (status::Bottleneck& found : site.bottlenecks) {
+            if (found.cause == status::Cause::kNetwork)
+                found.text += ", but the machine of that viewer is too slow";
+        }
+    }
+}
+
 }  // namespace
 
 std::size_t Report::num_here() const {
@@ -135,6 +152,9 @@ void WorldModel::put_figures(const Program& program, ProgramReport& out) {
     out.stream = now.stream;
     out.notes = now.notes;
     out.resident_bytes = now.resident_bytes;
+    out.processor = now.processor;
+    out.first_output_s = now.first_output_s;
+    out.bottlenecks = status::bottlenecks(program.before, now);
 }
 
 ProgramReport WorldModel::report_of(const ProgramKey& key,
@@ -202,7 +222,7 @@ StreamReport WorldModel::report_of(const std::pair<std::string, std::string>& ke
     const auto add = [&](const char* stage, double ms, std::uint64_t num_samples) {
         out.delays.push_back({stage, ms, {}, num_samples, compared.trust, compared.error_ms});
     };
-    add("capture_to_arrival_least", stream.newest.min_delay_ms, stream.newest.num_samples);
+    add("sent_to_arrival_least", stream.newest.min_delay_ms, stream.newest.num_samples);
     add("capture_to_complete", stream.newest.median_delay_ms, stream.newest.num_complete);
     return out;
 }
@@ -215,6 +235,7 @@ Report WorldModel::report(Clock::time_point now, Timestamp time) {
     report.time = time;
     for (const auto& [key, program] : programs_)
         report.programs.push_back(report_of(key, program, now, time));
+    blame_slow_viewers(report.programs);
     for (const auto& [key, stream] : streams_)
         report.streams.push_back(report_of(key, stream, now));
     report.notices.assign(report_notices_.begin(), report_notices_.end());

@@ -98,6 +98,9 @@ public:
     /// The same, for who wants to know how a key ended.
     TakeReport take(const std::function<void(Message&&)>& on_sample,
                     const std::function<void(const Message&, Ending)>& on_gone);
+    /// Like `take`, but also passes when each sample was written, by its writer's clock.
+    TakeReport take_written(const std::function<void(Message&&, Timestamp written)>& on_sample,
+                            const std::function<void(const Message&, Ending)>& on_gone = {});
 
     /// Number of writers matched now.
     int num_writers() const;

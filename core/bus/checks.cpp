@@ -139,6 +139,13 @@ void check_stream(const StreamState& stream, Checker& checker) {
     if (!stream.cap_set_by.empty()) checker.name("SiteStatus.stream.cap_set_by", stream.cap_set_by);
 }
 
+void check_process(const ProcessorUse& use, double first_output_s, Checker& checker) {
+    for (const double rate : {use.run_per_s, use.waited_per_s, use.longest_wait_per_s})
+        checker.range("processor: seconds per second", rate, 0.0, kMaxStatistic);
+    checker.range("processor.nice", use.nice, -20, 19);
+    checker.range("first_output_s", first_output_s, 0.0, kMaxStatistic);
+}
+
 }  // namespace
 
 bool is_valid_name(std::string_view name) {
@@ -316,6 +323,7 @@ Expected<void> check(const SiteStatus& message) {
     checker.range("SiteStatus.mesh_bytes_per_s", message.mesh_bytes_per_s, 0.0, kMaxStatistic);
     checker.range(
         "SiteStatus.texture_bytes_per_s", message.texture_bytes_per_s, 0.0, kMaxStatistic);
+    check_process(message.processor, message.first_output_s, checker);
     return checker.result();
 }
 
@@ -327,6 +335,8 @@ Expected<void> check(const WorldStatus& message) {
     checker.latency("WorldStatus.capture_to_collision", message.capture_to_collision);
     checker.range("WorldStatus.bytes_per_s", message.bytes_per_s, 0.0, kMaxStatistic);
     checker.latency("WorldStatus.step", message.step);
+    checker.latency("WorldStatus.prepare", message.prepare);
+    check_process(message.processor, message.first_output_s, checker);
     return checker.result();
 }
 
@@ -336,6 +346,9 @@ Expected<void> check(const ViewerStatus& message) {
     checker.time("ViewerStatus.time", message.time);
     checker.range("ViewerStatus.frames_per_s", message.frames_per_s, 0.0, kMaxStatistic);
     checker.latency("ViewerStatus.capture_to_display", message.capture_to_display);
+    checker.range("ViewerStatus.max_frames_per_s", message.max_frames_per_s, 0.0, kMaxStatistic);
+    checker.range("ViewerStatus.scale", message.scale, 0.0, 1.0);
+    check_process(message.processor, message.first_output_s, checker);
     return checker.result();
 }
 
@@ -346,8 +359,10 @@ Expected<void> check(const StreamFeedback& message) {
     checker.time("StreamFeedback.time", message.time);
     checker.range(
         "StreamFeedback.payload_bytes_per_s", message.payload_bytes_per_s, 0.0, kMaxStatistic);
-    for (const double delay_ms : {message.min_delay_ms, message.median_delay_ms})
+    for (const double delay_ms :
+         {message.min_delay_ms, message.sure_delay_ms, message.median_delay_ms})
         checker.range("StreamFeedback.delay_ms", delay_ms, -kMaxStatistic, kMaxStatistic);
+    checker.range("StreamFeedback.longest_wait_ms", message.longest_wait_ms, 0.0, kMaxStatistic);
     return checker.result();
 }
 

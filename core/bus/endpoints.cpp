@@ -2,7 +2,9 @@
 
 #include "core/bus/checks.hpp"
 
+#include <algorithm>
 #include <array>
+#include <limits>
 
 namespace atrium::bus {
 
@@ -44,6 +46,12 @@ private:
     std::array<dds_sample_info_t, kTakeBatch> infos_{};
     int num_samples_ = 0;
 };
+
+// The time comes from the network: whatever it is, differences of it must not overflow.
+Timestamp when_written(const dds_sample_info_t& info) {
+    constexpr dds_time_t kLast = std::numeric_limits<dds_time_t>::max() / 2;
+    return {std::clamp<dds_time_t>(info.source_timestamp, 0, kLast)};
+}
 
 void reject(TakeReport& report, const Error& why) {
     if (report.num_rejected++ == 0) report.first_rejection = why.message;
@@ -168,6 +176,17 @@ TakeReport Reader<Message>::take(const std::function<void(Message&&)>& on_sample
 template <typename Message>
 TakeReport Reader<Message>::take(const std::function<void(Message&&)>& on_sample,
                                  const std::function<void(const Message&, Ending)>& on_gone) {
+    return take_written(
+        [&on_sample](Message&& message, Timestamp /*written*/) {
+            if (on_sample) on_sample(std::move(message));
+        },
+        on_gone);
+}
+
+template <typename Message>
+TakeReport Reader<Message>::take_written(
+    const std::function<void(Message&&, Timestamp)>& on_sample,
+    const std::function<void(const Message&, Ending)>& on_gone) {
     TakeReport report;
     const auto now = DeadlineCount::Clock::now();
     for (std::size_t batch = 0; batch < kMaxBatchesPerTake; ++batch) {
@@ -180,7 +199,7 @@ TakeReport Reader<Message>::take(const std::function<void(Message&&)>& on_sample
                 impl_->deadlines->heard(info.instance_handle, now);
                 if (auto message = from_wire(wire)) {
                     ++report.num_taken;
-                    if (on_sample) on_sample(std::move(*message));
+                    if (on_sample) on_sample(std::move(*message), when_written(info));
                 } else {
                     reject(report, message.error());
                 }

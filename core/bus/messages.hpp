@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/processor_use.hpp"
 #include "core/base/timestamp.hpp"
 #include "core/geometry/aabb.hpp"
 #include "core/geometry/pinhole_camera.hpp"
@@ -180,10 +181,14 @@ struct StreamFeedback {
     std::uint32_t num_late = 0;         // samples of frames no newer than one that was complete
     std::uint32_t num_samples = 0;      // meshes and textures that came
     double payload_bytes_per_s = 0.0;   // of those
-    /// Arrival minus capture. Clocks of two hosts need not agree: it may be negative, and only its
-    /// change means something.
-    double min_delay_ms = 0.0;     // of any of those samples; 0 where there are none
-    double median_delay_ms = 0.0;  // of what made a frame complete; the smallest where none was
+    /// Clocks of two hosts need not agree: a delay may be negative, and only its change means
+    /// something.
+    double min_delay_ms = 0.0;   // from writing to taking, of any of those; 0 where there are none
+    double sure_delay_ms = 0.0;  // of that, what certainly was no wait in the viewer's host
+    double median_delay_ms = 0.0;  // from capture until a frame was complete; where none was, the
+                                   // smallest of any sample
+    /// Longest time that a sample may have waited in the viewer's host.
+    double longest_wait_ms = 0.0;
 };
 
 enum class CommandKind : std::uint8_t {
@@ -292,6 +297,8 @@ struct SiteStatus {
     StageTimes stages;
     double mesh_bytes_per_s = 0.0;  // of bytes_per_s, like the next one
     double texture_bytes_per_s = 0.0;
+    ProcessorUse processor;
+    double first_output_s = 0.0;  // from the process's start to its first metaframe; 0: none yet
 };
 
 struct WorldStatus {
@@ -315,9 +322,13 @@ struct WorldStatus {
     std::uint64_t num_saves = 0;    // of the state
     std::uint64_t num_bytes_published = 0;
     double bytes_per_s = 0.0;
-    LatencySummary step;           // computing one tick
-    std::uint64_t state_tick = 0;  // the state's hash after this tick; 0: not hashed yet
+    LatencySummary step;     // computing one tick
+    LatencySummary prepare;  // from taking a mesh from the bus until the step can use it
+    std::uint64_t num_meshes_dropped = 0;  // replaced by a newer one before they were prepared
+    std::uint64_t state_tick = 0;          // the state's hash after this tick; 0: not hashed yet
     std::uint64_t state_hash = 0;
+    ProcessorUse processor;
+    double first_output_s = 0.0;  // from the process's start to its first state; 0: none yet
 };
 
 struct ViewerStatus {
@@ -332,6 +343,12 @@ struct ViewerStatus {
     double frames_per_s = 0.0;
     LatencySummary capture_to_display;
     std::uint64_t resident_bytes = 0;
+    ProcessorUse processor;
+    double first_output_s = 0.0;    // from the process's start to its first picture; 0: none yet
+    double max_frames_per_s = 0.0;  // that it allows itself now [Hz]; 0: it does not draw yet
+    double scale = 0.0;             // of the picture's sides, in [0, 1]; 0: likewise
+    bool has_shadows = false;       // whether it draws them now
+    std::uint64_t num_video_dropped = 0;  // pictures for which a video repeats the one before
 };
 
 enum class ProgramKind : std::uint8_t { kSiteNode, kWorldServer, kViewer, kOther };

@@ -12,7 +12,9 @@ void to_wire(const StreamFeedback& message, WireScratch& /*scratch*/, atrium_Str
     out.num_samples = message.num_samples;
     out.payload_bytes_per_s = message.payload_bytes_per_s;
     out.min_delay_ms = message.min_delay_ms;
+    out.sure_delay_ms = message.sure_delay_ms;
     out.median_delay_ms = message.median_delay_ms;
+    out.longest_wait_ms = message.longest_wait_ms;
 }
 
 Expected<StreamFeedback> from_wire(const atrium_StreamFeedback& wire) {
@@ -27,7 +29,9 @@ Expected<StreamFeedback> from_wire(const atrium_StreamFeedback& wire) {
     message.num_samples = wire.num_samples;
     message.payload_bytes_per_s = wire.payload_bytes_per_s;
     message.min_delay_ms = wire.min_delay_ms;
+    message.sure_delay_ms = wire.sure_delay_ms;
     message.median_delay_ms = wire.median_delay_ms;
+    message.longest_wait_ms = wire.longest_wait_ms;
     return checked(std::move(message));
 }
 
@@ -46,7 +50,7 @@ Expected<StreamFeedback> key_from_wire(const atrium_StreamFeedback& wire) {
 }
 
 std::size_t payload_bytes(const StreamFeedback& message) {
-    return message.viewer.size() + message.site.size() + 5 * sizeof(std::uint64_t) +
+    return message.viewer.size() + message.site.size() + 8 * sizeof(std::uint64_t) +
            4 * sizeof(std::uint32_t);
 }
 

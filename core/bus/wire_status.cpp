@@ -76,6 +76,33 @@ StreamState get_stream(const atrium_StreamState& stream) {
             stream.num_dropped_for_rate};
 }
 
+constexpr std::size_t kProcessorBytes = 5 * sizeof(std::uint64_t) + 1 + sizeof(std::int16_t);
+
+atrium_ProcessorUse put_processor(const ProcessorUse& use) {
+    return {use.run_ns,
+            use.waited_ns,
+            use.run_per_s,
+            use.waited_per_s,
+            use.longest_wait_per_s,
+            static_cast<std::uint8_t>(use.is_waiting_known ? 1 : 0),
+            use.nice};
+}
+
+ProcessorUse get_processor(const atrium_ProcessorUse& wire) {
+    return {wire.run_ns,
+            wire.waited_ns,
+            wire.run_per_s,
+            wire.waited_per_s,
+            wire.longest_wait_per_s,
+            wire.is_waiting_known != 0,
+            wire.nice};
+}
+
+Expected<void> check_flag(const atrium_ProcessorUse& wire) {
+    if (wire.is_waiting_known <= 1) return {};
+    return make_error(ErrorKind::kInvalidData, "processor.is_waiting_known: must be 0 or 1");
+}
+
 }  // namespace
 
 void to_wire(const SiteStatus& message, WireScratch& scratch, atrium_SiteStatus& out) {
@@ -104,10 +131,13 @@ void to_wire(const SiteStatus& message, WireScratch& scratch, atrium_SiteStatus&
                   message.stages.publishing_ms};
     out.mesh_bytes_per_s = message.mesh_bytes_per_s;
     out.texture_bytes_per_s = message.texture_bytes_per_s;
+    out.processor = put_processor(message.processor);
+    out.first_output_s = message.first_output_s;
 }
 
 Expected<SiteStatus> from_wire(const atrium_SiteStatus& wire) {
     if (wire.cameras._length > kMaxCamerasPerSite) return too_many("SiteStatus.cameras");
+    if (auto flag = check_flag(wire.processor); !flag) return tl::unexpected(flag.error());
     SiteStatus message;
     message.site = get_name(wire.site);
     message.time.ns = wire.time_ns;
@@ -137,6 +167,8 @@ Expected<SiteStatus> from_wire(const atrium_SiteStatus& wire) {
                       wire.stages.publishing_ms};
     message.mesh_bytes_per_s = wire.mesh_bytes_per_s;
     message.texture_bytes_per_s = wire.texture_bytes_per_s;
+    message.processor = get_processor(wire.processor);
+    message.first_output_s = wire.first_output_s;
     return checked(std::move(message));
 }
 
@@ -151,8 +183,9 @@ Expected<SiteStatus> key_from_wire(const atrium_SiteStatus& wire) {
 }
 
 std::size_t payload_bytes(const SiteStatus& message) {
-    std::size_t bytes = message.site.size() + 17 * sizeof(std::uint64_t) + kLeftOutBytes +
-                        kLatencyBytes + kStreamBytes + message.stream.cap_set_by.size();
+    std::size_t bytes = message.site.size() + 18 * sizeof(std::uint64_t) + kLeftOutBytes +
+                        kLatencyBytes + kProcessorBytes + kStreamBytes +
+                        message.stream.cap_set_by.size();
     for (const CameraStatus& camera : message.cameras)
         bytes += camera.name.size() + kCameraStatusBytes;
     return bytes;
@@ -179,11 +212,16 @@ void to_wire(const WorldStatus& message, WireScratch& /*scratch*/, atrium_WorldS
     out.num_bytes_published = message.num_bytes_published;
     out.bytes_per_s = message.bytes_per_s;
     out.step = put_latency(message.step);
+    out.prepare = put_latency(message.prepare);
+    out.num_meshes_dropped = message.num_meshes_dropped;
     out.state_tick = message.state_tick;
     out.state_hash = message.state_hash;
+    out.processor = put_processor(message.processor);
+    out.first_output_s = message.first_output_s;
 }
 
 Expected<WorldStatus> from_wire(const atrium_WorldStatus& wire) {
+    if (auto flag = check_flag(wire.processor); !flag) return tl::unexpected(flag.error());
     WorldStatus message;
     message.world = get_name(wire.world);
     message.time.ns = wire.time_ns;
@@ -205,8 +243,12 @@ Expected<WorldStatus> from_wire(const atrium_WorldStatus& wire) {
     message.num_bytes_published = wire.num_bytes_published;
     message.bytes_per_s = wire.bytes_per_s;
     message.step = get_latency(wire.step);
+    message.prepare = get_latency(wire.prepare);
+    message.num_meshes_dropped = wire.num_meshes_dropped;
     message.state_tick = wire.state_tick;
     message.state_hash = wire.state_hash;
+    message.processor = get_processor(wire.processor);
+    message.first_output_s = wire.first_output_s;
     return checked(std::move(message));
 }
 
@@ -221,8 +263,8 @@ Expected<WorldStatus> key_from_wire(const atrium_WorldStatus& wire) {
 }
 
 std::size_t payload_bytes(const WorldStatus& message) {
-    return message.world.size() + 18 * sizeof(std::uint64_t) + sizeof(std::uint32_t) +
-           2 * kLatencyBytes;
+    return message.world.size() + 20 * sizeof(std::uint64_t) + sizeof(std::uint32_t) +
+           3 * kLatencyBytes + kProcessorBytes;
 }
 
 void to_wire(const ViewerStatus& message, WireScratch& /*scratch*/, atrium_ViewerStatus& out) {
@@ -236,9 +278,18 @@ void to_wire(const ViewerStatus& message, WireScratch& /*scratch*/, atrium_Viewe
     out.frames_per_s = message.frames_per_s;
     out.capture_to_display = put_latency(message.capture_to_display);
     out.resident_bytes = message.resident_bytes;
+    out.processor = put_processor(message.processor);
+    out.first_output_s = message.first_output_s;
+    out.max_frames_per_s = message.max_frames_per_s;
+    out.scale = message.scale;
+    out.has_shadows = message.has_shadows ? 1 : 0;
+    out.num_video_dropped = message.num_video_dropped;
 }
 
 Expected<ViewerStatus> from_wire(const atrium_ViewerStatus& wire) {
+    if (auto flag = check_flag(wire.processor); !flag) return tl::unexpected(flag.error());
+    if (wire.has_shadows > 1)
+        return make_error(ErrorKind::kInvalidData, "ViewerStatus.has_shadows: must be 0 or 1");
     ViewerStatus message;
     message.viewer = get_name(wire.viewer);
     message.time.ns = wire.time_ns;
@@ -250,6 +301,12 @@ Expected<ViewerStatus> from_wire(const atrium_ViewerStatus& wire) {
     message.frames_per_s = wire.frames_per_s;
     message.capture_to_display = get_latency(wire.capture_to_display);
     message.resident_bytes = wire.resident_bytes;
+    message.processor = get_processor(wire.processor);
+    message.first_output_s = wire.first_output_s;
+    message.max_frames_per_s = wire.max_frames_per_s;
+    message.scale = wire.scale;
+    message.has_shadows = wire.has_shadows != 0;
+    message.num_video_dropped = wire.num_video_dropped;
     return checked(std::move(message));
 }
 
@@ -264,7 +321,7 @@ Expected<ViewerStatus> key_from_wire(const atrium_ViewerStatus& wire) {
 }
 
 std::size_t payload_bytes(const ViewerStatus& message) {
-    return message.viewer.size() + 8 * sizeof(std::uint64_t) + kLatencyBytes;
+    return message.viewer.size() + 12 * sizeof(std::uint64_t) + 1 + kLatencyBytes + kProcessorBytes;
 }
 
 }  // namespace atrium::bus

@@ -63,6 +63,8 @@ Figures figures_of(const bus::SiteStatus& status) {
         figures.cameras.push_back(figures_of(camera));
     figures.stream = status.stream;
     figures.resident_bytes = status.resident_bytes;
+    figures.processor = status.processor;
+    figures.first_output_s = status.first_output_s;
     return figures;
 }
 
@@ -78,9 +80,11 @@ Figures figures_of(const bus::WorldStatus& status) {
                     {"states_saved", status.num_saves}};
     figures.losses = {{"rejected_samples", status.num_rejected},
                       {"refused_commands", status.num_refused},
+                      {"meshes_dropped", status.num_meshes_dropped},
                       {"skipped_ticks", status.num_skipped_ticks},
                       {"objects_put_back", status.num_resets}};
     figures.stages = {
+        {"prepare", status.prepare},
         {"step", status.step},
         {"capture_to_collision", status.capture_to_collision, true, /*elsewhere=*/true}};
     figures.notes = {{"objects", fmt::format("{}", status.num_objects)},
@@ -93,6 +97,8 @@ Figures figures_of(const bus::WorldStatus& status) {
             {"state", fmt::format("{:016x} at tick {}", status.state_hash, status.state_tick)});
     }
     figures.resident_bytes = status.resident_bytes;
+    figures.processor = status.processor;
+    figures.first_output_s = status.first_output_s;
     return figures;
 }
 
@@ -107,6 +113,17 @@ Figures figures_of(const bus::ViewerStatus& status) {
                       {"rejected_samples", status.num_rejected}};
     figures.stages = {{"capture_to_display", status.capture_to_display, true, /*elsewhere=*/true}};
     figures.resident_bytes = status.resident_bytes;
+    if (status.max_frames_per_s > 0.0) {
+        figures.notes.push_back({"quality",
+                                 fmt::format("{:.0f} frames/s at most, scale {:.2g}, {} shadows",
+                                             status.max_frames_per_s,
+                                             status.scale,
+                                             status.has_shadows ? "with" : "no")});
+    }
+    if (status.num_video_dropped > 0)
+        figures.notes.push_back({"video_dropped", fmt::format("{}", status.num_video_dropped)});
+    figures.processor = status.processor;
+    figures.first_output_s = status.first_output_s;
     return figures;
 }
 
@@ -122,7 +139,7 @@ bool goes_on(const Figures& before, const Figures& now) {
             return false;
         }
     }
-    return true;
+    return before.processor.run_ns <= now.processor.run_ns;
 }
 
 }  // namespace atrium::status

@@ -47,6 +47,8 @@ struct Figures {
     std::optional<bus::StreamState> stream;
     std::vector<Note> notes;  // what is no count
     std::uint64_t resident_bytes = 0;
+    ProcessorUse processor;
+    double first_output_s = 0.0;  // from the start of the process; 0: none yet
 };
 
 Figures figures_of(const bus::SiteStatus& status);

@@ -81,6 +81,16 @@ std::vector<CameraStatus> camera_statuses(Random& random) {
     return out;
 }
 
+ProcessorUse processor_use(Random& random) {
+    return {random(),
+            random(),
+            number(random, 0, 64),
+            number(random, 0, 1e3),
+            number(random, 0, 1),
+            below(random, 2) == 0,
+            static_cast<std::int16_t>(static_cast<int>(below(random, 40)) - 20)};
+}
+
 bool same(const geometry::RigidTransform& a, const geometry::RigidTransform& b) {
     return a.rotation.coeffs() == b.rotation.coeffs() && a.translation == b.translation;
 }
@@ -315,7 +325,9 @@ SiteStatus random_message(Random& random) {
              number(random, 0, 1e3),
              number(random, 0, 1e3)},
             number(random, 0, 1e9),
-            number(random, 0, 1e9)};
+            number(random, 0, 1e9),
+            processor_use(random),
+            number(random, 0, 1e4)};
 }
 
 template <>
@@ -340,8 +352,12 @@ WorldStatus random_message(Random& random) {
             random(),
             number(random, 0, 1e9),
             latency(random),
+            latency(random),
             random(),
-            random()};
+            random(),
+            random(),
+            processor_use(random),
+            number(random, 0, 1e4)};
 }
 
 template <>
@@ -355,6 +371,12 @@ ViewerStatus random_message(Random& random) {
             random(),
             number(random, 0, 1000),
             latency(random),
+            random(),
+            processor_use(random),
+            number(random, 0, 1e4),
+            number(random, 0, 1000),
+            number(random, 0, 1),
+            random() % 2 == 0,
             random()};
 }
 
@@ -370,7 +392,9 @@ StreamFeedback random_message(Random& random) {
             static_cast<std::uint32_t>(random()),
             number(random, 0, 1e9),
             number(random, -1e6, 1e6),
-            number(random, -1e6, 1e6)};
+            number(random, -1e6, 1e6),
+            number(random, -1e6, 1e6),
+            number(random, 0, 1e6)};
 }
 
 template <>
@@ -469,7 +493,8 @@ bool same(const SiteStatus& a, const SiteStatus& b) {
            same(a.capture_to_publish, b.capture_to_publish) &&
            a.resident_bytes == b.resident_bytes && a.cameras == b.cameras && a.stream == b.stream &&
            a.stages == b.stages && a.mesh_bytes_per_s == b.mesh_bytes_per_s &&
-           a.texture_bytes_per_s == b.texture_bytes_per_s;
+           a.texture_bytes_per_s == b.texture_bytes_per_s && a.processor == b.processor &&
+           a.first_output_s == b.first_output_s;
 }
 
 bool same(const WorldStatus& a, const WorldStatus& b) {
@@ -482,7 +507,10 @@ bool same(const WorldStatus& a, const WorldStatus& b) {
            a.num_skipped_ticks == b.num_skipped_ticks && a.num_refused == b.num_refused &&
            a.num_grabs == b.num_grabs && a.num_saves == b.num_saves &&
            a.num_bytes_published == b.num_bytes_published && a.bytes_per_s == b.bytes_per_s &&
-           same(a.step, b.step) && a.state_tick == b.state_tick && a.state_hash == b.state_hash;
+           same(a.step, b.step) && same(a.prepare, b.prepare) &&
+           a.num_meshes_dropped == b.num_meshes_dropped && a.state_tick == b.state_tick &&
+           a.state_hash == b.state_hash && a.processor == b.processor &&
+           a.first_output_s == b.first_output_s;
 }
 
 bool same(const ViewerStatus& a, const ViewerStatus& b) {
@@ -490,7 +518,10 @@ bool same(const ViewerStatus& a, const ViewerStatus& b) {
            a.num_pairs_shown == b.num_pairs_shown && a.num_pairs_skipped == b.num_pairs_skipped &&
            a.num_incomplete == b.num_incomplete && a.num_rejected == b.num_rejected &&
            a.frames_per_s == b.frames_per_s && same(a.capture_to_display, b.capture_to_display) &&
-           a.resident_bytes == b.resident_bytes;
+           a.resident_bytes == b.resident_bytes && a.processor == b.processor &&
+           a.first_output_s == b.first_output_s && a.max_frames_per_s == b.max_frames_per_s &&
+           a.scale == b.scale && a.has_shadows == b.has_shadows &&
+           a.num_video_dropped == b.num_video_dropped;
 }
 
 bool same(const StreamFeedback& a, const StreamFeedback& b) {
@@ -498,7 +529,8 @@ bool same(const StreamFeedback& a, const StreamFeedback& b) {
            a.newest_frame_id == b.newest_frame_id && a.num_complete == b.num_complete &&
            a.num_incomplete == b.num_incomplete && a.num_late == b.num_late &&
            a.num_samples == b.num_samples && a.payload_bytes_per_s == b.payload_bytes_per_s &&
-           a.min_delay_ms == b.min_delay_ms && a.median_delay_ms == b.median_delay_ms;
+           a.min_delay_ms == b.min_delay_ms && a.sure_delay_ms == b.sure_delay_ms &&
+           a.median_delay_ms == b.median_delay_ms && a.longest_wait_ms == b.longest_wait_ms;
 }
 
 bool same(const Presence& a, const Presence& b) {

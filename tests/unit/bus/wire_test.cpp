@@ -388,7 +388,11 @@ TEST(FromWire, RefusesEachBadFieldOfAStatus) {
          {"stages", [](auto& w) { w.stages.coding_ms = kInfinity; }},
          {"stages", [](auto& w) { w.stages.publishing_ms = 1e16; }},
          {"mesh_bytes_per_s", [](auto& w) { w.mesh_bytes_per_s = -1; }},
-         {"texture_bytes_per_s", [](auto& w) { w.texture_bytes_per_s = kNan; }}});
+         {"texture_bytes_per_s", [](auto& w) { w.texture_bytes_per_s = kNan; }},
+         {"seconds per second", [](auto& w) { w.processor.run_per_s = -1; }},
+         {"is_waiting_known", [](auto& w) { w.processor.is_waiting_known = 2; }},
+         {"nice", [](auto& w) { w.processor.nice = 20; }},
+         {"first_output_s", [](auto& w) { w.first_output_s = kNan; }}});
     expect_each_refused<WorldStatus>(
         random_message<WorldStatus>(random),
         {{"world", [](auto& w) { spoil_name(w.world, ""); }},
@@ -397,13 +401,26 @@ TEST(FromWire, RefusesEachBadFieldOfAStatus) {
          {"capture_to_collision", [](auto& w) { w.capture_to_collision.p99_ms = -1e16; }},
          {"bytes_per_s", [](auto& w) { w.bytes_per_s = -1; }},
          {"bytes_per_s", [](auto& w) { w.bytes_per_s = kNan; }},
-         {"step", [](auto& w) { w.step.median_ms = kInfinity; }}});
+         {"step", [](auto& w) { w.step.median_ms = kInfinity; }},
+         {"prepare", [](auto& w) { w.prepare.p99_ms = kNan; }},
+         {"seconds per second", [](auto& w) { w.processor.waited_per_s = kNan; }},
+         {"is_waiting_known", [](auto& w) { w.processor.is_waiting_known = 255; }},
+         {"nice", [](auto& w) { w.processor.nice = -21; }},
+         {"first_output_s", [](auto& w) { w.first_output_s = -1; }}});
     expect_each_refused<ViewerStatus>(
         random_message<ViewerStatus>(random),
         {{"viewer", [](auto& w) { spoil_name(w.viewer, ""); }},
          {"time", [](auto& w) { w.time_ns = -1; }},
          {"frames_per_s", [](auto& w) { w.frames_per_s = kNan; }},
-         {"capture_to_display", [](auto& w) { w.capture_to_display.median_ms = kInfinity; }}});
+         {"capture_to_display", [](auto& w) { w.capture_to_display.median_ms = kInfinity; }},
+         {"seconds per second", [](auto& w) { w.processor.longest_wait_per_s = kInfinity; }},
+         {"is_waiting_known", [](auto& w) { w.processor.is_waiting_known = 3; }},
+         {"nice", [](auto& w) { w.processor.nice = 32767; }},
+         {"first_output_s", [](auto& w) { w.first_output_s = 1e16; }},
+         {"max_frames_per_s", [](auto& w) { w.max_frames_per_s = -1; }},
+         {"scale", [](auto& w) { w.scale = 1.5; }},
+         {"scale", [](auto& w) { w.scale = kNan; }},
+         {"has_shadows", [](auto& w) { w.has_shadows = 2; }}});
 }
 
 TEST(FromWire, RefusesEachBadFieldOfAFeedback) {
@@ -420,7 +437,11 @@ TEST(FromWire, RefusesEachBadFieldOfAFeedback) {
          {"payload_bytes_per_s", [](auto& w) { w.payload_bytes_per_s = 1e16; }},
          {"delay_ms", [](auto& w) { w.min_delay_ms = kNan; }},
          {"delay_ms", [](auto& w) { w.min_delay_ms = -1e16; }},
-         {"delay_ms", [](auto& w) { w.median_delay_ms = kInfinity; }}});
+         {"delay_ms", [](auto& w) { w.median_delay_ms = kInfinity; }},
+         {"delay_ms", [](auto& w) { w.sure_delay_ms = kNan; }},
+         {"longest_wait_ms", [](auto& w) { w.longest_wait_ms = -1; }},
+         {"longest_wait_ms", [](auto& w) { w.longest_wait_ms = kNan; }},
+         {"longest_wait_ms", [](auto& w) { w.longest_wait_ms = 1e16; }}});
 }
 
 TEST(FromWire, RefusesAFeedbacksKeyWithABadName) {

@@ -37,6 +37,15 @@ ProgramReport site(const std::string& name, int num_cameras) {
     out.topics = {{"SiteMesh", 510'000.0, {}, false}, {"CameraTexture", 1'510'000.0, 240.0, true}};
     out.stream = bus::StreamState{65, 2, 1, 20.1e6, "wall", 3};
     out.resident_bytes = 250'000'000;
+    out.processor = {.run_ns = 12'500'000'000,
+                     .waited_ns = 2'500'000'000,
+                     .run_per_s = 0.81,
+                     .waited_per_s = 1.21,
+                     .longest_wait_per_s = 0.43,
+                     .is_waiting_known = true,
+                     .nice = -2};
+    out.first_output_s = 2.5;
+    out.bottlenecks = {{status::Cause::kMachine, "machine too slow: waited 43 % of the time"}};
     for (int i = 0; i < num_cameras; ++i) {
         CameraReport camera;
         camera.name = "cam" + std::to_string(i);
@@ -94,7 +103,10 @@ TEST(RenderText, ShowsProgramsWithWhatTheyDoAndLose) {
           "measured",
           "hull 3.1  capture to publish 14.2 (p99 20.1)",
           "quality 65  resolution 1/2  rate 1/1  cap 20.1 Mbit/s  set by wall",
+          "cpu      0.81 cores  waited 43 % (all threads 121 %)  nice -2\n",
+          "cpu      0.00 cores  waited ?  nice 0\n",
           "dropped late 5 (0.2/s)",
+          "slow     machine too slow: waited 43 % of the time\n",
           "cam0               30.0       12       0.1  incomplete 4",
           "NOT CONNECTED",
           "viewer wall",
@@ -248,10 +260,21 @@ TEST(RenderJson, IsOneLineWithStableKeys) {
     EXPECT_EQ(alice["topics"]["SiteMesh"]["source"], "reported");
     EXPECT_EQ(alice["topics"]["CameraTexture"]["source"], "measured");
     EXPECT_EQ(alice["stream_level"]["cap_set_by"], "wall");
+    EXPECT_EQ(alice["processor"]["cores"], 0.81);
+    EXPECT_EQ(alice["processor"]["run_s"], 12.5);
+    EXPECT_EQ(alice["processor"]["waited_s"], 2.5);
+    EXPECT_EQ(alice["processor"]["longest_wait_per_s"], 0.43);
+    EXPECT_EQ(alice["processor"]["nice"], -2);
+    EXPECT_EQ(alice["first_output_s"], 2.5);
+    EXPECT_EQ(alice["bottlenecks"][0]["cause"], "machine_too_slow");
     EXPECT_EQ(alice["cameras"].size(), 3u);
     EXPECT_TRUE(alice["cameras"][1]["last_picture_age_ms"].is_null());
     const auto& wall = json["programs"][1];
     EXPECT_TRUE(wall["host"].is_null());
+    EXPECT_EQ(wall["processor"]["cores"], 0.0);
+    EXPECT_TRUE(wall["processor"]["waited_per_s"].is_null()) << "not known";
+    EXPECT_TRUE(wall["first_output_s"].is_null());
+    EXPECT_TRUE(wall["bottlenecks"].empty());
     EXPECT_EQ(wall["latencies"]["capture_to_display"]["clocks"], "synchronised");
     EXPECT_EQ(wall["latencies"]["capture_to_display"]["clock_error_ms"], 1.5);
     EXPECT_EQ(json["streams"][0]["losses"]["incomplete_pairs"]["total"], 7);

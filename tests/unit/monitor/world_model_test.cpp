@@ -212,6 +212,33 @@ TEST_F(Model, LatenciesBetweenUnsynchronisedClocksMeanNothing) {
                             "latencies between them mean nothing"));
 }
 
+TEST_F(Model, TellsASlowViewerFromASlowNetwork) {
+    bus::SiteStatus site = site_status(0, 0);
+    model_.see(site, now_);
+    site = site_status(1, 0);
+    site.num_metaframes_captured += 30;
+    site.processor.is_waiting_known = true;
+    site.stream.num_dropped_for_rate = 15;
+    site.stream.cap_bit_per_s = 4.2e6;
+    site.stream.cap_set_by = "wall";
+    model_.see(site, now_);
+    bus::ViewerStatus viewer = viewer_status();
+    viewer.processor.is_waiting_known = true;
+    model_.see(viewer, now_);
+    const std::string slow =
+        "network too slow to wall: 15 of 30 metaframes left out for 4.2 Mbit/s";
+    EXPECT_THAT(program("lab").bottlenecks,
+                ElementsAre(status::Bottleneck{status::Cause::kNetwork, slow}));
+    EXPECT_THAT(program("wall").bottlenecks, IsEmpty());
+    viewer.processor.longest_wait_per_s = 0.7;
+    model_.see(viewer, now_);
+    EXPECT_THAT(
+        program("lab").bottlenecks,
+        ElementsAre(status::Bottleneck{status::Cause::kNetwork,
+                                       slow + ", but the machine of that viewer is too slow"}));
+    EXPECT_EQ(program("wall").bottlenecks.size(), 1U);
+}
+
 TEST_F(Model, ASiteThatLeftDoesNotSpoilTheLatency) {
     const auto site = presence(ProgramKind::kSiteNode, "lab", 1, "alpha");
     see_two_hosts(site, presence(ProgramKind::kViewer, "wall", 2, "beta"));

@@ -1,0 +1,163 @@
+#include "core/status/bottleneck.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+namespace atrium::status {
+namespace {
+
+// A loss that a program has because it was still busy, and what it is a part of.
+struct Late {
+    std::string_view lost;
+    std::string_view done;
+    bool done_includes_lost;
+    const char* text;
+};
+constexpr std::array<Late, 2> kLate{{
+    {"dropped_late", "metaframes_captured", true, "metaframes came too late for work"},
+    {"skipped_ticks", "steps", false, "steps were skipped"},
+}};
+
+std::uint64_t total_of(const std::vector<Counter>& counters, std::string_view what) {
+    const auto found = std::ranges::find(counters, what, &Counter::what);
+    return found == counters.end() ? 0 : found->total;
+}
+
+// `before` has the same counters, none of them larger.
+struct Growth {
+    const Figures& before;
+    const Figures& now;
+
+    std::uint64_t work(std::string_view what) const {
+        return total_of(now.work, what) - total_of(before.work, what);
+    }
+    std::uint64_t losses(std::string_view what) const {
+        return total_of(now.losses, what) - total_of(before.losses, what);
+    }
+};
+
+bool is_much(std::uint64_t part, std::uint64_t whole) {
+    return part > 1 && part <= whole &&
+           static_cast<double>(part) >= kOverloaded * static_cast<double>(whole);
+}
+
+// "5 of 30 metaframes came too late for work"; empty where hardly any did.
+std::string late_text(const Growth& growth) {
+    for (const Late& late : kLate) {
+        const std::uint64_t lost = growth.losses(late.lost);
+        const std::uint64_t due = growth.work(late.done) + (late.done_includes_lost ? 0 : lost);
+        if (is_much(lost, due)) return fmt::format("{} of {} {}", lost, due, late.text);
+    }
+    return {};
+}
+
+std::string network_text(const Growth& growth) {
+    const std::uint64_t left_out = growth.losses("dropped_for_rate");
+    if (const auto& stream = growth.now.stream; stream && left_out > 0) {
+        const bool is_option = stream->cap_set_by.starts_with("stream.");
+        return fmt::format("{}: {} of {} metaframes left out for {:.1f} Mbit/s",
+                           is_option ? "limited by " + stream->cap_set_by
+                                     : "network too slow to " + stream->cap_set_by,
+                           left_out,
+                           growth.work("metaframes_captured"),
+                           stream->cap_bit_per_s / 1e6);
+    }
+    const std::uint64_t incomplete = growth.losses("incomplete_pairs");
+    const std::uint64_t all = growth.work("pairs_shown") + incomplete;
+    if (is_much(incomplete, all)) {
+        return fmt::format(
+            "network loses data: {} of {} pairs arrived incomplete", incomplete, all);
+    }
+    return {};
+}
+
+std::string percent(double share) { return fmt::format("{:.0f} %", 100.0 * share); }
+
+}  // namespace
+
+bool is_short_of_processor(const ProcessorUse& use) {
+    return use.is_waiting_known && use.longest_wait_per_s >= kShortOfProcessor;
+}
+
+std::vector<std::string> processor_items(const ProcessorUse& use) {
+    const std::string waited = use.is_waiting_known ? fmt::format("waited {} (all threads {})",
+                                                                  percent(use.longest_wait_per_s),
+                                                                  percent(use.waited_per_s))
+                                                    : "waited ?";
+    return {fmt::format("{:.2f} cores", use.run_per_s), waited, fmt::format("nice {}", use.nice)};
+}
+
+std::string process_fields(const ProcessorUse& use, double first_output_s) {
+    const std::string waited =
+        use.is_waiting_known ? fmt::format("{:.1f}", 1e-9 * static_cast<double>(use.waited_ns))
+                             : "unknown";
+    return fmt::format("processor_s={:.1f} waited_s={} first_output_s={:.2f}",
+                       1e-9 * static_cast<double>(use.run_ns),
+                       waited,
+                       first_output_s);
+}
+
+const char* name_of(Cause cause) {
+    constexpr std::array kNames{
+        "machine_too_slow", "work_too_slow", "machine_or_work_too_slow", "network_too_slow"};
+    return kNames.at(static_cast<std::size_t>(cause));
+}
+
+std::vector<Bottleneck> bottlenecks(const std::optional<Figures>& before, const Figures& now) {
+    std::vector<Bottleneck> found;
+    const std::optional<Growth> growth =
+        before && goes_on(*before, now) ? std::optional<Growth>({*before, now}) : std::nullopt;
+    const std::string late = growth ? late_text(*growth) : "";
+    if (is_short_of_processor(now.processor)) {
+        found.push_back({Cause::kMachine,
+                         fmt::format("machine too slow: waited {} of the time for a core{}",
+                                     percent(now.processor.longest_wait_per_s),
+                                     late.empty() ? "" : "; " + late)});
+        return found;
+    }
+    if (!late.empty()) {
+        const bool is_known = now.processor.is_waiting_known;
+        found.push_back(
+            {is_known ? Cause::kWork : Cause::kMachineOrWork,
+             fmt::format("{}: {}",
+                         is_known ? "work takes longer than its period, though cores are free"
+                                  : "machine too slow or work too long",
+                         late)});
+    }
+    if (std::string network = growth ? network_text(*growth) : ""; !network.empty())
+        found.push_back({Cause::kNetwork, std::move(network)});
+    return found;
+}
+
+std::string advice(Cause cause, bus::ProgramKind kind) {
+    if (cause == Cause::kNetwork) return "see docs/streams.md";
+    std::string less = "give it less to do";
+    if (kind == bus::ProgramKind::kSiteNode)
+        less = "lower capture.rate_hz, use fewer or smaller pictures";
+    if (kind == bus::ProgramKind::kWorldServer) less = "lower world.tick_hz, use fewer objects";
+    if (kind == bus::ProgramKind::kViewer)
+        less = "make the picture smaller (view.width, view.height), lower view.max_fps";
+    if (cause == Cause::kWork && kind == bus::ProgramKind::kSiteNode)
+        return less + " or more site.threads";
+    return cause == Cause::kWork ? less : "run fewer programs on this host, or " + less;
+}
+
+std::optional<std::string> OverloadLog::look(Figures now, Clock::time_point time) {
+    const std::vector<Bottleneck> found = bottlenecks(before_, now);
+    const ProcessorUse use = now.processor;
+    before_ = std::move(now);
+    if (found.empty() || found.front().cause == Cause::kNetwork) return std::nullopt;
+    if (last_line_ && time - *last_line_ < kPeriod) return std::nullopt;
+    last_line_ = time;
+    return fmt::format("{} reason=\"{}\" cores={:.2f} waited_per_s={} advice=\"{}\"",
+                       name_of(found.front().cause),
+                       found.front().text,
+                       use.run_per_s,
+                       use.is_waiting_known ? fmt::format("{:.2f}", use.waited_per_s) : "unknown",
+                       advice(found.front().cause, kind_));
+}
+
+}  // namespace atrium::status

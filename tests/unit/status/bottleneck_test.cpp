@@ -1,0 +1,167 @@
+#include "core/status/bottleneck.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace atrium::status {
+namespace {
+
+using std::chrono::seconds;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::Optional;
+using testing::StartsWith;
+
+const OverloadLog::Clock::time_point kStart{std::chrono::hours(1)};
+
+ProcessorUse waiting(double longest_wait_per_s) {
+    ProcessorUse use;
+    use.run_per_s = 0.81;
+    use.waited_per_s = 3.0 * longest_wait_per_s;
+    use.longest_wait_per_s = longest_wait_per_s;
+    use.is_waiting_known = true;
+    return use;
+}
+
+// Of a site, some seconds after its start.
+bus::SiteStatus site_after(int second, std::uint64_t late_per_s, double longest_wait_per_s) {
+    bus::SiteStatus status;
+    status.time = Timestamp{} + seconds(1000 + second);
+    status.num_metaframes_captured = 30U * static_cast<unsigned>(second);
+    status.num_dropped_late = late_per_s * static_cast<unsigned>(second);
+    status.processor = waiting(longest_wait_per_s);
+    return status;
+}
+
+std::vector<Bottleneck> of_second_2(std::uint64_t late_per_s, double longest_wait_per_s) {
+    return bottlenecks(figures_of(site_after(1, late_per_s, longest_wait_per_s)),
+                       figures_of(site_after(2, late_per_s, longest_wait_per_s)));
+}
+
+TEST(Bottlenecks, AreNoneWhereAProgramKeepsUp) {
+    EXPECT_THAT(of_second_2(0, 0.0), IsEmpty());
+    EXPECT_THAT(of_second_2(1, 0.19), IsEmpty()) << "a hiccup";
+}
+
+TEST(Bottlenecks, BlameTheMachineWhereAThreadWaitsForACore) {
+    EXPECT_THAT(of_second_2(0, 0.25),
+                ElementsAre(Bottleneck{Cause::kMachine,
+                                       "machine too slow: waited 25 % of the time for a core"}));
+    EXPECT_THAT(of_second_2(5, 0.43),
+                ElementsAre(Bottleneck{Cause::kMachine,
+                                       "machine too slow: waited 43 % of the time for a core; 5 of "
+                                       "30 metaframes came too late for work"}));
+}
+
+TEST(Bottlenecks, BlameTheWorkWhereCoresAreFree) {
+    EXPECT_THAT(of_second_2(5, 0.02),
+                ElementsAre(Bottleneck{Cause::kWork,
+                                       "work takes longer than its period, though cores are free: "
+                                       "5 of 30 metaframes came too late for work"}));
+    bus::WorldStatus before;
+    bus::WorldStatus now;
+    now.num_steps = 100;
+    now.num_skipped_ticks = 20;
+    before.processor = now.processor = waiting(0.0);
+    const auto found = bottlenecks(figures_of(before), figures_of(now));
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].cause, Cause::kWork);
+    EXPECT_THAT(found[0].text, HasSubstr("20 of 120 steps were skipped"));
+}
+
+TEST(Bottlenecks, BlameNeitherWhereTheKernelDoesNotCount) {
+    bus::SiteStatus before = site_after(1, 5, 0.9);
+    bus::SiteStatus now = site_after(2, 5, 0.9);
+    before.processor.is_waiting_known = now.processor.is_waiting_known = false;
+    const auto found = bottlenecks(figures_of(before), figures_of(now));
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].cause, Cause::kMachineOrWork);
+}
+
+TEST(Bottlenecks, BlameTheNetworkForMetaframesLeftOut) {
+    bus::SiteStatus before = site_after(1, 0, 0.0);
+    bus::SiteStatus now = site_after(2, 0, 0.0);
+    now.stream.num_dropped_for_rate = 15;
+    now.stream.cap_bit_per_s = 4.2e6;
+    now.stream.cap_set_by = "wall";
+    EXPECT_THAT(bottlenecks(figures_of(before), figures_of(now)),
+                ElementsAre(Bottleneck{
+                    Cause::kNetwork,
+                    "network too slow to wall: 15 of 30 metaframes left out for 4.2 Mbit/s"}));
+    now.stream.cap_set_by = "stream.max_mbit_per_s";
+    EXPECT_THAT(bottlenecks(figures_of(before), figures_of(now))[0].text,
+                StartsWith("limited by stream.max_mbit_per_s: 15 of 30"));
+}
+
+TEST(Bottlenecks, DoNotBlameTheNetworkForWhatAStarvedViewerLoses) {
+    bus::ViewerStatus before;
+    bus::ViewerStatus now;
+    now.num_pairs_shown = 20;
+    now.num_incomplete = 10;
+    before.processor = now.processor = waiting(0.05);
+    EXPECT_THAT(bottlenecks(figures_of(before), figures_of(now)),
+                ElementsAre(Bottleneck{Cause::kNetwork,
+                                       "network loses data: 10 of 30 pairs arrived incomplete"}));
+    now.processor = waiting(0.6);
+    EXPECT_THAT(bottlenecks(figures_of(before), figures_of(now)),
+                ElementsAre(Bottleneck{Cause::kMachine,
+                                       "machine too slow: waited 60 % of the time for a core"}));
+}
+
+TEST(Bottlenecks, AreNoLossesOfAProgramThatStartedAgain) {
+    EXPECT_THAT(bottlenecks(figures_of(site_after(9, 5, 0.0)), figures_of(site_after(2, 5, 0.0))),
+                IsEmpty());
+    EXPECT_THAT(bottlenecks(std::nullopt, figures_of(site_after(2, 5, 0.0))), IsEmpty());
+    EXPECT_EQ(bottlenecks(std::nullopt, figures_of(site_after(2, 5, 0.5))).size(), 1U);
+}
+
+TEST(OverloadLog, WarnsAtOnceAndThenEveryFiveSeconds) {
+    OverloadLog log(bus::ProgramKind::kSiteNode);
+    const auto look = [&](int second, double longest_wait_per_s) {
+        return log.look(figures_of(site_after(second, 0, longest_wait_per_s)),
+                        kStart + seconds(second));
+    };
+    EXPECT_EQ(look(0, 0.1), std::nullopt);
+    EXPECT_THAT(look(1, 0.5),
+                Optional(std::string("machine_too_slow reason=\"machine too slow: waited 50 % of "
+                                     "the time for a core\" cores=0.81 waited_per_s=1.50 "
+                                     "advice=\"run fewer programs on this host, or lower "
+                                     "capture.rate_hz, use fewer or smaller pictures\"")));
+    for (int second = 2; second < 6; ++second) EXPECT_EQ(look(second, 0.5), std::nullopt);
+    EXPECT_NE(look(6, 0.5), std::nullopt);
+    EXPECT_EQ(look(12, 0.1), std::nullopt);
+    EXPECT_NE(look(13, 0.3), std::nullopt) << "at once";
+}
+
+TEST(OverloadLog, LeavesTheNetworkToTheStreams) {
+    OverloadLog log(bus::ProgramKind::kViewer);
+    bus::ViewerStatus status;
+    status.processor = waiting(0.0);
+    EXPECT_EQ(log.look(figures_of(status), kStart), std::nullopt);
+    status.num_incomplete = 10;
+    EXPECT_EQ(log.look(figures_of(status), kStart + seconds(1)), std::nullopt);
+}
+
+TEST(Advice, NamesOptionsOfTheProgram) {
+    EXPECT_THAT(advice(Cause::kMachine, bus::ProgramKind::kViewer), HasSubstr("view.width"));
+    EXPECT_THAT(advice(Cause::kWork, bus::ProgramKind::kSiteNode), HasSubstr("site.threads"));
+    EXPECT_THAT(advice(Cause::kMachine, bus::ProgramKind::kSiteNode),
+                Not(HasSubstr("site.threads")))
+        << "more threads would wait as well";
+    EXPECT_THAT(advice(Cause::kWork, bus::ProgramKind::kWorldServer), HasSubstr("world.tick_hz"));
+}
+
+TEST(ProcessFields, SayWhenTheKernelDoesNotCount) {
+    ProcessorUse use = waiting(0.1);
+    use.run_ns = 12'340'000'000;
+    use.waited_ns = 400'000'000;
+    EXPECT_EQ(process_fields(use, 1.234), "processor_s=12.3 waited_s=0.4 first_output_s=1.23");
+    use.is_waiting_known = false;
+    EXPECT_THAT(process_fields(use, 0.0), HasSubstr("waited_s=unknown"));
+    EXPECT_THAT(processor_items(use), ElementsAre("0.81 cores", "waited ?", "nice 0"));
+}
+
+}  // namespace
+}  // namespace atrium::status
