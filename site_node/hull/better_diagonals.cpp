@@ -37,15 +37,16 @@ void BetterDiagonals::improve(std::span<const Eigen::Vector2d> corners_m,
     if (triangles.size() < 2) return;
     corners_m_ = corners_m;
     lines_ = lines;
-    if (!can_be_improved(triangles)) return;
-    first_corner_.clear();
-    for (const auto& triangle : triangles)
-        first_corner_.insert(first_corner_.end(), triangle.begin(), triangle.end());
+    if (!copy(triangles)) return;
     are_few_ = corners_m.size() <= kFewCorners && first_corner_.size() <= kFewEdges;
     if (!are_few_ || !find_twins_of_few()) find_twins();
     to_check_.clear();
-    for (Edge e = 0; e < static_cast<Edge>(twin_.size()); ++e) {
-        if (twin_[static_cast<std::size_t>(e)] > e) to_check_.push_back(e);
+    const auto num_edges = static_cast<Edge>(first_corner_.size());
+    const Edge* const twins = twin_.data();
+    for (Edge e = 0; e < num_edges; e += 4) {
+        for (Edge of_triangle = e; of_triangle < e + 3; ++of_triangle) {
+            if (twins[of_triangle] > of_triangle) to_check_.push_back(of_triangle);
+        }
     }
     const std::size_t most = kMaxExchanges * triangles.size();
     std::size_t num_left = most;
@@ -58,16 +59,24 @@ void BetterDiagonals::improve(std::span<const Eigen::Vector2d> corners_m,
     }
     if (num_left == most) return;
     for (std::size_t t = 0; t < triangles.size(); ++t)
-        std::copy_n(
-            first_corner_.begin() + static_cast<std::ptrdiff_t>(3 * t), 3, triangles[t].begin());
+        std::copy_n(&first_corner_[4 * t], 3, triangles[t].begin());
 }
 
-bool BetterDiagonals::can_be_improved(std::span<const std::array<std::uint32_t, 3>> triangles) {
+// Takes the triangles over, with their orientation. False if they cannot be improved.
+bool BetterDiagonals::copy(std::span<const std::array<std::uint32_t, 3>> triangles) {
+    first_corner_.resize(4 * triangles.size());
+    twin_.resize(4 * triangles.size());
+    std::uint32_t* to = first_corner_.data();
+    const Eigen::Vector2d* const corners_m = corners_m_.data();
     double twice_area = 0.0;
     for (const auto& [a, b, c] : triangles) {
         if (std::max({a, b, c}) >= corners_m_.size()) return false;
         if (a == b || b == c || c == a) return false;
-        twice_area += Angle(corners_m_[a], corners_m_[b], corners_m_[c]).sine();
+        twice_area += Angle(corners_m[a], corners_m[b], corners_m[c]).sine();
+        to[0] = a;
+        to[1] = b;
+        to[2] = c;
+        to += 4;
     }
     orientation_ = twice_area < 0.0 ? -1.0 : 1.0;
     return std::abs(twice_area) > 0.0;
@@ -75,18 +84,32 @@ bool BetterDiagonals::can_be_improved(std::span<const std::array<std::uint32_t, 
 
 // False if two edges run from one corner to the same other one.
 bool BetterDiagonals::find_twins_of_few() {
-    const auto n = static_cast<Edge>(first_corner_.size());
-    bool is_sound = true;
-    few_.fill(0);
-    for (Edge e = 0; e < n; ++e) {
-        std::uint8_t& entry = few(from(e), to(e));
-        is_sound &= entry == 0;
+    const auto num_edges = static_cast<Edge>(first_corner_.size());
+    std::uint8_t* const table = few_.data();
+    std::fill_n(table, corners_m_.size() * kFewCorners, std::uint8_t{0});
+    const std::uint32_t* corners = first_corner_.data();
+    unsigned twice = 0;
+    const auto enter = [&](std::uint32_t from, std::uint32_t to, Edge e) {
+        std::uint8_t& entry = table[from * kFewCorners + to];
+        twice |= entry;
         entry = static_cast<std::uint8_t>(e + 1);
+    };
+    for (Edge e = 0; e < num_edges; e += 4, corners += 4) {
+        enter(corners[0], corners[1], e);
+        enter(corners[1], corners[2], e + 1);
+        enter(corners[2], corners[0], e + 2);
     }
-    twin_.resize(first_corner_.size());
-    for (Edge e = 0; e < n; ++e)
-        twin_[static_cast<std::size_t>(e)] = static_cast<Edge>(few(to(e), from(e))) - 1;
-    return is_sound;
+    corners = first_corner_.data();
+    Edge* twins = twin_.data();
+    const auto twin = [&](std::uint32_t from, std::uint32_t to) {
+        return static_cast<Edge>(table[to * kFewCorners + from]) - 1;
+    };
+    for (Edge e = 0; e < num_edges; e += 4, corners += 4, twins += 4) {
+        twins[0] = twin(corners[0], corners[1]);
+        twins[1] = twin(corners[1], corners[2]);
+        twins[2] = twin(corners[2], corners[0]);
+    }
+    return twice == 0;
 }
 
 void BetterDiagonals::find_twins() {
@@ -94,14 +117,14 @@ void BetterDiagonals::find_twins() {
     const auto num_edges = static_cast<Edge>(first_corner_.size());
     first_at_.assign(corners_m_.size(), kNone);
     next_at_.resize(static_cast<std::size_t>(num_edges));
-    for (Edge e = 0; e < num_edges; ++e) {
+    for (Edge e = 0; e < num_edges; e = in_list_after(e)) {
         Edge& first = first_at_[from(e)];
         next_at_[static_cast<std::size_t>(e)] = first;
         first = e;
     }
     twin_.assign(static_cast<std::size_t>(num_edges), kNone);
     bool is_sound = true;
-    for (Edge e = 0; e < num_edges; ++e) {
+    for (Edge e = 0; e < num_edges; e = in_list_after(e)) {
         if (twin_[static_cast<std::size_t>(e)] != kNone) continue;
         const Edge twin = only_edge(to(e), from(e));
         if (twin == kNone) continue;
@@ -111,7 +134,7 @@ void BetterDiagonals::find_twins() {
     }
     if (is_sound) return;
     // an edge that more than two triangles share, or two in the same direction, has to stay
-    for (Edge e = 0; e < num_edges; ++e) {
+    for (Edge e = 0; e < num_edges; e = in_list_after(e)) {
         const Edge twin = only_edge(to(e), from(e));
         const bool is_pair = twin != kNone && only_edge(from(e), to(e)) == e;
         twin_[static_cast<std::size_t>(e)] = is_pair ? twin : kNone;
@@ -149,12 +172,13 @@ bool BetterDiagonals::on_one_line(std::uint32_t a, std::uint32_t b) const {
 bool BetterDiagonals::exchange_helps(Edge e) {
     const Edge twin = twin_[static_cast<std::size_t>(e)];
     if (twin == kNone) return false;  // an exchange has made it a boundary since it was listed
-    const std::uint32_t ic = from(next(next(e)));
-    const std::uint32_t id = from(next(next(twin)));
-    const Eigen::Vector2d& a = corners_m_[from(e)];
-    const Eigen::Vector2d& b = corners_m_[to(e)];
-    const Eigen::Vector2d& c = corners_m_[ic];
-    const Eigen::Vector2d& d = corners_m_[id];
+    const std::uint32_t ic = from(before(e));
+    const std::uint32_t id = from(before(twin));
+    const Eigen::Vector2d* const corners_m = corners_m_.data();
+    const Eigen::Vector2d& a = corners_m[from(e)];
+    const Eigen::Vector2d& b = corners_m[from(twin)];
+    const Eigen::Vector2d& c = corners_m[ic];
+    const Eigen::Vector2d& d = corners_m[id];
     const Angle at_c(c, a, b);
     const Angle at_d(d, b, a);
     const double sine_of_sum =

@@ -32,15 +32,17 @@ public:
                  std::span<const Lines> lines = {});
 
 private:
-    // An edge of a triangle is 3 * triangle + the place of its first corner.
+    // An edge of a triangle is 4 * triangle + the place of its first corner.
     using Edge = std::int32_t;
     static constexpr Edge kNone = -1;
 
-    static Edge next(Edge e) { return e % 3 == 2 ? e - 2 : e + 1; }
+    static Edge next(Edge e) { return (e & 3) == 2 ? e - 2 : e + 1; }
+    static Edge before(Edge e) { return (e & 3) == 0 ? e + 2 : e - 1; }
+    static Edge in_list_after(Edge e) { return (e & 3) == 2 ? e + 2 : e + 1; }
     std::uint32_t& from(Edge e) { return first_corner_[static_cast<std::size_t>(e)]; }
     std::uint32_t to(Edge e) { return from(next(e)); }
 
-    bool can_be_improved(std::span<const std::array<std::uint32_t, 3>> triangles);
+    bool copy(std::span<const std::array<std::uint32_t, 3>> triangles);
     bool find_twins_of_few();
     std::uint8_t& few(std::uint32_t a, std::uint32_t b) { return few_[a * kFewCorners + b]; }
     void find_twins();
@@ -55,15 +57,14 @@ private:
     std::span<const Lines> lines_;
     // edges of few corners are in a table, others are listed by corner
     static constexpr std::size_t kFewCorners = 32;
-    static constexpr std::size_t kFewEdges = 254;
+    static constexpr std::size_t kFewEdges = 252;
     bool are_few_ = false;
     std::array<std::uint8_t, kFewCorners * kFewCorners> few_{};  // edge + 1, by its two corners
     double orientation_ = 1.0;                                   // -1: the triangles are clockwise
-    std::vector<std::uint32_t>
-        first_corner_;            // per edge: the triangles, one corner after the other
-    std::vector<Edge> twin_;      // per edge; kNone on the boundary
-    std::vector<Edge> first_at_;  // per corner: one edge from it,
-    std::vector<Edge> next_at_;   // per edge: another one from the same corner
+    std::vector<std::uint32_t> first_corner_;  // per edge: the triangles, four entries for each
+    std::vector<Edge> twin_;                   // per edge; kNone on the boundary
+    std::vector<Edge> first_at_;               // per corner: one edge from it,
+    std::vector<Edge> next_at_;                // per edge: another one from the same corner
     std::vector<Edge> to_check_;
 };
 

@@ -103,31 +103,27 @@ void place_views(const CleanViews& clean, const HullOptions& options, Cones& con
     }
 }
 
-// The rays of `view` onto their grid; rays of one view share the scale.
-void append_rays(std::span<const Eigen::Vector3d> rays, Cones::View& view, Cones& cones) {
+// The rays of view v onto their grid; rays of one view share the scale.
+void place_rays(std::span<const Eigen::Vector3d> rays, std::size_t v, Cones& cones) {
+    Cones::View& view = cones.views[v];
     double largest = 0.0;
     for (const Eigen::Vector3d& ray : rays) largest = std::max(largest, ray.cwiseAbs().maxCoeff());
     const double scale = grid_scale(largest, exact::kMaxRay);
     view.ray_unit = 1.0 / scale;
-    view.first_ray = static_cast<std::uint32_t>(cones.ray.size());
-    for (const Eigen::Vector3d& ray : rays) {
-        const exact::Vector on_grid = to_grid(ray, scale);
-        cones.exact_ray.push_back(on_grid);
-        cones.ray.push_back(from_grid(on_grid, scale));
-        cones.ray_length.push_back(cones.ray.back().norm());
-        cones.incidence.emplace_back();
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const std::size_t id = view.first_ray + i;
+        cones.exact_ray[id] = to_grid(rays[i], scale);
+        cones.ray[id] = from_grid(cones.exact_ray[id], scale);
+        cones.ray_length[id] = cones.ray[id].norm();
+        cones.incidence[id] = {};
     }
-    view.last_ray = static_cast<std::uint32_t>(cones.ray.size());
 }
 
 Cones::Strip make_strip(const Cones& cones, std::size_t v, SegmentKind kind) {
     Cones::Strip strip;
     strip.view = static_cast<std::uint8_t>(v);
     strip.kind = kind;
-    const std::uint64_t bit = std::uint64_t{1} << v;
     const bool counts = cones.views[v].is_partial && cones.min_seen > 0;
-    if (kind != SegmentKind::kUnseen) strip.toggles.carved = bit;
-    if (counts && kind != SegmentKind::kOutside) strip.toggles.seen = bit;
     strip.min_seen = cones.min_seen;
     if (counts && kind != SegmentKind::kOutside) strip.min_seen -= 1;  // its own view sees
     // on both sides nobody carves: the view's own sight has to decide
@@ -135,17 +131,23 @@ Cones::Strip make_strip(const Cones& cones, std::size_t v, SegmentKind kind) {
     return strip;
 }
 
-void append_strips(const LabelledOutlines& labelled, std::size_t v, Cones& cones) {
-    Cones::View& view = cones.views[v];
-    view.first_strip = static_cast<std::uint32_t>(cones.strips.size());
-    for (const LabelledOutlines::Segment& segment : labelled.segments) {
+Cones::Toggles toggles_of(const Cones& cones, std::size_t v, SegmentKind kind) {
+    const bool counts = cones.views[v].is_partial && cones.min_seen > 0;
+    const unsigned carved = kind != SegmentKind::kUnseen ? 1 : 0;
+    const unsigned seen = counts && kind != SegmentKind::kOutside ? 2 : 0;
+    return {static_cast<std::uint8_t>(carved | seen)};
+}
+
+void place_strips(const ConeScratch::View& prepared, std::size_t v, Cones& cones) {
+    const Cones::View& view = cones.views[v];
+    std::uint32_t id = view.first_strip;
+    for (const LabelledOutlines::Segment& segment : prepared.labelled.segments) {
         Cones::Strip strip = make_strip(cones, v, segment.kind);
         strip.from = view.first_ray + segment.from;
         strip.to = view.first_ray + segment.to;
         // kNoLoop wraps to some number that nobody asks for
-        strip.foreground_loop = cones.num_loops + segment.foreground_loop;
-        strip.background_loop = cones.num_loops + segment.background_loop;
-        const auto id = static_cast<std::uint32_t>(cones.strips.size());
+        strip.foreground_loop = prepared.first_loop + segment.foreground_loop;
+        strip.background_loop = prepared.first_loop + segment.background_loop;
         for (const std::uint32_t ray : {strip.from, strip.to}) {
             Cones::Incidence& at = cones.incidence[ray];
             if (at.count < at.strips.size()) at.strips[at.count] = id;
@@ -153,29 +155,42 @@ void append_strips(const LabelledOutlines& labelled, std::size_t v, Cones& cones
         }
         // the difference is exact, a product of the rays would not be
         const Eigen::Vector3d along = cones.ray[strip.to] - cones.ray[strip.from];
-        cones.normal.push_back(along.cross(cones.ray[strip.from]));
-        cones.normal_bound.push_back(along.norm() * cones.ray_length[strip.from]);
-        cones.strips.push_back(strip);
+        cones.normal[id] = along.cross(cones.ray[strip.from]);
+        cones.normal_bound[id] = along.norm() * cones.ray_length[strip.from];
+        cones.toggles[id] = toggles_of(cones, v, segment.kind);
+        cones.strips[id++] = strip;
     }
-    cones.num_loops += std::max(labelled.num_foreground_loops, labelled.num_background_loops);
-    std::uint32_t first = view.first_strip;
-    for (const std::uint32_t end : labelled.chain_ends) {
-        cones.chains.push_back({first, view.first_strip + end});
-        first = view.first_strip + end;
-    }
-    view.last_strip = static_cast<std::uint32_t>(cones.strips.size());
 }
 
-void append_camera(const SilhouetteView& source,
-                   std::size_t v,
-                   ConeScratch& scratch,
-                   Cones& cones) {
-    const Eigen::Matrix3d grid_from_camera = cones.views[v].camera_from_grid.transpose();
-    scratch.rays.clear();
-    for (const Eigen::Vector2d& p : scratch.labelled.points)
-        scratch.rays.emplace_back(grid_from_camera * source.intrinsics.ray_camera(p));
-    append_rays(scratch.rays, cones.views[v], cones);
-    append_strips(scratch.labelled, v, cones);
+// Numbers rays, strips and loops through all views.
+void number(ConeScratch& scratch, Cones& cones) {
+    std::uint32_t num_rays = 0;
+    std::uint32_t num_strips = 0;
+    cones.num_loops = 0;
+    cones.chains.clear();
+    for (std::size_t v = 0; v < cones.num_views(); ++v) {
+        Cones::View& view = cones.views[v];
+        const LabelledOutlines& labelled = scratch.views[v].labelled;
+        view.first_ray = num_rays;
+        view.last_ray = num_rays += static_cast<std::uint32_t>(scratch.views[v].rays.size());
+        view.first_strip = num_strips;
+        view.last_strip = num_strips += static_cast<std::uint32_t>(labelled.segments.size());
+        scratch.views[v].first_loop = cones.num_loops;
+        cones.num_loops += std::max(labelled.num_foreground_loops, labelled.num_background_loops);
+        std::uint32_t first = view.first_strip;
+        for (const std::uint32_t end : labelled.chain_ends) {
+            cones.chains.push_back({first, view.first_strip + end});
+            first = view.first_strip + end;
+        }
+    }
+    cones.ray.resize(num_rays);
+    cones.ray_length.resize(num_rays);
+    cones.exact_ray.resize(num_rays);
+    cones.incidence.resize(num_rays);
+    cones.strips.resize(num_strips);
+    cones.toggles.resize(num_strips);
+    cones.normal.resize(num_strips);
+    cones.normal_bound.resize(num_strips);
 }
 
 // What the outlines of a view and its field say about directions.
@@ -183,31 +198,59 @@ bool label(const SilhouetteView& source,
            std::uint32_t attempt,
            std::uint64_t hash,
            bool keep_unseen,
-           ConeScratch& scratch) {
+           ConeScratch::Worker& scratch,
+           LabelledOutlines& labelled) {
     if (source.field.empty()) {
-        label_without_field(scratch.outlines, scratch.labelled);
+        label_without_field(scratch.outlines, labelled);
         return true;
     }
     scratch.field.clear();
     scratch.field.append(source.field);
     jitter(scratch.field, jitter_px(source, attempt), ~hash + attempt);
-    return cut_by_field(scratch.outlines,
-                        scratch.field.points,
-                        keep_unseen,
-                        scratch.field_scratch,
-                        scratch.labelled);
+    return cut_by_field(
+        scratch.outlines, scratch.field.points, keep_unseen, scratch.field_scratch, labelled);
+}
+
+void prepare_camera(const CleanViews& clean,
+                    const HullOptions& options,
+                    std::uint32_t attempt,
+                    std::size_t v,
+                    const Cones& cones,
+                    ConeScratch::Worker& scratch,
+                    ConeScratch::View& out) {
+    const SilhouetteView& source = *clean.views[v].source;
+    Outlines& outlines = scratch.outlines;
+    outlines = clean.outlines[clean.views[v].outlines_index];
+    jitter(outlines, jitter_px(source, attempt), clean.views[v].hash + attempt);
+    const std::uint64_t max_tests = 100'000 + kTestsPerSegment * outlines.points.size();
+    if (!make_simple(
+            outlines, options.min_contour_area_px2, max_tests, scratch.outline, out.counts)) {
+        out.status = HullStatus::kTooComplex;
+        return;
+    }
+    orient_by_nesting(outlines);
+    if (!label(source, attempt, clean.views[v].hash, cones.min_seen > 0, scratch, out.labelled)) {
+        out.status = HullStatus::kNumericFailure;
+        return;
+    }
+    const Eigen::Matrix3d grid_from_camera = cones.views[v].camera_from_grid.transpose();
+    for (const Eigen::Vector2d& p : out.labelled.points)
+        out.rays.emplace_back(grid_from_camera * source.intrinsics.ray_camera(p));
+    out.sees_nobody = outlines.num_contours() == 0 && !cones.views[v].is_partial;
 }
 
 // Three rays along the edges that leave one corner of the bounds.
-void append_bounds(
-    std::size_t v, double sign, std::uint32_t attempt, ConeScratch& scratch, Cones& cones) {
+void prepare_bounds(double sign,
+                    std::uint32_t attempt,
+                    const Cones& cones,
+                    ConeScratch::Worker& scratch,
+                    ConeScratch::View& out) {
     Outlines& nudges = scratch.outlines;
     nudges.clear();
     const std::array<Eigen::Vector2d, 3> zeros{
         Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(0.0, sign), Eigen::Vector2d(sign, 0.0)};
     nudges.append(zeros);
     jitter(nudges, kFirstJitter_rad * std::pow(kJitterGrowth, attempt), attempt);
-    scratch.rays.clear();
     for (int axis = 0; axis < 3; ++axis) {
         const auto a = static_cast<std::size_t>(axis);
         const Eigen::Vector2d nudge = nudges.points[a] - zeros[a];
@@ -215,27 +258,13 @@ void append_bounds(
         ray[axis] = sign;
         ray[(axis + 1) % 3] = nudge.x();
         ray[(axis + 2) % 3] = nudge.y();
-        scratch.rays.push_back(cones.grid_from_site * ray);
+        out.rays.push_back(cones.grid_from_site * ray);
     }
     // the mirrored corner sees its edges the other way round
-    if (sign < 0.0) std::swap(scratch.rays[1], scratch.rays[2]);
-    append_rays(scratch.rays, cones.views[v], cones);
+    if (sign < 0.0) std::swap(out.rays[1], out.rays[2]);
     scratch.outlines.clear();
     scratch.outlines.append(zeros);
-    label_without_field(scratch.outlines, scratch.labelled);
-    append_strips(scratch.labelled, v, cones);
-}
-
-void clear_rays(Cones& cones) {
-    cones.ray.clear();
-    cones.ray_length.clear();
-    cones.exact_ray.clear();
-    cones.incidence.clear();
-    cones.strips.clear();
-    cones.normal.clear();
-    cones.normal_bound.clear();
-    cones.chains.clear();
-    cones.num_loops = 0;
+    label_without_field(scratch.outlines, out.labelled);
 }
 
 }  // namespace
@@ -243,40 +272,53 @@ void clear_rays(Cones& cones) {
 HullStatus build_cones(const CleanViews& clean,
                        const HullOptions& options,
                        std::uint32_t attempt,
+                       Executor& executor,
                        ConeScratch& scratch,
                        Cones& cones,
                        VisualHull& hull) {
     cones.only_exact = options.only_exact;
     place_views(clean, options, cones);
-    clear_rays(cones);
     const auto num_partial = static_cast<std::uint32_t>(std::count_if(
         cones.views.begin(), cones.views.end(), [](const auto& view) { return view.is_partial; }));
-    const auto num_whole = static_cast<std::uint32_t>(clean.views.size()) - num_partial;
+    const std::size_t num_cameras = clean.views.size();
+    const auto num_whole = static_cast<std::uint32_t>(num_cameras) - num_partial;
     cones.min_seen = options.min_views > num_whole ? options.min_views - num_whole : 0;
+    if (scratch.views.size() < cones.num_views()) scratch.views.resize(cones.num_views());
+    if (scratch.workers.size() < executor.num_workers())
+        scratch.workers.resize(executor.num_workers());
+    const auto prepare = [&](std::size_t v, std::size_t worker) {
+        ConeScratch::View& out = scratch.views[v];
+        out.status = HullStatus::kOk;
+        out.counts = {};
+        out.sees_nobody = false;
+        out.rays.clear();
+        if (v < num_cameras) {
+            prepare_camera(clean, options, attempt, v, cones, scratch.workers[worker], out);
+        } else {
+            prepare_bounds(kOctants[v - num_cameras], attempt, cones, scratch.workers[worker], out);
+        }
+    };
+    executor.parallel_for(cones.num_views(), prepare);
     OutlineCounts counts = clean.counts;
     bool sees_nobody = cones.min_seen > num_partial;
-    for (std::size_t v = 0; v < clean.views.size(); ++v) {
-        const SilhouetteView& source = *clean.views[v].source;
-        Outlines& outlines = scratch.outlines;
-        outlines = clean.outlines[clean.views[v].outlines_index];
-        jitter(outlines, jitter_px(source, attempt), clean.views[v].hash + attempt);
-        const std::uint64_t max_tests = 100'000 + kTestsPerSegment * outlines.points.size();
-        if (!make_simple(
-                outlines, options.min_contour_area_px2, max_tests, scratch.outline, counts)) {
-            return HullStatus::kTooComplex;
-        }
-        orient_by_nesting(outlines);
-        if (!label(source, attempt, clean.views[v].hash, cones.min_seen > 0, scratch))
-            return HullStatus::kNumericFailure;
-        append_camera(source, v, scratch, cones);
-        sees_nobody |= outlines.num_contours() == 0 && !cones.views[v].is_partial;
+    for (std::size_t v = 0; v < cones.num_views(); ++v) {
+        const ConeScratch::View& view = scratch.views[v];
+        if (view.status != HullStatus::kOk) return view.status;
+        counts.dropped += view.counts.dropped;
+        counts.repaired += view.counts.repaired;
+        sees_nobody |= view.sees_nobody;
     }
-    for (std::size_t v = clean.views.size(); v < cones.num_views(); ++v)
-        append_bounds(v, kOctants[v - clean.views.size()], attempt, scratch, cones);
+    number(scratch, cones);
+    const auto place = [&](std::size_t v, std::size_t) {
+        place_rays(scratch.views[v].rays, v, cones);
+        place_strips(scratch.views[v], v, cones);
+    };
+    executor.parallel_for(cones.num_views(), place);
     hull.num_contours_dropped = counts.dropped;
     hull.num_contours_repaired = counts.repaired;
     if (sees_nobody) return HullStatus::kEmptyIntersection;
-    return cones.strips.size() <= kMaxStrips ? HullStatus::kOk : HullStatus::kTooComplex;
+    const bool fits = std::max(cones.strips.size(), cones.ray.size()) <= kMaxStrips;
+    return fits ? HullStatus::kOk : HullStatus::kTooComplex;
 }
 
 }  // namespace atrium::hull

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/executor.hpp"
 #include "site_node/hull/clean_views.hpp"
 #include "site_node/hull/exact_predicates.hpp"
 #include "site_node/hull/field_of_view.hpp"
@@ -61,6 +62,14 @@ struct Cones {
         std::uint32_t first_strip = 0;
         std::uint32_t last_strip = 0;  // one past
     };
+    /// What changes from one side of a strip to the other.
+    struct Toggles {
+        std::uint8_t bits = 0;  // 1: carved, 2: seen
+        bool carves() const { return (bits & 1u) != 0; }
+        Verdict of(std::uint32_t view) const {
+            return {std::uint64_t{bits & 1u} << view, std::uint64_t{bits} >> 1u << view};
+        }
+    };
     struct Strip {
         std::uint32_t from = 0;  // rays; foreground lies left of the way
         std::uint32_t to = 0;
@@ -68,7 +77,6 @@ struct Cones {
         std::uint32_t background_loop = 0;
         std::uint8_t view = 0;
         SegmentKind kind = SegmentKind::kSilhouette;
-        Verdict toggles;  // what changes from one side to the other
         // there is a face where nobody carves and the number of other partial views that see is in
         // [min_seen, max_seen]
         std::uint32_t min_seen = 0;
@@ -92,6 +100,7 @@ struct Cones {
     std::vector<exact::Vector> exact_ray;
     std::vector<Incidence> incidence;  // by ray
     std::vector<Strip> strips;
+    std::vector<Toggles> toggles;  // of each strip; apart, since they are read far more often
     std::vector<Eigen::Vector3d> normal;  // of each strip, outwards
     std::vector<double> normal_bound;     // |along| |ray| of each strip, scales its rounding errors
     std::vector<Chain> chains;
@@ -119,18 +128,29 @@ struct Cones {
 };
 
 struct ConeScratch {
-    Outlines outlines;
-    Outlines field;
-    FieldScratch field_scratch;
-    LabelledOutlines labelled;
-    OutlineScratch outline;
-    std::vector<Eigen::Vector3d> rays;  // of one view, before they are rounded
+    struct View {
+        LabelledOutlines labelled;
+        std::vector<Eigen::Vector3d> rays;  // before they are rounded
+        OutlineCounts counts;
+        HullStatus status = HullStatus::kOk;
+        bool sees_nobody = false;
+        std::uint32_t first_loop = 0;  // of this view, counted through all views
+    };
+    struct Worker {
+        Outlines outlines;
+        Outlines field;
+        FieldScratch field_scratch;
+        OutlineScratch outline;
+    };
+    std::vector<View> views;
+    std::vector<Worker> workers;
 };
 
 /// Once per attempt: jitter, simple polygons, rays on the grid. Never kInvalidInput.
 HullStatus build_cones(const CleanViews& clean,
                        const HullOptions& options,
                        std::uint32_t attempt,
+                       Executor& executor,
                        ConeScratch& scratch,
                        Cones& cones,
                        VisualHull& hull);

@@ -10,6 +10,13 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 
+void sort_three(std::array<std::uint32_t, 3>& list) {
+    const auto [a, b, c] = list;
+    const std::uint32_t least = std::min({a, b, c});
+    const std::uint32_t greatest = std::max({a, b, c});
+    list = {least, a ^ b ^ c ^ least ^ greatest, greatest};
+}
+
 void clear_result(VisualHull& hull) {
     hull.mesh.clear();
     hull.num_components = hull.num_phantoms_dropped = hull.num_fragments_dropped = 0;
@@ -40,47 +47,64 @@ bool MeshAssembly::assemble(const Cones& cones,
     return is_sound;
 }
 
+// A new key is put at the end of `keys_`.
 std::uint32_t MeshAssembly::index_of(VertexKey key) {
     const std::size_t mask = slots_.size() - 1;
-    std::size_t at = static_cast<std::size_t>((key * 0x9e3779b97f4a7c15ULL) >> 20) & mask;
+    std::size_t at = slot_of(key);
     while (slots_[at].key != 0 && slots_[at].key != key) at = (at + 1) & mask;
-    if (slots_[at].key == 0) {
-        slots_[at] = {key, static_cast<std::uint32_t>(keys_.size())};
+    Slot& slot = slots_[at];
+    if (slot.key == 0) {
+        slot = {key, static_cast<std::uint32_t>(keys_.size())};
         keys_.push_back(key);
-        joined_.vertices.emplace_back(Eigen::Vector3d::Zero());
-        is_placed_.push_back(0);
-        may_be_needed_.push_back(0);
     }
-    return slots_[at].index;
+    return slot.index;
 }
 
 bool MeshAssembly::join(std::span<const RunFaces> runs) {
     std::size_t num_corners = 0;
-    for (const RunFaces& run : runs) num_corners += run.vertices.size();
+    std::size_t num_triangles = 0;
+    for (const RunFaces& run : runs) {
+        num_corners += run.vertices.size();
+        num_triangles += run.triangles.size();
+    }
     // each vertex of a sound mesh comes three times
     slots_.assign(std::bit_ceil(num_corners + 16), Slot{});
     keys_.clear();
-    joined_.clear();
-    is_placed_.clear();
-    may_be_needed_.clear();
-    global_.clear();
+    global_.resize(num_corners);
     run_begin_.clear();
+    joined_.triangles.resize(num_triangles);
+    std::uint32_t* global = global_.data();
+    auto triangle = joined_.triangles.begin();
     for (const RunFaces& run : runs) {
-        run_begin_.push_back(static_cast<std::uint32_t>(global_.size()));
+        run_begin_.push_back(static_cast<std::uint32_t>(global - global_.data()));
+        const std::size_t n = run.vertices.size();
+        for (std::size_t i = 0; i < n; ++i) {
+            constexpr std::size_t kAhead = 8;
+            if (i + kAhead < n) __builtin_prefetch(&slots_[slot_of(run.vertices[i + kAhead].key)]);
+            global[i] = index_of(run.vertices[i].key);
+        }
+        for (const auto& [a, b, c] : run.triangles) *triangle++ = {global[a], global[b], global[c]};
+        global += run.vertices.size();
+    }
+    return place(runs);
+}
+
+// The vertices that runs own. False if there is one that nobody owns.
+bool MeshAssembly::place(std::span<const RunFaces> runs) {
+    joined_.vertices.resize(keys_.size());
+    is_placed_.assign(keys_.size(), 0);
+    may_be_needed_.assign(keys_.size(), 0);
+    const std::uint32_t* global = global_.data();
+    for (const RunFaces& run : runs) {
         for (const RunFaces::Vertex& vertex : run.vertices) {
-            const std::uint32_t v = index_of(vertex.key);
-            global_.push_back(v);
+            const std::uint32_t v = *global++;
             may_be_needed_[v] |= static_cast<std::uint8_t>(vertex.may_be_needed);
             if (!vertex.is_owner) continue;
             joined_.vertices[v] = vertex.position;
             is_placed_[v] = 1;
         }
-        const std::uint32_t* global = global_.data() + run_begin_.back();
-        for (const auto& [a, b, c] : run.triangles)
-            joined_.triangles.push_back({global[a], global[b], global[c]});
     }
-    return std::all_of(
-        is_placed_.begin(), is_placed_.end(), [](std::uint8_t placed) { return placed != 0; });
+    return std::find(is_placed_.begin(), is_placed_.end(), 0) == is_placed_.end();
 }
 
 bool MeshAssembly::has_three_faces_everywhere(std::span<const RunFaces> runs) {
@@ -112,8 +136,8 @@ bool MeshAssembly::has_three_faces_everywhere(std::span<const RunFaces> runs) {
         if ((keys_[v] & kCentreBit) != 0) continue;
         Corners& c = corners_[v];
         if (c.num_in != 3 || c.num_out != 3) return false;
-        std::sort(c.in.begin(), c.in.end());
-        std::sort(c.out.begin(), c.out.end());
+        sort_three(c.in);
+        sort_three(c.out);
         if (c.in != c.out || c.in[0] == c.in[1] || c.in[1] == c.in[2]) return false;
     }
     return true;
@@ -124,28 +148,26 @@ std::uint32_t MeshAssembly::find_root(std::uint32_t v) {
     return v;
 }
 
-void MeshAssembly::unite(std::uint32_t a, std::uint32_t b) {
-    a = find_root(a);
-    b = find_root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-}
-
 void MeshAssembly::measure_components() {
     parent_.resize(keys_.size());
-    for (std::uint32_t v = 0; v < parent_.size(); ++v) parent_[v] = v;
+    std::uint32_t* const parent = parent_.data();
+    for (std::uint32_t v = 0; v < parent_.size(); ++v) parent[v] = v;
     for (const auto& [a, b, c] : joined_.triangles) {
-        unite(a, b);
-        unite(b, c);
+        const std::uint32_t roots[] = {find_root(a), find_root(b), find_root(c)};
+        const std::uint32_t least = std::min({roots[0], roots[1], roots[2]});
+        for (const std::uint32_t v : {roots[0], roots[1], roots[2], a, b, c}) parent[v] = least;
     }
+    // parents are less than their children: from here on each vertex's is its root
+    for (std::uint32_t v = 0; v < parent_.size(); ++v) parent[v] = parent[parent[v]];
     const std::vector<Eigen::Vector3d>& p = joined_.vertices;
     components_.assign(keys_.size(), Component{});
     for (const auto& [a, b, c] : joined_.triangles) {
-        const std::uint32_t root = find_root(a);
+        const std::uint32_t root = parent[a];
         const Eigen::Vector3d& from = p[root];  // near by: less cancellation
         components_[root].six_volumes += (p[a] - from).dot((p[b] - from).cross(p[c] - from));
     }
     for (std::uint32_t v = 0; v < keys_.size(); ++v) {
-        if (may_be_needed_[v] != 0) components_[find_root(v)].may_be_needed = true;
+        if (may_be_needed_[v] != 0) components_[parent[v]].may_be_needed = true;
     }
 }
 
@@ -172,15 +194,21 @@ void MeshAssembly::extract(const Cones& cones, const HullOptions& options, Visua
     measure_components();
     choose_components(options, hull);
     output_index_.assign(keys_.size(), kNone);
+    hull.mesh.vertices.resize(keys_.size());
+    std::uint32_t num_vertices = 0;
     for (std::uint32_t v = 0; v < keys_.size(); ++v) {
-        if (!components_[find_root(v)].is_kept) continue;
-        output_index_[v] = static_cast<std::uint32_t>(hull.mesh.vertices.size());
-        hull.mesh.vertices.push_back(cones.to_site(joined_.vertices[v]));
+        if (!components_[parent_[v]].is_kept) continue;
+        output_index_[v] = num_vertices;
+        hull.mesh.vertices[num_vertices++] = cones.to_site(joined_.vertices[v]);
     }
+    hull.mesh.vertices.resize(num_vertices);
+    hull.mesh.triangles.resize(joined_.triangles.size());
+    auto triangle = hull.mesh.triangles.begin();
     for (const auto& [a, b, c] : joined_.triangles) {
         if (output_index_[a] == kNone) continue;
-        hull.mesh.triangles.push_back({output_index_[a], output_index_[b], output_index_[c]});
+        *triangle++ = {output_index_[a], output_index_[b], output_index_[c]};
     }
+    hull.mesh.triangles.erase(triangle, hull.mesh.triangles.end());
 }
 
 }  // namespace atrium::hull

@@ -42,15 +42,18 @@ private:
         bool is_kept = false;
     };
 
+    std::size_t slot_of(VertexKey key) const {
+        return static_cast<std::size_t>((key * 0x9e3779b97f4a7c15ULL) >> 20) & (slots_.size() - 1);
+    }
     std::uint32_t index_of(VertexKey key);
     // Numbers the vertices of all runs. False if a vertex was named but never placed.
     bool join(std::span<const RunFaces> runs);
+    bool place(std::span<const RunFaces> runs);
     // Enough for a closed 2-manifold, and faster than looking at triangles: every vertex has three
     // faces, every edge has its twin, and no two faces use the same diagonal.
     bool has_three_faces_everywhere(std::span<const RunFaces> runs);
     void extract(const Cones& cones, const HullOptions& options, VisualHull& hull);
     std::uint32_t find_root(std::uint32_t v);
-    void unite(std::uint32_t a, std::uint32_t b);
     void measure_components();
     void choose_components(const HullOptions& options, VisualHull& hull);
 

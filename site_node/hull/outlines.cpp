@@ -44,6 +44,14 @@ void copy_clean(const std::vector<Point>& contour, std::vector<Point>& loop) {
 // Where the rotation of `loop` starts that comes first in the order of its points (less_yx).
 std::size_t least_rotation(std::span<const Point> loop) {
     const std::size_t n = loop.size();
+    std::size_t least = 0;
+    bool is_only_one = true;
+    for (std::size_t p = 1; p < n; ++p) {
+        if (less_yx(loop[least], loop[p])) continue;
+        is_only_one = less_yx(loop[p], loop[least]);
+        least = p;
+    }
+    if (is_only_one) return least;  // as a rule
     std::size_t i = 0;
     std::size_t j = 1;
     std::size_t same = 0;  // so many points from i on equal those from j on

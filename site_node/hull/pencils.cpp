@@ -88,56 +88,178 @@ private:
     bool is_degenerate_ = false;
 };
 
+// An entry as one number, for sorting by angle: the angle in steps of 4.5e-13, then the place in
+// the list of entries.
+constexpr unsigned kPlaceBits = 20;
+constexpr std::uint64_t kPlaceMask = (std::uint64_t{1} << kPlaceBits) - 1;
+constexpr double kStepsPerUnit = 2199023255552.0;  // 2^41: a full turn of 4 and 20 bits fit in
+static_assert(kMaxStrips < (1u << kPlaceBits));
+
+std::uint64_t sort_key(double angle, std::uint32_t place) {
+    const auto steps = static_cast<std::int64_t>((angle + 2.0) * kStepsPerUnit);
+    return static_cast<std::uint64_t>(steps) << kPlaceBits | place;
+}
+
+// The difference of two keys from which on `AngularOrder::is_before` would be certain of the order
+// of the keys, for angles within the errors of both lists. The lists are sorted.
+std::uint64_t certain_gap(const Cones& cones,
+                          const Pencils::Sorting& first,
+                          const Pencils::Sorting& second) {
+    constexpr auto kNever = std::numeric_limits<std::uint64_t>::max();
+    const double error = first.largest_error + second.largest_error;
+    if (cones.only_exact || !(error < 0.5)) return kNever;
+    // keys are cut off and rounded by less than three steps together
+    const std::uint64_t steps = sort_key(error - 2.0, 0) + (std::uint64_t{3} << kPlaceBits);
+    // near the ends of the interval a rounded angle may have come out at the other end
+    const std::uint64_t greatest = sort_key(2.0, 0) - steps;
+    for (const auto* keys : {&first.keys, &second.keys}) {
+        if (!keys->empty() && (keys->front() < steps || keys->back() > greatest)) return kNever;
+    }
+    return steps;
+}
+
+// Merges [begin, middle) and [middle, end). No branch depends on the keys.
+void merge(const std::uint64_t* begin,
+           const std::uint64_t* middle,
+           const std::uint64_t* end,
+           std::uint64_t* to) {
+    const std::uint64_t* l = begin;
+    const std::uint64_t* r = middle;
+    while (l != middle && r != end) {
+        const bool is_left = *l < *r;
+        *to++ = is_left ? *l : *r;
+        l += is_left ? 1 : 0;
+        r += is_left ? 0 : 1;
+    }
+    to = std::copy(l, middle, to);
+    std::copy(r, end, to);
+}
+
+// Along an outline the angle rises or falls for a while, so keys come in few runs, which are
+// merged.
+void sort_runs(std::vector<std::uint64_t>& keys, Pencils::SortBuffers& buffers) {
+    std::vector<std::uint32_t>& ends = buffers.run_ends;
+    ends.clear();
+    const auto n = static_cast<std::uint32_t>(keys.size());
+    for (std::uint32_t begin = 0; begin < n; begin = ends.back()) {
+        std::uint32_t end = begin + 1;
+        if (end < n && keys[end] < keys[begin]) {
+            while (end < n && keys[end] < keys[end - 1]) ++end;
+            std::reverse(keys.begin() + begin, keys.begin() + end);
+        } else {
+            while (end < n && keys[end] > keys[end - 1]) ++end;
+        }
+        ends.push_back(end);
+    }
+    buffers.merged.resize(n);
+    while (ends.size() > 1) {
+        std::size_t num_merged = 0;
+        std::uint32_t begin = 0;
+        for (std::size_t r = 0; r < ends.size(); r += 2) {
+            const std::uint32_t middle = ends[r];
+            const std::uint32_t end = r + 1 < ends.size() ? ends[r + 1] : middle;
+            merge(keys.data() + begin,
+                  keys.data() + middle,
+                  keys.data() + end,
+                  buffers.merged.data() + begin);
+            ends[num_merged++] = begin = end;
+        }
+        ends.resize(num_merged);
+        std::swap(keys, buffers.merged);
+    }
+}
+
+void put_in_order(const Cones& cones, const Cones::View& view, PencilSide& side) {
+    PencilSide::InOrder& to = side.in_order;
+    const std::size_t n = side.sorted.size();
+    for (auto* list : {&to.across_x, &to.across_y, &to.x, &to.y, &to.z, &to.length})
+        list->resize(n + PencilSide::kSpareRays);
+    for (std::size_t at = 0; n > 0 && at < n + PencilSide::kSpareRays; ++at) {
+        const std::uint32_t local = side.sorted[std::min(at, n - 1)];
+        to.across_x[at] = side.across[local].x();
+        to.across_y[at] = side.across[local].y();
+        const Eigen::Vector3d& ray = cones.ray[view.first_ray + local];
+        to.x[at] = ray.x();
+        to.y[at] = ray.y();
+        to.z[at] = ray.z();
+        to.length[at] = cones.ray_length[view.first_ray + local];
+    }
+}
+
 void sort_rays(const Cones& cones,
                const Cones::View& view,
                AngularOrder& order,
-               std::vector<Entry>& entries,
+               Pencils::Sorting& sorting,
+               Pencils::SortBuffers& buffers,
                PencilSide& side) {
     const std::uint32_t n = view.last_ray - view.first_ray;
     side.across.resize(n);
     side.sorted.resize(n);
     side.position.resize(n);
     side.rank.resize(n);
-    entries.clear();
+    sorting.entries.resize(n);
+    sorting.keys.resize(n);
+    sorting.largest_error = 0.0;
     for (std::uint32_t j = 0; j < n; ++j) {
         side.across[j] = order.across(cones.ray[view.first_ray + j]);
-        entries.push_back(order.entry(view.first_ray + j, side.across[j]));
+        const Entry entry = order.entry(view.first_ray + j, side.across[j]);
+        sorting.entries[j] = entry;
+        sorting.keys[j] = sort_key(entry.angle, j);
+        sorting.largest_error = std::max(sorting.largest_error, entry.error);
     }
-    std::sort(entries.begin(), entries.end(), [](const Entry& l, const Entry& r) {
-        return l.angle != r.angle ? l.angle < r.angle : l.ray < r.ray;
-    });
+    sort_runs(sorting.keys, buffers);
     // the order is almost right; insertion makes it so
-    for (std::size_t at = 1; at < entries.size(); ++at) {
-        for (std::size_t to = at; to > 0 && order.is_before(entries[to], entries[to - 1]); --to)
-            std::swap(entries[to], entries[to - 1]);
+    const std::uint64_t gap = certain_gap(cones, sorting, sorting);
+    std::uint64_t* const keys = sorting.keys.data();
+    for (std::size_t at = 1; at < n; ++at) {
+        if (keys[at] - keys[at - 1] > gap) continue;
+        for (std::size_t to = at; to > 0; --to) {
+            const Entry& entry = sorting.entries[keys[to] & kPlaceMask];
+            const Entry& before = sorting.entries[keys[to - 1] & kPlaceMask];
+            if (!order.is_before(entry, before)) break;
+            std::swap(keys[to], keys[to - 1]);
+        }
     }
     for (std::uint32_t at = 0; at < n; ++at) {
-        side.sorted[at] = entries[at].ray - view.first_ray;
-        side.position[side.sorted[at]] = at;
+        const auto local = static_cast<std::uint32_t>(keys[at] & kPlaceMask);
+        side.sorted[at] = local;
+        side.position[local] = at;
     }
+    put_in_order(cones, view, side);
 }
 
 // Ranks of both sides by one merge.
-void merge_ranks(AngularOrder& order,
-                 const Cones::View& first_view,
-                 const std::vector<Entry>& first_entries,
+void merge_ranks(const Cones& cones,
+                 AngularOrder& order,
+                 const Pencils::Sorting& first_sorting,
                  PencilSide& first,
-                 const Cones::View& second_view,
-                 const std::vector<Entry>& second_entries,
+                 const Pencils::Sorting& second_sorting,
                  PencilSide& second) {
+    const std::uint64_t gap = certain_gap(cones, first_sorting, second_sorting);
+    const std::vector<std::uint64_t>& first_keys = first_sorting.keys;
+    const std::vector<std::uint64_t>& second_keys = second_sorting.keys;
+    const auto num_first = static_cast<std::uint32_t>(first_keys.size());
+    const auto num_second = static_cast<std::uint32_t>(second_keys.size());
     std::uint32_t a = 0;
     std::uint32_t b = 0;
-    const auto na = static_cast<std::uint32_t>(first_entries.size());
-    const auto nb = static_cast<std::uint32_t>(second_entries.size());
-    while (a < na || b < nb) {
-        const bool take_first =
-            b == nb || (a < na && order.is_before(first_entries[a], second_entries[b]));
-        if (take_first) {
-            first.rank[first_entries[a++].ray - first_view.first_ray] = b;
+    while (a < num_first && b < num_second) {
+        const std::uint64_t l = first_keys[a];
+        const std::uint64_t r = second_keys[b];
+        bool is_first = l < r;
+        if ((is_first ? r - l : l - r) <= gap) {
+            is_first = order.is_before(first_sorting.entries[l & kPlaceMask],
+                                       second_sorting.entries[r & kPlaceMask]);
+        }
+        if (is_first) {
+            first.rank[l & kPlaceMask] = b;
+            ++a;
         } else {
-            second.rank[second_entries[b++].ray - second_view.first_ray] = a;
+            second.rank[r & kPlaceMask] = a;
+            ++b;
         }
     }
+    for (; a < num_first; ++a) first.rank[first_keys[a] & kPlaceMask] = b;
+    for (; b < num_second; ++b) second.rank[second_keys[b] & kPlaceMask] = a;
 }
 
 // `baseline`: from this centre to the other. `sense`: 1 if angles grow the right-handed way around
@@ -153,7 +275,10 @@ bool place_strips(const Cones& cones,
     side.rises.resize(n);
     side.end_positions.resize(n);
     side.is_upper_end.assign(view.last_ray - view.first_ray, 0);
-    const double error_scale = 10.0 * kRounding * baseline.norm();
+    const double baseline_length = baseline.norm();
+    const double error_scale = 10.0 * kRounding * baseline_length;
+    side.inverse_baseline = 1.0 / baseline_length;
+    side.through.assign(side.sorted.size(), {kNoStrip, kNoStrip});
     for (std::uint32_t s = 0; s < n; ++s) {
         const std::uint32_t strip = view.first_strip + s;
         const std::uint32_t from = cones.strips[strip].from;
@@ -177,10 +302,15 @@ bool place_strips(const Cones& cones,
         const std::uint32_t begin = side.position[from - view.first_ray];
         const std::uint32_t end = side.position[to - view.first_ray];
         side.end_positions[s] = {rises ? begin : end, rises ? end : begin};
+        if (cones.incidence[from].count == 2) side.through[begin][rises ? 1 : 0] = strip;
+        if (cones.incidence[to].count == 2) side.through[end][rises ? 0 : 1] = strip;
         const std::uint32_t upper = rises ? to : from;
         const auto& incident = cones.incidence[upper].strips;
-        const auto j = std::find(incident.begin(), incident.end(), strip) - incident.begin();
+        const unsigned j = incident[0] == strip ? 0 : incident[1] == strip ? 1 : 2;
         side.is_upper_end[upper - view.first_ray] |= static_cast<std::uint8_t>(1u << j);
+    }
+    for (auto& [ends, begins] : side.through) {
+        if (ends == kNoStrip || begins == kNoStrip) ends = begins = kNoStrip;
     }
     return true;
 }
@@ -204,11 +334,12 @@ bool build_pencils(const Cones& cones, Executor& executor, Pencils& pencils) {
         const Cones::View& second = cones.views[k];
         PencilSide& first_side = pencils.side(i, k);
         PencilSide& second_side = pencils.side(k, i);
-        auto& [first_entries, second_entries] = pencils.sort_buffers[worker];
+        Pencils::SortBuffers& buffers = pencils.sort_buffers[worker];
+        auto& [first_sorting, second_sorting] = buffers.sides;
         AngularOrder order(cones, i, k);
-        sort_rays(cones, first, order, first_entries, first_side);
-        sort_rays(cones, second, order, second_entries, second_side);
-        merge_ranks(order, first, first_entries, first_side, second, second_entries, second_side);
+        sort_rays(cones, first, order, first_sorting, buffers, first_side);
+        sort_rays(cones, second, order, second_sorting, buffers, second_side);
+        merge_ranks(cones, order, first_sorting, first_side, second_sorting, second_side);
         // both sides measure angles around the baseline from the first to the second camera
         const bool is_placed =
             place_strips(cones, first, order.baseline(), order.exact_baseline(), 1, first_side) &&

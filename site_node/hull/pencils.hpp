@@ -25,6 +25,20 @@ struct PencilSide {
     std::vector<std::uint32_t> rank;      // number of the other camera's rays before this ray
     // by ray, bit j: it is the end with the greater angle of its incident strip j
     std::vector<std::uint8_t> is_upper_end;
+    // by position in `sorted`: the strips whose greater (0) and whose smaller angle (1) this ray
+    // is; kNoStrip twice unless exactly two strips meet in it and it is one of each
+    std::vector<std::array<std::uint32_t, 2>> through;
+    /// Numbers of the rays, by position in `sorted`: the events of a strip are neighbours there, so
+    /// loops over them read memory in order, some rays at a time. After the last ray it comes again
+    /// and again.
+    struct InOrder {
+        std::vector<double> across_x, across_y;  // `across`
+        std::vector<double> x, y, z;             // Cones::ray
+        std::vector<double> length;              // Cones::ray_length
+    };
+    InOrder in_order;
+    static constexpr std::size_t kSpareRays = 3;
+    double inverse_baseline = 0.0;  // 1 / distance of the two centres
 
     /// For the depth at which the strip cuts the other camera's rays.
     struct Offset {
@@ -50,8 +64,18 @@ struct Pencils {
     std::size_t num_views = 0;
     std::vector<PencilSide> sides;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
-    std::vector<std::array<std::vector<Entry>, 2>> sort_buffers;  // one per worker
-    std::vector<std::uint8_t> is_degenerate;                      // one per pair
+    struct Sorting {                      // of the rays of one camera
+        std::vector<Entry> entries;       // by ray, counted from the camera's first
+        std::vector<std::uint64_t> keys;  // by angle
+        double largest_error = 0.0;
+    };
+    struct SortBuffers {
+        std::array<Sorting, 2> sides;
+        std::vector<std::uint64_t> merged;
+        std::vector<std::uint32_t> run_ends;
+    };
+    std::vector<SortBuffers> sort_buffers;    // one per worker
+    std::vector<std::uint8_t> is_degenerate;  // one per pair
 
     const PencilSide& side(std::size_t i, std::size_t k) const { return sides[i * num_views + k]; }
     PencilSide& side(std::size_t i, std::size_t k) { return sides[i * num_views + k]; }

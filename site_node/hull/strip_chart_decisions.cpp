@@ -11,21 +11,13 @@ constexpr double kGoodEnough = 1e-10;
 
 }  // namespace
 
-// Which of two events comes first along the strip.
-bool StripChart::is_before(std::uint32_t l, std::uint32_t r) {
-    if (l == r) return false;
-    if (events_[l].view == events_[r].view) return l < r;
-    const double difference = events_[r].phi - events_[l].phi;
-    if (is_certain(difference, events_[l].phi_error + events_[r].phi_error))
-        return difference > 0.0;
-    const int order = exact::compare_phi(exact_place(place(l)), exact_place(place(r)));
+bool StripChart::is_exactly_before(const Entry& l, const Entry& r) {
+    const int order = exact::compare_phi(exact_place(place(l.event)), exact_place(place(r.event)));
     is_degenerate_ |= order == 0;
     return order < 0;
 }
 
-bool StripChart::is_above(std::uint32_t upper, std::uint32_t lower, const Place& at) {
-    const double difference = u(upper, at.phi) - u(lower, at.phi);
-    if (is_certain(difference, error(upper, lower, at))) return difference > 0.0;
+bool StripChart::is_exactly_above(std::uint32_t upper, std::uint32_t lower, const Place& at) {
     const int order = exact::compare_u(exact_line(upper), exact_line(lower), exact_place(at));
     is_degenerate_ |= order == 0;
     return order > 0;

@@ -57,38 +57,33 @@ void StripSweep::sweep_strip() {
     finish_triangles();
 }
 
-StripSweep::Line StripSweep::make_line(std::uint32_t piece) const {
-    Line line;
-    line.piece = piece;
-    const StripChart::Piece& of = chart_.piece(piece);
-    line.strip = of.strip;
-    line.at_from = of.at_from;
-    line.slope = of.slope;
-    line.error = of.error;
-    return line;
-}
-
 // All visible lines at the strip's first ray, in order.
 void StripSweep::enter_lines() {
-    const auto is_above = [this](std::uint32_t upper, std::uint32_t lower) {
-        return upper != lower && chart_.is_above(upper, lower, StripChart::kStart);
-    };
     const std::span<const std::uint32_t> visible = chart_.visible_at_start();
-    entering_.assign(visible.begin(), visible.end());
-    sort_few(entering_, is_above);
+    entering_.clear();
+    for (const std::uint32_t p : visible)
+        entering_.push_back({chart_.piece(p).at_from, chart_.piece(p).error, p});
+    sort_few(std::span<Entering>(entering_), [this](const Entering& upper, const Entering& lower) {
+        const double difference = upper.u - lower.u;
+        if (std::abs(difference) > upper.error + lower.error && !cones_->only_exact)
+            return difference > 0.0;
+        return upper.piece != lower.piece &&
+               chart_.is_above(upper.piece, lower.piece, StripChart::kStart);
+    });
     num_steps_ += visible.size() + 1;
     Verdict verdict = chart_.verdict_above();
     lines_.clear();
     Line& centre = lines_.emplace_back();
     centre.strip = kNoStrip;
-    centre.u = std::numeric_limits<double>::infinity();
+    centre.meets_at = std::numeric_limits<double>::infinity();
     set_below(centre, verdict);
-    for (const std::uint32_t p : entering_) {
-        Line& line = lines_.emplace_back(make_line(p));
-        line.u = line.at_from;
-        verdict ^= chart_.toggles(p);
+    for (const Entering& entering : entering_) {
+        Line& line = lines_.emplace_back(make_line(entering.piece));
+        verdict ^= chart_.toggles(entering.piece);
         set_below(line, verdict);
     }
+    next_meeting_ = std::numeric_limits<double>::infinity();
+    for (std::size_t p = 1; p < lines_.size(); ++p) find_meeting(p);
 }
 
 // The line that ends the face below line `top`; 0 if none does.
@@ -177,13 +172,35 @@ void StripSweep::end_faces() {
     });
 }
 
+// Two lines meet at most once, so this holds until one of them gets another neighbour.
+void StripSweep::find_meeting(std::size_t p) {
+    constexpr double kNever = std::numeric_limits<double>::infinity();
+    if (p == 0) return;  // the centre is above everything
+    Line& line = lines_[p];
+    line.meets_at = kNever;
+    const Line* const next = &line + 1;
+    if (next == lines_.data() + lines_.size()) return;
+    const StripChart::Piece& upper = chart_.piece(line.piece);
+    const StripChart::Piece& lower = chart_.piece(next->piece);
+    if (upper.end_event == lower.end_event && upper.end_event != StripChart::kNone) return;
+    if (upper.start_event == lower.start_event && upper.start_event != StripChart::kNone) return;
+    const double from = upper.at_from - lower.at_from;
+    const double turn = lower.slope - upper.slope;
+    const double error = upper.error + lower.error;
+    // above at the strip's second ray
+    if (from - turn > error && !cones_->only_exact) return;
+    // an error that is not small says nothing about itself
+    const bool is_known = 4.0 * error < 1e-3 * turn && !cones_->only_exact;
+    line.meets_at = is_known ? (from - 4.0 * error) / turn : -kNever;
+    next_meeting_ = std::min(next_meeting_, line.meets_at);
+}
+
 // Two lines that end in this very event meet there; all others have an order.
 bool StripSweep::is_reversed(std::size_t p, const Place& at) {
     const Line& upper = lines_[p];
     const Line& lower = lines_[p + 1];
-    if (upper.u - lower.u > upper.u_error + lower.u_error && !cones_->only_exact) return false;
-    if (at.event != StripChart::kNone && chart_.piece(upper.piece).end_event == at.event &&
-        chart_.piece(lower.piece).end_event == at.event) {
+    if (at.event != StripChart::kNone && upper.end_event == at.event &&
+        lower.end_event == at.event) {
         return false;
     }
     return chart_.is_above(lower.piece, upper.piece, at);
@@ -191,43 +208,74 @@ bool StripSweep::is_reversed(std::size_t p, const Place& at) {
 
 // Moves all lines on, exchanging neighbours in the order in which they cross on the way.
 void StripSweep::advance(const Place& at) {
-    num_steps_ += lines_.size();
-    bool are_in_order = !cones_->only_exact;
-    double least_above = std::numeric_limits<double>::infinity();
-    for (std::size_t p = 1; p < lines_.size(); ++p) {
-        Line& line = lines_[p];
-        line.u = line.at_from + at.phi * line.slope;
-        line.u_error = line.error + at.phi_error * std::abs(line.slope);
-        are_in_order &= least_above > line.u + line.u_error;
-        least_above = line.u - line.u_error;
-    }
-    while (!are_in_order) {
+    const double limit = at.phi + at.phi_error;
+    ++num_steps_;
+    while (next_meeting_ <= limit) {
         // the next crossing is always one of neighbours
+        num_steps_ += lines_.size();
+        const Line* const lines = lines_.data();
+        const std::size_t last = lines_.size() - 1;
+        double next = std::numeric_limits<double>::infinity();  // of the others
         std::size_t first = 0;
-        for (std::size_t p = 1; p + 1 < lines_.size(); ++p) {
-            if (!is_reversed(p, at)) continue;
-            if (first == 0 || chart_.crosses_before(lines_[p].piece,
-                                                    lines_[p + 1].piece,
-                                                    lines_[first].piece,
-                                                    lines_[first + 1].piece)) {
-                first = p;
+        for (std::size_t p = 1; p < last; ++p) {
+            const double meets_at = lines[p].meets_at;
+            const bool is_first = meets_at <= limit && is_reversed(p, at) &&
+                                  (first == 0 || chart_.crosses_before(lines[p].piece,
+                                                                       lines[p + 1].piece,
+                                                                       lines[first].piece,
+                                                                       lines[first + 1].piece));
+            if (!is_first) {
+                next = std::min(next, meets_at);
+                continue;
             }
+            if (first != 0) next = std::min(next, lines[first].meets_at);
+            first = p;
         }
+        next_meeting_ = next;
         if (first == 0) break;
         cross(first, at);
-        num_steps_ += lines_.size();
         if (must_stop()) return;
     }
     phi_ = at.phi;
 }
 
 void StripSweep::cross(std::size_t p, const Place& at) {
+    const Verdict between = lines_[p - 1].below ^ chart_.toggles(lines_[p + 1].piece);
+    if ((between ^ chart_.toggles(lines_[p].piece)) != lines_[p + 1].below) {
+        faces_->failed = true;
+        return;
+    }
+    const bool has_face_between = cones_->has_face(own_, between);
+    const int num_faces = int{lines_[p - 1].face_below} + int{lines_[p].face_below} +
+                          int{lines_[p + 1].face_below} + int{has_face_between};
+    if (num_faces == 0) {
+        exchange_neighbours(p, between, has_face_between);
+        return;
+    }
     const StripChart::Point point =
         chart_.crossing(lines_[p].piece, lines_[p + 1].piece, phi_, at.phi);
+    if (num_faces == 1) {
+        cross_at_one_face(p, point, between, has_face_between);
+        return;
+    }
     leaving_.clear();
-    leaving_.push_back(lines_[p + 1]);
-    leaving_.push_back(lines_[p]);
+    leaving_.insert(0, lines_[p + 1]);
+    leaving_.insert(1, lines_[p]);
     turn_at_crossing(p, point);
+}
+
+// `between`: the verdict between both lines after their crossing.
+void StripSweep::exchange_neighbours(std::size_t p, const Verdict& between, bool has_face_between) {
+    Line& upper = lines_[p];
+    Line& lower = lines_[p + 1];
+    std::swap(upper.piece, lower.piece);
+    std::swap(upper.strip, lower.strip);
+    std::swap(upper.end_event, lower.end_event);
+    upper.below = between;
+    upper.face_below = has_face_between;
+    find_meeting(p - 1);
+    upper.meets_at = std::numeric_limits<double>::infinity();  // they have met
+    find_meeting(p + 1);
 }
 
 // Lines that begin in the event, from the upper to the lower.
@@ -235,11 +283,9 @@ void StripSweep::collect_leaving(const StripChart::Event& event) {
     leaving_.clear();
     for (std::uint32_t j = 0; j < event.num_leaving; ++j) {
         const std::uint32_t piece = event.leaving[j];
-        if (chart_.piece(piece).visibility != StripChart::Visibility::kVisible) continue;
         std::size_t at = leaving_.size();
         while (at > 0 && chart_.is_steeper(piece, leaving_[at - 1].piece)) --at;
-        leaving_.insert(leaving_.begin() + static_cast<std::ptrdiff_t>(at), make_line(piece));
-        leaving_[at].u = chart_.u(piece, event.phi);
+        leaving_.insert(at, make_line(piece));
     }
 }
 
@@ -253,30 +299,36 @@ std::size_t StripSweep::place_of(std::uint32_t piece, const Place& at) {
 
 void StripSweep::handle(std::uint32_t e) {
     const StripChart::Event& event = chart_.event(e);
-    const Place at = chart_.place(e);
-    const auto arrives = [&](const Line& line) {
-        return line.piece != StripChart::kNone && chart_.piece(line.piece).end_event == e;
+    const auto first_arriving = [&] {
+        std::size_t p = 1;
+        while (p < lines_.size() && lines_[p].end_event != e) ++p;
+        return p;
     };
-    collect_leaving(event);
     if (!event.is_wholly_visible) {
         // no face is near: only the verdicts have to stay right
-        const bool is_above = chart_.is_above_faces(event);
-        for (std::size_t p = lines_.size(); p-- > 1;) {
-            if (arrives(lines_[p])) hide(p, is_above);
+        for (std::size_t p = lines_.size(); event.num_arriving > 0 && p-- > 1;) {
+            if (lines_[p].end_event == e) hide(p, event.is_above_faces);
         }
-        if (leaving_.empty()) return;
-        std::size_t p = place_of(leaving_[0].piece, at);
-        for (const Line& line : leaving_) show(p++, line, is_above);
+        if (event.num_leaving == 0) return;
+        collect_leaving(event);
+        std::size_t p = place_of(leaving_[0].piece, chart_.place(e));
+        for (const Line& line : leaving_) show(p++, line, event.is_above_faces);
         return;
     }
+    if (event.num_arriving == 1 && event.num_leaving == 1) {  // the usual event
+        const std::size_t p = first_arriving();
+        faces_->failed |= p == lines_.size();
+        if (!faces_->failed) go_on(p, event.leaving[0], e);
+        return;
+    }
+    collect_leaving(event);
     if (event.num_arriving == 0) {
-        turn_at_event(place_of(leaving_[0].piece, at), 0, e);
+        turn_at_event(place_of(leaving_[0].piece, chart_.place(e)), 0, e);
         return;
     }
-    std::size_t first = 1;
-    while (first < lines_.size() && !arrives(lines_[first])) ++first;
+    const std::size_t first = first_arriving();
     for (std::size_t j = 0; j < event.num_arriving; ++j) {
-        if (first + j < lines_.size() && arrives(lines_[first + j])) continue;
+        if (first + j < lines_.size() && lines_[first + j].end_event == e) continue;
         faces_->failed = true;
         return;
     }
@@ -287,6 +339,7 @@ void StripSweep::handle(std::uint32_t e) {
 void StripSweep::hide(std::size_t p, bool upwards) {
     const Verdict toggles = chart_.toggles(lines_[p].piece);
     lines_.erase(lines_.begin() + static_cast<std::ptrdiff_t>(p));
+    find_meeting(p - 1);
     const std::size_t begin = upwards ? 0 : p;
     const std::size_t end = upwards ? p : lines_.size();
     num_steps_ += 1 + lines_.size() / 4;
@@ -297,6 +350,8 @@ void StripSweep::show(std::size_t p, const Line& line, bool from_above) {
     const Verdict toggles = chart_.toggles(line.piece);
     const Verdict around = lines_[p - 1].below;
     lines_.insert(lines_.begin() + static_cast<std::ptrdiff_t>(p), line);
+    find_meeting(p - 1);
+    find_meeting(p);
     set_below(lines_[p], from_above ? around : around ^ toggles);
     const std::size_t begin = from_above ? 0 : p + 1;
     const std::size_t end = from_above ? p : lines_.size();

@@ -81,19 +81,40 @@ private:
     static constexpr std::uint32_t kToRay = kNoStrip - 3;
 
     struct Line {
+        Verdict below;          // of other cameras, on the gap below
+        double meets_at = 0.0;  // before this phi it does not meet the line below it
         std::uint32_t piece = StripChart::kNone;  // none: the camera's centre
         std::uint32_t strip = 0;
-        double u = 0.0;  // at the place where the sweep is
-        double u_error = 0.0;
-        // of the piece, kept near for the innermost loop
-        double at_from = 0.0;
-        double slope = 0.0;
-        double error = 0.0;
-        Verdict below;  // of other cameras, on the gap below
-        bool face_below = false;
-        RegionId region_below = -1;
+        std::uint32_t end_event = StripChart::kNone;
         std::uint32_t edge_start =
             0;  // vertex at which its current edge began, if it bounds a face
+        RegionId region_below = -1;
+        bool face_below = false;
+    };
+    struct Entering {  // a piece on the strip's first ray
+        double u = 0.0;
+        double error = 0.0;
+        std::uint32_t piece = 0;
+    };
+    /// Lines that begin in one point, from the upper to the lower.
+    class FewLines {
+    public:
+        void clear() { size_ = 0; }
+        bool empty() const { return size_ == 0; }
+        std::size_t size() const { return size_; }
+        Line& operator[](std::size_t j) { return lines_[j]; }
+        Line* begin() { return lines_.data(); }
+        Line* end() { return lines_.data() + size_; }
+        const Line* begin() const { return lines_.data(); }
+        const Line* end() const { return lines_.data() + size_; }
+        void insert(std::size_t at, const Line& line) {
+            for (std::size_t j = size_++; j > at; --j) lines_[j] = lines_[j - 1];
+            lines_[at] = line;
+        }
+
+    private:
+        std::array<Line, 3> lines_;
+        std::size_t size_ = 0;
     };
     /// Around a point in which lines end and others begin. Sector j lies between lines j - 1 and j
     /// of those: arriving ones from the upper to the lower, then leaving ones from the lower to the
@@ -131,8 +152,11 @@ private:
 
     void advance(const Place& at);
     bool is_reversed(std::size_t p, const Place& at);
+    void find_meeting(std::size_t p);
     void cross(std::size_t p, const Place& at);
+    void exchange_neighbours(std::size_t p, const Verdict& between, bool has_face_between);
     void handle(std::uint32_t event);
+    void go_on(std::size_t p, std::uint32_t piece, std::uint32_t event);
     void collect_leaving(const StripChart::Event& event);
     void hide(std::size_t p, bool upwards);
     void show(std::size_t p, const Line& line, bool from_above);
@@ -142,9 +166,15 @@ private:
     template <typename MakeVertex>
     void turn(std::size_t first, std::size_t num_arriving, const MakeVertex& make_vertex);
     void turn_at_crossing(std::size_t p, const StripChart::Point& at);
+    void cross_at_one_face(std::size_t p,
+                           const StripChart::Point& at,
+                           const Verdict& between,
+                           bool has_face_between);
+    Corner crossing_corner(std::size_t p, const StripChart::Point& at);
     void turn_at_event(std::size_t first, std::size_t num_arriving, std::uint32_t event);
     bool judge_leaving(std::size_t first, std::size_t num_arriving);
     bool has_face_around(std::size_t first, std::size_t num_arriving) const;
+    Corner event_corner(std::uint32_t event);
     void bend(std::size_t p, const Corner& corner);
     void gather(std::size_t first, std::size_t num_arriving, Turn& turn);
     bool goes_straight(Turn& turn, const Sectors& face);
@@ -170,7 +200,14 @@ private:
     bool must_stop() const {
         return faces_->failed || faces_->unbounded || chart_.num_steps() + num_steps_ > max_steps_;
     }
-    Line make_line(std::uint32_t piece) const;
+    Line make_line(std::uint32_t piece) const {
+        const StripChart::Piece& of = chart_.piece(piece);
+        Line line;
+        line.piece = piece;
+        line.strip = of.strip;
+        line.end_event = of.end_event;
+        return line;
+    }
     void set_below(Line& line, const Verdict& verdict) const {
         line.below = verdict;
         line.face_below = cones_->has_face(own_, verdict);
@@ -185,8 +222,9 @@ private:
     double phi_ = 0.0;
     StripChart chart_;
     std::vector<Line> lines_;  // by falling u; the first is the camera's centre
-    std::vector<Line> leaving_;
-    std::vector<std::uint32_t> entering_;  // pieces on the strip's first ray, by falling u
+    FewLines leaving_;
+    std::vector<Entering> entering_;
+    double next_meeting_ = 0.0;  // no two neighbours meet before this phi
     std::vector<std::pair<std::uint32_t, std::uint32_t>> ray_vertices_;  // strip, vertex: on a ray
     FaceTriangulator triangulator_;
     BetterDiagonals diagonals_;

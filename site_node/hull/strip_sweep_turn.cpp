@@ -122,14 +122,17 @@ void StripSweep::part_face(Turn& turn, const Corner& corner) {
 void StripSweep::exchange_lines(std::size_t first, std::size_t num_arriving) {
     const std::size_t num_leaving = leaving_.size();
     const auto begin = lines_.begin() + static_cast<std::ptrdiff_t>(first);
+    // those that leave one point have met
+    for (Line& line : leaving_) line.meets_at = std::numeric_limits<double>::infinity();
     const std::size_t num_common = std::min(num_arriving, num_leaving);
     const auto rest = std::copy_n(leaving_.begin(), num_common, begin);
     if (num_arriving > num_common) {
         lines_.erase(rest, begin + static_cast<std::ptrdiff_t>(num_arriving));
     } else if (num_leaving > num_common) {
-        lines_.insert(
-            rest, leaving_.begin() + static_cast<std::ptrdiff_t>(num_common), leaving_.end());
+        lines_.insert(rest, leaving_.begin() + num_common, leaving_.end());
     }
+    find_meeting(first - 1);
+    if (num_leaving > 0) find_meeting(first + num_leaving - 1);
 }
 
 void StripSweep::hand_over_regions(std::size_t first, const Turn& turn) {
@@ -147,18 +150,42 @@ void StripSweep::hand_over_regions(std::size_t first, const Turn& turn) {
     }
 }
 
-// The usual turn: one line goes on as another, with a face on one side of it.
+// The usual turn: line p becomes a line that begins in `corner`, with a face on one side of it.
 void StripSweep::bend(std::size_t p, const Corner& corner) {
-    Line& arriving = lines_[p];
-    Line& leaving = leaving_[0];
+    Line& line = lines_[p];
     const std::uint32_t vertex = corner_vertices_[corner.vertex];
     const bool is_above = lines_[p - 1].face_below;
     const Side side = is_above ? Side::kBottom : Side::kTop;
-    triangulator_.add(is_above ? lines_[p - 1].region_below : arriving.region_below, corner, side);
-    end_edge(arriving, vertex, side);
-    leaving.edge_start = vertex;
-    leaving.region_below = arriving.region_below;
-    arriving = leaving;
+    triangulator_.add(is_above ? lines_[p - 1].region_below : line.region_below, corner, side);
+    end_edge(line, vertex, side);
+    line.edge_start = vertex;
+}
+
+// At an event with one line before and one after it.
+void StripSweep::go_on(std::size_t p, std::uint32_t piece, std::uint32_t e) {
+    Line& line = lines_[p];
+    const Line& above = lines_[p - 1];
+    const StripChart::Piece& next = chart_.piece(piece);
+    if ((above.below ^ chart_.toggles(piece)) != line.below) {
+        faces_->failed = true;
+        return;
+    }
+    if (above.face_below || line.face_below) {
+        if (above.face_below == line.face_below || line.strip == next.strip) {
+            leaving_.clear();
+            leaving_.insert(0, make_line(piece));
+            turn_at_event(p, 1, e);
+            return;
+        }
+        const Corner corner = event_corner(e);
+        if (must_stop()) return;
+        bend(p, corner);
+    }
+    line.piece = piece;
+    line.strip = next.strip;
+    line.end_event = next.end_event;
+    find_meeting(p - 1);
+    find_meeting(p);
 }
 
 // Replaces `num_arriving` lines from `first` on by `leaving_`, all of which meet in one point.
@@ -171,13 +198,6 @@ void StripSweep::turn(std::size_t first, std::size_t num_arriving, const MakeVer
     }
     if (!has_face_around(first, num_arriving)) {
         exchange_lines(first, num_arriving);
-        return;
-    }
-    const bool goes_on = num_arriving == 1 && leaving_.size() == 1;
-    if (goes_on && lines_[first - 1].face_below != lines_[first].face_below &&
-        lines_[first].strip != leaving_[0].strip) {
-        const Corner corner = make_vertex();
-        if (!must_stop()) bend(first, corner);
         return;
     }
     Turn turn;
@@ -212,25 +232,57 @@ void StripSweep::turn(std::size_t first, std::size_t num_arriving, const MakeVer
     hand_over_regions(first, turn);
 }
 
+StripSweep::Corner StripSweep::crossing_corner(std::size_t p, const StripChart::Point& at) {
+    const Line& upper = lines_[p];
+    const Line& lower = lines_[p + 1];
+    // one silhouette's outline crosses itself
+    if (chart_.piece(upper.piece).view == chart_.piece(lower.piece).view) faces_->failed = true;
+    const std::uint32_t vertex = triple_vertex(upper.strip, lower.strip, at);
+    return make_corner(vertex, at, {upper.strip, lower.strip});
+}
+
 void StripSweep::turn_at_crossing(std::size_t p, const StripChart::Point& at) {
-    turn(p, 2, [&]() -> Corner {
-        const Line& upper = lines_[p];
-        const Line& lower = lines_[p + 1];
-        // one silhouette's outline crosses itself
-        if (chart_.piece(upper.piece).view == chart_.piece(lower.piece).view) faces_->failed = true;
-        const std::uint32_t vertex = triple_vertex(upper.strip, lower.strip, at);
-        return make_corner(vertex, at, {upper.strip, lower.strip});
-    });
+    turn(p, 2, [&] { return crossing_corner(p, at); });
+}
+
+// The usual crossing at a face: it lies in one of the four sectors.
+void StripSweep::cross_at_one_face(std::size_t p,
+                                   const StripChart::Point& at,
+                                   const Verdict& between,
+                                   bool has_face_between) {
+    const Corner corner = crossing_corner(p, at);
+    if (must_stop()) return;
+    const std::uint32_t vertex = corner_vertices_[corner.vertex];
+    const Line& above = lines_[p - 1];
+    Line& upper = lines_[p];
+    Line& lower = lines_[p + 1];
+    if (above.face_below) {
+        end_edge(upper, vertex, Side::kBottom);
+        triangulator_.add(above.region_below, corner, Side::kBottom);
+    } else if (lower.face_below) {
+        end_edge(lower, vertex, Side::kTop);
+        triangulator_.add(lower.region_below, corner, Side::kTop);
+    } else if (upper.face_below) {
+        end_edge(upper, vertex, Side::kTop);
+        end_edge(lower, vertex, Side::kBottom);
+        triangulator_.close(upper.region_below, corner);
+    } else {
+        upper.region_below = triangulator_.open(corner);
+    }
+    upper.edge_start = lower.edge_start = vertex;
+    exchange_neighbours(p, between, has_face_between);
+}
+
+StripSweep::Corner StripSweep::event_corner(std::uint32_t e) {
+    const StripChart::Event& event = chart_.event(e);
+    const std::uint32_t piece = event.num_arriving > 0 ? event.arriving[0] : event.leaving[0];
+    const StripChart::Point at = chart_.point(piece, chart_.place(e));
+    const auto& strips = cones_->incidence[event.ray].strips;
+    return make_corner(event_vertex(event), at, {strips[0], strips[1]});
 }
 
 void StripSweep::turn_at_event(std::size_t first, std::size_t num_arriving, std::uint32_t e) {
-    const StripChart::Event& event = chart_.event(e);
-    turn(first, num_arriving, [&]() -> Corner {
-        const std::uint32_t piece = event.num_arriving > 0 ? event.arriving[0] : event.leaving[0];
-        const StripChart::Point at = chart_.point(piece, chart_.place(e));
-        const auto& strips = cones_->incidence[event.ray].strips;
-        return make_corner(event_vertex(event), at, {strips[0], strips[1]});
-    });
+    turn(first, num_arriving, [&] { return event_corner(e); });
 }
 
 }  // namespace atrium::hull

@@ -49,9 +49,10 @@ StripSweep::Corner StripSweep::make_corner(std::uint32_t vertex,
 
 StripSweep::Corner StripSweep::ray_corner(std::uint32_t vertex, double phi, const Line& line) {
     const bool is_centre = line.piece == StripChart::kNone;
+    const double u =
+        is_centre ? std::numeric_limits<double>::infinity() : chart_.u(line.piece, phi);
     const std::uint32_t own = phi < 0.5 ? kFromRay : kToRay;
-    return make_corner(
-        vertex, {phi, line.u}, {own, is_centre ? kFromRay + kToRay - own : line.strip});
+    return make_corner(vertex, {phi, u}, {own, is_centre ? kFromRay + kToRay - own : line.strip});
 }
 
 void StripSweep::finish_triangles() {
@@ -86,9 +87,11 @@ std::uint32_t StripSweep::add_vertex(VertexKey key,
                                      bool may_be_needed,
                                      const Eigen::Vector3d* position) {
     const auto index = static_cast<std::uint32_t>(faces_->vertices.size());
-    RunFaces::Vertex vertex{key, position != nullptr, may_be_needed, Eigen::Vector3d::Zero()};
+    RunFaces::Vertex& vertex = faces_->vertices.emplace_back();
+    vertex.key = key;
+    vertex.is_owner = position != nullptr;
+    vertex.may_be_needed = may_be_needed;
     if (position != nullptr) vertex.position = *position;
-    faces_->vertices.push_back(vertex);
     return index;
 }
 

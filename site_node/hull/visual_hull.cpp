@@ -106,7 +106,8 @@ HullStatus attempt(HullScratch::Data& data,
                    Executor& executor,
                    VisualHull& hull) {
     Clock::time_point mark = Clock::now();
-    const HullStatus built = build_cones(data.clean, options, number, data.cone, data.cones, hull);
+    const HullStatus built =
+        build_cones(data.clean, options, number, executor, data.cone, data.cones, hull);
     hull.times.silhouettes_ms += ms_since(mark);
     if (number == 0) data.num_dropped_at_first = hull.num_contours_dropped;
     // a jitter that destroys outlines answers another question

@@ -1,0 +1,288 @@
+#include "site_node/hull/rounding.hpp"
+#include "site_node/hull/sort_few.hpp"
+#include "site_node/hull/strip_chart.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace atrium::hull {
+namespace {
+
+// Of the error of phi: beyond this, that of u in an event is not bounded.
+constexpr double kRoughPhi = 0.25;
+
+}  // namespace
+
+// Finds where the lines of all cameras end or bend. Moves the active lines on to the strip's second
+// ray. Step by step for all cameras: each of them has a few lines and events only.
+bool StripChart::gather() {
+    find_events();
+    if (num_steps_ > max_steps_) return true;
+    start_lines();
+    bound_events();
+    if (!pass_events()) return false;
+    end_lines();
+    return true;
+}
+
+// The rays of each camera that pierce the strip.
+void StripChart::find_events() {
+    const Cones::View& own_view = cones_->views[view_];
+    const std::uint32_t from_ray = own_.from - own_view.first_ray;
+    const std::uint32_t to_ray = own_.to - own_view.first_ray;
+    const std::uint32_t strip = strip_ - own_view.first_strip;
+    for (Bundle& bundle : bundles()) {
+        bundle.first += bundle.first_end();  // nodes on the ray between both strips
+        bundle.num_at_start = static_cast<std::uint32_t>(bundle.active.size());
+        bundle.num_events = 0;
+        if (bundle.num_rays == 0) continue;
+        const PencilSide& own = *bundle.own;
+        const bool is_rising = own.rises[strip] != 0;
+        const std::uint32_t from = own.rank[from_ray];
+        const std::uint32_t to = own.rank[to_ray];
+        // the ranks alone do not tell no ray from all rays: the arc may cross the end of the circle
+        const bool wraps = (own.position[to_ray] < own.position[from_ray]) == is_rising;
+        const std::uint32_t least = is_rising ? from : to;
+        const std::uint32_t least_position = least == bundle.num_rays ? 0 : least;
+        // soon read: each camera has its own lists, and each strip takes few entries of them
+        __builtin_prefetch(&own.across[to_ray]);
+        const PencilSide& other = *bundle.other;
+        __builtin_prefetch(&other.through[least_position]);
+        __builtin_prefetch(&other.in_order.across_x[least_position]);
+        __builtin_prefetch(&other.in_order.across_y[least_position]);
+        __builtin_prefetch(&other.in_order.x[least_position]);
+        __builtin_prefetch(&other.in_order.y[least_position]);
+        __builtin_prefetch(&other.in_order.z[least_position]);
+        __builtin_prefetch(&other.in_order.length[least_position]);
+        bundle.is_rising = is_rising;
+        bundle.position = least_position;
+        bundle.num_events = (is_rising ? to - from : from - to) + (wraps ? bundle.num_rays : 0);
+        num_steps_ += 2 * (std::uint64_t{bundle.num_at_start} + bundle.num_events);
+    }
+}
+
+// Lines at the strip's first ray: their nodes are those at the end of the strip before.
+void StripChart::start_lines() {
+    for (Bundle& bundle : bundles()) {
+        const std::uint32_t num_active = bundle.num_at_start;
+        // up to three lines begin in an event; four events are written at least, and two at a time
+        const std::uint32_t most_nodes = 2 * num_active + 4 * bundle.num_events + 4;
+        const std::uint32_t most_spans = num_active + 3 * bundle.num_events;
+        if (bundle.first + most_nodes > bundle.room_for_nodes || most_spans > bundle.room_for_spans)
+            make_room(bundle, most_nodes, most_spans);
+        bundle.num_spans = 0;
+        bundle.has_only_chains = true;
+        bundle.bounds = bundle.at_ray;
+        const Node* const nodes = bundle.strip_nodes();
+        for (std::uint32_t i = 2; i < num_active; ++i) {
+            if (nodes[i - 2].value > nodes[i - 1].value && nodes[i - 1].value > nodes[i].value)
+                continue;
+            sort_lines(bundle);
+            break;
+        }
+        Active* const active = bundle.active.data();
+        for (std::uint32_t i = 0; i < num_active; ++i) {
+            active[i].bounds = nodes[i].bounds;
+            active[i].from = i;
+        }
+    }
+}
+
+void StripChart::make_room(Bundle& bundle, std::uint32_t num_nodes, std::uint32_t num_spans) {
+    std::copy_n(bundle.strip_nodes(), bundle.num_at_start, bundle.nodes.begin());
+    bundle.first = 0;
+    if (num_nodes > bundle.room_for_nodes) bundle.nodes.resize(4 * std::size_t{num_nodes});
+    if (num_spans > bundle.room_for_spans) bundle.spans.resize(2 * std::size_t{num_spans});
+    bundle.room_for_nodes = static_cast<std::uint32_t>(bundle.nodes.size());
+    bundle.room_for_spans = static_cast<std::uint32_t>(bundle.spans.size());
+}
+
+// By falling u. Chains keep their order from strip to strip, so this is not often needed.
+void StripChart::sort_lines(Bundle& bundle) {
+    Node* const nodes = bundle.strip_nodes();
+    lines_.clear();
+    for (std::uint32_t i = 0; i < bundle.num_at_start; ++i)
+        lines_.emplace_back(nodes[i], bundle.active[i].strip);
+    const std::span<std::pair<Node, std::uint32_t>> lines(lines_);
+    sort_few(lines, [](const auto& l, const auto& r) { return l.first.value > r.first.value; });
+    for (std::uint32_t i = 0; i < bundle.num_at_start; ++i) {
+        nodes[i] = lines[i].first;
+        bundle.active[i].strip = lines[i].second;
+        place_of_[lines[i].second] = i;
+    }
+}
+
+// Bounds of u in the rays of other cameras that pierce this strip.
+//
+// Such a ray lies in one half-plane of the pencil with the point of the strip that it pierces. With
+// w_from, w_to, its cross products with the strip's rays across the baseline b,
+// phi = w_to / (w_from + w_to) and u = (normal . ray) / (|b| (w_from + w_to)), up to its sign.
+void StripChart::bound_events() {
+    using Two = Eigen::Array2d;  // two neighbours in a list of numbers
+    using TwoOf = Eigen::Map<const Two>;
+    const std::uint32_t from_ray = own_.from - cones_->views[view_].first_ray;
+    const std::uint32_t to_ray = own_.to - cones_->views[view_].first_ray;
+    const Eigen::Vector3d normal = cones_->normal[strip_];
+    const double error_scale = phi_error_scale_;
+    for (Bundle& bundle : bundles()) {
+        const PencilSide& own = *bundle.own;
+        const Eigen::Vector2d a0 = own.across[from_ray];
+        const Eigen::Vector2d a1 = own.across[to_ray];
+        // the sign is the side of the strip's plane on which the other centre is
+        const double scale = bundle.is_rising == (view_ < bundle.view) ? own.inverse_baseline
+                                                                       : -own.inverse_baseline;
+        const double u_spread = spread_scale_ * own.inverse_baseline;  // see docs/hull.md
+        std::uint32_t position = bundle.position;
+        Node* node = bundle.strip_nodes() + bundle.num_at_start;
+        for (std::uint32_t left = bundle.num_events; left > 0; position = 0) {
+            const std::uint32_t count = std::min(left, bundle.num_rays - position);
+            const PencilSide::InOrder& rays = bundle.other->in_order;
+            const double* const across_x = rays.across_x.data() + position;
+            const double* const across_y = rays.across_y.data() + position;
+            const double* const ray_x = rays.x.data() + position;
+            const double* const ray_y = rays.y.data() + position;
+            const double* const ray_z = rays.z.data() + position;
+            const double* const length = rays.length.data() + position;
+            Two largest_error = Two::Zero();
+            const auto bound_two = [&](std::uint32_t i) {
+                const Two x = TwoOf(across_x + i);
+                const Two y = TwoOf(across_y + i);
+                const Two w_to = (x * a0.y() - y * a0.x()).abs();
+                const Two w_from = (x * a1.y() - y * a1.x()).abs();
+                const Two inverse = (w_from + w_to).inverse();
+                const Two error = error_scale * TwoOf(length + i) * inverse;
+                const Two n_ray = normal.x() * TwoOf(ray_x + i) + normal.y() * TwoOf(ray_y + i) +
+                                  normal.z() * TwoOf(ray_z + i);
+                const Two u = scale * (n_ray * inverse);
+                const Two u_error = 2.0 * error * (u.abs() + u_spread);
+                const Two low = u - u_error;
+                const Two minus_high = -u_error - u;
+                largest_error = largest_error.max(error);
+                node[i] = {{low.x(), minus_high.x()}, w_to.x(), inverse.x()};
+                node[i + 1] = {{low.y(), minus_high.y()}, w_to.y(), inverse.y()};
+            };
+            // mostly there are up to four, and how many is hard to foretell
+            bound_two(0);
+            bound_two(2);
+            for (std::uint32_t i = 4; i < count; i += 2) bound_two(i);
+            if (!(largest_error.maxCoeff() < kRoughPhi)) {
+                for (std::uint32_t i = 0; i < count; ++i) {
+                    if (error_scale * length[i] * node[i].error < kRoughPhi) continue;
+                    node[i].bounds.setConstant(-kInfinity);
+                }
+            }
+            node += count;
+            left -= count;
+        }
+    }
+}
+
+// Ends spans in the cameras' rays, and begins others.
+bool StripChart::pass_events() {
+    std::uint32_t* const place_of = place_of_.data();
+    const Eigen::Vector3d* const normals = cones_->normal.data();
+    for (Bundle& bundle : bundles()) {
+        const auto* const through = bundle.other->through.data();
+        const PencilSide::Offset* const offsets = bundle.other->offset.data();
+        const Node* const nodes = bundle.strip_nodes();
+        Active* active = bundle.active.data();
+        auto num_active = static_cast<std::uint32_t>(bundle.active.size());
+        Span* span = bundle.spans.data();
+        const std::size_t ending = bundle.is_rising ? 0 : 1;
+        const std::uint32_t step = bundle.is_rising ? 1 : ~std::uint32_t{0};
+        const std::uint32_t n = bundle.num_rays;
+        const std::uint32_t to_last = bundle.is_rising ? 0 : bundle.num_events - 1;
+        std::uint32_t node = bundle.num_at_start + to_last;
+        std::uint32_t position = bundle.position + to_last;
+        if (position >= n) position -= n;
+        Bounds bounds = bundle.bounds;
+        for (std::uint32_t left = bundle.num_events; left > 0; --left, node += step) {
+            const Bounds& at = nodes[node].bounds;
+            bounds = bounds.min(at);
+            const std::uint32_t ends = through[position][ending];
+            if (ends != kNoStrip) {
+                // the usual event: one line goes on as another
+                const std::uint32_t begins = through[position][1 - ending];
+                const std::uint32_t place = place_of[ends];
+                if (place >= num_active) return false;
+                Active& line = active[place];
+                if (line.strip != ends) return false;
+                line.bounds = line.bounds.min(at);
+                *span++ = {ends, line.from, node};
+                line.strip = begins;
+                line.from = node;
+                place_of[begins] = place;
+                // `end_lines` reads them
+                __builtin_prefetch(&normals[begins]);
+                __builtin_prefetch(&offsets[begins - bundle.first_strip]);
+            } else {
+                bundle.num_spans = static_cast<std::uint32_t>(span - bundle.spans.data());
+                if (!pass_event(bundle, node, position)) return false;
+                span = bundle.spans.data() + bundle.num_spans;
+                active = bundle.active.data();
+                num_active = static_cast<std::uint32_t>(bundle.active.size());
+            }
+            position += step;
+            if (position >= n) position = bundle.is_rising ? 0 : n - 1;
+        }
+        bundle.num_spans = static_cast<std::uint32_t>(span - bundle.spans.data());
+        bundle.bounds = bounds;
+    }
+    return true;
+}
+
+// The strips that meet in a ray end or begin here, seen along this strip.
+bool StripChart::pass_event(Bundle& bundle, std::uint32_t node, std::uint32_t position) {
+    bundle.has_only_chains = false;
+    const std::uint32_t local = bundle.other->sorted[position];
+    const Cones::Incidence& incidence = cones_->incidence[bundle.first_ray + local];
+    if (incidence.count > incidence.strips.size()) return false;
+    const std::uint32_t upper_ends = bundle.other->is_upper_end[local];
+    const std::uint32_t arriving = bundle.is_rising ? upper_ends : ~upper_ends;
+    std::vector<Active>& active = bundle.active;
+    for (std::uint32_t j = 0; j < incidence.count; ++j) {
+        if ((arriving >> j & 1) == 0) continue;
+        const std::uint32_t strip = incidence.strips[j];
+        const std::uint32_t place = place_of_[strip];
+        if (place >= active.size() || active[place].strip != strip) return false;
+        bundle.spans[bundle.num_spans++] = {strip, active[place].from, node};
+        active[place] = active.back();
+        place_of_[active[place].strip] = place;
+        active.pop_back();
+    }
+    for (std::uint32_t j = 0; j < incidence.count; ++j) {
+        if ((arriving >> j & 1) != 0) continue;
+        const std::uint32_t strip = incidence.strips[j];
+        place_of_[strip] = static_cast<std::uint32_t>(active.size());
+        active.push_back({bundle.bounds, strip, node});
+    }
+    return true;
+}
+
+// Lines at the strip's second ray.
+void StripChart::end_lines() {
+    const Eigen::Vector3d* const normals = cones_->normal.data();
+    const Eigen::Vector3d ray = cones_->ray[own_.to];
+    const double ray_length = cones_->ray_length[own_.to];
+    for (Bundle& bundle : bundles()) {
+        const PencilSide::Offset* const offsets = bundle.other->offset.data();
+        std::uint32_t node = bundle.first_end();
+        Node* const nodes = bundle.strip_nodes();
+        Span* span = bundle.spans.data() + bundle.num_spans;
+        Bounds at_ray = Bounds::Constant(kInfinity);
+        for (Active& line : bundle.active) {
+            const std::uint32_t strip = line.strip;
+            const Node end = node_of(
+                value_of(offsets[strip - bundle.first_strip], normals[strip], ray, ray_length));
+            nodes[node] = end;
+            line.bounds = line.bounds.min(end.bounds);
+            at_ray = at_ray.min(end.bounds);
+            *span++ = {strip, line.from, node++};
+        }
+        bundle.at_ray = at_ray;
+        bundle.bounds = bundle.bounds.min(at_ray);
+        bundle.num_spans += static_cast<std::uint32_t>(bundle.active.size());
+    }
+}
+
+}  // namespace atrium::hull
