@@ -1,6 +1,7 @@
 #include "site_node/segmentation/background_model.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace atrium::segmentation {
@@ -59,9 +60,13 @@ void set_chroma_noise(const SegmentationOptions& options,
     const double l21 = uv / l11;
     const double l22 =
         std::sqrt(std::max(std::max(room.vv[block] / 16.0, 0.0) + floor - l21 * l21, floor));
-    model.whiten_u[block] = fixed_point(1.0 / l11, 32768.0);
-    model.whiten_v[block] = fixed_point(1.0 / l22, 32768.0);
-    model.whiten_uv[block] = fixed_point(-l21 / (l11 * l22), 32768.0);
+    const std::size_t column = block % static_cast<std::size_t>(room.width / 2);
+    const int row = static_cast<int>(block / static_cast<std::size_t>(room.width / 2));
+    HueNoise& noise = model.hue_noise[model.first_group(row) + column / kBlocksPerGroup];
+    const std::size_t at = column % kBlocksPerGroup;
+    noise.whiten_u[at] = fixed_point(1.0 / l11, 32768.0);
+    noise.whiten_v[at] = fixed_point(1.0 / l22, 32768.0);
+    noise.whiten_uv[at] = fixed_point(-l21 / (l11 * l22), 32768.0);
 
     // How far a colourless thing is from the room's hue; in a shadow of a part of the luma, that
     // part of it. Where it is still well beyond the threshold, a dark thing is told by its hue.
@@ -74,43 +79,143 @@ void set_chroma_noise(const SegmentationOptions& options,
     model.darkest[block] = part_of_256(std::clamp(told_from, lowest, darkest));
 }
 
-}  // namespace
+// Square of how much the whitening of a block lengthens a vector at most: its larger singular
+// value.
+double most_stretch_sq(const HueNoise& noise, std::size_t block) {
+    const double u = noise.whiten_u[block] / 32768.0;
+    const double uv = noise.whiten_uv[block] / 32768.0;
+    const double v = noise.whiten_v[block] / 32768.0;
+    const double sum = u * u + uv * uv + v * v;
+    const double determinant = u * v;
+    const double root = std::sqrt(std::max(sum * sum - 4.0 * determinant * determinant, 0.0));
+    return 0.5 * (sum + root);
+}
 
-void update_light(BackgroundModel& model, int first_row, int end_row) {
+// Plain C++ that the compiler vectorises; each set of instructions is one more instance of it.
+#define ATRIUM_INLINE inline __attribute__((always_inline))
+
+// Of `num` pixels of one row from `pixel` on; `darkest` is that of their blocks.
+ATRIUM_INLINE void make_thresholds(const std::uint8_t* __restrict darkest,
+                                   std::size_t pixel,
+                                   std::size_t num,
+                                   const BackgroundModel& model,
+                                   std::uint8_t* __restrict luma_low,
+                                   std::uint8_t* __restrict luma_high) {
+    const std::uint16_t* __restrict luma = model.luma.data() + pixel;
+    const std::uint8_t* __restrict sigma = model.room.luma_sigma.data() + pixel;
+    const std::int32_t luma_distance = model.luma_distance;
+    const std::int32_t min_luma_noise = model.min_luma_noise;
+    const std::int32_t highlight = model.highlight;
+    for (std::size_t i = 0; i < num; ++i) {
+        const std::int32_t mean = luma[i];
+        const std::int32_t noise = std::max(sigma[i] * luma_distance, min_luma_noise);
+        const std::int32_t low = std::min((mean * darkest[i]) >> 8, mean - noise);
+        const std::int32_t high = ((mean * highlight) >> 8) + noise;
+        luma_low[i] = static_cast<std::uint8_t>(std::clamp((low + 128) >> 8, 0, 255));
+        luma_high[i] = static_cast<std::uint8_t>(
+            mean >= kClippedMean ? 255 : std::clamp((high + 128) >> 8, 0, 255));
+    }
+}
+
+// Of `num` blocks, whose first pixels are `top` and `bottom`.
+ATRIUM_INLINE void make_ratios(const std::uint16_t* __restrict top,
+                               const std::uint16_t* __restrict bottom,
+                               const std::int16_t* __restrict u,
+                               const std::int16_t* __restrict v,
+                               std::size_t num,
+                               std::int16_t* __restrict ratio_u,
+                               std::int16_t* __restrict ratio_v) {
+    for (std::size_t i = 0; i < num; ++i) {
+        const int sum = top[2 * i] + top[2 * i + 1] + bottom[2 * i] + bottom[2 * i + 1];
+        const float luma =
+            std::max(static_cast<float>(sum), static_cast<float>(1024.0 * kMinRatioLuma));
+        // 1/128 over 1/1024, in 1/4096; chroma is less than twice the luma in any real colour
+        const float scale = 32768.0F / luma;
+        const auto ratio = [&](std::int16_t chroma) {
+            return static_cast<std::int16_t>(static_cast<std::int32_t>(
+                std::min(std::max(static_cast<float>(chroma) * scale, -8192.0F), 8192.0F)));
+        };
+        ratio_u[i] = ratio(u[i]);
+        ratio_v[i] = ratio(v[i]);
+    }
+}
+
+ATRIUM_INLINE void update_rows(BackgroundModel& model, const image::PixelRect& part) {
     const auto width = static_cast<std::size_t>(model.width());
-    const std::size_t num_blocks = width / 2;
-    for (auto y = static_cast<std::size_t>(first_row); y < static_cast<std::size_t>(end_row); ++y) {
-        const std::uint8_t* darkest = model.darkest.data() + y / 2 * num_blocks;
-        for (std::size_t x = 0; x < width; ++x) {
-            const std::size_t pixel = y * width + x;
-            const std::int32_t mean = model.luma[pixel];
-            const std::int32_t noise = luma_noise(model, pixel);
-            const std::int32_t low = std::min((mean * darkest[x / 2]) >> 8, mean - noise);
-            const std::int32_t high = ((mean * model.highlight) >> 8) + noise;
-            model.luma_low[pixel] = static_cast<std::uint8_t>(std::clamp((low + 128) >> 8, 0, 255));
-            model.luma_high[pixel] = static_cast<std::uint8_t>(
-                mean >= kClippedMean ? 255 : std::clamp((high + 128) >> 8, 0, 255));
+    std::array<std::uint8_t, kPixelsPerGroup> darkest;
+    for (int y = part.y; y < part.y + part.height; y += 2) {
+        const int end = part.x + part.width;
+        for (int x = part.x; x < end;) {
+            const int first = x % kPixelsPerGroup;
+            const int count = std::min(kPixelsPerGroup - first, end - x);
+            const auto at = static_cast<std::size_t>(first);
+            const auto num = static_cast<std::size_t>(count);
+            const std::size_t pixel =
+                static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
+            const std::size_t block =
+                static_cast<std::size_t>(y / 2) * (width / 2) + static_cast<std::size_t>(x / 2);
+            RoomLook& look = model.looks[model.first_group(y / 2) +
+                                         static_cast<std::size_t>(x / kPixelsPerGroup)];
+            for (std::size_t i = 0; i < num / 2; ++i)
+                darkest[2 * i] = darkest[2 * i + 1] = model.darkest[block + i];
+            for (std::size_t line = 0; line < 2; ++line) {
+                make_thresholds(darkest.data(),
+                                pixel + line * width,
+                                num,
+                                model,
+                                look.luma_low[line].data() + at,
+                                look.luma_high[line].data() + at);
+            }
+            const std::uint16_t* const top = model.luma.data() + pixel;
+            make_ratios(top,
+                        top + width,
+                        model.u.data() + block,
+                        model.v.data() + block,
+                        num / 2,
+                        look.ratio_u.data() + at / 2,
+                        look.ratio_v.data() + at / 2);
+            x += count;
         }
     }
-    for (auto row = static_cast<std::size_t>(first_row / 2);
-         row < static_cast<std::size_t>(end_row / 2);
-         ++row) {
-        const std::uint16_t* top = model.luma.data() + 2 * row * width;
-        const std::uint16_t* bottom = top + width;
-        for (std::size_t x = 0; x < num_blocks; ++x) {
-            const std::size_t block = row * num_blocks + x;
-            const int sum = top[2 * x] + top[2 * x + 1] + bottom[2 * x] + bottom[2 * x + 1];
-            const float luma =
-                std::max(static_cast<float>(sum), static_cast<float>(1024.0 * kMinRatioLuma));
-            // 1/128 over 1/1024, in 1/4096; chroma is less than twice the luma in any real colour
-            const float scale = 32768.0F / luma;
-            const auto ratio = [&](std::int16_t chroma) {
-                return static_cast<std::int16_t>(
-                    std::clamp(static_cast<float>(chroma) * scale, -8192.0F, 8192.0F));
-            };
-            model.ratio_u[block] = ratio(model.u[block]);
-            model.ratio_v[block] = ratio(model.v[block]);
+}
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) void update_rows_avx2(BackgroundModel& model,
+                                                      const image::PixelRect& part) {
+    update_rows(model, part);
+}
+#endif
+
+#undef ATRIUM_INLINE
+
+}  // namespace
+
+void update_light(BackgroundModel& model,
+                  const image::PixelRect& part,
+                  [[maybe_unused]] InstructionSet instructions) {
+#if defined(__x86_64__)
+    if (instructions == InstructionSet::kAvx2) return update_rows_avx2(model, part);
+#endif
+    update_rows(model, part);
+}
+
+void limit_near_hues(BackgroundModel& model) {
+    // in 1/64: one product of `a`, and two of `b`, are rounded by half of one each
+    constexpr double kRounding = 1.2;
+    constexpr double kQuarter = 16.0;
+    const double most = std::max(std::sqrt(model.max_distance_sq) - kRounding, 0.0) / kQuarter;
+    model.near_hue_sq.resize(static_cast<std::size_t>(model.height() / 2));
+    for (std::size_t row = 0; row < model.near_hue_sq.size(); ++row) {
+        double stretch_sq = 1e-6;
+        const HueNoise* const noise =
+            model.hue_noise.data() + model.first_group(static_cast<int>(row));
+        for (int x = 0; x < model.width() / 2; ++x) {
+            stretch_sq = std::max(stretch_sq,
+                                  most_stretch_sq(noise[x / kBlocksPerGroup],
+                                                  static_cast<std::size_t>(x % kBlocksPerGroup)));
         }
+        model.near_hue_sq[row] = static_cast<std::int32_t>(
+            std::min(std::floor(most * most / stretch_sq), 1.0 * (1 << 30)));
     }
 }
 
@@ -120,12 +225,8 @@ BackgroundModel make_model(BackgroundStatistics statistics, const SegmentationOp
     model.luma = model.room.luma;
     model.u = model.room.u;
     model.v = model.room.v;
-    model.luma_low.resize(model.luma.size());
-    model.luma_high.resize(model.luma.size());
     model.darkest.resize(model.u.size());
-    for (auto* plane :
-         {&model.ratio_u, &model.ratio_v, &model.whiten_u, &model.whiten_uv, &model.whiten_v})
-        plane->assign(model.u.size(), 0);
+    model.resize_groups();
     model.max_distance_sq = static_cast<std::int32_t>(
         std::lround(4096.0 * options.max_chroma_distance * options.max_chroma_distance));
     model.min_colour_luma = fixed_point(options.dark_luma, 4.0);
@@ -136,7 +237,8 @@ BackgroundModel make_model(BackgroundStatistics statistics, const SegmentationOp
     model.highlight = static_cast<std::int32_t>(std::lround(256.0 * (1.0 + options.max_highlight)));
     for (std::size_t block = 0; block < model.u.size(); ++block)
         set_chroma_noise(options, block, model);
-    update_light(model, 0, model.height());
+    limit_near_hues(model);
+    update_light(model, {0, 0, model.width(), model.height()});
     return model;
 }
 

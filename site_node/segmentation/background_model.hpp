@@ -2,8 +2,11 @@
 
 #include "core/base/expected.hpp"
 #include "core/image/image.hpp"
+#include "site_node/segmentation/instruction_set.hpp"
 #include "site_node/segmentation/segmentation_options.hpp"
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -27,6 +30,36 @@ struct BackgroundStatistics {
     std::vector<std::int16_t> vv;
 };
 
+/// Blocks in a group: the widest registers take as many pixels of a row.
+constexpr int kBlocksPerGroup = 16;
+constexpr int kPixelsPerGroup = 2 * kBlocksPerGroup;
+
+/// What the test needs to know of 16 blocks side by side: the whole picture is compared with it,
+/// so it is one run of memory, three lines of the cache. Blocks right of the picture are never
+/// foreground.
+struct alignas(64) RoomLook {
+    RoomLook() {
+        for (auto& row : luma_high) row.fill(255);
+    }
+    bool operator==(const RoomLook&) const = default;
+
+    // per pixel of both rows: what is outside [luma_low, luma_high] is foreground whatever its
+    // colour
+    std::array<std::array<std::uint8_t, kPixelsPerGroup>, 2> luma_low{};
+    std::array<std::array<std::uint8_t, kPixelsPerGroup>, 2> luma_high;
+    // expected chroma is ratio * luma; a darker patch of the same surface keeps its ratio
+    std::array<std::int16_t, kBlocksPerGroup> ratio_u{};  // (mean U - 128) / (mean Y), in 1/4096
+    std::array<std::int16_t, kBlocksPerGroup> ratio_v{};
+};
+
+/// Of the same blocks: (du, dv) -> (whiten_u du, whiten_uv du + whiten_v dv) has unit covariance;
+/// in 1/32768. All 0 where the room is too dark to have a colour. Mostly nobody has to ask.
+struct HueNoise {
+    std::array<std::int16_t, kBlocksPerGroup> whiten_u{};
+    std::array<std::int16_t, kBlocksPerGroup> whiten_uv{};
+    std::array<std::int16_t, kBlocksPerGroup> whiten_v{};
+};
+
 /// The same as the integers that the per-pixel test needs, under given options.
 ///
 /// `room` is what `luma`, `u` and `v` were learned as; where light drifts, what the thresholds are
@@ -37,20 +70,15 @@ struct BackgroundModel {
     std::vector<std::int16_t> u;
     std::vector<std::int16_t> v;
 
-    // per pixel: what is outside [luma_low, luma_high] is foreground whatever its colour
-    std::vector<std::uint8_t> luma_low;
-    std::vector<std::uint8_t> luma_high;
-
     // per block
     std::vector<std::uint8_t> darkest;  // part of its luma that is left in shadow, in 1/256
-    // expected chroma is ratio * luma; a darker patch of the same surface keeps its ratio
-    std::vector<std::int16_t> ratio_u;  // (mean U - 128) / (mean Y), in 1/4096
-    std::vector<std::int16_t> ratio_v;
-    // (du, dv) -> (whiten_u du, whiten_uv du + whiten_v dv) has unit covariance; in 1/32768. All 0
-    // where the room is too dark to have a colour.
-    std::vector<std::int16_t> whiten_u;
-    std::vector<std::int16_t> whiten_uv;
-    std::vector<std::int16_t> whiten_v;
+    // per group of blocks, row by row of them
+    std::vector<RoomLook> looks;
+    std::vector<HueNoise> hue_noise;
+
+    // per row of blocks: where du^2 + dv^2, in 1/16, is not above this, the hue is the room's in
+    // any block of the row; of limit_near_hues
+    std::vector<std::int32_t> near_hue_sq;
 
     std::int32_t max_distance_sq = 0;  // of whitened chroma, in 1/4096
     std::int16_t min_colour_luma = 0;  // below this sum of a block's four lumas its chroma is none
@@ -61,6 +89,17 @@ struct BackgroundModel {
 
     int width() const { return room.width; }
     int height() const { return room.height; }
+    int groups_per_row() const { return (room.width + kPixelsPerGroup - 1) / kPixelsPerGroup; }
+    /// Of a block's row, in `looks` and `hue_noise`.
+    std::size_t first_group(int block_row) const {
+        return static_cast<std::size_t>(block_row) * static_cast<std::size_t>(groups_per_row());
+    }
+    /// Makes both as large as the room.
+    void resize_groups() {
+        const std::size_t num = first_group(room.height / 2);
+        looks.assign(num, {});
+        hue_noise.assign(num, {});
+    }
 };
 
 /// Samples from here on may be clipped: what is brighter still looks the same, and once one
@@ -71,9 +110,14 @@ constexpr std::uint8_t kClipped = 250;
 /// them).
 BackgroundModel make_model(BackgroundStatistics statistics, const SegmentationOptions& options);
 
-/// Makes thresholds and ratios of rows [first_row, end_row), both even, from the model's luma, u
-/// and v.
-void update_light(BackgroundModel& model, int first_row, int end_row);
+/// Makes `near_hue_sq` from the whitening and `max_distance_sq`.
+void limit_near_hues(BackgroundModel& model);
+
+/// Makes thresholds and ratios of `part`, whose numbers are even, from the model's luma, u and v.
+/// All sets of instructions give the same bits.
+void update_light(BackgroundModel& model,
+                  const image::PixelRect& part,
+                  InstructionSet instructions = best_instruction_set());
 
 /// Half of the interval of luma that noise alone takes up at this pixel, in 1/256.
 inline std::int32_t luma_noise(const BackgroundModel& model, std::size_t pixel) {

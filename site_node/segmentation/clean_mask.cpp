@@ -29,13 +29,6 @@ std::uint32_t bits_of(const std::uint8_t* row) {
 #endif
 }
 
-void end_run(int x, CleanScratch& scratch) {
-    const std::uint32_t first = scratch.first_run_of_row.back();
-    const auto index = static_cast<std::uint32_t>(scratch.runs.size());
-    const int begin = index == first ? 0 : scratch.runs.back().end;
-    scratch.runs.push_back({begin, x, index, static_cast<std::uint32_t>(x - begin)});
-}
-
 // Foreground is -1 as a signed byte, so votes are counted below zero.
 void majority_baseline(const ThreeRows& in, std::int8_t* votes, std::uint8_t* out) {
     const auto width = static_cast<std::size_t>(in.width);
@@ -85,7 +78,7 @@ ATRIUM_AVX2 void majority_avx2(const ThreeRows& in, std::int8_t* votes, std::uin
 #undef ATRIUM_AVX2
 #endif
 
-std::uint32_t find(std::vector<Run>& runs, std::uint32_t i) {
+std::uint32_t find(Run* runs, std::uint32_t i) {
     while (runs[i].component != i) {
         runs[i].component = runs[runs[i].component].component;
         i = runs[i].component;
@@ -93,7 +86,7 @@ std::uint32_t find(std::vector<Run>& runs, std::uint32_t i) {
     return i;
 }
 
-void unite(std::vector<Run>& runs, std::uint32_t a, std::uint32_t b) {
+void unite(Run* runs, std::uint32_t a, std::uint32_t b) {
     a = find(runs, a);
     b = find(runs, b);
     if (a == b) return;
@@ -102,23 +95,30 @@ void unite(std::vector<Run>& runs, std::uint32_t a, std::uint32_t b) {
     runs[a].area += runs[b].area;
 }
 
-// Joins the runs of one value, which is every second one, with those of the row above that they
-// touch. `reach` 1 also joins diagonal neighbours.
-void join_with_row_above(CleanScratch& scratch, std::size_t y, std::uint32_t parity, int reach) {
-    std::vector<Run>& runs = scratch.runs;
-    std::uint32_t above = scratch.first_run_of_row[y - 1] + parity;
-    std::uint32_t here = scratch.first_run_of_row[y] + parity;
-    const std::uint32_t above_end = scratch.first_run_of_row[y];
+// Joins the runs of a row with those of the row above that have their value, which is every second
+// one, and that they touch. Background comes first, where it may be empty.
+void join_with_row_above(CleanScratch& scratch, std::size_t y) {
+    Run* const runs = scratch.runs.data();
+    const std::uint32_t above_first = scratch.first_run_of_row[y - 1];
+    const std::uint32_t here_first = scratch.first_run_of_row[y];
     const std::uint32_t here_end = scratch.first_run_of_row[y + 1];
-    while (above < above_end && here < here_end) {
-        const Run& a = runs[above];
-        const Run& b = runs[here];
-        const bool empty = a.begin == a.end || b.begin == b.end;
-        const int a_end = a.end;
-        const int b_end = b.end;
-        if (!empty && a.begin < b_end + reach && b.begin < a_end + reach) unite(runs, above, here);
-        (a_end < b_end ? above : here) += 2;
-    }
+    // `reach` 1 also joins diagonal neighbours
+    const auto join = [&](std::uint32_t above, std::uint32_t here, int reach) {
+        while (above < here_first && here < here_end) {
+            const int a_end = runs[above].end;
+            const int b_end = runs[here].end;
+            if (runs[above].begin < b_end + reach && runs[here].begin < a_end + reach)
+                unite(runs, above, here);
+            if (a_end < b_end)
+                above += 2;
+            else
+                here += 2;
+        }
+    };
+    join(above_first + (runs[above_first].end == 0 ? 2 : 0),
+         here_first + (runs[here_first].end == 0 ? 2 : 0),
+         1);
+    join(above_first + 1, here_first + 1, 0);
 }
 
 }  // namespace
@@ -158,22 +158,43 @@ void start_runs(CleanScratch& scratch) {
 // Runs alternate; the first one is background and may be empty. So parity within the row tells the
 // value. Each run ends where a pixel differs from the one before it.
 void add_runs(const std::uint8_t* row, int width, CleanScratch& scratch) {
-    std::uint32_t before = 0;
-    int x = 0;
-    for (; x + 32 <= width; x += 32) {
-        const std::uint32_t bits = bits_of(row + x);
-        for (std::uint32_t changes = bits ^ (bits << 1 | before); changes != 0;
-             changes &= changes - 1)
-            end_run(x + std::countr_zero(changes), scratch);
-        before = bits >> 31;
-    }
-    for (; x < width; ++x) {
-        const std::uint32_t bit = row[x] & 1;
-        if (bit != before) end_run(x, scratch);
+    add_runs(row, width, {0, width}, scratch);
+}
+
+void add_runs(const std::uint8_t* row,
+              int width,
+              const image::PixelSpan& span,
+              CleanScratch& scratch) {
+    std::vector<Run>& runs = scratch.runs;
+    auto index = static_cast<std::uint32_t>(runs.size());
+    int begin = 0;
+    const auto end_run = [&](int x) {
+        runs.push_back({begin, x, index++, static_cast<std::uint32_t>(x - begin)});
+        begin = x;
+    };
+    std::uint64_t before = 0;
+    int x = span.begin;
+    const auto add_bits = [&](std::uint64_t bits, int num) {
+        for (std::uint64_t changes = bits ^ (bits << 1 | before); changes != 0;
+             changes &= changes - 1) {
+            const int bit = std::countr_zero(changes);
+            if (bit == num) break;  // only by the shift
+            end_run(x + bit);
+        }
+        before = bits >> (num - 1);
+        x += num;
+    };
+    while (x + 64 <= span.end)
+        add_bits(bits_of(row + x) | static_cast<std::uint64_t>(bits_of(row + x + 32)) << 32, 64);
+    if (x + 32 <= span.end) add_bits(bits_of(row + x), 32);
+    for (; x < span.end; ++x) {
+        const std::uint64_t bit = row[x] & 1;
+        if (bit != before) end_run(x);
         before = bit;
     }
-    end_run(width, scratch);
-    scratch.first_run_of_row.push_back(static_cast<std::uint32_t>(scratch.runs.size()));
+    if (before != 0 && x < width) end_run(x);
+    end_run(width);
+    scratch.first_run_of_row.push_back(index);
 }
 
 void remove_small_parts(image::Mask& mask,
@@ -186,25 +207,63 @@ void remove_small_parts(image::Mask& mask,
     remove_small_runs(mask, min_area_px, max_hole_px, scratch);
 }
 
-void remove_small_runs(image::Mask& mask, int min_area_px, int max_hole_px, CleanScratch& scratch) {
-    const auto height = static_cast<std::size_t>(mask.height);
-    for (std::size_t y = 1; y < height; ++y) {
-        join_with_row_above(scratch, y, 0, 1);
-        join_with_row_above(scratch, y, 1, 0);
-    }
+namespace {
+
+// Calls `turn_over(y, run, is_background)` for each run of a part that is too small.
+template <typename TurnOver>
+void find_small_runs(std::size_t height,
+                     int min_area_px,
+                     int max_hole_px,
+                     CleanScratch& scratch,
+                     TurnOver&& turn_over) {
+    for (std::size_t y = 1; y < height; ++y) join_with_row_above(scratch, y);
     const std::array<std::uint32_t, 2> least{static_cast<std::uint32_t>(std::max(max_hole_px, 0)),
                                              static_cast<std::uint32_t>(std::max(min_area_px, 0))};
     for (std::size_t y = 0; y < height; ++y) {
         const std::uint32_t first = scratch.first_run_of_row[y];
         for (std::uint32_t i = first; i < scratch.first_run_of_row[y + 1]; ++i) {
-            const Run& run = scratch.runs[i];
             const std::uint32_t parity = (i - first) % 2;
-            if (scratch.runs[find(scratch.runs, i)].area >= least[parity]) continue;
-            std::fill(mask.row(static_cast<int>(y)) + run.begin,
-                      mask.row(static_cast<int>(y)) + run.end,
-                      parity == 0 ? 255 : 0);
+            // a run is below those that it points at, and they point at the first one already
+            Run& run = scratch.runs[i];
+            run.component = scratch.runs[run.component].component;
+            if (scratch.runs[run.component].area < least[parity]) turn_over(y, run, parity == 0);
         }
     }
+}
+
+void fill(image::Mask& mask, std::size_t y, const Run& run, bool is_background) {
+    std::uint8_t* const row = mask.row(static_cast<int>(y));
+    std::fill(row + run.begin, row + run.end, is_background ? 255 : 0);
+}
+
+}  // namespace
+
+void remove_small_runs(image::Mask& mask, int min_area_px, int max_hole_px, CleanScratch& scratch) {
+    find_small_runs(static_cast<std::size_t>(mask.height),
+                    min_area_px,
+                    max_hole_px,
+                    scratch,
+                    [&](std::size_t y, const Run& run, bool is_background) {
+                        fill(mask, y, run, is_background);
+                    });
+}
+
+void remove_small_runs(image::SparseMask& mask,
+                       int min_area_px,
+                       int max_hole_px,
+                       CleanScratch& scratch) {
+    find_small_runs(static_cast<std::size_t>(mask.mask.height),
+                    min_area_px,
+                    max_hole_px,
+                    scratch,
+                    [&](std::size_t y, const Run& run, bool is_background) {
+                        if (run.begin == run.end) return;
+                        fill(mask.mask, y, run, is_background);
+                        if (!is_background) return;
+                        image::PixelSpan& span = mask.rows[y];
+                        if (span.begin == span.end) span = {run.begin, run.end};
+                        span = {std::min(span.begin, run.begin), std::max(span.end, run.end)};
+                    });
 }
 
 }  // namespace atrium::segmentation

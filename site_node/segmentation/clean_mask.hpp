@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/image/image.hpp"
+#include "core/image/sparse_mask.hpp"
 #include "site_node/segmentation/pixel_test.hpp"
 
 #include <cstdint>
@@ -49,6 +50,16 @@ void remove_small_parts(image::Mask& mask, int min_area_px, int max_hole_px, Cle
 /// `start_runs`, `add_runs` for each row from the top, then `remove_small_runs`.
 void start_runs(CleanScratch& scratch);
 void add_runs(const std::uint8_t* row, int width, CleanScratch& scratch);
+/// Of a row that is background outside of `span`.
+void add_runs(const std::uint8_t* row,
+              int width,
+              const image::PixelSpan& span,
+              CleanScratch& scratch);
 void remove_small_runs(image::Mask& mask, int min_area_px, int max_hole_px, CleanScratch& scratch);
+/// Widens the rows of `mask` where it fills holes outside of them.
+void remove_small_runs(image::SparseMask& mask,
+                       int min_area_px,
+                       int max_hole_px,
+                       CleanScratch& scratch);
 
 }  // namespace atrium::segmentation

@@ -2,7 +2,9 @@
 
 #include "core/image/image.hpp"
 #include "core/image/raw_image.hpp"
+#include "core/image/sparse_mask.hpp"
 #include "site_node/segmentation/background_model.hpp"
+#include "site_node/segmentation/instruction_set.hpp"
 #include "site_node/segmentation/segmentation_options.hpp"
 
 #include <cstdint>
@@ -24,19 +26,29 @@ public:
                               const SegmentationOptions& options);
 
     /// Takes note of where people are, and lets one strip of the model, kStrip rows, the next one
-    /// with each call, come closer to the picture where it shows background up to noise.
-    void follow(const image::YuvView& frame,
-                const image::Mask& mask,
+    /// with each call, come closer to the picture where it shows background up to noise. Makes
+    /// that strip of the picture. All sets of instructions give the same bits.
+    void follow(image::WorkingPicture& picture,
+                const image::SparseMask& mask,
                 const SegmentationOptions& options,
-                BackgroundModel& model);
+                BackgroundModel& model,
+                InstructionSet instructions = best_instruction_set());
 
     /// People keep their own and the neighbouring squares of this size [px] as they are.
     static constexpr int kCell = 16;
     static constexpr int kStrip = 4;
 
 private:
-    void find_people(const image::Mask& mask);
-    void follow_block(const image::YuvView& frame, int x, int y, BackgroundModel& model) const;
+    struct Follow {
+        std::int32_t share;      // of the difference that one visit takes away, in 1/65536
+        std::int32_t max_drift;  // of luma, in 1/256
+        InstructionSet instructions;
+    };
+    void find_people(const image::SparseMask& people);
+    void follow_part(const image::YuvView& frame,
+                     const image::PixelRect& part,
+                     const Follow& how,
+                     BackgroundModel& model) const;
     bool is_near_people(int cell_x, int cell_y) const {
         return !near_people_.empty() &&
                near_people_[static_cast<std::size_t>(cell_y) * static_cast<std::size_t>(cells_x_) +
@@ -47,8 +59,6 @@ private:
     int cells_x_ = 0;
     int cells_y_ = 0;
     int next_strip_ = 0;
-    std::int32_t share_ = 0;      // of the difference that one visit takes away, in 1/65536
-    std::int32_t max_drift_ = 0;  // of luma, in 1/256
     std::vector<std::uint8_t> has_people_;   // per cell
     std::vector<std::uint8_t> near_people_;  // per cell
     std::vector<std::int32_t> samples_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cstddef>
 
 #if defined(__x86_64__)
 #include <immintrin.h>
@@ -14,6 +15,9 @@ namespace {
 // Deviations of chroma, in quarters, are cut here: far beyond any threshold, and what follows fits
 // 16 bits.
 constexpr int kMaxDeviation = 1023;
+// Every second row of blocks is tested first. The model of so many cameras is in no cache.
+constexpr int kRowsAhead = 2;
+static_assert(kTestCell == kPixelsPerGroup);
 
 // Two rows of pixels, and the row of blocks that they are.
 struct BlockRow {
@@ -21,17 +25,12 @@ struct BlockRow {
     const std::uint8_t* bottom;
     const std::uint8_t* u;
     const std::uint8_t* v;
-    const std::uint8_t* top_low;
-    const std::uint8_t* top_high;
-    const std::uint8_t* bottom_low;
-    const std::uint8_t* bottom_high;
-    const std::int16_t* ratio_u;
-    const std::int16_t* ratio_v;
-    const std::int16_t* whiten_u;
-    const std::int16_t* whiten_uv;
-    const std::int16_t* whiten_v;
+    const RoomLook* looks;
+    const HueNoise* hue_noise;
+    std::ptrdiff_t ahead;  // groups: so far ahead looks are fetched
     std::uint8_t* top_out;
     std::uint8_t* bottom_out;
+    std::int32_t near_hue_sq;  // BackgroundModel::near_hue_sq
 };
 
 struct Limits {
@@ -53,16 +52,21 @@ std::int16_t deviation(int chroma, std::int16_t luma, std::int16_t ratio) {
 }
 
 // No branches, here and below: so the compiler vectorises the loops with what every processor has.
-std::uint8_t has_other_hue(const BlockRow& row, int x, const Limits& limits) {
+std::uint8_t has_other_hue(const BlockRow& row,
+                           int x,
+                           const RoomLook& look,
+                           const HueNoise& noise,
+                           std::size_t block,  // of the group
+                           const Limits& limits) {
     const int at = 2 * x;
     const int sum = row.top[at] + row.top[at + 1] + row.bottom[at] + row.bottom[at + 1];
     const int brightest = std::max(std::max(row.top[at], row.top[at + 1]),
                                    std::max(row.bottom[at], row.bottom[at + 1]));
     const auto luma = static_cast<std::int16_t>(8 * sum);
-    const std::int16_t du = deviation(row.u[x], luma, row.ratio_u[x]);
-    const std::int16_t dv = deviation(row.v[x], luma, row.ratio_v[x]);
-    const std::int32_t a = scaled(du, row.whiten_u[x]);
-    const std::int32_t b = scaled(du, row.whiten_uv[x]) + scaled(dv, row.whiten_v[x]);
+    const std::int16_t du = deviation(row.u[x], luma, look.ratio_u[block]);
+    const std::int16_t dv = deviation(row.v[x], luma, look.ratio_v[block]);
+    const std::int32_t a = scaled(du, noise.whiten_u[block]);
+    const std::int32_t b = scaled(du, noise.whiten_uv[block]) + scaled(dv, noise.whiten_v[block]);
     const int has_hue = (sum >= limits.min_colour_luma) & (brightest < kClipped);
     return static_cast<std::uint8_t>(-(has_hue & (a * a + b * b > limits.max_distance_sq)));
 }
@@ -84,36 +88,51 @@ void test_pixels(const std::uint8_t* __restrict y,
     }
 }
 
-void test_row(const BlockRow& row, int first, int num_blocks, const Limits& limits) {
-    constexpr int kChunk = 128;  // blocks
-    std::array<std::uint8_t, kChunk> hue;
-    std::array<std::uint8_t, 2 * kChunk> hue_of_pixels;
-    for (; first < num_blocks; first += kChunk) {
-        const int num = std::min(kChunk, num_blocks - first);
-        for (int x = 0; x < num; ++x)
-            hue[static_cast<std::size_t>(x)] = has_other_hue(row, first + x, limits);
-        for (int x = 0; x < num; ++x) {
-            const auto block = static_cast<std::size_t>(x);
-            hue_of_pixels[2 * block] = hue_of_pixels[2 * block + 1] = hue[block];
-        }
-        const int at = 2 * first;
-        const std::int16_t gain = limits.inverse_gain;
-        const std::uint8_t* const hues = hue_of_pixels.data();
-        test_pixels(row.top + at,
-                    row.top_low + at,
-                    row.top_high + at,
-                    hues,
-                    2 * num,
-                    gain,
-                    row.top_out + at);
-        test_pixels(row.bottom + at,
-                    row.bottom_low + at,
-                    row.bottom_high + at,
-                    hues,
-                    2 * num,
-                    gain,
-                    row.bottom_out + at);
+// Blocks [first, end), all in one group.
+void test_group(const BlockRow& row, int first, int end, const Limits& limits) {
+    const RoomLook& look = row.looks[first / kBlocksPerGroup];
+    const HueNoise& noise = row.hue_noise[first / kBlocksPerGroup];
+    const auto first_block = static_cast<std::size_t>(first % kBlocksPerGroup);
+    const auto num_blocks = static_cast<std::size_t>(end - first);
+    std::array<std::uint8_t, kBlocksPerGroup> hue_of_blocks;
+    std::array<std::uint8_t, kPixelsPerGroup> hue;
+    for (std::size_t i = 0; i < num_blocks; ++i) {
+        hue_of_blocks[i] =
+            has_other_hue(row, first + static_cast<int>(i), look, noise, first_block + i, limits);
     }
+    for (std::size_t i = 0; i < num_blocks; ++i) hue[2 * i] = hue[2 * i + 1] = hue_of_blocks[i];
+    const int in_group = 2 * (first % kBlocksPerGroup);
+    const int num = 2 * (end - first);
+    const std::int16_t gain = limits.inverse_gain;
+    test_pixels(row.top + 2 * first,
+                look.luma_low[0].data() + in_group,
+                look.luma_high[0].data() + in_group,
+                hue.data(),
+                num,
+                gain,
+                row.top_out + 2 * first);
+    test_pixels(row.bottom + 2 * first,
+                look.luma_low[1].data() + in_group,
+                look.luma_high[1].data() + in_group,
+                hue.data(),
+                num,
+                gain,
+                row.bottom_out + 2 * first);
+}
+
+void test_row(const BlockRow& row, int first, int end, const Limits& limits) {
+    while (first < end) {
+        const int next = std::min((first / kBlocksPerGroup + 1) * kBlocksPerGroup, end);
+        test_group(row, first, next, limits);
+        first = next;
+    }
+}
+
+bool has_foreground(const BlockRow& row, int first, int end) {
+    std::uint8_t any = 0;
+    for (int x = 2 * first; x < 2 * end; ++x)
+        any = static_cast<std::uint8_t>(any | row.top_out[x] | row.bottom_out[x]);
+    return any != 0;
 }
 
 #if defined(__x86_64__)
@@ -129,36 +148,60 @@ ATRIUM_AVX2 inline __m256i load_chroma(const std::uint8_t* bytes) {
     return _mm256_slli_epi16(_mm256_sub_epi16(wide, _mm256_set1_epi16(128)), 2);
 }
 
-ATRIUM_AVX2 inline __m256i deviation(__m256i chroma, __m256i luma, const std::int16_t* ratio) {
-    const __m256i quarters = _mm256_sub_epi16(chroma, _mm256_mulhrs_epi16(luma, load(ratio)));
-    const __m256i cut =
-        _mm256_min_epi16(_mm256_max_epi16(quarters, _mm256_set1_epi16(-kMaxDeviation)),
-                         _mm256_set1_epi16(kMaxDeviation));
-    return _mm256_slli_epi16(cut, 4);
+ATRIUM_AVX2 inline __m256i deviation(__m256i chroma,
+                                     __m256i luma,
+                                     const std::array<std::int16_t, kBlocksPerGroup>& ratio) {
+    return _mm256_sub_epi16(chroma, _mm256_mulhrs_epi16(luma, load(ratio.data())));
 }
 
-// Of 16 blocks: both bytes of a block are 255 or 0, as its two columns of pixels need them.
+ATRIUM_AVX2 inline __m256i cut(__m256i quarters) {
+    const __m256i bounded =
+        _mm256_min_epi16(_mm256_max_epi16(quarters, _mm256_set1_epi16(-kMaxDeviation)),
+                         _mm256_set1_epi16(kMaxDeviation));
+    return _mm256_slli_epi16(bounded, 4);
+}
+
+// Per 32 bits: a^2 + b^2 above a limit, of the lower and the upper halves of each 128 bits.
+struct FarHalves {
+    __m256i low;
+    __m256i high;
+};
+ATRIUM_AVX2 inline FarHalves are_far(__m256i a, __m256i b, std::int32_t limit) {
+    const __m256i most = _mm256_set1_epi32(limit);
+    const __m256i low = _mm256_unpacklo_epi16(a, b);
+    const __m256i high = _mm256_unpackhi_epi16(a, b);
+    return {_mm256_cmpgt_epi32(_mm256_madd_epi16(low, low), most),
+            _mm256_cmpgt_epi32(_mm256_madd_epi16(high, high), most)};
+}
+
+// Of 16 blocks: both bytes of a block are 255 or 0, as its two columns of pixels need them. Mostly
+// all blocks have the room's hue: then their noise is not even read.
 ATRIUM_AVX2 inline __m256i have_other_hue(
     __m256i top, __m256i bottom, const BlockRow& row, int x, const Limits& limits) {
     const __m256i ones = _mm256_set1_epi8(1);
     const __m256i sum =
         _mm256_add_epi16(_mm256_maddubs_epi16(top, ones), _mm256_maddubs_epi16(bottom, ones));
+    const __m256i luma = _mm256_slli_epi16(sum, 3);
+    const RoomLook& look = row.looks[x / kBlocksPerGroup];
+    const __m256i quarters_u = deviation(load_chroma(row.u + x), luma, look.ratio_u);
+    const __m256i quarters_v = deviation(load_chroma(row.v + x), luma, look.ratio_v);
+    const FarHalves may_be_far = are_far(quarters_u, quarters_v, row.near_hue_sq);
+    const __m256i any = _mm256_or_si256(may_be_far.low, may_be_far.high);
+    if (_mm256_testz_si256(any, any) != 0) return _mm256_setzero_si256();
+
     const __m256i brightest = _mm256_max_epu8(top, bottom);
     const __m256i not_clipped = _mm256_cmpeq_epi16(
         _mm256_subs_epu8(brightest, _mm256_set1_epi8(static_cast<char>(kClipped - 1))),
         _mm256_setzero_si256());
     const __m256i dark = _mm256_cmpgt_epi16(_mm256_set1_epi16(limits.min_colour_luma), sum);
-    const __m256i luma = _mm256_slli_epi16(sum, 3);
-    const __m256i du = deviation(load_chroma(row.u + x), luma, row.ratio_u + x);
-    const __m256i dv = deviation(load_chroma(row.v + x), luma, row.ratio_v + x);
-    const __m256i a = _mm256_mulhrs_epi16(du, load(row.whiten_u + x));
-    const __m256i b = _mm256_add_epi16(_mm256_mulhrs_epi16(du, load(row.whiten_uv + x)),
-                                       _mm256_mulhrs_epi16(dv, load(row.whiten_v + x)));
-    const __m256i low = _mm256_unpacklo_epi16(a, b);
-    const __m256i high = _mm256_unpackhi_epi16(a, b);
-    const __m256i max = _mm256_set1_epi32(limits.max_distance_sq);
-    const __m256i far = _mm256_packs_epi32(_mm256_cmpgt_epi32(_mm256_madd_epi16(low, low), max),
-                                           _mm256_cmpgt_epi32(_mm256_madd_epi16(high, high), max));
+    const __m256i du = cut(quarters_u);
+    const __m256i dv = cut(quarters_v);
+    const HueNoise& noise = row.hue_noise[x / kBlocksPerGroup];
+    const __m256i a = _mm256_mulhrs_epi16(du, load(noise.whiten_u.data()));
+    const __m256i b = _mm256_add_epi16(_mm256_mulhrs_epi16(du, load(noise.whiten_uv.data())),
+                                       _mm256_mulhrs_epi16(dv, load(noise.whiten_v.data())));
+    const FarHalves halves = are_far(a, b, limits.max_distance_sq);
+    const __m256i far = _mm256_packs_epi32(halves.low, halves.high);
     return _mm256_and_si256(_mm256_andnot_si256(dark, far), not_clipped);
 }
 
@@ -173,35 +216,88 @@ ATRIUM_AVX2 inline __m256i compensated(__m256i y, __m256i inverse_gain) {
                                scale(_mm256_unpackhi_epi8(y, zero)));
 }
 
-ATRIUM_AVX2 inline void test_luma(
-    __m256i y, const std::uint8_t* low, const std::uint8_t* high, __m256i hue, std::uint8_t* out) {
-    const __m256i beyond =
-        _mm256_or_si256(_mm256_subs_epu8(load(low), y), _mm256_subs_epu8(y, load(high)));
+ATRIUM_AVX2 inline __m256i test_luma(
+    __m256i y, const RoomLook& look, std::size_t line, __m256i hue, std::uint8_t* out) {
+    const __m256i beyond = _mm256_or_si256(_mm256_subs_epu8(load(look.luma_low[line].data()), y),
+                                           _mm256_subs_epu8(y, load(look.luma_high[line].data())));
     const __m256i inside = _mm256_cmpeq_epi8(beyond, _mm256_setzero_si256());
     const __m256i outside = _mm256_xor_si256(inside, _mm256_set1_epi8(-1));
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_or_si256(outside, hue));
+    const __m256i foreground = _mm256_or_si256(outside, hue);
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), foreground);
+    return foreground;
 }
 
-// Returns the first block that is left to do.
+ATRIUM_AVX2 inline void fetch(const RoomLook& look) {
+    const auto* const bytes = reinterpret_cast<const char*>(&look);
+    for (std::size_t at = 0; at < sizeof look; at += 64) _mm_prefetch(bytes + at, _MM_HINT_T0);
+}
+
+// 16 blocks of one group, from x on. True if any pixel is foreground.
 template <bool kGain>
-ATRIUM_AVX2 int test_row_avx2(const BlockRow& row, int num_blocks, const Limits& limits) {
-    const __m256i inverse_gain = _mm256_set1_epi16(limits.inverse_gain);
-    if (num_blocks < 16) return 0;
-    for (int next = 0; next < num_blocks; next += 16) {
-        // the last blocks are done with some of those before them, once more
-        const int x = std::min(next, num_blocks - 16);
-        const int at = 2 * x;
-        __m256i top = load(row.top + at);
-        __m256i bottom = load(row.bottom + at);
-        const __m256i hue = have_other_hue(top, bottom, row, x, limits);
-        if constexpr (kGain) {
-            top = compensated(top, inverse_gain);
-            bottom = compensated(bottom, inverse_gain);
-        }
-        test_luma(top, row.top_low + at, row.top_high + at, hue, row.top_out + at);
-        test_luma(bottom, row.bottom_low + at, row.bottom_high + at, hue, row.bottom_out + at);
+ATRIUM_AVX2 inline bool test_group_avx2(const BlockRow& row, int x, const Limits& limits) {
+    const int at = 2 * x;
+    const RoomLook& look = row.looks[x / kBlocksPerGroup];
+    fetch(*(&look + row.ahead));
+    __m256i top = load(row.top + at);
+    __m256i bottom = load(row.bottom + at);
+    const __m256i hue = have_other_hue(top, bottom, row, x, limits);
+    if constexpr (kGain) {
+        const __m256i inverse_gain = _mm256_set1_epi16(limits.inverse_gain);
+        top = compensated(top, inverse_gain);
+        bottom = compensated(bottom, inverse_gain);
     }
-    return num_blocks;
+    const __m256i any = _mm256_or_si256(test_luma(top, look, 0, hue, row.top_out + at),
+                                        test_luma(bottom, look, 1, hue, row.bottom_out + at));
+    return _mm256_testz_si256(any, any) == 0;
+}
+
+// The memory of a group of which the row has only the first blocks.
+struct PaddedGroup {
+    std::array<std::uint8_t, kPixelsPerGroup> top{};
+    std::array<std::uint8_t, kPixelsPerGroup> bottom{};
+    std::array<std::uint8_t, kBlocksPerGroup> u{};
+    std::array<std::uint8_t, kBlocksPerGroup> v{};
+    std::array<std::uint8_t, kPixelsPerGroup> top_out;
+    std::array<std::uint8_t, kPixelsPerGroup> bottom_out;
+};
+
+// The first `num` blocks of a group, from x on.
+template <bool kGain>
+ATRIUM_AVX2 bool test_part_of_group_avx2(const BlockRow& row,
+                                         int x,
+                                         int num,
+                                         const Limits& limits) {
+    PaddedGroup group;
+    std::copy_n(row.top + 2 * x, 2 * num, group.top.data());
+    std::copy_n(row.bottom + 2 * x, 2 * num, group.bottom.data());
+    std::copy_n(row.u + x, num, group.u.data());
+    std::copy_n(row.v + x, num, group.v.data());
+    const BlockRow padded{group.top.data(),
+                          group.bottom.data(),
+                          group.u.data(),
+                          group.v.data(),
+                          row.looks + x / kBlocksPerGroup,
+                          row.hue_noise + x / kBlocksPerGroup,
+                          0,
+                          group.top_out.data(),
+                          group.bottom_out.data(),
+                          row.near_hue_sq};
+    test_group_avx2<kGain>(padded, 0, limits);
+    std::copy_n(group.top_out.data(), 2 * num, row.top_out + 2 * x);
+    std::copy_n(group.bottom_out.data(), 2 * num, row.bottom_out + 2 * x);
+    return has_foreground(row, x, x + num);
+}
+
+// Blocks [first, end), where `first` begins a group, and their cells.
+template <bool kGain>
+ATRIUM_AVX2 void test_row_avx2(
+    const BlockRow& row, int first, int end, const Limits& limits, std::uint8_t* cells) {
+    for (int x = first; x < end; x += kBlocksPerGroup) {
+        const bool has_any = x + kBlocksPerGroup <= end
+                                 ? test_group_avx2<kGain>(row, x, limits)
+                                 : test_part_of_group_avx2<kGain>(row, x, end - x, limits);
+        if (cells != nullptr) *cells++ |= static_cast<std::uint8_t>(has_any);
+    }
 }
 #undef ATRIUM_AVX2
 #endif
@@ -209,25 +305,17 @@ ATRIUM_AVX2 int test_row_avx2(const BlockRow& row, int num_blocks, const Limits&
 BlockRow block_row(const image::YuvView& frame,
                    const BackgroundModel& model,
                    int row,
-                   std::uint8_t* out) {
-    const std::ptrdiff_t block = static_cast<std::ptrdiff_t>(row) * (model.width() / 2);
-    const std::ptrdiff_t top = 4 * block;
-    const std::ptrdiff_t bottom = top + model.width();
+                   const TestedRows& out) {
     return {frame.y.row(2 * row),
             frame.y.row(2 * row + 1),
             frame.u.row(row),
             frame.v.row(row),
-            model.luma_low.data() + top,
-            model.luma_high.data() + top,
-            model.luma_low.data() + bottom,
-            model.luma_high.data() + bottom,
-            model.ratio_u.data() + block,
-            model.ratio_v.data() + block,
-            model.whiten_u.data() + block,
-            model.whiten_uv.data() + block,
-            model.whiten_v.data() + block,
-            out,
-            out + model.width()};
+            model.looks.data() + model.first_group(row),
+            model.hue_noise.data() + model.first_group(row),
+            row + kRowsAhead < model.height() / 2 ? kRowsAhead * model.groups_per_row() : 0,
+            out.top,
+            out.bottom,
+            model.near_hue_sq[static_cast<std::size_t>(row)]};
 }
 
 }  // namespace
@@ -248,19 +336,38 @@ void test_rows(const image::YuvView& frame,
     assert(frame.width() == model.width() && frame.height() == model.height());
     assert(rows.first % 2 == 0 && rows.end % 2 == 0 && rows.end <= model.height());
     assert(inverse_gain >= 0);
+    for (int y = rows.first; y < rows.end; y += 2) {
+        std::uint8_t* const bottom = out + model.width();
+        test_part(
+            frame, model, inverse_gain, instructions, {0, y, model.width(), 2}, {out, bottom});
+        out = bottom + model.width();
+    }
+}
+
+void test_part(const image::YuvView& frame,
+               const BackgroundModel& model,
+               std::int16_t inverse_gain,
+               [[maybe_unused]] InstructionSet instructions,
+               const image::PixelRect& part,
+               const TestedRows& out) {
+    assert((part.x | part.y | part.width) % 2 == 0 && part.height == 2);
+    assert(part.x >= 0 && part.x + part.width <= model.width());
     const Limits limits{model.max_distance_sq, model.min_colour_luma, inverse_gain};
-    const int num_blocks = model.width() / 2;
-    for (int y = rows.first / 2; y < rows.end / 2; ++y) {
-        const BlockRow row = block_row(frame, model, y, out);
-        int first = 0;
+    const BlockRow row = block_row(frame, model, part.y / 2, out);
+    const int first = part.x / 2;
+    const int end = first + part.width / 2;
 #if defined(__x86_64__)
-        if (instructions == InstructionSet::kAvx2) {
-            first = inverse_gain == kUnitGain ? test_row_avx2<false>(row, num_blocks, limits)
-                                              : test_row_avx2<true>(row, num_blocks, limits);
-        }
+    if (instructions == InstructionSet::kAvx2 && first % kBlocksPerGroup == 0) {
+        return inverse_gain == kUnitGain ? test_row_avx2<false>(row, first, end, limits, out.cells)
+                                         : test_row_avx2<true>(row, first, end, limits, out.cells);
+    }
 #endif
-        test_row(row, first, num_blocks, limits);
-        out += static_cast<std::ptrdiff_t>(2) * model.width();
+    test_row(row, first, end, limits);
+    if (out.cells == nullptr) return;
+    for (int cell = 0; first + cell * kTestCell / 2 < end; ++cell) {
+        const int left = first + cell * kTestCell / 2;
+        out.cells[cell] |= static_cast<std::uint8_t>(
+            has_foreground(row, left, std::min(left + kTestCell / 2, end)));
     }
 }
 

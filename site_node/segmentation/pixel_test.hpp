@@ -2,15 +2,11 @@
 
 #include "core/image/image.hpp"
 #include "site_node/segmentation/background_model.hpp"
+#include "site_node/segmentation/instruction_set.hpp"
 
 #include <cstdint>
 
 namespace atrium::segmentation {
-
-enum class InstructionSet : std::uint8_t { kBaseline, kAvx2 };
-
-/// The best one that this processor has.
-InstructionSet best_instruction_set();
 
 /// 1 of `inverse_gain`: the picture is as bright as the room was when it was learned.
 constexpr std::int16_t kUnitGain = 1 << 14;
@@ -43,5 +39,25 @@ void test_rows(const image::YuvView& frame,
                InstructionSet instructions,
                RowRange rows,
                std::uint8_t* out);
+
+/// Width of the cells in which test_part says where foreground is [px].
+constexpr int kTestCell = 32;
+
+/// Where the values of two whole rows y and y + 1 go.
+struct TestedRows {
+    std::uint8_t* top;
+    std::uint8_t* bottom;
+    // 1 where one of the rows has foreground in a cell, in cells from the left of the part; null:
+    // nobody wants to know
+    std::uint8_t* cells = nullptr;
+};
+
+/// The same for a part of two rows: `part` is {x, y, width, 2}, its numbers even.
+void test_part(const image::YuvView& frame,
+               const BackgroundModel& model,
+               std::int16_t inverse_gain,
+               InstructionSet instructions,
+               const image::PixelRect& part,
+               const TestedRows& out);
 
 }  // namespace atrium::segmentation

@@ -64,10 +64,9 @@ bool BlurredSegment::hull_add(GridPoint point) {
         flat_ = false;
         return true;
     }
-    if (turn(hull_[bottom_], hull_[bottom_ + 1], point) >= 0 &&
-        turn(hull_[top_ - 1], hull_[top_], point) >= 0) {
-        return false;
-    }
+    std::int64_t side_of_bottom = turn(hull_[bottom_], hull_[bottom_ + 1], point);
+    std::int64_t side_of_top = turn(hull_[top_ - 1], hull_[top_], point);
+    if (side_of_bottom >= 0 && side_of_top >= 0) return false;
     // grow the deque around its middle before an end could run out
     if (bottom_ == 0 || top_ + 1 == hull_.size()) {
         std::vector<GridPoint> larger(hull_.size() * 2);
@@ -80,24 +79,35 @@ bool BlurredSegment::hull_add(GridPoint point) {
         bottom_ = begin;
         top_ = begin + size - 1;
     }
-    while (top_ - bottom_ > 1 && turn(hull_[bottom_], hull_[bottom_ + 1], point) <= 0) ++bottom_;
-    hull_[--bottom_] = point;
-    while (top_ - bottom_ > 1 && turn(hull_[top_ - 1], hull_[top_], point) <= 0) --top_;
-    hull_[++top_] = point;
+    GridPoint* bottom = hull_.data() + bottom_;
+    GridPoint* top = hull_.data() + top_;
+    while (top - bottom > 1 && side_of_bottom <= 0) {
+        ++bottom;
+        side_of_bottom = turn(bottom[0], bottom[1], point);
+    }
+    *--bottom = point;
+    while (top - bottom > 1 && side_of_top <= 0) {
+        --top;
+        side_of_top = turn(top[-1], top[0], point);
+    }
+    *++top = point;
+    bottom_ = static_cast<std::size_t>(bottom - hull_.data());
+    top_ = static_cast<std::size_t>(top - hull_.data());
     return true;
 }
 
 // Looks for an edge of the hull along which all of it fits into a strip that is thin enough.
 bool BlurredSegment::find_strip() {
-    for (std::size_t edge = bottom_; edge < top_; ++edge) {
-        const GridPoint from = hull_[edge];
-        const GridPoint to = hull_[edge + 1];
+    const GridPoint* const hull = hull_.data() + bottom_;
+    const std::size_t num_edges = top_ - bottom_;
+    for (std::size_t edge = 0; edge < num_edges; ++edge) {
+        const GridPoint from = hull[edge];
+        const GridPoint to = hull[edge + 1];
         const std::int64_t longer = std::max(std::abs(to.x - from.x), std::abs(to.y - from.y));
         const std::int64_t limit = limit_units_ * longer;
         bool fits = true;
-        for (std::size_t corner = bottom_; corner < top_ && fits; ++corner) {
-            fits = turn(from, to, hull_[corner]) * kUnitsPerPixel <= limit;
-        }
+        for (std::size_t corner = 0; corner < num_edges && fits; ++corner)
+            fits = turn(from, to, hull[corner]) * kUnitsPerPixel <= limit;
         if (!fits) continue;
         strip_from_ = from;
         strip_to_ = to;

@@ -1,8 +1,13 @@
 #include "site_node/silhouette/contours.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cassert>
-#include <cstring>
+
+#if defined(__x86_64__)
+#include <emmintrin.h>
+#endif
 
 namespace atrium::silhouette {
 namespace {
@@ -27,30 +32,54 @@ bool is_foreground(const image::Mask& mask, int x, int y) {
 Contour follow(const image::Mask& mask, int start_x, int start_y, ContourSet& out) {
     Contour contour;
     contour.begin = out.points.size();
+    const std::ptrdiff_t width = mask.width;
+    // from the pixel whose upper left corner is reached to those ahead of it
+    std::array<std::ptrdiff_t, 4> left_ahead;
+    std::array<std::ptrdiff_t, 4> right_ahead;
+    for (std::size_t d = 0; d < 4; ++d) {
+        left_ahead[d] = kLeftAheadY[d] * width + kLeftAheadX[d];
+        right_ahead[d] = kRightAheadY[d] * width + kRightAheadX[d];
+    }
+    const std::uint8_t* const pixels = mask.data.data();
+    const auto inner_width = static_cast<unsigned>(mask.width - 1);
+    const auto inner_height = static_cast<unsigned>(mask.height - 1);
+    std::int64_t area_px = 0;
+    bool touches_border = false;
     int x = start_x;
     int y = start_y;
-    int direction = 0;
+    std::size_t direction = 0;
     do {
-        if (direction == 0) {
-            out.visited[static_cast<std::size_t>(y) * static_cast<std::size_t>(mask.width) +
-                        static_cast<std::size_t>(x)] = out.stamp;
-        }
+        const std::ptrdiff_t corner = y * width + x;
+        if (direction == 0) out.visited[static_cast<std::size_t>(corner)] = out.stamp;
         // corner (x, y) is at pixel position (x - 0.5, y - 0.5), so the middle of the crack is at
         // half-pixels
-        out.points.push_back({2 * x - 1 + kStepX[direction], 2 * y - 1 + kStepY[direction]});
-        contour.area_px += static_cast<std::int64_t>(x) * kStepY[direction];  // Green's theorem
-        const bool vertical = kStepY[direction] != 0;
-        contour.touches_border |=
-            vertical ? (x == 0 || x == mask.width) : (y == 0 || y == mask.height);
-        x += kStepX[direction];
-        y += kStepY[direction];
-        if (!is_foreground(mask, x + kLeftAheadX[direction], y + kLeftAheadY[direction])) {
-            direction = (direction + 1) & 3;
-        } else if (is_foreground(mask, x + kRightAheadX[direction], y + kRightAheadY[direction])) {
-            direction = (direction + 3) & 3;
+        const int step_x = kStepX[direction];
+        const int step_y = kStepY[direction];
+        out.points.push_back({2 * x - 1 + step_x, 2 * y - 1 + step_y});
+        area_px += static_cast<std::int64_t>(x) * step_y;  // Green's theorem
+        x += step_x;
+        y += step_y;
+        // within the picture all four pixels around a corner are there
+        const bool is_inside = static_cast<unsigned>(x - 1) < inner_width &&
+                               static_cast<unsigned>(y - 1) < inner_height;
+        bool left = false;
+        bool right = false;
+        if (is_inside) {
+            const std::uint8_t* const around = pixels + y * width + x;
+            left = around[left_ahead[direction]] != 0;
+            right = around[right_ahead[direction]] != 0;
+        } else {
+            left = is_foreground(mask, x + kLeftAheadX[direction], y + kLeftAheadY[direction]);
+            right = is_foreground(mask, x + kRightAheadX[direction], y + kRightAheadY[direction]);
+            touches_border |=
+                step_y != 0 ? (x == 0 || x == mask.width) : (y == 0 || y == mask.height);
         }
+        // to the left, straight on or to the right
+        direction = (direction + (left ? (right ? 3U : 0U) : 1U)) & 3U;
     } while (x != start_x || y != start_y || direction != 0);
     contour.size = out.points.size() - contour.begin;
+    contour.area_px = area_px;
+    contour.touches_border = touches_border;
     return contour;
 }
 
@@ -64,9 +93,9 @@ void start_hole_at_lowest_point(const Contour& hole, std::vector<GridPoint>& poi
     std::rotate(begin, lowest, points.end());
 }
 
+// At a foreground pixel below background.
 void follow_if_new(
     const image::Mask& mask, int x, int y, std::int64_t min_area_px, ContourSet& out) {
-    if (!is_foreground(mask, x, y) || is_foreground(mask, x, y - 1)) return;
     const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(mask.width) +
                               static_cast<std::size_t>(x);
     if (out.visited[pixel] == out.stamp) return;
@@ -91,46 +120,55 @@ void begin_call(const image::Mask& mask, ContourSet& out) {
     }
 }
 
-std::uint64_t load8(const std::uint8_t* bytes) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, bytes, sizeof word);
-    return word;
-}
-
 constexpr int kBlock = 64;
 
-// First of the columns x, x + kBlock, ... from which on a whole block is not there, or has a
-// foreground pixel below background.
-int skip_blocks_without_tops(const std::uint8_t* row, const std::uint8_t* above, int x, int width) {
-    for (; x + kBlock <= width; x += kBlock) {
-        std::uint64_t tops = 0;
-        for (int i = x; i < x + kBlock; i += 8)
-            tops |= above ? load8(row + i) & ~load8(above + i) : load8(row + i);
-        if (tops != 0) break;
+// One bit for each of the pixels [x, end), at most 64, the leftmost lowest: foreground below
+// background. `above` is null where there is no row.
+std::uint64_t tops_of(const std::uint8_t* row, const std::uint8_t* above, int x, int end) {
+    std::uint64_t tops = 0;
+#if defined(__x86_64__)
+    const auto load = [](const std::uint8_t* bytes) {
+        return _mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes));
+    };
+    if (end - x == kBlock) {
+        for (int i = 0; i < kBlock; i += 16) {
+            const __m128i here = load(row + x + i);
+            const __m128i below =
+                above != nullptr ? _mm_andnot_si128(load(above + x + i), here) : here;
+            tops |= static_cast<std::uint64_t>(static_cast<unsigned>(_mm_movemask_epi8(below)))
+                    << i;
+        }
+        return tops;
     }
-    return x;
+#endif
+    for (int i = x; i < end; ++i) {
+        const bool is_top = row[i] != 0 && (above == nullptr || above[i] == 0);
+        tops |= static_cast<std::uint64_t>(is_top) << (i - x);
+    }
+    return tops;
 }
 
 }  // namespace
 
-void trace_contours(const image::Mask& mask, std::int64_t min_area_px, ContourSet& out) {
+void trace_contours(const image::Mask& mask,
+                    std::int64_t min_area_px,
+                    ContourSet& out,
+                    std::span<const image::PixelSpan> rows) {
     assert(mask.data.size() ==
            static_cast<std::size_t>(mask.width) * static_cast<std::size_t>(mask.height));
+    assert(rows.empty() || rows.size() == static_cast<std::size_t>(mask.height));
     begin_call(mask, out);
     for (int y = 0; y < mask.height; ++y) {
         const std::uint8_t* row = mask.row(y);
         const std::uint8_t* above = y > 0 ? mask.row(y - 1) : nullptr;
-        int x = 0;
-        while (x + kBlock <= mask.width) {
-            x = skip_blocks_without_tops(row, above, x, mask.width);
-            for (int end = std::min(x + kBlock, mask.width & ~7); x < end; x += 8) {
-                const std::uint64_t tops =
-                    above ? load8(row + x) & ~load8(above + x) : load8(row + x);
-                if (tops == 0) continue;
-                for (int i = 0; i < 8; ++i) follow_if_new(mask, x + i, y, min_area_px, out);
-            }
+        const image::PixelSpan span =
+            rows.empty() ? image::PixelSpan{0, mask.width} : rows[static_cast<std::size_t>(y)];
+        for (int x = span.begin; x < span.end; x += kBlock) {
+            const int end = std::min(x + kBlock, span.end);
+            std::uint64_t tops = tops_of(row, above, x, end);
+            for (; tops != 0; tops &= tops - 1)
+                follow_if_new(mask, x + std::countr_zero(tops), y, min_area_px, out);
         }
-        for (; x < mask.width; ++x) follow_if_new(mask, x, y, min_area_px, out);
     }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/image/image.hpp"
+#include "core/image/sparse_mask.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -52,7 +53,12 @@ struct ContourSet {
 ///
 /// A contour starts in a vertex of its convex hull, so that the start does not wander: a blob in
 /// the leftmost crack of its topmost row, a hole in the rightmost one of its lowest.
-void trace_contours(const image::Mask& mask, std::int64_t min_area_px, ContourSet& out);
+///
+/// `rows`, if not empty, are the columns of each row outside of which `mask` is background.
+void trace_contours(const image::Mask& mask,
+                    std::int64_t min_area_px,
+                    ContourSet& out,
+                    std::span<const image::PixelSpan> rows = {});
 
 /// Smallest rectangle of pixels that holds what the contours enclose; empty if there are none.
 image::PixelRect bounding_rect(const ContourSet& contours);

@@ -24,10 +24,9 @@ public:
 
     void fit_all() {
         const std::size_t n = scratch_.contours.contours.size();
-        if (scratch_.outlines.size() < n) {
-            scratch_.outlines.resize(n);
-            scratch_.segments_of_edges.resize(n);
-        }
+        // callers may swap the outlines for others
+        if (scratch_.outlines.size() < n) scratch_.outlines.resize(n);
+        if (scratch_.segments_of_edges.size() < n) scratch_.segments_of_edges.resize(n);
         if (scratch_.polygons.size() < n) scratch_.polygons.resize(n);
         scratch_.dropped.assign(n, kKept);
         for (std::size_t c = 0; c < n; ++c) {
@@ -175,9 +174,10 @@ SilhouetteCounts extract_silhouette(const image::Mask& mask,
                                     const geometry::PinholeCamera& intrinsics,
                                     const SilhouetteOptions& options,
                                     SilhouetteScratch& scratch,
-                                    std::vector<SilhouettePolygon>& out) {
+                                    std::vector<SilhouettePolygon>& out,
+                                    std::span<const image::PixelSpan> rows) {
     assert(options.tolerance_px >= 0.25 && options.min_area_px >= 1);
-    trace_contours(mask, options.min_area_px, scratch.contours);
+    trace_contours(mask, options.min_area_px, scratch.contours, rows);
     Extraction extraction(intrinsics, options, scratch);
     extraction.fit_all();
     extraction.make_simple();

@@ -50,12 +50,14 @@ struct SilhouetteScratch {
 /// picture's border polygons are closed along the border. Each contour point lies within
 /// `tolerance_px` of its polygon; the area is that of the mask, without bias (outline.hpp). Lens
 /// distortion bends chords: they are subdivided until what is left is below 0.1 px. Deterministic;
-/// allocates only while `scratch` and `out` grow. `mask` has the size of the camera's picture.
+/// allocates only while `scratch` and `out` grow. `mask` has the size of the camera's picture;
+/// `rows` as in trace_contours.
 SilhouetteCounts extract_silhouette(const image::Mask& mask,
                                     const geometry::PinholeCamera& intrinsics,
                                     const SilhouetteOptions& options,
                                     SilhouetteScratch& scratch,
-                                    std::vector<SilhouettePolygon>& out);
+                                    std::vector<SilhouettePolygon>& out,
+                                    std::span<const image::PixelSpan> rows = {});
 
 /// Signed area: positive for counter-clockwise polygons, seen with +Y up.
 double signed_area_px(const SilhouettePolygon& polygon);

@@ -150,5 +150,51 @@ TEST(Light, NobodyBecomesPartOfTheRoom) {
     }
 }
 
+TEST(Light, AllInstructionSetsFollowAlike) {
+    if (best_instruction_set() == InstructionSet::kBaseline)
+        GTEST_SKIP() << "this processor has no AVX2";
+    std::mt19937 random(9);
+    const auto number = [&](int low, int high) {
+        return std::uniform_int_distribution<int>(low, high)(random);
+    };
+    int num_changed = 0;
+    for (int round = 0; round < 40; ++round) {
+        const int width = 2 * number(1, 130);
+        const int height = 2 * number(1, 9);
+        const image::YuvImage scene = room(width, height);
+        SegmentationOptions options;
+        options.drift_frames = number(2, 50);
+        options.max_drift = number(0, 60);
+        BackgroundModel baseline = make_model(learn(scene, 5, random), options);
+        const std::vector<std::uint16_t> learned = baseline.luma;
+        BackgroundModel avx2 = baseline;
+        LightAdaptation baseline_light;
+        LightAdaptation avx2_light;
+        image::SparseMask people{.mask = image::Mask(width, height), .rows = {}};
+        people.forget();
+        people.mask.row(number(0, height - 1))[number(0, width - 1)] = round % 2 == 0 ? 255 : 0;
+        for (int i = 0; i < 12; ++i) {
+            image::YuvImage frame = scene;
+            for (image::Plane* plane : {&frame.y, &frame.u, &frame.v}) {
+                for (std::uint8_t& value : plane->data) {
+                    // some is clipped, and some is no background
+                    const int changed = number(0, 9) == 0 ? number(0, 255) : value + number(-6, 6);
+                    value = static_cast<std::uint8_t>(std::clamp(changed, 0, 255));
+                }
+            }
+            image::WorkingPicture picture(frame);
+            baseline_light.follow(picture, people, options, baseline, InstructionSet::kBaseline);
+            avx2_light.follow(picture, people, options, avx2, InstructionSet::kAvx2);
+        }
+        for (std::size_t pixel = 0; pixel < learned.size(); ++pixel)
+            num_changed += baseline.luma[pixel] != learned[pixel] ? 1 : 0;
+        ASSERT_EQ(baseline.luma, avx2.luma) << width << "x" << height;
+        ASSERT_EQ(baseline.u, avx2.u);
+        ASSERT_EQ(baseline.v, avx2.v);
+        ASSERT_TRUE(baseline.looks == avx2.looks);
+    }
+    EXPECT_GT(num_changed, 1000);
+}
+
 }  // namespace
 }  // namespace atrium::segmentation

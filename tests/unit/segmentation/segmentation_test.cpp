@@ -196,6 +196,54 @@ TEST(Segmentation, ChromaIsTestedWithItsFullCovariance) {
     }
 }
 
+// The mask of a Segmenter beside one that tests every pixel and cleans the whole picture.
+TEST(Segmentation, FindsWhatTestingEveryPixelFinds) {
+    std::mt19937 random(21);
+    for (const auto& [width, height] :
+         {std::pair{240, 160}, {96, 34}, {50, 66}, {30, 22}, {642, 82}}) {
+        const image::YuvImage scene = room(width, height);
+        const BackgroundStatistics learned = learn(scene, 20, random);
+        SegmentationOptions options;
+        options.max_gain_change = 0.0;
+        options.drift_frames = 0.0;
+        const BackgroundModel model = make_model(learned, options);
+        Segmenter segmenter(learned, options);
+        image::SparseMask sparse;
+        for (int round = 0; round < 30; ++round) {
+            image::YuvImage frame = scene;
+            // blobs, also at the picture's border, slanted rows of them, and holes in them
+            for (unsigned i = random() % 4; i > 0; --i) {
+                const int x = static_cast<int>(random() % static_cast<unsigned>(width - 8)) & ~1;
+                const int y = static_cast<int>(random() % static_cast<unsigned>(height - 8)) & ~1;
+                const int right = std::min(x + 4 + static_cast<int>(random() % 60) * 2, width);
+                const int bottom = std::min(y + 4 + static_cast<int>(random() % 30) * 2, height);
+                scale_light(frame, {x, y, right - x, bottom - y}, 0.25);
+                if (right - x > 20 && bottom - y > 20)
+                    scale_light(frame, {x + 6, y + 6, 8, 4}, 4.0);
+            }
+            add_noise(frame, 2.0, 1.0, random);
+            image::Mask raw(width, height);
+            test_rows(
+                frame, model, kUnitGain, InstructionSet::kBaseline, {0, height}, raw.data.data());
+            CleanScratch scratch;
+            image::Mask expected;
+            majority_3x3(raw, scratch, expected);
+            remove_small_parts(expected, options.min_area_px, options.max_hole_px, scratch);
+            image::WorkingPicture picture(frame);
+            ASSERT_TRUE(segmenter.segment(picture, sparse).has_value());
+            EXPECT_EQ(sparse.mask.data, expected.data) << width << "x" << height << ", " << round;
+            for (int y = 0; y < height; ++y) {
+                const image::PixelSpan span = sparse.rows[static_cast<std::size_t>(y)];
+                for (int x = 0; x < width; ++x) {
+                    if (x < span.begin || x >= span.end) {
+                        ASSERT_EQ(sparse.mask.at(x, y), 0);
+                    }
+                }
+            }
+        }
+    }
+}
+
 TEST(Segmentation, AreasAreWherePeopleAreLookedFor) {
     std::mt19937 random(11);
     const image::YuvImage scene = room(240, 160);
