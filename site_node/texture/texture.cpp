@@ -1,19 +1,17 @@
 #include "site_node/texture/texture.hpp"
 
 #include "core/image/block_luma.hpp"
+#include "site_node/texture/fill_background.hpp"
 #include "site_node/texture/whole_resolution.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cstring>
 #include <utility>
 
 namespace atrium::texture {
 namespace {
-
-using Block = TextureScratch::Block;
-
-constexpr int kBlockSize = 8;  // of JPEG
 
 std::uint64_t load8(const std::uint8_t* bytes) {
     std::uint64_t word = 0;
@@ -24,14 +22,20 @@ std::uint64_t load8(const std::uint8_t* bytes) {
 // First column in [0, end) with foreground; `end` if there is none.
 int first_foreground(const std::uint8_t* row, int end) {
     int x = 0;
-    while (x + 8 <= end && load8(row + x) == 0) x += 8;
+    for (; x + 8 <= end; x += 8) {
+        if (const std::uint64_t word = load8(row + x); word != 0)
+            return x + std::countr_zero(word) / 8;
+    }
     while (x < end && row[x] == 0) ++x;
     return x;
 }
 
 // One past the last column in [begin, end) with foreground; `begin` if there is none.
 int last_foreground(const std::uint8_t* row, int begin, int end) {
-    while (end - 8 >= begin && load8(row + end - 8) == 0) end -= 8;
+    for (; end - 8 >= begin; end -= 8) {
+        if (const std::uint64_t word = load8(row + end - 8); word != 0)
+            return end - std::countl_zero(word) / 8;
+    }
     while (end > begin && row[end - 1] == 0) --end;
     return end;
 }
@@ -54,16 +58,30 @@ void set_size(image::Plane& plane, int width, int height) {
 // vectorises; each set of instructions is one more instance of it.
 #define ATRIUM_INLINE inline __attribute__((always_inline))
 
-ATRIUM_INLINE void vote(const std::uint8_t* __restrict top,
-                        const std::uint8_t* __restrict bottom,
-                        int num_blocks,
-                        std::uint8_t* __restrict alpha,
-                        std::uint8_t* __restrict outline) {
+ATRIUM_INLINE void vote_some(const std::uint8_t* __restrict top,
+                             const std::uint8_t* __restrict bottom,
+                             int num_blocks,
+                             std::uint8_t* __restrict alpha,
+                             std::uint8_t* __restrict outline) {
     for (int x = 0; x < num_blocks; ++x) {
         const int votes =
             (top[2 * x] & 1) + (top[2 * x + 1] & 1) + (bottom[2 * x] & 1) + (bottom[2 * x + 1] & 1);
         alpha[x] = votes >= 2 ? 255 : 0;
         outline[x] = votes == 2 || votes == 3 ? 255 : 0;
+    }
+}
+
+// The last ones are done with some of those before them, once more.
+ATRIUM_INLINE void vote(const std::uint8_t* top,
+                        const std::uint8_t* bottom,
+                        int num_blocks,
+                        std::uint8_t* alpha,
+                        std::uint8_t* outline) {
+    constexpr int kStep = 32;
+    if (num_blocks < kStep) return vote_some(top, bottom, num_blocks, alpha, outline);
+    for (int next = 0; next < num_blocks; next += kStep) {
+        const int x = std::min(next, num_blocks - kStep);
+        vote_some(top + 2 * x, bottom + 2 * x, kStep, alpha + x, outline + x);
     }
 }
 
@@ -113,16 +131,27 @@ void halve(const image::YuvView& frame,
     scratch.outline.resize(static_cast<std::size_t>(width));
     std::uint8_t* outline = scratch.outline.data();
     for (int y = 0; y < crop.height / 2; ++y) {
-        std::copy_n(frame.u.row(crop.y / 2 + y) + crop.x / 2, width, out.u.row(y));
-        std::copy_n(frame.v.row(crop.y / 2 + y) + crop.x / 2, width, out.v.row(y));
-        image::luma_of_blocks(frame, {crop.x, crop.y + 2 * y, width}, code, out.y.row(y));
-        vote_row(mask.row(crop.y + 2 * y) + crop.x,
-                 mask.row(crop.y + 2 * y + 1) + crop.x,
-                 width,
-                 out.mask.row(y),
-                 outline);
+        const std::uint8_t* const top = mask.row(crop.y + 2 * y) + crop.x;
+        const std::uint8_t* const bottom = mask.row(crop.y + 2 * y + 1) + crop.x;
+        // what lies outside of the person is filled afterwards
+        int begin =
+            std::min(first_foreground(top, crop.width), first_foreground(bottom, crop.width)) / 2;
+        int end =
+            (std::max(last_foreground(top, 0, crop.width), last_foreground(bottom, 0, crop.width)) +
+             1) /
+            2;
+        std::uint8_t* const alpha = out.mask.row(y);
+        if (begin >= end) begin = end = 0;
+        std::fill(alpha, alpha + begin, std::uint8_t{0});
+        std::fill(alpha + end, alpha + width, std::uint8_t{0});
+        const int num = end - begin;
+        const int x0 = crop.x / 2 + begin;
+        std::copy_n(frame.u.row(crop.y / 2 + y) + x0, num, out.u.row(y) + begin);
+        std::copy_n(frame.v.row(crop.y / 2 + y) + x0, num, out.v.row(y) + begin);
+        image::luma_of_blocks(frame, {2 * x0, crop.y + 2 * y, num}, code, out.y.row(y) + begin);
+        vote_row(top + 2 * begin, bottom + 2 * begin, num, alpha + begin, outline + begin);
         if (frame.mosaic != image::Mosaic::kNone) continue;
-        for (int x = 0; (x += first_foreground(outline + x, width - x)) < width; ++x)
+        for (int x = begin; (x += first_foreground(outline + x, end - x)) < end; ++x)
             out.y.row(y)[x] = foreground_luma(frame, mask, crop.x + 2 * x, crop.y + 2 * y);
     }
 }
@@ -136,160 +165,6 @@ void copy_whole(const image::YuvView& frame,
     whole_chroma(frame.v, crop, out.v);
     for (int y = 0; y < crop.height; ++y)
         std::copy_n(mask.row(crop.y + y) + crop.x, crop.width, out.mask.row(y));
-}
-
-struct BlockGrid {
-    int columns;
-    int rows;
-};
-
-struct PixelRange {
-    int begin;
-    int end;
-};
-
-PixelRange pixels_of_block(int block, int size) {
-    return {block * kBlockSize, std::min((block + 1) * kBlockSize, size)};
-}
-
-void sum_foreground(const codec::TextureCrop& picture, BlockGrid grid, std::vector<Block>& blocks) {
-    blocks.assign(static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows),
-                  Block{});
-    for (int y = 0; y < picture.height(); ++y) {
-        const std::uint8_t* __restrict mask = picture.mask.row(y);
-        const std::uint8_t* __restrict planes[3] = {
-            picture.y.row(y), picture.u.row(y), picture.v.row(y)};
-        for (int column = 0; column < grid.columns; ++column) {
-            const PixelRange xs = pixels_of_block(column, picture.width());
-            Block& block = blocks[static_cast<std::size_t>(y / kBlockSize * grid.columns + column)];
-            std::uint32_t count = 0;
-            std::array<std::uint32_t, 3> sum{};
-            for (int x = xs.begin; x < xs.end; ++x) {
-                count += mask[x] & 1U;
-                for (std::size_t p = 0; p < 3; ++p) sum[p] += planes[p][x] & mask[x];
-            }
-            block.num_foreground += count;
-            for (std::size_t p = 0; p < 3; ++p) block.sum[p] += sum[p];
-        }
-    }
-}
-
-void add(Block& total, const Block& block) {
-    total.num_foreground += block.num_foreground;
-    for (std::size_t p = 0; p < 3; ++p) total.sum[p] += block.sum[p];
-}
-
-// The foreground of the block itself, else of the blocks around it, else of the whole picture.
-Block source_of_fill(
-    const std::vector<Block>& blocks, BlockGrid grid, int column, int row, const Block& whole) {
-    const Block& own = blocks[static_cast<std::size_t>(row * grid.columns + column)];
-    if (own.num_foreground > 0) return own;
-    Block around;
-    for (int y = std::max(row - 1, 0); y <= std::min(row + 1, grid.rows - 1); ++y) {
-        for (int x = std::max(column - 1, 0); x <= std::min(column + 1, grid.columns - 1); ++x) {
-            add(around, blocks[static_cast<std::size_t>(y * grid.columns + x)]);
-        }
-    }
-    return around.num_foreground > 0 ? around : whole;
-}
-
-// Eight samples of one row of a block; the compiler makes one register of it.
-using Row = std::int16_t __attribute__((vector_size(16)));
-using Rows = std::array<Row, kBlockSize>;
-
-// What the pixels next to each one are; those at the edge stand for the ones beyond it.
-Row from_left(Row row) { return __builtin_shuffle(row, Row{0, 0, 1, 2, 3, 4, 5, 6}); }
-Row from_right(Row row) { return __builtin_shuffle(row, Row{1, 2, 3, 4, 5, 6, 7, 7}); }
-
-// Background becomes the mean of its four neighbours, again and again: from `rows`, in which it has
-// the block's mean, towards the smoothest surface through the foreground.
-void relax(const Rows& is_foreground, Rows& rows) {
-    constexpr int kTimes = 6;  // more of it saves less than 1 % of the bytes
-    for (int i = 0; i < kTimes; ++i) {
-        const Rows old = rows;
-        for (std::size_t y = 0; y < kBlockSize; ++y) {
-            const Row above = old[y == 0 ? 0 : y - 1];
-            const Row below = old[y + 1 == kBlockSize ? y : y + 1];
-            const Row mean = (from_left(old[y]) + from_right(old[y]) + above + below + 2) >> 2;
-            rows[y] = (old[y] & is_foreground[y]) | (mean & ~is_foreground[y]);
-        }
-    }
-}
-
-void fill_evenly(image::Plane& plane,
-                 const image::Mask& mask,
-                 PixelRange xs,
-                 PixelRange ys,
-                 std::uint8_t value) {
-    for (int y = ys.begin; y < ys.end; ++y) {
-        std::uint8_t* pixels = plane.row(y);
-        const std::uint8_t* own_mask = mask.row(y);
-        for (int x = xs.begin; x < xs.end; ++x) pixels[x] = own_mask[x] != 0 ? pixels[x] : value;
-    }
-}
-
-// Of a whole block, 8 by 8.
-void fill_smoothly(image::Plane& plane, int x0, int y0, const Rows& is_foreground) {
-    Rows rows;
-    for (std::size_t y = 0; y < kBlockSize; ++y) {
-        const std::uint8_t* pixels = plane.row(y0 + static_cast<int>(y)) + x0;
-        for (int x = 0; x < kBlockSize; ++x) rows[y][x] = pixels[x];
-    }
-    relax(is_foreground, rows);
-    for (std::size_t y = 0; y < kBlockSize; ++y) {
-        std::uint8_t* pixels = plane.row(y0 + static_cast<int>(y)) + x0;
-        for (int x = 0; x < kBlockSize; ++x) pixels[x] = static_cast<std::uint8_t>(rows[y][x]);
-    }
-}
-
-Rows foreground_of(const image::Mask& mask, int x0, int y0) {
-    Rows rows;
-    for (std::size_t y = 0; y < kBlockSize; ++y) {
-        const std::uint8_t* pixels = mask.row(y0 + static_cast<int>(y)) + x0;
-        for (int x = 0; x < kBlockSize; ++x)
-            rows[y][x] = static_cast<std::int16_t>(pixels[x] != 0 ? -1 : 0);
-    }
-    return rows;
-}
-
-void fill_block(codec::TextureCrop& picture,
-                PixelRange xs,
-                PixelRange ys,
-                const Block& source,
-                bool has_foreground) {
-    // at the right and lower edge the JPEG repeats the last pixels, so that nothing is to be gained
-    const bool smooth =
-        has_foreground && xs.end - xs.begin == kBlockSize && ys.end - ys.begin == kBlockSize;
-    Rows is_foreground;
-    if (smooth) is_foreground = foreground_of(picture.mask, xs.begin, ys.begin);
-    std::size_t p = 0;
-    for (image::Plane* plane : {&picture.y, &picture.u, &picture.v}) {
-        const auto mean = static_cast<std::uint8_t>((source.sum[p++] + source.num_foreground / 2) /
-                                                    source.num_foreground);
-        fill_evenly(*plane, picture.mask, xs, ys, mean);
-        if (smooth) fill_smoothly(*plane, xs.begin, ys.begin, is_foreground);
-    }
-}
-
-void fill_background(codec::TextureCrop& picture, std::vector<Block>& blocks) {
-    const BlockGrid grid{(picture.width() + kBlockSize - 1) / kBlockSize,
-                         (picture.height() + kBlockSize - 1) / kBlockSize};
-    sum_foreground(picture, grid, blocks);
-    Block whole;
-    for (const Block& block : blocks) add(whole, block);
-    if (whole.num_foreground == 0)
-        whole = {1, {128, 128, 128}};  // only single pixels, lost by halving
-    for (int row = 0; row < grid.rows; ++row) {
-        const PixelRange ys = pixels_of_block(row, picture.height());
-        for (int column = 0; column < grid.columns; ++column) {
-            const PixelRange xs = pixels_of_block(column, picture.width());
-            const auto block = static_cast<std::size_t>(row * grid.columns + column);
-            const std::uint32_t num_foreground = blocks[block].num_foreground;
-            if (num_foreground == kBlockSize * kBlockSize) continue;
-            const Block source = source_of_fill(blocks, grid, column, row, whole);
-            fill_block(picture, xs, ys, source, num_foreground > 0);
-        }
-    }
 }
 
 }  // namespace
@@ -335,7 +210,7 @@ bool crop_texture(const image::YuvView& frame,
         copy_whole(frame, mask, crop, out);
     else
         halve(frame, mask, crop, code, scratch, out);
-    fill_background(out, scratch.blocks);
+    fill_background(out, code, scratch.blocks);
     return true;
 }
 

@@ -3,8 +3,8 @@
 #include "core/codec/texture_codec.hpp"
 #include "core/image/colour_rows.hpp"
 #include "core/image/image.hpp"
+#include "site_node/texture/fill_background.hpp"
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -23,11 +23,7 @@ struct TextureOptions {
 
 /// Reused memory; one per thread.
 struct TextureScratch {
-    struct Block {
-        std::uint32_t num_foreground = 0;
-        std::array<std::uint32_t, 3> sum{};  // of Y, U, V over the foreground
-    };
-    std::vector<Block> blocks;
+    std::vector<FillBlock> blocks;
     std::vector<std::uint8_t> outline;
 };
 
@@ -37,9 +33,7 @@ struct TextureScratch {
 /// they are, U and V interpolated, of a mosaic Y as well. A subject of more than kMaxFullPixels
 /// stays at half resolution.
 ///
-/// Where the result is background it is made smooth, so that it codes small and no background
-/// shines through at the edge: within each 8x8 block (the unit of JPEG) the foreground is continued
-/// smoothly, and where there is none the block gets the mean of its neighbours'.
+/// Where the result is background it is made smooth (fill_background).
 ///
 /// Returns false, with `out` as it was, if `subject` is empty: there is nothing to send. It lies in
 /// the picture. `mask` is as large as `frame`; a last odd column or row, which a 4:2:0 picture

@@ -160,6 +160,23 @@ TEST(CropTexture, TheSubjectIsContinuedSmoothly) {
     EXPECT_EQ(crop.y.at(12, 3), 88) << "no subject in this block: the mean";
 }
 
+// JPEG codes a block like the one before it with the fewest bits.
+TEST(CropTexture, BlocksFarFromTheSubjectAreLikeTheOneBefore) {
+    const image::YuvImage frame = noise_frame(128, 64, 6);
+    image::Mask mask(128, 64);
+    fill(mask, {18, 18, 12, 12}, 255);
+    fill(mask, {114, 34, 12, 12}, 255);
+    TextureScratch scratch;
+    codec::TextureCrop crop;
+    ASSERT_TRUE(crop_texture(frame, mask, {0, 0, 128, 64}, {.padding_px = 0}, scratch, crop));
+    ASSERT_EQ(crop.width(), 64);
+    for (const image::Plane* plane : {&crop.y, &crop.u, &crop.v}) {
+        for (int x = 24; x < 48; ++x) {
+            for (int y = 0; y < 16; ++y) EXPECT_EQ(plane->at(x, y), plane->at(23, y / 8 * 8));
+        }
+    }
+}
+
 TEST(CropTexture, ForegroundThatVanishesAtHalfResolutionIsGrey) {
     image::Mask mask(32, 32);
     mask.row(9)[9] = 255;
