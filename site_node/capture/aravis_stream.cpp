@@ -1,5 +1,8 @@
 #include "site_node/capture/aravis_stream.hpp"
 
+#include "site_node/capture/network_interface.hpp"
+#include "site_node/capture/packet_socket.hpp"
+
 #include <fmt/format.h>
 #include <pthread.h>
 #include <sched.h>
@@ -13,6 +16,8 @@ namespace {
 
 // IP, UDP and GVSP headers, part of the packet size.
 constexpr std::size_t kPacketOverhead_bytes = 36;
+// A receiving thread opens its sockets in milliseconds; on a loaded machine in far more.
+constexpr std::chrono::seconds kLongestOpening{2};
 
 // Aravis counts every packet that finds no buffer.
 std::uint64_t pictures_in(std::uint64_t num_packets, const CameraFormat& format) {
@@ -91,6 +96,11 @@ Expected<std::unique_ptr<AravisStream>> AravisStream::create(ArvCamera& camera,
                      "packet-timeout",
                      std::min(20000U, retention_us / 2),
                      nullptr);
+        if (options.use_packet_socket && may_use_packet_sockets()) {
+            const guint16 port = arv_gv_stream_get_port(ARV_GV_STREAM(stream));
+            if (auto empty = wait_for_empty_packet_socket(port, kLongestOpening); !empty)
+                return tl::unexpected(empty.error());
+        }
     }
     const std::lock_guard lock(self->buffers_->mutex);
     self->buffers_->stream = stream;

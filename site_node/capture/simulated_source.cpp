@@ -31,7 +31,7 @@ std::vector<Expected<void>> SimulatedSource::show_background(
     const std::vector<std::size_t>& cameras, const BackgroundSink& sink, std::stop_token stop) {
     const auto show = [&](std::size_t camera) -> Expected<void> {
         for (const simulation::Picture& picture : loop_.empty_room[camera]) {
-            if (stop.stop_requested() || !sink(camera, *picture)) break;
+            if (stop.stop_requested() || !sink(camera, simulation::view_of(picture))) break;
         }
         return {};
     };
@@ -41,6 +41,7 @@ std::vector<Expected<void>> SimulatedSource::show_background(
 Expected<void> SimulatedSource::run(std::stop_token stop, const Sink& sink) {
     Pace pace(std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / rig_.rate_hz)));
     for (std::size_t instant = 0; pace.wait(stop); instant = (instant + 1) % loop_.frames.size()) {
+        simulation::keep_in_memory_if_wanted(loop_);
         const Timestamp now = pace.due_time();
         for (std::size_t camera = 0; camera < rig_.cameras.size(); ++camera) {
             counters_.count_received(camera);

