@@ -267,6 +267,7 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             {"half", "full"});
     declare_stream(config, set);
     bus::declare(config.bus, set);
+    app::declare(config.process, set);
     show_hull(config.pipeline.hull, set);
 }
 

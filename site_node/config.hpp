@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/app/process.hpp"
 #include "core/bus/bus.hpp"
 #include "core/config/option_set.hpp"
 #include "core/config/table_reader.hpp"
@@ -35,10 +36,11 @@ struct SiteNodeConfig {
     simulation::RoomConfig simulation;
     PipelineOptions pipeline;
     stream::StreamOptions stream;
-    /// "auto": `stream.adapt` but on loopback, where a delay is that of a busy processor.
+    /// "auto": `stream.adapt` but on loopback, where no network is that could be narrow.
     std::string stream_adapt = "auto";        // or "on", "off"
     std::string texture_resolution = "half";  // or "full"
     bus::BusOptions bus;
+    app::ProcessOptions process;
 
     // what to do instead of running
     bool learn_background = false;            // learn the empty room, keep it, end

@@ -1,3 +1,4 @@
+#include "core/app/process.hpp"
 #include "core/app/program.hpp"
 #include "site_node/list_cameras.hpp"
 #include "site_node/silhouette_writer.hpp"
@@ -31,6 +32,7 @@ int main(int argc, char** argv) {
         return listed ? 0 : app::fail(listed.error());
     }
     site_node::resolve(config);
+    app::apply(config.process);
     const app::StopOnSignal stop;
     if (config.learn_background || !config.write_silhouettes.empty()) {
         const auto done = config.learn_background

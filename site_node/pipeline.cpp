@@ -21,20 +21,30 @@ bool is_nobody(hull::HullStatus status) { return status == hull::HullStatus::kEm
 
 }  // namespace
 
-// Everything that one camera needs, so that cameras can be worked on in parallel.
+// What one camera keeps from metaframe to metaframe, so that cameras can be worked on in parallel.
 struct Pipeline::CameraStage {
-    image::YuvImage picture_buffer;  // what the camera does not deliver in the working form
-    image::YuvView picture;          // of the metaframe that is being worked on
+    // of the first stage
     segmentation::Segmenter segmenter;
-    image::Mask mask;
     silhouette::SilhouetteScratch silhouette;
     std::vector<silhouette::SilhouettePolygon> polygons;
-    silhouette::SilhouetteCounts counts;
     std::vector<std::vector<Eigen::Vector2d>> spare_contours;
+    bool is_left_out = false;  // there is no background
+    // of the second
     texture::TextureScratch texture;
     codec::TextureCrop crop;
     codec::TextureEncoder encoder;
-    bool is_left_out = false;  // there is no background
+};
+
+// What one camera has of one metaframe.
+struct Pipeline::Silhouettes::Camera {
+    image::YuvImage picture_buffer;  // what the camera does not deliver in the working form
+    image::YuvView picture;
+    image::SparseMask mask;
+    std::vector<std::vector<Eigen::Vector2d>> contours;  // undistorted [px]
+    image::PixelRect subject;                            // around all of them, delivered picture
+    std::vector<silhouette::Outline> outlines;           // delivered picture
+    std::vector<std::uint8_t> dropped;                   // per outline
+    silhouette::SilhouetteCounts counts;
     bool sees_somebody = false;
     double segmentation_ms = 0.0;
     double polygons_ms = 0.0;
@@ -49,13 +59,26 @@ struct Pipeline::CameraStage {
     }
 };
 
+Pipeline::Silhouettes::Silhouettes() = default;
+Pipeline::Silhouettes::Silhouettes(Silhouettes&&) noexcept = default;
+Pipeline::Silhouettes& Pipeline::Silhouettes::operator=(Silhouettes&&) noexcept = default;
+Pipeline::Silhouettes::~Silhouettes() = default;
+
+std::vector<std::vector<Eigen::Vector2d>> Pipeline::Silhouettes::delivered_outlines(
+    std::size_t camera) const {
+    const Camera& seen = *cameras_[camera];
+    std::vector<std::vector<Eigen::Vector2d>> outlines;
+    if (delivered_[camera] == 0) return outlines;
+    for (std::size_t c = 0; c < seen.dropped.size(); ++c) {
+        if (seen.dropped[c] == 0) outlines.push_back(seen.outlines[c].vertices_px);
+    }
+    return outlines;
+}
+
 Pipeline::Pipeline(std::vector<geometry::CalibratedCamera> cameras,
                    const PipelineOptions& options,
                    HullStage hull)
-    : cameras_(std::move(cameras)),
-      options_(options),
-      delivered_(cameras_.size(), 0),
-      hull_(std::move(hull)) {
+    : cameras_(std::move(cameras)), options_(options), hull_(std::move(hull)) {
     for (std::size_t i = 0; i < cameras_.size(); ++i)
         stages_.push_back(std::make_unique<CameraStage>());
 }
@@ -96,69 +119,92 @@ std::vector<std::string> Pipeline::cameras_without_background() const {
     return names;
 }
 
-Expected<void> Pipeline::find_silhouette(const capture::CameraFrame& frame, CameraStage& stage) {
-    const geometry::CalibratedCamera& camera = cameras_[frame.camera];
+Expected<void> Pipeline::find_silhouette(const capture::CameraFrame& frame,
+                                         const GiveWay& give_way,
+                                         Silhouettes::Camera& out) {
+    CameraStage& stage = *stages_[frame.camera];
     const auto begin = Clock::now();
-    image::WorkingPicture picture(frame.image, stage.picture_buffer);
-    stage.picture = picture.view();
+    image::WorkingPicture picture(frame.image, out.picture_buffer);
+    out.picture = picture.view();
     if (frame.silhouette != nullptr) {
         picture.make_all();
-        stage.mask = *frame.silhouette;
+        out.mask.mask = *frame.silhouette;
+        out.mask.forget();
     } else {
-        auto segmented = stage.segmenter.segment(picture, stage.mask);
-        if (!segmented) return segmented;
+        if (auto segmented = stage.segmenter.segment(picture, out.mask, give_way); !segmented)
+            return segmented;
     }
+    give_way();
     const auto segmented_at = Clock::now();
-    stage.counts = silhouette::extract_silhouette(
-        stage.mask, camera.intrinsics, options_.silhouette, stage.silhouette, stage.polygons);
-
-    auto& contours = hull_.contours(frame.camera);
-    resize_keeping(contours, stage.polygons.size(), stage.spare_contours);
+    out.counts = silhouette::extract_silhouette(out.mask.mask,
+                                                cameras_[frame.camera].intrinsics,
+                                                options_.silhouette,
+                                                stage.silhouette,
+                                                stage.polygons,
+                                                out.mask.rows);
+    resize_keeping(out.contours, stage.polygons.size(), stage.spare_contours);
     for (std::size_t p = 0; p < stage.polygons.size(); ++p)
-        contours[p] = stage.polygons[p].vertices_px;
-    stage.segmentation_ms = milliseconds_between(begin, segmented_at);
-    stage.polygons_ms = milliseconds_between(segmented_at, Clock::now());
+        out.contours[p] = stage.polygons[p].vertices_px;
+    out.subject = silhouette::bounding_rect(stage.silhouette.contours);
+    out.outlines.swap(stage.silhouette.outlines);
+    out.dropped.swap(stage.silhouette.dropped);
+    out.segmentation_ms = milliseconds_between(begin, segmented_at);
+    out.polygons_ms = milliseconds_between(segmented_at, Clock::now());
     return {};
 }
 
-Expected<void> Pipeline::find_silhouettes(const capture::Metaframe& metaframe, Executor& executor) {
-    const auto work_on_camera = [&](std::size_t i, std::size_t) {
-        CameraStage& stage = *stages_[i];
-        stage.begin();
-        delivered_[i] = metaframe.frames[i].image.empty() || stage.is_left_out ? 0 : 1;
-        if (delivered_[i] != 0) stage.result = find_silhouette(metaframe.frames[i], stage);
+Expected<void> Pipeline::find_silhouettes(const capture::Metaframe& metaframe,
+                                          Executor& executor,
+                                          Silhouettes& out) {
+    const auto begin = Clock::now();
+    out.metaframe_ = metaframe;
+    out.delivered_.assign(cameras_.size(), 0);
+    while (out.cameras_.size() < cameras_.size())
+        out.cameras_.push_back(std::make_unique<Silhouettes::Camera>());
+    const auto work_on_camera = [&](std::size_t i, std::size_t worker) {
+        const capture::CameraFrame& frame = out.metaframe_.frames[i];
+        Silhouettes::Camera& camera = *out.cameras_[i];
+        camera.begin();
+        if (frame.image.empty() || stages_[i]->is_left_out) return;
+        out.delivered_[i] = 1;
+        camera.result = find_silhouette(frame, {&executor, worker}, camera);
     };
     executor.parallel_for(cameras_.size(), work_on_camera);
-    return first_failure();
+    out.milliseconds_ = milliseconds_between(begin, Clock::now());
+    return first_failure(out);
 }
 
-Expected<void> Pipeline::encode_texture(std::size_t camera, CodedCamera& coded) {
+Expected<void> Pipeline::encode_texture(Silhouettes& silhouettes,
+                                        const ColourCoding& coding,
+                                        std::size_t camera,
+                                        CodedCamera& coded) {
     CameraStage& stage = *stages_[camera];
-    if (delivered_[camera] == 0 || stage.polygons.empty()) return {};
+    Silhouettes::Camera& seen = *silhouettes.cameras_[camera];
+    if (silhouettes.delivered_[camera] == 0 || hull_.contours(camera).empty()) return {};
     const auto begin = Clock::now();
-    stage.sees_somebody =
-        texture::crop_texture(stage.picture,
-                              stage.mask,
-                              silhouette::bounding_rect(stage.silhouette.contours),
-                              options_.texture,
-                              stage.texture,
-                              stage.crop);
-    if (!stage.sees_somebody) return {};
+    seen.sees_somebody = texture::crop_texture(
+        seen.picture, seen.mask.mask, seen.subject, options_.texture, stage.texture, stage.crop);
+    if (!seen.sees_somebody) return {};
     coded.camera = static_cast<std::uint32_t>(camera);
     coded.crop_px = stage.crop.crop_px;
     auto encoded =
-        stage.encoder.encode(stage.crop, coding_.jpeg_quality, coding_.divisor, coded.texture);
-    stage.texture_ms = milliseconds_between(begin, Clock::now());
+        stage.encoder.encode(stage.crop, coding.jpeg_quality, coding.divisor, coded.texture);
+    seen.texture_ms = milliseconds_between(begin, Clock::now());
     return encoded;
 }
 
 // The mesh, which is one task, beside the textures.
-Expected<void> Pipeline::encode(Executor& executor, SiteFrame& frame) {
+Expected<void> Pipeline::encode(Silhouettes& silhouettes,
+                                const ColourCoding& coding,
+                                Executor& executor,
+                                SiteFrame& frame) {
     resize_keeping(frame.cameras, cameras_.size(), spare_coded_);
     Expected<std::size_t> mesh;
     const auto work = [&](std::size_t task, std::size_t) {
         if (task > 0) {
-            stages_[task - 1]->result = encode_texture(task - 1, frame.cameras[task - 1]);
+            const std::size_t camera = task - 1;
+            silhouettes.cameras_[camera]->result =
+                encode_texture(silhouettes, coding, camera, frame.cameras[camera]);
             return;
         }
         const auto begin = Clock::now();
@@ -172,17 +218,17 @@ Expected<void> Pipeline::encode(Executor& executor, SiteFrame& frame) {
     if (!mesh) return tl::unexpected(mesh.error());
     std::size_t num_kept = 0;
     for (std::size_t i = 0; i < cameras_.size(); ++i) {
-        if (!stages_[i]->sees_somebody) continue;
+        if (!silhouettes.cameras_[i]->sees_somebody) continue;
         if (num_kept != i) std::swap(frame.cameras[num_kept], frame.cameras[i]);
         ++num_kept;
     }
     resize_keeping(frame.cameras, num_kept, spare_coded_);
-    return first_failure();
+    return first_failure(silhouettes);
 }
 
-Expected<void> Pipeline::first_failure() const {
+Expected<void> Pipeline::first_failure(const Silhouettes& silhouettes) const {
     for (std::size_t i = 0; i < cameras_.size(); ++i) {
-        if (const auto& result = stages_[i]->result; !result) {
+        if (const auto& result = silhouettes.cameras_[i]->result; !result) {
             return make_error(
                 result.error().kind,
                 fmt::format("camera '{}': {}", cameras_[i].name, result.error().message));
@@ -192,71 +238,65 @@ Expected<void> Pipeline::first_failure() const {
 }
 
 // What the stages counted and measured.
-void Pipeline::sum_up(SiteFrame& frame) const {
+void Pipeline::sum_up(const Silhouettes& silhouettes, SiteFrame& frame) {
     const hull::VisualHull& hull = frame.hull;
-    frame.left_out = {static_cast<std::uint32_t>(
-                          std::count(delivered_.begin(), delivered_.end(), std::uint8_t{0})),
-                      hull.num_phantoms_dropped,
-                      hull.num_fragments_dropped,
-                      kLitresPerM3 * hull.volume_dropped_m3,
-                      hull.num_contours_dropped,
-                      hull.num_contours_repaired,
-                      hull.num_regions_failed};
-    for (const auto& stage : stages_) {
+    const auto& delivered = silhouettes.delivered_;
+    frame.left_out = {
+        static_cast<std::uint32_t>(std::count(delivered.begin(), delivered.end(), std::uint8_t{0})),
+        hull.num_phantoms_dropped,
+        hull.num_fragments_dropped,
+        kLitresPerM3 * hull.volume_dropped_m3,
+        hull.num_contours_dropped,
+        hull.num_contours_repaired,
+        hull.num_regions_failed};
+    for (const auto& camera : silhouettes.cameras_) {
         frame.left_out.contours_dropped +=
-            stage->counts.num_not_undistorted + stage->counts.num_not_simple;
-        frame.work_milliseconds.segmentation += stage->segmentation_ms;
-        frame.work_milliseconds.polygons += stage->polygons_ms;
-        frame.work_milliseconds.textures += stage->texture_ms;
+            camera->counts.num_not_undistorted + camera->counts.num_not_simple;
+        frame.work_milliseconds.segmentation += camera->segmentation_ms;
+        frame.work_milliseconds.polygons += camera->polygons_ms;
+        frame.work_milliseconds.textures += camera->texture_ms;
     }
 }
 
-Expected<void> Pipeline::process(const capture::Metaframe& metaframe,
-                                 Executor& executor,
-                                 SiteFrame& frame) {
-    return process(metaframe, {options_.jpeg_quality, 1}, executor, frame);
-}
-
-Expected<void> Pipeline::process(const capture::Metaframe& metaframe,
+Expected<void> Pipeline::compute(Silhouettes& silhouettes,
                                  const ColourCoding& coding,
                                  Executor& executor,
                                  SiteFrame& frame) {
-    coding_ = coding;
-    const auto begin = Clock::now();
-    frame.frame_id = metaframe.frame_id;
-    frame.capture_time = metaframe.capture_time;
+    const auto hull_begin = Clock::now();
+    frame.frame_id = silhouettes.metaframe_.frame_id;
+    frame.capture_time = silhouettes.metaframe_.capture_time;
     frame.draco.clear();
     frame.work_milliseconds = {};
-    if (auto done = find_silhouettes(metaframe, executor); !done) return done;
-
-    const auto hull_begin = Clock::now();
-    hull_.compute(delivered_, executor, frame.hull);
+    for (std::size_t i = 0; i < cameras_.size(); ++i) {
+        if (silhouettes.delivered_[i] != 0)
+            hull_.contours(i).swap(silhouettes.cameras_[i]->contours);
+    }
+    hull_.compute(silhouettes.delivered_, executor, frame.hull);
 
     const auto encode_begin = Clock::now();
     if (frame.hull.status == hull::HullStatus::kOk) {
-        if (auto encoded = encode(executor, frame); !encoded) return encoded;
+        if (auto encoded = encode(silhouettes, coding, executor, frame); !encoded) return encoded;
     } else if (is_nobody(frame.hull.status)) {
         resize_keeping(frame.cameras, 0, spare_coded_);
     } else {
         return make_error(ErrorKind::kInvalidData,
                           fmt::format("no hull: {}", hull::to_string(frame.hull.status)));
     }
-    sum_up(frame);
+    sum_up(silhouettes, frame);
     const auto end = Clock::now();
-    frame.milliseconds = {milliseconds_between(begin, hull_begin),
+    const double compute_ms = milliseconds_between(hull_begin, end);
+    frame.milliseconds = {silhouettes.milliseconds_,
                           milliseconds_between(hull_begin, encode_begin),
                           milliseconds_between(encode_begin, end),
-                          milliseconds_between(begin, end)};
+                          silhouettes.milliseconds_ + compute_ms};
     return {};
 }
 
-std::vector<std::vector<Eigen::Vector2d>> Pipeline::delivered_outlines(std::size_t camera) const {
-    const silhouette::SilhouetteScratch& scratch = stages_[camera]->silhouette;
-    std::vector<std::vector<Eigen::Vector2d>> outlines;
-    for (std::size_t c = 0; c < scratch.dropped.size(); ++c) {
-        if (scratch.dropped[c] == 0) outlines.push_back(scratch.outlines[c].vertices_px);
-    }
-    return outlines;
+Expected<void> Pipeline::process(const capture::Metaframe& metaframe,
+                                 Executor& executor,
+                                 SiteFrame& frame) {
+    if (auto found = find_silhouettes(metaframe, executor, own_silhouettes_); !found) return found;
+    return compute(own_silhouettes_, {options_.jpeg_quality, 1}, executor, frame);
 }
 
 }  // namespace atrium::site_node

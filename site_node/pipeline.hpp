@@ -82,10 +82,35 @@ struct SiteFrame {
     } work_milliseconds;
 };
 
-/// From the pictures of one instant to the coded mesh and textures. No network, no threads of its
-/// own.
+/// From the pictures of one instant to the coded mesh and textures, in two stages: silhouettes of
+/// all cameras, then hull and coding. No network, no threads of its own.
 class Pipeline {
 public:
+    /// What the first stage hands to the second: everything that belongs to one metaframe. Reused:
+    /// memory is kept. Holds the pictures until it is used again or `release`d.
+    class Silhouettes {
+    public:
+        Silhouettes();
+        Silhouettes(Silhouettes&&) noexcept;
+        Silhouettes& operator=(Silhouettes&&) noexcept;
+        ~Silhouettes();
+
+        const capture::Metaframe& metaframe() const { return metaframe_; }
+        /// Lets the pictures go, which cameras may need for the next ones.
+        void release() { metaframe_.frames.clear(); }
+
+        /// Silhouettes of one camera as polygons in the delivered picture [px].
+        std::vector<std::vector<Eigen::Vector2d>> delivered_outlines(std::size_t camera) const;
+
+    private:
+        friend class Pipeline;
+        struct Camera;
+        capture::Metaframe metaframe_;
+        std::vector<std::unique_ptr<Camera>> cameras_;
+        std::vector<std::uint8_t> delivered_;  // per camera
+        double milliseconds_ = 0.0;
+    };
+
     /// Learns the empty room from `source`, or takes it as learned before, unless its frames carry
     /// silhouettes. A camera that cannot show it now (kUnavailable) is left out from then on. Error
     /// kUnavailable once `stop` is requested.
@@ -100,42 +125,51 @@ public:
     Pipeline& operator=(Pipeline&&) noexcept;
     ~Pipeline();
 
-    /// Cameras that the metaframe lacks are left out of hull and textures. Not thread-safe;
-    /// `executor` is lent for the call. An error leaves `frame` unspecified; too few cameras are
-    /// one.
-    Expected<void> process(const capture::Metaframe& metaframe,
-                           Executor& executor,
-                           SiteFrame& frame);
-    /// The same, with colours coded in another way than the options say.
-    Expected<void> process(const capture::Metaframe& metaframe,
+    /// First stage. Cameras that the metaframe lacks are left out. Metaframes in their order, one
+    /// at a time; `executor` is lent for the call. An error leaves `out` unspecified but usable
+    /// again.
+    Expected<void> find_silhouettes(const capture::Metaframe& metaframe,
+                                    Executor& executor,
+                                    Silhouettes& out);
+
+    /// Second stage, one at a time, in any order. May run while the first stage works on other
+    /// `Silhouettes`. An error leaves `frame` unspecified; too few cameras are one.
+    Expected<void> compute(Silhouettes& silhouettes,
                            const ColourCoding& coding,
                            Executor& executor,
                            SiteFrame& frame);
 
-    /// Silhouettes of one camera in the metaframe that was processed last, as polygons in the
-    /// delivered picture [px]. Not to be called while `process` runs.
-    std::vector<std::vector<Eigen::Vector2d>> delivered_outlines(std::size_t camera) const;
+    /// Both stages, with colours coded as the options say. Not while one of the stages runs.
+    Expected<void> process(const capture::Metaframe& metaframe,
+                           Executor& executor,
+                           SiteFrame& frame);
 
 private:
     struct CameraStage;
     Pipeline(std::vector<geometry::CalibratedCamera> cameras,
              const PipelineOptions& options,
              HullStage hull);
-    Expected<void> find_silhouette(const capture::CameraFrame& frame, CameraStage& stage);
-    Expected<void> find_silhouettes(const capture::Metaframe& metaframe, Executor& executor);
-    Expected<void> encode_texture(std::size_t camera, CodedCamera& coded);
-    Expected<void> encode(Executor& executor, SiteFrame& frame);
-    Expected<void> first_failure() const;
-    void sum_up(SiteFrame& frame) const;
+    Expected<void> find_silhouette(const capture::CameraFrame& frame,
+                                   const GiveWay& give_way,
+                                   Silhouettes::Camera& out);
+    Expected<void> encode_texture(Silhouettes& silhouettes,
+                                  const ColourCoding& coding,
+                                  std::size_t camera,
+                                  CodedCamera& coded);
+    Expected<void> encode(Silhouettes& silhouettes,
+                          const ColourCoding& coding,
+                          Executor& executor,
+                          SiteFrame& frame);
+    Expected<void> first_failure(const Silhouettes& silhouettes) const;
+    static void sum_up(const Silhouettes& silhouettes, SiteFrame& frame);
 
     std::vector<geometry::CalibratedCamera> cameras_;
     PipelineOptions options_;
     std::vector<std::unique_ptr<CameraStage>> stages_;  // one per camera
-    std::vector<std::uint8_t> delivered_;               // per camera
-    ColourCoding coding_;                               // of the metaframe that is worked on
     HullStage hull_;
     codec::MeshEncoder mesh_encoder_;
     std::vector<CodedCamera> spare_coded_;  // memory for cameras that see somebody again
+    Silhouettes own_silhouettes_;           // of `process`
 };
 
 }  // namespace atrium::site_node

@@ -1,7 +1,9 @@
 #include "site_node/site_node.hpp"
 
+#include "core/app/process.hpp"
 #include "core/app/program.hpp"
 #include "core/joining/join_world.hpp"
+#include "core/status/bottleneck.hpp"
 #include "site_node/left_out.hpp"
 #include "site_node/open_source.hpp"
 
@@ -181,6 +183,8 @@ Expected<void> SiteNode::run(std::stop_token stop) {
         const std::jthread publisher =
             named_thread("publish", [this](std::stop_token s) { publish_frames(s); });
         const std::jthread worker = named_thread("work", [this](std::stop_token s) { work(s); });
+        const std::jthread silhouettes =
+            named_thread("silhouettes", [this](std::stop_token s) { find_silhouettes(s); });
         const std::jthread capturer =
             named_thread("capture", [this](std::stop_token) { capture_metaframes(end_->token()); });
         report_status(end_->token());
@@ -191,13 +195,14 @@ Expected<void> SiteNode::run(std::stop_token stop) {
             app::log::warn("{}", gone.error().message);
     }
     const bus::SiteStatus total = status();
-    app::log::info("stopped captured={} published={} incomplete={} late={} rate={} failed={}",
+    app::log::info("stopped captured={} published={} incomplete={} late={} rate={} failed={} {}",
                    total.num_metaframes_captured,
                    total.num_metaframes_published,
                    total.num_dropped_incomplete,
                    total.num_dropped_late,
                    total.stream.num_dropped_for_rate,
-                   total.num_failed);
+                   total.num_failed,
+                   atrium::status::process_fields(total.processor, total.first_output_s));
     if (const std::string line = left_out_line({}, total); !line.empty())
         app::log::info("counted {}", line);
     for (const capture::CameraCounters& counters : source_->camera_counters()) {
@@ -246,30 +251,57 @@ void SiteNode::hand_over(capture::Metaframe metaframe) {
                                      missing.substr(1)));
     }
     ++num_captured_;
-    metaframes_.put(std::move(metaframe));
+    metaframes_.offer(std::move(metaframe));
+}
+
+void SiteNode::find_silhouettes(std::stop_token stop) {
+    while (auto begun = metaframes_.begin(stop)) {
+        std::unique_ptr<Pipeline::Silhouettes> memory;
+        if (begun->dropped) memory = std::move(begun->dropped->silhouettes);
+        begun->dropped.reset();
+        if (const auto choice = stream_.offer(std::chrono::steady_clock::now()))
+            find_silhouettes_of(begun->value, *choice, std::move(memory));
+    }
+}
+
+void SiteNode::find_silhouettes_of(const capture::Metaframe& metaframe,
+                                   const StreamAdapter::Choice& choice,
+                                   std::unique_ptr<Pipeline::Silhouettes> memory) {
+    if (memory == nullptr) memory = spare_silhouettes_.try_take().value_or(nullptr);
+    if (memory == nullptr) memory = std::make_unique<Pipeline::Silhouettes>();
+    const auto found = pipeline_.find_silhouettes(metaframe, pool_.background(), *memory);
+    if (!found) {
+        memory->release();
+        spare_silhouettes_.put(std::move(memory));
+        return fail(metaframe.frame_id, found.error());
+    }
+    metaframes_.hand_over({std::move(memory), choice, ThreadPool::Priority(pool_)});
 }
 
 void SiteNode::work(std::stop_token stop) {
-    while (const auto metaframe = metaframes_.take(stop)) {
-        if (const auto choice = stream_.offer(std::chrono::steady_clock::now()))
-            work_on(*metaframe, *choice);
+    while (auto ready = metaframes_.take(stop)) {
+        work_on(*ready);
+        ready->silhouettes->release();
+        spare_silhouettes_.put(std::move(ready->silhouettes));
     }
 }
 
-void SiteNode::work_on(const capture::Metaframe& metaframe, const StreamAdapter::Choice& choice) {
+void SiteNode::fail(std::uint64_t frame_id, const Error& error) {
+    ++num_failed_;
+    complaints_.warn(fmt::format("metaframe failed id={} reason=\"{}\"", frame_id, error.message));
+}
+
+void SiteNode::work_on(Ready& ready) {
     auto frame = spare_frames_.try_take().value_or(nullptr);
     if (frame == nullptr) frame = std::make_unique<SiteFrame>();
+    const StreamAdapter::Choice& choice = ready.choice;
     const ColourCoding coding{choice.level.jpeg_quality, choice.level.colour_divisor};
-    if (auto done = pipeline_.process(metaframe, coding, pool_, *frame); !done) {
-        ++num_failed_;
-        complaints_.warn(fmt::format(
-            "metaframe failed id={} reason=\"{}\"", metaframe.frame_id, done.error().message));
-        return;
-    }
+    if (auto done = pipeline_.compute(*ready.silhouettes, coding, pool_, *frame); !done)
+        return fail(ready.silhouettes->metaframe().frame_id, done.error());
     stream_.coded(choice, *frame, std::chrono::steady_clock::now());
     count(*frame);
     stage_times_.computed(frame->milliseconds);
-    show(metaframe);
+    show(*ready.silhouettes);
     app::log::debug(
         "metaframe id={} triangles={} silhouettes_ms={:.2f} hull_ms={:.2f} encode_ms={:.2f} "
         "total_ms={:.2f}",
@@ -292,11 +324,12 @@ void SiteNode::count(const SiteFrame& frame) {
     add(left_out, left_out_);
 }
 
-void SiteNode::show(const capture::Metaframe& metaframe) {
+void SiteNode::show(const Pipeline::Silhouettes& silhouettes) {
+    const capture::Metaframe& metaframe = silhouettes.metaframe();
     if (preview_ == nullptr || !preview_->count(metaframe)) return;
     std::vector<std::vector<std::vector<Eigen::Vector2d>>> outlines_px;
     for (std::size_t camera = 0; camera < metaframe.frames.size(); ++camera)
-        outlines_px.push_back(pipeline_.delivered_outlines(camera));
+        outlines_px.push_back(silhouettes.delivered_outlines(camera));
     preview_->show(metaframe, std::move(outlines_px));
 }
 
@@ -313,6 +346,7 @@ void SiteNode::publish_frames(std::stop_token stop) {
         app::log::debug(
             "published id={} capture_ns={}", (*frame)->frame_id, (*frame)->capture_time.ns);
         num_bytes_ += *num_bytes;
+        if (num_published_ == 0) first_output_s_ = app::seconds_since_start();
         ++num_published_;
         {
             const std::lock_guard lock(latency_mutex_);

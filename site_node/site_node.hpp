@@ -3,8 +3,10 @@
 #include "core/app/log.hpp"
 #include "core/base/expected.hpp"
 #include "core/base/latest_slot.hpp"
+#include "core/base/processor_use.hpp"
 #include "core/base/statistics.hpp"
 #include "core/base/thread_pool.hpp"
+#include "core/base/two_stage_order.hpp"
 #include "core/bus/bus.hpp"
 #include "core/bus/membership.hpp"
 #include "site_node/camera_status.hpp"
@@ -64,10 +66,21 @@ private:
 
     void capture_metaframes(std::stop_token stop);
     void hand_over(capture::Metaframe metaframe);
+    // One metaframe between the two stages of the pipeline.
+    struct Ready {
+        std::unique_ptr<Pipeline::Silhouettes> silhouettes;
+        StreamAdapter::Choice choice;
+        ThreadPool::Priority priority;  // over the silhouettes of the next one
+    };
+    void find_silhouettes(std::stop_token stop);
+    void find_silhouettes_of(const capture::Metaframe& metaframe,
+                             const StreamAdapter::Choice& choice,
+                             std::unique_ptr<Pipeline::Silhouettes> memory);
     void work(std::stop_token stop);
-    void work_on(const capture::Metaframe& metaframe, const StreamAdapter::Choice& choice);
+    void work_on(Ready& ready);
+    void fail(std::uint64_t frame_id, const Error& error);
     void count(const SiteFrame& frame);
-    void show(const capture::Metaframe& metaframe);
+    void show(const Pipeline::Silhouettes& silhouettes);
     void publish_frames(std::stop_token stop);
     void report_status(std::stop_token stop);
     Expected<std::size_t> publish(const SiteFrame& frame);
@@ -76,11 +89,13 @@ private:
     std::unique_ptr<capture::FrameSource> source_;
     Pipeline pipeline_;
     Writers writers_;
-    StreamAdapter stream_;  // of the thread that works
+    StreamAdapter stream_;
     ThreadPool pool_;
     std::unique_ptr<preview::Preview> preview_;  // null: nobody wants one
 
-    LatestSlot<capture::Metaframe> metaframes_;  // newest wins: a late one is worth nothing
+    // newest wins: a late one is worth nothing
+    TwoStageOrder<capture::Metaframe, Ready> metaframes_;
+    LatestSlot<std::unique_ptr<Pipeline::Silhouettes>> spare_silhouettes_;
     LatestSlot<std::unique_ptr<SiteFrame>>
         site_frames_;  // newest wins: a slow link costs frames, not latency
     LatestSlot<std::unique_ptr<SiteFrame>> spare_frames_;  // buffers on their way back
@@ -101,6 +116,10 @@ private:
     RateMeter bytes_rate_;
     std::atomic<double> metaframes_per_s_{0.0};
     std::atomic<double> bytes_per_s_{0.0};
+    std::atomic<double> first_output_s_{0.0};  // 0: nothing is published yet
+    ProcessorMeter processor_meter_;           // of the thread that reports
+    mutable std::mutex processor_mutex_;
+    ProcessorUse processor_;  // as measured last
     app::log::OncePerSecond complaints_;
 
     std::shared_ptr<RunEnd> end_;  // with the membership, which is there first

@@ -1,4 +1,5 @@
 #include "core/app/program.hpp"
+#include "core/status/bottleneck.hpp"
 #include "site_node/left_out.hpp"
 #include "site_node/site_node.hpp"
 
@@ -21,6 +22,7 @@ void SiteNode::report_status(std::stop_token stop) {
     std::condition_variable_any wake;
     const auto begin = Clock::now();
     bus::SiteStatus former;
+    atrium::status::OverloadLog overload(bus::ProgramKind::kSiteNode);
     std::vector<capture::CameraCounters> former_cameras = source_->camera_counters();
     for (int second = 1; !stop.stop_requested(); ++second) {
         auto until = begin + std::chrono::seconds(second);
@@ -34,12 +36,19 @@ void SiteNode::report_status(std::stop_token stop) {
         metaframes_per_s_ = published_rate_.update(num_published_, Clock::now());
         bytes_per_s_ = bytes_rate_.update(num_bytes_, Clock::now());
         stage_times_.update_rates(Clock::now());
+        const ProcessorUse processor = processor_meter_.update();
+        {
+            const std::lock_guard processor_lock(processor_mutex_);
+            processor_ = processor;
+        }
         const bus::SiteStatus now = status();
         if (auto written = writers_.status.write(now); !written)
             complaints_.warn(written.error().message);
         if (const std::string line = left_out_line(former, now); !line.empty())
             app::log::debug("this second {}", line);
         former = now;
+        if (const auto line = overload.look(atrium::status::figures_of(now), Clock::now()))
+            app::log::warn("{}", *line);
         const auto cameras = source_->camera_counters();
         for (std::size_t i = 0; i < cameras.size() && source_->is_live(); ++i) {
             app::log::debug("this second camera {}", to_line(since(former_cameras[i], cameras[i])));
@@ -73,6 +82,9 @@ bus::SiteStatus SiteNode::status() const {
     status.cameras = camera_statuses(source_->camera_counters(), offsets_);
     status.stream = stream_.state();
     stage_times_.put_into(status);
+    status.first_output_s = first_output_s_;
+    const std::lock_guard lock(processor_mutex_);
+    status.processor = processor_;
     return status;
 }
 

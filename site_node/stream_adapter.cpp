@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 namespace atrium::site_node {
 namespace {
 
@@ -39,22 +37,15 @@ StreamAdapter::StreamAdapter(const stream::StreamOptions& options,
     state_.jpeg_quality = static_cast<std::uint32_t>(jpeg_quality);
 }
 
-// Of the frame that the viewer had last; else the newest one.
-double StreamAdapter::own_delay_ms(std::uint64_t frame_id) const {
-    const auto known =
-        std::find_if(own_delays_.begin(), own_delays_.end(), [&](const OwnDelay& delay) {
-            return delay.frame_id == frame_id;
-        });
-    return known != own_delays_.end() ? known->ms : own_delays_[newest_own_].ms;
-}
-
 void StreamAdapter::add(const bus::StreamFeedback& feedback, stream::Time now) {
     links_.add(feedback.viewer,
                {feedback.num_complete,
                 feedback.num_incomplete,
                 feedback.num_samples,
                 8.0 * feedback.payload_bytes_per_s,
-                feedback.min_delay_ms - own_delay_ms(feedback.newest_frame_id)},
+                feedback.min_delay_ms,
+                feedback.sure_delay_ms,
+                feedback.longest_wait_ms},
                controller_.next_bit_per_s(),
                now);
 }
@@ -83,6 +74,7 @@ void StreamAdapter::tell(const stream::StreamCap& cap) {
 }
 
 std::optional<StreamAdapter::Choice> StreamAdapter::offer(stream::Time now) {
+    const std::lock_guard own_lock(mutex_);
     take_feedback(now);
     const stream::StreamCap cap = links_.cap(now);
     controller_.set_cap(cap.cap);
@@ -101,11 +93,8 @@ std::optional<StreamAdapter::Choice> StreamAdapter::offer(stream::Time now) {
 }
 
 void StreamAdapter::coded(const Choice& choice, const SiteFrame& frame, stream::Time now) {
+    const std::lock_guard own_lock(mutex_);
     controller_.coded(choice.index, frame_bytes(frame), now);
-    const auto since_capture = Timestamp::now() - frame.capture_time;
-    newest_own_ = (newest_own_ + 1) % own_delays_.size();
-    own_delays_[newest_own_] = {frame.frame_id,
-                                std::chrono::duration<double, std::milli>(since_capture).count()};
 }
 
 bus::StreamState StreamAdapter::state() const {

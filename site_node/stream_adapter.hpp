@@ -5,7 +5,6 @@
 #include "site_node/pipeline.hpp"
 #include "site_node/stream/viewer_links.hpp"
 
-#include <array>
 #include <cstdint>
 #include <mutex>
 #include <optional>
@@ -14,7 +13,8 @@
 namespace atrium::site_node {
 
 /// Between the bus and site_node/stream: takes what viewers report, decides how the next metaframe
-/// is coded, and tells of each step. One thread; `state` from any.
+/// is coded, and logs each step. Thread-safe. Metaframes overlap: one may be offered before the one
+/// before it is coded, so that the pacing sees the bytes of a metaframe one later.
 class StreamAdapter {
 public:
     StreamAdapter(const stream::StreamOptions& options,
@@ -38,20 +38,13 @@ public:
 private:
     void take_feedback(stream::Time now);
     void add(const bus::StreamFeedback& feedback, stream::Time now);
-    double own_delay_ms(std::uint64_t frame_id) const;
     void tell(const stream::StreamCap& cap);
 
+    std::mutex mutex_;  // of all but the state
     std::string site_;
     bus::Reader<bus::StreamFeedback> feedback_;
     stream::RateController controller_;
     stream::ViewerLinks links_;
-    // What the site itself took, of late: a site that needs longer is no queue in the network.
-    struct OwnDelay {
-        std::uint64_t frame_id = 0;
-        double ms = 0.0;
-    };
-    std::array<OwnDelay, 128> own_delays_{};
-    std::size_t newest_own_ = 0;
     std::size_t told_level_ = 0;
 
     app::log::OncePerSecond complaints_;

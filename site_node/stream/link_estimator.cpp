@@ -36,6 +36,10 @@ constexpr double kLeastWhileDraining = 0.2;
 constexpr Seconds kDrainPatience{1.0};  // for the queue to become shorter
 constexpr int kMaxVain = 2;
 constexpr double kClockStep_ms = 150.0;  // beyond the time that went by
+// A viewer that lets things wait for so long may lose some of them itself: the history of a stream
+// is 8 samples (qos/profiles.xml).
+constexpr double kLongWait_ms = 100.0;
+constexpr Seconds kWaitMemory{1.0};
 constexpr Seconds kFrameMemory{1.0};
 constexpr double kIncompleteShare = 0.2;
 constexpr double kFewFrames = 3.0;
@@ -103,7 +107,8 @@ void LinkEstimator::measure_queue(const LinkReport& report, Time now) {
     last_delay_ms_ = report.min_delay_ms;
     base_.add(report.min_delay_ms, now);
     former_queue_ms_ = queue_ms_;
-    queue_ms_ = report.min_delay_ms - base_.base_ms();
+    most_queue_ms_ = report.min_delay_ms - base_.base_ms();
+    queue_ms_ = std::clamp(report.sure_delay_ms - base_.base_ms(), 0.0, most_queue_ms_);
 }
 
 // All samples of one report may by chance have had a lost datagram; of two they hardly have.
@@ -114,6 +119,8 @@ bool LinkEstimator::is_queue() const {
 // True where lowering the rate may help: too many frames stay incomplete, and the last time that it
 // was lowered for them there were fewer afterwards.
 bool LinkEstimator::loses_frames(const LinkReport& report, double elapsed_s, Time now) {
+    if (report.longest_wait_ms > kLongWait_ms) waited_long_ = now;
+    if (waited_long_ && now - *waited_long_ < kWaitMemory) return false;
     const double keep = std::exp(-elapsed_s / kFrameMemory.count());
     num_complete_ = keep * num_complete_ + report.num_complete;
     num_incomplete_ = keep * num_incomplete_ + report.num_incomplete;
@@ -135,27 +142,28 @@ void LinkEstimator::decrease(const LinkReport& report, Time now) {
     estimate_bit_per_s_ = std::min(estimate_bit_per_s_, kDecrease * report.bit_per_s);
     mean_bit_per_s_ = arrived_bit_per_s_ = report.bit_per_s;
     drain_since_ = now;
-    drain_from_ms_ = queue_ms_;
+    drain_from_ms_ = most_queue_ms_;
 }
 
 void LinkEstimator::drain(const LinkReport& report, Time now) {
-    if (queue_ms_ < kEmpty_ms) {
-        is_draining_ = false;
+    const bool has_waited = now - drain_since_ >= kDrainPatience;
+    if (most_queue_ms_ < kEmpty_ms || (has_waited && queue_ms_ < kEmpty_ms)) {
+        is_draining_ = false;  // or nothing is sure of it any more
         num_vain_ = 0;
         return;
     }
-    if (queue_ms_ < 0.7 * drain_from_ms_) {  // it goes away
+    if (most_queue_ms_ < 0.7 * drain_from_ms_) {  // it goes away
         drain_since_ = now;
-        drain_from_ms_ = queue_ms_;
+        drain_from_ms_ = most_queue_ms_;
         num_vain_ = 0;
         return;
     }
-    if (now - drain_since_ < kDrainPatience) return;
+    if (!has_waited) return;
     const bool could_be_sent_less = paced_bit_per_s() >= least_bit_per_s_;
     if (!could_be_sent_less || ++num_vain_ < kMaxVain) return decrease(report, now);
     // little was sent, and still nothing changed: no queue of ours, but the way or the clocks
-    base_.shift(queue_ms_);
-    queue_ms_ = 0.0;
+    base_.shift(most_queue_ms_);
+    queue_ms_ = most_queue_ms_ = 0.0;
     is_draining_ = false;
     num_vain_ = 0;
     estimate_bit_per_s_ = kNoLimit;

@@ -14,11 +14,13 @@ namespace atrium::stream {
 struct LinkReport {
     std::uint32_t num_complete = 0;    // frames
     std::uint32_t num_incomplete = 0;  // frames
-    std::uint32_t num_samples = 0;     // 0: the delay means nothing
+    std::uint32_t num_samples = 0;     // 0: the delays mean nothing
     double bit_per_s = 0.0;            // payload that arrived
-    /// Smallest time from the moment when the site sent a sample to its arrival [ms], on two clocks
-    /// that need not agree.
-    double min_delay_ms = 0.0;
+    // Times from the writing of a sample until the viewer took it [ms], on two clocks that need not
+    // agree.
+    double min_delay_ms = 0.0;     // of any sample
+    double sure_delay_ms = 0.0;    // of that, what was not a wait in the viewer's host, at least
+    double longest_wait_ms = 0.0;  // for which something may have waited there
 };
 
 /// Smallest delay of the last 30 s: that of the way without a queue. Allocates nothing.
@@ -47,6 +49,10 @@ private:
 ///   not by a trend. The smallest of all samples of a report, since a lost datagram delays some of
 ///   them by a round trip and jitter each by something else, but a queue delays all.
 /// - Loss by itself lowers nothing. Frames that stay incomplete do, unless that does not help.
+/// - Waiting in a viewer that lacks processor time is no queue in the network. The queue lies
+///   between two bounds: the part of the delay that the viewer is sure of, and the delay measured.
+///   It is believed where the lower bound shows it, and gone where the upper bound shows none.
+///   Frames that stay incomplete around a long wait of the viewer count for nothing.
 /// - A queue is sent away at once (`paced_bit_per_s`): it is the harm itself.
 /// - Well above the rate of the last queue growth is faster, in the manner
 ///    of CUBIC (RFC 9438): the way has become wider.
@@ -86,7 +92,8 @@ private:
     double mean_bit_per_s_;             // of what arrives
     double arrived_bit_per_s_;          // the most of that of late
     double congested_bit_per_s_ = 0.0;  // what arrived at the last queue; 0: never was one
-    double queue_ms_ = 0.0;
+    double queue_ms_ = 0.0;             // at least
+    double most_queue_ms_ = 0.0;
     double former_queue_ms_ = 0.0;
     Time last_report_;
     std::optional<Time> last_delay_time_;
@@ -104,6 +111,7 @@ private:
     double share_before_ = 0.0;  // incomplete, when the estimate was lowered for it the last time
     double tolerated_share_;
     std::optional<Time> lowered_for_frames_;
+    std::optional<Time> waited_long_;
 };
 
 }  // namespace atrium::stream

@@ -1,5 +1,6 @@
 #include "site_node/pipeline.hpp"
 
+#include "core/base/thread_pool.hpp"
 #include "tests/support/rig_maker.hpp"
 #include "tests/unit/site_node/capsule_room.hpp"
 
@@ -7,6 +8,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <optional>
+#include <thread>
 
 namespace atrium::site_node {
 namespace {
@@ -235,6 +239,53 @@ TEST_F(SitePipeline, CountsWhatItLeavesOut) {
     EXPECT_EQ(frame_.left_out.cameras, 1u);
     EXPECT_EQ(frame_.left_out.regions_failed, 1u);
     EXPECT_EQ(num_outside(points_), 0u);
+}
+
+// The first stage of each metaframe beside the second of the one before it, in two threads that
+// share a pool, gives the bytes that one after another gives.
+TEST_F(SitePipeline, OverlappingMetaframesComeOutAsThoseOneAfterAnother) {
+    const config::Rig rig = make_rig(250.0);
+    std::vector<capture::Metaframe> metaframes;
+    for (int i = 0; i < 6; ++i) {
+        metaframes.push_back(test::take_pictures(test::make_body({0.02 * i, 0.0, 0.0}), rig));
+        metaframes.back().frame_id = static_cast<std::uint64_t>(i) + 1;
+    }
+    metaframes[2].frames[3].image = {};  // a camera fails
+    metaframes[4] = test::take_pictures({}, rig);
+    metaframes[4].frame_id = 5;
+    std::vector<SiteFrame> expected(metaframes.size());
+    Pipeline serial = make(rig);
+    for (std::size_t i = 0; i < metaframes.size(); ++i)
+        ASSERT_TRUE(serial.process(metaframes[i], executor_, expected[i]));
+
+    Pipeline pipeline = make(rig);
+    ThreadPool pool(3);
+    std::array<Pipeline::Silhouettes, 2> silhouettes;
+    ASSERT_TRUE(pipeline.find_silhouettes(metaframes[0], executor_, silhouettes[0]));
+    for (std::size_t i = 0; i < metaframes.size(); ++i) {
+        std::optional<ThreadPool::Priority> priority(pool);
+        std::jthread next([&] {
+            if (i + 1 == metaframes.size()) return;
+            EXPECT_TRUE(pipeline.find_silhouettes(
+                metaframes[i + 1], pool.background(), silhouettes[(i + 1) % 2]));
+        });
+        const ColourCoding coding{PipelineOptions{}.jpeg_quality, 1};
+        ASSERT_TRUE(pipeline.compute(silhouettes[i % 2], coding, pool, frame_));
+        priority.reset();
+        next.join();
+        EXPECT_EQ(frame_.frame_id, expected[i].frame_id);
+        EXPECT_EQ(frame_.draco, expected[i].draco) << i;
+        EXPECT_EQ(frame_.left_out.cameras, expected[i].left_out.cameras) << i;
+        ASSERT_EQ(frame_.cameras.size(), expected[i].cameras.size()) << i;
+        for (std::size_t c = 0; c < frame_.cameras.size(); ++c) {
+            EXPECT_EQ(frame_.cameras[c].camera, expected[i].cameras[c].camera);
+            EXPECT_EQ(frame_.cameras[c].texture.colour, expected[i].cameras[c].texture.colour);
+            EXPECT_EQ(frame_.cameras[c].texture.mask, expected[i].cameras[c].texture.mask);
+        }
+        const std::size_t num_outlines = silhouettes[i % 2].delivered_outlines(0).size();
+        EXPECT_EQ(num_outlines, i == 4 ? 0u : 1u) << i;
+        EXPECT_EQ(silhouettes[i % 2].metaframe().frame_id, i + 1);
+    }
 }
 
 }  // namespace

@@ -13,7 +13,9 @@ Time at(double seconds) {
            std::chrono::duration_cast<Time::duration>(std::chrono::duration<double>(seconds));
 }
 
-LinkReport report(double bit_per_s, double delay_ms) { return {6, 0, 54, bit_per_s, delay_ms}; }
+LinkReport report(double bit_per_s, double delay_ms) {
+    return {6, 0, 54, bit_per_s, delay_ms, delay_ms};
+}
 
 /// Five reports a second, whose delay is a function of the time.
 class Estimated : public testing::Test {
@@ -112,15 +114,41 @@ TEST_F(Estimated, AReportOfNothingChangesNothing) {
 
 TEST_F(Estimated, FramesThatStayIncompleteLowerIt) {
     run(2.0, 20e6, [](double) { return 30.0; });
-    for (int i = 0; i < 5; ++i) estimator_.add({3, 3, 40, 18e6, 30.0}, 0.0, at(now_s_ += 0.2));
+    for (int i = 0; i < 5; ++i)
+        estimator_.add({3, 3, 40, 18e6, 30.0, 30.0}, 0.0, at(now_s_ += 0.2));
     EXPECT_LE(estimator_.bit_per_s(), 0.9 * 18e6);
+}
+
+TEST_F(Estimated, AWaitInTheViewersHostIsNoQueue) {
+    run(2.0, 20e6, [](double) { return 30.0; });
+    for (int i = 0; i < 1500; ++i) {
+        const double wait_ms = 7.0 * (i % 60);
+        estimator_.add({6, 0, 54, 20e6, 30.0 + wait_ms, 30.0, wait_ms}, 0.0, at(now_s_ += 0.2));
+        ASSERT_TRUE(has_no_limit()) << i;
+    }
+}
+
+TEST_F(Estimated, AQueueIsFoundBesideAWait) {
+    run(2.0, 20e6, [](double) { return 30.0; });
+    for (int i = 0; i < 2; ++i)
+        estimator_.add({6, 0, 54, 5e6, 230.0, 80.0, 150.0}, 0.0, at(now_s_ += 0.2));
+    EXPECT_DOUBLE_EQ(estimator_.bit_per_s(), 0.85 * 5e6);
+}
+
+TEST_F(Estimated, FramesThatStayIncompleteAroundALongWaitSayNothing) {
+    run(2.0, 20e6, [](double) { return 30.0; });
+    for (int i = 0; i < 50; ++i) {
+        const double wait_ms = i % 5 == 0 ? 300.0 : 5.0;
+        estimator_.add({3, 3, 40, 18e6, 30.0, 30.0, wait_ms}, 0.0, at(now_s_ += 0.2));
+    }
+    EXPECT_TRUE(has_no_limit());
 }
 
 TEST_F(Estimated, FramesThatStayIncompleteWhateverIsSentDoNotLowerItForGood) {
     run(2.0, 20e6, [](double) { return 30.0; });
     double least = LinkEstimator::kNoLimit;
     for (int i = 0; i < 300; ++i) {  // a minute
-        estimator_.add({3, 3, 40, 18e6, 30.0}, 0.0, at(now_s_ += 0.2));
+        estimator_.add({3, 3, 40, 18e6, 30.0, 30.0}, 0.0, at(now_s_ += 0.2));
         least = std::min(least, estimator_.bit_per_s());
     }
     EXPECT_GT(least, 0.6 * 18e6);
@@ -135,7 +163,8 @@ TEST_F(Estimated, AQueueThatMustStayIsNotTakenForTheWay) {
 
 TEST_F(Estimated, ComesBackFromNothing) {
     run(2.0, 20e6, [](double) { return 30.0; });
-    for (int i = 0; i < 5; ++i) estimator_.add({0, 5, 9, 0.0, 200.0}, 0.0, at(now_s_ += 0.2));
+    for (int i = 0; i < 5; ++i)
+        estimator_.add({0, 5, 9, 0.0, 200.0, 200.0}, 0.0, at(now_s_ += 0.2));
     ASSERT_LT(estimator_.bit_per_s(), 1.0);
     run(
         10.0, 2e6, [](double) { return 30.0; }, 30e6);
@@ -147,9 +176,10 @@ TEST_F(Estimated, StaysANumberWhateverIsReported) {
     std::uint32_t seed = 1;
     const auto pick = [&] { return numbers[(seed = seed * 1664525u + 1013904223u) >> 16 & 3u]; };
     for (int i = 0; i < 5000; ++i) {
-        estimator_.add({seed % 3, seed % 5, seed % 2, std::abs(pick()), pick()},
-                       i % 2 == 0 ? 0.0 : 1e7,
-                       at(now_s_ += 0.2));
+        estimator_.add(
+            {seed % 3, seed % 5, seed % 2, std::abs(pick()), pick(), pick(), std::abs(pick())},
+            i % 2 == 0 ? 0.0 : 1e7,
+            at(now_s_ += 0.2));
         ASSERT_FALSE(std::isnan(estimator_.bit_per_s()));
         ASSERT_FALSE(std::isnan(estimator_.paced_bit_per_s()));
         ASSERT_GE(estimator_.bit_per_s(), 0.0);

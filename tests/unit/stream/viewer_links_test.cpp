@@ -16,7 +16,7 @@ Time at(double seconds) {
 void tell(ViewerLinks& links, const std::string& viewer, double bit_per_s, bool has_queue) {
     for (int i = 0; i <= 10; ++i) {
         const double delay_ms = has_queue && i > 7 ? 100.0 : 20.0;
-        links.add(viewer, {6, 0, 54, bit_per_s, delay_ms}, 40e6, at(0.2 * i));
+        links.add(viewer, {6, 0, 54, bit_per_s, delay_ms, delay_ms}, 40e6, at(0.2 * i));
     }
 }
 
@@ -85,9 +85,9 @@ TEST(ViewerLinks, DoesNotListenWhereItIsNotToAdapt) {
 TEST(ViewerLinks, AFloodOfViewersTakesNoMoreThanItsRoom) {
     ViewerLinks links({});
     for (int i = 0; i < 10'000; ++i)
-        links.add("v" + std::to_string(i), {1, 0, 1, 1e6, 10.0}, 0.0, at(0.001 * i));
+        links.add("v" + std::to_string(i), {1, 0, 1, 1e6, 10.0, 10.0}, 0.0, at(0.001 * i));
     EXPECT_EQ(links.size(), 64u);
-    links.add("later", {1, 0, 1, 1e6, 10.0}, 0.0, at(60.0));
+    links.add("later", {1, 0, 1, 1e6, 10.0, 10.0}, 0.0, at(60.0));
     EXPECT_EQ(links.size(), 1u);
 }
 
