@@ -1,5 +1,7 @@
 #include "simulation/loop_cache.hpp"
 
+#include "simulation/mapped_file.hpp"
+
 #include <unistd.h>
 
 #include <algorithm>
@@ -113,26 +115,70 @@ std::size_t all_picture_bytes(std::span<const geometry::CalibratedCamera> camera
     return per_instant * static_cast<std::size_t>(options.num_empty_frames + options.num_frames());
 }
 
-Picture read_picture(std::istream& stream, const geometry::CalibratedCamera& camera, Hash& hash) {
-    auto picture = std::make_shared<image::YuvImage>();
-    const int width = camera.intrinsics.width;
-    const int height = camera.intrinsics.height;
-    picture->y = image::Plane(width, height);
-    picture->u = image::Plane(width / 2, height / 2);
-    picture->v = image::Plane(width / 2, height / 2);
-    for (image::Plane* plane : {&picture->y, &picture->u, &picture->v}) {
-        stream.read(reinterpret_cast<char*>(plane->data.data()),
-                    static_cast<std::streamsize>(plane->data.size()));
-        hash.add(plane->data);
-    }
-    return picture;
+// The bytes of a file, mapped or read.
+struct FileBytes {
+    std::span<const std::uint8_t> bytes;
+    std::shared_ptr<const void> owner;
+    std::shared_ptr<const MappedFile> mapping;  // null: read
+};
+
+Expected<FileBytes> bytes_of_cache(const fs::path& file) {
+    auto mapped = MappedFile::open(file);
+    if (mapped) return FileBytes{(*mapped)->bytes(), *mapped, *mapped};
+    if (mapped.error().kind == ErrorKind::kNotFound) return tl::unexpected(mapped.error());
+    std::error_code error;
+    const auto size = fs::file_size(file, error);
+    if (error) return make_error(ErrorKind::kNotFound, file.string() + ": " + error.message());
+    auto memory = std::make_shared<std::vector<std::uint8_t>>(size);
+    std::ifstream stream(file, std::ios::binary);
+    stream.read(reinterpret_cast<char*>(memory->data()), static_cast<std::streamsize>(size));
+    if (!stream) return make_error(ErrorKind::kUnavailable, file.string() + ": cannot be read");
+    return FileBytes{*memory, memory, nullptr};
 }
 
-void write_picture(std::ostream& stream, const image::YuvImage& picture, Hash& hash) {
-    for (const image::Plane* plane : {&picture.y, &picture.u, &picture.v}) {
-        stream.write(reinterpret_cast<const char*>(plane->data.data()),
-                     static_cast<std::streamsize>(plane->data.size()));
-        hash.add(plane->data);
+// Takes pictures one after another.
+class PictureReader {
+public:
+    PictureReader(const FileBytes& file, std::size_t first_byte) : file_(file), at_(first_byte) {}
+
+    Picture next(const geometry::CalibratedCamera& camera) {
+        Picture picture;
+        picture.width = camera.intrinsics.width;
+        picture.height = camera.intrinsics.height;
+        const auto width = static_cast<std::size_t>(picture.width);
+        const auto height = static_cast<std::size_t>(picture.height);
+        picture.planes[0] = next_plane(width, height);
+        picture.planes[1] = next_plane(width / 2, height / 2);
+        picture.planes[2] = next_plane(width / 2, height / 2);
+        picture.owner = file_.owner;
+        return picture;
+    }
+
+    std::uint64_t hash() const { return hash_.value(); }
+
+private:
+    image::RawImage::RawPlane next_plane(std::size_t width, std::size_t height) {
+        const auto bytes = file_.bytes.subspan(at_, width * height);
+        hash_.add(bytes);
+        at_ += bytes.size();
+        return {bytes.data(), width};
+    }
+
+    const FileBytes& file_;
+    std::size_t at_;
+    Hash hash_;
+};
+
+void write_picture(std::ostream& stream, const Picture& picture, Hash& hash) {
+    const image::YuvView view = view_of(picture);
+    for (const image::PlaneView* plane : {&view.y, &view.u, &view.v}) {
+        // rendered planes and those of a file have no padding
+        const std::span bytes(
+            plane->data,
+            static_cast<std::size_t>(plane->width) * static_cast<std::size_t>(plane->height));
+        stream.write(reinterpret_cast<const char*>(bytes.data()),
+                     static_cast<std::streamsize>(bytes.size()));
+        hash.add(bytes);
     }
 }
 
@@ -170,33 +216,32 @@ Expected<SimulatedLoop> read_cached_loop(const fs::path& file,
     const auto damaged = [&] {
         return make_error(ErrorKind::kInvalidData, file.string() + ": not a loop of this room");
     };
-    std::error_code error;
-    const auto size = fs::file_size(file, error);
-    if (error) return make_error(ErrorKind::kNotFound, file.string() + ": " + error.message());
-    if (size != sizeof(Header) + num_bytes + sizeof(std::uint64_t)) return damaged();
-    std::ifstream stream(file, std::ios::binary);
+    const auto content = bytes_of_cache(file);
+    if (!content) return tl::unexpected(content.error());
+    const std::span<const std::uint8_t> bytes = content->bytes;
+    std::uint64_t checksum = 0;
+    if (bytes.size() != sizeof(Header) + num_bytes + sizeof(checksum)) return damaged();
     Header header;
-    stream.read(reinterpret_cast<char*>(&header), sizeof(header));
-    if (!stream || header.magic != kMagic || header.key != key_of(cameras, options) ||
+    std::memcpy(&header, bytes.data(), sizeof(header));
+    if (header.magic != kMagic || header.key != key_of(cameras, options) ||
         header.num_picture_bytes != num_bytes) {
         return damaged();
     }
-    Hash hash;
+    PictureReader reader(*content, sizeof(header));
     SimulatedLoop loop;
+    loop.file = content->mapping;
     loop.empty_room.resize(cameras.size());
     for (std::size_t camera = 0; camera < cameras.size(); ++camera) {
-        for (int shot = 0; shot < options.num_empty_frames; ++shot) {
-            loop.empty_room[camera].push_back(read_picture(stream, cameras[camera], hash));
-        }
+        for (int shot = 0; shot < options.num_empty_frames; ++shot)
+            loop.empty_room[camera].push_back(reader.next(cameras[camera]));
     }
     loop.frames.resize(static_cast<std::size_t>(options.num_frames()));
     for (auto& instant : loop.frames) {
         for (const geometry::CalibratedCamera& camera : cameras)
-            instant.push_back(read_picture(stream, camera, hash));
+            instant.push_back(reader.next(camera));
     }
-    std::uint64_t checksum = 0;
-    stream.read(reinterpret_cast<char*>(&checksum), sizeof(checksum));
-    if (!stream || checksum != hash.value()) return damaged();
+    std::memcpy(&checksum, bytes.data() + sizeof(header) + num_bytes, sizeof(checksum));
+    if (checksum != reader.hash()) return damaged();
     return loop;
 }
 
@@ -219,10 +264,10 @@ Expected<void> write_cached_loop(const fs::path& file,
     stream.write(reinterpret_cast<const char*>(&header), sizeof(header));
     Hash hash;
     for (const auto& shots : loop.empty_room) {
-        for (const Picture& picture : shots) write_picture(stream, *picture, hash);
+        for (const Picture& picture : shots) write_picture(stream, picture, hash);
     }
     for (const auto& instant : loop.frames) {
-        for (const Picture& picture : instant) write_picture(stream, *picture, hash);
+        for (const Picture& picture : instant) write_picture(stream, picture, hash);
     }
     const std::uint64_t checksum = hash.value();
     stream.write(reinterpret_cast<const char*>(&checksum), sizeof(checksum));

@@ -6,7 +6,8 @@ namespace atrium::simulation {
 
 /// The loop in `file`, if the file is whole, undamaged and made from these cameras and options. The
 /// bytes are untrusted: nothing is taken from a file whose size, key or checksum is not as
-/// expected.
+/// expected. The pictures stay in the file, mapped (mapped_file.hpp), or are read into memory where
+/// it cannot be mapped under a lease.
 Expected<SimulatedLoop> read_cached_loop(const std::filesystem::path& file,
                                          std::span<const geometry::CalibratedCamera> cameras,
                                          const RoomOptions& options);

@@ -1,9 +1,32 @@
 #include "simulation/simulated_loop.hpp"
 
 #include "simulation/loop_cache.hpp"
+#include "simulation/mapped_file.hpp"
 #include "simulation/room_renderer.hpp"
 
 namespace atrium::simulation {
+
+image::YuvView view_of(const Picture& picture) {
+    image::YuvImage unused;
+    return image::working_view(picture, unused);
+}
+
+bool keep_in_memory_if_wanted(SimulatedLoop& loop) {
+    if (loop.file == nullptr || !loop.file->is_wanted()) return false;
+    const std::span<const std::uint8_t> old = loop.file->bytes();
+    const auto copy = std::make_shared<const std::vector<std::uint8_t>>(old.begin(), old.end());
+    for (auto* const pictures : {&loop.empty_room, &loop.frames}) {
+        for (std::vector<Picture>& several : *pictures) {
+            for (Picture& picture : several) {
+                for (auto& plane : picture.planes)
+                    plane.data = copy->data() + (plane.data - old.data());
+                picture.owner = copy;
+            }
+        }
+    }
+    loop.file.reset();
+    return true;
+}
 
 Expected<SimulatedLoop> render_loop(const std::vector<geometry::CalibratedCamera>& cameras,
                                     const RoomOptions& options,
@@ -20,7 +43,7 @@ Expected<SimulatedLoop> render_loop(const std::vector<geometry::CalibratedCamera
         renderer->render(time_s, camera, scene, static_cast<std::uint32_t>(shot), *image);
         ++num_done;
         if (progress) progress(num_done, num_pictures);
-        return Picture(std::move(image));
+        return Picture(std::shared_ptr<const image::YuvImage>(std::move(image)));
     };
     const auto stopped = [] {
         return make_error(ErrorKind::kUnavailable, "simulation: rendering was stopped");

@@ -2,7 +2,7 @@
 
 #include "core/base/expected.hpp"
 #include "core/geometry/pinhole_camera.hpp"
-#include "core/image/image.hpp"
+#include "core/image/raw_image.hpp"
 #include "simulation/person.hpp"
 
 #include <filesystem>
@@ -15,14 +15,25 @@
 
 namespace atrium::simulation {
 
-using Picture = std::shared_ptr<const image::YuvImage>;
+class MappedFile;
+
+/// All pictures are kYuv420: `view_of` shows them.
+using Picture = image::RawImage;
+image::YuvView view_of(const Picture& picture);
 
 /// All pictures of one loop of a simulated room; played again and again it is a live room.
 struct SimulatedLoop {
     std::vector<std::vector<Picture>> empty_room;  // [camera][shot], differing in noise alone
     std::vector<std::vector<Picture>>
         frames;  // [instant][camera]; instant i shows `options.frame_time_s(i)`
+    /// The file in which all the pictures are; null: they are in memory.
+    std::shared_ptr<const MappedFile> file;
 };
+
+/// Copies the pictures of a loop whose file somebody wants to change into memory, and lets the file
+/// go; true if it did. To be called at least every few seconds while a loop is kept, which costs a
+/// system call.
+bool keep_in_memory_if_wanted(SimulatedLoop& loop);
 
 /// Called with the number of pictures done and of all.
 using LoopProgress = std::function<void(std::size_t num_done, std::size_t num_pictures)>;

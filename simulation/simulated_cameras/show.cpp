@@ -40,12 +40,12 @@ Expected<ShownPictures> show_room(const config::Rig& rig,
     shown.motion.resize(rig.cameras.size());
     for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
         for (const simulation::Picture& picture : loop.empty_room[camera])
-            shown.empty[camera].push_back(sense(*picture, format));
+            shown.empty[camera].push_back(sense(simulation::view_of(picture), format));
         loop.empty_room[camera].clear();  // pictures are large: one form at a time
     }
     for (std::vector<simulation::Picture>& instant : loop.frames) {
         for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera)
-            shown.motion[camera].push_back(sense(*instant[camera], format));
+            shown.motion[camera].push_back(sense(simulation::view_of(instant[camera]), format));
         instant.clear();
     }
     return shown;

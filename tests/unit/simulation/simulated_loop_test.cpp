@@ -1,6 +1,7 @@
 #include "simulation/simulated_loop.hpp"
 
 #include "simulation/loop_cache.hpp"
+#include "simulation/mapped_file.hpp"
 #include "tests/unit/simulation/rig_fixture.hpp"
 
 #include <gmock/gmock.h>
@@ -12,6 +13,7 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <thread>
 
 namespace atrium::simulation {
 namespace {
@@ -26,12 +28,25 @@ RoomOptions short_loop() {
     return options;
 }
 
+bool same(const image::PlaneView& a, const image::PlaneView& b) {
+    if (a.width != b.width || a.height != b.height) return false;
+    for (int y = 0; y < a.height; ++y) {
+        if (!std::equal(a.row(y), a.row(y) + a.width, b.row(y))) return false;
+    }
+    return true;
+}
+
+bool same(const Picture& a, const Picture& b) {
+    const image::YuvView p = view_of(a);
+    const image::YuvView q = view_of(b);
+    return same(p.y, q.y) && same(p.u, q.u) && same(p.v, q.v);
+}
+
 bool same(const SimulatedLoop& a, const SimulatedLoop& b) {
     const auto same_pictures = [](const auto& x, const auto& y) {
         return std::equal(
             x.begin(), x.end(), y.begin(), y.end(), [](const Picture& p, const Picture& q) {
-                return p->y.data == q->y.data && p->u.data == q->u.data && p->v.data == q->v.data &&
-                       p->width() == q->width();
+                return same(p, q);
             });
     };
     return std::equal(
@@ -90,7 +105,7 @@ TEST(SimulatedLoop, HasEveryInstantOfEveryCameraAndReportsProgress) {
     for (const auto& shots : loop->empty_room) EXPECT_EQ(shots.size(), 2u);
     EXPECT_EQ(last, 12u);
     EXPECT_EQ(all, 12u);
-    EXPECT_NE(loop->frames[0][0]->y.data, loop->frames[1][0]->y.data);
+    EXPECT_FALSE(same(loop->frames[0][0], loop->frames[1][0]));
 }
 
 TEST(SimulatedLoop, StopsWhenAsked) {
@@ -118,6 +133,61 @@ TEST_F(LoopCache, GivesBackWhatWasRendered) {
     EXPECT_TRUE(same(rendered.loop, loaded.loop));
     EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1)
         << "no partial file stays";
+}
+
+TEST_F(LoopCache, PlaysFromTheFileWhichBothSitesShare) {
+    get();
+    const CachedLoop one = get();
+    const CachedLoop other = get();
+    ASSERT_TRUE(one.loop.file != nullptr && other.loop.file != nullptr);
+    EXPECT_FALSE(one.loop.file->is_wanted());
+    EXPECT_TRUE(same(one.loop, other.loop));
+}
+
+TEST_F(LoopCache, OutlivesReplacingAndRemovingTheFile) {
+    const CachedLoop rendered = get();
+    const CachedLoop loaded = get();
+    write_bytes(folder_ / "new", "other content");
+    fs::rename(folder_ / "new", file());
+    EXPECT_FALSE(loaded.loop.file->is_wanted());
+    EXPECT_TRUE(same(rendered.loop, loaded.loop));
+    fs::remove(file());
+    EXPECT_TRUE(same(rendered.loop, loaded.loop));
+}
+
+// Whoever cuts the file short waits until the loop has been copied into memory.
+TEST_F(LoopCache, KeepsThePicturesInMemoryBeforeTheFileIsCutShort) {
+    const CachedLoop rendered = get();
+    CachedLoop loaded = get();
+    EXPECT_FALSE(keep_in_memory_if_wanted(loaded.loop));
+    std::atomic<bool> is_cut{false};
+    std::jthread cutter([&] {
+        fs::resize_file(file(), 40);
+        is_cut = true;
+    });
+    while (!loaded.loop.file->is_wanted()) std::this_thread::yield();
+    EXPECT_FALSE(is_cut);
+    EXPECT_TRUE(same(rendered.loop, loaded.loop)) << "all is still there";
+    {
+        const Picture in_use = loaded.loop.frames.front().front();
+        EXPECT_TRUE(keep_in_memory_if_wanted(loaded.loop));
+        EXPECT_TRUE(loaded.loop.file == nullptr);
+        EXPECT_FALSE(is_cut) << "a picture of the file is still in use";
+        EXPECT_TRUE(same(in_use, rendered.loop.frames.front().front()));
+    }
+    cutter.join();
+    EXPECT_EQ(fs::file_size(file()), 40u);
+    EXPECT_TRUE(same(rendered.loop, loaded.loop));
+    EXPECT_FALSE(keep_in_memory_if_wanted(loaded.loop));
+}
+
+TEST_F(LoopCache, ReadsAFileThatCannotBeLeased) {
+    const CachedLoop rendered = get();
+    const std::ofstream writer(file(), std::ios::binary | std::ios::app);  // keeps leases away
+    const CachedLoop loaded = get();
+    EXPECT_TRUE(loaded.from_cache);
+    EXPECT_TRUE(loaded.loop.file == nullptr);
+    EXPECT_TRUE(same(rendered.loop, loaded.loop));
 }
 
 TEST_F(LoopCache, RendersAnewWhatIsCutShortDamagedOrForeign) {
