@@ -38,18 +38,30 @@ Expected<void> Album::close() {
     if (!video_) return {};
     const auto finished = video_->finish();
     const double length_s = *video_s();
+    const std::uint64_t num_dropped = video_->num_dropped();
+    num_dropped_before_ += num_dropped;
     video_.reset();
     is_asked_for_ = false;
     if (!finished) return finished;
-    app::log::info("video_written file={} length_s={:.1f}", video_file_.string(), length_s);
+    app::log::info("video_written file={} length_s={:.1f} dropped={}",
+                   video_file_.string(),
+                   length_s,
+                   num_dropped);
     return {};
 }
 
 void Album::add(const renderer::SceneRenderer& renderer, bool counts) {
-    if (!video_ || !video_->wants_picture() || (is_asked_for_ && !counts)) return;
-    renderer::RenderedPicture frame;
+    const auto now = VideoRecorder::Clock::now();
+    if (!video_ || (is_asked_for_ && !counts)) return;
+    const std::uint64_t num_dropped = video_->num_dropped();
+    if (!video_->wants_picture(now)) {
+        if (video_->num_dropped() > num_dropped)
+            drops_.warn("video_dropped file=" + video_file_.string() + " encoding cannot keep up");
+        return;
+    }
+    renderer::RenderedPicture frame = video_->spent();
     renderer.read_pixels(frame);
-    video_->offer(std::move(frame));
+    video_->offer(std::move(frame), now);
 }
 
 std::optional<double> Album::video_s() const {

@@ -1,9 +1,11 @@
 #pragma once
 
+#include "core/app/log.hpp"
 #include "viewer/picture_file.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
 #include "viewer/viewer_config.hpp"
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -28,6 +30,10 @@ public:
     void add(const renderer::SceneRenderer& renderer, bool counts);
     /// How long the video is by now [s]; nothing: none is recorded.
     std::optional<double> video_s() const;
+    /// Pictures that videos repeat the one before for, as encoding could not keep up.
+    std::uint64_t num_dropped() const {
+        return num_dropped_before_ + (video_ ? video_->num_dropped() : 0);
+    }
 
     // For people who press keys: return what became of it, to be read.
     std::string toggle_video(const renderer::SceneRenderer& renderer);
@@ -44,7 +50,9 @@ private:
     const ViewerConfig& config_;
     std::unique_ptr<VideoRecorder> video_;
     std::filesystem::path video_file_;
-    bool is_asked_for_ = false;  // the video, by the configuration
+    bool is_asked_for_ = false;             // the video, by the configuration
+    std::uint64_t num_dropped_before_ = 0;  // by the videos before
+    app::log::OncePerSecond drops_;
     renderer::RenderedPicture picture_;
     int num_files_ = 0;
 };

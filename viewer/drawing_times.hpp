@@ -19,6 +19,9 @@ public:
     void add_preparation(Duration duration);
     /// With a whole picture, but for waiting until it is due.
     void add_picture(Duration duration);
+    /// With the way of somebody who is new in a picture: from the complete pair to the decoded
+    /// person, from there to the begin of the picture, and from the complete pair to its display.
+    void add_way(Duration decoding, Duration waiting, Duration to_display);
     /// Forgets the pictures that were before, which did not count.
     void begin_pictures() { longest_ = longest_preparation_ = {}; }
     /// "taking_in_ms=..." and more of the kind, for the log.
@@ -27,6 +30,9 @@ public:
 private:
     LatencyWindow people_;
     LatencyWindow pictures_;
+    LatencyWindow decoding_;
+    LatencyWindow waiting_;
+    LatencyWindow to_display_;
     Duration longest_{};
     Duration longest_preparation_{};
 };

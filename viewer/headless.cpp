@@ -25,6 +25,7 @@ public:
     std::array<int, 2> size() const override { return size_; }
     SurfaceEvents poll() override { return {}; }
     void show(const renderer::SceneRenderer&, const HudFigures&) override { glFinish(); }
+    std::chrono::steady_clock::duration waited_for_display() const override { return {}; }
 
 private:
     Context context_;

@@ -47,6 +47,8 @@ void draw_hud(const HudFigures& figures, bool has_details) {
     ImGui::SetNextWindowBgAlpha(0.6f);
     ImGui::Begin("figures", nullptr, kFlags);
     ImGui::Text("%.0f pictures/s", figures.frames_per_s);
+    if (!figures.quality.empty())
+        ImGui::TextColored(kWarning, "machine too slow: %s", figures.quality.c_str());
     if (figures.capture_to_display.num_samples > 0) {
         ImGui::Text("capture to display %.0f ms (99 %%: %.0f ms)",
                     figures.capture_to_display.median_ms,
@@ -62,6 +64,10 @@ void draw_hud(const HudFigures& figures, bool has_details) {
     draw_curve("pictures/s, 30 s", figures.pictures_per_s, 60.0f);
     if (figures.recording_s)
         ImGui::TextColored(kWarning, "recording, %.1f s   F9: end", *figures.recording_s);
+    if (figures.num_video_dropped > 0)
+        ImGui::TextColored(kWarning,
+                           "pictures missing in videos: %llu",
+                           static_cast<unsigned long long>(figures.num_video_dropped));
     if (!figures.notice.empty()) ImGui::TextUnformatted(figures.notice.c_str());
     ImGui::TextUnformatted("?: keys   M: menu   T: times   H: hide");
     ImGui::End();

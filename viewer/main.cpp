@@ -1,4 +1,5 @@
 #include "core/app/log.hpp"
+#include "core/app/process.hpp"
 #include "core/app/program.hpp"
 #include "viewer/viewer.hpp"
 
@@ -19,7 +20,9 @@ int main(int argc, char** argv) {
         argc,
         argv);
     if (!start.go_on) return start.exit_code;
-    auto viewer = viewer::Viewer::create(config, stop.token());
+    app::apply(config.process);
+    auto viewer =
+        viewer::Viewer::create(config, stop.token(), viewer::Viewer::SurfaceIs::kOpenedNow);
     if (!viewer) return stop.token().stop_requested() ? 0 : app::fail(viewer.error());
     if (auto done = (*viewer)->run(stop.token()); !done) return app::fail(done.error());
     return 0;

@@ -41,8 +41,14 @@ public:
 
     std::size_t size() const { return shown_.size(); }
     std::uint64_t num_pairs_shown() const { return num_pairs_shown_; }
-    /// Capture times of those who were new in the last `update`.
-    const std::vector<Timestamp>& just_shown() const { return just_shown_; }
+    /// When somebody who is new in a picture was captured, complete and decoded.
+    struct JustShown {
+        Timestamp captured;
+        Clock::time_point complete;
+        Clock::time_point ready;
+    };
+    /// Those who were new in the last `update`.
+    const std::vector<JustShown>& just_shown() const { return just_shown_; }
     /// Where they are in the world.
     Companion::Places places(const renderer::SceneRenderer& renderer) const;
     /// How much is seen of somebody who is there, in [0, 1].
@@ -67,7 +73,7 @@ private:
         RateMeter rate;
     };
     std::map<std::string, Shown> shown_;
-    std::vector<Timestamp> just_shown_;
+    std::vector<JustShown> just_shown_;
     std::uint64_t num_pairs_shown_ = 0;
 };
 

@@ -1,6 +1,6 @@
 #include "viewer/person_decoder.hpp"
 
-#include "core/codec/mesh_codec.hpp"
+#include "viewer/renderer/needed_cameras.hpp"
 
 #include <fmt/format.h>
 
@@ -14,12 +14,6 @@ Expected<void> decode_picture(const bus::CameraTexture& texture,
                               const bus::SiteDescription& description,
                               PersonDecodeScratch& scratch,
                               renderer::CameraPicture& picture) {
-    if (texture.camera >= description.cameras.size()) {
-        return make_error(ErrorKind::kInvalidData,
-                          fmt::format("texture of camera {}, but there are {} cameras",
-                                      texture.camera,
-                                      description.cameras.size()));
-    }
     if (auto ok = scratch.textures.decode(texture.colour, texture.mask, scratch.texture); !ok)
         return ok;
     const int divisor = scratch.texture.width == texture.crop_px.width ? 1 : 2;
@@ -40,22 +34,51 @@ Expected<void> decode_picture(const bus::CameraTexture& texture,
     return {};
 }
 
+// Which of the pair's textures show what the eyes see.
+Expected<std::vector<bool>> needed_textures(const FramePair& pair,
+                                            const bus::SiteDescription& description,
+                                            const geometry::TriangleMesh& mesh_site,
+                                            std::span<const Eigen::Vector3f> eyes_site,
+                                            std::vector<Eigen::Vector3f>& centres) {
+    centres.clear();
+    for (const bus::CameraTexture& texture : pair.textures) {
+        if (texture.camera >= description.cameras.size()) {
+            return make_error(ErrorKind::kInvalidData,
+                              fmt::format("texture of camera {}, but there are {} cameras",
+                                          texture.camera,
+                                          description.cameras.size()));
+        }
+        centres.push_back(description.cameras[texture.camera].centre_site().cast<float>());
+    }
+    Eigen::AlignedBox3d bounds;
+    for (const Eigen::Vector3d& vertex : mesh_site.vertices) bounds.extend(vertex);
+    return renderer::needed_cameras(centres, bounds.cast<float>(), eyes_site);
+}
+
 }  // namespace
 
 Expected<void> decode_person(const FramePair& pair,
                              const bus::SiteDescription& description,
                              const PersonLimits& limits,
+                             std::span<const Eigen::Vector3f> eyes_site,
                              PersonDecodeScratch& scratch,
                              renderer::PersonModel& out) {
-    const auto mesh = codec::decode_mesh(
+    auto decoded = scratch.meshes.decode(
         pair.mesh.draco,
-        {.max_triangles = limits.max_triangles, .max_vertices = 3 * limits.max_triangles});
-    if (!mesh) return tl::unexpected(mesh.error());
-    scratch.pictures.resize(pair.textures.size());
+        {.max_triangles = limits.max_triangles, .max_vertices = 3 * limits.max_triangles},
+        scratch.mesh);
+    if (!decoded) return decoded;
+    const auto needed =
+        needed_textures(pair, description, scratch.mesh, eyes_site, scratch.centres);
+    if (!needed) return tl::unexpected(needed.error());
+    const auto num_pictures = static_cast<std::size_t>(std::ranges::count(*needed, true));
+    scratch.pictures.resize(num_pictures);
     int width = 0;
     int height = 0;
+    std::size_t num_decoded = 0;
     for (std::size_t i = 0; i < pair.textures.size(); ++i) {
-        renderer::CameraPicture& picture = scratch.pictures[i];
+        if (!(*needed)[i]) continue;
+        renderer::CameraPicture& picture = scratch.pictures[num_decoded++];
         if (auto ok = decode_picture(pair.textures[i], description, scratch, picture); !ok)
             return ok;
         width = std::max(width, picture.width);
@@ -64,14 +87,13 @@ Expected<void> decode_person(const FramePair& pair,
         const std::size_t layer_bytes =
             4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
         if (std::max(width, height) > limits.max_picture_side_px ||
-            layer_bytes * pair.textures.size() > limits.max_layer_bytes) {
+            layer_bytes * num_pictures > limits.max_layer_bytes) {
             return make_error(
                 ErrorKind::kInvalidData,
-                fmt::format(
-                    "{} pictures of {}x{} are too much", pair.textures.size(), width, height));
+                fmt::format("{} pictures of {}x{} are too much", num_pictures, width, height));
         }
     }
-    renderer::build_person_model(*mesh, scratch.pictures, {}, scratch.model, out);
+    renderer::build_person_model(scratch.mesh, scratch.pictures, {}, scratch.model, out);
     return {};
 }
 

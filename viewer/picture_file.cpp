@@ -6,6 +6,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
+#include <pthread.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -16,11 +19,14 @@
 namespace atrium::viewer {
 namespace {
 
+// Its own memory.
+cv::Mat rgba_of(const renderer::RenderedPicture& picture) {
+    return {picture.height, picture.width, CV_8UC4, const_cast<std::uint8_t*>(picture.rgba.data())};
+}
+
 cv::Mat bgr_of(const renderer::RenderedPicture& picture) {
-    const cv::Mat rgba(
-        picture.height, picture.width, CV_8UC4, const_cast<std::uint8_t*>(picture.rgba.data()));
     cv::Mat bgr;
-    cv::cvtColor(rgba, bgr, cv::COLOR_RGBA2BGR);
+    cv::cvtColor(rgba_of(picture), bgr, cv::COLOR_RGBA2BGR);
     return bgr;
 }
 
@@ -72,11 +78,18 @@ Expected<void> write_png(const std::filesystem::path& file,
 
 struct VideoRecorder::Impl {
     VideoFormat format;
-    cv::VideoWriter writer;
+    std::unique_ptr<VideoFile> file;
+    cv::Mat resized;
+    Expected<void> written;  // the first error; of the video's thread until that has ended
 };
 
 VideoRecorder::VideoRecorder(std::unique_ptr<Impl> impl)
-    : impl_(std::move(impl)), thread_([this](std::stop_token stop) { record(stop); }) {}
+    : impl_(std::move(impl)),
+      period_(std::chrono::duration_cast<Clock::duration>(
+          std::chrono::duration<double>(1.0 / impl_->format.fps))),
+      thread_([this](std::stop_token stop) { record(std::move(stop)); }) {
+    pthread_setname_np(thread_.native_handle(), "video");
+}
 
 VideoRecorder::~VideoRecorder() {
     if (thread_.joinable()) static_cast<void>(finish());
@@ -85,7 +98,7 @@ VideoRecorder::~VideoRecorder() {
 Expected<void> VideoRecorder::finish() {
     thread_.request_stop();
     thread_.join();
-    impl_->writer.release();
+    const Expected<void> ended = impl_->file->finish();
     const std::string file = impl_->format.file.string();
     if (is_disk_full_) {
         return make_error(ErrorKind::kUnavailable,
@@ -93,67 +106,128 @@ Expected<void> VideoRecorder::finish() {
                                       file,
                                       static_cast<double>(num_written_) / impl_->format.fps));
     }
-    // OpenCV tells of nothing that goes wrong as it writes; asked for no backend, it tries cameras
-    // too
+    if (!impl_->written) return impl_->written;
+    if (!ended) return ended;
+    // of .mp4 OpenCV tells of nothing that goes wrong as it writes; asked for no backend, it tries
+    // cameras too
     if (num_written_ > 0 && !cv::VideoCapture(file, cv::CAP_FFMPEG).grab())
         return make_error(ErrorKind::kUnavailable, "video " + file + " cannot be read again");
     return {};
 }
 
 Expected<std::unique_ptr<VideoRecorder>> VideoRecorder::create(const VideoFormat& format) {
-    // OpenCV's own words for a file that cannot be written are many and name no reason
+    // the libraries' own words for a file that cannot be written are many and name no reason
     if (const auto ready = prepare_file(format.file); !ready) return tl::unexpected(ready.error());
+    auto file = create_video_file(format);
+    if (!file) return tl::unexpected(file.error());
     auto impl = std::make_unique<Impl>();
     impl->format = format;
-    const int fourcc = format.file.extension() == ".mp4"
-                           ? cv::VideoWriter::fourcc('m', 'p', '4', 'v')
-                           : cv::VideoWriter::fourcc('M', 'J', 'P', 'G');
-    bool is_open = false;
-    try {
-        is_open = impl->writer.open(
-            format.file.string(), fourcc, format.fps, cv::Size(format.width, format.height));
-    } catch (const cv::Exception&) {
-        is_open = false;
-    }
-    if (!is_open) {
-        return make_error(ErrorKind::kUnavailable, "cannot write video " + format.file.string());
-    }
+    impl->file = std::move(*file);
     return std::unique_ptr<VideoRecorder>(new VideoRecorder(std::move(impl)));
 }
 
-bool VideoRecorder::wants_picture() const { return wants_picture_; }
+std::int64_t VideoRecorder::slot_of(Clock::time_point time) const {
+    return begin_ ? std::max<std::int64_t>(0, (time - *begin_) / period_) : 0;
+}
 
-void VideoRecorder::offer(renderer::RenderedPicture picture) {
-    wants_picture_ = false;
-    slot_.put(std::move(picture));
+VideoRecorder::Clock::time_point VideoRecorder::end_of(std::int64_t slot) const {
+    return *begin_ + (slot + 1) * period_;
+}
+
+bool VideoRecorder::wants_picture(Clock::time_point now) {
+    if (is_disk_full_ || has_failed_) return false;
+    const std::lock_guard lock(mutex_);
+    const std::int64_t slot = slot_of(now);
+    if (slot <= last_slot_) return false;
+    if (waiting_.size() < kMostWaiting) return true;
+    last_slot_ = slot;
+    ++num_dropped_;
+    return false;
+}
+
+void VideoRecorder::offer(renderer::RenderedPicture picture, Clock::time_point now) {
+    {
+        const std::lock_guard lock(mutex_);
+        if (!begin_) begin_ = now;
+        last_slot_ = slot_of(now);
+        waiting_.push_back({last_slot_, std::move(picture)});
+    }
+    offered_.notify_one();
+}
+
+renderer::RenderedPicture VideoRecorder::spent() {
+    const std::lock_guard lock(mutex_);
+    if (spent_.empty()) return {};
+    renderer::RenderedPicture picture = std::move(spent_.back());
+    spent_.pop_back();
+    return picture;
+}
+
+// Repeats the last picture up to `slot`, then writes `picture` as the next one's; false: no more.
+bool VideoRecorder::write(const renderer::RenderedPicture& picture, std::int64_t slot) {
+    const auto is_done = [this](Expected<void> done) {
+        if (done) return true;
+        app::log::warn("video_ends {}", done.error().message);
+        impl_->written = std::move(done);
+        has_failed_ = true;
+        return false;
+    };
+    const auto write_frame = [&] {
+        if (!is_done(impl_->file->write())) return false;
+        ++num_written_;
+        if (!is_nearly_full(impl_->format.file)) return true;
+        is_disk_full_ = true;
+        app::log::warn("video_ends file={} the disk is full", impl_->format.file.string());
+        return false;
+    };
+    while (static_cast<std::int64_t>(num_written_) < slot) {
+        if (!write_frame()) return false;
+    }
+    if (picture.rgba.empty()) return true;
+    cv::Mat rgba = rgba_of(picture);
+    const cv::Size size(impl_->format.width, impl_->format.height);
+    if (rgba.size() != size) {
+        cv::resize(rgba, impl_->resized, size, 0, 0, cv::INTER_AREA);
+        rgba = impl_->resized;
+    }
+    if (!is_done(impl_->file->set({rgba.data, rgba.total() * rgba.elemSize()}))) return false;
+    if (static_cast<std::int64_t>(num_written_) > slot) {
+        ++num_dropped_;  // its slot is over: the next one repeats it
+        return true;
+    }
+    return write_frame();
 }
 
 void VideoRecorder::record(std::stop_token stop) {
-    using Clock = std::chrono::steady_clock;
-    const auto period = std::chrono::duration_cast<Clock::duration>(
-        std::chrono::duration<double>(1.0 / impl_->format.fps));
-    std::optional<renderer::RenderedPicture> newest = slot_.take(stop);
-    cv::Mat frame;
-    std::mutex mutex;
-    std::condition_variable_any never;
-    for (Clock::time_point due = Clock::now(); newest; due += period) {
-        frame = bgr_of(*newest);
-        const cv::Size size(impl_->format.width, impl_->format.height);
-        if (frame.size() != size) cv::resize(frame, frame, size, 0, 0, cv::INTER_AREA);
-        impl_->writer.write(frame);
-        ++num_written_;
-        if (stop.stop_requested()) return;
-        if (is_nearly_full(impl_->format.file)) {
-            is_disk_full_ = true;
-            app::log::warn("video_ends file={} the disk is full", impl_->format.file.string());
-            return;
+    // drawing goes before it
+    constexpr int kNicer = 5;
+    const auto thread = static_cast<id_t>(gettid());
+    static_cast<void>(
+        setpriority(PRIO_PROCESS, thread, getpriority(PRIO_PROCESS, thread) + kNicer));
+    std::unique_lock lock(mutex_);
+    const auto is_offered = [this] { return !waiting_.empty(); };
+    offered_.wait(lock, stop, is_offered);
+    std::optional<std::int64_t> end;  // the first slot that is not in the video any more
+    while (begin_) {
+        const auto next = static_cast<std::int64_t>(num_written_);
+        // the picture of a slot comes soon after its end, if at all: it has to be read back
+        if (waiting_.empty() && !stop.stop_requested())
+            offered_.wait_until(lock, stop, end_of(next) + period_, is_offered);
+        if (!end && stop.stop_requested()) end = slot_of(Clock::now());
+        Entry entry;
+        if (!waiting_.empty()) {
+            entry = std::move(waiting_.front());
+            waiting_.pop_front();
+        } else {
+            if (end && *end <= next) return;
+            entry.slot = end ? *end : slot_of(Clock::now() - period_);
         }
-        wants_picture_ = true;
-        // a writer that cannot keep up leaves pictures out rather than falling behind
-        due = std::max(due, Clock::now() - period);
-        std::unique_lock lock(mutex);
-        never.wait_until(lock, stop, due + period, [] { return false; });
-        if (auto next = slot_.try_take()) newest = std::move(next);
+        lock.unlock();
+        const bool goes_on = write(entry.picture, entry.slot);
+        lock.lock();
+        if (!entry.picture.rgba.empty() && spent_.size() < kMostWaiting)
+            spent_.push_back(std::move(entry.picture));
+        if (!goes_on) return;
     }
 }
 

@@ -1,15 +1,23 @@
 #include "viewer/session.hpp"
 
-#include "viewer/person_decoder.hpp"
+#include "core/bus/receive_threads.hpp"
 
 #include <algorithm>
+#include <thread>
 
 namespace atrium::viewer {
 namespace {
 
+constexpr std::chrono::milliseconds kLookAgain = Feedback::kOnTime / 2;
 constexpr std::size_t kMaxWaitingStates = 8;        // the renderer looks every few milliseconds
+constexpr std::size_t kMaxPlacements = 64;          // kept, as many as people are shown
 constexpr std::size_t kMaxStatuses = 64;            // of sites, and of worlds
 constexpr std::size_t kMaxWaitingSoftStates = 256;  // of all soft objects
+constexpr std::size_t kMaxSpentModels = 4;          // kept for their memory
+constexpr std::size_t kMaxDecoders = 16;
+// Of the time between two pictures: a pair that follows sooner on one of its site is skipped.
+// Pairs of a rate below that of the pictures never do.
+constexpr double kTooSoon = 0.6;
 
 template <typename T>
 bool assign(Expected<T> created, std::optional<T>& out, Error& error) {
@@ -102,15 +110,31 @@ Expected<std::unique_ptr<Session>> Session::create(const bus::BusOptions& option
 
 void Session::receive(std::stop_token stop) {
     const std::stop_callback wake(stop, [this] { readers_.waiter.wake(); });
+    bus::ReceiveThreads network;
+    auto last_round = std::chrono::steady_clock::now();
+    auto all_here = last_round;
     while (!stop.stop_requested()) {
-        readers_.waiter.wait(Feedback::kPeriod);
+        // Where a stream comes it looks again and again, so as to know that nothing waits. First
+        // the time, then whether all is in the readers, then what is in them: in this order nothing
+        // that had come by that time is left.
+        const bool has_samples =
+            readers_.waiter.wait(feedback_.empty() ? Feedback::kPeriod : kLookAgain);
+        const auto round = std::chrono::steady_clock::now();
+        const Timestamp woken = Timestamp::now();
+        const bool looks = round - all_here >= kLookAgain / 2;
+        const bool is_all_here = looks && network.are_asleep();
         take_sites();
-        take_objects();
-        take_soft_objects();
-        receive_statuses();
-        note(proxies_.receive(readers_.participant));
+        if (looks) feedback_.looked(woken, is_all_here);
+        if (is_all_here) all_here = round;
+        if (has_samples || round - last_round >= Feedback::kPeriod) {
+            last_round = round;
+            take_objects();
+            take_soft_objects();
+            receive_statuses();
+            note(proxies_.receive(readers_.participant));
+            num_incomplete_ = pairing_.num_incomplete();
+        }
         write_feedback();
-        num_incomplete_ = pairing_.num_incomplete();
     }
 }
 
@@ -131,27 +155,29 @@ void Session::take_sites() {
             scene_.sites[gone.site] = nullptr;
         }));
     note(readers_.placements.take([this](bus::SitePlacement&& placement) {
+        if (site_from_world_.size() < kMaxPlacements || site_from_world_.contains(placement.site))
+            site_from_world_[placement.site] = placement.world_from_site.inverse();
         const std::lock_guard lock(scene_mutex_);
         scene_.placements.insert_or_assign(placement.site, std::move(placement));
     }));
-    note(readers_.meshes.take(
-        [this](bus::SiteMesh&& mesh) {
+    note(readers_.meshes.take_written(
+        [this](bus::SiteMesh&& mesh, Timestamp written) {
             const std::size_t num_bytes = mesh.draco.size();
-            receive_sample(std::move(mesh), num_bytes);
+            receive_sample(std::move(mesh), written, num_bytes);
         },
-        [this](const bus::SiteMesh& gone) { site_gone(gone.site); }));
-    note(readers_.textures.take([this](bus::CameraTexture&& texture) {
+        [this](const bus::SiteMesh& gone, bus::Ending /*how*/) { site_gone(gone.site); }));
+    note(readers_.textures.take_written([this](bus::CameraTexture&& texture, Timestamp written) {
         const std::size_t num_bytes = texture.colour.size() + texture.mask.size();
-        receive_sample(std::move(texture), num_bytes);
+        receive_sample(std::move(texture), written, num_bytes);
     }));
 }
 
 // Counts what arrives, and what became of it.
 template <typename Sample>
-void Session::receive_sample(Sample&& sample, std::size_t num_bytes) {
+void Session::receive_sample(Sample&& sample, Timestamp written, std::size_t num_bytes) {
     const std::string site = sample.site;
     const Timestamp now = Timestamp::now();
-    feedback_.arrived(site, sample.capture_time, num_bytes, now);
+    feedback_.arrived(site, written, sample.capture_time, num_bytes, now);
     num_bytes_ += num_bytes;
     const std::uint64_t num_incomplete = pairing_.num_incomplete();
     const std::uint64_t num_late = pairing_.num_late();
@@ -245,13 +271,45 @@ void Session::hand_to_decoder(std::optional<FramePair> pair) {
         ++num_pairs_skipped_;  // its cameras are not known yet
         return;
     }
-    const auto replaced = jobs_.put(site, {std::move(pair), description->second});
+    const auto now = ReadyPeople::Clock::now();
+    if (decoders_ == nullptr || is_too_soon(site, now)) {
+        ++num_pairs_skipped_;
+        return;
+    }
+    const auto replaced =
+        decoders_->put(site, {std::move(pair), description->second, now, eyes_in(site)});
     if (replaced && replaced->pair) ++num_pairs_skipped_;
+}
+
+bool Session::is_too_soon(const std::string& site, ReadyPeople::Clock::time_point now) {
+    const auto least = kTooSoon * std::chrono::nanoseconds(picture_period_ns_);
+    const auto found = handed_.find(site);
+    if (found != handed_.end() && now - found->second < least) return true;
+    handed_[site] = now;
+    return false;
+}
+
+void Session::set_eyes(std::vector<Eigen::Vector3d> eyes_world) {
+    const std::lock_guard lock(eyes_mutex_);
+    eyes_world_ = std::move(eyes_world);
+}
+
+std::vector<Eigen::Vector3f> Session::eyes_in(const std::string& site) {
+    // a site without a placement is drawn where the world is
+    const auto placement = site_from_world_.find(site);
+    const geometry::RigidTransform site_from_world =
+        placement == site_from_world_.end() ? geometry::RigidTransform{} : placement->second;
+    std::vector<Eigen::Vector3f> eyes_site;
+    const std::lock_guard lock(eyes_mutex_);
+    for (const Eigen::Vector3d& eye : eyes_world_)
+        eyes_site.push_back((site_from_world * eye).cast<float>());
+    return eyes_site;
 }
 
 void Session::site_gone(const std::string& site) {
     pairing_.forget(site);
     held_up_.forget(site);
+    handed_.erase(site);
     if (feedback_.forget(site)) {
         bus::StreamFeedback key;
         key.viewer = viewer_;
@@ -259,7 +317,10 @@ void Session::site_gone(const std::string& site) {
         if (const auto gone = feedback_writer_.dispose(key); !gone)
             rejections_.warn("feedback_failed " + gone.error().message);
     }
-    jobs_.put(site, {});
+    if (decoders_ == nullptr) return;
+    // in its turn: nothing that was decoded before shows up again
+    const auto replaced = decoders_->put(site, {});
+    if (replaced && replaced->pair) ++num_pairs_skipped_;
 }
 
 void Session::note(const bus::TakeReport& report) {
@@ -268,33 +329,54 @@ void Session::note(const bus::TakeReport& report) {
     rejections_.warn("sample_rejected " + report.first_rejection);
 }
 
-void Session::decode(std::stop_token stop) {
-    PersonDecodeScratch scratch;
-    while (auto job = jobs_.take(stop)) {
-        PersonUpdate update;
-        if (const auto& pair = job->value.pair) {
-            update.capture_time = pair->mesh.capture_time;
-            if (!pair->mesh.draco.empty()) {
-                update.model = spent_.try_take().value_or(renderer::PersonModel{});
-                const auto decoded =
-                    decode_person(*pair, *job->value.description, {}, scratch, *update.model);
-                if (!decoded) {
-                    ++num_rejected_;
-                    rejections_.warn("person_rejected site=" + job->site + " " +
-                                     decoded.error().message);
-                    recycle(std::move(*update.model));
-                    continue;
-                }
-                if (update.model->triangles.empty()) update.model.reset();
-            }
-        }
-        show(job->site, std::move(update));
-    }
+void Session::start_decoding() {
+    const std::size_t num =
+        std::clamp<std::size_t>(std::thread::hardware_concurrency(), std::size_t{1}, kMaxDecoders);
+    scratch_.resize(num);
+    decoders_ = std::make_unique<KeyedWorkers<Job>>(
+        "decode", num, [this](const std::string& site, Job job, std::size_t worker) {
+            decode(site, std::move(job), scratch_[worker]);
+        });
 }
 
-void Session::show(const std::string& site, PersonUpdate update) {
+void Session::stop_decoding() {
+    if (decoders_) decoders_->stop();
+}
+
+void Session::decode(const std::string& site, Job job, PersonDecodeScratch& scratch) {
+    PersonUpdate update;
+    if (const auto& pair = job.pair) {
+        update.capture_time = pair->mesh.capture_time;
+        update.complete = job.complete;
+        if (!pair->mesh.draco.empty()) {
+            update.model = spent();
+            const auto decoded =
+                decode_person(*pair, *job.description, {}, job.eyes_site, scratch, *update.model);
+            if (!decoded) {
+                ++num_rejected_;
+                rejections_.warn("person_rejected site=" + site + " " + decoded.error().message);
+                recycle(std::move(*update.model));
+                return;
+            }
+            if (update.model->triangles.empty()) update.model.reset();
+        }
+    }
+    update.ready = ReadyPeople::Clock::now();
     auto replaced = people_.put(site, std::move(update));
     if (replaced && replaced->model) skip(std::move(*replaced->model));
+}
+
+renderer::PersonModel Session::spent() {
+    const std::lock_guard lock(spent_mutex_);
+    if (spent_.empty()) return {};
+    renderer::PersonModel model = std::move(spent_.back());
+    spent_.pop_back();
+    return model;
+}
+
+void Session::recycle(renderer::PersonModel model) {
+    const std::lock_guard lock(spent_mutex_);
+    if (spent_.size() < kMaxSpentModels) spent_.push_back(std::move(model));
 }
 
 SceneChanges Session::take_scene() {

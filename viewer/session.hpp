@@ -2,13 +2,14 @@
 
 #include "core/app/log.hpp"
 #include "core/base/expected.hpp"
-#include "core/base/latest_slot.hpp"
+#include "core/base/keyed_workers.hpp"
 #include "core/bus/bus.hpp"
 #include "viewer/feedback.hpp"
 #include "viewer/held_up.hpp"
-#include "viewer/newest_per_site.hpp"
 #include "viewer/pairing.hpp"
+#include "viewer/person_decoder.hpp"
 #include "viewer/proxy_inbox.hpp"
+#include "viewer/ready_people.hpp"
 #include "viewer/renderer/person_model.hpp"
 
 #include <atomic>
@@ -25,12 +26,6 @@
 #include <vector>
 
 namespace atrium::viewer {
-
-/// What became of the person of one site.
-struct PersonUpdate {
-    std::optional<renderer::PersonModel> model;  // none: nobody is there any more
-    Timestamp capture_time;
-};
 
 /// What became of the scene since the last time that anybody asked.
 struct SceneChanges {
@@ -49,11 +44,12 @@ struct StatusReports {
     std::map<std::string, bus::WorldStatus> worlds;
 };
 
-/// The viewer's side of the bus. `receive` and `decode` are the bodies of two threads that the
-/// owner starts; everything else may be called from a third.
+/// The viewer's side of the bus. `receive` is the body of a thread that the owner starts;
+/// everything else may be called from another.
 ///
-/// Hand-overs: a complete pair waits for the decoder, one per site, newest wins; a decoded person
-/// waits for the screen likewise.
+/// Hand-overs: a complete pair waits for a decoder, one per site, newest wins; a decoded person
+/// waits for the screen likewise. Pairs of one site are decoded in order and one at a time, those
+/// of different sites beside each other, on at most as many threads as the machine has.
 class Session {
 public:
     /// `viewer` is the name under which sites hear how their streams arrive.
@@ -65,15 +61,32 @@ public:
         on_complete_ = std::move(listener);
     }
     void receive(std::stop_token stop);
-    void decode(std::stop_token stop);
+    /// From now on people are decoded; before `receive`. Without it complete pairs are skipped.
+    void start_decoding();
+    /// Waits for the pairs that are being decoded. After `receive`.
+    void stop_decoding();
+    /// How often people are drawn: a pair that a newer one would replace before the next picture is
+    /// skipped undecoded. 0, the default: all are decoded. Any thread.
+    void set_picture_period(std::chrono::nanoseconds period) {
+        picture_period_ns_ = period.count();
+    }
 
-    std::vector<NewestPerSite<PersonUpdate>::Item> take_people() { return people_.take_all(); }
+    /// From where people are looked at, in the world: only the pictures that these eyes need are
+    /// decoded (renderer::needed_cameras). None, the default: all pictures are. Any thread.
+    void set_eyes(std::vector<Eigen::Vector3d> eyes_world);
+
+    std::vector<ReadyPeople::Item> take_people() { return people_.take_all(); }
+    std::vector<ReadyPeople::Arrival> take_arrivals() { return people_.take_arrivals(); }
+    /// Returns once there are arrivals to take, at `until`, or when a stop is requested.
+    void wait_for_people(const std::stop_token& stop, ReadyPeople::Clock::time_point until) {
+        people_.wait(stop, until);
+    }
     SceneChanges take_scene();
     StatusReports take_statuses();
     /// What people and models are to the physics, where somebody wants to know.
     ProxyInbox& proxies() { return proxies_; }
     /// Gives back a model that is no longer shown, whose memory the decoder uses again.
-    void recycle(renderer::PersonModel model) { spent_.put(std::move(model)); }
+    void recycle(renderer::PersonModel model);
     /// The same for one that was taken, but will not be shown.
     void skip(renderer::PersonModel model) {
         ++num_pairs_skipped_;
@@ -117,6 +130,8 @@ private:
     struct Job {
         std::optional<FramePair> pair;  // none: the site is gone
         Description description;
+        ReadyPeople::Clock::time_point complete{};
+        std::vector<Eigen::Vector3f> eyes_site;
     };
 
     Session(Readers readers,
@@ -129,12 +144,15 @@ private:
     void take_soft_objects();
     void receive_statuses();
     void hand_to_decoder(std::optional<FramePair> pair);
+    bool is_too_soon(const std::string& site, ReadyPeople::Clock::time_point now);
+    std::vector<Eigen::Vector3f> eyes_in(const std::string& site);
+    void decode(const std::string& site, Job job, PersonDecodeScratch& scratch);
+    renderer::PersonModel spent();
     template <typename Sample>
-    void receive_sample(Sample&& sample, std::size_t num_bytes);
+    void receive_sample(Sample&& sample, Timestamp written, std::size_t num_bytes);
     void write_feedback();
     void site_gone(const std::string& site);
     void note(const bus::TakeReport& report);
-    void show(const std::string& site, PersonUpdate update);
 
     Readers readers_;
     bus::Writer<bus::ViewerStatus> status_;
@@ -147,9 +165,15 @@ private:
     ProxyInbox proxies_;
     HeldUp held_up_;                                   // of the receiving thread alone
     std::map<std::string, Description> descriptions_;  // of the receiving thread alone
-    NewestPerSite<Job> jobs_;
-    NewestPerSite<PersonUpdate> people_;
-    LatestSlot<renderer::PersonModel> spent_;
+    std::map<std::string, geometry::RigidTransform> site_from_world_;  // of it alone, too
+    std::mutex eyes_mutex_;
+    std::vector<Eigen::Vector3d> eyes_world_;  // guarded by it
+    // when a pair of each site was handed to a decoder last; of the receiving thread alone
+    std::map<std::string, ReadyPeople::Clock::time_point> handed_;
+    std::atomic<std::int64_t> picture_period_ns_ = 0;
+    ReadyPeople people_;
+    std::mutex spent_mutex_;
+    std::vector<renderer::PersonModel> spent_;  // guarded by it
     std::mutex scene_mutex_;
     SceneChanges scene_;
     StatusReports statuses_;  // guarded by the scene's mutex as well
@@ -158,6 +182,8 @@ private:
     std::atomic<std::uint64_t> num_incomplete_ = 0;
     std::atomic<std::uint64_t> num_rejected_ = 0;
     std::atomic<std::uint64_t> num_bytes_ = 0;
+    std::vector<PersonDecodeScratch> scratch_;     // one per decoder
+    std::unique_ptr<KeyedWorkers<Job>> decoders_;  // last: their threads use the rest
 };
 
 }  // namespace atrium::viewer

@@ -9,7 +9,7 @@ namespace atrium::viewer {
 namespace {
 
 constexpr std::size_t kMaxObjects = 2048;
-constexpr std::int64_t kClockStepNs = 1'000'000'000;  // a larger step back: a clock was set
+constexpr std::int64_t kClockSetBackNs = 1'000'000'000;  // a larger step back: a clock was set
 
 }  // namespace
 
@@ -17,7 +17,7 @@ void SoftTimeline::add(bus::SoftBodyState state) {
     if (states_.size() >= kMaxObjects && !states_.contains(state.object)) return;
     auto& states = states_[state.object];
     if (!states.empty() && state.time <= states.back().time) {
-        if (states.back().time.ns - state.time.ns < kClockStepNs) return;
+        if (states.back().time.ns - state.time.ns < kClockSetBackNs) return;
         states.clear();
     }
     states.push_back(std::move(state));

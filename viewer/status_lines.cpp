@@ -1,8 +1,10 @@
 #include "viewer/status_lines.hpp"
 
 #include "core/app/log.hpp"
+#include "core/status/bottleneck.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -86,6 +88,8 @@ std::vector<SiteLine> StatusLines::warnings() const {
         const auto num_off = std::ranges::count_if(program.now.cameras, is_off);
         if (num_off > 0) lost += fmt::format("{}{} cameras off", lost.empty() ? "" : ", ", num_off);
         if (!lost.empty()) lines.push_back({title + ": " + lost, true});
+        for (const status::Bottleneck& found : status::bottlenecks(program.before, program.now))
+            lines.push_back({title + ": " + found.text, true});
     }
     return lines;
 }
@@ -95,6 +99,8 @@ std::vector<SiteLine> StatusLines::details() const {
     for (const auto& [title, program] : programs_) {
         lines.push_back(
             {fmt::format("{}: {:.1f} {}", title, program.now.rate, program.now.rate_unit), false});
+        const std::vector<std::string> items = status::processor_items(program.now.processor);
+        lines.push_back({fmt::format("  cpu  {}", fmt::join(items, "  ")), false});
         std::string stages;
         for (const status::Figures::Stage& stage : program.now.stages) {
             if (stage.latency.num_samples == 0) continue;

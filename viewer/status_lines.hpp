@@ -25,6 +25,10 @@ public:
         add("world " + name, status::figures_of(status), now);
         last_world_ = now;
     }
+    /// Of the viewer itself.
+    void add_own(const bus::ViewerStatus& status, Clock::time_point now) {
+        add("this viewer", status::figures_of(status), now);
+    }
     /// After all that came: forgets who fell silent. Says in the log when the last world does, and
     /// when one is back.
     void forget_silent(Clock::time_point now);

@@ -10,6 +10,7 @@
 #include "viewer/scene_editor.hpp"
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -54,9 +55,11 @@ struct HudFigures {
     std::vector<SiteLine> warnings;  // about sites and worlds, of their own reports
     std::vector<SiteLine> details;   // of how long they take for what
     std::size_t num_objects = 0;
-    std::vector<ThingLine> things;                         // in the order of their numbers
-    std::optional<double> recording_s;                     // of the video that is being recorded
-    std::string notice;                                    // what just happened; empty: nothing
+    std::vector<ThingLine> things;        // in the order of their numbers
+    std::optional<double> recording_s;    // of the video that is being recorded
+    std::uint64_t num_video_dropped = 0;  // pictures that are missing in videos
+    std::string quality;  // what is drawn, where the machine is too slow for all; empty: all is
+    std::string notice;   // what just happened; empty: nothing
     std::array<float, History::kLength - 1> latency_ms{};  // of the last 30 s, see History
     std::array<float, History::kLength - 1> pictures_per_s{};
 };
@@ -73,6 +76,8 @@ public:
     virtual SurfaceEvents poll() = 0;
     /// Returns when the picture is finished.
     virtual void show(const renderer::SceneRenderer& renderer, const HudFigures& figures) = 0;
+    /// How long the last `show` waited, with a finished picture, for the display's turn.
+    virtual std::chrono::steady_clock::duration waited_for_display() const = 0;
 };
 
 /// Who draws the pictures.

@@ -1,16 +1,21 @@
 #include "viewer/viewer.hpp"
 
 #include "core/app/log.hpp"
+#include "core/app/process.hpp"
 #include "core/app/program.hpp"
+#include "core/base/processor_use.hpp"
 #include "core/base/statistics.hpp"
 #include "core/joining/join_world.hpp"
+#include "core/status/bottleneck.hpp"
 #include "viewer/album.hpp"
 #include "viewer/annotations.hpp"
 #include "viewer/company.hpp"
 #include "viewer/display.hpp"
 #include "viewer/drawing_times.hpp"
+#include "viewer/giving_way.hpp"
 #include "viewer/mouse_grab.hpp"
 #include "viewer/people_view.hpp"
+#include "viewer/picture_pacer.hpp"
 #include "viewer/run_limit.hpp"
 #include "viewer/scene_editor.hpp"
 #include "viewer/scene_view.hpp"
@@ -23,11 +28,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <condition_variable>
 #include <mutex>
 #include <optional>
 #include <thread>
 #include <utility>
+#include <vector>
 
 namespace atrium::viewer {
 namespace {
@@ -41,11 +46,16 @@ Clock::duration seconds(double s) {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
 }
 
-double pictures_per_second(const ViewConfig& view, const Surface& surface) {
-    if (view.max_fps > 0.0) return view.max_fps;
-    // a display that does not wait for its turn is not outrun; one that does keeps its own time
-    constexpr double kSlack = 1.05;
-    return surface.display_hz() > 0.0 ? kSlack * surface.display_hz() : kHeadlessFps;
+// Whether the display decides when a picture is shown.
+bool is_paced_by_display(const ViewConfig& view, const Surface& surface) {
+    return view.max_fps == 0.0 && surface.display_hz() > 0.0;
+}
+
+PictureQuality best_quality(const ViewConfig& view, const Surface& surface) {
+    const double max_fps = view.max_fps > 0.0                   ? view.max_fps
+                           : is_paced_by_display(view, surface) ? surface.display_hz()
+                                                                : kHeadlessFps;
+    return {.max_fps = max_fps, .scale = view.scale, .has_shadows = view.shadows == "on"};
 }
 
 }  // namespace
@@ -68,10 +78,14 @@ struct Viewer::Impl {
     std::optional<MouseGrab> mouse;
     std::optional<SceneEditor> editor;
     StatusLines reports;
+    atrium::status::OverloadLog overload{bus::ProgramKind::kViewer};
     std::uint64_t listed_revision = 0;  // of the scene that hud.things are of
     Companion companion;
     LatencyWindow latency;
     DrawingTimes times;
+    std::vector<renderer::EyeView> eyes;  // of the last picture
+    std::optional<PicturePacer> pacer;
+    std::optional<GivingWay> giving_way;
     RateMeter rate;
     RateMeter byte_rate;
     History latencies_ms;  // of each picture that somebody new was in
@@ -80,6 +94,8 @@ struct Viewer::Impl {
     app::log::OncePerSecond command_failures;
     Clock::time_point notice_until;
     std::uint64_t num_frames = 0;
+    double first_output_s = 0.0;  // 0: there was no picture yet
+    ProcessorMeter processor_meter;
     std::optional<RunLimit> limit;
     std::optional<Company> company;
 
@@ -96,6 +112,11 @@ struct Viewer::Impl {
     }
     Expected<void> join(std::stop_token stop);
     Expected<void> open();
+    Expected<void> show_quality();
+    Expected<void> give_way(Clock::duration busy, Clock::time_point now);
+    Expected<void> draw_at_best();
+    void note_arrivals();
+    bool wait_for_picture(const std::stop_token& stop);
     Expected<void> close();
     Expected<void> loop(std::stop_token stop);
     void send(const bus::SceneCommand& command);
@@ -103,7 +124,8 @@ struct Viewer::Impl {
     Expected<void> react(const SurfaceEvents& events);
     void edit(const SurfaceEvents& events);
     void list_things();
-    Expected<void> draw();
+    Expected<void> draw(Clock::time_point begin);
+    void tell_eyes();
     void say(const std::string& notice);  // to who looks at the picture, and to the log
     void update_status(Clock::time_point now);
 };
@@ -145,7 +167,72 @@ Expected<void> Viewer::Impl::open() {
             aspect);
     }
     app::log::info("surface_open on=\"{}\" size={}x{}", surface->description(), width, height);
-    return album->open(*renderer);
+    giving_way.emplace(best_quality(config.view, *surface));
+    const bool keeps_own_time = display.is_tile() || is_paced_by_display(config.view, *surface);
+    pacer.emplace(Clock::duration(0), !keeps_own_time);
+    if (auto shown = show_quality(); !shown) return shown;
+    renderer->warm_up(camera);
+    return {};
+}
+
+// Makes renderer, pacing and decoding follow the quality.
+Expected<void> Viewer::Impl::show_quality() {
+    const PictureQuality& quality = giving_way->quality();
+    const bool is_best = giving_way->level() == 0;
+    // a display that does not wait for its turn is not outrun; one that does keeps its own time
+    constexpr double kSlack = 1.05;
+    const bool is_paced = is_best && is_paced_by_display(config.view, *surface);
+    const Clock::duration period = seconds(1.0 / ((is_paced ? kSlack : 1.0) * quality.max_fps));
+    pacer->set_period(period);
+    // a wall shows what was a while ago, and needs all of it
+    session->set_picture_period(is_best || display.is_tile() ? Clock::duration(0) : period);
+    hud.quality = is_best ? "" : to_string(quality);
+    renderer->set_shadows(quality.has_shadows);
+    return renderer->set_scale(quality.scale);
+}
+
+Expected<void> Viewer::Impl::give_way(Clock::duration busy, Clock::time_point now) {
+    if (config.view.adapt == "off") return {};
+    GivingWay::Picture picture{.ended = now, .busy = busy};
+    for (const PeopleView::JustShown& shown : people.just_shown())
+        picture.late_people = std::max(picture.late_people, shown.ready - shown.complete);
+    const std::size_t before = giving_way->level();
+    if (!giving_way->add(picture)) return {};
+    const std::string line = fmt::format("{} reason={} picture_ms={:.1f}",
+                                         to_string(giving_way->quality()),
+                                         giving_way->reason(),
+                                         milliseconds(busy));
+    if (giving_way->level() > before)
+        app::log::warn("quality_reduced {}", line);
+    else
+        app::log::info("quality_raised {}", line);
+    return show_quality();
+}
+
+// The last picture once more, as a machine that is fast enough would have shown it.
+Expected<void> Viewer::Impl::draw_at_best() {
+    if (giving_way->level() == 0 || eyes.empty()) return {};
+    const PictureQuality best = best_quality(config.view, *surface);
+    renderer->set_shadows(best.has_shadows);
+    if (auto scaled = renderer->set_scale(best.scale); !scaled) return scaled;
+    renderer->draw(eyes);
+    return {};
+}
+
+void Viewer::Impl::note_arrivals() {
+    for (const ReadyPeople::Arrival& arrival : session->take_arrivals())
+        pacer->ready(arrival.site, arrival.at);
+}
+
+// Returns whether there is to be one.
+bool Viewer::Impl::wait_for_picture(const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+        note_arrivals();
+        const Clock::time_point due = pacer->due();
+        if (Clock::now() >= due) return true;
+        session->wait_for_people(stop, due);
+    }
+    return false;
 }
 
 void Viewer::Impl::say(const std::string& notice) {
@@ -195,8 +282,8 @@ void Viewer::Impl::edit(const SurfaceEvents& events) {
     const auto& objects = scene->objects();
     if (events.reset_scene) send(editor->reset());
     if (events.add) {
-        const auto eyes = display.eyes(camera, renderer->width(), renderer->height());
-        send(editor->add(make_object(*events.add, eyes.front()), objects, now));
+        const auto seen = display.eyes(camera, renderer->width(), renderer->height());
+        send(editor->add(make_object(*events.add, seen.front()), objects, now));
     }
     if (events.remove) send(editor->remove(*events.remove, objects, now));
     if (events.remove_pointed && !display.is_tile()) {
@@ -217,7 +304,11 @@ void Viewer::Impl::list_things() {
 
 Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
     if (!display.is_tile()) move_about(events);
-    if (events.screenshot) say(album->screenshot(*renderer));
+    if (events.screenshot) {
+        if (auto drawn = draw_at_best(); !drawn) return drawn;
+        say(album->screenshot(*renderer));
+        if (auto shown = show_quality(); !shown) return shown;
+    }
     if (events.debug) annotations->toggle_debug();
     if (events.names) annotations->toggle_names();
     if (events.record) say(album->toggle_video(*renderer));
@@ -228,15 +319,26 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
     return {};
 }
 
-Expected<void> Viewer::Impl::draw() {
+// Every camera's picture is needed where they are shown themselves.
+void Viewer::Impl::tell_eyes() {
+    std::vector<Eigen::Vector3d> eyes_world;
+    if (!(renderer->overlay().silhouettes_m() > 0.0))
+        for (const renderer::EyeView& eye : eyes) eyes_world.push_back(eye.eye_world());
+    session->set_eyes(std::move(eyes_world));
+}
+
+Expected<void> Viewer::Impl::draw(Clock::time_point begin) {
     const std::optional<Timestamp> instant = display.instant(Timestamp::now());
     const Clock::time_point now = Clock::now();
     scene->update(session->take_scene(), now, instant, *renderer);
     const Clock::duration scene_took = Clock::now() - now;
     people.update(*session, instant, now, *renderer);
+    note_arrivals();
+    pacer->began(begin);
     if (const std::size_t num_new = people.just_shown().size(); num_new > 0)
         times.add_people((Clock::now() - now - scene_took) / num_new);
-    const auto eyes = display.eyes(camera, renderer->width(), renderer->height());
+    eyes = display.eyes(camera, renderer->width(), renderer->height());
+    tell_eyes();
     const std::string inside = companion.has_own_eyes() ? companion.name() : "";
     annotations->take(session->proxies(), now);
     annotations->update(*scene, people, inside, eyes, now, *renderer);
@@ -245,14 +347,18 @@ Expected<void> Viewer::Impl::draw() {
     list_things();
     hud.num_objects = renderer->num_objects();
     hud.recording_s = album->video_s();
+    hud.num_video_dropped = album->num_dropped();
     if (now > notice_until) hud.notice.clear();
     surface->show(*renderer, hud);
     const Timestamp displayed = Timestamp::now();
+    const Clock::time_point shown_at = Clock::now();
     pictures.add(1.0, now);
-    for (const Timestamp captured : people.just_shown()) {
-        latency.add(displayed - captured);
-        latencies_ms.add(1e-6 * static_cast<double>((displayed - captured).count()), now);
+    for (const PeopleView::JustShown& shown : people.just_shown()) {
+        latency.add(displayed - shown.captured);
+        latencies_ms.add(milliseconds(displayed - shown.captured), now);
+        times.add_way(shown.ready - shown.complete, now - shown.ready, shown_at - shown.complete);
     }
+    if (num_frames == 0) first_output_s = app::seconds_since_start();
     ++num_frames;
     album->add(*renderer, limit->is_counting());
     return {};
@@ -263,12 +369,6 @@ void Viewer::Impl::update_status(Clock::time_point now) {
     hud.capture_to_display = {quantiles.median_ms, quantiles.p99_ms, quantiles.num_samples};
     hud.frames_per_s = rate.update(num_frames, now);
     hud.sites = people.lines(now);
-    const StatusReports came = session->take_statuses();
-    for (const auto& [site, report] : came.sites) reports.add(site, report, now);
-    for (const auto& [world, report] : came.worlds) reports.add(world, report, now);
-    reports.forget_silent(now);
-    hud.warnings = reports.warnings();
-    hud.details = reports.details();
     hud.bytes_per_s = byte_rate.update(session->num_bytes(), now);
     hud.num_skipped = session->num_pairs_skipped();
     hud.num_incomplete = session->num_incomplete();
@@ -286,25 +386,36 @@ void Viewer::Impl::update_status(Clock::time_point now) {
     next.frames_per_s = hud.frames_per_s;
     next.capture_to_display = hud.capture_to_display;
     next.resident_bytes = app::resident_bytes();
+    next.processor = processor_meter.update(now);
+    next.first_output_s = first_output_s;
+    next.max_frames_per_s = giving_way->quality().max_fps;
+    next.scale = giving_way->quality().scale;
+    next.has_shadows = giving_way->quality().has_shadows;
+    next.num_video_dropped = album->num_dropped();
+    const StatusReports came = session->take_statuses();
+    for (const auto& [site, report] : came.sites) reports.add(site, report, now);
+    for (const auto& [world, report] : came.worlds) reports.add(world, report, now);
+    reports.add_own(next, now);
+    reports.forget_silent(now);
+    hud.warnings = reports.warnings();
+    hud.details = reports.details();
+    if (const auto line = overload.look(atrium::status::figures_of(next), now))
+        app::log::warn("{}", *line);
     const std::lock_guard lock(status_mutex);
     status = next;
 }
 
 Expected<void> Viewer::Impl::loop(std::stop_token stop) {
-    const double max_fps = pictures_per_second(config.view, *surface);
     const Clock::time_point begin = Clock::now();
     limit.emplace(config, begin);
-    Clock::time_point due = begin;
     Clock::time_point status_due = begin;
-    std::mutex mutex;
-    std::condition_variable_any never;
-    while (!stop.stop_requested()) {
+    while (wait_for_picture(stop)) {
         const Clock::time_point picture_begin = Clock::now();
         const SurfaceEvents events = surface->poll();
         if (events.close) break;
         if (const auto error = lost_name()) return tl::unexpected(*error);
         if (auto done = react(events); !done) return done;
-        if (auto done = draw(); !done) return done;
+        if (auto done = draw(picture_begin); !done) return done;
         const Clock::time_point now = Clock::now();
         if (now >= status_due) {
             status_due = now + kStatusPeriod;
@@ -320,11 +431,10 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
             times.begin_pictures();
             album->add(*renderer, true);  // this one shows them; the next may take long
         }
-        times.add_picture(Clock::now() - picture_begin);
-        // what was late is not made up for
-        due = std::max(due + seconds(1.0 / max_fps), now);
-        std::unique_lock lock(mutex);
-        never.wait_until(lock, stop, due, [] { return false; });
+        const Clock::time_point end = Clock::now();
+        times.add_picture(end - picture_begin);
+        const Clock::duration busy = end - picture_begin - surface->waited_for_display();
+        if (auto done = give_way(busy, end); !done) return done;
     }
     return {};
 }
@@ -332,7 +442,9 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
 Viewer::Viewer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Viewer::~Viewer() = default;
 
-Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config, std::stop_token stop) {
+Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config,
+                                                 std::stop_token stop,
+                                                 SurfaceIs surface_is) {
     if (auto named = check_file_names(config); !named) return tl::unexpected(named.error());
     const auto camera = make_view_camera(config.view);
     if (!camera) return tl::unexpected(camera.error());
@@ -354,21 +466,38 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config, std
     impl->company.emplace(config.bus.world);
     impl->mouse.emplace(impl->config.view.name);
     impl->editor.emplace(impl->config.view.name);
-    if (auto joined = impl->join(stop); !joined) return tl::unexpected(joined.error());
+    Expected<void> joined;
+    Expected<void> opened;
+    {
+        // a name takes most of a second to claim
+        const std::jthread joining([&] { joined = impl->join(stop); });
+        if (surface_is == SurfaceIs::kOpenedNow) opened = impl->open();
+    }
+    for (const Expected<void>& done : {joined, opened}) {
+        if (done) continue;
+        static_cast<void>(impl->close());
+        return tl::unexpected(done.error());
+    }
     return std::unique_ptr<Viewer>(new Viewer(std::move(impl)));
 }
 
 Expected<void> Viewer::run(std::stop_token stop) {
-    if (auto opened = impl_->open(); !opened) {
+    Expected<void> opened;
+    if (!impl_->surface) opened = impl_->open();
+    if (opened) opened = impl_->album->open(*impl_->renderer);
+    if (!opened) {
         static_cast<void>(impl_->close());
         return opened;
     }
     Expected<void> result;
     {
         Session& session = *impl_->session;
-        const std::jthread receiving([&](std::stop_token own) { session.receive(own); });
-        const std::jthread decoding([&](std::stop_token own) { session.decode(own); });
-        result = impl_->loop(stop);
+        session.start_decoding();
+        {
+            const std::jthread receiving([&](std::stop_token own) { session.receive(own); });
+            result = impl_->loop(stop);
+        }
+        session.stop_decoding();
     }
     impl_->update_status(Clock::now());
     impl_->company->look(impl_->membership->present(), Clock::now(), true);
@@ -376,7 +505,7 @@ Expected<void> Viewer::run(std::stop_token stop) {
     app::log::info(
         "viewer_stopped frames={} frames_per_s={:.1f} pairs_shown={} pairs_skipped={} "
         "incomplete={} rejected={} capture_to_display_ms={:.1f} p99_ms={:.1f} "
-        "{} deadlines_missed={}",
+        "{} deadlines_missed={} {}",
         last.num_frames,
         impl_->limit ? impl_->limit->frames_per_s() : 0.0,
         last.num_pairs_shown,
@@ -386,9 +515,11 @@ Expected<void> Viewer::run(std::stop_token stop) {
         last.capture_to_display.median_ms,
         last.capture_to_display.p99_ms,
         impl_->times.text(),
-        impl_->session->num_deadlines_missed());
+        impl_->session->num_deadlines_missed(),
+        atrium::status::process_fields(last.processor, last.first_output_s));
     // however it ends: it shows who had come
-    const auto written = impl_->album->write_output(*impl_->renderer);
+    auto written = impl_->draw_at_best();
+    if (written) written = impl_->album->write_output(*impl_->renderer);
     const auto closed = impl_->close();
     return !result ? result : !written ? written : closed;
 }

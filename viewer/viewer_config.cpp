@@ -16,6 +16,7 @@ namespace atrium::viewer {
 
 void declare(ViewerConfig& config, config::OptionSet& set) {
     bus::declare(config.bus, set);
+    app::declare(config.process, set);
     ViewConfig& view = config.view;
     set.add("view.name", view.name, "name in status and commands; empty: one of its own");
     set.add("view.width", view.width, "width of the picture [px]", {.min = 16, .max = 8192});
@@ -45,6 +46,17 @@ void declare(ViewerConfig& config, config::OptionSet& set) {
             view.debug,
             "what is behind the picture: wires, cameras, silhouettes, proxies (B in a window)",
             {"off", "on"});
+    set.add(
+        "view.adapt",
+        view.adapt,
+        "what a machine too slow costs; auto: drawing rate, then resolution, then shadows; off: "
+        "late and uneven pictures",
+        {"auto", "off"});
+    set.add("view.scale",
+            view.scale,
+            "resolution of the scene, enlarged to the picture, at best [of its width and height]",
+            {.min = 0.1, .max = 1});
+    set.add("view.shadows", view.shadows, "whether there are shadows at best", {"on", "off"});
     declare(config.display, set);
     set.add("headless", config.headless, "draw without a window even where there is a display");
     set.add("frames", config.frames, "end after this many pictures; 0: go on until stopped");

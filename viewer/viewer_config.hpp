@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/app/process.hpp"
 #include "core/base/expected.hpp"
 #include "core/bus/bus.hpp"
 #include "core/config/option_set.hpp"
@@ -27,6 +28,9 @@ struct ViewConfig {
     std::string names = "auto";    // auto: in a window
     std::string context = "auto";  // window, egl or osmesa: that one and no other
     std::string debug = "off";     // whether it begins with what is behind the picture
+    std::string adapt = "auto";    // off: never draws less than asked for, however slow
+    double scale = 1.0;            // of the picture's sides, at best
+    std::string shadows = "on";
 };
 
 struct VideoConfig {
@@ -38,6 +42,7 @@ struct VideoConfig {
 
 struct ViewerConfig {
     bus::BusOptions bus;
+    app::ProcessOptions process{.nice = 2};  // capture, sites and world go first
     ViewConfig view;
     DisplayConfig display;
     VideoConfig video;

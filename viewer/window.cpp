@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdlib>
 #include <utility>
 
@@ -97,8 +98,12 @@ public:
         if (are_keys_shown_) draw_keys();
         ImGui::Render();
         ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+        glFinish();  // so that drawing and waiting for the display can be told apart
+        const auto finished = std::chrono::steady_clock::now();
         glfwSwapBuffers(window_);
+        waited_ = std::chrono::steady_clock::now() - finished;
     }
+    std::chrono::steady_clock::duration waited_for_display() const override { return waited_; }
 
 private:
     void pressed(int key) {
@@ -186,6 +191,7 @@ private:
     SurfaceEvents events_;
     Eigen::Vector2d last_cursor_ = Eigen::Vector2d::Zero();
     double last_time_s_ = 0.0;
+    std::chrono::steady_clock::duration waited_{0};
 };
 
 }  // namespace

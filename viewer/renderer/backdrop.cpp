@@ -19,6 +19,11 @@ const Eigen::Vector3f kHorizon(0.82f, 0.85f, 0.88f);
 const Eigen::Vector3f kZenith(0.45f, 0.54f, 0.66f);
 const Eigen::Vector3f kGroundColour(0.70f, 0.69f, 0.67f);
 constexpr double kGroundSizeM = 60.0;
+constexpr double kBlurM = 3.0 * Backdrop::kShadowExtentM / Backdrop::kShadowPx;  // and some more
+constexpr float kFadeBegin = 5.0f * 5.0f;
+constexpr float kFadeEnd = 22.0f * 22.0f;
+// squared distances from the origin between which the floor fades into the horizon
+const Eigen::Vector2f kFade(kFadeBegin, 1.0f / (kFadeEnd - kFadeBegin));
 constexpr float kHorizonAbove = 0.1f;  // sine below the horizon from which the sky's colour rises
 
 Eigen::Vector3f encode_srgb(const Eigen::Vector3d& linear) {
@@ -43,8 +48,7 @@ Expected<Backdrop> Backdrop::create() {
         const char* fragment;
     };
     for (const Source& source :
-         {Source{made.floor_shader_, "floor", shaders::kFloorVertex, shaders::kFloorFragment},
-          Source{made.sky_shader_,
+         {Source{made.sky_shader_,
                  "background",
                  shaders::kBackgroundVertex,
                  shaders::kBackgroundFragment},
@@ -55,14 +59,31 @@ Expected<Backdrop> Backdrop::create() {
           Source{made.object_shadow_shader_,
                  "object_shadow",
                  shaders::shadow_vertex(shaders::Placed::kEachInstance),
-                 shaders::kShadowFragment}}) {
+                 shaders::kShadowFragment},
+          Source{made.blur_shader_, "blur", shaders::kBlurVertex, shaders::kBlurFragment},
+          Source{made.floor_shadow_shader_,
+                 "floor_shadow",
+                 shaders::kFloorShadowVertex,
+                 shaders::kFloorShadowFragment}}) {
         auto program = gl::ShaderProgram::create(source.name, source.vertex, source.fragment);
         if (!program) return tl::unexpected(program.error());
         source.program = std::move(*program);
     }
-    auto shadow = gl::make_framebuffer(kShadowPx, kShadowPx, gl::PixelFormat::kR8);
-    if (!shadow) return tl::unexpected(shadow.error());
-    made.shadow_ = std::move(*shadow);
+    for (const bool is_textured : {false, true}) {
+        auto program = gl::ShaderProgram::create(
+            "floor", shaders::kFloorVertex, shaders::floor_fragment(is_textured));
+        if (!program) return tl::unexpected(program.error());
+        made.floor_shaders_[is_textured ? 1 : 0] = std::move(*program);
+    }
+    glBindVertexArray(made.triangles_layout_.id());
+    glBindBuffer(GL_ARRAY_BUFFER, made.triangles_corners_.id());
+    gl::float_attribute(0, 3, sizeof(Eigen::Vector3f), 0);
+    glBindVertexArray(0);
+    for (gl::Framebuffer* picture : {&made.shadow_, &made.blurred_}) {
+        auto created = gl::make_framebuffer(kShadowPx, kShadowPx, gl::PixelFormat::kR8);
+        if (!created) return tl::unexpected(created.error());
+        *picture = std::move(*created);
+    }
     return made;
 }
 
@@ -77,13 +98,56 @@ const gl::ShaderProgram& begin(const gl::ShaderProgram& shader) {
 
 }  // namespace
 
-const gl::ShaderProgram& Backdrop::begin_shadow() {
-    shadow_.bind();
+void Backdrop::begin_shadows() {
+    shadowed_.clear();
+    painted_.assign(std::size_t{kShadowPx} * kShadowPx, 0);
+}
+
+// Painted here: as triangles, each row would be two of them for software to set up.
+void Backdrop::add_shadow(std::span<const PixelRun> runs, double darkness) {
+    const auto at = [](int x, int y) -> Eigen::Vector2d {
+        return (Eigen::Array2d(x, y) - 0.5 * kShadowPx) * (kShadowExtentM / kShadowPx);
+    };
+    const auto value = static_cast<std::uint8_t>(std::lround(255.0 * darkness));
+    for (const PixelRun& run : runs) {
+        std::uint8_t* row = painted_.data() + std::ptrdiff_t{run.row} * kShadowPx;
+        std::fill(row + run.begin, row + run.end, value);
+        shadowed_.add(
+            {at(run.begin, run.row).array() - kBlurM, at(run.end, run.row + 1).array() + kBlurM});
+    }
+}
+
+const gl::ShaderProgram& Backdrop::begin_thing_shadows() {
+    gl::upload_pixels(
+        shadow_.colour, gl::PixelFormat::kR8, 0, 0, kShadowPx, kShadowPx, painted_.data());
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
+    shadow_.bind();
+    return begin(shadow_shader_);
+}
+
+// Shadows cover few pixels of their own picture, the floor many of the viewer's.
+void Backdrop::end_shadows() {
+    blurred_.bind();
     glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
     glClear(GL_COLOR_BUFFER_BIT);
-    return begin(shadow_shader_);
+    if (shadowed_.empty()) return;
+    shadowed_.find_triangles(Eigen::Vector2d::Constant(kShadowExtentM), {}, triangles_);
+    blur_shader_.use();
+    blur_shader_.set("shadow_extent", kShadowExtentM);
+    blur_shader_.set("texel", 1.0f / kShadowPx);
+    gl::bind_texture(0, shadow_.colour);
+    blur_shader_.set("picture", 0);
+    draw_triangles();
+}
+
+void Backdrop::draw_triangles() const {
+    glBindVertexArray(triangles_layout_.id());
+    gl::upload(triangles_corners_,
+               GL_ARRAY_BUFFER,
+               std::span<const Eigen::Vector3f>(triangles_),
+               GL_STREAM_DRAW);
+    glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(triangles_.size()));
 }
 
 const gl::ShaderProgram& Backdrop::begin_object_shadows() {
@@ -91,40 +155,143 @@ const gl::ShaderProgram& Backdrop::begin_object_shadows() {
     return object_shadow_shader_;
 }
 
+void Backdrop::add_shadow_of(const Eigen::AlignedBox3d& box_world) {
+    if (box_world.isEmpty()) return;
+    const Eigen::Vector3d light = light_world().cast<double>();
+    Eigen::AlignedBox2d part;
+    for (int i = 0; i < 8; ++i) {
+        const Eigen::Vector3d p = box_world.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i));
+        part.extend(Eigen::Vector2d(p.head<2>() - light.head<2>() * (p.z() / light.z())));
+    }
+    shadowed_.add({part.min().array() - kBlurM, part.max().array() + kBlurM});
+}
+
 void Backdrop::draw_plane(const View& view,
                           const ObjectLook& look,
                           const Eigen::Vector3f& colour,
                           const Textures& textures) {
-    const double height = look.world_from_object.translation.z();
-    floor_shader_.use();
-    floor_shader_.set("clip_from_world", Eigen::Matrix4f(view.clip_from_world.cast<float>()));
-    floor_shader_.set("world_from_floor",
-                      Eigen::Matrix4f(look.world_from_object.matrix().cast<float>()));
-    floor_shader_.set("half_size", Eigen::Vector2f((0.5 * look.size_m.head<2>()).cast<float>()));
-    floor_shader_.set("colour", colour);
-    floor_shader_.set("horizon", kHorizon);
-    textures.use(look.texture, floor_shader_, 1);
-    gl::bind_texture(0, shadow_.colour);
-    floor_shader_.set("shadow", 0);
-    floor_shader_.set("shadow_extent", kShadowExtentM);
-    // shadows are cast onto the ground; a shelf somewhere above has none. Four samples are summed.
-    floor_shader_.set("shadow_strength", std::abs(height) < 0.05 ? 0.30f / 4.0f : 0.0f);
-    // squared distances from the origin between which the floor fades into the horizon
-    const float begin = 5.0f * 5.0f;
-    const float end = 22.0f * 22.0f;
-    floor_shader_.set("fade", Eigen::Vector2f(begin, 1.0f / (end - begin)));
+    const gl::ShaderProgram& shader = floor_shaders_[textures.bind(look.texture, 1) ? 1 : 0];
+    shader.use();
+    shader.set("clip_from_world", Eigen::Matrix4f(view.clip_from_world.cast<float>()));
+    shader.set("world_from_floor", Eigen::Matrix4f(look.world_from_object.matrix().cast<float>()));
+    shader.set("half_size", Eigen::Vector2f((0.5 * look.size_m.head<2>()).cast<float>()));
+    shader.set("colour", colour);
+    shader.set("horizon", kHorizon);
+    shader.set("picture", 1);
+    shader.set("fade", kFade);
     square_.draw();
 }
 
-void Backdrop::draw_floor(const View& view, const ObjectLook& look, const Textures& textures) {
-    draw_plane(view, look, encode_srgb(look.colour), textures);
-}
+namespace {
 
-void Backdrop::draw_ground(const View& view, double height_m) {
+// Around the floors and below them.
+ObjectLook ground_of(std::span<const ObjectLook* const> floors) {
+    constexpr double kBelowM = 0.01;
     ObjectLook ground{.shape = ShapeKind::kPlane};
     ground.size_m = {kGroundSizeM, kGroundSizeM, 0.0};
-    ground.world_from_object.translation.z() = height_m;
-    draw_plane(view, ground, kGroundColour, {});
+    double lowest = 0.0;
+    for (const ObjectLook* floor : floors)
+        lowest = std::min(lowest, floor->world_from_object.translation.z());
+    ground.world_from_object.translation.z() = floors.empty() ? 0.0 : lowest - kBelowM;
+    return ground;
+}
+
+bool covers(const ObjectLook& floor, const Eigen::AlignedBox2d& part_world) {
+    const geometry::RigidTransform floor_from_world = floor.world_from_object.inverse();
+    for (int i = 0; i < 4; ++i) {
+        const Eigen::Vector2d p =
+            part_world.corner(static_cast<Eigen::AlignedBox2d::CornerType>(i));
+        const Eigen::Vector3d at(p.x(), p.y(), floor.world_from_object.translation.z());
+        const Eigen::Array2d in_floor = (floor_from_world * at).head<2>();
+        if ((in_floor.abs() > 0.5 * floor.size_m.head<2>().array()).any()) return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+void Backdrop::draw(const EyeView& eye,
+                    std::span<const ObjectLook* const> floors,
+                    const Textures& textures) {
+    const View view = eye.view();
+    for (const ObjectLook* floor : floors)
+        draw_plane(view, *floor, encode_srgb(floor->colour), textures);
+    draw_plane(view, ground_of(floors), kGroundColour, {});
+    draw_sky(eye);
+}
+
+bool Backdrop::copy(const EyeView& eye,
+                    std::span<const ObjectLook* const> floors,
+                    const Textures& textures,
+                    const gl::Framebuffer& target) {
+    const bool is_seen_alike = last_eye_ == eye;
+    is_kept_ = is_kept_ && is_seen_alike;
+    last_eye_ = eye;
+    const bool has_all = eye.part_px == image::PixelRect{0, 0, target.width, target.height} &&
+                         eye.writes == std::array{true, true, true};
+    if (!is_seen_alike || !has_all) return false;
+    if (!is_kept_) {
+        if (kept_.width != target.width || kept_.height != target.height) {
+            auto made = gl::make_framebuffer(target.width, target.height);
+            if (!made) return false;
+            kept_ = std::move(*made);
+        }
+        kept_.bind();
+        glClear(GL_DEPTH_BUFFER_BIT);
+        draw(eye, floors, textures);
+        is_kept_ = true;
+    }
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, kept_.name.id());
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.name.id());
+    const auto [x, y, width, height] = eye.part_px;
+    glBlitFramebuffer(x,
+                      y,
+                      width,
+                      height,
+                      x,
+                      y,
+                      width,
+                      height,
+                      GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT,
+                      GL_NEAREST);
+    target.bind();
+    return true;
+}
+
+void Backdrop::draw_shadows(const View& view, std::span<const ObjectLook* const> floors) {
+    if (!are_shadows_on_ || shadowed_.empty()) return;
+    floor_shadow_shader_.use();
+    floor_shadow_shader_.set("clip_from_world",
+                             Eigen::Matrix4f(view.clip_from_world.cast<float>()));
+    gl::bind_texture(0, blurred_.colour);
+    floor_shadow_shader_.set("shadow", 0);
+    floor_shadow_shader_.set("shadow_extent", kShadowExtentM);
+    floor_shadow_shader_.set("shadow_strength", 0.30f);
+    floor_shadow_shader_.set("fade", kFade);
+    // just before the floor, whose depth is another one by rounding
+    glEnable(GL_POLYGON_OFFSET_FILL);
+    glPolygonOffset(0.0f, -4.0f);
+    glDepthMask(GL_FALSE);
+    glEnable(GL_BLEND);
+    glBlendFuncSeparate(GL_ZERO, GL_SRC_COLOR, GL_ZERO, GL_ONE);
+    bool is_ground_hidden = false;
+    const Eigen::AlignedBox2d bounds = shadowed_.bounds();
+    for (const ObjectLook* floor : floors) {
+        draw_shadow(*floor);
+        const double height_m = floor->world_from_object.translation.z();
+        if (view.eye_world.z() > height_m && covers(*floor, bounds)) is_ground_hidden = true;
+    }
+    if (!is_ground_hidden) draw_shadow(ground_of(floors));
+    glDisable(GL_BLEND);
+    glDepthMask(GL_TRUE);
+    glDisable(GL_POLYGON_OFFSET_FILL);
+}
+
+// Shadows are cast onto the ground; a shelf somewhere above has none.
+void Backdrop::draw_shadow(const ObjectLook& look) {
+    if (std::abs(look.world_from_object.translation.z()) >= 0.05) return;
+    shadowed_.find_triangles(0.5 * look.size_m.head<2>(), look.world_from_object, triangles_);
+    if (!triangles_.empty()) draw_triangles();
 }
 
 void Backdrop::draw_sky(const EyeView& eye) {

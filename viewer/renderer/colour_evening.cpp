@@ -1,6 +1,7 @@
 #include "viewer/renderer/colour_evening.hpp"
 
 #include "viewer/renderer/person_model.hpp"
+#include "viewer/renderer/person_rows.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -141,19 +142,20 @@ void solve(const ColourEveningOptions& options, ColourEveningScratch& scratch) {
         gain = gain.sign() * (gain.abs() - options.dead_zone).max(0.0);
 }
 
-void apply(const Eigen::Array3d& log_gain, std::uint8_t* rgba, std::size_t num_texels) {
-    std::array<std::array<std::uint8_t, 256>, 3> tables{};
+void apply(const Eigen::Array3d& log_gain, std::size_t camera, PersonModel& model) {
+    std::array<std::uint32_t, 3> factors{};
     for (std::size_t channel = 0; channel < 3; ++channel) {
         const double gain = std::exp(log_gain[static_cast<Eigen::Index>(channel)]);
-        for (std::size_t i = 0; i < 256; ++i)
-            tables[channel][i] =
-                static_cast<std::uint8_t>(std::min(255.0, static_cast<double>(i) * gain + 0.5));
+        factors[channel] = static_cast<std::uint32_t>(std::min(100.0, gain) * 65536.0 + 0.5);
     }
-    for (std::uint8_t* end = rgba + 4 * num_texels; rgba != end; rgba += 4) {
-        if (rgba[3] == 0) continue;
-        for (std::size_t channel = 0; channel < 3; ++channel)
-            rgba[channel] = tables[channel][rgba[channel]];
-    }
+    // nothing is below the camera's picture
+    const float num_rows =
+        model.cameras[camera].high_st.y() * static_cast<float>(model.layer_height) + 0.5f;
+    const auto size =
+        static_cast<std::size_t>(num_rows) * static_cast<std::size_t>(model.layer_width);
+    auto* rgba =
+        reinterpret_cast<std::uint32_t*>(model.layers.data()) + camera * layer_texels(model);
+    multiply_colours({rgba, std::min(size, layer_texels(model))}, factors, image::best_row_code());
 }
 
 }  // namespace
@@ -173,9 +175,7 @@ void even_colours(const ColourEveningOptions& options,
     solve(options, scratch);
     for (std::size_t c = 0; c < num_cameras; ++c) {
         if ((scratch.log_gains[c] == 0.0).all()) continue;
-        apply(scratch.log_gains[c],
-              model.layers.data() + 4 * c * layer_texels(model),
-              layer_texels(model));
+        apply(scratch.log_gains[c], c, model);
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include "core/gl/resources.hpp"
 #include "viewer/renderer/object_drawing.hpp"
+#include "viewer/renderer/object_shaders.hpp"
 #include "viewer/renderer/textures.hpp"
 
 #include <cstddef>
@@ -16,22 +17,26 @@ public:
 
     /// The thing stays as it is until the batch was drawn.
     void add(const ObjectDrawing& object, double radius_px);
-    /// Draws and forgets all of them, with a shader of kObjectVertex or of shadow_vertex in use;
-    /// without `textures` all are plain.
-    void draw(const gl::ShaderProgram& shader, const Textures* textures);
+    /// Draws and forgets all of them, with shaders of kObjectVertex.
+    void draw(const ObjectShaders& shaders, const Textures& textures);
+    /// Likewise with the shader in use, one of shadow_vertex.
+    void draw_shadows();
 
 private:
     // as the shaders read it
     struct Instance {
         Eigen::Matrix4f world_from_mesh;
-        Eigen::Vector4f colour_and_sectors;
+        Eigen::Vector3f colour;
     };
     struct Entry {
         const ObjectMesh* mesh;
         std::size_t level;
         const ObjectDrawing* object;
     };
-    void draw_alike(std::size_t first, std::size_t num) const;
+    void prepare();
+    std::size_t end_of_alike(std::size_t first) const;
+    void draw_alike(std::size_t first, std::size_t end) const;
+    void forget();
 
     gl::Buffer buffer_;
     std::vector<Entry> entries_;

@@ -30,6 +30,8 @@ void SoftDrawing::move(std::span<const Eigen::Vector3f> nodes_world) {
         look.texture_places = make_texture_places(look, nodes_world);
     make_soft_surface(look, nodes_world, surface);
     num_indices = static_cast<int>(surface.indices.size());
+    bounds.setEmpty();
+    for (const ShapeMesh::Corner& corner : surface.corners) bounds.extend(corner.position_object);
     glBindVertexArray(layout.id());
     gl::upload(corners,
                GL_ARRAY_BUFFER,

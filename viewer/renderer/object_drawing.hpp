@@ -4,6 +4,8 @@
 #include "viewer/renderer/object_mesh.hpp"
 #include "viewer/renderer/soft_surface.hpp"
 
+#include <Eigen/Geometry>
+
 #include <span>
 
 namespace atrium::renderer {
@@ -36,6 +38,7 @@ struct SoftDrawing {
     gl::Buffer indices;
     ShapeMesh surface;  // scratch
     int num_indices = 0;
+    Eigen::AlignedBox3f bounds;  // in the world
 };
 
 }  // namespace atrium::renderer

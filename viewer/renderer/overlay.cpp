@@ -99,6 +99,7 @@ void Overlay::draw_label(const Label& label, const EyeView& eye) const {
 }
 
 void Overlay::draw_lines(const EyeView& eye) const {
+    if (num_lines_ == 0) return;
     constexpr float kHiddenOpacity = 0.3f;
     line_shader_.use();
     line_shader_.set("clip_from_world", Eigen::Matrix4f(eye.clip_from_world().cast<float>()));
@@ -117,12 +118,8 @@ void Overlay::draw_lines(const EyeView& eye) const {
     glDisable(GL_BLEND);
 }
 
-void Overlay::draw(const EyeView& eye) const {
-    if (num_lines_ > 0) draw_lines(eye);
-    if (!labels_.empty()) draw_labels(eye);
-}
-
 void Overlay::draw_labels(const EyeView& eye) const {
+    if (labels_.empty()) return;
     // the nearest last, over the others
     std::vector<const Label*> order;
     for (const Label& label : labels_) order.push_back(&label);

@@ -55,14 +55,15 @@ public:
     double silhouettes_m() const { return silhouettes_m_; }
     void set_silhouettes(double distance_m) { silhouettes_m_ = distance_m; }
 
-    /// With the eye's viewport and colours set.
-    void draw(const EyeView& eye) const;
+    /// Draws the lines with the scene's depths. The caller has set the eye's viewport and colours.
+    void draw_lines(const EyeView& eye) const;
+    /// Draws the labels over everything; needs no depths. The caller has set the eye's viewport and
+    /// colours.
+    void draw_labels(const EyeView& eye) const;
 
 private:
     Overlay() = default;
     void draw_label(const Label& label, const EyeView& eye) const;
-    void draw_labels(const EyeView& eye) const;
-    void draw_lines(const EyeView& eye) const;
 
     gl::ShaderProgram label_shader_;
     ScreenSquare square_;

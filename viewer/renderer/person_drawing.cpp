@@ -1,10 +1,12 @@
 #include "viewer/renderer/person_drawing.hpp"
 
+#include "viewer/renderer/backdrop.hpp"
 #include "viewer/renderer/shaders.hpp"
 
 #include <Eigen/LU>
 #include <glad/gl.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -17,10 +19,38 @@ void describe_group(std::size_t num_cameras) {
     gl::float_attribute(1, 3, stride, 3 * sizeof(float));
     unsigned index = 2;
     std::size_t offset = 6 * sizeof(float);
-    for (std::size_t i = 0; i < num_cameras / 2; ++i, offset += 2 * sizeof(float))
-        gl::float_attribute(index++, 2, stride, offset);
+    for (std::size_t i = 0; i < num_cameras; i += shaders::kLayersPerAttribute) {
+        const std::size_t num_layers = std::min(num_cameras - i, shaders::kLayersPerAttribute);
+        gl::float_attribute(index++, static_cast<int>(num_layers), stride, offset);
+        offset += num_layers * sizeof(float);
+    }
     for (std::size_t i = 0; i < num_cameras; ++i, offset += 4 * sizeof(float))
         gl::float_attribute(index++, 4, stride, offset);
+}
+
+// Software would clear, and the system hand out anew, all of a buffer that is made for each
+// picture: this one is only made anew when it is too small. Calls write(to) with memory for so many
+// numbers.
+template <typename Write>
+void stream(std::size_t num_floats,
+            const gl::Buffer& buffer,
+            std::size_t& capacity,
+            Write&& write) {
+    if (num_floats == 0) return;
+    glBindBuffer(GL_ARRAY_BUFFER, buffer.id());
+    const std::size_t bytes = num_floats * sizeof(float);
+    if (capacity < bytes) {
+        capacity = bytes + bytes / 2;
+        glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(capacity), nullptr, GL_STREAM_DRAW);
+    }
+    void* to = glMapBufferRange(GL_ARRAY_BUFFER,
+                                0,
+                                static_cast<GLsizeiptr>(bytes),
+                                GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
+    // else out of memory: what was there is drawn
+    if (to == nullptr) return;
+    write(std::span<float>(static_cast<float*>(to), num_floats));
+    glUnmapBuffer(GL_ARRAY_BUFFER);
 }
 
 }  // namespace
@@ -38,20 +68,13 @@ Expected<PersonShaders> PersonShaders::create() {
     return shaders;
 }
 
-PersonDrawing::PersonDrawing()
-    : surface_layout_(gl::make_vertex_array()),
-      surface_vertices_(gl::make_buffer()),
-      surface_indices_(gl::make_buffer()) {
+PersonDrawing::PersonDrawing() {
     for (std::size_t g = 0; g < groups_.size(); ++g) {
         groups_[g] = {gl::make_vertex_array(), gl::make_buffer()};
         glBindVertexArray(groups_[g].layout.id());
         glBindBuffer(GL_ARRAY_BUFFER, groups_[g].vertices.id());
         describe_group(kCamerasPerTriangle[g]);
     }
-    glBindVertexArray(surface_layout_.id());
-    glBindBuffer(GL_ARRAY_BUFFER, surface_vertices_.id());
-    gl::float_attribute(0, 3, sizeof(Eigen::Vector3f), 0);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, surface_indices_.id());
     glBindVertexArray(0);
 }
 
@@ -60,21 +83,19 @@ PersonModel PersonDrawing::set_model(PersonModel model) {
     is_blended_ = false;
     opacity_ = 1.0;
     upload_pictures();
-    glBindVertexArray(surface_layout_.id());
-    gl::upload(surface_vertices_,
-               GL_ARRAY_BUFFER,
-               std::span<const Eigen::Vector3f>(model_.vertices_site),
-               GL_STREAM_DRAW);
-    gl::upload(surface_indices_,
-               GL_ELEMENT_ARRAY_BUFFER,
-               std::span<const std::array<std::uint32_t, 3>>(model_.triangles),
-               GL_STREAM_DRAW);
-    glBindVertexArray(0);
+    find_shadow();
     return model;
 }
 
 void PersonDrawing::set_pose(const Eigen::Matrix4d& world_from_site) {
+    if (world_from_site == world_from_site_) return;
     world_from_site_ = world_from_site;
+    find_shadow();
+}
+
+Eigen::AlignedBox3d PersonDrawing::bounds_world() const {
+    if (model_.bounds_site.isEmpty()) return {};
+    return model_.bounds_site.cast<double>().transformed(Eigen::Isometry3d(world_from_site_));
 }
 
 void PersonDrawing::upload_pictures() {
@@ -124,13 +145,10 @@ void PersonDrawing::blend(const Eigen::Vector3f& eye_site) {
     is_blended_ = true;
     blended_eye_site_ = eye_site;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
-        const BlendGroup& group = blended_.groups[g];
-        const std::size_t num_floats =
-            group.num_vertices * floats_per_vertex(kCamerasPerTriangle[g]);
-        gl::upload(groups_[g].vertices,
-                   GL_ARRAY_BUFFER,
-                   std::span<const float>(group.data.data(), num_floats),
-                   GL_STREAM_DRAW);
+        stream(blended_.groups[g].num_vertices() * floats_per_vertex(kCamerasPerTriangle[g]),
+               groups_[g].vertices,
+               groups_[g].capacity_bytes,
+               [&](std::span<float> to) { lay_out(model_, blended_, g, to); });
     }
 }
 
@@ -144,21 +162,38 @@ void PersonDrawing::draw(const PersonShaders& shaders,
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_2D_ARRAY, pictures_.id());
     for (std::size_t g = 0; g < groups_.size(); ++g) {
-        if (blended_.groups[g].num_vertices == 0) continue;
+        if (blended_.groups[g].triangles.empty()) continue;
         shaders.by_group[g].use();
         shaders.by_group[g].set("clip_from_site", clip_from_site);
         shaders.by_group[g].set("pictures", 0);
         glBindVertexArray(groups_[g].layout.id());
-        glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(blended_.groups[g].num_vertices));
+        glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(blended_.groups[g].num_vertices()));
     }
 }
 
-void PersonDrawing::draw_surface(const gl::ShaderProgram& shader) const {
-    if (model_.triangles.empty()) return;
-    shader.set("world_from_object", Eigen::Matrix4f(world_from_site_.cast<float>()));
-    glBindVertexArray(surface_layout_.id());
-    glDrawElements(
-        GL_TRIANGLES, static_cast<GLsizei>(3 * model_.triangles.size()), GL_UNSIGNED_INT, nullptr);
+// Of some six hundred pixels of the picture of the shadows, where the surface has ten times as many
+// triangles: the pixels are found here, once per model.
+void PersonDrawing::find_shadow() {
+    const Eigen::Vector3d light = light_world().cast<double>();
+    Eigen::Matrix<double, 2, 4> floor_from_world = Eigen::Matrix<double, 2, 4>::Zero();
+    floor_from_world.leftCols<2>().setIdentity();
+    floor_from_world.col(2) = -light.head<2>() / light.z();
+    constexpr double kPxPerM = Backdrop::kShadowPx / double{Backdrop::kShadowExtentM};
+    Eigen::Matrix<double, 2, 4> px_from_site = kPxPerM * floor_from_world * world_from_site_;
+    px_from_site.col(3).array() += 0.5 * Backdrop::kShadowPx - 0.5;
+    const Eigen::Matrix<float, 2, 4> from_site = px_from_site.cast<float>();
+    shadow_scratch_.corners_px.resize(model_.vertices_site.size());
+    std::transform(model_.vertices_site.begin(),
+                   model_.vertices_site.end(),
+                   shadow_scratch_.corners_px.begin(),
+                   [&](const Eigen::Vector3f& p) -> Eigen::Vector2f {
+                       return from_site.leftCols<3>() * p + from_site.col(3);
+                   });
+    find_covered(shadow_scratch_.corners_px,
+                 model_.triangles,
+                 Backdrop::kShadowPx,
+                 shadow_scratch_.cover,
+                 shadow_scratch_.runs);
 }
 
 }  // namespace atrium::renderer

@@ -5,8 +5,13 @@
 #include "core/gl/shader_program.hpp"
 #include "viewer/renderer/camera_blend.hpp"
 #include "viewer/renderer/person_model.hpp"
+#include "viewer/renderer/shadow_cover.hpp"
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
 
 namespace atrium::renderer {
 
@@ -32,22 +37,30 @@ public:
 
     const PersonModel& model() const { return model_; }
     const Eigen::Matrix4d& world_from_site() const { return world_from_site_; }
+    Eigen::AlignedBox3d bounds_world() const;
     /// Array, one layer for each of the model's cameras.
     const gl::Texture& pictures() const { return pictures_; }
 
     void draw(const PersonShaders& shaders,
               const Eigen::Matrix4d& clip_from_world,
               const Eigen::Vector3d& eye_world);
-    /// Draws the bare surface with the shader in use, whose "world_from_object" it sets.
-    void draw_surface(const gl::ShaderProgram& shader) const;
+    /// What the surface covers of the picture of the shadows (`Backdrop::add_shadow`).
+    std::span<const PixelRun> shadow() const { return shadow_scratch_.runs; }
 
 private:
     void upload_pictures();
     void blend(const Eigen::Vector3f& eye_site);
+    void find_shadow();
 
     struct Group {
         gl::VertexArray layout;
         gl::Buffer vertices;
+        std::size_t capacity_bytes = 0;
+    };
+    struct ShadowScratch {
+        std::vector<Eigen::Vector2f> corners_px;
+        CoverScratch cover;
+        std::vector<PixelRun> runs;
     };
     PersonModel model_;
     Eigen::Matrix4d world_from_site_ = Eigen::Matrix4d::Identity();
@@ -60,9 +73,7 @@ private:
 
     gl::Texture pictures_;  // array, one layer per camera
     std::array<int, 3> pictures_size_{};
-    gl::VertexArray surface_layout_;
-    gl::Buffer surface_vertices_;
-    gl::Buffer surface_indices_;
+    ShadowScratch shadow_scratch_;
 };
 
 }  // namespace atrium::renderer

@@ -1,5 +1,8 @@
 #include "viewer/renderer/person_model.hpp"
 
+#include "viewer/renderer/inverse_depth.hpp"
+#include "viewer/renderer/person_rows.hpp"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -7,41 +10,74 @@
 #include <cmath>
 
 namespace atrium::renderer {
+
+struct PersonModelScratch::Parts {
+    Axes vertices;                        // as PersonModel::vertices_site
+    std::vector<Eigen::Vector4f> points;  // the same
+    std::vector<Eigen::Vector4f> normal_sums;
+    std::vector<Eigen::Vector4f> normals;
+    Faces faces;
+    std::vector<float> cosines;  // per face: of its normal to the way to the camera
+    std::vector<std::array<std::uint32_t, 3>> facing;  // triangles that face the camera
+    std::size_t num_facing = 0;
+    std::vector<float> most_facing;  // per vertex: cosine of the face that faces the camera most
+    Projected projected;
+    std::vector<Eigen::Vector4f> corners;  // for `depth`
+    InverseDepthPicture depth;
+    Seen seen;
+    std::vector<std::vector<std::int32_t>> texels;  // per camera and vertex: in its layer
+    std::vector<Eigen::Vector4f> colour_sums;       // per vertex
+    std::vector<std::uint8_t> is_coloured;
+    std::vector<std::uint32_t> partly_coloured;  // triangles
+};
+
+PersonModelScratch::PersonModelScratch() : parts(std::make_unique<Parts>()) {}
+PersonModelScratch::PersonModelScratch(PersonModelScratch&&) noexcept = default;
+PersonModelScratch& PersonModelScratch::operator=(PersonModelScratch&&) noexcept = default;
+PersonModelScratch::~PersonModelScratch() = default;
+
 namespace {
 
 constexpr int kBorder = 1;             // texels of alpha 0 around each picture
-constexpr int kLayerGranularity = 64;  // so that the size of layers seldom changes
-
-float smooth_step(float low, float high, float x) {
-    const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
-    return t * t * (3.0f - 2.0f * t);
-}
+constexpr int kLayerGranularity = 16;  // so that the size of layers seldom changes
 
 bool is_usable(const CameraPicture& picture) {
     return picture.width > 0 && picture.height > 0 && !picture.crop_px.empty();
 }
 
 // Area-weighted normals, smoothed once over the neighbours: those of a hull jump from strip to
-// strip.
-void compute_normals(PersonModel& model, PersonModelScratch& scratch) {
+// strip. With a fourth number that is 0, which makes vectors of registers.
+void compute_normals(PersonModel& model, PersonModelScratch::Parts& scratch) {
+    const std::size_t num_vertices = model.vertices_site.size();
+    auto& points = scratch.points;
     auto& sums = scratch.normal_sums;
-    auto& normals = model.normals;
-    sums.assign(model.vertices_site.size(), Eigen::Vector3f::Zero());
-    scratch.face_normals.clear();
-    for (const auto& [a, b, c] : model.triangles) {
-        const Eigen::Vector3f& p = model.vertices_site[a];
-        const Eigen::Vector3f twice_area =
-            (model.vertices_site[b] - p).cross(model.vertices_site[c] - p);
-        for (const std::uint32_t v : {a, b, c}) sums[v] += twice_area;
-        scratch.face_normals.push_back(twice_area.normalized());
+    points.resize(num_vertices);
+    for (std::size_t v = 0; v < num_vertices; ++v) {
+        const Eigen::Vector3f& p = model.vertices_site[v];
+        points[v] = {p.x(), p.y(), p.z(), 0.0f};
     }
+    sums.assign(num_vertices, Eigen::Vector4f::Zero());
+    scratch.faces.corners.resize(model.triangles.size());
+    scratch.faces.normals.resize(model.triangles.size());
+    for (std::size_t t = 0; t < model.triangles.size(); ++t) {
+        const auto& [a, b, c] = model.triangles[t];
+        const Eigen::Vector4f p = points[a];
+        const Eigen::Vector4f twice_area = (points[b] - p).cross3(points[c] - p);
+        for (const std::uint32_t v : {a, b, c}) sums[v] += twice_area;
+        set(scratch.faces.corners, t, p.head<3>());
+        set(scratch.faces.normals, t, twice_area.head<3>());
+    }
+    normalize(scratch.faces.normals, image::best_row_code());
     for (auto& n : sums) n.normalize();
+    auto& normals = scratch.normals;
     normals = sums;
     for (const auto& [a, b, c] : model.triangles) {
-        const Eigen::Vector3f mean = (sums[a] + sums[b] + sums[c]) * 0.25f;
+        const Eigen::Vector4f mean = (sums[a] + sums[b] + sums[c]) * 0.25f;
         for (const std::uint32_t v : {a, b, c}) normals[v] += mean;
     }
-    for (auto& n : normals) n.normalize();
+    model.normals.resize(num_vertices);
+    for (std::size_t v = 0; v < num_vertices; ++v)
+        model.normals[v] = normals[v].normalized().head<3>();
 }
 
 void choose_layer_size(std::span<const CameraPicture> pictures, PersonModel& out) {
@@ -63,78 +99,59 @@ std::size_t layer_bytes(const PersonModel& model) {
            static_cast<std::size_t>(model.layer_height) * 4;
 }
 
-bool is_masked(const std::uint8_t* rgba) { return rgba[3] >= 128; }
-
-// A texel at the outline shows some of what is behind: it counts little beside those of other
-// cameras, and takes over only where there are none.
-constexpr int kOutlineAlpha = 48;
-
 // Copies the picture with its colour multiplied by alpha: what lies outside the mask then has no
 // part in any filtered texel, and a weighted sum of texels divides out to a colour of the person
-// alone.
+// alone. A texel at the outline shows some of what is behind: it counts little beside those of
+// other cameras, and takes over only where there are none.
 void fill_layer(const CameraPicture& picture, const PersonModel& model, std::uint8_t* layer) {
-    const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(picture.width) * 4;
-    for (int y = 0; y < picture.height; ++y) {
-        const std::uint8_t* from = picture.rgba.data() + y * stride;
-        std::uint8_t* to =
-            layer + (static_cast<std::ptrdiff_t>(y + kBorder) * model.layer_width + kBorder) * 4;
-        const bool is_border_row = y == 0 || y + 1 == picture.height;
-        for (int x = 0; x < picture.width; ++x, from += 4, to += 4) {
-            if (!is_masked(from)) continue;
-            const bool is_inside = !is_border_row && x > 0 && x + 1 < picture.width &&
-                                   is_masked(from - 4) && is_masked(from + 4) &&
-                                   is_masked(from - stride) && is_masked(from + stride);
-            const int alpha = is_inside ? 255 : kOutlineAlpha;
-            for (int i = 0; i < 3; ++i)
-                to[i] =
-                    is_inside ? from[i] : static_cast<std::uint8_t>((from[i] * alpha + 127) / 255);
-            to[3] = static_cast<std::uint8_t>(alpha);
-        }
+    const image::RowCode code = image::best_row_code();
+    const auto* from = reinterpret_cast<const std::uint32_t*>(picture.rgba.data());
+    auto* to = reinterpret_cast<std::uint32_t*>(layer);
+    const auto width = static_cast<std::size_t>(picture.width);
+    const auto layer_width = static_cast<std::size_t>(model.layer_width);
+    std::fill_n(to, kBorder * layer_width, 0U);
+    to += kBorder * layer_width;
+    for (int y = 0; y < picture.height; ++y, from += width, to += layer_width) {
+        std::fill_n(to, kBorder, 0U);
+        multiply_by_mask(y > 0 ? from - width : nullptr,
+                         {from, width},
+                         y + 1 < picture.height ? from + width : nullptr,
+                         to + kBorder,
+                         code);
+        std::fill(to + kBorder + width, to + layer_width, 0U);
     }
+    const int num_below = model.layer_height - kBorder - picture.height;
+    std::fill_n(to, static_cast<std::size_t>(num_below) * layer_width, 0U);
 }
 
-const std::uint8_t* texel(const PersonModel& model, std::size_t camera, float s, float t) {
-    const int x = static_cast<int>(s * static_cast<float>(model.layer_width));
-    const int y = static_cast<int>(t * static_cast<float>(model.layer_height));
-    if (s < 0.0f || t < 0.0f || x >= model.layer_width || y >= model.layer_height) return nullptr;
-    return model.layers.data() + camera * layer_bytes(model) +
-           (static_cast<std::size_t>(y) * static_cast<std::size_t>(model.layer_width) +
-            static_cast<std::size_t>(x)) *
-               4;
-}
-
-// How surely the mask covers the surroundings of (s, t), in [0, 1].
-float mask_near(const PersonModel& model, std::size_t camera, float s, float t) {
+// How surely the mask covers the surroundings of a vertex, in [0, 1].
+float mask_near(const PersonModel& model,
+                const std::uint8_t* alpha,
+                const Eigen::Vector3f& layer_coordinates) {
     // vertices of a hull lie on outlines: they count when the person is within two texels
     constexpr float kReach = 1.5f;
-    const float ds = kReach / static_cast<float>(model.layer_width);
-    const float dt = kReach / static_cast<float>(model.layer_height);
-    int sum = 0;
-    for (const auto& [x, y] : {std::pair{0.0f, 0.0f}, {ds, dt}, {-ds, dt}, {ds, -dt}, {-ds, -dt}}) {
-        const std::uint8_t* found = texel(model, camera, s + x, t + y);
-        if (found != nullptr) sum += found[3];
-    }
+    const auto width = static_cast<float>(model.layer_width);
+    const auto height = static_cast<float>(model.layer_height);
+    const float x = layer_coordinates.x() / layer_coordinates.z() * width;
+    const float y = layer_coordinates.y() / layer_coordinates.z() * height;
+    constexpr float kMargin = 2.0f;
+    const bool is_amid =
+        x >= kMargin && y >= kMargin && x < width - kMargin && y < height - kMargin;
+    const auto at = [&](float px, float py) {
+        if (!is_amid && !(px >= 0.0f && py >= 0.0f && px < width && py < height)) return 0;
+        return int{alpha[4 * (static_cast<std::ptrdiff_t>(py) * model.layer_width +
+                              static_cast<std::ptrdiff_t>(px))]};
+    };
+    const int sum = at(x, y) + at(x + kReach, y + kReach) + at(x - kReach, y + kReach) +
+                    at(x + kReach, y - kReach) + at(x - kReach, y - kReach);
     return std::min(1.0f, static_cast<float>(sum) / 255.0f);
 }
-
-// Mapping of undistorted pixels to the coarse picture of the mesh.
-struct DepthWindow {
-    Eigen::Vector2f origin_px = Eigen::Vector2f::Zero();
-    float scale = 1.0f;
-};
 
 struct CameraStage {
     const CameraPicture& picture;
     std::size_t index;  // of the camera in the model
     const PersonModelOptions& options;
 };
-
-// Of no use are pixels beyond any picture, as lenses have them that somebody made up; NaN is not
-// near either.
-bool is_near_pictures(const Eigen::Vector2d& px) {
-    constexpr double kFar_px = 1e6;
-    return std::abs(px.x()) < kFar_px && std::abs(px.y()) < kFar_px;
-}
 
 void note_place(const CameraPicture& picture,
                 const PersonModel& model,
@@ -150,137 +167,146 @@ void note_place(const CameraPicture& picture,
     camera.high_st = (size + kBorder).cast<float>() / layer_size;
 }
 
-// Per vertex: texture coordinates, and in `scratch.corners` undistorted pixels and inverse depth.
-void project_vertices(const CameraStage& stage, PersonModel& model, PersonModelScratch& scratch) {
-    const auto& [camera, crop, width, height, rgba] = stage.picture;
-    const geometry::PinholeCamera& lens = camera.intrinsics;
-    const Eigen::Matrix3d rotation = camera.camera_from_site.rotation.toRotationMatrix();
-    const Eigen::Vector3d& translation = camera.camera_from_site.translation;
-    const Eigen::Array2d texels_per_px(static_cast<double>(width) / crop.width,
-                                       static_cast<double>(height) / crop.height);
+Projection projection_of(const CameraPicture& picture, const PersonModel& model) {
+    const geometry::PinholeCamera& lens = picture.camera.intrinsics;
+    const geometry::RigidTransform& pose = picture.camera.camera_from_site;
+    Projection result{};
+    Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(result.rotation.data()) =
+        pose.rotation.toRotationMatrix().cast<float>();
+    Eigen::Map<Eigen::Vector3f>(result.translation.data()) = pose.translation.cast<float>();
+    result.fx = static_cast<float>(lens.fx);
+    result.fy = static_cast<float>(lens.fy);
+    result.cx = static_cast<float>(lens.cx);
+    result.cy = static_cast<float>(lens.cy);
+    result.skew = static_cast<float>(lens.skew);
+    std::transform(
+        lens.distortion.begin(), lens.distortion.end(), result.distortion.begin(), [](double k) {
+            return static_cast<float>(k);
+        });
+    const image::PixelRect& crop = picture.crop_px;
+    const Eigen::Array2d texels_per_px(static_cast<double>(picture.width) / crop.width,
+                                       static_cast<double>(picture.height) / crop.height);
     const Eigen::Array2d layer_size(model.layer_width, model.layer_height);
     const Eigen::Array2d crop_origin(crop.x - 0.5, crop.y - 0.5);
-    auto& coordinates = model.cameras[stage.index].layer_coordinates;
-    coordinates.resize(model.vertices_site.size());
-    scratch.corners.resize(model.vertices_site.size());
-    constexpr double kNearest = 0.05;  // [m] closer than this is as good as behind the camera
-    // what faces away has no part in the picture: there, straight-line coordinates will do
-    constexpr float kCosFacingAway = -0.3f;
-    const bool is_distorted = lens.has_distortion();
-    const Eigen::Vector3f& centre = model.cameras[stage.index].centre_site;
-    for (std::size_t v = 0; v < coordinates.size(); ++v) {
-        coordinates[v] = Eigen::Vector3f(0.0f, 0.0f, 1.0f);
-        scratch.corners[v].setZero();
-        const Eigen::Vector3d p = rotation * model.vertices_site[v].cast<double>() + translation;
-        if (!(p.z() > kNearest)) continue;
-        const Eigen::Vector2d px = lens.project(p);
-        const bool bends = is_distorted && (centre - model.vertices_site[v]).dot(model.normals[v]) >
-                                               kCosFacingAway * static_cast<float>(p.z());
-        const Eigen::Vector2d in_picture = bends ? lens.distort(px) : px;
-        if (!is_near_pictures(px) || !is_near_pictures(in_picture)) continue;
-        const Eigen::Array2d st =
-            ((in_picture.array() - crop_origin) * texels_per_px + kBorder) / layer_size;
-        coordinates[v] = Eigen::Vector3d(st.x() * p.z(), st.y() * p.z(), p.z()).cast<float>();
-        scratch.corners[v] = Eigen::Vector3d(px.x(), px.y(), 1.0 / p.z()).cast<float>();
-    }
+    Eigen::Map<Eigen::Array2f>(result.st_per_px.data()) =
+        (texels_per_px / layer_size).cast<float>();
+    Eigen::Map<Eigen::Array2f>(result.st_offset.data()) =
+        ((kBorder - crop_origin * texels_per_px) / layer_size).cast<float>();
+    result.layer_size = {model.layer_width, model.layer_height};
+    return result;
 }
 
-DepthWindow fit_depth_window(int long_side_px, PersonModelScratch& scratch) {
-    Eigen::Vector2f low = Eigen::Vector2f::Constant(1e9f);
-    Eigen::Vector2f high = Eigen::Vector2f::Constant(-1e9f);
-    for (const Eigen::Vector3f& corner : scratch.corners) {
-        if (corner.z() <= 0.0f) continue;
-        low = low.cwiseMin(corner.head<2>());
-        high = high.cwiseMax(corner.head<2>());
-    }
-    DepthWindow window;
-    if (low.x() > high.x()) {  // nothing is before this camera
-        scratch.depth.width = scratch.depth.height = 1;
-        return window;
-    }
-    const float extent = std::max((high - low).maxCoeff(), 1.0f);
-    window.origin_px = low;
-    window.scale = static_cast<float>(long_side_px - 1) / extent;
-    scratch.depth.width = static_cast<int>((high.x() - low.x()) * window.scale) + 1;
-    scratch.depth.height = static_cast<int>((high.y() - low.y()) * window.scale) + 1;
-    for (Eigen::Vector3f& corner : scratch.corners)
-        corner.head<2>() = (corner.head<2>() - low) * window.scale;
-    return window;
+// Per vertex: texture coordinates, and in `scratch.projected` undistorted pixels and inverse depth.
+void project_vertices(const CameraStage& stage,
+                      PersonModel& model,
+                      PersonModelScratch::Parts& scratch) {
+    project_points(projection_of(stage.picture, model),
+                   scratch.vertices,
+                   scratch.projected,
+                   image::best_row_code());
+    const std::size_t num_vertices = model.vertices_site.size();
+    model.cameras[stage.index].layer_coordinates.resize(num_vertices);
+    Eigen::Vector3f* coordinates = model.cameras[stage.index].layer_coordinates.data();
+    const float* s = scratch.projected.in_layer.x.data();
+    const float* t = scratch.projected.in_layer.y.data();
+    const float* depth = scratch.projected.in_layer.z.data();
+    for (std::size_t v = 0; v < num_vertices; ++v) coordinates[v] = {s[v], t[v], depth[v]};
+    std::swap(scratch.projected.texels, scratch.texels[stage.index]);
 }
 
 // The vertices of a hull lie on outlines: there the mean normal is across the view of the cameras
 // that made them, though a face beside them may be seen well. So each face is judged by itself, and
 // a vertex by the face of its own that the camera sees best.
-void judge_faces(const CameraStage& stage, PersonModelScratch& scratch, PersonModel& model) {
+Facing facing_limits(const PersonModelOptions& options) {
+    return {static_cast<float>(options.cos_min), static_cast<float>(options.cos_full)};
+}
+
+void judge_faces(const CameraStage& stage, PersonModelScratch::Parts& scratch, PersonModel& model) {
     PersonModel::Camera& camera = model.cameras[stage.index];
-    const auto cos_min = static_cast<float>(stage.options.cos_min);
-    const auto cos_full = static_cast<float>(stage.options.cos_full);
-    camera.facing.resize(model.triangles.size());
+    judge_facing(scratch.faces,
+                 camera.centre_site,
+                 facing_limits(stage.options),
+                 scratch.cosines,
+                 camera.facing,
+                 image::best_row_code());
     scratch.most_facing.assign(model.vertices_site.size(), -1.0f);
-    for (std::size_t t = 0; t < model.triangles.size(); ++t) {
-        const auto& triangle = model.triangles[t];
-        const Eigen::Vector3f to_camera = camera.centre_site - model.vertices_site[triangle[0]];
-        const float along = to_camera.dot(scratch.face_normals[t]);
-        camera.facing[t] = 0.0f;
-        if (along <= 0.0f) continue;
-        const float cos_angle = along / to_camera.norm();
-        camera.facing[t] = smooth_step(cos_min, cos_full, cos_angle);
-        for (const std::uint32_t v : triangle)
-            scratch.most_facing[v] = std::max(scratch.most_facing[v], cos_angle);
+    const std::size_t num_triangles = model.triangles.size();
+    scratch.facing.resize(num_triangles);
+    const float* cosines = scratch.cosines.data();
+    const std::array<std::uint32_t, 3>* triangles = model.triangles.data();
+    std::array<std::uint32_t, 3>* facing = scratch.facing.data();
+    float* most_facing = scratch.most_facing.data();
+    for (std::size_t t = 0; t < num_triangles; ++t) {
+        const float cosine = cosines[t];
+        if (!(cosine > 0.0f)) continue;
+        *facing++ = triangles[t];
+        for (const std::uint32_t v : triangles[t])
+            most_facing[v] = std::max(most_facing[v], cosine);
     }
+    scratch.num_facing = static_cast<std::size_t>(facing - scratch.facing.data());
 }
 
 void judge_vertices(const CameraStage& stage,
-                    const DepthWindow& window,
-                    PersonModelScratch& scratch,
+                    float depth_scale,
+                    PersonModelScratch::Parts& scratch,
                     PersonModel& model) {
     PersonModel::Camera& camera = model.cameras[stage.index];
-    const PersonModelOptions& options = stage.options;
-    const auto cos_min = static_cast<float>(options.cos_min);
-    const auto cos_full = static_cast<float>(options.cos_full);
-    // width of a pixel of the depth picture at a depth of one metre
-    const float pixel_tangent =
-        1.0f / (window.scale * static_cast<float>(stage.picture.camera.intrinsics.fx));
-    camera.quality.assign(model.vertices_site.size(), 0.0f);
-    for (std::size_t v = 0; v < camera.quality.size(); ++v) {
-        const Eigen::Vector3f& corner = scratch.corners[v];
-        if (!(corner.z() > 0.0f)) continue;
-        const float cos_angle = scratch.most_facing[v];
-        const float frontal = smooth_step(cos_min, cos_full, cos_angle);
-        if (frontal <= 0.0f) continue;
-        const Eigen::Vector3f& st = camera.layer_coordinates[v];
-        const float mask = mask_near(model, stage.index, st.x() / st.z(), st.y() / st.z());
-        if (mask <= 0.0f) continue;
-        // slope-scaled: over the 3 x 3 pixels looked at, a slanted surface comes nearer by itself
-        const float nearest = scratch.depth.nearest_around(corner.x(), corner.y());
-        const float depth = 1.0f / corner.z();
-        const float slope = std::sqrt(std::max(0.0f, 1.0f - cos_angle * cos_angle)) / cos_angle;
-        const float bias = static_cast<float>(options.hidden_bias_m) +
-                           1.5f * depth * pixel_tangent * std::min(slope, 4.0f);
-        const float behind = nearest > 0.0f ? depth - 1.0f / nearest : 0.0f;
-        const float hidden =
-            std::clamp((behind - bias) / static_cast<float>(options.hidden_soft_m), 0.0f, 1.0f);
-        camera.quality[v] = frontal * mask * (1.0f - hidden);
+    const Seeing seeing{
+        facing_limits(stage.options),
+        static_cast<float>(stage.options.hidden_bias_m),
+        static_cast<float>(stage.options.hidden_soft_m),
+        1.0f / (depth_scale * static_cast<float>(stage.picture.camera.intrinsics.fx))};
+    const std::uint8_t* alpha = model.layers.data() + stage.index * layer_bytes(model) + 3;
+    const std::int32_t* texels = scratch.texels[stage.index].data();
+    const float* most_facing = scratch.most_facing.data();
+    const Eigen::Vector4f* corners = scratch.corners.data();
+    const std::size_t num_vertices = model.vertices_site.size();
+    camera.quality.assign(num_vertices, 0.0f);
+    Seen& seen = scratch.seen;
+    seen.reserve(num_vertices);
+    seen.size = 0;
+    for (std::size_t v = 0; v < num_vertices; ++v) {
+        const float cosine = most_facing[v];
+        const float inverse_depth = corners[v].z();
+        if (!(cosine > seeing.facing.cos_min && inverse_depth > 0.0f)) continue;
+        float mask = 1.0f;
+        if (alpha[4 * std::ptrdiff_t{texels[v]}] != 255) {
+            mask = mask_near(model, alpha, camera.layer_coordinates[v]);
+            if (mask <= 0.0f) continue;
+        }
+        const std::size_t i = seen.size++;
+        seen.vertices[i] = static_cast<std::uint32_t>(v);
+        seen.cosines[i] = cosine;
+        seen.inverse_depths[i] = inverse_depth;
+        seen.masks[i] = mask;
+        seen.nearest[i] = scratch.depth.nearest_around(static_cast<int>(corners[v].x() + 0.5f),
+                                                       static_cast<int>(corners[v].y() + 0.5f));
     }
+    judge_seen(seeing, seen, camera.quality, image::best_row_code());
 }
 
 // Colours of the vertices: the mean of what the cameras see; where none does, what the nearest
 // vertices along the surface have.
-void colour_vertices(PersonModel& model, PersonModelScratch& scratch) {
+void colour_vertices(PersonModel& model, PersonModelScratch::Parts& scratch) {
+    constexpr float kLeastQuality = 0.02f;
+    scratch.colour_sums.assign(model.vertices_site.size(), Eigen::Vector4f::Zero());
+    for (std::size_t c = 0; c < model.cameras.size(); ++c) {
+        const float* quality = model.cameras[c].quality.data();
+        const std::int32_t* texels = scratch.texels[c].data();
+        const std::uint8_t* layer = model.layers.data() + c * layer_bytes(model);
+        for (std::size_t v = 0; v < scratch.colour_sums.size(); ++v) {
+            if (quality[v] <= kLeastQuality) continue;
+            const std::uint8_t* rgba = layer + 4 * std::ptrdiff_t{texels[v]};
+            const Eigen::Vector4i colour(rgba[0], rgba[1], rgba[2], rgba[3]);
+            scratch.colour_sums[v] += quality[v] * colour.cast<float>();
+        }
+    }
     Eigen::Vector3f mean = Eigen::Vector3f::Zero();
     std::size_t num_coloured = 0;
     model.fallback.assign(model.vertices_site.size(), Eigen::Vector3f::Zero());
     scratch.is_coloured.assign(model.vertices_site.size(), 0);
     for (std::size_t v = 0; v < model.vertices_site.size(); ++v) {
-        Eigen::Vector4f sum = Eigen::Vector4f::Zero();
-        for (std::size_t c = 0; c < model.cameras.size(); ++c) {
-            const float quality = model.cameras[c].quality[v];
-            if (quality <= 0.02f) continue;
-            const Eigen::Vector3f& st = model.cameras[c].layer_coordinates[v];
-            const std::uint8_t* rgba = texel(model, c, st.x() / st.z(), st.y() / st.z());
-            if (rgba == nullptr) continue;
-            sum += quality * Eigen::Vector4f(rgba[0], rgba[1], rgba[2], rgba[3]);
-        }
+        const Eigen::Vector4f& sum = scratch.colour_sums[v];
         if (sum.w() <= 1.0f) continue;
         model.fallback[v] = sum.head<3>() / sum.w();
         scratch.is_coloured[v] = 1;
@@ -291,9 +317,17 @@ void colour_vertices(PersonModel& model, PersonModelScratch& scratch) {
                             : Eigen::Vector3f::Constant(0.5f);
 
     constexpr int kMaxSteps = 24;  // edges; what lies farther away takes the mean colour
+    const auto has_bare_corner = [&](std::uint32_t t) {
+        const auto& [a, b, c] = model.triangles[t];
+        return (scratch.is_coloured[a] & scratch.is_coloured[b] & scratch.is_coloured[c]) == 0;
+    };
+    scratch.partly_coloured.clear();
+    for (std::uint32_t t = 0; t < model.triangles.size(); ++t)
+        if (has_bare_corner(t)) scratch.partly_coloured.push_back(t);
     for (int step = 0; step < kMaxSteps && num_coloured < model.fallback.size(); ++step) {
         const std::size_t before = num_coloured;
-        for (const auto& triangle : model.triangles) {
+        for (const std::uint32_t t : scratch.partly_coloured) {
+            const auto& triangle = model.triangles[t];
             for (int i = 0; i < 3; ++i) {
                 const std::uint32_t from = triangle[static_cast<std::size_t>(i)];
                 const std::uint32_t to = triangle[static_cast<std::size_t>((i + 1) % 3)];
@@ -304,6 +338,8 @@ void colour_vertices(PersonModel& model, PersonModelScratch& scratch) {
             }
         }
         if (num_coloured == before) break;
+        std::erase_if(scratch.partly_coloured,
+                      [&](std::uint32_t t) { return !has_bare_corner(t); });
     }
     for (std::size_t v = 0; v < model.fallback.size(); ++v)
         if (scratch.is_coloured[v] == 0) model.fallback[v] = mean;
@@ -314,13 +350,19 @@ void colour_vertices(PersonModel& model, PersonModelScratch& scratch) {
 void build_person_model(const geometry::TriangleMesh& mesh_site,
                         std::span<const CameraPicture> pictures,
                         const PersonModelOptions& options,
-                        PersonModelScratch& scratch,
+                        PersonModelScratch& all_scratch,
                         PersonModel& out) {
+    PersonModelScratch::Parts& scratch = *all_scratch.parts;
     out.vertices_site.resize(mesh_site.vertices.size());
     std::transform(mesh_site.vertices.begin(),
                    mesh_site.vertices.end(),
                    out.vertices_site.begin(),
                    [](const Eigen::Vector3d& p) { return Eigen::Vector3f(p.cast<float>()); });
+    out.bounds_site.setEmpty();
+    for (const Eigen::Vector3f& p : out.vertices_site) out.bounds_site.extend(p);
+    scratch.vertices.resize(out.vertices_site.size());
+    for (std::size_t v = 0; v < out.vertices_site.size(); ++v)
+        set(scratch.vertices, v, out.vertices_site[v]);
     out.triangles.assign(mesh_site.triangles.begin(), mesh_site.triangles.end());
     compute_normals(out, scratch);
 
@@ -328,7 +370,8 @@ void build_person_model(const geometry::TriangleMesh& mesh_site,
     const auto num_cameras =
         static_cast<std::size_t>(std::count_if(pictures.begin(), pictures.end(), is_usable));
     out.cameras.resize(num_cameras);
-    out.layers.assign(num_cameras * layer_bytes(out), 0);
+    scratch.texels.resize(num_cameras);
+    out.layers.resize(num_cameras * layer_bytes(out));
     std::size_t index = 0;
     for (const CameraPicture& picture : pictures) {
         if (!is_usable(picture)) continue;
@@ -338,13 +381,17 @@ void build_person_model(const geometry::TriangleMesh& mesh_site,
         fill_layer(picture, out, out.layers.data() + index * layer_bytes(out));
         const CameraStage stage{picture, index, options};
         project_vertices(stage, out, scratch);
-        const DepthWindow window = fit_depth_window(options.depth_picture_px, scratch);
-        draw_inverse_depth(scratch.corners, out.triangles, scratch.depth);
+        const float depth_scale = fit_inverse_depth(scratch.projected.undistorted,
+                                                    options.depth_picture_px,
+                                                    scratch.corners,
+                                                    scratch.depth);
         judge_faces(stage, scratch, out);
-        judge_vertices(stage, window, scratch, out);
+        draw_inverse_depth(
+            scratch.corners, std::span(scratch.facing).first(scratch.num_facing), scratch.depth);
+        judge_vertices(stage, depth_scale, scratch, out);
         ++index;
     }
-    even_colours(options.colour_evening, scratch.colour_evening, out);
+    even_colours(options.colour_evening, all_scratch.colour_evening, out);
     colour_vertices(out, scratch);
 }
 

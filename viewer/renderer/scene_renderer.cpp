@@ -5,6 +5,7 @@
 #include "viewer/renderer/backdrop.hpp"
 #include "viewer/renderer/object_batch.hpp"
 #include "viewer/renderer/object_drawing.hpp"
+#include "viewer/renderer/object_shaders.hpp"
 #include "viewer/renderer/person_drawing.hpp"
 #include "viewer/renderer/shaders.hpp"
 #include "viewer/renderer/silhouette_drawing.hpp"
@@ -14,6 +15,7 @@
 #include <glad/gl.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -29,10 +31,13 @@ constexpr double kRoomRadiusM = 3.5;
 struct SceneRenderer::Impl {
     RendererOptions options;
     PersonShaders person_shaders;
-    gl::ShaderProgram object_shader;
-    gl::ShaderProgram soft_shader;
-    gl::Framebuffer target;
-    std::optional<Smoothing> smoothing;  // only with anti-aliasing
+    ObjectShaders object_shaders;
+    ObjectShaders soft_shaders;
+    double scale = 1.0;
+    bool has_shadows = true;
+    gl::Framebuffer target;              // of the scene, `scale` times as large as the picture
+    std::optional<Smoothing> smoothing;  // only with anti-aliasing, as large as `target`
+    gl::Framebuffer enlarged;            // the picture where `scale` is not 1
     std::optional<Backdrop> backdrop;
     std::optional<Overlay> overlay;
     std::optional<SilhouetteDrawing> silhouettes;
@@ -52,24 +57,29 @@ struct SceneRenderer::Impl {
     void draw_shadow();
     void draw_objects(const View& view);
     void add_object(const View& view, const ObjectDrawing& object);
-    void draw_floors(const View& view);
-    void draw_eye(const EyeView& eye);
+    std::vector<const ObjectLook*> floors() const;
+    void floor_changes(std::uint32_t object);  // if it is one
+    image::PixelRect scaled(const image::PixelRect& part_px) const;
+    void draw_eye(const EyeView& eye, std::span<const ObjectLook* const> floors, bool has_backdrop);
+    void begin_eye(const EyeView& eye, const gl::Framebuffer& on) const;
+    void enlarge();
     void draw_faded(PersonDrawing& person, const EyeView& eye);
     void present(const image::PixelRect& part_px, unsigned buffer) const;
-    const gl::Framebuffer& finished() const { return smoothing ? smoothing->picture() : target; }
+    // what the scene becomes before it is enlarged
+    const gl::Framebuffer& drawn() const { return smoothing ? smoothing->picture() : target; }
+    const gl::Framebuffer& finished() const { return scale < 1.0 ? enlarged : drawn(); }
 };
 
 Expected<void> SceneRenderer::Impl::create_shaders() {
     auto person = PersonShaders::create();
     if (!person) return tl::unexpected(person.error());
     person_shaders = std::move(*person);
-    auto object =
-        gl::ShaderProgram::create("object", shaders::kObjectVertex, shaders::kObjectFragment);
+    auto object = ObjectShaders::create("object", shaders::kObjectVertex);
     if (!object) return tl::unexpected(object.error());
-    object_shader = std::move(*object);
-    auto soft = gl::ShaderProgram::create("soft", shaders::kSoftVertex, shaders::kObjectFragment);
+    object_shaders = std::move(*object);
+    auto soft = ObjectShaders::create("soft", shaders::kSoftVertex);
     if (!soft) return tl::unexpected(soft.error());
-    soft_shader = std::move(*soft);
+    soft_shaders = std::move(*soft);
     if (options.antialias == Antialias::kFxaa) {
         auto created = Smoothing::create();
         if (!created) return tl::unexpected(created.error());
@@ -88,42 +98,69 @@ Expected<void> SceneRenderer::Impl::create_shaders() {
 }
 
 Expected<void> SceneRenderer::Impl::create_targets(int width, int height) {
-    auto framebuffer = gl::make_framebuffer(width, height);
+    const image::PixelRect part_px = scaled({0, 0, width, height});
+    auto framebuffer = gl::make_framebuffer(part_px.width, part_px.height);
     if (!framebuffer) return tl::unexpected(framebuffer.error());
-    target = std::move(*framebuffer);
+    gl::Framebuffer full;
+    if (scale < 1.0) {
+        auto made = gl::make_framebuffer(width, height);
+        if (!made) return tl::unexpected(made.error());
+        full = std::move(*made);
+    }
     if (smoothing)
-        if (auto ok = smoothing->resize(width, height); !ok) return ok;
+        if (auto ok = smoothing->resize(part_px.width, part_px.height); !ok) return ok;
+    target = std::move(*framebuffer);
+    enlarged = std::move(full);
     options.width = width;
     options.height = height;
     return {};
 }
 
+// Parts that meet in the picture meet in the smaller one as well.
+image::PixelRect SceneRenderer::Impl::scaled(const image::PixelRect& part_px) const {
+    const auto at = [this](int px) { return static_cast<int>(std::lround(scale * px)); };
+    image::PixelRect part{at(part_px.x), at(part_px.y), 0, 0};
+    part.width = std::max(1, at(part_px.x + part_px.width) - part.x);
+    part.height = std::max(1, at(part_px.y + part_px.height) - part.y);
+    return part;
+}
+
 void SceneRenderer::Impl::draw_shadow() {
     if (is_shadow_current) return;
     is_shadow_current = true;
-    const gl::ShaderProgram& shader = backdrop->begin_shadow();
+    backdrop->begin_shadows();
     // faded ones first: what is solid darkens all of its shadow
     for (const bool is_solid : {false, true}) {
         for (const auto& [site, person] : people) {
-            if (person.is_solid() != is_solid) continue;
-            shader.set("darkness", static_cast<float>(person.opacity()));
-            person.draw_surface(shader);
+            if (person.is_solid() == is_solid && person.opacity() > 0.0)
+                backdrop->add_shadow(person.shadow(), person.opacity());
         }
     }
+    const gl::ShaderProgram& shader = backdrop->begin_thing_shadows();
     shader.set("darkness", 1.0f);
     shader.set("world_from_object", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
-    for (const auto& [id, soft] : soft_objects) soft.draw();
+    for (const auto& [id, soft] : soft_objects) {
+        soft.draw();
+        backdrop->add_shadow_of(soft.bounds.cast<double>());
+    }
+    const auto add = [&](const ObjectDrawing& object) {
+        batch.add(object, object.radius_m * kShadowDetail_px_per_m);
+        const Eigen::Vector3d& middle = object.look.world_from_object.translation;
+        backdrop->add_shadow_of(
+            {middle.array() - object.radius_m, middle.array() + object.radius_m});
+    };
     for (const auto& [id, object] : objects) {
         if (object.look.model == nullptr && object.look.shape == ShapeKind::kPlane) continue;
-        batch.add(object, object.radius_m * kShadowDetail_px_per_m);
+        add(object);
     }
     for (const auto& [name, parts] : scenery) {
         for (const ObjectDrawing& part : parts) {
-            if (part.radius_m < kRoomRadiusM)
-                batch.add(part, part.radius_m * kShadowDetail_px_per_m);
+            if (part.radius_m < kRoomRadiusM) add(part);
         }
     }
-    batch.draw(backdrop->begin_object_shadows(), nullptr);
+    backdrop->begin_object_shadows();
+    batch.draw_shadows();
+    backdrop->end_shadows();
 }
 
 void SceneRenderer::Impl::add_object(const View& view, const ObjectDrawing& object) {
@@ -135,18 +172,18 @@ void SceneRenderer::Impl::add_object(const View& view, const ObjectDrawing& obje
     if (radius_px > 0.0) batch.add(object, detail * radius_px);
 }
 
+void SceneRenderer::Impl::floor_changes(std::uint32_t object) {
+    const auto found = objects.find(object);
+    if (found != objects.end() && found->second.is_floor()) backdrop->changed();
+}
+
 void SceneRenderer::Impl::draw_objects(const View& view) {
-    for (gl::ShaderProgram* shader : {&soft_shader, &object_shader}) {
-        shader->use();
-        shader->set("clip_from_world", Eigen::Matrix4f(view.clip_from_world.cast<float>()));
-        shader->set("light", light_world());
-        shader->set("eye", Eigen::Vector3f(view.eye_world.cast<float>()));
-    }
+    object_shaders.set_view(view);
     glEnable(GL_CULL_FACE);
     for (const auto& [id, object] : objects) {
         if (object.look.model == nullptr && !object.is_floor()) add_object(view, object);
     }
-    batch.draw(object_shader, &textures);
+    batch.draw(object_shaders, textures);
     // models need not be closed, and a cloth has no inside: both sides are drawn
     glDisable(GL_CULL_FACE);
     for (const auto& [id, object] : objects) {
@@ -155,48 +192,72 @@ void SceneRenderer::Impl::draw_objects(const View& view) {
     for (const auto& [name, parts] : scenery) {
         for (const ObjectDrawing& part : parts) add_object(view, part);
     }
-    batch.draw(object_shader, &textures);
-    soft_shader.use();
+    batch.draw(object_shaders, textures);
+    if (soft_objects.empty()) return;
+    soft_shaders.set_view(view);
     for (const auto& [id, soft] : soft_objects) {
-        soft_shader.set("soft_colour", Eigen::Vector3f(soft.look.colour.cast<float>()));
-        textures.use(soft.look.texture, soft_shader, 0);
+        using shaders::Surface;
+        const bool is_textured = textures.bind(soft.look.texture, 0);
+        const gl::ShaderProgram& shader =
+            soft_shaders.of(is_textured ? Surface::kTextured : Surface::kPlain);
+        shader.use();
+        shader.set("soft_colour", Eigen::Vector3f(soft.look.colour.cast<float>()));
         soft.draw();
     }
 }
 
-void SceneRenderer::Impl::draw_floors(const View& view) {
-    double lowest = 0.0;
-    bool has_floor = false;
-    for (const auto& [id, object] : objects) {
-        if (!object.is_floor()) continue;
-        backdrop->draw_floor(view, object.look, textures);
-        has_floor = true;
-        lowest = std::min(lowest, object.look.world_from_object.translation.z());
-    }
-    constexpr double kBelowM = 0.01;
-    backdrop->draw_ground(view, has_floor ? lowest - kBelowM : 0.0);
+std::vector<const ObjectLook*> SceneRenderer::Impl::floors() const {
+    std::vector<const ObjectLook*> floors;
+    for (const auto& [id, object] : objects)
+        if (object.is_floor()) floors.push_back(&object.look);
+    return floors;
 }
 
-void SceneRenderer::Impl::draw_eye(const EyeView& eye) {
-    const View view{eye.clip_from_world(), eye.eye_world(), eye.part_px.height};
+void SceneRenderer::Impl::draw_eye(const EyeView& eye,
+                                   std::span<const ObjectLook* const> floors,
+                                   bool has_backdrop) {
+    const View view = eye.view();
     if (overlay->is_wireframe()) glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
     for (auto& [site, person] : people) {
         if (person.is_solid()) person.draw(person_shaders, view.clip_from_world, view.eye_world);
     }
     draw_objects(view);
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-    draw_floors(view);
-    backdrop->draw_sky(eye);
+    if (!has_backdrop) backdrop->draw(eye, floors, textures);
+    backdrop->draw_shadows(view, floors);
     // over what is seen through them
     for (auto& [site, person] : people) {
         if (!person.is_solid()) draw_faded(person, eye);
     }
     silhouettes->draw(people, view.clip_from_world, overlay->silhouettes_m());
-    overlay->draw(eye);
+    overlay->draw_lines(eye);
+}
+
+void SceneRenderer::Impl::begin_eye(const EyeView& eye, const gl::Framebuffer& on) const {
+    glViewport(eye.part_px.x,
+               on.height - eye.part_px.y - eye.part_px.height,
+               eye.part_px.width,
+               eye.part_px.height);
+    glColorMask(eye.writes[0], eye.writes[1], eye.writes[2], GL_TRUE);
+}
+
+void SceneRenderer::Impl::enlarge() {
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, drawn().name.id());
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, enlarged.name.id());
+    glBlitFramebuffer(0,
+                      0,
+                      target.width,
+                      target.height,
+                      0,
+                      0,
+                      enlarged.width,
+                      enlarged.height,
+                      GL_COLOR_BUFFER_BIT,
+                      GL_LINEAR);
 }
 
 void SceneRenderer::Impl::draw_faded(PersonDrawing& person, const EyeView& eye) {
-    const View view{eye.clip_from_world(), eye.eye_world(), eye.part_px.height};
+    const View view = eye.view();
     // depth alone first, so that an arm before the chest is not seen through
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     person.draw(person_shaders, view.clip_from_world, view.eye_world);
@@ -220,6 +281,29 @@ Expected<SceneRenderer> SceneRenderer::create(const RendererOptions& options) {
     if (auto ok = impl->create_targets(options.width, options.height); !ok)
         return tl::unexpected(ok.error());
     return SceneRenderer(std::move(impl));
+}
+
+void SceneRenderer::warm_up(const ViewCamera& camera) {
+    assert(num_objects() == 0 && num_people() == 0);
+    const std::string painted = "warm_up";
+    set_texture(painted, {.width = 2, .height = 2, .rgba = std::vector<std::uint8_t>(16, 255)});
+    std::uint32_t num = 0;
+    for (const std::string& texture : {std::string(), painted}) {
+        for (const ShapeKind shape : {ShapeKind::kBox, ShapeKind::kSphere, ShapeKind::kPlane})
+            set_object(num++,
+                       {.shape = shape,
+                        .texture = texture,
+                        .world_from_object = {Eigen::Quaterniond::Identity(), camera.target_m}});
+    }
+    const double scale = impl_->scale;
+    for (const double less : {0.5 * scale, scale}) {
+        static_cast<void>(set_scale(less));
+        draw(camera);
+        draw(camera);  // and this one copies what the last one drew
+    }
+    glFinish();
+    while (num > 0) remove_object(--num);
+    impl_->textures.remove(painted);
 }
 
 PersonModel SceneRenderer::set_person(const std::string& site, PersonModel model) {
@@ -261,7 +345,9 @@ std::size_t SceneRenderer::num_people() const { return impl_->people.size(); }
 
 void SceneRenderer::set_object(std::uint32_t object, const ObjectLook& look) {
     impl_->is_shadow_current = false;
+    impl_->floor_changes(object);
     impl_->objects.insert_or_assign(object, ObjectDrawing(look, impl_->meshes));
+    impl_->floor_changes(object);
 }
 
 void SceneRenderer::move_object(std::uint32_t object,
@@ -272,12 +358,15 @@ void SceneRenderer::move_object(std::uint32_t object,
     if (pose.translation == world_from_object.translation &&
         pose.rotation.coeffs() == world_from_object.rotation.coeffs())
         return;
+    impl_->floor_changes(object);
     pose = world_from_object;
+    impl_->floor_changes(object);
     impl_->is_shadow_current = false;
 }
 
 void SceneRenderer::remove_object(std::uint32_t object) {
     impl_->is_shadow_current = false;
+    impl_->floor_changes(object);
     impl_->objects.erase(object);
 }
 
@@ -314,12 +403,31 @@ void SceneRenderer::set_scenery(const std::string& name, std::span<const ObjectL
 
 void SceneRenderer::set_texture(const std::string& name, const TexturePicture& picture) {
     impl_->textures.set(name, picture);
+    impl_->backdrop->changed();
 }
 
 Expected<void> SceneRenderer::resize(int width, int height) {
     if (width == impl_->options.width && height == impl_->options.height) return {};
     return impl_->create_targets(width, height);
 }
+
+Expected<void> SceneRenderer::set_scale(double scale) {
+    assert(scale > 0.0 && scale <= 1.0);
+    if (scale == impl_->scale) return {};
+    const double before = std::exchange(impl_->scale, scale);
+    auto made = impl_->create_targets(impl_->options.width, impl_->options.height);
+    if (!made) impl_->scale = before;
+    return made;
+}
+
+double SceneRenderer::scale() const { return impl_->scale; }
+
+void SceneRenderer::set_shadows(bool are_on) {
+    impl_->has_shadows = are_on;
+    impl_->backdrop->set_shadows(are_on);
+}
+
+bool SceneRenderer::has_shadows() const { return impl_->has_shadows; }
 
 Overlay& SceneRenderer::overlay() { return *impl_->overlay; }
 
@@ -333,25 +441,33 @@ void SceneRenderer::draw(const ViewCamera& camera) {
 
 void SceneRenderer::draw(std::span<const EyeView> eyes) {
     Impl& impl = *impl_;
-    impl.draw_shadow();
+    if (impl.has_shadows) impl.draw_shadow();
     impl.target.bind();
     // the background covers what nothing else does: colour needs no clearing
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LEQUAL);
     glDisable(GL_BLEND);
     glDisable(GL_SCISSOR_TEST);
+    const std::vector<const ObjectLook*> floors = impl.floors();
     for (const EyeView& eye : eyes) {
+        EyeView scaled = eye;
+        scaled.part_px = impl.scaled(eye.part_px);
+        const bool has_backdrop =
+            eyes.size() == 1 && impl.backdrop->copy(scaled, floors, impl.textures, impl.target);
         // the depths of another eye in the same place are of no use
-        glClear(GL_DEPTH_BUFFER_BIT);
-        glViewport(eye.part_px.x,
-                   impl.options.height - eye.part_px.y - eye.part_px.height,
-                   eye.part_px.width,
-                   eye.part_px.height);
-        glColorMask(eye.writes[0], eye.writes[1], eye.writes[2], GL_TRUE);
-        impl.draw_eye(eye);
+        if (!has_backdrop) glClear(GL_DEPTH_BUFFER_BIT);
+        impl.begin_eye(scaled, impl.target);
+        impl.draw_eye(scaled, floors, has_backdrop);
     }
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     if (impl.smoothing) impl.smoothing->draw(impl.target);
+    if (impl.scale < 1.0) impl.enlarge();
+    impl.finished().bind();
+    for (const EyeView& eye : eyes) {
+        impl.begin_eye(eye, impl.finished());
+        impl.overlay->draw_labels(eye);
+    }
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glBindVertexArray(0);
 }
 

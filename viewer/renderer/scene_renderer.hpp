@@ -42,6 +42,11 @@ public:
     SceneRenderer& operator=(SceneRenderer&&) noexcept;
     ~SceneRenderer();
 
+    /// Draws some of everything but people once, for drivers that compile a shader when something
+    /// is first drawn with it, which takes as long as several pictures. Before there is anything to
+    /// see.
+    void warm_up(const ViewCamera& camera);
+
     /// Shows `model` as the person of `site` from now on. Returns the model that was shown before,
     /// whose memory can be used for the next one.
     PersonModel set_person(const std::string& site, PersonModel model);
@@ -79,6 +84,15 @@ public:
     Expected<void> resize(int width, int height);
     int width() const;
     int height() const;
+
+    /// Draws the scene at `scale` in (0, 1] of the picture's width and height, and enlarges it with
+    /// a linear filter. Labels keep the full resolution; lines do not. The picture's size stays.
+    /// 1, the default, costs nothing and changes no pixel.
+    Expected<void> set_scale(double scale);
+    double scale() const;
+    /// Whether people and things cast shadows on the floor; they do by default.
+    void set_shadows(bool are_on);
+    bool has_shadows() const;
 
     void draw(const ViewCamera& camera);
     /// What several eyes see, one after the other, each in its part. Parts cover the picture.

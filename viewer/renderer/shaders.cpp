@@ -1,5 +1,8 @@
 #include "viewer/renderer/shaders.hpp"
 
+#include <algorithm>
+#include <initializer_list>
+
 namespace atrium::renderer::shaders {
 namespace {
 
@@ -18,45 +21,58 @@ std::string for_each_slot(std::size_t num_cameras, const std::string& line) {
     return text;
 }
 
+// GLSL's type of so many layers, as far as one attribute holds them.
+std::string layers_type(std::size_t num_layers) {
+    return num_layers == 1 ? "float"
+                           : "vec" + std::to_string(std::min(num_layers, kLayersPerAttribute));
+}
+
 }  // namespace
 
 std::string person_vertex(std::size_t num_cameras) {
-    // attributes 0, 1: position, fallback colour; 2..: layers in twos; then one vec4 per camera
+    // attributes 0, 1: position, fallback colour; 2..: layers in fours; then one vec4 per camera
     std::string text =
         "#version 330 core\nlayout(location = 0) in vec3 position;\n"
         "layout(location = 1) in vec3 fallback;\n"
         "uniform mat4 clip_from_site;\nout vec3 fallback_colour;\n";
-    const std::size_t num_pairs = num_cameras / 2;
-    for (std::size_t i = 0; i < num_pairs; ++i) {
-        text += "layout(location = " + std::to_string(2 + i) + ") in vec2 layers" +
-                std::to_string(i) + ";\nflat out vec2 used_layers" + std::to_string(i) + ";\n";
+    unsigned location = 2;
+    std::string copies;
+    for (std::size_t i = 0; i < num_cameras; i += kLayersPerAttribute) {
+        const std::string slot = std::to_string(i);
+        const std::string type = layers_type(num_cameras - i);
+        text += "layout(location = " + std::to_string(location++) + ") in " + type + " layers" +
+                slot + ";\nflat out " + type + " used_layers" + slot + ";\n";
+        copies += "    used_layers" + slot + " = layers" + slot + ";\n";
     }
     for (std::size_t i = 0; i < num_cameras; ++i) {
-        text += "layout(location = " + std::to_string(2 + num_pairs + i) + ") in vec4 picture" +
+        text += "layout(location = " + std::to_string(location++) + ") in vec4 picture" +
                 std::to_string(i) + ";\nout vec4 in_picture" + std::to_string(i) + ";\n";
     }
     text +=
         "void main() {\n    gl_Position = clip_from_site * vec4(position, 1.0);\n"
         "    fallback_colour = fallback;\n";
-    text += for_each_slot(num_pairs, "    used_layers# = layers#;");
-    text += for_each_slot(num_cameras, "    in_picture# = picture#;");
-    return text + "}\n";
+    return text + copies + for_each_slot(num_cameras, "    in_picture# = picture#;") + "}\n";
 }
 
 std::string person_fragment(std::size_t num_cameras) {
     std::string text =
         "#version 330 core\nuniform sampler2DArray pictures;\n"
         "in vec3 fallback_colour;\nout vec4 fragment;\n";
-    text += for_each_slot(num_cameras / 2, "flat in vec2 used_layers#;");
+    for (std::size_t i = 0; i < num_cameras; i += kLayersPerAttribute)
+        text +=
+            "flat in " + layers_type(num_cameras - i) + " used_layers" + std::to_string(i) + ";\n";
     text += for_each_slot(num_cameras, "in vec4 in_picture#;");
     // texels carry colour times mask, so that the sum divides out to a colour of the person alone;
     // the fallback takes over, without an edge, where weights and masks leave next to nothing
     text += "void main() {\n    vec4 sum = vec4(fallback_colour, 1.0) * 0.01;\n";
     for (std::size_t i = 0; i < num_cameras; ++i) {
         const std::string slot = std::to_string(i);
+        const std::size_t first = i - i % kLayersPerAttribute;
+        const std::string layer =
+            "used_layers" + std::to_string(first) +
+            (num_cameras - first == 1 ? "" : "[" + std::to_string(i - first) + "]");
         text += "    sum += in_picture" + slot + ".w * texture(pictures, vec3(in_picture" + slot +
-                ".xy / in_picture" + slot + ".z, used_layers" + std::to_string(i / 2) +
-                (i % 2 == 0 ? ".x" : ".y") + "));\n";
+                ".xy / in_picture" + slot + ".z, " + layer + "));\n";
     }
     return text + "    fragment = vec4(sum.rgb / sum.a, 1.0);\n}\n";
 }
@@ -66,14 +82,13 @@ layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec2 place;
 layout(location = 3) in mat4 world_from_mesh;
-layout(location = 7) in vec4 colour_and_sectors;
+layout(location = 7) in vec3 instance_colour;
 uniform mat4 clip_from_world;
 out vec2 p_picture;
 out vec3 p_mesh;
 out vec3 p_world;
 out vec3 normal_world;
 flat out vec3 colour;
-flat out float sectors;
 void main() {
     vec4 p = world_from_mesh * vec4(position, 1.0);
     p_mesh = position;
@@ -83,8 +98,7 @@ void main() {
     mat3 linear = mat3(world_from_mesh);
     vec3 scale2 = vec3(dot(linear[0], linear[0]), dot(linear[1], linear[1]), dot(linear[2], linear[2]));
     normal_world = linear * (normal / scale2);
-    colour = colour_and_sectors.rgb;
-    sectors = colour_and_sectors.a;
+    colour = instance_colour;
     gl_Position = clip_from_world * p;
 }
 )";
@@ -100,105 +114,154 @@ out vec3 p_mesh;
 out vec3 p_world;
 out vec3 normal_world;
 flat out vec3 colour;
-flat out float sectors;
 void main() {
     p_mesh = p_world = position;
     p_picture = place;
     normal_world = normal;
     colour = soft_colour;
-    sectors = 0.0;
     gl_Position = clip_from_world * vec4(position, 1.0);
 }
 )";
 
-const char* const kObjectFragment = R"(#version 330 core
+namespace {
+
+// sRGB from linear light, to a tenth of a grey level: two roots in place of a power, which is a
+// logarithm and an exponential in software.
+constexpr const char* kEncode = R"(
+vec3 encode(vec3 linear) {
+    vec3 root = sqrt(linear);
+    vec3 curve = 0.8337082 * root + 0.2981508 * sqrt(root) - 0.0553056 * linear - 0.0769137;
+    return mix(12.92 * linear, curve, step(0.0031308, linear));
+}
+)";
+
+std::string with_defines(std::initializer_list<const char*> defines,
+                         std::initializer_list<const char*> parts) {
+    std::string text = "#version 330 core\n";
+    for (const char* define : defines) {
+        if (*define != '\0') text += std::string("#define ") + define + '\n';
+    }
+    for (const char* part : parts) text += part;
+    return text;
+}
+
+// Software executes both sides of a branch for every pixel: each kind of surface has a shader of
+// its own.
+constexpr const char* kObjectFragment = R"(
 in vec3 p_mesh;
 in vec2 p_picture;
 in vec3 p_world;
 in vec3 normal_world;
 flat in vec3 colour;
-flat in float sectors;
 uniform sampler2D picture;
-uniform float textured;
 uniform vec3 light;
 uniform vec3 eye;
 out vec4 fragment;
-vec3 encode(vec3 linear) {
-    return mix(12.92 * linear, 1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, linear));
-}
 void main() {
     vec3 n = normalize(normal_world);
     // of what is seen from behind, the other side
     if (!gl_FrontFacing) n = -n;
     vec3 base = colour;
-    if (textured > 0.0) {
-        vec4 painted = texture(picture, p_picture);
-        base = mix(base, painted.rgb, painted.a);
-    }
-    // lighter sectors show that a ball turns
-    if (sectors > 0.0) {
-        float wave = sin(atan(p_mesh.y, p_mesh.x) * sectors);
-        base = mix(base, mix(base, vec3(1.0), 0.35), smoothstep(-0.05, 0.05, wave));
-    }
+#ifdef TEXTURED
+    vec4 painted = texture(picture, p_picture);
+    base = mix(base, painted.rgb, painted.a);
+#endif
+#ifdef STRIPED
+    // three lighter sectors show that a ball turns: sin(3 a) of the angle a around its axis
+    vec2 around = p_mesh.xy * inversesqrt(max(dot(p_mesh.xy, p_mesh.xy), 1e-12));
+    float wave = around.y * (3.0 - 4.0 * around.y * around.y);
+    base = mix(base, mix(base, vec3(1.0), 0.35), smoothstep(-0.05, 0.05, wave));
+#endif
     vec3 ambient = mix(vec3(0.22, 0.21, 0.20), vec3(0.42, 0.44, 0.48), 0.5 + 0.5 * n.z);
     float key = max(dot(n, light), 0.0) * 0.75;
     vec3 to_eye = normalize(eye - p_world);
-    float shine = pow(max(dot(n, normalize(to_eye + light)), 0.0), 40.0) * 0.12;
+    float shine = max(dot(n, normalize(to_eye + light)), 0.0);
+    shine *= shine;
+    shine *= shine;
+    shine *= shine;  // to the power of 8, and at last of 40
+    float shine_16 = shine * shine;
+    shine *= shine_16 * shine_16 * 0.12;
     fragment = vec4(encode(clamp(base * (ambient + key) + shine, 0.0, 1.0)), 1.0);
 }
 )";
+
+}  // namespace
+
+std::string object_fragment(Surface surface) {
+    return with_defines({surface == Surface::kTextured ? "TEXTURED" : "",
+                         surface == Surface::kStriped ? "STRIPED" : ""},
+                        {kEncode, kObjectFragment});
+}
 
 const char* const kFloorVertex = R"(#version 330 core
 layout(location = 0) in vec2 corner;
 uniform mat4 clip_from_world;
 uniform mat4 world_from_floor;
 uniform vec2 half_size;
-out vec3 p_world;
+out vec2 p_world;
 out vec2 p_floor;
 void main() {
     p_floor = corner * half_size;
     vec4 p = world_from_floor * vec4(p_floor, 0.0, 1.0);
-    p_world = p.xyz;
+    p_world = p.xy;
     gl_Position = clip_from_world * p;
 }
 )";
 
+namespace {
+
 // In encoded (sRGB) colours: darkening by a factor is, but for the ends of the curve, the same
 // there, and spares three powers per pixel of what covers half the picture.
-const char* const kFloorFragment = R"(#version 330 core
-in vec3 p_world;
+constexpr const char* kFloorFragment = R"(
+in vec2 p_world;
 in vec2 p_floor;
 uniform vec3 colour;
 uniform vec3 horizon;
 uniform sampler2D picture;
-uniform float textured;
-uniform sampler2D shadow;
+uniform vec2 fade;
+out vec4 fragment;
+void main() {
+    vec3 base = colour;
+#ifdef TEXTURED
+    vec4 painted = texture(picture, vec2(p_floor.x, -p_floor.y));
+    base = mix(base, encode(painted.rgb), painted.a);
+#endif
+    vec2 line = abs(fract(p_floor - 0.5) - 0.5) / max(fwidth(p_floor), 1e-4);
+    float bright = 0.90 + 0.10 * min(min(line.x, line.y), 1.0);
+    float far = clamp((dot(p_world, p_world) - fade.x) * fade.y, 0.0, 1.0);
+    fragment = vec4(mix(base * bright, horizon, far), 1.0);
+}
+)";
+
+}  // namespace
+
+std::string floor_fragment(bool is_textured) {
+    return with_defines({is_textured ? "TEXTURED" : ""}, {kEncode, kFloorFragment});
+}
+
+const char* const kFloorShadowVertex = R"(#version 330 core
+layout(location = 0) in vec3 position;
+uniform mat4 clip_from_world;
 uniform float shadow_extent;
 uniform float shadow_strength;
 uniform vec2 fade;
-out vec4 fragment;
-vec3 encode(vec3 linear) {
-    return mix(12.92 * linear, 1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, linear));
-}
+out vec2 at;
+out float strength;
 void main() {
-    vec3 base = colour;
-    if (textured > 0.0) {
-        vec4 painted = texture(picture, vec2(p_floor.x, -p_floor.y));
-        base = mix(base, encode(painted.rgb), painted.a);
-    }
-    vec2 cell = p_floor;
-    vec2 line = abs(fract(cell - 0.5) - 0.5) / max(fwidth(cell), 1e-4);
-    float grid = 1.0 - min(min(line.x, line.y), 1.0);
-    vec2 at = p_world.xy / shadow_extent + 0.5;
-    float texel = 0.9 / 512.0;
-    float dark = texture(shadow, at + vec2(texel, texel * 0.4)).r
-               + texture(shadow, at + vec2(-texel * 0.4, texel)).r
-               + texture(shadow, at + vec2(-texel, -texel * 0.4)).r
-               + texture(shadow, at + vec2(texel * 0.4, -texel)).r;
-    vec3 c = base * (1.0 - 0.10 * grid) * (1.0 - shadow_strength * dark);
-    float far = clamp((dot(p_world.xy, p_world.xy) - fade.x) * fade.y, 0.0, 1.0);
-    fragment = vec4(mix(c, horizon, far), 1.0);
+    at = position.xy / shadow_extent + 0.5;
+    // what is far is the horizon's colour and has less of a shadow
+    float far = clamp((dot(position.xy, position.xy) - fade.x) * fade.y, 0.0, 1.0);
+    strength = shadow_strength * (1.0 - far);
+    gl_Position = clip_from_world * vec4(position, 1.0);
 }
+)";
+
+const char* const kFloorShadowFragment = R"(#version 330 core
+in vec2 at;
+in float strength;
+uniform sampler2D shadow;
+out vec4 fragment;
+void main() { fragment = vec4(1.0 - strength * texture(shadow, at).r); }
 )";
 
 const char* const kBackgroundVertex = R"(#version 330 core
@@ -239,6 +302,31 @@ const char* const kShadowFragment = R"(#version 330 core
 uniform float darkness;
 out vec4 fragment;
 void main() { fragment = vec4(darkness); }
+)";
+
+const char* const kBlurVertex = R"(#version 330 core
+layout(location = 0) in vec3 position;
+uniform float shadow_extent;
+out vec2 at;
+void main() {
+    at = position.xy / shadow_extent + 0.5;
+    gl_Position = vec4(2.0 * at - 1.0, 0.0, 1.0);
+}
+)";
+
+// Over some three pixels, turned against the grid so that edges along it become even.
+const char* const kBlurFragment = R"(#version 330 core
+in vec2 at;
+uniform sampler2D picture;
+uniform float texel;
+out vec4 fragment;
+void main() {
+    vec2 reach = vec2(0.9, 0.36) * texel;
+    float sum = texture(picture, at + reach).r + texture(picture, at - reach).r
+              + texture(picture, at + vec2(-reach.y, reach.x)).r
+              + texture(picture, at + vec2(reach.y, -reach.x)).r;
+    fragment = vec4(0.25 * sum);
+}
 )";
 
 const char* const kScreenVertex = R"(#version 330 core

@@ -9,17 +9,29 @@
 namespace atrium::renderer::shaders {
 
 /// A person's triangles that blend up to `num_cameras` pictures (see camera_blend.hpp).
+/// The layers of all cameras follow each other in attributes of up to four numbers.
+inline constexpr std::size_t kLayersPerAttribute = 4;
 std::string person_vertex(std::size_t num_cameras);
 std::string person_fragment(std::size_t num_cameras);
 
-/// Of rigid things, one instance each: world_from_mesh, colour and sectors as ObjectBatch has them.
+/// Rigid things, one instance each: world_from_mesh and colour as ObjectBatch lays them out.
 extern const char* const kObjectVertex;
-/// Of soft things, whose nodes are in the world.
+/// Soft things, whose nodes are in the world.
 extern const char* const kSoftVertex;
-extern const char* const kObjectFragment;
 
+/// Shades rigid and soft things. A striped ball has lighter sectors, which show that it turns.
+enum class Surface : std::uint8_t { kPlain, kTextured, kStriped };
+inline constexpr std::size_t kNumSurfaces = 3;
+std::string object_fragment(Surface surface);
+
+/// A plane in the light: the square of -1 to 1, times the uniform `half_size`, in its own frame
+/// [m].
 extern const char* const kFloorVertex;
-extern const char* const kFloorFragment;
+std::string floor_fragment(bool is_textured);
+
+/// What part of its light a floor keeps where shadows lie on it, which it is to be multiplied by.
+extern const char* const kFloorShadowVertex;
+extern const char* const kFloorShadowFragment;
 
 extern const char* const kBackgroundVertex;
 extern const char* const kBackgroundFragment;
@@ -28,6 +40,10 @@ extern const char* const kBackgroundFragment;
 enum class Placed : std::uint8_t { kAllAlike, kEachInstance };  // world_from_object
 std::string shadow_vertex(Placed placed);
 extern const char* const kShadowFragment;
+
+/// Blurs a part of the picture of the shadows, given by triangles in the world.
+extern const char* const kBlurVertex;
+extern const char* const kBlurFragment;
 
 /// A picture at a place before the eye, its colours multiplied by alpha.
 extern const char* const kLabelVertex;

@@ -32,11 +32,11 @@ void Textures::set(const std::string& name, const TexturePicture& picture) {
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
 }
 
-void Textures::use(const std::string& name, const gl::ShaderProgram& shader, int unit) const {
+bool Textures::bind(const std::string& name, int unit) const {
     const auto found = textures_.find(name);
-    shader.set("textured", found == textures_.end() ? 0.0f : 1.0f);
-    shader.set("picture", unit);
-    if (found != textures_.end()) gl::bind_texture(unit, found->second);
+    if (found == textures_.end()) return false;
+    gl::bind_texture(unit, found->second);
+    return true;
 }
 
 }  // namespace atrium::renderer

@@ -33,6 +33,13 @@ Eigen::Vector2d project_px(const ViewCamera& camera,
                            int width,
                            int height);
 
+/// What the shaders want of an eye.
+struct View {
+    Eigen::Matrix4d clip_from_world;
+    Eigen::Vector3d eye_world;
+    int height_px = 0;
+};
+
 /// What one eye sees, in a part of the renderer's picture. Its pose and projection may come from
 /// outside, as those of a head-mounted display do.
 struct EyeView {
@@ -43,17 +50,13 @@ struct EyeView {
 
     Eigen::Vector3d eye_world() const;
     Eigen::Matrix4d clip_from_world() const { return clip_from_view * view_from_world; }
+    View view() const { return {clip_from_world(), eye_world(), part_px.height}; }
+
+    bool operator==(const EyeView&) const = default;
 };
 
 /// One eye, and all of a picture of that size.
 EyeView eye_of(const ViewCamera& camera, int width, int height);
-
-/// What the shaders want of it.
-struct View {
-    Eigen::Matrix4d clip_from_world;
-    Eigen::Vector3d eye_world;
-    int height_px = 0;
-};
 
 /// How large a ball is in the picture, about [px]; 0 where nothing of it is in sight, and much
 /// where the eye is in it.

@@ -1,10 +1,15 @@
 // Things that are small in the picture are drawn with fewer triangles, those out of sight not at
 // all.
 #include "tests/unit/renderer/scene_renderer_fixture.hpp"
+#include "viewer/renderer/backdrop.hpp"
+#include "viewer/renderer/person_drawing.hpp"
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 #include <random>
 #include <utility>
 #include <vector>
@@ -89,6 +94,46 @@ TEST_F(SceneRendererTest, ThingsOutOfSightStillCastTheirShadows) {
     renderer_->set_object(2, high);
     draw(camera);
     EXPECT_GT(num_darker(picture_, bare), 500);
+}
+
+// The shadow on the floor lies where the light's rays past the person end.
+TEST_F(SceneRendererTest, APersonsShadowIsThatOfHerSurface) {
+    const synthetic::Sphere sphere{{0.0, 0.0, 1.0}, 0.3};
+    const geometry::RigidTransform world_from_site{Eigen::Quaterniond::Identity(),
+                                                   {0.4, -0.3, 1.0}};
+    ViewCamera camera;
+    camera.position_m = {0.0, -0.5, 7.0};
+    camera.target_m = {0.0, 0.0, 0.0};
+    renderer_->set_object(1, {.shape = ShapeKind::kPlane, .size_m = {8, 8, 0}});
+    draw(camera);
+    const auto brightness = [this](int x, int y) { return pixel(x, y).mean(); };
+    std::vector<double> bare;
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) bare.push_back(brightness(x, y));
+    renderer_->set_site_pose("a", world_from_site);
+    renderer_->set_person("a", person_of({sphere}, {}));
+    draw(camera);
+    const Eigen::Vector3d light = light_world().cast<double>();
+    const Eigen::Vector3d centre = world_from_site * sphere.centre;
+    int num_checked = 0;
+    for (int y = 0; y < kHeight; y += 2) {
+        for (int x = 0; x < kWidth; x += 2) {
+            const Eigen::Vector3d ray = ray_of(camera, x, y);
+            const Eigen::Vector3d p = camera.position_m - ray * (camera.position_m.z() / ray.z());
+            if (p.head<2>().cwiseAbs().maxCoeff() > 3.5) continue;
+            if ((centre - camera.position_m).cross(ray).norm() < 0.4) continue;  // hidden by her
+            const double distance_m = (centre - p).cross(light).norm();
+            const double darker = bare[static_cast<std::size_t>(y * kWidth + x)] - brightness(x, y);
+            if (distance_m > sphere.radius_m + 0.08) {
+                EXPECT_NEAR(darker, 0.0, 0.005) << p.transpose();
+            }
+            if (distance_m < sphere.radius_m - 0.08) {
+                EXPECT_GT(darker, 0.04) << p.transpose();
+                ++num_checked;
+            }
+        }
+    }
+    EXPECT_GT(num_checked, 50);
 }
 
 // They share their meshes and are drawn in one go, but each has its own place, size and colour.

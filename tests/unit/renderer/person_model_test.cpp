@@ -154,8 +154,10 @@ TEST(PersonModel, AnEdgeOnFaceTakesNothingFromThatCamera) {
     for (std::size_t g = 0; g < blended.groups.size(); ++g) {
         const std::size_t n = kCamerasPerTriangle[g];
         const std::size_t stride = floats_per_vertex(n);
-        for (std::size_t v = 0; v + 2 < blended.groups[g].num_vertices; v += 3) {
-            const float* corner = blended.groups[g].data.data() + v * stride;
+        std::vector<float> vertices(blended.groups[g].num_vertices() * stride);
+        lay_out(model, blended, g, vertices);
+        for (std::size_t v = 0; v + 2 < blended.groups[g].num_vertices(); v += 3) {
+            const float* corner = vertices.data() + v * stride;
             const auto at = [&](std::size_t i) {
                 return Eigen::Vector3f(
                     corner[i * stride], corner[i * stride + 1], corner[i * stride + 2]);
@@ -311,19 +313,38 @@ TEST_F(CameraBlend, ASmallStepOfTheEyeChangesWeightsALittle) {
     EXPECT_LT(largest, 0.02f);  // a switch without fading would be near 0.3
 }
 
+// Sorts the coordinates of triangles' corners, so that their order does not matter.
+std::vector<std::array<float, 9>> sorted(std::vector<std::array<float, 9>> triangles) {
+    std::sort(triangles.begin(), triangles.end());
+    return triangles;
+}
+
 TEST_F(CameraBlend, EveryTriangleThatFacesTheEyeIsLaidOutOnce) {
     const Eigen::Vector3f eye(2.0f, 1.0f, 1.5f);
     BlendedMesh blended;
     blend_for_view(model_, eye, scratch_, blended);
-    std::size_t num_facing = 0;
+    std::vector<std::array<float, 9>> facing;
     for (const auto& [a, b, c] : model_.triangles) {
         const Eigen::Vector3f& p = model_.vertices_site[a];
-        num_facing +=
-            (model_.vertices_site[b] - p).cross(model_.vertices_site[c] - p).dot(eye - p) > 0.0f;
+        const Eigen::Vector3f& q = model_.vertices_site[b];
+        const Eigen::Vector3f& r = model_.vertices_site[c];
+        if (!((q - p).cross(r - p).dot(eye - p) > 0.0f)) continue;
+        facing.push_back({p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), r.x(), r.y(), r.z()});
     }
-    std::size_t num_vertices = 0;
-    for (const BlendGroup& group : blended.groups) num_vertices += group.num_vertices;
-    EXPECT_EQ(num_vertices, 3 * num_facing);
+    std::vector<std::array<float, 9>> drawn;
+    for (std::size_t g = 0; g < blended.groups.size(); ++g) {
+        const std::size_t stride = floats_per_vertex(kCamerasPerTriangle[g]);
+        std::vector<float> vertices(blended.groups[g].num_vertices() * stride);
+        lay_out(model_, blended, g, vertices);
+        for (auto at = vertices.begin(); at != vertices.end();) {
+            std::array<float, 9>& triangle = drawn.emplace_back();
+            for (auto to = triangle.begin(); to != triangle.end(); to += 3) {
+                std::copy_n(at, 3, to);
+                at += static_cast<std::ptrdiff_t>(stride);
+            }
+        }
+    }
+    EXPECT_EQ(sorted(drawn), sorted(facing));
 }
 
 }  // namespace

@@ -5,9 +5,11 @@
 #include "viewer/renderer/scene_renderer.hpp"
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -22,6 +24,17 @@ inline PersonModel person_of(const std::vector<synthetic::Sphere>& spheres,
     PersonModel model;
     build_person_model(synthetic::mesh_of(spheres, 40), pictures, {}, scratch, model);
     return model;
+}
+
+/// Ray of pixel (x, y) by the definition of the view, not by its matrices.
+inline Eigen::Vector3d ray_of(const ViewCamera& camera, int x, int y) {
+    const Eigen::Vector3d forward = (camera.target_m - camera.position_m).normalized();
+    const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
+    const Eigen::Vector3d up = right.cross(forward);
+    const double half = std::tan(camera.fov_deg * std::numbers::pi / 360.0);
+    const double u = ((x + 0.5) / kWidth * 2.0 - 1.0) * half * kWidth / kHeight;
+    const double v = (1.0 - (y + 0.5) / kHeight * 2.0) * half;
+    return (forward + u * right + v * up).normalized();
 }
 
 /// A renderer without a window, and what it drew.

@@ -12,17 +12,6 @@ namespace {
 
 using synthetic::Sphere;
 
-// Ray of pixel (x, y) by the definition of the view, not by its matrices.
-Eigen::Vector3d ray_of(const ViewCamera& camera, int x, int y) {
-    const Eigen::Vector3d forward = (camera.target_m - camera.position_m).normalized();
-    const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
-    const Eigen::Vector3d up = right.cross(forward);
-    const double half = std::tan(camera.fov_deg * std::numbers::pi / 360.0);
-    const double u = ((x + 0.5) / kWidth * 2.0 - 1.0) * half * kWidth / kHeight;
-    const double v = (1.0 - (y + 0.5) / kHeight * 2.0) * half;
-    return (forward + u * right + v * up).normalized();
-}
-
 TEST_F(SceneRendererTest, PictureOnTheSurfaceIsThePictureOfTheSurface) {
     const Sphere sphere{{0.0, 0.0, 1.0}, 0.5};
     const auto colour = [&](const Eigen::Vector3d& p) {

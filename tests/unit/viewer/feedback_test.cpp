@@ -31,8 +31,10 @@ TEST_F(FeedbackOfAViewer, CountsWhatArrivedSinceTheLastOne) {
     for (const int frame : {0, 1}) {
         const Timestamp captured = kStart + milliseconds(50 * frame) + ahead;
         const Timestamp arrival = kStart + milliseconds(50 * frame + 30 + 5 * frame);
-        feedback_.arrived("lab", captured, 1000, arrival);
-        feedback_.arrived("lab", captured, 3000, arrival + milliseconds(10));
+        feedback_.arrived("lab", captured + milliseconds(4), captured, 1000, arrival);
+        feedback_.looked(arrival, true);
+        feedback_.arrived(
+            "lab", captured + milliseconds(5), captured, 3000, arrival + milliseconds(10));
         feedback_.completed(
             "lab", 7u + static_cast<std::uint64_t>(frame), captured, arrival + milliseconds(10));
     }
@@ -49,7 +51,7 @@ TEST_F(FeedbackOfAViewer, CountsWhatArrivedSinceTheLastOne) {
     EXPECT_EQ(first.num_samples, 4u);
     // it began to count when the first sample came, 30 ms after the start
     EXPECT_NEAR(first.payload_bytes_per_s, 8000 / 0.2, 1e-6);
-    EXPECT_NEAR(first.min_delay_ms, 30.0 - 3.6e6, 1e-6);
+    EXPECT_NEAR(first.min_delay_ms, 26.0 - 3.6e6, 1e-6) << "since it was written";
     EXPECT_NEAR(first.median_delay_ms, 45.0 - 3.6e6, 1e-6);
 
     const auto next = report(kStart + milliseconds(430));
@@ -59,11 +61,76 @@ TEST_F(FeedbackOfAViewer, CountsWhatArrivedSinceTheLastOne) {
     EXPECT_EQ(next[0].num_samples, 0u);
     EXPECT_EQ(next[0].payload_bytes_per_s, 0.0);
     EXPECT_EQ(next[0].min_delay_ms, 0.0);
+    EXPECT_EQ(next[0].sure_delay_ms, 0.0);
     EXPECT_EQ(next[0].median_delay_ms, 0.0);
 }
 
+/// Frames of one sample each, 33 ms apart, that need 20 ms from writing to this host.
+class FeedbackOfALateViewer : public FeedbackOfAViewer {
+protected:
+    static constexpr int kWay_ms = 20;
+    /// Looks every 5 ms; from `stops_ms` to `goes_on_ms` it stands still.
+    bus::StreamFeedback run(int stops_ms, int goes_on_ms, int queue_ms = 0) {
+        std::vector<bus::StreamFeedback> reports;
+        int next = 0;
+        report(kStart);
+        for (int ms = 0; reports.empty(); ms += 5) {
+            if (ms >= stops_ms && ms < goes_on_ms) continue;
+            const Timestamp now = kStart + milliseconds(ms);
+            for (; 33 * next + kWay_ms + queue_ms <= ms; ++next) {
+                const Timestamp written = kStart + milliseconds(33 * next);
+                feedback_.arrived("lab", written, written, 1000, now);
+            }
+            feedback_.looked(now, true);
+            reports = report(now);
+        }
+        return reports[0];
+    }
+};
+
+TEST_F(FeedbackOfALateViewer, IsSureOfAllWhereItIsOnTime) {
+    const bus::StreamFeedback report = run(0, 0);
+    EXPECT_LE(report.longest_wait_ms, 5.0);
+    EXPECT_GE(report.min_delay_ms, kWay_ms);
+    EXPECT_LE(report.min_delay_ms, kWay_ms + 5);
+    EXPECT_EQ(report.sure_delay_ms, report.min_delay_ms);
+}
+
+TEST_F(FeedbackOfALateViewer, DoesNotTakeItsOwnWaitForTheNetworks) {
+    const bus::StreamFeedback report = run(5, 200);
+    EXPECT_GE(report.longest_wait_ms, 190.0);
+    EXPECT_GE(report.num_samples, 5U);
+    EXPECT_GT(report.min_delay_ms, kWay_ms) << "even the newest had to wait";
+    EXPECT_LE(report.sure_delay_ms, kWay_ms);
+}
+
+TEST_F(FeedbackOfALateViewer, IsSureOfAQueueThatIsLongerThanItsWait) {
+    const bus::StreamFeedback report = run(50, 120, 150);
+    EXPECT_GE(report.longest_wait_ms, 70.0);
+    EXPECT_GE(report.sure_delay_ms, kWay_ms + 150 - 75);
+    EXPECT_LE(report.sure_delay_ms, kWay_ms + 150 + 5);
+    EXPECT_LE(report.sure_delay_ms, report.min_delay_ms);
+}
+
+TEST_F(FeedbackOfALateViewer, PutsItsReportOffWhileSomethingWaits) {
+    feedback_.arrived("lab", kStart, kStart, 1, kStart);
+    report(kStart);
+    for (int ms = 5; ms < 300; ms += 5) {
+        feedback_.looked(kStart + milliseconds(ms), false);
+        EXPECT_TRUE(report(kStart + milliseconds(ms)).empty()) << ms;
+    }
+    feedback_.looked(kStart + milliseconds(300), true);
+    EXPECT_EQ(report(kStart + milliseconds(300)).size(), 1U);
+    for (int ms = 305; ms < 700; ms += 5) {
+        feedback_.looked(kStart + milliseconds(ms), false);
+        EXPECT_TRUE(report(kStart + milliseconds(ms)).empty()) << ms;
+    }
+    feedback_.looked(kStart + milliseconds(700), false);
+    EXPECT_EQ(report(kStart + milliseconds(700)).size(), 1U) << "not for longer";
+}
+
 TEST_F(FeedbackOfAViewer, ComesFiveTimesASecond) {
-    feedback_.arrived("lab", kStart, 1, kStart);
+    feedback_.arrived("lab", kStart, kStart, 1, kStart);
     int num_reports = 0;
     for (int ms = 0; ms < 2000; ++ms)
         num_reports += static_cast<int>(report(kStart + milliseconds(ms)).size());
@@ -71,7 +138,7 @@ TEST_F(FeedbackOfAViewer, ComesFiveTimesASecond) {
 }
 
 TEST_F(FeedbackOfAViewer, GoesOnWhereTheClockIsSetBack) {
-    feedback_.arrived("lab", kStart, 1, kStart);
+    feedback_.arrived("lab", kStart, kStart, 1, kStart);
     EXPECT_EQ(report(kStart).size(), 1u);
     const Timestamp earlier = kStart + -std::chrono::hours(1);
     EXPECT_EQ(report(earlier).size(), 1u);
@@ -82,15 +149,16 @@ TEST_F(FeedbackOfAViewer, GoesOnWhereTheClockIsSetBack) {
 }
 
 TEST_F(FeedbackOfAViewer, HasOneForEachSiteAndForgetsThoseThatAreGone) {
-    feedback_.arrived("lab", kStart, 1, kStart);
-    feedback_.arrived("hall", kStart, 1, kStart);
+    feedback_.arrived("lab", kStart, kStart, 1, kStart);
+    feedback_.arrived("hall", kStart, kStart, 1, kStart);
     EXPECT_EQ(report(kStart).size(), 2u);
     EXPECT_TRUE(feedback_.forget("lab"));
     EXPECT_FALSE(feedback_.forget("lab"));
     const auto reports = report(kStart + milliseconds(200));
     ASSERT_EQ(reports.size(), 1u);
     EXPECT_EQ(reports[0].site, "hall");
-    for (int i = 0; i < 1000; ++i) feedback_.arrived("s" + std::to_string(i), kStart, 1, kStart);
+    for (int i = 0; i < 1000; ++i)
+        feedback_.arrived("s" + std::to_string(i), kStart, kStart, 1, kStart);
     EXPECT_EQ(report(kStart + milliseconds(400)).size(), 64u) << "a flood of sites";
 }
 

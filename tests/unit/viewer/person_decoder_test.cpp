@@ -15,11 +15,13 @@ protected:
         test_site::Frame frame = test_site::frame("a", 5, 150);
         return FramePair{std::move(frame.mesh), std::move(frame.textures)};
     }();
+    std::vector<Eigen::Vector3f> eyes_site_;
     PersonDecodeScratch scratch_;
     renderer::PersonModel model_;
 
     std::string decode_error(const PersonLimits& limits = {}) {
-        const auto decoded = decode_person(pair_, description_, limits, scratch_, model_);
+        const auto decoded =
+            decode_person(pair_, description_, limits, eyes_site_, scratch_, model_);
         if (decoded) return "";
         EXPECT_EQ(decoded.error().kind, ErrorKind::kInvalidData);
         return decoded.error().message;
@@ -34,6 +36,31 @@ TEST_F(PersonDecoderTest, BringsShapeAndColour) {
         EXPECT_NEAR((p - Eigen::Vector3f(0.0f, 0.0f, 1.2f)).norm(), 0.4f, 1e-3f);
     for (const Eigen::Vector3f& colour : model_.fallback)
         EXPECT_LT((colour - Eigen::Vector3f::Constant(150.0f / 255.0f)).norm(), 0.03f);
+}
+
+TEST_F(PersonDecoderTest, DecodesOnlyWhatTheEyesNeed) {
+    // a colour that is no JPEG does not matter in a picture that nobody needs
+    const bus::SiteDescription description = description_;
+    const auto centre = [&](std::size_t camera) {
+        return Eigen::Vector3f(description.cameras[camera].centre_site().cast<float>());
+    };
+    for (std::uint32_t i = 4; i < 8; ++i) {
+        bus::CameraTexture copy = pair_.textures[0];
+        copy.camera = 0;
+        pair_.textures.push_back(copy);
+    }
+    eyes_site_ = {Eigen::Vector3f(1.5F * centre(0))};
+    eyes_site_.front().z() = centre(0).z();
+    EXPECT_EQ(decode_error(), "");
+    const std::size_t num_needed = model_.cameras.size();
+    EXPECT_GE(num_needed, 5U);
+    EXPECT_LT(num_needed, 8U) << "not the camera across";
+    for (const auto& camera : model_.cameras)
+        EXPECT_GT((camera.centre_site - centre(2)).norm(), 0.1F);
+    pair_.textures[2].colour = {1, 2, 3};
+    EXPECT_EQ(decode_error(), "") << "what is not needed is not looked at";
+    eyes_site_.clear();
+    EXPECT_NE(decode_error(), "");
 }
 
 TEST_F(PersonDecoderTest, RefusesATextureOfACameraThatIsNotThere) {

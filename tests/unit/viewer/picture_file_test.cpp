@@ -1,6 +1,6 @@
 #include "viewer/picture_file.hpp"
 
-#include "viewer/newest_per_site.hpp"
+#include "viewer/video_file.hpp"
 #include "viewer/viewer_config.hpp"
 
 #include <gmock/gmock.h>
@@ -47,16 +47,28 @@ TEST_F(FilesTest, AFolderThatCannotBeMadeIsAnError) {
     EXPECT_THAT(written.error().message, testing::HasSubstr("/proc/none/p.png"));
 }
 
+using Clock = VideoRecorder::Clock;
+
+std::vector<int> reds_of(const std::filesystem::path& file) {
+    cv::VideoCapture video(file.string());
+    cv::Mat frame;
+    std::vector<int> reds;
+    while (video.read(frame)) reds.push_back(frame.at<cv::Vec3b>(24, 32)[2]);
+    return reds;
+}
+
 TEST_F(FilesTest, VideoHoldsWhatWasShown) {
     const auto file = folder_ / "v.avi";
     {
         auto recorder =
             VideoRecorder::create({.file = file, .fps = 50.0, .width = 64, .height = 48});
         ASSERT_TRUE(recorder) << recorder.error().message;
-        EXPECT_TRUE((*recorder)->wants_picture());
-        (*recorder)->offer(picture(220, 30));
+        const auto now = Clock::now();
+        EXPECT_TRUE((*recorder)->wants_picture(now));
+        (*recorder)->offer(picture(220, 30), now);
+        EXPECT_FALSE((*recorder)->wants_picture(now)) << "one picture per slot";
         while ((*recorder)->num_written() < 3) std::this_thread::yield();
-        EXPECT_TRUE((*recorder)->wants_picture());
+        EXPECT_EQ((*recorder)->num_dropped(), 0U);
     }
     cv::VideoCapture video(file.string());
     cv::Mat frame;
@@ -69,11 +81,91 @@ TEST_F(FilesTest, VideoHoldsWhatWasShown) {
     EXPECT_NEAR(frame.at<cv::Vec3b>(24, 32)[0], 30, 6);
 }
 
+TEST_F(FilesTest, EveryKindOfVideoHoldsItsPicturesAtTheirRate) {
+    for (const char* name : {"v.avi", "v.mkv", "v.mp4"}) {
+        SCOPED_TRACE(name);
+        const auto file = folder_ / name;
+        std::vector<int> expected;
+        const auto video = create_video_file({file, 25.0, 64, 48});
+        ASSERT_TRUE(video) << video.error().message;
+        for (int red = 10; red < 250; red += 10) {
+            ASSERT_TRUE((*video)->set(picture(static_cast<std::uint8_t>(red), 0).rgba));
+            ASSERT_TRUE((*video)->write());
+            ASSERT_TRUE((*video)->write());  // shown again
+            expected.insert(expected.end(), 2, red);
+        }
+        ASSERT_TRUE((*video)->finish());
+        const std::vector<int> reds = reds_of(file);
+        ASSERT_EQ(reds.size(), expected.size());
+        for (std::size_t i = 0; i < reds.size(); ++i) EXPECT_NEAR(reds[i], expected[i], 8) << i;
+        const cv::VideoCapture read(file.string(), cv::CAP_FFMPEG);
+        EXPECT_NEAR(read.get(cv::CAP_PROP_FPS), 25.0, 1e-3);
+    }
+}
+
+TEST_F(FilesTest, AVideoThatCannotBeWrittenNamesItsFileAndTheReason) {
+    const auto video = create_video_file({folder_ / "none" / "a.avi", 10.0, 64, 48});
+    ASSERT_FALSE(video);
+    EXPECT_EQ(video.error().kind, ErrorKind::kUnavailable);
+    EXPECT_NE(video.error().message.find("a.avi"), std::string::npos) << video.error().message;
+    EXPECT_NE(video.error().message.find("No such file"), std::string::npos)
+        << video.error().message;
+}
+
+// However late the encoder is: times lie in the past, as of a drawing thread that goes ahead.
+TEST_F(FilesTest, EachPictureIsInItsSlotOfTheVideoAndGapsRepeatTheOneBefore) {
+    const auto file = folder_ / "v.avi";
+    auto recorder = VideoRecorder::create({.file = file, .fps = 0.5, .width = 64, .height = 48});
+    ASSERT_TRUE(recorder) << recorder.error().message;
+    const auto begin = Clock::now();
+    // slots of 2 s, which nothing real ends: 0, 1, 4, 5
+    for (const auto& [slot, red] : {std::pair(0, 40), {1, 80}, {4, 160}, {5, 200}}) {
+        const auto now = begin + std::chrono::seconds(2 * slot) + std::chrono::milliseconds(300);
+        while (!(*recorder)->wants_picture(slot == 0 ? begin : now)) std::this_thread::yield();
+        (*recorder)->offer(picture(static_cast<std::uint8_t>(red), 0), slot == 0 ? begin : now);
+        EXPECT_FALSE((*recorder)->wants_picture(now + std::chrono::milliseconds(1000)))
+            << "the slot has its picture";
+    }
+    ASSERT_TRUE((*recorder)->finish());
+    const std::vector<int> expected{40, 80, 80, 80, 160, 200};
+    const std::vector<int> reds = reds_of(file);
+    ASSERT_EQ(reds.size(), expected.size());
+    for (std::size_t i = 0; i < reds.size(); ++i) EXPECT_NEAR(reds[i], expected[i], 8) << i;
+}
+
+TEST_F(FilesTest, WhatTheEncoderIsTooSlowForIsCountedAndRepeated) {
+    const auto file = folder_ / "v.avi";
+    // large pictures, as fast as they can be offered: the queue fills
+    constexpr int kWidth = 1920;
+    constexpr int kHeight = 1080;
+    auto recorder =
+        VideoRecorder::create({.file = file, .fps = 100.0, .width = kWidth, .height = kHeight});
+    ASSERT_TRUE(recorder) << recorder.error().message;
+    const auto begin = Clock::now();
+    std::uint64_t num_offered = 0;
+    constexpr int kSlots = 40;
+    for (int slot = 0; slot < kSlots; ++slot) {
+        const auto now =
+            begin + std::chrono::milliseconds(10 * slot) + std::chrono::milliseconds(1);
+        if (!(*recorder)->wants_picture(now)) continue;
+        renderer::RenderedPicture large{kWidth, kHeight, {}};
+        large.rgba.assign(std::size_t{4} * kWidth * kHeight, static_cast<std::uint8_t>(6 * slot));
+        (*recorder)->offer(std::move(large), now);
+        ++num_offered;
+    }
+    EXPECT_EQ(num_offered + (*recorder)->num_dropped(), static_cast<std::uint64_t>(kSlots));
+    EXPECT_GT((*recorder)->num_dropped(), 0U);
+    ASSERT_TRUE((*recorder)->finish());
+    // as long as what was offered last, at least: the time goes on while it is encoded
+    EXPECT_GE((*recorder)->num_written(), num_offered);
+    EXPECT_EQ(reds_of(file).size(), (*recorder)->num_written());
+}
+
 TEST_F(FilesTest, AVideoThatIsCutOffBeforeItEndsIsAnError) {
     const auto file = folder_ / "v.mp4";
     auto recorder = VideoRecorder::create({.file = file, .fps = 50.0, .width = 64, .height = 48});
     ASSERT_TRUE(recorder) << recorder.error().message;
-    (*recorder)->offer(picture(220, 30));
+    (*recorder)->offer(picture(220, 30), Clock::now());
     while ((*recorder)->num_written() < 3) std::this_thread::yield();
     std::filesystem::remove(file);
     const auto finished = (*recorder)->finish();
@@ -112,36 +204,6 @@ TEST_F(FilesTest, PreparingLeavesNothingBehindAndWhatIsThereAlone) {
     ASSERT_TRUE(prepare_file(file));
     EXPECT_EQ(std::filesystem::file_size(file), 6u);
     EXPECT_FALSE(prepare_file(file.parent_path())) << "a folder";
-}
-
-TEST(NewestPerSite, ReplacesPerSiteAndServesSitesInTurn) {
-    NewestPerSite<int> sut;
-    EXPECT_FALSE(sut.put("a", 1));
-    EXPECT_FALSE(sut.put("b", 10));
-    EXPECT_EQ(sut.put("a", 2), 1);
-    EXPECT_EQ(sut.take({})->value, 2);
-    sut.put("a", 3);
-    const auto next = sut.take({});  // b waits longer
-    EXPECT_EQ(next->site, "b");
-    EXPECT_EQ(next->value, 10);
-    EXPECT_EQ(sut.take_all().size(), 1u);
-    EXPECT_TRUE(sut.take_all().empty());
-}
-
-// A decoder that does not keep up always finds something.
-TEST(NewestPerSite, AStopIsSeenWhileThereAreValues) {
-    NewestPerSite<int> slots;
-    slots.put("a", 1);
-    std::stop_source source;
-    source.request_stop();
-    EXPECT_FALSE(slots.take(source.get_token()));
-}
-
-TEST(NewestPerSite, AStopEndsTheWait) {
-    NewestPerSite<int> sut;
-    std::stop_source source;
-    std::jthread stopper([&] { source.request_stop(); });
-    EXPECT_FALSE(sut.take(source.get_token()));
 }
 
 }  // namespace

@@ -34,12 +34,19 @@ TEST(StatusLines, SayHowLongEachStageTakes) {
     world.steps_per_s = 119.0;
     world.step = {0.8, 2.1, 512};
     world.capture_to_collision = {68.1, 143.1, 512};
+    world.processor = {.run_per_s = 0.62,
+                       .waited_per_s = 0.12,
+                       .longest_wait_per_s = 0.08,
+                       .is_waiting_known = true,
+                       .nice = 3};
     lines.add("lab", world, kStart);
     EXPECT_THAT(texts(lines.details()),
                 testing::ElementsAre("site alice: 13.0 metaframes/s",
+                                     "  cpu  0.00 cores  waited ?  nice 0",
                                      "  ms  silhouettes 7.6  hull 21.5  coding 7.9  publishing 0.2",
                                      "  ms  capture to publish 47.6 (99 %: 126.1)",
                                      "world lab: 119.0 steps/s",
+                                     "  cpu  0.62 cores  waited 8 % (all threads 12 %)  nice 3",
                                      "  ms  step 0.8 (99 %: 2.1)",
                                      "  ms  capture to collision 68.1 (99 %: 143.1)"));
     EXPECT_TRUE(lines.warnings().empty());
@@ -80,6 +87,27 @@ TEST(StatusLines, WarnOfWhatWasLostSinceTheReportBefore) {
     EXPECT_THAT(texts(lines.warnings()), testing::ElementsAre("site bob: 2 cameras off"));
 }
 
+TEST(StatusLines, TellASlowMachineFromASlowNetwork) {
+    StatusLines lines;
+    bus::SiteStatus site;
+    site.processor.is_waiting_known = true;
+    lines.add("alice", site, kStart);
+    site.num_metaframes_captured = 30;
+    site.stream.num_dropped_for_rate = 15;
+    site.stream.cap_set_by = "wall";
+    site.stream.cap_bit_per_s = 4.2e6;
+    lines.add("alice", site, kStart + seconds(1));
+    bus::ViewerStatus own;
+    own.processor.is_waiting_known = true;
+    own.processor.longest_wait_per_s = 0.5;
+    lines.add_own(own, kStart + seconds(1));
+    EXPECT_THAT(
+        texts(lines.warnings()),
+        testing::ElementsAre(
+            "site alice: network too slow to wall: 15 of 30 metaframes left out for 4.2 Mbit/s",
+            "this viewer: machine too slow: waited 50 % of the time for a core"));
+}
+
 TEST(StatusLines, KnowWhetherAWorldServerIsThereAndWhatItRefused) {
     StatusLines lines;
     EXPECT_FALSE(lines.has_world());
@@ -93,13 +121,13 @@ TEST(StatusLines, KnowWhetherAWorldServerIsThereAndWhatItRefused) {
     EXPECT_EQ(lines.num_refused(), 5U);
     lines.forget_silent(kStart + seconds(5));
     EXPECT_FALSE(lines.has_world());
-    EXPECT_EQ(texts(lines.details()).size(), 3U) << "the site is still there";
+    EXPECT_EQ(texts(lines.details()).size(), 4U) << "the site is still there";
 }
 
 TEST(StatusLines, TakeABoundedNumberOfPrograms) {
     StatusLines lines;
     for (int i = 0; i < 1000; ++i) lines.add("s" + std::to_string(i), site_status(0), kStart);
-    EXPECT_LE(lines.details().size(), 3U * 128U);
+    EXPECT_LE(lines.details().size(), 4U * 128U);
 }
 
 }  // namespace

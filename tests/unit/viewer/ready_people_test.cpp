@@ -1,0 +1,64 @@
+#include "viewer/ready_people.hpp"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+namespace atrium::viewer {
+namespace {
+
+using namespace std::chrono_literals;
+
+PersonUpdate captured_at(std::int64_t ns) {
+    PersonUpdate update;
+    update.capture_time.ns = ns;
+    return update;
+}
+
+PersonUpdate ready_at(ReadyPeople::Clock::time_point at) {
+    PersonUpdate update;
+    update.ready = at;
+    return update;
+}
+
+TEST(ReadyPeople, KeepTheNewestOfEachSiteAndEveryArrival) {
+    ReadyPeople sut;
+    EXPECT_FALSE(sut.put("a", captured_at(1)));
+    EXPECT_FALSE(sut.put("b", captured_at(10)));
+    const auto replaced = sut.put("a", captured_at(2));
+    ASSERT_TRUE(replaced);
+    EXPECT_EQ(replaced->capture_time.ns, 1);
+    const auto people = sut.take_all();
+    ASSERT_EQ(people.size(), 2U);
+    EXPECT_EQ(people[0].update.capture_time.ns, 2);
+    EXPECT_EQ(people[1].site, "b");
+    EXPECT_TRUE(sut.take_all().empty());
+    EXPECT_EQ(sut.take_arrivals().size(), 3U);
+    EXPECT_TRUE(sut.take_arrivals().empty());
+}
+
+TEST(ReadyPeople, HoldABoundedNumberOfArrivals) {
+    ReadyPeople sut;
+    for (int i = 0; i < 1000; ++i) sut.put("a", ready_at(ReadyPeople::Clock::time_point(1ns * i)));
+    const auto arrivals = sut.take_arrivals();
+    EXPECT_EQ(arrivals.size(), ReadyPeople::kMostArrivals);
+    EXPECT_EQ(arrivals.back().at, ReadyPeople::Clock::time_point(999ns)) << "the newest";
+}
+
+TEST(ReadyPeople, AnArrivalEndsTheWaitAndSoDoesAStop) {
+    ReadyPeople sut;
+    const auto never = ReadyPeople::Clock::now() + 1h;
+    {
+        const std::jthread other([&] { sut.put("a", captured_at(1)); });
+        sut.wait({}, never);
+    }
+    sut.wait({}, never);  // it is still there to be taken
+    EXPECT_EQ(sut.take_arrivals().size(), 1U);
+    std::stop_source source;
+    const std::jthread stopper([&] { source.request_stop(); });
+    sut.wait(source.get_token(), never);
+    sut.wait({}, ReadyPeople::Clock::now());
+}
+
+}  // namespace
+}  // namespace atrium::viewer

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace atrium::renderer {
+
+/// Pixels of one row of a picture: `begin` up to, but without, `end`.
+struct PixelRun {
+    int row;
+    int begin;
+    int end;
+
+    friend bool operator==(const PixelRun&, const PixelRun&) = default;
+};
+
+struct CoverScratch {
+    struct Corner {
+        Eigen::Vector2f px;
+        Eigen::Vector2i cell;  // the first pixel centre at or after it, in x and in y
+    };
+    std::vector<Corner> corners;
+    std::vector<std::int32_t> changes;
+};
+
+/// Finds the pixels of a square picture whose centres lie in any of the triangles, whichever way
+/// these face. `corners_px` has pixel centres at integers; what lies outside the picture is cut
+/// off.
+void find_covered(std::span<const Eigen::Vector2f> corners_px,
+                  std::span<const std::array<std::uint32_t, 3>> triangles,
+                  int side_px,
+                  CoverScratch& scratch,
+                  std::vector<PixelRun>& out);
+
+}  // namespace atrium::renderer
