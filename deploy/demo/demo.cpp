@@ -88,6 +88,7 @@ public:
 private:
     Expected<void> start(const std::string& name,
                          const std::string& program,
+                         int nice,
                          std::vector<std::string> arguments);
     Expected<void> check_children();
     std::map<std::string, std::string> preparing_notes() const;
@@ -100,16 +101,24 @@ private:
     std::string world_;
     Display display_;
     std::vector<ChildProcess> children_;
+    Clock::time_point started_ = Clock::now();
+    double startup_seconds_ = 0.0;  // until everybody was on
     double measured_seconds_ = 0.0;
 };
 
 Expected<void> Demo::start(const std::string& name,
                            const std::string& program,
+                           int nice,
                            std::vector<std::string> arguments) {
     std::vector<std::string> command{(config_.programs / program).string()};
     command.insert(command.end(), arguments.begin(), arguments.end());
     command.insert(command.end(),
-                   {"--bus.world", world_, "--bus.domain", std::to_string(config_.domain)});
+                   {"--bus.world",
+                    world_,
+                    "--bus.domain",
+                    std::to_string(config_.domain),
+                    "--process.nice",
+                    std::to_string(nice)});
     auto child = ChildProcess::start(name, command, config_.output / (name + ".log"));
     if (!child) return tl::unexpected(child.error());
     children_.push_back(std::move(*child));
@@ -120,7 +129,8 @@ Expected<void> Demo::start_programs() {
     const bool has_display =
         std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
     const bool window = config_.window == "yes" || (config_.window == "auto" && has_display);
-    auto started = start("world", "world_server", {"--config", config_.world.string()});
+    auto started =
+        start("world", "world_server", config_.world_nice, {"--config", config_.world.string()});
     if (!started) return started;
     const std::vector<std::string> sites = split(config_.sites);
     const std::vector<std::string> motions = split(config_.motions);
@@ -129,7 +139,8 @@ Expected<void> Demo::start_programs() {
         std::vector<std::string> arguments{"--config", file.string()};
         if (!motions.empty())
             arguments.insert(arguments.end(), {"--simulation.motion", motions[i]});
-        if (auto site_started = start(sites[i], "site_node", arguments); !site_started)
+        if (auto site_started = start(sites[i], "site_node", config_.site_nice, arguments);
+            !site_started)
             return site_started;
     }
     std::vector<std::string> arguments{"--config",
@@ -151,7 +162,7 @@ Expected<void> Demo::start_programs() {
     if (!window) arguments.push_back("--headless");
     // without a display it says so
     if (config_.window == "yes") arguments.insert(arguments.end(), {"--view.context", "window"});
-    return start("viewer", "viewer", arguments);
+    return start("viewer", "viewer", config_.viewer_nice, arguments);
 }
 
 Expected<void> Demo::check_children() {
@@ -217,6 +228,7 @@ Expected<void> Demo::wait_until_everybody_is_on(std::stop_token stop) {
 Expected<void> Demo::measure(std::stop_token stop) {
     board_.begin_report();
     const auto begin = Clock::now();
+    startup_seconds_ = std::chrono::duration<double>(begin - started_).count();
     double next_reset_s = 0.0;
     for (int second = 1;; ++second) {
         if (config_.reset_seconds > 0 && measured_seconds_ >= next_reset_s) {
@@ -252,7 +264,7 @@ Expected<void> Demo::stop_programs() {
     }
     if (!result || measured_seconds_ <= 0.0) return result;
     const fs::path report = config_.output / "report.json";
-    std::ofstream(report) << board_.report(measured_seconds_);
+    std::ofstream(report) << board_.report({measured_seconds_, startup_seconds_});
     for (const char* file : {"view.png", "view.avi", "report.json"}) {
         const fs::path path = config_.output / file;
         if (!fs::exists(path) || fs::file_size(path) == 0) {
@@ -299,6 +311,12 @@ void declare(DemoConfig& config, config::OptionSet& options) {
                 config.fov_deg,
                 "its vertical angle of view [deg]; 0: as its file says",
                 {0, 120});
+    options.add("site-nice",
+                config.site_nice,
+                "process.nice of the sites: -20 goes first, 19 last",
+                {-20, 19});
+    options.add("world-nice", config.world_nice, "of the world server", {-20, 19});
+    options.add("viewer-nice", config.viewer_nice, "of the viewer", {-20, 19});
     options.add("domain", config.domain, "DDS domain", {0, 230});
 }
 

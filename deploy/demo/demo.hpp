@@ -27,6 +27,9 @@ struct DemoConfig {
     std::filesystem::path viewer = "deploy/viewer.toml";
     std::string camera, target;  // "x,y,z" in the world [m]; empty: as the viewer's file says
     double fov_deg = 0.0;        // vertical; 0: likewise
+    int site_nice = 0;           // process.nice of each program, as its own default
+    int world_nice = 0;
+    int viewer_nice = 2;
     std::uint64_t domain = 0;
 };
 

@@ -1,5 +1,7 @@
 #include "deploy/demo/status_board.hpp"
 
+#include "core/status/bottleneck.hpp"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -12,6 +14,7 @@ using nlohmann::ordered_json;
 
 // More than a day of samples is not kept: the oldest go.
 constexpr std::size_t kMaxSamples = 100'000;
+constexpr std::size_t kTableWidth = 115;
 
 template <typename Status, typename Value>
 double median(const std::vector<Status>& samples, Value value) {
@@ -51,6 +54,66 @@ void keep(History& history, const std::string& name, Status&& status) {
 }
 
 double mega(double v) { return v / 1e6; }
+
+double seconds(std::uint64_t ns) { return 1e-9 * static_cast<double>(ns); }
+
+// What the program ran and waited between its first report and its last one; `done` is the number
+// of things that it made meanwhile.
+template <typename Status>
+ordered_json processor_json(const std::vector<Status>& samples,
+                            const char* per_thing,
+                            std::uint64_t done) {
+    if (samples.empty()) return nullptr;
+    const ProcessorUse& first = samples.front().processor;
+    const ProcessorUse& last = samples.back().processor;
+    const double elapsed_s =
+        1e-9 * static_cast<double>((samples.back().time - samples.front().time).count());
+    const double run_s = seconds(last.run_ns - std::min(first.run_ns, last.run_ns));
+    const double waited_s = seconds(last.waited_ns - std::min(first.waited_ns, last.waited_ns));
+    const bool is_known = last.is_waiting_known;
+    const auto per = [](double value, double divisor) {
+        return divisor > 0.0 ? ordered_json(value / divisor) : ordered_json();
+    };
+    const auto waited = [&](ordered_json value) { return is_known ? value : ordered_json(); };
+    ordered_json out;
+    out["run_s"] = run_s;
+    out["waited_s"] = waited(waited_s);
+    out["cores"] = per(run_s, elapsed_s);
+    out["waited_per_s"] = waited(per(waited_s, elapsed_s));
+    out["longest_wait_per_s"] =
+        waited(median(samples, [](const Status& s) { return s.processor.longest_wait_per_s; }));
+    out[per_thing] = per(1e3 * run_s, static_cast<double>(done));
+    out["run_s_since_start"] = seconds(last.run_ns);
+    out["waited_s_since_start"] = waited(seconds(last.waited_ns));
+    out["nice"] = last.nice;
+    return out;
+}
+
+template <typename Status>
+ordered_json first_output_json(const std::vector<Status>& samples) {
+    if (samples.empty() || samples.back().first_output_s <= 0.0) return nullptr;
+    return samples.back().first_output_s;
+}
+
+// "0.81  43%": cores used, and how much of the time the thread that waited longest waited.
+std::string processor_text(const ProcessorUse& use) {
+    const std::string waited =
+        use.is_waiting_known ? fmt::format("{:.0f}%", 100.0 * use.longest_wait_per_s) : "?";
+    return fmt::format("{:.2f} {:>4}", use.run_per_s, waited);
+}
+
+// What keeps the program back, in its last second.
+template <typename Status>
+void add_bottlenecks(const std::string& name,
+                     const std::vector<Status>& samples,
+                     std::vector<std::string>& lines) {
+    if (samples.empty()) return;
+    std::optional<status::Figures> before;
+    if (samples.size() > 1) before = status::figures_of(samples[samples.size() - 2]);
+    for (const status::Bottleneck& found :
+         status::bottlenecks(before, status::figures_of(samples.back())))
+        lines.push_back(fmt::format("{:<12} {}", name, found.text));
+}
 
 }  // namespace
 
@@ -101,10 +164,16 @@ std::vector<std::string> StatusBoard::table(const std::map<std::string, std::str
                          const std::string& latency,
                          const std::string& bytes,
                          const std::string& dropped,
+                         const std::string& processor,
                          const std::string& memory) {
-        const std::string text = fmt::format(
-            "{:<12} {:>18} {:>30} {:>6} {:>27} {:>6}", name, rate, latency, bytes, dropped, memory);
-        lines.push_back(fmt::format("{:<104.104}", text));
+        lines.push_back(fmt::format("{:<12} {:>18} {:>30} {:>6} {:>27} {:>10} {:>6}",
+                                    name,
+                                    rate,
+                                    latency,
+                                    bytes,
+                                    dropped,
+                                    processor,
+                                    memory));
     };
     const auto latency_text = [](const char* what, const bus::LatencySummary& latency) {
         return fmt::format("{} {:>6.1f} {:>6.1f}", what, latency.median_ms, latency.p99_ms);
@@ -112,7 +181,7 @@ std::vector<std::string> StatusBoard::table(const std::map<std::string, std::str
     const auto memory_text = [](std::uint64_t bytes) {
         return fmt::format("{:.0f}", mega(static_cast<double>(bytes)));
     };
-    row("program", "rate", "ms since capture: median p99", "MB/s", "dropped", "MB");
+    row("program", "rate", "ms since capture: median p99", "MB/s", "dropped", "cores wait", "MB");
     for (const auto& [name, history] : sites_) {
         if (history.samples.empty()) continue;
         const bus::SiteStatus& s = history.samples.back();
@@ -125,6 +194,7 @@ std::vector<std::string> StatusBoard::table(const std::map<std::string, std::str
                         s.num_dropped_late,
                         s.stream.num_dropped_for_rate,
                         s.num_failed),
+            processor_text(s.processor),
             memory_text(s.resident_bytes));
     }
     if (!world_.samples.empty()) {
@@ -134,6 +204,7 @@ std::vector<std::string> StatusBoard::table(const std::map<std::string, std::str
             latency_text("touched", s.capture_to_collision),
             "",
             fmt::format("{} rejected", s.num_rejected),
+            processor_text(s.processor),
             memory_text(s.resident_bytes));
     }
     if (!viewer_.samples.empty()) {
@@ -143,18 +214,24 @@ std::vector<std::string> StatusBoard::table(const std::map<std::string, std::str
             latency_text("displayed", s.capture_to_display),
             "",
             fmt::format("{} skipped {} inc", s.num_pairs_skipped, s.num_incomplete),
+            processor_text(s.processor),
             memory_text(s.resident_bytes));
     }
-    for (const auto& [name, note] : notes)
-        lines.push_back(fmt::format("{:<104.104}", fmt::format("{:<12} {}", name, note)));
+    for (const auto& [name, history] : sites_) add_bottlenecks(name, history.samples, lines);
+    add_bottlenecks("world", world_.samples, lines);
+    add_bottlenecks("viewer", viewer_.samples, lines);
+    for (const auto& [name, note] : notes) lines.push_back(fmt::format("{:<12} {}", name, note));
+    for (std::string& line : lines) line = fmt::format("{0:<{1}.{1}}", line, kTableWidth);
     return lines;
 }
 
-std::string StatusBoard::report(double seconds) const {
+std::string StatusBoard::report(const Run& run) const {
     ordered_json root;
-    root["seconds"] = seconds;
+    root["seconds"] = run.measured_s;
+    root["seconds_until_everybody_was_on"] = run.until_everybody_was_on_s;
     root["note"] =
-        "rates and latencies: median over the seconds of the run; p99: that of its worst second";
+        "rates and latencies: median over the seconds of the run; p99: that of its worst second; "
+        "processor: of the run; first_output_s: from the start of the process";
     for (const auto& [name, history] : sites_) {
         const auto& samples = history.samples;
         using S = bus::SiteStatus;
@@ -179,6 +256,11 @@ std::string StatusBoard::report(double seconds) const {
         };
         site["resident_bytes"] = samples.empty() ? 0 : samples.back().resident_bytes;
         site["resident_bytes_at_start"] = samples.empty() ? 0 : samples.front().resident_bytes;
+        site["processor"] =
+            processor_json(samples, "run_ms_per_metaframe", difference(samples, [](const S& s) {
+                               return s.num_metaframes_published;
+                           }));
+        site["first_output_s"] = first_output_json(samples);
         root["sites"][name] = std::move(site);
     }
     {
@@ -195,12 +277,23 @@ std::string StatusBoard::report(double seconds) const {
             latency_json(samples, [](const W& s) { return s.capture_to_collision; });
         world["resident_bytes"] = samples.empty() ? 0 : samples.back().resident_bytes;
         world["resident_bytes_at_start"] = samples.empty() ? 0 : samples.front().resident_bytes;
+        world["processor"] =
+            processor_json(samples, "run_ms_per_mesh", difference(samples, [](const W& s) {
+                               return s.num_meshes_received;
+                           }));
+        world["first_output_s"] = first_output_json(samples);
     }
     {
         using V = bus::ViewerStatus;
         const auto& samples = viewer_.samples;
         ordered_json& viewer = root["viewer"];
         viewer["frames_per_s"] = median(samples, [](const V& s) { return s.frames_per_s; });
+        // how far it gave way (docs/viewer.md, Giving way)
+        viewer["max_frames_per_s"] = median(samples, [](const V& s) { return s.max_frames_per_s; });
+        viewer["scale"] = median(samples, [](const V& s) { return s.scale; });
+        viewer["shadows"] = median(samples, [](const V& s) { return s.has_shadows ? 1.0 : 0.0; });
+        viewer["video_dropped"] =
+            difference(samples, [](const V& s) { return s.num_video_dropped; });
         viewer["capture_to_display_ms"] =
             latency_json(samples, [](const V& s) { return s.capture_to_display; });
         viewer["pairs_shown"] = difference(samples, [](const V& s) { return s.num_pairs_shown; });
@@ -210,6 +303,11 @@ std::string StatusBoard::report(double seconds) const {
         viewer["rejected"] = difference(samples, [](const V& s) { return s.num_rejected; });
         viewer["resident_bytes"] = samples.empty() ? 0 : samples.back().resident_bytes;
         viewer["resident_bytes_at_start"] = samples.empty() ? 0 : samples.front().resident_bytes;
+        viewer["processor"] =
+            processor_json(samples, "run_ms_per_picture", difference(samples, [](const V& s) {
+                               return s.num_frames;
+                           }));
+        viewer["first_output_s"] = first_output_json(samples);
     }
     return root.dump(2) + "\n";
 }

@@ -33,8 +33,12 @@ public:
     /// Lines of equal width, with a heading.
     std::vector<std::string> table(const std::map<std::string, std::string>& notes) const;
 
+    struct Run {
+        double measured_s = 0.0;
+        double until_everybody_was_on_s = 0.0;  // from the start of the first program
+    };
     /// Medians over the report's seconds, and totals, as JSON text.
-    std::string report(double seconds) const;
+    std::string report(const Run& run) const;
 
 private:
     template <typename Status>
