@@ -2,8 +2,10 @@
 BUILD ?= build
 SECONDS ?= 20
 DEMO_OPTIONS ?=
+RUNS ?= 1
+PATIENCE ?= 120
 
-.PHONY: demo test bench format build programs
+.PHONY: demo test bench bench-demo instructions format build programs
 build:
 	deploy/build.sh $(BUILD)
 
@@ -21,6 +23,14 @@ test: build
 bench:
 	deploy/build.sh $(BUILD) -DATRIUM_BENCH=ON
 	bench/run.sh $(BUILD)
+
+# measures the demo when the machine is idle, keeps the figures in bench/results and renews README's table: make bench-demo RUNS=3
+bench-demo: programs
+	bench/bench_demo.py --build $(BUILD) --seconds $(SECONDS) --runs $(RUNS) --patience $(PATIENCE)
+
+# instructions per metaframe of each program beside those kept in bench/instructions.json; fails beyond +15 %
+instructions: programs
+	bench/instructions.sh $(BUILD)
 
 format:
 	git ls-files '*.cpp' '*.hpp' | xargs clang-format -i

@@ -8,7 +8,7 @@ import os
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from page_table import read_rows, renew
+from page_table import put_table, read_rows
 
 COLUMNS = [("quality", "quality", "{:.0f}"), ("mesh_kb", "mesh", "{:.1f}"), ("masks_kb", "masks", "{:.1f}"),
            ("colours_kb", "colours", "{:.1f}"), ("total_kb", "all [kB]", "{:.1f}"), ("psnr_db", "PSNR [dB]", "{:.2f}"),
@@ -33,10 +33,7 @@ def main(table, page):
             cells.append(f"1/{PAPER_KB / float(row['total_kb']):.0f}")
             out.append("| " + " | ".join(cells) + " |")
         out.append("")
-    out.append(comment + ".")
-    text = "\n".join(out)
-    print(text)
-    renew(page, "codec", text)
+    put_table(page, "codec", out[:-1], comment)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ machine=$(lscpu | sed -n 's/^Model name: *//p')
 table="bench/results/$(date +%Y-%m-%d)-$(echo "$machine" | tr -c 'A-Za-z0-9\n' '-')-codec.csv"
 mkdir -p bench/results
 {
-    echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, one thread, $(c++ --version | head -n 1)"
+    echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(bench/score.sh "$build"), one thread, $(c++ --version | head -n 1)"
     "$build"/bin/codec_table
 } > "$table"
 python3 bench/codec_table.py "$table" docs/streams.md

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <map>
 #include <set>
 #include <utility>
 
@@ -89,41 +88,6 @@ json carving(const std::vector<hull::SilhouetteView>& views,
     return out;
 }
 
-// Faces lie between these, as StripChart has it: no camera that carves where the strip starts, at
-// its own camera, leaves any in front of its nearest piece, and none that carves far away leaves
-// any behind its farthest.
-struct Limits {
-    double highest = 1e9;
-    double lowest = 0.0;
-};
-
-Limits limits_of(const json& pieces, const json& carving_at_camera) {
-    constexpr double kMiddle = 0.5;
-    std::map<std::size_t, Limits> of_view;
-    std::map<std::size_t, bool> carves_far;
-    for (const json& piece : pieces) {
-        const std::size_t view = piece["view"];
-        const auto [it, is_new] = of_view.try_emplace(view, Limits{0.0, 1e9});
-        for (const json& end : piece["ends"]) {
-            it->second.highest = std::max(it->second.highest, end[1].get<double>());
-            it->second.lowest = std::min(it->second.lowest, end[1].get<double>());
-        }
-        const double from = piece["ends"][0][0];
-        const double to = piece["ends"][1][0];
-        if (from <= kMiddle && kMiddle < to) carves_far[view] = !carves_far[view];
-    }
-    for (const std::size_t view : carving_at_camera) carves_far[view] = !carves_far[view];
-    Limits out;
-    for (const auto& [view, range] : of_view) {
-        const bool carves_near =
-            std::find(carving_at_camera.begin(), carving_at_camera.end(), json(view)) !=
-            carving_at_camera.end();
-        if (carves_near) out.highest = std::min(out.highest, range.highest);
-        if (carves_far[view]) out.lowest = std::max(out.lowest, range.lowest);
-    }
-    return out;
-}
-
 // The figures would contradict the program.
 void require(bool agrees, const char* what) {
     if (agrees) return;
@@ -134,7 +98,10 @@ void require(bool agrees, const char* what) {
 // The sweep's state at one place: the gaps between the visible lines from the camera on, each with
 // the cameras that carve it. Passing a line changes the bit of its camera; hidden lines are taken
 // as passed before all others or after them.
-json gaps_at(double phi, const json& pieces, const json& carving_at_camera, const Limits& limits) {
+json gaps_at(double phi,
+             const json& pieces,
+             const json& carving_at_camera,
+             const StripChart::Range& limits) {
     std::set<std::size_t> carving(carving_at_camera.begin(), carving_at_camera.end());
     const auto pass = [&](std::size_t view) {
         if (carving.erase(view) == 0) carving.insert(view);
@@ -150,7 +117,7 @@ json gaps_at(double phi, const json& pieces, const json& carving_at_camera, cons
         const double u = ua + (ub - ua) * (phi - a) / (b - a);
         if (piece["visible"])
             lines.emplace_back(u, piece["view"]);
-        else if (u > limits.highest)
+        else if (u > limits.high)
             pass(piece["view"]);
     }
     std::sort(lines.rbegin(), lines.rend());
@@ -224,14 +191,10 @@ json chart_of(const std::vector<hull::SilhouetteView>& views, Faces& all, std::u
     json events = json::array();
     for (const std::uint32_t e : chart.order()) {
         const StripChart::Event& event = chart.event(e);
-        for (std::uint32_t j = 0; j < event.num_arriving; ++j) {
-            const auto& piece = chart.piece(event.arriving[j]);
-            if (piece.visibility == StripChart::Visibility::kVisible) visible.insert(piece.strip);
-        }
-        for (std::uint32_t j = 0; j < event.num_leaving; ++j) {
-            const auto& piece = chart.piece(event.leaving[j]);
-            if (piece.visibility == StripChart::Visibility::kVisible) visible.insert(piece.strip);
-        }
+        for (std::uint32_t j = 0; j < event.num_arriving; ++j)
+            visible.insert(chart.piece(event.arriving[j]).strip);
+        for (std::uint32_t j = 0; j < event.num_leaving; ++j)
+            visible.insert(chart.piece(event.leaving[j]).strip);
         const std::uint32_t piece = event.num_arriving > 0 ? event.arriving[0] : event.leaving[0];
         events.push_back({{"phi", event.phi},
                           {"u", chart.u(piece, event.phi)},
@@ -264,17 +227,17 @@ json chart_of(const std::vector<hull::SilhouetteView>& views, Faces& all, std::u
     constexpr double kSweepPhi = 0.55;
     constexpr double kAtCamera = 1e9;  // u
     const json carving_at_camera = carving(views, cones, strip, kSweepPhi, kAtCamera);
-    const Limits limits = limits_of(pieces, carving_at_camera);
+    const StripChart::Range& limits = chart.limits();
     for (const json& piece : pieces) {
         const double u0 = piece["ends"][0][1];
         const double u1 = piece["ends"][1][1];
-        const bool outside = std::min(u0, u1) > limits.highest || std::max(u0, u1) < limits.lowest;
+        const bool outside = std::min(u0, u1) > limits.high || std::max(u0, u1) < limits.low;
         require(outside != piece["visible"].get<bool>(), "a piece is hidden between the limits");
     }
     const json gaps = gaps_at(kSweepPhi, pieces, carving_at_camera, limits);
     for (const json& gap : gaps) {
         const double u = 0.5 * (gap["above"].get<double>() + gap["below"].get<double>());
-        require(u > limits.highest || u < limits.lowest ||
+        require(u > limits.high || u < limits.low ||
                     gap["carving"] == carving(views, cones, strip, kSweepPhi, u),
                 "the state between the limits is not what the cameras see");
     }
@@ -287,7 +250,7 @@ json chart_of(const std::vector<hull::SilhouetteView>& views, Faces& all, std::u
             {"triangles", triangles},
             {"edges", edges},
             {"sweep_phi", kSweepPhi},
-            {"limits", {limits.lowest, limits.highest}},
+            {"limits", {limits.low, limits.high}},
             {"gaps", gaps}};
 }
 

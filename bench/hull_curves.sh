@@ -11,7 +11,7 @@ cmake --build "$build" --target hull_curves hull_memory > /dev/null
 machine=$(lscpu | sed -n 's/^Model name: *//p')
 prefix="bench/results/$(date +%Y-%m-%d)-$(echo "$machine" | tr -c 'A-Za-z0-9\n' '-')-hull"
 mkdir -p bench/results
-comment="# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(nproc) cores, $(c++ --version | head -n 1), least of $repetitions"
+comment="# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(bench/score.sh "$build"), $(nproc) cores, $(c++ --version | head -n 1), least of $repetitions"
 for table in segments views threads sets masks; do
     echo "measuring: $table"
     { echo "$comment"; "$build"/bin/hull_curves "$table" "$repetitions"; } > "$prefix-$table.csv"

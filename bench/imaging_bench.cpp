@@ -146,7 +146,7 @@ void raw_to_mask(benchmark::State& state) {
     segmentation::Segmenter segmenter(learner.finish().value(), {});
     const std::vector<std::uint8_t> bytes = pictures(rough_person());
     raw.planes[0].data = bytes.data();
-    image::Mask out;
+    image::SparseMask out;
     for (auto _ : state) {
         image::WorkingPicture picture(raw, buffer);
         require(segmenter.segment(picture, out));

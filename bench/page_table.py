@@ -22,3 +22,20 @@ def renew(page, name, text):
     head, rest = content.split(begin)
     with open(page, "w", encoding="utf-8") as file:
         file.write(head + begin + f"\n{text}\n" + end + rest.split(end)[1])
+
+
+def put_table(page, name, lines, comment):
+    """Prints a table and where it comes from, and puts both into a page as `renew` does."""
+    text = "\n".join([*lines, "", comment + "."])
+    print(text)
+    renew(page, name, text)
+
+
+def between(page, name):
+    """The text between <!-- name --> and <!-- /name --> of a page, as `renew` puts it there; None where the markers are missing."""
+    with open(page, encoding="utf-8") as file:
+        content = file.read()
+    begin, end = f"<!-- {name} -->\n", f"\n<!-- /{name} -->"
+    if content.count(begin) != 1 or content.count(end) != 1:
+        return None
+    return content.split(begin)[1].split(end)[0]

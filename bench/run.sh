@@ -8,7 +8,7 @@ mkdir -p bench/results
 out="bench/results/$(date +%Y-%m-%d)-$(lscpu | sed -n 's/^Model name: *//p' | tr -c 'A-Za-z0-9\n' '-').txt"
 {
     echo "date: $(date -u +%Y-%m-%dT%H:%MZ)"
-    echo "machine: $(lscpu | sed -n 's/^Model name: *//p'), $(nproc) cores"
+    echo "machine: $(lscpu | sed -n 's/^Model name: *//p'), $(nproc) cores, $(bench/score.sh "$build")"
     echo "compiler: $(c++ --version | head -n 1), flags: as built in $build"
     for bench in "$build"/bin/*_bench; do
         echo

@@ -78,7 +78,7 @@ Result atrium_mask(const SegmentationScene& scene) {
     auto room = learner.finish();
     if (!room) require(tl::unexpected(room.error()));
     segmentation::Segmenter segmenter(std::move(*room), options);
-    image::Mask mask;
+    image::SparseMask mask;
     Result result;
     const auto segment = [&](const cv::Mat& bgr) {
         image::WorkingPicture picture(raw(bgr), buffer);
@@ -87,11 +87,11 @@ Result atrium_mask(const SegmentationScene& scene) {
     for (const cv::Mat& bgr : scene.empty_later) {
         segment(bgr);
         result.empty_share = std::max(result.empty_share, 0.0) +
-                             cv::countNonZero(as_mat(mask)) /
+                             cv::countNonZero(as_mat(mask.mask)) /
                                  static_cast<double>(bgr.total() * scene.empty_later.size());
     }
     result.ms = least_ms(10, [&] { segment(scene.picture); });
-    result.mask = as_mat(mask);
+    result.mask = as_mat(mask.mask);
     return result;
 }
 

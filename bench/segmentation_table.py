@@ -8,7 +8,7 @@ import os
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from page_table import read_rows, renew
+from page_table import put_table, read_rows
 
 METHODS = [("atrium", "Atrium"), ("mog2", "MOG2"), ("knn", "KNN"), ("mog2_best", "MOG2, best"), ("knn_best", "KNN, best")]
 COLUMNS = [("iou", "{:.3f}"), ("false_in_shadow", "{:.2%}"), ("false_in_empty_room", "{:.3%}"), ("ms_per_mp", "{:.2f}")]
@@ -30,11 +30,7 @@ def main(table, page):
             values = [mean(chosen, column) for column, _ in COLUMNS]
             cells = ["" if value is None else form.format(value) for value, (_, form) in zip(values, COLUMNS)]
             out.append(f"| {scene} | {name} | " + " | ".join(cells) + " |")
-    out.append("")
-    out.append(comment + ".")
-    text = "\n".join(out)
-    print(text)
-    renew(page, "quality", text)
+    put_table(page, "quality", out, comment)
 
 
 if __name__ == "__main__":

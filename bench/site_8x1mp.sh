@@ -11,7 +11,7 @@ cmake --build "$build" --target site_8x1mp > /dev/null
 machine=$(lscpu | sed -n 's/^Model name: *//p')
 out="bench/results/$(date +%Y-%m-%d)-$(echo "$machine" | tr -c 'A-Za-z0-9\n' '-')-site-8x1mp"
 mkdir -p bench/results
-comment="# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(nproc) cores, $(c++ --version | head -n 1), niceness $(nice), ${seconds} s each"
+comment="# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(bench/score.sh "$build"), $(nproc) cores, $(c++ --version | head -n 1), niceness $(nice), ${seconds} s each"
 echo "$comment" > "$out.csv"
 { echo "$comment"; "$build"/bin/site_8x1mp "$seconds" "$out.csv"; } | tee "$out.txt"
 python3 bench/site_8x1mp.py "$out.csv" docs/site_node.md

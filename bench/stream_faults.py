@@ -8,7 +8,7 @@ import os
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from page_table import read_rows, renew
+from page_table import put_table, read_rows
 
 
 def main(table, page):
@@ -20,10 +20,7 @@ def main(table, page):
         out.append(f"| {row['case']} | {row['complete']} of {row['published']}, {float(row['share']):.1f} % | {row['p50_ms']}, "
                    f"{row['p99_ms']}, {row['max_ms']} | {row['kb_per_s']} | {back} | {row['before_mb']}, {row['after_mb']} | "
                    f"{row['out_of_order']} |")
-    out += ["", comment + "."]
-    text = "\n".join(out)
-    print(text)
-    renew(page, "faults", text)
+    put_table(page, "faults", out, comment)
 
 
 if __name__ == "__main__":

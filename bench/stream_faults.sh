@@ -11,6 +11,6 @@ cmake --build "$build" --target stream_faults > /dev/null
 machine=$(lscpu | sed -n 's/^Model name: *//p')
 out="bench/results/$(date +%Y-%m-%d)-$(echo "$machine" | tr -c 'A-Za-z0-9\n' '-')-stream-faults.csv"
 mkdir -p bench/results
-echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(nproc) cores, $(c++ --version | head -n 1), ${seconds} s each" > "$out"
+echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(bench/score.sh "$build"), $(nproc) cores, $(c++ --version | head -n 1), ${seconds} s each" > "$out"
 "$build"/bin/stream_faults "$seconds" >> "$out"
 python3 bench/stream_faults.py "$out" docs/streams.md

@@ -25,7 +25,7 @@ mkdir -p bench/results
 new() {
     [ -n "$only" ] && [ -e "$1" ] && return 0
     {
-        echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(nproc) cores, $(c++ --version | head -n 1)"
+        echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(bench/score.sh "$build"), $(nproc) cores, $(c++ --version | head -n 1)"
         "$build"/bin/"$2" head
     } > "$1"
 }

@@ -110,7 +110,8 @@ WeightedDrawing::WeightedDrawing(const renderer::PersonModel& model)
     };
     add(3);
     add(3);
-    for (std::size_t i = 0; i < kSlots / 2; ++i) add(2);
+    for (std::size_t i = 0; i < kSlots; i += renderer::shaders::kLayersPerAttribute)
+        add(static_cast<int>(renderer::shaders::kLayersPerAttribute));
     for (std::size_t i = 0; i < kSlots; ++i) add(4);
     GLuint id = 0;
     glGenTextures(1, &id);

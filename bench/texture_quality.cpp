@@ -10,6 +10,7 @@
 #include "tests/support/person_photographer.hpp"
 #include "tests/support/picture_error.hpp"
 #include "viewer/renderer/camera_blend.hpp"
+#include "viewer/renderer/needed_cameras.hpp"
 
 #include <fmt/format.h>
 
@@ -40,6 +41,7 @@ struct Options {
     std::string only;
     int orbit_steps = 360;
     bool even_colours = true;
+    bool needed_only = true;
     std::uint64_t repeats = 1;
 };
 
@@ -67,11 +69,16 @@ double shortest_ms(std::uint64_t repeats, const Work& work) {
     return best_ms;
 }
 
+renderer::PersonModelOptions model_options_of(const Options& options) {
+    renderer::PersonModelOptions model_options;
+    if (!options.even_colours) model_options.colour_evening.max_points = 0;
+    return model_options;
+}
+
 renderer::PersonModel model_of(const test::ReceivedPerson& person, const Options& options) {
     renderer::PersonModelScratch scratch;
     renderer::PersonModel model;
-    renderer::PersonModelOptions model_options;
-    if (!options.even_colours) model_options.colour_evening.max_points = 0;
+    const renderer::PersonModelOptions model_options = model_options_of(options);
     const double prepared_ms = shortest_ms(options.repeats, [&] {
         renderer::build_person_model(person.mesh, person.pictures, model_options, scratch, model);
     });
@@ -99,6 +106,7 @@ public:
         : scene_(std::move(scene)),
           options_(options),
           photographer_(value_of(test::PersonPhotographer::create(sampling))),
+          received_(person),
           model_(model_of(person, options)),
           weighted_(model_) {
         person_.set_model(model_);
@@ -107,7 +115,7 @@ public:
     // `own`: the texture that was made of `truth`, if any.
     void compare(const TruePicture& truth, const renderer::CameraPicture* own) {
         std::vector<Photo> photos;
-        photos.push_back(photographer_.take(truth.camera, person_));
+        photos.push_back(take(truth.camera));
         const Eigen::Vector3d eye = truth.camera.centre_site();
         for (const CameraWeights& weights : {nearest_camera(model_, eye),
                                              nearest_seeing_camera(model_, eye),
@@ -128,10 +136,18 @@ public:
     }
 
     Photo take(const geometry::CalibratedCamera& camera) {
+        if (options_.needed_only) use_needed(camera.centre_site().cast<float>());
         return photographer_.take(camera, person_);
     }
 
     ~Comparison() {
+        if (num_taken_ > 0) {
+            fmt::print(stderr,
+                       "{:24} {:.1f} of {} cameras needed\n",
+                       scene_,
+                       static_cast<double>(num_used_) / num_taken_,
+                       received_.pictures.size());
+        }
         for (const auto& [way, sum] : sums_)
             fmt::print(stderr,
                        "{:24} {:18} {:6.2f} dB  inside {:6.2f} dB  ssim {:.4f}\n",
@@ -145,6 +161,24 @@ public:
     Comparison& operator=(const Comparison&) = delete;
 
 private:
+    // The person of the cameras alone that a viewer decodes.
+    void use_needed(const Eigen::Vector3f& eye_site) {
+        std::vector<Eigen::Vector3f> centres;
+        for (const renderer::CameraPicture& picture : received_.pictures)
+            centres.push_back(picture.camera.centre_site().cast<float>());
+        const std::vector<bool> needed =
+            renderer::needed_cameras(centres, model_.bounds_site, {&eye_site, 1});
+        std::vector<renderer::CameraPicture> pictures;
+        for (std::size_t i = 0; i < needed.size(); ++i)
+            if (needed[i]) pictures.push_back(received_.pictures[i]);
+        renderer::PersonModel model;
+        renderer::build_person_model(
+            received_.mesh, pictures, model_options_of(options_), scratch_, model);
+        person_.set_model(std::move(model));
+        num_used_ += pictures.size();
+        ++num_taken_;
+    }
+
     void report(const TruePicture& truth, const Photo& photo, const std::string& way) {
         const test::PictureError error = test::picture_error(truth.bgr, photo.bgr, truth.mask);
         std::size_t num = 0;
@@ -174,7 +208,11 @@ private:
     std::string scene_;
     const Options& options_;
     test::PersonPhotographer photographer_;  // goes last: it owns the context
+    test::ReceivedPerson received_;
     renderer::PersonModel model_;
+    renderer::PersonModelScratch scratch_;
+    std::size_t num_used_ = 0;
+    int num_taken_ = 0;
     renderer::PersonDrawing person_;
     WeightedDrawing weighted_;
     std::map<std::string, test::PictureError> sums_;
@@ -337,6 +375,8 @@ int run(int argc, char** argv) {
             "pictures of a turn around the simulated person",
             {0, 3600});
     set.add("even-colours", options.even_colours, "cameras' colours are evened out");
+    set.add(
+        "needed-only", options.needed_only, "of each view only the cameras that a viewer decodes");
     set.add("repeats",
             options.repeats,
             "the model is prepared and blended so often; the shortest times are told",

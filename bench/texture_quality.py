@@ -8,7 +8,7 @@ import os
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from page_table import read_rows, renew
+from page_table import put_table, read_rows
 
 SCENES = {"ring20": "ring20: 10 cameras give textures, shown where the other 10 stood",
           "room": "simulated room: 8 cameras, shown at 20 free viewpoints",
@@ -54,10 +54,7 @@ def main(table, page):
                              "ssim": "mean of all"}.items():
             a, b = float(shown[column]), float(true[column])
             out.append(f"| {what} | {a:.2f} | {b:.2f} | {a / b:.2f} |")
-    out += ["", comment + "."]
-    text = "\n".join(out)
-    print(text)
-    renew(page, "texture-quality", text)
+    put_table(page, "texture-quality", out, comment)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ machine=$(lscpu | sed -n 's/^Model name: *//p')
 table="bench/results/$(date +%Y-%m-%d)-$(echo "$machine" | tr -c 'A-Za-z0-9\n' '-')-texture-quality.csv"
 mkdir -p bench/results
 {
-    echo "# $machine, $(date -u +%Y-%m-%dT%H:%MZ)"
+    echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(bench/score.sh "$build")"
     "$build"/bin/texture_quality ${pictures:+--pictures "$pictures"}
 } > "$table"
 python3 bench/texture_quality.py "$table" docs/viewer.md

@@ -52,7 +52,7 @@ value() { sed -n 's/.* viewer_stopped //p' "$work/viewer.log" | tr ' ' '\n' | se
 # row NAME ALLOWED_FPS WIDTH HEIGHT: one viewer among what was begun
 row() {
     begin world_server --config deploy/worlds/demo.toml
-    view --view.width "$3" --view.height "$4" --view.max_fps 240 --wait_people 2
+    view --view.width "$3" --view.height "$4" --view.max_fps 240 --view.adapt off --wait_people 2
     triangles=$(sed -n 's/.* person_shown .* triangles=\([0-9]*\) .*/\1/p' "$work/viewer.log" | paste -sd ' ')
     echo "\"$1\",$triangles,$3,$4,$2,$(value frames_per_s),$(value taking_in_ms),$(value taking_in_p99_ms),$(value capture_to_display_ms),$(value p99_ms)" >> "$out"
     stop
@@ -74,7 +74,7 @@ guest() {
 }
 
 "$build"/bin/replayed_site --stream "$work/person" --code true > "$work/log" 2>&1 || { cat "$work/log"; exit 1; }
-comment="# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(nproc) cores, OSMesa, $(c++ --version | head -n 1), $seconds s each"
+comment="# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(bench/score.sh "$build"), $(nproc) cores, OSMesa, $(c++ --version | head -n 1), $seconds s each"
 echo "$comment" > "$out"
 echo "case,triangles,width,height,allowed_fps,frames_per_s,taking_in_ms,taking_in_p99_ms,capture_to_display_ms,p99_ms" >> "$out"
 replayed

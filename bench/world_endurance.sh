@@ -12,7 +12,7 @@ table="bench/results/$(date +%Y-%m-%d)-$(echo "$machine" | tr -c 'A-Za-z0-9\n' '
 mkdir -p bench/results
 status=0
 {
-    echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(c++ --version | head -n 1)"
+    echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(bench/score.sh "$build"), $(c++ --version | head -n 1)"
     "$build"/bin/world_endurance "$minutes" || status=$?
 } > "$table"
 python3 bench/world_endurance.py "$table" docs/world_server.md

@@ -8,7 +8,7 @@ import os
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from page_table import read_rows, renew
+from page_table import put_table, read_rows
 
 
 def main(table_file, page):
@@ -19,10 +19,7 @@ def main(table_file, page):
         met = "met" if float(row["median_ms"]) <= float(row["bar_ms"]) else "missed"
         out.append(f"| {row['case']} | {float(row['rate_hz']):.0f} | {row['pushes']}, {row['missed']} | **{row['median_ms']}**, {row['p90_ms']}, {row['p99_ms']}: {met} | {row['bar_ms']} "
                    f"| {100.0 * float(row['share_within']):.0f} % | {row['site_ms']} | {row['world_ms']} | {row['send_ms']} | {row['touch_ms']} |")
-    out += ["", comment + "."]
-    text = "\n".join(out)
-    print(text)
-    renew(page, "world-latency", text)
+    put_table(page, "world-latency", out, comment)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ machine=$(lscpu | sed -n 's/^Model name: *//p')
 out="bench/results/$(date +%Y-%m-%d)-$(echo "$machine" | tr -c 'A-Za-z0-9\n' '-')-world-latency.csv"
 mkdir -p bench/results
 {
-    echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(nproc) cores, $(c++ --version | head -n 1), ${seconds} s each"
+    echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(bench/score.sh "$build"), $(nproc) cores, $(c++ --version | head -n 1), ${seconds} s each"
     "$build"/bin/world_latency head
     $run "$build"/bin/world_latency "a simulated room, 8 cameras of 640x480" deploy/rigs/full_body.toml 1 "$seconds"
     $run "$build"/bin/world_latency "two such rooms" deploy/rigs/full_body.toml 2 "$seconds" 20

@@ -2,6 +2,7 @@
 // per setting; world_step.sh keeps them. One thread, its CPU time. In the world are rigid bodies, a
 // curtain and a soft ball (and more of both), and a puppet on strings; the people are figures of
 // spheres and boxes who walk and reach among them, meshes at 30 Hz.
+#include "bench/thread_time.hpp"
 #include "tests/unit/physics/meshes.hpp"
 #include "world_server/config.hpp"
 #include "world_server/physics/person_shape.hpp"
@@ -10,10 +11,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <ctime>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -40,32 +39,20 @@ struct Setting {
     int puppets = 1;
 };
 
-// Of this thread on a core, so that what else the machine does counts as little as can be.
-double now_ms() {
-    timespec time{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
-
-double quantile(std::vector<double> values, double share) {
-    if (values.empty()) return 0.0;
-    const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), values.begin() + at, values.end());
-    return values[static_cast<std::size_t>(at)];
-}
-
 [[noreturn]] void fail(const std::string& message, int code) {
     fmt::print(stderr, "{}\n", message);
     std::exit(code);
 }
 
-geometry::TriangleMesh figure(const Eigen::Vector3d& feet, double reach_m, int triangles) {
+// Cuts of a figure's parts for at most so many triangles.
+int cuts_for(int triangles) {
     int cuts = 2;
-    while (physics_test::make_person_mesh(feet, reach_m, cuts + 1).triangles.size() <=
-           static_cast<std::size_t>(triangles)) {
+    while (
+        physics_test::make_person_mesh(Eigen::Vector3d::Zero(), 0.3, cuts + 1).triangles.size() <=
+        static_cast<std::size_t>(triangles)) {
         ++cuts;
     }
-    return physics_test::make_person_mesh(feet, reach_m, cuts);
+    return cuts;
 }
 
 double place_of(int person) { return kApartM * (person - 1); }
@@ -75,15 +62,16 @@ double place_of(int person) { return kApartM * (person - 1); }
 std::vector<physics::PersonShape> walk(int person, int triangles, std::vector<double>& shape_ms) {
     physics::PersonShaper shaper(physics::PersonShapeOptions{});
     std::vector<physics::PersonShape> shapes(2 * kNumPoses);
+    const int cuts = cuts_for(triangles);
     for (int i = 0; i < 4 * kNumPoses; ++i) {
         const int pose = i % (2 * kNumPoses);
         const int there = pose < kNumPoses ? pose : 2 * kNumPoses - pose;
         const Eigen::Vector3d feet(-0.7 + there / 30.0, place_of(person), 0.0);
-        const auto mesh = figure(feet, 0.3 + there / 60.0, triangles);
-        const double begin_ms = now_ms();
+        const auto mesh = physics_test::make_person_mesh(feet, 0.3 + there / 60.0, cuts);
+        const double begin_ms = thread_ms();
         shapes[static_cast<std::size_t>(pose)] =
             shaper.shape(mesh, {1'000'000'000 + i * 33'333'333LL});
-        shape_ms.push_back(now_ms() - begin_ms);
+        shape_ms.push_back(thread_ms() - begin_ms);
     }
     return shapes;
 }
@@ -200,20 +188,20 @@ Times measure(const Setting& setting) {
             const auto& shapes = people[static_cast<std::size_t>(p)];
             const auto at = static_cast<std::size_t>(tick / kTicksPerMesh) % shapes.size();
             const std::string name = fmt::format("person{}", p);
-            const double begin_ms = now_ms();
+            const double begin_ms = thread_ms();
             world.set_person(name, shapes[at]);
-            const double ms = now_ms() - begin_ms;
+            const double ms = thread_ms() - begin_ms;
             if (tick >= kWarmUpTicks) times.take_ms.push_back(ms);
             take_ms += ms;
         }
-        const double begin_ms = now_ms();
+        const double begin_ms = thread_ms();
         world.tick();
         if (tick % kTicksPerState == 0) {
             scene.get_state("world", {tick}, state);
             scene.get_soft_states({tick}, soft_states);
         }
         if (tick < kWarmUpTicks) continue;
-        times.step_ms.push_back(take_ms + (now_ms() - begin_ms));
+        times.step_ms.push_back(take_ms + (thread_ms() - begin_ms));
         world.get_states(rigid);
         times.num_moving += static_cast<std::size_t>(
             std::count_if(rigid.begin(), rigid.end(), [](const physics::RigidState& s) {
@@ -266,9 +254,18 @@ int run(const std::vector<std::string>& arguments) {
     fmt::print(
         "sweep,bodies,people,triangles,soft,puppets,median_ms,p99_ms,max_ms,take_median_ms,"
         "take_max_ms,shape_ms,touched,soft_touched,moving,state_hash\n");
-    for (const Setting& setting : settings) {
-        if (!arguments.empty() && arguments[0] != setting.sweep) continue;
-        print(setting, measure(setting));
+    if (!arguments.empty())
+        std::erase_if(settings, [&](const Setting& s) { return s.sweep != arguments[0]; });
+    const double begin_ms = thread_ms();
+    for (std::size_t i = 0; i < settings.size(); ++i) {
+        print(settings[i], measure(settings[i]));
+        // the table goes to a file mostly: somebody waits for some minutes
+        fmt::print(stderr,
+                   "{} of {} settings, {:.0f} s of processor time: {}\n",
+                   i + 1,
+                   settings.size(),
+                   (thread_ms() - begin_ms) / 1e3,
+                   settings[i].sweep);
     }
     return 0;
 }

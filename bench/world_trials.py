@@ -9,7 +9,7 @@ import re
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from page_table import read_rows, renew
+from page_table import put_table, read_rows
 
 WHAT = {"palm": "carried on a palm", "tray": "carried on a tray", "clasp": "held between two palms, moved 1 m, turned by 90 degrees",
         "level": "the same with the palms at its right and left", "handover": "handed from the person of one site to that of another",
@@ -53,10 +53,7 @@ def main(table, page):
                 hits = sum(ratio >= 0.3 for ratio in ratios)
                 cells.append(f"{share(own)}; {hits} hit, {ratios[0]:.2f} to {ratios[-1]:.2f}")
             out.append(f"| meshes at {rate} Hz | " + " | ".join(cells) + " |")
-    out += ["", comment + "."]
-    text = "\n".join(out)
-    print(text)
-    renew(page, "world-trials", text)
+    put_table(page, "world-trials", out, comment)
 
 
 if __name__ == "__main__":

@@ -96,6 +96,8 @@ void pass(auto& file, auto& stream) {
     }
 }
 
+}  // namespace
+
 CodedStream::Frame to_frame(const site_node::SiteFrame& coded) {
     CodedStream::Frame frame;
     frame.mesh.draco = coded.draco;
@@ -110,8 +112,6 @@ CodedStream::Frame to_frame(const site_node::SiteFrame& coded) {
     }
     return frame;
 }
-
-}  // namespace
 
 Expected<CodedStream> code_simulated_person() {
     const SiteSceneOptions options;

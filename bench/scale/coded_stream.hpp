@@ -6,6 +6,10 @@
 #include <filesystem>
 #include <vector>
 
+namespace atrium::site_node {
+struct SiteFrame;
+}
+
 namespace atrium::bench {
 
 /// What a site publishes, ready to be written again and again; site, ids and times are for the
@@ -18,6 +22,9 @@ struct CodedStream {
     bus::SiteDescription description;
     std::vector<Frame> frames;
 };
+
+/// A coded metaframe as it is published.
+CodedStream::Frame to_frame(const site_node::SiteFrame& coded);
 
 /// One second of the simulated room as a site codes it by itself: eight cameras of 1 MP with a
 /// mosaic and noise. Takes a minute where the room is not in the cache.

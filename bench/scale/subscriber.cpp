@@ -51,9 +51,8 @@ public:
     const bus::Participant& participant() const { return session_->participant(); }
 
     void run(bool decode, std::stop_token stop) {
+        if (decode) session_->start_decoding();
         const std::jthread receiving([&](std::stop_token own) { session_->receive(own); });
-        std::jthread decoding;
-        if (decode) decoding = std::jthread([&](std::stop_token own) { session_->decode(own); });
         std::mutex mutex;
         std::condition_variable_any never;
         auto due = Clock::now();

@@ -5,6 +5,7 @@
 #include "bench/scenes/site_scene.hpp"
 #include "core/base/latest_slot.hpp"
 #include "core/base/thread_pool.hpp"
+#include "core/base/two_stage_order.hpp"
 #include "site_node/capture/metaframe_assembler.hpp"
 #include "site_node/capture/pace.hpp"
 #include "site_node/pipeline.hpp"
@@ -92,8 +93,10 @@ public:
 
     void run(double rate_hz, double seconds) {
         std::jthread ready([this](std::stop_token stop) { take_ready(stop); });
-        std::jthread work([this](std::stop_token stop) { work_on(stop); });
+        std::jthread work([this](std::stop_token stop) { compute(stop); });
         pthread_setname_np(work.native_handle(), "work");  // for profilers
+        std::jthread silhouettes([this](std::stop_token stop) { find_silhouettes(stop); });
+        pthread_setname_np(silhouettes.native_handle(), "silhouettes");
         offer_for(rate_hz, kWarmUp_s);
         begin_measuring();
         offer_for(rate_hz, seconds);
@@ -102,6 +105,7 @@ public:
         cpu_ms_ = cpu_ms() - cpu_ms_at_begin_;
         num_late_ = metaframes_.num_dropped() - late_at_begin_;
         // from the last to the first, so that nobody waits for a thread that is gone
+        silhouettes = {};
         work = {};
         ready = {};
     }
@@ -150,22 +154,44 @@ private:
             for (std::size_t camera = 0; camera < scene_.rig().cameras.size(); ++camera) {
                 auto metaframe = assembler.add(
                     {camera, now, scene_.picture(instant_, camera), nullptr}, Clock::now());
-                if (metaframe) metaframes_.put(std::move(*metaframe));
+                if (metaframe) metaframes_.offer(std::move(*metaframe));
             }
             ++instant_;
             ++num_offered_;
         }
     }
 
-    void work_on(std::stop_token stop) {
-        while (const auto metaframe = metaframes_.take(stop)) {
+    struct Between {
+        std::unique_ptr<site_node::Pipeline::Silhouettes> silhouettes;
+        ThreadPool::Priority priority;
+    };
+
+    void find_silhouettes(std::stop_token stop) {
+        while (auto begun = metaframes_.begin(stop)) {
+            std::unique_ptr<site_node::Pipeline::Silhouettes> memory;
+            if (begun->dropped) memory = std::move(begun->dropped->silhouettes);
+            begun->dropped.reset();
+            if (memory == nullptr) memory = spare_silhouettes_.try_take().value_or(nullptr);
+            if (memory == nullptr) memory = std::make_unique<site_node::Pipeline::Silhouettes>();
+            if (pipeline_.find_silhouettes(begun->value, pool_.background(), *memory)) {
+                metaframes_.hand_over({std::move(memory), ThreadPool::Priority(pool_)});
+            } else {
+                ++num_failed_;
+                done_.release();
+            }
+        }
+    }
+
+    void compute(std::stop_token stop) {
+        while (auto between = metaframes_.take(stop)) {
             auto frame = spare_frames_.try_take().value_or(nullptr);
             if (frame == nullptr) frame = std::make_unique<SiteFrame>();
-            if (pipeline_.process(*metaframe, pool_, *frame)) {
+            if (pipeline_.compute(*between->silhouettes, {}, pool_, *frame)) {
                 site_frames_.put(std::move(frame));
             } else {
                 ++num_failed_;
             }
+            spare_silhouettes_.put(std::move(between->silhouettes));
             done_.release();
         }
     }
@@ -185,7 +211,8 @@ private:
     SiteScene& scene_;
     site_node::Pipeline& pipeline_;
     ThreadPool pool_;
-    LatestSlot<capture::Metaframe> metaframes_;
+    TwoStageOrder<capture::Metaframe, Between> metaframes_;
+    LatestSlot<std::unique_ptr<site_node::Pipeline::Silhouettes>> spare_silhouettes_;
     LatestSlot<std::unique_ptr<SiteFrame>> site_frames_;
     LatestSlot<std::unique_ptr<SiteFrame>> spare_frames_;
     std::counting_semaphore<> done_{1};  // at full speed: one metaframe at a time

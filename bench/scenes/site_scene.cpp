@@ -31,7 +31,7 @@ public:
     explicit Sensor(const SiteSceneOptions& options)
         : format_(options.format), noise_(options.noise_lsb, 1) {}
 
-    image::RawImage expose(const image::YuvImage& scene) {
+    image::RawImage expose(const image::YuvView& scene) {
         const int width = scene.width();
         const int height = scene.height();
         const std::vector<std::uint8_t> bgr = image::bgr_from_yuv(scene);
@@ -99,11 +99,12 @@ Expected<SiteScene> SiteScene::create(const SiteSceneOptions& options) {
     for (const auto& shots : rendered->loop.empty_room) {
         auto& own = scene.empty_room_.emplace_back();
         for (std::size_t i = 0; i < kEmptyShots; ++i)
-            own.push_back(sensor.expose(*shots[i % shots.size()]));
+            own.push_back(sensor.expose(simulation::view_of(shots[i % shots.size()])));
     }
     for (const auto& instant : rendered->loop.frames) {
         auto& own = scene.frames_.emplace_back();
-        for (const simulation::Picture& picture : instant) own.push_back(sensor.expose(*picture));
+        for (const simulation::Picture& picture : instant)
+            own.push_back(sensor.expose(simulation::view_of(picture)));
     }
     return scene;
 }

@@ -1,0 +1,29 @@
+#!/bin/sh
+# A site, a world server and a viewer whose host lacks processor time, on a bridge with and without a limit:
+# `bench/stream_starved.sh [BUILD] [SECONDS of each case] [SEEDS]`. Keeps the figures with machine and date in bench/results/ and renews
+# the table of docs/streams.md. BUILD holds bin/site_node, bin/world_server and bin/viewer. Needs root, a control group of the processor
+# and two cores that have nothing else to do; with 300 s and ten seeds about nine hours. ONLY="quota:0:lan loops:5:wan" measures these
+# cases only: how it is starved, the limit in Mbit/s, the network. BUILT=1: what is in BUILD is up to date.
+set -eu
+case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
+cd "$(dirname "$0")/.."
+build=${1:-build}
+seconds=${2:-60}
+seeds=${3:-3}
+cases=${ONLY:-none:0:lan quota:0:lan loops:0:lan freezes:0:lan none:20:lan quota:20:lan loops:20:lan none:5:wan quota:5:wan loops:5:wan}
+[ -n "${BUILT:-}" ] || cmake --build "$build" --target site_node world_server viewer > /dev/null
+machine=$(lscpu | sed -n 's/^Model name: *//p')
+out="bench/results/$(date +%Y-%m-%d)-$(echo "$machine" | tr -c 'A-Za-z0-9\n' '-')-stream-starved.csv"
+cache=${CACHE:-.cache/simulation}
+mkdir -p bench/results
+{
+    echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(nproc) cores, $(c++ --version | head -n 1)"
+    python3 bench/starved_run.py head
+} > "$out"
+for case in $cases; do
+    for seed in $(seq "$seeds"); do
+        # shellcheck disable=SC2046
+        python3 bench/starved_run.py "$build" $(echo "$case" | tr : ' ') "$seconds" "$seed" "$cache" >> "$out"
+    done
+done
+python3 bench/stream_starved.py "$out" docs/streams.md

@@ -1,0 +1,27 @@
+#!/bin/sh
+# Sites on one host with a world server and one viewer: `bench/world_sites.sh [BUILD] [SECONDS of each case]`. The sites are simulated:
+# each replays the coded frames of the simulated room at 30 Hz. Measures whether steps are on time (skipped ticks), which meshes were
+# dropped, capture to collision (median and p99), and each program's share of a core. Keeps the figures with machine and commit in
+# bench/results/ and renews the table of docs/world_server.md. BUILD has to be configured with -DATRIUM_BENCH=ON. Needs no rights; about
+# two minutes, in which the machine should have nothing else to do. SITES="1 4" chooses the numbers of sites, STREAM=FILE keeps the
+# coded frames from run to run, RUN is put before each program (RUN="nice -n -5").
+set -eu
+case "${1:-}" in -h | --help) exec sed -n '2,/^set/{/^set/d;s/^# *//p}' "$0" ;; esac
+cd "$(dirname "$0")/.."
+build=${1:-build}
+seconds=${2:-20}
+cmake --build "$build" --target replayed_site world_server viewer monitor > /dev/null
+work=$(mktemp -d)
+trap 'rm -r "$work"' EXIT
+stream=${STREAM:-$work/person}
+[ -e "$stream" ] || "$build"/bin/replayed_site --stream "$stream" --code true > "$work/log" 2>&1 || { cat "$work/log"; exit 1; }
+machine=$(lscpu | sed -n 's/^Model name: *//p')
+out="bench/results/$(date +%Y-%m-%d)-$(echo "$machine" | tr -c 'A-Za-z0-9\n' '-')-world-sites.csv"
+mkdir -p bench/results
+{
+    echo "# $(date -u +%Y-%m-%dT%H:%MZ), commit $(git rev-parse --short=7 HEAD), $machine, $(nproc) cores, $(c++ --version | head -n 1), ${seconds} s each"
+    python3 bench/world_sites.py measure "$build" "$stream" "$seconds" ${SITES:-1 2 4}
+} > "$work/table"
+mv "$work/table" "$out"
+python3 bench/world_sites.py table "$out" docs/world_server.md
+echo "kept in $out"
