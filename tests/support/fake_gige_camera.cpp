@@ -78,7 +78,7 @@ struct FakeGigeCamera::Impl {
 
     static void fill(ArvBuffer* buffer, void* self, guint32, guint32, ArvPixelFormat format) {
         auto& impl = *static_cast<Impl*>(self);
-        const std::uint64_t number = ++impl.num_sent;
+        const std::uint64_t number = impl.options.first_number + impl.num_sent++;
         auto* const data =
             static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, nullptr)));
         const std::size_t num_bytes =

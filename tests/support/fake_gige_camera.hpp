@@ -16,6 +16,7 @@ public:
     struct Options {
         std::string address;
         std::string serial;
+        std::uint64_t first_number = 1;   // of its pictures
         double lost_packets = 0.0;        // part of all
         double trigger_check_hz = 200.0;  // how often it looks whether it was triggered
         /// The camera's time of picture `number` [ns]; none: as the host's clock says.

@@ -6,13 +6,6 @@
 namespace atrium::test {
 namespace {
 
-std::vector<world_server::NamedPlacement> placements_of(const std::vector<Player>& players) {
-    std::vector<world_server::NamedPlacement> placements;
-    for (const Player& player : players)
-        placements.push_back({player.site, player.world_from_site});
-    return placements;
-}
-
 Timestamp at(double time_s) {
     return {1'000'000'000'000 + static_cast<std::int64_t>(std::llround(1e9 * time_s))};
 }
@@ -23,16 +16,8 @@ PeopleTrial::PeopleTrial(physics::World& world,
                          double tick_s,
                          std::vector<Player> players,
                          const physics::PersonShapeOptions& options)
-    : world_(world),
-      tick_s_(tick_s),
-      players_(std::move(players)),
-      num_sent_(players_.size(), 0),
-      sites_(placements_of(players_), players_.size(), options) {
-    for (const Player& player : players_) {
-        const auto arrived = sites_.arrive(player.site);
-        assert(arrived);
-        (void)arrived;
-    }
+    : world_(world), tick_s_(tick_s), players_(std::move(players)), num_sent_(players_.size(), 0) {
+    for (const Player& player : players_) readers_.emplace_back(player.world_from_site, options);
 }
 
 void PeopleTrial::deliver(std::size_t i, double time_s) {
@@ -45,7 +30,7 @@ void PeopleTrial::deliver(std::size_t i, double time_s) {
         message.frame_id = ++num_sent_[i];
         message.capture_time = at(frame.capture_s);
         message.draco = frame.draco;
-        const auto shape = sites_.read_mesh(message);
+        const auto shape = readers_[i].read(message);
         if (!shape)
             refused_.push_back(shape.error().message);
         else if (*shape)

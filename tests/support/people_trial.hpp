@@ -2,7 +2,7 @@
 
 #include "tests/support/hull_film.hpp"
 #include "world_server/physics/world.hpp"
-#include "world_server/site_register.hpp"
+#include "world_server/site_reader.hpp"
 
 #include <functional>
 #include <map>
@@ -41,7 +41,7 @@ private:
     double tick_s_;
     std::vector<Player> players_;
     std::vector<std::size_t> num_sent_;
-    world_server::SiteRegister sites_;
+    std::vector<world_server::SiteReader> readers_;  // of each player
     std::vector<std::string> refused_;
     std::int64_t num_ticks_ = 0;
 };

@@ -18,6 +18,7 @@ using Random = std::mt19937_64;
 constexpr double kDatagramBytes = 1344.0;
 const std::string kSite = "site";
 constexpr double kTick_s = 0.001;
+constexpr double kLookAgain_s = 0.005;  // as viewer/session.cpp
 
 stream::Time at(double seconds) {
     return stream::Time{} + std::chrono::duration_cast<stream::Time::duration>(
@@ -40,9 +41,25 @@ double true_ratio(const stream::Level& level) {
     return quality * (level.colour_divisor == 2 ? 0.28 : 1.0);
 }
 
+// In turn: waits, then runs, for as long as `next` says. Known from the start, as it is asked for
+// several times and not always for later ones.
+Runs in_turn(const std::function<double()>& next_wait_s,
+             const std::function<double()>& next_run_s) {
+    constexpr double kLength_s = 600.0;
+    std::vector<double> changes{0.0};  // it waits from the even ones on
+    while (changes.back() < kLength_s) {
+        changes.push_back(changes.back() + next_wait_s());
+        changes.push_back(changes.back() + next_run_s());
+    }
+    return [changes](double time_s) {
+        const auto after = std::upper_bound(changes.begin(), changes.end(), time_s);
+        return (after - changes.begin()) % 2 == 0;
+    };
+}
+
 struct Sample {
     double arrival_s;
-    double sent_s;
+    double written_s;
     double bytes;
     std::size_t frame;  // index into StreamRecord::sent
     bool operator>(const Sample& other) const {
@@ -73,37 +90,34 @@ public:
     }
 
     void receive(double now_s, const StreamRecord& record, ViewerRecord& viewer) {
-        while (!under_way_.empty() && under_way_.top().arrival_s <= now_s) {
-            const Sample sample = under_way_.top();
-            under_way_.pop();
-            if (link_->is_paused(now_s)) continue;
-            const Timestamp now = on_clock(now_s, link_->clock_offset_ms(now_s));
-            const Timestamp captured = on_clock(sample.sent_s, 0.0);
-            feedback_.arrived(kSite, captured, static_cast<std::size_t>(sample.bytes), now);
-            FrameState& frame = frames_[sample.frame];
-            if (--frame.num_missing > 0 || sample.frame < next_) continue;
-            feedback_.lost(kSite, sample.frame - next_, 0);
-            viewer.num_incomplete += static_cast<int>(sample.frame - next_);
-            next_ = sample.frame + 1;
-            feedback_.completed(kSite, sample.frame, captured, now);
-            viewer.arrived.push_back(
-                {now_s, 1e3 * (now_s - record.sent[sample.frame].time_s), frame.bytes});
+        if (link_->is_paused(now_s)) {
+            while (is_in_socket(now_s)) under_way_.pop();
+            return;
         }
+        if (link_->receiver_runs(now_s)) {
+            for (; is_in_socket(now_s); under_way_.pop()) in_reader_.push(under_way_.top());
+        }
+        const bool looks = !in_reader_.empty() || now_s - looked_s_ >= kLookAgain_s;
+        if (!looks || !link_->taker_runs(now_s)) return;
+        looked_s_ = now_s;
+        for (; !in_reader_.empty(); in_reader_.pop())
+            take(in_reader_.front(), now_s, record, viewer);
+        feedback_.looked(by_viewer(now_s), !is_in_socket(now_s));
     }
 
     // What was received since the last time; it reaches the site after the way back.
     void report(double now_s) {
-        if (link_->is_paused(now_s)) return;
-        feedback_.report(link_->viewer,
-                         on_clock(now_s, link_->clock_offset_ms(now_s)),
-                         [&](const bus::StreamFeedback& feedback) {
-                             reports_.push({now_s + 1e-3 * link_->delay_ms,
-                                            {feedback.num_complete,
-                                             feedback.num_incomplete,
-                                             feedback.num_samples,
-                                             8.0 * feedback.payload_bytes_per_s,
-                                             feedback.min_delay_ms}});
-                         });
+        if (link_->is_paused(now_s) || !link_->taker_runs(now_s)) return;
+        feedback_.report(link_->viewer, by_viewer(now_s), [&](const bus::StreamFeedback& feedback) {
+            reports_.push({now_s + 1e-3 * link_->delay_ms,
+                           {feedback.num_complete,
+                            feedback.num_incomplete,
+                            feedback.num_samples,
+                            8.0 * feedback.payload_bytes_per_s,
+                            feedback.min_delay_ms,
+                            feedback.sure_delay_ms,
+                            feedback.longest_wait_ms}});
+        });
     }
 
     std::optional<stream::LinkReport> take_report(double now_s) {
@@ -114,7 +128,41 @@ public:
     }
 
 private:
-    void send_sample(double now_s, std::size_t frame, double bytes, std::size_t writer) {
+    Timestamp by_viewer(double now_s) const {
+        return on_clock(now_s, link_->clock_offset_ms(now_s));
+    }
+
+    bool is_in_socket(double now_s) const {
+        return !under_way_.empty() && under_way_.top().arrival_s <= now_s;
+    }
+
+    void take(const Sample& sample,
+              double now_s,
+              const StreamRecord& record,
+              ViewerRecord& viewer) {
+        const Timestamp now = by_viewer(now_s);
+        const Timestamp written = on_clock(sample.written_s, 0.0);
+        const auto num_bytes = static_cast<std::size_t>(sample.bytes);
+        feedback_.arrived(kSite, written, written, num_bytes, now);
+        FrameState& frame = frames_[sample.frame];
+        if (--frame.num_missing > 0 || sample.frame < next_) return;
+        feedback_.lost(kSite, sample.frame - next_, 0);
+        viewer.num_incomplete += static_cast<int>(sample.frame - next_);
+        next_ = sample.frame + 1;
+        feedback_.completed(kSite, sample.frame, written, now);
+        viewer.arrived.push_back(
+            {now_s, 1e3 * (now_s - record.sent[sample.frame].time_s), frame.bytes});
+    }
+
+    void send_sample(double written_s, std::size_t frame, double bytes, std::size_t writer) {
+        const double now_s = std::max(written_s, interrupted_until_s_);
+        if (site_->interrupted > 0.0 && uniform(random_, 0.0, 1.0) < site_->interrupted)
+            interrupted_until_s_ = now_s + uniform(random_, 0.004, 0.024);
+        put_on_way(now_s, std::max(now_s, interrupted_until_s_), frame, bytes, writer);
+    }
+
+    void put_on_way(
+        double written_s, double now_s, std::size_t frame, double bytes, std::size_t writer) {
         busy_until_s_ = std::max(busy_until_s_, now_s);
         if (busy_until_s_ - now_s > 1e-3 * link_->buffer_ms) return;  // its frame stays incomplete
         busy_until_s_ += 8.0 * bytes / link_->bit_per_s(now_s);
@@ -125,7 +173,7 @@ private:
         if (uniform(random_, 0.0, 1.0) > all_arrive) arrival_s += 2.1e-3 * link_->delay_ms;
         arrival_s = std::max(arrival_s, last_arrival_s_[writer]);
         last_arrival_s_[writer] = arrival_s;
-        under_way_.push({arrival_s, now_s, bytes, frame});
+        under_way_.push({arrival_s, written_s, bytes, frame});
     }
 
     const SimulatedLink* link_;
@@ -134,6 +182,9 @@ private:
     double busy_until_s_ = 0.0;
     double last_arrival_s_[2] = {0.0, 0.0};
     std::priority_queue<Sample, std::vector<Sample>, std::greater<>> under_way_;
+    double interrupted_until_s_ = 0.0;
+    std::queue<Sample> in_reader_;
+    double looked_s_ = 0.0;
     std::vector<FrameState> frames_;
     std::size_t next_ = 0;  // first frame that may still become complete
     viewer::Feedback feedback_;
@@ -146,6 +197,29 @@ double default_colour_bytes(double time_s) {
 }
 
 }  // namespace
+
+Runs with_quota(double share, std::uint64_t seed) {
+    constexpr double kPeriod_s = 0.1;
+    const auto random = std::make_shared<Random>(seed);
+    const auto run_s = std::make_shared<double>(0.0);
+    return in_turn(
+        [=] {
+            *run_s = share * kPeriod_s / uniform(*random, 1.0, 2.0);
+            return kPeriod_s - *run_s;
+        },
+        [=] { return *run_s; });
+}
+
+Runs beside_busy_loops(std::uint64_t seed) {
+    const auto random = std::make_shared<Random>(seed);
+    return in_turn([=] { return uniform(*random, 0.004, 0.024); },
+                   [=] { return uniform(*random, 0.0005, 0.010); });
+}
+
+Runs with_freezes(std::uint64_t seed) {
+    const auto random = std::make_shared<Random>(seed);
+    return in_turn([=] { return 0.5; }, [=] { return uniform(*random, 2.0, 5.0); });
+}
 
 StreamRecord simulate(const SimulatedSite& site,
                       const std::vector<SimulatedLink>& links,
@@ -165,8 +239,8 @@ StreamRecord simulate(const SimulatedSite& site,
             ways[i].receive(now_s, record, record.viewers[i]);
             ways[i].report(now_s);
         }
-        if (now_s < next_frame_s) continue;
-        next_frame_s += 1.0 / site.rate_hz;
+        if (now_s < next_frame_s || !site.runs(now_s)) continue;
+        while (next_frame_s <= now_s) next_frame_s += 1.0 / site.rate_hz;  // the newest wins
         for (std::size_t i = 0; i < ways.size(); ++i) {
             while (const auto report = ways[i].take_report(now_s))
                 viewers.add(links[i].viewer, *report, controller.next_bit_per_s(), at(now_s));

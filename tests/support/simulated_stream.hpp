@@ -14,6 +14,18 @@
 /// the code of site_node/stream, what it decides about is made up here.
 namespace atrium::test {
 
+/// Whether somebody has a processor, at a time [s].
+using Runs = std::function<bool(double)>;
+inline bool always(double) { return true; }
+
+// Who does not always have one; a schedule follows from the seed.
+/// A quota, as a control group has it: a share of each 100 ms, at once, by up to two threads.
+Runs with_quota(double share, std::uint64_t seed);
+/// Busy loops of others: it waits 4 to 24 ms, then runs for 0.5 to 10 ms.
+Runs beside_busy_loops(std::uint64_t seed);
+/// Stands still for half a second every two to five seconds.
+Runs with_freezes(std::uint64_t seed);
+
 /// The way to one viewer. Times are in seconds since the start.
 struct SimulatedLink {
     std::string viewer = "v1";
@@ -25,6 +37,10 @@ struct SimulatedLink {
     std::function<double(double)> clock_offset_ms = [](double) { return 0.0; };  // of the viewer
     /// A viewer that is paused neither receives nor reports.
     std::function<bool(double)> is_paused = [](double) { return false; };
+    // In the viewer's host: what takes datagrams from the socket, and what takes samples from
+    // there.
+    Runs receiver_runs = always;
+    Runs taker_runs = always;
 };
 
 struct SimulatedSite {
@@ -35,6 +51,8 @@ struct SimulatedSite {
     /// Colours of a frame at the best level: by default 20 to 40 Mbit/s in all.
     std::function<double(double)> colour_bytes;
     int num_cameras = 8;
+    Runs runs = always;
+    double interrupted = 0.0;  // share of the samples that leave 4 to 24 ms after they are written
     std::uint64_t seed = 1;
 };
 

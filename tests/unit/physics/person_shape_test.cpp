@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <random>
 
 namespace atrium::physics {
@@ -19,6 +21,71 @@ Timestamp frame_time(int frame) {
 
 geometry::TriangleMesh slab_at(const Eigen::Vector3d& position, int num_cuts) {
     return make_box_mesh({0.04, 0.10, 0.18}, {Eigen::Quaterniond::Identity(), position}, num_cuts);
+}
+
+TEST(SurfaceIndex, FindsTheNearestThatFacesTheSameWayWithAndWithoutAvx2) {
+    geometry::TriangleMesh mesh = slab_at({0.0, 0.0, 1.0}, 3);
+    physics_test::append(mesh, slab_at({0.06, 0.3, 1.1}, 4));
+    const SurfaceIndex index(mesh, {});
+    SurfaceIndex plain;
+    plain.forbid_avx2();
+    plain.assign(mesh, {});
+    const auto samples = index.samples();
+    ASSERT_EQ(plain.samples().size(), samples.size());
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        EXPECT_EQ(plain.samples()[i].position, samples[i].position);
+        EXPECT_EQ(plain.samples()[i].normal, samples[i].normal);
+    }
+    std::mt19937 random(7);
+    std::uniform_real_distribution<float> offset_m(-0.2F, 0.5F);
+    std::size_t num_found = 0;
+    // the number of places is no multiple of what is looked up at once
+    std::vector<SurfaceSample> places(27);
+    std::vector<std::uint32_t> found(places.size());
+    std::vector<std::uint32_t> found_plain(places.size());
+    for (int round = 0; round < 800; ++round) {
+        const float radius_m = round % 2 == 0 ? 0.05F : 0.3F;
+        for (SurfaceSample& place : places) {
+            place.position = {offset_m(random), offset_m(random), 0.9F + offset_m(random)};
+            place.normal =
+                Eigen::Vector3f(offset_m(random), offset_m(random), offset_m(random)).normalized();
+        }
+        index.nearest(places, radius_m, 0.6F, found);
+        plain.nearest(places, radius_m, 0.6F, found_plain);
+        ASSERT_EQ(found, found_plain);
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            float least_sq = radius_m * radius_m;
+            std::uint32_t expected = SurfaceIndex::kNone;
+            for (std::uint32_t s = 0; s < samples.size(); ++s) {
+                const float distance_sq = (samples[s].position - places[i].position).squaredNorm();
+                if (!(distance_sq < least_sq) || !(samples[s].normal.dot(places[i].normal) > 0.6F))
+                    continue;
+                least_sq = distance_sq;
+                expected = s;
+            }
+            ASSERT_EQ(found[i] == SurfaceIndex::kNone, expected == SurfaceIndex::kNone);
+            if (found[i] == SurfaceIndex::kNone) continue;
+            ++num_found;
+            const SurfaceSample& sample = samples[found[i]];
+            EXPECT_FLOAT_EQ((sample.position - places[i].position).norm(), std::sqrt(least_sq));
+            EXPECT_GT(sample.normal.dot(places[i].normal), 0.59F);
+        }
+    }
+    EXPECT_GT(num_found, 1000U);
+}
+
+TEST(SurfaceIndex, FindsNothingAtPlacesThatAreFarOrNotFinite) {
+    const SurfaceIndex index(slab_at({0.0, 0.0, 1.0}, 3), {});
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const float infinite = std::numeric_limits<float>::infinity();
+    const Eigen::Vector3f up(0.0F, 0.0F, 1.0F);
+    const std::vector<SurfaceSample> places{{{nan, 0.0F, 1.0F}, up},
+                                            {{0.0F, infinite, 1.0F}, up},
+                                            {{0.0F, 0.0F, -3e38F}, up},
+                                            {{0.0F, 0.0F, 1e12F}, up}};
+    std::vector<std::uint32_t> found(places.size(), 0);
+    index.nearest(places, 0.3F, 0.6F, found);
+    EXPECT_EQ(found, std::vector<std::uint32_t>(places.size(), SurfaceIndex::kNone));
 }
 
 TEST(PersonShaper, MeasuresTheVelocityOfASlabAlongItsNormal) {
