@@ -47,6 +47,7 @@ void declare(WorldServerConfig& config, config::OptionSet& set) {
             "slower surfaces count as flickering outlines at rest [m/s]",
             {0.001, 1});
     bus::declare(config.bus, set);
+    app::declare(config.process, set);
 }
 
 Expected<void> check(const WorldServerConfig& config) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/app/process.hpp"
 #include "core/base/expected.hpp"
 #include "core/bus/bus.hpp"
 #include "core/config/option_set.hpp"
@@ -19,6 +20,7 @@ namespace atrium::world_server {
 
 struct WorldServerConfig {
     bus::BusOptions bus;
+    app::ProcessOptions process;
     double tick_hz = 120.0;
     double send_hz = 60.0;
     double seconds = 0.0;  // how long to run; 0: until stopped

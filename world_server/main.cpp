@@ -1,4 +1,5 @@
 #include "core/app/log.hpp"
+#include "core/app/process.hpp"
 #include "core/app/program.hpp"
 #include "world_server/config.hpp"
 #include "world_server/world_server.hpp"
@@ -22,6 +23,7 @@ int main(int argc, char** argv) {
             world_server::read_world(reader, config);
         });
     if (!start.go_on) return start.exit_code;
+    app::apply(config.process);
 
     auto server = world_server::WorldServer::create(config, stop.token());
     if (!server) return stop.token().stop_requested() ? 0 : app::fail(server.error());

@@ -5,8 +5,9 @@
 namespace atrium::world_server {
 
 void PeopleInbox::put(const std::string& site, std::optional<physics::PersonShape> shape) {
+    // what it replaces is freed after the lock is released
     const std::lock_guard lock(mutex_);
-    news_[site] = std::move(shape);
+    std::swap(news_[site], shape);
 }
 
 void PeopleInbox::take_all(

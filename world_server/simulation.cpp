@@ -19,10 +19,6 @@ constexpr double kHashPeriodS = 10.0;
 constexpr double kPeopleHz = 10.0;  // who looks behind the picture needs no more
 constexpr double kRounding = 1e-9;  // of a sum of parts that make a whole
 
-bus::LatencySummary to_summary(const Quantiles& quantiles) {
-    return {quantiles.median_ms, quantiles.p99_ms, quantiles.num_samples};
-}
-
 }  // namespace
 
 Simulation::Simulation(const WorldServerConfig& config,

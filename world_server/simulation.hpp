@@ -19,6 +19,10 @@
 
 namespace atrium::world_server {
 
+inline bus::LatencySummary to_summary(const Quantiles& quantiles) {
+    return {quantiles.median_ms, quantiles.p99_ms, quantiles.num_samples};
+}
+
 /// The world in real time: takes people and commands from their inboxes before each tick, and puts
 /// what came of it into the outbox. Of one thread, but for `want_people` and `fill`.
 class Simulation {

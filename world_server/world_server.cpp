@@ -1,12 +1,17 @@
 #include "world_server/world_server.hpp"
 
 #include "core/app/log.hpp"
+#include "core/app/process.hpp"
 #include "core/app/program.hpp"
+#include "core/base/processor_use.hpp"
 #include "core/base/statistics.hpp"
 #include "core/joining/join_world.hpp"
+#include "core/status/bottleneck.hpp"
 #include "world_server/endpoints.hpp"
+#include "world_server/mesh_preparation.hpp"
 #include "world_server/publisher.hpp"
 #include "world_server/simulation.hpp"
+#include "world_server/site_reader.hpp"
 #include "world_server/site_register.hpp"
 
 #include <atomic>
@@ -37,7 +42,7 @@ struct WorldServer::Impl {
          std::unique_ptr<bus::Membership> server_membership,
          Scene server_scene);
 
-    // the receiving thread
+    // the receiving thread, which never decodes
     void receive(std::stop_token stop);
     void take_descriptions();
     void take_meshes();
@@ -64,11 +69,18 @@ struct WorldServer::Impl {
     Simulation simulation;
 
     std::atomic<std::uint64_t> num_meshes{0};
+    std::atomic<std::uint64_t> num_superseded{0};  // meshes that came together with a newer one
     std::atomic<std::uint64_t> num_rejected{0};
     std::atomic<std::uint64_t> num_refused{0};  // before they waited for the simulation
     std::atomic<std::uint64_t> num_sites{0};
     std::atomic<double> steps_per_s{0.0};
     std::atomic<double> bytes_per_s{0.0};
+    std::atomic<double> first_output_s{0.0};  // 0: no state is published yet
+    ProcessorMeter processor_meter;           // of the publishing thread
+    mutable std::mutex processor_mutex;       // guards the next one
+    ProcessorUse processor;                   // as measured last
+
+    MeshPreparation preparation;  // fed by the receiving thread
 
     std::shared_ptr<Loss> loss;
     std::unique_ptr<bus::Membership> membership;  // goes first: it uses the endpoints
@@ -81,8 +93,11 @@ WorldServer::Impl::Impl(const WorldServerConfig& server_config,
                         Scene server_scene)
     : config(server_config),
       endpoints(std::move(server_endpoints)),
-      sites(config.placements, static_cast<std::size_t>(config.max_sites), config.person),
+      sites(config.placements, static_cast<std::size_t>(config.max_sites)),
       simulation(config, std::move(server_scene), [this](const std::string& why) { reject(why); }),
+      preparation(simulation.people(),
+                  MeshPreparation::threads_for_machine(),
+                  [this](const std::string& why) { reject(why); }),
       loss(std::move(server_loss)),
       membership(std::move(server_membership)) {
     for (const WorldScenery& scenery : config.scenery) simulation.outbox().put(scenery.scene);
@@ -116,6 +131,11 @@ bool WorldServer::Impl::arrive(const std::string& site) {
                        position.y(),
                        position.z());
         simulation.outbox().put(**placement);
+        const auto& world_from_site = (*placement)->world_from_site;
+        preparation.arrive(site, [this, world_from_site] {
+            const auto reader = std::make_shared<SiteReader>(world_from_site, config.person);
+            return [reader](const bus::SiteMesh& message) { return reader->read(message); };
+        });
     }
     num_sites = sites.num_present();
     return true;
@@ -123,7 +143,7 @@ bool WorldServer::Impl::arrive(const std::string& site) {
 
 void WorldServer::Impl::leave(const std::string& site) {
     if (!sites.leave(site)) return;  // the end of its description and of its meshes are two
-    simulation.people().put(site, std::nullopt);
+    preparation.leave(site);
     num_sites = sites.num_present();
     app::log::info("site_left site={}", site);
 }
@@ -142,29 +162,24 @@ void WorldServer::Impl::take_descriptions() {
         }));
 }
 
-// Of each site the newest: several come at once where one of them had to be sent again.
+// Only takes the samples. Of each site the newest: several come at once where one of them had to be
+// sent again.
 void WorldServer::Impl::take_meshes() {
     std::map<std::string, bus::SiteMesh> newest;
     count_rejected(endpoints.meshes.take(
         [&](bus::SiteMesh&& message) {
             ++num_meshes;
             const std::string site = message.site;
-            newest.insert_or_assign(site, std::move(message));
+            if (!newest.insert_or_assign(site, std::move(message)).second) ++num_superseded;
         },
         [&](const bus::SiteMesh& gone) {
             newest.erase(gone.site);
             ended_sites.erase(gone.site);
             if (!described_sites.contains(gone.site)) return leave(gone.site);
-            sites.lose_mesh(gone.site);
-            simulation.people().put(gone.site, std::nullopt);
+            preparation.lose(gone.site);
         }));
-    for (const auto& [site, message] : newest) {
-        if (ended_sites.contains(site) || !arrive(site)) continue;
-        auto shape = sites.read_mesh(message);
-        if (shape)
-            simulation.people().put(site, std::move(*shape));
-        else
-            reject(shape.error().message);
+    for (auto& [site, message] : newest) {
+        if (!ended_sites.contains(site) && arrive(site)) preparation.put(std::move(message));
     }
 }
 
@@ -196,10 +211,12 @@ void WorldServer::Impl::publish(std::stop_token stop) {
     RateMeter byte_rate;
     Outbox::Content content;
     Clock::time_point next_status = Clock::now();
-    std::uint64_t last_skipped = 0;
+    std::uint64_t num_skipped = 0;
+    atrium::status::OverloadLog overload(bus::ProgramKind::kWorldServer);
     while (!stop.stop_requested()) {
         simulation.outbox().take(content, stop, next_status);
         publisher.send(content);
+        if (content.has_state && first_output_s == 0.0) first_output_s = app::seconds_since_start();
         simulation.want_people(publisher.has_proxy_readers());
 
         const Clock::time_point now = Clock::now();
@@ -208,13 +225,18 @@ void WorldServer::Impl::publish(std::stop_token stop) {
         const bus::WorldStatus now_status = status();
         steps_per_s = step_rate.update(now_status.num_steps, now);
         bytes_per_s = byte_rate.update(now_status.num_bytes_published, now);
-        publisher.send(status());
-        const std::uint64_t skipped = now_status.num_skipped_ticks;
-        if (skipped > last_skipped) {
-            app::log::warn("ticks_skipped num={} the machine is too slow or busy",
-                           skipped - last_skipped);
+        {
+            const ProcessorUse measured = processor_meter.update(now);
+            const std::lock_guard lock(processor_mutex);
+            processor = measured;
         }
-        last_skipped = skipped;
+        const bus::WorldStatus sent = status();
+        publisher.send(sent);
+        if (const auto line = overload.look(atrium::status::figures_of(sent), now))
+            app::log::warn("{}", *line);
+        else if (sent.num_skipped_ticks > num_skipped)
+            app::log::warn("ticks_skipped num={}", sent.num_skipped_ticks - num_skipped);
+        num_skipped = sent.num_skipped_ticks;
     }
 }
 
@@ -224,6 +246,8 @@ bus::WorldStatus WorldServer::Impl::status() const {
     status.world = config.bus.world;
     status.time = Timestamp::now();
     status.num_meshes_received = num_meshes;
+    status.num_meshes_dropped = num_superseded + preparation.num_dropped();
+    status.prepare = to_summary(preparation.times());
     status.num_rejected = num_rejected;
     status.num_refused += num_refused;
     status.num_sites = num_sites;
@@ -231,6 +255,9 @@ bus::WorldStatus WorldServer::Impl::status() const {
     status.steps_per_s = steps_per_s;
     status.bytes_per_s = bytes_per_s;
     status.resident_bytes = app::resident_bytes();
+    status.first_output_s = first_output_s;
+    const std::lock_guard lock(processor_mutex);
+    status.processor = processor;
     return status;
 }
 
@@ -274,8 +301,12 @@ Expected<void> WorldServer::run(std::stop_token stop) {
             [this](std::stop_token own) { impl_->simulation.saver().run(std::move(own)); });
         impl_->simulation.run(impl_->loss->end.get_token());
     }  // the threads are stopped and joined here
+    impl_->preparation.stop();
     const auto saved = impl_->simulation.save_last();
-    app::log::info("stopped deadlines_missed={}", impl_->endpoints.meshes.num_deadlines_missed());
+    const bus::WorldStatus last = status();
+    app::log::info("stopped deadlines_missed={} {}",
+                   impl_->endpoints.meshes.num_deadlines_missed(),
+                   atrium::status::process_fields(last.processor, last.first_output_s));
     const std::lock_guard lock(impl_->loss->mutex);
     if (impl_->loss->error) return tl::unexpected(*impl_->loss->error);
     return saved;

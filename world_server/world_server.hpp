@@ -12,9 +12,10 @@ namespace atrium::world_server {
 /// One shared world: takes the people of all sites and everybody's commands from the bus, simulates
 /// in real time, and publishes where things are.
 ///
-/// `run` uses four threads: one receives and turns meshes into shapes, one (the caller's)
-/// simulates, one publishes, one writes the world's file. Every hand-over keeps the newest of each
-/// site, object or state; only commands queue up, a bounded number of them.
+/// `run` uses four threads: one receives, one (the caller's) simulates, one publishes, one writes
+/// the world's file. Up to four workers, started when they are needed, decode and prepare meshes.
+/// Every hand-over keeps the newest of each site, object or state; only commands queue up, a
+/// bounded number of them.
 class WorldServer {
 public:
     /// Builds the world, as its file has it where there is one, and joins the bus; fails where the

@@ -6,7 +6,8 @@
 
 #include <cmath>
 #include <cstddef>
-#include <optional>
+#include <cstdint>
+#include <span>
 
 // What the parts of the motion estimate share.
 namespace atrium::physics::motion {
@@ -22,12 +23,16 @@ inline Eigen::Array3i cell_at(const Eigen::Vector3f& position, float cell_m) {
     return (position / cell_m).array().floor().cast<int>();
 }
 
-inline std::optional<SurfaceSample> match(const SurfaceIndex& surface,
-                                          const Eigen::Vector3f& place,
-                                          const Eigen::Vector3f& normal) {
-    return surface.nearest(place, kSearchM, [&](const SurfaceSample& candidate) {
-        return candidate.normal.dot(normal) > kSameFacing;
-    });
+/// For each place the nearest sample that faces the same way, or SurfaceIndex::kNone.
+inline void match(const SurfaceIndex& surface,
+                  std::span<const SurfaceSample> places,
+                  std::span<std::uint32_t> found) {
+    surface.nearest(places, kSearchM, kSameFacing, found);
+}
+
+/// Of a place from the surface at a sample, along its normal [m].
+inline float distance_along_normal(const SurfaceSample& sample, const Eigen::Vector3f& place) {
+    return sample.normal.dot(place - sample.position);
 }
 
 /// 0: fits; 1: does not.
@@ -37,9 +42,13 @@ inline float robust_cost(float distance_m) {
     return sq / (sq + kScaleM * kScaleM);
 }
 
-inline bool is_explained_by(const SurfaceIndex& surface, const SurfaceSample& sample) {
-    const auto found = match(surface, sample.position, sample.normal);
-    return found && std::abs(found->normal.dot(sample.position - found->position)) < kExplainedM;
+/// Whether rest explains a sample that was matched where it is.
+inline bool is_explained_by(const SurfaceIndex& surface,
+                            std::uint32_t matched,
+                            const SurfaceSample& sample) {
+    return matched != SurfaceIndex::kNone &&
+           std::abs(distance_along_normal(surface.samples()[matched], sample.position)) <
+               kExplainedM;
 }
 
 }  // namespace atrium::physics::motion

@@ -191,8 +191,8 @@ void PeopleContacts::begin_body(Tracked& tracked, const PeopleField& people, dou
     const std::size_t num_before = num_used_;
     const std::size_t num_touches_before = num_touches_;
     for (const auto& [name, person] : people.people()) {
-        if (!person.surfels().is_near(motion.low, motion.high) &&
-            person.surfels().max_speed_mps() == 0.0F && motion.linear_velocity.isZero()) {
+        if (!person.surfels().is_near(motion.low, motion.high) && person.max_speed_mps() == 0.0F &&
+            motion.linear_velocity.isZero()) {
             tracked.holds.erase(name);
             continue;
         }

@@ -71,6 +71,10 @@ void PersonField::set_shape(const PersonShape& shape) {
     shape_ = shape.surfels;
     capture_time_ = shape.capture_time;
     period_s_ = time_to_go_s_ = shape.period_s;
+    float max_speed_sq = 0.0F;
+    for (const MovingSurfel& s : *shape_)
+        max_speed_sq = std::max(max_speed_sq, s.velocity.squaredNorm());
+    shape_max_mps_ = std::sqrt(max_speed_sq);
     is_placed_ = false;
 }
 
@@ -83,12 +87,8 @@ void PersonField::begin_tick(double tick_s) {
     is_half_way_ = time_to_go_s_ <= half_s && time_to_go_s_ + tick_s > half_s;
     const float behind = share_to_go();
     const auto share = static_cast<float>(moving_s / tick_s);
-    placed_.clear();
-    for (const MovingSurfel& s : *shape_) {
-        placed_.push_back(
-            {s.position + behind * (s.from - s.position), s.normal, share * s.velocity});
-    }
-    grid_.assign(placed_);
+    grid_.assign(*shape_, behind, share);
+    max_speed_mps_ = share * shape_max_mps_;
     time_to_go_s_ -= moving_s;
     is_placed_ = moving_s <= 0.0;
 }

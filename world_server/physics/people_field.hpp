@@ -79,6 +79,7 @@ public:
     Timestamp capture_time() const { return capture_time_; }
 
     const SurfelGrid& surfels() const { return grid_; }
+    float max_speed_mps() const { return max_speed_mps_; }  // of the surfels, in this tick
     std::size_t num_surfels() const { return shape_ ? shape_->size() : 0; }
 
 private:
@@ -89,7 +90,8 @@ private:
     double tick_s_ = 0.0;
     bool is_half_way_ = false;
     bool is_placed_ = false;  // nothing moves any more and the grid holds what there is
-    std::vector<PlacedSurfel> placed_;
+    float shape_max_mps_ = 0.0F;
+    float max_speed_mps_ = 0.0F;
     SurfelGrid grid_;
 };
 

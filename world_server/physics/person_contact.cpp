@@ -43,7 +43,7 @@ void ContactFinder::gather(const ContactMotion& motion, const PersonField& perso
     has_fast_ = false;
     near_.clear();
     const float own_mps = motion.linear_velocity.norm();
-    const float reach_m = kFieldReachM + tick_s * (own_mps + person.surfels().max_speed_mps());
+    const float reach_m = kFieldReachM + tick_s * (own_mps + person.max_speed_mps());
     const Eigen::Vector3f reach = Eigen::Vector3f::Constant(reach_m);
     near_low_ = motion.high;
     near_high_ = motion.low;

@@ -1,18 +1,22 @@
 #include "world_server/physics/person_motion.hpp"
 
+#include "world_server/physics/float8.hpp"
 #include "world_server/physics/motion_match.hpp"
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 namespace atrium::physics {
 namespace {
 
-using motion::cell_at;
+using motion::distance_along_normal;
 using motion::is_explained_by;
 using motion::kAlikeM;
 using motion::match;
@@ -21,16 +25,114 @@ using motion::robust_cost;
 constexpr float kMovingShare = 0.12F;  // of an octant's points that rest does not explain
 constexpr float kTouchM = 0.06F;       // between points of regions that are neighbours
 constexpr float kMismatch = 0.6F;      // cost above which a sample is not of its region
+// Where all that is beside a region moves by no more than this otherwise, it does not matter which
+// of them a sample is counted to.
+constexpr float kIndifferentM = 0.01F;
+constexpr float kNearSq = 0.1F * 0.1F;       // [m^2] of neighbours that matter most
+constexpr std::size_t kMaxCells = 1U << 20;  // of a lattice
 
-std::uint64_t pack(const Eigen::Array3i& cell, bool moves) {
-    const auto part = [](int x) { return static_cast<std::uint64_t>(x + (1 << 19)) & 0xFFFFFU; };
-    return part(cell.z()) << 41U | part(cell.y()) << 21U | part(cell.x()) << 1U | (moves ? 1U : 0U);
+float unlike(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+    const float ratio = (a - b).squaredNorm() / (kAlikeM * kAlikeM);
+    return 1.0F + ratio * ratio;
 }
+
+// x becomes e^x, for x <= 0, to 2e-6 of its value; below -80 it is that of -80.
+ATRIUM_INLINE void exp8(Float8& x) {
+    const Float8 least = Float8{} - 80.0F;
+    x = x > least ? x : least;
+    const Float8 halvings = x * 1.44269504F;
+    // cuts off towards zero: between 0 and -1 is left
+    const Int8 whole = __builtin_convertvector(halvings, Int8);
+    const Float8 rest = (halvings - __builtin_convertvector(whole, Float8)) * 0.693147181F;
+    Float8 power = rest * (1.0F / 720.0F) + (1.0F / 120.0F);
+    power = power * rest + (1.0F / 24.0F);
+    power = power * rest + (1.0F / 6.0F);
+    power = power * rest + 0.5F;
+    power = power * rest + 1.0F;
+    power = power * rest + 1.0F;
+    x = power * reinterpret_cast<Float8>((whole + 127) << 23);
+}
+
+ATRIUM_INLINE void twice(const Float4& four, Float8& eight) {
+    eight = __builtin_shufflevector(four, four, 0, 1, 2, 3, 0, 1, 2, 3);
+}
+
+// Eight places, x, y and z, become the displacements there; the fourth of them takes the weights.
+using Eight = std::array<std::array<float, kFloat8Size>, 4>;
+
+template <typename Blend>
+ATRIUM_INLINE void blend_eight(std::span<const Blend> blends, float per_sq, Eight& eight) {
+    Float8 x, y, z;
+    load8(eight[0].data(), x);
+    load8(eight[1].data(), y);
+    load8(eight[2].data(), z);
+    Float8 weights{}, sum_x{}, sum_y{}, sum_z{};
+    for (const Blend& b : blends) {
+        std::array<Float8, 3> off, turn, constant;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            twice(b.centre[axis], off[axis]);
+            twice(b.turn[axis], turn[axis]);
+            twice(b.constant[axis], constant[axis]);
+        }
+        Float8 alike;
+        twice(b.alike, alike);
+        off[0] -= x;
+        off[1] -= y;
+        off[2] -= z;
+        Float8 weight = (off[0] * off[0] + off[1] * off[1] + off[2] * off[2]) * per_sq;
+        exp8(weight);
+        weight *= alike;
+        weights += weight;
+        sum_x += weight * (constant[0] + turn[1] * z - turn[2] * y);
+        sum_y += weight * (constant[1] + turn[2] * x - turn[0] * z);
+        sum_z += weight * (constant[2] + turn[0] * y - turn[1] * x);
+    }
+    store8(eight[0].data(), sum_x / weights);
+    store8(eight[1].data(), sum_y / weights);
+    store8(eight[2].data(), sum_z / weights);
+    store8(eight[3].data(), weights);
+}
+
+#ifdef ATRIUM_AVX2
+template <typename Blend>
+ATRIUM_AVX2 void blend_eight_avx2(std::span<const Blend> blends, float per_sq, Eight& eight) {
+    blend_eight(blends, per_sq, eight);
+}
+#endif
 
 }  // namespace
 
 MotionEstimator::MotionEstimator(const MotionOptions& options) : options_(options) {
     assert(options.region_m > 0.0 && options.max_points > 0);
+}
+
+void MotionEstimator::Lattice::fit(const geometry::Aabb& bounds, double wanted_m) {
+    const auto cells_of = [](const Eigen::Vector3d& p, double m) -> Eigen::Array3d {
+        return (p.array() / m).floor();
+    };
+    double m = wanted_m;
+    const auto num_for = [&] {
+        return (cells_of(bounds.max, m) - cells_of(bounds.min, m) + 1.0).prod();
+    };
+    while (num_for() > static_cast<double>(kMaxCells)) m *= 1.5;
+    cell_m = static_cast<float>(m);
+    const Eigen::Array3d first = cells_of(bounds.min, m);
+    const Eigen::Array3d last = cells_of(bounds.max, m);
+    const auto to_float4 = [](const Eigen::Array3f& a) { return Float4{a[0], a[1], a[2], 0.0F}; };
+    low = to_float4(first.cast<float>());
+    high = to_float4(last.cast<float>());
+    dims = (last - first).cast<int>() + 1;
+    num_cells = static_cast<std::size_t>(dims.x()) * static_cast<std::size_t>(dims.y()) *
+                static_cast<std::size_t>(dims.z());
+}
+
+Int4 MotionEstimator::Lattice::cell_at(const Eigen::Vector3f& position) const {
+    const Float4 at = Float4{position.x(), position.y(), position.z(), 0.0F} / cell_m;
+    return floor4(min4(max4(at, low), high)) - __builtin_convertvector(low, Int4);
+}
+
+bool MotionEstimator::Octant::moves() const {
+    return static_cast<float>(num_unexplained) > kMovingShare * static_cast<float>(num);
 }
 
 void MotionEstimator::estimate(const SurfaceIndex& now,
@@ -42,12 +144,15 @@ void MotionEstimator::estimate(const SurfaceIndex& now,
     if (now.samples().empty() || before.samples().empty()) return previous_.clear();
     make_regions();
     link_regions();
+    predict();
     for (Region& region : regions_) start_from_rest(region);
     start_from_before();
     start_from_votes();
     choose_with_neighbours();
     solve_together();
-    for (std::size_t i = 0; i < displacements.size(); ++i) displacements[i] = displacement_at(i);
+    blend_regions();
+    sort_samples_by_region();
+    displace(displacements);
     previous_.clear();
     for (const Region& region : regions_) {
         previous_.push_back({region.centre, region.displacement, region.turn});
@@ -58,43 +163,61 @@ void MotionEstimator::estimate(const SurfaceIndex& now,
 // octants of which rest leaves a good part unexplained are a region of their own.
 void MotionEstimator::make_regions() {
     const auto samples = now_->samples();
-    const auto region_m = static_cast<float>(options_.region_m);
+    octant_lattice_.fit(now_->bounds(), 0.5 * options_.region_m);
+    region_lattice_.fit(now_->bounds(), 2.0 * static_cast<double>(octant_lattice_.cell_m));
+    octants_.assign(octant_lattice_.num_cells, {});
     // samples lie ordered by place, so that every n-th of them still covers every region
     const std::size_t stride = 1 + samples.size() / options_.max_points;
-    points_.clear();
-    for (std::size_t i = 0; i < samples.size(); i += stride) {
-        points_.push_back({pack(cell_at(samples[i].position, 0.5F * region_m), false),
-                           static_cast<std::uint32_t>(i),
-                           is_explained_by(*before_, samples[i])});
+    places_.clear();
+    for (std::size_t i = 0; i < samples.size(); i += stride) places_.push_back(samples[i]);
+    match_places(*before_);
+    unsorted_.clear();
+    for (std::size_t n = 0; n < places_.size(); ++n) {
+        const bool is_explained = is_explained_by(*before_, matched_[n], places_[n]);
+        unsorted_.push_back({static_cast<std::uint32_t>(n * stride), matched_[n], is_explained});
+        Octant& octant = octants_[octant_lattice_.index_of(places_[n].position)];
+        ++octant.num;
+        if (!is_explained) ++octant.num_unexplained;
     }
-    const auto by_key = [](const Point& a, const Point& b) {
-        return a.key != b.key ? a.key < b.key : a.sample < b.sample;
-    };
-    std::sort(points_.begin(), points_.end(), by_key);
-    octants_.clear();
-    for (auto begin = points_.begin(); begin != points_.end();) {
-        const auto end =
-            std::find_if(begin, points_.end(), [&](const Point& p) { return p.key != begin->key; });
-        const auto num_unexplained =
-            std::count_if(begin, end, [](const Point& p) { return !p.is_explained; });
-        const bool moves =
-            static_cast<float>(num_unexplained) > kMovingShare * static_cast<float>(end - begin);
-        octants_.push_back({begin->key, moves});
-        for (auto p = begin; p != end; ++p) {
-            p->key = pack(cell_at(samples[p->sample].position, region_m), moves);
-        }
-        begin = end;
+    sort_points_by_region();
+}
+
+void MotionEstimator::match_places(const SurfaceIndex& surface) {
+    matched_.resize(places_.size());
+    match(surface, places_, matched_);
+}
+
+void MotionEstimator::sort_points_by_region() {
+    const auto samples = now_->samples();
+    region_at_.assign(2 * region_lattice_.num_cells, 0);
+    slots_.clear();
+    for (const Point& point : unsorted_) {
+        const Eigen::Vector3f& position = samples[point.sample].position;
+        const bool moves = octants_[octant_lattice_.index_of(position)].moves();
+        const std::size_t slot = 2 * region_lattice_.index_of(position) + (moves ? 1 : 0);
+        slots_.push_back(static_cast<std::uint32_t>(slot));
+        ++region_at_[slot];
     }
-    std::sort(points_.begin(), points_.end(), by_key);
     regions_.clear();
-    for (std::uint32_t i = 0; i < points_.size(); ++i) {
-        if (i == 0 || points_[i].key != points_[i - 1].key) {
-            regions_.emplace_back();
-            regions_.back().key = points_[i].key;
-            regions_.back().first = i;
-        }
-        ++regions_.back().num;
-        regions_.back().centre += samples[points_[i].sample].position;
+    std::uint32_t num_points = 0;
+    for (std::size_t i = 0; i < region_at_.size(); ++i) {
+        const std::uint32_t num = std::exchange(region_at_[i], kNoRegion);
+        if (num == 0) continue;
+        const auto number = static_cast<std::uint32_t>(regions_.size());
+        region_at_[i] = number;
+        Region& region = regions_.emplace_back();
+        region.moves = i % 2 != 0;
+        region.first = num_points;
+        num_points += num;
+        if (!region.moves || region_at_[i - 1] == kNoRegion) continue;
+        region.sibling = number - 1;
+        regions_[number - 1].sibling = number;
+    }
+    points_.resize(unsorted_.size());
+    for (std::size_t i = 0; i < unsorted_.size(); ++i) {
+        Region& region = regions_[region_at_[slots_[i]]];
+        points_[region.first + region.num++] = unsorted_[i];
+        region.centre += samples[unsorted_[i].sample].position;
     }
     for (Region& region : regions_) region.centre /= static_cast<float>(region.num);
 }
@@ -102,121 +225,265 @@ void MotionEstimator::make_regions() {
 // Regions are neighbours where points of them lie side by side, and the more so the more such pairs
 // there are: a hand before the chest is no neighbour of it.
 void MotionEstimator::link_regions() {
-    struct Placed {
-        std::uint64_t cell;
-        std::uint32_t point;
-        std::uint32_t region;
-    };
-    const auto position = [&](std::uint32_t point) -> const Eigen::Vector3f& {
-        return now_->samples()[points_[point].sample].position;
-    };
-    std::vector<Placed> placed;
-    placed.reserve(points_.size());
+    count_pairs();
+    neighbours_.clear();
+    for (std::uint32_t r = 0; r < regions_.size(); ++r) {
+        Region& region = regions_[r];
+        region.first_neighbour = static_cast<std::uint32_t>(neighbours_.size());
+        for (std::uint32_t l = first_link_[r]; l != kNoRegion; l = links_[l].next) {
+            const Region& other = regions_[links_[l].to];
+            const float nearness =
+                static_cast<float>(other.num) *
+                std::exp(-(other.centre - region.centre).squaredNorm() / kNearSq);
+            neighbours_.push_back(
+                {links_[l].to, static_cast<float>(links_[l].num_pairs), nearness});
+        }
+        std::sort(neighbours_.begin() + region.first_neighbour,
+                  neighbours_.end(),
+                  [](const Neighbour& a, const Neighbour& b) { return a.region < b.region; });
+        region.num_neighbours =
+            static_cast<std::uint32_t>(neighbours_.size()) - region.first_neighbour;
+    }
+}
+
+void MotionEstimator::count_pairs() {
+    touch_lattice_.fit(now_->bounds(), static_cast<double>(kTouchM));
+    touch_begin_.assign(touch_lattice_.num_cells + 1, 0);
+    placed_unsorted_.clear();
     for (std::uint32_t r = 0; r < regions_.size(); ++r) {
         for (std::uint32_t p = regions_[r].first; p < regions_[r].first + regions_[r].num; ++p) {
-            placed.push_back({pack(cell_at(position(p), kTouchM), false), p, r});
+            Int4 cell = touch_lattice_.cell_at(now_->samples()[points_[p].sample].position);
+            const std::size_t index = touch_lattice_.index_of(cell);
+            cell[3] = static_cast<std::int32_t>(index);
+            placed_unsorted_.push_back({cell, r});
+            ++touch_begin_[index];
         }
     }
-    std::sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) {
-        return a.cell != b.cell ? a.cell < b.cell : a.point < b.point;
-    });
-    std::vector<std::uint64_t> pairs;  // of regions, one for each pair of points
-    for (const Placed& own : placed) {
-        const Eigen::Array3i cell = cell_at(position(own.point), kTouchM);
-        for (int row = 0; row < 9; ++row) {
-            const Eigen::Array3i first = cell + Eigen::Array3i(-1, row % 3 - 1, row / 3 - 1);
-            const std::uint64_t last = pack(first + Eigen::Array3i(2, 0, 0), false);
-            auto other = std::lower_bound(
-                placed.begin(),
-                placed.end(),
-                pack(first, false),
-                [](const Placed& candidate, std::uint64_t key) { return candidate.cell < key; });
-            for (; other != placed.end() && other->cell <= last; ++other) {
-                if (other->region <= own.region) continue;
-                if ((position(other->point) - position(own.point)).squaredNorm() <
-                    kTouchM * kTouchM) {
-                    pairs.push_back(std::uint64_t{own.region} << 32U | other->region);
+    std::uint32_t end = 0;
+    for (std::uint32_t& begin : touch_begin_) begin = end += begin;
+    placed_.resize(points_.size());
+    for (std::vector<float>& column : placed_at_) column.resize(points_.size() + kFloat4Size);
+    placed_region_.resize(points_.size() + kFloat4Size);
+    // the points lie in the order of their regions
+    for (std::size_t p = points_.size(); p-- > 0;) {
+        const Placed& placed = placed_unsorted_[p];
+        const std::uint32_t at = --touch_begin_[static_cast<std::size_t>(placed.cell[3])];
+        const Eigen::Vector3f& position = now_->samples()[points_[p].sample].position;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            placed_at_[axis][at] = position[static_cast<Eigen::Index>(axis)];
+        placed_[at] = placed;
+        placed_region_[at] = placed.region;
+    }
+
+    links_.clear();
+    first_link_.assign(regions_.size(), kNoRegion);
+    const auto link = [&](std::uint32_t from, std::uint32_t to) {
+        links_.push_back({to, 1, first_link_[from]});
+        first_link_[from] = static_cast<std::uint32_t>(links_.size() - 1);
+    };
+    const auto add_pair = [&](std::uint32_t a, std::uint32_t b) {
+        for (std::uint32_t l = first_link_[a]; l != kNoRegion; l = links_[l].next) {
+            if (links_[l].to != b) continue;
+            ++links_[l].num_pairs;
+            ++links_[l ^ 1U].num_pairs;  // the way back
+            return;
+        }
+        link(a, b);
+        link(b, a);
+    };
+    const Eigen::Array3i& dims = touch_lattice_.dims;
+    constexpr std::array<std::array<int, 2>, 5> kRowsAfter{
+        {{0, 0}, {1, 0}, {-1, 1}, {0, 1}, {1, 1}}};
+    // each pair once: of the rows of cells around a point those that come after its own, and of its
+    // own row the points that come after it
+    for (std::uint32_t i = 0; i < placed_.size(); ++i) {
+        const Placed& own = placed_[i];
+        const Float4 x = all4(placed_at_[0][i]);
+        const Float4 y = all4(placed_at_[1][i]);
+        const Float4 z = all4(placed_at_[2][i]);
+        const Int4 own_region = Int4{} + static_cast<std::int32_t>(own.region);
+        const int from_x = std::max(0, own.cell[0] - 1);
+        const int to_x = std::min(dims.x() - 1, own.cell[0] + 1);
+        for (const auto& [dy, dz] : kRowsAfter) {
+            const int row_y = own.cell[1] + dy;
+            const int row_z = own.cell[2] + dz;
+            if (row_y < 0 || row_y >= dims.y() || row_z >= dims.z()) continue;
+            const std::uint32_t* row = touch_begin_.data() + (row_z * dims.y() + row_y) * dims.x();
+            const bool is_own_row = dy == 0 && dz == 0;
+            const std::uint32_t row_end = row[to_x + 1];
+            for (std::uint32_t j = is_own_row ? i + 1 : row[from_x]; j < row_end;
+                 j += kFloat4Size) {
+                const Float4 off_x = load4(placed_at_[0].data() + j) - x;
+                const Float4 off_y = load4(placed_at_[1].data() + j) - y;
+                const Float4 off_z = load4(placed_at_[2].data() + j) - z;
+                Int4 regions;
+                std::memcpy(&regions, placed_region_.data() + j, sizeof regions);
+                // most points lie beside those of their own region
+                unsigned bits =
+                    bits_of((off_x * off_x + off_y * off_y + off_z * off_z < kTouchM * kTouchM) &
+                            (regions != own_region));
+                // beyond the end of the row come points of others
+                if (row_end - j < kFloat4Size) bits &= (1U << (row_end - j)) - 1U;
+                for (; bits != 0; bits &= bits - 1) {
+                    const auto lane = static_cast<std::uint32_t>(std::countr_zero(bits));
+                    add_pair(own.region, placed_region_[j + lane]);
                 }
             }
         }
-    }
-    std::sort(pairs.begin(), pairs.end());
-    for (auto begin = pairs.begin(); begin != pairs.end();) {
-        const auto end = std::upper_bound(begin, pairs.end(), *begin);
-        const auto a = static_cast<std::uint32_t>(*begin >> 32U);
-        const auto b = static_cast<std::uint32_t>(*begin);
-        const auto num_pairs = static_cast<float>(end - begin);
-        regions_[a].neighbours.push_back({b, num_pairs});
-        regions_[b].neighbours.push_back({a, num_pairs});
-        begin = end;
     }
 }
 
 float MotionEstimator::mismatch(const SurfaceSample& sample,
                                 const Eigen::Vector3f& displacement) const {
-    const Eigen::Vector3f place = sample.position - displacement;
-    const auto found = match(*before_, place, sample.normal);
-    return found ? robust_cost(found->normal.dot(place - found->position)) : 1.0F;
+    const SurfaceSample place{sample.position - displacement, sample.normal};
+    std::uint32_t found = SurfaceIndex::kNone;
+    match(*before_, {&place, 1}, {&found, 1});
+    return found == SurfaceIndex::kNone
+               ? 1.0F
+               : robust_cost(distance_along_normal(before_->samples()[found], place.position));
 }
 
-Eigen::Vector3f MotionEstimator::displacement_at(std::size_t index) const {
-    const SurfaceSample& sample = now_->samples()[index];
-    const auto region_m = static_cast<float>(options_.region_m);
-    const auto find = [&](bool moves) -> const Region* {
-        const std::uint64_t key = pack(cell_at(sample.position, region_m), moves);
-        const auto found = std::lower_bound(
-            regions_.begin(), regions_.end(), key, [](const Region& region, std::uint64_t k) {
-                return region.key < k;
-            });
-        return found != regions_.end() && found->key == key ? &*found : nullptr;
-    };
-    const std::uint64_t octant_key = pack(cell_at(sample.position, 0.5F * region_m), false);
-    const auto octant = std::lower_bound(
-        octants_.begin(), octants_.end(), octant_key, [](const Octant& o, std::uint64_t key) {
-            return o.key < key;
-        });
-    const bool moves = octant == octants_.end() || octant->key != octant_key || octant->moves;
-    const Region* own = find(moves);
-    const Region* sibling = find(!moves);
-    if (own == nullptr) std::swap(own, sibling);
-    if (own == nullptr) {  // none of the points looked up is in its cell
-        own = &*std::min_element(
-            regions_.begin(), regions_.end(), [&](const Region& a, const Region& b) {
-                return (a.centre - sample.position).squaredNorm() <
-                       (b.centre - sample.position).squaredNorm();
-            });
-    }
-    // a sample that its region does not explain, as where two parts meet, may be of another; what
-    // none explains moves with its region
-    const Region* region = own;
-    if (mismatch(sample, own->displacement) > kMismatch) {
-        const auto is_of = [&](const Region& candidate) {
-            return mismatch(sample, candidate.displacement) < kMismatch;
+// What `blend` needs of each region: the motions of itself and its neighbours, each as a
+// turn and a constant.
+void MotionEstimator::blend_regions() {
+    blends_.clear();
+    first_blend_.clear();
+    may_differ_.clear();
+    for (const Region& region : regions_) {
+        first_blend_.push_back(static_cast<std::uint32_t>(blends_.size()));
+        bool may_differ = false;
+        const auto differs = [&](const Region& other) {
+            return (other.displacement - region.displacement).squaredNorm() >
+                   kIndifferentM * kIndifferentM;
         };
-        const auto beside =
-            std::find_if(own->neighbours.begin(), own->neighbours.end(), [&](const Neighbour& n) {
-                return is_of(regions_[n.region]);
-            });
-        if (sibling != nullptr && is_of(*sibling)) {
-            region = sibling;
-        } else if (beside != own->neighbours.end()) {
-            region = &regions_[beside->region];
+        const auto add = [&](const Region& other) {
+            const Eigen::Vector3f constant = other.displacement - other.turn.cross(other.centre);
+            Blend& blend = blends_.emplace_back();
+            for (int axis = 0; axis < 3; ++axis) {
+                const auto row = static_cast<std::size_t>(axis);
+                blend.centre[row] = all4(other.centre[axis]);
+                blend.turn[row] = all4(other.turn[axis]);
+                blend.constant[row] = all4(constant[axis]);
+            }
+            blend.alike = all4(1.0F / unlike(other.displacement, region.displacement));
+        };
+        add(region);
+        for (const Neighbour& n : neighbours_of(region)) {
+            add(regions_[n.region]);
+            may_differ = may_differ || differs(regions_[n.region]);
+        }
+        if (region.sibling != kNoRegion)
+            may_differ = may_differ || differs(regions_[region.sibling]);
+        may_differ_.push_back(may_differ ? 1 : 0);
+    }
+    first_blend_.push_back(static_cast<std::uint32_t>(blends_.size()));
+}
+
+// Of samples of one region, each blended over into what moves alike beside it.
+void MotionEstimator::blend(std::uint32_t region,
+                            std::span<const std::uint32_t> samples,
+                            std::vector<Eigen::Vector3f>& displacements) const {
+    const float per_sq = -2.0F / (region_lattice_.cell_m * region_lattice_.cell_m);
+    const std::span<const Blend> blends(blends_.data() + first_blend_[region],
+                                        blends_.data() + first_blend_[region + 1]);
+    Eight eight{};
+    for (std::size_t begin = 0; begin < samples.size(); begin += kFloat8Size) {
+        const std::size_t num = std::min(kFloat8Size, samples.size() - begin);
+        for (std::size_t lane = 0; lane < num; ++lane) {
+            const Eigen::Vector3f& position = now_->samples()[samples[begin + lane]].position;
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                eight[axis][lane] = position[static_cast<Eigen::Index>(axis)];
+        }
+#ifdef ATRIUM_AVX2
+        if (__builtin_cpu_supports("avx2"))
+            blend_eight_avx2(blends, per_sq, eight);
+        else
+#endif
+            blend_eight(blends, per_sq, eight);
+        for (std::size_t lane = 0; lane < num; ++lane) {
+            Eigen::Vector3f& displacement = displacements[samples[begin + lane]];
+            displacement = regions_[region].displacement;
+            if (eight[3][lane] > 1e-6F)
+                displacement = {eight[0][lane], eight[1][lane], eight[2][lane]};
         }
     }
-    // blend over into what moves alike beside it
+}
+
+// The same for a sample of the cell of `own` that moves as `region` does.
+Eigen::Vector3f MotionEstimator::blended_as(const Region& own,
+                                            const Region& region,
+                                            const Eigen::Vector3f& position) const {
+    const float region_m = region_lattice_.cell_m;
     float weights = 0.0F;
-    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    Eigen::Vector3f blend = Eigen::Vector3f::Zero();
     const auto add = [&](const Region& other) {
-        const float apart = (other.centre - sample.position).squaredNorm() / (region_m * region_m);
-        const float unlike =
-            (other.displacement - region->displacement).squaredNorm() / (kAlikeM * kAlikeM);
-        const float weight = std::exp(-2.0F * apart) / (1.0F + unlike * unlike);
+        const float apart = (other.centre - position).squaredNorm() / (region_m * region_m);
+        const float weight =
+            std::exp(-2.0F * apart) / unlike(other.displacement, region.displacement);
         weights += weight;
-        sum += weight * (other.displacement + other.turn.cross(sample.position - other.centre));
+        blend += weight * (other.displacement + other.turn.cross(position - other.centre));
     };
-    add(*region);
-    for (const Neighbour& n : region->neighbours) add(regions_[n.region]);
-    return weights > 1e-6F ? (sum / weights).eval() : region->displacement;
+    add(region);
+    for (const Neighbour& n : neighbours_of(own)) add(regions_[n.region]);
+    return weights > 1e-6F ? (blend / weights).eval() : region.displacement;
+}
+
+std::uint32_t MotionEstimator::region_of(const Eigen::Vector3f& position) const {
+    const Octant& octant = octants_[octant_lattice_.index_of(position)];
+    const std::size_t slot = 2 * region_lattice_.index_of(position);
+    const bool moves = octant.num == 0 || octant.moves();
+    const std::uint32_t region = region_at_[slot + (moves ? 1 : 0)];
+    if (region != kNoRegion) return region;
+    const std::uint32_t sibling = region_at_[slot + (moves ? 0 : 1)];
+    if (sibling != kNoRegion) return sibling;
+    // none of the points looked up is in its cell
+    const auto nearest =
+        std::min_element(regions_.begin(), regions_.end(), [&](const Region& a, const Region& b) {
+            return (a.centre - position).squaredNorm() < (b.centre - position).squaredNorm();
+        });
+    return static_cast<std::uint32_t>(nearest - regions_.begin());
+}
+
+void MotionEstimator::sort_samples_by_region() {
+    const auto samples = now_->samples();
+    region_of_sample_.resize(samples.size());
+    sorted_samples_.resize(samples.size());
+    first_sample_.assign(regions_.size() + 1, 0);
+    for (std::size_t i = 0; i < samples.size(); ++i)
+        ++first_sample_[region_of_sample_[i] = region_of(samples[i].position)];
+    std::uint32_t end = 0;
+    for (std::uint32_t& first : first_sample_) first = end += first;
+    for (std::size_t i = samples.size(); i-- > 0;)
+        sorted_samples_[--first_sample_[region_of_sample_[i]]] = static_cast<std::uint32_t>(i);
+}
+
+void MotionEstimator::displace(std::vector<Eigen::Vector3f>& displacements) {
+    for (std::uint32_t r = 0; r < regions_.size(); ++r) {
+        const std::span<const std::uint32_t> samples(sorted_samples_.data() + first_sample_[r],
+                                                     sorted_samples_.data() + first_sample_[r + 1]);
+        blend(r, samples, displacements);
+        if (may_differ_[r] == 0) continue;
+        for (const std::uint32_t i : samples) {
+            if (const auto other = displacement_of_another(regions_[r], now_->samples()[i]))
+                displacements[i] = *other;
+        }
+    }
+}
+
+// A sample that its region does not explain, as where two parts meet, may be of another; what none
+// explains moves with its region.
+std::optional<Eigen::Vector3f> MotionEstimator::displacement_of_another(
+    const Region& own, const SurfaceSample& sample) const {
+    if (mismatch(sample, own.displacement) <= kMismatch) return std::nullopt;
+    const auto is_of = [&](const Region& candidate) {
+        return mismatch(sample, candidate.displacement) < kMismatch;
+    };
+    if (own.sibling != kNoRegion && is_of(regions_[own.sibling]))
+        return blended_as(own, regions_[own.sibling], sample.position);
+    for (const Neighbour& n : neighbours_of(own)) {
+        if (is_of(regions_[n.region])) return blended_as(own, regions_[n.region], sample.position);
+    }
+    return std::nullopt;
 }
 
 }  // namespace atrium::physics

@@ -19,15 +19,12 @@ constexpr float kNoWorse = 0.05F;    // cost by which what goes on as before may
 constexpr float kHardCost = 0.08F;   // above, a region is not explained
 constexpr float kAgreement = 0.15F;  // cost of disagreeing with all neighbours
 constexpr float kFewPoints = 15.0F;
-constexpr float kNearSq = 0.1F * 0.1F;  // [m^2] of neighbours that matter most
 // Cost of moving by kSurpriseM otherwise than expected, as much again for each kFurtherM.
 constexpr float kSurprise = 0.13F;
 constexpr float kSurpriseM = 0.1F;
 constexpr float kFurtherM = 0.2F;
-constexpr float kPreviousM = 0.15F;      // off where it was headed, a place is another
-constexpr std::size_t kMaxPrevious = 3;  // starts from what regions did before
-constexpr int kNumPeaks = 4;             // starts from votes
-constexpr float kBinM = 0.04F;           // of the votes
+constexpr float kPreviousM = 0.15F;  // off where it was headed, a place is another
+constexpr float kBinM = 0.04F;       // of the votes
 constexpr std::size_t kMaxVoters = 200;
 
 float surprise(float off_m, std::size_t num_points) {
@@ -41,8 +38,7 @@ float surprise(float off_m, std::size_t num_points) {
 }  // namespace
 
 void MotionEstimator::start_from_rest(Region& region) {
-    const bool moves = (region.key & 1U) != 0;
-    if (moves) {
+    if (region.moves) {
         region.displacement = refine(region, Eigen::Vector3f::Zero(), 3);
         region.cost = correspond(region, region.displacement, kTrialPoints).cost;
     } else {
@@ -57,26 +53,26 @@ void MotionEstimator::start_from_rest(Region& region) {
 // What lies where a region of the mesh before was headed may go on as that did.
 void MotionEstimator::start_from_before() {
     for (Region& region : regions_) {
-        if ((region.key & 1U) == 0) {
+        if (!region.moves) {
             // a palm that slides along itself is explained by rest as well
-            const auto before = predicted(region);
-            if (!before || before->norm() < kSlidesM) continue;
-            const float cost = correspond(region, *before, kTrialPoints).cost;
+            if (!region.predicted || region.predicted->norm() < kSlidesM) continue;
+            const float cost = correspond(region, *region.predicted, kTrialPoints).cost;
             const float at_rest = correspond(region, region.displacement, kTrialPoints).cost;
-            if (cost <= at_rest + kNoWorse) region.displacement = *before;
+            if (cost <= at_rest + kNoWorse) region.displacement = *region.predicted;
             continue;
         }
         for (const Moved& moved : previous_) {
-            if (region.starts.size() == kMaxPrevious) break;
+            if (region.num_starts == kMaxPrevious) break;
             const Eigen::Vector3f headed = moved.centre + moved.displacement;
             if ((headed - region.centre).squaredNorm() > kPreviousM * kPreviousM) continue;
-            const bool is_known = std::any_of(
-                region.starts.begin(), region.starts.end(), [&](const Eigen::Vector3f& start) {
+            const auto end = region.starts.begin() + static_cast<std::ptrdiff_t>(region.num_starts);
+            const bool is_known =
+                std::any_of(region.starts.begin(), end, [&](const Eigen::Vector3f& start) {
                     return (start - moved.displacement).norm() < 0.5F * kAlikeM;
                 });
-            if (!is_known) region.starts.push_back(moved.displacement);
+            if (!is_known) region.starts[region.num_starts++] = moved.displacement;
         }
-        region.num_expected = region.starts.size();
+        region.num_expected = region.num_starts;
         choose_start(region, 0);
         region.is_hard = region.cost > kHardCost;
     }
@@ -92,10 +88,10 @@ void MotionEstimator::start_from_votes() {
         group.assign(1, seed);
         is_done[seed] = true;
         for (std::size_t i = 0; i < group.size(); ++i) {
-            for (const auto& [next, num_pairs] : regions_[group[i]].neighbours) {
-                if (!regions_[next].is_hard || is_done[next]) continue;
-                is_done[next] = true;
-                group.push_back(next);
+            for (const Neighbour& next : neighbours_of(regions_[group[i]])) {
+                if (!regions_[next.region].is_hard || is_done[next.region]) continue;
+                is_done[next.region] = true;
+                group.push_back(next.region);
             }
         }
         vote(group);
@@ -107,10 +103,12 @@ void MotionEstimator::vote(std::span<const std::uint32_t> group) {
     if (vanished_.empty()) {
         const auto samples = before_->samples();
         const std::size_t stride = 1 + samples.size() / options_.max_points;
-        for (std::size_t i = 0; i < samples.size(); i += stride) {
-            if (!is_explained_by(*now_, samples[i])) {
-                vanished_.push_back(static_cast<std::uint32_t>(i));
-            }
+        places_.clear();
+        for (std::size_t i = 0; i < samples.size(); i += stride) places_.push_back(samples[i]);
+        match_places(*now_);
+        for (std::size_t n = 0; n < places_.size(); ++n) {
+            if (!is_explained_by(*now_, matched_[n], places_[n]))
+                vanished_.push_back(static_cast<std::uint32_t>(n * stride));
         }
     }
     const auto max_step_m = static_cast<float>(options_.max_step_m);
@@ -125,6 +123,8 @@ void MotionEstimator::vote(std::span<const std::uint32_t> group) {
     const std::size_t stride = 1 + num_points / kMaxVoters;
     const std::size_t vanished_stride = 1 + vanished_.size() / (2 * kMaxVoters);
     std::size_t count = 0;
+    Eigen::Array3i low = Eigen::Array3i::Constant(side);  // of the bins with votes
+    Eigen::Array3i high = Eigen::Array3i::Constant(-1);
     for (const std::uint32_t r : group) {
         for (std::size_t i = 0; i < regions_[r].num; ++i) {
             const Point& point = points_[regions_[r].first + i];
@@ -139,21 +139,28 @@ void MotionEstimator::vote(std::span<const std::uint32_t> group) {
                 }
                 const Eigen::Array3i bin = cell_at(step, kBinM) + half;
                 ++votes_[index(bin.x(), bin.y(), bin.z())];
+                low = low.min(bin);
+                high = high.max(bin);
             }
         }
     }
-    for (int peak = 0; peak < kNumPeaks; ++peak) {
+    low = (low - 1).max(0);
+    high = high.min(side - 2);
+    for (std::size_t peak = 0; peak < kNumPeaks; ++peak) {
         // blocks of two bins a side, so that no true peak is cut by a border
         int best = 0;
         Eigen::Array3i best_bin = Eigen::Array3i::Zero();
-        for (int z = 0; z + 1 < side; ++z) {
-            for (int y = 0; y + 1 < side; ++y) {
-                for (int x = 0; x + 1 < side; ++x) {
-                    const int sum = votes_[index(x, y, z)] + votes_[index(x + 1, y, z)] +
-                                    votes_[index(x, y + 1, z)] + votes_[index(x + 1, y + 1, z)] +
-                                    votes_[index(x, y, z + 1)] + votes_[index(x + 1, y, z + 1)] +
-                                    votes_[index(x, y + 1, z + 1)] +
-                                    votes_[index(x + 1, y + 1, z + 1)];
+        for (int z = low.z(); z <= high.z(); ++z) {
+            for (int y = low.y(); y <= high.y(); ++y) {
+                const auto column = [&](int x) {
+                    return votes_[index(x, y, z)] + votes_[index(x, y + 1, z)] +
+                           votes_[index(x, y, z + 1)] + votes_[index(x, y + 1, z + 1)];
+                };
+                int left = column(low.x());
+                for (int x = low.x(); x <= high.x(); ++x) {
+                    const int right = column(x + 1);
+                    const int sum = left + right;
+                    left = right;
                     if (sum <= best) continue;
                     best = sum;
                     best_bin = {x, y, z};
@@ -162,7 +169,7 @@ void MotionEstimator::vote(std::span<const std::uint32_t> group) {
         }
         if (best == 0) return;
         const Eigen::Vector3f start = ((best_bin - half + 1).cast<float>() * kBinM).matrix();
-        for (const std::uint32_t r : group) regions_[r].starts.push_back(start);
+        for (const std::uint32_t r : group) regions_[r].starts[regions_[r].num_starts++] = start;
         for (int i = 0; i < 8; ++i) {
             votes_[index(
                 best_bin.x() + (i & 1), best_bin.y() + (i >> 1 & 1), best_bin.z() + (i >> 2))] = 0;
@@ -173,9 +180,9 @@ void MotionEstimator::vote(std::span<const std::uint32_t> group) {
 // Of the starts from the `first` on. One from votes must explain more than what is to be expected,
 // the more so the further off it is, as two hands look alike; and for a leap the more so the fewer
 // points it explains, as for a speck of surface that was not there before some place always fits.
-void MotionEstimator::choose_start(Region& region, std::size_t first) const {
+void MotionEstimator::choose_start(Region& region, std::size_t first) {
     float least = region.cost;
-    for (std::size_t i = first; i < region.starts.size(); ++i) {
+    for (std::size_t i = first; i < region.num_starts; ++i) {
         Eigen::Vector3f& start = region.starts[i];
         start = refine(region, start, 3);
         const float cost = correspond(region, start, kTrialPoints).cost;
@@ -201,13 +208,10 @@ void MotionEstimator::choose_with_neighbours() {
     const auto disagreement = [&](const Region& region, const Eigen::Vector3f& displacement) {
         float sum = 0.0F;
         float weights = 0.0F;
-        for (const auto& [n, num_pairs] : region.neighbours) {
-            const float difference = (regions_[n].displacement - displacement).norm();
-            const float weight =
-                static_cast<float>(regions_[n].num) *
-                std::exp(-(regions_[n].centre - region.centre).squaredNorm() / kNearSq);
-            sum += weight * std::min(1.0F, difference / (2.0F * kAlikeM));
-            weights += weight;
+        for (const Neighbour& n : neighbours_of(region)) {
+            const float difference = (regions_[n.region].displacement - displacement).norm();
+            sum += n.nearness * std::min(1.0F, difference / (2.0F * kAlikeM));
+            weights += n.nearness;
         }
         if (weights <= 0.0F) return 0.0F;
         return kAgreement * (1.0F + kFewPoints / static_cast<float>(region.num)) * sum / weights;
@@ -216,8 +220,8 @@ void MotionEstimator::choose_with_neighbours() {
         bool has_changed = false;
         for (Region& region : regions_) {
             float best = region.cost + disagreement(region, region.displacement);
-            for (const auto& [n, num_pairs] : region.neighbours) {
-                const Eigen::Vector3f& theirs = regions_[n].displacement;
+            for (const Neighbour& n : neighbours_of(region)) {
+                const Eigen::Vector3f& theirs = regions_[n.region].displacement;
                 if ((theirs - region.displacement).norm() < kAlikeM) continue;
                 const float disagreeing = disagreement(region, theirs);
                 if (disagreeing >= best) continue;

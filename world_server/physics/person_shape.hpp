@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace atrium::physics {
@@ -43,11 +44,14 @@ public:
 private:
     std::vector<MovingSurfel> still_surfels(const SurfaceIndex& surface) const;
     std::vector<MovingSurfel> moving_surfels(const SurfaceIndex& surface, double period_s);
+    void put_onto_previous(std::span<MovingSurfel> surfels) const;
 
     PersonShapeOptions options_;
     MotionEstimator motion_;
     std::vector<Eigen::Vector3f> displacements_;
-    std::shared_ptr<const SurfaceIndex> previous_;
+    SurfaceIndex now_;  // scratch
+    SurfaceIndex previous_;
+    bool has_previous_ = false;
     Timestamp previous_time_;
 };
 

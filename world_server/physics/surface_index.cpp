@@ -1,24 +1,31 @@
 #include "world_server/physics/surface_index.hpp"
 
+#include "world_server/physics/surface_columns.hpp"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 namespace atrium::physics {
 namespace {
 
 constexpr double kMinCellM = 0.04;  // about two sample spacings: a handful of samples per cell
-constexpr float kSmoothM = 0.03F;   // around a sample, of what its normal is a mean of
 constexpr int kMaxCells = 1 << 18;  // a mesh that claims to be huge gets larger cells, not more
 
 // Spreads the samples of one large triangle: the R2 low-discrepancy sequence, folded into it.
 Eigen::Vector3d barycentric(std::size_t i) {
     constexpr double kStepU = 0.7548776662466927;
     constexpr double kStepV = 0.5698402909980532;
-    double u = std::fmod(0.5 + kStepU * static_cast<double>(i), 1.0);
-    double v = std::fmod(0.5 + kStepV * static_cast<double>(i), 1.0);
+    if (i == 0) return {0.0, 0.5, 0.5};
+    const auto fraction = [](double x) {
+        return x - static_cast<double>(static_cast<std::int64_t>(x));
+    };
+    double u = fraction(0.5 + kStepU * static_cast<double>(i));
+    double v = fraction(0.5 + kStepV * static_cast<double>(i));
     if (u + v > 1.0) {
         u = 1.0 - u;
         v = 1.0 - v;
@@ -26,41 +33,52 @@ Eigen::Vector3d barycentric(std::size_t i) {
     return {1.0 - u - v, u, v};
 }
 
-double area_m2(const geometry::TriangleMesh& mesh) {
-    double doubled = 0.0;
-    for (const auto& t : mesh.triangles) {
-        const Eigen::Vector3d& a = mesh.vertices[t[0]];
-        doubled += (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).norm();
-    }
-    return 0.5 * doubled;
-}
-
 }  // namespace
 
-SurfaceIndex::SurfaceIndex(const geometry::TriangleMesh& mesh, const SamplingOptions& options) {
+void SurfaceIndex::assign(const geometry::TriangleMesh& mesh, const SamplingOptions& options) {
     assert(options.spacing_m > 0.0 && options.max_samples > 0);
+    bounds_ = {};
+    samples_.clear();
     take_samples(mesh, options);
     if (samples_.empty()) return;
     sort_into_cells();
+    fill_columns();
     smooth_normals();
+    bundle();
 }
 
 void SurfaceIndex::take_samples(const geometry::TriangleMesh& mesh,
                                 const SamplingOptions& options) {
-    const double total_m2 = area_m2(mesh);
+    const std::size_t num_triangles = mesh.triangles.size();
+    if (num_triangles == 0) return;
+    doubled_areas_.resize(num_triangles + num_triangles % 2);
+    doubled_areas_.back() = 0.0;
+    for (std::size_t n = 0; n < num_triangles; ++n) {
+        const auto& t = mesh.triangles[n];
+        const Eigen::Vector3d& a = mesh.vertices[t[0]];
+        doubled_areas_[n] = (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).squaredNorm();
+    }
+    // two at a time: square roots are slow
+    for (std::size_t n = 0; n < doubled_areas_.size(); n += 2) {
+        Eigen::Map<Eigen::Array2d> two(doubled_areas_.data() + n);
+        two = two.sqrt();
+    }
+    double total_doubled_m2 = 0.0;
+    for (const double doubled : doubled_areas_) total_doubled_m2 += doubled;
+    const double total_m2 = 0.5 * total_doubled_m2;
     const double share_m2 = std::max(options.spacing_m * options.spacing_m,
                                      total_m2 / static_cast<double>(options.max_samples));
     samples_.reserve(static_cast<std::size_t>(total_m2 / share_m2) + 1);
     double waiting_m2 = 0.5 * share_m2;
-    for (const auto& t : mesh.triangles) {
+    for (std::size_t n = 0; n < mesh.triangles.size(); ++n) {
+        const double area = 0.5 * doubled_areas_[n];
+        waiting_m2 += area;
+        if (waiting_m2 < share_m2) continue;
+        const auto& t = mesh.triangles[n];
         const Eigen::Vector3d& a = mesh.vertices[t[0]];
         const Eigen::Vector3d& b = mesh.vertices[t[1]];
         const Eigen::Vector3d& c = mesh.vertices[t[2]];
-        const Eigen::Vector3d doubled = (b - a).cross(c - a);
-        const double area = 0.5 * doubled.norm();
-        waiting_m2 += area;
-        if (waiting_m2 < share_m2) continue;
-        const Eigen::Vector3f normal = (doubled / (2.0 * area)).cast<float>();
+        const Eigen::Vector3f normal = ((b - a).cross(c - a) / doubled_areas_[n]).cast<float>();
         for (std::size_t i = 0; waiting_m2 >= share_m2 && samples_.size() < options.max_samples;
              ++i) {
             const Eigen::Vector3d weights = barycentric(i);
@@ -72,6 +90,11 @@ void SurfaceIndex::take_samples(const geometry::TriangleMesh& mesh,
     }
 }
 
+Int4 SurfaceIndex::cell_at(const Eigen::Vector3f& p) const {
+    const Float4 at = (Float4{p.x(), p.y(), p.z(), p.x()} - origin_) * cells_per_m_;
+    return __builtin_convertvector(min4(max4(at, all4(0.0F)), last_cell_), Int4);
+}
+
 void SurfaceIndex::sort_into_cells() {
     const Eigen::Vector3d size = bounds_.size();
     double cell_m = kMinCellM;
@@ -80,49 +103,95 @@ void SurfaceIndex::sort_into_cells() {
     };
     while (dims_for(cell_m).prod() > kMaxCells) cell_m *= 1.5;
     cell_m_ = static_cast<float>(cell_m);
-    origin_ = bounds_.min.cast<float>();
+    cells_per_m_ = static_cast<float>(1.0 / cell_m);
     dims_ = dims_for(cell_m).cast<int>() + 1;  // one more for the rounding to float
+    const Eigen::Vector3f low = bounds_.min.cast<float>();
+    const Eigen::Array3f last = (dims_ - 1).cast<float>();
+    origin_ = Float4{low.x(), low.y(), low.z(), low.x()};
+    last_cell_ = Float4{last.x(), last.y(), last.z(), last.x()};
 
     // counting sort
-    const auto key = [&](const SurfaceSample& sample) {
-        const Eigen::Array3i cell = cell_of(sample.position).max(0).min(dims_ - 1);
-        return cell_index(cell.x(), cell.y(), cell.z());
-    };
     cell_begin_.assign(static_cast<std::size_t>(dims_.prod()) + 1, 0);
-    for (const SurfaceSample& sample : samples_) ++cell_begin_[key(sample) + 1];
-    for (std::size_t i = 1; i < cell_begin_.size(); ++i) cell_begin_[i] += cell_begin_[i - 1];
-    std::vector<SurfaceSample> sorted(samples_.size());
-    std::vector<std::uint32_t> next(cell_begin_.begin(), cell_begin_.end() - 1);
-    for (const SurfaceSample& sample : samples_) sorted[next[key(sample)]++] = sample;
-    samples_ = std::move(sorted);
+    cell_of_sample_.resize(samples_.size());
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+        const Int4 cell = cell_at(samples_[i].position);
+        const std::size_t index = cell_index(cell[0], cell[1], cell[2]);
+        cell_of_sample_[i] = static_cast<std::uint32_t>(index);
+        ++cell_begin_[index];
+    }
+    std::uint32_t end = 0;
+    for (std::uint32_t& begin : cell_begin_) begin = end += begin;
+    std::swap(samples_, unsorted_);
+    samples_.resize(unsorted_.size());
+    // backwards, each cell's end counts down to its begin
+    for (std::size_t i = unsorted_.size(); i-- > 0;)
+        samples_[--cell_begin_[cell_of_sample_[i]]] = unsorted_[i];
 }
 
-// A facet of a hull is some pixels of one outline, and tilts with their noise. Where regions of a
-// surface slide along themselves, such tilts would tell a motion that is not there.
-void SurfaceIndex::smooth_normals() {
-    std::vector<Eigen::Vector3f> smooth;
-    smooth.reserve(samples_.size());
-    for (const SurfaceSample& s : samples_) {
-        const Eigen::Array3i low = cell_of((s.position.array() - kSmoothM).matrix()).max(0);
-        const Eigen::Array3i high =
-            cell_of((s.position.array() + kSmoothM).matrix()).min(dims_ - 1);
-        Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-        for (int z = low.z(); z <= high.z(); ++z) {
-            for (int y = low.y(); y <= high.y(); ++y) {
-                const std::uint32_t end = cell_begin_[cell_index(high.x(), y, z) + 1];
-                for (std::uint32_t i = cell_begin_[cell_index(low.x(), y, z)]; i < end; ++i) {
-                    const SurfaceSample& beside = samples_[i];
-                    const float apart_sq = (beside.position - s.position).squaredNorm();
-                    const float weight = 1.0F - apart_sq / (kSmoothM * kSmoothM);
-                    if (weight > 0.0F && beside.normal.dot(s.normal) > 0.0F) {
-                        sum += weight * beside.normal;
+void SurfaceIndex::fill_columns() {
+    for (std::size_t column = 0; column < columns_.size(); ++column) {
+        std::vector<float>& values = columns_[column];
+        values.resize(samples_.size() + kFloat8Size);
+        const auto axis = static_cast<Eigen::Index>(column % 3);
+        for (std::size_t i = 0; i < samples_.size(); ++i)
+            values[i] = column < 3 ? samples_[i].position[axis] : samples_[i].normal[axis];
+        std::fill(values.end() - kFloat8Size, values.end(), column < 3 ? kFarM : 0.0F);
+    }
+}
+
+bool SurfaceIndex::uses_avx2() const {
+#ifdef ATRIUM_AVX2
+    return may_use_avx2_ && __builtin_cpu_supports("avx2");
+#else
+    return false;
+#endif
+}
+
+void SurfaceIndex::bundle() {
+    const int bundles_y = dims_.y() + 1;
+    const auto num_x = static_cast<std::size_t>(dims_.x());
+    const std::size_t num_cells = num_x * static_cast<std::size_t>(bundles_y * (dims_.z() + 1));
+    bundle_begin_.resize(num_cells + 1);
+    const std::size_t num_bundled = 4 * samples_.size();
+    for (std::vector<float>& column : bundled_) column.resize(num_bundled + kSearchedAtLeast);
+    bundled_sample_.resize(num_bundled + kFloat4Size);
+    const auto from = pointers(std::as_const(columns_));
+    const auto to = pointers(bundled_);
+    std::uint32_t at = 0;
+    std::uint32_t* begin = bundle_begin_.data();
+    for (int z = 0; z <= dims_.z(); ++z) {
+        for (int y = 0; y <= dims_.y(); ++y) {
+            std::array<const std::uint32_t*, 4> rows{};
+            std::size_t num_rows = 0;
+            for (int row_z = std::max(0, z - 1); row_z <= std::min(z, dims_.z() - 1); ++row_z) {
+                for (int row_y = std::max(0, y - 1); row_y <= std::min(y, dims_.y() - 1); ++row_y) {
+                    const std::uint32_t* row = cell_begin_.data() + cell_index(0, row_y, row_z);
+                    if (row[0] != row[num_x]) rows[num_rows++] = row;
+                }
+            }
+            if (num_rows == 0) {
+                begin = std::fill_n(begin, num_x, at);
+                continue;
+            }
+            for (std::size_t x = 0; x < num_x; ++x) {
+                *begin++ = at;
+                for (std::size_t r = 0; r < num_rows; ++r) {
+                    // four at a time: what is too much, the next ones are written over
+                    const std::uint32_t end = rows[r][x + 1];
+                    for (std::uint32_t i = rows[r][x]; i < end; i += kFloat4Size) {
+                        for (std::size_t c = 0; c < to.size(); ++c)
+                            store4(to[c] + at, load4(from[c] + i));
+                        for (std::uint32_t n = 0; n < kFloat4Size; ++n)
+                            bundled_sample_[at + n] = i + n;
+                        at += std::min<std::uint32_t>(kFloat4Size, end - i);
                     }
                 }
             }
         }
-        smooth.push_back(sum.normalized());  // its own normal is part of it
     }
-    for (std::size_t i = 0; i < samples_.size(); ++i) samples_[i].normal = smooth[i];
+    *begin = at;
+    for (std::size_t c = 0; c < to.size(); ++c)
+        std::fill_n(to[c] + at, kSearchedAtLeast, c < 3 ? kFarM : 0.0F);
 }
 
 }  // namespace atrium::physics

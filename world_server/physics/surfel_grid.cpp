@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 
 namespace atrium::physics {
 namespace {
@@ -9,17 +11,48 @@ namespace {
 constexpr float kCellM = 0.04F;    // about two spacings of surfels: a handful in each cell
 constexpr float kMaxCells = 3e5F;  // surfels that are far apart get larger cells, not more
 
+// Surfels are read and written four floats at a time, of which the last is the next member's.
+constexpr std::size_t kNormalAt = 3;
+constexpr std::size_t kFromAt = 6;
+constexpr std::size_t kVelocityAt = 9;
+static_assert(sizeof(MovingSurfel) == 12 * sizeof(float));
+static_assert(offsetof(MovingSurfel, normal) == kNormalAt * sizeof(float));
+static_assert(offsetof(MovingSurfel, from) == kFromAt * sizeof(float));
+static_assert(offsetof(MovingSurfel, velocity) == kVelocityAt * sizeof(float));
+static_assert(sizeof(PlacedSurfel) == 9 * sizeof(float));
+static_assert(offsetof(PlacedSurfel, normal) == kNormalAt * sizeof(float));
+static_assert(offsetof(PlacedSurfel, velocity) == (kNormalAt + 3) * sizeof(float));
+
+const float* floats_of(const MovingSurfel& surfel) {
+    return reinterpret_cast<const float*>(&surfel);
+}
+
+float* floats_of(PlacedSurfel& surfel) { return reinterpret_cast<float*>(&surfel); }
+
+// One bit of eight: the octant that a direction lies in.
+std::uint8_t octant_of(Float4 direction) {
+    return static_cast<std::uint8_t>(1U << (bits_of(direction < 0.0F) & 7U));
+}
+
 }  // namespace
 
-void SurfelGrid::fit_cells(std::span<const PlacedSurfel> surfels) {
-    low_ = high_ = surfels.front().position;
-    float max_speed_sq = 0.0F;
-    for (const PlacedSurfel& surfel : surfels) {
-        low_ = low_.cwiseMin(surfel.position);
-        high_ = high_.cwiseMax(surfel.position);
-        max_speed_sq = std::max(max_speed_sq, surfel.velocity.squaredNorm());
+void SurfelGrid::place(std::span<const MovingSurfel> surfels, float share_to_go) {
+    places_.resize(surfels.size());
+    Float4 low = all4(std::numeric_limits<float>::max());
+    Float4 high = -low;
+    for (std::size_t i = 0; i < surfels.size(); ++i) {
+        const float* values = floats_of(surfels[i]);
+        const Float4 position = load4(values);
+        const Float4 place = position + share_to_go * (load4(values + kFromAt) - position);
+        low = min4(place, low);
+        high = max4(place, high);
+        places_[i] = place;
     }
-    max_speed_mps_ = std::sqrt(max_speed_sq);
+    low_ = {low[0], low[1], low[2]};
+    high_ = {high[0], high[1], high[2]};
+}
+
+void SurfelGrid::fit_cells() {
     float cell_m = kCellM;
     const Eigen::Array3f size = (high_ - low_).array();
     while (((size / cell_m).floor() + 1.0F).prod() > kMaxCells) cell_m *= 1.5F;
@@ -27,47 +60,67 @@ void SurfelGrid::fit_cells(std::span<const PlacedSurfel> surfels) {
     dims_ = cell_of(high_) + 1;
 }
 
-void SurfelGrid::assign(std::span<const PlacedSurfel> surfels) {
+void SurfelGrid::assign(std::span<const MovingSurfel> surfels,
+                        float share_to_go,
+                        float share_of_velocity) {
     surfels_.resize(surfels.size());
-    max_speed_mps_ = 0.0F;
     if (surfels.empty()) return;
-    fit_cells(surfels);
+    place(surfels, share_to_go);
+    fit_cells();
 
-    octants_near_.assign(static_cast<std::size_t>(dims_.prod()), 0);
+    const auto num_cells = static_cast<std::size_t>(dims_.prod());
+    octants_near_.assign(num_cells, 0);
     // counting sort
-    cell_begin_.assign(static_cast<std::size_t>(dims_.prod()) + 1, 0);
+    cell_begin_.assign(num_cells + 1, 0);
     cell_of_surfel_.resize(surfels.size());
-    for (std::size_t i = 0; i < surfels.size(); ++i) {
-        const Eigen::Array3i cell = cell_of(surfels[i].position);
-        const std::size_t index = cell_index(cell.x(), cell.y(), cell.z());
-        cell_of_surfel_[i] = static_cast<std::uint32_t>(index);
-        ++cell_begin_[index + 1];
-        octants_near_[index] |= octant_of(surfels[i].normal);
+    const Float4 low{low_.x(), low_.y(), low_.z(), 0.0F};
+    const Float4 per_m = all4(inverse_cell_);
+    const Int4 dims{dims_.x(), dims_.y(), dims_.z(), 0};
+    // kept here, as the stores below could change them anywhere else
+    const std::size_t num = surfels.size();
+    const MovingSurfel* const from = surfels.data();
+    const Float4* const places = places_.data();
+    std::uint32_t* const cells = cell_of_surfel_.data();
+    std::uint32_t* const begin = cell_begin_.data();
+    std::uint8_t* const octants = octants_near_.data();
+    for (std::size_t i = 0; i < num; ++i) {
+        // none is below `low_`: cutting off rounds down
+        const Int4 cell = __builtin_convertvector((places[i] - low) * per_m, Int4);
+        const auto index =
+            static_cast<std::uint32_t>((cell[2] * dims[1] + cell[1]) * dims[0] + cell[0]);
+        cells[i] = index;
+        ++begin[index];
+        octants[index] |= octant_of(load4(floats_of(from[i]) + kNormalAt));
     }
-    for (std::size_t i = 1; i < cell_begin_.size(); ++i) cell_begin_[i] += cell_begin_[i - 1];
+    std::uint32_t end = 0;
+    for (std::size_t cell = 0; cell <= num_cells; ++cell) begin[cell] = end += begin[cell];
     // backwards, each cell's end counts down to its begin
-    for (std::size_t i = surfels.size(); i-- > 0;) {
-        surfels_[--cell_begin_[cell_of_surfel_[i] + 1]] = surfels[i];
+    PlacedSurfel* const to = surfels_.data();
+    for (std::size_t i = num; i-- > 0;) {
+        float* values = floats_of(to[--begin[cells[i]]]);
+        const Float4 normal = load4(floats_of(from[i]) + kNormalAt);
+        const Float4 velocity = load4(floats_of(from[i]) + kVelocityAt - 1) * share_of_velocity;
+        store4(values, places[i]);
+        store4(values + kNormalAt, normal);
+        store4(values + kNormalAt + 2, __builtin_shufflevector(normal, velocity, 2, 5, 6, 7));
     }
-    // entry c + 1 now holds the begin of cell c: move all down by one
-    std::copy(cell_begin_.begin() + 1, cell_begin_.end(), cell_begin_.begin());
-    cell_begin_.back() = static_cast<std::uint32_t>(surfels.size());
     spread_octants();
 }
 
 // By one cell each way, one axis after the other.
 void SurfelGrid::spread_octants() {
     static_assert(kOctantReachM <= kCellM);
-    const auto num = static_cast<std::ptrdiff_t>(octants_near_.size());
-    for (const std::ptrdiff_t step : {1, dims_.x(), dims_.x() * dims_.y()}) {
-        spreading_ = octants_near_;
+    const std::size_t num = octants_near_.size();
+    spreading_.resize(num);
+    for (const int axis_step : {1, dims_.x(), dims_.x() * dims_.y()}) {
+        const std::size_t step = std::min(static_cast<std::size_t>(axis_step), num);
+        std::swap(octants_near_, spreading_);
         // beyond the end of a row it goes on at the next: a cell more is no harm
-        for (std::ptrdiff_t i = step; i < num; ++i) {
-            octants_near_[static_cast<std::size_t>(i)] |=
-                spreading_[static_cast<std::size_t>(i - step)];
-            octants_near_[static_cast<std::size_t>(i - step)] |=
-                spreading_[static_cast<std::size_t>(i)];
-        }
+        const std::uint8_t* from = spreading_.data();
+        std::uint8_t* to = octants_near_.data();
+        std::copy(from, from + num, to);
+        for (std::size_t i = 0; i + step < num; ++i) to[i] |= from[i + step];
+        for (std::size_t i = step; i < num; ++i) to[i] |= from[i - step];
     }
 }
 

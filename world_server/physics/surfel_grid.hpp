@@ -1,5 +1,8 @@
 #pragma once
 
+#include "world_server/physics/float4.hpp"
+#include "world_server/physics/moving_surfel.hpp"
+
 #include <Eigen/Core>
 
 #include <algorithm>
@@ -18,24 +21,17 @@ struct PlacedSurfel {
     Eigen::Vector3f velocity;  // [m/s]
 };
 
-/// One bit of eight: the octant that a direction lies in.
-inline std::uint8_t octant_of(const Eigen::Vector3f& direction) {
-    const int index = (direction.x() < 0.0F ? 1 : 0) | (direction.y() < 0.0F ? 2 : 0) |
-                      (direction.z() < 0.0F ? 4 : 0);
-    return static_cast<std::uint8_t>(1 << index);
-}
-
 /// Surfels sorted into cells, made anew every tick in memory that is reused. Deterministic.
 class SurfelGrid {
 public:
-    /// Finite positions.
-    void assign(std::span<const PlacedSurfel> surfels);
+    /// Surfels that have `share_to_go` of their way still before them, with `share_of_velocity` of
+    /// their velocities. All values must be finite.
+    void assign(std::span<const MovingSurfel> surfels, float share_to_go, float share_of_velocity);
 
     bool empty() const { return surfels_.empty(); }
     std::span<const PlacedSurfel> surfels() const { return surfels_; }  // ordered by cell
     const Eigen::Vector3f& low() const { return low_; }                 // of the surfels' bounds
     const Eigen::Vector3f& high() const { return high_; }
-    float max_speed_mps() const { return max_speed_mps_; }
     bool is_near(const Eigen::Vector3f& low, const Eigen::Vector3f& high) const {
         return !empty() && (high.array() >= low_.array()).all() &&
                (low.array() <= high_.array()).all();
@@ -116,11 +112,13 @@ private:
     std::size_t cell_index(int x, int y, int z) const {
         return static_cast<std::size_t>((z * dims_.y() + y) * dims_.x() + x);
     }
-    void fit_cells(std::span<const PlacedSurfel> surfels);
+    void place(std::span<const MovingSurfel> surfels, float share_to_go);
+    void fit_cells();
     void spread_octants();
 
     std::vector<PlacedSurfel> surfels_;
     std::vector<std::uint32_t> cell_begin_;  // surfels of cell i: [cell_begin_[i], [i + 1])
+    std::vector<Float4> places_;  // of the surfels as they were given; the fourth is anything
     std::vector<std::uint32_t> cell_of_surfel_;
     std::vector<std::uint8_t> octants_near_;  // of normals in a cell and those beside it
     std::vector<std::uint8_t> spreading_;
@@ -128,7 +126,6 @@ private:
     Eigen::Vector3f low_ = Eigen::Vector3f::Zero();
     Eigen::Vector3f high_ = Eigen::Vector3f::Zero();
     float inverse_cell_ = 1.0F;  // [1/m]
-    float max_speed_mps_ = 0.0F;
 };
 
 }  // namespace atrium::physics
