@@ -10,6 +10,7 @@
 #include "viewer/renderer/shaders.hpp"
 #include "viewer/renderer/silhouette_drawing.hpp"
 #include "viewer/renderer/smoothing.hpp"
+#include "viewer/renderer/stand_in_person.hpp"
 #include "viewer/renderer/textures.hpp"
 
 #include <glad/gl.h>
@@ -296,13 +297,21 @@ void SceneRenderer::warm_up(const ViewCamera& camera) {
                         .world_from_object = {Eigen::Quaterniond::Identity(), camera.target_m}});
     }
     const double scale = impl_->scale;
-    for (const double less : {0.5 * scale, scale}) {
-        static_cast<void>(set_scale(less));
-        draw(camera);
-        draw(camera);  // and this one copies what the last one drew
+    // a driver may tell arrays of a power of two of pictures from others
+    for (const std::size_t num_cameras : {6U, 8U}) {
+        set_person(
+            painted,
+            make_stand_in_person(
+                camera.position_m.cast<float>(), camera.target_m.cast<float>(), num_cameras));
+        for (const double less : {0.5 * scale, scale}) {
+            static_cast<void>(set_scale(less));
+            draw(camera);
+            draw(camera);  // and this one copies what the last one drew
+        }
     }
     glFinish();
     while (num > 0) remove_object(--num);
+    remove_person(painted);
     impl_->textures.remove(painted);
 }
 

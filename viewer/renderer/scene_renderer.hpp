@@ -42,9 +42,9 @@ public:
     SceneRenderer& operator=(SceneRenderer&&) noexcept;
     ~SceneRenderer();
 
-    /// Draws some of everything but people once, for drivers that compile a shader when something
-    /// is first drawn with it, which takes as long as several pictures. Before there is anything to
-    /// see.
+    /// Draws some of everything once, people included, for drivers that compile a shader when
+    /// something is first drawn with it, which takes as long as several pictures. Before there is
+    /// anything to see.
     void warm_up(const ViewCamera& camera);
 
     /// Shows `model` as the person of `site` from now on. Returns the model that was shown before,
