@@ -20,10 +20,6 @@ namespace {
 
 using geometry::TriangleMesh;
 
-tl::unexpected<Error> invalid(std::string_view what) {
-    return make_error(ErrorKind::kInvalidData, fmt::format("mesh: {}", what));
-}
-
 /// Draco's decoder with a stop after every stage in which a stream declares how much memory the
 /// next one takes: one position attribute of three floats and a bounded number of points.
 class GuardedDecoder : public draco::MeshEdgebreakerDecoder {
@@ -78,8 +74,9 @@ Expected<void> from_draco_mesh(const draco::Mesh& coded,
                                TriangleMesh& mesh) {
     const draco::PointAttribute* positions =
         coded.GetNamedAttribute(draco::GeometryAttribute::POSITION);
-    if (positions == nullptr) return invalid("no positions");
-    if (positions->byte_stride() != sizeof(Eigen::Vector3f)) return invalid("not three floats");
+    if (positions == nullptr) return invalid_mesh("no positions");
+    if (positions->byte_stride() != sizeof(Eigen::Vector3f))
+        return invalid_mesh("not three floats");
     mesh.clear();
     const std::uint32_t num_points = coded.num_points();
     mesh.vertices.reserve(num_points);
@@ -87,13 +84,13 @@ Expected<void> from_draco_mesh(const draco::Mesh& coded,
         std::min<double>(limits.max_coordinate_m, std::numeric_limits<float>::max()));
     for (std::uint32_t i = 0; i < num_points; ++i) {
         const draco::AttributeValueIndex value = positions->mapped_index(draco::PointIndex(i));
-        if (value.value() >= positions->size()) return invalid("a vertex has no position");
+        if (value.value() >= positions->size()) return invalid_mesh("a vertex has no position");
         Eigen::Vector3f position;
         positions->GetValue(value, position.data());
         // Written so that NaN fails as well.
         if (!(std::abs(position.x()) <= max_m && std::abs(position.y()) <= max_m &&
               std::abs(position.z()) <= max_m))
-            return invalid("a coordinate is not finite or too large");
+            return invalid_mesh("a coordinate is not finite or too large");
         mesh.vertices.push_back(position.cast<double>());
     }
     mesh.triangles.reserve(coded.num_faces());
@@ -101,7 +98,7 @@ Expected<void> from_draco_mesh(const draco::Mesh& coded,
         const draco::Mesh::Face& face = coded.face(draco::FaceIndex(i));
         const std::array triangle{face[0].value(), face[1].value(), face[2].value()};
         if (std::any_of(triangle.begin(), triangle.end(), [&](auto v) { return v >= num_points; }))
-            return invalid("a triangle's index is out of range");
+            return invalid_mesh("a triangle's index is out of range");
         mesh.triangles.push_back(triangle);
     }
     return {};
@@ -109,10 +106,14 @@ Expected<void> from_draco_mesh(const draco::Mesh& coded,
 
 }  // namespace
 
+tl::unexpected<Error> invalid_mesh(std::string_view what) {
+    return make_error(ErrorKind::kInvalidData, fmt::format("mesh: {}", what));
+}
+
 Expected<void> read_with_draco(std::span<const std::uint8_t> bytes,
                                const MeshLimits& limits,
                                TriangleMesh& out) {
-    if (const auto fault = find_header_fault(bytes, limits)) return invalid(*fault);
+    if (const auto fault = find_header_fault(bytes, limits)) return invalid_mesh(*fault);
     try {
         draco::DecoderBuffer buffer;
         buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -120,10 +121,10 @@ Expected<void> read_with_draco(std::span<const std::uint8_t> bytes,
         const draco::DecoderOptions no_options;
         GuardedDecoder decoder(limits);
         const draco::Status status = decoder.Decode(no_options, &buffer, &coded);
-        if (!status.ok()) return invalid(status.error_msg_string());
+        if (!status.ok()) return invalid_mesh(status.error_msg_string());
         return from_draco_mesh(coded, limits, out);
     } catch (const std::exception& error) {
-        return invalid(error.what());
+        return invalid_mesh(error.what());
     }
 }
 

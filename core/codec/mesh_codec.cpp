@@ -26,10 +26,6 @@ namespace {
 
 using geometry::TriangleMesh;
 
-tl::unexpected<Error> invalid(std::string_view what) {
-    return make_error(ErrorKind::kInvalidData, fmt::format("mesh: {}", what));
-}
-
 double step_m(double side_m, int position_bits) {
     return side_m / static_cast<double>((1U << static_cast<unsigned>(position_bits)) - 1U);
 }
@@ -231,14 +227,14 @@ Expected<std::size_t> MeshEncoder::encode(const TriangleMesh& mesh,
     assert(options.speed >= 0 && options.speed <= 10);
     out.clear();
     if (mesh.empty()) return 0;
-    if (const auto fault = find_fault(mesh)) return invalid(*fault);
+    if (const auto fault = find_fault(mesh)) return invalid_mesh(*fault);
     draco::EncoderBuffer& buffer = state_->buffer;
     try {
         buffer.Clear();
         if (!EdgebreakerWriter::takes_speed(options.speed) ||
             !state_->writer.write(mesh, options.position_bits, options.speed, buffer)) {
             const draco::Status status = encode_with_draco(mesh, options, buffer);
-            if (!status.ok()) return invalid(status.error_msg_string());
+            if (!status.ok()) return invalid_mesh(status.error_msg_string());
         }
         // sizes differ a little each time
         if (out.capacity() < buffer.size()) out.reserve(std::bit_ceil(buffer.size()));
@@ -276,7 +272,7 @@ Expected<void> MeshDecoder::decode(std::span<const std::uint8_t> bytes,
         if (state_->reader.read(bytes, limits, out)) return {};
         return read_with_draco(bytes, limits, out);
     } catch (const std::exception& error) {
-        return invalid(error.what());
+        return invalid_mesh(error.what());
     }
 }
 
