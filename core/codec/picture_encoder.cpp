@@ -6,19 +6,19 @@
 #include <algorithm>
 #include <cstddef>
 #include <string>
+#include <vector>
 
 namespace atrium::codec {
 
 struct PictureEncoder::State {
     tjhandle encoder = tjInitCompress();
-    unsigned char* jpeg = nullptr;
-    unsigned long allocated_bytes = 0;
+    // The library would allocate too, but keeps what it allocated for a picture that it refuses.
+    std::vector<std::uint8_t> jpeg;
 
     State() = default;
     State(const State&) = delete;
     State& operator=(const State&) = delete;
     ~State() {
-        tjFree(jpeg);
         if (encoder != nullptr) tjDestroy(encoder);
     }
 };
@@ -40,24 +40,24 @@ Expected<std::span<const std::uint8_t>> PictureEncoder::encode(std::span<const s
     }
     if (state_->encoder == nullptr)
         return make_error(ErrorKind::kInternal, "no memory for a JPEG encoder");
-    unsigned long bytes = state_->allocated_bytes;
+    unsigned long bytes = tjBufSize(width, height, TJSAMP_420);
+    state_->jpeg.resize(std::max<std::size_t>(state_->jpeg.size(), bytes));
+    unsigned char* to = state_->jpeg.data();
     if (tjCompress2(state_->encoder,
                     rgba.data(),
                     width,
                     0,
                     height,
                     TJPF_RGBA,
-                    &state_->jpeg,
+                    &to,
                     &bytes,
                     TJSAMP_420,
                     quality,
-                    0) != 0) {
+                    TJFLAG_NOREALLOC) != 0) {
         return make_error(ErrorKind::kInternal,
                           std::string("JPEG: ") + tjGetErrorStr2(state_->encoder));
     }
-    // the library keeps the memory, and takes more where a picture needs it
-    state_->allocated_bytes = std::max(state_->allocated_bytes, bytes);
-    return std::span<const std::uint8_t>(state_->jpeg, bytes);
+    return std::span<const std::uint8_t>(to, bytes);
 }
 
 }  // namespace atrium::codec
