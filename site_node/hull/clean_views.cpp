@@ -88,10 +88,31 @@ std::optional<Eigen::AlignedBox2d> project(const geometry::Aabb& bounds,
     return box;
 }
 
+void clean_view(const HullOptions& options,
+                OutlineScratch& scratch,
+                Outlines& outlines,
+                CleanViews::View& view) {
+    const SilhouetteView& source = *view.source;
+    if (!is_valid(source)) {
+        view.status = HullStatus::kInvalidInput;
+        return;
+    }
+    copy_canonical(source.contours, options.min_contour_area_px2, scratch, outlines, view.counts);
+    if (options.bounds) {
+        if (const auto box = project(*options.bounds, source)) drop_outside(outlines, *box);
+    }
+    if (outlines.num_contours() > kMaxContours) {
+        view.status = HullStatus::kTooComplex;
+        return;
+    }
+    view.hash = content_hash(source, outlines);
+}
+
 }  // namespace
 
 HullStatus clean_views(std::span<const SilhouetteView* const> views,
                        const HullOptions& options,
+                       Executor& executor,
                        CleanViews& clean,
                        VisualHull& hull) {
     if (views.size() + (options.bounds ? kViewsOfBounds : 0) > kMaxViews)
@@ -106,25 +127,19 @@ HullStatus clean_views(std::span<const SilhouetteView* const> views,
     if (num_points > options.max_segments || num_points * views.size() > kMaxPointsTimesViews) {
         return HullStatus::kTooComplex;
     }
-    if (!std::all_of(
-            views.begin(), views.end(), [](const SilhouetteView* view) { return is_valid(*view); }))
-        return HullStatus::kInvalidInput;
-
-    clean.views.clear();
+    clean.views.resize(views.size());
     if (clean.outlines.size() < views.size()) clean.outlines.resize(views.size());
+    if (clean.scratch.size() < executor.num_workers()) clean.scratch.resize(executor.num_workers());
+    const auto clean_one = [&](std::size_t v, std::size_t worker) {
+        clean.views[v] = {views[v], 0, v, {}, HullStatus::kOk};
+        clean_view(options, clean.scratch[worker], clean.outlines[v], clean.views[v]);
+    };
+    executor.parallel_for(views.size(), clean_one);
     clean.counts = {};
-    for (std::size_t v = 0; v < views.size(); ++v) {
-        copy_canonical(views[v]->contours,
-                       options.min_contour_area_px2,
-                       clean.scratch,
-                       clean.outlines[v],
-                       clean.counts);
-        if (options.bounds) {
-            if (const auto box = project(*options.bounds, *views[v]))
-                drop_outside(clean.outlines[v], *box);
-        }
-        if (clean.outlines[v].num_contours() > kMaxContours) return HullStatus::kTooComplex;
-        clean.views.push_back({views[v], content_hash(*views[v], clean.outlines[v]), v});
+    for (const CleanViews::View& view : clean.views) clean.counts.dropped += view.counts.dropped;
+    for (const HullStatus wrong : {HullStatus::kInvalidInput, HullStatus::kTooComplex}) {
+        const auto is_wrong = [&](const auto& view) { return view.status == wrong; };
+        if (std::any_of(clean.views.begin(), clean.views.end(), is_wrong)) return wrong;
     }
     std::sort(clean.views.begin(), clean.views.end(), [](const auto& l, const auto& r) {
         return l.hash < r.hash;

@@ -180,7 +180,7 @@ void compute_visual_hull(std::span<const SilhouetteView* const> views,
     HullScratch::Data& data = scratch.data();
     Clock::time_point start = Clock::now();
     Clock::time_point mark = start;
-    hull.status = clean_views(views, options, data.clean, hull);
+    hull.status = clean_views(views, options, executor, data.clean, hull);
     hull.times.silhouettes_ms = ms_since(mark);
     data.steps_left = options.max_steps;
     if (hull.status == HullStatus::kOk) {
