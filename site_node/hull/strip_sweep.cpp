@@ -182,15 +182,19 @@ void StripSweep::find_meeting(std::size_t p) {
     if (next == lines_.data() + lines_.size()) return;
     const StripChart::Piece& upper = chart_.piece(line.piece);
     const StripChart::Piece& lower = chart_.piece(next->piece);
-    if (upper.end_event == lower.end_event && upper.end_event != StripChart::kNone) return;
-    if (upper.start_event == lower.start_event && upper.start_event != StripChart::kNone) return;
     const double from = upper.at_from - lower.at_from;
     const double turn = lower.slope - upper.slope;
     const double error = upper.error + lower.error;
-    // above at the strip's second ray
-    if (from - turn > error && !cones_->only_exact) return;
+    const bool may_be_certain = !cones_->only_exact;
+    // all of it, and then one choice: branches here are hard to foretell
+    const bool end_together =
+        (upper.end_event == lower.end_event) & (upper.end_event != StripChart::kNone);
+    const bool begin_together =
+        (upper.start_event == lower.start_event) & (upper.start_event != StripChart::kNone);
+    const bool is_above_at_end = (from - turn > error) & may_be_certain;
+    if (end_together | begin_together | is_above_at_end) return;
     // an error that is not small says nothing about itself
-    const bool is_known = 4.0 * error < 1e-3 * turn && !cones_->only_exact;
+    const bool is_known = (4.0 * error < 1e-3 * turn) & may_be_certain;
     line.meets_at = is_known ? (from - 4.0 * error) / turn : -kNever;
     next_meeting_ = std::min(next_meeting_, line.meets_at);
 }
@@ -206,6 +210,42 @@ bool StripSweep::is_reversed(std::size_t p, const Place& at) {
     return chart_.is_above(lower.piece, upper.piece, at);
 }
 
+// The first of the lines that have met those below them before `at`; 0: none has. Finds anew
+// when the others may.
+std::size_t StripSweep::first_crossing(const Place& at, double limit) {
+    constexpr double kNever = std::numeric_limits<double>::infinity();
+    if (near_.size() < lines_.size()) near_.resize(2 * lines_.size());
+    const Line* const lines = lines_.data();
+    const std::size_t last = lines_.size() - 1;
+    std::uint32_t* const near = near_.data();
+    std::size_t num_near = 0;
+    double next = kNever;
+    for (std::size_t p = 1; p < last; ++p) {  // no branch: which lines are near is chance
+        const double meets_at = lines[p].meets_at;
+        const bool is_near = meets_at <= limit;
+        near[num_near] = static_cast<std::uint32_t>(p);
+        num_near += is_near ? 1 : 0;
+        next = std::min(next, is_near ? kNever : meets_at);
+    }
+    std::size_t first = 0;
+    for (std::size_t n = 0; n < num_near; ++n) {
+        const std::size_t p = near[n];
+        const bool is_first =
+            is_reversed(p, at) &&
+            (first == 0 ||
+             chart_.crosses_before(
+                 lines[p].piece, lines[p + 1].piece, lines[first].piece, lines[first + 1].piece));
+        if (!is_first) {
+            next = std::min(next, lines[p].meets_at);
+            continue;
+        }
+        if (first != 0) next = std::min(next, lines[first].meets_at);
+        first = p;
+    }
+    next_meeting_ = next;
+    return first;
+}
+
 // Moves all lines on, exchanging neighbours in the order in which they cross on the way.
 void StripSweep::advance(const Place& at) {
     const double limit = at.phi + at.phi_error;
@@ -213,25 +253,7 @@ void StripSweep::advance(const Place& at) {
     while (next_meeting_ <= limit) {
         // the next crossing is always one of neighbours
         num_steps_ += lines_.size();
-        const Line* const lines = lines_.data();
-        const std::size_t last = lines_.size() - 1;
-        double next = std::numeric_limits<double>::infinity();  // of the others
-        std::size_t first = 0;
-        for (std::size_t p = 1; p < last; ++p) {
-            const double meets_at = lines[p].meets_at;
-            const bool is_first = meets_at <= limit && is_reversed(p, at) &&
-                                  (first == 0 || chart_.crosses_before(lines[p].piece,
-                                                                       lines[p + 1].piece,
-                                                                       lines[first].piece,
-                                                                       lines[first + 1].piece));
-            if (!is_first) {
-                next = std::min(next, meets_at);
-                continue;
-            }
-            if (first != 0) next = std::min(next, lines[first].meets_at);
-            first = p;
-        }
-        next_meeting_ = next;
+        const std::size_t first = first_crossing(at, limit);
         if (first == 0) break;
         cross(first, at);
         if (must_stop()) return;

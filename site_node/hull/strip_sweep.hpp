@@ -151,6 +151,7 @@ private:
     std::size_t end_of_face(std::size_t top) const;
 
     void advance(const Place& at);
+    std::size_t first_crossing(const Place& at, double limit);
     bool is_reversed(std::size_t p, const Place& at);
     void find_meeting(std::size_t p);
     void cross(std::size_t p, const Place& at);
@@ -224,7 +225,8 @@ private:
     std::vector<Line> lines_;  // by falling u; the first is the camera's centre
     FewLines leaving_;
     std::vector<Entering> entering_;
-    double next_meeting_ = 0.0;  // no two neighbours meet before this phi
+    std::vector<std::uint32_t> near_;  // lines that may cross the next ones; only grows
+    double next_meeting_ = 0.0;        // no two neighbours meet before this phi
     std::vector<std::pair<std::uint32_t, std::uint32_t>> ray_vertices_;  // strip, vertex: on a ray
     FaceTriangulator triangulator_;
     BetterDiagonals diagonals_;
