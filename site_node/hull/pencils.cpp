@@ -170,20 +170,25 @@ void sort_runs(std::vector<std::uint64_t>& keys, Pencils::SortBuffers& buffers) 
 }
 
 void put_in_order(const Cones& cones, const Cones::View& view, PencilSide& side) {
-    PencilSide::InOrder& to = side.in_order;
     const std::size_t n = side.sorted.size();
-    for (auto* list : {&to.across_x, &to.across_y, &to.x, &to.y, &to.z, &to.length})
-        list->resize(n + PencilSide::kSpareRays);
-    for (std::size_t at = 0; n > 0 && at < n + PencilSide::kSpareRays; ++at) {
-        const std::uint32_t local = side.sorted[std::min(at, n - 1)];
-        to.across_x[at] = side.across[local].x();
-        to.across_y[at] = side.across[local].y();
-        const Eigen::Vector3d& ray = cones.ray[view.first_ray + local];
-        to.x[at] = ray.x();
-        to.y[at] = ray.y();
-        to.z[at] = ray.z();
-        to.length[at] = cones.ray_length[view.first_ray + local];
+    side.in_order.resize(n + PencilSide::kSpareRays);
+    PencilSide::InOrder* const to = side.in_order.data();
+    const Eigen::Vector3d* const rays = cones.ray.data() + view.first_ray;
+    const double* const lengths = cones.ray_length.data() + view.first_ray;
+    for (std::size_t at = 0; at < n; ++at) {
+        const std::uint32_t local = side.sorted[at];
+        const Eigen::Vector2d& across = side.across[local];
+        const Eigen::Vector3d& ray = rays[local];
+        to[at] = {across.x(),
+                  across.y(),
+                  ray.x(),
+                  ray.y(),
+                  ray.z(),
+                  lengths[local],
+                  {kNoStrip, kNoStrip},
+                  local};
     }
+    if (n > 0) std::fill_n(to + n, PencilSide::kSpareRays, to[n - 1]);
 }
 
 void sort_rays(const Cones& cones,
@@ -278,7 +283,7 @@ bool place_strips(const Cones& cones,
     const double baseline_length = baseline.norm();
     const double error_scale = 10.0 * kRounding * baseline_length;
     side.inverse_baseline = 1.0 / baseline_length;
-    side.through.assign(side.sorted.size(), {kNoStrip, kNoStrip});
+    PencilSide::InOrder* const in_order = side.in_order.data();
     for (std::uint32_t s = 0; s < n; ++s) {
         const std::uint32_t strip = view.first_strip + s;
         const std::uint32_t from = cones.strips[strip].from;
@@ -302,14 +307,15 @@ bool place_strips(const Cones& cones,
         const std::uint32_t begin = side.position[from - view.first_ray];
         const std::uint32_t end = side.position[to - view.first_ray];
         side.end_positions[s] = {rises ? begin : end, rises ? end : begin};
-        if (cones.incidence[from].count == 2) side.through[begin][rises ? 1 : 0] = strip;
-        if (cones.incidence[to].count == 2) side.through[end][rises ? 0 : 1] = strip;
+        if (cones.incidence[from].count == 2) in_order[begin].through[rises ? 1 : 0] = strip;
+        if (cones.incidence[to].count == 2) in_order[end].through[rises ? 0 : 1] = strip;
         const std::uint32_t upper = rises ? to : from;
         const auto& incident = cones.incidence[upper].strips;
         const unsigned j = incident[0] == strip ? 0 : incident[1] == strip ? 1 : 2;
         side.is_upper_end[upper - view.first_ray] |= static_cast<std::uint8_t>(1u << j);
     }
-    for (auto& [ends, begins] : side.through) {
+    for (PencilSide::InOrder& ray : side.in_order) {
+        auto& [ends, begins] = ray.through;
         if (ends == kNoStrip || begins == kNoStrip) ends = begins = kNoStrip;
     }
     return true;

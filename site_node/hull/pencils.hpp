@@ -25,18 +25,19 @@ struct PencilSide {
     std::vector<std::uint32_t> rank;      // number of the other camera's rays before this ray
     // by ray, bit j: it is the end with the greater angle of its incident strip j
     std::vector<std::uint8_t> is_upper_end;
-    // by position in `sorted`: the strips whose greater (0) and whose smaller angle (1) this ray
-    // is; kNoStrip twice unless exactly two strips meet in it and it is one of each
-    std::vector<std::array<std::uint32_t, 2>> through;
-    /// Numbers of the rays, by position in `sorted`: the events of a strip are neighbours there, so
-    /// loops over them read memory in order, some rays at a time. After the last ray it comes again
-    /// and again.
-    struct InOrder {
-        std::vector<double> across_x, across_y;  // `across`
-        std::vector<double> x, y, z;             // Cones::ray
-        std::vector<double> length;              // Cones::ray_length
+    /// All of one ray that strips of other cameras ask for, by position in `sorted`: the events of
+    /// a strip are neighbours there, so loops over them read memory in order, one cache line a ray.
+    /// After the last ray it comes again and again.
+    struct alignas(64) InOrder {
+        double across_x = 0.0, across_y = 0.0;  // `across`
+        double x = 0.0, y = 0.0, z = 0.0;       // Cones::ray
+        double length = 0.0;                    // Cones::ray_length
+        // the strips whose greater (0) and whose smaller angle (1) this ray is; kNoStrip twice
+        // unless exactly two strips meet in it and it is one of each
+        std::array<std::uint32_t, 2> through{};
+        std::uint32_t local = 0;  // `sorted`
     };
-    InOrder in_order;
+    std::vector<InOrder> in_order;
     static constexpr std::size_t kSpareRays = 3;
     double inverse_baseline = 0.0;  // 1 / distance of the two centres
 

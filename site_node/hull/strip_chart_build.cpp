@@ -83,7 +83,6 @@ bool StripChart::find_visible(const Bundle& bundle) {
 }
 
 void StripChart::build_events(const Bundle& bundle) {
-    const PencilSide& other = *bundle.other;
     const Node* const nodes = bundle.strip_nodes();
     double last_phi = 0.0;
     double last_error = 0.0;
@@ -94,9 +93,10 @@ void StripChart::build_events(const Bundle& bundle) {
         const Node& node = nodes[bundle.num_at_start + at];
         std::uint32_t position = bundle.position + at;
         if (position >= bundle.num_rays) position -= bundle.num_rays;
+        const PencilSide::InOrder& ray = bundle.other->in_order[position];
         // the order around the baseline is what counts; phi only has to follow it
         const double inverse = node.error;
-        const double error = phi_error_scale_ * other.in_order.length[position] * inverse;
+        const double error = phi_error_scale_ * ray.length * inverse;
         if (error < 1.0) {
             const double phi = node.value * inverse;
             last_error = phi < last_phi ? std::max(error, last_error) : error;
@@ -108,10 +108,10 @@ void StripChart::build_events(const Bundle& bundle) {
         Event& event = events_[num_events_];
         event.phi = last_phi;
         event.phi_error = last_error;
-        event.ray = bundle.first_ray + other.sorted[position];
+        event.ray = bundle.first_ray + ray.local;
         event.view = static_cast<std::uint8_t>(bundle.view);
         const std::uint32_t num_strips =
-            other.through[position][0] != kNoStrip ? 2 : cones_->incidence[event.ray].count;
+            ray.through[0] != kNoStrip ? 2 : cones_->incidence[event.ray].count;
         event.is_wholly_visible = use.num_seen == num_strips;
         event.is_above_faces = low(node.bounds) > limits_.high;
         event.num_arriving = event.num_leaving = 0;

@@ -46,14 +46,8 @@ void StripChart::find_events() {
         const std::uint32_t least_position = least == bundle.num_rays ? 0 : least;
         // soon read: each camera has its own lists, and each strip takes few entries of them
         __builtin_prefetch(&own.across[to_ray]);
-        const PencilSide& other = *bundle.other;
-        __builtin_prefetch(&other.through[least_position]);
-        __builtin_prefetch(&other.in_order.across_x[least_position]);
-        __builtin_prefetch(&other.in_order.across_y[least_position]);
-        __builtin_prefetch(&other.in_order.x[least_position]);
-        __builtin_prefetch(&other.in_order.y[least_position]);
-        __builtin_prefetch(&other.in_order.z[least_position]);
-        __builtin_prefetch(&other.in_order.length[least_position]);
+        const PencilSide::InOrder* const rays = &bundle.other->in_order[least_position];
+        for (std::size_t i = 0; i <= PencilSide::kSpareRays; ++i) __builtin_prefetch(rays + i);
         bundle.is_rising = is_rising;
         bundle.position = least_position;
         bundle.num_events = (is_rising ? to - from : from - to) + (wraps ? bundle.num_rays : 0);
@@ -118,8 +112,7 @@ void StripChart::sort_lines(Bundle& bundle) {
 // w_from, w_to, its cross products with the strip's rays across the baseline b,
 // phi = w_to / (w_from + w_to) and u = (normal . ray) / (|b| (w_from + w_to)), up to its sign.
 void StripChart::bound_events() {
-    using Two = Eigen::Array2d;  // two neighbours in a list of numbers
-    using TwoOf = Eigen::Map<const Two>;
+    using Two = Eigen::Array2d;  // of two neighbours
     const std::uint32_t from_ray = own_.from - cones_->views[view_].first_ray;
     const std::uint32_t to_ray = own_.to - cones_->views[view_].first_ray;
     const Eigen::Vector3d normal = cones_->normal[strip_];
@@ -136,23 +129,20 @@ void StripChart::bound_events() {
         Node* node = bundle.strip_nodes() + bundle.num_at_start;
         for (std::uint32_t left = bundle.num_events; left > 0; position = 0) {
             const std::uint32_t count = std::min(left, bundle.num_rays - position);
-            const PencilSide::InOrder& rays = bundle.other->in_order;
-            const double* const across_x = rays.across_x.data() + position;
-            const double* const across_y = rays.across_y.data() + position;
-            const double* const ray_x = rays.x.data() + position;
-            const double* const ray_y = rays.y.data() + position;
-            const double* const ray_z = rays.z.data() + position;
-            const double* const length = rays.length.data() + position;
+            const PencilSide::InOrder* const rays = bundle.other->in_order.data() + position;
             Two largest_error = Two::Zero();
             const auto bound_two = [&](std::uint32_t i) {
-                const Two x = TwoOf(across_x + i);
-                const Two y = TwoOf(across_y + i);
+                const PencilSide::InOrder& first = rays[i];
+                const PencilSide::InOrder& second = rays[i + 1];
+                const Two x(first.across_x, second.across_x);
+                const Two y(first.across_y, second.across_y);
                 const Two w_to = (x * a0.y() - y * a0.x()).abs();
                 const Two w_from = (x * a1.y() - y * a1.x()).abs();
                 const Two inverse = (w_from + w_to).inverse();
-                const Two error = error_scale * TwoOf(length + i) * inverse;
-                const Two n_ray = normal.x() * TwoOf(ray_x + i) + normal.y() * TwoOf(ray_y + i) +
-                                  normal.z() * TwoOf(ray_z + i);
+                const Two error = error_scale * Two(first.length, second.length) * inverse;
+                const Two n_ray = normal.x() * Two(first.x, second.x) +
+                                  normal.y() * Two(first.y, second.y) +
+                                  normal.z() * Two(first.z, second.z);
                 const Two u = scale * (n_ray * inverse);
                 const Two u_error = 2.0 * error * (u.abs() + u_spread);
                 const Two low = u - u_error;
@@ -167,7 +157,7 @@ void StripChart::bound_events() {
             for (std::uint32_t i = 4; i < count; i += 2) bound_two(i);
             if (!(largest_error.maxCoeff() < kRoughPhi)) {
                 for (std::uint32_t i = 0; i < count; ++i) {
-                    if (error_scale * length[i] * node[i].error < kRoughPhi) continue;
+                    if (error_scale * rays[i].length * node[i].error < kRoughPhi) continue;
                     node[i].bounds.setConstant(-kInfinity);
                 }
             }
@@ -182,7 +172,7 @@ bool StripChart::pass_events() {
     std::uint32_t* const place_of = place_of_.data();
     const Eigen::Vector3d* const normals = cones_->normal.data();
     for (Bundle& bundle : bundles()) {
-        const auto* const through = bundle.other->through.data();
+        const PencilSide::InOrder* const rays = bundle.other->in_order.data();
         const PencilSide::Offset* const offsets = bundle.other->offset.data();
         const Node* const nodes = bundle.strip_nodes();
         Active* active = bundle.active.data();
@@ -199,10 +189,10 @@ bool StripChart::pass_events() {
         for (std::uint32_t left = bundle.num_events; left > 0; --left, node += step) {
             const Bounds& at = nodes[node].bounds;
             bounds = bounds.min(at);
-            const std::uint32_t ends = through[position][ending];
+            const std::uint32_t ends = rays[position].through[ending];
             if (ends != kNoStrip) {
                 // the usual event: one line goes on as another
-                const std::uint32_t begins = through[position][1 - ending];
+                const std::uint32_t begins = rays[position].through[1 - ending];
                 const std::uint32_t place = place_of[ends];
                 if (place >= num_active) return false;
                 Active& line = active[place];

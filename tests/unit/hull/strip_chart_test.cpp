@@ -166,9 +166,10 @@ TEST_P(StripChartOfScenes, ReadsPencilsInTheirExactOrder) {
                 const std::uint32_t local = side.sorted[at];
                 const std::uint32_t ray = cones.views[i].first_ray + local;
                 EXPECT_EQ(side.position[local], at);
-                EXPECT_EQ(side.in_order.across_y[at], side.across[local].y());
-                EXPECT_EQ(side.in_order.z[at], cones.ray[ray].z());
-                EXPECT_EQ(side.in_order.length[at], cones.ray_length[ray]);
+                EXPECT_EQ(side.in_order[at].local, local);
+                EXPECT_EQ(side.in_order[at].across_y, side.across[local].y());
+                EXPECT_EQ(side.in_order[at].z, cones.ray[ray].z());
+                EXPECT_EQ(side.in_order[at].length, cones.ray_length[ray]);
             }
         }
     }
