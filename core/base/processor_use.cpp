@@ -34,6 +34,10 @@ std::uint64_t process_run_ns() {
 
 double seconds(std::uint64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
+std::int16_t own_niceness() {
+    return static_cast<std::int16_t>(getpriority(PRIO_PROCESS, static_cast<id_t>(getpid())));
+}
+
 }  // namespace
 
 std::optional<SchedStat> parse_schedstat(std::string_view text) {
@@ -56,8 +60,11 @@ std::optional<SchedStat> parse_schedstat(std::string_view text) {
 
 ProcessorMeter::ProcessorMeter(std::string tasks, Clock::time_point now)
     : tasks_(std::move(tasks)), last_(now) {
+    const Waits waits = read_threads();
     use_.run_ns = process_run_ns();
-    use_.waited_ns = read_threads().sum_ns;
+    use_.waited_ns = waits.sum_ns;
+    use_.is_waiting_known = waits.is_known;
+    use_.nice = own_niceness();
 }
 
 ProcessorMeter::Waits ProcessorMeter::read_threads() {
@@ -94,18 +101,18 @@ ProcessorMeter::Waits ProcessorMeter::read_threads() {
 }
 
 ProcessorUse ProcessorMeter::update(Clock::time_point now) {
+    if (now - last_ < kLeastInterval) return use_;
     const Waits waits = read_threads();
     const std::uint64_t run_ns = std::max(use_.run_ns, process_run_ns());
     const double elapsed_s = std::chrono::duration<double>(now - last_).count();
-    if (elapsed_s > 0.0) {
-        use_.run_per_s = seconds(run_ns - use_.run_ns) / elapsed_s;
-        use_.waited_per_s = seconds(waits.sum_ns) / elapsed_s;
-        use_.longest_wait_per_s = seconds(waits.longest_ns) / elapsed_s;
-    }
+    use_.run_per_s = seconds(run_ns - use_.run_ns) / elapsed_s;
+    use_.waited_per_s = seconds(waits.sum_ns) / elapsed_s;
+    // more than the interval: a wait that began before it
+    use_.longest_wait_per_s = std::min(1.0, seconds(waits.longest_ns) / elapsed_s);
     use_.run_ns = run_ns;
     use_.waited_ns += waits.sum_ns;
     use_.is_waiting_known = waits.is_known;
-    use_.nice = static_cast<std::int16_t>(getpriority(PRIO_PROCESS, static_cast<id_t>(getpid())));
+    use_.nice = own_niceness();
     last_ = now;
     return use_;
 }

@@ -34,7 +34,7 @@ struct ProcessorUse {
     std::uint64_t waited_ns = 0;      // likewise; waits of several threads at once add up
     double run_per_s = 0.0;           // cores used in the last interval
     double waited_per_s = 0.0;        // seconds waited per second of it, added up over the threads
-    double longest_wait_per_s = 0.0;  // of the thread that waited longest
+    double longest_wait_per_s = 0.0;  // of the thread that waited longest, at most 1
     bool is_waiting_known = false;    // false: the kernel does not say; the waits mean nothing
     std::int16_t nice = 0;            // -20 goes first, 19 last
 
@@ -52,8 +52,11 @@ public:
     explicit ProcessorMeter(std::string tasks = "/proc/self/task",
                             Clock::time_point now = Clock::now());
 
-    /// Totals of now, and rates since the last call (the first time since construction).
+    /// Totals of now, and rates since the last reading (the first time since construction). Sooner
+    /// than kLeastInterval after it nothing is read, and the last result holds: a thread's wait is
+    /// counted when it ends, so in a few milliseconds seconds of it may be found.
     ProcessorUse update(Clock::time_point now = Clock::now());
+    static constexpr std::chrono::milliseconds kLeastInterval{200};
 
 private:
     struct Waits {

@@ -101,8 +101,11 @@ std::string process_fields(const ProcessorUse& use, double first_output_s) {
 }
 
 const char* name_of(Cause cause) {
-    constexpr std::array kNames{
-        "machine_too_slow", "work_too_slow", "machine_or_work_too_slow", "network_too_slow"};
+    constexpr std::array kNames{"machine_too_slow",
+                                "work_too_slow",
+                                "machine_or_work_too_slow",
+                                "network_too_slow",
+                                "stood_still"};
     return kNames.at(static_cast<std::size_t>(cause));
 }
 
@@ -118,7 +121,12 @@ std::vector<Bottleneck> bottlenecks(const std::optional<Figures>& before, const 
                                      late.empty() ? "" : "; " + late)});
         return found;
     }
-    if (!late.empty()) {
+    if (!late.empty() && now.processor.is_waiting_known && now.processor.run_per_s < kBusyCores) {
+        found.push_back({Cause::kStoodStill,
+                         fmt::format("the program stood still: {}, with {:.2f} cores in use",
+                                     late,
+                                     now.processor.run_per_s)});
+    } else if (!late.empty()) {
         const bool is_known = now.processor.is_waiting_known;
         found.push_back(
             {is_known ? Cause::kWork : Cause::kMachineOrWork,
@@ -134,15 +142,18 @@ std::vector<Bottleneck> bottlenecks(const std::optional<Figures>& before, const 
 
 std::string advice(Cause cause, bus::ProgramKind kind) {
     if (cause == Cause::kNetwork) return "see docs/streams.md";
+    if (cause == Cause::kStoodStill)
+        return "see whether the program was stopped, the host was suspended or its virtual machine "
+               "was held";
     std::string less = "give it less to do";
     if (kind == bus::ProgramKind::kSiteNode)
-        less = "lower capture.rate_hz, use fewer or smaller pictures";
-    if (kind == bus::ProgramKind::kWorldServer) less = "lower world.tick_hz, use fewer objects";
+        less = "lower capture.rate_hz, or use fewer or smaller pictures";
+    if (kind == bus::ProgramKind::kWorldServer) less = "lower world.tick_hz, or use fewer objects";
     if (kind == bus::ProgramKind::kViewer)
-        less = "make the picture smaller (view.width, view.height), lower view.max_fps";
+        less = "make the picture smaller (view.width, view.height), or lower view.max_fps";
     if (cause == Cause::kWork && kind == bus::ProgramKind::kSiteNode)
         return less + " or more site.threads";
-    return cause == Cause::kWork ? less : "run fewer programs on this host, or " + less;
+    return cause == Cause::kWork ? less : "run fewer programs on this host, " + less;
 }
 
 std::optional<std::string> OverloadLog::look(Figures now, Clock::time_point time) {

@@ -19,6 +19,10 @@ inline constexpr double kShortOfProcessor = 0.2;
 /// single hiccup, one of 30 metaframes in a second, is less.
 inline constexpr double kOverloaded = 0.05;
 
+/// A program whose work takes too long uses about a core, as one of its threads never rests. One
+/// that loses as much with less than this stood still: it was stopped, or its host was.
+inline constexpr double kBusyCores = 0.5;
+
 bool is_short_of_processor(const ProcessorUse& use);
 
 /// For people: "0.81 cores", "waited 43 % (all threads 121 %)", "nice 5".
@@ -27,9 +31,10 @@ std::vector<std::string> processor_items(const ProcessorUse& use);
 /// For the last log line of a program: "processor_s=12.3 waited_s=0.4 first_output_s=1.2".
 std::string process_fields(const ProcessorUse& use, double first_output_s);
 
-enum class Cause { kMachine, kWork, kMachineOrWork, kNetwork };
+enum class Cause { kMachine, kWork, kMachineOrWork, kNetwork, kStoodStill };
 
-/// "machine_too_slow", "work_too_slow", "machine_or_work_too_slow" or "network_too_slow".
+/// "machine_too_slow", "work_too_slow", "machine_or_work_too_slow", "network_too_slow" or
+/// "stood_still".
 const char* name_of(Cause cause);
 
 struct Bottleneck {

@@ -71,6 +71,22 @@ TEST(Bottlenecks, BlameTheWorkWhereCoresAreFree) {
     EXPECT_THAT(found[0].text, HasSubstr("20 of 120 steps were skipped"));
 }
 
+TEST(Bottlenecks, BlameNoWorkOfAProgramThatStoodStill) {
+    bus::WorldStatus before;
+    bus::WorldStatus now;
+    now.num_steps = 123;
+    now.num_skipped_ticks = 3113;
+    before.processor = waiting(0.0);
+    now.processor = waiting(0.01);
+    now.processor.run_per_s = 0.05;
+    EXPECT_THAT(bottlenecks(figures_of(before), figures_of(now)),
+                ElementsAre(Bottleneck{Cause::kStoodStill,
+                                       "the program stood still: 3113 of 3236 steps were skipped, "
+                                       "with 0.05 cores in use"}));
+    now.processor.longest_wait_per_s = 0.9;
+    EXPECT_EQ(bottlenecks(figures_of(before), figures_of(now))[0].cause, Cause::kMachine);
+}
+
 TEST(Bottlenecks, BlameNeitherWhereTheKernelDoesNotCount) {
     bus::SiteStatus before = site_after(1, 5, 0.9);
     bus::SiteStatus now = site_after(2, 5, 0.9);
@@ -127,8 +143,8 @@ TEST(OverloadLog, WarnsAtOnceAndThenEveryFiveSeconds) {
     EXPECT_THAT(look(1, 0.5),
                 Optional(std::string("machine_too_slow reason=\"machine too slow: waited 50 % of "
                                      "the time for a core\" cores=0.81 waited_per_s=1.50 "
-                                     "advice=\"run fewer programs on this host, or lower "
-                                     "capture.rate_hz, use fewer or smaller pictures\"")));
+                                     "advice=\"run fewer programs on this host, lower "
+                                     "capture.rate_hz, or use fewer or smaller pictures\"")));
     for (int second = 2; second < 6; ++second) EXPECT_EQ(look(second, 0.5), std::nullopt);
     EXPECT_NE(look(6, 0.5), std::nullopt);
     EXPECT_EQ(look(12, 0.1), std::nullopt);
