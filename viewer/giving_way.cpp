@@ -119,7 +119,7 @@ bool GivingWay::add(const Picture& picture) {
     }
     room_for_ += window;
     if (room_for_ < patience_) return false;
-    change_to(level_ - 1, "room", picture.ended);
+    change_to(level_ - 1, "time_to_spare", picture.ended);
     return true;
 }
 

@@ -49,14 +49,14 @@ void declare(ViewerConfig& config, config::OptionSet& set) {
     set.add(
         "view.adapt",
         view.adapt,
-        "what a machine too slow costs; auto: drawing rate, then resolution, then shadows; off: "
-        "late and uneven pictures",
+        "what gives way on a slow machine; auto: drawing rate, then resolution, then shadows; off: "
+        "nothing, pictures come late and unevenly",
         {"auto", "off"});
     set.add("view.scale",
             view.scale,
-            "resolution of the scene, enlarged to the picture, at best [of its width and height]",
+            "highest resolution of the scene, as a share of the picture's, to which it is enlarged",
             {.min = 0.1, .max = 1});
-    set.add("view.shadows", view.shadows, "whether there are shadows at best", {"on", "off"});
+    set.add("view.shadows", view.shadows, "shadows; view.adapt may switch them off", {"on", "off"});
     declare(config.display, set);
     set.add("headless", config.headless, "draw without a window even where there is a display");
     set.add("frames", config.frames, "end after this many pictures; 0: go on until stopped");

@@ -109,7 +109,7 @@ TEST(GivingWay, ComesBackByItselfOnceThereIsRoom) {
         machine.run(sut, 20.0);
         EXPECT_EQ(sut.level(), 0U) << load_ms;
         EXPECT_EQ(sut.quality(), PictureQuality{});
-        EXPECT_EQ(sut.reason(), "room");
+        EXPECT_EQ(sut.reason(), "time_to_spare");
     }
 }
 
