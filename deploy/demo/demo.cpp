@@ -329,6 +329,14 @@ Expected<void> run_demo(const DemoConfig& given, std::stop_token stop) {
         return make_error(ErrorKind::kConfiguration,
                           "sites: name at least one, for example alice,bob");
     }
+    for (const std::string& site : split(config.sites)) {
+        if (site.find('/') == std::string::npos && !site.ends_with(".toml")) continue;
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("sites: wants names of files in {}, such as alice, not paths; got '{}'",
+                        (config.deploy / "sites").string(),
+                        site));
+    }
     if (const std::size_t num_motions = split(config.motions).size();
         num_motions != 0 && num_motions != split(config.sites).size()) {
         return make_error(ErrorKind::kConfiguration,
