@@ -103,21 +103,17 @@ void test_group(const BlockRow& row, int first, int end, const Limits& limits) {
     for (std::size_t i = 0; i < num_blocks; ++i) hue[2 * i] = hue[2 * i + 1] = hue_of_blocks[i];
     const int in_group = 2 * (first % kBlocksPerGroup);
     const int num = 2 * (end - first);
-    const std::int16_t gain = limits.inverse_gain;
-    test_pixels(row.top + 2 * first,
-                look.luma_low[0].data() + in_group,
-                look.luma_high[0].data() + in_group,
-                hue.data(),
-                num,
-                gain,
-                row.top_out + 2 * first);
-    test_pixels(row.bottom + 2 * first,
-                look.luma_low[1].data() + in_group,
-                look.luma_high[1].data() + in_group,
-                hue.data(),
-                num,
-                gain,
-                row.bottom_out + 2 * first);
+    const std::array<const std::uint8_t*, 2> lumas{row.top, row.bottom};
+    const std::array<std::uint8_t*, 2> outs{row.top_out, row.bottom_out};
+    for (std::size_t line = 0; line < lumas.size(); ++line) {
+        test_pixels(lumas[line] + 2 * first,
+                    look.luma_low[line].data() + in_group,
+                    look.luma_high[line].data() + in_group,
+                    hue.data(),
+                    num,
+                    limits.inverse_gain,
+                    outs[line] + 2 * first);
+    }
 }
 
 void test_row(const BlockRow& row, int first, int end, const Limits& limits) {
