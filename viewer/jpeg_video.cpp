@@ -19,7 +19,7 @@ extern "C" {
 namespace atrium::viewer {
 namespace {
 
-constexpr int kQuality = 85;  // 1.5 dB better than OpenCV's, and a fifth larger
+constexpr int kQuality = 85;
 constexpr int kTimeBase = 1000;
 
 struct FormatDeleter {
