@@ -7,7 +7,7 @@ namespace atrium::bus {
 namespace {
 
 constexpr double kLargest = 65535.0;
-constexpr double kSmallestStep_m = 1e-6;  // finer than what a float tells at the world's edge
+constexpr double kSmallestStep_m = 1e-6;  // finer than a float's resolution at the world's edge
 
 }  // namespace
 

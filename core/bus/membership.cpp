@@ -21,10 +21,10 @@ namespace atrium::bus {
 namespace {
 
 using Clock = NameClaim::Clock;
-constexpr std::chrono::milliseconds kLook{1000};    // for peers that cannot be heard
-constexpr std::chrono::milliseconds kJoinStep{20};  // while the name is asked for
-constexpr std::chrono::seconds kRefresh{10};        // of what Presence says of the clock
-constexpr std::size_t kMaxPresent = 4096;           // strangers may claim to be many
+constexpr std::chrono::milliseconds kLook{1000};    // period of the search for incompatible peers
+constexpr std::chrono::milliseconds kJoinStep{20};  // longest wait while the name is claimed
+constexpr std::chrono::seconds kRefresh{10};        // period of Presence: it has the clock's state
+constexpr std::size_t kMaxPresent = 4096;           // limit on data from untrusted senders
 
 using Key = std::tuple<ProgramKind, std::string, std::uint64_t>;
 Key key_of(const Presence& presence) { return {presence.kind, presence.name, presence.instance}; }
@@ -58,8 +58,8 @@ std::string host_name() {
 }
 
 struct Membership::Impl {
-    Impl(Participant joined, const MembershipOptions& options, MembershipEvents said_to)
-        : participant(std::move(joined)), events(std::move(said_to)), own(make_own(options)) {}
+    Impl(Participant joined, const MembershipOptions& options, MembershipEvents callbacks)
+        : participant(std::move(joined)), events(std::move(callbacks)), own(make_own(options)) {}
 
     static Presence make_own(const MembershipOptions& options);
     Expected<void> open();
@@ -75,7 +75,7 @@ struct Membership::Impl {
     std::optional<Writer<Presence>> writer;
     std::optional<Reader<Presence>> reader;
     std::optional<Waiter> waiter;
-    mutable std::mutex mutex;  // guards the next one, and changes of `own`
+    mutable std::mutex mutex;  // guards `others` and changes of `own`
     std::map<Key, Presence> others;
     std::jthread thread;
 };
@@ -152,8 +152,8 @@ Expected<void> Membership::Impl::claim(std::stop_token stop) {
         }
         if (verdict == NameClaim::Verdict::kRefused) {
             return make_error(ErrorKind::kConfiguration,
-                              fmt::format("the name is taken by {}; give this one another, or end "
-                                          "that one",
+                              fmt::format("the name is taken by {}; choose another name or end "
+                                          "that program",
                                           describe(*rival)));
         }
         if (rival != nullptr && !std::exchange(has_said, true)) {
@@ -164,7 +164,7 @@ Expected<void> Membership::Impl::claim(std::stop_token stop) {
             if (auto announced = announce(); !announced) return announced;
         }
     }
-    return make_error(ErrorKind::kUnavailable, "stopped while it asked for its name");
+    return make_error(ErrorKind::kUnavailable, "stopped while claiming the name");
 }
 
 void Membership::Impl::serve(std::stop_token stop) {
@@ -179,7 +179,7 @@ void Membership::Impl::serve(std::stop_token stop) {
         if (name.decide(now) == NameClaim::Verdict::kRefused && !std::exchange(is_lost, true)) {
             events.name_lost(
                 {ErrorKind::kConfiguration,
-                 fmt::format("the name is held twice; {} is older and keeps it, this one ends",
+                 fmt::format("two programs hold this name; {} is older and keeps it, this one ends",
                              describe(*name.rival()))});
         }
         if (name.take_question() || now >= next_refresh) {
@@ -197,7 +197,7 @@ Membership::Membership(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Membership::~Membership() {
     impl_->thread.request_stop();
     if (impl_->thread.joinable()) impl_->thread.join();
-    static_cast<void>(impl_->writer->dispose(impl_->own));  // else the lease tells them
+    static_cast<void>(impl_->writer->dispose(impl_->own));  // if it fails, the lease expires
 }
 
 Expected<std::unique_ptr<Membership>> Membership::join(const Participant& participant,

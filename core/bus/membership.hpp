@@ -13,27 +13,26 @@ namespace atrium::bus {
 
 struct MembershipOptions {
     ProgramKind kind = ProgramKind::kOther;
-    std::string name;     // alone of its kind in the world
+    std::string name;     // unique among the programs of its kind in the world
     std::string version;  // of Atrium
 };
 
-/// What a member has to say. Called by its thread and, while it joins, by the caller's; must not
-/// touch the membership.
+/// Callbacks of a Membership. Its thread calls them; during `join` the caller's thread does. They
+/// must not use the membership.
 struct MembershipEvents {
     std::function<void(const std::string&)> info;
     std::function<void(const std::string&)> warn;
-    /// Another holds the name and is older: this process has to end. Called once.
+    /// Another process holds the name and is older: this one has to end. Called at most once.
     std::function<void(const Error&)> name_lost;
 };
 
-/// This process among those of its world: tells the others that it is there (topic Presence), has a
-/// name that nobody else of its kind has, knows who is there, and warns of programs that are there
-/// but can not be heard.
+/// Announces this process to its world (topic Presence), holds its unique name, keeps the list of
+/// present programs and warns about programs that are present but incompatible.
 class Membership {
 public:
-    /// Asks for the name and waits until it is ours: 0.6 s, and up to 2 s more where one that held
-    /// it was killed and DDS has not lost it yet. Fails with kConfiguration naming the host and
-    /// process that holds it, and with kUnavailable once a stop is requested.
+    /// Claims the name and blocks until this process holds it: 0.6 s, up to 2 s more if the former
+    /// holder was killed and DDS has not lost it yet. Fails with kConfiguration if another process
+    /// holds the name (the message has its host and pid), with kUnavailable if `stop` is requested.
     static Expected<std::unique_ptr<Membership>> join(const Participant& participant,
                                                       const MembershipOptions& options,
                                                       MembershipEvents events,
@@ -42,7 +41,7 @@ public:
     Membership(const Membership&) = delete;
     Membership& operator=(const Membership&) = delete;
 
-    /// Who is there, this process included. Thread-safe.
+    /// Returns the programs present, this process first. Thread-safe.
     std::vector<Presence> present() const;
 
 private:
@@ -51,7 +50,8 @@ private:
     std::unique_ptr<Impl> impl_;
 };
 
-/// Name of this host as far as it may stand in a message: other characters become '-'.
+/// Returns the host's name as a valid name of messages: other characters become '-', at most 63
+/// characters; "unknown" if it is empty.
 std::string host_name();
 
 }  // namespace atrium::bus

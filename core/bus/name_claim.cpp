@@ -10,7 +10,7 @@ namespace atrium::bus {
 
 namespace {
 
-// More of one name is no accident; the others are ignored.
+// Limit on data from untrusted senders: rivals for one name. More are ignored.
 constexpr std::size_t kMaxOthers = 64;
 
 bool is_older(const Presence& a, const Presence& b) {
@@ -60,7 +60,7 @@ NameClaim::Verdict NameClaim::decide(Clock::time_point now) {
     if (is_holder_) return Verdict::kHold;
     if (waits) return Verdict::kWait;
     is_holder_ = true;
-    // who asked before is not yet told
+    // answer the processes that claimed the name before this one held it
     was_asked_ = !others_.empty();
     return Verdict::kHold;
 }

@@ -10,54 +10,58 @@
 
 namespace atrium::bus {
 
-/// Who may have a name, decided from what is known of the others that want it. No network and no
-/// clock of its own; not thread-safe.
+/// Decides whether this process may hold a name, from the Presence samples of the other processes.
+/// Uses neither network nor clock; not thread-safe.
 ///
-/// A process first asks for its name, while it listens to who else is there, and then holds it.
-/// Who asks is refused by one that holds the name and shows that it is alive, by writing its
-/// Presence again when it hears of the one who asks. What a holder wrote before the two found each
-/// other shows nothing, and its answer may be among that: who hears of a holder only once asks
-/// again. One that holds it and stays silent was killed, or is cut off: it is waited for until DDS
-/// has lost it. Of two who ask at once the older goes
-/// first; of two who hold it, for each started while the network between them was cut, the older
-/// stays. Older is who has the earlier start time or, where they are the same, the lower instance:
-/// both see it alike.
+/// A process first claims its name while it listens for others, then holds it. A holder that is
+/// alive makes the claim fail: it writes its Presence again when it receives the claim. A sample
+/// that it wrote before the two processes discovered each other does not prove that it is alive.
+/// Its reply can be lost in the same way, so a claimant that received one sample only asks again.
+/// A silent holder was killed or is cut off: the claimant waits until DDS has lost it. If DDS still
+/// has it after kLease, the claim fails.
+///
+/// Of two claimants the older goes first. Of two holders, which started while the network between
+/// them was cut, the older stays. Older means the earlier start time or, at a tie, the lower
+/// instance: both processes come to the same result.
 class NameClaim {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// For others to be found, and to be heard from.
+    /// Time to discover other processes and to receive their samples.
     static constexpr std::chrono::milliseconds kListen{600};
-    /// In which DDS loses one that was killed.
+    /// Time in which DDS loses a killed process.
     static constexpr std::chrono::milliseconds kLease{2000};
-    /// Between two questions to a holder that is silent.
+    /// Period in which a claimant asks a silent holder again.
     static constexpr std::chrono::milliseconds kAskAgain{200};
 
     NameClaim(const Presence& own, Clock::time_point now)
         : own_(own), begin_(now), asked_at_(now) {}
 
+    /// Call it with each sample received from another process.
     void see(const Presence& other, Clock::time_point now);
+    /// Call it when the instance of another process has ended.
     void gone(const Presence& other);
 
     enum class Verdict { kWait, kHold, kRefused };
-    /// Once kHold was returned, only kHold and kRefused are; the latter then means that the name is
-    /// lost.
+    /// After the first kHold it returns only kHold or kRefused; kRefused then means that the name
+    /// is lost.
     Verdict decide(Clock::time_point now);
 
-    /// Whom the last verdict was about; none: nobody.
+    /// The process that the last verdict was about; null if there was none.
     const Presence* rival() const { return rival_ ? &*rival_ : nullptr; }
-    /// True where the last verdict was to wait for a silent holder, every kAskAgain: write the
-    /// Presence again.
+    /// True every kAskAgain while the last verdict is to wait for a silent holder. The caller then
+    /// writes its Presence again.
     bool should_ask(Clock::time_point now);
-    /// True once after each question for a name that is held: write the Presence again. Of one that
-    /// asks more often than every half kAskAgain only some count.
+    /// True once after a claim to the name that this process holds. The caller then writes its
+    /// Presence again. Repeated claims of one process count at most once per half kAskAgain.
     bool take_question();
 
 private:
     struct Other {
         Presence presence;
-        Clock::time_point seen_at;  // first as it holds the name, or as it last asked
-        bool is_alive = false;      // wrote while we listened
+        Clock::time_point
+            seen_at;            // holder: its first sample as a holder; claimant: its last claim
+        bool is_alive = false;  // wrote again after its first sample
     };
     bool is_rival(const Presence& other) const;
 
@@ -70,7 +74,7 @@ private:
     std::optional<Presence> rival_;
 };
 
-/// "site_node 'lab' on host alpha, pid 17, since 2026-05-04T10:00:00Z".
+/// Describes a program: "site 'lab' on host alpha, pid 17, since 2026-05-04T10:00:00Z".
 std::string describe(const Presence& presence);
 
 }  // namespace atrium::bus

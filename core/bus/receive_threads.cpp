@@ -13,11 +13,12 @@ namespace {
 
 constexpr std::chrono::seconds kFindAgain{1};
 
-// Cyclone DDS 0.10.2 names its threads so: "recv", "recvMC", "recvUC" take datagrams in, "dq.user"
-// puts into readers what the former do not put there themselves.
+// Thread names of Cyclone DDS 0.10.2: "recv", "recvMC", "recvUC" receive datagrams; "dq.user"
+// delivers the samples that those do not deliver themselves.
 bool receives(std::string_view name) { return name.starts_with("recv") || name == "dq.user"; }
 
-// The state is the first word after the name, which stands in brackets and may contain anything.
+// The state is the first word after the thread's name. The name is in brackets and may contain any
+// character, brackets included.
 bool is_asleep(int descriptor) {
     std::array<char, 128> text{};
     const ssize_t size = pread(descriptor, text.data(), text.size(), 0);

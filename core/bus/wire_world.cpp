@@ -26,7 +26,7 @@ SceneObject get_object(const atrium_SceneObject& wire) {
     SceneObject object;
     object.object = wire.object;
     object.name = get_name(wire.name);
-    object.shape = static_cast<Shape>(wire.shape);  // any octet is a value; `check` knows which
+    object.shape = static_cast<Shape>(wire.shape);  // any octet; `check` rejects unknown ones
     object.size_m = get_vector(wire.size_m);
     object.mass_kg = wire.mass_kg;
     object.friction = wire.friction;
@@ -158,7 +158,7 @@ Expected<SceneCommand> from_wire(const atrium_SceneCommand& wire) {
     message.impulse_ns = get_vector(wire.impulse_ns);
     message.point_object = get_vector(wire.point_object);
     message.goal_world = get_vector(wire.goal_world);
-    // Whatever else stands there for the other kinds is not even looked at.
+    // The other kinds ignore `object`: do not even read it.
     if (message.kind == CommandKind::kAdd) message.object = get_object(wire.object);
     auto result = checked(std::move(message));
     if (result) settle(result->object.world_from_object);
