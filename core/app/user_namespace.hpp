@@ -4,17 +4,18 @@
 
 namespace atrium::app {
 
-/// Moves this process into a user and a network namespace of its own, without any right: it sees
-/// no network but a loopback interface of its own, and so do the processes that it starts. Inside
-/// it is root, which lets it set that interface up and open packet sockets; outside it stays who it
-/// was. Must be called before any thread is started, and cannot be undone.
+/// Moves this process into a private user and network namespace; needs no privilege. The process
+/// and its children see only a private loopback interface. Inside it is root: it may configure the
+/// interface and open packet sockets. Outside it keeps its user. Call it before any thread starts;
+/// it cannot be undone.
 ///
-/// Error kUnavailable where the kernel does not permit it, naming the setting that would.
+/// Fails with kUnavailable if the kernel does not permit it; the message names the setting to
+/// change.
 Expected<void> enter_own_network();
 
-/// Brings the loopback interface of this network namespace up and gives it 127.0.0.1 to
-/// 127.0.0.`num_addresses` (1 to 254), each as an address of its own, which programs can find by
-/// listing interfaces. Addresses that are there already stay. Error kUnavailable.
+/// Brings up the loopback interface of this network namespace and adds the addresses 127.0.0.1 to
+/// 127.0.0.`num_addresses` (1 to 254). Each is a separate address, listed by getifaddrs. Existing
+/// addresses stay. Fails with kUnavailable.
 Expected<void> bring_up_loopback(int num_addresses);
 
 }  // namespace atrium::app

@@ -38,7 +38,8 @@ struct EndpointQos {
     std::chrono::nanoseconds lease = kForever;     // automatic liveliness
     std::chrono::nanoseconds deadline = kForever;  // between two samples of an instance
     std::chrono::nanoseconds latency_budget{0};
-    std::chrono::nanoseconds lifespan = kForever;  // writers only; counts from reception
+    /// Writers only; counted from the write, and anew from arrival.
+    std::chrono::nanoseconds lifespan = kForever;
 };
 
 struct QosProfile {

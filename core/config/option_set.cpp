@@ -25,14 +25,14 @@ std::string text_of(Number v) {
     return fmt::format("{}", v);
 }
 
-// As the same refusal reads for a value of a file.
+// Matches the wording of TableReader's errors.
 std::string with_article(const std::string& type) {
     if (type.starts_with("integer")) return "an " + type;
     if (type.starts_with("number") || type.starts_with("path")) return "a " + type;
     return type;
 }
 
-// A value given as text goes through the same reader as one in a file: same checks, same messages.
+// Turns text from the command line into TOML, for the same checks and messages as in a file.
 std::string as_toml(const std::string& text, bool quoted) {
     if (!quoted) return text;
     std::string literal = "\"";

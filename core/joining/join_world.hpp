@@ -8,12 +8,13 @@
 #include <stop_token>
 #include <string>
 
-/// How each program enters its world: between core/bus, which does not log, and core/app, which
-/// knows no network.
+/// Announces a program to its world and logs the network. Separate from core/bus, which does not
+/// log, and from core/app, which has no network.
 namespace atrium::joining {
 
-/// Logs how the participant is on the network, in one line, with a warning for each thing that is
-/// wrong there; then joins as `bus::Membership::join` does, and logs what that has to say.
+/// Logs the participant's network and its warnings, then joins the world and logs the events of the
+/// membership. Fails as `bus::Membership::join` does. `on_name_lost` is called on the membership's
+/// thread (MembershipEvents::name_lost).
 Expected<std::unique_ptr<bus::Membership>> join_world(
     const bus::Participant& participant,
     bus::ProgramKind kind,
