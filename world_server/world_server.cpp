@@ -5,7 +5,7 @@
 #include "core/app/program.hpp"
 #include "core/base/processor_use.hpp"
 #include "core/base/statistics.hpp"
-#include "core/joining/join_world.hpp"
+#include "core/presence/join_world.hpp"
 #include "core/status/bottleneck.hpp"
 #include "world_server/endpoints.hpp"
 #include "world_server/mesh_preparation.hpp"
@@ -272,7 +272,7 @@ Expected<std::unique_ptr<WorldServer>> WorldServer::create(const WorldServerConf
     auto endpoints = Endpoints::create(config.bus);
     if (!endpoints) return tl::unexpected(endpoints.error());
     const auto loss = std::make_shared<Loss>();
-    auto member = joining::join_world(
+    auto member = presence::join_world(
         endpoints->participant,
         bus::ProgramKind::kWorldServer,
         config.bus.world,

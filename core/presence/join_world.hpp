@@ -10,7 +10,7 @@
 
 /// Announces a program to its world and logs the network. Separate from core/bus, which does not
 /// log, and from core/app, which has no network.
-namespace atrium::joining {
+namespace atrium::presence {
 
 /// Logs the participant's network and its warnings, then joins the world and logs the events of the
 /// membership. Fails as `bus::Membership::join` does. `on_name_lost` is called on the membership's
@@ -22,4 +22,4 @@ Expected<std::unique_ptr<bus::Membership>> join_world(
     std::function<void(const Error&)> on_name_lost,
     std::stop_token stop = {});
 
-}  // namespace atrium::joining
+}  // namespace atrium::presence

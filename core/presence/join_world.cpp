@@ -1,11 +1,11 @@
-#include "core/joining/join_world.hpp"
+#include "core/presence/join_world.hpp"
 
 #include "core/app/log.hpp"
 #include "core/app/program.hpp"
 
 #include <utility>
 
-namespace atrium::joining {
+namespace atrium::presence {
 
 Expected<std::unique_ptr<bus::Membership>> join_world(
     const bus::Participant& participant,
@@ -25,4 +25,4 @@ Expected<std::unique_ptr<bus::Membership>> join_world(
         stop);
 }
 
-}  // namespace atrium::joining
+}  // namespace atrium::presence
