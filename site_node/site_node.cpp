@@ -150,7 +150,7 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
                    Writers writers,
                    bus::Reader<bus::StreamFeedback> feedback,
                    std::shared_ptr<RunEnd> end,
-                   std::unique_ptr<bus::Membership> membership)
+                   std::unique_ptr<presence::Membership> membership)
     : config_(config),
       source_(std::move(source)),
       pipeline_(std::move(pipeline)),

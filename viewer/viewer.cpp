@@ -104,7 +104,7 @@ struct Viewer::Impl {
 
     std::mutex lost_mutex;  // guards the next one
     std::optional<Error> lost;
-    std::unique_ptr<bus::Membership> membership;  // goes first: its thread uses the rest
+    std::unique_ptr<presence::Membership> membership;  // goes first: its thread uses the rest
 
     std::optional<Error> lost_name() {
         const std::lock_guard lock(lost_mutex);

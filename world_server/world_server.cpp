@@ -39,7 +39,7 @@ struct WorldServer::Impl {
     Impl(const WorldServerConfig& server_config,
          Endpoints server_endpoints,
          std::shared_ptr<Loss> server_loss,
-         std::unique_ptr<bus::Membership> server_membership,
+         std::unique_ptr<presence::Membership> server_membership,
          Scene server_scene);
 
     // the receiving thread, which never decodes
@@ -83,13 +83,13 @@ struct WorldServer::Impl {
     MeshPreparation preparation;  // fed by the receiving thread
 
     std::shared_ptr<Loss> loss;
-    std::unique_ptr<bus::Membership> membership;  // goes first: it uses the endpoints
+    std::unique_ptr<presence::Membership> membership;  // goes first: it uses the endpoints
 };
 
 WorldServer::Impl::Impl(const WorldServerConfig& server_config,
                         Endpoints server_endpoints,
                         std::shared_ptr<Loss> server_loss,
-                        std::unique_ptr<bus::Membership> server_membership,
+                        std::unique_ptr<presence::Membership> server_membership,
                         Scene server_scene)
     : config(server_config),
       endpoints(std::move(server_endpoints)),

@@ -1,7 +1,7 @@
-#include "core/bus/membership.hpp"
+#include "core/presence/membership.hpp"
 
 #include "core/bus/limits.hpp"
-#include "core/bus/name_claim.hpp"
+#include "core/presence/name_claim.hpp"
 
 #include <fmt/format.h>
 #include <pthread.h>
@@ -16,17 +16,19 @@
 #include <tuple>
 #include <utility>
 
-namespace atrium::bus {
+namespace atrium::presence {
 
 namespace {
 
+using bus::Participant;
+using bus::Presence;
 using Clock = NameClaim::Clock;
 constexpr std::chrono::milliseconds kLook{1000};    // period of the search for incompatible peers
 constexpr std::chrono::milliseconds kJoinStep{20};  // longest wait while the name is claimed
 constexpr std::chrono::seconds kRefresh{10};        // period of Presence: it has the clock's state
 constexpr std::size_t kMaxPresent = 4096;           // limit on data from untrusted senders
 
-using Key = std::tuple<ProgramKind, std::string, std::uint64_t>;
+using Key = std::tuple<bus::ProgramKind, std::string, std::uint64_t>;
 Key key_of(const Presence& presence) { return {presence.kind, presence.name, presence.instance}; }
 
 std::uint64_t draw_instance() {
@@ -53,7 +55,7 @@ std::string host_name() {
                                 (c >= '0' && c <= '9') || c == '_' || c == '.' || c == '-';
         if (!is_allowed) c = '-';
     }
-    text.resize(std::min(text.size(), kMaxNameLength));
+    text.resize(std::min(text.size(), bus::kMaxNameLength));
     return text.empty() ? "unknown" : text;
 }
 
@@ -72,9 +74,9 @@ struct Membership::Impl {
     MembershipEvents events;
     Presence own;
     NameClaim name{own, Clock::now()};
-    std::optional<Writer<Presence>> writer;
-    std::optional<Reader<Presence>> reader;
-    std::optional<Waiter> waiter;
+    std::optional<bus::Writer<Presence>> writer;
+    std::optional<bus::Reader<Presence>> reader;
+    std::optional<bus::Waiter> waiter;
     mutable std::mutex mutex;  // guards `others` and changes of `own`
     std::map<Key, Presence> others;
     std::jthread thread;
@@ -93,13 +95,13 @@ Presence Membership::Impl::make_own(const MembershipOptions& options) {
 }
 
 Expected<void> Membership::Impl::open() {
-    auto made_writer = Writer<Presence>::create(participant);
+    auto made_writer = bus::Writer<Presence>::create(participant);
     if (!made_writer) return tl::unexpected(made_writer.error());
     writer = std::move(*made_writer);
-    auto made_reader = Reader<Presence>::create(participant);
+    auto made_reader = bus::Reader<Presence>::create(participant);
     if (!made_reader) return tl::unexpected(made_reader.error());
     reader = std::move(*made_reader);
-    auto made_waiter = Waiter::create(participant);
+    auto made_waiter = bus::Waiter::create(participant);
     if (!made_waiter) return tl::unexpected(made_waiter.error());
     waiter = std::move(*made_waiter);
     waiter->add(*reader);
@@ -221,4 +223,4 @@ std::vector<Presence> Membership::present() const {
     return list;
 }
 
-}  // namespace atrium::bus
+}  // namespace atrium::presence

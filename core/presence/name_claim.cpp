@@ -1,4 +1,4 @@
-#include "core/bus/name_claim.hpp"
+#include "core/presence/name_claim.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -6,9 +6,11 @@
 #include <ctime>
 #include <tuple>
 
-namespace atrium::bus {
+namespace atrium::presence {
 
 namespace {
+
+using bus::Presence;
 
 // Limit on data from untrusted senders: rivals for one name. More are ignored.
 constexpr std::size_t kMaxOthers = 64;
@@ -84,4 +86,4 @@ std::string describe(const Presence& presence) {
                        fmt::gmtime(start));
 }
 
-}  // namespace atrium::bus
+}  // namespace atrium::presence

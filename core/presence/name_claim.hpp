@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-namespace atrium::bus {
+namespace atrium::presence {
 
 /// Decides whether this process may hold a name, from the Presence samples of the other processes.
 /// Uses neither network nor clock; not thread-safe.
@@ -16,7 +16,7 @@ namespace atrium::bus {
 /// A process first claims its name while it listens for others, then holds it. A holder that is
 /// alive makes the claim fail: it writes its Presence again when it receives the claim. A sample
 /// that it wrote before the two processes discovered each other does not prove that it is alive.
-/// Its reply can be lost in the same way, so a claimant that received one sample only asks again.
+/// Its reply can be lost in the same way, so a claimant that received only one sample asks again.
 /// A silent holder was killed or is cut off: the claimant waits until DDS has lost it. If DDS still
 /// has it after kLease, the claim fails.
 ///
@@ -34,13 +34,13 @@ public:
     /// Period in which a claimant asks a silent holder again.
     static constexpr std::chrono::milliseconds kAskAgain{200};
 
-    NameClaim(const Presence& own, Clock::time_point now)
+    NameClaim(const bus::Presence& own, Clock::time_point now)
         : own_(own), begin_(now), asked_at_(now) {}
 
     /// Call it with each sample received from another process.
-    void see(const Presence& other, Clock::time_point now);
+    void see(const bus::Presence& other, Clock::time_point now);
     /// Call it when the instance of another process has ended.
-    void gone(const Presence& other);
+    void gone(const bus::Presence& other);
 
     enum class Verdict { kWait, kHold, kRefused };
     /// After the first kHold it returns only kHold or kRefused; kRefused then means that the name
@@ -48,7 +48,7 @@ public:
     Verdict decide(Clock::time_point now);
 
     /// The process that the last verdict was about; null if there was none.
-    const Presence* rival() const { return rival_ ? &*rival_ : nullptr; }
+    const bus::Presence* rival() const { return rival_ ? &*rival_ : nullptr; }
     /// True every kAskAgain while the last verdict is to wait for a silent holder. The caller then
     /// writes its Presence again.
     bool should_ask(Clock::time_point now);
@@ -58,23 +58,22 @@ public:
 
 private:
     struct Other {
-        Presence presence;
-        Clock::time_point
-            seen_at;            // holder: its first sample as a holder; claimant: its last claim
-        bool is_alive = false;  // wrote again after its first sample
+        bus::Presence presence;
+        Clock::time_point seen_at;  // first sample as a holder, or last claim
+        bool is_alive = false;      // wrote again after its first sample
     };
-    bool is_rival(const Presence& other) const;
+    bool is_rival(const bus::Presence& other) const;
 
-    Presence own_;
+    bus::Presence own_;
     Clock::time_point begin_;
     Clock::time_point asked_at_;
     bool is_holder_ = false;
     bool was_asked_ = false;
     std::map<std::uint64_t, Other> others_;
-    std::optional<Presence> rival_;
+    std::optional<bus::Presence> rival_;
 };
 
 /// Describes a program: "site 'lab' on host alpha, pid 17, since 2026-05-04T10:00:00Z".
-std::string describe(const Presence& presence);
+std::string describe(const bus::Presence& presence);
 
-}  // namespace atrium::bus
+}  // namespace atrium::presence

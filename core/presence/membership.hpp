@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-namespace atrium::bus {
+namespace atrium::presence {
 
 struct MembershipOptions {
-    ProgramKind kind = ProgramKind::kOther;
+    bus::ProgramKind kind = bus::ProgramKind::kOther;
     std::string name;     // unique among the programs of its kind in the world
     std::string version;  // of Atrium
 };
@@ -33,7 +33,7 @@ public:
     /// Claims the name and blocks until this process holds it: 0.6 s, up to 2 s more if the former
     /// holder was killed and DDS has not lost it yet. Fails with kConfiguration if another process
     /// holds the name (the message has its host and pid), with kUnavailable if `stop` is requested.
-    static Expected<std::unique_ptr<Membership>> join(const Participant& participant,
+    static Expected<std::unique_ptr<Membership>> join(const bus::Participant& participant,
                                                       const MembershipOptions& options,
                                                       MembershipEvents events,
                                                       std::stop_token stop = {});
@@ -42,7 +42,7 @@ public:
     Membership& operator=(const Membership&) = delete;
 
     /// Returns the programs present, this process first. Thread-safe.
-    std::vector<Presence> present() const;
+    std::vector<bus::Presence> present() const;
 
 private:
     struct Impl;
@@ -54,4 +54,4 @@ private:
 /// characters; "unknown" if it is empty.
 std::string host_name();
 
-}  // namespace atrium::bus
+}  // namespace atrium::presence
