@@ -44,7 +44,7 @@ public:
     /// use one of our topics with another type or an incompatible QoS, and thus are never matched.
     /// One line per program, topic and reason, reported once. Call it about once a second.
     /// Thread-safe.
-    std::vector<std::string> take_complaints() const;
+    std::vector<std::string> take_mismatches() const;
 
     struct Impl;
     const std::shared_ptr<Impl>& impl() const { return impl_; }

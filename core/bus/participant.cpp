@@ -121,8 +121,8 @@ Expected<Participant> Participant::create(const BusOptions& options) {
 
 const NetworkReport& Participant::network() const { return impl_->network; }
 
-std::vector<std::string> Participant::take_complaints() const {
-    return impl_->peers.take_complaints();
+std::vector<std::string> Participant::take_mismatches() const {
+    return impl_->peers.take_mismatches();
 }
 
 }  // namespace atrium::bus

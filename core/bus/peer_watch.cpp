@@ -167,7 +167,7 @@ PeerWatch::Registration PeerWatch::watch(WatchedEndpoint endpoint) {
     return registration;
 }
 
-std::vector<std::string> PeerWatch::take_complaints() {
+std::vector<std::string> PeerWatch::take_mismatches() {
     std::vector<std::string> lines;
     const std::lock_guard lock(state_->mutex);
     state_->endpoints_changed |= std::exchange(state_->look_again, false);

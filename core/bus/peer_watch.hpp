@@ -47,7 +47,7 @@ public:
     Registration watch(WatchedEndpoint endpoint);
     /// Returns the mismatches found since the last call: one line per program, topic and reason,
     /// reported once; at most 8 per call.
-    std::vector<std::string> take_complaints();
+    std::vector<std::string> take_mismatches();
 
 private:
     std::shared_ptr<State> state_;

@@ -190,7 +190,7 @@ void Membership::Impl::serve(std::stop_token stop) {
         }
         if (now < next_look) continue;
         next_look = now + kLook;
-        for (const std::string& line : participant.take_complaints()) events.warn(line);
+        for (const std::string& line : participant.take_mismatches()) events.warn(line);
     }
 }
 
