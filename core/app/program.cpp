@@ -61,7 +61,7 @@ std::string say_unknown(const CLI::App& cli) {
     const std::string written = unknown.front().substr(2, unknown.front().find('=') - 2);
     for (const CLI::Option* option : cli.get_options()) {
         for (const std::string& name : option->get_lnames()) {
-            if (config::may_be_meant(written, name))
+            if (config::may_be_misspelling(written, name))
                 return text + fmt::format("; did you mean --{}?", name);
         }
     }
@@ -114,15 +114,14 @@ Start start(const ProgramInfo& info,
         const std::string shown_default =
             entry.default_value.empty() ? "none" : entry.default_value;
         const std::string names =
-            "--" + entry.key + (entry.short_name.empty() ? "" : ",--" + entry.short_name);
+            "--" + entry.key + (entry.alias.empty() ? "" : ",--" + entry.alias);
         auto* option = cli.add_option_function<std::string>(
             names,
-            [&given, key = entry.key, alone = entry.alone](const std::string& text) {
-                given[key] = text.empty() ? alone : text;  // `--headless` alone
-            },
+            [&given, key = entry.key, implicit_value = entry.implicit_value](
+                const std::string& text) { given[key] = text.empty() ? implicit_value : text; },
             entry.help);
         option->type_name(fmt::format("({}; default {})", entry.type_name, shown_default));
-        if (!entry.alone.empty()) option->expected(0, 1);
+        if (!entry.implicit_value.empty()) option->expected(0, 1);
     }
     try {
         cli.parse(argc, argv);

@@ -13,15 +13,15 @@ void declare(BusOptions& options, config::OptionSet& set) {
                          "network of the other programs: loopback (this host), lan (wired), wifi, "
                          "wan (routed), or the path of a Cyclone DDS file",
                          {"loopback", "lan", "wifi", "wan"});
-    set.also_called("network");
+    set.add_alias("network");
     set.add("bus.peers",
             options.peers,
             "additional hosts to discover, \"a,b\"; for wan and networks without multicast");
-    set.also_called("peers");
+    set.add_alias("peers");
     set.add("bus.interface",
             options.interface,
             "network card, for example eth0; empty: the card of the default route");
-    set.also_called("interface");
+    set.add_alias("interface");
     set.add("bus.profiles_file",
             options.profiles_file,
             "QoS profiles (DDS-XML); empty: the built-in copy of qos/profiles.xml");

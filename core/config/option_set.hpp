@@ -37,12 +37,12 @@ public:
              std::string& target,
              const std::string& help,
              const std::vector<std::string>& choices = {});
-    /// `alone` is the value of the option if the command line gives none; empty: a value is
-    /// required.
+    /// `implicit_value` is the value of the option if the command line gives none; empty: a value
+    /// is required.
     void add(const std::string& key,
              std::filesystem::path& target,
              const std::string& help,
-             const std::string& alone = {});
+             const std::string& implicit_value = {});
 
     /// Adds an option that is one of `words` or a path. A relative path in a file is relative to
     /// the file's folder.
@@ -51,7 +51,7 @@ public:
                           const std::string& help,
                           const std::vector<std::string>& words);
     /// Makes `--name` an alias of the last added option on the command line.
-    void also_called(const std::string& name);
+    void add_alias(const std::string& name);
 
     /// Adds a line to `effective()` for a value that is not an option, because only a file can set
     /// it.
@@ -68,11 +68,11 @@ public:
 
     struct Entry {
         std::string key;
-        std::string help;           // includes the unit
-        std::string type_name;      // for example "number in [0, 1]"
-        std::string default_value;  // as text
-        std::string alone;          // value if none is given; empty: a value is required
-        std::string short_name;     // alias on the command line; empty: none
+        std::string help;            // includes the unit
+        std::string type_name;       // for example "number in [0, 1]"
+        std::string default_value;   // as text
+        std::string implicit_value;  // value if none is given; empty: a value is required
+        std::string alias;           // alias on the command line; empty: none
         std::function<void(TableReader&)> read;
         std::function<Expected<void>(const std::string&)> parse;
     };

@@ -364,7 +364,7 @@ std::optional<Error> TableReader::misspelling() const {
     const auto& [node, missing] = document_->missing;
     if (node == nullptr || node->table == nullptr) return std::nullopt;
     for (const auto& [key, value] : node->table->as_table()) {
-        if (node->asked.contains(key) || !may_be_meant(key, missing)) continue;
+        if (node->asked.contains(key) || !may_be_misspelling(key, missing)) continue;
         return Error{ErrorKind::kConfiguration,
                      fmt::format("{}: {}{}: unknown key; did you mean {}, which is missing?",
                                  location(document_->name, value),
