@@ -112,8 +112,9 @@ const char* name_of(Cause cause) {
 
 std::vector<Bottleneck> bottlenecks(const std::optional<Figures>& before, const Figures& now) {
     std::vector<Bottleneck> found;
-    const std::optional<Growth> growth =
-        before && goes_on(*before, now) ? std::optional<Growth>({*before, now}) : std::nullopt;
+    const std::optional<Growth> growth = before && may_be_same_process(*before, now)
+                                             ? std::optional<Growth>({*before, now})
+                                             : std::nullopt;
     const std::string late = growth ? late_text(*growth) : "";
     if (is_short_of_processor(now.processor)) {
         found.push_back({Cause::kMachine,

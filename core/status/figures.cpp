@@ -127,7 +127,7 @@ Figures figures_of(const bus::ViewerStatus& status) {
     return figures;
 }
 
-bool goes_on(const Figures& before, const Figures& now) {
+bool may_be_same_process(const Figures& before, const Figures& now) {
     if (now.time < before.time || !none_went_back(before.work, now.work) ||
         !none_went_back(before.losses, now.losses) || before.cameras.size() != now.cameras.size()) {
         return false;

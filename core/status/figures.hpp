@@ -56,6 +56,6 @@ Figures figures_of(const bus::WorldStatus& status);
 Figures figures_of(const bus::ViewerStatus& status);
 
 /// True if `now` can be of the same process as `before`: neither time nor any counter decreased.
-bool goes_on(const Figures& before, const Figures& now);
+bool may_be_same_process(const Figures& before, const Figures& now);
 
 }  // namespace atrium::status
