@@ -1,4 +1,4 @@
-#include "core/app/user_namespace.hpp"
+#include "core/app/private_network.hpp"
 
 #include "core/base/descriptor.hpp"
 
@@ -99,7 +99,7 @@ Expected<void> add_address(int netlink, int interface_index, unsigned char last_
 
 }  // namespace
 
-Expected<void> enter_own_network() {
+Expected<void> enter_private_network() {
     const auto user = geteuid();  // before unshare: inside, no user is mapped yet
     const auto group = getegid();
     if (unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) return refused("unshare", errno);

@@ -11,7 +11,7 @@ namespace atrium::app {
 ///
 /// Fails with kUnavailable if the kernel does not permit it; the message names the setting to
 /// change.
-Expected<void> enter_own_network();
+Expected<void> enter_private_network();
 
 /// Brings up the loopback interface of this network namespace and adds the addresses 127.0.0.1 to
 /// 127.0.0.`num_addresses` (1 to 254). Each is a separate address, listed by getifaddrs. Existing
