@@ -56,18 +56,18 @@ Registry& registry() {
 
 // Removes Cyclone's name for the settings from its messages. It names them after an environment
 // variable, even if they do not come from there: "(CYCLONEDDS_URI+0 line 7)".
-std::string without_uri_name(std::string said) {
+std::string without_uri_name(std::string text) {
     constexpr std::string_view kName = "CYCLONEDDS_URI+";
-    for (auto at = said.find(kName); at != std::string::npos; at = said.find(kName, at))
-        said.erase(at, said.find_first_not_of("0123456789 ", at + kName.size()) - at);
-    return said;
+    for (auto at = text.find(kName); at != std::string::npos; at = text.find(kName, at))
+        text.erase(at, text.find_first_not_of("0123456789 ", at + kName.size()) - at);
+    return text;
 }
 
 tl::unexpected<Error> describe_failure(std::uint32_t id,
                                        dds_entity_t code,
                                        const std::string& source,
                                        const std::string& log) {
-    const std::string said = log.empty() ? dds_strretcode(code) : log;
+    const std::string text = log.empty() ? dds_strretcode(code) : log;
     if (code == DDS_RETCODE_PRECONDITION_NOT_MET) {
         return make_error(ErrorKind::kUnavailable,
                           fmt::format("DDS domain {} was already opened in this process outside "
@@ -76,7 +76,7 @@ tl::unexpected<Error> describe_failure(std::uint32_t id,
     }
     if (log.find("config:") != std::string::npos)
         return make_error(ErrorKind::kConfiguration,
-                          fmt::format("{}: {}", source, without_uri_name(said)));
+                          fmt::format("{}: {}", source, without_uri_name(text)));
     return make_error(
         ErrorKind::kUnavailable,
         fmt::format("cannot open DDS domain {} with {} ({}). If its ports are in use, stop other "
@@ -84,7 +84,7 @@ tl::unexpected<Error> describe_failure(std::uint32_t id,
                     "network card is missing, choose another with --interface",
                     id,
                     source,
-                    said));
+                    text));
 }
 
 }  // namespace

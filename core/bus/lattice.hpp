@@ -15,7 +15,7 @@ struct Lattice {
     double step_m = 1e-4;
 
     /// Returns the grid point nearest to a finite place, clamped to the grid.
-    std::array<std::uint16_t, 3> coded(const Eigen::Vector3f& place) const;
+    std::array<std::uint16_t, 3> quantised(const Eigen::Vector3f& place) const;
 };
 
 /// Returns the finest lattice that contains all of these finite places [m]. The error per

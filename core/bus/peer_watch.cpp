@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kMaxRead = 4096;  // endpoints read at once
 // Cyclone matches two endpoints shortly after it announces them.
-constexpr std::chrono::seconds kPatience{2};
+constexpr std::chrono::seconds kMatchTimeout{2};
 // Limits on data from untrusted senders.
 constexpr std::size_t kMaxRemembered = 4096;
 constexpr std::size_t kMaxLinesPerCall = 8;
@@ -109,7 +109,7 @@ struct PeerWatch::State {
     Entity participants;   // reader of DCPSParticipant: their processes
     std::list<WatchedEndpoint> endpoints;
     bool endpoints_changed = false;
-    std::set<std::string> said;
+    std::set<std::string> reported;
     std::map<std::pair<dds_entity_t, dds_instance_handle_t>, std::chrono::steady_clock::time_point>
         waiting;              // compatible pairs that are not matched yet, and since when
     bool look_again = false;  // compare all endpoints again, because of `waiting`
@@ -215,8 +215,8 @@ void PeerWatch::State::compare(const dds_builtintopic_endpoint_t& theirs,
                 policy);
         }
         const std::string key = text_of(theirs.participant_key) + ours.topic_name + why;
-        if (said.size() >= kMaxRemembered || lines.size() >= kMaxLinesPerCall) return;
-        if (!said.insert(key).second) continue;
+        if (reported.size() >= kMaxRemembered || lines.size() >= kMaxLinesPerCall) return;
+        if (!reported.insert(key).second) continue;
         lines.push_back(fmt::format("not_heard peer=\"{}\" topic={} reason=\"{}\"",
                                     name_of(theirs.participant_key),
                                     ours.topic_name,
@@ -224,15 +224,15 @@ void PeerWatch::State::compare(const dds_builtintopic_endpoint_t& theirs,
     }
 }
 
-// True if a compatible pair is not matched after kPatience. Its types then differ in their members,
-// which only Cyclone compares.
+// True if a compatible pair is not matched after kMatchTimeout. Its types then differ in their
+// members, which only Cyclone compares.
 bool PeerWatch::State::is_overdue(const WatchedEndpoint& ours, dds_instance_handle_t theirs) {
     const std::pair key{ours.entity, theirs};
     if (is_matched(ours, theirs)) return false;
     const auto now = std::chrono::steady_clock::now();
     if (waiting.size() >= kMaxRemembered) return false;
     const auto since = waiting.emplace(key, now).first->second;
-    if (now - since < kPatience) {
+    if (now - since < kMatchTimeout) {
         look_again = true;
         return false;
     }

@@ -37,7 +37,7 @@ void ReceiveThreads::find() {
     states_.clear();
     std::error_code failure;
     std::filesystem::directory_iterator task("/proc/self/task", failure);
-    is_told_ = !failure;
+    can_list_ = !failure;
     for (; !failure && task != std::filesystem::directory_iterator(); task.increment(failure)) {
         std::string name;
         std::getline(std::ifstream(task->path() / "comm"), name);
@@ -50,10 +50,10 @@ void ReceiveThreads::find() {
 bool ReceiveThreads::are_asleep() {
     if (Clock::now() - found_ >= kFindAgain) {
         find();
-        is_settled_ = true;
+        was_listed_twice_ = true;
     }
-    if (!is_told_) return true;
-    if (!is_settled_) return false;
+    if (!can_list_) return true;
+    if (!was_listed_twice_) return false;
     for (const Descriptor& state : states_) {
         if (!is_asleep(state.get())) return false;
     }

@@ -27,9 +27,9 @@ private:
     using Clock = std::chrono::steady_clock;
     void find();
 
-    std::list<Descriptor> states_;  // /proc/self/task/*/stat
-    bool is_told_ = true;           // /proc/self/task can be read
-    bool is_settled_ = false;       // the threads were listed twice
+    std::list<Descriptor> states_;   // /proc/self/task/*/stat
+    bool can_list_ = true;           // /proc/self/task can be read
+    bool was_listed_twice_ = false;  // the threads were listed twice
     Clock::time_point found_;
 };
 

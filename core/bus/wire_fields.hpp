@@ -52,7 +52,7 @@ inline void put_pose(const geometry::RigidTransform& pose, atrium_Pose& out) {
     put_vector(pose.translation, out.translation);
 }
 
-/// Copies the quaternion as sent. Call `settle` after the check to normalise it.
+/// Copies the quaternion as sent. Call `normalise_rotation` after the check to normalise it.
 inline geometry::RigidTransform get_pose(const atrium_Pose& pose) {
     const auto& [x, y, z, w] = pose.rotation;
     return {Eigen::Quaterniond(w, x, y, z), get_vector(pose.translation)};
@@ -60,7 +60,7 @@ inline geometry::RigidTransform get_pose(const atrium_Pose& pose) {
 
 /// Normalises the rotation, unless its length is 1 up to rounding: a message of ours thus arrives
 /// bit for bit.
-inline void settle(geometry::RigidTransform& pose) {
+inline void normalise_rotation(geometry::RigidTransform& pose) {
     constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
     if (std::abs(pose.rotation.squaredNorm() - 1.0) > kRounding) pose.rotation.normalize();
 }

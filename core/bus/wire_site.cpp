@@ -62,7 +62,7 @@ Expected<SiteDescription> from_wire(const atrium_SiteDescription& wire) {
     message.bounds_site.max = get_vector(wire.bounds_max);
     auto result = checked(std::move(message));
     if (result) {
-        for (auto& camera : result->cameras) settle(camera.camera_from_site);
+        for (auto& camera : result->cameras) normalise_rotation(camera.camera_from_site);
     }
     return result;
 }

@@ -31,7 +31,7 @@ struct Surface {
     Gate right(Gate gate) const { return mesh.twin(mesh.next(gate)); }
     Gate left(Gate gate) const { return mesh.twin(mesh.previous(gate)); }
 
-    void forget(std::size_t num_vertices) {
+    void clear_visited(std::size_t num_vertices) {
         seen_vertices.assign(num_vertices, 0);
         seen_triangles.assign(mesh.num_triangles(), 0);
     }

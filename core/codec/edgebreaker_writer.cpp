@@ -173,7 +173,7 @@ EdgebreakerWriter::Position EdgebreakerWriter::predict(Gate gate) const {
 // The decoder rebuilds the triangles in reverse order, then traverses them again for the positions.
 void EdgebreakerWriter::find_residuals() {
     residuals_.clear();
-    surface_.forget(positions_.size());
+    surface_.clear_visited(positions_.size());
     const auto add_vertex_ahead = [&](Gate gate) {
         const std::uint32_t vertex = surface_.ahead(gate);
         add_residual(positions_[vertex], predict(gate));
@@ -271,7 +271,7 @@ bool EdgebreakerWriter::write(const geometry::TriangleMesh& mesh,
                               int speed,
                               draco::EncoderBuffer& out) {
     if (!surface_.mesh.assign(mesh) || !quantise(mesh, position_bits)) return false;
-    surface_.forget(positions_.size());
+    surface_.clear_visited(positions_.size());
     if (!order_.find(surface_)) return false;
     find_residuals();
     const std::size_t size_before = out.size();

@@ -44,9 +44,11 @@ Eigen::Vector3d colour_of(const aiMaterial& material) {
     return rgb.cwiseMax(0.0).cwiseMin(1.0);
 }
 
-class Taker {
+class PartCollector {
 public:
-    Taker(const aiScene& scene, const std::filesystem::path& file, const ModelLimits& limits)
+    PartCollector(const aiScene& scene,
+                  const std::filesystem::path& file,
+                  const ModelLimits& limits)
         : scene_(scene), file_(file), limits_(limits) {}
 
     Expected<std::vector<ModelPart>> take(const Eigen::Matrix4d& model_from_file) {
@@ -185,7 +187,7 @@ Expected<std::vector<ModelPart>> load_model(const std::filesystem::path& file,
     if (ending == ".gltf" || ending == ".glb")
         model_from_file << 1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1;
     model_from_file.topRows<3>() *= scale;
-    return Taker(*scene, file, limits).take(model_from_file);
+    return PartCollector(*scene, file, limits).take(model_from_file);
 }
 
 }  // namespace atrium::model

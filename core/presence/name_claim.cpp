@@ -51,9 +51,9 @@ NameClaim::Verdict NameClaim::decide(Clock::time_point now) {
     bool waits = now - begin_ < kListen;
     for (const auto& [instance, other] : others_) {
         const Presence& presence = other.presence;
-        const bool stands_before_us = presence.is_holder ? !is_holder_ || is_older(presence, own_)
-                                                         : !is_holder_ && is_older(presence, own_);
-        if (!stands_before_us) continue;
+        const bool has_precedence = presence.is_holder ? !is_holder_ || is_older(presence, own_)
+                                                       : !is_holder_ && is_older(presence, own_);
+        if (!has_precedence) continue;
         rival_ = presence;
         if (presence.is_holder && (is_holder_ || other.is_alive || now - other.seen_at >= kLease))
             return Verdict::kRefused;
