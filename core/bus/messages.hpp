@@ -184,9 +184,9 @@ struct StreamFeedback {
     std::uint32_t num_late = 0;         // samples of frames not newer than a complete one
     std::uint32_t num_samples = 0;      // received meshes and textures
     double payload_bytes_per_s = 0.0;   // of those samples
-    /// The delays compare the clocks of two hosts: they can be negative, and only changes are
-    /// meaningful. Smallest delay of any sample from write to take; 0 without samples.
-    double min_delay_ms = 0.0;
+    /// Delays compare the clocks of two hosts: they can be negative, and only changes are
+    /// meaningful.
+    double min_delay_ms = 0.0;   // smallest of any sample, from write to take; 0 without samples
     double sure_delay_ms = 0.0;  // part of it that was certainly not a wait in the viewer's host
     /// Median from capture to the completion of a frame; without complete frames, the smallest of
     /// any sample.
@@ -306,7 +306,6 @@ struct SiteStatus {
 };
 
 /// The state of a world server. 1 Hz. Counters start with the program.
-
 struct WorldStatus {
     std::string world;
     Timestamp time;
@@ -337,7 +336,6 @@ struct WorldStatus {
 };
 
 /// The state of a viewer. 1 Hz. Counters start with the program.
-
 struct ViewerStatus {
     std::string viewer;
     Timestamp time;
