@@ -1,4 +1,4 @@
-# The three ways in which Atrium makes a target. Folder = module = target; every source is named, nothing is globbed.
+# Functions that define Atrium's libraries, programs and tests. Folder = module = target; every source is listed, none globbed.
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
@@ -6,23 +6,22 @@ if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
     set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
 endif()
 
-# What nearly every source includes is parsed once, which is a good part of the work of a build from nothing. Sources still include
-# what they use: -DATRIUM_PCH=OFF builds without. The flags of the PCH have to be those of the sources, so fmt, which sets one, is linked
-# by all.
+# Precompile the headers that nearly every source includes: they are a large part of a clean build. Sources still include what they
+# use; -DATRIUM_PCH=OFF builds without. The PCH needs the flags of the sources: all targets link fmt, which sets a flag.
 option(ATRIUM_PCH "Precompile the common headers" ON)
-set(CMAKE_PCH_WARN_INVALID OFF) # a target with flags of its own (-pthread) parses the headers itself
+set(CMAKE_PCH_WARN_INVALID OFF) # a target with other flags (-pthread) parses the headers itself
 set(ATRIUM_PCH_HEADERS <algorithm> <array> <chrono> <cmath> <condition_variable> <filesystem> <fstream> <functional> <map>
     <memory> <mutex> <optional> <random> <set> <span> <string> <thread> <vector> <Eigen/Core> <Eigen/Geometry>
     <fmt/format.h> <tl/expected.hpp>)
 set(ATRIUM_TEST_PCH_HEADERS <gtest/gtest.h> <gmock/gmock.h>)
-# Of what tests do themselves; what they test is as fast as ever. Of what sanitizers add, -O1 takes a third longer to compile.
+# Optimisation of test sources only; the tested libraries keep theirs. With sanitizers, -O1 compiles a third longer than -Og.
 set(ATRIUM_TEST_OPTIMISATION $<$<CONFIG:RelWithDebInfo>:-O1> $<$<CONFIG:Sanitize>:-Og>)
 
-# Several sources of a library at once is a good part less work for a build from nothing, and more for one after a change: CI's
-# sanitizer builds want it. Sources still include what they use and name things apart.
+# Compiling a library's sources together makes a clean build faster and a rebuild after a change slower: for CI's sanitizer builds.
+# Sources still include what they use, and their file-local names must differ.
 option(ATRIUM_UNITY "Compile the sources of each library together" OFF)
 
-# _atrium_pch(target code|test): the PCH of this kind is made by a target of its own, the first time one asks for it.
+# _atrium_pch(target code|test): reuses the PCH of this kind. The first call creates the target that builds it.
 function(_atrium_pch target kind)
     target_link_libraries(${target} PRIVATE fmt::fmt)
     if(NOT ATRIUM_PCH)
@@ -45,9 +44,9 @@ endfunction()
 
 function(_atrium_options target)
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wshadow -Wnon-virtual-dtor>
-                           $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-stringop-overflow -Wno-restrict -Wno-array-bounds>) # wrong alarms of g++ 12 in fmt and std::string
+                           $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-stringop-overflow -Wno-restrict -Wno-array-bounds>) # false positives of g++ 12 in fmt and std::string
     if(ATRIUM_UNITY)
-        # a type of one source alone may have members of that source's own types
+        # file-local types may have members of other file-local types
         target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
     endif()
     if(ATRIUM_WERROR)
@@ -70,7 +69,7 @@ function(atrium_library name)
     _atrium_pch(${name} code)
 endfunction()
 
-# atrium_program(name SOURCES main.cpp ... LINK lib ...); the target `programs` is all of them.
+# atrium_program(name SOURCES main.cpp ... LINK lib ...); the target `programs` builds all programs.
 function(atrium_program name)
     cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
     add_executable(${name} ${ARG_SOURCES})
@@ -85,8 +84,7 @@ endfunction()
 
 # atrium_test(name LABELS unit ... SOURCES a_test.cpp ... LINK lib ... [TIMEOUT seconds])
 # One executable and one ctest entry per module; labels: unit property golden fuzz integration gl dds threads.
-# `threads` marks what the ThreadSanitizer run executes; `integration` and `dds`, whose peers have to be in time, have the machine
-# to themselves.
+# `threads` marks the tests of the ThreadSanitizer run. `integration` and `dds` tests depend on timing and run alone.
 function(atrium_test name)
     cmake_parse_arguments(ARG "" "TIMEOUT" "LABELS;SOURCES;LINK" ${ARGN})
     add_executable(${name} ${ARG_SOURCES})
@@ -100,7 +98,7 @@ function(atrium_test name)
         set(ARG_TIMEOUT 300)
     endif()
     if(ATRIUM_SANITIZE)
-        math(EXPR ARG_TIMEOUT "3 * ${ARG_TIMEOUT}") # the limit ends what hangs; it is no bar for what is slow
+        math(EXPR ARG_TIMEOUT "3 * ${ARG_TIMEOUT}") # the limit ends hanging tests, not slow ones
     endif()
     set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
     set_tests_properties(${name} PROPERTIES ENVIRONMENT
@@ -108,7 +106,7 @@ function(atrium_test name)
     if("integration" IN_LIST ARG_LABELS OR "dds" IN_LIST ARG_LABELS)
         set_tests_properties(${name} PROPERTIES RUN_SERIAL ON)
     endif()
-    # `cmake --build build --target tests_threads` builds what `ctest -L threads` runs
+    # for example: `cmake --build build --target tests_threads` builds the tests of `ctest -L threads`
     foreach(label ${ARG_LABELS})
         if(NOT TARGET tests_${label})
             add_custom_target(tests_${label})

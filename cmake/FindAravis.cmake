@@ -1,5 +1,5 @@
-# Aravis 0.8 as Aravis::Aravis. Not through its aravis-0.8.pc: Debian's asks for libusb's development files, which nothing
-# here needs.
+# Finds Aravis 0.8 and defines Aravis::Aravis. Does not use aravis-0.8.pc: Debian's requires libusb's development files, which
+# Atrium does not need.
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(ARAVIS_GLIB IMPORTED_TARGET GLOBAL gio-2.0 gobject-2.0)
 find_path(ARAVIS_INCLUDE_DIR arv.h PATH_SUFFIXES aravis-0.8)

@@ -63,7 +63,7 @@ bool Monitor::listen(Clock::time_point until, std::stop_token stop) {
         inbox_.wait(left);
         inbox_.take(model_);
     }
-    for (const std::string& line : inbox_.participant().take_complaints())
+    for (const std::string& line : inbox_.participant().take_mismatches())
         model_.notice(line, Clock::now());
     return !stop.stop_requested();
 }

@@ -94,7 +94,7 @@ void WorldModel::take(const ProgramKey& key, Figures figures, Clock::time_point 
         if (now - *program->gone_at < kLateStatus) return;
         *program = {};
     }
-    const bool is_same = program->figures && goes_on(*program->figures, figures);
+    const bool is_same = program->figures && may_be_same_process(*program->figures, figures);
     if (is_same)
         program->before = std::move(program->figures);
     else

@@ -2,7 +2,7 @@
 
 #include "core/app/process.hpp"
 #include "core/app/program.hpp"
-#include "core/joining/join_world.hpp"
+#include "core/presence/join_world.hpp"
 #include "core/status/bottleneck.hpp"
 #include "site_node/left_out.hpp"
 #include "site_node/open_source.hpp"
@@ -100,7 +100,7 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& confi
     auto participant = bus::Participant::create(config.bus);
     if (!participant) return tl::unexpected(participant.error());
     const auto end = std::make_shared<RunEnd>();
-    auto member = joining::join_world(
+    auto member = presence::join_world(
         *participant,
         bus::ProgramKind::kSiteNode,
         config.name,
@@ -150,7 +150,7 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
                    Writers writers,
                    bus::Reader<bus::StreamFeedback> feedback,
                    std::shared_ptr<RunEnd> end,
-                   std::unique_ptr<bus::Membership> membership)
+                   std::unique_ptr<presence::Membership> membership)
     : config_(config),
       source_(std::move(source)),
       pipeline_(std::move(pipeline)),

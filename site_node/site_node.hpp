@@ -8,7 +8,7 @@
 #include "core/base/thread_pool.hpp"
 #include "core/base/two_stage_order.hpp"
 #include "core/bus/bus.hpp"
-#include "core/bus/membership.hpp"
+#include "core/presence/membership.hpp"
 #include "site_node/camera_status.hpp"
 #include "site_node/capture/metaframe_assembler.hpp"
 #include "site_node/config.hpp"
@@ -62,7 +62,7 @@ private:
              Writers writers,
              bus::Reader<bus::StreamFeedback> feedback,
              std::shared_ptr<RunEnd> end,
-             std::unique_ptr<bus::Membership> membership);
+             std::unique_ptr<presence::Membership> membership);
 
     void capture_metaframes(std::stop_token stop);
     void hand_over(capture::Metaframe metaframe);
@@ -123,7 +123,7 @@ private:
     app::log::OncePerSecond complaints_;
 
     std::shared_ptr<RunEnd> end_;  // with the membership, which is there first
-    std::unique_ptr<bus::Membership> membership_;
+    std::unique_ptr<presence::Membership> membership_;
 };
 
 }  // namespace atrium::site_node

@@ -53,7 +53,7 @@ void StatusLines::add(const std::string& title, status::Figures figures, Clock::
     Program& program = found->second;
     program.before.reset();
     // one that started again counts from 0: nothing can be said of what it lost
-    if (goes_on(program.now, figures)) program.before = std::move(program.now);
+    if (may_be_same_process(program.now, figures)) program.before = std::move(program.now);
     program.now = std::move(figures);
     program.at = now;
 }

@@ -5,7 +5,7 @@
 #include "core/app/program.hpp"
 #include "core/base/processor_use.hpp"
 #include "core/base/statistics.hpp"
-#include "core/joining/join_world.hpp"
+#include "core/presence/join_world.hpp"
 #include "core/status/bottleneck.hpp"
 #include "viewer/album.hpp"
 #include "viewer/annotations.hpp"
@@ -104,7 +104,7 @@ struct Viewer::Impl {
 
     std::mutex lost_mutex;  // guards the next one
     std::optional<Error> lost;
-    std::unique_ptr<bus::Membership> membership;  // goes first: its thread uses the rest
+    std::unique_ptr<presence::Membership> membership;  // goes first: its thread uses the rest
 
     std::optional<Error> lost_name() {
         const std::lock_guard lock(lost_mutex);
@@ -131,7 +131,7 @@ struct Viewer::Impl {
 };
 
 Expected<void> Viewer::Impl::join(std::stop_token stop) {
-    auto member = joining::join_world(
+    auto member = presence::join_world(
         session->participant(),
         bus::ProgramKind::kViewer,
         config.view.name,

@@ -1,7 +1,7 @@
 #include "viewer/viewer_config.hpp"
 
 #include "core/bus/bus_options.hpp"
-#include "core/bus/membership.hpp"
+#include "core/presence/membership.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -173,7 +173,7 @@ Expected<renderer::ViewCamera> make_view_camera(const ViewConfig& config) {
 std::string name_of_its_own() {
     static std::atomic<int> num_named{0};
     const std::string end = fmt::format("-{}-{}", getpid(), ++num_named);
-    const std::string host = bus::host_name();
+    const std::string host = presence::host_name();
     return "viewer-" + host.substr(0, 63 - std::min<std::size_t>(63, 7 + end.size())) + end;
 }
 

@@ -88,7 +88,7 @@ bus::ObjectProxy make_object_proxy(std::uint32_t object,
     const bus::Lattice lattice = bus::lattice_around(vertices);
     proxy.origin_m = lattice.origin_m;
     proxy.step_m = lattice.step_m;
-    for (const Eigen::Vector3f& v : vertices) proxy.vertices.push_back(lattice.coded(v));
+    for (const Eigen::Vector3f& v : vertices) proxy.vertices.push_back(lattice.quantised(v));
     return proxy;
 }
 

@@ -5,7 +5,7 @@
 #include "core/app/program.hpp"
 #include "core/base/processor_use.hpp"
 #include "core/base/statistics.hpp"
-#include "core/joining/join_world.hpp"
+#include "core/presence/join_world.hpp"
 #include "core/status/bottleneck.hpp"
 #include "world_server/endpoints.hpp"
 #include "world_server/mesh_preparation.hpp"
@@ -39,7 +39,7 @@ struct WorldServer::Impl {
     Impl(const WorldServerConfig& server_config,
          Endpoints server_endpoints,
          std::shared_ptr<Loss> server_loss,
-         std::unique_ptr<bus::Membership> server_membership,
+         std::unique_ptr<presence::Membership> server_membership,
          Scene server_scene);
 
     // the receiving thread, which never decodes
@@ -83,13 +83,13 @@ struct WorldServer::Impl {
     MeshPreparation preparation;  // fed by the receiving thread
 
     std::shared_ptr<Loss> loss;
-    std::unique_ptr<bus::Membership> membership;  // goes first: it uses the endpoints
+    std::unique_ptr<presence::Membership> membership;  // goes first: it uses the endpoints
 };
 
 WorldServer::Impl::Impl(const WorldServerConfig& server_config,
                         Endpoints server_endpoints,
                         std::shared_ptr<Loss> server_loss,
-                        std::unique_ptr<bus::Membership> server_membership,
+                        std::unique_ptr<presence::Membership> server_membership,
                         Scene server_scene)
     : config(server_config),
       endpoints(std::move(server_endpoints)),
@@ -272,7 +272,7 @@ Expected<std::unique_ptr<WorldServer>> WorldServer::create(const WorldServerConf
     auto endpoints = Endpoints::create(config.bus);
     if (!endpoints) return tl::unexpected(endpoints.error());
     const auto loss = std::make_shared<Loss>();
-    auto member = joining::join_world(
+    auto member = presence::join_world(
         endpoints->participant,
         bus::ProgramKind::kWorldServer,
         config.bus.world,

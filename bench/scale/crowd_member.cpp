@@ -3,7 +3,7 @@
 #include "core/app/log.hpp"
 #include "core/app/program.hpp"
 #include "core/bus/bus_options.hpp"
-#include "core/joining/join_world.hpp"
+#include "core/presence/join_world.hpp"
 
 #include <condition_variable>
 #include <mutex>
@@ -33,7 +33,7 @@ int main(int argc, char** argv) {
     if (!descriptions) return app::fail(descriptions.error());
     const auto statuses = bus::Reader<bus::SiteStatus>::create(*participant);
     if (!statuses) return app::fail(statuses.error());
-    const auto membership = joining::join_world(
+    const auto membership = presence::join_world(
         *participant,
         bus::ProgramKind::kOther,
         name,

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/base/timestamp.hpp"
-#include "core/bus/membership.hpp"
+#include "core/presence/membership.hpp"
 
 #include <fmt/format.h>
 
@@ -15,7 +15,7 @@ namespace atrium::bench {
 /// costs nothing any more. With 0 members it says nothing.
 class SayWhenAllAreThere {
 public:
-    SayWhenAllAreThere(const bus::Membership& membership, std::size_t num_members)
+    SayWhenAllAreThere(const presence::Membership& membership, std::size_t num_members)
         : thread_([&membership, num_members](std::stop_token stop) {
               if (num_members == 0) return;
               while (!stop.stop_requested() && membership.present().size() < num_members)

@@ -1,6 +1,6 @@
 #include "bench/scale/own_host.hpp"
 
-#include "core/app/user_namespace.hpp"
+#include "core/app/private_network.hpp"
 #include "core/base/descriptor.hpp"
 
 #include <arpa/inet.h>
@@ -58,7 +58,7 @@ std::chrono::nanoseconds ticks(std::int64_t count) {
 }  // namespace
 
 Expected<void> enter_own_host() {
-    if (auto entered = app::enter_own_network(); !entered) return entered;
+    if (auto entered = app::enter_private_network(); !entered) return entered;
     if (auto up = app::bring_up_loopback(1); !up) return up;
     return allow_multicast();
 }

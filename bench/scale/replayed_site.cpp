@@ -3,7 +3,7 @@
 #include "core/app/log.hpp"
 #include "core/app/program.hpp"
 #include "core/bus/bus_options.hpp"
-#include "core/joining/join_world.hpp"
+#include "core/presence/join_world.hpp"
 
 #include <fmt/format.h>
 
@@ -171,7 +171,7 @@ int main(int argc, char** argv) {
         if (const auto done = bench::make_absurd(stream); !done) return app::fail(done.error());
     const auto participant = value(bus::Participant::create(bus_options));
     ReplayedSite site(participant, name, std::move(stream));
-    const auto membership = value(joining::join_world(
+    const auto membership = value(presence::join_world(
         participant,
         bus::ProgramKind::kSiteNode,
         name,

@@ -2,7 +2,7 @@
 #include "core/app/log.hpp"
 #include "core/app/program.hpp"
 #include "core/bus/bus_options.hpp"
-#include "core/joining/join_world.hpp"
+#include "core/presence/join_world.hpp"
 #include "viewer/session.hpp"
 
 #include <fmt/format.h>
@@ -138,7 +138,7 @@ int main(int argc, char** argv) {
                    argv);
     if (!start.go_on) return start.exit_code;
     Subscriber subscriber(bus_options, name, sites);
-    const auto membership = value(joining::join_world(
+    const auto membership = value(presence::join_world(
         subscriber.participant(),
         bus::ProgramKind::kViewer,
         name,

@@ -9,15 +9,15 @@
 #include <string_view>
 #include <utility>
 
-/// The one structured log: lines `time level program event key=value ...` on standard error,
-/// through spdlog.
+/// Writes the structured log: lines `time level program event key=value ...` on standard error,
+/// through spdlog. Thread-safe.
 namespace atrium::app::log {
 
 enum class Level { kDebug, kInfo, kWarn, kError };
 
 void set_program(const std::string& name);
 void set_level(Level level);
-/// "debug", "info", "warn" or "error"; false for anything else.
+/// Sets the level by name: "debug", "info", "warn" or "error". Returns false for any other name.
 bool set_level(std::string_view name);
 void write(Level level, std::string_view line);
 
@@ -38,15 +38,16 @@ void error(fmt::format_string<Args...> text, Args&&... args) {
     write(Level::kError, fmt::format(text, std::forward<Args>(args)...));
 }
 
-/// Lets one line through per second and says how many it held back: for what a hostile or broken
-/// peer can cause at any rate. Thread-safe.
+/// Logs at most one line per second and adds the number of suppressed lines (`held_back=`). For
+/// events that a hostile or broken peer can cause at any rate. Thread-safe.
 class OncePerSecond {
 public:
     void warn(std::string_view line);
     void info(std::string_view line);
 
 private:
-    /// The line, and how many were held back before it; nothing: it is held back too.
+    /// Returns the line to log with the number of lines suppressed before it; nullopt if this line
+    /// is suppressed as well.
     std::optional<std::string> next(std::string_view line);
 
     std::mutex mutex_;

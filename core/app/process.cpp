@@ -22,8 +22,8 @@ namespace atrium::app {
 void declare(ProcessOptions& options, config::OptionSet& set) {
     set.add("process.nice",
             options.nice,
-            "priority among the programs of this host, -20 goes first, 19 last; 0: as it was "
-            "started; below 0 needs rights",
+            "niceness of this program: -20 highest priority, 19 lowest; 0: as started; below 0 "
+            "needs a privilege",
             {-20, 19});
 }
 
@@ -33,14 +33,14 @@ int apply(const ProcessOptions& options) {
     if (options.nice == 0) return before;
     const int wanted = options.nice < 0 ? options.nice : std::max(options.nice, before);
     int failure = 0;
-    // on Linux each thread has a niceness of its own; some may run already
+    // on Linux each thread has its own niceness; some threads may run already
     std::error_code unreadable;
     for (std::filesystem::directory_iterator thread("/proc/self/task", unreadable), end;
          !unreadable && thread != end;
          thread.increment(unreadable)) {
         const std::string name = thread->path().filename().string();
         const auto id = static_cast<id_t>(std::strtoul(name.c_str(), nullptr, 10));
-        // a thread that ended meanwhile needs none
+        // ESRCH: the thread has ended meanwhile
         if (setpriority(PRIO_PROCESS, id, wanted) != 0 && errno != ESRCH) failure = errno;
     }
     if (unreadable) failure = unreadable.value();
@@ -57,7 +57,7 @@ int apply(const ProcessOptions& options) {
 }
 
 std::optional<std::uint64_t> parse_start_ticks(std::string_view stat) {
-    // the second field is the program's name in parentheses, which may hold anything
+    // the second field is the program's name in parentheses, with any characters inside
     constexpr int kFirstField = 3;
     constexpr int kStartField = 22;
     const std::size_t name_end = stat.rfind(')');

@@ -6,27 +6,28 @@
 #include <optional>
 #include <string_view>
 
-/// The process that a program is: its priority and its age.
+/// Sets the priority of this process and measures its age.
 namespace atrium::app {
 
 struct ProcessOptions {
-    /// -20 goes first, 19 last. 0: as the process was started. Above 0 it is the least: a process
-    /// that was started with more keeps that, so none of these needs rights. Below 0 does.
+    /// Niceness: -20 is the highest priority, 19 the lowest. 0 keeps the process as it was started.
+    /// Above 0 it is a minimum: a process started with more keeps that, thus no privilege is
+    /// needed. Below 0 needs one.
     int nice = 0;
 };
 
 /// Declares `process.nice`; `options` holds the program's default.
 void declare(ProcessOptions& options, config::OptionSet& set);
 
-/// Gives all threads of this process their niceness; threads that start later inherit it. Logs a
-/// warning where the system refuses, and goes on with what it has. Returns the niceness that holds.
+/// Sets the niceness of all threads of this process; later threads inherit it. If the system
+/// refuses, logs a warning and continues. Returns the resulting niceness.
 int apply(const ProcessOptions& options);
 
-/// Time since the kernel started this process [s], in steps of a clock tick (10 ms); 0 where the
-/// system does not tell.
+/// Returns the age of this process [s], in steps of a clock tick (10 ms); 0 if unknown.
 double seconds_since_start();
 
-/// Field 22 of a line of /proc/PID/stat: ticks from the start of the host to that of the process.
+/// Parses field 22 of /proc/PID/stat: clock ticks from the boot of the host to the start of the
+/// process. Returns nullopt if the line is malformed.
 std::optional<std::uint64_t> parse_start_ticks(std::string_view stat);
 
 }  // namespace atrium::app

@@ -53,7 +53,7 @@ std::string in_one_line(std::string lines) {
     return lines;
 }
 
-// Of arguments that no option takes, with the option that may be meant by the first.
+// Error text for unknown arguments, with a suggestion if the first resembles an option.
 std::string say_unknown(const CLI::App& cli) {
     const std::vector<std::string> unknown = cli.remaining();
     std::string text = fmt::format("unexpected: {}", fmt::join(unknown, " "));
@@ -61,8 +61,8 @@ std::string say_unknown(const CLI::App& cli) {
     const std::string written = unknown.front().substr(2, unknown.front().find('=') - 2);
     for (const CLI::Option* option : cli.get_options()) {
         for (const std::string& name : option->get_lnames()) {
-            if (config::may_be_meant(written, name))
-                return text + fmt::format("; is --{} meant?", name);
+            if (config::may_be_misspelling(written, name))
+                return text + fmt::format("; did you mean --{}?", name);
         }
     }
     return text;
@@ -103,7 +103,7 @@ Start start(const ProgramInfo& info,
     cli.footer(info.examples);
     std::filesystem::path config_file;
     cli.add_option(
-           "--config", config_file, "TOML file; its keys are the options below, without the dashes")
+           "--config", config_file, "TOML file; its keys are the options below without the dashes")
         ->type_name("FILE");
     std::string log_level = "info";
     cli.add_option("--log-level", log_level, "debug, info, warn or error")
@@ -114,15 +114,14 @@ Start start(const ProgramInfo& info,
         const std::string shown_default =
             entry.default_value.empty() ? "none" : entry.default_value;
         const std::string names =
-            "--" + entry.key + (entry.short_name.empty() ? "" : ",--" + entry.short_name);
+            "--" + entry.key + (entry.alias.empty() ? "" : ",--" + entry.alias);
         auto* option = cli.add_option_function<std::string>(
             names,
-            [&given, key = entry.key, alone = entry.alone](const std::string& text) {
-                given[key] = text.empty() ? alone : text;  // `--headless` alone
-            },
+            [&given, key = entry.key, implicit_value = entry.implicit_value](
+                const std::string& text) { given[key] = text.empty() ? implicit_value : text; },
             entry.help);
         option->type_name(fmt::format("({}; default {})", entry.type_name, shown_default));
-        if (!entry.alone.empty()) option->expected(0, 1);
+        if (!entry.implicit_value.empty()) option->expected(0, 1);
     }
     try {
         cli.parse(argc, argv);
@@ -153,7 +152,7 @@ Start start(const ProgramInfo& info,
         if (auto set = options.set(key, text, "--" + key); !set)
             return end_with_error(info.name, set.error());
     }
-    // all of it is some thousand characters, in which nobody finds the error that may follow
+    // debug only: several thousand characters would hide a following error
     log::debug("effective options=\"{}\"", in_one_line(options.effective()));
     const bool only_prints = info.only_prints && info.only_prints();
     log::write(only_prints ? log::Level::kDebug : log::Level::kInfo,
@@ -179,11 +178,11 @@ StopOnSignal::StopOnSignal() : impl_(new Impl) {
             int signal = 0;
             if (sigwait(&set, &signal) != 0) continue;
             if (impl->leaving) return;
-            // a terminal and a dying parent may both send one for the same event; later, the user
-            // insists
+            // a terminal and a dying parent can both send a signal for the same event; a later one
+            // means that the user insists
             const auto now = std::chrono::steady_clock::now();
             if (asked && now - *asked < std::chrono::seconds(1)) continue;
-            // not exit(): whatever hangs may hold what destructors wait for
+            // not exit(): a hanging thread may hold what destructors wait for
             if (asked) std::quick_exit(128 + signal);
             asked = now;
             log::info("stopping signal={}", signal);

@@ -8,46 +8,47 @@
 #include <stop_token>
 #include <string>
 
-/// What the programs of Atrium have in common: command line, configuration file, log, Ctrl-C, exit
+/// Provides the common frame of all programs: command line, configuration file, log, signals, exit
 /// codes.
 namespace atrium::app {
 
-// Exit codes: 0 done, 1 failed while running, 2 wrong command line or configuration, 3 something
-// needed is not there.
+/// Returns the exit code of an error: 1 failed while running (kInvalidData, kInternal), 2 wrong
+/// command line or configuration, 3 something required is missing (kNotFound, kUnavailable). 0 is
+/// success.
 int exit_code(const Error& error);
 
-/// Of Atrium, "1.2.3".
+/// Version of Atrium, for example "1.2.3".
 std::string version();
 
 struct ProgramInfo {
     std::string name;
     std::string summary;   // one or two sentences for --help
     std::string examples;  // shown at the end of --help
-    /// Asked once the options are read: true where the program only prints something and ends, so
-    /// that nobody wants to see all options. Empty: never.
+    /// Called after the options are read. True if the program only prints something and ends: its
+    /// start line is then logged at level debug only. Empty: false.
     std::function<bool()> only_prints = {};
 };
 
-/// Called after the declared options were read, for the parts of a file that are not plain options
-/// (tables of objects, ...).
+/// Reads the parts of a configuration file that are not plain options, such as tables of objects.
+/// Called after the declared options are read.
 using ReadMore = std::function<void(config::TableReader&)>;
 
-/// Parses `--config FILE`, `--help`, `--version`, `--log-level`, and every option of `options`; the
-/// command line overrides the file. Returns nothing where the program is to go on, or else the exit
-/// code to end with at once (help, version, an error, which was printed).
+/// Result of `start`: whether the program continues, else the exit code with which it ends at once.
 struct Start {
     bool go_on = false;
     int exit_code = 0;
 };
+/// Parses `--config FILE`, `--help`, `--version`, `--log-level` and every option of `options`. The
+/// command line overrides the file. Prints help, version or the error and tells the program to end.
 Start start(const ProgramInfo& info,
             const config::OptionSet& options,
             int argc,
             char** argv,
             const ReadMore& read_more = {});
 
-/// A stop token that is stopped by SIGINT, SIGTERM or SIGHUP. Call once, at the top of main, before
-/// any thread is started: the signals are blocked in all threads and awaited in one of its own. A
-/// second signal, a second or more after the first, ends the process at once.
+/// Provides a stop token for SIGINT, SIGTERM and SIGHUP. Construct it once, at the top of main,
+/// before any thread starts: it blocks the signals in all threads and waits for them in its own. A
+/// second signal at least one second after the first ends the process at once.
 class StopOnSignal {
 public:
     StopOnSignal();
@@ -64,7 +65,7 @@ private:
 /// Logs the error and returns its exit code.
 int fail(const Error& error);
 
-/// Resident memory of this process [bytes]; 0 where the system does not tell.
+/// Returns the resident memory of this process [bytes]; 0 if unknown.
 std::uint64_t resident_bytes();
 
 }  // namespace atrium::app

@@ -6,7 +6,7 @@
 
 namespace atrium {
 
-/// Closes a file descriptor or socket. Below 0: there is none.
+/// Owns a file descriptor or socket and closes it. Negative: none.
 class Descriptor {
 public:
     explicit Descriptor(int descriptor) : descriptor_(descriptor) {}

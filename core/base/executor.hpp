@@ -5,16 +5,16 @@
 
 namespace atrium {
 
-/// Runs independent tasks. Libraries take one; only programs own the threads behind it.
+/// Runs independent tasks. Libraries receive an executor; only programs own its threads.
 class Executor {
 public:
-    /// A task body that is called as `(task, worker)`, worker < num_workers(). A view: it stores
-    /// nothing.
+    /// Refers to a task body, called as `(task, worker)` with worker < num_workers(). A view: does
+    /// not own the callable.
     class Body {
     public:
         template <typename F>
         requires(!std::is_same_v<std::remove_const_t<F>, Body>)
-            // NOLINTNEXTLINE(google-explicit-constructor): made to be passed a lambda
+            // NOLINTNEXTLINE(google-explicit-constructor): lambdas convert to it
             Body(F& body)
             : context_(const_cast<void*>(static_cast<const void*>(&body))),
               call_([](void* context, std::size_t task, std::size_t worker) {
@@ -35,17 +35,17 @@ public:
     virtual std::size_t num_workers() const = 0;
 
     /// Calls `body` once for every task in [0, num_tasks), in any order, and returns when all are
-    /// done. What `body` throws (want of memory) is thrown again here, once no worker is in `body`
-    /// any more; some tasks may then never have begun.
+    /// done. Rethrows the first exception of `body` (such as std::bad_alloc) after all workers have
+    /// left `body`; some tasks may then not have run.
     virtual void parallel_for(std::size_t num_tasks, Body body) = 0;
 
-    /// A task that takes long calls this every few tens of microseconds with its worker number.
-    /// More urgent tasks of other callers may run here before it returns.
+    /// Lets more urgent tasks of other callers run before it returns. Long tasks call it every few
+    /// tens of microseconds with their worker number.
     virtual void give_way(std::size_t /*worker*/) {}
 };
 
-/// `Executor::give_way` of one task, to be passed on to what takes long in it. By default it does
-/// nothing.
+/// Binds `Executor::give_way` to one task, to pass it to the long functions of that task. Does
+/// nothing without an executor.
 struct GiveWay {
     Executor* executor = nullptr;
     std::size_t worker = 0;
@@ -55,7 +55,7 @@ struct GiveWay {
     }
 };
 
-/// Everything on the calling thread, in order.
+/// Runs all tasks in order on the calling thread.
 class SerialExecutor final : public Executor {
 public:
     std::size_t num_workers() const override { return 1; }

@@ -8,18 +8,18 @@
 
 namespace atrium {
 
-/// Why something from the outside world (file, network, device, display) could not be had.
+/// Classifies failures of the outside world: files, network, devices, display.
 enum class ErrorKind : std::uint8_t {
-    kConfiguration,  // a file, key or option that the user can correct
-    kNotFound,       // a file, device or recording that is not there
-    kInvalidData,    // bytes that are not what they claim to be
-    kUnavailable,    // a port, display or peer that cannot be had now
+    kConfiguration,  // the user can correct a file, key or option
+    kNotFound,       // a file, device or recording is missing
+    kInvalidData,    // received or read bytes are malformed
+    kUnavailable,    // a port, display, peer or device is not available now
     kInternal,       // anything else
 };
 
 struct Error {
     ErrorKind kind = ErrorKind::kInternal;
-    std::string message;  // one line, names the thing and what would be right
+    std::string message;  // one line: names the object and the remedy
 };
 
 template <typename T>

@@ -6,11 +6,11 @@
 
 namespace atrium {
 
-/// The FNV-1a hash of 64 bits: finds damage and tells states apart, but keeps nobody from making
-/// what has a given hash.
+/// Computes the 64-bit FNV-1a hash, to detect damage and to compare states. Not collision-resistant
+/// against an attacker.
 class Fnv1a {
 public:
-    /// Takes a byte, or a whole number as if it were one.
+    /// Adds a byte. Larger numbers are mixed in as one value, not byte by byte.
     void add(std::uint64_t value) { hash_ = (hash_ ^ value) * 1099511628211ULL; }
     std::uint64_t value() const { return hash_; }
 
@@ -18,7 +18,7 @@ private:
     std::uint64_t hash_ = 14695981039346656037ULL;
 };
 
-/// Of bytes: std::uint8_t, or char.
+/// Hashes bytes (std::uint8_t or char).
 template <typename Byte>
 std::uint64_t fnv1a(std::span<const Byte> bytes) {
     static_assert(sizeof(Byte) == 1);

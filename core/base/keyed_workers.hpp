@@ -22,19 +22,18 @@ namespace atrium {
 
 /// Handles the newest value of each key on a small pool of threads.
 ///
-/// Values of one key are handled in the order of their `put`, never two at once. A value that still
-/// waits is replaced by a newer one of its key. Keys are served in the order in which they began to
-/// wait, so that a busy key cannot starve another. A thread is started only when a key has to wait
-/// for one, up to the limit: one key takes one thread, however fast its values come. All functions
-/// but `stop` and the destructor may be called from any thread, also from a handler.
+/// Values of one key are handled in the order of their `put`, one at a time. A newer value replaces
+/// a waiting one of its key. Keys are served in the order in which they began to wait, thus a busy
+/// key cannot starve another. Threads are started on demand, up to the limit: one key uses one
+/// thread at any rate of values. Thread-safe, handlers included, except `stop` and the destructor.
 template <typename Value>
 class KeyedWorkers {
 public:
-    /// `worker` is less than the limit, and differs between handlers that run at the same time: an
-    /// index for scratch memory. Must not throw.
+    /// Handles one value. `worker` is less than max_threads() and differs between concurrent
+    /// handlers: an index for scratch memory. Must not throw.
     using Handle = std::function<void(const std::string& key, Value value, std::size_t worker)>;
 
-    /// `name`, of at most 15 bytes, is what the system calls the threads. At least one is allowed.
+    /// `name` is the name of the threads, at most 15 bytes. `max_threads` 0 means 1.
     KeyedWorkers(std::string name, std::size_t max_threads, Handle handle)
         : name_(std::move(name)),
           max_threads_(std::max<std::size_t>(1, max_threads)),
@@ -43,9 +42,9 @@ public:
     KeyedWorkers(const KeyedWorkers&) = delete;
     KeyedWorkers& operator=(const KeyedWorkers&) = delete;
 
-    /// Never waits for a handler. Returns the value that will not be handled, if any: the one that
-    /// was replaced, or, after `stop`, `value` itself. Throws std::system_error if not even one
-    /// thread can be started.
+    /// Queues a value without waiting for a handler. Returns the value that will not be handled, if
+    /// any: the replaced one or, after `stop`, `value` itself. Throws std::system_error if not even
+    /// one thread can be started.
     std::optional<Value> put(const std::string& key, Value value) {
         std::optional<Value> replaced;
         {
@@ -62,8 +61,8 @@ public:
         return replaced;
     }
 
-    /// Waits for the handlers that run, and ends the threads. Values that wait are dropped. Not
-    /// from a handler.
+    /// Waits for the running handlers and ends the threads. Drops the waiting values. Do not call
+    /// it from a handler.
     void stop() {
         std::vector<std::jthread> threads;
         {
@@ -101,7 +100,7 @@ private:
                 [this, worker](std::stop_token stop) { work(std::move(stop), worker); });
         } catch (const std::system_error&) {
             if (threads_.empty()) throw;
-            return;  // those that are there serve all keys
+            return;  // the existing threads serve all keys
         }
         pthread_setname_np(threads_.back().native_handle(), name_.c_str());
     }
@@ -113,7 +112,7 @@ private:
             const bool has_work = changed_.wait(lock, stop, [this] { return !ready_.empty(); });
             --num_idle_;
             if (!has_work || stop.stop_requested()) return;
-            // stays valid: only who handles a key erases it
+            // stays valid: only the thread that handles a key erases its entry
             const auto entry = entries_.find(ready_.front());
             ready_.pop_front();
             std::optional<Value> value = std::exchange(entry->second.waiting, std::nullopt);
@@ -133,10 +132,10 @@ private:
     const std::string name_;
     const std::size_t max_threads_;
     const Handle handle_;
-    mutable std::mutex mutex_;  // of all that follows
+    mutable std::mutex mutex_;  // guards the members below
     std::condition_variable_any changed_;
-    std::map<std::string, Entry> entries_;  // of keys that wait or are busy
-    std::deque<std::string> ready_;         // keys that wait and are not busy, the oldest first
+    std::map<std::string, Entry> entries_;  // keys that wait or are busy
+    std::deque<std::string> ready_;         // keys that wait and are not busy, oldest first
     std::size_t num_idle_ = 0;              // threads that wait for a key
     std::uint64_t num_replaced_ = 0;
     bool is_stopped_ = false;

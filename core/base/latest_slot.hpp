@@ -9,12 +9,12 @@
 
 namespace atrium {
 
-/// Hand-over between two stages: holds at most one value, and a newer `put` replaces one that was
-/// not taken. Safe for any number of writers and readers; a value is taken once.
+/// Hands the newest value from one stage to another. Holds at most one value; a newer `put`
+/// replaces a value that was not taken. Each value is taken at most once. Thread-safe.
 template <typename T>
 class LatestSlot {
 public:
-    /// Returns true if an unread value was replaced; it is also counted in `num_dropped`.
+    /// Stores a value. Returns true if it replaced one that was not taken; `num_dropped` counts it.
     bool put(T value) {
         bool dropped = false;
         {
@@ -27,14 +27,14 @@ public:
         return dropped;
     }
 
-    /// Waits for a value; nullopt once a stop is requested.
+    /// Waits for a value and takes it; nullopt if a stop is requested.
     std::optional<T> take(std::stop_token stop) {
         std::unique_lock lock(mutex_);
         if (!changed_.wait(lock, stop, [this] { return value_.has_value(); })) return std::nullopt;
         return std::exchange(value_, std::nullopt);
     }
 
-    /// The value that is there now, if any; never waits.
+    /// Takes the value, if there is one; never waits.
     std::optional<T> try_take() {
         const std::lock_guard lock(mutex_);
         return std::exchange(value_, std::nullopt);

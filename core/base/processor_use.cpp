@@ -14,7 +14,7 @@
 namespace atrium {
 namespace {
 
-// Three numbers of at most 20 digits each, two spaces and the end of the line.
+// Three numbers of at most 20 digits each, two spaces and a line end.
 constexpr std::size_t kMaxLine = 64;
 
 std::optional<SchedStat> read_schedstat(int file) {
@@ -26,7 +26,7 @@ std::optional<SchedStat> read_schedstat(int file) {
 
 std::uint64_t process_run_ns() {
     timespec time{};
-    // exact, and with the threads that have ended
+    // exact, and includes ended threads
     if (clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time) != 0) return 0;
     return static_cast<std::uint64_t>(time.tv_sec) * 1'000'000'000U +
            static_cast<std::uint64_t>(time.tv_nsec);
@@ -53,7 +53,7 @@ std::optional<SchedStat> parse_schedstat(std::string_view text) {
     }
     if (at != end && *at == '\n') ++at;
     if (at != end) return std::nullopt;
-    // a thread that was read has run: a kernel without these counts shows zeros
+    // any existing thread has run: zeros mean that the kernel does not count
     if (stat.run_ns == 0 && stat.num_runs == 0) return std::nullopt;
     return stat;
 }
@@ -82,13 +82,13 @@ ProcessorMeter::Waits ProcessorMeter::read_threads() {
             dirfd(folder.get()), (std::string(name) + "/schedstat").c_str(), O_RDONLY | O_CLOEXEC));
         const auto stat = file.get() >= 0 ? read_schedstat(file.get()) : std::nullopt;
         const auto before = threads_.find(thread);
-        if (!stat) {  // it ended just now, the kernel does not count, or no file can be opened now
+        if (!stat) {  // the thread has ended, the kernel does not count, or no file can be opened
             if (before != threads_.end()) threads.insert(*before);
             continue;
         }
         waits.is_known = true;
         threads.emplace(thread, *stat);
-        // lower numbers: a new thread that has the number of one that ended
+        // lower counts: a new thread has reused the id of an ended one
         const bool is_same = before != threads_.end() && before->second.run_ns <= stat->run_ns &&
                              before->second.waited_ns <= stat->waited_ns;
         const std::uint64_t waited_ns =
@@ -107,7 +107,7 @@ ProcessorUse ProcessorMeter::update(Clock::time_point now) {
     const double elapsed_s = std::chrono::duration<double>(now - last_).count();
     use_.run_per_s = seconds(run_ns - use_.run_ns) / elapsed_s;
     use_.waited_per_s = seconds(waits.sum_ns) / elapsed_s;
-    // more than the interval: a wait that began before it
+    // a wait that began before the interval can be longer than it
     use_.longest_wait_per_s = std::min(1.0, seconds(waits.longest_ns) / elapsed_s);
     use_.run_ns = run_ns;
     use_.waited_ns += waits.sum_ns;

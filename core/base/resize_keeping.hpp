@@ -6,9 +6,8 @@
 
 namespace atrium {
 
-/// Resizes `values`, whose elements own memory that is worth keeping: those that are too many wait
-/// in `spare`, as they are, and come back before new ones are made. Elements that are added hold
-/// whatever they did.
+/// Resizes `values` but keeps the memory of its elements: surplus elements move to `spare`, and
+/// return from there before new ones are constructed. Returned elements have their old contents.
 template <typename T>
 void resize_keeping(std::vector<T>& values, std::size_t size, std::vector<T>& spare) {
     while (values.size() > size) {

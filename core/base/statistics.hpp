@@ -10,11 +10,11 @@ namespace atrium {
 struct Quantiles {
     double median_ms = 0.0;
     double p99_ms = 0.0;
-    std::size_t num_samples = 0;  // 0: nothing was measured, the two others mean nothing
+    std::size_t num_samples = 0;  // 0: nothing was measured; the other two are invalid
 };
 
-/// Durations of the last `capacity` events. Not thread-safe; does not allocate after construction
-/// but in `quantiles`.
+/// Keeps the durations of the last `capacity` events. Only the constructor and `quantiles` allocate
+/// memory. Not thread-safe.
 class LatencyWindow {
 public:
     explicit LatencyWindow(std::size_t capacity = 512);
@@ -27,10 +27,10 @@ private:
     std::size_t next_ = 0;
 };
 
-/// Turns counters into rates: events per second between two readings.
+/// Converts a running count to a rate: events per second between two calls.
 class RateMeter {
 public:
-    /// `total` is a running count. Returns the mean rate since the last call, 0 on the first one.
+    /// Returns the mean rate since the last call; 0 on the first. `total` is the running count.
     double update(std::uint64_t total, std::chrono::steady_clock::time_point now);
 
 private:

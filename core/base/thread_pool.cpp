@@ -35,7 +35,7 @@ void ThreadPool::begin(Round& round, std::size_t num_tasks, const Body& body) {
     start_.notify_all();
 }
 
-// Runs tasks of `round` without the lock, which is held before and after.
+// Runs tasks of `round`. Releases the lock meanwhile.
 void ThreadPool::enter(Round& round, std::size_t worker, std::unique_lock<std::mutex>& lock) {
     ++round.num_inside;
     lock.unlock();
@@ -44,7 +44,7 @@ void ThreadPool::enter(Round& round, std::size_t worker, std::unique_lock<std::m
     if (--round.num_inside == 0 && !round.has_task()) round.changed.notify_all();
 }
 
-// Waits for the others.
+// Waits until the other threads have left `round`, then rethrows its failure.
 void ThreadPool::finish(Round& round, std::unique_lock<std::mutex>& lock) {
     round.changed.wait(lock, [&] { return round.num_inside == 0 && !round.has_task(); });
     round.body = nullptr;
@@ -109,7 +109,7 @@ void ThreadPool::work(std::size_t worker) {
     }
 }
 
-// Between two tasks of `round`.
+// True if `worker` has to leave `round` between two tasks, in favour of more urgent work.
 bool ThreadPool::must_leave(const Round& round, std::size_t worker) const {
     if (&round == &urgent_) return false;
     return worker == 0 ? num_priorities_.load(std::memory_order_relaxed) > 0 : urgent_.has_task();
@@ -124,7 +124,7 @@ void ThreadPool::run_tasks(Round& round, std::size_t worker) noexcept {
             (*round.body)(task, worker);
         }
     } catch (...) {
-        round.next_task.store(num_tasks, std::memory_order_relaxed);  // the others need not go on
+        round.next_task.store(num_tasks, std::memory_order_relaxed);  // skip the remaining tasks
         const std::lock_guard lock(mutex_);
         if (!round.failure) round.failure = std::current_exception();
     }

@@ -13,12 +13,13 @@
 
 namespace atrium {
 
-/// Threads that a program owns and lends to its stages. The caller of `parallel_for` works too, as
-/// worker 0, so a pool of n workers has n - 1 threads. One `parallel_for` at a time.
+/// Runs tasks on threads that a program owns and shares among its stages. The caller of
+/// `parallel_for` works too, as worker 0: a pool of n workers has n - 1 threads. One `parallel_for`
+/// at a time.
 ///
-/// `background()` is a second executor on the same threads, for one more caller at the same time.
-/// Its tasks run only where no task of `parallel_for` is left to begin, and while somebody holds
-/// `Priority` its caller does not work itself. So with both in use no more than n threads work.
+/// `background()` is a second executor on the same threads, for one concurrent caller. Its tasks
+/// start only when no task of `parallel_for` is left to start. While a `Priority` exists its caller
+/// does not run tasks. Thus at most n threads run tasks, even with both in use.
 class ThreadPool final : public Executor {
 public:
     /// Throws std::system_error if the threads cannot be created.
@@ -30,9 +31,9 @@ public:
     std::size_t num_workers() const override { return threads_.size() + 1; }
     void parallel_for(std::size_t num_tasks, Body body) override;
 
-    /// Takes the place of one worker for a thread that calls `parallel_for`, from construction to
-    /// destruction, its serial parts included. Hold it on behalf of that thread from before it
-    /// begins. Movable; must not outlive the pool.
+    /// Reserves one worker for a thread that calls `parallel_for`, serial parts of that thread
+    /// included, until destruction. Construct it before the thread starts its work. Movable; must
+    /// not outlive the pool.
     class Priority {
     public:
         Priority() = default;
@@ -51,17 +52,17 @@ public:
         ThreadPool* pool_ = nullptr;
     };
 
-    /// For work that must not delay `parallel_for`. Its tasks call `give_way`.
+    /// Executor for work that must not delay `parallel_for`. Its tasks have to call `give_way`.
     Executor& background() { return background_executor_; }
 
 private:
-    // The tasks of one caller.
+    // The tasks of one `parallel_for`.
     struct Round {
         const Body* body = nullptr;             // valid while the round runs
-        std::atomic<std::size_t> num_tasks{0};  // the two are read without the lock as a hint
+        std::atomic<std::size_t> num_tasks{0};  // this and the next: read without the lock, a hint
         std::atomic<std::size_t> next_task{0};
         std::size_t num_inside = 0;  // threads that may run its tasks
-        std::exception_ptr failure;  // the first
+        std::exception_ptr failure;  // first exception of a task
         std::condition_variable changed;
 
         bool has_task() const {
@@ -101,7 +102,7 @@ private:
     Round background_;
     std::atomic<int> num_priorities_{0};
     Background background_executor_{*this};
-    std::vector<std::jthread> threads_;  // last: they use all of the above
+    std::vector<std::jthread> threads_;  // last: the threads use the members above
 };
 
 }  // namespace atrium

@@ -6,7 +6,7 @@
 
 namespace atrium {
 
-/// Absolute time: nanoseconds since the Unix epoch, the form that times have on the wire.
+/// Absolute time in nanoseconds since the Unix epoch, as on the wire.
 struct Timestamp {
     std::int64_t ns = 0;
 

@@ -9,25 +9,23 @@
 
 namespace atrium {
 
-/// Hands values through two stages that work at the same time, on one thread each: the first makes
-/// a `Made` of each `Offered`, the second takes it. Newest wins, and at most one value waits in
-/// front of each stage.
+/// Passes values through two concurrent stages, one thread each: the first turns each `Offered`
+/// into a `Made`, the second takes it. The newest value wins: at most one waits before each stage.
 ///
-/// What waits for the second stage is dropped when the first begins with something newer. So a
-/// value is dropped exactly where one thread that did both stages would drop it: where a newer one
-/// came before the second stage was free. What the second stage takes is therefore never behind
-/// something newer that would have been used instead. Order is kept, and every drop is counted.
+/// A value that waits for the second stage is dropped when the first begins a newer one. Values are
+/// thus dropped exactly when a single thread for both stages would drop them: if a newer one comes
+/// before the second stage is free. The order is kept, and every drop is counted.
 ///
-/// Thread-safe; the calls of a stage come from one thread at a time.
+/// Thread-safe; only one thread at a time may call the functions of a stage.
 template <typename Offered, typename Made>
 class TwoStageOrder {
 public:
     struct Begun {
         Offered value;
-        std::optional<Made> dropped;  // what had waited for the second stage, for its memory
+        std::optional<Made> dropped;  // dropped before the second stage; its memory can be reused
     };
 
-    /// A new value for the first stage. Replaces one that was not begun.
+    /// Offers a new value to the first stage. Replaces one that it has not begun.
     void offer(Offered value) {
         {
             const std::lock_guard lock(mutex_);
@@ -37,13 +35,13 @@ public:
         was_offered_.notify_one();
     }
 
-    /// First stage: waits for a value; nullopt once a stop is requested.
+    /// First stage: waits for a value and begins it; nullopt if a stop is requested.
     std::optional<Begun> begin(std::stop_token stop) {
         std::unique_lock lock(mutex_);
         if (!was_offered_.wait(lock, stop, [this] { return offered_.has_value(); }))
             return std::nullopt;
         Begun begun{*std::exchange(offered_, std::nullopt), std::nullopt};
-        // what a free second stage was given is as good as begun there
+        // a value handed to a free second stage counts as begun there
         if (made_ && !is_second_free_) {
             begun.dropped = std::exchange(made_, std::nullopt);
             ++num_dropped_;
@@ -51,8 +49,8 @@ public:
         return begun;
     }
 
-    /// First stage: what was begun is ready for the second. Replaces what a free second stage was
-    /// given and has not come to take meanwhile.
+    /// First stage: passes its result to the second. Replaces a value that the second stage, though
+    /// free, has not taken yet.
     void hand_over(Made value) {
         {
             const std::lock_guard lock(mutex_);
@@ -62,7 +60,7 @@ public:
         was_made_.notify_one();
     }
 
-    /// Second stage: is free, and waits for a value; nullopt once a stop is requested.
+    /// Second stage: waits for a value and takes it; nullopt if a stop is requested.
     std::optional<Made> take(std::stop_token stop) {
         std::unique_lock lock(mutex_);
         is_second_free_ = true;

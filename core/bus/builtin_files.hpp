@@ -3,7 +3,7 @@
 #include <array>
 #include <string_view>
 
-/// The files of qos/ that the library carries, as they were when it was built.
+/// Embeds the files of qos/ in the library, as they were at build time.
 namespace atrium::bus {
 
 struct BuiltinNetwork {

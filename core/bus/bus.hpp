@@ -13,35 +13,38 @@
 #include <string>
 #include <vector>
 
-/// Cyclone DDS in C++: the only place of Atrium that includes its headers.
+/// Wraps Cyclone DDS: typed readers and writers for the messages of messages.hpp. Only core/bus
+/// includes Cyclone's headers.
 namespace atrium::bus {
 
 struct BusOptions {
-    std::string world = "atrium";  // the DDS partition: programs of one world hear only each other
+    std::string world = "atrium";  // DDS partition: only programs of the same world are matched
     std::uint32_t domain = 0;      // DDS domain id, 0..230
-    std::string network = "loopback";  // loopback, lan, wifi, wan: files of qos/; or a path
-    std::string peers;                 // hosts to look for besides, "a,b"
-    std::string interface;             // network card; empty: as `network` says, or by itself
-    std::filesystem::path
-        profiles_file;  // OMG DDS-XML profiles, qos/profiles.xml; empty: the built-in copy of it
+    /// loopback, lan, wifi, wan (embedded files of qos/), or the path of a Cyclone DDS file.
+    std::string network = "loopback";
+    std::string peers;  // additional hosts to discover, comma-separated
+    /// Network card. Empty: the one that `network` names, else that of the default route.
+    std::string interface;
+    std::filesystem::path profiles_file;  // OMG DDS-XML; empty: embedded qos/profiles.xml
 };
 
-/// How a process is on the network, for the log.
+/// Describes the network configuration of this process, for the log.
 struct NetworkReport {
     std::string line;                   // kind, card and address, discovery, receive buffer
-    std::vector<std::string> warnings;  // each with its remedy
+    std::vector<std::string> warnings;  // each says what to do
 };
 
-/// This process in one world. Movable; Readers and Writers keep it alive.
+/// Joins this process to one world. Movable; its Readers and Writers keep it alive.
 class Participant {
 public:
     static Expected<Participant> create(const BusOptions& options);
     const NetworkReport& network() const;
 
-    /// Programs in this world that use one of our topics with another type, or with a QoS that does
-    /// not fit ours, so that neither hears the other: one line for each program and topic, once.
-    /// To be asked now and then. Thread-safe.
-    std::vector<std::string> take_complaints() const;
+    /// Returns the incompatible programs found since the last call: programs of this world that
+    /// use one of our topics with another type or an incompatible QoS, and thus are never matched.
+    /// One line per program, topic and reason, reported once. Call it about once a second.
+    /// Thread-safe.
+    std::vector<std::string> take_mismatches() const;
 
     struct Impl;
     const std::shared_ptr<Impl>& impl() const { return impl_; }
@@ -51,19 +54,20 @@ private:
     std::shared_ptr<Impl> impl_;
 };
 
-/// Publishes one topic. `Message` is any struct of messages.hpp. Thread-safe.
+/// Publishes one topic. `Message` is any topic struct of messages.hpp. Thread-safe.
 template <typename Message>
 class Writer {
 public:
     static Expected<Writer> create(const Participant& participant);
-    /// Fails with kInvalidData where `from_wire` at the other end would refuse the message, and
-    /// with kUnavailable where a reader of commands does not keep up or the topic has too many
-    /// keys. Returns the bytes of payload handed over. May wait some ten milliseconds
-    /// (qos/profiles.xml, max_blocking_time): not for a capture thread.
+    /// Checks and writes a sample, and returns its payload in bytes. May block for some ten
+    /// milliseconds (qos/profiles.xml, max_blocking_time): do not call it on a capture thread.
+    /// Fails with kInvalidData if the message does not pass `check`, with kUnavailable if a
+    /// reliable reader does not keep up or the topic has too many instances.
     Expected<std::size_t> write(const Message& message);
-    /// Tells the readers that the message's key (site, object, sender) is gone.
+    /// Disposes and unregisters the instance with the key fields (site, object, sender) of
+    /// `key_holder`.
     Expected<void> dispose(const Message& key_holder);
-    /// Number of readers matched now.
+    /// Number of currently matched readers.
     int num_readers() const;
 
 private:
@@ -73,38 +77,40 @@ private:
 
 struct TakeReport {
     std::size_t num_taken = 0;
-    std::size_t num_rejected = 0;  // failed a check; named in `first_rejection`
-    std::string first_rejection;
+    std::size_t num_rejected = 0;  // samples that failed a check
+    std::string first_rejection;   // why the first of them did; empty: none
 };
 
-/// How a key came to its end.
+/// Why an instance is no longer alive.
 enum class Ending : std::uint8_t {
-    kDisposed,  // its writer said so
-    kLost,      // its writer left without a word: it was killed, or is cut off
+    kDisposed,  // its writer disposed it
+    kLost,      // it has no writers: killed, cut off, or ended without dispose
 };
 
-/// Receives one topic. One thread at a time.
+/// Receives one topic. Only one thread may use it at a time.
 template <typename Message>
 class Reader {
 public:
     static Expected<Reader> create(const Participant& participant);
 
-    /// Hands over, oldest first, each new sample that passed its checks. `on_gone` gets a message
-    /// of which only the key fields are filled, once its writer has left, lost liveliness or
-    /// disposed it; after the last sample of that key, and perhaps more than once. Never waits.
-    /// The functions must not use this reader.
+    /// Passes each new sample that passes its checks to `on_sample`, oldest first. Calls `on_gone`
+    /// when an instance is no longer alive: disposed, or its writers left or lost liveliness. That
+    /// message has only its key fields filled. The call comes after the instance's last sample and
+    /// may be repeated. Never blocks. The callbacks must not use this reader.
     TakeReport take(const std::function<void(Message&&)>& on_sample,
                     const std::function<void(const Message&)>& on_gone = {});
-    /// The same, for who wants to know how a key ended.
+    /// Like `take`, but also reports why the instance ended.
     TakeReport take(const std::function<void(Message&&)>& on_sample,
                     const std::function<void(const Message&, Ending)>& on_gone);
-    /// Like `take`, but also passes when each sample was written, by its writer's clock.
+    /// Like `take`, but also passes the time at which each sample was written, by the writer's
+    /// clock.
     TakeReport take_written(const std::function<void(Message&&, Timestamp written)>& on_sample,
                             const std::function<void(const Message&, Ending)>& on_gone = {});
 
-    /// Number of writers matched now.
+    /// Number of currently matched writers.
     int num_writers() const;
-    /// How often a key went without a sample for longer than the deadline of its QoS profile.
+    /// Number of deadline periods (QoS profile) that passed without a sample of an instance.
+    /// Counted when the next sample of the instance is taken.
     std::uint64_t num_deadlines_missed() const;
 
 private:
@@ -113,15 +119,15 @@ private:
     std::shared_ptr<Impl> impl_;
 };
 
-/// Sleeps until one of several readers has something to take.
+/// Blocks until one of several readers has something to take.
 class Waiter {
 public:
     static Expected<Waiter> create(const Participant& participant);
     template <typename Message>
     void add(const Reader<Message>& reader);
-    /// Returns true when a reader has something, false on the timeout or after `wake`.
+    /// Returns true when a reader has something to take, false on timeout or after `wake`.
     bool wait(std::chrono::milliseconds timeout);
-    /// Ends a `wait` of another thread at once.
+    /// Ends a `wait` in another thread at once.
     void wake();
 
 private:

@@ -5,7 +5,7 @@
 
 namespace atrium::bus {
 
-/// The options that every program has for its bus: `bus.world`, `bus.domain`, `bus.network`,
+/// Declares the bus options that all programs share: `bus.world`, `bus.domain`, `bus.network`,
 /// `bus.peers`, `bus.interface`, `bus.profiles_file`.
 void declare(BusOptions& options, config::OptionSet& set);
 

@@ -14,7 +14,7 @@ namespace atrium::bus {
 
 namespace {
 
-/// Collects the first thing that is wrong with a message. Formats only when something is.
+/// Records the first error of a message. Formats text only for an error.
 class Checker {
 public:
     void name(std::string_view field, std::string_view value) {
@@ -23,11 +23,11 @@ public:
     void model_file(std::string_view field, std::string_view value) {
         if (!is_valid_model_file(value)) {
             fail(field,
-                 "must be a relative path of 1 to 127 characters of [A-Za-z0-9_.-/] without a part "
-                 "that is empty or begins with a dot");
+                 "must be a relative path of 1 to 127 characters of [A-Za-z0-9_.-/] without a "
+                 "component that is empty or begins with a dot");
         }
     }
-    // All comparisons of numbers are written so that NaN fails.
+    // Every comparison of numbers is false for NaN, which thus fails the check.
     void range(std::string_view field, double value, double low, double high) {
         if (!(value >= low && value <= high))
             fail(field, fmt::format("must be in [{}, {}], got {}", low, high, value));
@@ -57,7 +57,7 @@ public:
             fail(field, fmt::format("unknown value {}", static_cast<unsigned>(value)));
     }
     void latency(std::string_view field, const LatencySummary& value) {
-        // negative where the clock of the host that captured is ahead of the one that measured
+        // negative if the capturing host's clock is ahead of the measuring host's
         range(field, value.median_ms, -kMaxStatistic, kMaxStatistic);
         range(field, value.p99_ms, -kMaxStatistic, kMaxStatistic);
     }
@@ -110,7 +110,7 @@ void check_camera(const CameraStatus& camera, Checker& checker) {
 void check_object(const SceneObject& object, Checker& checker) {
     checker.name("SceneObject.name", object.name);
     checker.enumerator("SceneObject.shape", object.shape, Shape::kSoft);
-    // A plane has no third size, and a cloth may be flat.
+    // A plane has only two sizes. Models and soft objects may be flat: checked below.
     const int num_sizes = object.shape == Shape::kPlane ? 2 : 3;
     for (int i = 0; i < num_sizes && object.shape < Shape::kConvex; ++i)
         checker.positive("SceneObject.size_m", object.size_m[i], kMaxCoordinate_m);

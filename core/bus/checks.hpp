@@ -5,14 +5,15 @@
 
 #include <string_view>
 
-/// The rules that every message keeps on both sides of the network (limits.hpp has the numbers). An
-/// error is kInvalidData and names the field and what is allowed.
+/// Checks messages: writers before they send, readers after they receive. limits.hpp has the
+/// bounds. Errors are kInvalidData and name the field and the allowed values.
 namespace atrium::bus {
 
+/// True for 1..63 characters of [A-Za-z0-9_.-].
 bool is_valid_name(std::string_view name);
 
-/// 1..127 characters of [A-Za-z0-9_.-/], relative, no part of it empty or with a dot in front: what
-/// it names lies in the folder that it is appended to.
+/// True for a relative path of 1..127 characters of [A-Za-z0-9_.-/] without a component that is
+/// empty or begins with a dot. The path cannot leave the folder that it is appended to.
 bool is_valid_model_file(std::string_view file);
 
 Expected<void> check(const SiteDescription& message);

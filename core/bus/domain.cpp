@@ -9,7 +9,7 @@ namespace atrium::bus {
 
 namespace {
 
-/// What Cyclone says while it creates a domain is the only place where the reason stands.
+/// Captures Cyclone's log while it creates a domain. Only the log has the reason of a failure.
 class CapturedLog {
 public:
     CapturedLog() { dds_set_log_sink(&CapturedLog::append, this); }
@@ -37,16 +37,15 @@ private:
     std::string text_;
 };
 
-/// The domains that are open. Cyclone's own table of them is global to the process and cannot be
-/// asked with which settings one was made, so this one is global too.
+/// The open domains with their settings. Global, because Cyclone's table of domains is global to
+/// the process; that table does not hold the settings.
 struct Registry {
     struct OpenDomain {
         Entity entity;
         std::string network_xml;
         std::size_t num_shares = 0;
     };
-    std::mutex
-        mutex;  // held while a domain is opened or closed, so that neither overtakes the other
+    std::mutex mutex;  // held while a domain is opened or closed, to serialise the two
     std::map<std::uint32_t, OpenDomain> domains;
 };
 
@@ -55,37 +54,37 @@ Registry& registry() {
     return instance;
 }
 
-// Cyclone knows the settings by the name of an environment variable, as a text within its value:
-// "(CYCLONEDDS_URI+0 line 7)".
-std::string without_its_name(std::string said) {
+// Removes Cyclone's name for the settings from its messages. It names them after an environment
+// variable, even if they do not come from there: "(CYCLONEDDS_URI+0 line 7)".
+std::string without_uri_name(std::string text) {
     constexpr std::string_view kName = "CYCLONEDDS_URI+";
-    for (auto at = said.find(kName); at != std::string::npos; at = said.find(kName, at))
-        said.erase(at, said.find_first_not_of("0123456789 ", at + kName.size()) - at);
-    return said;
+    for (auto at = text.find(kName); at != std::string::npos; at = text.find(kName, at))
+        text.erase(at, text.find_first_not_of("0123456789 ", at + kName.size()) - at);
+    return text;
 }
 
 tl::unexpected<Error> describe_failure(std::uint32_t id,
                                        dds_entity_t code,
                                        const std::string& source,
                                        const std::string& log) {
-    const std::string said = log.empty() ? dds_strretcode(code) : log;
+    const std::string text = log.empty() ? dds_strretcode(code) : log;
     if (code == DDS_RETCODE_PRECONDITION_NOT_MET) {
         return make_error(ErrorKind::kUnavailable,
                           fmt::format("DDS domain {} was already opened in this process outside "
-                                      "Atrium; take another domain",
+                                      "Atrium; choose another domain",
                                       id));
     }
     if (log.find("config:") != std::string::npos)
         return make_error(ErrorKind::kConfiguration,
-                          fmt::format("{}: {}", source, without_its_name(said)));
+                          fmt::format("{}: {}", source, without_uri_name(text)));
     return make_error(
         ErrorKind::kUnavailable,
-        fmt::format("cannot open DDS domain {} with {} ({}). If its ports are taken, end programs "
-                    "that are not needed, raise MaxAutoParticipantIndex or take another domain; if "
-                    "an interface is missing, name one that is there",
+        fmt::format("cannot open DDS domain {} with {} ({}). If its ports are in use, stop other "
+                    "programs, raise MaxAutoParticipantIndex or choose another domain. If the "
+                    "network card is missing, choose another with --interface",
                     id,
                     source,
-                    said));
+                    text));
 }
 
 }  // namespace

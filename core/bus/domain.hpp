@@ -9,11 +9,12 @@
 
 namespace atrium::bus {
 
-/// Share in a DDS domain of this process; the last one closes it.
+/// Shares a DDS domain within this process. The last owner closes it.
 class Domain {
 public:
-    /// Joins the domain that is open, or opens it with the settings `network_xml`. Fails where it
-    /// is open with others, and where Cyclone refuses the settings or finds no free port.
+    /// Joins the open domain, or opens it with the settings `network_xml`; `source` names them in
+    /// errors. Fails with kConfiguration if the domain is open with other settings or Cyclone
+    /// refuses them, with kUnavailable if Cyclone cannot open it, for example without a free port.
     static Expected<Domain> open(std::uint32_t id,
                                  const std::string& network_xml,
                                  const std::string& source);

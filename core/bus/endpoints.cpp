@@ -11,8 +11,8 @@ namespace atrium::bus {
 namespace {
 
 constexpr std::size_t kTakeBatch = 32;
-// A take ends even where a flood refills the reader as fast as it is emptied; 8192 samples, as
-// many as any reader holds by its profile.
+// Bounds a take of 8192 samples, the most that any profile lets a reader hold. A take thus ends
+// even if samples arrive as fast as they are taken.
 constexpr std::size_t kMaxBatchesPerTake = 256;
 
 template <typename Message>
@@ -25,7 +25,7 @@ Expected<Entity> create_topic(const Participant::Impl& participant) {
                fmt::format("topic {}", Topic<Message>::kName));
 }
 
-/// Samples that stay Cyclone's; given back at the end of the scope, also by way of an exception.
+/// Takes samples on loan from Cyclone. Returns them at the end of the scope, exceptions included.
 class Loan {
 public:
     explicit Loan(dds_entity_t reader) : reader_(reader) {
@@ -47,7 +47,7 @@ private:
     int num_samples_ = 0;
 };
 
-// The time comes from the network: whatever it is, differences of it must not overflow.
+// Clamps the time, which is untrusted: differences of two times must not overflow.
 Timestamp when_written(const dds_sample_info_t& info) {
     constexpr dds_time_t kLast = std::numeric_limits<dds_time_t>::max() / 2;
     return {std::clamp<dds_time_t>(info.source_timestamp, 0, kLast)};
@@ -97,7 +97,7 @@ Expected<std::size_t> Writer<Message>::write(const Message& message) {
     if (result == DDS_RETCODE_OUT_OF_RESOURCES) {
         return make_error(
             ErrorKind::kUnavailable,
-            fmt::format("{}: more keys than the QoS profile '{}' allows; dispose some",
+            fmt::format("{}: more instances than the QoS profile '{}' allows; dispose some",
                         Topic<Message>::kName,
                         Topic<Message>::kProfile));
     }
@@ -115,7 +115,7 @@ Expected<void> Writer<Message>::dispose(const Message& key_holder) {
     typename Topic<Message>::Wire key{};
     key_to_wire(key_holder, key);
     if (const auto valid = key_from_wire(key); !valid) return tl::unexpected(valid.error());
-    // Dispose tells the readers; unregister lets the writer forget the key as well.
+    // Dispose tells the readers; unregister frees the instance in the writer.
     dds_return_t result = dds_dispose(impl_->writer.get(), &key);
     if (result >= 0) result = dds_unregister_instance(impl_->writer.get(), &key);
     if (result < 0) {
@@ -194,7 +194,7 @@ TakeReport Reader<Message>::take_written(
         for (int i = 0; i < loan.size(); ++i) {
             const auto& wire = *static_cast<const typename Topic<Message>::Wire*>(loan.sample(i));
             const dds_sample_info_t& info = loan.info(i);
-            // Without valid data only the key is there: the sample tells of a change of state.
+            // Without valid data the sample has only the key and reports a change of state.
             if (info.valid_data) {
                 impl_->deadlines->heard(info.instance_handle, now);
                 if (auto message = from_wire(wire)) {
@@ -204,8 +204,9 @@ TakeReport Reader<Message>::take_written(
                     reject(report, message.error());
                 }
             }
-            // A last sample and the end of its writer may come as one, with valid data. The state
-            // is that of the key now; rank 0 is the key's last sample here.
+            // The last sample and the end of its writer can arrive as one, with valid data. The
+            // instance state is the current one. Rank 0 is the instance's last sample in this
+            // batch.
             if (info.instance_state == DDS_ALIVE_INSTANCE_STATE || info.sample_rank != 0) continue;
             impl_->deadlines->gone(info.instance_handle);
             if (const auto key = key_from_wire(wire)) {

@@ -10,7 +10,7 @@
 #include <memory>
 #include <mutex>
 
-/// What Writers and Readers are made of. Private to core/bus.
+/// Defines the private parts of Writer and Reader. Private to core/bus.
 namespace atrium::bus {
 
 template <typename Message>
@@ -31,7 +31,7 @@ struct Reader<Message>::Impl {
     Entity reader;
     PeerWatch::Registration watched;
     std::unique_ptr<DeadlineCount> deadlines;
-    Entity anything;  // condition: there is something to take
+    Entity anything;  // read condition: true while there is something to take
 };
 
 }  // namespace atrium::bus

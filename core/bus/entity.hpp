@@ -10,7 +10,7 @@
 
 namespace atrium::bus {
 
-/// Owns one entity of Cyclone DDS and, with it, its children.
+/// Owns one Cyclone DDS entity. Deleting it deletes its children.
 class Entity {
 public:
     Entity() = default;
@@ -29,7 +29,8 @@ private:
     dds_entity_t handle_ = 0;
 };
 
-/// Takes what a dds_create_... function returned.
+/// Takes ownership of the result of a dds_create_... function. Fails with kUnavailable if that is
+/// an error; `what` names the entity in the message.
 inline Expected<Entity> own(dds_entity_t handle, std::string_view what) {
     if (handle < 0) {
         return make_error(ErrorKind::kUnavailable,

@@ -7,11 +7,11 @@ namespace atrium::bus {
 namespace {
 
 constexpr double kLargest = 65535.0;
-constexpr double kSmallestStep_m = 1e-6;  // finer than what a float tells at the world's edge
+constexpr double kSmallestStep_m = 1e-6;  // finer than a float's resolution at the world's edge
 
 }  // namespace
 
-std::array<std::uint16_t, 3> Lattice::coded(const Eigen::Vector3f& place) const {
+std::array<std::uint16_t, 3> Lattice::quantised(const Eigen::Vector3f& place) const {
     const auto code = [this](double offset_m) {
         return static_cast<std::uint16_t>(std::clamp(std::round(offset_m / step_m), 0.0, kLargest));
     };

@@ -6,19 +6,20 @@
 #include <cstdint>
 #include <span>
 
-/// Places in 16 bits a coordinate.
+/// Quantises points to 16 bits per coordinate.
 namespace atrium::bus {
 
+/// A regular grid of 65536 points per axis: p = origin_m + step_m * (x, y, z).
 struct Lattice {
     Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
     double step_m = 1e-4;
 
-    /// The nearest point of the lattice to a finite place.
-    std::array<std::uint16_t, 3> coded(const Eigen::Vector3f& place) const;
+    /// Returns the grid point nearest to a finite place, clamped to the grid.
+    std::array<std::uint16_t, 3> quantised(const Eigen::Vector3f& place) const;
 };
 
-/// The finest one that reaches around all of these finite places: each is off by half a step at
-/// most. Steps are 1 um and more.
+/// Returns the finest lattice that contains all of these finite places [m]. The error per
+/// coordinate is at most half a step. The step is at least 1 um.
 Lattice lattice_around(std::span<const Eigen::Vector3f> places);
 
 }  // namespace atrium::bus

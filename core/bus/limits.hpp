@@ -3,13 +3,13 @@
 #include <cstddef>
 #include <cstdint>
 
-/// What a sample may hold; more is refused at both ends. Those that bound sequences stand in idl/
-/// as well.
+/// Bounds the contents of samples. Writers and readers reject what exceeds them. The bounds of
+/// sequences are repeated in idl/.
 namespace atrium::bus {
 
 inline constexpr std::size_t kMaxNameLength = 63;
 inline constexpr std::size_t kMaxCamerasPerSite = 64;
-inline constexpr std::size_t kMaxCodedBytes = 8U << 20U;  // 30 times the largest sample foreseen
+inline constexpr std::size_t kMaxCodedBytes = 8U << 20U;  // 30 times the largest expected sample
 inline constexpr std::size_t kMaxObjects = 2048;          // a SceneState then has 0.23 MB
 inline constexpr std::size_t kMaxModelFileLength = 127;
 inline constexpr std::size_t kMaxSoftNodes = 4096;  // a SoftBodyState then has 25 kB
@@ -22,7 +22,7 @@ inline constexpr std::size_t kMaxProxyEdges = 12288;
 inline constexpr double kMaxModelScale = 1e4;  // [m] per unit of a model
 inline constexpr double kMaxFriction = 10.0;
 inline constexpr double kMaxThickness_m = 1.0;
-inline constexpr double kMaxSoftStep_m = 1.0;  // of a quantised node
+inline constexpr double kMaxSoftStep_m = 1.0;  // quantisation step of nodes
 inline constexpr double kMaxProxyStep_m = 1.0;
 inline constexpr int kMaxImageSide_px = 16384;
 inline constexpr double kMaxCoordinate_m = 1e5;
@@ -31,9 +31,10 @@ inline constexpr double kMaxMass_kg = 1e6;          // impulses: kMaxMass_kg * 1
 inline constexpr double kMaxIntrinsic = 1e7;        // fx, fy, cx, cy, skew [px], distortion
 inline constexpr double kMaxStatistic = 1e15;       // rates, latencies
 inline constexpr std::uint32_t kMaxSendEvery = 64;  // StreamState::send_every
-/// Of a quaternion's length from 1; what is nearer is normalised, what is farther is refused.
+/// Largest deviation of a quaternion's length from 1. Within it readers normalise, beyond it they
+/// reject the sample.
 inline constexpr double kQuaternionTolerance = 1e-3;
-/// The year 2116: differences of two times then cannot overflow.
+/// The year 2116. Differences of two times within it cannot overflow.
 inline constexpr std::int64_t kMaxTime_ns = std::int64_t{1} << 62;
 
 }  // namespace atrium::bus

@@ -15,15 +15,15 @@ namespace {
 
 std::ptrdiff_t num_line_ends(std::string_view text) { return std::ranges::count(text, '\n'); }
 
-/// Puts line ends between the elements of a document, so that each is on the line that it has in
-/// `xml`, from which the document was parsed.
+/// Inserts line ends between the elements of a document: each element gets the line number that it
+/// has in `xml`, from which the document was parsed.
 class LineKeeper : public pugi::xml_tree_walker {
 public:
     explicit LineKeeper(std::string_view xml) : xml_(xml) {}
 
     void keep_lines(pugi::xml_node root) {
         root.traverse(*this);
-        std::ptrdiff_t line = 0;  // of what has been passed; the root is on the first
+        std::ptrdiff_t line = 0;  // current line of the output, from 0
         for (const auto& [node, line_there] : found_) {
             if (node.type() != pugi::node_element) {
                 line += num_line_ends(node.value());
@@ -81,11 +81,10 @@ Expected<std::string> parse_network_file(std::string_view xml, const std::string
 Expected<std::string> load_network_file(const std::filesystem::path& file) {
     const auto text = read_text_file(file);
     if (!text) {
-        // a word that is no file is more likely a typo on the command line than a file that is gone
+        // a single word is more likely a mistyped option than a missing file
         const bool is_word = !file.has_parent_path() && !file.has_extension();
         return make_error(is_word ? ErrorKind::kConfiguration : text.error().kind,
-                          "bus.network: must be loopback, lan, wifi, wan, or a file that can be "
-                          "read; " +
+                          "bus.network: must be loopback, lan, wifi, wan, or a readable file; " +
                               text.error().message);
     }
     return parse_network_file(*text, file.string());

@@ -8,15 +8,16 @@
 
 namespace atrium::bus {
 
-/// The whole file; kNotFound where it cannot be read.
+/// Reads the whole file. Fails with kNotFound if it cannot be read.
 Expected<std::string> read_text_file(const std::filesystem::path& file);
 
-/// Checks that the text is XML with the root <CycloneDDS> and returns it without comments and
-/// declaration, which is what Cyclone takes, each element on the line that it had; what stands in
-/// it Cyclone checks itself. `source` names the text in errors.
+/// Checks that the text is XML with the root <CycloneDDS>, and returns it without comments and
+/// declaration, as Cyclone expects it. Each element keeps its line number for Cyclone's errors.
+/// Cyclone checks the contents itself. `source` names the text in errors (kConfiguration).
 Expected<std::string> parse_network_file(std::string_view xml, const std::string& source);
 
-/// Of the file.
+/// Reads and parses a file. If it cannot be read: kConfiguration for a single word (a mistyped
+/// network name), else kNotFound.
 Expected<std::string> load_network_file(const std::filesystem::path& file);
 
 }  // namespace atrium::bus

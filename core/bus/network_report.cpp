@@ -9,12 +9,12 @@ namespace atrium::bus {
 
 namespace {
 
-// A metaframe of eight cameras in full size has some 1.5 MB: mesh and textures are written in one
-// go. Two of them may meet where two sites have the same beat.
+// A metaframe of eight cameras at full size has about 1.5 MB, mesh and textures, and is written at
+// once. The metaframes of two sites can coincide.
 constexpr std::size_t kBytesAtOnce = 3U << 20U;
 constexpr std::size_t kRemedyBytes = 16U << 20U;
 
-/// What the kernel lets a socket have that asks for `wanted`; 0 where it does not tell.
+/// Receive buffer [bytes] that the kernel grants a socket that asks for `wanted`; 0 if unknown.
 std::size_t granted_receive_buffer(std::size_t wanted) {
     const int probe = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     if (probe < 0) return 0;
@@ -24,7 +24,7 @@ std::size_t granted_receive_buffer(std::size_t wanted) {
     ::setsockopt(probe, SOL_SOCKET, SO_RCVBUF, &size, sizeof size);
     const int status = ::getsockopt(probe, SOL_SOCKET, SO_RCVBUF, &granted, &length);
     ::close(probe);
-    // the kernel doubles what it was asked for, for its own book-keeping, and tells the double
+    // the kernel doubles the requested size for its book-keeping and reports the double
     return status == 0 ? static_cast<std::size_t>(granted) / 2 : 0;
 }
 
@@ -50,25 +50,26 @@ NetworkReport report_network(const NetworkSettings& settings) {
     if (granted < kBytesAtOnce) {
         report.warnings.push_back(
             fmt::format("the receive buffer, {} kB, holds less than two frames of {} kB: samples "
-                        "will be lost and sent again; sysctl -w net.core.rmem_max={}",
+                        "will be lost and sent again; run sysctl -w net.core.rmem_max={}",
                         granted >> 10U,
                         kBytesAtOnce >> 11U,
                         kRemedyBytes));
     }
     if (settings.kind == "loopback" && settings.has_remote_peers) {
         report.warnings.emplace_back(
-            "bus.peers names other hosts, which bus.network = loopback does "
-            "not reach; --network lan, wifi or wan");
+            "bus.peers names other hosts, but bus.network = loopback reaches only this one; use "
+            "--network lan, wifi or wan");
     }
     const bool stays_here = settings.card.empty() || settings.address.rfind("127.", 0) == 0;
     if (settings.kind != "loopback" && stays_here && settings.has_remote_peers) {
         report.warnings.emplace_back(
-            "no network card leads to other hosts; name one with --interface "
-            "once it is up");
+            "no active network card reaches other hosts; bring one up and name it with "
+            "--interface");
     }
     if (settings.kind == "wan" && !settings.has_remote_peers) {
         report.warnings.emplace_back(
-            "wan knows no other hosts, and will find programs of this one alone; --peers A,B");
+            "bus.network = wan without bus.peers finds only programs of this host; name the other "
+            "hosts with --peers A,B");
     }
     return report;
 }

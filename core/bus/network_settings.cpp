@@ -20,7 +20,7 @@ namespace atrium::bus {
 
 namespace {
 
-// What Cyclone DDS asks for where a file does not say.
+// Cyclone's default if the file does not set SocketReceiveBufferSize.
 constexpr std::size_t kDefaultReceiveBufferBytes = 1U << 20U;
 
 std::vector<std::string> split(const std::string& list) {
@@ -42,8 +42,8 @@ Expected<std::string> resolve(const std::string& host) {
     const int status = ::getaddrinfo(host.c_str(), nullptr, &hints, &found);
     if (status != 0) {
         return make_error(ErrorKind::kConfiguration,
-                          fmt::format("bus.peers: '{}' cannot be resolved ({}); give an IPv4 "
-                                      "address, or a name that this host knows",
+                          fmt::format("bus.peers: '{}' cannot be resolved ({}); use an IPv4 "
+                                      "address or a host name that this host can resolve",
                                       host,
                                       ::gai_strerror(status)));
     }
@@ -62,13 +62,12 @@ Expected<NetworkCard> find_card(const std::string& name) {
     }
     return make_error(
         ErrorKind::kConfiguration,
-        fmt::format("bus.interface: there is no '{}' that is up and has an IPv4 address; there "
-                    "are:{}",
+        fmt::format("bus.interface: '{}' is missing, down or without an IPv4 address; available:{}",
                     name,
                     there));
 }
 
-/// The card of the default route, or else the first that leads somewhere.
+/// The card of the default route; without one, the first card that is up and not loopback.
 std::optional<NetworkCard> usual_card() {
     std::string wanted;
     std::ifstream routes("/proc/net/route");
@@ -97,7 +96,7 @@ pugi::xml_node child(pugi::xml_node parent, const char* name) {
 class DomainElement {
 public:
     explicit DomainElement(const std::string& xml) {
-        // with the line ends between the elements, for Cyclone's errors
+        // keep the line ends between the elements, for the line numbers in Cyclone's errors
         document_.load_string(xml.c_str(), pugi::parse_default | pugi::parse_ws_pcdata);
         domain_ = child(document_.document_element(), "Domain");
     }
@@ -213,7 +212,7 @@ Expected<void> enter_peers(const BusOptions& options,
         settings.has_remote_peers |= !is_this_host(*address);
         domain.add_peer(*address);
     }
-    // without multicast, the programs of one's own host are found like those of others
+    // without multicast, programs of this host are found only as peers
     if (is_builtin && !settings.multicast && !settings.address.empty())
         domain.add_peer(settings.address);
     settings.peers = domain.peers();

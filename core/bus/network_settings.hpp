@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-/// What `BusOptions` say of the network, as the settings that Cyclone DDS takes.
+/// Turns `BusOptions` into the settings of Cyclone DDS.
 namespace atrium::bus {
 
 /// A network card with an IPv4 address.
@@ -18,26 +18,26 @@ struct NetworkCard {
 };
 
 struct NetworkSettings {
-    std::string xml;     // for dds_create_domain
-    std::string source;  // names it in errors: "network lan", or the file
-    std::string kind;    // loopback, lan, wifi, wan, or the file
-    std::string card;    // name; empty: the file leaves it to Cyclone
-    std::string address;
-    bool multicast = false;                // programs are found by it
-    std::vector<std::string> peers;        // IPv4 addresses, those of the file as they stand there
-    bool has_remote_peers = false;         // given as an option, not this host
-    std::size_t receive_buffer_bytes = 0;  // asked for
+    std::string xml;                 // for dds_create_domain
+    std::string source;              // names the settings in errors: "network lan", or the file
+    std::string kind;                // loopback, lan, wifi, wan, or the file
+    std::string card;                // name; empty: the file leaves it to Cyclone
+    std::string address;             // of the card, IPv4; empty: unknown
+    bool multicast = false;          // discovery uses multicast
+    std::vector<std::string> peers;  // IPv4 addresses; those of the file unchanged
+    bool has_remote_peers = false;   // the option bus.peers names another host
+    std::size_t receive_buffer_bytes = 0;  // requested size
 };
 
-/// Of this host.
+/// Lists the cards of this host that have an IPv4 address.
 std::vector<NetworkCard> network_cards();
 
-/// Reads the file, built in or not, and enters peers and card. Fails with kConfiguration naming a
-/// peer that cannot be resolved or a card that is not there or not up, kNotFound for a file.
+/// Reads the embedded or given file and enters peers and card. Fails with kConfiguration for a peer
+/// that cannot be resolved and for a card that is missing or down, and as load_network_file does.
 Expected<NetworkSettings> load_network_settings(const BusOptions& options);
 
-/// Asks the kernel what it grants a socket that asks for so much, and puts into words how this
-/// process is on the network.
+/// Describes the settings for the log, with warnings. Asks the kernel which receive buffer it
+/// grants.
 NetworkReport report_network(const NetworkSettings& settings);
 
 }  // namespace atrium::bus

@@ -10,7 +10,7 @@ namespace atrium::bus {
 
 namespace {
 
-// Cyclone computes ports from the domain's id, 7400 + 250 id and more; beyond this they do not fit.
+// Cyclone uses the ports from 7400 + 250 * domain; above this domain they exceed 65535.
 constexpr std::uint32_t kMaxDomain = 230;
 
 dds_duration_t to_dds(std::chrono::nanoseconds duration) {
@@ -56,7 +56,8 @@ Expected<void> check_profiles(const QosProfiles& profiles, const BusOptions& opt
         if (!profiles.contains(name)) {
             return make_error(
                 ErrorKind::kConfiguration,
-                fmt::format("{}: lacks the profile '{}'", options.profiles_file.string(), name));
+                fmt::format(
+                    "{}: the profile '{}' is missing", options.profiles_file.string(), name));
         }
     }
     return {};
@@ -68,7 +69,7 @@ QosPointer make_writer_qos(const EndpointQos& qos) {
     QosPointer out = make_qos(qos);
     dds_qset_lifespan(out.get(), to_dds(qos.lifespan));
     dds_qset_deadline(out.get(), to_dds(qos.deadline));
-    // A key is gone with its last writer: one of two that leaves must not take it from the other.
+    // No autodispose: an instance with two writers must stay alive when one of them leaves.
     dds_qset_writer_data_lifecycle(out.get(), false);
     if (qos.transient_local) {
         dds_qset_durability_service(out.get(),
@@ -82,8 +83,8 @@ QosPointer make_writer_qos(const EndpointQos& qos) {
     return out;
 }
 
-// Without the deadline: a reader of Cyclone DDS 0.10 that has missed one no longer hears that the
-// writer of that key has gone. Reader counts what it misses itself.
+// Leaves out the deadline: after a missed deadline a reader of Cyclone DDS 0.10 is no longer told
+// that the instance's writer has left. Reader counts missed deadlines itself (DeadlineCount).
 QosPointer make_reader_qos(const EndpointQos& qos) { return make_qos(qos); }
 
 Expected<Participant> Participant::create(const BusOptions& options) {
@@ -120,8 +121,8 @@ Expected<Participant> Participant::create(const BusOptions& options) {
 
 const NetworkReport& Participant::network() const { return impl_->network; }
 
-std::vector<std::string> Participant::take_complaints() const {
-    return impl_->peers.take_complaints();
+std::vector<std::string> Participant::take_mismatches() const {
+    return impl_->peers.take_mismatches();
 }
 
 }  // namespace atrium::bus

@@ -19,13 +19,13 @@ QosPointer make_writer_qos(const EndpointQos& qos);
 QosPointer make_reader_qos(const EndpointQos& qos);
 
 struct Participant::Impl {
-    // Destroyed from the last to the first.
+    // The order matters: members are destroyed from the last to the first.
     Domain domain;
     QosProfiles profiles;
     NetworkReport network;
     Entity participant;
-    Entity publisher;   // in the partition of the world, like
-    Entity subscriber;  // this one
+    Entity publisher;   // in the world's partition
+    Entity subscriber;  // in the world's partition
     PeerWatch peers;
 };
 

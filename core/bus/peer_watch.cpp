@@ -14,10 +14,10 @@ namespace atrium::bus {
 
 namespace {
 
-constexpr int kMaxRead = 4096;  // endpoints looked at in one go
-// Cyclone matches two endpoints a little after it announced the one to the other.
-constexpr std::chrono::seconds kPatience{2};
-// What strangers can make us remember and say.
+constexpr int kMaxRead = 4096;  // endpoints read at once
+// Cyclone matches two endpoints shortly after it announces them.
+constexpr std::chrono::seconds kMatchTimeout{2};
+// Limits on data from untrusted senders.
 constexpr std::size_t kMaxRemembered = 4096;
 constexpr std::size_t kMaxLinesPerCall = 8;
 
@@ -69,7 +69,7 @@ bool is_matched(const WatchedEndpoint& ours, dds_instance_handle_t theirs) {
     return std::find(matched.begin(), end, theirs) != end;
 }
 
-/// Text of a stranger, for the log: printable and short.
+/// Returns a property from an untrusted sender for the log: at most 64 printable characters.
 std::string property(const dds_qos_t* qos, const char* key) {
     char* value = nullptr;
     if (!dds_qget_prop(qos, key, &value) || value == nullptr) return {};
@@ -79,7 +79,7 @@ std::string property(const dds_qos_t* qos, const char* key) {
     return text;
 }
 
-/// Calls `visit` with each valid sample that a reader of a built-in topic has; leaves them there.
+/// Calls `visit` with each valid sample of a built-in topic's reader. Reads, does not take.
 template <typename Visit>
 void each(dds_entity_t reader, std::uint32_t which, Visit&& visit) {
     std::vector<void*> samples(static_cast<std::size_t>(kMaxRead), nullptr);
@@ -92,7 +92,7 @@ void each(dds_entity_t reader, std::uint32_t which, Visit&& visit) {
     if (num > 0) dds_return_loan(reader, samples.data(), num);
 }
 
-/// The part of a GUID that names the participant.
+/// The participant's part of a GUID in hexadecimal.
 std::string text_of(const dds_guid_t& guid) {
     std::string text;
     for (std::size_t i = 0; i < 12; ++i) text += fmt::format("{:02x}", guid.v[i]);
@@ -104,15 +104,15 @@ std::string text_of(const dds_guid_t& guid) {
 struct PeerWatch::State {
     std::mutex mutex;
     std::string world;
-    Entity publications;   // built-in topics: who writes,
-    Entity subscriptions;  // who reads,
-    Entity participants;   // and whose they are
+    Entity publications;   // reader of DCPSPublication: the writers in the domain
+    Entity subscriptions;  // reader of DCPSSubscription: the readers in the domain
+    Entity participants;   // reader of DCPSParticipant: their processes
     std::list<WatchedEndpoint> endpoints;
     bool endpoints_changed = false;
-    std::set<std::string> said;
+    std::set<std::string> reported;
     std::map<std::pair<dds_entity_t, dds_instance_handle_t>, std::chrono::steady_clock::time_point>
-        waiting;              // pairs that should be matched and are not, and since when
-    bool look_again = false;  // at what was looked at, because of them
+        waiting;              // compatible pairs that are not matched yet, and since when
+    bool look_again = false;  // compare all endpoints again, because of `waiting`
 
     void look(const Entity& builtin, bool theirs_write, std::vector<std::string>& lines);
     void compare(const dds_builtintopic_endpoint_t& theirs,
@@ -141,15 +141,15 @@ Expected<PeerWatch> PeerWatch::create(dds_entity_t participant, const std::strin
     watch.state_->world = world;
     auto publications =
         own(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
-            "a reader of who writes");
+            "a reader of DCPSPublication");
     if (!publications) return tl::unexpected(publications.error());
     auto subscriptions =
         own(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr),
-            "a reader of who reads");
+            "a reader of DCPSSubscription");
     if (!subscriptions) return tl::unexpected(subscriptions.error());
     auto participants =
         own(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr),
-            "a reader of who is there");
+            "a reader of DCPSParticipant");
     if (!participants) return tl::unexpected(participants.error());
     watch.state_->participants = std::move(*participants);
     watch.state_->publications = std::move(*publications);
@@ -167,7 +167,7 @@ PeerWatch::Registration PeerWatch::watch(WatchedEndpoint endpoint) {
     return registration;
 }
 
-std::vector<std::string> PeerWatch::take_complaints() {
+std::vector<std::string> PeerWatch::take_mismatches() {
     std::vector<std::string> lines;
     const std::lock_guard lock(state_->mutex);
     state_->endpoints_changed |= std::exchange(state_->look_again, false);
@@ -177,8 +177,8 @@ std::vector<std::string> PeerWatch::take_complaints() {
     return lines;
 }
 
-// What was looked at is looked at again only once there is something of ours to compare it with
-// that was not there before.
+// Reads only new samples, or all of them if an endpoint of this process was added or a pair is
+// waiting.
 void PeerWatch::State::look(const Entity& builtin,
                             bool theirs_write,
                             std::vector<std::string>& lines) {
@@ -203,20 +203,20 @@ void PeerWatch::State::compare(const dds_builtintopic_endpoint_t& theirs,
         const auto policy =
             theirs_write ? incompatible_policy(qos, ours.qos) : incompatible_policy(ours.qos, qos);
         if (!has_our_type_name(theirs, ours.topic)) {
-            why = fmt::format("has another type there, {}; other version of Atrium, or no Atrium",
+            why = fmt::format("uses another type, {}; another version of Atrium, or not Atrium",
                               theirs.type_name);
         } else if (policy.empty()) {
             if (!is_overdue(ours, handle)) continue;
-            why = "has a type of the same name there with other parts; other version of Atrium";
+            why = "uses a type of the same name with other members; another version of Atrium";
         } else {
             why = fmt::format(
-                "has another {} there: a reader asks for more than the writer "
-                "offers; start both with the same bus.profiles_file",
+                "uses another {}: a reader asks for more than the writer offers; start both with "
+                "the same bus.profiles_file",
                 policy);
         }
         const std::string key = text_of(theirs.participant_key) + ours.topic_name + why;
-        if (said.size() >= kMaxRemembered || lines.size() >= kMaxLinesPerCall) return;
-        if (!said.insert(key).second) continue;
+        if (reported.size() >= kMaxRemembered || lines.size() >= kMaxLinesPerCall) return;
+        if (!reported.insert(key).second) continue;
         lines.push_back(fmt::format("not_heard peer=\"{}\" topic={} reason=\"{}\"",
                                     name_of(theirs.participant_key),
                                     ours.topic_name,
@@ -224,15 +224,15 @@ void PeerWatch::State::compare(const dds_builtintopic_endpoint_t& theirs,
     }
 }
 
-// All that can be compared fits, and yet they are not matched: what is left are the parts of the
-// type, which Cyclone compares itself.
+// True if a compatible pair is not matched after kMatchTimeout. Its types then differ in their
+// members, which only Cyclone compares.
 bool PeerWatch::State::is_overdue(const WatchedEndpoint& ours, dds_instance_handle_t theirs) {
     const std::pair key{ours.entity, theirs};
     if (is_matched(ours, theirs)) return false;
     const auto now = std::chrono::steady_clock::now();
     if (waiting.size() >= kMaxRemembered) return false;
     const auto since = waiting.emplace(key, now).first->second;
-    if (now - since < kPatience) {
+    if (now - since < kMatchTimeout) {
         look_again = true;
         return false;
     }

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-/// Finds programs that are there but can not be heard. Private to core/bus.
+/// Finds programs of the world that are present but incompatible. Private to core/bus.
 namespace atrium::bus {
 
-/// One of our own readers or writers.
+/// A reader or writer of this process.
 struct WatchedEndpoint {
     std::string topic_name;
     dds_entity_t topic = 0;
@@ -22,14 +22,13 @@ struct WatchedEndpoint {
     bool is_reader = false;
 };
 
-/// Compares the readers and writers that others announce with those of this participant. DDS itself
-/// says only that something did not fit, neither who it was nor, for types, that it happened.
-/// Thread-safe.
+/// Compares the readers and writers that other processes announce with those of this participant.
+/// DDS reports a QoS mismatch without the peer, and a type mismatch not at all. Thread-safe.
 class PeerWatch {
     struct State;
 
 public:
-    /// Ends with the reader or writer that it stands for.
+    /// Watches an endpoint for as long as this object lives. Owned by the reader or writer.
     class Registration {
     public:
         Registration() = default;
@@ -46,8 +45,9 @@ public:
     static Expected<PeerWatch> create(dds_entity_t participant, const std::string& world);
 
     Registration watch(WatchedEndpoint endpoint);
-    /// What was found since the last call: one line per program, topic and reason, once.
-    std::vector<std::string> take_complaints();
+    /// Returns the mismatches found since the last call: one line per program, topic and reason,
+    /// reported once; at most 8 per call.
+    std::vector<std::string> take_mismatches();
 
 private:
     std::shared_ptr<State> state_;

@@ -6,7 +6,7 @@
 namespace atrium::bus {
 namespace {
 
-std::array<std::int16_t, 3> coded(const Eigen::Vector3f& vector, float per_unit) {
+std::array<std::int16_t, 3> quantised(const Eigen::Vector3f& vector, float per_unit) {
     const auto code = [per_unit](float component) {
         return static_cast<std::int16_t>(
             std::lround(std::clamp(component * per_unit, -32767.0F, 32767.0F)));
@@ -20,7 +20,8 @@ ProxyPoint make_proxy_point(const Lattice& lattice,
                             const Eigen::Vector3f& p_world,
                             const Eigen::Vector3f& velocity_mps,
                             const Eigen::Vector3f& normal) {
-    return {lattice.coded(p_world), coded(velocity_mps, 1000.0F), coded(normal, 32767.0F)};
+    return {
+        lattice.quantised(p_world), quantised(velocity_mps, 1000.0F), quantised(normal, 32767.0F)};
 }
 
 }  // namespace atrium::bus

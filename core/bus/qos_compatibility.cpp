@@ -11,7 +11,7 @@ std::string text_of(std::chrono::nanoseconds duration) {
     return fmt::format("{} s", std::chrono::duration<double>(duration).count());
 }
 
-/// What an endpoint says of a policy, as in the file.
+/// The endpoint's value of a policy, as in the file.
 std::string text_of(std::string_view policy, const EndpointQos& qos) {
     if (policy == "reliability")
         return qos.reliable ? "RELIABLE_RELIABILITY_QOS" : "BEST_EFFORT_RELIABILITY_QOS";
@@ -38,7 +38,7 @@ Expected<void> check_compatible(const QosProfiles& profiles, const std::string& 
         const std::string_view policy = incompatible_policy(profile.writer, profile.reader);
         if (policy.empty()) continue;
         return make_error(ErrorKind::kConfiguration,
-                          fmt::format("{}: profile '{}': <datareader_qos> <{}> asks for {}, more "
+                          fmt::format("{}: profile '{}': <datareader_qos> <{}> requests {}, more "
                                       "than <datawriter_qos> <{}> offers, {}; they would never be "
                                       "matched",
                                       source,

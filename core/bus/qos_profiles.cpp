@@ -19,7 +19,7 @@ namespace {
 
 using Children = std::map<std::string_view, std::function<void(const pugi::xml_node&)>>;
 
-/// Walks the document; remembers the first fault with the place where it is.
+/// Walks the document and records the first fault with its place.
 class ProfileParser {
 public:
     explicit ProfileParser(std::string source) : source_(std::move(source)) {}
@@ -46,7 +46,7 @@ private:
                      {{"datawriter_qos", [&](auto& qos) { read_writer(qos, profile.writer); }},
                       {"datareader_qos", [&](auto& qos) { read_reader(qos, profile.reader); }}});
         if (profile_name_.empty()) fail(node, "needs a name");
-        if (!profiles_.emplace(profile_name_, profile).second) fail(node, "stands there twice");
+        if (!profiles_.emplace(profile_name_, profile).second) fail(node, "is defined twice");
         profile_name_.clear();
     }
 
@@ -82,7 +82,7 @@ private:
         const ResourceLimits& limits = qos.limits;
         if (!qos.history.keep_all && limits.max_samples_per_instance != kUnlimited &&
             limits.max_samples_per_instance < qos.history.depth)
-            fail(node, "max_samples_per_instance is smaller than the depth of the history");
+            fail(node, "max_samples_per_instance is smaller than the history depth");
         if (limits.max_samples != kUnlimited &&
             (limits.max_samples_per_instance == kUnlimited ||
              limits.max_samples < limits.max_samples_per_instance))
@@ -135,7 +135,7 @@ private:
                       {"lease_duration", [&](auto& node) { qos.lease = read_duration(node); }}});
     }
 
-    /// A policy of which one duration is all.
+    /// Reads a policy that has one duration only.
     std::chrono::nanoseconds read_only_duration(const pugi::xml_node& policy,
                                                 std::string_view name) {
         std::chrono::nanoseconds value = kForever;
@@ -159,7 +159,7 @@ private:
         return one_of(node, "KEEP_LAST_HISTORY_QOS", "KEEP_ALL_HISTORY_QOS");
     }
 
-    /// True for the second word.
+    /// True for `yes`, false for `no`; fails for anything else.
     bool one_of(const pugi::xml_node& node, std::string_view no, std::string_view yes) {
         allow_attributes(node, {});
         const std::string_view value = node.text().get();
@@ -175,7 +175,7 @@ private:
         std::int32_t value = 0;
         const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
         if (status != std::errc() || end != text.data() + text.size() || value < 1)
-            fail(node, fmt::format("'{}' is not a whole number of 1 or more", text));
+            fail(node, fmt::format("'{}' is not an integer of at least 1", text));
         return value;
     }
 
@@ -205,7 +205,7 @@ private:
         return std::chrono::seconds(seconds) + std::chrono::nanoseconds(nanoseconds);
     }
 
-    /// Calls the reader of each child element; one that has none is a fault.
+    /// Calls the function in `known` for each child element. A child without one is a fault.
     void for_children(const pugi::xml_node& parent, const Children& known) {
         std::set<std::string_view> seen;
         for (const pugi::xml_node& child : parent.children()) {
@@ -216,14 +216,14 @@ private:
                 fail(child,
                      fmt::format("is not known in <{}>; allowed:{}", parent.name(), allowed));
             } else if (is_policy(parent) && !seen.insert(child.name()).second) {
-                fail(child, fmt::format("stands twice in <{}>", parent.name()));
+                fail(child, fmt::format("is given twice in <{}>", parent.name()));
             } else {
                 reader->second(child);
             }
         }
     }
 
-    /// Below a profile each element stands once; the later of two would win unseen.
+    /// True below a profile, where an element must not be repeated: the last would win silently.
     bool is_policy(const pugi::xml_node& parent) const {
         const std::string_view name = parent.name();
         return !profile_name_.empty() && name != "dds" && name != "qos_library";

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-/// Reads QoS profiles in the form of OMG DDS-XML: the part of it that Atrium uses.
+/// Reads QoS profiles from OMG DDS-XML, the subset that Atrium uses.
 namespace atrium::bus {
 
 inline constexpr std::int32_t kUnlimited = -1;
@@ -23,22 +23,23 @@ struct ResourceLimits {
 
 struct History {
     bool keep_all = false;
-    std::int32_t depth = 1;  // where not keep_all
+    std::int32_t depth = 1;  // ignored with keep_all
 };
 
-/// QoS of a writer or a reader; the defaults are those of DDS.
+/// QoS of a writer or reader. The defaults are those of DDS.
 struct EndpointQos {
     bool reliable = false;
     std::chrono::nanoseconds max_blocking_time = std::chrono::milliseconds(100);
     bool transient_local = false;
     History history;
     ResourceLimits limits;
-    History late_joiner_history;  // durability_service, of writers
+    History late_joiner_history;  // durability_service; writers only
     ResourceLimits late_joiner_limits;
     std::chrono::nanoseconds lease = kForever;     // automatic liveliness
-    std::chrono::nanoseconds deadline = kForever;  // between two samples of a key
+    std::chrono::nanoseconds deadline = kForever;  // between two samples of an instance
     std::chrono::nanoseconds latency_budget{0};
-    std::chrono::nanoseconds lifespan = kForever;  // of writers; counted anew where it arrives
+    /// Writers only; counted from the write, and anew from arrival.
+    std::chrono::nanoseconds lifespan = kForever;
 };
 
 struct QosProfile {
@@ -48,20 +49,20 @@ struct QosProfile {
 
 using QosProfiles = std::map<std::string, QosProfile, std::less<>>;
 
-/// Why a reader would never hear a writer: the policy of which it asks for more than is offered, as
-/// the name of its element; empty where they fit.
+/// Returns the XML element name of the first policy of which the reader requests more than the
+/// writer offers. Such endpoints are never matched. Empty if they are compatible.
 std::string_view incompatible_policy(const EndpointQos& offered, const EndpointQos& requested);
 
-/// Where a profile's reader asks for more than its writer offers: kConfiguration, naming both
-/// elements and their values.
+/// Fails with kConfiguration if the reader of a profile requests more than its writer offers. The
+/// message names both elements and their values.
 Expected<void> check_compatible(const QosProfiles& profiles, const std::string& source);
 
-/// `source` names the text in errors. An element, policy or value that is not known is an error
-/// that names it, the profile and what is allowed, and so is a profile that does not fit itself: a
-/// QoS that is silently ignored would show only as two programs that do not find each other.
+/// Parses profiles; `source` names the text in errors. Unknown elements, policies and values are
+/// errors that name the profile and the allowed ones, because an ignored QoS would only show as two
+/// programs that are never matched. Also fails as check_compatible does.
 Expected<QosProfiles> parse_qos_profiles(std::string_view xml, const std::string& source);
 
-/// Of the file; of the built-in copy of qos/profiles.xml where `file` is empty.
+/// Reads and parses the file; the built-in copy of qos/profiles.xml if `file` is empty.
 Expected<QosProfiles> load_qos_profiles(const std::filesystem::path& file);
 
 }  // namespace atrium::bus

@@ -13,11 +13,12 @@ namespace {
 
 constexpr std::chrono::seconds kFindAgain{1};
 
-// Cyclone DDS 0.10.2 names its threads so: "recv", "recvMC", "recvUC" take datagrams in, "dq.user"
-// puts into readers what the former do not put there themselves.
+// Thread names of Cyclone DDS 0.10.2: "recv", "recvMC", "recvUC" receive datagrams; "dq.user"
+// delivers the samples that those do not deliver themselves.
 bool receives(std::string_view name) { return name.starts_with("recv") || name == "dq.user"; }
 
-// The state is the first word after the name, which stands in brackets and may contain anything.
+// The state is the first word after the thread's name. The name is in brackets and may contain any
+// character, brackets included.
 bool is_asleep(int descriptor) {
     std::array<char, 128> text{};
     const ssize_t size = pread(descriptor, text.data(), text.size(), 0);
@@ -36,7 +37,7 @@ void ReceiveThreads::find() {
     states_.clear();
     std::error_code failure;
     std::filesystem::directory_iterator task("/proc/self/task", failure);
-    is_told_ = !failure;
+    can_list_ = !failure;
     for (; !failure && task != std::filesystem::directory_iterator(); task.increment(failure)) {
         std::string name;
         std::getline(std::ifstream(task->path() / "comm"), name);
@@ -49,10 +50,10 @@ void ReceiveThreads::find() {
 bool ReceiveThreads::are_asleep() {
     if (Clock::now() - found_ >= kFindAgain) {
         find();
-        is_settled_ = true;
+        was_listed_twice_ = true;
     }
-    if (!is_told_) return true;
-    if (!is_settled_) return false;
+    if (!can_list_) return true;
+    if (!was_listed_twice_) return false;
     for (const Descriptor& state : states_) {
         if (!is_asleep(state.get())) return false;
     }

@@ -8,19 +8,18 @@
 
 namespace atrium::bus {
 
-/// The threads of this process in which Cyclone DDS takes datagrams from its sockets and puts
-/// samples into readers.
+/// Observes the threads of this process in which Cyclone DDS receives datagrams and delivers
+/// samples to readers.
 ///
-/// Whoever knows that they all sleep knows that nothing waits in a socket: a thread that has
-/// something to do does not sleep, whether it runs or waits for a processor.
+/// If all of them sleep, no datagram waits in a socket: a thread with work to do does not sleep, it
+/// runs or waits for a core.
 class ReceiveThreads {
 public:
     ReceiveThreads();
 
-    /// What had come to this host before the call is in the readers, or was taken from them. Looks
-    /// once a second which threads there are. Never true before it has looked twice: a thread has
-    /// its name only once it has run. Where the system does not tell (there is no /proc) true is
-    /// assumed.
+    /// True if all data that reached this host before the call is in the readers or was taken from
+    /// them. Lists the threads once a second. False until it has listed them twice, because a
+    /// thread gets its name only when it runs. Always true without /proc.
     bool are_asleep();
     std::size_t size() const { return states_.size(); }
 
@@ -28,9 +27,9 @@ private:
     using Clock = std::chrono::steady_clock;
     void find();
 
-    std::list<Descriptor> states_;  // /proc/self/task/*/stat
-    bool is_told_ = true;           // there is such a folder
-    bool is_settled_ = false;
+    std::list<Descriptor> states_;   // /proc/self/task/*/stat
+    bool can_list_ = true;           // /proc/self/task can be read
+    bool was_listed_twice_ = false;  // the threads were listed twice
     Clock::time_point found_;
 };
 

@@ -14,7 +14,7 @@ void quantise(std::span<const Eigen::Vector3f> places, SoftBodyState& out) {
     const Lattice lattice = lattice_around(places);
     out.origin_m = lattice.origin_m;
     out.step_m = lattice.step_m;
-    for (const Eigen::Vector3f& place : places) out.nodes.push_back(lattice.coded(place));
+    for (const Eigen::Vector3f& place : places) out.nodes.push_back(lattice.quantised(place));
 }
 
 }  // namespace atrium::bus

@@ -12,7 +12,7 @@
 #include <array>
 #include <string_view>
 
-/// Which topic, wire type and QoS profile each message has. Private to core/bus and its tests.
+/// Maps each message to its topic, wire type and QoS profile. Private to core/bus and its tests.
 namespace atrium::bus {
 
 inline constexpr std::string_view kDescription = "description";

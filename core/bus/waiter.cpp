@@ -7,7 +7,7 @@ namespace atrium::bus {
 struct Waiter::Impl {
     std::shared_ptr<Participant::Impl> participant;
     std::vector<std::shared_ptr<void>> readers;  // their conditions must outlive the wait set
-    Entity woken;                                // a guard condition
+    Entity woken;                                // guard condition of `wake`
     Entity wait_set;                             // destroyed first
 };
 

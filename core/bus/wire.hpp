@@ -13,13 +13,14 @@
 #include <cstddef>
 #include <vector>
 
-/// Messages <-> the structs that idlc makes of idl/. Private to core/bus and its tests.
+/// Converts messages to and from the structs that idlc generates from idl/. Private to core/bus and
+/// its tests.
 ///
-/// `to_wire` points the sequences of `out` into the message and into `scratch`: `out` lives no
-/// longer than either. `from_wire` copies and trusts nothing: what it returns has passed `check`,
-/// and quaternions that are a little off are normalised. `key_to_wire` and `key_from_wire` deal
-/// with the key fields alone; `payload_bytes` counts names, numbers and coded bytes without the
-/// padding and headers of the protocol.
+/// `to_wire` points the sequences of `out` into the message and into `scratch`, which must outlive
+/// `out`. `from_wire` copies, and is safe for untrusted input: its result has passed `check`, and
+/// quaternions within the tolerance are normalised. `key_to_wire` and `key_from_wire` convert only
+/// the key fields. `payload_bytes` counts names, numbers and coded bytes, without the padding and
+/// headers of the protocol.
 namespace atrium::bus {
 
 struct WireScratch {

@@ -44,8 +44,7 @@ Expected<StreamFeedback> key_from_wire(const atrium_StreamFeedback& wire) {
     StreamFeedback key;
     key.viewer = get_name(wire.viewer);
     key.site = get_name(wire.site);
-    if (!is_valid_name(key.viewer))
-        return make_error(ErrorKind::kInvalidData, "key: not a valid name");
+    if (!is_valid_name(key.viewer)) return make_error(ErrorKind::kInvalidData, "key: invalid name");
     return with_checked_name(std::move(key), key.site);
 }
 

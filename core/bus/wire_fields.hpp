@@ -13,10 +13,10 @@
 #include <string_view>
 #include <vector>
 
-/// The fields that several messages have. Private to the wire_*.cpp files.
+/// Converts the fields that several messages share. Private to the wire_*.cpp files.
 namespace atrium::bus {
 
-// x, y, z, w and three coordinates of a pose; three vectors of an object's state and so on.
+// Payload sizes: a pose has a quaternion and a translation.
 inline constexpr std::size_t kPoseBytes = 7 * sizeof(double);
 inline constexpr std::size_t kVectorBytes = 3 * sizeof(double);
 inline constexpr std::size_t kLatencyBytes = 3 * sizeof(double);
@@ -52,14 +52,15 @@ inline void put_pose(const geometry::RigidTransform& pose, atrium_Pose& out) {
     put_vector(pose.translation, out.translation);
 }
 
-/// The quaternion as sent; `settle` makes its length 1 after the check.
+/// Copies the quaternion as sent. Call `normalise_rotation` after the check to normalise it.
 inline geometry::RigidTransform get_pose(const atrium_Pose& pose) {
     const auto& [x, y, z, w] = pose.rotation;
     return {Eigen::Quaterniond(w, x, y, z), get_vector(pose.translation)};
 }
 
-/// Leaves alone what is of unit length but for rounding, so that a message comes out as it went in.
-inline void settle(geometry::RigidTransform& pose) {
+/// Normalises the rotation, unless its length is 1 up to rounding: a message of ours thus arrives
+/// bit for bit.
+inline void normalise_rotation(geometry::RigidTransform& pose) {
     constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
     if (std::abs(pose.rotation.squaredNorm() - 1.0) > kRounding) pose.rotation.normalize();
 }
@@ -72,7 +73,7 @@ inline LatencySummary get_latency(const atrium_Latency& latency) {
     return {latency.median_ms, latency.p99_ms, latency.num_samples};
 }
 
-/// Lends a vector's elements to a wire sequence, which only ever reads them.
+/// Points a wire sequence at a vector's elements. The sequence only reads them.
 template <typename Sequence, typename Element>
 void lend(const std::vector<Element>& elements, Sequence& out) {
     out._maximum = out._length = static_cast<std::uint32_t>(elements.size());
@@ -89,7 +90,7 @@ inline tl::unexpected<Error> too_many(std::string_view field) {
     return make_error(ErrorKind::kInvalidData, std::string(field) + ": too many elements");
 }
 
-/// Lends elements of N numbers as one sequence of numbers.
+/// Like `lend`, for elements of N numbers that become one sequence of numbers.
 template <typename Sequence, std::size_t N>
 void lend_groups(const std::vector<std::array<std::uint16_t, N>>& groups, Sequence& out) {
     static_assert(sizeof(std::array<std::uint16_t, N>) == N * sizeof(std::uint16_t));
@@ -98,7 +99,8 @@ void lend_groups(const std::vector<std::array<std::uint16_t, N>>& groups, Sequen
     out._release = false;
 }
 
-/// Its elements of N numbers; an error where there are too many, or the last is not complete.
+/// Splits a sequence of numbers into elements of N. Fails with kInvalidData if there are more than
+/// `max` elements or the last one is incomplete.
 template <std::size_t N, typename Sequence>
 Expected<std::vector<std::array<std::uint16_t, N>>> groups_of(const Sequence& sequence,
                                                               std::size_t max,
@@ -106,7 +108,7 @@ Expected<std::vector<std::array<std::uint16_t, N>>> groups_of(const Sequence& se
     if (sequence._length > N * max) return too_many(field);
     if (sequence._length % N != 0) {
         return make_error(ErrorKind::kInvalidData,
-                          std::string(field) + ": its last element is not complete");
+                          std::string(field) + ": its last element is incomplete");
     }
     std::vector<std::array<std::uint16_t, N>> groups(sequence._length / N);
     for (std::size_t i = 0; i < sequence._length; ++i) {
@@ -115,17 +117,17 @@ Expected<std::vector<std::array<std::uint16_t, N>>> groups_of(const Sequence& se
     return groups;
 }
 
-/// What `from_wire` ends with.
+/// Returns the message if it passes `check`: the last step of each `from_wire`.
 template <typename Message>
 Expected<Message> checked(Message&& message) {
     if (auto result = check(message); !result) return tl::unexpected(std::move(result.error()));
     return std::forward<Message>(message);
 }
 
-/// What `key_from_wire` ends with.
+/// Returns the message if its key is a valid name: the last step of most `key_from_wire`.
 template <typename Message>
 Expected<Message> with_checked_name(Message&& message, const std::string& name) {
-    if (!is_valid_name(name)) return make_error(ErrorKind::kInvalidData, "key: not a valid name");
+    if (!is_valid_name(name)) return make_error(ErrorKind::kInvalidData, "key: invalid name");
     return std::forward<Message>(message);
 }
 

@@ -16,7 +16,7 @@ void to_wire(const Presence& message, WireScratch& /*scratch*/, atrium_Presence&
 
 Expected<Presence> from_wire(const atrium_Presence& wire) {
     Presence message;
-    message.kind = static_cast<ProgramKind>(wire.kind);  // `check` knows which there are
+    message.kind = static_cast<ProgramKind>(wire.kind);  // any octet; `check` rejects unknown ones
     message.name = get_name(wire.member);
     message.instance = wire.instance;
     message.is_holder = wire.is_holder;
@@ -42,7 +42,7 @@ Expected<Presence> key_from_wire(const atrium_Presence& wire) {
     key.name = get_name(wire.member);
     key.instance = wire.instance;
     if (key.kind > ProgramKind::kOther)
-        return make_error(ErrorKind::kInvalidData, "key: unknown kind of program");
+        return make_error(ErrorKind::kInvalidData, "key: unknown program kind");
     return with_checked_name(std::move(key), key.name);
 }
 

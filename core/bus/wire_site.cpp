@@ -19,7 +19,7 @@ void put_camera(const geometry::CalibratedCamera& camera, atrium_Camera& out) {
     put_pose(camera.camera_from_site, out.camera_from_site);
 }
 
-/// A number of pixels that fits int; what is too large for that is too large for `check` as well.
+/// Clamps a number of pixels to the range of int. `check` rejects such sizes anyway.
 int get_pixels(std::uint32_t value) {
     return static_cast<int>(std::min<std::uint32_t>(value, std::numeric_limits<int>::max()));
 }
@@ -62,7 +62,7 @@ Expected<SiteDescription> from_wire(const atrium_SiteDescription& wire) {
     message.bounds_site.max = get_vector(wire.bounds_max);
     auto result = checked(std::move(message));
     if (result) {
-        for (auto& camera : result->cameras) settle(camera.camera_from_site);
+        for (auto& camera : result->cameras) normalise_rotation(camera.camera_from_site);
     }
     return result;
 }

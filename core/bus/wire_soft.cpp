@@ -87,7 +87,7 @@ Expected<Scenery> from_wire(const atrium_Scenery& wire) {
                                   get_model_file(wire.texture),
                                   get_vector(wire.colour),
                                   get_pose(wire.world_from_model)});
-    if (result) settle(result->world_from_model);
+    if (result) normalise_rotation(result->world_from_model);
     return result;
 }
 

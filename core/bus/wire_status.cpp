@@ -26,7 +26,7 @@ LeftOutTotals get_left_out(const atrium_LeftOut& totals) {
             totals.num_regions_failed};
 }
 
-constexpr std::size_t kCameraStatusBytes = 1 + 9 * sizeof(std::uint64_t);  // and its name
+constexpr std::size_t kCameraStatusBytes = 1 + 9 * sizeof(std::uint64_t);  // without its name
 
 void put_camera(const CameraStatus& camera, atrium_CameraStatus& out) {
     put_name(camera.name, out.name);

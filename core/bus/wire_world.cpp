@@ -26,7 +26,7 @@ SceneObject get_object(const atrium_SceneObject& wire) {
     SceneObject object;
     object.object = wire.object;
     object.name = get_name(wire.name);
-    object.shape = static_cast<Shape>(wire.shape);  // any octet is a value; `check` knows which
+    object.shape = static_cast<Shape>(wire.shape);  // any octet; `check` rejects unknown ones
     object.size_m = get_vector(wire.size_m);
     object.mass_kg = wire.mass_kg;
     object.friction = wire.friction;
@@ -48,7 +48,7 @@ void to_wire(const SitePlacement& message, WireScratch& /*scratch*/, atrium_Site
 
 Expected<SitePlacement> from_wire(const atrium_SitePlacement& wire) {
     auto result = checked(SitePlacement{get_name(wire.site), get_pose(wire.world_from_site)});
-    if (result) settle(result->world_from_site);
+    if (result) normalise_rotation(result->world_from_site);
     return result;
 }
 
@@ -70,7 +70,7 @@ void to_wire(const SceneObject& message, WireScratch& /*scratch*/, atrium_SceneO
 
 Expected<SceneObject> from_wire(const atrium_SceneObject& wire) {
     auto result = checked(get_object(wire));
-    if (result) settle(result->world_from_object);
+    if (result) normalise_rotation(result->world_from_object);
     return result;
 }
 
@@ -120,7 +120,7 @@ Expected<SceneState> from_wire(const atrium_SceneState& wire) {
     }
     auto result = checked(std::move(message));
     if (result) {
-        for (ObjectState& object : result->objects) settle(object.world_from_object);
+        for (ObjectState& object : result->objects) normalise_rotation(object.world_from_object);
     }
     return result;
 }
@@ -158,10 +158,10 @@ Expected<SceneCommand> from_wire(const atrium_SceneCommand& wire) {
     message.impulse_ns = get_vector(wire.impulse_ns);
     message.point_object = get_vector(wire.point_object);
     message.goal_world = get_vector(wire.goal_world);
-    // Whatever else stands there for the other kinds is not even looked at.
+    // The other kinds ignore `object`: do not even read it.
     if (message.kind == CommandKind::kAdd) message.object = get_object(wire.object);
     auto result = checked(std::move(message));
-    if (result) settle(result->object.world_from_object);
+    if (result) normalise_rotation(result->object.world_from_object);
     return result;
 }
 

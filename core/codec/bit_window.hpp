@@ -7,17 +7,17 @@
 
 namespace atrium::codec {
 
-/// Reads bits, the lowest of each byte first.
+/// Reads bits from bytes, the lowest bit of each byte first.
 class BitWindow {
 public:
-    /// Bits that `at` gives at least.
+    /// Minimum number of valid bits that `at` returns.
     static constexpr std::size_t kNumBits = 57;
 
     explicit BitWindow(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
 
     std::size_t num_bits() const { return 8 * bytes_.size(); }
 
-    /// The bits from number `bit` on, the first one lowest; zeros behind the end.
+    /// Returns the bits from number `bit` on, the first one lowest; zeros after the end.
     std::uint64_t at(std::size_t bit) const {
         static_assert(std::endian::native == std::endian::little);
         const std::size_t byte = bit / 8;

@@ -20,8 +20,8 @@ namespace {
 
 using geometry::TriangleMesh;
 
-/// Draco's decoder with a stop after every stage in which a stream declares how much memory the
-/// next one takes: one position attribute of three floats and a bounded number of points.
+/// Draco's decoder with a check after each stage in which the stream declares the memory of the
+/// next: only one position attribute of three floats and a bounded number of points pass.
 class GuardedDecoder : public draco::MeshEdgebreakerDecoder {
 public:
     explicit GuardedDecoder(const MeshLimits& limits) : limits_(limits) {}
@@ -45,8 +45,8 @@ private:
     MeshLimits limits_;
 };
 
-/// Reads the counts that stand in front of an edgebreaker stream. Draco allocates tables for them
-/// before it looks at the data that should back them up.
+/// Checks the counts in the header of an edgebreaker stream. Draco allocates tables for them before
+/// it reads the data.
 std::optional<std::string> find_header_fault(std::span<const std::uint8_t> bytes,
                                              const MeshLimits& limits) {
     // "DRACO", version 2.2, triangular mesh, edgebreaker, no flags (no metadata), standard symbols
@@ -87,7 +87,7 @@ Expected<void> from_draco_mesh(const draco::Mesh& coded,
         if (value.value() >= positions->size()) return invalid_mesh("a vertex has no position");
         Eigen::Vector3f position;
         positions->GetValue(value, position.data());
-        // Written so that NaN fails as well.
+        // NaN fails this condition as well
         if (!(std::abs(position.x()) <= max_m && std::abs(position.y()) <= max_m &&
               std::abs(position.z()) <= max_m))
             return invalid_mesh("a coordinate is not finite or too large");

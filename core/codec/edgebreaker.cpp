@@ -8,7 +8,7 @@ constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
 }  // namespace
 
-// Of the symbol that comes next.
+// Records a handle for the next symbol, if `neighbour` has symbol S.
 void EdgebreakerOrder::note_handle(Gate neighbour, bool on_right) {
     const std::uint32_t split = split_of_[Surface::triangle(neighbour)];
     if (split == kNone) return;

@@ -7,16 +7,15 @@
 
 namespace atrium::codec {
 
-/// The edge through which a triangle is entered, as an edge of that triangle.
+/// The edge through which the traversal enters a triangle, as an edge of that triangle.
 using Gate = geometry::ClosedMesh::Edge;
 
-/// How a triangle that is entered lies to what was visited before: its vertex ahead is new (C), or
-/// else the triangle on its left (L), on its right (R), on both sides (E, end) or on none (S,
-/// split) was visited. The values are Draco's patterns of bits: one bit for C, three for the
-/// others.
+/// Relation of an entered triangle to the visited ones: its vertex ahead is new (C), or the
+/// triangle on its left (L), on its right (R), on both sides (E, end) or on neither (S, split) was
+/// visited. The values are Draco's bit patterns: one bit for C, three for the others.
 enum class Symbol : std::uint8_t { kC = 0, kS = 1, kL = 3, kR = 5, kE = 7 };
 
-/// A closed mesh while its triangles are visited one after the other.
+/// A closed mesh and the vertices and triangles that a traversal has visited.
 struct Surface {
     geometry::ClosedMesh mesh;
     std::vector<std::uint8_t> seen_vertices;
@@ -27,18 +26,19 @@ struct Surface {
     bool has_seen_triangle(Gate gate) const { return seen_triangles[triangle(gate)] != 0; }
     /// The vertex opposite to the gate.
     std::uint32_t ahead(Gate gate) const { return mesh.from(mesh.previous(gate)); }
-    /// The gates into the two triangles behind a triangle, seen from outside on the way in.
+    /// Gates into the two neighbours behind the entered triangle; right and left as seen from
+    /// outside in the direction of entry.
     Gate right(Gate gate) const { return mesh.twin(mesh.next(gate)); }
     Gate left(Gate gate) const { return mesh.twin(mesh.previous(gate)); }
 
-    void forget(std::size_t num_vertices) {
+    void clear_visited(std::size_t num_vertices) {
         seen_vertices.assign(num_vertices, 0);
         seen_triangles.assign(mesh.num_triangles(), 0);
     }
 };
 
-/// Enters the triangle of `gate` and all that can be reached from there, those on the right first.
-/// Calls `visit(gate, symbol)` for each after it was marked.
+/// Visits the triangle of `gate` and all triangles reachable from it, right neighbours first. Calls
+/// `visit(gate, symbol)` for each triangle after it is marked.
 template <typename Visit>
 void traverse(Surface& surface, Gate gate, Visit&& visit) {
     surface.stack.assign(1, gate);
@@ -76,16 +76,17 @@ void traverse(Surface& surface, Gate gate, Visit&& visit) {
     }
 }
 
-/// A triangle that met one with symbol S from the other side: the surface has a handle there.
+/// Records that a triangle has met one with symbol S from the other side: the surface has a handle
+/// there.
 struct HandleEvent {
-    std::uint32_t symbol = 0;        // number of the symbol of the triangle that noticed
-    std::uint32_t split_symbol = 0;  // number of that S, which is smaller
+    std::uint32_t symbol = 0;        // symbol number of the meeting triangle
+    std::uint32_t split_symbol = 0;  // symbol number of the S; smaller
     bool on_right = false;
 };
 
-/// The triangles of a mesh in the order of edgebreaker: Rossignac, "Edgebreaker: Connectivity
-/// Compression for Triangle Meshes", 1999; for handles as Draco's streams have it, where each is
-/// noted on both of its sides.
+/// Orders the triangles of a mesh as edgebreaker does: Rossignac, "Edgebreaker: Connectivity
+/// Compression for Triangle Meshes", 1999. Handles are recorded as in Draco's streams, on both of
+/// their sides.
 struct EdgebreakerOrder {
     std::vector<Symbol> symbols;
     std::vector<Gate> gates;   // one per symbol
@@ -93,14 +94,14 @@ struct EdgebreakerOrder {
     std::vector<HandleEvent> handles;
     std::uint32_t num_splits = 0;
 
-    /// Of a surface of which nothing has been seen. False if two triangles have the same vertices,
-    /// one for each of their sides: Draco takes them for two with boundaries.
+    /// Finds the order of a surface without visited parts. False if a component is two triangles
+    /// back to back: Draco reads them as two triangles with boundaries.
     bool find(Surface& surface);
 
 private:
     void note_handle(Gate neighbour, bool on_right);
 
-    std::vector<std::uint32_t> split_of_;  // by triangle: number of its symbol, if that is S
+    std::vector<std::uint32_t> split_of_;  // per triangle: its symbol number, if the symbol is S
 };
 
 }  // namespace atrium::codec

@@ -22,9 +22,9 @@ namespace {
 
 using Corner = EdgebreakerTopology::Corner;
 
-// Coordinates and residuals of so many bits are added as floats without rounding.
+// Coordinates and residuals up to these bounds are added as floats without rounding.
 constexpr std::int32_t kMaxCoordinate = (1 << 21) - 1;
-constexpr std::uint32_t kMaxResidualBits = 22;  // with its sign
+constexpr std::uint32_t kMaxResidualBits = 22;  // including the sign
 
 std::span<const std::uint8_t> rest_of(const draco::DecoderBuffer& in) {
     return {reinterpret_cast<const std::uint8_t*>(in.data_head()),
@@ -40,25 +40,25 @@ bool skip(draco::DecoderBuffer& in, const std::array<std::uint8_t, N>& expected)
 // "DRACO", version 2.2, triangular mesh, edgebreaker, no flags (no metadata), standard symbols
 constexpr std::array<std::uint8_t, 12> kStart{'D', 'R', 'A', 'C', 'O', 2, 2, 1, 1, 0, 0, 0};
 
-// What EdgebreakerWriter says about the attribute and how it is coded.
+// Description of the attribute and its coding, as EdgebreakerWriter writes it.
 constexpr std::array<std::uint8_t, 14> kAttribute{
-    1,     // coders of attributes
-    0xff,  // no connectivity of its own
+    1,     // number of attribute decoders
+    0xff,  // uses the connectivity of the mesh
     draco::MESH_VERTEX_ATTRIBUTE,
     draco::MESH_TRAVERSAL_DEPTH_FIRST,
-    1,  // attributes
+    1,  // number of attributes
     draco::GeometryAttribute::POSITION,
     draco::DT_FLOAT32,
     3,  // components
     0,  // not normalised
-    0,  // its name
+    0,  // unique id
     draco::SEQUENTIAL_ATTRIBUTE_ENCODER_QUANTIZATION,
     draco::MESH_PREDICTION_PARALLELOGRAM,
     draco::PREDICTION_TRANSFORM_WRAP,
     1,  // residuals are coded
 };
 
-using Symbols = std::array<std::uint32_t, 4>;  // the last one is 0
+using Symbols = std::array<std::uint32_t, 4>;  // the last element is 0
 
 // The sign is in the lowest bit.
 Eigen::Array4f residual_of(const Symbols& symbols) {
@@ -78,7 +78,7 @@ bool EdgebreakerReader::read_handles(draco::DecoderBuffer& in) {
     if (!draco::DecodeVarint(&num_handles, &in)) return false;
     handles_.clear();
     if (num_handles == 0) return true;
-    // of two bytes at least
+    // a handle takes at least two bytes
     if (num_handles > rest_of(in).size() / 2) return false;
     handles_.resize(num_handles);
     std::uint32_t last_symbol = 0;
@@ -110,7 +110,7 @@ bool EdgebreakerReader::read_topology(draco::DecoderBuffer& in,
     if (!draco::DecodeVarint(&coded_.num_vertices, &in) ||
         !draco::DecodeVarint(&coded_.num_triangles, &in) ||
         coded_.num_vertices > limits.max_vertices || coded_.num_triangles > limits.max_triangles ||
-        !skip<1>(in, {0}) ||  // attributes with a connectivity of their own
+        !skip<1>(in, {0}) ||  // number of attributes with separate connectivity
         !draco::DecodeVarint(&coded_.num_symbols, &in) ||
         !draco::DecodeVarint(&coded_.num_splits, &in) || !read_handles(in) ||
         !draco::DecodeVarint(&num_bytes, &in) || num_bytes > rest_of(in).size())
@@ -122,7 +122,7 @@ bool EdgebreakerReader::read_topology(draco::DecoderBuffer& in,
     draco::RAnsBitDecoder starts;
     if (!starts.StartDecoding(&in)) return false;
     for (std::uint32_t i = coded_.num_symbols; i < coded_.num_triangles; ++i) {
-        if (!starts.DecodeNextBit()) return false;  // at a boundary
+        if (!starts.DecodeNextBit()) return false;  // the component has a boundary
     }
     return skip(in, kAttribute);
 }
@@ -175,8 +175,8 @@ bool EdgebreakerReader::read_residuals(draco::DecoderBuffer& in) {
     return read_tagged_residuals(in);
 }
 
-// Goes over the triangles as `traverse` does. A vertex that is met anew is predicted from the
-// triangle that the way came from, the first ones of a component from the last vertex.
+// Visits the triangles in the order of `traverse`. A new vertex is predicted from the triangle
+// before the gate; the first vertices of a component are predicted from the last vertex.
 bool EdgebreakerReader::read_positions(draco::DecoderBuffer& in,
                                        std::span<const std::uint32_t> corners) {
     if (!in.Decode(&lowest_) || !in.Decode(&highest_) || lowest_ < 0 || lowest_ > highest_ ||
@@ -191,7 +191,7 @@ bool EdgebreakerReader::read_positions(draco::DecoderBuffer& in,
     positions_.resize(coded_.num_vertices);
     seen_vertices_.assign(coded_.num_vertices, 0);
     seen_triangles_.assign(coded_.num_triangles, 0);
-    // copies, which the compiler can keep in registers
+    // local copies, for the compiler to keep in registers
     const std::span<const Corner> opposite = topology_.opposites();
     const std::span<Position> positions = positions_;
     const std::span<std::uint8_t> seen_vertices = seen_vertices_;
@@ -202,7 +202,7 @@ bool EdgebreakerReader::read_positions(draco::DecoderBuffer& in,
     Position least = low;
     Position most = high;
     const auto add = [&](std::uint32_t vertex, const Position& prediction) {
-        // corrections wrap around the interval of all coordinates
+        // positions wrap around the interval of all coordinates
         Position position = prediction.max(low).min(high) + *residual++;
         position -= num_values * (position - high).max(0.0F).min(1.0F);
         position += num_values * (low - position).max(0.0F).min(1.0F);
@@ -276,7 +276,7 @@ bool EdgebreakerReader::read_vertices(draco::DecoderBuffer& in,
     std::array<float, 3> origin_m;
     float range_m = 0.0F;
     std::uint8_t position_bits = 0;
-    constexpr int kMostPositionBits = 30;  // of Draco
+    constexpr int kMostPositionBits = 30;  // Draco's limit
     if (!in.Decode(origin_m.data(), sizeof origin_m) || !in.Decode(&range_m) ||
         !in.Decode(&position_bits) || position_bits < 1 || position_bits > kMostPositionBits ||
         in.remaining_size() != 0)
@@ -286,7 +286,7 @@ bool EdgebreakerReader::read_vertices(draco::DecoderBuffer& in,
         static_cast<float>(std::min<double>(max_coordinate_m, std::numeric_limits<float>::max()));
     for (const float coordinate_m : origin_m) {
         for (const std::int32_t end : {lowest_, highest_}) {
-            // Written so that NaN fails as well.
+            // NaN fails this condition as well
             if (!(std::abs(static_cast<float>(end) * step_m + coordinate_m) <= max_m)) return false;
         }
     }

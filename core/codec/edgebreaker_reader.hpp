@@ -15,28 +15,27 @@ class DecoderBuffer;
 
 namespace atrium::codec {
 
-/// Reads the streams that EdgebreakerWriter writes: of Draco's bitstream 2.2
-/// (https://google.github.io/draco/spec/), edgebreaker with standard symbols (Rossignac, 1999), a
-/// closed surface, one attribute of quantised positions, each predicted by one parallelogram.
+/// Reads the streams of EdgebreakerWriter: Draco bitstream 2.2
+/// (https://google.github.io/draco/spec/) with edgebreaker and standard symbols (Rossignac, 1999),
+/// a closed surface and one attribute of quantised positions, each predicted by one parallelogram.
 ///
-/// What it reads is what Draco's decoder makes of the stream, to the bit. Where it differs: the
-/// topology comes from a boundary that is linked by vertices, which has no search in it, and
-/// predictions are added to residuals in floats, four lanes at once, exact as long as coordinates
-/// have 21 bits at most. Memory is kept from mesh to mesh. Of the entropy coders, those of plain
-/// bits are here, the others are the library's.
+/// The result equals that of Draco's decoder bit for bit. Differences in the method: the boundary
+/// is linked by vertices, which avoids a search, and predictions are added to residuals as floats,
+/// four lanes at once, exact for coordinates of at most 21 bits. Reuses its memory from mesh to
+/// mesh. Reads plain bits itself; the other entropy coders are Draco's.
 class EdgebreakerReader {
 public:
-    /// Replaces `out` by the mesh, with finite coordinates within `limits`. False, with anything in
-    /// `out`, where the stream is another one, damaged, or beyond `limits`: Draco's decoder may
-    /// know more. Counts are held against `limits` and the number of bytes before memory is
-    /// allocated for them. May throw what Draco and the allocation of memory throw.
+    /// Replaces `out` by the mesh, with finite coordinates within `limits`. False, with undefined
+    /// `out`, if the stream has another form, is damaged or exceeds `limits`; Draco's decoder may
+    /// still read it. Safe for untrusted input: checks counts against `limits` and the number of
+    /// bytes before it allocates memory. Throws what Draco and allocation throw.
     bool read(std::span<const std::uint8_t> bytes,
               const MeshLimits& limits,
               geometry::TriangleMesh& out);
 
 private:
     using Corner = EdgebreakerTopology::Corner;
-    using Position = Eigen::Array4f;  // in steps of the grid; the last one is 0
+    using Position = Eigen::Array4f;  // in grid steps; the last element is 0
 
     bool read_topology(draco::DecoderBuffer& in,
                        const MeshLimits& limits,
@@ -54,7 +53,7 @@ private:
     EdgebreakerTopology topology_;
     std::vector<HandleEvent> handles_;
     std::vector<std::uint32_t> untagged_;
-    std::vector<Position> residuals_;  // in the order in which PositionWalk meets the vertices
+    std::vector<Position> residuals_;  // in the order in which read_positions reaches the vertices
     std::vector<Position> positions_;  // of each vertex
     std::int32_t lowest_ = 0;          // of all coordinates of all positions
     std::int32_t highest_ = 0;

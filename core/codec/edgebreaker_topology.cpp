@@ -4,8 +4,9 @@
 
 namespace atrium::codec {
 
-// Glues a triangle between the gate and the one that waits for it: two boundaries become one, or
-// one becomes two. The vertices where both gates meet become one, that of the other gate.
+// Glues a triangle between the gate and another one (of a handle, or the last waiting): two
+// boundaries become one, or one becomes two. Merges the vertices where both gates meet; the other
+// gate's vertex remains.
 EdgebreakerTopology::Gate EdgebreakerTopology::glue_split(Corner first,
                                                           const Gate& gate,
                                                           Corner other_corner) {
@@ -18,7 +19,7 @@ EdgebreakerTopology::Gate EdgebreakerTopology::glue_split(Corner first,
     const Gate other = gate_at(other_corner);
     const std::uint32_t kept = other.to;
     const std::uint32_t gone = gate.from;
-    // not of a closed surface: a triangle or an edge that has a vertex twice
+    // not a closed surface: a triangle or an edge would have the same vertex twice
     if (kept == gone || kept == gate.to || other.from == gate.to || into_[gone].from == kept)
         return {};
     corners_[first] = kept;
@@ -27,7 +28,7 @@ EdgebreakerTopology::Gate EdgebreakerTopology::glue_split(Corner first,
     opposite_[first] = kNone;
     glue(first + 1, gate.corner);
     glue(first + 2, other.corner);
-    // around the vertex, from the gate to where the boundary comes in
+    // renumber the corners around the vertex, from the gate to the incoming boundary edge
     Corner corner = next(gate.corner);
     corners_[corner] = kept;
     for (Corner behind = opposite_[next(corner)]; behind != kNone;) {
@@ -42,7 +43,8 @@ EdgebreakerTopology::Gate EdgebreakerTopology::glue_split(Corner first,
     return {first, other.from, gate.to};
 }
 
-// Of a new triangle that its symbol's number says to be next to a split that comes later.
+// Stores the gates of the new triangle's handles, whose split symbols follow later. False if a
+// handle has no such triangle.
 bool EdgebreakerTopology::note_handles(const CodedTopology& coded, Corner first) {
     const std::uint32_t number = coded.num_symbols - 1 - first / 3;
     for (; num_handles_ > 0; --num_handles_) {
@@ -58,7 +60,7 @@ bool EdgebreakerTopology::glue_triangles(const CodedTopology& coded) {
     constexpr std::size_t kBitsPerSymbol = 3;
     const BitWindow bits(coded.symbol_bits);
     const std::uint32_t max_vertices = coded.num_vertices + coded.num_splits;
-    // copies, which the compiler can keep in registers
+    // local copies, for the compiler to keep in registers
     const std::span<std::uint32_t> corners = corners_;
     const std::span<Corner> opposite = opposite_;
     const std::span<EdgeInto> into = into_;
@@ -68,10 +70,10 @@ bool EdgebreakerTopology::glue_triangles(const CodedTopology& coded) {
     };
     Gate gate;
     std::uint32_t num_vertices = 0;
-    std::size_t position = 0;  // of the window
+    std::size_t position = 0;  // of the window [bits]
     std::size_t num_taken = 0;
     std::uint64_t window = bits.at(position);
-    // the first vertices have to come from somewhere
+    // the first symbol has to create the first vertices
     if ((window & 7U) != static_cast<std::uint64_t>(Symbol::kE)) return false;
     for (Corner first = 0; first < 3 * coded.num_symbols; first += 3) {
         if (num_taken > BitWindow::kNumBits - kBitsPerSymbol) {
@@ -104,7 +106,7 @@ bool EdgebreakerTopology::glue_triangles(const CodedTopology& coded) {
             continue;
         }
         const std::uint32_t vertex = num_vertices;
-        if (kind == Symbol::kE) {  // a boundary of its own
+        if (kind == Symbol::kE) {  // starts a separate boundary
             if (max_vertices - vertex < 3) return false;
             num_vertices += 3;
             ++num_ends_;
@@ -141,11 +143,11 @@ bool EdgebreakerTopology::glue_triangles(const CodedTopology& coded) {
     return num_handles_ == 0 && position + num_taken <= bits.num_bits();
 }
 
-// With the triangles that have no symbol: each fills the last boundary of a component.
+// Adds the triangles without a symbol: each fills the last boundary of a component.
 bool EdgebreakerTopology::close_components(const CodedTopology& coded) {
     if (num_vertices_ - merged_.size() != coded.num_vertices) return false;
     if (waiting_.size() != coded.num_triangles - coded.num_symbols) return false;
-    // edges of the boundary: E adds three, L and R one, C and S take one away
+    // number of boundary edges: E adds three, L and R one; C and S remove one
     const std::uint64_t num_edges =
         2 * std::uint64_t{num_vertices_} - coded.num_symbols - 2 * std::uint64_t{num_ends_};
     if (num_edges != 3 * waiting_.size()) return false;
@@ -166,7 +168,7 @@ bool EdgebreakerTopology::close_components(const CodedTopology& coded) {
     return true;
 }
 
-// The last vertices get the numbers that became free, in Draco's order.
+// Gives the free numbers of merged vertices to the last vertices, in Draco's order.
 void EdgebreakerTopology::remove_merged_vertices() {
     for (const std::uint32_t free : merged_) {
         while (into_[num_vertices_ - 1].corner == kNone) --num_vertices_;
@@ -188,8 +190,8 @@ bool EdgebreakerTopology::build(const CodedTopology& coded,
     constexpr std::uint32_t kMaxTriangles = kNone / 3;
     const std::uint64_t num_vertices = coded.num_vertices;
     const std::uint64_t num_triangles = coded.num_triangles;
-    // A component has four triangles at least, one of them without a symbol. The edges of so many
-    // triangles need as many pairs of vertices. Symbols have bits.
+    // A component has at least four triangles, one of them without a symbol. Each edge needs its
+    // own pair of vertices. Each symbol takes at least one bit.
     if (num_triangles > kMaxTriangles || coded.num_symbols == 0 ||
         num_triangles <= coded.num_symbols ||
         num_triangles - coded.num_symbols > coded.num_symbols / 3 ||

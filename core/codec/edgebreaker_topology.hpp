@@ -9,7 +9,7 @@
 
 namespace atrium::codec {
 
-/// What a stream says about the topology of its mesh.
+/// The topology of a mesh as coded in a stream.
 struct CodedTopology {
     std::uint32_t num_vertices = 0;
     std::uint32_t num_triangles = 0;
@@ -19,13 +19,13 @@ struct CodedTopology {
     std::span<const HandleEvent> handles;       // in the order of their symbols
 };
 
-/// Rebuilds the triangles of a closed surface from the symbols of edgebreaker, in their reverse
-/// order: each triangle is glued onto the boundary of what is there, as in Isenburg, Snoeyink,
-/// "Spirale Reversi: Reverse Decoding of the Edgebreaker Encoding", 2001. Vertices and triangles
-/// get the numbers that Draco's decoder gives them.
+/// Rebuilds the triangles of a closed surface from edgebreaker symbols, in reverse order. It glues
+/// each triangle to the boundary of the existing ones, as in Isenburg, Snoeyink, "Spirale Reversi:
+/// Reverse Decoding of the Edgebreaker Encoding", 2001. Vertices and triangles get the same numbers
+/// as from Draco's decoder.
 ///
-/// A corner is 3 * triangle + its place in the triangle. It stands for the edge opposite to it
-/// too, which goes from the next corner to the previous one.
+/// A corner is 3 * triangle + its position in the triangle. It also denotes the edge opposite to
+/// it, from the next corner to the previous one.
 class EdgebreakerTopology {
 public:
     using Corner = std::uint32_t;
@@ -35,16 +35,16 @@ public:
     static Corner next(Corner c) { return c + 1 - 3 * static_cast<Corner>(c % 3 == 2); }
     static Corner previous(Corner c) { return c - 1 + 3 * static_cast<Corner>(c % 3 == 0); }
 
-    /// Fills `triangles`. False, with anything in them, unless the symbols are of a closed surface
-    /// with the numbers that `coded` states, and each is needed and present. Takes time and memory
-    /// in proportion to the bytes of the symbols.
+    /// Fills `triangles`. False, with undefined `triangles`, unless the symbols make a closed
+    /// surface with exactly the counts in `coded`. Safe for untrusted input: time and memory are
+    /// proportional to the number of symbol bytes.
     bool build(const CodedTopology& coded, std::vector<std::array<std::uint32_t, 3>>& triangles);
 
-    /// Per corner: the one on the other side of its edge.
+    /// Per corner: the corner opposite to the same edge in the neighbour triangle.
     std::span<const Corner> opposites() const { return opposite_; }
 
 private:
-    /// Where the next triangle is glued on: a boundary edge, from one vertex to another.
+    /// The boundary edge to which the next triangle is glued.
     struct Gate {
         Corner corner = kNone;
         std::uint32_t from = kNone;
@@ -70,15 +70,15 @@ private:
         opposite_[b] = a;
     }
 
-    std::span<std::uint32_t> corners_;   // their vertices
-    std::vector<Corner> opposite_;       // kNone on the boundary
-    std::vector<EdgeInto> into_;         // per vertex; without a corner once it was merged
-    std::vector<Corner> waiting_;        // gates that the current one was put before
+    std::span<std::uint32_t> corners_;   // per corner: its vertex
+    std::vector<Corner> opposite_;       // per corner; kNone on the boundary
+    std::vector<EdgeInto> into_;         // per vertex; corner kNone after a merge
+    std::vector<Corner> waiting_;        // stack of the gates below the current one
     std::vector<Corner> split_gates_;    // per symbol: the other gate of a handle
-    std::size_t num_handles_ = 0;        // that are yet to come
-    std::vector<std::uint32_t> merged_;  // vertices that became part of another
-    std::uint32_t num_vertices_ = 0;     // with those
-    std::uint32_t num_ends_ = 0;         // symbols that are E
+    std::size_t num_handles_ = 0;        // not yet reached
+    std::vector<std::uint32_t> merged_;  // vertices merged into another
+    std::uint32_t num_vertices_ = 0;     // including the merged ones
+    std::uint32_t num_ends_ = 0;         // E symbols
 };
 
 }  // namespace atrium::codec

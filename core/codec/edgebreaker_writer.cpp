@@ -30,18 +30,18 @@ void write_header(draco::EncoderBuffer& out) {
     out.Encode(static_cast<std::uint8_t>(draco::MESH_EDGEBREAKER_STANDARD_ENCODING));
 }
 
-/// One attribute of three floats, quantised, with the connectivity of the mesh itself.
+/// Describes one attribute of three quantised floats that uses the connectivity of the mesh.
 void write_attribute_header(draco::EncoderBuffer& out) {
-    out.Encode(std::uint8_t{1});  // coders of attributes
-    out.Encode(std::int8_t{-1});  // no connectivity of its own
+    out.Encode(std::uint8_t{1});  // number of attribute decoders
+    out.Encode(std::int8_t{-1});  // uses the connectivity of the mesh
     out.Encode(static_cast<std::uint8_t>(draco::MESH_VERTEX_ATTRIBUTE));
     out.Encode(static_cast<std::uint8_t>(draco::MESH_TRAVERSAL_DEPTH_FIRST));
-    draco::EncodeVarint(std::uint32_t{1}, &out);  // attributes
+    draco::EncodeVarint(std::uint32_t{1}, &out);  // number of attributes
     out.Encode(static_cast<std::uint8_t>(draco::GeometryAttribute::POSITION));
     out.Encode(static_cast<std::uint8_t>(draco::DT_FLOAT32));
     out.Encode(std::uint8_t{3});                  // components
     out.Encode(std::uint8_t{0});                  // not normalised
-    draco::EncodeVarint(std::uint32_t{0}, &out);  // its name
+    draco::EncodeVarint(std::uint32_t{0}, &out);  // unique id
     out.Encode(static_cast<std::uint8_t>(draco::SEQUENTIAL_ATTRIBUTE_ENCODER_QUANTIZATION));
 }
 
@@ -61,7 +61,7 @@ void write_handles(const std::vector<HandleEvent>& handles, draco::EncoderBuffer
     out.EndBitEncoding();
 }
 
-/// Bits, the lowest of each byte first.
+/// Writes bits, the lowest bit of each byte first.
 class BitPacker {
 public:
     explicit BitPacker(std::vector<std::uint8_t>& bytes) : bytes_(bytes) { bytes_.clear(); }
@@ -87,8 +87,8 @@ private:
 
 constexpr std::size_t kMaxTagBits = 32;
 
-// Whether Draco would tag each three values with their length in bits rather than code each by
-// itself: by what it estimates both to take.
+// True if Draco would code three values with a common length tag, not each by itself. Compares
+// Draco's estimates of both sizes.
 bool has_draco_tag(const std::vector<std::uint32_t>& values,
                    const std::vector<std::uint32_t>& lengths,
                    std::uint32_t max_value) {
@@ -130,7 +130,7 @@ bool EdgebreakerWriter::quantise(const geometry::TriangleMesh& mesh, int positio
     lowest_ = std::numeric_limits<std::int32_t>::max();
     highest_ = 0;
     for (std::size_t i = 0; i < floats_.size(); ++i) {
-        // none is negative: cutting off rounds down
+        // no value is negative: the cast rounds down
         const Eigen::Array3i steps =
             ((floats_[i].array() - low) * steps_per_m + 0.5F).cast<std::int32_t>();
         positions_[i] = {steps.x(), steps.y(), steps.z()};
@@ -140,8 +140,7 @@ bool EdgebreakerWriter::quantise(const geometry::TriangleMesh& mesh, int positio
     return true;
 }
 
-// Corrections wrap around the interval of all coordinates, so that their least and most are half as
-// far away.
+// Residuals wrap around the interval of all coordinates, which halves their range.
 void EdgebreakerWriter::add_residual(const Position& position, const Position& prediction) {
     const std::int32_t num_values = highest_ - lowest_ + 1;
     const std::int32_t most = (num_values - 1) / 2;
@@ -155,8 +154,8 @@ void EdgebreakerWriter::add_residual(const Position& position, const Position& p
     }
 }
 
-// The fourth point of a parallelogram with the triangle before the gate, once that has been seen;
-// else the last position.
+// The fourth point of the parallelogram with the triangle before the gate; the last position if
+// that triangle's vertices were not all visited.
 EdgebreakerWriter::Position EdgebreakerWriter::predict(Gate gate) const {
     const std::uint32_t a = surface_.mesh.from(gate);
     const std::uint32_t b = surface_.mesh.to(gate);
@@ -171,11 +170,10 @@ EdgebreakerWriter::Position EdgebreakerWriter::predict(Gate gate) const {
     return prediction;
 }
 
-// The decoder comes to the triangles in the reverse order, and from the last one on visits them
-// anew for the positions.
+// The decoder rebuilds the triangles in reverse order, then traverses them again for the positions.
 void EdgebreakerWriter::find_residuals() {
     residuals_.clear();
-    surface_.forget(positions_.size());
+    surface_.clear_visited(positions_.size());
     const auto add_vertex_ahead = [&](Gate gate) {
         const std::uint32_t vertex = surface_.ahead(gate);
         add_residual(positions_[vertex], predict(gate));
@@ -203,21 +201,21 @@ void EdgebreakerWriter::write_symbols(draco::EncoderBuffer& out) {
     out.Encode(bits_.data(), bits_.size());
     draco::RAnsBitEncoder starts;
     starts.StartEncoding();
-    for (std::size_t i = 0; i < order_.starts.size(); ++i) starts.EncodeBit(true);  // no boundary
+    for (std::size_t i = 0; i < order_.starts.size(); ++i) starts.EncodeBit(true);  // closed
     starts.EndEncoding(&out);
 }
 
 void EdgebreakerWriter::write_connectivity(draco::EncoderBuffer& out) {
     draco::EncodeVarint(static_cast<std::uint32_t>(positions_.size()), &out);
     draco::EncodeVarint(static_cast<std::uint32_t>(surface_.mesh.num_triangles()), &out);
-    out.Encode(std::uint8_t{0});  // attributes with a connectivity of their own
+    out.Encode(std::uint8_t{0});  // number of attributes with separate connectivity
     draco::EncodeVarint(static_cast<std::uint32_t>(order_.symbols.size()), &out);
     draco::EncodeVarint(order_.num_splits, &out);
     write_handles(order_.handles, out);
     write_symbols(out);
 }
 
-// The tags from the last to the first, then the values in their order. Writes the same bytes as
+// Writes the tags from the last to the first, then the values in order. Same bytes as
 // draco::EncodeSymbols, which writes the values bit by bit.
 bool EdgebreakerWriter::write_tagged_residuals(draco::EncoderBuffer& out) {
     out.Encode(static_cast<std::uint8_t>(draco::SYMBOL_CODING_TAGGED));
@@ -273,7 +271,7 @@ bool EdgebreakerWriter::write(const geometry::TriangleMesh& mesh,
                               int speed,
                               draco::EncoderBuffer& out) {
     if (!surface_.mesh.assign(mesh) || !quantise(mesh, position_bits)) return false;
-    surface_.forget(positions_.size());
+    surface_.clear_visited(positions_.size());
     if (!order_.find(surface_)) return false;
     find_residuals();
     const std::size_t size_before = out.size();

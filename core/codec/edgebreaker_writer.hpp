@@ -13,29 +13,29 @@ class EncoderBuffer;
 
 namespace atrium::codec {
 
-/// Writes Draco's bitstream 2.2 of closed meshes: edgebreaker with standard symbols, one attribute
-/// of quantised positions, each predicted by the parallelogram of the triangle next to it.
+/// Writes closed meshes as Draco bitstream 2.2: edgebreaker with standard symbols, one attribute of
+/// quantised positions, each predicted by the parallelogram of the adjacent triangle.
 ///
-/// The bytes are those that Draco's own encoder writes at the same speed, in a third of its time:
-/// that a mesh has to be closed spares most of the search for neighbours, and memory is kept from
-/// mesh to mesh. The entropy coders are the library's, but for plain bits.
+/// The bytes equal those of Draco's encoder at the same speed setting, in a third of its time:
+/// closed meshes need little search for neighbours, and memory is reused from mesh to mesh. Writes
+/// plain bits itself; the other entropy coders are Draco's.
 class EdgebreakerWriter {
 public:
-    /// Draco's speeds with this kind of prediction.
+    /// True for Draco's speed settings with this kind of prediction.
     static constexpr bool takes_speed(int speed) { return speed >= 2 && speed <= 7; }
 
-    /// Appends the stream of `mesh` to `out`. The vertices are finite as floats; `position_bits`
-    /// and `speed` as in MeshCodecOptions, `takes_speed`. False, and `out` as it was, if the mesh
-    /// is not closed and 2-manifold as ClosedMesh wants it, has two triangles with the same
-    /// vertices, floats cannot hold its size or that of a step, or Draco cannot code the residuals.
-    /// May throw what Draco and the allocation of memory throw.
+    /// Appends the stream of `mesh` to `out`. The vertices must be finite as floats;
+    /// `position_bits` and `speed` are those of MeshCodecOptions, with `takes_speed(speed)`. False,
+    /// with unchanged `out`, if the mesh is not closed and 2-manifold (ClosedMesh), has a component
+    /// of two triangles back to back, if its size or step overflows a float, or if Draco cannot
+    /// code the residuals. Throws what Draco and allocation throw.
     bool write(const geometry::TriangleMesh& mesh,
                int position_bits,
                int speed,
                draco::EncoderBuffer& out);
 
 private:
-    using Position = std::array<std::int32_t, 3>;  // in steps of the grid
+    using Position = std::array<std::int32_t, 3>;  // in grid steps
 
     bool quantise(const geometry::TriangleMesh& mesh, int position_bits);
     void find_residuals();
@@ -51,13 +51,13 @@ private:
     EdgebreakerOrder order_;
     std::vector<Eigen::Vector3f> floats_;
     std::vector<Position> positions_;  // of each vertex
-    std::array<float, 3> origin_m_{};  // lowest of each coordinate
-    float range_m_ = 1.0F;             // of the coordinate with the longest
+    std::array<float, 3> origin_m_{};  // minimum of each coordinate
+    float range_m_ = 1.0F;             // largest range of a coordinate
     std::int32_t lowest_ = 0;          // of all coordinates of all positions
     std::int32_t highest_ = 0;
-    std::uint32_t last_vertex_ = 0;         // whose residual was added last
+    std::uint32_t last_vertex_ = 0;         // vertex of the last residual
     std::vector<std::uint32_t> residuals_;  // three per vertex, sign in the lowest bit
-    std::vector<std::uint32_t> lengths_;    // in bits: of the longest residual of each vertex
+    std::vector<std::uint32_t> lengths_;    // per vertex: length of its longest residual [bits]
     std::vector<std::uint8_t> bits_;
 };
 

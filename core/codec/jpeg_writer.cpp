@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kBlock = DCTSIZE;
 
-/// The library's errors come back by longjmp; nothing with a destructor may live in between.
+/// The library reports errors by longjmp: no object with a destructor may live in between.
 struct ErrorManager {
     jpeg_error_mgr base;
     std::jmp_buf where;
@@ -32,7 +32,7 @@ struct ErrorManager {
     std::longjmp(errors->where, 1);
 }
 
-void say_nothing(j_common_ptr) {}
+void ignore_message(j_common_ptr) {}
 
 void use(const HuffmanTable& table, JHUFF_TBL& out) {
     std::copy(table.number.begin(), table.number.end(), out.bits);
@@ -55,14 +55,14 @@ struct JpegWriter::State {
     jpeg_compress_struct jpeg{};
     ErrorManager errors;
     bool is_ready = false;
-    std::vector<unsigned char> out;    // fits the worst case; much larger than what comes out
-    std::vector<unsigned char> strip;  // eight rows of each plane, padded to whole blocks, and one
+    std::vector<unsigned char> out;    // holds the worst case; the result is much smaller
+    std::vector<unsigned char> strip;  // eight rows per plane, padded to blocks, plus one block
     std::array<std::array<JSAMPROW, kBlock>, 3> rows{};
 
     State() {
         jpeg.err = jpeg_std_error(&errors.base);
         errors.base.error_exit = leave;
-        errors.base.output_message = say_nothing;
+        errors.base.output_message = ignore_message;
         if (setjmp(errors.where) != 0) return;
         jpeg_create_compress(&jpeg);
         is_ready = true;
@@ -74,7 +74,7 @@ struct JpegWriter::State {
     }
 
     void reserve(int width, int height) {
-        // a coefficient takes 26 bits at most, each byte of which may need a stuffed one
+        // a coefficient takes at most 26 bits, and each byte may need a stuffed one
         constexpr std::size_t kHeaderBytes = 4096;
         const std::size_t samples =
             3 * static_cast<std::size_t>(padded(width)) * static_cast<std::size_t>(padded(height));
@@ -94,7 +94,7 @@ struct JpegWriter::State {
                 const std::uint8_t* from = plane.row(std::min(first_row + y, plane.height - 1));
                 unsigned char* to = rows[p][static_cast<std::size_t>(y)];
                 std::copy_n(from, plane.width, to);
-                // a whole block's width: what is too much belongs to the row that comes next
+                // always a whole block: the next row overwrites the excess
                 std::memset(to + plane.width, from[plane.width - 1], kBlock);
             }
         }
@@ -133,8 +133,7 @@ Expected<std::span<const std::uint8_t>> JpegWriter::write(const image::Plane& y,
     State& state = *state_;
     assert(y.width > 0 && y.height > 0 && y.data.size() == u.data.size() &&
            y.data.size() == v.data.size());
-    if (!state.is_ready)
-        return make_error(ErrorKind::kInternal, "the JPEG encoder could not be started");
+    if (!state.is_ready) return make_error(ErrorKind::kInternal, "JPEG encoder: cannot be created");
     state.reserve(y.width, y.height);
     unsigned char* buffer = state.out.data();
     unsigned long size = state.out.size();
@@ -146,7 +145,7 @@ Expected<std::span<const std::uint8_t>> JpegWriter::write(const image::Plane& y,
         return make_error(ErrorKind::kInternal,
                           std::string("JPEG encoder: ") + state.errors.message.data());
     }
-    // the buffer fits the worst case, so the library never replaces it
+    // the buffer holds the worst case: the library never replaces it
     jpeg_mem_dest(&state.jpeg, &buffer, &size);
     state.start(y.width, y.height, quality);
     for (int first_row = 0; first_row < y.height; first_row += kBlock) {

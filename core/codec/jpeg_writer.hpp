@@ -11,16 +11,16 @@
 
 namespace atrium::codec {
 
-/// Width of the steps in which all coefficients of a block are rounded, of luma and chroma alike,
-/// for a quality of 1 to 100 on JPEG's scale: 48 at 50, 14 at 85, 1 at 100.
+/// Returns the quantisation step of all coefficients of a block, luma and chroma, for a quality of
+/// 1 to 100 on JPEG's scale: 48 at 50, 14 at 85, 1 at 100.
 int quantisation_step(int quality);
 
-/// Writes baseline JPEG, 4:4:4, of planes that are already full-range BT.601; one per thread.
+/// Writes baseline JPEG, 4:4:4, from planes in full-range BT.601. Use one object per thread.
 ///
-/// Unlike the JPEG standard's example tables, which hide errors from the eye of somebody who looks
-/// at a whole picture from afar, every frequency has the same step: at equal size the mean squared
-/// error is smallest. The Huffman code is one that suits such steps; made anew for each picture it
-/// would save another 0.3 kB of each and take more than twice the time.
+/// Every frequency has the same quantisation step, which minimises the mean squared error at equal
+/// size; the example tables of the JPEG standard optimise for the eye at a distance. The Huffman
+/// code is fixed and suits these steps. A code per picture would save 0.3 kB per picture and take
+/// more than twice the time.
 class JpegWriter {
 public:
     JpegWriter();
@@ -28,8 +28,8 @@ public:
     JpegWriter(const JpegWriter&) = delete;
     JpegWriter& operator=(const JpegWriter&) = delete;
 
-    /// The three planes are of one size, neither empty nor wider or higher than 65500. The result
-    /// is valid until the next call. Error kInternal where the library fails (no memory).
+    /// Writes one picture. The three planes have the same size, 1 to 65500 px per side. The result
+    /// is valid until the next call. Fails with kInternal if the library fails (out of memory).
     Expected<std::span<const std::uint8_t>> write(const image::Plane& y,
                                                   const image::Plane& u,
                                                   const image::Plane& v,

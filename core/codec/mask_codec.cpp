@@ -13,7 +13,7 @@ namespace {
 constexpr std::uint8_t kVersion = 1;
 constexpr std::size_t kHeaderBytes = 5;
 
-/// Columns at which one row changes; at most one per pixel.
+/// The columns at which one row changes; at most one per pixel.
 struct Changes {
     std::array<std::uint16_t, kMaxTextureSide> column;
     std::size_t size = 0;
@@ -53,7 +53,7 @@ private:
     int num_pending_ = 0;
 };
 
-/// Reads past the end give zeros and make `failed` true.
+/// Reads bits. A read past the end returns zeros and sets `failed`.
 class BitReader {
 public:
     explicit BitReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -89,7 +89,7 @@ public:
         return code % 2 != 0 ? (code + 1) / 2 : -(code / 2);
     }
 
-    // Only zeros are left, in the byte that was begun.
+    // True if only zero bits of the current byte are left.
     bool at_end() {
         if ((position_ + 7) / 8 != bytes_.size()) return false;
         while (position_ % 8 != 0) {
@@ -142,7 +142,7 @@ void put_row(const Changes& here, const Changes& above, BitWriter& bits) {
     }
 }
 
-// Returns false if this is no row of `width` pixels.
+// Returns false if the bits are not a row of `width` pixels.
 bool get_row(BitReader& bits, int width, const Changes& above, Changes& here) {
     const bool same_number = bits.bit() != 0;
     const std::size_t size = same_number ? above.size : bits.get_unsigned();
@@ -193,18 +193,18 @@ void encode_mask(const image::Mask& mask, std::vector<std::uint8_t>& out) {
 Expected<void> decode_mask(std::span<const std::uint8_t> bytes, image::Mask& out) {
     if (bytes.size() < kHeaderBytes || bytes[0] != kVersion) {
         return make_error(ErrorKind::kInvalidData,
-                          "coded mask has no header of version " + std::to_string(kVersion));
+                          "coded mask: no header of version " + std::to_string(kVersion));
     }
     const int width = bytes[1] | bytes[2] << 8;
     const int height = bytes[3] | bytes[4] << 8;
     if (!is_texture_size(width, height)) {
         return make_error(ErrorKind::kInvalidData,
-                          "coded mask of " + std::to_string(width) + "x" + std::to_string(height) +
-                              " pixels is empty or too large");
+                          "coded mask: " + std::to_string(width) + "x" + std::to_string(height) +
+                              " pixels, empty or too large");
     }
-    // a row takes a bit at least: a few bytes cannot claim a large picture
+    // a row takes at least one bit: a few bytes cannot claim a large picture
     if ((bytes.size() - kHeaderBytes) * 8 < static_cast<std::size_t>(height)) {
-        return make_error(ErrorKind::kInvalidData, "coded mask ends early");
+        return make_error(ErrorKind::kInvalidData, "coded mask: truncated");
     }
     out.width = width;
     out.height = height;
@@ -215,12 +215,12 @@ Expected<void> decode_mask(std::span<const std::uint8_t> bytes, image::Mask& out
         Changes& here = rows[static_cast<std::size_t>(y % 2)];
         if (!get_row(bits, width, rows[static_cast<std::size_t>((y + 1) % 2)], here)) {
             return make_error(ErrorKind::kInvalidData,
-                              "coded mask is damaged in row " + std::to_string(y));
+                              "coded mask: damaged in row " + std::to_string(y));
         }
         paint_row(here, width, out.row(y));
     }
     if (!bits.at_end())
-        return make_error(ErrorKind::kInvalidData, "coded mask goes on after its last row");
+        return make_error(ErrorKind::kInvalidData, "coded mask: has data after its last row");
     return {};
 }
 

@@ -76,7 +76,7 @@ draco::Status encode_with_draco(const TriangleMesh& mesh,
     fill_draco_mesh(mesh, draco_mesh);
     draco::Encoder encoder;
     encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
-    // The decoder accepts this one way of writing the symbols, whatever the speed.
+    // The decoder accepts only this coding of the symbols, at every speed.
     encoder.options().SetGlobalInt("edgebreaker_method", draco::MESH_EDGEBREAKER_STANDARD_ENCODING);
     encoder.SetSpeedOptions(options.speed, options.speed);
     encoder.SetAttributeQuantization(draco::GeometryAttribute::POSITION, options.position_bits);
@@ -92,7 +92,7 @@ double quantisation_step_m(const TriangleMesh& mesh, const MeshCodecOptions& opt
 
 namespace {
 
-/// Square of the most pixels by which a camera sees a vertex move per metre [px^2 / m^2].
+/// Square of the largest motion in the picture per metre of motion of any vertex [px^2 / m^2].
 double most_motion_sq(const TriangleMesh& mesh, const geometry::CalibratedCamera& camera) {
     const Eigen::Matrix3d rotation = camera.camera_from_site.rotation.toRotationMatrix();
     const Eigen::Vector3d& translation = camera.camera_from_site.translation;
@@ -101,14 +101,14 @@ double most_motion_sq(const TriangleMesh& mesh, const geometry::CalibratedCamera
     for (const Eigen::Vector3d& vertex : mesh.vertices) {
         const Eigen::Vector3d seen = rotation * vertex + translation;
         const double depth_sq = seen.z() * seen.z();
-        // the division is rare
+        // the comparison avoids most divisions
         if (seen.squaredNorm() > widest * (depth_sq * depth_sq) && seen.z() > 0.0)
             widest = seen.squaredNorm() / (depth_sq * depth_sq);
     }
     return focal_px * focal_px * widest;
 }
 
-// A camera in floats: the depth of a place is `depth_axis * place + depth`.
+// A camera in floats: the depth of a point is `depth_axis * point + depth`.
 struct DepthCamera {
     explicit DepthCamera(const geometry::CalibratedCamera& camera) {
         const Eigen::Matrix3d rotation = camera.camera_from_site.rotation.toRotationMatrix();
@@ -126,9 +126,9 @@ struct DepthCamera {
     float focal_sq = 0.0F;
 };
 
-// The most of most_motion_sq over all cameras, right to kEstimateError of it: in floats, several
-// vertices at once. None where one is so near to a camera's plane, or so far away, that it may be
-// further off.
+// Estimates the maximum of most_motion_sq over all cameras with a relative error of at most
+// kEstimateError: in floats, several vertices at once. Returns nullopt if a vertex is so near to a
+// camera's plane, or so far away, that the error could be larger.
 constexpr double kEstimateError = 1e-3;
 
 std::optional<double> estimate_most_motion_sq(const TriangleMesh& mesh,
@@ -149,7 +149,7 @@ std::optional<double> estimate_most_motion_sq(const TriangleMesh& mesh,
         const std::size_t num = std::min(kChunk, mesh.vertices.size() - first);
         const std::size_t num_groups = (num + kLanes - 1) / kLanes;
         for (std::size_t i = 0; i < num_groups * kLanes; ++i) {
-            // the last group is filled up with the last vertex
+            // pad the last group with the last vertex
             const Eigen::Vector3d& vertex = mesh.vertices[first + std::min(i, num - 1)];
             for (std::size_t axis = 0; axis < 3; ++axis)
                 at[axis][i / kLanes][i % kLanes] =
@@ -236,12 +236,12 @@ Expected<std::size_t> MeshEncoder::encode(const TriangleMesh& mesh,
             const draco::Status status = encode_with_draco(mesh, options, buffer);
             if (!status.ok()) return invalid_mesh(status.error_msg_string());
         }
-        // sizes differ a little each time
+        // sizes vary a little: reserve more to avoid repeated allocation
         if (out.capacity() < buffer.size()) out.reserve(std::bit_ceil(buffer.size()));
         out.assign(buffer.data(), buffer.data() + buffer.size());
         return out.size();
     } catch (const std::exception& error) {
-        buffer = {};  // it may be in the middle of something
+        buffer = {};  // its state is undefined
         return make_error(ErrorKind::kInternal, fmt::format("mesh encoder: {}", error.what()));
     }
 }

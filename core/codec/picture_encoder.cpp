@@ -12,7 +12,7 @@ namespace atrium::codec {
 
 struct PictureEncoder::State {
     tjhandle encoder = tjInitCompress();
-    // The library would allocate too, but keeps what it allocated for a picture that it refuses.
+    // Own buffer: the library would leak its buffer for a picture that it refuses.
     std::vector<std::uint8_t> jpeg;
 
     State() = default;
@@ -36,10 +36,10 @@ Expected<std::span<const std::uint8_t>> PictureEncoder::encode(std::span<const s
             kBytesPerPixel * static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
         return make_error(
             ErrorKind::kInvalidData,
-            fmt::format("{} bytes are no RGBA picture of {} x {}", rgba.size(), width, height));
+            fmt::format("{} bytes are not an RGBA picture of {} x {}", rgba.size(), width, height));
     }
     if (state_->encoder == nullptr)
-        return make_error(ErrorKind::kInternal, "no memory for a JPEG encoder");
+        return make_error(ErrorKind::kInternal, "JPEG encoder: out of memory");
     unsigned long bytes = tjBufSize(width, height, TJSAMP_420);
     state_->jpeg.resize(std::max<std::size_t>(state_->jpeg.size(), bytes));
     unsigned char* to = state_->jpeg.data();

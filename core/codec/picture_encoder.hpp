@@ -8,9 +8,8 @@
 
 namespace atrium::codec {
 
-/// Codes whole pictures for people to look at: baseline JPEG, 4:2:0, by turbojpeg. The coder of a
-/// person's textures is TextureEncoder. Holds the library's state and memory that is reused; one
-/// per thread.
+/// Encodes whole pictures as baseline JPEG, 4:2:0, with TurboJPEG, for display. For the textures of
+/// people use TextureEncoder. Reuses its memory; use one per thread.
 class PictureEncoder {
 public:
     PictureEncoder();
@@ -18,9 +17,10 @@ public:
     PictureEncoder(const PictureEncoder&) = delete;
     PictureEncoder& operator=(const PictureEncoder&) = delete;
 
-    /// `rgba` holds width * height pixels of R, G, B, A, rows from the top; alpha is ignored.
-    /// `quality` is 1 to 100 on JPEG's scale. The result is valid until the next call. Errors:
-    /// kInvalidData where `rgba` has another size, kInternal where the library fails (no memory).
+    /// Encodes `rgba`: width * height pixels of R, G, B, A, rows from the top; alpha is ignored.
+    /// `quality` is 1 to 100 on JPEG's scale. The result is valid until the next call. Fails with
+    /// kInvalidData if `rgba` has another size, with kInternal if the library fails (out of
+    /// memory).
     Expected<std::span<const std::uint8_t>> encode(std::span<const std::uint8_t> rgba,
                                                    int width,
                                                    int height,

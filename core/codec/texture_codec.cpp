@@ -14,21 +14,21 @@ namespace atrium::codec {
 
 struct TextureEncoder::State {
     JpegWriter jpeg;
-    TextureCrop half;  // colours alone
+    TextureCrop half;  // colours only
 };
 
 struct TextureDecoder::State {
     tjhandle jpeg = tjInitDecompress();
     image::Mask mask;
-    std::vector<std::uint8_t> doubled;  // colours coded at half size, twice as large again
+    std::vector<std::uint8_t> doubled;  // half-size colours enlarged to full size
 
     State() = default;
     State(const State&) = delete;
     State& operator=(const State&) = delete;
     ~State() { close(); }
 
-    // damaged bytes may leave the library in the middle of a marker, where the next picture would
-    // continue
+    // damaged bytes can leave the library in the middle of a marker; the next picture would
+    // continue there
     void restart() {
         close();
         jpeg = tjInitDecompress();
@@ -67,7 +67,7 @@ Expected<void> encode_colour(const TextureCrop& crop,
     const auto coded = jpeg.write(crop.y, crop.u, crop.v, quality);
     if (!coded) return tl::unexpected(coded.error());
     const std::size_t size = coded->size();
-    if (out.capacity() < size) out.reserve(std::bit_ceil(size));  // sizes differ a little each time
+    if (out.capacity() < size) out.reserve(std::bit_ceil(size));  // sizes vary a little
     out.assign(coded->begin(), coded->end());
     if (size > kMaxColourBytes) {
         return make_error(ErrorKind::kInvalidData,
@@ -108,7 +108,7 @@ bool can_double() {
     });
 }
 
-// Colours at half of the mask's size, rounded up, whose last row or column may be cut off.
+// Decodes colours at half of the mask's size, rounded up: the last row or column may be cut off.
 Expected<void> decode_doubled(std::span<const std::uint8_t> bytes,
                               int width,
                               int height,
@@ -118,7 +118,7 @@ Expected<void> decode_doubled(std::span<const std::uint8_t> bytes,
                               DecodedTexture& out) {
     static const bool is_possible = can_double();
     if (!is_possible)
-        return make_error(ErrorKind::kInternal, "the JPEG decoder cannot double a picture");
+        return make_error(ErrorKind::kInternal, "JPEG decoder: does not support 2x scaling");
     const std::size_t stride = static_cast<std::size_t>(2 * width) * 4;
     doubled.resize(stride * static_cast<std::size_t>(2 * height));
     if (tjDecompress2(decoder,
@@ -143,10 +143,11 @@ Expected<void> decode_colour(std::span<const std::uint8_t> bytes,
                              tjhandle decoder,
                              std::vector<std::uint8_t>& doubled,
                              DecodedTexture& out) {
-    if (!decoder) return make_error(ErrorKind::kInternal, "the JPEG decoder could not be started");
+    if (!decoder) return make_error(ErrorKind::kInternal, "JPEG decoder: cannot be created");
     if (bytes.empty() || bytes.size() > kMaxColourBytes) {
         return make_error(ErrorKind::kInvalidData,
-                          "coded colours of " + std::to_string(bytes.size()) + " bytes");
+                          "coded colours: " + std::to_string(bytes.size()) +
+                              " bytes, must be 1 to " + std::to_string(kMaxColourBytes));
     }
     int width = 0;
     int height = 0;
@@ -169,7 +170,7 @@ Expected<void> decode_colour(std::span<const std::uint8_t> bytes,
     out.width = mask.width;
     out.height = mask.height;
     out.rgba.resize(mask.data.size() * 4);
-    // a picture of thousands of scans would take minutes
+    // limit the scans: thousands of them would take minutes
     constexpr int kFlags = TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;
     if (!is_whole) return decode_doubled(bytes, width, height, decoder, kFlags, doubled, out);
     if (tjDecompress2(decoder,
@@ -186,7 +187,7 @@ Expected<void> decode_colour(std::span<const std::uint8_t> bytes,
     return {};
 }
 
-// By whole pixels, of which the compiler handles several at once.
+// Writes whole pixels, which the compiler can vectorise.
 void set_alpha(const image::Mask& mask, std::vector<std::uint8_t>& rgba) {
     static_assert(std::endian::native == std::endian::little);
     const std::uint8_t* __restrict alpha = mask.data.data();
@@ -219,9 +220,9 @@ Expected<void> TextureEncoder::encode(const TextureCrop& crop,
     if (!is_texture_size(crop.width(), crop.height())) {
         return make_error(ErrorKind::kInvalidData,
                           "texture of " + size_text(crop.width(), crop.height()) +
-                              " pixels; 1 to " + std::to_string(kMaxTextureSide) +
-                              " per side and " + std::to_string(kMaxTexturePixels) +
-                              " in all are allowed");
+                              " pixels; must have 1 to " + std::to_string(kMaxTextureSide) +
+                              " per side and at most " + std::to_string(kMaxTexturePixels) +
+                              " in total");
     }
     if (divisor == 2) {
         halve(crop.y, state_->half.y);

@@ -12,16 +12,14 @@
 
 namespace atrium::codec {
 
-/// Largest coded colour picture that is looked at; no sample on the bus is larger than a part of
-/// it.
+/// Largest coded colour picture [bytes]; decoders reject more. Expected ones are a fraction of it.
 constexpr std::size_t kMaxColourBytes = std::size_t{1} << 20;
 
-/// The subject as one camera sees it, at half resolution or, where a site says so, at full: all
-/// four planes are as large as crop_px, or half as wide and high.
+/// The subject as one camera sees it. All four planes have half the width and height of crop_px or,
+/// if the site is configured so, its full size.
 struct TextureCrop {
-    image::PixelRect
-        crop_px;     // in the delivered picture, full-resolution pixels; all four numbers are even
-    image::Plane y;  // full-range BT.601, as in image::YuvImage
+    image::PixelRect crop_px;  // in the delivered picture, full-resolution pixels; all even
+    image::Plane y;            // full-range BT.601, as in image::YuvImage
     image::Plane u;
     image::Plane v;
     image::Mask mask;  // 255 where the picture shows the subject
@@ -31,20 +29,20 @@ struct TextureCrop {
 };
 
 struct CodedTexture {
-    std::vector<std::uint8_t>
-        colour;  // baseline JPEG, 4:4:4, full-range BT.601; as large as the mask, or half
+    /// Baseline JPEG, 4:4:4, full-range BT.601, of the mask's size or half its width and height.
+    std::vector<std::uint8_t> colour;
     std::vector<std::uint8_t> mask;  // see mask_codec.hpp
 };
 
-/// Ready for the GPU: rows from the top, R, G, B, A; alpha is 255 where the picture shows the
-/// subject, else 0.
+/// A texture ready for the GPU: rows from the top, R, G, B, A; alpha is 255 where the picture shows
+/// the subject, else 0.
 struct DecodedTexture {
     int width = 0;
     int height = 0;
     std::vector<std::uint8_t> rgba;
 };
 
-/// Holds the JPEG library's state and memory that is reused; one per thread.
+/// Encodes textures. Reuses its memory and the JPEG library's state; use one per thread.
 class TextureEncoder {
 public:
     TextureEncoder();
@@ -52,12 +50,12 @@ public:
     TextureEncoder(TextureEncoder&&) noexcept;
     TextureEncoder& operator=(TextureEncoder&&) noexcept;
 
-    /// Codes colours and mask (not crop_px); `quality` is 1 to 100 (see quantisation_step). The
-    /// planes go into the JPEG as they are: no colours are converted. An error if the planes are
-    /// empty, differ in size, or are larger than what TextureDecoder takes.
+    /// Encodes colours and mask, not crop_px. `quality` is 1 to 100 (see quantisation_step). Does
+    /// not convert colours. Fails with kInvalidData if the planes are empty, differ in size or
+    /// exceed the limits of TextureDecoder.
     Expected<void> encode(const TextureCrop& crop, int quality, CodedTexture& out);
-    /// `divisor` 1 or 2: with 2 the colours are coded at half of the width and height of the mask,
-    /// rounded up, each the mean of up to four. The mask stays as it is.
+    /// Like `encode`, with a `divisor` of 1 or 2. With 2 the colours have half the width and height
+    /// of the mask, rounded up, each the mean of up to four. The mask is unchanged.
     Expected<void> encode(const TextureCrop& crop, int quality, int divisor, CodedTexture& out);
 
 private:
@@ -65,7 +63,7 @@ private:
     std::unique_ptr<State> state_;
 };
 
-/// Holds the JPEG library's state and memory that is reused; one per thread.
+/// Decodes textures. Reuses its memory and the JPEG library's state; use one per thread.
 class TextureDecoder {
 public:
     TextureDecoder();
@@ -73,11 +71,10 @@ public:
     TextureDecoder(TextureDecoder&&) noexcept;
     TextureDecoder& operator=(TextureDecoder&&) noexcept;
 
-    /// Reverse of TextureEncoder::encode: the result is as large as the mask, whatever the colours
-    /// were coded at. Both byte strings may come from anywhere: what is
-    /// damaged, too large, not of the kind that the encoder writes, or differs in size between
-    /// colour and mask (but for that divisor of 2), is an error. On error, `out` is undefined.
-    /// Damage that still makes a valid picture of that size shows wrong pixels, nothing worse.
+    /// Decodes the result of TextureEncoder::encode; `out` has the size of the mask for every
+    /// divisor. Safe for untrusted input: fails with kInvalidData if a part is damaged, too large
+    /// or not of the encoder's kind, or if the sizes of colours and mask do not fit (divisor 1 or
+    /// 2); `out` is then undefined. Damage that leaves a valid picture only shows wrong pixels.
     Expected<void> decode(std::span<const std::uint8_t> colour,
                           std::span<const std::uint8_t> mask,
                           DecodedTexture& out);

@@ -25,14 +25,14 @@ std::string text_of(Number v) {
     return fmt::format("{}", v);
 }
 
-// As the same refusal reads for a value of a file.
+// Matches the wording of TableReader's errors.
 std::string with_article(const std::string& type) {
     if (type.starts_with("integer")) return "an " + type;
     if (type.starts_with("number") || type.starts_with("path")) return "a " + type;
     return type;
 }
 
-// A value given as text goes through the same reader as one in a file: same checks, same messages.
+// Turns text from the command line into TOML, for the same checks and messages as in a file.
 std::string as_toml(const std::string& text, bool quoted) {
     if (!quoted) return text;
     std::string literal = "\"";
@@ -56,7 +56,7 @@ void OptionSet::add_entry(const std::string& key,
     entry.help = help;
     entry.type_name = std::move(type_name);
     entry.default_value = text_of(target);
-    if (std::is_same_v<T, bool>) entry.alone = "true";
+    if (std::is_same_v<T, bool>) entry.implicit_value = "true";
     entry.read = [key, &target, limits...](TableReader& reader) {
         reader.read(key, target, limits...);
     };
@@ -123,9 +123,9 @@ void OptionSet::add(const std::string& key,
 void OptionSet::add(const std::string& key,
                     std::filesystem::path& target,
                     const std::string& help,
-                    const std::string& alone) {
+                    const std::string& implicit_value) {
     add_entry(key, target, help, "path");
-    entries_.back().alone = alone;
+    entries_.back().implicit_value = implicit_value;
 }
 
 void OptionSet::add_word_or_path(const std::string& key,
@@ -145,7 +145,7 @@ void OptionSet::add_word_or_path(const std::string& key,
     };
 }
 
-void OptionSet::also_called(const std::string& name) { entries_.back().short_name = name; }
+void OptionSet::add_alias(const std::string& name) { entries_.back().alias = name; }
 
 void OptionSet::show(const std::string& key, std::function<std::string()> current) {
     std::string declared = current();

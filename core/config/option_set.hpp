@@ -11,11 +11,11 @@
 
 namespace atrium::config {
 
-/// The options of one program, declared once and served three ways: keys of its TOML file
-/// (`hull.threads`), options of its command line (`--hull.threads 2`), lines of its `--help` with
-/// unit and default.
+/// Declares the options of a program once, for three uses: keys of its TOML file (`hull.threads`),
+/// options of its command line (`--hull.threads 2`) and lines of its `--help` with unit and
+/// default.
 ///
-/// `target` holds the default when it is declared, and must outlive the set.
+/// `target` holds the default when it is added, and must outlive the set.
 class OptionSet {
 public:
     void add(const std::string& key, bool& target, const std::string& help);
@@ -37,48 +37,49 @@ public:
              std::string& target,
              const std::string& help,
              const std::vector<std::string>& choices = {});
-    /// `alone` is the value where the option stands on the command line without one; empty: it
-    /// needs one.
+    /// `implicit_value` is the value of the option if the command line gives none; empty: a value
+    /// is required.
     void add(const std::string& key,
              std::filesystem::path& target,
              const std::string& help,
-             const std::string& alone = {});
+             const std::string& implicit_value = {});
 
-    /// One of `words`, or else a path, which in a file is taken from the folder of that file.
+    /// Adds an option that is one of `words` or a path. A relative path in a file is relative to
+    /// the file's folder.
     void add_word_or_path(const std::string& key,
                           std::string& target,
                           const std::string& help,
                           const std::vector<std::string>& words);
-    /// On the command line, `--name` is the last option added.
-    void also_called(const std::string& name);
+    /// Makes `--name` an alias of the last added option on the command line.
+    void add_alias(const std::string& name);
 
-    /// One more line of `effective()`, of what is no option because only a file can say it.
+    /// Adds a line to `effective()` for a value that is not an option, because only a file can set
+    /// it.
     void show(const std::string& key, std::function<std::string()> current);
 
-    /// Reads every declared key that the file has. Does not call `reader.finish()`: a program may
-    /// read more from the file.
+    /// Reads every declared key from the file. Does not call `reader.finish()`: a program may read
+    /// more from the file.
     void read_file(TableReader& reader) const;
 
-    /// One `key = value` as text, as on the command line. `source` names it in errors.
+    /// Sets an option from text, as on the command line. `source` names it in errors.
     Expected<void> set(const std::string& key,
                        const std::string& text,
                        const std::string& source) const;
 
     struct Entry {
         std::string key;
-        std::string help;           // says the unit
-        std::string type_name;      // for example "number in [0, 1]"
-        std::string default_value;  // as text
-        std::string alone;          // value of an option that stands alone; empty: it needs one
-        std::string short_name;     // on the command line, besides the key; empty: none
+        std::string help;            // includes the unit
+        std::string type_name;       // for example "number in [0, 1]"
+        std::string default_value;   // as text
+        std::string implicit_value;  // value if none is given; empty: a value is required
+        std::string alias;           // alias on the command line; empty: none
         std::function<void(TableReader&)> read;
         std::function<Expected<void>(const std::string&)> parse;
     };
     const std::vector<Entry>& entries() const { return entries_; }
-    /// `key = value` of every option as it is now, one per line, and of what is shown besides: the
-    /// effective configuration.
+    /// Returns the effective configuration: a line `key = value` per option and per `show`.
     std::string effective() const;
-    /// Those lines of it that are not as they were declared.
+    /// Returns only those lines of `effective()` whose value is not the default.
     std::string changed() const;
 
 private:
@@ -94,7 +95,7 @@ private:
         std::string declared;
     };
     std::vector<Entry> entries_;
-    std::vector<std::function<std::string()>> current_;  // of the entries
+    std::vector<std::function<std::string()>> current_;  // values of the entries
     std::vector<Shown> shown_;
 };
 

@@ -14,10 +14,10 @@ namespace atrium::config {
 namespace {
 
 constexpr double kMaxRotationError =
-    1e-3;  // largest |R^T R - 1|: calibration files carry 4 to 12 digits
+    1e-3;  // largest |R^T R - 1|: calibration files have 4 to 12 digits
 constexpr std::size_t kMaxCameras = 64;
 
-// The rotation nearest to `m`, or nothing where `m` is not a right-handed rotation to
+// The rotation nearest to `m`; nullopt if `m` is not a right-handed rotation within
 // kMaxRotationError.
 std::optional<Eigen::Quaterniond> nearest_rotation(const Eigen::Matrix3d& m) {
     if (!m.allFinite()) return std::nullopt;
@@ -65,8 +65,7 @@ geometry::CalibratedCamera read_camera(TableReader& table) {
     return camera;
 }
 
-// Where the file states none: a person-sized box around the point nearest to all optical axes,
-// reaching to the floor.
+// A person-sized box around the point nearest to all optical axes, down to the floor.
 geometry::Aabb default_bounds(const std::vector<geometry::CalibratedCamera>& cameras) {
     Eigen::Matrix3d a = Eigen::Matrix3d::Identity() * 1e-6;
     Eigen::Vector3d b = Eigen::Vector3d::Zero();
@@ -116,8 +115,7 @@ Expected<Rig> load_rig(const std::filesystem::path& path) {
     if (rig.cameras.size() < 2 || rig.cameras.size() > kMaxCameras) {
         reader->reject(
             "camera",
-            fmt::format(
-                "2 to {} cameras are needed, here are {}", kMaxCameras, rig.cameras.size()));
+            fmt::format("must have 2 to {} cameras, has {}", kMaxCameras, rig.cameras.size()));
     }
     if (reader->has("bounds")) {
         TableReader bounds = reader->table("bounds");

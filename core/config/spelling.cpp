@@ -9,7 +9,7 @@
 namespace atrium::config {
 namespace {
 
-// Levenshtein's distance.
+// Levenshtein distance.
 std::size_t num_edits(std::string_view a, std::string_view b) {
     std::vector<std::size_t> row(b.size() + 1);
     std::iota(row.begin(), row.end(), std::size_t{0});
@@ -26,7 +26,7 @@ std::size_t num_edits(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-bool may_be_meant(std::string_view written, std::string_view meant) {
+bool may_be_misspelling(std::string_view written, std::string_view meant) {
     return num_edits(written, meant) <= std::min<std::size_t>(2, meant.size() / 2);
 }
 

@@ -4,8 +4,8 @@
 
 namespace atrium::config {
 
-/// Whether `written` may be `meant`, misspelt: at most two letters more, less or other than it (two
-/// that changed places are two), and at least half of them the same.
-bool may_be_meant(std::string_view written, std::string_view meant);
+/// True if `written` may be a misspelling of `meant`: their Levenshtein distance is at most 2 and
+/// at most half the length of `meant`. A transposition counts as 2.
+bool may_be_misspelling(std::string_view written, std::string_view meant);
 
 }  // namespace atrium::config

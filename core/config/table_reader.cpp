@@ -18,13 +18,13 @@
 
 namespace atrium::config {
 
-// What all readers of one file share.
+// The state that all readers of a file share.
 struct TableReader::Document {
     std::string name;
     std::filesystem::path folder;
     toml::value root;
     std::optional<Error> first_problem;
-    std::pair<std::shared_ptr<Node>, std::string> missing;  // the key whose lack that is, if it is
+    std::pair<std::shared_ptr<Node>, std::string> missing;  // the key, if it is a missing one
 
     void report(const std::string& where, const std::string& key, const std::string& problem) {
         if (!first_problem) {
@@ -34,7 +34,7 @@ struct TableReader::Document {
     }
 };
 
-// One table and which of its keys somebody asked for.
+// One table, and the keys of it that the program has asked for.
 struct TableReader::Node {
     const toml::value* table = nullptr;  // null: absent, every key keeps its default
     std::string path;                    // "physics." or empty at the root
@@ -94,7 +94,7 @@ Expected<TableReader> TableReader::load(const std::filesystem::path& file) {
     std::error_code failure;
     if (std::filesystem::is_directory(file, failure)) {
         return make_error(ErrorKind::kNotFound,
-                          fmt::format("{}: is a folder, a TOML file is needed", file.string()));
+                          fmt::format("{}: is a folder, must be a TOML file", file.string()));
     }
     std::ifstream stream(file, std::ios::binary);
     if (!stream)
@@ -118,8 +118,7 @@ Expected<TableReader> TableReader::parse(const std::string& toml_text, const std
         std::istringstream stream(toml_text);
         document->root = toml::parse(stream, name);
     } catch (const toml::exception& e) {
-        // the library's text draws the place over several lines; its first line and the line number
-        // say enough
+        // the library's text has several lines that show the place; keep only the first
         std::string what = e.what();
         what = what.substr(0, what.find('\n'));
         return make_error(
@@ -136,7 +135,7 @@ Expected<TableReader> TableReader::parse(const std::string& toml_text, const std
 
 std::filesystem::path TableReader::folder() const { return document_->folder; }
 
-// Walks a dotted key down to the reader of the table that holds its last part.
+// Splits off the first part of a dotted key; it is empty for a key without dots.
 static std::pair<std::string, std::string> split_first(const std::string& key) {
     const auto dot = key.find('.');
     return dot == std::string::npos ? std::pair{std::string(), key}
@@ -360,14 +359,14 @@ void TableReader::read(const std::string& key, std::vector<std::string>& values)
     for (const toml::value& v : found->as_array()) values.push_back(v.as_string());
 }
 
-// The key that nobody asked for where the first problem is the lack of one that is spelt like it.
+// If the first error is a missing key, looks for an unknown key with a similar spelling.
 std::optional<Error> TableReader::misspelling() const {
     const auto& [node, missing] = document_->missing;
     if (node == nullptr || node->table == nullptr) return std::nullopt;
     for (const auto& [key, value] : node->table->as_table()) {
-        if (node->asked.contains(key) || !may_be_meant(key, missing)) continue;
+        if (node->asked.contains(key) || !may_be_misspelling(key, missing)) continue;
         return Error{ErrorKind::kConfiguration,
-                     fmt::format("{}: {}{}: unknown key; {} is missing, is that meant?",
+                     fmt::format("{}: {}{}: unknown key; did you mean {}, which is missing?",
                                  location(document_->name, value),
                                  node->path,
                                  key,
@@ -381,7 +380,7 @@ Expected<void> TableReader::finish() const {
         const auto misspelt = misspelling();
         return tl::unexpected(misspelt ? *misspelt : *problem);
     }
-    // breadth is small: recursion over the tables that were opened
+    // recurses only over the tables that the program opened
     const std::function<std::optional<Error>(const Node&)> first_unknown =
         [&](const Node& node) -> std::optional<Error> {
         if (node.table == nullptr) return std::nullopt;

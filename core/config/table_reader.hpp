@@ -11,9 +11,8 @@
 #include <string>
 #include <vector>
 
-/// TOML at a program's edge: values are read into structs that already hold their defaults; an
-/// unknown key, a wrong type or a value outside its range is an error that names file, line, key
-/// and what is allowed.
+/// Reads TOML into structs that already hold their defaults. An unknown key, a wrong type or a
+/// value out of range is an error that names file, line, key and the allowed values.
 namespace atrium::config {
 
 struct Range {
@@ -21,17 +20,17 @@ struct Range {
     double max = std::numeric_limits<double>::infinity();
 };
 
-/// One table of a TOML file. Reads never throw; the first problem is kept and returned by `finish`,
-/// after which nothing else matters. Copies refer to the same table.
+/// Reads one table of a TOML file. Reads never throw; `finish` returns the first error. Copies
+/// refer to the same table.
 class TableReader {
 public:
     static Expected<TableReader> load(const std::filesystem::path& file);
     /// `name` stands for the file in error messages.
     static Expected<TableReader> parse(const std::string& toml_text, const std::string& name);
 
-    /// Like all that reads: makes the key one that is known here.
+    /// True if the key is present. Like every read, it makes the key a known one.
     bool has(const std::string& key) const;
-    /// There, and an array: for keys that may be one value or several.
+    /// True if the key is present and an array, for keys that take one value or several.
     bool has_array(const std::string& key) const;
 
     // Optional keys: `value` stays as it is when the key is absent. Dotted keys reach into
@@ -56,23 +55,23 @@ public:
     /// Any number of strings.
     void read(const std::string& key, std::vector<std::string>& values);
 
-    /// "room.toml:7", the place of what is at `key`, or of its table where it is absent: for
-    /// problems that show later.
+    /// Returns the place of `key`, for example "room.toml:7", or of its table if the key is absent.
+    /// For errors that are found later.
     std::string where(const std::string& key) const;
 
     /// Turns the absence of `key` into an error.
     void require(const std::string& key);
 
-    /// Sub-table; empty where absent.
+    /// Returns the sub-table; an empty one if absent.
     TableReader table(const std::string& key);
-    /// `[[key]]`; none where absent.
+    /// Returns the tables `[[key]]`; none if absent.
     std::vector<TableReader> tables(const std::string& key);
 
-    /// Reports a problem of the caller's own with the value at `key`.
+    /// Reports an error that the caller found in the value at `key`.
     void reject(const std::string& key, const std::string& what_is_allowed);
 
-    /// The first problem, or else an error for the first key in this table or below that nobody
-    /// asked for.
+    /// Returns the first error; without one, an error for the first unknown key in this table or
+    /// below.
     Expected<void> finish() const;
 
     std::filesystem::path folder() const;

@@ -5,8 +5,8 @@
 namespace atrium::config {
 namespace {
 
-/// Just behind the string that begins at `begin`, with its quote; at the end of the line where a
-/// string of one line is left open.
+/// Returns the position after the string whose opening quote is at `begin`; the end of the line if
+/// a single-line string is not closed.
 std::size_t end_of_string(std::string_view toml, std::size_t begin) {
     const char quote = toml[begin];
     const bool has_escapes = quote == '"';
@@ -23,7 +23,7 @@ std::size_t end_of_string(std::string_view toml, std::size_t begin) {
             return at;
         } else if (toml[at] == quote) {
             if (!has_lines) return at + 1;
-            // up to two of them may stand right before the three that are the end
+            // up to two quotes may directly precede the closing three
             if (const std::size_t num = quotes_at(at); num >= 3)
                 return at + std::min<std::size_t>(num, 5);
         }
@@ -35,7 +35,7 @@ std::size_t end_of_string(std::string_view toml, std::size_t begin) {
 
 std::size_t line_nested_too_deeply(std::string_view toml) {
     std::size_t depth = 0;
-    std::size_t num_dots = 0;  // in a row, with nothing but the parts of a key between them
+    std::size_t num_dots = 0;  // of the current dotted key
     for (std::size_t at = 0; at < toml.size();) {
         const char c = toml[at];
         if (c == '#') {

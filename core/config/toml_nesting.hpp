@@ -5,13 +5,13 @@
 
 namespace atrium::config {
 
-/// Tables and lists within each other, and parts of a dotted key. No file of Atrium has more than a
-/// few.
+/// Maximum nesting of tables and arrays, and number of parts of a dotted key. Atrium's files have
+/// only a few levels.
 inline constexpr std::size_t kMaxTomlNesting = 32;
 
-/// The line, from 1, in which a TOML text goes deeper than that; 0: in none. The library that reads
-/// TOML calls itself once per level, and enough of them exhaust the stack. The text need not be
-/// TOML.
+/// Returns the line, from 1, in which a TOML text exceeds kMaxTomlNesting; 0 if none does. The TOML
+/// library recurses once per level, and deep nesting would exhaust the stack. The text need not be
+/// valid TOML.
 std::size_t line_nested_too_deeply(std::string_view toml);
 
 }  // namespace atrium::config

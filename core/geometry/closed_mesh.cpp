@@ -16,15 +16,16 @@ void ClosedMesh::list_edges(const TriangleMesh& mesh) {
     for (const auto& triangle : mesh.triangles) {
         for (const std::uint32_t v : triangle) {
             corner_[e] = v;
-            // until its twin is found: another edge from the same vertex
+            // until its twin is found: link to another edge from the same vertex
             twin_[e] = edge_at_[v];
             edge_at_[v] = e++;
         }
     }
 }
 
-// The twin of an edge from `v` comes from the neighbour that it goes to; the next edge begins where
-// that twin ends. They are one fan if the first edge comes again after as many as there are.
+// Links the edges around `v`. The twin of an edge from `v` starts at the edge's other vertex; the
+// edge after that twin is the next one from `v`. The edges form one fan if the first is reached
+// again after all others.
 bool ClosedMesh::link_fan(std::uint32_t v) {
     const Edge begin = edge_at_[v];
     std::uint32_t num_edges = 0;
@@ -35,7 +36,7 @@ bool ClosedMesh::link_fan(std::uint32_t v) {
     Edge e = begin;
     for (; num_edges > 0; --num_edges) {
         const Edge twin = per_vertex_[to(e)];
-        // none from there, or only to another vertex that was here before
+        // no twin; the entry may be left over from another vertex
         if (twin == kNone || to(twin) != v) return false;
         twin_[e] = twin;
         e = next(twin);
@@ -52,7 +53,7 @@ bool ClosedMesh::link_fans() {
     return true;
 }
 
-// Of a mesh that is not closed or not 2-manifold.
+// Describes the first fault of a mesh that is not closed or not 2-manifold.
 Expected<void> ClosedMesh::find_fault(const TriangleMesh& mesh) {
     EdgeGroups groups;
     if (auto grouped = groups.assign(mesh); !grouped) return grouped;
@@ -72,7 +73,7 @@ Expected<void> ClosedMesh::find_fault(const TriangleMesh& mesh) {
     if (!result) return result;
     for (const std::uint32_t v : corner_) ++per_vertex_[v];
     std::uint32_t v = 0;
-    // all edges from a vertex are met by turning around it
+    // turning around a vertex must reach all of its edges
     while (v + 1 < per_vertex_.size() && per_vertex_[v] != 0 &&
            degree(v, std::numeric_limits<std::uint32_t>::max()) == per_vertex_[v])
         ++v;
@@ -122,7 +123,7 @@ bool ClosedMesh::can_collapse(Edge e, std::uint32_t max_degree) {
         spoke = turned(spoke);
         if (++degree_to >= max_degree) return false;
     } while (spoke != twin(e));
-    // two triangles back to back, or a tetrahedron, have nothing to give
+    // two triangles back to back and a tetrahedron cannot be reduced
     return num_common == 2 && degree_from > 2 && degree_to > 2 && degree_from + degree_to > 6;
 }
 

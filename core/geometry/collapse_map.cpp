@@ -22,7 +22,7 @@ struct Products {
           vw(v.dot(w)),
           determinant(uu * vv - uv * uv) {}
     double uu, uv, vv, uw, vw;
-    double determinant;  // 0 where u and v are parallel
+    double determinant;  // 0 if u and v are parallel
 };
 
 Vector3d nearest_on_segment(const Vector3d& p, const Vector3d& a, const Vector3d& b) {
@@ -30,7 +30,7 @@ Vector3d nearest_on_segment(const Vector3d& p, const Vector3d& a, const Vector3d
     return a + share((p - a).dot(ab), ab.squaredNorm()) * ab;
 }
 
-// Any point of the triangle would do for the bound; a nearer one makes it tighter.
+// The bound is valid for any point of the triangle; a nearer one makes it tighter.
 Vector3d nearest_on_triangle(const Vector3d& p,
                              const Vector3d& a,
                              const Vector3d& b,
@@ -49,7 +49,7 @@ Vector3d nearest_on_triangle(const Vector3d& p,
     });
 }
 
-// Parameter in [from, 1] of the point of the segment p q that is nearest to the segment a b.
+// Parameter in [from, 1] of the point on the segment p q nearest to the segment a b.
 double nearest_parameter(
     const Vector3d& p, const Vector3d& q, const Vector3d& a, const Vector3d& b, double from) {
     const Products of(q - p, b - a, p - a);
@@ -57,7 +57,7 @@ double nearest_parameter(
     if (of.determinant > 0.0)
         s = std::clamp((of.uv * of.vw - of.uw * of.vv) / of.determinant, from, 1.0);
     const double t = of.vv > 0.0 ? (of.uv * s + of.vw) / of.vv : 0.0;
-    // where the foot on a b lies beyond its end: nearest to that end
+    // if the foot lies beyond an end of a b: nearest to that end
     if (t < 0.0 && of.uu > 0.0) s = std::clamp(-of.uw / of.uu, from, 1.0);
     if (t > 1.0 && of.uu > 0.0) s = std::clamp((of.uv - of.uw) / of.uu, from, 1.0);
     return s;
@@ -73,7 +73,7 @@ bool CollapseMap::bound(const Vector3d& u,
     assert(ring.size() >= 3 && ring.size() <= kMaxRing && before.size() == ring.size());
     ring_ = ring;
     find_nearest(u);
-    // u itself has not moved so far: it is a vertex of the input
+    // u has not been displaced before: it is a vertex of the input
     if (!(at_u_.matrix().squaredNorm() <= max_m * max_m)) return false;
     const std::size_t k = ring.size();
     for (std::size_t l = 0; l < k; ++l) crossing_[0][l] = crossing_[k][l] = Eigen::Array3d::Zero();
@@ -114,7 +114,7 @@ void CollapseMap::cross_edges(const Vector3d& u, std::size_t spoke) {
     for (std::size_t l = nearest_; l > spoke; --l) cross(l);
 }
 
-// T_i goes to S_j and to those between it and its own place in the fan.
+// Maps T_i to S_j and to the triangles between S_j and its own position in the fan.
 void CollapseMap::map_triangle(std::size_t i, const DisplacementBox& before) {
     const std::size_t own = std::clamp<std::size_t>(i, 1, ring_.size() - 2);
     const std::size_t first = std::min(own, nearest_);
@@ -122,8 +122,8 @@ void CollapseMap::map_triangle(std::size_t i, const DisplacementBox& before) {
     for (std::size_t l = first; l <= last; ++l) {
         DisplacementBox moved = DisplacementBox::none();
         if (l == nearest_) moved.add(at_u_);
-        if (l == own) moved.add(Eigen::Array3d::Zero());  // its side between w_i and w_(i+1)
-        // corners on the two edges of S_l, where T_i reaches beyond them
+        if (l == own) moved.add(Eigen::Array3d::Zero());  // the border between w_i and w_(i+1)
+        // corners on the edges of S_l that T_i crosses
         const auto add_corners = [&](std::size_t edge) {
             moved.add(crossing_[i][edge]);
             moved.add(crossing_[i + 1][edge]);

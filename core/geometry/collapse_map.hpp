@@ -9,7 +9,7 @@
 
 namespace atrium::geometry {
 
-/// A box around displacements [m].
+/// An axis-aligned box around displacements [m].
 struct DisplacementBox {
     Eigen::Array3d low = Eigen::Array3d::Zero();
     Eigen::Array3d high = Eigen::Array3d::Zero();
@@ -26,35 +26,37 @@ struct DisplacementBox {
         low = low.min(other.low);
         high = high.max(other.high);
     }
-    /// Length of the longest displacement in it.
+    /// Length of the longest displacement in the box [m].
     double longest_m() const { return low.abs().max(high.abs()).matrix().norm(); }
 };
 
-/// Maps the triangles around a vertex onto those that remain when it moves into a neighbour, and
-/// bounds how far any point moves.
+/// Maps the triangles around a collapsing vertex onto those that remain, and bounds the
+/// displacement of every point.
 ///
 /// Let u be the vertex and w_0 ... w_(k-1) its neighbours, counter-clockwise. The star of triangles
 /// T_i = (u, w_i, w_(i+1)) becomes the fan S_i = (w_0, w_i, w_(i+1)), i = 1 ... k-2. The map is
 /// continuous and piecewise linear:
-/// - u goes to the nearest point q of the fan, in some S_j; what lies between the w_i stays.
-/// - The segment from u to w_i goes to a path in the fan, from q through S_j ... to w_i. It crosses
-///   the edges w_0 w_l on its way one after the other; where, is chosen nearest to the segment, and
-///   in this order along the segment.
-/// - That cuts each T_i into triangles and quadrilaterals whose corners all go to the same S_l. A
-///   triangle is convex, so these go to S_l linearly (quadrilaterals cut in two), and two of them
-///   agree on the side that they share.
-/// Linear pieces move furthest in a corner, so that a box around the displacements of the corners
-/// holds for all points. Unlike in Cohen, Manocha, Olano, "Simplifying Polygonal Models Using
-/// Successive Mappings" (1997), the map need not be one-to-one and so needs no common projection to
-/// a plane: it keeps the star's border, and every such map of a disc covers all of the fan.
+/// - u maps to the nearest point q of the fan, in some S_j. The border w_0 ... w_(k-1) maps to
+///   itself.
+/// - The segment from u to w_i maps to a path in the fan, from q through S_j ... to w_i. The path
+///   crosses the edges w_0 w_l in order, each at the point nearest to the segment that keeps the
+///   order along the segment.
+/// - This cuts each T_i into triangles and quadrilaterals whose corners all map to the same S_l.
+///   S_l is convex: each piece maps to it linearly (quadrilaterals in two halves), and adjacent
+///   pieces agree on their common side.
+/// A linear piece has its largest displacement at a corner. A box around the displacements of the
+/// corners thus holds for all points. Unlike in Cohen, Manocha, Olano, "Simplifying Polygonal
+/// Models Using Successive Mappings" (1997), the map need not be one-to-one and needs no common
+/// projection to a plane: it keeps the border of the star, and every such map of a disc covers the
+/// whole fan.
 class CollapseMap {
 public:
     static constexpr std::size_t kMaxRing = 24;
 
-    /// `ring`: w_0 ... w_(k-1), 3 to kMaxRing of them. `before`: per T_i a box around the
-    /// displacements of what has been mapped to it so far. On true, `after()` has those of S_1 ...
-    /// S_(k-2), and nothing in them is longer than `max_m`. `rounding_m`: what one displacement may
-    /// be wrong by.
+    /// Computes the boxes of the fan; returns true if no displacement in them exceeds `max_m`.
+    /// `after()` then has the boxes of S_1 ... S_(k-2). `ring`: w_0 ... w_(k-1), 3 to kMaxRing of
+    /// them. `before`: per T_i the box of the points mapped to it so far. `rounding_m`: largest
+    /// rounding error of one displacement.
     bool bound(const Eigen::Vector3d& u,
                std::span<const Eigen::Vector3d> ring,
                std::span<const DisplacementBox> before,

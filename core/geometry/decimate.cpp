@@ -19,25 +19,25 @@ using Edge = ClosedMesh::Edge;
 
 constexpr double kMaxCoordinate_m = 1e6;
 
-// A new triangle may stand at this angle at most to the one that it replaces (78 degrees): never
-// turned over.
+// Cosine of the largest angle between a new triangle and the one that it replaces (78 degrees):
+// prevents flips.
 constexpr double kMinCosine = 0.2;
 
-// Flatness (`Shape`) below which a triangle is thin. Thin ones may only come from ones as thin.
+// Flatness (`Shape`) below which a triangle is thin. Only triangles as thin may produce thin ones.
 constexpr double kThin = 0.02;
 
-// Below this flatness the normal may be nothing but rounding.
+// Below this flatness the normal may be only rounding error.
 constexpr double kUnreliable = 1e-6;
 
-// Nothing moves into a vertex with as many edges: each step looks at all of them.
+// No vertex is merged into one with this many edges: each step visits all of them.
 constexpr std::uint32_t kMaxDegree = 64;
 static_assert(kMaxDegree > CollapseMap::kMaxRing);
 
-// Among steps that cost nothing the shorter ones come first: 1 cm counts as 10 um.
+// Orders steps without error by length, shorter first: 1 cm counts as 10 um.
 constexpr double kLengthWeight = 1e-6;
 
-/// Sum of squared distances to planes, by area: p -> p' A p + 2 b' p + c, relative to the mesh's
-/// middle.
+/// Area-weighted sum of squared distances to planes: p -> p' A p + 2 b' p + c, relative to the
+/// centre of the mesh's bounds.
 struct Quadric {
     double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
     double x = 0, y = 0, z = 0, one = 0;
@@ -75,13 +75,13 @@ struct Quadric {
     }
 };
 
-/// The cheapest step of one vertex, when it was looked at last.
+/// The cheapest step of one vertex at its last evaluation.
 struct Candidate {
     double cost = 0.0;
     std::uint32_t vertex = 0;
     std::uint32_t version = 0;
 
-    // for a heap with the cheapest on top
+    // reversed: the heap has the cheapest on top
     bool operator<(const Candidate& o) const {
         return cost != o.cost ? cost > o.cost : vertex > o.vertex;
     }
@@ -95,7 +95,7 @@ struct Step {
 };
 
 struct Shape {
-    Vector3d normal = Vector3d::Zero();  // times twice the area
+    Vector3d normal = Vector3d::Zero();  // its length is twice the area
     double flatness = 0.0;               // height over the longest side, divided by that side
 };
 
@@ -118,11 +118,11 @@ struct DecimateScratch::Data {
     std::vector<std::uint32_t> versions;  // per vertex, of its candidate
     std::vector<Candidate> queue;
     std::vector<Step> steps;
-    // around the vertex that is to go, from the one that it is to move into:
+    // around the vertex to remove, starting at the one that it merges into:
     std::vector<std::uint32_t> ring;       // neighbours
-    std::vector<Vector3d> ring_m;          // where they are
-    std::vector<std::uint32_t> triangles;  // each between a neighbour and the next
-    std::vector<DisplacementBox> before;   // of these triangles
+    std::vector<Vector3d> ring_m;          // positions of the neighbours
+    std::vector<std::uint32_t> triangles;  // between each neighbour and the next
+    std::vector<DisplacementBox> before;   // boxes of these triangles
 };
 
 DecimateScratch::DecimateScratch() : data_(std::make_unique<Data>()) {}
@@ -164,7 +164,7 @@ private:
     void prepare() {
         double largest = 0.0;
         for (const Vector3d& p : in_.vertices) largest = std::max(largest, p.cwiseAbs().maxCoeff());
-        // a displacement is the difference of two points, each from a few sums and products
+        // a displacement is the difference of two points, each made of a few sums and products
         rounding_m_ = 16.0 * std::numeric_limits<double>::epsilon() * largest;
         d_.moved.assign(in_.triangles.size(), DisplacementBox{});
         d_.quadrics.assign(in_.vertices.size(), Quadric{});
@@ -192,8 +192,8 @@ private:
                kLengthWeight * (from.weight + to.weight) * length_sq;
     }
 
-    // Puts the cheapest step of `v` into the queue's array; what is there of `v` so far is out of
-    // date. Returns false where `v` has too many neighbours to be moved.
+    // Appends the cheapest step of `v` to the queue and invalidates its earlier entries. Returns
+    // false if `v` has too many neighbours to be removed.
     bool look_at(std::uint32_t v) {
         ++d_.versions[v];
         if (!find_steps(v)) return false;
@@ -243,7 +243,7 @@ private:
         } while (spoke != e);
     }
 
-    // No new triangle is turned over or thinner than those before.
+    // True if no new triangle is flipped or thinner than the old ones.
     bool keeps_shape(const Vector3d& u) const {
         const std::vector<Vector3d>& w = d_.ring_m;
         Vector3d sum = Vector3d::Zero();

@@ -10,17 +10,18 @@ namespace atrium::geometry {
 
 struct DecimateOptions {
     double max_distance_m = 5e-3;
-    std::size_t target_triangles = 0;  // ends once there are no more than these
+    std::size_t target_triangles = 0;  // stops at this number or below
 };
 
 struct DecimateReport {
-    /// Proven: no point of either surface is further than this from the other one.
+    /// Proven bound: no point of either surface is further than this from the other surface.
     double distance_bound_m = 0.0;
     std::size_t num_collapses = 0;
-    bool reached_target = false;  // of `target_triangles`
+    bool reached_target = false;  // at most `target_triangles` are left
 };
 
-/// Working memory of one caller; grows to the largest input and is then reused.
+/// Working memory of `decimate`, for one caller at a time. Grows to the largest input, then is
+/// reused.
 class DecimateScratch {
 public:
     DecimateScratch();
@@ -35,23 +36,23 @@ private:
     std::unique_ptr<Data> data_;
 };
 
-/// Leaves out vertices of a closed mesh while its surface stays within `options.max_distance_m`.
+/// Simplifies a closed mesh by edge collapses while the surface stays within
+/// `options.max_distance_m`.
 ///
-/// `out` (not `in` itself) has some of the vertices of `in`, in their order, and is closed and
-/// 2-manifold with the components and Euler characteristic of `in`. No step turns a triangle over;
-/// it is not checked whether the surface comes to cut through itself.
-/// The same input gives the same bits. An empty mesh is fine. kInvalidData unless `in` is closed
-/// and 2-manifold, with coordinates below 1000 km; kConfiguration unless the distance is finite and
-/// not negative; then `out` is empty.
+/// `out` (not `in` itself) has a subset of the vertices of `in`, in their order. It is closed and
+/// 2-manifold with the components and Euler characteristic of `in`. No step flips a triangle;
+/// self-intersections are not checked. The result is deterministic to the bit. An empty mesh is
+/// valid. Fails with kInvalidData unless `in` is closed and 2-manifold with coordinates up to 1000
+/// km, with kConfiguration unless the distance is finite and not negative; `out` is then empty.
 ///
-/// Why the bound holds. Each step moves a vertex into a neighbour and comes with a continuous map
-/// of the old surface onto the new one (`CollapseMap`); so all steps together map the whole input
-/// onto the whole output. Each triangle keeps a box around the displacements of all input points
-/// that have come to lie in it, and a step is only made where no box reaches further than allowed.
-/// Every point of the input thus has one of the output within the bound, and as nothing of the
-/// output is left uncovered, the other way round. Rounding is included.
+/// Why the bound holds: each step merges a vertex into a neighbour and has a continuous map of the
+/// old surface onto the new one (`CollapseMap`). All steps together map the whole input onto the
+/// whole output. Each triangle keeps a box around the displacements of all input points mapped to
+/// it, and a step is made only if no box exceeds the bound. Every input point thus has an output
+/// point within the bound, and since the map covers the output, also the reverse. Rounding is
+/// included.
 ///
-/// The order is that of quadrics (Garland, Heckbert, "Surface Simplification Using Quadric Error
+/// Steps are ordered by quadrics (Garland, Heckbert, "Surface Simplification Using Quadric Error
 /// Metrics", 1997).
 Expected<DecimateReport> decimate(const TriangleMesh& in,
                                   const DecimateOptions& options,

@@ -25,7 +25,7 @@ Expected<void> check_triangles(const TriangleMesh& mesh) {
     return {};
 }
 
-// A counting sort by the smaller vertex: all that is left to sort are lists of a few edges.
+// Counting sort by the smaller vertex; then only short lists have to be sorted.
 Expected<void> EdgeGroups::assign(const TriangleMesh& mesh) {
     end_.clear();
     by_smaller_.clear();
@@ -41,7 +41,7 @@ Expected<void> EdgeGroups::assign(const TriangleMesh& mesh) {
     std::uint32_t edge = 0;
     for (const auto& [a, b, c] : mesh.triangles) {
         const auto add = [&](std::uint32_t from, std::uint32_t to) {
-            // where the list begins moves on to its end while it is filled
+            // filling moves the start of the list to its end
             by_smaller_[end_[std::min(from, to)]++] = {std::max(from, to), edge++, from < to};
         };
         add(a, b);

@@ -9,12 +9,13 @@
 
 namespace atrium::geometry {
 
-/// kInvalidData, naming a triangle, unless each has three different vertices of the mesh.
+/// Checks that each triangle has three different vertices of the mesh. Fails with kInvalidData,
+/// naming the triangle.
 Expected<void> check_triangles(const TriangleMesh& mesh);
 
-/// The edges of a mesh, grouped by the two vertices that they join: what tells whether a surface is
-/// closed. Each triangle has three edges of its own, directed; 3 * triangle + k goes from corner k
-/// to the next one. Reuse one object; it allocates only while it grows.
+/// Groups the half-edges of a mesh by the two vertices that they join, to tell whether the surface
+/// is closed. Each triangle has three half-edges: 3 * triangle + k goes from corner k to the next
+/// one. Reuse one object: it allocates only while it grows.
 class EdgeGroups {
 public:
     struct Entry {
@@ -23,11 +24,11 @@ public:
         bool is_upwards = false;  // from the smaller to the larger vertex
     };
 
-    /// Fails as check_triangles does.
+    /// Groups the edges of `mesh`. Fails as check_triangles does.
     Expected<void> assign(const TriangleMesh& mesh);
 
-    /// Calls `visit(smaller, group)` for each two vertices that edges join, with all of these edges
-    /// (`std::span<const Entry>`), by the smaller vertex, then the larger one. Ends where `visit`
+    /// Calls `visit(smaller, group)` for each pair of vertices with the edges that join them
+    /// (`std::span<const Entry>`), ordered by the smaller vertex, then the larger. Stops if `visit`
     /// returns false.
     template <typename Visit>
     void for_each(const Visit& visit) const {
@@ -44,7 +45,7 @@ public:
         }
     }
 
-    /// Two triangles, one on each side: how it is everywhere on a closed, oriented surface.
+    /// True for two edges in opposite directions, as everywhere on a closed, oriented surface.
     static bool is_pair(std::span<const Entry> group) {
         return group.size() == 2 && group[0].is_upwards != group[1].is_upwards;
     }

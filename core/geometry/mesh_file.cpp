@@ -109,7 +109,7 @@ struct GltfParts {
     std::string buffer;
 };
 
-// The part of the buffer from `begin` to its end so far becomes one accessor; returns its number.
+// Makes the end of the buffer from `begin` on an accessor and returns its number.
 std::size_t add_accessor(GltfParts& parts, std::size_t begin, int target, nlohmann::json accessor) {
     const std::size_t number = parts.document["accessors"].size();
     parts.document["bufferViews"].push_back({{"buffer", 0},

@@ -12,7 +12,7 @@ struct Distorted {
     Eigen::Matrix2d jacobian;
 };
 
-// Brown's model as OpenCV writes it, on the normalised plane.
+// Brown's distortion model in OpenCV's form, on the normalised plane.
 Distorted distort_normalised(const std::array<double, 5>& coefficients, const Eigen::Vector2d& p) {
     const auto [k1, k2, p1, p2, k3] = coefficients;
     const double x = p.x();
@@ -49,8 +49,8 @@ std::optional<Eigen::Vector2d> PinholeCamera::undistort(const Eigen::Vector2d& d
     for (int step = 0; step < kMaxSteps; ++step) {
         const Distorted d = distort_normalised(distortion, p);
         const Eigen::Vector2d residual = target - d.value;
-        // beyond the fold of the radial polynomial the determinant changes sign: no unique ray
-        // there
+        // beyond the fold of the radial polynomial the determinant changes sign and the ray is not
+        // unique
         if (!(d.jacobian.determinant() > 0.0)) return std::nullopt;
         if (residual.cwiseAbs().maxCoeff() < kConverged) {
             return Eigen::Vector2d{fx * p.x() + skew * p.y() + cx, fy * p.y() + cy};

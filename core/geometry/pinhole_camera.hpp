@@ -12,9 +12,9 @@ namespace atrium::geometry {
 
 /// Intrinsics of one camera, in pixels, pixel centres at integer coordinates (OpenCV's convention).
 ///
-/// Two kinds of pixel coordinates exist: *undistorted* ones, linear in the ray (`u = fx x + skew y
-/// + cx`, `v = fy y + cy` with x = X/Z, y = Y/Z), and *distorted* ones, which are positions in the
-/// picture that the camera delivers.
+/// There are two kinds of pixel coordinates. *Undistorted* ones are linear in the ray (`u = fx x +
+/// skew y + cx`, `v = fy y + cy` with x = X/Z, y = Y/Z). *Distorted* ones are positions in the
+/// delivered picture.
 struct PinholeCamera {
     int width = 0;
     int height = 0;
@@ -43,12 +43,12 @@ struct PinholeCamera {
     /// Position in the delivered picture of an undistorted pixel.
     Eigen::Vector2d distort(const Eigen::Vector2d& undistorted_px) const;
 
-    /// Inverse of `distort`, by Newton's method. nullopt where the distortion model cannot be
-    /// inverted (far outside the picture of a strongly distorted lens).
+    /// Inverse of `distort`, by Newton's method. Returns nullopt where the distortion model has no
+    /// inverse (far outside the picture of a strongly distorting lens).
     std::optional<Eigen::Vector2d> undistort(const Eigen::Vector2d& distorted_px) const;
 };
 
-/// A named camera that stands in a site.
+/// A named camera with intrinsics and extrinsics in its site.
 struct CalibratedCamera {
     std::string name;
     PinholeCamera intrinsics;

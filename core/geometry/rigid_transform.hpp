@@ -5,7 +5,7 @@
 
 namespace atrium::geometry {
 
-/// Rigid motion. `p_world = world_from_camera * p_camera`; in a product the inner names meet:
+/// Rigid transform: `p_world = world_from_camera * p_camera`. In a product adjacent names match:
 /// `world_from_camera = world_from_site * site_from_camera`.
 struct RigidTransform {
     Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  // unit length

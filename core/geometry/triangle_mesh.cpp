@@ -50,7 +50,7 @@ MeshReport inspect(const TriangleMesh& mesh) {
 
 double volume_m3(const TriangleMesh& mesh) {
     if (mesh.vertices.empty()) return 0.0;
-    // relative to a vertex near the surface: less cancellation than from the origin
+    // relative to a vertex: less cancellation than from the origin
     const Eigen::Vector3d origin = mesh.vertices.front();
     double six_volumes = 0.0;
     for (const auto& [a, b, c] : mesh.triangles) {
@@ -70,11 +70,11 @@ Aabb bounds(const TriangleMesh& mesh) {
 std::vector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh) {
     const Aabb box = bounds(mesh);
     const double largest_m = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
-    // a few thousand roundings of a position: hull vertices come from long computations
+    // a few thousand ulps of a position: hull vertices result from long computations
     const double min_height_m = 4096.0 * std::numeric_limits<double>::epsilon() * largest_m;
     std::vector<Eigen::Vector3d> sums(mesh.vertices.size(), Eigen::Vector3d::Zero());
     for (const auto& triangle : mesh.triangles) {
-        std::array<Eigen::Vector3d, 3> sides;  // each opposite to the corner with its number
+        std::array<Eigen::Vector3d, 3> sides;  // side k is opposite to corner k
         double longest_sq = 0.0;
         for (std::size_t k = 0; k < 3; ++k) {
             sides[k] = mesh.vertices[triangle[(k + 2) % 3]] - mesh.vertices[triangle[(k + 1) % 3]];

@@ -2,7 +2,7 @@
 
 #include "core/gl/entry_points.hpp"
 
-// X11's names stay out
+// keeps the names of X11 out
 #define EGL_NO_PLATFORM_SPECIFIC_TYPES
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
@@ -17,7 +17,7 @@ namespace atrium::gl {
 namespace {
 
 constexpr const char* kNoDriver =
-    "no driver that draws without a display is installed (libegl-mesa0, or the GPU's own)";
+    "no driver for rendering without a display; install libegl-mesa0 or the GPU's own driver";
 
 struct Device {
     EGLDeviceEXT handle = EGL_NO_DEVICE_EXT;
@@ -62,7 +62,7 @@ Error failure(const std::string& what) {
                        ")");
 }
 
-// Hardware first.
+// Lists the EGL devices, hardware first.
 Expected<std::vector<Device>> find_devices() {
     const char* extensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
     const bool has_devices = has_word(extensions, "EGL_EXT_device_enumeration") ||
@@ -73,7 +73,7 @@ Expected<std::vector<Device>> find_devices() {
     const auto query_string =
         entry_point<PFNEGLQUERYDEVICESTRINGEXTPROC>("eglQueryDeviceStringEXT");
     if (query_devices == nullptr || query_string == nullptr)
-        return tl::unexpected(unavailable("the installed one does not list its devices"));
+        return tl::unexpected(unavailable("the installed driver does not list its devices"));
     std::array<EGLDeviceEXT, 32> handles{};
     EGLint num = 0;
     if (query_devices(static_cast<EGLint>(handles.size()), handles.data(), &num) != EGL_TRUE)
@@ -88,7 +88,7 @@ Expected<std::vector<Device>> find_devices() {
     return devices;
 }
 
-// A device node without a driver of its own gets Mesa's software renderer.
+// True for Mesa's software renderers, which also serve device nodes without a driver.
 bool is_software(std::string_view renderer) {
     for (const char* name : {"llvmpipe", "softpipe", "swrast", "Software Rasterizer"})
         if (renderer.find(name) != std::string_view::npos) return true;
@@ -98,8 +98,8 @@ bool is_software(std::string_view renderer) {
 }  // namespace
 
 struct EglContext::Impl {
-    // Stays initialised until the process ends: EGL gives everybody who asks for a device the same
-    // display, and does not count from whom it would be taken.
+    // Stays initialised until the process ends: EGL shares one display per device in a process and
+    // does not count its users.
     EGLDisplay display = EGL_NO_DISPLAY;
     EGLSurface surface = EGL_NO_SURFACE;  // small: pictures are drawn into framebuffers
     EGLContext context = EGL_NO_CONTEXT;
@@ -128,7 +128,7 @@ Expected<void> EglContext::Impl::open(const Device& device) {
     const auto display_of =
         entry_point<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
     if (display_of == nullptr)
-        return tl::unexpected(unavailable("the installed one cannot choose a device"));
+        return tl::unexpected(unavailable("the installed driver cannot select a device"));
     display = display_of(EGL_PLATFORM_DEVICE_EXT, device.handle, nullptr);
     if (display == EGL_NO_DISPLAY || eglInitialize(display, nullptr, nullptr) != EGL_TRUE)
         return tl::unexpected(failure("a device cannot be opened"));
@@ -139,11 +139,11 @@ Expected<void> EglContext::Impl::open(const Device& device) {
     EGLConfig config = nullptr;
     EGLint num_configs = 0;
     if (eglChooseConfig(display, kConfig, &config, 1, &num_configs) != EGL_TRUE || num_configs < 1)
-        return tl::unexpected(failure("a device has no pictures without a window"));
+        return tl::unexpected(failure("a device has no configuration for pbuffers"));
     constexpr EGLint kSurface[] = {EGL_WIDTH, 16, EGL_HEIGHT, 16, EGL_NONE};
     surface = eglCreatePbufferSurface(display, config, kSurface);
     if (surface == EGL_NO_SURFACE)
-        return tl::unexpected(failure("a device makes no picture without a window"));
+        return tl::unexpected(failure("a device cannot create a pbuffer"));
     constexpr EGLint kContext[] = {EGL_CONTEXT_MAJOR_VERSION,
                                    3,
                                    EGL_CONTEXT_MINOR_VERSION,
@@ -157,14 +157,14 @@ Expected<void> EglContext::Impl::open(const Device& device) {
     if (auto current = enter(); !current) return current;
     is_hardware = device.is_hardware;
     if (!is_hardware) return {};
-    // before any table is touched: others may be using it
+    // query directly: other contexts may use the table of entry points
     constexpr unsigned kRenderer = 0x1F01;  // GL_RENDERER
     const auto get_string = entry_point<const unsigned char* (*)(unsigned)>("glGetString");
     const auto* text =
         get_string == nullptr ? nullptr : reinterpret_cast<const char*>(get_string(kRenderer));
     if (text != nullptr && !is_software(text)) return {};
-    return tl::unexpected(unavailable(std::string("a device has no driver of its own (") +
-                                      (text == nullptr ? "nothing" : text) + " draws for it)"));
+    return tl::unexpected(unavailable(std::string("a device has no hardware driver (renderer: ") +
+                                      (text == nullptr ? "none" : text) + ")"));
 }
 
 EglContext::EglContext(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -186,7 +186,7 @@ Expected<EglContext> EglContext::create(EglDevices devices) {
     }
     if (!reasons.empty()) return make_error(ErrorKind::kUnavailable, reasons);
     return tl::unexpected(
-        unavailable(found->empty() ? kNoDriver : "no GPU, or none that this process may open"));
+        unavailable(found->empty() ? kNoDriver : "no GPU, or no permission to open one"));
 }
 
 Expected<void> EglContext::make_current() { return impl_->enter(); }

@@ -8,32 +8,32 @@
 
 namespace atrium::gl {
 
-/// Which of the machine's devices may draw.
+/// Selects the devices that may render.
 enum class EglDevices : std::uint8_t {
     kHardware,
-    kAny  // Mesa's software renderer as well, where no hardware can be had
+    kAny  // Mesa's software renderer as well, if no hardware is available
 };
 
-/// An OpenGL 3.3 core context without display or window, through EGL: of a GPU, mostly.
+/// An OpenGL 3.3 core context through EGL, without display or window; usually of a GPU.
 ///
-/// It is current on at most one thread, that which made it at first; GL objects made in it are used
-/// and destroyed while it is current there. Several may exist at once, but beside contexts of
-/// OSMesa and of windows only one after the other: see `load_entry_points`.
+/// It is current on at most one thread, at first the one that created it. Use and destroy its GL
+/// objects while it is current. Several may exist at once, but not together with contexts of OSMesa
+/// or windows: see `load_entry_points`.
 class EglContext {
 public:
-    /// Creates a context on the first device that can have one, hardware first, and makes it
-    /// current on the calling thread. Error kUnavailable, with each device's reason, if none can;
-    /// where no device comes into question, contexts of others are left as they are.
+    /// Creates a context on the first suitable device, hardware first, and makes it current on the
+    /// calling thread. Fails with kUnavailable and each device's reason if there is none. Without
+    /// candidates it does not touch other contexts.
     static Expected<EglContext> create(EglDevices devices);
 
     EglContext(EglContext&&) noexcept;
     EglContext& operator=(EglContext&&) noexcept;
     ~EglContext();
 
-    /// Binds the context to the calling thread, in place of the one that was current there.
+    /// Makes the context current on the calling thread. Fails with kUnavailable.
     Expected<void> make_current();
 
-    /// Leaves the calling thread without a context, so that another thread may take this one.
+    /// Leaves the calling thread without a current context; another thread may then use this one.
     void release();
 
     bool is_hardware() const;

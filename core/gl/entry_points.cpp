@@ -7,7 +7,7 @@
 namespace atrium::gl {
 namespace {
 
-// They guard and describe the loader's table, which is itself global.
+// Guard and describe the table of the generated loader, which is global too.
 std::mutex table_mutex;
 EntryPointLoader table_loader = nullptr;
 
@@ -20,7 +20,7 @@ Expected<void> load_entry_points(EntryPointLoader loader) {
     if (version < GLAD_MAKE_VERSION(3, 3)) {
         table_loader = nullptr;
         return make_error(ErrorKind::kUnavailable,
-                          "OpenGL: the driver offers no version 3.3 core context");
+                          "OpenGL: the driver has no version 3.3 core context");
     }
     table_loader = loader;
     return {};

@@ -7,16 +7,16 @@ namespace atrium::gl {
 using EntryPoint = void (*)();
 using EntryPointLoader = EntryPoint (*)(const char* name);
 
-/// Fills the table of OpenGL 3.3 core functions through `loader` (glfwGetProcAddress,
-/// OSMesaGetProcAddress, eglGetProcAddress). A context that `loader` belongs to must be current on
-/// the calling thread. `OffscreenContext::create` and `EglContext::create` do it by themselves.
+/// Loads the OpenGL 3.3 core functions with `loader` (glfwGetProcAddress, OSMesaGetProcAddress,
+/// eglGetProcAddress). A context of that kind must be current on the calling thread.
+/// `OffscreenContext::create` and `EglContext::create` call it themselves. Fails with kUnavailable
+/// if the driver has no OpenGL 3.3.
 ///
-/// The table is one per process, for that is how the generated loader works. The functions find the
-/// context of the calling thread by themselves, so any number of contexts of one kind may be in use
-/// at once, on any threads. Contexts of a window, of OSMesa and of EGL may exist in one process
-/// only one after the other: loading through another loader redirects every call, so all work in
-/// contexts of the former one must be over, their GL objects destroyed. Thread-safe; loading again
-/// through the same loader changes nothing.
+/// The generated loader has one table of functions per process. The functions use the context of
+/// the calling thread: any number of contexts of one kind can be in use at once, on any threads.
+/// Contexts of a window, OSMesa and EGL can exist in a process only one kind after the other,
+/// because another loader redirects every call: first finish all work in the earlier contexts and
+/// destroy their GL objects. Thread-safe; loading again with the same loader does nothing.
 Expected<void> load_entry_points(EntryPointLoader loader);
 
 }  // namespace atrium::gl

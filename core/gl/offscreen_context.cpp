@@ -88,7 +88,7 @@ Expected<void> OffscreenContext::resize(int width, int height) {
     impl_->default_framebuffer.resize(num_bytes(width, height));
     impl_->width = width;
     impl_->height = height;
-    return make_current();  // `former` goes only after the context has let go of it
+    return make_current();  // destroys `former` only after the context has released it
 }
 
 int OffscreenContext::width() const { return impl_->width; }

@@ -9,8 +9,8 @@
 
 namespace atrium::gl {
 
-/// Owns one GL name. Everything here is made, used and destroyed while its context is current;
-/// enumerators such as GL_STATIC_DRAW come from <glad/gl.h>, which only sources include.
+/// Owns one GL object name. Create, use and destroy everything in this file while its context is
+/// current. Enumerators such as GL_STATIC_DRAW come from <glad/gl.h>, which only sources include.
 template <void (*kDelete)(unsigned)>
 class Owned {
 public:
@@ -28,7 +28,7 @@ public:
     explicit operator bool() const { return id_ != 0; }
 
 private:
-    unsigned id_ = 0;  // 0: nothing
+    unsigned id_ = 0;  // 0: none
 };
 
 void delete_buffer(unsigned id);
@@ -44,8 +44,8 @@ using FramebufferName = Owned<&delete_framebuffer>;
 Buffer make_buffer();
 VertexArray make_vertex_array();
 
-/// Replaces the content of `buffer`. `target` is GL_ARRAY_BUFFER or the like, and stays bound to
-/// it; `usage` is GL_STATIC_DRAW or the like.
+/// Replaces the contents of `buffer`, which stays bound to `target` (such as GL_ARRAY_BUFFER).
+/// `usage` is for example GL_STATIC_DRAW.
 void upload(const Buffer& buffer,
             unsigned target,
             std::span<const std::byte> bytes,
@@ -56,7 +56,7 @@ void upload(const Buffer& buffer, unsigned target, std::span<const T> items, uns
     upload(buffer, target, std::as_bytes(items), usage);
 }
 
-/// Feeds float attribute `index` of the bound vertex array from the bound GL_ARRAY_BUFFER.
+/// Connects float attribute `index` of the bound vertex array to the bound GL_ARRAY_BUFFER.
 void float_attribute(unsigned index,
                      int num_components,
                      std::size_t stride_bytes,
@@ -67,11 +67,11 @@ enum class PixelFormat : std::uint8_t { kR8, kRg8, kRgb8, kRgba8, kR32F, kDepth2
 
 struct TextureOptions {
     PixelFormat format = PixelFormat::kRgba8;
-    bool linear = true;   // filtering; else nearest
-    bool repeat = false;  // wrapping; else clamped to the edge
+    bool linear = true;   // filter: linear or nearest
+    bool repeat = false;  // wrap: repeat or clamp to the edge
 };
 
-/// A 2D texture without mipmaps, its content undefined.
+/// Creates a 2D texture without mipmaps; its contents are undefined.
 Texture make_texture(int width, int height, const TextureOptions& options = {});
 
 /// Writes tightly packed pixels (`options.format` of `make_texture`, bytes or floats) into the
@@ -86,7 +86,8 @@ void upload_pixels(const Texture& texture,
 
 void bind_texture(int unit, const Texture& texture);
 
-/// Colour and depth, both textures, of one size. Without colour: depth alone, for shadows.
+/// A framebuffer with colour and depth textures of the same size. Without colour: depth only, for
+/// shadows.
 struct Framebuffer {
     FramebufferName name;
     Texture colour;
@@ -94,18 +95,18 @@ struct Framebuffer {
     int width = 0;
     int height = 0;
 
-    /// Binds it for drawing and reading, and sets the viewport to all of it.
+    /// Binds it for drawing and reading, and sets the viewport to its full size.
     void bind() const;
 };
 
-/// Error kInternal if the driver finds the framebuffer incomplete.
+/// Creates a framebuffer. Fails with kInternal if the driver reports it as incomplete.
 Expected<Framebuffer> make_framebuffer(int width,
                                        int height,
                                        PixelFormat colour_format = PixelFormat::kRgba8);
 Expected<Framebuffer> make_depth_framebuffer(int width, int height);
 
-/// Reads `width` by `height` pixels of the bound framebuffer's colour into `out`, bottom row first
-/// as GL has it, rows without padding; `out` holds at least that much.
+/// Reads `width` by `height` colour pixels of the bound framebuffer into `out`, bottom row first as
+/// in GL, without padding. `out` holds at least 4 * width * height bytes.
 void read_rgba(int width, int height, std::span<std::uint8_t> out);
 
 }  // namespace atrium::gl

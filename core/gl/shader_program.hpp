@@ -8,11 +8,11 @@
 
 namespace atrium::gl {
 
-/// A linked vertex and fragment shader. Made, used and destroyed while its context is current.
+/// A linked vertex and fragment shader. Create, use and destroy it while its context is current.
 class ShaderProgram {
 public:
-    /// Error kInternal with the driver's text, opened by `name`, if a stage does not compile or
-    /// link.
+    /// Compiles and links both stages. Fails with kInternal and the driver's log; `name` identifies
+    /// the program in the message.
     static Expected<ShaderProgram> create(std::string_view name,
                                           std::string_view vertex_source,
                                           std::string_view fragment_source);
@@ -25,10 +25,10 @@ public:
     unsigned id() const { return id_; }
     void use() const;
 
-    /// -1 for a uniform that the driver found unused; setting -1 does nothing.
+    /// Returns the location of a uniform; -1 if it is unused. Setting an unused one does nothing.
     int uniform(const char* uniform_name) const;
 
-    // The program must be in use.
+    // Set a uniform. The program must be in use.
     void set(const char* uniform_name, int value) const;
     void set(const char* uniform_name, float value) const;
     void set(const char* uniform_name, const Eigen::Vector2f& value) const;

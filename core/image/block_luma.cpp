@@ -3,8 +3,8 @@
 namespace atrium::image {
 namespace {
 
-// The loops are plain C++ that the compiler vectorises; each set of instructions is one more
-// instance of the same source.
+// The compiler vectorises these plain loops. Each instruction set is another instance of the same
+// source.
 #define ATRIUM_INLINE inline __attribute__((always_inline))
 
 ATRIUM_INLINE void mean_of_blocks(const std::uint8_t* __restrict top,

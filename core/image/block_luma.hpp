@@ -5,15 +5,15 @@
 
 namespace atrium::image {
 
-/// 2x2 blocks side by side; the first one's upper left pixel is (x, y), both even.
+/// A row of adjacent 2x2 blocks. The top left pixel of the first is (x, y), both even.
 struct BlockRow {
     int x = 0;
     int y = 0;
     int num_blocks = 0;
 };
 
-/// One value of luma per block: of a mosaic luma_of_block, else the mean of four, rounded. The
-/// blocks lie in the picture. All sets of instructions give the same bits.
+/// Computes one luma value per block: luma_of_block for a mosaic, else the rounded mean of four.
+/// The blocks lie within the picture. All instruction sets give the same bits.
 void luma_of_blocks(const YuvView& picture,
                     const BlockRow& blocks,
                     RowCode code,

@@ -11,19 +11,18 @@
 namespace atrium::image {
 namespace {
 
-// BT.601. Luma in 1/184: of all denominators that leave sums of bytes within 16 bits this one meets
-// the matrix best, to 0.0002. 1/184 is 356/65536 and a little less, which the rounding makes up
-// for.
+// BT.601. Luma in 1/184: of all denominators that keep sums of bytes within 16 bits, this one fits
+// the matrix best, to 0.0002. 1/184 is slightly less than 356/65536; the rounding compensates.
 constexpr int kYR = 55, kYG = 108, kYB = 21;
 constexpr int kYHalf = 103;
 constexpr int kYInverse = 356;
-// Chroma in 1/32768. Each row of the matrix sums to nothing.
+// Chroma in 1/32768. Each row of the matrix sums to zero.
 constexpr std::int16_t kUB = 16384, kUR = -5529, kUG = -(kUB + kUR);
 constexpr std::int16_t kVR = 16384, kVB = -2665, kVG = -(kVR + kVB);
-// Chroma is made from 1/128 of grey levels, which is all that 16 bits hold.
+// Chroma is computed in 1/128 grey levels, the finest that 16 bits hold.
 constexpr int kHalfLevel = 64;
 
-// Rounded product with a factor in 1/32768.
+// Product with a factor in 1/32768, rounded.
 int scaled(int value, int factor) { return (value * factor + (1 << 14)) >> 15; }
 
 std::uint8_t luma(int b, int g, int r) {
@@ -76,14 +75,14 @@ struct Colours {
     __m256i b, g, r;
 };
 
-// Chroma in 1/128, 128 grey levels up: never negative, so it may take all 16 bits.
+// Chroma in 1/128, offset by 128 grey levels: never negative, it may use all 16 bits.
 ATRIUM_AVX2 inline __m256i grey_levels(__m256i a, __m256i b, __m256i c) {
     const __m256i shift = _mm256_set1_epi16((128 << 7) + kHalfLevel);
     const __m256i sum = _mm256_add_epi16(_mm256_add_epi16(a, b), _mm256_add_epi16(c, shift));
     return _mm256_srli_epi16(sum, 7);
 }
 
-// The saturating pack does what std::min does.
+// The saturating pack replaces the std::min of the baseline.
 ATRIUM_AVX2 inline void store_chroma(const Colours& c, std::uint8_t* u, std::uint8_t* v) {
     const __m256i cb = grey_levels(times(c.b, kUB), times(c.g, kUG), times(c.r, kUR));
     const __m256i cr = grey_levels(times(c.r, kVR), times(c.g, kVG), times(c.b, kVB));
@@ -99,7 +98,7 @@ ATRIUM_AVX2 inline __m256i load_halves(const std::uint8_t* low, const std::uint8
         1);
 }
 
-// Gathers four packed pixels as four bytes of blue, of green and of red; what follows is of no use.
+// Gathers four packed pixels as four bytes each of blue, green and red; the rest is unused.
 alignas(16) constexpr std::array<std::int8_t, 16> kBlueFirst{
     0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11, 0, 0, 0, 0};
 alignas(16) constexpr std::array<std::int8_t, 16> kRedFirst{
@@ -107,7 +106,7 @@ alignas(16) constexpr std::array<std::int8_t, 16> kRedFirst{
 
 struct Gather {
     __m256i at_begin;
-    __m256i at_end;  // of 16 bytes
+    __m256i at_end;  // in the last 12 of 16 bytes
 };
 
 ATRIUM_AVX2 inline Gather gather(bool blue_first) {
@@ -117,8 +116,9 @@ ATRIUM_AVX2 inline Gather gather(bool blue_first) {
     return {at_begin, _mm256_add_epi8(at_begin, _mm256_set1_epi8(4))};
 }
 
-// 32 packed pixels to a vector of bytes per channel: fours of pixels by shuffling, then fours of
-// fours as one transposes a matrix. The last four are read with bytes before them, not behind.
+// Splits 32 packed pixels into one vector of bytes per channel: shuffles groups of four pixels,
+// then transposes the groups like a matrix. The last four pixels are loaded with the bytes before
+// them, not after.
 ATRIUM_AVX2 inline Colours split(const std::uint8_t* pixels, const Gather& order) {
     const __m256i a = _mm256_shuffle_epi8(load_halves(pixels, pixels + 48), order.at_begin);
     const __m256i b = _mm256_shuffle_epi8(load_halves(pixels + 12, pixels + 60), order.at_begin);
@@ -131,12 +131,12 @@ ATRIUM_AVX2 inline Colours split(const std::uint8_t* pixels, const Gather& order
             _mm256_unpacklo_epi64(_mm256_unpackhi_epi32(a, b), _mm256_unpackhi_epi32(c, d))};
 }
 
-// Factors of two bytes in turn, for _mm256_maddubs_epi16.
+// Alternating factors of two bytes, for _mm256_maddubs_epi16.
 ATRIUM_AVX2 inline __m256i factors(int first, int second) {
     return _mm256_set1_epi16(static_cast<short>(second << 8 | first));
 }
 
-// Green goes half with blue and half with red, so that each pair stays within 16 bits.
+// Adds half of green to blue and half to red: each pair stays within 16 bits.
 ATRIUM_AVX2 inline __m256i luma(__m256i blue_green, __m256i green_red) {
     static_assert((kYB + kYG / 2) * 255 < 32768 && (kYG / 2 + kYR) * 255 < 32768 && kYG % 2 == 0);
     const __m256i sum = _mm256_add_epi16(_mm256_maddubs_epi16(blue_green, factors(kYB, kYG / 2)),
@@ -151,15 +151,15 @@ ATRIUM_AVX2 inline void store_luma(const Colours& c, std::uint8_t* out) {
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_packus_epi16(low, high));
 }
 
-// Of four bytes, in 1/128.
+// Means of 2x2 blocks, in 1/128.
 ATRIUM_AVX2 inline __m256i block_means(__m256i top, __m256i bottom) {
     const __m256i quarter = _mm256_set1_epi8(128 / 4);
     return _mm256_add_epi16(_mm256_maddubs_epi16(top, quarter),
                             _mm256_maddubs_epi16(bottom, quarter));
 }
 
-// Fetches what is `at` bytes into the next two rows, in the cache by the time they are done: rows
-// in pairs are no pattern that hardware foresees. Numbers, as there may be no next rows.
+// Prefetches byte `at` of the next two rows: hardware does not predict rows in pairs. Uses
+// integers, because the next rows may not exist.
 inline void prefetch(const std::uint8_t* top, const std::uint8_t* bottom, int at) {
     const auto first = reinterpret_cast<std::uintptr_t>(top);
     const auto second = reinterpret_cast<std::uintptr_t>(bottom);
@@ -168,12 +168,12 @@ inline void prefetch(const std::uint8_t* top, const std::uint8_t* bottom, int at
     _mm_prefetch(reinterpret_cast<const char*>(second + ahead), _MM_HINT_T0);
 }
 
-// Both return the first column that is left to do.
+// This and mosaic_avx2 return the first column that is left to do.
 ATRIUM_AVX2 int packed_avx2(const PackedRows& in, const YuvRows& out) {
     if (in.width < 32) return 0;
     const Gather order = gather(in.blue_first);
     for (int next = 0; next < in.width; next += 32) {
-        // the last columns are done with some of those before them, once more
+        // the last columns are computed together with some earlier ones, again
         const int x = std::min(next, in.width - 32);
         prefetch(in.top, in.bottom, 3 * x);
         prefetch(in.top, in.bottom, 3 * x + 64);

@@ -50,7 +50,7 @@ void yuv_from_rgb(
 std::vector<std::uint8_t> bgr_from_yuv(const YuvView& image) {
     std::vector<std::uint8_t> bgr(static_cast<std::size_t>(image.width()) *
                                   static_cast<std::size_t>(image.height()) * 3);
-    // of a mosaic, one per block
+    // for a mosaic: luma per block
     std::vector<std::uint8_t> block_luma(static_cast<std::size_t>(image.width() / 2));
     const int pixels_per_luma = image.mosaic == Mosaic::kNone ? 1 : 2;
     for (int y = 0; y < image.height(); ++y) {

@@ -25,20 +25,19 @@ struct Plane {
     std::uint8_t at(int x, int y) const { return row(y)[x]; }
 };
 
-/// Keeps the pixels of a plane that has that size already.
+/// Resizes a plane; all pixels become 0. Keeps a plane that already has the size.
 inline void resize(Plane& plane, int width, int height) {
     if (plane.width != width || plane.height != height) plane = Plane(width, height);
 }
 
-/// A binary picture: 0 = background, 255 = foreground; nothing else.
+/// A binary picture: each pixel is 0 (background) or 255 (foreground).
 using Mask = Plane;
 
-/// What a camera delivers, in the form in which the whole site works: full-range BT.601 Y'CbCr
-/// (JPEG's), luma at full and chroma at half resolution (4:2:0, chroma sited in the middle of its
-/// 2x2 block). Width and height are even.
+/// The picture format of a site: full-range BT.601 Y'CbCr (as in JPEG), luma at full and chroma at
+/// half resolution (4:2:0, chroma sited at the centre of its 2x2 block). Width and height are even.
 ///
-/// Segmentation reads Y and UV as they are, and the half-resolution texture is U and V as they are
-/// plus a halved Y: no stage converts colours.
+/// No stage converts colours: segmentation reads Y, U and V directly, and the half-resolution
+/// texture is U and V with a halved Y.
 struct YuvImage {
     Plane y;
     Plane u;  // y.width / 2 by y.height / 2
@@ -48,10 +47,10 @@ struct YuvImage {
     int height() const { return y.height; }
 };
 
-/// The colours of a sensor with one colour filter per pixel, by the first two of its first row.
+/// Colour filter pattern of a sensor, named by the first two pixels of its first row.
 enum class Mosaic : std::uint8_t { kNone, kRG, kGR, kGB, kBG };
 
-/// A plane in memory that somebody else owns.
+/// A view of a plane; does not own the memory.
 struct PlaneView {
     int width = 0;
     int height = 0;
@@ -68,8 +67,8 @@ struct PlaneView {
     std::uint8_t at(int x, int y) const { return row(y)[x]; }
 };
 
-/// A picture in the form of YuvImage, in memory that somebody else owns. Where `mosaic` is not
-/// kNone, `y` holds the sensor's samples instead of luma, each in its own colour.
+/// A view of a picture in the form of YuvImage; does not own the memory. If `mosaic` is not kNone,
+/// `y` holds the sensor's samples instead of luma, each in the colour of its filter.
 struct YuvView {
     PlaneView y;
     PlaneView u;
@@ -94,7 +93,7 @@ inline RedAt red_at(Mosaic mosaic) {
             mosaic == Mosaic::kGB || mosaic == Mosaic::kBG ? 1 : 0};
 }
 
-/// Luma of a 2x2 block of a mosaic, from its red, its blue and the sum of its greens.
+/// Luma of a 2x2 block of a mosaic, from its red, its blue and the sum of its two greens.
 inline std::uint8_t luma_of_block(int red, int green_sum, int blue) {
     return static_cast<std::uint8_t>((9798 * red + 9617 * green_sum + 3736 * blue + (1 << 14)) >>
                                      15);
@@ -111,17 +110,17 @@ struct PixelRect {
     bool operator==(const PixelRect&) const = default;
 };
 
-/// Converts packed 8-bit BGR (rows of `stride_bytes`) into `out`, whose planes are resized only
-/// when the size changes. Odd sizes lose their last column or row.
+/// Converts packed 8-bit BGR (rows of `stride_bytes`) into `out`. Resizes the planes only if the
+/// size changes. Drops the last column or row of an odd size.
 void yuv_from_bgr(
     const std::uint8_t* bgr, int width, int height, std::size_t stride_bytes, YuvImage& out);
 
-/// The same for packed RGB.
+/// Like yuv_from_bgr, for packed RGB.
 void yuv_from_rgb(
     const std::uint8_t* rgb, int width, int height, std::size_t stride_bytes, YuvImage& out);
 
-/// The reverse of yuv_from_bgr, for pictures that people look at: packed BGR, 3 * width * height
-/// bytes. Of a mosaic each block becomes one colour.
+/// Converts a picture to packed BGR for display, 3 * width * height bytes. Each block of a mosaic
+/// becomes one colour.
 std::vector<std::uint8_t> bgr_from_yuv(const YuvView& image);
 
 }  // namespace atrium::image

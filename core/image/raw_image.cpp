@@ -38,10 +38,10 @@ void chroma_of_mosaic(const PlaneView& samples,
     }
 }
 
-// kLuma: where in a pair of bytes the luma is.
+// kLuma: position of the luma in each pair of bytes.
 template <int kLuma>
 void unpack_422(const PlaneView& packed, const PixelRect& part, YuvImage& out) {
-    const int width = part.width;  // bytes that are written could be those of `part`
+    const int width = part.width;  // copy: the compiler must assume that writes change `part`
     for (int y = part.y; y < part.y + part.height; y += 2) {
         const std::uint8_t* __restrict top = packed.row(y) + 2 * part.x;
         const std::uint8_t* __restrict bottom = packed.row(y + 1) + 2 * part.x;

@@ -9,7 +9,7 @@
 
 namespace atrium::image {
 
-/// How the bytes of a picture are laid out. All are full-range, 8 bits a sample.
+/// Memory layout of a picture. All are full-range with 8 bits per sample.
 enum class PixelFormat : std::uint8_t {
     kYuv420,   // three planes, as YuvImage
     kMono8,    // luma only
@@ -23,14 +23,14 @@ enum class PixelFormat : std::uint8_t {
     kYuyv,  // 4:2:2: Y0 U Y1 V
 };
 
-/// Bytes that one row of `width` pixels takes in the first plane.
+/// Returns the bytes of a row of `width` pixels in the first plane.
 std::size_t row_bytes(PixelFormat format, int width);
 
-/// The first two pixels of a mosaic's first row; kNone for all that is no mosaic.
+/// Returns the mosaic of a Bayer format; kNone for other formats.
 Mosaic mosaic_of(PixelFormat format);
 
-/// A picture as its source made it, shared and never copied: camera buffers go back to the driver
-/// when the last owner lets go. Empty: there is no picture.
+/// A picture in the layout of its source, shared without copies: a camera buffer returns to the
+/// driver when its last owner is destroyed. May be empty.
 struct RawImage {
     struct RawPlane {
         const std::uint8_t* data = nullptr;
@@ -39,44 +39,46 @@ struct RawImage {
     PixelFormat format = PixelFormat::kYuv420;
     int width = 0;
     int height = 0;
-    std::array<RawPlane, 3> planes;     // all but kYuv420 use only the first
-    std::shared_ptr<const void> owner;  // of the memory
+    std::array<RawPlane, 3> planes;     // only kYuv420 uses more than the first
+    std::shared_ptr<const void> owner;  // keeps the memory alive
 
     RawImage() = default;
-    /// Null: empty.
-    RawImage(std::shared_ptr<const YuvImage> image);  // NOLINT: a YuvImage is a picture, too
+    /// Refers to `image`; empty if it is null.
+    RawImage(std::shared_ptr<const YuvImage> image);  // NOLINT: implicit conversion is intended
 
     bool empty() const { return planes[0].data == nullptr; }
 };
 
-/// The picture in the form in which the site works (even size: an odd last column or row is left
-/// out). What can be used as it is is not copied: all of kYuv420, the luma of kMono8, the samples
-/// of a mosaic. The rest is computed into `buffer`, which has to outlive the view and allocates
-/// only when the size changes. `raw` is not empty.
+/// Returns the picture in the site's format, without an odd last column or row. Does not copy
+/// usable data: all of kYuv420, the luma of kMono8, the samples of a mosaic. Computes the rest into
+/// `buffer`, which must outlive the view and reallocates only if the size changes. `raw` must not
+/// be empty.
 ///
-/// A mosaic is not interpolated: its `y` are the sensor's samples, each in its own colour, and
-/// `u`, `v` are the chroma of each 2x2 block.
+/// Does not interpolate a mosaic: `y` has the sensor's samples, each in the colour of its filter,
+/// and `u`, `v` have the chroma of each 2x2 block.
 YuvView working_view(const RawImage& raw, YuvImage& buffer);
 
-/// The same, part by part, for who reads each part while it is in the cache.
+/// Computes a `working_view` part by part, to read each part while it is in the cache.
 class WorkingPicture {
 public:
-    /// A picture that is there: there is nothing to make.
+    /// Refers to a complete picture: `make` does nothing.
     explicit WorkingPicture(const YuvView& view) : view_(view) {}
-    /// Nothing is made yet. The memory of `raw` (not empty), and `buffer`, outlive this.
+    /// Refers to a raw picture without computing anything yet. The memory of `raw` (not empty) and
+    /// `buffer` must outlive this object.
     WorkingPicture(const RawImage& raw, YuvImage& buffer);
 
-    /// The whole picture; values are those of the parts that were made.
+    /// The whole picture; only the parts passed to `make` have valid values.
     const YuvView& view() const { return view_; }
 
-    /// `part` lies in the picture, its numbers are even. Parts may overlap.
+    /// Computes a part. It lies within the picture and its four numbers are even. Parts may
+    /// overlap.
     void make(const PixelRect& part);
     void make_all() { make({0, 0, view_.width(), view_.height()}); }
 
 private:
     PixelFormat format_ = PixelFormat::kYuv420;
     PlaneView source_;            // the first plane
-    YuvImage* buffer_ = nullptr;  // null where nothing has to be computed
+    YuvImage* buffer_ = nullptr;  // null if nothing has to be computed
     YuvView view_;
 };
 

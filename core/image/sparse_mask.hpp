@@ -12,13 +12,13 @@ struct PixelSpan {
     int end = 0;
 };
 
-/// A mask, and per row the columns outside of which it is background for certain. What reads or
-/// clears the mask can skip the rest.
+/// A mask with a span of columns per row; outside the span it is background. Readers and clearing
+/// can skip the rest.
 struct SparseMask {
     Mask mask;
     std::vector<PixelSpan> rows;
 
-    /// Anything may be anywhere, as after writing to `mask` directly.
+    /// Resets the spans to whole rows. Required after writing to `mask` directly.
     void forget() { rows.assign(static_cast<std::size_t>(mask.height), PixelSpan{0, mask.width}); }
 };
 

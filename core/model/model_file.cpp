@@ -18,7 +18,7 @@ namespace atrium::model {
 namespace {
 
 constexpr std::array<std::string_view, 6> kEndings{".obj", ".ply", ".stl", ".off", ".gltf", ".glb"};
-constexpr int kMaxDepth = 100;  // of nodes within nodes
+constexpr int kMaxDepth = 100;  // nesting of nodes
 
 std::string ending_of(const std::filesystem::path& file) {
     std::string ending = file.extension().string();
@@ -44,16 +44,18 @@ Eigen::Vector3d colour_of(const aiMaterial& material) {
     return rgb.cwiseMax(0.0).cwiseMin(1.0);
 }
 
-class Taker {
+class PartCollector {
 public:
-    Taker(const aiScene& scene, const std::filesystem::path& file, const ModelLimits& limits)
+    PartCollector(const aiScene& scene,
+                  const std::filesystem::path& file,
+                  const ModelLimits& limits)
         : scene_(scene), file_(file), limits_(limits) {}
 
     Expected<std::vector<ModelPart>> take(const Eigen::Matrix4d& model_from_file) {
-        if (scene_.mRootNode == nullptr) return invalid("holds nothing");
+        if (scene_.mRootNode == nullptr) return invalid("is empty");
         if (auto taken = take_node(*scene_.mRootNode, model_from_file, 0); !taken)
             return tl::unexpected(taken.error());
-        if (num_triangles_ == 0) return invalid("holds no triangles");
+        if (num_triangles_ == 0) return invalid("has no triangles");
         return std::move(parts_);
     }
 
@@ -63,7 +65,8 @@ private:
     }
 
     Expected<void> take_node(const aiNode& node, const Eigen::Matrix4d& model_from_up, int depth) {
-        if (depth > kMaxDepth) return invalid("its nodes are nested too deep");
+        if (depth > kMaxDepth)
+            return invalid(fmt::format("has more than {} levels of nested nodes", kMaxDepth));
         const Eigen::Matrix4d model_from_node = model_from_up * to_eigen(node.mTransformation);
         for (unsigned i = 0; i < node.mNumMeshes; ++i) {
             const aiMesh& mesh = *scene_.mMeshes[node.mMeshes[i]];
@@ -94,7 +97,7 @@ private:
             const aiVector3D& p = mesh.mVertices[v];
             const Eigen::Vector3d at =
                 (model_from_mesh * Eigen::Vector4d(p.x, p.y, p.z, 1.0)).head<3>();
-            // written so that NaN fails
+            // NaN fails this condition as well
             if (!(at.cwiseAbs().maxCoeff() <= limits_.max_coordinate_m))
                 return invalid(
                     fmt::format("a vertex of part '{}' is further than {} m from the "
@@ -137,7 +140,7 @@ Expected<void> check_file(const std::filesystem::path& file, const ModelLimits& 
     };
     if (!is_model_name(file)) {
         return wrong(ErrorKind::kInvalidData,
-                     fmt::format("a model's name ends in one of {}", model_endings()));
+                     fmt::format("unknown model format; must be one of {}", model_endings()));
     }
     std::error_code failure;
     if (!std::filesystem::is_regular_file(file, failure))
@@ -147,7 +150,7 @@ Expected<void> check_file(const std::filesystem::path& file, const ModelLimits& 
     if (num_bytes > limits.max_file_bytes) {
         return wrong(
             ErrorKind::kInvalidData,
-            fmt::format("has {} bytes, a model may have {}", num_bytes, limits.max_file_bytes));
+            fmt::format("has {} bytes, at most {} are allowed", num_bytes, limits.max_file_bytes));
     }
     return {};
 }
@@ -184,7 +187,7 @@ Expected<std::vector<ModelPart>> load_model(const std::filesystem::path& file,
     if (ending == ".gltf" || ending == ".glb")
         model_from_file << 1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1;
     model_from_file.topRows<3>() *= scale;
-    return Taker(*scene, file, limits).take(model_from_file);
+    return PartCollector(*scene, file, limits).take(model_from_file);
 }
 
 }  // namespace atrium::model

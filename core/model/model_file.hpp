@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-/// Things from model files: what the world server gives weight and what viewers draw is one reading
-/// of one file.
+/// Reads the triangles of model files. The world server and the viewers share this reader, thus
+/// physics and pictures use the same shape.
 namespace atrium::model {
 
 struct ModelLimits {
@@ -25,25 +25,25 @@ struct ModelLimits {
 
 /// One mesh of a model file; its frame is the model's.
 struct ModelPart {
-    std::string name;                             // as the file has it; may be empty
-    geometry::TriangleMesh mesh;                  // [m], any triangles: not always closed
-    std::vector<Eigen::Vector2f> texture_places;  // per vertex, (0, 0) is the picture's top left;
-                                                  // empty: none
+    std::string name;             // as in the file; may be empty
+    geometry::TriangleMesh mesh;  // [m]; need not be closed
+    /// Texture coordinates per vertex, (0, 0) is the picture's top left; empty: none.
+    std::vector<Eigen::Vector2f> texture_places;
     Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // RGB in [0, 1]
 };
 
-/// Whether the name ends as one of a file that `load_model` reads.
+/// True if `load_model` supports the suffix of the file's name.
 bool is_model_name(const std::filesystem::path& file);
-/// What such a name ends in, for messages: ".obj, .ply, ...".
+/// The supported suffixes, for messages: ".obj, .ply, ...".
 const std::string& model_endings();
 
-/// Reads the triangles of a model at rest: Wavefront OBJ, PLY, STL, OFF and glTF 2 (.gltf, .glb).
-/// Lengths are metres. +Z is up; glTF, which says that +Y is up, is turned so (its x, y, z become
-/// x, -z, y). `scale` multiplies all coordinates.
+/// Reads the triangles of a model in its rest pose: Wavefront OBJ, PLY, STL, OFF and glTF 2 (.gltf,
+/// .glb). Lengths are in metres, +Z is up. glTF has +Y up and is rotated: its x, y, z become x, -z,
+/// y. `scale` multiplies all coordinates.
 ///
-/// For files of anybody: sizes are checked before and after reading, but the reading is Assimp's.
-/// Errors name the file: kNotFound, or kInvalidData where it is damaged, holds no triangles or is
-/// beyond `limits`.
+/// For untrusted files: checks sizes before and after reading, but relies on Assimp for the
+/// reading. Errors name the file: kNotFound, or kInvalidData if it is damaged, has no triangles or
+/// exceeds `limits`.
 Expected<std::vector<ModelPart>> load_model(const std::filesystem::path& file,
                                             double scale = 1.0,
                                             const ModelLimits& limits = {});

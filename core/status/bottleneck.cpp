@@ -9,7 +9,8 @@
 namespace atrium::status {
 namespace {
 
-// A loss that a program has because it was still busy, and what it is a part of.
+// A loss caused by a busy program, and the work that it is a share of. Names are those of
+// figures.cpp.
 struct Late {
     std::string_view lost;
     std::string_view done;
@@ -26,7 +27,7 @@ std::uint64_t total_of(const std::vector<Counter>& counters, std::string_view wh
     return found == counters.end() ? 0 : found->total;
 }
 
-// `before` has the same counters, none of them larger.
+// Increase of counters. `before` has the same counters, none of them larger.
 struct Growth {
     const Figures& before;
     const Figures& now;
@@ -44,7 +45,7 @@ bool is_much(std::uint64_t part, std::uint64_t whole) {
            static_cast<double>(part) >= kOverloaded * static_cast<double>(whole);
 }
 
-// "5 of 30 metaframes came too late for work"; empty where hardly any did.
+// "5 of 30 metaframes came too late for work"; empty if the loss is below kOverloaded.
 std::string late_text(const Growth& growth) {
     for (const Late& late : kLate) {
         const std::uint64_t lost = growth.losses(late.lost);
@@ -111,8 +112,9 @@ const char* name_of(Cause cause) {
 
 std::vector<Bottleneck> bottlenecks(const std::optional<Figures>& before, const Figures& now) {
     std::vector<Bottleneck> found;
-    const std::optional<Growth> growth =
-        before && goes_on(*before, now) ? std::optional<Growth>({*before, now}) : std::nullopt;
+    const std::optional<Growth> growth = before && may_be_same_process(*before, now)
+                                             ? std::optional<Growth>({*before, now})
+                                             : std::nullopt;
     const std::string late = growth ? late_text(*growth) : "";
     if (is_short_of_processor(now.processor)) {
         found.push_back({Cause::kMachine,
@@ -143,8 +145,8 @@ std::vector<Bottleneck> bottlenecks(const std::optional<Figures>& before, const 
 std::string advice(Cause cause, bus::ProgramKind kind) {
     if (cause == Cause::kNetwork) return "see docs/streams.md";
     if (cause == Cause::kStoodStill)
-        return "see whether the program was stopped, the host was suspended or its virtual machine "
-               "was held";
+        return "check whether the program was stopped, the host suspended or its virtual machine "
+               "paused";
     std::string less = "give it less to do";
     if (kind == bus::ProgramKind::kSiteNode)
         less = "lower capture.rate_hz, or use fewer or smaller pictures";

@@ -7,34 +7,36 @@
 #include <string>
 #include <vector>
 
-/// Says why a program is slower than it should be: its machine, its own work or the network. The
-/// rules and thresholds for all programs that report it.
+/// Finds what slows a program down: its machine, its work or the network. The same rules and
+/// thresholds serve all programs that report it.
 namespace atrium::status {
 
-/// A program is short of processor while one of its threads waits this part of the time for a core.
-/// At 30 Hz that is 6.7 ms of each period of 33 ms, and each stage on the way may lose as much.
+/// A program is short of processor time if one of its threads waits for a core for this share of
+/// the time. At 30 Hz that is 6.7 ms of each period of 33 ms, possibly in each stage.
 inline constexpr double kShortOfProcessor = 0.2;
 
-/// A program is overloaded while it loses this part of what is due because it was still busy. A
+/// A program is overloaded if it loses this share of its due work because it was still busy. A
 /// single hiccup, one of 30 metaframes in a second, is less.
 inline constexpr double kOverloaded = 0.05;
 
-/// A program whose work takes too long uses about a core, as one of its threads never rests. One
-/// that loses as much with less than this stood still: it was stopped, or its host was.
+/// An overloaded program uses about one core, since one of its threads never rests. If it loses
+/// work and uses fewer cores than this, it stood still: it or its host was stopped.
 inline constexpr double kBusyCores = 0.5;
 
+/// False if the kernel does not count waits.
 bool is_short_of_processor(const ProcessorUse& use);
 
-/// For people: "0.81 cores", "waited 43 % (all threads 121 %)", "nice 5".
+/// Formats the use for people: "0.81 cores", "waited 43 % (all threads 121 %)", "nice 5".
 std::vector<std::string> processor_items(const ProcessorUse& use);
 
-/// For the last log line of a program: "processor_s=12.3 waited_s=0.4 first_output_s=1.2".
+/// Formats the fields of a program's last log line: "processor_s=12.3 waited_s=0.4
+/// first_output_s=1.20".
 std::string process_fields(const ProcessorUse& use, double first_output_s);
 
 enum class Cause { kMachine, kWork, kMachineOrWork, kNetwork, kStoodStill };
 
-/// "machine_too_slow", "work_too_slow", "machine_or_work_too_slow", "network_too_slow" or
-/// "stood_still".
+/// Name for logs and JSON: "machine_too_slow", "work_too_slow", "machine_or_work_too_slow",
+/// "network_too_slow" or "stood_still".
 const char* name_of(Cause cause);
 
 struct Bottleneck {
@@ -44,16 +46,16 @@ struct Bottleneck {
     bool operator==(const Bottleneck&) const = default;
 };
 
-/// What kept one program back between two of its reports; `before` is of the same process, or
-/// nothing. A program that is short of processor loses samples too: its losses are not blamed on
-/// the network then.
+/// Finds the bottlenecks of a program between two of its reports. Without `before`, or if it is of
+/// another process, only the processor is judged. A program that is short of processor time also
+/// loses samples: its losses are then not attributed to the network.
 std::vector<Bottleneck> bottlenecks(const std::optional<Figures>& before, const Figures& now);
 
-/// What a user can do about it.
+/// Tells the user what to do about it.
 std::string advice(Cause cause, bus::ProgramKind kind);
 
-/// Makes the log lines of a program about its own overload: the first at once, and further ones
-/// at most every `kPeriod`. The network is left out: the streams report it. Not thread-safe.
+/// Makes a program's log lines about its own overload: the first at once, further ones at most
+/// every `kPeriod`. Leaves out the network, which the streams report. Not thread-safe.
 class OverloadLog {
 public:
     using Clock = std::chrono::steady_clock;
@@ -61,7 +63,7 @@ public:
 
     explicit OverloadLog(bus::ProgramKind kind) : kind_(kind) {}
 
-    /// After each report of the program: the line that is due, if any.
+    /// Returns the line to log, if any. Call it after each report of the program.
     std::optional<std::string> look(Figures now, Clock::time_point time);
 
 private:

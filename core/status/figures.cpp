@@ -7,7 +7,7 @@
 namespace atrium::status {
 namespace {
 
-// A median of a status that has no number of samples with it: 0 where there is none.
+// A stage whose status has only the median; 0 means none.
 Figures::Stage stage(const char* name, double median_ms) {
     return {name, {median_ms, median_ms, median_ms > 0.0 ? 1U : 0U}, /*has_p99=*/false};
 }
@@ -22,7 +22,7 @@ Figures::Camera figures_of(const bus::CameraStatus& camera) {
              {"reconnects", camera.num_reconnects}}};
 }
 
-// Lists of one kind of program have the same names in the same order.
+// True if no counter decreased. Lists of one kind of program have the same names in the same order.
 bool none_went_back(const std::vector<Counter>& before, const std::vector<Counter>& now) {
     return std::equal(before.begin(),
                       before.end(),
@@ -127,7 +127,7 @@ Figures figures_of(const bus::ViewerStatus& status) {
     return figures;
 }
 
-bool goes_on(const Figures& before, const Figures& now) {
+bool may_be_same_process(const Figures& before, const Figures& now) {
     if (now.time < before.time || !none_went_back(before.work, now.work) ||
         !none_went_back(before.losses, now.losses) || before.cameras.size() != now.cameras.size()) {
         return false;

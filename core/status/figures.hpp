@@ -14,13 +14,13 @@ struct Counter {
     std::uint64_t total = 0;
 };
 
-/// What a status of any kind of program says.
+/// The contents of a status as named counters, stages and notes, the same for each kind of program.
 struct Figures {
     struct Stage {
         std::string name;
         bus::LatencySummary latency;
         bool has_p99 = true;
-        bool is_from_capture_elsewhere = false;  // compares the clock of a site with another's
+        bool is_from_capture_elsewhere = false;  // compares a site's clock with another host's
     };
     struct Topic {
         std::string name;
@@ -45,7 +45,7 @@ struct Figures {
     std::vector<Topic> topics;
     std::vector<Camera> cameras;
     std::optional<bus::StreamState> stream;
-    std::vector<Note> notes;  // what is no count
+    std::vector<Note> notes;  // values that are not counters
     std::uint64_t resident_bytes = 0;
     ProcessorUse processor;
     double first_output_s = 0.0;  // from the start of the process; 0: none yet
@@ -55,7 +55,7 @@ Figures figures_of(const bus::SiteStatus& status);
 Figures figures_of(const bus::WorldStatus& status);
 Figures figures_of(const bus::ViewerStatus& status);
 
-/// Whether `now` may be of the process that wrote `before`: its counters went on, and time too.
-bool goes_on(const Figures& before, const Figures& now);
+/// True if `now` can be of the same process as `before`: neither time nor any counter decreased.
+bool may_be_same_process(const Figures& before, const Figures& now);
 
 }  // namespace atrium::status

@@ -1,7 +1,7 @@
 #include "simulation/simulated_cameras/program.hpp"
 
 #include "core/app/log.hpp"
-#include "core/app/user_namespace.hpp"
+#include "core/app/private_network.hpp"
 #include "simulation/simulated_cameras/camera_server.hpp"
 #include "simulation/simulated_cameras/command.hpp"
 #include "simulation/simulated_cameras/sensor.hpp"
@@ -113,7 +113,7 @@ void print(const Plan& plan) {
 
 Expected<void> enter_network(const Plan& plan) {
     if (!plan.config.own_network) return {};
-    if (auto entered = app::enter_own_network(); !entered) return entered;
+    if (auto entered = app::enter_private_network(); !entered) return entered;
     return app::bring_up_loopback(static_cast<int>(plan.rig.cameras.size()) + 1);
 }
 

@@ -1,5 +1,5 @@
 #include "core/bus/bus.hpp"
-#include "core/bus/membership.hpp"
+#include "core/presence/membership.hpp"
 #include "monitor/inbox.hpp"
 #include "monitor/screen.hpp"
 #include "tests/support/run_program.hpp"
@@ -54,7 +54,7 @@ public:
         auto participant = bus::Participant::create(bus_options());
         EXPECT_TRUE(participant) << participant.error().message;
         const auto quiet = [](const std::string&) {};
-        auto member = bus::Membership::join(
+        auto member = presence::Membership::join(
             *participant, {kind, name, "1.2.3"}, {quiet, quiet, [](const Error&) {}});
         EXPECT_TRUE(member) << member.error().message;
         membership_ = std::move(*member);
@@ -70,7 +70,7 @@ public:
     }
 
 private:
-    std::unique_ptr<bus::Membership> membership_;
+    std::unique_ptr<presence::Membership> membership_;
     std::jthread thread_;  // ends first
 };
 
@@ -159,7 +159,7 @@ TEST(MonitorRun, OneReportInJsonTellsWhoIsThere) {
     ASSERT_THAT(report["programs"], SizeIs(3));
     const auto& lab = report["programs"][0];
     EXPECT_EQ(lab["kind"], "site");
-    EXPECT_EQ(lab["host"], bus::host_name());
+    EXPECT_EQ(lab["host"], presence::host_name());
     EXPECT_EQ(lab["pid"], getpid());
     EXPECT_EQ(lab["rate"], 30.0);
     EXPECT_EQ(lab["latencies"]["coding"]["median_ms"], 2.0);

@@ -1,6 +1,6 @@
 #include "tests/support/network_host.hpp"
 
-#include "core/app/user_namespace.hpp"
+#include "core/app/private_network.hpp"
 #include "tests/support/descriptor_passing.hpp"
 
 #include <arpa/inet.h>
@@ -117,7 +117,8 @@ Expected<void> set_up_link(std::uint32_t address) {
 
 // The calling process, which has one thread, becomes the host.
 Expected<PassedDescriptors> become_host(std::uint32_t address) {
-    if (auto entered = app::enter_own_network(); !entered) return tl::unexpected(entered.error());
+    if (auto entered = app::enter_private_network(); !entered)
+        return tl::unexpected(entered.error());
     if (auto up = app::bring_up_loopback(1); !up) return tl::unexpected(up.error());
     auto tun = open_tun();
     if (!tun) return tl::unexpected(tun.error());

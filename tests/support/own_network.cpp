@@ -1,6 +1,6 @@
 #include "tests/support/own_network.hpp"
 
-#include "core/app/user_namespace.hpp"
+#include "core/app/private_network.hpp"
 
 namespace atrium::test_support {
 namespace {
@@ -13,7 +13,7 @@ std::string& reason() {
 }  // namespace
 
 void enter_own_network(int num_addresses) {
-    auto entered = app::enter_own_network();
+    auto entered = app::enter_private_network();
     if (entered) entered = app::bring_up_loopback(num_addresses);
     reason() = entered ? "" : entered.error().message;
 }

@@ -34,7 +34,7 @@ bool is_name(const std::string& word) {
 tl::unexpected<Error> unknown_command(const std::string& name, const fs::path& folder) {
     std::string message = fmt::format("no command '{}'", name);
     for (const Command& command : installed_commands(folder)) {
-        if (!config::may_be_meant(name, command.name)) continue;
+        if (!config::may_be_misspelling(name, command.name)) continue;
         message += fmt::format("; did you mean '{}'?", command.name);
         break;
     }

@@ -109,11 +109,11 @@ TEST_F(ProgramStart, ErrorsEndItWithTheRightCode) {
 
 TEST_F(ProgramStart, AnUnknownOptionIsSaidWithWhatMayBeMeant) {
     EXPECT_EQ(start_with({"--rat_hz", "3"}).exit_code, 2);
-    EXPECT_THAT(errors_, HasSubstr("unexpected: --rat_hz 3; is --rate_hz meant?"));
+    EXPECT_THAT(errors_, HasSubstr("unexpected: --rat_hz 3; did you mean --rate_hz?"));
     EXPECT_EQ(start_with({"--confg=x.toml"}).exit_code, 2);
-    EXPECT_THAT(errors_, HasSubstr("is --config meant?"));
+    EXPECT_THAT(errors_, HasSubstr("did you mean --config?"));
     EXPECT_EQ(start_with({"--elephant"}).exit_code, 2);
-    EXPECT_THAT(errors_, AllOf(HasSubstr("--elephant"), Not(HasSubstr("meant"))));
+    EXPECT_THAT(errors_, AllOf(HasSubstr("--elephant"), Not(HasSubstr("did you mean"))));
     EXPECT_EQ(start_with({"file.toml"}).exit_code, 2);
     EXPECT_THAT(errors_, HasSubstr("unexpected: file.toml;"));
 }

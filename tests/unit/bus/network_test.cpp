@@ -97,7 +97,7 @@ TEST(Network, IsReportedInOneLineWithWhatIsWrong) {
     EXPECT_THAT(report.warnings, Contains(HasSubstr("sysctl -w net.core.rmem_max=16777216")));
     EXPECT_THAT(report.warnings, Contains(HasSubstr("--interface")));
     EXPECT_THAT(report_network(load("loopback", "192.0.2.10")).warnings,
-                Contains(HasSubstr("does not reach")));
+                Contains(HasSubstr("reaches only this one")));
     EXPECT_THAT(report_network(load("loopback")).warnings, Each(HasSubstr("rmem_max")));
     EXPECT_THAT(report_network(load("wan")).warnings, Contains(HasSubstr("--peers")));
 }

@@ -56,7 +56,7 @@ TEST(Participant, SaysWhatIsWrongWithItsOptions) {
     EXPECT_EQ(error_of(options).kind, ErrorKind::kNotFound);
     const TemporaryFile empty("<dds/>");
     options.profiles_file = empty.path();
-    EXPECT_THAT(error_of(options).message, HasSubstr("lacks the profile 'description'"));
+    EXPECT_THAT(error_of(options).message, HasSubstr("the profile 'description' is missing"));
 }
 
 TEST(Participant, PassesOnWhatCycloneSaysOfANetworkFileWithTheLine) {

@@ -26,7 +26,7 @@ std::vector<std::string> complaints(const Participant& participant, std::size_t 
     std::vector<std::string> all;
     const auto end = std::chrono::steady_clock::now() + 15s;
     while (all.size() < num_wanted && std::chrono::steady_clock::now() < end) {
-        for (std::string& line : participant.take_complaints()) all.push_back(std::move(line));
+        for (std::string& line : participant.take_mismatches()) all.push_back(std::move(line));
         std::this_thread::sleep_for(10ms);
     }
     return all;
@@ -57,7 +57,7 @@ TEST(Strangers, APeerWithOtherQosIsNamedOnceWithThePolicy) {
                 AllOf(HasSubstr("topic=SiteMesh"),
                       HasSubstr("reliability"),
                       HasSubstr("pid " + std::to_string(::getpid()))));
-    EXPECT_TRUE(here.take_complaints().empty()) << "once";
+    EXPECT_TRUE(here.take_mismatches().empty()) << "once";
     EXPECT_EQ(complaints(there, 1).size(), 1U) << "both sides say so";
 }
 
@@ -89,7 +89,7 @@ TEST(Strangers, AForeignTypeUnderOurTopicIsNamedOnceAndDoesNoHarm) {
     EXPECT_THAT(lines.front(),
                 AllOf(HasSubstr("topic=SiteMesh"), HasSubstr("atrium::SitePlacement")));
     ASSERT_GE(dds_write(foreign.get(), &wire), 0);
-    EXPECT_TRUE(here.take_complaints().empty()) << "once";
+    EXPECT_TRUE(here.take_mismatches().empty()) << "once";
 
     SiteMesh mesh;
     mesh.site = "b";
@@ -109,8 +109,8 @@ TEST(Strangers, ThoseOfOurOwnKindAreNoReasonToComplain) {
     mesh.site = "b";
     ASSERT_TRUE(writer.write(mesh));
     ASSERT_TRUE(listener.await([&] { return !listener.samples.empty(); }));
-    EXPECT_TRUE(here.take_complaints().empty());
-    EXPECT_TRUE(there.take_complaints().empty());
+    EXPECT_TRUE(here.take_mismatches().empty());
+    EXPECT_TRUE(there.take_mismatches().empty());
 }
 
 TEST(StaleData, IsNotDeliveredOnceItsLifespanIsOver) {

@@ -146,7 +146,7 @@ TEST(MaskCodec, RejectsSizesThatAreEmptyOrTooLarge) {
     }
     // a few bytes cannot claim thousands of rows
     bytes.resize(20);
-    EXPECT_THAT(with_size(1000, 4000).error().message, HasSubstr("ends early"));
+    EXPECT_THAT(with_size(1000, 4000).error().message, HasSubstr("truncated"));
 }
 
 TEST(MaskCodec, SurvivesRandomBytesAndBitFlips) {

@@ -70,8 +70,8 @@ TEST(OptionSet, AWordIsTakenAsItIsAndAPathFromTheFolderOfTheFile) {
     std::string network = "near";
     OptionSet set;
     set.add_word_or_path("bus.network", network, "where", {"near", "far"});
-    set.also_called("network");
-    EXPECT_EQ(set.entries().back().short_name, "network");
+    set.add_alias("network");
+    EXPECT_EQ(set.entries().back().alias, "network");
     const auto folder = std::filesystem::temp_directory_path() / "atrium_option_set";
     std::filesystem::create_directories(folder);
     const auto read = [&](const std::string& text) {

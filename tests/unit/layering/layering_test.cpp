@@ -65,7 +65,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude{
     {"core/bus/", {"core/base/", "core/geometry/", "core/image/", "core/config/"}},
     {"core/status/", {"core/base/", "core/bus/"}},
     {"core/app/", {"core/base/", "core/config/"}},
-    {"core/joining/", {"core/base/", "core/bus/", "core/app/"}},
+    {"core/presence/", {"core/base/", "core/bus/", "core/app/"}},
     {"simulation/", {"core/base/", "core/geometry/", "core/image/", "core/gl/", "core/config/"}},
     {"simulation/simulated_cameras/",
      {"core/base/",

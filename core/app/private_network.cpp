@@ -1,4 +1,4 @@
-#include "core/app/user_namespace.hpp"
+#include "core/app/private_network.hpp"
 
 #include "core/base/descriptor.hpp"
 
@@ -29,22 +29,22 @@ tl::unexpected<Error> failed(const std::string& what, int error) {
     return make_error(ErrorKind::kUnavailable, fmt::format("{}: {}", what, std::strerror(error)));
 }
 
-// As the file says; -1 where the kernel has no such setting.
+// Value of a kernel setting; -1 if the kernel does not have it.
 int setting(const char* name) {
     std::ifstream stream(std::string("/proc/sys/") + name);
     int value = -1;
     return stream >> value ? value : -1;
 }
 
-// What a user can change where namespaces are refused.
+// Tells the user which setting permits namespaces.
 std::string remedy(int error) {
     if (error == ENOSPC || setting("user/max_user_namespaces") == 0)
-        return "raise it: sysctl user.max_user_namespaces=10000";
+        return "raise the limit: sysctl user.max_user_namespaces=10000";
     if (setting("kernel/unprivileged_userns_clone") == 0)
-        return "permit them: sysctl kernel.unprivileged_userns_clone=1";
+        return "permit namespaces: sysctl kernel.unprivileged_userns_clone=1";
     if (setting("kernel/apparmor_restrict_unprivileged_userns") == 1)
-        return "permit them: sysctl kernel.apparmor_restrict_unprivileged_userns=0";
-    return "the container or security policy that this runs in has to permit unshare(2)";
+        return "permit namespaces: sysctl kernel.apparmor_restrict_unprivileged_userns=0";
+    return "permit unshare(2) in the policy of the container or sandbox";
 }
 
 tl::unexpected<Error> refused(const char* what, int error) {
@@ -60,7 +60,7 @@ Expected<void> write_file(const char* path, const std::string& text) {
     return {};
 }
 
-// One RTM_NEWADDR request, with its answer.
+// Sends one RTM_NEWADDR request and checks the reply.
 Expected<void> add_address(int netlink, int interface_index, unsigned char last_byte) {
     struct {
         nlmsghdr header;
@@ -85,7 +85,7 @@ Expected<void> add_address(int netlink, int interface_index, unsigned char last_
     struct {
         nlmsghdr header;
         nlmsgerr error;
-        std::array<char, 1024> rest;  // the kernel may send the request back
+        std::array<char, 1024> rest;  // the kernel may append the request
     } answer{};
     const ssize_t num_bytes = recv(netlink, &answer, sizeof(answer), 0);
     if (num_bytes < static_cast<ssize_t>(NLMSG_LENGTH(sizeof(nlmsgerr))) ||
@@ -99,11 +99,11 @@ Expected<void> add_address(int netlink, int interface_index, unsigned char last_
 
 }  // namespace
 
-Expected<void> enter_own_network() {
-    const auto user = geteuid();  // before the move: inside nobody is mapped yet
+Expected<void> enter_private_network() {
+    const auto user = geteuid();  // before unshare: inside, no user is mapped yet
     const auto group = getegid();
     if (unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) return refused("unshare", errno);
-    // groups cannot be set by who maps only its own; the kernel wants that said first
+    // an unprivileged process has to deny setgroups before it may write gid_map
     const std::array<std::pair<const char*, std::string>, 3> files{
         {{"/proc/self/setgroups", "deny"},
          {"/proc/self/uid_map", fmt::format("0 {} 1", user)},

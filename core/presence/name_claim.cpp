@@ -1,4 +1,4 @@
-#include "core/bus/name_claim.hpp"
+#include "core/presence/name_claim.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -6,11 +6,13 @@
 #include <ctime>
 #include <tuple>
 
-namespace atrium::bus {
+namespace atrium::presence {
 
 namespace {
 
-// More of one name is no accident; the others are ignored.
+using bus::Presence;
+
+// Limit on data from untrusted senders: rivals for one name. More are ignored.
 constexpr std::size_t kMaxOthers = 64;
 
 bool is_older(const Presence& a, const Presence& b) {
@@ -49,9 +51,9 @@ NameClaim::Verdict NameClaim::decide(Clock::time_point now) {
     bool waits = now - begin_ < kListen;
     for (const auto& [instance, other] : others_) {
         const Presence& presence = other.presence;
-        const bool stands_before_us = presence.is_holder ? !is_holder_ || is_older(presence, own_)
-                                                         : !is_holder_ && is_older(presence, own_);
-        if (!stands_before_us) continue;
+        const bool has_precedence = presence.is_holder ? !is_holder_ || is_older(presence, own_)
+                                                       : !is_holder_ && is_older(presence, own_);
+        if (!has_precedence) continue;
         rival_ = presence;
         if (presence.is_holder && (is_holder_ || other.is_alive || now - other.seen_at >= kLease))
             return Verdict::kRefused;
@@ -60,7 +62,7 @@ NameClaim::Verdict NameClaim::decide(Clock::time_point now) {
     if (is_holder_) return Verdict::kHold;
     if (waits) return Verdict::kWait;
     is_holder_ = true;
-    // who asked before is not yet told
+    // answer the processes that claimed the name before this one held it
     was_asked_ = !others_.empty();
     return Verdict::kHold;
 }
@@ -84,4 +86,4 @@ std::string describe(const Presence& presence) {
                        fmt::gmtime(start));
 }
 
-}  // namespace atrium::bus
+}  // namespace atrium::presence

@@ -1,7 +1,7 @@
-#include "core/bus/membership.hpp"
+#include "core/presence/membership.hpp"
 
 #include "core/bus/limits.hpp"
-#include "core/bus/name_claim.hpp"
+#include "core/presence/name_claim.hpp"
 
 #include <fmt/format.h>
 #include <pthread.h>
@@ -16,17 +16,19 @@
 #include <tuple>
 #include <utility>
 
-namespace atrium::bus {
+namespace atrium::presence {
 
 namespace {
 
+using bus::Participant;
+using bus::Presence;
 using Clock = NameClaim::Clock;
-constexpr std::chrono::milliseconds kLook{1000};    // for peers that cannot be heard
-constexpr std::chrono::milliseconds kJoinStep{20};  // while the name is asked for
-constexpr std::chrono::seconds kRefresh{10};        // of what Presence says of the clock
-constexpr std::size_t kMaxPresent = 4096;           // strangers may claim to be many
+constexpr std::chrono::milliseconds kLook{1000};    // period of the search for incompatible peers
+constexpr std::chrono::milliseconds kJoinStep{20};  // longest wait while the name is claimed
+constexpr std::chrono::seconds kRefresh{10};        // period of Presence: it has the clock's state
+constexpr std::size_t kMaxPresent = 4096;           // limit on data from untrusted senders
 
-using Key = std::tuple<ProgramKind, std::string, std::uint64_t>;
+using Key = std::tuple<bus::ProgramKind, std::string, std::uint64_t>;
 Key key_of(const Presence& presence) { return {presence.kind, presence.name, presence.instance}; }
 
 std::uint64_t draw_instance() {
@@ -53,13 +55,13 @@ std::string host_name() {
                                 (c >= '0' && c <= '9') || c == '_' || c == '.' || c == '-';
         if (!is_allowed) c = '-';
     }
-    text.resize(std::min(text.size(), kMaxNameLength));
+    text.resize(std::min(text.size(), bus::kMaxNameLength));
     return text.empty() ? "unknown" : text;
 }
 
 struct Membership::Impl {
-    Impl(Participant joined, const MembershipOptions& options, MembershipEvents said_to)
-        : participant(std::move(joined)), events(std::move(said_to)), own(make_own(options)) {}
+    Impl(Participant joined, const MembershipOptions& options, MembershipEvents callbacks)
+        : participant(std::move(joined)), events(std::move(callbacks)), own(make_own(options)) {}
 
     static Presence make_own(const MembershipOptions& options);
     Expected<void> open();
@@ -72,10 +74,10 @@ struct Membership::Impl {
     MembershipEvents events;
     Presence own;
     NameClaim name{own, Clock::now()};
-    std::optional<Writer<Presence>> writer;
-    std::optional<Reader<Presence>> reader;
-    std::optional<Waiter> waiter;
-    mutable std::mutex mutex;  // guards the next one, and changes of `own`
+    std::optional<bus::Writer<Presence>> writer;
+    std::optional<bus::Reader<Presence>> reader;
+    std::optional<bus::Waiter> waiter;
+    mutable std::mutex mutex;  // guards `others` and changes of `own`
     std::map<Key, Presence> others;
     std::jthread thread;
 };
@@ -93,13 +95,13 @@ Presence Membership::Impl::make_own(const MembershipOptions& options) {
 }
 
 Expected<void> Membership::Impl::open() {
-    auto made_writer = Writer<Presence>::create(participant);
+    auto made_writer = bus::Writer<Presence>::create(participant);
     if (!made_writer) return tl::unexpected(made_writer.error());
     writer = std::move(*made_writer);
-    auto made_reader = Reader<Presence>::create(participant);
+    auto made_reader = bus::Reader<Presence>::create(participant);
     if (!made_reader) return tl::unexpected(made_reader.error());
     reader = std::move(*made_reader);
-    auto made_waiter = Waiter::create(participant);
+    auto made_waiter = bus::Waiter::create(participant);
     if (!made_waiter) return tl::unexpected(made_waiter.error());
     waiter = std::move(*made_waiter);
     waiter->add(*reader);
@@ -152,8 +154,8 @@ Expected<void> Membership::Impl::claim(std::stop_token stop) {
         }
         if (verdict == NameClaim::Verdict::kRefused) {
             return make_error(ErrorKind::kConfiguration,
-                              fmt::format("the name is taken by {}; give this one another, or end "
-                                          "that one",
+                              fmt::format("the name is taken by {}; choose another name or end "
+                                          "that program",
                                           describe(*rival)));
         }
         if (rival != nullptr && !std::exchange(has_said, true)) {
@@ -164,7 +166,7 @@ Expected<void> Membership::Impl::claim(std::stop_token stop) {
             if (auto announced = announce(); !announced) return announced;
         }
     }
-    return make_error(ErrorKind::kUnavailable, "stopped while it asked for its name");
+    return make_error(ErrorKind::kUnavailable, "stopped while claiming the name");
 }
 
 void Membership::Impl::serve(std::stop_token stop) {
@@ -179,7 +181,7 @@ void Membership::Impl::serve(std::stop_token stop) {
         if (name.decide(now) == NameClaim::Verdict::kRefused && !std::exchange(is_lost, true)) {
             events.name_lost(
                 {ErrorKind::kConfiguration,
-                 fmt::format("the name is held twice; {} is older and keeps it, this one ends",
+                 fmt::format("two programs hold this name; {} is older and keeps it, this one ends",
                              describe(*name.rival()))});
         }
         if (name.take_question() || now >= next_refresh) {
@@ -188,7 +190,7 @@ void Membership::Impl::serve(std::stop_token stop) {
         }
         if (now < next_look) continue;
         next_look = now + kLook;
-        for (const std::string& line : participant.take_complaints()) events.warn(line);
+        for (const std::string& line : participant.take_mismatches()) events.warn(line);
     }
 }
 
@@ -197,7 +199,7 @@ Membership::Membership(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Membership::~Membership() {
     impl_->thread.request_stop();
     if (impl_->thread.joinable()) impl_->thread.join();
-    static_cast<void>(impl_->writer->dispose(impl_->own));  // else the lease tells them
+    static_cast<void>(impl_->writer->dispose(impl_->own));  // if it fails, the lease expires
 }
 
 Expected<std::unique_ptr<Membership>> Membership::join(const Participant& participant,
@@ -221,4 +223,4 @@ std::vector<Presence> Membership::present() const {
     return list;
 }
 
-}  // namespace atrium::bus
+}  // namespace atrium::presence

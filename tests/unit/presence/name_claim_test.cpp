@@ -1,12 +1,14 @@
-#include "core/bus/name_claim.hpp"
+#include "core/presence/name_claim.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace atrium::bus {
+namespace atrium::presence {
 namespace {
 
 using namespace std::chrono_literals;
+using bus::Presence;
+using bus::ProgramKind;
 using Verdict = NameClaim::Verdict;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -199,4 +201,4 @@ TEST(NameClaim, OfTwoHoldersTheOlderStays) {
 }
 
 }  // namespace
-}  // namespace atrium::bus
+}  // namespace atrium::presence

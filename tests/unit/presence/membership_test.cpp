@@ -1,4 +1,4 @@
-#include "core/bus/membership.hpp"
+#include "core/presence/membership.hpp"
 
 #include "tests/unit/bus/bus_support.hpp"
 
@@ -10,14 +10,19 @@
 #include <mutex>
 #include <thread>
 
-namespace atrium::bus {
+namespace atrium::presence {
 namespace {
 
 using namespace std::chrono_literals;
+using bus::BusOptions;
+using bus::Participant;
+using bus::Presence;
+using bus::ProgramKind;
+using bus::Writer;
+using bus::testing::own_world;
+using bus::testing::value;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-using testing::own_world;
-using testing::value;
 
 /// What a member said.
 struct Said {
@@ -153,4 +158,4 @@ TEST(Membership, OneThatIsStoppedWhileItAsksEnds) {
 }
 
 }  // namespace
-}  // namespace atrium::bus
+}  // namespace atrium::presence
