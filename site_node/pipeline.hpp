@@ -29,7 +29,7 @@ struct PipelineOptions {
     /// With 0 position_bits, those of codec::position_bits_for.
     codec::MeshCodecOptions mesh{.position_bits = 0};
     texture::TextureOptions texture;
-    int jpeg_quality = 86;  // docs/measurements/codecs.md has the table from which it is taken
+    int jpeg_quality = 86;  // docs/streams.md has the table from which it is taken
 };
 
 /// How the colours of one metaframe are coded.
