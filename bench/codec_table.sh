@@ -1,6 +1,6 @@
 #!/bin/sh
 # Measures what a frame is coded to: `bench/codec_table.sh [BUILD]`. Keeps the table with machine and date in bench/results/ and
-# renews that of docs/streams.md. BUILD has to be configured with -DATRIUM_BENCH=ON. The machine should have nothing else to do.
+# renews that of docs/measurements/codecs.md. BUILD has to be configured with -DATRIUM_BENCH=ON. The machine should have nothing else to do.
 # The recording is left out where ../shared/data is not there.
 set -eu
 case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
@@ -14,5 +14,5 @@ mkdir -p bench/results
     echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(bench/score.sh "$build"), one thread, $(c++ --version | head -n 1)"
     "$build"/bin/codec_table
 } > "$table"
-python3 bench/codec_table.py "$table" docs/streams.md
+python3 bench/codec_table.py "$table" docs/measurements/codecs.md
 echo "kept in $table"

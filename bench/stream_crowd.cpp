@@ -15,7 +15,7 @@
 #include <vector>
 
 // What many programs cost that are only there; one row of CSV. stream_scale.sh makes the tables of
-// docs/streams.md, "Participants", of them:
+// docs/measurements/streams.md, "Participants", of them:
 //
 //   stream_crowd idle PROGRAM NETWORK COUNT PER_SECOND SECONDS
 //   stream_crowd announce NETWORK SECONDS       one program of `wan` or the like, and a peer that
@@ -32,7 +32,8 @@ constexpr const char* kUsage =
     "usage: stream_crowd idle PROGRAM NETWORK COUNT PER_SECOND SECONDS\n"
     "       stream_crowd announce NETWORK SECONDS\n"
     "       stream_crowd head\n"
-    "One row of docs/streams.md, Participants; head: the names of the columns of the first.\n";
+    "One row of docs/measurements/streams.md, Participants; head: the names of the columns of the "
+    "first.\n";
 constexpr auto kPatience = 60s;
 constexpr auto kSettle = 5s;
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 // A site and a viewer over links with faults, one row of CSV each; stream_faults.sh makes the table
-// of docs/streams.md of them:
+// of docs/measurements/streams.md of them:
 //
 //   stream_faults SECONDS_OF_EACH [ONLY]
 //
@@ -115,12 +115,13 @@ int measure(const Case& fault_case,
 }  // namespace
 
 int main(int argc, char** argv) {
-    const std::vector<std::string> words = atrium::bench::words_or_usage(
-        argc,
-        argv,
-        {1, 2},
-        "usage: stream_faults SECONDS_OF_EACH [ONLY]\n"
-        "A row of CSV per case of docs/streams.md, Faults; ONLY: the case of this name.\n");
+    const std::vector<std::string> words =
+        atrium::bench::words_or_usage(argc,
+                                      argv,
+                                      {1, 2},
+                                      "usage: stream_faults SECONDS_OF_EACH [ONLY]\n"
+                                      "A row of CSV per case of docs/measurements/streams.md, "
+                                      "Faults; ONLY: the case of this name.\n");
     const auto duration = std::chrono::milliseconds(std::lround(1000.0 * std::stod(words[0])));
     const std::string only = words.size() > 1 ? words[1] : "";
     const auto cache =

@@ -1,6 +1,6 @@
 #!/bin/sh
 # A site and a viewer over links with faults: `bench/stream_faults.sh [BUILD] [SECONDS of each case]`. Keeps the figures with machine
-# and date in bench/results/ and renews the table of docs/streams.md. BUILD has to be configured with -DATRIUM_BENCH=ON. Needs no
+# and date in bench/results/ and renews the table of docs/measurements/streams.md. BUILD has to be configured with -DATRIUM_BENCH=ON. Needs no
 # rights, but /dev/net/tun; about five minutes, in which the machine should have nothing else to do.
 set -eu
 case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
@@ -13,4 +13,4 @@ out="bench/results/$(date +%Y-%m-%d)-$(echo "$machine" | tr -c 'A-Za-z0-9\n' '-'
 mkdir -p bench/results
 echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(bench/score.sh "$build"), $(nproc) cores, $(c++ --version | head -n 1), ${seconds} s each" > "$out"
 "$build"/bin/stream_faults "$seconds" >> "$out"
-python3 bench/stream_faults.py "$out" docs/streams.md
+python3 bench/stream_faults.py "$out" docs/measurements/streams.md

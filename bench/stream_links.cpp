@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-// One row of the tables of docs/streams.md, "Links"; stream_links.sh has all of them:
+// One row of the tables of docs/measurements/links.md; stream_links.sh has all of them:
 //
 //   stream_links NAME INTERNAL PROFILES MBIT/S DELAY_MS JITTER_MS LOSS FRAMES
 //                [MESH TEXTURE [MESSAGE FRAGMENT [TEXTURE_WRITERS]]]
@@ -27,7 +27,7 @@ int main(int argc, char** argv) {
         "usage: stream_links NAME INTERNAL PROFILES MBIT/S DELAY_MS JITTER_MS LOSS FRAMES\n"
         "                    [MESH TEXTURE [MESSAGE FRAGMENT [TEXTURE_WRITERS]]]\n"
         "INTERNAL: Cyclone's elements of <Internal>; PROFILES: a file, \"\" for the one built in;\n"
-        "0 MBIT/S: no limit; the rest in bytes. One row of docs/streams.md, Links.\n");
+        "0 MBIT/S: no limit; the rest in bytes. One row of docs/measurements/links.md.\n");
     auto network = ImpairedNetwork::create(2, 1);
     if (!network) {
         fmt::print(stderr, "{}\n", network.error().message);

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The rows of docs/streams.md, "Links": bench/stream_links.sh [build folder]. About seven minutes; needs no rights, but /dev/net/tun.
+# The rows of docs/measurements/links.md: bench/stream_links.sh [build folder]. About seven minutes; needs no rights, but /dev/net/tun.
 set -euo pipefail
 case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."

@@ -17,7 +17,7 @@
 #include <vector>
 
 // Sites and subscribers of one host, each a program of its own; one row of CSV. stream_scale.sh
-// makes the table and the picture of docs/streams.md, "Scale", of them:
+// makes the table and the picture of docs/measurements/streams.md, "Scale", of them:
 //
 //   stream_scale NAME NETWORK STREAM SITES SUBSCRIBERS DECODE SECONDS
 //
@@ -32,7 +32,8 @@ using test::HostedProcess;
 constexpr const char* kUsage =
     "usage: stream_scale NAME NETWORK STREAM SITES SUBSCRIBERS DECODE SECONDS\n"
     "       stream_scale head\n"
-    "One row of docs/streams.md, Scale. NETWORK: as --network; STREAM: as replayed_site --code\n"
+    "One row of docs/measurements/streams.md, Scale. NETWORK: as --network; STREAM: as "
+    "replayed_site --code\n"
     "makes it; DECODE: true or false; head: the names of the columns.\n";
 constexpr auto kPatience = 60s;  // many programs on few cores
 constexpr auto kSettle = 3s;

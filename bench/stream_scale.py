@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renews the tables of docs/streams.md from what stream_scale.sh keeps, and draws stream_scale.svg.
+"""Renews the tables of docs/measurements/streams.md from what stream_scale.sh keeps, and draws stream_scale.svg.
 
 usage: stream_scale.py SCALE CROWD PAGE FOLDER    the tables go between <!-- scale --> and <!-- crowd --> and their ends
 """

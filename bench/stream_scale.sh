@@ -1,6 +1,6 @@
 #!/bin/sh
 # Sites and subscribers on one host: `bench/stream_scale.sh [BUILD] [SECONDS of each case, but 60 for 16 subscribers on loopback]`. Keeps the
-# figures with machine and date in bench/results/, renews the tables of docs/streams.md and draws docs/figures/stream_scale.svg. BUILD
+# figures with machine and date in bench/results/, renews the tables of docs/measurements/streams.md and draws docs/figures/stream_scale.svg. BUILD
 # has to be configured with -DATRIUM_BENCH=ON. Needs no rights; about fifteen minutes, in which the machine should have nothing else
 # to do. With ONLY=name it measures one series (loopback, decode, multicast, lan, crowd) and adds it to the file of this day; RUN is
 # put before each measurement (RUN="nice -n -5").
@@ -60,4 +60,4 @@ done; fi
 if wants crowd; then for n in 10 20 40 60 80 100; do
     $run "$build"/bin/stream_crowd idle crowd_member loopback $n 10 "$seconds" >> "$crowd" || break
 done; fi
-python3 bench/stream_scale.py "$scale" "$crowd" docs/streams.md docs/figures
+python3 bench/stream_scale.py "$scale" "$crowd" docs/measurements/streams.md docs/figures

@@ -1,7 +1,7 @@
 #!/bin/sh
 # A site, a world server and a viewer whose host lacks processor time, on a bridge with and without a limit:
 # `bench/stream_starved.sh [BUILD] [SECONDS of each case] [SEEDS]`. Keeps the figures with machine and date in bench/results/ and renews
-# the table of docs/streams.md. BUILD holds bin/site_node, bin/world_server and bin/viewer. Needs root, a control group of the processor
+# the table of docs/measurements/streams.md. BUILD holds bin/site_node, bin/world_server and bin/viewer. Needs root, a control group of the processor
 # and two cores that have nothing else to do; with 300 s and ten seeds about nine hours. ONLY="quota:0:lan loops:5:wan" measures these
 # cases only: how it is starved, the limit in Mbit/s, the network. BUILT=1: what is in BUILD is up to date.
 set -eu
@@ -26,4 +26,4 @@ for case in $cases; do
         python3 bench/starved_run.py "$build" $(echo "$case" | tr : ' ') "$seconds" "$seed" "$cache" >> "$out"
     done
 done
-python3 bench/stream_starved.py "$out" docs/streams.md
+python3 bench/stream_starved.py "$out" docs/measurements/streams.md

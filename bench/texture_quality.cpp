@@ -1,6 +1,6 @@
 // How people look beside what real cameras saw, and beside simpler ways to texture them: rows of
 // comma-separated values, one per picture and way; texture_quality.sh keeps them and makes the
-// table of docs/viewer.md.
+// table of docs/measurements/viewer.md.
 #include "bench/texture_baselines.hpp"
 #include "bench/texture_pictures.hpp"
 #include "core/app/program.hpp"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renews the tables of docs/viewer.md from what texture_quality.sh keeps.
+"""Renews the tables of docs/measurements/viewer.md from what texture_quality.sh keeps.
 
 usage: texture_quality.py TABLE PAGE    they go between <!-- texture-quality --> and <!-- /texture-quality -->
 """

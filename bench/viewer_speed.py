@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renews the tables of docs/viewer.md from what viewer_speed.sh keeps.
+"""Renews the tables of docs/measurements/viewer.md from what viewer_speed.sh keeps.
 
 usage: viewer_speed.py SPEED GUESTS PAGE    between <!-- viewer-speed --> and <!-- /viewer-speed -->, <!-- viewer-guests --> and its end
 """

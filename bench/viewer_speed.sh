@@ -1,7 +1,7 @@
 #!/bin/sh
 # How fast the viewer draws two people without a display, and what guests cost it that ask for more than people do:
 # `bench/viewer_speed.sh [BUILD] [SECONDS of each case]`. Keeps the figures with machine and date in bench/results/ and renews the tables of
-# docs/viewer.md. BUILD has to be configured with -DATRIUM_BENCH=ON. Needs no rights; some five minutes, in which the machine should have
+# docs/measurements/viewer.md. BUILD has to be configured with -DATRIUM_BENCH=ON. Needs no rights; some five minutes, in which the machine should have
 # nothing else to do. The first run renders the rooms.
 set -eu
 case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
@@ -89,5 +89,5 @@ guest "likewise, of any size, anywhere, at 100 km/s" viewer_things --absurd true
 guest "a site of 64 cameras" replayed_site --stream "$work/person" --name eve --cameras 64
 guest "a site of 64 cameras and 44,000 triangles" replayed_site --stream "$work/person" --name eve --cameras 64 --subdivide 1
 guest "cameras and meshes that nothing real is like" replayed_site --stream "$work/person" --name eve --absurd true
-python3 bench/viewer_speed.py "$out" "$guests" docs/viewer.md
+python3 bench/viewer_speed.py "$out" "$guests" docs/measurements/viewer.md
 echo "kept in $out and $guests"

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Two people among the things of every world of deploy/worlds: `bench/world_endurance.sh [BUILD [MINUTES]]`, 10 simulated minutes of each
-# world. Keeps the table with machine and date in bench/results/ and renews that of docs/world_server.md; fails where a bound was broken.
+# world. Keeps the table with machine and date in bench/results/ and renews that of docs/measurements/world.md; fails where a bound was broken.
 # Takes about 15 minutes of one core; progress goes to stderr.
 set -eu
 cd "$(dirname "$0")/.."
@@ -15,6 +15,6 @@ status=0
     echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(bench/score.sh "$build"), $(c++ --version | head -n 1)"
     "$build"/bin/world_endurance "$minutes" || status=$?
 } > "$table"
-python3 bench/world_endurance.py "$table" docs/world_server.md
+python3 bench/world_endurance.py "$table" docs/measurements/world.md
 echo "kept in $table"
 exit "$status"

@@ -21,7 +21,7 @@
 
 // From a hand's capture to the published motion of what it pushes, all on one host, each site and
 // the world server a program of its own; one row of CSV. world_latency.sh makes the table of
-// docs/world_server.md of them:
+// docs/measurements/world.md of them:
 //
 //   world_latency NAME KIND SITES SECONDS [RATE_HZ]
 //

@@ -1,6 +1,6 @@
 #!/bin/sh
 # From a hand's capture to the motion of what it pushes: `bench/world_latency.sh [BUILD] [SECONDS of each case]`. Keeps the figures with
-# machine and date in bench/results/ and renews the table of docs/world_server.md. BUILD has to be configured with -DATRIUM_BENCH=ON.
+# machine and date in bench/results/ and renews the table of docs/measurements/world.md. BUILD has to be configured with -DATRIUM_BENCH=ON.
 # Needs no rights; about eight minutes, in which the machine should have nothing else to do. RUN is put before each measurement
 # (RUN="nice -n -5"). The first run renders the rooms.
 set -eu
@@ -22,5 +22,5 @@ mkdir -p bench/results
     $run "$build"/bin/world_latency "made-up meshes, 16 ms after their capture" meshes 1 "$seconds"
     $run "$build"/bin/world_latency "two such made-up sites" meshes 2 "$seconds"
 } > "$out"
-python3 bench/world_latency.py "$out" docs/world_server.md
+python3 bench/world_latency.py "$out" docs/measurements/world.md
 echo "kept in $out"

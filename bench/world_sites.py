@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs simulated sites with a world server and a viewer, and renews the table of docs/world_server.md.
+"""Runs simulated sites with a world server and a viewer, and renews the table of docs/measurements/world.md.
 
 usage: world_sites.py measure BUILD STREAM SECONDS SITES...    rows of comma-separated values, one for each number of sites
        world_sites.py table TABLE PAGE    the table goes between <!-- world-sites --> and <!-- /world-sites -->

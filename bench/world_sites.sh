@@ -2,7 +2,7 @@
 # Sites on one host with a world server and one viewer: `bench/world_sites.sh [BUILD] [SECONDS of each case]`. The sites are simulated:
 # each replays the coded frames of the simulated room at 30 Hz. Measures whether steps are on time (skipped ticks), which meshes were
 # dropped, capture to collision (median and p99), and each program's share of a core. Keeps the figures with machine and commit in
-# bench/results/ and renews the table of docs/world_server.md. BUILD has to be configured with -DATRIUM_BENCH=ON. Needs no rights; about
+# bench/results/ and renews the table of docs/measurements/world.md. BUILD has to be configured with -DATRIUM_BENCH=ON. Needs no rights; about
 # two minutes, in which the machine should have nothing else to do. SITES="1 4" chooses the numbers of sites, STREAM=FILE keeps the
 # coded frames from run to run, RUN is put before each program (RUN="nice -n -5").
 set -eu
@@ -23,5 +23,5 @@ mkdir -p bench/results
     python3 bench/world_sites.py measure "$build" "$stream" "$seconds" ${SITES:-1 2 4}
 } > "$work/table"
 mv "$work/table" "$out"
-python3 bench/world_sites.py table "$out" docs/world_server.md
+python3 bench/world_sites.py table "$out" docs/measurements/world.md
 echo "kept in $out"

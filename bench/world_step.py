@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renews the table of docs/world_server.md and its curves from what world_step.sh keeps.
+"""Renews the table of docs/measurements/world.md and its curves from what world_step.sh keeps.
 
 usage: world_step.py TABLE PAGE SVG    the table goes between <!-- world-step --> and <!-- /world-step -->
 """
@@ -33,7 +33,7 @@ def table(rows, comment):
     bars = ", ".join("{} {:.2g} of {:g} ms: {}".format(name, float(first[column]), most, "met" if float(first[column]) <= most else "missed")
                      for column, name, most in BARS)
     return "\n".join(out + ["", f"The first row against its bars: {bars}. {comment}.", "",
-                             "![Times of a step against bodies, people and triangles](figures/world_step.svg)"])
+                             "![Times of a step against bodies, people and triangles](../figures/world_step.svg)"])
 
 
 def curves(rows, path):

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Measures the steps of a world: `bench/world_step.sh [BUILD]`. Keeps the table with machine and date in bench/results/ and renews
-# table and curves of docs/world_server.md. BUILD has to be configured with -DATRIUM_BENCH=ON, and is best a release build; the
+# table and curves of docs/measurements/world.md. BUILD has to be configured with -DATRIUM_BENCH=ON, and is best a release build; the
 # machine should have nothing else to do. Takes two to three minutes and tells on the terminal how far it is.
 set -eu
 cd "$(dirname "$0")/.."
@@ -13,5 +13,5 @@ mkdir -p bench/results
     echo "# $(date -u +%Y-%m-%dT%H:%MZ), $machine, $(bench/score.sh "$build"), CPU time of one thread, $(c++ --version | head -n 1)"
     "$build"/bin/world_step
 } > "$table"
-python3 bench/world_step.py "$table" docs/world_server.md docs/figures/world_step.svg
+python3 bench/world_step.py "$table" docs/measurements/world.md docs/figures/world_step.svg
 echo "kept in $table"

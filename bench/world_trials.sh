@@ -1,7 +1,7 @@
 #!/bin/sh
 # Tries what people can do to the things of a world, with hulls from the cameras of a simulated room: `bench/world_trials.sh [BUILD]
 # [TRIALS]`, 20 of each by default. Keeps every trial with machine and date in bench/results/ and renews the table of
-# docs/world_server.md. BUILD has to be configured with -DATRIUM_BENCH=ON. The hulls take some 10 minutes the first time and are kept in
+# docs/measurements/world.md. BUILD has to be configured with -DATRIUM_BENCH=ON. The hulls take some 10 minutes the first time and are kept in
 # .cache/world_trials.
 set -eu
 cd "$(dirname "$0")/.."
@@ -15,5 +15,5 @@ mkdir -p bench/results
     echo "# $(date -u +%Y-%m-%dT%H:%MZ)"
     "$build"/bin/world_trials --trials "$trials"
 } > "$table"
-python3 bench/world_trials.py "$table" docs/world_server.md
+python3 bench/world_trials.py "$table" docs/measurements/world.md
 echo "kept in $table"

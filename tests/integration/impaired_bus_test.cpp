@@ -14,7 +14,8 @@
 #include <thread>
 
 // What the bus makes of bad links, with frames of the size of a site's, between programs that know
-// each other by address. docs/streams.md has the measurements from which the settings come.
+// each other by address. docs/measurements/links.md has the measurements from which the settings
+// come.
 namespace atrium::test {
 namespace {
 

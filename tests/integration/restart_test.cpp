@@ -19,8 +19,8 @@
 #include <vector>
 
 // Two sites, a world server and a viewer, of which one is killed and started again while the others
-// go on. ATRIUM_RESTART_ROUNDS says how often each of three is (3); docs/streams.md has the result
-// of 20.
+// go on. ATRIUM_RESTART_ROUNDS says how often each of three is (3); docs/measurements/streams.md
+// has the result of 20.
 namespace atrium::test {
 namespace {
 

@@ -12,7 +12,7 @@
 #include <thread>
 
 // A whole site and a viewer over a link with faults, with the options that their users would give.
-// bench/stream_faults measures more of them; docs/streams.md has its table.
+// bench/stream_faults measures more of them; docs/measurements/streams.md has its table.
 namespace atrium::test {
 namespace {
 
