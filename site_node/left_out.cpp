@@ -12,7 +12,7 @@ void add(const LeftOut& left_out, bus::LeftOutTotals& totals) {
     totals.num_cameras += left_out.cameras;
     totals.num_phantoms += left_out.phantoms;
     totals.num_fragments += left_out.fragments;
-    // cones of a bad calibration may meet kilometres away; a status has to be sent all the same
+    // cones of a bad calibration may meet kilometres away; the status must stay within its limits
     totals.dropped_l = std::min(totals.dropped_l + left_out.dropped_l, bus::kMaxStatistic);
     totals.num_contours_dropped += left_out.contours_dropped;
     totals.num_contours_repaired += left_out.contours_repaired;

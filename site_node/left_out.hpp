@@ -7,11 +7,11 @@
 
 namespace atrium::site_node {
 
-/// Adds what one metaframe lacks.
+/// Adds the counts of one metaframe to the totals.
 void add(const LeftOut& left_out, bus::LeftOutTotals& totals);
 
-/// `key=value ...` for the log: what was left out of hulls between two statuses of one site; empty
-/// where nothing was.
+/// Formats what the hulls of one site lost between two statuses as `key=value ...` for the log.
+/// Empty if they lost nothing.
 std::string left_out_line(const bus::SiteStatus& from, const bus::SiteStatus& to);
 
 }  // namespace atrium::site_node

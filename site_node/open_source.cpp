@@ -55,7 +55,7 @@ Source open_simulated_room(const SiteNodeConfig& config, std::stop_token stop) {
     auto source = capture::SimulatedSource::create(*rig, room, config.simulation.cache, tell, stop);
     if (!source) return tl::unexpected(source.error());
     if (const std::string& problem = (*source)->cache_problem(); !problem.empty()) {
-        app::log::warn("the rendered room is not kept reason=\"{}\"", problem);
+        app::log::warn("the rendered room cannot be cached reason=\"{}\"", problem);
     }
     return std::unique_ptr<capture::FrameSource>(std::move(*source));
 }

@@ -15,34 +15,33 @@ double milliseconds_between(Clock::time_point begin, Clock::time_point end) {
     return std::chrono::duration<double, std::milli>(end - begin).count();
 }
 
-// Somebody is in the room only if every camera's cone and the hull say so; the other outcomes are
-// answers too.
+// An empty intersection is a valid answer: nobody is in the room.
 bool is_nobody(hull::HullStatus status) { return status == hull::HullStatus::kEmptyIntersection; }
 
 }  // namespace
 
-// What one camera keeps from metaframe to metaframe, so that cameras can be worked on in parallel.
+// State that one camera keeps between metaframes. One per camera allows parallel work.
 struct Pipeline::CameraStage {
     // of the first stage
     segmentation::Segmenter segmenter;
     silhouette::SilhouetteScratch silhouette;
     std::vector<silhouette::SilhouettePolygon> polygons;
     std::vector<std::vector<Eigen::Vector2d>> spare_contours;
-    bool is_left_out = false;  // there is no background
-    // of the second
+    bool is_left_out = false;  // has no background
+    // of the second stage
     texture::TextureScratch texture;
     codec::TextureCrop crop;
     codec::TextureEncoder encoder;
 };
 
-// What one camera has of one metaframe.
+// Data of one camera in one metaframe.
 struct Pipeline::Silhouettes::Camera {
-    image::YuvImage picture_buffer;  // what the camera does not deliver in the working form
+    image::YuvImage picture_buffer;  // for pictures that need conversion to the working form
     image::YuvView picture;
     image::SparseMask mask;
     std::vector<std::vector<Eigen::Vector2d>> contours;  // undistorted [px]
-    image::PixelRect subject;                            // around all of them, delivered picture
-    std::vector<silhouette::Outline> outlines;           // delivered picture
+    image::PixelRect subject;                   // bounds of all contours, delivered picture
+    std::vector<silhouette::Outline> outlines;  // delivered picture
     std::vector<std::uint8_t> dropped;                   // per outline
     silhouette::SilhouetteCounts counts;
     bool sees_somebody = false;
@@ -193,7 +192,7 @@ Expected<void> Pipeline::encode_texture(Silhouettes& silhouettes,
     return encoded;
 }
 
-// The mesh, which is one task, beside the textures.
+// Encodes the mesh, as one task, in parallel with the textures.
 Expected<void> Pipeline::encode(Silhouettes& silhouettes,
                                 const ColourCoding& coding,
                                 Executor& executor,
@@ -237,7 +236,7 @@ Expected<void> Pipeline::first_failure(const Silhouettes& silhouettes) const {
     return {};
 }
 
-// What the stages counted and measured.
+// Collects counts and durations of the stages.
 void Pipeline::sum_up(const Silhouettes& silhouettes, SiteFrame& frame) {
     const hull::VisualHull& hull = frame.hull;
     const auto& delivered = silhouettes.delivered_;

@@ -17,7 +17,7 @@ void RunEnd::finish(const Expected<void>& result) {
         if (result_) result_ = result;
         source = source_;
     }
-    source.request_stop();  // what it calls may ask us
+    source.request_stop();  // without the lock: its callbacks may call this object
 }
 
 void RunEnd::lose_name(const Error& lost) {

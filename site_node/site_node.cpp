@@ -41,7 +41,7 @@ double rate_hz(const SiteNodeConfig& config, const config::Rig& rig) {
     return config.capture.rate_hz > 0.0 ? config.capture.rate_hz : rig.rate_hz;
 }
 
-// What the configuration says that may be meant otherwise, or does not fit this rig.
+// Checks the configuration against this rig and warns about suspicious settings.
 Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
     if (config.capture.min_cameras > static_cast<int>(rig.cameras.size())) {
         return make_error(
@@ -62,11 +62,12 @@ Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
     }
     const HullStageOptions& hull = config.pipeline.hull;
     for (const std::string& pair : overlapping_regions(hull.regions)) {
-        app::log::warn("hull.region: {} overlap; who stands there is in the mesh twice", pair);
+        app::log::warn("hull.region: {} overlap; people there appear twice in the mesh", pair);
     }
     if (hull.partial_views && hull.min_views == 0) {
         app::log::warn(
-            "hull.partial_views without hull.min_views: what no camera sees counts as somebody's");
+            "hull.partial_views without hull.min_views: space that no camera sees counts as "
+            "occupied");
     }
     return {};
 }
@@ -95,8 +96,7 @@ Expected<void> learn_background(const SiteNodeConfig& config, std::stop_token st
 Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& config,
                                                      std::stop_token stop) {
     if (auto checked = check(config); !checked) return tl::unexpected(checked.error());
-    // before the room is opened and learned, which takes a while: what is wrong with the network
-    // or the name is said at once
+    // before the slow opening and learning of the room: reports a network or name problem at once
     auto participant = bus::Participant::create(config.bus);
     if (!participant) return tl::unexpected(participant.error());
     const auto end = std::make_shared<RunEnd>();
@@ -118,7 +118,7 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& confi
     auto pipeline = Pipeline::create(**source, config.pipeline, stop);
     if (!pipeline) return tl::unexpected(pipeline.error());
     for (const std::string& name : pipeline->cameras_without_background()) {
-        app::log::warn("camera '{}' is left out, for it did not show the empty room at the start",
+        app::log::warn("camera '{}' is excluded: it did not show the empty room at the start",
                        name);
     }
 
@@ -178,8 +178,7 @@ Expected<void> SiteNode::run(std::stop_token stop) {
     if (auto written = writers_.description.write(description); !written)
         return tl::unexpected(written.error());
     {
-        // stopped and joined from the last to the first, in the order of the data: what was
-        // captured still goes out
+        // destruction stops and joins in the order of the data: captured metaframes still go out
         const std::jthread publisher =
             named_thread("publish", [this](std::stop_token s) { publish_frames(s); });
         const std::jthread worker = named_thread("work", [this](std::stop_token s) { work(s); });
@@ -189,7 +188,7 @@ Expected<void> SiteNode::run(std::stop_token stop) {
             named_thread("capture", [this](std::stop_token) { capture_metaframes(end_->token()); });
         report_status(end_->token());
     }
-    // where the name is another's, so is what stands under it
+    // after a loss of the name its instances belong to another program
     if (!end_->has_lost_name()) {
         if (auto gone = writers_.description.dispose(description); !gone)
             app::log::warn("{}", gone.error().message);
@@ -356,7 +355,7 @@ void SiteNode::publish_frames(std::stop_token stop) {
     }
 }
 
-// Textures first: a viewer's pair is complete as soon as the mesh arrives.
+// Writes the mesh last: with its arrival a viewer's pair is complete.
 Expected<std::size_t> SiteNode::publish(const SiteFrame& frame) {
     bus::SiteMesh mesh{config_.name, frame.frame_id, frame.capture_time, {}, frame.draco};
     const auto begin = std::chrono::steady_clock::now();

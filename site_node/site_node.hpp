@@ -25,22 +25,22 @@
 
 namespace atrium::site_node {
 
-/// Opens where the pictures come from; with a simulated room that may take minutes.
+/// Checks the configuration and opens the frame source. A simulated room may take minutes.
 Expected<std::unique_ptr<capture::FrameSource>> open_frame_source(const SiteNodeConfig& config,
                                                                   std::stop_token stop);
 
-/// Instead of running: learns the empty room of all cameras and keeps it in
-/// segmentation.background_folder.
+/// Learns the empty room of all cameras and writes it to segmentation.background_folder, instead of
+/// a run.
 Expected<void> learn_background(const SiteNodeConfig& config, std::stop_token stop);
 
-/// One room: captures, computes, publishes. `create` prepares everything that can fail (recording,
+/// One room: captures, computes, publishes. `create` does everything that can fail (recording,
 /// rendering of a simulated room, background, bus); `run` owns the threads.
 class SiteNode {
 public:
     static Expected<std::unique_ptr<SiteNode>> create(const SiteNodeConfig& config,
                                                       std::stop_token stop);
 
-    /// Until the stop, the end of the source or `site.seconds`. On one thread at a time.
+    /// Runs until the stop, the end of the source or `site.seconds`. One caller at a time.
     Expected<void> run(std::stop_token stop);
 
     /// Thread-safe.
@@ -50,8 +50,7 @@ private:
     struct Writers {
         bus::Writer<bus::SiteDescription> description;
         bus::Writer<bus::SiteMesh> mesh;
-        // One per camera: Cyclone DDS repairs one sample of several fragments per writer and round
-        // trip.
+        // One per camera: Cyclone DDS repairs only one fragmented sample per writer and round trip.
         std::vector<bus::Writer<bus::CameraTexture>> textures;
         bus::Writer<bus::SiteStatus> status;
     };
@@ -70,7 +69,7 @@ private:
     struct Ready {
         std::unique_ptr<Pipeline::Silhouettes> silhouettes;
         StreamAdapter::Choice choice;
-        ThreadPool::Priority priority;  // over the silhouettes of the next one
+        ThreadPool::Priority priority;  // over the silhouettes of the next metaframe
     };
     void find_silhouettes(std::stop_token stop);
     void find_silhouettes_of(const capture::Metaframe& metaframe,
@@ -91,14 +90,14 @@ private:
     Writers writers_;
     StreamAdapter stream_;
     ThreadPool pool_;
-    std::unique_ptr<preview::Preview> preview_;  // null: nobody wants one
+    std::unique_ptr<preview::Preview> preview_;  // null: no preview
 
-    // newest wins: a late one is worth nothing
+    // newest wins: a late metaframe is useless
     TwoStageOrder<capture::Metaframe, Ready> metaframes_;
     LatestSlot<std::unique_ptr<Pipeline::Silhouettes>> spare_silhouettes_;
     LatestSlot<std::unique_ptr<SiteFrame>>
         site_frames_;  // newest wins: a slow link costs frames, not latency
-    LatestSlot<std::unique_ptr<SiteFrame>> spare_frames_;  // buffers on their way back
+    LatestSlot<std::unique_ptr<SiteFrame>> spare_frames_;  // buffers for reuse
 
     std::atomic<std::uint64_t> num_captured_{0};
     std::atomic<std::uint64_t> num_incomplete_{0};
@@ -116,13 +115,13 @@ private:
     RateMeter bytes_rate_;
     std::atomic<double> metaframes_per_s_{0.0};
     std::atomic<double> bytes_per_s_{0.0};
-    std::atomic<double> first_output_s_{0.0};  // 0: nothing is published yet
-    ProcessorMeter processor_meter_;           // of the thread that reports
+    std::atomic<double> first_output_s_{0.0};  // 0: nothing published yet
+    ProcessorMeter processor_meter_;           // of the reporting thread
     mutable std::mutex processor_mutex_;
-    ProcessorUse processor_;  // as measured last
+    ProcessorUse processor_;  // latest measurement
     app::log::OncePerSecond complaints_;
 
-    std::shared_ptr<RunEnd> end_;  // with the membership, which is there first
+    std::shared_ptr<RunEnd> end_;  // shared with the membership, which exists first
     std::unique_ptr<bus::Membership> membership_;
 };
 

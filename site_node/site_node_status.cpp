@@ -8,7 +8,7 @@
 #include <condition_variable>
 #include <mutex>
 
-// What a site says of itself once a second.
+// Status of a site, published once a second.
 namespace atrium::site_node {
 namespace {
 
