@@ -1,6 +1,6 @@
 #include "site_node/capture/aravis_camera.hpp"
 
-// What a camera does with pictures, on the thread that receives them, and what it counts.
+// Handling and counting of pictures, on the receiving thread.
 namespace atrium::capture {
 namespace {
 
@@ -54,7 +54,7 @@ void AravisCamera::on_picture(StreamPicture picture) {
     const Timestamp time = time_on_site_clock(picture.device_ns, picture.arrival);
     const auto taken = is_triggered_by_site() ? trigger_clock_.on_picture(time) : time;
     if (!taken) {
-        if (is_connected_) ++num_late_;  // else it was taken to measure
+        if (is_connected_) ++num_late_;  // otherwise it belongs to a measurement
         return;
     }
     CameraFrame frame;

@@ -48,7 +48,7 @@ std::optional<TriggerClock::Trigger> TriggerClock::nearest(Timestamp time) const
                              });
 }
 
-// No picture is taken before it is asked for: what seems so has the time of its trigger.
+// A picture cannot precede its trigger: such a time is clamped to the trigger.
 std::optional<Timestamp> TriggerClock::placed(Timestamp time) const {
     const auto trigger = nearest(time);
     if (!trigger || trigger->sent - time > period_ / 4) return std::nullopt;
@@ -65,7 +65,7 @@ std::optional<Timestamp> TriggerClock::on_picture(Timestamp late_time) {
         if (state_ == State::kKnown) {
             taken = placed(late_time + -delay_);
             num_refused_ = taken ? 0 : num_refused_ + 1;
-            // what was measured while the machine was busy is too long, and is mended here
+            // a delay measured on a busy machine is too long; corrected here
             if (taken) delay_ = std::min(delay_, late_time - *taken);
             return taken;
         }
