@@ -81,9 +81,9 @@ TEST_F(BackgroundFile, SaysWhatIsWrongWithAFile) {
     write(version);
     EXPECT_THAT(error(), HasSubstr("version 9"));
     write("PNG and so on, long enough for a head");
-    EXPECT_THAT(error(), HasSubstr("not a learned background"));
+    EXPECT_THAT(error(), HasSubstr("not a background file"));
     write(good + "x");
-    EXPECT_THAT(error(), HasSubstr("damaged or cut short"));
+    EXPECT_THAT(error(), HasSubstr("damaged or truncated"));
     write(good);
     EXPECT_EQ(error(), "");
 }
