@@ -8,16 +8,15 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-constexpr double kFill = 0.95;         // of the cap, that a level chosen on the way down may take
-constexpr double kMarginUp = 1.08;     // by which a better one must fit
-constexpr double kRise = 1.5;          // by which the rate rises at once
-constexpr Seconds kHold{1.0};          // for how long
-constexpr Seconds kMaxHold{5.0};       // after rises that failed
-constexpr Seconds kRiseFailed{4.0};    // a fall so soon after a rise says that it did
-constexpr double kRiseForgiven = 0.5;  // of the hold, once a rise has lasted longer
-// How much earlier than the bucket says a frame may go, since frames come neither at even times
-// nor in even sizes. The bucket leaks slower by as much as that adds to one second.
-constexpr Seconds kSlack{0.03};
+constexpr double kFill = 0.95;         // share of the cap to fill after a step down
+constexpr double kMarginUp = 1.08;     // margin by which a better level must fit
+constexpr double kRise = 1.5;          // largest rise of the rate at once
+constexpr Seconds kHold{1.0};          // how long a better level must fit
+constexpr Seconds kMaxHold{5.0};       // after failed rises
+constexpr Seconds kRiseFailed{4.0};    // a fall within this time after a rise means it failed
+constexpr double kRiseForgiven = 0.5;  // factor on the hold after a rise that lasted longer
+// How early a frame may go, relative to the bucket: frames vary in timing and size. The bucket
+// leaks slower by as much as this adds to one second.
 
 Time::duration ticks(Seconds s) { return std::chrono::duration_cast<Time::duration>(s); }
 
@@ -42,7 +41,7 @@ void RateController::measure_rate(Time now) {
     if (last_offer_) {
         constexpr double kFollow = 0.05;
         const double gap_s = Seconds(now - *last_offer_).count();
-        // a pause is no rate
+        // ignore pauses
         if (gap_s < 1.0) period_s_ += kFollow * (gap_s - period_s_);
         period_s_ = std::max(period_s_, 1e-3);
     }
@@ -64,7 +63,7 @@ void RateController::step_up(std::size_t level, Time now) {
     fits_since_.reset();
 }
 
-// What fits, but no more than one step, or a few small ones, at a time.
+// Returns the best level that fits, at most one step or a few small ones up.
 std::size_t RateController::level_to_rise_to() const {
     if (level_ == 0) return 0;
     const double most =
