@@ -69,7 +69,7 @@ void Person::visit_vertices(double time_s, Visit&& visit) const {
     const double loop_s = options_.num_frames() / options_.rate_hz;
     const double frame = std::fmod(time_s, loop_s);
     const CarriedSkin carried(skin_, pose_bones(posture(motion_, frame / loop_s)));
-    // a person's height must not lift the hands off a table, nor the table
+    // the person's height must not change the table or lift the hands off it
     const double scale = motion_ == Motion::kTableHands ? 1.0 : look_.height_m / kNominalHeight;
     const Eigen::Matrix3d site_from_body =
         Eigen::AngleAxisd(options_.heading_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();

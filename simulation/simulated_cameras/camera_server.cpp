@@ -14,7 +14,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMaxSerialLength = 15;  // of GigE Vision, without the closing zero
+constexpr std::size_t kMaxSerialLength = 15;  // GigE Vision, without the terminating zero
 
 std::chrono::nanoseconds from_ms(double ms) {
     return std::chrono::nanoseconds(static_cast<std::int64_t>(ms * 1e6));
@@ -68,9 +68,9 @@ struct CameraServer::Impl {
     std::vector<CameraPlace> places;
     std::mutex mutex;
     std::condition_variable_any wake;
-    std::optional<Clock::time_point> begin;  // of the first picture
+    std::optional<Clock::time_point> begin;  // time of the first picture
     std::atomic<bool> has_begun{false};
-    std::vector<std::unique_ptr<ServedCamera>> cameras;  // last: their threads use the rest
+    std::vector<std::unique_ptr<ServedCamera>> cameras;  // last member: their threads use the rest
 };
 
 CameraServer::CameraServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -79,7 +79,7 @@ CameraServer::~CameraServer() = default;
 Expected<std::unique_ptr<CameraServer>> CameraServer::start(ShownPictures shown,
                                                             const ServerOptions& options) {
     assert(options.faults.lost_share.size() == shown.rig.cameras.size());
-    // Aravis draws from GLib's generator of the process
+    // Aravis uses GLib's global generator
     g_random_set_seed(static_cast<guint32>(options.seed));
     auto impl = std::make_unique<Impl>(std::move(shown), options);
     for (const auto& camera : impl->cameras) {
@@ -108,7 +108,7 @@ void CameraServer::follow_outages(std::stop_token stop) {
     for (const Event& event : events) {
         impl_->wake.wait_until(lock, stop, begin + from_s(event.at_s), [] { return false; });
         if (stop.stop_requested()) return;
-        lock.unlock();  // the camera's own thread may want to say that it has sent a picture
+        lock.unlock();  // the camera's own thread may have to report its first picture
         ServedCamera& camera = *impl_->cameras[event.camera];
         if (event.comes) {
             if (auto started = camera.start(); !started)

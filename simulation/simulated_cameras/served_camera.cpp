@@ -16,14 +16,14 @@ namespace {
 
 using image::PixelFormat;
 
-// How often a camera looks whether a software trigger has come.
+// How often a camera checks for a software trigger.
 constexpr double kTriggerPolls_hz = 200.0;
 
-// Aravis' camera sleeps whole milliseconds and spins for the rest, up to one for every picture. The
-// kernel may wake its thread so much later instead, which leaves little to spin.
+// Aravis' camera sleeps whole milliseconds and spins for the rest, up to one per picture. This
+// timer slack lets the kernel wake its thread later, which leaves little to spin.
 constexpr unsigned long kTimerSlack_ns = 970'000;
 
-// Of the threads that this one starts, while it lives.
+// Sets the timer slack that threads started during its lifetime inherit.
 class TimerSlack {
 public:
     TimerSlack() : former_(prctl(PR_GET_TIMERSLACK)) { prctl(PR_SET_TIMERSLACK, kTimerSlack_ns); }
@@ -54,7 +54,7 @@ ArvPixelFormat to_genicam(PixelFormat format) {
     }
 }
 
-// GenICam's number, where it is none of those that a simulated camera can have.
+// Returns the GenICam name of a format, or its number in hexadecimal if no simulated camera has it.
 std::string name_of(ArvPixelFormat genicam_format) {
     for (const std::string& name : pixel_format_names()) {
         const auto format = find_pixel_format(name);
@@ -80,7 +80,7 @@ Expected<void> ServedCamera::start() {
         return make_error(
             ErrorKind::kUnavailable,
             fmt::format("camera {}: cannot listen on {}, port 3956: no interface has that address, "
-                        "or another camera is there",
+                        "or another camera uses it",
                         place_.name,
                         place_.address));
     }
@@ -90,7 +90,7 @@ Expected<void> ServedCamera::start() {
         arv_fake_camera_write_register(
             registers_, address, static_cast<guint32>(std::lround(value)));
     };
-    // pictures have even sides; a rig's camera need not
+    // pictures have even sides; cameras of a rig need not
     const int width = intrinsics.width & ~1;
     const int height = intrinsics.height & ~1;
     set(ARV_FAKE_CAMERA_REGISTER_SENSOR_WIDTH, width);
@@ -122,9 +122,9 @@ void ServedCamera::stop() {
     g_clear_object(&registers_);
 }
 
-// Free-running cameras open their shutters at the ticks, however late this thread was woken. Where
-// it is so late that it cannot be told from an early one, and for the first picture of a stream,
-// which Aravis sends at once, it is the next tick.
+// Free-running cameras expose at the ticks, however late this thread wakes. If it is too late to be
+// distinguished from early, and for the first picture of a stream, which Aravis sends at once,
+// waits for the next tick.
 TriggerNumbers::Trigger ServedCamera::free_trigger(std::int64_t now_us, std::int64_t period_us) {
     const auto trigger = TriggerNumbers::free_running(now_us, period_us);
     if (now_us - trigger.time_us <= period_us / 4) return trigger;
@@ -132,18 +132,18 @@ TriggerNumbers::Trigger ServedCamera::free_trigger(std::int64_t now_us, std::int
     return TriggerNumbers::free_running(trigger.time_us + period_us, period_us);
 }
 
-// On the thread of the fake camera, which sends the picture afterwards.
+// Called on the thread of the fake camera, which sends the picture afterwards.
 void ServedCamera::fill(ArvBuffer* buffer) {
     const auto now_us = static_cast<std::int64_t>(arv_buffer_get_timestamp(buffer)) / 1000;
     guint32 period_us = 0;
     arv_fake_camera_read_register(
         registers_, ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US, &period_us);
-    if (period_us == 0) period_us = 1'000'000;  // as Aravis takes it
+    if (period_us == 0) period_us = 1'000'000;  // as in Aravis
     const bool is_free = arv_fake_camera_is_in_free_running_mode(registers_) != FALSE;
     const TriggerNumbers::Trigger trigger =
         is_free ? free_trigger(now_us, period_us)
                 : show_.triggers.software(index_, now_us, period_us);
-    std::size_t ignored = 0;  // Aravis says 0 here; the memory is as large as the client's region
+    std::size_t ignored = 0;  // Aravis returns 0; the memory has the size of the client's region
     auto* out =
         static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &ignored)));
     const bool is_ours = copy_region(show_.programme.at(trigger.time_us), buffer, out);
@@ -163,7 +163,8 @@ void ServedCamera::fill(ArvBuffer* buffer) {
     show_.on_picture();
 }
 
-// False where the client asks for what this camera cannot deliver; the picture is grey then.
+// Returns false, with a grey picture, if the client requests a format or region that this camera
+// lacks.
 bool ServedCamera::copy_region(const Programme::Choice& choice,
                                ArvBuffer* buffer,
                                std::uint8_t* out) {
@@ -205,7 +206,7 @@ bool ServedCamera::copy_region(const Programme::Choice& choice,
     return true;
 }
 
-// False where the camera is switched off meanwhile.
+// Waits. Returns false if the camera is switched off meanwhile.
 bool ServedCamera::hold_back(std::chrono::nanoseconds time) {
     std::unique_lock lock(mutex_);
     return !wake_.wait_for(lock, time, [this] { return is_leaving_; });

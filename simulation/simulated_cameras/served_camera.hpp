@@ -8,14 +8,14 @@
 #include <functional>
 #include <mutex>
 
-// Aravis' types stay out of headers that others read.
+// Keeps Aravis' types out of headers that others include.
 typedef struct _ArvFakeCamera ArvFakeCamera;
 typedef struct _ArvGvFakeCamera ArvGvFakeCamera;
 typedef struct _ArvBuffer ArvBuffer;
 
 namespace atrium::simulated_cameras {
 
-/// What all cameras of a server share.
+/// State that all cameras of a server share.
 struct SharedShow {
     SharedShow(ShownPictures shown_pictures, std::chrono::microseconds empty_time)
         : shown(std::move(shown_pictures)),
@@ -26,7 +26,7 @@ struct SharedShow {
     const ShownPictures shown;
     Programme programme;
     TriggerNumbers triggers;
-    std::function<void()> on_picture;  // after each, from any camera's thread
+    std::function<void()> on_picture;  // after each picture, on any camera's thread
 };
 
 struct CameraFaults {
@@ -35,7 +35,7 @@ struct CameraFaults {
     std::chrono::nanoseconds clock_offset{};
 };
 
-/// One fake camera, which can be switched off and on again.
+/// One fake camera that can be switched off and on again.
 class ServedCamera {
 public:
     ServedCamera(std::size_t index,
@@ -47,9 +47,9 @@ public:
     ServedCamera(const ServedCamera&) = delete;
     ServedCamera& operator=(const ServedCamera&) = delete;
 
-    /// Switches it on, in its initial state. Error kUnavailable.
+    /// Switches it on in its initial state. Error kUnavailable.
     Expected<void> start();
-    /// Switches it off: whoever talks to it gets no answer.
+    /// Switches it off: clients get no answer.
     void stop();
 
     const CameraPlace& place() const { return place_; }

@@ -76,7 +76,7 @@ Expected<ShownPictures> show_recording(const std::filesystem::path& folder,
         if (stop.stop_requested()) return stopped();
         auto metaframe = (*source)->read_frame(i);
         if (!metaframe) {
-            // a video's header may promise more frames than the file has
+            // a video header may announce more frames than the file has
             if (i > 0) break;
             return tl::unexpected(metaframe.error());
         }
@@ -112,9 +112,9 @@ Programme::Choice Programme::at(std::int64_t time_us) {
         if (!empty_from_us_) empty_from_us_ = time_us;
         since_us = time_us - *empty_from_us_;
     }
-    // a camera that is behind the first one by a trigger or more sees the beginning, too
+    // a camera that lags behind the first one by a trigger or more also sees the beginning
     since_us = std::max<std::int64_t>(since_us, 0);
-    // the nearest instant: a camera's period is of whole microseconds, that of the motion is not
+    // nearest instant: camera periods are whole microseconds, that of the motion is not
     const auto frames_after = [&](std::int64_t us) {
         return static_cast<std::size_t>(std::lround(static_cast<double>(us) * 1e-6 * rate_hz_));
     };

@@ -24,7 +24,7 @@ constexpr const char* kDetails =
     "in total.\n"
     "Exit codes: 0 done (also with an empty hull), 1 no hull (unbounded, too complex, numeric "
     "failure), no memory\n"
-    "or no threads, 2 invalid command line or input file, 3 a file does not exist or cannot be "
+    "or no threads, 2 wrong command line or input file, 3 a file does not exist or cannot be "
     "written.\n"
     "Examples:\n"
     "  visual_hull views.json -o hull.ply\n"
