@@ -254,7 +254,7 @@ Expected<std::string> run(const ToolOptions& options) {
     } catch (const std::system_error& error) {
         return make_error(ErrorKind::kInternal,
                           "--threads: " + std::to_string(options.threads) +
-                              " threads cannot be started: " + error.code().message());
+                              " cannot be started: " + error.code().message());
     }
 }
 
