@@ -27,7 +27,7 @@ struct Pipeline::CameraStage {
     silhouette::SilhouetteScratch silhouette;
     std::vector<silhouette::SilhouettePolygon> polygons;
     std::vector<std::vector<Eigen::Vector2d>> spare_contours;
-    bool is_left_out = false;  // has no background
+    bool is_excluded = false;  // has no background
     // of the second stage
     texture::TextureScratch texture;
     codec::TextureCrop crop;
@@ -98,7 +98,7 @@ Expected<Pipeline> Pipeline::create(capture::FrameSource& source,
     for (std::size_t i = 0; i < pipeline.cameras_.size(); ++i) {
         auto& room = rooms[i];
         if (!room && room.error().kind == ErrorKind::kUnavailable && !stop.stop_requested()) {
-            pipeline.stages_[i]->is_left_out = true;
+            pipeline.stages_[i]->is_excluded = true;
             continue;
         }
         if (!room) return tl::unexpected(room.error());
@@ -113,7 +113,7 @@ Expected<Pipeline> Pipeline::create(capture::FrameSource& source,
 std::vector<std::string> Pipeline::cameras_without_background() const {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < stages_.size(); ++i) {
-        if (stages_[i]->is_left_out) names.push_back(cameras_[i].name);
+        if (stages_[i]->is_excluded) names.push_back(cameras_[i].name);
     }
     return names;
 }
@@ -164,7 +164,7 @@ Expected<void> Pipeline::find_silhouettes(const capture::Metaframe& metaframe,
         const capture::CameraFrame& frame = out.metaframe_.frames[i];
         Silhouettes::Camera& camera = *out.cameras_[i];
         camera.begin();
-        if (frame.image.empty() || stages_[i]->is_left_out) return;
+        if (frame.image.empty() || stages_[i]->is_excluded) return;
         out.delivered_[i] = 1;
         camera.result = find_silhouette(frame, {&executor, worker}, camera);
     };
@@ -240,7 +240,7 @@ Expected<void> Pipeline::first_failure(const Silhouettes& silhouettes) const {
 void Pipeline::sum_up(const Silhouettes& silhouettes, SiteFrame& frame) {
     const hull::VisualHull& hull = frame.hull;
     const auto& delivered = silhouettes.delivered_;
-    frame.left_out = {
+    frame.losses = {
         static_cast<std::uint32_t>(std::count(delivered.begin(), delivered.end(), std::uint8_t{0})),
         hull.num_phantoms_dropped,
         hull.num_fragments_dropped,
@@ -249,7 +249,7 @@ void Pipeline::sum_up(const Silhouettes& silhouettes, SiteFrame& frame) {
         hull.num_contours_repaired,
         hull.num_regions_failed};
     for (const auto& camera : silhouettes.cameras_) {
-        frame.left_out.contours_dropped +=
+        frame.losses.contours_dropped +=
             camera->counts.num_not_undistorted + camera->counts.num_not_simple;
         frame.work_milliseconds.segmentation += camera->segmentation_ms;
         frame.work_milliseconds.polygons += camera->polygons_ms;

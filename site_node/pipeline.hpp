@@ -46,7 +46,7 @@ struct CodedCamera {
 };
 
 /// Counts what the hull of one metaframe lacks, and what was repaired in it.
-struct LeftOut {
+struct MetaframeLosses {
     std::uint32_t cameras = 0;           // without a picture
     std::uint32_t phantoms = 0;          // components that no silhouette needs
     std::uint32_t fragments = 0;         // components below hull.min_component_l
@@ -63,7 +63,7 @@ struct SiteFrame {
     std::vector<CodedCamera> cameras;  // cameras that see somebody; empty if nobody is there
     std::vector<std::uint8_t> draco;   // empty: nobody is there
     hull::VisualHull hull;
-    LeftOut left_out;
+    MetaframeLosses losses;
 
     struct Milliseconds {
         double silhouettes = 0.0;  // segmentation and polygons of all cameras

@@ -4,7 +4,7 @@
 #include "core/app/program.hpp"
 #include "core/joining/join_world.hpp"
 #include "core/status/bottleneck.hpp"
-#include "site_node/left_out.hpp"
+#include "site_node/metaframe_losses.hpp"
 #include "site_node/open_source.hpp"
 
 #include <fmt/format.h>
@@ -202,7 +202,7 @@ Expected<void> SiteNode::run(std::stop_token stop) {
                    total.stream.num_dropped_for_rate,
                    total.num_failed,
                    atrium::status::process_fields(total.processor, total.first_output_s));
-    if (const std::string line = left_out_line({}, total); !line.empty())
+    if (const std::string line = losses_line({}, total); !line.empty())
         app::log::info("counted {}", line);
     for (const capture::CameraCounters& counters : source_->camera_counters()) {
         if (source_->is_live() || has_faults(counters))
@@ -314,13 +314,13 @@ void SiteNode::work_on(Ready& ready) {
 }
 
 void SiteNode::count(const SiteFrame& frame) {
-    const LeftOut& left_out = frame.left_out;
-    if (left_out.regions_failed > 0) {
+    const MetaframeLosses& losses = frame.losses;
+    if (losses.regions_failed > 0) {
         complaints_.warn(fmt::format(
-            "metaframe lacks regions id={} failed={}", frame.frame_id, left_out.regions_failed));
+            "metaframe lacks regions id={} failed={}", frame.frame_id, losses.regions_failed));
     }
-    const std::lock_guard lock(left_out_mutex_);
-    add(left_out, left_out_);
+    const std::lock_guard lock(losses_mutex_);
+    add(losses, losses_);
 }
 
 void SiteNode::show(const Pipeline::Silhouettes& silhouettes) {

@@ -106,8 +106,8 @@ private:
     std::atomic<std::uint64_t> num_published_{0};
     std::atomic<std::uint64_t> num_bytes_{0};
     OffsetBoard offsets_;
-    mutable std::mutex left_out_mutex_;
-    bus::LeftOutTotals left_out_;
+    mutable std::mutex losses_mutex_;
+    bus::LeftOutTotals losses_;
     mutable std::mutex latency_mutex_;
     LatencyWindow capture_to_publish_;
     StageTimes stage_times_;

@@ -1,6 +1,6 @@
 #include "core/app/program.hpp"
 #include "core/status/bottleneck.hpp"
-#include "site_node/left_out.hpp"
+#include "site_node/metaframe_losses.hpp"
 #include "site_node/site_node.hpp"
 
 #include <algorithm>
@@ -44,7 +44,7 @@ void SiteNode::report_status(std::stop_token stop) {
         const bus::SiteStatus now = status();
         if (auto written = writers_.status.write(now); !written)
             complaints_.warn(written.error().message);
-        if (const std::string line = left_out_line(former, now); !line.empty())
+        if (const std::string line = losses_line(former, now); !line.empty())
             app::log::debug("this second {}", line);
         former = now;
         if (const auto line = overload.look(atrium::status::figures_of(now), Clock::now()))
@@ -68,8 +68,8 @@ bus::SiteStatus SiteNode::status() const {
     status.num_dropped_late = metaframes_.num_dropped() + site_frames_.num_dropped();
     status.num_failed = num_failed_;
     {
-        const std::lock_guard lock(left_out_mutex_);
-        status.left_out = left_out_;
+        const std::lock_guard lock(losses_mutex_);
+        status.left_out = losses_;
     }
     status.num_bytes_published = num_bytes_;
     status.metaframes_per_s = metaframes_per_s_;
