@@ -99,12 +99,12 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& confi
     // before the slow opening and learning of the room: reports a network or name problem at once
     auto participant = bus::Participant::create(config.bus);
     if (!participant) return tl::unexpected(participant.error());
-    const auto end = std::make_shared<RunEnd>();
+    const auto run_control = std::make_shared<RunControl>();
     auto member = joining::join_world(
         *participant,
         bus::ProgramKind::kSiteNode,
         config.name,
-        [end](const Error& lost) { end->lose_name(lost); },
+        [run_control](const Error& lost) { run_control->lose_name(lost); },
         stop);
     if (!member) return tl::unexpected(member.error());
 
@@ -140,7 +140,7 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& confi
                                                   std::move(*pipeline),
                                                   std::move(writers),
                                                   std::move(*feedback),
-                                                  end,
+                                                  run_control,
                                                   std::move(*member)));
 }
 
@@ -149,7 +149,7 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
                    Pipeline pipeline,
                    Writers writers,
                    bus::Reader<bus::StreamFeedback> feedback,
-                   std::shared_ptr<RunEnd> end,
+                   std::shared_ptr<RunControl> run_control,
                    std::unique_ptr<bus::Membership> membership)
     : config_(config),
       source_(std::move(source)),
@@ -162,7 +162,7 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
               std::move(feedback)),
       pool_(static_cast<std::size_t>(config.threads)),
       offsets_(source_->rig(), source_->is_live()),
-      end_(std::move(end)),
+      run_control_(std::move(run_control)),
       membership_(std::move(membership)) {
     if (config_.preview.empty()) return;
     std::vector<std::string> names;
@@ -171,8 +171,8 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
 }
 
 Expected<void> SiteNode::run(std::stop_token stop) {
-    if (auto begun = end_->begin(); !begun) return begun;
-    const std::stop_callback pass_on(stop, [this] { end_->finish({}); });
+    if (auto begun = run_control_->begin(); !begun) return begun;
+    const std::stop_callback pass_on(stop, [this] { run_control_->finish({}); });
     const bus::SiteDescription description{
         config_.name, source_->rig().cameras, source_->rig().bounds_site};
     if (auto written = writers_.description.write(description); !written)
@@ -184,12 +184,12 @@ Expected<void> SiteNode::run(std::stop_token stop) {
         const std::jthread worker = named_thread("work", [this](std::stop_token s) { work(s); });
         const std::jthread silhouettes =
             named_thread("silhouettes", [this](std::stop_token s) { find_silhouettes(s); });
-        const std::jthread capturer =
-            named_thread("capture", [this](std::stop_token) { capture_metaframes(end_->token()); });
-        report_status(end_->token());
+        const std::jthread capturer = named_thread(
+            "capture", [this](std::stop_token) { capture_metaframes(run_control_->token()); });
+        report_status(run_control_->token());
     }
     // after a loss of the name its instances belong to another program
-    if (!end_->has_lost_name()) {
+    if (!run_control_->has_lost_name()) {
         if (auto gone = writers_.description.dispose(description); !gone)
             app::log::warn("{}", gone.error().message);
     }
@@ -208,7 +208,7 @@ Expected<void> SiteNode::run(std::stop_token stop) {
         if (source_->is_live() || has_faults(counters))
             app::log::info("camera {}", to_line(counters));
     }
-    return end_->result();
+    return run_control_->result();
 }
 
 void SiteNode::capture_metaframes(std::stop_token stop) {
@@ -236,7 +236,7 @@ void SiteNode::capture_metaframes(std::stop_token stop) {
     });
     if (!stop.stop_requested()) take(assembler.finish());
     if (source_->is_live()) app::log::info("camera offsets in ms {}", offsets_.line());
-    end_->finish(result);
+    run_control_->finish(result);
 }
 
 void SiteNode::hand_over(capture::Metaframe metaframe) {

@@ -13,7 +13,7 @@
 #include "site_node/capture/metaframe_assembler.hpp"
 #include "site_node/config.hpp"
 #include "site_node/preview/preview.hpp"
-#include "site_node/run_end.hpp"
+#include "site_node/run_control.hpp"
 #include "site_node/stage_times.hpp"
 #include "site_node/stream_adapter.hpp"
 
@@ -60,7 +60,7 @@ private:
              Pipeline pipeline,
              Writers writers,
              bus::Reader<bus::StreamFeedback> feedback,
-             std::shared_ptr<RunEnd> end,
+             std::shared_ptr<RunControl> run_control,
              std::unique_ptr<bus::Membership> membership);
 
     void capture_metaframes(std::stop_token stop);
@@ -121,7 +121,7 @@ private:
     ProcessorUse processor_;  // latest measurement
     app::log::OncePerSecond complaints_;
 
-    std::shared_ptr<RunEnd> end_;  // shared with the membership, which exists first
+    std::shared_ptr<RunControl> run_control_;  // shared with the membership, which exists first
     std::unique_ptr<bus::Membership> membership_;
 };
 

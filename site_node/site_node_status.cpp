@@ -32,7 +32,7 @@ void SiteNode::report_status(std::stop_token stop) {
         if (limited) until = std::min(until, end);
         std::unique_lock lock(mutex);
         wake.wait_until(lock, stop, until, [] { return false; });
-        if (limited && Clock::now() >= end) end_->finish({});
+        if (limited && Clock::now() >= end) run_control_->finish({});
         metaframes_per_s_ = published_rate_.update(num_published_, Clock::now());
         bytes_per_s_ = bytes_rate_.update(num_bytes_, Clock::now());
         stage_times_.update_rates(Clock::now());

@@ -9,7 +9,7 @@ namespace atrium::site_node {
 
 /// Records when and why a run ends. Any thread may end a run, also before it begins: a site claims
 /// its name before it learns its room, and may lose the name meanwhile. Thread-safe.
-class RunEnd {
+class RunControl {
 public:
     /// Begins a run. Fails if the name is lost.
     Expected<void> begin();
