@@ -181,7 +181,8 @@ Expected<void> SiteNode::run(std::stop_token stop) {
         // destruction stops and joins in the order of the data: captured metaframes still go out
         const std::jthread publisher =
             named_thread("publish", [this](std::stop_token s) { publish_frames(s); });
-        const std::jthread worker = named_thread("work", [this](std::stop_token s) { work(s); });
+        const std::jthread worker =
+            named_thread("work", [this](std::stop_token s) { compute_frames(s); });
         const std::jthread silhouettes =
             named_thread("silhouettes", [this](std::stop_token s) { find_silhouettes(s); });
         const std::jthread capturer = named_thread(
@@ -272,35 +273,35 @@ void SiteNode::find_silhouettes_of(const capture::Metaframe& metaframe,
     if (!found) {
         memory->release();
         spare_silhouettes_.put(std::move(memory));
-        return fail(metaframe.frame_id, found.error());
+        return count_failure(metaframe.frame_id, found.error());
     }
     metaframes_.hand_over({std::move(memory), choice, ThreadPool::Priority(pool_)});
 }
 
-void SiteNode::work(std::stop_token stop) {
+void SiteNode::compute_frames(std::stop_token stop) {
     while (auto ready = metaframes_.take(stop)) {
-        work_on(*ready);
+        compute_frame(*ready);
         ready->silhouettes->release();
         spare_silhouettes_.put(std::move(ready->silhouettes));
     }
 }
 
-void SiteNode::fail(std::uint64_t frame_id, const Error& error) {
+void SiteNode::count_failure(std::uint64_t frame_id, const Error& error) {
     ++num_failed_;
     complaints_.warn(fmt::format("metaframe failed id={} reason=\"{}\"", frame_id, error.message));
 }
 
-void SiteNode::work_on(Ready& ready) {
+void SiteNode::compute_frame(Ready& ready) {
     auto frame = spare_frames_.try_take().value_or(nullptr);
     if (frame == nullptr) frame = std::make_unique<SiteFrame>();
     const StreamAdapter::Choice& choice = ready.choice;
     const ColourCoding coding{choice.level.jpeg_quality, choice.level.colour_divisor};
     if (auto done = pipeline_.compute(*ready.silhouettes, coding, pool_, *frame); !done)
-        return fail(ready.silhouettes->metaframe().frame_id, done.error());
+        return count_failure(ready.silhouettes->metaframe().frame_id, done.error());
     stream_.coded(choice, *frame, std::chrono::steady_clock::now());
-    count(*frame);
+    count_losses(*frame);
     stage_times_.computed(frame->milliseconds);
-    show(*ready.silhouettes);
+    show_preview(*ready.silhouettes);
     app::log::debug(
         "metaframe id={} triangles={} silhouettes_ms={:.2f} hull_ms={:.2f} encode_ms={:.2f} "
         "total_ms={:.2f}",
@@ -313,7 +314,7 @@ void SiteNode::work_on(Ready& ready) {
     site_frames_.put(std::move(frame));
 }
 
-void SiteNode::count(const SiteFrame& frame) {
+void SiteNode::count_losses(const SiteFrame& frame) {
     const MetaframeLosses& losses = frame.losses;
     if (losses.regions_failed > 0) {
         complaints_.warn(fmt::format(
@@ -323,7 +324,7 @@ void SiteNode::count(const SiteFrame& frame) {
     add(losses, losses_);
 }
 
-void SiteNode::show(const Pipeline::Silhouettes& silhouettes) {
+void SiteNode::show_preview(const Pipeline::Silhouettes& silhouettes) {
     const capture::Metaframe& metaframe = silhouettes.metaframe();
     if (preview_ == nullptr || !preview_->count(metaframe)) return;
     std::vector<std::vector<std::vector<Eigen::Vector2d>>> outlines_px;

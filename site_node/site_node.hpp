@@ -75,11 +75,11 @@ private:
     void find_silhouettes_of(const capture::Metaframe& metaframe,
                              const StreamAdapter::Choice& choice,
                              std::unique_ptr<Pipeline::Silhouettes> memory);
-    void work(std::stop_token stop);
-    void work_on(Ready& ready);
-    void fail(std::uint64_t frame_id, const Error& error);
-    void count(const SiteFrame& frame);
-    void show(const Pipeline::Silhouettes& silhouettes);
+    void compute_frames(std::stop_token stop);
+    void compute_frame(Ready& ready);
+    void count_failure(std::uint64_t frame_id, const Error& error);
+    void count_losses(const SiteFrame& frame);
+    void show_preview(const Pipeline::Silhouettes& silhouettes);
     void publish_frames(std::stop_token stop);
     void report_status(std::stop_token stop);
     Expected<std::size_t> publish(const SiteFrame& frame);
