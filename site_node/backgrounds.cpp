@@ -112,7 +112,7 @@ public:
     std::vector<Expected<BackgroundStatistics>> learn(const std::stop_token& stop) {
         const auto learn_from = [this](std::size_t camera, const image::YuvView& picture) {
             const bool go_on = learners_[camera].add(picture);
-            tell_progress();
+            log_progress();
             return go_on;
         };
         const auto shown = source_.show_background(cameras_, learn_from, stop);
@@ -125,10 +125,10 @@ public:
 private:
     using Clock = std::chrono::steady_clock;
 
-    void tell_progress() {
+    void log_progress() {
         const auto now = Clock::now();
-        if (now - told_ < std::chrono::seconds(1)) return;
-        told_ = now;
+        if (now - last_log_ < std::chrono::seconds(1)) return;
+        last_log_ = now;
         std::string pictures;
         for (const std::size_t camera : cameras_) {
             pictures += fmt::format(
@@ -171,7 +171,7 @@ private:
     const segmentation::SegmentationOptions& segmentation_;
     int num_wanted_ = 0;                   // 0: every picture shown
     std::vector<CameraLearner> learners_;  // per camera of the rig
-    Clock::time_point told_ = Clock::now();
+    Clock::time_point last_log_ = Clock::now();
 };
 
 // Live cameras learn in parallel, others one after the other to hold only one model in memory.

@@ -146,15 +146,15 @@ Expected<void> write_silhouettes(const SiteNodeConfig& config, std::stop_token s
     std::size_t num_metaframes = 0;
     std::size_t num_pictures = 0;
     std::size_t num_missing = 0;
-    auto told = Clock::now();
+    auto last_log = Clock::now();
     for (std::size_t i = 0; i < (*source)->num_frames() && !stop.stop_requested(); ++i) {
         const auto written = write_metaframe(**source, i, *writers, views_folder);
         if (!written) return tl::unexpected(written.error());
         num_metaframes += *written > 0 ? 1 : 0;
         num_pictures += *written;
         num_missing += writers->size() - *written;
-        if (Clock::now() - told < std::chrono::seconds(1)) continue;
-        told = Clock::now();
+        if (Clock::now() - last_log < std::chrono::seconds(1)) continue;
+        last_log = Clock::now();
         app::log::info("writing silhouettes metaframe={} of={}", i + 1, (*source)->num_frames());
     }
     app::log::info("wrote silhouettes folder={} metaframes={} pictures={}",

@@ -38,14 +38,14 @@ public:
 private:
     void take_feedback(stream::Time now);
     void add(const bus::StreamFeedback& feedback, stream::Time now);
-    void tell(const stream::StreamCap& cap);
+    void log_level_change(const stream::StreamCap& cap);
 
     std::mutex mutex_;  // guards all except state_
     std::string site_;
     bus::Reader<bus::StreamFeedback> feedback_;
     stream::RateController controller_;
     stream::ViewerLinks links_;
-    std::size_t told_level_ = 0;
+    std::size_t logged_level_ = 0;
 
     app::log::OncePerSecond complaints_;
 

@@ -47,7 +47,7 @@ Expected<void> add_fields(std::vector<NamedView>& views) {
     return {};
 }
 
-Expected<void> leave_out(const std::vector<std::string>& names, std::vector<NamedView>& views) {
+Expected<void> remove_views(const std::vector<std::string>& names, std::vector<NamedView>& views) {
     for (const std::string& name : names) {
         const auto has_name = [&](const NamedView& view) { return view.name == name; };
         if (std::erase_if(views, has_name) > 0) continue;
@@ -71,7 +71,7 @@ Expected<std::vector<NamedView>> load_views(const ToolOptions& options) {
             : load_recording_views(
                   options.recording, static_cast<std::size_t>(options.frame), options.without);
     if (!views) return views;
-    if (auto done = leave_out(options.without, *views); !done) return tl::unexpected(done.error());
+    if (auto done = remove_views(options.without, *views); !done) return tl::unexpected(done.error());
     if (options.min_views > views->size()) {
         return make_error(ErrorKind::kConfiguration,
                           "--min-views: must not exceed the number of views, " +

@@ -90,11 +90,11 @@ void RateController::choose_level(Time now) {
 std::optional<std::size_t> RateController::offer(Time now) {
     measure_rate(now);
     choose_level(now);
-    const bool is_turn = ++num_left_out_ >= ladder_[level_].send_every;
+    const bool is_turn = ++num_skipped_ >= ladder_[level_].send_every;
     const bool is_full =
         cap_.paced_bit_per_s > 0.0 && bucket_empty_ && *bucket_empty_ - now > ticks(kSlack);
     if (!is_turn || is_full) return std::nullopt;
-    num_left_out_ = 0;
+    num_skipped_ = 0;
     return level_;
 }
 

@@ -62,7 +62,7 @@ private:
     std::size_t level_ = 0;
     double period_s_;
     std::optional<Time> last_offer_;
-    int num_left_out_ = 0;  // since the last metaframe sent
+    int num_skipped_ = 0;  // since the last metaframe sent
     std::optional<Time> bucket_empty_;
 
     // state of the rise

@@ -41,7 +41,7 @@ private:
         LinkEstimator estimator;
         Time last_report;
     };
-    static bool has_say(const Link& link, Time now);
+    static bool is_current(const Link& link, Time now);
 
     StreamOptions options_;
     std::map<std::string, Link> links_;
