@@ -32,10 +32,10 @@ int num_buffers(const CamerasOptions& options, nanoseconds period) {
 
 }  // namespace
 
-CameraCommons::CameraCommons(const CamerasOptions& camera_options,
-                             std::size_t num_cameras,
-                             double rate,
-                             CameraEventSink sink)
+SharedCameraState::SharedCameraState(const CamerasOptions& camera_options,
+                                     std::size_t num_cameras,
+                                     double rate,
+                                     CameraEventSink sink)
     : options(camera_options),
       rate_hz(rate),
       report(std::move(sink)),
@@ -44,22 +44,22 @@ CameraCommons::CameraCommons(const CamerasOptions& camera_options,
 AravisCamera::AravisCamera(std::size_t index,
                            const CameraEntry& entry,
                            const geometry::PinholeCamera& intrinsics,
-                           CameraCommons& commons)
+                           SharedCameraState& shared_state)
     : index_(index),
       entry_(entry),
-      request_{merged(commons.options.common, entry.settings),
-               commons.options.trigger,
-               commons.rate_hz,
+      request_{merged(shared_state.options.common, entry.settings),
+               shared_state.options.trigger,
+               shared_state.rate_hz,
                intrinsics.width,
                intrinsics.height},
-      commons_(commons),
-      trigger_clock_(commons.period()),
-      keeper_([this](std::stop_token stop) { keep(stop); }) {}
+      shared_state_(shared_state),
+      trigger_clock_(shared_state.period()),
+      thread_([this](std::stop_token stop) { run(stop); }) {}
 
 AravisCamera::~AravisCamera() = default;
 
 void AravisCamera::report(bool is_warning, const std::string& text) const {
-    commons_.report({is_warning, fmt::format("camera '{}' {}", entry_.name, text)});
+    shared_state_.report({is_warning, fmt::format("camera '{}' {}", entry_.name, text)});
 }
 
 void AravisCamera::finish_first_attempt(Expected<void> result) {
@@ -79,7 +79,7 @@ Expected<void> AravisCamera::wait_for_first_attempt(std::stop_token stop) {
 }
 
 // Main function of this camera's thread: connects, serves until the camera is lost, starts over.
-void AravisCamera::keep(std::stop_token stop) {
+void AravisCamera::run(std::stop_token stop) {
     pthread_setname_np(pthread_self(), fmt::format("cam {:.11}", entry_.name).c_str());
     std::string last_problem;
     milliseconds pause = kFirstPause;
@@ -116,7 +116,7 @@ void AravisCamera::keep(std::stop_token stop) {
 
 Expected<std::unique_ptr<AravisCamera::Session>> AravisCamera::connect(std::stop_token stop) {
     auto session = std::make_unique<Session>();
-    auto found = commons_.finder.find(entry_.serial, entry_.address);
+    auto found = shared_state_.finder.find(entry_.serial, entry_.address);
     if (!found) return tl::unexpected(found.error());
     session->found = std::move(*found);
     auto camera = open_camera(session->found);
@@ -138,11 +138,11 @@ Expected<std::unique_ptr<AravisCamera::Session>> AravisCamera::connect(std::stop
     guard_ = {};
     follows_ptp_ = false;
     if (is_triggered_by_site()) trigger_clock_.start_measuring();
-    const CamerasOptions& options = commons_.options;
+    const CamerasOptions& options = shared_state_.options;
     auto stream = AravisStream::create(*session->camera,
                                        session->format,
-                                       {num_buffers(options, commons_.period()),
-                                        commons_.period(),
+                                       {num_buffers(options, shared_state_.period()),
+                                        shared_state_.period(),
                                         options.realtime_priority,
                                         options.use_packet_socket,
                                         fmt::format("rx {:.12}", entry_.name)},
@@ -203,12 +203,13 @@ void AravisCamera::report_connected(const Session& session, bool again) {
                session.format.packet_bytes,
                delay ? fmt::format(" delay_ms={:.1f}", static_cast<double>(delay->count()) * 1e-6)
                      : std::string()));
-    if (again || commons_.options.realtime_priority <= 0 || session.stream->is_realtime()) return;
+    if (again || shared_state_.options.realtime_priority <= 0 || session.stream->is_realtime())
+        return;
     report(false, "is received without real-time priority, which is not permitted here");
 }
 
 nanoseconds AravisCamera::silence() const {
-    return std::max<nanoseconds>(commons_.options.silent_periods * commons_.period(),
+    return std::max<nanoseconds>(shared_state_.options.silent_periods * shared_state_.period(),
                                  kLeastSilence);
 }
 
@@ -231,7 +232,7 @@ AravisCamera::End AravisCamera::serve(Session& session, std::stop_token stop) {
             due = std::exchange(wake_->due, std::nullopt);
         }
         if (due) trigger(session, *due);
-        if (trigger_clock_.is_astray()) measure_delay(session, stop);
+        if (trigger_clock_.needs_measuring()) measure_delay(session, stop);
         const auto now = Clock::now();
         if (session.format.has_ptp && now >= next_ptp_check) {
             follows_ptp_ = is_ptp_locked(*session.camera);
@@ -257,7 +258,7 @@ bool AravisCamera::may_be_judged(nanoseconds late) const {
 
 // An external trigger may pause: then all cameras are silent.
 bool AravisCamera::is_silent_for_good(Session& session) {
-    const bool others_deliver = commons_.last_picture_ns > last_sign_ns_;
+    const bool others_deliver = shared_state_.last_picture_ns > last_sign_ns_;
     if (request_.trigger != TriggerMode::kExternal || others_deliver || !session.answers() ||
         !is_under_control(*session.camera)) {
         return true;
@@ -270,7 +271,7 @@ bool AravisCamera::is_silent_for_good(Session& session) {
 void AravisCamera::close(std::unique_ptr<Session> session, End end) {
     is_connected_ = false;
     session->stream->detach();
-    commons_.mailbox.clear(index_);
+    shared_state_.mailbox.clear(index_);
     {
         const std::lock_guard lock(session_mutex_);
         const StreamCounts counts = stream_->counts();

@@ -22,7 +22,7 @@ struct CameraEvent {
 using CameraEventSink = std::function<void(const CameraEvent&)>;  // called on any thread
 
 /// State that the cameras of one site share. Thread-safe. Must outlive them.
-struct CameraCommons {
+struct SharedCameraState {
     CamerasOptions options;
     double rate_hz = 30.0;
     CameraEventSink report;
@@ -34,10 +34,10 @@ struct CameraCommons {
     // smallest delay of all cameras that the site triggers
     std::atomic<std::int64_t> least_delay_ns{std::numeric_limits<std::int64_t>::max()};
 
-    CameraCommons(const CamerasOptions& camera_options,
-                  std::size_t num_cameras,
-                  double rate,
-                  CameraEventSink sink);
+    SharedCameraState(const CamerasOptions& camera_options,
+                      std::size_t num_cameras,
+                      double rate,
+                      CameraEventSink sink);
     std::chrono::nanoseconds period() const {
         return std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / rate_hz));
     }
@@ -47,19 +47,19 @@ struct CameraCommons {
 /// ever waits for another. Its pictures go to the mailbox.
 class AravisCamera final : StreamListener {
 public:
-    /// Starts to look for the camera. `index` is its place in the rig. `commons` must outlive this
-    /// object.
+    /// Starts to look for the camera. `index` is its place in the rig. `shared_state` must outlive
+    /// this object.
     AravisCamera(std::size_t index,
                  const CameraEntry& entry,
                  const geometry::PinholeCamera& intrinsics,
-                 CameraCommons& commons);
+                 SharedCameraState& shared_state);
     ~AravisCamera() override;
 
     /// Waits for the end of the first attempt to connect and returns its result; kUnavailable if
     /// the stop comes first.
     Expected<void> wait_for_first_attempt(std::stop_token stop);
 
-    void request_stop() { keeper_.request_stop(); }
+    void request_stop() { thread_.request_stop(); }
 
     /// Requests one picture for the beat that is due at `due`. Only with software triggers. Never
     /// blocks.
@@ -69,7 +69,7 @@ public:
     CameraCounters counters() const;
     bool is_connected() const { return is_connected_; }
     /// False also if the camera has left a trigger unanswered for so long that it counts as lost.
-    bool is_delivering() const { return is_connected_ && mute_time() < silence(); }
+    bool is_delivering() const { return is_connected_ && unanswered_time() < silence(); }
     void count_too_old(std::uint64_t num_pictures) { num_late_ += num_pictures; }
 
     const std::string& name() const { return entry_.name; }
@@ -85,7 +85,7 @@ private:
     };
     enum class End { kStopped, kLost, kSilent };
 
-    void keep(std::stop_token stop);
+    void run(std::stop_token stop);
     Expected<std::unique_ptr<Session>> connect(std::stop_token stop);
     void watch_control(Session& session);
     End serve(Session& session, std::stop_token stop);
@@ -99,8 +99,8 @@ private:
     void report(bool is_warning, const std::string& text) const;
     static std::int64_t now_ns();  // steady clock
     std::int64_t silence_ns() const;
-    std::chrono::nanoseconds silence() const;    // that counts as a fault
-    std::chrono::nanoseconds mute_time() const;  // since the trigger not yet acknowledged
+    std::chrono::nanoseconds silence() const;          // that counts as a fault
+    std::chrono::nanoseconds unanswered_time() const;  // since the trigger not yet acknowledged
     bool may_be_judged(std::chrono::nanoseconds late) const;
 
     void on_picture(StreamPicture picture) override;
@@ -113,15 +113,15 @@ private:
     std::size_t index_;
     CameraEntry entry_;
     SetupRequest request_;
-    CameraCommons& commons_;
+    SharedCameraState& shared_state_;
     std::shared_ptr<Wake> wake_ = std::make_shared<Wake>();
     std::uint64_t session_number_ = 0;
 
     TriggerClock trigger_clock_;
-    bool is_trigger_refused_ = false;        // the latest one
-    std::atomic<int> num_unanswered_{0};     // triggers since the last sign of life
-    std::atomic<std::int64_t> asked_ns_{0};  // start of the trigger command in progress; 0: none
-    bool is_mute_reported_ = false;          // only the thread that calls `fire` uses it
+    bool is_trigger_refused_ = false;               // the latest one
+    std::atomic<int> num_unanswered_{0};            // triggers since the last sign of life
+    std::atomic<std::int64_t> trigger_sent_ns_{0};  // of the command in progress; 0: none
+    bool is_unanswered_reported_ = false;           // only the thread that calls `fire` uses it
     bool is_behind_reported_ = false;
     bool is_unmeasured_reported_ = false;
 
@@ -145,7 +145,7 @@ private:
     std::mutex first_mutex_;
     std::condition_variable_any first_changed_;
     std::optional<Expected<void>> first_result_;
-    std::jthread keeper_;  // last member: it uses all others
+    std::jthread thread_;  // last member: it uses all others
 };
 
 }  // namespace atrium::capture

@@ -17,20 +17,20 @@ void AravisCamera::fire(Clock::time_point due) {
         wake_->due = due;
     }
     // reported here, since the camera's thread may block: Aravis repeats a command for up to 3 s
-    const nanoseconds mute = mute_time();
-    if (mute < silence()) {
-        is_mute_reported_ = false;
-    } else if (!std::exchange(is_mute_reported_, true)) {
-        report(
-            true,
-            fmt::format("does not answer for {:.1f} s", static_cast<double>(mute.count()) * 1e-9));
+    const nanoseconds unanswered = unanswered_time();
+    if (unanswered < silence()) {
+        is_unanswered_reported_ = false;
+    } else if (!std::exchange(is_unanswered_reported_, true)) {
+        report(true,
+               fmt::format("does not answer for {:.1f} s",
+                           static_cast<double>(unanswered.count()) * 1e-9));
     }
     wake_->changed.notify_one();
 }
 
-nanoseconds AravisCamera::mute_time() const {
-    const std::int64_t asked_ns = asked_ns_;
-    return nanoseconds(asked_ns == 0 ? 0 : now_ns() - asked_ns);
+nanoseconds AravisCamera::unanswered_time() const {
+    const std::int64_t sent_ns = trigger_sent_ns_;
+    return nanoseconds(sent_ns == 0 ? 0 : now_ns() - sent_ns);
 }
 
 // Triggers for a beat, unless it is too late: a picture of another instant than those of the other
@@ -41,10 +41,10 @@ void AravisCamera::trigger(Session& session, Clock::time_point due) {
     const Timestamp sent = Timestamp::now();
     trigger_clock_.note_trigger(sent + -late, sent);
     ++num_unanswered_;
-    asked_ns_ = now_ns();
+    trigger_sent_ns_ = now_ns();
     GErrorSlot error;  // a camera that refuses will be silent
     arv_camera_software_trigger(session.camera.get(), error.out());
-    asked_ns_ = 0;
+    trigger_sent_ns_ = 0;
     is_trigger_refused_ = error.failed();
     if (const auto delay = trigger_clock_.delay()) report_if_behind(*delay);
 }
@@ -73,13 +73,13 @@ void AravisCamera::measure_delay(Session& session, std::stop_token stop) {
         }
         // a late acknowledgement can only make the delay too long; TriggerClock corrects that later
         delay = std::min(delay.value_or(nanoseconds::max()), *seen - sent);
-        if (asked_for < commons_.period() / 8) ++quick;
+        if (asked_for < shared_state_.period() / 8) ++quick;
     }
     trigger_clock_.finish_measuring(delay);
     if (delay) {
-        std::int64_t least_ns = commons_.least_delay_ns;
+        std::int64_t least_ns = shared_state_.least_delay_ns;
         while (delay->count() < least_ns &&
-               !commons_.least_delay_ns.compare_exchange_weak(least_ns, delay->count())) {
+               !shared_state_.least_delay_ns.compare_exchange_weak(least_ns, delay->count())) {
         }
         return;
     }
@@ -91,8 +91,8 @@ void AravisCamera::measure_delay(Session& session, std::stop_token stop) {
 
 // The other cameras' pictures do not wait that long.
 void AravisCamera::report_if_behind(nanoseconds delay) {
-    const nanoseconds behind = delay - nanoseconds(commons_.least_delay_ns);
-    if (is_behind_reported_ || behind <= commons_.options.deadline) return;
+    const nanoseconds behind = delay - nanoseconds(shared_state_.least_delay_ns);
+    if (is_behind_reported_ || behind <= shared_state_.options.deadline) return;
     is_behind_reported_ = true;
     const auto ms = [](nanoseconds time) { return static_cast<double>(time.count()) * 1e-6; };
     report(true,
@@ -101,7 +101,7 @@ void AravisCamera::report_if_behind(nanoseconds delay) {
                        "{:.0f}, above that, or shorten its exposure or packet delay",
                        ms(delay),
                        ms(behind),
-                       ms(commons_.options.deadline)));
+                       ms(shared_state_.options.deadline)));
 }
 
 }  // namespace atrium::capture

@@ -65,13 +65,13 @@ Expected<void> too_few_pictures(std::size_t num_shown) {
 }  // namespace
 
 struct AravisSource::Cameras {
-    CameraCommons commons;
+    SharedCameraState shared_state;
     std::vector<std::unique_ptr<AravisCamera>> cameras;  // in rig order
     std::vector<std::uint64_t> num_too_old;              // scratch
     std::jthread trigger;                                // last member: it uses all others
 
     Cameras(const CamerasOptions& options, const config::Rig& rig, CameraEventSink report)
-        : commons(options, rig.cameras.size(), rig.rate_hz, std::move(report)),
+        : shared_state(options, rig.cameras.size(), rig.rate_hz, std::move(report)),
           num_too_old(rig.cameras.size(), 0) {}
 
     // all at once: each may take a while to disconnect
@@ -79,12 +79,12 @@ struct AravisSource::Cameras {
         for (const auto& camera : cameras) camera->request_stop();
     }
 
-    void keep_the_beat(std::stop_token stop) {
+    void run_trigger_beat(std::stop_token stop) {
         pthread_setname_np(pthread_self(), "trigger");
-        Pace pace(commons.period());
+        Pace pace(shared_state.period());
         while (pace.wait(stop)) {
             // a late beat would be confused with the next one
-            if (Pace::Clock::now() - pace.due() > commons.period() / 4) continue;
+            if (Pace::Clock::now() - pace.due() > shared_state.period() / 4) continue;
             for (const auto& camera : cameras) camera->fire(pace.due());
         }
     }
@@ -105,8 +105,9 @@ struct AravisSource::Cameras {
                 return make_error(connected.error().kind, line);
             missing += (missing.empty() ? "" : "; ") + line;
         }
-        const std::size_t needed =
-            commons.options.min_cameras == 0 ? cameras.size() : commons.options.min_cameras;
+        const std::size_t needed = shared_state.options.min_cameras == 0
+                                       ? cameras.size()
+                                       : shared_state.options.min_cameras;
         if (num_there >= needed) return {};
         return make_error(ErrorKind::kNotFound,
                           fmt::format("{} of {} cameras are there, {} are needed: {}",
@@ -135,11 +136,11 @@ Expected<std::unique_ptr<AravisSource>> AravisSource::open(const config::Rig& ri
     auto cameras = std::make_unique<Cameras>(options, rig, report);
     for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
         cameras->cameras.push_back(std::make_unique<AravisCamera>(
-            i, (*entries)[i], rig.cameras[i].intrinsics, cameras->commons));
+            i, (*entries)[i], rig.cameras[i].intrinsics, cameras->shared_state));
     }
     if (options.trigger == TriggerMode::kSoftware) {
         cameras->trigger = std::jthread(
-            [&all = *cameras](std::stop_token beat_stop) { all.keep_the_beat(beat_stop); });
+            [&all = *cameras](std::stop_token beat_stop) { all.run_trigger_beat(beat_stop); });
     }
     if (auto enough = cameras->wait_for_enough(stop); !enough)
         return tl::unexpected(enough.error());
@@ -151,14 +152,14 @@ bool AravisSource::take(std::stop_token stop, std::vector<CameraFrame>& frames) 
     constexpr std::chrono::milliseconds kPatience{200};
     auto& too_old = cameras_->num_too_old;
     std::fill(too_old.begin(), too_old.end(), 0);
-    const bool taken = cameras_->commons.mailbox.take(stop, kPatience, frames, too_old);
+    const bool taken = cameras_->shared_state.mailbox.take(stop, kPatience, frames, too_old);
     for (std::size_t i = 0; i < too_old.size(); ++i)
         cameras_->cameras[i]->count_too_old(too_old[i]);
     return taken;
 }
 
 Expected<void> AravisSource::run(std::stop_token stop, const Sink& sink) {
-    cameras_->commons.mailbox.listen_to_all();
+    cameras_->shared_state.mailbox.listen_to_all();
     std::vector<CameraFrame> frames;
     while (!stop.stop_requested()) {
         if (!take(stop, frames) || frames.empty()) continue;
@@ -167,7 +168,7 @@ Expected<void> AravisSource::run(std::stop_token stop, const Sink& sink) {
         frames.clear();
         deliver_lost_frames(newest, sink);
     }
-    cameras_->commons.mailbox.listen_to_none();
+    cameras_->shared_state.mailbox.listen_to_none();
     return {};
 }
 
@@ -193,7 +194,7 @@ struct AravisSource::Showing {
 std::vector<Expected<void>> AravisSource::show_background(const std::vector<std::size_t>& cameras,
                                                           const BackgroundSink& sink,
                                                           std::stop_token stop) {
-    FrameMailbox& mailbox = cameras_->commons.mailbox;
+    FrameMailbox& mailbox = cameras_->shared_state.mailbox;
     std::vector<Showing> all(rig_.cameras.size(), {std::chrono::steady_clock::now(), 0, {}});
     std::size_t num_showing = cameras.size();
     std::vector<CameraFrame> frames;

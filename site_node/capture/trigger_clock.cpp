@@ -82,7 +82,7 @@ std::optional<Timestamp> TriggerClock::on_lost_picture(Timestamp late_time) cons
     return placed(late_time + -delay_);
 }
 
-bool TriggerClock::is_astray() const {
+bool TriggerClock::needs_measuring() const {
     const std::lock_guard lock(mutex_);
     return state_ == State::kKnown && num_refused_ >= kMaxRefused;
 }

@@ -49,7 +49,7 @@ public:
     std::optional<Timestamp> on_lost_picture(Timestamp late_time) const;
 
     /// True if so many pictures in a row were rejected that the delay must be measured again.
-    bool is_astray() const;
+    bool needs_measuring() const;
 
     /// Delay between exposure and arrival; empty if unknown.
     std::optional<std::chrono::nanoseconds> delay() const;
