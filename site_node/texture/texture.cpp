@@ -2,7 +2,7 @@
 
 #include "core/image/block_luma.hpp"
 #include "site_node/texture/fill_background.hpp"
-#include "site_node/texture/whole_resolution.hpp"
+#include "site_node/texture/full_resolution.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -156,13 +156,13 @@ void halve(const image::YuvView& frame,
     }
 }
 
-void copy_whole(const image::YuvView& frame,
-                const image::Mask& mask,
-                const image::PixelRect& crop,
-                codec::TextureCrop& out) {
-    whole_luma(frame, crop, out.y);
-    whole_chroma(frame.u, crop, out.u);
-    whole_chroma(frame.v, crop, out.v);
+void copy_full(const image::YuvView& frame,
+               const image::Mask& mask,
+               const image::PixelRect& crop,
+               codec::TextureCrop& out) {
+    full_luma(frame, crop, out.y);
+    full_chroma(frame.u, crop, out.u);
+    full_chroma(frame.v, crop, out.v);
     for (int y = 0; y < crop.height; ++y)
         std::copy_n(mask.row(crop.y + y) + crop.x, crop.width, out.mask.row(y));
 }
@@ -207,7 +207,7 @@ bool crop_texture(const image::YuvView& frame,
     for (image::Plane* plane : {&out.y, &out.u, &out.v, &out.mask})
         set_size(*plane, crop.width / divisor, crop.height / divisor);
     if (is_full)
-        copy_whole(frame, mask, crop, out);
+        copy_full(frame, mask, crop, out);
     else
         halve(frame, mask, crop, code, scratch, out);
     fill_background(out, code, scratch.blocks);

@@ -1,4 +1,4 @@
-#include "site_node/texture/whole_resolution.hpp"
+#include "site_node/texture/full_resolution.hpp"
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -53,7 +53,7 @@ int conversion_of(image::Mosaic mosaic) {
 
 }  // namespace
 
-void whole_luma(const image::YuvView& frame, const image::PixelRect& crop, image::Plane& out) {
+void full_luma(const image::YuvView& frame, const image::PixelRect& crop, image::Plane& out) {
     if (frame.mosaic == image::Mosaic::kNone) {
         cv::Mat to = view_of(out);
         view_of(frame.y, crop).copyTo(to);
@@ -67,7 +67,7 @@ void whole_luma(const image::YuvView& frame, const image::PixelRect& crop, image
     cut(luma, wide, crop, out);
 }
 
-void whole_chroma(const image::PlaneView& chroma, const image::PixelRect& crop, image::Plane& out) {
+void full_chroma(const image::PlaneView& chroma, const image::PixelRect& crop, image::Plane& out) {
     const image::PixelRect half{crop.x / 2, crop.y / 2, crop.width / 2, crop.height / 2};
     const image::PixelRect wide = widened(half, 1, chroma.width, chroma.height);
     cv::Mat doubled;
