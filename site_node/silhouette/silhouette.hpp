@@ -3,9 +3,9 @@
 #include "core/geometry/pinhole_camera.hpp"
 #include "core/image/image.hpp"
 #include "site_node/silhouette/contours.hpp"
+#include "site_node/silhouette/edge_conflicts.hpp"
 #include "site_node/silhouette/outline.hpp"
 #include "site_node/silhouette/silhouette_polygon.hpp"
-#include "site_node/silhouette/simplicity.hpp"
 
 #include <cstdint>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "site_node/silhouette/simplicity.hpp"
+#include "site_node/silhouette/edge_conflicts.hpp"
 
 #include <algorithm>
 #include <cmath>
