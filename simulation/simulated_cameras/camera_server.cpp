@@ -28,28 +28,29 @@ std::int64_t now_us() { return Timestamp::now().ns / 1000; }
 
 }  // namespace
 
-std::vector<CameraPlace> places_of(const config::Rig& rig) {
-    std::vector<CameraPlace> places;
+std::vector<CameraIdentity> identities_of(const config::Rig& rig) {
+    std::vector<CameraIdentity> identities;
     for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
         const std::string& name = rig.cameras[i].name;
-        places.push_back({name,
-                          name.size() <= kMaxSerialLength ? name : fmt::format("simulated{}", i),
-                          fmt::format("127.0.0.{}", i + 2)});
+        identities.push_back(
+            {name,
+             name.size() <= kMaxSerialLength ? name : fmt::format("simulated{}", i),
+             fmt::format("127.0.0.{}", i + 2)});
     }
-    return places;
+    return identities;
 }
 
 struct CameraServer::Impl {
     Impl(ShownPictures shown, const ServerOptions& server_options)
-        : options(server_options), show(std::move(shown), options.empty_time) {
-        places = places_of(show.shown.rig);
-        show.on_picture = [this] { note_first_picture(); };
-        for (std::size_t i = 0; i < places.size(); ++i) {
+        : options(server_options), state(std::move(shown), options.empty_time) {
+        identities = identities_of(state.shown.rig);
+        state.on_picture = [this] { note_first_picture(); };
+        for (std::size_t i = 0; i < identities.size(); ++i) {
             const CameraFaults faults{.lost_share = options.faults.lost_share[i],
                                       .delay = from_ms(options.faults.delay_ms[i]),
                                       .clock_offset = from_ms(options.faults.clock_offset_ms[i])};
             cameras.push_back(
-                std::make_unique<ServedCamera>(i, places[i], options.stamp, faults, show));
+                std::make_unique<ServedCamera>(i, identities[i], options.stamp, faults, state));
         }
     }
 
@@ -64,8 +65,8 @@ struct CameraServer::Impl {
     }
 
     const ServerOptions options;
-    SharedShow show;
-    std::vector<CameraPlace> places;
+    SharedServerState state;
+    std::vector<CameraIdentity> identities;
     std::mutex mutex;
     std::condition_variable_any wake;
     std::optional<Clock::time_point> begin;  // time of the first picture
@@ -118,13 +119,13 @@ void CameraServer::follow_outages(std::stop_token stop) {
         }
         app::log::info("camera {} camera={} at_s={:.3f}",
                        event.comes ? "is back" : "is gone",
-                       camera.place().name,
+                       camera.identity().name,
                        std::chrono::duration<double>(Clock::now() - begin).count());
         lock.lock();
     }
 }
 
-void CameraServer::empty_room() { impl_->show.programme.empty_room(now_us()); }
+void CameraServer::empty_room() { impl_->state.schedule.empty_room(now_us()); }
 
 std::vector<std::uint64_t> CameraServer::num_sent() const {
     std::vector<std::uint64_t> sent;
@@ -132,6 +133,6 @@ std::vector<std::uint64_t> CameraServer::num_sent() const {
     return sent;
 }
 
-const std::vector<CameraPlace>& CameraServer::places() const { return impl_->places; }
+const std::vector<CameraIdentity>& CameraServer::identities() const { return impl_->identities; }
 
 }  // namespace atrium::simulated_cameras

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "simulation/simulated_cameras/faults.hpp"
-#include "simulation/simulated_cameras/show.hpp"
+#include "simulation/simulated_cameras/shown_pictures.hpp"
 
 #include <memory>
 #include <string>
@@ -10,12 +10,12 @@
 namespace atrium::simulated_cameras {
 
 /// Network identity of a camera.
-struct CameraPlace {
+struct CameraIdentity {
     std::string name;
     std::string serial;   // its name, if short enough for a serial number
     std::string address;  // 127.0.0.2 for the first
 };
-std::vector<CameraPlace> places_of(const config::Rig& rig);
+std::vector<CameraIdentity> identities_of(const config::Rig& rig);
 
 struct ServerOptions {
     std::chrono::microseconds empty_time{};
@@ -45,7 +45,7 @@ public:
     /// Number of pictures sent, per camera.
     std::vector<std::uint64_t> num_sent() const;
 
-    const std::vector<CameraPlace>& places() const;
+    const std::vector<CameraIdentity>& identities() const;
 
 private:
     struct Impl;

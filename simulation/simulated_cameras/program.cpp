@@ -98,13 +98,13 @@ void print(const Plan& plan) {
                "size",
                "format",
                "rate");
-    const std::vector<CameraPlace> places = places_of(plan.rig);
-    for (std::size_t i = 0; i < places.size(); ++i) {
+    const std::vector<CameraIdentity> identities = identities_of(plan.rig);
+    for (std::size_t i = 0; i < identities.size(); ++i) {
         const geometry::PinholeCamera& c = plan.rig.cameras[i].intrinsics;
         fmt::print("{:<16} {:<16} {:<12} {:>10} {:>9} {:>5} Hz\n",
-                   places[i].name,
-                   places[i].serial,
-                   places[i].address,
+                   identities[i].name,
+                   identities[i].serial,
+                   identities[i].address,
                    fmt::format("{}x{}", c.width & ~1, c.height & ~1),
                    plan.config.pixel_format,
                    plan.rig.rate_hz);
@@ -154,7 +154,8 @@ Expected<int> run(const Plan& plan, std::stop_token stop) {
     }
     const std::vector<std::uint64_t> num_sent = (*server)->num_sent();
     for (std::size_t i = 0; i < num_sent.size(); ++i) {
-        app::log::info("camera name={} pictures_sent={}", (*server)->places()[i].name, num_sent[i]);
+        app::log::info(
+            "camera name={} pictures_sent={}", (*server)->identities()[i].name, num_sent[i]);
     }
     return exit_code;
 }

@@ -65,26 +65,33 @@ std::string name_of(ArvPixelFormat genicam_format) {
 
 }  // namespace
 
-ServedCamera::ServedCamera(
-    std::size_t index, CameraPlace place, bool stamp, const CameraFaults& faults, SharedShow& show)
-    : index_(index), place_(std::move(place)), stamp_(stamp), faults_(faults), show_(show) {}
+ServedCamera::ServedCamera(std::size_t index,
+                           CameraIdentity identity,
+                           bool stamp,
+                           const CameraFaults& faults,
+                           SharedServerState& state)
+    : index_(index),
+      identity_(std::move(identity)),
+      stamp_(stamp),
+      faults_(faults),
+      state_(state) {}
 
 ServedCamera::~ServedCamera() { stop(); }
 
 Expected<void> ServedCamera::start() {
     is_leaving_ = false;
     const TimerSlack slack;
-    device_ = arv_gv_fake_camera_new(place_.address.c_str(), place_.serial.c_str());
+    device_ = arv_gv_fake_camera_new(identity_.address.c_str(), identity_.serial.c_str());
     if (!arv_gv_fake_camera_is_running(device_)) {
         stop();
         return make_error(
             ErrorKind::kUnavailable,
             fmt::format("camera {}: cannot listen on {}, port 3956: no interface has that address, "
                         "or another camera uses it",
-                        place_.name,
-                        place_.address));
+                        identity_.name,
+                        identity_.address));
     }
-    const geometry::PinholeCamera& intrinsics = show_.shown.rig.cameras[index_].intrinsics;
+    const geometry::PinholeCamera& intrinsics = state_.shown.rig.cameras[index_].intrinsics;
     registers_ = ARV_FAKE_CAMERA(g_object_ref(arv_gv_fake_camera_get_fake_camera(device_)));
     const auto set = [&](guint32 address, double value) {
         arv_fake_camera_write_register(
@@ -97,8 +104,8 @@ Expected<void> ServedCamera::start() {
     set(ARV_FAKE_CAMERA_REGISTER_SENSOR_HEIGHT, height);
     set(ARV_FAKE_CAMERA_REGISTER_WIDTH, width);
     set(ARV_FAKE_CAMERA_REGISTER_HEIGHT, height);
-    set(ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT, to_genicam(show_.shown.format));
-    set(ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US, 1e6 / show_.shown.rig.rate_hz);
+    set(ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT, to_genicam(state_.shown.format));
+    set(ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US, 1e6 / state_.shown.rig.rate_hz);
     arv_fake_camera_set_trigger_frequency(registers_, kTriggerPolls_hz);
     arv_fake_camera_set_fill_pattern(
         registers_,
@@ -142,14 +149,14 @@ void ServedCamera::fill(ArvBuffer* buffer) {
     const bool is_free = arv_fake_camera_is_in_free_running_mode(registers_) != FALSE;
     const TriggerNumbers::Trigger trigger =
         is_free ? free_trigger(now_us, period_us)
-                : show_.triggers.software(index_, now_us, period_us);
+                : state_.triggers.software(index_, now_us, period_us);
     std::size_t ignored = 0;  // Aravis returns 0; the memory has the size of the client's region
     auto* out =
         static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &ignored)));
-    const bool is_ours = copy_region(show_.programme.at(trigger.time_us), buffer, out);
+    const bool is_ours = copy_region(state_.schedule.at(trigger.time_us), buffer, out);
     if (is_ours && stamp_) {
         write_stamp({static_cast<std::uint8_t>(index_), trigger.number},
-                    show_.shown.format == PixelFormat::kRgb ? 3 : 1,
+                    state_.shown.format == PixelFormat::kRgb ? 3 : 1,
                     arv_buffer_get_image_width(buffer),
                     arv_buffer_get_image_height(buffer),
                     out);
@@ -160,17 +167,17 @@ void ServedCamera::fill(ArvBuffer* buffer) {
         static_cast<guint64>(std::max<std::int64_t>(0, shutter_ns + faults_.clock_offset.count())));
     hold_back(faults_.delay);
     ++num_sent_;
-    show_.on_picture();
+    state_.on_picture();
 }
 
 // Returns false, with a grey picture, if the client requests a format or region that this camera
 // lacks.
-bool ServedCamera::copy_region(const Programme::Choice& choice,
+bool ServedCamera::copy_region(const ShowSchedule::Choice& choice,
                                ArvBuffer* buffer,
                                std::uint8_t* out) {
-    const auto& pictures = choice.is_empty_room ? show_.shown.empty : show_.shown.motion;
+    const auto& pictures = choice.is_empty_room ? state_.shown.empty : state_.shown.motion;
     const std::vector<std::uint8_t>& picture = pictures[index_][choice.index];
-    const geometry::PinholeCamera& sensor = show_.shown.rig.cameras[index_].intrinsics;
+    const geometry::PinholeCamera& sensor = state_.shown.rig.cameras[index_].intrinsics;
     int x = 0;
     int y = 0;
     int width = 0;
@@ -179,14 +186,14 @@ bool ServedCamera::copy_region(const Programme::Choice& choice,
     const ArvPixelFormat format = arv_buffer_get_image_pixel_format(buffer);
     const bool fits =
         x >= 0 && y >= 0 && x + width <= (sensor.width & ~1) && y + height <= (sensor.height & ~1);
-    if (format != to_genicam(show_.shown.format) || !fits) {
+    if (format != to_genicam(state_.shown.format) || !fits) {
         const std::size_t num_bytes = static_cast<std::size_t>(width) *
                                       static_cast<std::size_t>(height) *
                                       ARV_PIXEL_FORMAT_BIT_PER_PIXEL(format) / 8;
         std::memset(out, 128, num_bytes);
         complaints_.warn(
             fmt::format("camera {} sends grey: asked for {}x{}+{}+{} {}, it has {}x{} {}",
-                        place_.name,
+                        identity_.name,
                         width,
                         height,
                         x,
@@ -194,13 +201,13 @@ bool ServedCamera::copy_region(const Programme::Choice& choice,
                         name_of(format),
                         sensor.width & ~1,
                         sensor.height & ~1,
-                        name_of(to_genicam(show_.shown.format))));
+                        name_of(to_genicam(state_.shown.format))));
         return false;
     }
-    const std::size_t from_stride = image::row_bytes(show_.shown.format, sensor.width & ~1);
-    const std::size_t to_stride = image::row_bytes(show_.shown.format, width);
+    const std::size_t from_stride = image::row_bytes(state_.shown.format, sensor.width & ~1);
+    const std::size_t to_stride = image::row_bytes(state_.shown.format, width);
     const std::uint8_t* from = picture.data() + static_cast<std::size_t>(y) * from_stride +
-                               image::row_bytes(show_.shown.format, x);
+                               image::row_bytes(state_.shown.format, x);
     for (int row = 0; row < height; ++row, from += from_stride, out += to_stride)
         std::memcpy(out, from, to_stride);
     return true;

@@ -47,12 +47,12 @@ constexpr std::size_t kMaxShownBytes = std::size_t{6} << 30;
 
 /// Chooses the picture of each trigger, the same for every camera: the empty room for `empty_time`
 /// from the first trigger on, then the motion at `rate_hz`. Thread-safe.
-class Programme {
+class ShowSchedule {
 public:
-    Programme(std::size_t num_empty,
-              std::size_t num_instants,
-              double rate_hz,
-              std::chrono::microseconds empty_time);
+    ShowSchedule(std::size_t num_empty,
+                 std::size_t num_instants,
+                 double rate_hz,
+                 std::chrono::microseconds empty_time);
 
     struct Choice {
         bool is_empty_room = false;

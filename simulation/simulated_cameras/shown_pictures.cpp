@@ -1,4 +1,4 @@
-#include "simulation/simulated_cameras/show.hpp"
+#include "simulation/simulated_cameras/shown_pictures.hpp"
 
 #include "simulation/simulated_cameras/sensor.hpp"
 #include "site_node/capture/recording_source.hpp"
@@ -96,16 +96,16 @@ Expected<ShownPictures> show_recording(const std::filesystem::path& folder,
     return shown;
 }
 
-Programme::Programme(std::size_t num_empty,
-                     std::size_t num_instants,
-                     double rate_hz,
-                     std::chrono::microseconds empty_time)
+ShowSchedule::ShowSchedule(std::size_t num_empty,
+                           std::size_t num_instants,
+                           double rate_hz,
+                           std::chrono::microseconds empty_time)
     : num_empty_(num_empty),
       num_instants_(num_instants),
       rate_hz_(rate_hz),
       empty_time_(num_empty == 0 ? std::chrono::microseconds(0) : empty_time) {}
 
-Programme::Choice Programme::at(std::int64_t time_us) {
+ShowSchedule::Choice ShowSchedule::at(std::int64_t time_us) {
     std::int64_t since_us = 0;
     {
         const std::lock_guard lock(mutex_);
@@ -122,7 +122,7 @@ Programme::Choice Programme::at(std::int64_t time_us) {
     return {false, frames_after(since_us - empty_time_.count()) % num_instants_};
 }
 
-void Programme::empty_room(std::int64_t time_us) {
+void ShowSchedule::empty_room(std::int64_t time_us) {
     const std::lock_guard lock(mutex_);
     empty_from_us_ = time_us;
 }
