@@ -149,7 +149,7 @@ double part_distance(const BodyPart& part, const Vector3d& p) {
 }
 
 // Quadratic polynomial smooth minimum: solids blend within `blend` of each other.
-double melt(double a, double b, double blend) {
+double smooth_min(double a, double b, double blend) {
     const double h = std::max(blend - std::abs(a - b), 0.0) / blend;
     return std::min(a, b) - 0.25 * h * h * blend;
 }
@@ -178,7 +178,7 @@ double body_distance(const std::vector<BodyPart>& parts,
     for (std::size_t i = 1; i < parts.size(); ++i) {
         const double reach = reaches[i].radius_m + distance;
         if (reach < 0.0 || (p - reaches[i].centre).squaredNorm() > reach * reach) continue;
-        distance = melt(distance, part_distance(parts[i], p), parts[i].blend_m);
+        distance = smooth_min(distance, part_distance(parts[i], p), parts[i].blend_m);
     }
     return distance;
 }
@@ -237,14 +237,14 @@ std::vector<BodyPart> body_parts(const Look& look) {
     return std::move(list.parts);
 }
 
-CarriedSkin::CarriedSkin(const Skin& skin, const BoneTransforms& bones)
+SkinnedBody::SkinnedBody(const Skin& skin, const BoneTransforms& bones)
     : skin_(skin), bones_(bones) {
     for (std::size_t b = 0; b < kNumBones; ++b)
         rotations_[b] = bones[b].rotation.toRotationMatrix();
 }
 
-CarriedVertex CarriedSkin::vertex(std::size_t i) const {
-    CarriedVertex carried{Vector3d::Zero(), Vector3d::Zero()};
+SkinnedVertex SkinnedBody::vertex(std::size_t i) const {
+    SkinnedVertex carried{Vector3d::Zero(), Vector3d::Zero()};
     const SkinWeights& weights = skin_.weights[i];
     for (std::size_t k = 0; k < weights.bones.size(); ++k) {
         const double weight = weights.weights[k];

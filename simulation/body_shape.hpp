@@ -41,16 +41,16 @@ struct Skin {
 };
 
 /// One vertex after linear blend skinning, in the body frame.
-struct CarriedVertex {
+struct SkinnedVertex {
     Eigen::Vector3d position;
     Eigen::Vector3d normal;  // not of unit length
 };
 
 /// A skin in a posture. `skin` must outlive it.
-class CarriedSkin {
+class SkinnedBody {
 public:
-    CarriedSkin(const Skin& skin, const BoneTransforms& bones);
-    CarriedVertex vertex(std::size_t i) const;
+    SkinnedBody(const Skin& skin, const BoneTransforms& bones);
+    SkinnedVertex vertex(std::size_t i) const;
 
 private:
     const Skin& skin_;
