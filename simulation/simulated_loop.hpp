@@ -33,7 +33,7 @@ struct SimulatedLoop {
 /// If a process waits to change the loop's file, copies the pictures into memory and releases the
 /// file. Returns true if it did. Call it at least every few seconds while the loop is in use; it
 /// costs one system call.
-bool keep_in_memory_if_wanted(SimulatedLoop& loop);
+bool copy_to_memory_if_wanted(SimulatedLoop& loop);
 
 /// Called with the number of pictures done and the total.
 using LoopProgress = std::function<void(std::size_t num_done, std::size_t num_pictures)>;
