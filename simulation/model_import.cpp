@@ -213,12 +213,12 @@ private:
             ModelNode& node = parts_.rig.nodes[found->second];
             for (unsigned k = 0; k < channel.mNumPositionKeys; ++k) {
                 const aiVectorKey& key = channel.mPositionKeys[k];
-                node.places.push_back({key.mTime / ticks_per_s, to_eigen(key.mValue)});
+                node.translations.push_back({key.mTime / ticks_per_s, to_eigen(key.mValue)});
             }
             for (unsigned k = 0; k < channel.mNumRotationKeys; ++k) {
                 const aiQuaternion& q = channel.mRotationKeys[k].mValue;
-                node.turns.push_back({channel.mRotationKeys[k].mTime / ticks_per_s,
-                                      Eigen::Quaternionf(q.w, q.x, q.y, q.z).normalized()});
+                node.rotations.push_back({channel.mRotationKeys[k].mTime / ticks_per_s,
+                                          Eigen::Quaternionf(q.w, q.x, q.y, q.z).normalized()});
             }
             for (unsigned k = 0; k < channel.mNumScalingKeys; ++k) {
                 const aiVectorKey& key = channel.mScalingKeys[k];

@@ -33,10 +33,10 @@ Eigen::Affine3f parent_from_node(const ModelNode& node, double time_s) {
     Eigen::Matrix3f scaling;
     node.parent_from_node.computeRotationScaling(&rotation, &scaling);
     Eigen::Affine3f transform = Eigen::Affine3f::Identity();
-    transform.translation() = node.places.empty()
+    transform.translation() = node.translations.empty()
                                   ? Eigen::Vector3f(node.parent_from_node.translation())
-                                  : value_at(node.places, time_s);
-    if (!node.turns.empty()) rotation = value_at(node.turns, time_s).toRotationMatrix();
+                                  : value_at(node.translations, time_s);
+    if (!node.rotations.empty()) rotation = value_at(node.rotations, time_s).toRotationMatrix();
     if (!node.scales.empty()) scaling = value_at(node.scales, time_s).asDiagonal();
     transform.linear() = rotation * scaling;
     return transform;

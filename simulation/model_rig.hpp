@@ -23,10 +23,12 @@ struct ModelNode {
     int parent = -1;                                                 // -1: the root
     Eigen::Affine3f parent_from_node = Eigen::Affine3f::Identity();  // without animation
     // empty: rest values
-    std::vector<ModelKey<Eigen::Vector3f>> places;
-    std::vector<ModelKey<Eigen::Quaternionf>> turns;
+    std::vector<ModelKey<Eigen::Vector3f>> translations;
+    std::vector<ModelKey<Eigen::Quaternionf>> rotations;
     std::vector<ModelKey<Eigen::Vector3f>> scales;
-    bool is_animated() const { return !places.empty() || !turns.empty() || !scales.empty(); }
+    bool is_animated() const {
+        return !translations.empty() || !rotations.empty() || !scales.empty();
+    }
 };
 
 /// Moves vertices by `scene_from_node * node_from_mesh`, with a weight.

@@ -16,17 +16,17 @@ constexpr guint64 kControlRegister = 0x0a00;  // GigE Vision control channel pri
 constexpr guint32 kControlBits = 3;
 
 // Never destroyed, and its thread never joined: the program must not wait for a lost camera.
-struct Graveyard {
+struct DeferredRelease {
     std::mutex mutex;
     std::condition_variable changed;
     std::deque<std::shared_ptr<void>> dead;
 
-    static Graveyard& instance() {
-        static auto* const graveyard = new Graveyard;
-        return *graveyard;
+    static DeferredRelease& instance() {
+        static auto* const deferred = new DeferredRelease;
+        return *deferred;
     }
 
-    Graveyard() {
+    DeferredRelease() {
         std::thread([this] {
             for (;;) {
                 std::shared_ptr<void> next;
@@ -92,12 +92,12 @@ bool is_ptp_locked(ArvCamera& camera) {
 }
 
 void release_in_background(std::shared_ptr<void> dead) {
-    Graveyard& graveyard = Graveyard::instance();
+    DeferredRelease& deferred = DeferredRelease::instance();
     {
-        const std::lock_guard lock(graveyard.mutex);
-        graveyard.dead.push_back(std::move(dead));
+        const std::lock_guard lock(deferred.mutex);
+        deferred.dead.push_back(std::move(dead));
     }
-    graveyard.changed.notify_one();
+    deferred.changed.notify_one();
 }
 
 }  // namespace atrium::capture
