@@ -41,7 +41,7 @@ void declare_segmentation(SiteNodeConfig& config, config::OptionSet& set) {
             {0.5, 50});
     set.add("segmentation.min_chroma_sigma",
             segmentation.min_chroma_sigma,
-            "lower limit of the chroma deviation [grey levels]",
+            "noise floor of background chroma, added to the learned deviation [grey levels]",
             {1, 20});
     set.add("segmentation.darkest_shadow",
             segmentation.darkest_shadow,

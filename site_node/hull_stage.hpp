@@ -37,9 +37,9 @@ struct HullStageOptions {
     /// pictures is unknown; needs bounds.
     bool partial_views = false;
     std::vector<std::string>
-        whole_cameras;  // with partial_views: names of cameras that see everybody
-    std::vector<RegionOptions> regions;      // instead of `bounds`
-    /// Where each key stands in the file, for errors: "hull.region[0].cameras" -> "site.toml:7". If
+        whole_cameras;                   // with partial_views: names of cameras that see everybody
+    std::vector<RegionOptions> regions;  // instead of `bounds`
+    /// Place of each key in the file, for errors: "hull.region[0].cameras" -> "site.toml:7". If
     /// the command line may override the option, the key includes the value: "hull.min_views = 3".
     std::map<std::string, std::string> places;
 };

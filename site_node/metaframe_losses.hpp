@@ -10,8 +10,8 @@ namespace atrium::site_node {
 /// Adds the counts of one metaframe to the totals.
 void add(const MetaframeLosses& losses, bus::LeftOutTotals& totals);
 
-/// Formats what the hulls of one site lost between two statuses as `key=value ...` for the log.
-/// Empty if they lost nothing.
+/// Formats the losses of one site between two statuses as `key=value ...` for the log. Empty
+/// without losses.
 std::string losses_line(const bus::SiteStatus& from, const bus::SiteStatus& to);
 
 }  // namespace atrium::site_node

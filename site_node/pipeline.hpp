@@ -45,7 +45,7 @@ struct CodedCamera {
     codec::CodedTexture texture;
 };
 
-/// Counts what the hull of one metaframe lacks, and what was repaired in it.
+/// Counts the losses and repairs in the hull of one metaframe.
 struct MetaframeLosses {
     std::uint32_t cameras = 0;           // without a picture
     std::uint32_t phantoms = 0;          // components that no silhouette needs

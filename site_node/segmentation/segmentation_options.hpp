@@ -7,8 +7,8 @@ namespace atrium::segmentation {
 struct SegmentationOptions {
     /// Mahalanobis distance up to which the chroma of a pixel counts as background.
     double max_chroma_distance = 6.0;
-    /// Lower limit of the chroma deviation (quantisation, compression, few frames), added to the
-    /// learned one; at least 1.
+    /// Noise floor of chroma (quantisation, compression, few frames), added to the
+    /// learned deviation; at least 1.
     double min_chroma_sigma = 1.6;
 
     /// Smallest fraction of its luma that a surface keeps in shadow; it keeps its hue.
