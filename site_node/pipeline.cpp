@@ -16,7 +16,9 @@ double milliseconds_between(Clock::time_point begin, Clock::time_point end) {
 }
 
 // An empty intersection is a valid answer: nobody is in the room.
-bool is_nobody(hull::HullStatus status) { return status == hull::HullStatus::kEmptyIntersection; }
+bool is_empty_room(hull::HullStatus status) {
+    return status == hull::HullStatus::kEmptyIntersection;
+}
 
 }  // namespace
 
@@ -42,7 +44,7 @@ struct Pipeline::Silhouettes::Camera {
     std::vector<std::vector<Eigen::Vector2d>> contours;  // undistorted [px]
     image::PixelRect subject;                   // bounds of all contours, delivered picture
     std::vector<silhouette::Outline> outlines;  // delivered picture
-    std::vector<std::uint8_t> dropped;                   // per outline
+    std::vector<std::uint8_t> dropped;          // per outline
     silhouette::SilhouetteCounts counts;
     bool sees_somebody = false;
     double segmentation_ms = 0.0;
@@ -275,7 +277,7 @@ Expected<void> Pipeline::compute(Silhouettes& silhouettes,
     const auto encode_begin = Clock::now();
     if (frame.hull.status == hull::HullStatus::kOk) {
         if (auto encoded = encode(silhouettes, coding, executor, frame); !encoded) return encoded;
-    } else if (is_nobody(frame.hull.status)) {
+    } else if (is_empty_room(frame.hull.status)) {
         resize_keeping(frame.cameras, 0, spare_coded_);
     } else {
         return make_error(ErrorKind::kInvalidData,

@@ -240,7 +240,7 @@ AravisCamera::End AravisCamera::serve(Session& session, std::stop_token stop) {
         }
         if (now < next_check) continue;
         const nanoseconds quiet(silence_ns());
-        const bool is_quiet = quiet >= silence && may_be_judged(now - next_check);
+        const bool is_quiet = quiet >= silence && can_judge_silence(now - next_check);
         if (is_quiet && is_silent_for_good(session)) return End::kSilent;
         next_check = Clock::now() + (is_quiet           ? silence
                                      : quiet >= silence ? silence / 2
@@ -250,7 +250,7 @@ AravisCamera::End AravisCamera::serve(Session& session, std::stop_token stop) {
 
 // If this thread had to wait for the processor, the receiving thread may have waited too. And
 // skipped triggers leave no picture to miss.
-bool AravisCamera::may_be_judged(nanoseconds late) const {
+bool AravisCamera::can_judge_silence(nanoseconds late) const {
     if (is_trigger_refused_) return true;
     if (is_triggered_by_site() && num_unanswered_ < kLeastUnanswered) return false;
     return late < kStall;

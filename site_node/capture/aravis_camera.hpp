@@ -101,7 +101,7 @@ private:
     std::int64_t silence_ns() const;
     std::chrono::nanoseconds silence() const;          // that counts as a fault
     std::chrono::nanoseconds unanswered_time() const;  // since the trigger not yet acknowledged
-    bool may_be_judged(std::chrono::nanoseconds late) const;
+    bool can_judge_silence(std::chrono::nanoseconds late) const;
 
     void on_picture(StreamPicture picture) override;
     void on_incomplete(std::uint64_t device_ns, Timestamp arrival) override;

@@ -163,7 +163,7 @@ void AravisStream::drain() {
     ArvBuffer* newest = nullptr;
     while (ArvBuffer* const buffer = arv_stream_try_pop_buffer(stream)) {
         const ArvBufferStatus status = arv_buffer_get_status(buffer);
-        const bool is_whole = status == ARV_BUFFER_STATUS_SUCCESS && is_as_agreed(*buffer);
+        const bool is_whole = status == ARV_BUFFER_STATUS_SUCCESS && has_agreed_format(*buffer);
         ArvBuffer* const unused = is_whole ? std::exchange(newest, buffer) : buffer;
         if (unused == nullptr) continue;
         const bool is_left_over =
@@ -182,7 +182,7 @@ void AravisStream::report_incomplete(ArvBuffer& buffer) {
     listener_->on_incomplete(arv_buffer_get_timestamp(&buffer), {arrival_ns});
 }
 
-bool AravisStream::is_as_agreed(ArvBuffer& buffer) const {
+bool AravisStream::has_agreed_format(ArvBuffer& buffer) const {
     const ArvBufferPayloadType type = arv_buffer_get_payload_type(&buffer);
     if (type != ARV_BUFFER_PAYLOAD_TYPE_IMAGE &&
         type != ARV_BUFFER_PAYLOAD_TYPE_EXTENDED_CHUNK_DATA) {

@@ -74,7 +74,7 @@ private:
     static void on_event(void* self, ArvStreamCallbackType type, ArvBuffer* buffer);
     void enter_thread();
     void drain();
-    bool is_as_agreed(ArvBuffer& buffer) const;
+    bool has_agreed_format(ArvBuffer& buffer) const;
     void report_incomplete(ArvBuffer& buffer);
     StreamPicture picture_in(ArvBuffer& buffer) const;
 

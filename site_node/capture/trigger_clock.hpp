@@ -63,8 +63,8 @@ private:
     static constexpr std::size_t kRemembered = 64;
     static constexpr int kMaxRefused = 40;
 
-    std::optional<Trigger> nearest(Timestamp time) const;
-    std::optional<Timestamp> placed(Timestamp time) const;
+    std::optional<Trigger> nearest_trigger(Timestamp time) const;
+    std::optional<Timestamp> exposure_time(Timestamp time) const;
 
     std::chrono::nanoseconds period_;
     mutable std::mutex mutex_;

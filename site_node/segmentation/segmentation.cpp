@@ -86,7 +86,9 @@ std::uint8_t* Segmenter::raw_row(int y) {
 }
 
 // Tests two rows of each four and finds the cells with foreground there.
-void Segmenter::screen(image::WorkingPicture& picture, int cell_row, std::int16_t inverse_gain) {
+void Segmenter::test_first_rows(image::WorkingPicture& picture,
+                                int cell_row,
+                                std::int16_t inverse_gain) {
     const InstructionSet instructions = best_instruction_set();
     const int width = model_.width();
     const int begin = cell_row * kCellHeight;
@@ -108,7 +110,9 @@ void Segmenter::screen(image::WorkingPicture& picture, int cell_row, std::int16_
 }
 
 // Tests the other two rows of each four, in cells with foreground and their neighbours.
-void Segmenter::complete(image::WorkingPicture& picture, int cell_row, std::int16_t inverse_gain) {
+void Segmenter::test_remaining_rows(image::WorkingPicture& picture,
+                                    int cell_row,
+                                    std::int16_t inverse_gain) {
     const InstructionSet instructions = best_instruction_set();
     const int width = model_.width();
     const auto columns = static_cast<int>(near_people_.size());
@@ -206,10 +210,10 @@ void Segmenter::test_and_clean(image::WorkingPicture& picture,
     const int height = model_.height();
     const int cell_rows = num_cells(height, kCellHeight);
     start_runs(clean_);
-    screen(picture, 0, inverse_gain);
+    test_first_rows(picture, 0, inverse_gain);
     for (int cell_row = 0; cell_row < cell_rows; ++cell_row) {
-        if (cell_row + 1 < cell_rows) screen(picture, cell_row + 1, inverse_gain);
-        complete(picture, cell_row, inverse_gain);
+        if (cell_row + 1 < cell_rows) test_first_rows(picture, cell_row + 1, inverse_gain);
+        test_remaining_rows(picture, cell_row, inverse_gain);
         const image::PixelSpan columns = active_columns(cell_row);
         const int end = std::min((cell_row + 1) * kCellHeight, height);
         for (int y = cell_row * kCellHeight; y < end; ++y) clean_row(y, columns, out);

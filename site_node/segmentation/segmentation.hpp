@@ -48,8 +48,10 @@ private:
     void test_and_clean(image::WorkingPicture& picture,
                         image::SparseMask& out,
                         const GiveWay& give_way);
-    void screen(image::WorkingPicture& picture, int cell_row, std::int16_t inverse_gain);
-    void complete(image::WorkingPicture& picture, int cell_row, std::int16_t inverse_gain);
+    void test_first_rows(image::WorkingPicture& picture, int cell_row, std::int16_t inverse_gain);
+    void test_remaining_rows(image::WorkingPicture& picture,
+                             int cell_row,
+                             std::int16_t inverse_gain);
     image::PixelSpan active_columns(int cell_row) const;
     void clean_row(int y, const image::PixelSpan& columns, image::SparseMask& out);
     std::uint8_t* raw_row(int y);

@@ -35,7 +35,7 @@ constexpr Seconds kArrivedMemory{2.0};
 constexpr double kDrainTime_ms = 300.0;  // target time to empty a queue
 constexpr double kLeastWhileDraining = 0.2;
 constexpr Seconds kDrainPatience{1.0};  // for the queue to shrink
-constexpr int kMaxVain = 2;
+constexpr int kMaxFailedDrains = 2;
 constexpr double kClockStep_ms = 150.0;  // beyond the elapsed time
 // A viewer with waits this long may lose samples itself: the history of a stream is 8 samples
 // (qos/profiles.xml).
@@ -130,12 +130,13 @@ bool LinkEstimator::loses_frames(const LinkReport& report, double elapsed_s, Tim
     const double share = num_incomplete_ / std::max(num_complete_ + num_incomplete_, 1.0);
     if (num_incomplete_ < kFewFrames || share <= tolerated_share_) return false;
     if (lowered_for_frames_ && now - *lowered_for_frames_ < 2.0 * kFrameMemory) return false;
-    const bool was_vain = lowered_for_frames_ && now - *lowered_for_frames_ < 5.0 * kFrameMemory &&
-                          share > 0.8 * share_before_;
+    const bool was_useless = lowered_for_frames_ &&
+                             now - *lowered_for_frames_ < 5.0 * kFrameMemory &&
+                             share > 0.8 * share_before_;
     lowered_for_frames_ = now;
     share_before_ = share;
-    if (was_vain) tolerated_share_ = std::min(1.3 * share, 1.0);
-    return !was_vain;
+    if (was_useless) tolerated_share_ = std::min(1.3 * share, 1.0);
+    return !was_useless;
 }
 
 void LinkEstimator::decrease(const LinkReport& report, Time now) {
@@ -150,23 +151,24 @@ void LinkEstimator::drain(const LinkReport& report, Time now) {
     const bool has_waited = now - drain_since_ >= kDrainPatience;
     if (most_queue_ms_ < kEmpty_ms || (has_waited && queue_ms_ < kEmpty_ms)) {
         is_draining_ = false;  // empty, or no longer certain
-        num_vain_ = 0;
+        num_failed_drains_ = 0;
         return;
     }
     if (most_queue_ms_ < 0.7 * drain_from_ms_) {  // it shrinks
         drain_since_ = now;
         drain_from_ms_ = most_queue_ms_;
-        num_vain_ = 0;
+        num_failed_drains_ = 0;
         return;
     }
     if (!has_waited) return;
     const bool could_be_sent_less = paced_bit_per_s() >= least_bit_per_s_;
-    if (!could_be_sent_less || ++num_vain_ < kMaxVain) return decrease(report, now);
+    if (!could_be_sent_less || ++num_failed_drains_ < kMaxFailedDrains)
+        return decrease(report, now);
     // little was sent and nothing changed: not our queue, but a new route or clock
     base_.shift(most_queue_ms_);
     queue_ms_ = most_queue_ms_ = 0.0;
     is_draining_ = false;
-    num_vain_ = 0;
+    num_failed_drains_ = 0;
     estimate_bit_per_s_ = kNoLimit;
 }
 

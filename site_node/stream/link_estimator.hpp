@@ -104,7 +104,7 @@ private:
     bool is_draining_ = false;
     Time drain_since_;
     double drain_from_ms_ = 0.0;
-    int num_vain_ = 0;
+    int num_failed_drains_ = 0;
 
     // frames of about the last second
     double num_complete_ = 0.0;
