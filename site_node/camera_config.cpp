@@ -67,18 +67,18 @@ void declare(CameraConfig& config, config::OptionSet& set) {
     capture::CameraSettings& common = config.options.common;
     set.add("capture.cameras.pixel_format",
             common.pixel_format,
-            "GenICam format of all cameras, for example BayerRG8; empty: the camera's default",
+            "GenICam format of all cameras, for example BayerRG8; empty: the camera's own",
     set.add("capture.cameras.exposure_us",
             common.exposure_us,
-            "exposure [us]; 0: the camera's default",
+            "exposure [us]; 0: the camera's own",
             kExposure_us);
     set.add("capture.cameras.gain_db",
             common.gain_db,
-            "gain [dB]; -1: the camera's default",
+            "gain [dB]; -1: the camera's own",
             kGain_db);
     set.add("capture.cameras.white_balance",
             common.white_balance,
-            "off, auto-once, or red and blue gains, as in 1.8,1.4; empty: the camera's default",
+            "off, auto-once, or red and blue gains, as in 1.8,1.4; empty: the camera's own",
     set.add("capture.cameras.trigger_source",
             common.trigger_source,
             "input line of the external trigger, for example Line1; empty: the camera's first",
@@ -89,7 +89,7 @@ void declare(CameraConfig& config, config::OptionSet& set) {
     set.add("capture.cameras.packet_delay_ns",
             common.packet_delay_ns,
             "pause between GigE Vision packets, for cameras that share a link [ns]; -1: the "
-            "camera's default",
+            "camera's own",
             kPacketDelay_ns);
     set.add("capture.cameras.packet_socket",
             config.options.use_packet_socket,
@@ -104,7 +104,7 @@ void declare(CameraConfig& config, config::OptionSet& set) {
             {0, 99});
     set.add("capture.cameras.silent_periods",
             config.options.silent_periods,
-            "a camera without a picture for this many periods plus half a second is lost",
+            "a camera without a picture for this many periods, and at least 0.5 s, is lost",
             {2, 10000});
 }
 

@@ -13,13 +13,13 @@ namespace atrium::capture {
 /// Settings of one camera. A default value leaves the camera's own setting or is determined at
 /// connection.
 struct CameraSettings {
-    std::string pixel_format;    // one of camera_pixel_formats(); empty: the camera's default
-    double exposure_us = 0.0;    // 0: the camera's default
-    double gain_db = -1.0;       // below 0: the camera's default
-    std::string white_balance;   // "off", "auto-once" or "RED,BLUE"; empty: the camera's default
+    std::string pixel_format;    // one of camera_pixel_formats(); empty: the camera's own
+    double exposure_us = 0.0;    // 0: the camera's own
+    double gain_db = -1.0;       // below 0: the camera's own
+    std::string white_balance;   // "off", "auto-once" or "RED,BLUE"; empty: the camera's own
     std::string trigger_source;  // line of the external trigger; empty: the camera's first line
     int packet_size = 0;         // GigE Vision [bytes]; 0: as large as the MTU allows
-    std::int64_t packet_delay_ns = -1;  // GigE Vision, between packets; below 0: the default
+    std::int64_t packet_delay_ns = -1;  // GigE Vision, between packets; below 0: the camera's
     /// Transmitted part of the sensor: x, y, width, height [px]. Empty: from (0, 0), in the size of
     /// the rig.
     std::optional<std::array<int, 4>> region_px;
@@ -54,8 +54,8 @@ struct CamerasOptions {
     std::chrono::nanoseconds deadline{};  // longest time that the site keeps a picture waiting
     int num_buffers = 0;                  // per camera; 0: enough for rate and deadline
     int realtime_priority = 10;           // of the threads that receive packets; 0: none
-    int silent_periods = 10;              // without a picture for this long, a camera is lost
-    bool use_packet_socket = true;        // if permitted (cap_net_raw)
+    int silent_periods = 10;        // without a picture; then, but not before 0.5 s, it is lost
+    bool use_packet_socket = true;  // if permitted (cap_net_raw)
 };
 
 }  // namespace atrium::capture

@@ -15,7 +15,8 @@ namespace {
 // Limit of a chroma deviation, in quarters: far beyond any threshold, and all later values fit 16
 // bits.
 constexpr int kMaxDeviation = 1023;
-// Look-ahead of the prefetch, which takes every second row of blocks: the model is in no cache.
+// Prefetch distance in rows of blocks: every second row is tested first, and the model is in no
+// cache.
 constexpr int kRowsAhead = 2;
 static_assert(kTestCell == kPixelsPerGroup);
 
