@@ -67,7 +67,7 @@ void declare(CameraConfig& config, config::OptionSet& set) {
     capture::CameraSettings& common = config.options.common;
     set.add("capture.cameras.pixel_format",
             common.pixel_format,
-            "GenICam format of all cameras, for example BayerRG8; empty: the camera's own",
+            "GenICam format of all cameras, for example BayerRG8; empty: the camera's own");
     set.add("capture.cameras.exposure_us",
             common.exposure_us,
             "exposure [us]; 0: the camera's own",
@@ -78,10 +78,10 @@ void declare(CameraConfig& config, config::OptionSet& set) {
             kGain_db);
     set.add("capture.cameras.white_balance",
             common.white_balance,
-            "off, auto-once, or red and blue gains, as in 1.8,1.4; empty: the camera's own",
+            "off, auto-once, or red and blue gains, as in 1.8,1.4; empty: the camera's own");
     set.add("capture.cameras.trigger_source",
             common.trigger_source,
-            "input line of the external trigger, for example Line1; empty: the camera's first",
+            "input line of the external trigger, for example Line1; empty: the camera's first");
     set.add("capture.cameras.packet_size",
             common.packet_size,
             "GigE Vision packet size [bytes]; 0: as large as the interface allows",
@@ -93,7 +93,7 @@ void declare(CameraConfig& config, config::OptionSet& set) {
             kPacketDelay_ns);
     set.add("capture.cameras.packet_socket",
             config.options.use_packet_socket,
-            "receive GigE Vision through packet sockets, if permitted (cap_net_raw)",
+            "receive GigE Vision through packet sockets, if permitted (cap_net_raw)");
     set.add("capture.cameras.buffers",
             config.options.num_buffers,
             "picture buffers per camera; 0: as rate and deadline need",

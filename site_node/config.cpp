@@ -253,7 +253,7 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
     set.add("hull.partial_views",
             hull.partial_views,
             "true: people may extend beyond the pictures, and space outside them is unknown; needs "
-            "bounds",
+            "bounds");
     set.add("codec.position_bits",
             config.pipeline.mesh.position_bits,
             "bits of a vertex coordinate on the wire, 8 to 20; 0: as precise as the cameras see",

@@ -51,11 +51,11 @@ Expected<pid_t> start(const std::vector<std::string>& command) {
     arguments.push_back(nullptr);
     std::array<int, 2> report{};  // closed by a successful exec
     if (pipe2(report.data(), O_CLOEXEC) != 0)
-        return make_error(ErrorKind::kUnavailable, fmt::format("a pipe: {}", std::strerror(errno)));
+        return make_error(ErrorKind::kUnavailable,
+                          fmt::format("cannot create a pipe: {}", std::strerror(errno)));
     const Descriptor reading(report[0]);
     const pid_t parent = getpid();
-    return make_error(ErrorKind::kUnavailable,
-                      fmt::format("cannot create a pipe: {}", std::strerror(errno)));
+    const pid_t pid = fork();
     if (pid == 0) become(arguments.data(), parent, report[1]);
     const int fork_error = errno;
     close(report[1]);
