@@ -22,6 +22,7 @@ constexpr milliseconds kStall{100};  // longer than a thread usually waits for t
 constexpr int kLeastUnanswered = 5;  // triggers before silence is a fault
 // Buffers besides those that wait for a complete metaframe: one lacks packets, one is being
 // received, one is next, one is in the mailbox, one waits for the pipeline and one is in it.
+constexpr int kBuffersInFlight = 6;
 constexpr int kMostBuffers = 32;
 
 int num_buffers(const CamerasOptions& options, nanoseconds period) {

@@ -131,7 +131,7 @@ Start parse_command_line(int argc, char** argv, ToolOptions& options) {
         ->capture_default_str();
     app.add_option("--repeat",
                    options.repeat,
-                   "repeat the computation; adds the minimum and median of the total time")
+                   "number of computations; adds the minimum and median of the total time")
         ->check(CLI::Range(1, 1'000'000))
         ->capture_default_str();
     add_hull_options(app, options);
