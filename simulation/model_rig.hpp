@@ -60,6 +60,7 @@ struct ModelParts {
 };
 /// Converts the scene that Assimp read; pictures are searched relative to `file`. Error
 /// kInvalidData.
+Expected<ModelParts> take_model(const aiScene& scene, const std::filesystem::path& file);
 
 /// Computes `scene_from_node` of every node at `time_s` of the animation, 0 to its duration.
 void pose_nodes(const ModelRig& rig, double time_s, std::vector<Eigen::Affine3f>& out);

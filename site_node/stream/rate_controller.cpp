@@ -17,6 +17,7 @@ constexpr Seconds kRiseFailed{4.0};    // a fall within this time after a rise m
 constexpr double kRiseForgiven = 0.5;  // factor on the hold after a rise that lasted longer
 // How early a frame may go, relative to the bucket: frames vary in timing and size. The bucket
 // leaks slower by as much as this adds to one second.
+constexpr Seconds kSlack{0.03};
 
 Time::duration ticks(Seconds s) { return std::chrono::duration_cast<Time::duration>(s); }
 
