@@ -71,7 +71,8 @@ Expected<std::vector<NamedView>> load_views(const ToolOptions& options) {
             : load_recording_views(
                   options.recording, static_cast<std::size_t>(options.frame), options.without);
     if (!views) return views;
-    if (auto done = remove_views(options.without, *views); !done) return tl::unexpected(done.error());
+    if (auto done = remove_views(options.without, *views); !done)
+        return tl::unexpected(done.error());
     if (options.min_views > views->size()) {
         return make_error(ErrorKind::kConfiguration,
                           "--min-views: must not exceed the number of views, " +
