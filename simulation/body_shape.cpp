@@ -148,13 +148,13 @@ double part_distance(const BodyPart& part, const Vector3d& p) {
            (part.radius_a_m + t * (part.radius_b_m - part.radius_a_m));
 }
 
-// Quadratic polynomial smooth minimum: within `blend` of each other two solids melt.
-double melt(double a, double b, double blend) {
+// Quadratic polynomial smooth minimum: solids blend within `blend` of each other.
+double smooth_min(double a, double b, double blend) {
     const double h = std::max(blend - std::abs(a - b), 0.0) / blend;
     return std::min(a, b) - 0.25 * h * h * blend;
 }
 
-// A part farther off than this from where it could melt in is passed over.
+// Bounding sphere of a part and its blending zone; farther away the part is skipped.
 struct Reach {
     Vector3d centre;
     double radius_m = 0.0;
@@ -178,7 +178,7 @@ double body_distance(const std::vector<BodyPart>& parts,
     for (std::size_t i = 1; i < parts.size(); ++i) {
         const double reach = reaches[i].radius_m + distance;
         if (reach < 0.0 || (p - reaches[i].centre).squaredNorm() > reach * reach) continue;
-        distance = melt(distance, part_distance(parts[i], p), parts[i].blend_m);
+        distance = smooth_min(distance, part_distance(parts[i], p), parts[i].blend_m);
     }
     return distance;
 }
@@ -196,8 +196,7 @@ geometry::Aabb bounds_of(const std::vector<BodyPart>& parts) {
     return box;
 }
 
-// Bones share a vertex by how much nearer than the others their solids are; `kSoftness` is the
-// width of the joints.
+// Weights bones by the distances of their solids; `kSoftnessM` is the width of the joints.
 SkinWeights weights_at(const std::vector<BodyPart>& parts, const Vector3d& p) {
     constexpr double kSoftnessM = 0.017;
     std::array<double, kNumBones> distance;
@@ -212,8 +211,7 @@ SkinWeights weights_at(const std::vector<BodyPart>& parts, const Vector3d& p) {
     double sum = 0.0;
     std::array<double, 4> raw{};
     for (std::size_t i = 0; i < 4; ++i) {
-        // the fifth nearest has weight zero, so that nothing jumps where bones change places in the
-        // order
+        // the fifth nearest has weight zero: no jump where bones swap places in the order
         const double own = std::exp(-(distance[order[i]] - distance[order[0]]) / kSoftnessM);
         const double fifth = std::exp(-(distance[order[4]] - distance[order[0]]) / kSoftnessM);
         raw[i] = own - fifth;
@@ -239,14 +237,14 @@ std::vector<BodyPart> body_parts(const Look& look) {
     return std::move(list.parts);
 }
 
-CarriedSkin::CarriedSkin(const Skin& skin, const BoneTransforms& bones)
+SkinnedBody::SkinnedBody(const Skin& skin, const BoneTransforms& bones)
     : skin_(skin), bones_(bones) {
     for (std::size_t b = 0; b < kNumBones; ++b)
         rotations_[b] = bones[b].rotation.toRotationMatrix();
 }
 
-CarriedVertex CarriedSkin::vertex(std::size_t i) const {
-    CarriedVertex carried{Vector3d::Zero(), Vector3d::Zero()};
+SkinnedVertex SkinnedBody::vertex(std::size_t i) const {
+    SkinnedVertex carried{Vector3d::Zero(), Vector3d::Zero()};
     const SkinWeights& weights = skin_.weights[i];
     for (std::size_t k = 0; k < weights.bones.size(); ++k) {
         const double weight = weights.weights[k];

@@ -11,8 +11,8 @@
 
 namespace atrium::simulation {
 
-/// One solid of which the body is melted together: a cone with round ends, or an ellipsoid (`a` its
-/// centre).
+/// One solid of the body, which blends into the others: a cone with round ends, or an ellipsoid
+/// with centre `a`.
 struct BodyPart {
     Bone bone = kPelvis;
     Eigen::Vector3d a, b;
@@ -21,13 +21,13 @@ struct BodyPart {
     bool is_ellipsoid = false;
     Eigen::Vector3d radii_m;
     Eigen::Matrix3d part_from_body;  // axes of the ellipsoid, as rows
-    double blend_m = 0.03;           // how far it melts into what came before
+    double blend_m = 0.03;           // blending distance to the preceding parts
 };
 
-/// The rest body of a look, in the body frame of nominal height.
+/// Returns the rest body of a look, in the body frame of nominal height.
 std::vector<BodyPart> body_parts(const Look& look);
 
-/// Up to four bones that carry a vertex; weights are positive or zero and sum to one.
+/// Up to four bones that move a vertex. Weights are not negative and sum to one.
 struct SkinWeights {
     std::array<std::uint8_t, 4> bones{};
     std::array<float, 4> weights{};
@@ -40,17 +40,17 @@ struct Skin {
     std::vector<SkinWeights> weights;
 };
 
-/// One vertex of a skin that bones carry: linear blend skinning, in the body frame.
-struct CarriedVertex {
+/// One vertex after linear blend skinning, in the body frame.
+struct SkinnedVertex {
     Eigen::Vector3d position;
     Eigen::Vector3d normal;  // not of unit length
 };
 
-/// A skin in a posture. Refers to `skin`, which must outlive it.
-class CarriedSkin {
+/// A skin in a posture. `skin` must outlive it.
+class SkinnedBody {
 public:
-    CarriedSkin(const Skin& skin, const BoneTransforms& bones);
-    CarriedVertex vertex(std::size_t i) const;
+    SkinnedBody(const Skin& skin, const BoneTransforms& bones);
+    SkinnedVertex vertex(std::size_t i) const;
 
 private:
     const Skin& skin_;
@@ -58,7 +58,7 @@ private:
     std::array<Eigen::Matrix3d, kNumBones> rotations_;
 };
 
-/// About 16 000 triangles; takes about a tenth of a second.
+/// Builds a skin of about 16 000 triangles; takes about a tenth of a second.
 Skin make_skin(const Look& look);
 
 }  // namespace atrium::simulation

@@ -62,7 +62,7 @@ BodyPose push(const Phase& phase) {
 }
 
 BodyPose walk(const Phase& phase) {
-    constexpr int kSteps = 2;  // of each foot per loop
+    constexpr int kSteps = 2;  // per foot and loop
     BodyPose pose;
     const auto step = [&](LegPose& leg, double offset) {
         const double lift = std::max(0.0, phase.sine(kSteps, offset));

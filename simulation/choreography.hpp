@@ -10,7 +10,7 @@
 
 namespace atrium::simulation {
 
-/// What a person does, as a closed curve of postures.
+/// Motion of a person, as a closed curve of postures.
 enum class Motion : std::uint8_t {
     kWave,        // greets with the right hand
     kPush,        // thrusts the right palm forwards at chest height and draws it back
@@ -18,7 +18,7 @@ enum class Motion : std::uint8_t {
     kSway,        // stands and shifts the weight
     kRaise,       // lifts both arms overhead and lowers them
     kTableHands,  // stands before a table and reaches over its top with both hands
-    // play with things (play_motions.hpp)
+    // play with objects (play_motions.hpp)
     kKick,   // swings the right foot forwards, low over the floor
     kNudge,  // pushes something small off its place with the fingertips of the right hand
     kScoop,  // crouches, dips both hands low in front and flings them up
@@ -27,17 +27,16 @@ enum class Motion : std::uint8_t {
     kCarry,  // reaches below something with both arms, lifts it, turns with it, puts it back
 };
 
-/// nullopt if there is no motion of that name; the names are those above ("wave", "table_hands").
+/// Finds a motion by its name as above ("wave", "table_hands"); nullopt if there is none.
 std::optional<Motion> find_motion(std::string_view name);
 
 std::vector<std::string> motion_names();
 
-/// The posture at `phase`, which runs from 0 to 1 over one loop; the posture of phase 1 is that of
-/// phase 0.
+/// Returns the posture at `phase`, 0 to 1 over one loop. Phases 0 and 1 give the same posture.
 BodyPose posture(Motion motion, double phase);
 
-/// Height of the table's top and half its side [m]; its centre stands at the origin of the body
-/// frame of kTableHands.
+/// Height of the table top and half its side length [m]. The table's centre is the origin of the
+/// body frame of kTableHands.
 constexpr double kTableHeightM = 0.75;
 constexpr double kTableHalfSideM = 0.5;
 

@@ -16,8 +16,8 @@ using Colour = Eigen::Vector3f;
 enum class HairStyle : std::uint8_t { kShort, kLong, kBun };
 enum class Emblem : std::uint8_t { kStar, kNumberSeven, kHeart, kRings };
 
-/// How one of the built-in people is shaped and dressed. Left, right, front and back differ in
-/// colour, so that a texture that lands on the wrong side shows.
+/// Shape and clothes of a built-in person. Left, right, front and back differ in colour: a texture
+/// on the wrong side is visible.
 struct Look {
     std::string name;
     double height_m = 1.75;
@@ -29,7 +29,7 @@ struct Look {
         shoes;
 };
 
-/// nullopt if there is no look of that name.
+/// Returns nullopt if no look has that name.
 std::optional<Look> find_look(std::string_view name);
 
 std::vector<std::string> look_names();

@@ -18,14 +18,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Version 3. Change it whenever the pictures of the same options change: body, paint, room, light,
-// noise or layout.
+// Version 3. Increase it whenever the same options give other pictures: after changes of body,
+// paint, room, light, noise or layout.
 constexpr std::array<char, 16> kMagic = {
     'a', 't', 'r', 'i', 'u', 'm', ' ', 'l', 'o', 'o', 'p', ' ', '0', '0', '0', '3'};
 constexpr const char* kSuffix = ".atriumloop";
 
-// Checksum and key: four lanes of multiply and rotate over 8-byte words. Against accidents, not
-// against forgers.
+// Checksum and key: four lanes of multiply and rotate over 8-byte words. Detects accidents, not
+// forgeries.
 class Hash {
 public:
     void add(std::span<const std::uint8_t> bytes) {
@@ -59,8 +59,8 @@ private:
     std::array<std::uint64_t, 4> lanes_ = {1, 2, 3, 4};
 };
 
-// Empty where it cannot be read: what renders the loop says so. Files that it refers to, pictures
-// beside it, do not count.
+// Returns the content of a file; empty if it cannot be read, which the renderer reports. Files that
+// it refers to, such as textures, are ignored.
 std::string bytes_of(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
     return std::string(std::istreambuf_iterator<char>(stream), {});
@@ -106,8 +106,8 @@ std::size_t picture_bytes(const geometry::CalibratedCamera& camera) {
            static_cast<std::size_t>(camera.intrinsics.height) * 3 / 2;
 }
 
-// Layout: header; of each camera its empty room; of each instant all cameras; checksum of the
-// pictures. Planes Y, U, V.
+// Layout: header; the empty room, per camera; all cameras, per instant; checksum of the pictures.
+// Planes Y, U, V.
 std::size_t all_picture_bytes(std::span<const geometry::CalibratedCamera> cameras,
                               const RoomOptions& options) {
     std::size_t per_instant = 0;
@@ -119,7 +119,7 @@ std::size_t all_picture_bytes(std::span<const geometry::CalibratedCamera> camera
 struct FileBytes {
     std::span<const std::uint8_t> bytes;
     std::shared_ptr<const void> owner;
-    std::shared_ptr<const MappedFile> mapping;  // null: read
+    std::shared_ptr<const MappedFile> mapping;  // null: the bytes are in memory
 };
 
 Expected<FileBytes> bytes_of_cache(const fs::path& file) {
@@ -136,7 +136,7 @@ Expected<FileBytes> bytes_of_cache(const fs::path& file) {
     return FileBytes{*memory, memory, nullptr};
 }
 
-// Takes pictures one after another.
+// Hands out pictures one after the other.
 class PictureReader {
 public:
     PictureReader(const FileBytes& file, std::size_t first_byte) : file_(file), at_(first_byte) {}
@@ -172,7 +172,7 @@ private:
 void write_picture(std::ostream& stream, const Picture& picture, Hash& hash) {
     const image::YuvView view = view_of(picture);
     for (const image::PlaneView* plane : {&view.y, &view.u, &view.v}) {
-        // rendered planes and those of a file have no padding
+        // neither rendered planes nor those of a file have padding
         const std::span bytes(
             plane->data,
             static_cast<std::size_t>(plane->width) * static_cast<std::size_t>(plane->height));
@@ -254,7 +254,7 @@ Expected<void> write_cached_loop(const fs::path& file,
     if (error)
         return make_error(ErrorKind::kUnavailable,
                           file.parent_path().string() + ": " + error.message());
-    // two sites may write the same loop at once: each its own file, and the last rename wins
+    // two sites may write the same loop at once: each writes its own file, and the last rename wins
     const fs::path partial = file.string() + "." + std::to_string(::getpid()) + "." +
                              std::to_string(reinterpret_cast<std::uintptr_t>(&loop)) + ".partial";
     std::ofstream stream(partial, std::ios::binary | std::ios::trunc);

@@ -4,16 +4,15 @@
 
 namespace atrium::simulation {
 
-/// The loop in `file`, if the file is whole, undamaged and made from these cameras and options. The
-/// bytes are untrusted: nothing is taken from a file whose size, key or checksum is not as
-/// expected. The pictures stay in the file, mapped (mapped_file.hpp), or are read into memory where
-/// it cannot be mapped under a lease.
+/// Loads the loop of these cameras and options from `file`. Bytes are untrusted: rejects a file
+/// with an unexpected size, key or checksum. The pictures stay in the mapped file
+/// (mapped_file.hpp), or are read into memory if it cannot be mapped under a lease.
 Expected<SimulatedLoop> read_cached_loop(const std::filesystem::path& file,
                                          std::span<const geometry::CalibratedCamera> cameras,
                                          const RoomOptions& options);
 
-/// Writes beside `file` and renames, so that a reader sees the whole file or none; then removes the
-/// oldest loops of the folder beyond `kMaxCachedLoops`.
+/// Writes the loop atomically, then removes the oldest loops of the folder beyond
+/// `kMaxCachedLoops`.
 Expected<void> write_cached_loop(const std::filesystem::path& file,
                                  std::span<const geometry::CalibratedCamera> cameras,
                                  const RoomOptions& options,

@@ -21,11 +21,11 @@ Expected<std::shared_ptr<const MappedFile>> MappedFile::open(const std::filesyst
     mapped->file_ = Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
     const int file = mapped->file_.get();
     if (file < 0) return failed("open");
-    // The kernel reports who waits for the lease by a signal, SIGIO unless told otherwise, which
-    // would end the process. SIGURG is ignored by default; `is_wanted` asks instead.
+    // The kernel announces a waiting process by a signal. The default, SIGIO, would end this
+    // process; SIGURG is ignored by default, and `is_wanted` polls instead.
     if (::fcntl(file, F_SETSIG, SIGURG) != 0) return failed("F_SETSIG");
     if (::fcntl(file, F_SETLEASE, F_RDLCK) != 0) return failed("F_SETLEASE");
-    // from here on the size stays
+    // from here on the size cannot change
     struct stat status {};
     if (::fstat(file, &status) != 0) return failed("fstat");
     if (!S_ISREG(status.st_mode) || status.st_size == 0) {
@@ -41,7 +41,7 @@ Expected<std::shared_ptr<const MappedFile>> MappedFile::open(const std::filesyst
 
 MappedFile::~MappedFile() {
     if (!bytes_.empty())
-        ::munmap(const_cast<std::uint8_t*>(bytes_.data()), bytes_.size());  // then the lease ends
+        ::munmap(const_cast<std::uint8_t*>(bytes_.data()), bytes_.size());  // before the lease ends
 }
 
 bool MappedFile::is_wanted() const { return ::fcntl(file_.get(), F_GETLEASE) != F_RDLCK; }

@@ -12,16 +12,15 @@ namespace atrium::simulation {
 
 /// A whole file, mapped for reading. Programs that map the same file share its memory.
 ///
-/// A file that shrinks under a mapping kills the process that reads there (SIGBUS). Therefore the
-/// mapping holds a read lease (fcntl, F_SETLEASE): whoever wants to write to the file, or to cut it
-/// short, waits in `open` or `truncate` until the lease is given up, for 45 s by default
-/// (/proc/sys/fs/lease-break-time). Poll `is_wanted` more often than that, and let the mapping go
-/// when it is true. Replacing the file by `rename`, and removing it, disturb nobody.
+/// If a mapped file shrinks, the process that reads beyond the new end dies (SIGBUS). Therefore the
+/// mapping holds a read lease (fcntl, F_SETLEASE): `open` for writing and `truncate` block until
+/// the lease ends, for 45 s by default (/proc/sys/fs/lease-break-time). Poll `is_wanted` more often
+/// than that, and release the mapping when it is true. A `rename` over the file and its removal are
+/// harmless.
 class MappedFile {
 public:
-    /// Error kNotFound if there is no such file, kUnavailable if it cannot be mapped under a lease:
-    /// somebody has it open for writing, it belongs to somebody else, or the file system has no
-    /// leases.
+    /// Error kNotFound if the file does not exist, kUnavailable if it cannot be mapped under a
+    /// lease: it is open for writing, belongs to another user, or its file system has no leases.
     static Expected<std::shared_ptr<const MappedFile>> open(const std::filesystem::path& path);
     ~MappedFile();
     MappedFile(const MappedFile&) = delete;
@@ -29,7 +28,7 @@ public:
 
     std::span<const std::uint8_t> bytes() const { return bytes_; }
 
-    /// Somebody waits for permission to change the file.
+    /// Returns true if a process waits to change the file.
     bool is_wanted() const;
 
 private:

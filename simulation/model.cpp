@@ -18,7 +18,7 @@ constexpr double kMinHeight_m = 0.5;
 constexpr double kMaxHeight_m = 2.5;
 constexpr double kUsualHeight_m = 1.75;
 
-// Turns the file's axes so that +Z is up and the model looks along +Y.
+// Rotates the file's axes to +Z up and +Y forwards.
 Eigen::Matrix3d upright(bool is_z_up) {
     Eigen::Matrix3d turn;
     if (is_z_up) {
@@ -40,7 +40,7 @@ geometry::Aabb box_of(const std::vector<Eigen::Vector3f>& positions, const Eigen
 struct Model::Impl {
     ModelParts parts;
     double loop_s = 0.0;        // of the room
-    double file_s_per_s = 0.0;  // how fast the animation runs
+    double file_s_per_s = 0.0;  // speed of the animation
     Eigen::Affine3f site_from_file = Eigen::Affine3f::Identity();
 
     void pose(double time_s, std::vector<Eigen::Affine3f>& scratch, PosedSkin& out) const {
@@ -51,7 +51,7 @@ struct Model::Impl {
         pose_rig(parts.rig, in_file_s, scratch, out);
     }
 
-    // Scale and place, from what the animation covers.
+    // Derives scale and position from the volume that the animation covers.
     Expected<void> stand(const RoomOptions& options) {
         const Eigen::Matrix3d turn = Eigen::AngleAxisd(options.heading_rad + options.model_turn_rad,
                                                        Eigen::Vector3d::UnitZ()) *
@@ -95,7 +95,7 @@ Expected<Model> Model::load(const RoomOptions& options) {
     if (!std::filesystem::is_regular_file(options.model)) {
         return make_error(
             ErrorKind::kNotFound,
-            fmt::format("simulation.model: '{}': there is no such file", options.model.string()));
+            fmt::format("simulation.model: '{}': no such file", options.model.string()));
     }
     Assimp::Importer importer;
     const aiScene* scene = importer.ReadFile(options.model.string(),

@@ -13,7 +13,7 @@
 
 namespace atrium::simulation {
 
-/// A picture that lies on a model: packed RGB, top row first.
+/// Texture of a model: packed RGB, top row first.
 struct ModelTexture {
     int width = 0;
     int height = 0;
@@ -27,39 +27,39 @@ struct ModelPart {
     int texture = -1;  // -1: none
 };
 
-/// What a model looks like, whatever its pose.
+/// The pose-independent surface of a model.
 struct ModelSurface {
     std::vector<std::array<std::uint32_t, 3>> triangles;
-    std::vector<Eigen::Vector2f> texture_places;  // per vertex; (0, 0) is the picture's top left
+    std::vector<Eigen::Vector2f> texture_places;  // per vertex; (0, 0) is the top left
     std::vector<Eigen::Vector3f> colours;         // per vertex, 0 to 1; multiplies the texture
     std::vector<ModelPart> parts;
     std::vector<ModelTexture> textures;
 };
 
-/// A rigged, animated model from a file, standing on the floor of a simulated room. Const use is
-/// thread-safe.
+/// A rigged, animated model from a file, standing on the floor of a simulated room. Const methods
+/// are thread-safe.
 class Model {
 public:
-    /// Reads `options.model`, in any format that Assimp reads, and its first animation; without one
-    /// it stands still. The animation is repeated as often in a loop of the room as fits best. Up
-    /// and forwards are +Y and +Z of the file, or +Z and -Y where the file says that +Z is up. It
-    /// stands at `options.position_m`, its lowest point on the floor, and has the height that the
-    /// options say at the animation's start; where they say none, that of the file if it can be a
-    /// person's (0.5 to 2.5 m), else 1.75 m.
+    /// Loads `options.model`, in any format that Assimp reads, and its first animation; without one
+    /// the model stands still. A loop of the room repeats the animation as often as fits best. Up
+    /// and forwards are +Y and +Z of the file, or +Z and -Y if the file declares +Z as up. The
+    /// model stands at `options.position_m` with its lowest point on the floor. Its height at the
+    /// start of the animation is that of the options; without one that of the file if plausible for
+    /// a person (0.5 to 2.5 m), else 1.75 m.
     ///
-    /// Errors: kNotFound, kInvalidData where the file cannot be read or holds no triangles.
+    /// Errors: kNotFound; kInvalidData if the file cannot be read or has no triangles.
     static Expected<Model> load(const RoomOptions& options);
 
     Model(Model&&) noexcept;
     Model& operator=(Model&&) noexcept;
     ~Model();
 
-    /// The vertices at `time_s` [s], of any loop, in the site frame.
+    /// Computes the vertices at `time_s` [s], in any loop, in the site frame.
     void pose(double time_s, PosedSkin& out) const;
 
     const ModelSurface& surface() const;
 
-    /// Length of the animation as the file has it [s]; 0 without one.
+    /// Length of the animation in the file [s]; 0 without one.
     double duration_s() const;
 
 private:

@@ -23,7 +23,7 @@ ModelDrawing::ModelDrawing(const ModelSurface& surface) : parts_(surface.parts) 
     for (gl::Buffer* buffer : {&positions_, &normals_, &texture_places_, &colours_, &indices_})
         *buffer = gl::make_buffer();
     glBindVertexArray(array_.id());
-    // until there is a pose: something of the right size
+    // right size, content undefined until the first pose
     static_attribute(positions_, 0, surface.colours, GL_STREAM_DRAW);
     static_attribute(normals_, 1, surface.colours, GL_STREAM_DRAW);
     static_attribute(texture_places_, 3, surface.texture_places, GL_STATIC_DRAW);

@@ -8,15 +8,15 @@
 
 namespace atrium::simulation {
 
-/// A model's surface in GL. Made, used and destroyed while its context is current.
+/// The surface of a model in GL. Create, use and destroy it with its context current.
 class ModelDrawing {
 public:
     explicit ModelDrawing(const ModelSurface& surface);
 
     void set_pose(const PosedSkin& skin);
 
-    /// Draws all of it with `program`, which is in use and has its camera: both sides of every
-    /// triangle, for models need not be closed.
+    /// Draws the model with `program`, which must be in use with its camera set. Draws both sides
+    /// of every triangle, since models need not be closed.
     void draw(const gl::ShaderProgram& program) const;
 
 private:

@@ -8,7 +8,7 @@
 #include <map>
 #include <optional>
 
-// From Assimp's scene to ours.
+// Converts Assimp's scene to a rig and a surface.
 namespace atrium::simulation {
 namespace {
 
@@ -38,9 +38,9 @@ ModelTexture to_texture(const cv::Mat& bgr) {
     return texture;
 }
 
-// Empty where it is not there or no picture.
+// Empty if the data is no picture.
 ModelTexture embedded_texture(const aiTexture& embedded) {
-    if (embedded.mHeight == 0) {  // a file of so many bytes
+    if (embedded.mHeight == 0) {  // an encoded file of mWidth bytes
         const auto* bytes = reinterpret_cast<const std::uint8_t*>(embedded.pcData);
         const std::vector<std::uint8_t> file(bytes, bytes + embedded.mWidth);
         return to_texture(cv::imdecode(file, cv::IMREAD_COLOR));
@@ -62,14 +62,14 @@ public:
         : scene_(scene), folder_(file.parent_path()), file_(file) {}
 
     Expected<ModelParts> run() {
-        if (scene_.mRootNode == nullptr) return invalid("holds no nodes");
-        if (!add_nodes(*scene_.mRootNode, -1, 0)) return invalid("its nodes are nested too deep");
+        if (scene_.mRootNode == nullptr) return invalid("has no nodes");
+        if (!add_nodes(*scene_.mRootNode, -1, 0)) return invalid("its nodes are nested too deeply");
         parts_.rig.first_weight.push_back(0);
         for (const auto& [node, index] : meshes_) {
             if (auto added = add_mesh(node, *scene_.mMeshes[index]); !added)
                 return tl::unexpected(added.error());
         }
-        if (parts_.surface.triangles.empty()) return invalid("holds no triangles");
+        if (parts_.surface.triangles.empty()) return invalid("has no triangles");
         if (scene_.mNumAnimations > 0) add_animation(*scene_.mAnimations[0]);
         if (scene_.mMetaData != nullptr) {
             int up_axis = 1;
@@ -146,7 +146,7 @@ private:
             const aiBone& bone = *mesh.mBones[b];
             const auto carrier = by_name_.find(bone.mName.C_Str());
             if (carrier == by_name_.end())
-                return invalid(fmt::format("bone '{}' is no node", bone.mName.C_Str()));
+                return invalid(fmt::format("bone '{}' is not a node", bone.mName.C_Str()));
             const auto index = static_cast<std::uint32_t>(rig.bones.size());
             rig.bones.push_back({carrier->second, to_eigen(bone.mOffsetMatrix)});
             for (unsigned w = 0; w < bone.mNumWeights; ++w) {
@@ -156,7 +156,7 @@ private:
             }
         }
         const auto rigid = static_cast<std::uint32_t>(rig.bones.size());
-        rig.bones.push_back({node, Eigen::Affine3f::Identity()});  // carries what no bone does
+        rig.bones.push_back({node, Eigen::Affine3f::Identity()});  // for vertices without bones
         for (std::vector<BoneWeight>& weights : of_vertex) {
             float sum = 0.0f;
             for (const BoneWeight& weight : weights) sum += weight.weight;
@@ -175,7 +175,7 @@ private:
         return {colour.r, colour.g, colour.b};
     }
 
-    // -1 where it has none that can be read.
+    // Returns -1 if it has no readable texture.
     int texture_of(const aiMaterial& material) {
         aiString path;
         if (material.GetTexture(aiTextureType_BASE_COLOR, 0, &path) != aiReturn_SUCCESS &&
@@ -202,7 +202,7 @@ private:
     }
 
     void add_animation(const aiAnimation& animation) {
-        // as Assimp's manual has it where a file says nothing
+        // Assimp's documented default
         const double ticks_per_s =
             animation.mTicksPerSecond > 0.0 ? animation.mTicksPerSecond : 25.0;
         parts_.rig.duration_s = std::max(0.0, animation.mDuration / ticks_per_s);
@@ -213,12 +213,12 @@ private:
             ModelNode& node = parts_.rig.nodes[found->second];
             for (unsigned k = 0; k < channel.mNumPositionKeys; ++k) {
                 const aiVectorKey& key = channel.mPositionKeys[k];
-                node.places.push_back({key.mTime / ticks_per_s, to_eigen(key.mValue)});
+                node.translations.push_back({key.mTime / ticks_per_s, to_eigen(key.mValue)});
             }
             for (unsigned k = 0; k < channel.mNumRotationKeys; ++k) {
                 const aiQuaternion& q = channel.mRotationKeys[k].mValue;
-                node.turns.push_back({channel.mRotationKeys[k].mTime / ticks_per_s,
-                                      Eigen::Quaternionf(q.w, q.x, q.y, q.z).normalized()});
+                node.rotations.push_back({channel.mRotationKeys[k].mTime / ticks_per_s,
+                                          Eigen::Quaternionf(q.w, q.x, q.y, q.z).normalized()});
             }
             for (unsigned k = 0; k < channel.mNumScalingKeys; ++k) {
                 const aiVectorKey& key = channel.mScalingKeys[k];

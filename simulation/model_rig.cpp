@@ -13,7 +13,7 @@ Eigen::Quaternionf between(const Eigen::Quaternionf& a, const Eigen::Quaternionf
     return a.slerp(share, b).normalized();
 }
 
-// Keys are in order of time; before the first and after the last the value stays.
+// Keys are sorted by time; before the first and after the last the value is constant.
 template <typename Value>
 Value value_at(const std::vector<ModelKey<Value>>& keys, double time_s) {
     const auto next = std::upper_bound(
@@ -28,15 +28,15 @@ Value value_at(const std::vector<ModelKey<Value>>& keys, double time_s) {
 
 Eigen::Affine3f parent_from_node(const ModelNode& node, double time_s) {
     if (!node.is_animated()) return node.parent_from_node;
-    // what has no keys stays as at rest
+    // without keys the rest value remains
     Eigen::Matrix3f rotation;
     Eigen::Matrix3f scaling;
     node.parent_from_node.computeRotationScaling(&rotation, &scaling);
     Eigen::Affine3f transform = Eigen::Affine3f::Identity();
-    transform.translation() = node.places.empty()
+    transform.translation() = node.translations.empty()
                                   ? Eigen::Vector3f(node.parent_from_node.translation())
-                                  : value_at(node.places, time_s);
-    if (!node.turns.empty()) rotation = value_at(node.turns, time_s).toRotationMatrix();
+                                  : value_at(node.translations, time_s);
+    if (!node.rotations.empty()) rotation = value_at(node.rotations, time_s).toRotationMatrix();
     if (!node.scales.empty()) scaling = value_at(node.scales, time_s).asDiagonal();
     transform.linear() = rotation * scaling;
     return transform;
@@ -59,7 +59,7 @@ void pose_rig(const ModelRig& rig,
               PosedSkin& out) {
     pose_nodes(rig, time_s, scratch);
     const std::size_t num_nodes = rig.nodes.size();
-    scratch.resize(num_nodes + rig.bones.size());  // behind the nodes: scene_from_mesh of the bones
+    scratch.resize(num_nodes + rig.bones.size());  // nodes, then scene_from_mesh of the bones
     for (std::size_t i = 0; i < rig.bones.size(); ++i)
         scratch[num_nodes + i] = scratch[rig.bones[i].node] * rig.bones[i].node_from_mesh;
     out.positions.resize(rig.positions.size());

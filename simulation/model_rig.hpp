@@ -11,7 +11,7 @@ struct aiScene;
 
 namespace atrium::simulation {
 
-/// A key of an animation: at `time_s`, this value.
+/// Key of an animation: `value` at `time_s`.
 template <typename Value>
 struct ModelKey {
     double time_s = 0.0;
@@ -21,15 +21,17 @@ struct ModelKey {
 /// A node of the model's tree; parents come before their children.
 struct ModelNode {
     int parent = -1;                                                 // -1: the root
-    Eigen::Affine3f parent_from_node = Eigen::Affine3f::Identity();  // where it is not animated
-    // empty: as at rest
-    std::vector<ModelKey<Eigen::Vector3f>> places;
-    std::vector<ModelKey<Eigen::Quaternionf>> turns;
+    Eigen::Affine3f parent_from_node = Eigen::Affine3f::Identity();  // without animation
+    // empty: rest values
+    std::vector<ModelKey<Eigen::Vector3f>> translations;
+    std::vector<ModelKey<Eigen::Quaternionf>> rotations;
     std::vector<ModelKey<Eigen::Vector3f>> scales;
-    bool is_animated() const { return !places.empty() || !turns.empty() || !scales.empty(); }
+    bool is_animated() const {
+        return !translations.empty() || !rotations.empty() || !scales.empty();
+    }
 };
 
-/// What moves a vertex: `scene_from_node * node_from_mesh`, by its weight.
+/// Moves vertices by `scene_from_node * node_from_mesh`, with a weight.
 struct ModelBone {
     std::size_t node = 0;
     Eigen::Affine3f node_from_mesh = Eigen::Affine3f::Identity();
@@ -40,29 +42,31 @@ struct BoneWeight {
     float weight = 0.0f;
 };
 
-/// Vertices at rest and what carries them.
+/// Rest vertices, and the nodes and bones that move them.
 struct ModelRig {
     std::vector<ModelNode> nodes;
     std::vector<ModelBone> bones;
     std::vector<Eigen::Vector3f> positions, normals;  // in the frame of their mesh
-    std::vector<BoneWeight> weights;                  // of all vertices, one after another
-    std::vector<std::uint32_t> first_weight;          // of each vertex, and a last one: the end
+    std::vector<BoneWeight> weights;                  // of all vertices, one after the other
+    std::vector<std::uint32_t> first_weight;          // per vertex, plus the end
     double duration_s = 0.0;
     bool is_z_up = false;
 };
 
-/// Takes both from what Assimp has read; `file` says where pictures are looked for. Error
-/// kInvalidData.
+/// Rig and surface of a model.
 struct ModelParts {
     ModelRig rig;
     ModelSurface surface;
 };
+/// Converts the scene that Assimp read; pictures are searched relative to `file`. Error
+/// kInvalidData.
 Expected<ModelParts> take_model(const aiScene& scene, const std::filesystem::path& file);
 
-/// `scene_from_node` of every node at `time_s` of the animation, 0 to its duration.
+/// Computes `scene_from_node` of every node at `time_s` of the animation, 0 to its duration.
 void pose_nodes(const ModelRig& rig, double time_s, std::vector<Eigen::Affine3f>& out);
 
-/// Positions and unit normals at `time_s`, in the file's own frame. `scratch` is of `pose_nodes`.
+/// Computes positions and unit normals at `time_s`, in the file's frame. `scratch` is for
+/// `pose_nodes`.
 void pose_rig(const ModelRig& rig,
               double time_s,
               std::vector<Eigen::Affine3f>& scratch,

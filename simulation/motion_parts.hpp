@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
-/// What the motions of the choreography are made of.
+/// Building blocks of the motions.
 namespace atrium::simulation {
 
-/// Position in the loop, 0 to 1: sines whose whole numbers of turns make every motion end where it
+/// Position in the loop, 0 to 1. Its sines make whole numbers of turns: every motion ends where it
 /// began.
 struct Phase {
     double value = 0.0;
@@ -21,7 +21,7 @@ struct Phase {
     double swell(int turns, double offset = 0.0) const {
         return 0.5 - 0.5 * sine(turns, offset + 0.25);
     }
-    /// From 0 to 1 between two phases, with no jump of velocity or acceleration.
+    /// Rises from 0 to 1 between two phases, with continuous velocity and acceleration.
     double rise(double from, double to) const {
         const double t = std::clamp((value - from) / (to - from), 0.0, 1.0);
         return t * t * t * (10.0 - 15.0 * t + 6.0 * t * t);
@@ -39,7 +39,7 @@ inline ArmPose between(const ArmPose& a, const ArmPose& b, double t) {
             between(a.palm, b.palm, t)};
 }
 
-/// Breathing and a shift of the weight by `amount_m`, which every standing person does.
+/// Breathing and a weight shift by `amount_m`, common to all standing people.
 inline BodyPose stand(const Phase& phase, double amount_m) {
     using Eigen::Vector3d;
     BodyPose pose;

@@ -68,13 +68,13 @@ template <typename Visit>
 void Person::visit_vertices(double time_s, Visit&& visit) const {
     const double loop_s = options_.num_frames() / options_.rate_hz;
     const double frame = std::fmod(time_s, loop_s);
-    const CarriedSkin carried(skin_, pose_bones(posture(motion_, frame / loop_s)));
-    // a person's height must not lift the hands off a table, nor the table
+    const SkinnedBody carried(skin_, pose_bones(posture(motion_, frame / loop_s)));
+    // the person's height must not change the table or lift the hands off it
     const double scale = motion_ == Motion::kTableHands ? 1.0 : look_.height_m / kNominalHeight;
     const Eigen::Matrix3d site_from_body =
         Eigen::AngleAxisd(options_.heading_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
     for (std::size_t i = 0; i < skin_.mesh.vertices.size(); ++i) {
-        const CarriedVertex vertex = carried.vertex(i);
+        const SkinnedVertex vertex = carried.vertex(i);
         visit(i,
               Eigen::Vector3d(options_.position_m + scale * (site_from_body * vertex.position)),
               Eigen::Vector3d(site_from_body * vertex.normal));

@@ -13,46 +13,45 @@
 
 namespace atrium::simulation {
 
-/// A room that does not exist and who is in it.
+/// Options of a simulated room and its person.
 struct RoomOptions {
     std::string look = "ada";     // one of `look_names()`
     std::string motion = "wave";  // one of `motion_names()`; "table_hands" brings a table
-    std::filesystem::path model;  // if not empty: who stands there instead, and its motion
-    double model_height_m = 0.0;  // scales the model to it; 0: as in its file
+    std::filesystem::path model;  // if not empty: replaces the person and its motion
+    double model_height_m = 0.0;  // scales the model to this height; 0: as in its file
     double model_turn_rad = 0.0;  // about the vertical, positive turns left
     double loop_s = 3.0;          // the motion repeats after this time
     double rate_hz = 30.0;        // pictures per second of every camera
     double noise_lsb = 2.0;       // standard deviation of the noise of each colour channel
     std::uint64_t seed = 1;       // of the noise
-    Eigen::Vector3d position_m{
-        0.0, 0.0, 0.0};         // site: where the person stands, or the table's centre
+    Eigen::Vector3d position_m{0.0, 0.0, 0.0};  // of the person or the table's centre, site frame
     double heading_rad = 0.0;   // 0 faces +Y, positive turns left
     int num_empty_frames = 16;  // pictures of the empty room per camera
 
-    /// Number of instants in a loop; the loop lasts exactly that many picture intervals.
+    /// Number of instants in a loop; the loop lasts exactly this many picture intervals.
     int num_frames() const;
     double frame_time_s(int frame) const { return frame / rate_hz; }
 };
 
-/// Error kConfiguration that names the option and what is allowed.
+/// Checks the options. Error kConfiguration names the option and the allowed values.
 Expected<void> check(const RoomOptions& options);
 
-/// Skin of one instant: positions and unit normals of the same vertices, in the site frame.
+/// A skin at one instant: positions and unit normals in the site frame.
 struct PosedSkin {
     std::vector<Eigen::Vector3f> positions;
     std::vector<Eigen::Vector3f> normals;
 };
 
-/// A built-in person: a skin of one closed mesh that follows a motion. Const use is thread-safe.
+/// A built-in person: a closed skin that follows a motion. Const methods are thread-safe.
 class Person {
 public:
     static Expected<Person> create(const RoomOptions& options);
 
-    /// Ground truth in the site frame at `time_s` [s], of any loop: closed, 2-manifold,
-    /// counter-clockwise from outside.
+    /// Returns the ground truth at `time_s` [s], in any loop, in the site frame: closed,
+    /// 2-manifold, counter-clockwise from outside.
     geometry::TriangleMesh mesh(double time_s) const;
 
-    /// The same vertices as `mesh(time_s)`, as they are drawn.
+    /// Computes the same vertices as `mesh(time_s)`, for drawing.
     void pose(double time_s, PosedSkin& out) const;
 
     const Look& look() const { return look_; }
@@ -70,8 +69,8 @@ private:
     Skin skin_;
 };
 
-/// `Person::mesh` for one instant; builds the whole person, so make a `Person` for more than one.
-/// `options` are valid.
+/// Returns `Person::mesh` for one instant. Builds the whole person: create a `Person` for more than
+/// one instant. `options` must be valid.
 geometry::TriangleMesh person_mesh(const RoomOptions& options, double time_s);
 
 }  // namespace atrium::simulation

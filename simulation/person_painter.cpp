@@ -54,7 +54,8 @@ void set_light(const gl::ShaderProgram& program, const Eigen::Vector3d& lamp) {
     program.set("diffuse", static_cast<float>(kDiffuse));
 }
 
-// Mean over (2 radius + 1) pixels along each row, written transposed: twice gives both directions.
+// Averages (2 radius + 1) pixels along each row, written transposed: two passes blur both
+// directions.
 void blur_transposed(const std::vector<std::uint8_t>& in,
                      int size,
                      int radius,
@@ -78,12 +79,12 @@ void blur_transposed(const std::vector<std::uint8_t>& in,
 struct PersonPainter::Impl {
     explicit Impl(gl::OffscreenContext owned_context) : context(std::move(owned_context)) {}
 
-    gl::OffscreenContext context;  // first: everything below is destroyed while it is there
+    gl::OffscreenContext context;  // first member: outlives the GL objects below
     gl::ShaderProgram paint, flat;
     std::optional<ModelDrawing> model;  // instead of the person
     gl::VertexArray person_array, table_array;
     gl::Buffer positions, normals, rest, indices, table;
-    gl::FramebufferName sampled;  // several samples per pixel
+    gl::FramebufferName sampled;  // multisampled
     unsigned sampled_colour = 0;
     unsigned sampled_depth = 0;
     gl::Framebuffer resolved;
@@ -165,7 +166,7 @@ struct PersonPainter::Impl {
         gl::float_attribute(0, 3, sizeof(Eigen::Vector3f), 0);
     }
 
-    // What hides the person: depth only, no coverage.
+    // Draws the occluder of the person: depth only, no coverage.
     void draw_table(const geometry::CalibratedCamera& camera) {
         if (num_table_corners == 0) return;
         flat.use();
@@ -183,8 +184,8 @@ struct PersonPainter::Impl {
             return;
         }
         glBindVertexArray(person_array.id());
-        // the skin is closed: its far side is never seen; rows run downwards, so its near side is
-        // clockwise
+        // the skin is closed, its back faces are never visible; rows run downwards, which makes
+        // front faces clockwise
         glEnable(GL_CULL_FACE);
         glFrontFace(GL_CW);
         glDrawElements(GL_TRIANGLES, num_indices, GL_UNSIGNED_INT, nullptr);
@@ -209,7 +210,7 @@ PersonPainter::PersonPainter(PersonPainter&&) noexcept = default;
 PersonPainter& PersonPainter::operator=(PersonPainter&&) noexcept = default;
 PersonPainter::~PersonPainter() = default;
 
-// All but who is drawn.
+// Prepares everything except the person or model.
 Expected<std::unique_ptr<PersonPainter::Impl>> PersonPainter::prepare(const char* fragment_shader,
                                                                       const Room& room,
                                                                       int max_width,

@@ -14,7 +14,7 @@
 
 namespace atrium::simulation {
 
-/// Draws a person or a model without the room, by OSMesa. Owns its context: use it on one thread.
+/// Draws a person or a model without the room, with OSMesa. Owns its context: use it on one thread.
 class PersonPainter {
 public:
     /// Pictures may be up to `max_width` by `max_height`.
@@ -33,13 +33,13 @@ public:
 
     void set_pose(const PosedSkin& skin);
 
-    /// Draws `region` of the camera's picture: RGBA rows of `region.width`, top row first; alpha is
-    /// the share of the pixel that the person covers, colours are multiplied by it. The span is
-    /// valid until the next call.
+    /// Draws `region` of the camera's picture. Returns RGBA rows of `region.width`, top row first:
+    /// alpha is the fraction of the pixel that the person covers, and colours are premultiplied.
+    /// The span is valid until the next call.
     std::span<const std::uint8_t> draw(const geometry::CalibratedCamera& camera,
                                        const image::PixelRect& region);
 
-    /// What the person hides from the lamp, 0 to 255, blurred; pixels of `Room::shadow_camera`.
+    /// Draws the person's blurred shadow, 0 to 255, in pixels of `Room::shadow_camera`.
     std::span<const std::uint8_t> draw_shadow();
 
 private:

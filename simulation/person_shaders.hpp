@@ -2,13 +2,12 @@
 
 namespace atrium::simulation {
 
-/// Projects as the camera's lens does, distortion included; top picture row first in the
-/// framebuffer.
+/// Projects with lens distortion; the top picture row comes first in the framebuffer.
 extern const char* const kPersonVertexShader;
-/// Paints skin, hair, face and clothes by the place in the rest pose, and lights them.
+/// Paints skin, hair, face and clothes by position in the rest pose, and lights them.
 extern const char* const kPersonFragmentShader;
 extern const char* const kModelFragmentShader;
-/// One flat value, for shadows and for what hides a person.
+/// Writes one flat value, for shadows and occluders.
 extern const char* const kFlatFragmentShader;
 
 }  // namespace atrium::simulation

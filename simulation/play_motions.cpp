@@ -5,7 +5,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Takes trunk and hands along, but not the feet.
+// Moves trunk and hands, but not the feet.
 void advance(BodyPose& pose, double forwards_m) {
     const Vector3d way(0.0, forwards_m, 0.0);
     pose.shift += way;
@@ -13,7 +13,7 @@ void advance(BodyPose& pose, double forwards_m) {
     pose.left_arm.wrist += way;
 }
 
-// A step between two phases from one place ahead of the body frame to another.
+// Steps between two phases from one place ahead of the body frame to another.
 void step(LegPose& leg,
           const Phase& phase,
           double from,
@@ -38,12 +38,12 @@ BodyPose kick(const Phase& phase) {
     const double back = phase.rise(0.10, 0.34) - phase.rise(0.34, 0.56);
     const double ahead = phase.rise(0.34, 0.56) - phase.rise(0.62, 0.90);
     const double angle = 0.85 * ahead - 0.75 * back;
-    // the knee is bent behind and nearly straight ahead
+    // the knee is bent behind the body and nearly straight ahead of it
     const double length = kLegM - 0.035 * lifted - 0.12 * back;
     pose.right_leg.ankle = {
         0.11, -0.01 + length * std::sin(angle), kHipM - length * std::cos(angle)};
     pose.right_leg.toe_down_rad = 0.5 * back - 0.35 * ahead;
-    // over the other foot, leaning against the leg
+    // the trunk is over the other foot and leans against the leg
     pose.shift += Vector3d(-0.06 * lifted, -0.04 * ahead, 0.0);
     pose.pelvis_turn += Vector3d(0.10 * ahead - 0.08 * back, 0.0, 0.25 * ahead - 0.2 * back);
     pose.chest_turn += Vector3d(-0.10 * lifted, 0.0, 0.4 * back - 0.5 * ahead);
@@ -90,7 +90,7 @@ BodyPose scoop(const Phase& phase) {
                        .palm = {-0.2, -0.8, 0.6}};
     pose.right_arm = between(between(ready, low, down), high, up);
     pose.left_arm = pose.right_arm;
-    // the knees give way, the hips go back
+    // the knees bend, the hips move back
     pose.shift += Vector3d(0.0, -0.14, -0.46) * down + Vector3d(0.0, 0.02, 0.0) * up;
     pose.pelvis_turn += Vector3d(-0.75 * down, 0.0, 0.0);
     pose.chest_turn += Vector3d(-0.35 * down + 0.10 * up, 0.0, 0.0);
@@ -103,7 +103,7 @@ BodyPose wade(const Phase& phase) {
     BodyPose pose;
     constexpr double kStepM = 0.25;  // height of the feet
     const auto tread = [&](LegPose& leg, double first) {
-        // two steps forwards, one back over the whole way
+        // two steps forwards, one back over the whole distance
         constexpr double kSixth = 1.0 / 6.0;
         const double half = first + 2.0 * kSixth;
         const double last = first + 4.0 * kSixth;
@@ -122,7 +122,7 @@ BodyPose wade(const Phase& phase) {
     };
     arm(pose.right_arm, -swing);
     arm(pose.left_arm, swing);
-    // the trunk is between the feet, over the one that carries
+    // the trunk is between the feet, over the supporting one
     advance(pose, 0.5 * (pose.right_leg.ankle.y() + pose.left_leg.ankle.y()) + 0.01);
     pose.shift += Vector3d(-0.035 * swing, 0.0, -0.03);
     pose.pelvis_turn = {0.0, 0.05 * swing, 0.12 * swing};

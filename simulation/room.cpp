@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 constexpr int kShadowSizePx = 512;
 
-// 0 to 1, the same for the same lattice point.
+// Returns a hash of a lattice point, 0 to 1.
 double lattice_value(int x, int y, int salt) {
     auto h = static_cast<std::uint32_t>(x) * 0x8da6b343u ^
              static_cast<std::uint32_t>(y) * 0xd8163841u ^
@@ -26,7 +26,7 @@ double lattice_value(int x, int y, int salt) {
     return h / 4294967295.0;
 }
 
-// Smooth value noise of wavelength one, 0 to 1.
+// Returns smooth value noise of wavelength one, 0 to 1.
 double value_noise(double x, double y, int salt) {
     const double fx = std::floor(x);
     const double fy = std::floor(y);
@@ -50,8 +50,8 @@ Vector3d planks(double x, double y) {
                          0.05 * (value_noise(2.0 * x, 2.0 * y, 3) - 0.5);
     const double across = x / kPlankM - plank;
     const double gap = across < 0.025 || across > 0.975 ? 0.86 : 1.0;
-    // a capture room's lilac: far in hue from skin, from wood-coloured and grey clothes, in light
-    // and in shadow
+    // lilac, as in a capture room: its hue is far from skin, wood colours and grey clothes, in
+    // light and in shadow
     return Vector3d(0.61, 0.50, 0.71) * tone * grain * gap;
 }
 
@@ -77,7 +77,8 @@ struct Hit {
     Vector3d albedo;
 };
 
-// Where a ray enters a box from outside; nullopt if it misses. `normal` is of the face.
+// Returns where a ray enters a box from outside, and sets `normal` to that of the face; nullopt if
+// it misses.
 std::optional<double> enter(const geometry::Aabb& box,
                             const Vector3d& origin,
                             const Vector3d& ray,
@@ -149,7 +150,7 @@ std::optional<Hit> hit_table(const Room& room, const Vector3d& origin, const Vec
     return nearest;
 }
 
-// Share of the lamp's light on a surface, without shadows.
+// Returns the lamp's light on a surface, without shadows.
 double lamp_light(const Room& room, const Hit& hit) {
     const Vector3d to_lamp = room.lamp - hit.point;
     return kDiffuse * std::max(0.0, hit.normal.dot(to_lamp.normalized()));
@@ -213,7 +214,7 @@ Room make_room(std::span<const geometry::CalibratedCamera> cameras, const RoomOp
         room.table_axis_x = {std::cos(options.heading_rad), std::sin(options.heading_rad), 0.0};
     }
     room.lamp = options.position_m + Vector3d(1.1, 1.5, 3.5);
-    // a ball around all that a person of two metres and a half can reach
+    // a sphere around the reach of a person of 2.5 m
     const Vector3d centre = options.position_m + Vector3d(0.0, 0.0, 1.15);
     constexpr double kReachM = 1.45;
     room.shadow_camera = look_at(room.lamp, centre);

@@ -10,20 +10,18 @@
 
 namespace atrium::simulation {
 
-constexpr double kAmbient = 0.6;  // light from everywhere, of a total of about one
+constexpr double kAmbient = 0.6;  // ambient light, of a total of about one
 constexpr double kDiffuse = 0.4;  // light of the lamp on a surface that faces it
 
-/// An empty room around a rig: floor, four walls and a ceiling, all matt, one soft lamp; a table
-/// where the motion has one.
+/// An empty room around a rig: matt floor, four walls and ceiling, one soft lamp, and a table if
+/// the motion needs one.
 struct Room {
     geometry::Aabb walls;
-    std::vector<geometry::Aabb> table;  // its top, then its foot; empty without a table
+    std::vector<geometry::Aabb> table;  // top, then foot; empty without a table
     Eigen::Vector3d table_axis_x{1.0, 0.0, 0.0};
-    Eigen::Vector3d table_centre{
-        0.0, 0.0, 0.0};  // on the floor; the boxes of `table` are relative to it
+    Eigen::Vector3d table_centre{0.0, 0.0, 0.0};  // on the floor; origin of the boxes of `table`
     Eigen::Vector3d lamp;
-    geometry::CalibratedCamera
-        shadow_camera;  // stands at the lamp and sees all that the person can reach
+    geometry::CalibratedCamera shadow_camera;  // at the lamp, sees everything in the person's reach
 
     Eigen::Vector3d table_from_site(const Eigen::Vector3d& p_site) const;
     Eigen::Vector3d site_from_table(const Eigen::Vector3d& p_table) const;
@@ -31,22 +29,22 @@ struct Room {
 
 Room make_room(std::span<const geometry::CalibratedCamera> cameras, const RoomOptions& options);
 
-/// Corners of the table's triangles [site], three each: its faces cut into small ones, for lens
-/// distortion bends straight edges.
+/// Returns the corners of the table's triangles [site], three each. Its faces are cut into small
+/// triangles, since lens distortion bends straight edges.
 std::vector<Eigen::Vector3f> table_triangles(const Room& room);
 
-/// What a camera sees of the empty room, before noise, and how a shadow would change it.
+/// A camera's noise-free picture of the empty room, and how a shadow changes it.
 struct RoomView {
     int width = 0;
     int height = 0;
     std::vector<std::uint8_t> bgr;  // packed
-    std::vector<std::uint32_t>
-        shadow_index;  // per pixel: the pixel of the shadow camera on the same ray of light
-    std::vector<std::uint8_t>
-        shadow_strength;  // share of the light that the lamp gives, 255 = all; 0: never shadowed
+    /// Per pixel: the shadow camera's pixel on the same ray of light.
+    std::vector<std::uint32_t> shadow_index;
+    /// Fraction of the light that comes from the lamp, 255 = all; 0: never in shadow.
+    std::vector<std::uint8_t> shadow_strength;
 };
 
-/// Follows four rays through every pixel, lens distortion included.
+/// Traces four rays through every pixel, with lens distortion.
 RoomView view_room(const Room& room,
                    const geometry::PinholeCamera& intrinsics,
                    const geometry::RigidTransform& camera_from_site);

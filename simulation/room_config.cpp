@@ -8,38 +8,38 @@
 namespace atrium::simulation {
 
 void declare(RoomConfig& room, config::OptionSet& set) {
-    set.add("simulation.look", room.look, "who stands in the simulated room", look_names());
-    set.add("simulation.motion", room.motion, "what they do", motion_names());
+    set.add("simulation.look", room.look, "person in the simulated room", look_names());
+    set.add("simulation.motion", room.motion, "motion of the person", motion_names());
     set.add("simulation.model",
             room.model,
-            "file of a rigged, animated model that stands in the room instead, in any format that "
-            "Assimp reads; its first animation is repeated");
+            "file of a rigged, animated model that replaces the person, in any format that Assimp "
+            "reads; its first animation is repeated");
     set.add("simulation.model_height_m",
             room.model_height_m,
-            "height of the model at the start of its animation [m]; 0: as in its file, in metres",
+            "height of the model at the start of its animation [m]; 0: as in its file, or 1.75 if "
+            "that is not 0.5 to 2.5",
             {0, 10});
     set.add("simulation.model_turn_deg",
             room.model_turn_deg,
-            "turns the model about the vertical, where it does not look the way the heading says "
-            "[deg]",
+            "rotation of the model about the vertical, if it does not face the heading [deg]",
             {-360, 360});
-    set.add("simulation.loop_s",
-            room.loop_s,
-            "length of the loop that is rendered once and replayed [s]; a model's animation is "
-            "repeated as often as fits best, and its speed adapted to it",
-            {0.1, 60});
+    set.add(
+        "simulation.loop_s",
+        room.loop_s,
+        "length of the loop that is rendered once and replayed [s]; the animation of a model is "
+        "repeated as often as fits best, at an adapted speed",
+        {0.1, 60});
     set.add("simulation.heading_deg",
             room.heading_deg,
-            "where the person looks [deg]: 0 is +Y of the site, -90 is +X",
+            "direction in which the person looks [deg]: 0 is +Y of the site, -90 is +X",
             {-360, 360});
     set.add("simulation.noise_lsb",
             room.noise_lsb,
             "camera noise, standard deviation [grey levels]",
             {0, 20});
-    set.add("simulation.seed", room.seed, "of the noise");
-    set.add("simulation.cache",
-            room.cache,
-            "folder that keeps rendered loops; empty: render at every start");
+    set.add("simulation.seed", room.seed, "seed of the noise");
+    set.add(
+        "simulation.cache", room.cache, "folder of rendered loops; empty: render at every start");
 }
 
 RoomOptions room_options(const RoomConfig& config, double rate_hz) {

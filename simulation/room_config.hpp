@@ -8,7 +8,7 @@
 
 namespace atrium::simulation {
 
-/// The options `simulation.*` of the programs that have a simulated room.
+/// Options `simulation.*` of programs with a simulated room.
 struct RoomConfig {
     std::string look = "ada";
     std::string motion = "walk";
@@ -19,14 +19,13 @@ struct RoomConfig {
     double heading_deg = -90.0;  // -90 faces +X of the site
     double noise_lsb = 2.0;
     std::uint64_t seed = 1;
-    std::filesystem::path cache =
-        ".cache/simulation";  // rendered loops are kept here; empty: nowhere
+    std::filesystem::path cache = ".cache/simulation";  // folder of rendered loops; empty: no cache
 };
 
 /// Declares every option with its default; `config` must outlive `set`.
 void declare(RoomConfig& config, config::OptionSet& set);
 
-/// The room that is meant, for cameras of `rate_hz`. Not checked yet: `check(RoomOptions)`.
+/// Returns the room options for cameras of `rate_hz`. Not yet checked: see `check(RoomOptions)`.
 RoomOptions room_options(const RoomConfig& config, double rate_hz);
 
 }  // namespace atrium::simulation

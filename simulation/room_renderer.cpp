@@ -34,8 +34,8 @@ Expected<void> check_cameras(const std::vector<geometry::CalibratedCamera>& came
     return {};
 }
 
-// Pixels that the skin can cover; the whole picture where part of it is beside or behind the
-// camera.
+// Returns the pixels that the skin can cover; the whole picture if part of the skin is beside or
+// behind the camera.
 image::PixelRect region_of(const geometry::CalibratedCamera& camera, const PosedSkin& skin) {
     const geometry::PinholeCamera& c = camera.intrinsics;
     const Eigen::Matrix3d rotation = camera.camera_from_site.rotation.toRotationMatrix();
@@ -73,7 +73,7 @@ void darken(const RoomView& view,
     }
 }
 
-// `rgba` is multiplied by its alpha already.
+// `rgba` is premultiplied.
 void lay_over(const std::uint8_t* rgba, int num, std::uint8_t* bgr) {
     for (int i = 0; i < num; ++i, rgba += 4, bgr += 3) {
         const unsigned uncovered = 255u - rgba[3];
@@ -103,7 +103,7 @@ struct RoomRenderer::Impl {
 
     std::vector<geometry::CalibratedCamera> cameras;
     std::optional<Person> person;
-    std::optional<Model> model;  // one of both
+    std::optional<Model> model;  // instead of `person`
     Room room;
     PersonPainter painter;
     SensorNoise noise;

@@ -11,20 +11,20 @@
 
 namespace atrium::simulation {
 
-/// Who is in the picture.
+/// Content of a picture.
 enum class Scene : std::uint8_t { kEmptyRoom, kPerson };
 
-/// Pictures of a simulated room, as the cameras of a rig would deliver them: lens distortion,
-/// shadow of the person on floor and walls, softened edges, noise. The same arguments give the same
-/// bytes.
+/// Renders pictures of a simulated room as the cameras of a rig would deliver them: with lens
+/// distortion, shadow of the person on floor and walls, soft edges and noise. The same arguments
+/// give the same bytes.
 ///
-/// Needs no display. Owns a GL context and scratch memory: one object is used on one thread,
-/// several may work at once.
+/// Needs no display. Owns a GL context and scratch memory: use an object on one thread only;
+/// several objects may work in parallel.
 class RoomRenderer {
 public:
-    /// `cameras` stand in the site frame, with even width and height. Looks once around the empty
-    /// room: some tenths of a second per camera. Error kConfiguration for bad options or cameras,
-    /// kUnavailable where there is no OSMesa, those of `Model::load` where a model stands there.
+    /// `cameras` are in the site frame, with even width and height. Views the empty room once: some
+    /// tenths of a second per camera. Error kConfiguration for bad options or cameras, kUnavailable
+    /// without OSMesa, and those of `Model::load` with a model.
     static Expected<RoomRenderer> create(std::vector<geometry::CalibratedCamera> cameras,
                                          const RoomOptions& options);
 
@@ -32,10 +32,10 @@ public:
     RoomRenderer& operator=(RoomRenderer&&) noexcept;
     ~RoomRenderer();
 
-    /// The picture of camera `camera_index` at `time_s`; `shot` tells apart the noise of pictures
-    /// of one instant. `true_mask`, where given, becomes the pixels that the person covers at least
-    /// by half, before noise. Fastest when all cameras of an instant follow each other. Planes are
-    /// resized only when sizes change.
+    /// Renders the picture of camera `camera_index` at `time_s`. `shot` distinguishes the noise of
+    /// pictures of one instant. `true_mask`, if given, receives the pixels that the person covers
+    /// by at least half, before noise. Fastest if all cameras of an instant follow each other.
+    /// Resizes planes only when sizes change.
     void render(double time_s,
                 std::size_t camera_index,
                 Scene scene,
@@ -43,7 +43,7 @@ public:
                 image::YuvImage& out,
                 image::Mask* true_mask = nullptr);
 
-    /// Only where `RoomOptions::model` is empty.
+    /// Only without `RoomOptions::model`.
     const Person& person() const;
     const std::vector<geometry::CalibratedCamera>& cameras() const;
 

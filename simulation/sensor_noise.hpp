@@ -6,14 +6,13 @@
 
 namespace atrium::simulation {
 
-/// Gaussian noise of a camera's sensor, from a table that is drawn once: each row of a picture
-/// reads it from another place.
+/// Gaussian sensor noise from a table drawn once. Each picture row reads it from a different place.
 class SensorNoise {
 public:
     SensorNoise(double sigma_lsb, std::uint64_t seed);
 
-    /// Adds to the bytes of one picture row, clamped to 0..255. `picture` tells pictures apart,
-    /// `row` the rows of one.
+    /// Adds noise to the bytes of one picture row, clamped to 0..255. `picture` distinguishes
+    /// pictures, `row` the rows of one.
     void add(std::uint64_t picture, int row, std::span<std::uint8_t> bytes) const;
 
 private:

@@ -11,7 +11,7 @@ image::YuvView view_of(const Picture& picture) {
     return image::working_view(picture, unused);
 }
 
-bool keep_in_memory_if_wanted(SimulatedLoop& loop) {
+bool copy_to_memory_if_wanted(SimulatedLoop& loop) {
     if (loop.file == nullptr || !loop.file->is_wanted()) return false;
     const std::span<const std::uint8_t> old = loop.file->bytes();
     const auto copy = std::make_shared<const std::vector<std::uint8_t>>(old.begin(), old.end());

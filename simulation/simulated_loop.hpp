@@ -17,28 +17,28 @@ namespace atrium::simulation {
 
 class MappedFile;
 
-/// All pictures are kYuv420: `view_of` shows them.
+/// All pictures are kYuv420; `view_of` gives access.
 using Picture = image::RawImage;
 image::YuvView view_of(const Picture& picture);
 
-/// All pictures of one loop of a simulated room; played again and again it is a live room.
+/// All pictures of one loop of a simulated room. Played repeatedly, it looks live.
 struct SimulatedLoop {
-    std::vector<std::vector<Picture>> empty_room;  // [camera][shot], differing in noise alone
-    std::vector<std::vector<Picture>>
-        frames;  // [instant][camera]; instant i shows `options.frame_time_s(i)`
-    /// The file in which all the pictures are; null: they are in memory.
+    std::vector<std::vector<Picture>> empty_room;  // [camera][shot], differing only in noise
+    /// [instant][camera]; instant i shows `options.frame_time_s(i)`.
+    std::vector<std::vector<Picture>> frames;
+    /// The file that holds all pictures; null: they are in memory.
     std::shared_ptr<const MappedFile> file;
 };
 
-/// Copies the pictures of a loop whose file somebody wants to change into memory, and lets the file
-/// go; true if it did. To be called at least every few seconds while a loop is kept, which costs a
-/// system call.
-bool keep_in_memory_if_wanted(SimulatedLoop& loop);
+/// If a process waits to change the loop's file, copies the pictures into memory and releases the
+/// file. Returns true if it did. Call it at least every few seconds while the loop is in use; it
+/// costs one system call.
+bool copy_to_memory_if_wanted(SimulatedLoop& loop);
 
-/// Called with the number of pictures done and of all.
+/// Called with the number of pictures done and the total.
 using LoopProgress = std::function<void(std::size_t num_done, std::size_t num_pictures)>;
 
-/// Renders every picture. Takes some milliseconds each; error kUnavailable once `stop` is
+/// Renders every picture, which takes some milliseconds each. Error kUnavailable once `stop` is
 /// requested.
 Expected<SimulatedLoop> render_loop(const std::vector<geometry::CalibratedCamera>& cameras,
                                     const RoomOptions& options,
@@ -48,14 +48,13 @@ Expected<SimulatedLoop> render_loop(const std::vector<geometry::CalibratedCamera
 struct CachedLoop {
     SimulatedLoop loop;
     bool from_cache = false;
-    std::optional<Error>
-        cache_problem;  // why the rendered loop could not be kept; the loop itself is good
+    std::optional<Error> cache_problem;  // why the loop could not be cached; the loop is valid
 };
 
-/// As `render_loop`, but keeps the pictures in a file of `cache_directory` (made if absent) and
-/// takes them from there the next time. The file is found by cameras, options and format version;
-/// one that is cut short, damaged or not ours is rendered anew. A file appears whole or not at all,
-/// and no more than `kMaxCachedLoops` are kept, the oldest going first.
+/// Like `render_loop`, but caches the pictures in a file of `cache_directory`, which it creates if
+/// needed. Cameras, options and format version identify the file; a truncated, damaged or foreign
+/// file is rendered again. Files are written atomically. At most `kMaxCachedLoops` are kept; the
+/// oldest is removed first.
 Expected<CachedLoop> load_or_render_loop(const std::vector<geometry::CalibratedCamera>& cameras,
                                          const RoomOptions& options,
                                          const std::filesystem::path& cache_directory,
@@ -64,7 +63,7 @@ Expected<CachedLoop> load_or_render_loop(const std::vector<geometry::CalibratedC
 
 constexpr std::size_t kMaxCachedLoops = 6;
 
-/// Where `load_or_render_loop` keeps the loop.
+/// Returns the file in which `load_or_render_loop` keeps the loop.
 std::filesystem::path cache_file(std::span<const geometry::CalibratedCamera> cameras,
                                  const RoomOptions& options,
                                  const std::filesystem::path& cache_directory);

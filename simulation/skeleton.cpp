@@ -10,7 +10,7 @@ using geometry::RigidTransform;
 
 Eigen::Vector3d mirrored(const Eigen::Vector3d& p) { return {-p.x(), p.y(), p.z()}; }
 
-// The same motion seen in the mirror; a rotation stays a rotation.
+// Mirrors a motion; a rotation stays a rotation.
 RigidTransform mirrored(const RigidTransform& t) {
     const Eigen::Quaterniond& q = t.rotation;
     return {Eigen::Quaterniond(q.w(), q.x(), -q.y(), -q.z()), mirrored(t.translation)};
@@ -26,7 +26,7 @@ RigidTransform about(const Eigen::Vector3d& fixed_point, const Eigen::Quaternion
     return {turn, fixed_point - turn * fixed_point};
 }
 
-// Columns: `along`, the part of `side` that is square to it, and their product.
+// Columns: `along`, the part of `side` perpendicular to it, and their cross product.
 Eigen::Matrix3d frame(const Eigen::Vector3d& along, const Eigen::Vector3d& side) {
     Eigen::Matrix3d m;
     m.col(0) = along.normalized();
@@ -35,7 +35,7 @@ Eigen::Matrix3d frame(const Eigen::Vector3d& along, const Eigen::Vector3d& side)
     return m;
 }
 
-// Moves `rest_joint` to `posed_joint` and turns the rest frame into the posed one.
+// Moves `rest_joint` to `posed_joint` and rotates the rest frame into the posed one.
 RigidTransform bone(const Eigen::Vector3d& rest_joint,
                     const Eigen::Matrix3d& rest_frame,
                     const Eigen::Vector3d& posed_joint,
@@ -47,17 +47,17 @@ RigidTransform bone(const Eigen::Vector3d& rest_joint,
 struct Bend {
     Eigen::Vector3d middle;
     Eigen::Vector3d end;
-    Eigen::Vector3d side;  // square to start-end, towards the middle joint
+    Eigen::Vector3d side;  // perpendicular to start-end, towards the middle joint
 };
 
-// Two links from `start` towards `target`, the middle joint on the side of `towards`.
+// Solves two links from `start` towards `target`, with the middle joint on the side of `towards`.
 Bend bend_two_links(const Eigen::Vector3d& start,
                     const Eigen::Vector3d& target,
                     const Eigen::Vector3d& towards,
                     double first_m,
                     double second_m) {
     const Eigen::Vector3d along = (target - start).normalized();
-    // never quite straight, never folded flat: the plane of the joint stays defined
+    // never fully straight nor folded: keeps the plane of the joint defined
     const double reach = std::clamp(
         (target - start).norm(), std::abs(first_m - second_m) + 0.03, 0.998 * (first_m + second_m));
     const double middle_along =
@@ -84,7 +84,7 @@ ArmBones pose_arm(const RestJoints& rest, const Eigen::Vector3d& shoulder, const
     ArmBones bones;
     bones.upper = bone(rest.shoulder, rest_arm, shoulder, frame(bend.middle - shoulder, bend.side));
     bones.hand = bone(rest.wrist(), rest_hand, bend.end, posed_hand);
-    // the forearm twists half-way between elbow and hand, as its two bones do
+    // the forearm twists half as far as the hand, as its two bones do
     const Eigen::Vector3d along = bend.end - bend.middle;
     const Eigen::Vector3d by_elbow = frame(along, bend.side).col(1);
     const Eigen::Vector3d little_finger =

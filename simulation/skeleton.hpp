@@ -9,9 +9,9 @@
 
 namespace atrium::simulation {
 
-// The body frame: on the floor between the feet, +X to the person's right, +Y forwards, +Z up, in
-// metres of a person of kNominalHeight. Left limbs are described in the mirrored frame (x negated),
-// so that +X is outwards for both sides.
+// Body frame: origin on the floor between the feet, +X to the person's right, +Y forwards, +Z up,
+// in metres of a person of kNominalHeight. Left limbs use the mirrored frame (x negated): +X is
+// outwards on both sides.
 
 constexpr double kNominalHeight = 1.75;
 
@@ -31,7 +31,7 @@ enum Bone : std::size_t {
 
 constexpr Bone left_of(Bone right) { return static_cast<Bone>(right - kUpperArm + kFirstLeft); }
 
-/// Joints of the rest pose: arms hanging outwards at an angle, legs a little apart; right side.
+/// Joints of the rest pose, right side: arms hang outwards at an angle, legs are slightly apart.
 struct RestJoints {
     Eigen::Vector3d waist{0.0, 0.0, 1.08};
     Eigen::Vector3d neck{0.0, -0.005, 1.49};
@@ -49,7 +49,7 @@ struct RestJoints {
     Eigen::Vector3d wrist() const { return elbow() + forearm_m * arm_direction; }
 };
 
-/// Where a hand is to be. Out of reach, the arm points towards it.
+/// Target of a hand. Out of reach, the arm points towards it.
 struct ArmPose {
     Eigen::Vector3d wrist{0.27, 0.02, 0.90};
     Eigen::Vector3d elbow_towards{0.3, -1.0, 0.0};  // direction in which the elbow sticks out
@@ -62,8 +62,8 @@ struct LegPose {
     double toe_down_rad = 0.0;
 };
 
-/// A posture in the body frame; `left` members in the mirrored frame. Rotations are vectors: axis
-/// times angle [rad].
+/// A posture in the body frame; `left` members are in the mirrored frame. Rotations are vectors:
+/// axis times angle [rad].
 struct BodyPose {
     Eigen::Vector3d shift = {0.0, 0.0, -0.012};  // of the trunk; slightly lower than straight knees
     Eigen::Vector3d pelvis_turn = Eigen::Vector3d::Zero();
@@ -73,7 +73,7 @@ struct BodyPose {
     LegPose right_leg, left_leg;
 };
 
-/// `posed_from_rest` of every bone.
+/// `posed_from_rest` of each bone.
 using BoneTransforms = std::array<geometry::RigidTransform, kNumBones>;
 
 BoneTransforms pose_bones(const BodyPose& pose);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint32_t kNoVertex = 0xffffffffu;
 
-// Samples at the corners of the cells; index = x + nx * (y + ny * z).
+// Samples at the cell corners; index = x + nx * (y + ny * z).
 struct Grid {
     std::array<int, 3> num{};
     Eigen::Vector3d origin;
@@ -36,8 +36,7 @@ Grid sample(const DistanceField& distance, const geometry::Aabb& box, double cel
             static_cast<int>(std::ceil(size[axis] / cell_m)) + 1;
     }
     grid.values.resize(grid.index(0, 0, grid.num[2]));
-    // far from the surface one value serves a whole block; the factor allows for fields that are
-    // not quite distances
+    // far from the surface one value serves a whole block; the factor allows for inexact distances
     constexpr int kBlock = 5;
     const double safe_m = 2.0 * 0.5 * std::sqrt(3.0) * (kBlock - 1) * cell_m + cell_m;
     for (int z0 = 0; z0 < grid.num[2]; z0 += kBlock) {
@@ -62,7 +61,7 @@ Grid sample(const DistanceField& distance, const geometry::Aabb& box, double cel
     return grid;
 }
 
-// Whether the corners of a cell that lie on one side (bits of `corners`) hang together along the
+// Returns true if the corners of a cell on one side (bits of `corners`) are connected along the
 // cell's edges.
 bool connected(unsigned corners) {
     if (corners == 0) return true;
@@ -76,7 +75,7 @@ bool connected(unsigned corners) {
     return reached == corners;
 }
 
-// A face with inside and outside on crossing diagonals would give an edge with four triangles.
+// A face with inside and outside on crossing diagonals would create an edge with four triangles.
 bool has_crossed_face(unsigned corners) {
     constexpr std::array<std::array<unsigned, 4>, 6> kFaces = {
         {{0, 1, 3, 2}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 3, 7, 5}}};
@@ -87,8 +86,8 @@ bool has_crossed_face(unsigned corners) {
     return false;
 }
 
-// Fills a corner of every cell whose surface would touch itself, until none is left: then the mesh
-// is 2-manifold.
+// Fills a corner of every cell in which the surface would touch itself, until none is left: the
+// mesh is then 2-manifold.
 void fill_touching_cells(Grid& grid) {
     bool changed = true;
     while (changed) {
@@ -120,7 +119,8 @@ void fill_touching_cells(Grid& grid) {
     }
 }
 
-// Mean of the crossings on the edges of the cell at (x, y, z); false if there is none.
+// Computes the mean of the crossings on the edges of the cell at (x, y, z). Returns false without
+// any.
 bool cell_vertex(const Grid& grid, int x, int y, int z, Eigen::Vector3d& vertex) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     int num_crossings = 0;
@@ -144,8 +144,8 @@ bool cell_vertex(const Grid& grid, int x, int y, int z, Eigen::Vector3d& vertex)
     return true;
 }
 
-// The quad of the four cells around the grid edge from (x, y, z) along `axis`, if the surface
-// crosses that edge.
+// Adds the quad of the four cells around the grid edge from (x, y, z) along `axis`, if the surface
+// crosses it.
 void add_quad(const Grid& grid,
               const std::vector<std::uint32_t>& vertex_of_cell,
               const std::array<int, 3>& at,
@@ -214,7 +214,7 @@ geometry::TriangleMesh surface_nets(const DistanceField& distance,
     }
     for (Eigen::Vector3d& vertex : mesh.vertices) {
         const Eigen::Vector3d outwards = gradient_direction(distance, vertex, 0.25 * cell_m);
-        // half a cell at most: an inexact field must not carry a vertex past its neighbours
+        // at most half a cell: an inexact field must not move a vertex past its neighbours
         vertex -= std::clamp(distance(vertex), -0.5 * cell_m, 0.5 * cell_m) * outwards;
     }
     for (int z = 1; z + 1 < grid.num[2]; ++z) {

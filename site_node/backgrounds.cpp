@@ -17,10 +17,10 @@ namespace {
 
 using segmentation::BackgroundStatistics;
 
-// So many of the last empty pictures are segmented with what was learned.
+// Number of last empty pictures that are segmented to check the model.
 constexpr std::size_t kNumChecked = 4;
 
-// A picture that outlives what it was shown as.
+// Copy of a picture that outlives the callback.
 struct KeptPicture {
     image::YuvImage planes;
     image::Mosaic mosaic = image::Mosaic::kNone;
@@ -45,12 +45,12 @@ private:
     }
 };
 
-// Learns one camera, and keeps its last pictures.
+// Learns one camera and keeps its last pictures.
 class CameraLearner {
 public:
     explicit CameraLearner(int max_frames) : max_frames_(max_frames) {}
 
-    /// False: enough.
+    /// Returns false when no more pictures are wanted.
     bool add(const image::YuvView& picture) {
         result_ = learner_.add(picture);
         if (!result_) return false;
@@ -94,8 +94,8 @@ Error with_camera(const Error& error, const std::string& camera) {
     return {error.kind, fmt::format("camera '{}': no background: {}", camera, error.message)};
 }
 
-// Learns cameras at the same time, or as the source shows them, and says once a second how far it
-// is.
+// Learns the given cameras in the order in which the source shows them. Logs progress once a
+// second.
 class RoomLearner {
 public:
     RoomLearner(capture::FrameSource& source,
@@ -108,11 +108,11 @@ public:
         learners_.assign(source.rig().cameras.size(), CameraLearner(num_wanted_));
     }
 
-    /// In the order of the cameras.
+    /// Results are in the order of `cameras`.
     std::vector<Expected<BackgroundStatistics>> learn(const std::stop_token& stop) {
         const auto learn_from = [this](std::size_t camera, const image::YuvView& picture) {
             const bool go_on = learners_[camera].add(picture);
-            tell_progress();
+            log_progress();
             return go_on;
         };
         const auto shown = source_.show_background(cameras_, learn_from, stop);
@@ -125,10 +125,10 @@ public:
 private:
     using Clock = std::chrono::steady_clock;
 
-    void tell_progress() {
+    void log_progress() {
         const auto now = Clock::now();
-        if (now - told_ < std::chrono::seconds(1)) return;
-        told_ = now;
+        if (now - last_log_ < std::chrono::seconds(1)) return;
+        last_log_ = now;
         std::string pictures;
         for (const std::size_t camera : cameras_) {
             pictures += fmt::format(
@@ -159,8 +159,8 @@ private:
             learners_[camera].foreground_share(*room, segmentation_));
         if (source_.is_live() && quality.noise == 0.0) {
             app::log::warn(
-                "the pictures of the empty room have no noise, which no sensor does camera={}; are "
-                "they what the camera sees?",
+                "the pictures of the empty room have no noise, unlike those of any sensor "
+                "camera={}; check that they show what the camera sees",
                 name);
         }
         return room;
@@ -169,12 +169,12 @@ private:
     capture::FrameSource& source_;
     std::vector<std::size_t> cameras_;
     const segmentation::SegmentationOptions& segmentation_;
-    int num_wanted_ = 0;                   // 0: all that is shown
+    int num_wanted_ = 0;                   // 0: every picture shown
     std::vector<CameraLearner> learners_;  // per camera of the rig
-    Clock::time_point told_ = Clock::now();
+    Clock::time_point last_log_ = Clock::now();
 };
 
-// Live cameras at the same time; others one by one, since that takes the memory of one only.
+// Live cameras learn in parallel, others one after the other to hold only one model in memory.
 std::vector<Expected<BackgroundStatistics>> learn(
     capture::FrameSource& source,
     const std::vector<std::size_t>& cameras,
@@ -195,18 +195,17 @@ Expected<void> check_size(const BackgroundStatistics& room,
                           const std::filesystem::path& folder) {
     const auto& size = camera.intrinsics;
     if (room.width == (size.width & ~1) && room.height == (size.height & ~1)) return {};
-    return make_error(
-        ErrorKind::kConfiguration,
-        fmt::format("{}: was learned at {}x{} px, the camera has {}x{}: learn it anew with "
-                    "--learn-background",
-                    segmentation::background_file(folder, camera.name).string(),
-                    room.width,
-                    room.height,
-                    size.width,
-                    size.height));
+    return make_error(ErrorKind::kConfiguration,
+                      fmt::format("{}: learned at {}x{} px, but the camera has {}x{}: learn again "
+                                  "with --learn-background",
+                                  segmentation::background_file(folder, camera.name).string(),
+                                  room.width,
+                                  room.height,
+                                  size.width,
+                                  size.height));
 }
 
-// kNotFound only where nothing was kept.
+// Error kNotFound only if no background was kept.
 Expected<BackgroundStatistics> load(const std::filesystem::path& folder,
                                     const geometry::CalibratedCamera& camera) {
     auto room = segmentation::load_background(folder, camera.name);
@@ -252,12 +251,12 @@ Expected<void> learn_backgrounds(capture::FrameSource& source,
     if (options.folder.empty()) {
         return make_error(
             ErrorKind::kConfiguration,
-            "segmentation.background_folder: is needed to keep what --learn-background learns");
+            "segmentation.background_folder: must be set to keep what --learn-background learns");
     }
     if (source.has_silhouettes()) {
-        return make_error(ErrorKind::kConfiguration,
-                          "--learn-background: this recording has silhouettes; there is nothing to "
-                          "learn");
+        return make_error(
+            ErrorKind::kConfiguration,
+            "--learn-background: this recording has silhouettes and needs no background");
     }
     std::vector<std::size_t> all(source.rig().cameras.size());
     std::iota(all.begin(), all.end(), 0);

@@ -12,40 +12,40 @@
 
 namespace atrium::site_node {
 
-/// Where people are looked for in the pictures of one camera.
+/// Areas in the pictures of one camera in which segmentation looks for people.
 struct CameraAreas {
-    std::string name;  // of the camera
+    std::string name;  // the camera's
     segmentation::SegmentationAreas areas;
 };
 
-/// Where what the empty room looks like comes from.
+/// Source of the background model: a folder with models learned before, or the pictures themselves.
 struct BackgroundOptions {
-    std::filesystem::path folder;  // of what was learned before; empty: it is learned at each start
-    /// Pictures to learn from; 0: all that a recording or a simulated room shows, of live cameras
-    /// kNumLiveFrames.
+    std::filesystem::path folder;  // of the kept models; empty: learn at every start
+    /// Pictures to learn from. 0: every picture that a recording or simulated room shows;
+    /// kNumLiveFrames for live cameras.
     int num_frames = 0;
     static constexpr int kNumLiveFrames = 60;
 };
 
-/// What each camera of `source` sees of the empty room: as it was learned before, or else learned
-/// now, live cameras all at the same time. Errors name the camera; all that are not learned yet are
-/// kUnavailable once `stop` is requested.
+/// Returns the background of each camera of `source`: loaded from `options.folder`, or learned now
+/// if it is not there. Live cameras learn in parallel. Errors name the camera. Once `stop` is
+/// requested, every camera not yet learned has error kUnavailable.
 std::vector<Expected<segmentation::BackgroundStatistics>> load_or_learn_backgrounds(
     capture::FrameSource& source,
     const BackgroundOptions& options,
     const segmentation::SegmentationOptions& segmentation,
     std::stop_token stop);
 
-/// Learns all cameras of `source` and keeps in `options.folder` those that could be learned; the
-/// error is that of the first that could not. Error kUnavailable once `stop` is requested; nothing
-/// is kept then.
+/// Learns the background of all cameras of `source` and writes it to `options.folder`. If a camera
+/// fails, the others are still kept, and the result is the first error. Error kUnavailable once
+/// `stop` is requested: nothing is kept.
 Expected<void> learn_backgrounds(capture::FrameSource& source,
                                  const BackgroundOptions& options,
                                  const segmentation::SegmentationOptions& segmentation,
                                  std::stop_token stop);
 
-/// The areas of camera `name`, everywhere where there are none; several entries of one camera add
-/// up.
+/// Returns the areas of camera `name`, merged over all its entries; without an entry the whole
+/// picture counts.
 segmentation::SegmentationAreas areas_of(const std::vector<CameraAreas>& areas,
                                          const std::string& name);
 

@@ -44,7 +44,7 @@ capture::CameraEntry read_camera(config::TableReader& table) {
     table.read("serial", camera.serial);
     table.read("address", camera.address);
     if (camera.serial.empty() && camera.address.empty())
-        table.reject("name", "must go with the serial or the address of this camera");
+        table.reject("name", "needs the serial or the address of this camera beside it");
     capture::CameraSettings& settings = camera.settings;
     table.read("pixel_format", settings.pixel_format, capture::camera_pixel_formats());
     table.read("exposure_us", settings.exposure_us, kExposure_us);
@@ -62,45 +62,49 @@ capture::CameraEntry read_camera(config::TableReader& table) {
 void declare(CameraConfig& config, config::OptionSet& set) {
     set.add("capture.trigger",
             config.trigger,
-            "what makes cameras take a picture: a line of theirs, the site, or their own clock",
+            "trigger of the cameras: an input line, the site's software, or their own clock",
             {"external", "software", "free-run"});
     capture::CameraSettings& common = config.options.common;
     set.add("capture.cameras.pixel_format",
             common.pixel_format,
-            "of all cameras, in the words of GenICam, for example BayerRG8; empty: the camera's");
+            "GenICam format of all cameras, for example BayerRG8; empty: the camera's own");
     set.add("capture.cameras.exposure_us",
             common.exposure_us,
-            "exposure [us]; 0: the camera's",
+            "exposure [us]; 0: the camera's own",
             kExposure_us);
-    set.add("capture.cameras.gain_db", common.gain_db, "gain [dB]; -1: the camera's", kGain_db);
+    set.add("capture.cameras.gain_db",
+            common.gain_db,
+            "gain [dB]; -1: the camera's own",
+            kGain_db);
     set.add("capture.cameras.white_balance",
             common.white_balance,
-            "off, auto-once, or gains of red and blue, for example 1.8,1.4; empty: the camera's");
+            "off, auto-once, or red and blue gains, as in 1.8,1.4; empty: the camera's own");
     set.add("capture.cameras.trigger_source",
             common.trigger_source,
-            "line of the external trigger, for example Line1; empty: the camera's first");
+            "input line of the external trigger, for example Line1; empty: the camera's first");
     set.add("capture.cameras.packet_size",
             common.packet_size,
-            "GigE Vision packets [bytes]; 0: what the interface carries",
+            "GigE Vision packet size [bytes]; 0: as large as the interface allows",
             kPacketBytes);
     set.add("capture.cameras.packet_delay_ns",
             common.packet_delay_ns,
-            "pause between GigE Vision packets, where cameras share a link [ns]; -1: the camera's",
+            "pause between GigE Vision packets, for cameras that share a link [ns]; -1: the "
+            "camera's own",
             kPacketDelay_ns);
     set.add("capture.cameras.packet_socket",
             config.options.use_packet_socket,
-            "receive GigE Vision through packet sockets where that is permitted (cap_net_raw)");
+            "receive GigE Vision through packet sockets, if permitted (cap_net_raw)");
     set.add("capture.cameras.buffers",
             config.options.num_buffers,
-            "pictures in memory per camera; 0: as rate and deadline need",
+            "picture buffers per camera; 0: as rate and deadline need",
             {0, 64});
     set.add("capture.cameras.realtime_priority",
             config.options.realtime_priority,
-            "of the threads that receive pictures, where that is permitted; 0: none",
+            "real-time priority of the receiving threads, if permitted; 0: none",
             {0, 99});
     set.add("capture.cameras.silent_periods",
             config.options.silent_periods,
-            "a camera without a picture for so many periods, and half a second, is lost",
+            "a camera without a picture for this many periods, and at least 0.5 s, is lost",
             {2, 10000});
 }
 

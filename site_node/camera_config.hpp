@@ -8,23 +8,22 @@
 
 namespace atrium::site_node {
 
-/// What `[capture]` says of cameras.
+/// Options of `[capture]` that concern cameras.
 struct CameraConfig {
     std::string trigger = "software";
-    capture::CamerasOptions options;  // what is not above; its deadline and min_cameras are unused
+    capture::CamerasOptions options;  // the rest; its deadline and min_cameras are unused
 };
 
-/// Declares `capture.trigger` and `capture.cameras.*`; `config` must
-/// outlive `set`.
+/// Declares `capture.trigger` and `capture.cameras.*`; `config` must outlive `set`.
 void declare(CameraConfig& config, config::OptionSet& set);
 
-/// `[[capture.camera]]`. Problems are kept by `reader`.
+/// Reads every `[[capture.camera]]`. `reader` collects the errors.
 void read_cameras(config::TableReader& reader, CameraConfig& config);
 
-/// What options cannot check one by one.
+/// Checks rules that span several options.
 Expected<void> check(const CameraConfig& config);
 
-/// All of it, for the source.
+/// Combines `config` with the two values that it lacks into the options of an AravisSource.
 capture::CamerasOptions cameras_options(const CameraConfig& config,
                                         std::size_t min_cameras,
                                         std::chrono::nanoseconds deadline);

@@ -10,19 +10,19 @@
 namespace atrium::site_node {
 
 OffsetBoard::OffsetBoard(const config::Rig& rig, bool warns)
-    : offsets_ns_(rig.cameras.size()), is_told_(rig.cameras.size(), warns ? 0 : 1) {
+    : offsets_ns_(rig.cameras.size()), is_reported_(rig.cameras.size(), warns ? 0 : 1) {
     for (const auto& camera : rig.cameras) names_.push_back(camera.name);
 }
 
 void OffsetBoard::update(const capture::CameraOffsets& offsets, std::chrono::nanoseconds largest) {
     for (std::size_t i = 0; i < offsets_ns_.size(); ++i) {
         offsets_ns_[i] = offsets.offset(i).count();
-        if (is_told_[i] != 0 || std::abs(offsets_ns_[i]) < largest.count()) continue;
-        is_told_[i] = 1;
-        // it may as well be a period less that much away, and of another trigger
+        if (is_reported_[i] != 0 || std::abs(offsets_ns_[i]) < largest.count()) continue;
+        is_reported_[i] = 1;
+        // the true offset may be one period less, from another trigger
         app::log::warn(
             "camera '{}' takes its pictures {:+.1f} ms from the others, the most that "
-            "capture.tolerance_ms allows: it may show another instant; let the site trigger "
+            "capture.tolerance_ms allows, and may show another instant; let the site trigger "
             "(capture.trigger = \"software\"), which measures delays, or give all cameras one "
             "clock (PTP)",
             names_[i],
@@ -59,7 +59,7 @@ std::vector<bus::CameraStatus> camera_statuses(const std::vector<capture::Camera
         camera.offset_ms = offsets.offset_ms(cameras.size() - 1);
         if (!counted.last_picture) continue;
         const std::chrono::duration<double, std::milli> age = now - *counted.last_picture;
-        camera.last_picture_age_ms = std::max(age.count(), 0.0);  // it may have come since `now`
+        camera.last_picture_age_ms = std::max(age.count(), 0.0);  // it may be newer than `now`
     }
     return cameras;
 }

@@ -12,27 +12,27 @@
 
 namespace atrium::site_node {
 
-/// The offsets of the cameras' times as they were learned last. One thread updates, any reads.
+/// Holds the latest time offset of each camera. One thread updates; any thread reads.
 class OffsetBoard {
 public:
-    /// `warns`: an offset that is as large as can be is logged, once per camera.
+    /// With `warns`, logs each camera whose offset reaches the limit, once per camera.
     OffsetBoard(const config::Rig& rig, bool warns);
 
-    /// `largest` is what offsets are clamped to.
+    /// `largest` is the limit to which offsets are clamped.
     void update(const capture::CameraOffsets& offsets, std::chrono::nanoseconds largest);
 
     double offset_ms(std::size_t camera) const;
-    /// `camera=offset ...` in ms, for the log.
+    /// Returns `camera=offset ...` in ms, for the log.
     std::string line() const;
 
 private:
     std::vector<std::string> names_;
     std::vector<std::atomic<std::int64_t>> offsets_ns_;
-    std::vector<std::uint8_t> is_told_;  // per camera; of the thread that updates
+    std::vector<std::uint8_t> is_reported_;  // per camera; only the updating thread uses it
 };
 
-/// What is said of each camera once a second; `counters` are those of the cameras of `offsets`, in
-/// the same order, or none.
+/// Builds the per-camera part of the status. `counters` are in the camera order of `offsets`, or
+/// empty.
 std::vector<bus::CameraStatus> camera_statuses(const std::vector<capture::CameraCounters>& counters,
                                                const OffsetBoard& offsets);
 

@@ -16,7 +16,7 @@ namespace {
 constexpr config::Range kPosition{-1e4, 1e4};  // [m], as in rigs
 constexpr config::Range kPixel{-1e5, 1e5};
 
-// A box of this many metres holds somebody's hand at least.
+// A box of this many metres holds at least a hand.
 constexpr double kMinExtent_m = 0.01;
 
 geometry::Aabb read_bounds(config::TableReader& owner) {
@@ -37,91 +37,93 @@ void declare_segmentation(SiteNodeConfig& config, config::OptionSet& set) {
     segmentation::SegmentationOptions& segmentation = config.pipeline.segmentation;
     set.add("segmentation.max_chroma_distance",
             segmentation.max_chroma_distance,
-            "Mahalanobis distance up to which chroma can be background [sigma]",
+            "Mahalanobis distance up to which chroma counts as background [sigma]",
             {0.5, 50});
     set.add("segmentation.min_chroma_sigma",
             segmentation.min_chroma_sigma,
-            "least deviation of background chroma [grey levels]",
+            "noise floor of background chroma, added to the learned deviation [grey levels]",
             {1, 20});
     set.add("segmentation.darkest_shadow",
             segmentation.darkest_shadow,
-            "part of its luma that a surface in shadow keeps at least",
+            "smallest fraction of its luma that a surface keeps in shadow",
             {0.05, 1});
     set.add("segmentation.darkest_coloured_shadow",
             segmentation.darkest_coloured_shadow,
-            "the same where the surface's hue tells its shadow from a dark thing",
+            "like darkest_shadow, where the hue distinguishes a shadow from a dark object",
             {0.05, 1});
     set.add("segmentation.max_highlight",
             segmentation.max_highlight,
-            "part by which a surface may brighten",
+            "largest fraction by which a surface may brighten",
             {0, 1});
     set.add("segmentation.max_luma_distance",
             segmentation.max_luma_distance,
-            "noise of background luma [sigma]",
+            "luma difference that counts as noise [sigma]",
             {0.5, 50});
     set.add("segmentation.min_luma_sigma",
             segmentation.min_luma_sigma,
-            "least deviation of background luma [grey levels]",
+            "lower limit of the luma deviation [grey levels]",
             {0.1, 50});
     set.add("segmentation.dark_luma",
             segmentation.dark_luma,
-            "below it chroma means nothing [grey levels]",
+            "luma below which chroma is ignored [grey levels]",
             {0, 255});
     set.add("segmentation.max_gain_change",
             segmentation.max_gain_change,
-            "flickering light: part by which the brightness of a picture is compensated at most; "
-            "0: off",
+            "flickering light: largest fraction by which picture brightness is compensated; 0: off",
             {0, 0.45});
-    set.add("segmentation.drift_frames",
-            segmentation.drift_frames,
-            "drifting light: time constant with which the learned room follows [pictures]; 0: off",
-            {0, 1e6});
+    set.add(
+        "segmentation.drift_frames",
+        segmentation.drift_frames,
+        "drifting light: time constant with which the background model follows [pictures]; 0: off",
+        {0, 1e6});
     set.add("segmentation.max_drift",
             segmentation.max_drift,
-            "how far it follows at most [grey levels of luma]",
+            "largest drift that the background model follows [grey levels of luma]",
             {0, 255});
     set.add("segmentation.min_area_px",
             segmentation.min_area_px,
-            "smaller specks are removed [px]",
+            "specks smaller than this are removed [px]",
             {0, 1e6});
     set.add("segmentation.max_hole_px",
             segmentation.max_hole_px,
-            "smaller holes are filled [px]",
+            "holes smaller than this are filled [px]",
             {0, 1e6});
     set.add("segmentation.background_folder",
             config.pipeline.background.folder,
-            "what --learn-background learned is kept here; empty: learn at every start");
+            "folder for the results of --learn-background; empty: learn at every start");
     set.add("segmentation.background_frames",
             config.pipeline.background.num_frames,
-            "pictures of the empty room to learn from, per camera; 0: all that a recording or a "
-            "simulated room shows, 60 of live cameras",
+            "pictures of the empty room to learn from, per camera; 0: all of a recording or "
+            "simulated room, 60 from live cameras",
             {0, 60000});
     set.add("learn-background",
             config.learn_background,
-            "learn the empty room, write segmentation.background_folder, end");
-    set.add("recording", config.recording, "short for capture.source = recording with this folder");
-    set.add("write-silhouettes",
-            config.write_silhouettes,
-            "segment each metaframe of the recording once, write masks and polygons here, end");
+            "learn the empty room, write it to segmentation.background_folder, and exit");
     set.add(
-        "overwrite", config.overwrite, "write silhouettes also where the folder holds something");
+        "recording", config.recording, "shorthand for capture.source = recording with this folder");
+    set.add(
+        "write-silhouettes",
+        config.write_silhouettes,
+        "segment each metaframe of the recording once, write masks and polygons here, and exit");
+    set.add("overwrite", config.overwrite, "let --write-silhouettes write into a non-empty folder");
 }
 
 void declare_stream(SiteNodeConfig& config, config::OptionSet& set) {
     stream::StreamOptions& stream = config.stream;
     set.add("stream.max_mbit_per_s",
             stream.max_mbit_per_s,
-            "what meshes and textures may take at most [Mbit/s]; 0: no limit",
+            "upper limit for meshes and textures [Mbit/s]; 0: no limit",
             {0, 1e5});
     set.add("stream.min_mbit_per_s",
             stream.min_mbit_per_s,
-            "no viewer's network brings the stream below that [Mbit/s]",
+            "no viewer's link lowers the stream below this [Mbit/s]",
             {0.1, 1e5});
-    set.add("stream.adapt",
-            config.stream_adapt,
-            "lower quality, then resolution, then rate to what the networks of the viewers carry; "
-            "auto: where there is one, which is not so on loopback",
-            {"auto", "on", "off"});
+    set.add(
+        "stream.adapt",
+        config.stream_adapt,
+        "adapt to the links of the viewers: lower quality, then resolution, then rate; auto: on, "
+        "except on loopback",
+        {"auto", "on", "off"});
 }
 
 CameraAreas read_areas(config::TableReader& table) {
@@ -161,7 +163,7 @@ std::string text_of(const geometry::Aabb& box) {
                        box.max.z());
 }
 
-// What read_hull reads.
+// Shows the values that read_hull reads.
 void show_hull(const HullStageOptions& hull, config::OptionSet& set) {
     set.show("hull.bounds", [&hull] { return hull.bounds ? text_of(*hull.bounds) : "none"; });
     set.show("hull.whole_cameras",
@@ -183,46 +185,46 @@ void show_hull(const HullStageOptions& hull, config::OptionSet& set) {
 
 void declare(SiteNodeConfig& config, config::OptionSet& set) {
     set.add("site.name", config.name, "name of this site in its world; A-Z a-z 0-9 _ . - only");
-    set.add("site.threads", config.threads, "workers for segmentation and hull", {1, 64});
+    set.add("site.threads", config.threads, "worker threads for segmentation and hull", {1, 64});
     set.add("site.seconds",
             config.seconds,
             "how long to run [s]; 0: until Ctrl-C or the end of a recording",
             {0, 1e9});
 
-    set.add("preview",
-            config.preview,
-            "shows all views with their silhouettes: a PNG, written once a second, or \"window\"; "
-            "alone: a window, where there is no display preview.png",
-            preview::kWindow);
+    set.add(
+        "preview",
+        config.preview,
+        "show all views with their silhouettes, in a PNG written once a second or in a \"window\"; "
+        "without a value: a window, or preview.png if there is no display",
+        preview::kWindow);
 
     CaptureConfig& capture = config.capture;
     set.add("capture.source",
             capture.source,
-            "where pictures come from",
+            "source of the pictures",
             {"simulated", "recording", "cameras"});
-    set.add("capture.rig", capture.rig, "cameras of the room, simulated or real: a rig.toml");
+    set.add("capture.rig", capture.rig, "rig.toml with the cameras of the simulated or real room");
     set.add("capture.recording", capture.recording, "folder of the recording");
     set.add("capture.rate_hz",
             capture.rate_hz,
-            "metaframes per second [Hz]; 0: as recorded, or as the rig says",
+            "metaframes per second [Hz]; 0: as recorded, or as in the rig",
             {0, 1000});
-    set.add("capture.loop", capture.loop, "start a recording again at its end");
+    set.add("capture.loop", capture.loop, "restart a recording at its end");
     set.add("capture.tolerance_ms",
             capture.tolerance_ms,
-            "pictures are taken at most so long before or after their trigger [ms]; 0: a quarter "
-            "of the period",
+            "largest time between a trigger and its pictures [ms]; 0: a quarter of the period",
             {0, 1000});
     set.add("capture.deadline_ms",
             capture.deadline_ms,
             "how long a metaframe may stay incomplete [ms]",
             {1, 10000});
-    set.add("capture.min_cameras",
-            capture.min_cameras,
-            "a metaframe that lacks pictures at its deadline is used if so many cameras delivered; "
-            "0: all must",
-            {0, 64});
+    set.add(
+        "capture.min_cameras",
+        capture.min_cameras,
+        "cameras that must have delivered at the deadline to use an incomplete metaframe; 0: all",
+        {0, 64});
     declare(capture.cameras, set);
-    set.add("list-cameras", config.list_cameras, "print the cameras that are there, and end");
+    set.add("list-cameras", config.list_cameras, "print the connected cameras and exit");
 
     simulation::declare(config.simulation, set);
 
@@ -235,35 +237,38 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             {0.25, 20});
     set.add("silhouette.min_area_px",
             silhouette.min_area_px,
-            "smaller blobs and holes are left out [px]",
+            "blobs and holes smaller than this are ignored [px]",
             {0, 1e6});
 
     HullStageOptions& hull = config.pipeline.hull;
     set.add("hull.min_views",
             hull.min_views,
-            "where fewer cameras see a point of space, it is not in the hull; 0: off",
+            "a point seen by fewer cameras is not in the hull; 0: off",
             {0, 64});
     set.add("hull.min_component_l",
             hull.min_component_l,
-            "smaller components are dropped, unless phantoms are kept [l]",
+            "components smaller than this are dropped, unless phantoms are kept [l]",
             {0, 1000});
     set.add("hull.keep_phantoms", hull.keep_phantoms, "keep components that no silhouette needs");
     set.add("hull.partial_views",
             hull.partial_views,
-            "true: people may reach out of the pictures, and what is outside is unknown; needs "
+            "true: people may extend beyond the pictures, and space outside them is unknown; needs "
             "bounds");
     set.add("codec.position_bits",
             config.pipeline.mesh.position_bits,
-            "of a vertex coordinate on the wire [bits], 8 to 20; 0: as the cameras can see",
+            "bits of a vertex coordinate on the wire, 8 to 20; 0: as precise as the cameras see",
             {0, 20});
     set.add("codec.mesh_speed",
             config.pipeline.mesh.speed,
-            "Draco's, 0 smallest to 10 fastest",
+            "Draco's speed, 0 smallest to 10 fastest",
             {0, 10});
-    set.add("codec.jpeg_quality", config.pipeline.jpeg_quality, "of the textures", {10, 100});
+    set.add("codec.jpeg_quality",
+            config.pipeline.jpeg_quality,
+            "JPEG quality of the textures",
+            {10, 100});
     set.add("codec.texture_resolution",
             config.texture_resolution,
-            "of the textures, beside the cameras' pictures; full: sharper, and more bytes",
+            "texture resolution relative to the camera pictures; full: sharper, but more bytes",
             {"half", "full"});
     declare_stream(config, set);
     bus::declare(config.bus, set);
@@ -336,27 +341,29 @@ Expected<void> check(const SiteNodeConfig& config) {
     }
     if (config.capture.source == "simulated" && config.capture.rig.empty()) {
         return wrong(
-            "capture.rig: is needed for a simulated room, for example deploy/rigs/full_body.toml");
+            "capture.rig: must be set for a simulated room, for example "
+            "deploy/rigs/full_body.toml");
     }
     if (config.capture.source == "recording" && config.capture.recording.empty()) {
         return wrong(
-            "capture.recording: is needed for capture.source = \"recording\": the recording's "
-            "folder");
+            "capture.recording: must be set for capture.source = \"recording\": the folder of the "
+            "recording");
     }
     if (config.capture.source == "cameras") {
         if (config.capture.rig.empty())
-            return wrong("capture.rig: is needed for cameras: their calibration");
+            return wrong("capture.rig: must be set for cameras: their calibration");
         if (auto checked = check(config.capture.cameras); !checked) return checked;
     }
     if (config.capture.min_cameras == 1) {
         return wrong(
-            "capture.min_cameras: must be 0 (all) or at least 2: one camera is not enough "
-            "for a hull");
+            "capture.min_cameras: must be 0 (all) or at least 2: a hull needs more than one "
+            "camera");
     }
     const int bits = config.pipeline.mesh.position_bits;
     if (bits > 0 && bits < 8) {
         return wrong(fmt::format(
-            "codec.position_bits: must be 0 (as the cameras can see) or 8 to 20, got {}", bits));
+            "codec.position_bits: must be 0 (as precise as the cameras see) or 8 to 20, got {}",
+            bits));
     }
     return check(config.pipeline.hull);
 }

@@ -11,10 +11,10 @@
 namespace atrium::site_node {
 namespace {
 
-constexpr std::uint32_t kFewestViews = 2;  // one camera's cone is not a shape
+constexpr std::uint32_t kFewestViews = 2;  // the cone of one camera is unbounded
 constexpr std::size_t kViewsOfBounds = 2;
 
-// `value`: of an option that the command line may have changed.
+// `value`: current value of an option that the command line may have changed.
 tl::unexpected<Error> wrong(const HullStageOptions& options,
                             const std::string& key,
                             const std::string& text,
@@ -37,7 +37,7 @@ Expected<std::uint32_t> find_camera(std::span<const geometry::CalibratedCamera> 
     return wrong(
         options,
         key,
-        fmt::format("there is no camera '{}'; this rig has {}", name, fmt::join(names, ", ")));
+        fmt::format("no camera is named '{}'; this rig has {}", name, fmt::join(names, ", ")));
 }
 
 Expected<void> check_count(std::size_t num_cameras, const HullStageOptions& options) {
@@ -47,8 +47,7 @@ Expected<void> check_count(std::size_t num_cameras, const HullStageOptions& opti
         return wrong(
             options,
             options.regions.empty() ? "hull.bounds" : "hull.region[0].bounds",
-            fmt::format(
-                "up to {} cameras are possible with bounds, here are {}", most, num_cameras));
+            fmt::format("at most {} cameras are possible with bounds, got {}", most, num_cameras));
     }
     if (options.min_views > num_cameras) {
         return wrong(options,
@@ -71,19 +70,17 @@ Expected<void> check(const HullStageOptions& options) {
     if (options.bounds && !options.regions.empty()) {
         return wrong(options,
                      "hull.bounds",
-                     "has no meaning beside [[hull.region]], which has bounds of its "
-                     "own; leave one of them out");
+                     "cannot be combined with [[hull.region]], which has its own bounds; remove "
+                     "one of them");
     }
     if (options.partial_views && !options.bounds && options.regions.empty()) {
         return wrong(options,
                      "hull.partial_views",
-                     "needs hull.bounds or [[hull.region]]: where what a "
-                     "camera does not see is unknown, they say where the space ends",
+                     "needs hull.bounds or [[hull.region]] to limit the space that no camera sees",
                      "true");
     }
     if (!options.partial_views && !options.whole_cameras.empty()) {
-        return wrong(
-            options, "hull.whole_cameras", "has a meaning only with hull.partial_views = true");
+        return wrong(options, "hull.whole_cameras", "is used only with hull.partial_views = true");
     }
     return {};
 }
@@ -142,7 +139,7 @@ Expected<void> HullStage::add_regions(std::span<const geometry::CalibratedCamera
             return wrong(
                 options,
                 key,
-                fmt::format("at least {} are needed, got {}", min_delivered_, indices.size()));
+                fmt::format("needs at least {} cameras, got {}", min_delivered_, indices.size()));
         }
         regions_.push_back({region.name, region.bounds, std::move(indices), min_delivered_});
     }
@@ -168,10 +165,10 @@ Expected<void> HullStage::add_fields(std::span<const geometry::CalibratedCamera>
             return wrong(
                 options,
                 "hull.partial_views",
-                fmt::format("the lens distortion of camera '{}' cannot be taken out along the "
-                            "border of its picture; name it in hull.whole_cameras if it sees "
-                            "everybody",
-                            cameras[i].name),
+                fmt::format(
+                    "the lens distortion of camera '{}' cannot be inverted along the "
+                    "border of its picture; add it to hull.whole_cameras if it sees everybody",
+                    cameras[i].name),
                 "true");
         }
         views_[i].field = std::move(*field);
@@ -194,7 +191,7 @@ void HullStage::compute(std::span<const std::uint8_t> delivered,
         if (delivered[i] != 0) {
             pointers_.push_back(&views_[i]);
         } else if (!regions_.empty()) {
-            pointers_.push_back(nullptr);  // regions name cameras by their index
+            pointers_.push_back(nullptr);  // regions refer to cameras by index
         }
     }
     if (regions_.empty()) {

@@ -20,7 +20,7 @@ namespace atrium::site_node {
 
 inline constexpr double kLitresPerM3 = 1000.0;
 
-/// A part of the site with the cameras that watch it: `[[hull.region]]`.
+/// `[[hull.region]]`: a part of the site and the cameras that watch it.
 struct RegionOptions {
     std::string name;
     geometry::Aabb bounds;             // site frame [m]
@@ -30,43 +30,47 @@ struct RegionOptions {
 /// `[hull]` of a site file.
 struct HullStageOptions {
     std::optional<geometry::Aabb> bounds;  // where people can be, site frame [m]
-    std::uint32_t min_views = 0;           // at least this many cameras see a point of the hull
+    std::uint32_t min_views = 0;           // cameras that must see a point of the hull
     bool keep_phantoms = false;
     double min_component_l = 0.005;  // [l]
-    /// False: nobody is outside of a picture, so that its border cuts. True: what lies outside is
-    /// unknown; needs bounds.
+    /// False: nobody is outside a picture, and its border cuts the hull. True: space outside the
+    /// pictures is unknown; needs bounds.
     bool partial_views = false;
-    std::vector<std::string> whole_cameras;  // names of those that see everybody all the same
-    std::vector<RegionOptions> regions;      // instead of `bounds`
-    /// For errors: "site.toml:7" of a key of the file, for example "hull.region[0].cameras". Of an
-    /// option that the command line may change, the key is "hull.min_views = 3".
+    std::vector<std::string>
+        whole_cameras;                   // with partial_views: names of cameras that see everybody
+    std::vector<RegionOptions> regions;  // instead of `bounds`
+    /// Place of each key in the file, for errors: "hull.region[0].cameras" -> "site.toml:7". If
+    /// the command line may override the option, the key includes the value: "hull.min_views = 3".
     std::map<std::string, std::string> places;
 };
 
-/// What can be said without knowing the cameras. Errors name the key, and its place if it has one.
+/// Checks everything that does not depend on the cameras. Errors name the key, and its place if
+/// known.
 Expected<void> check(const HullStageOptions& options);
 
-/// "a and b" for each two regions that share space: who stands there is in the mesh twice.
+/// Returns "a and b" for each pair of regions that share space: people there appear twice in the
+/// mesh.
 std::vector<std::string> overlapping_regions(std::span<const RegionOptions> regions);
 
-/// From the contours of all cameras to the hull. Cameras may be missing in any instant.
+/// Computes the visual hull of all cameras from their contours. Any camera may be missing in any
+/// metaframe.
 class HullStage {
 public:
-    /// `tolerance_px` is that of the silhouettes. Errors: kConfiguration, naming the key and the
-    /// camera.
+    /// `tolerance_px` is the tolerance of the silhouettes. Errors: kConfiguration, with the key and
+    /// the camera.
     static Expected<HullStage> create(std::span<const geometry::CalibratedCamera> cameras,
                                       const HullStageOptions& options,
                                       double tolerance_px);
 
-    /// Of one camera, in undistorted pixels, to be filled in place. Different cameras may be
-    /// filled at the same time.
+    /// Contours of one camera [undistorted px], to be filled in place. Threads may fill different
+    /// cameras at the same time.
     std::vector<std::vector<Eigen::Vector2d>>& contours(std::size_t camera) {
         return views_[camera].contours;
     }
 
-    /// The hull from the cameras with `delivered[camera] != 0`; the others cut nothing away. Status
-    /// kTooFewViews where less than two, or less than `min_views`, delivered. A region to which
-    /// that happens is left out and counted as failed.
+    /// Computes the hull from the cameras with `delivered[camera] != 0`; the others cut nothing
+    /// away. Status kTooFewViews if fewer than two cameras, or fewer than `min_views`, delivered.
+    /// With regions, a region with too few cameras is skipped and counted as failed.
     void compute(std::span<const std::uint8_t> delivered,
                  Executor& executor,
                  hull::VisualHull& hull);

@@ -13,9 +13,11 @@ Expected<void> list_cameras() {
     if (cameras.empty()) {
         return make_error(
             ErrorKind::kNotFound,
-            "no camera answers. GigE Vision: is it powered, is its address in the network of an "
-            "interface of this machine, does a firewall block UDP port 3956? USB3 Vision: may this "
-            "user open the device (udev rules), is it at a USB 3 port?");
+            "no camera answers. GigE Vision: check its power, that its address is in the network "
+            "of an "
+            "interface of this machine, and that no firewall blocks UDP port 3956. USB3 Vision: "
+            "check "
+            "that this user may open the device (udev rules) and that it is at a USB 3 port");
     }
     fmt::print("{}", capture::camera_table(cameras));
     std::fflush(stdout);

@@ -4,8 +4,8 @@
 
 namespace atrium::site_node {
 
-/// Prints a table of the cameras that answer to standard output. Error kNotFound, saying what to
-/// look at, where none does.
+/// Prints a table of all cameras that answer to standard output. Error kNotFound, with hints, if
+/// none answers.
 Expected<void> list_cameras();
 
 }  // namespace atrium::site_node

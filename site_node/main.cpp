@@ -10,8 +10,8 @@ int main(int argc, char** argv) {
     config::OptionSet options;
     site_node::declare(config, options);
     const app::ProgramInfo info{"site_node",
-                                "One room of a shared world: takes pictures, computes the visual "
-                                "hull of whoever is in it, publishes it.",
+                                "Captures one room of a shared world, computes the visual hull of "
+                                "the people in it, and publishes it.",
                                 "Examples:\n  site_node --config deploy/sites/alice.toml\n"
                                 "  site_node --site.name lab --capture.source recording "
                                 "--capture.recording DIR --capture.loop true\n"

@@ -26,7 +26,7 @@ Source open_recording(const SiteNodeConfig& config) {
 Source open_cameras(const SiteNodeConfig& config, std::stop_token stop) {
     auto rig = load_rig(config.capture);
     if (!rig) return tl::unexpected(rig.error());
-    const auto tell = [](bool is_warning, const std::string& line) {
+    const auto report = [](bool is_warning, const std::string& line) {
         app::log::write(is_warning ? app::log::Level::kWarn : app::log::Level::kInfo, line);
     };
     auto source = capture::AravisSource::open(
@@ -35,7 +35,7 @@ Source open_cameras(const SiteNodeConfig& config, std::stop_token stop) {
             config.capture.cameras,
             static_cast<std::size_t>(config.capture.min_cameras),
             std::chrono::nanoseconds(static_cast<std::int64_t>(config.capture.deadline_ms * 1e6))),
-        tell,
+        report,
         stop);
     if (!source) return tl::unexpected(source.error());
     return std::unique_ptr<capture::FrameSource>(std::move(*source));
@@ -46,16 +46,17 @@ Source open_simulated_room(const SiteNodeConfig& config, std::stop_token stop) {
     if (!rig) return tl::unexpected(rig.error());
     const simulation::RoomOptions room = simulation::room_options(config.simulation, rig->rate_hz);
     int last_percent = -1;
-    const auto tell = [&](std::size_t done, std::size_t total) {
+    const auto report = [&](std::size_t done, std::size_t total) {
         const int percent = total == 0 ? 100 : static_cast<int>(done * 100 / total);
         if (percent / 5 == last_percent / 5 && percent != 100) return;
         last_percent = percent;
         app::log::info("rendering the simulated room {} %", percent);
     };
-    auto source = capture::SimulatedSource::create(*rig, room, config.simulation.cache, tell, stop);
+    auto source =
+        capture::SimulatedSource::create(*rig, room, config.simulation.cache, report, stop);
     if (!source) return tl::unexpected(source.error());
     if (const std::string& problem = (*source)->cache_problem(); !problem.empty()) {
-        app::log::warn("the rendered room is not kept reason=\"{}\"", problem);
+        app::log::warn("the rendered room cannot be cached reason=\"{}\"", problem);
     }
     return std::unique_ptr<capture::FrameSource>(std::move(*source));
 }

@@ -8,7 +8,7 @@
 
 namespace atrium::site_node {
 
-/// The source that the configuration names, ready to run. What it has to say goes to the log.
+/// Opens the frame source that the configuration names. Progress and warnings go to the log.
 Expected<std::unique_ptr<capture::FrameSource>> open_source(const SiteNodeConfig& config,
                                                             std::stop_token stop);
 

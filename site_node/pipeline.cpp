@@ -15,35 +15,36 @@ double milliseconds_between(Clock::time_point begin, Clock::time_point end) {
     return std::chrono::duration<double, std::milli>(end - begin).count();
 }
 
-// Somebody is in the room only if every camera's cone and the hull say so; the other outcomes are
-// answers too.
-bool is_nobody(hull::HullStatus status) { return status == hull::HullStatus::kEmptyIntersection; }
+// An empty intersection is a valid answer: nobody is in the room.
+bool is_empty_room(hull::HullStatus status) {
+    return status == hull::HullStatus::kEmptyIntersection;
+}
 
 }  // namespace
 
-// What one camera keeps from metaframe to metaframe, so that cameras can be worked on in parallel.
+// State that one camera keeps between metaframes. One per camera allows parallel work.
 struct Pipeline::CameraStage {
     // of the first stage
     segmentation::Segmenter segmenter;
     silhouette::SilhouetteScratch silhouette;
     std::vector<silhouette::SilhouettePolygon> polygons;
     std::vector<std::vector<Eigen::Vector2d>> spare_contours;
-    bool is_left_out = false;  // there is no background
-    // of the second
+    bool is_excluded = false;  // has no background
+    // of the second stage
     texture::TextureScratch texture;
     codec::TextureCrop crop;
     codec::TextureEncoder encoder;
 };
 
-// What one camera has of one metaframe.
+// Data of one camera in one metaframe.
 struct Pipeline::Silhouettes::Camera {
-    image::YuvImage picture_buffer;  // what the camera does not deliver in the working form
+    image::YuvImage picture_buffer;  // for pictures that need conversion to the working form
     image::YuvView picture;
     image::SparseMask mask;
     std::vector<std::vector<Eigen::Vector2d>> contours;  // undistorted [px]
-    image::PixelRect subject;                            // around all of them, delivered picture
-    std::vector<silhouette::Outline> outlines;           // delivered picture
-    std::vector<std::uint8_t> dropped;                   // per outline
+    image::PixelRect subject;                   // bounds of all contours, delivered picture
+    std::vector<silhouette::Outline> outlines;  // delivered picture
+    std::vector<std::uint8_t> dropped;          // per outline
     silhouette::SilhouetteCounts counts;
     bool sees_somebody = false;
     double segmentation_ms = 0.0;
@@ -99,7 +100,7 @@ Expected<Pipeline> Pipeline::create(capture::FrameSource& source,
     for (std::size_t i = 0; i < pipeline.cameras_.size(); ++i) {
         auto& room = rooms[i];
         if (!room && room.error().kind == ErrorKind::kUnavailable && !stop.stop_requested()) {
-            pipeline.stages_[i]->is_left_out = true;
+            pipeline.stages_[i]->is_excluded = true;
             continue;
         }
         if (!room) return tl::unexpected(room.error());
@@ -114,7 +115,7 @@ Expected<Pipeline> Pipeline::create(capture::FrameSource& source,
 std::vector<std::string> Pipeline::cameras_without_background() const {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < stages_.size(); ++i) {
-        if (stages_[i]->is_left_out) names.push_back(cameras_[i].name);
+        if (stages_[i]->is_excluded) names.push_back(cameras_[i].name);
     }
     return names;
 }
@@ -165,7 +166,7 @@ Expected<void> Pipeline::find_silhouettes(const capture::Metaframe& metaframe,
         const capture::CameraFrame& frame = out.metaframe_.frames[i];
         Silhouettes::Camera& camera = *out.cameras_[i];
         camera.begin();
-        if (frame.image.empty() || stages_[i]->is_left_out) return;
+        if (frame.image.empty() || stages_[i]->is_excluded) return;
         out.delivered_[i] = 1;
         camera.result = find_silhouette(frame, {&executor, worker}, camera);
     };
@@ -193,7 +194,7 @@ Expected<void> Pipeline::encode_texture(Silhouettes& silhouettes,
     return encoded;
 }
 
-// The mesh, which is one task, beside the textures.
+// Encodes the mesh, as one task, in parallel with the textures.
 Expected<void> Pipeline::encode(Silhouettes& silhouettes,
                                 const ColourCoding& coding,
                                 Executor& executor,
@@ -237,11 +238,11 @@ Expected<void> Pipeline::first_failure(const Silhouettes& silhouettes) const {
     return {};
 }
 
-// What the stages counted and measured.
+// Collects counts and durations of the stages.
 void Pipeline::sum_up(const Silhouettes& silhouettes, SiteFrame& frame) {
     const hull::VisualHull& hull = frame.hull;
     const auto& delivered = silhouettes.delivered_;
-    frame.left_out = {
+    frame.losses = {
         static_cast<std::uint32_t>(std::count(delivered.begin(), delivered.end(), std::uint8_t{0})),
         hull.num_phantoms_dropped,
         hull.num_fragments_dropped,
@@ -250,7 +251,7 @@ void Pipeline::sum_up(const Silhouettes& silhouettes, SiteFrame& frame) {
         hull.num_contours_repaired,
         hull.num_regions_failed};
     for (const auto& camera : silhouettes.cameras_) {
-        frame.left_out.contours_dropped +=
+        frame.losses.contours_dropped +=
             camera->counts.num_not_undistorted + camera->counts.num_not_simple;
         frame.work_milliseconds.segmentation += camera->segmentation_ms;
         frame.work_milliseconds.polygons += camera->polygons_ms;
@@ -276,7 +277,7 @@ Expected<void> Pipeline::compute(Silhouettes& silhouettes,
     const auto encode_begin = Clock::now();
     if (frame.hull.status == hull::HullStatus::kOk) {
         if (auto encoded = encode(silhouettes, coding, executor, frame); !encoded) return encoded;
-    } else if (is_nobody(frame.hull.status)) {
+    } else if (is_empty_room(frame.hull.status)) {
         resize_keeping(frame.cameras, 0, spare_coded_);
     } else {
         return make_error(ErrorKind::kInvalidData,

@@ -26,44 +26,44 @@ struct PipelineOptions {
     std::vector<CameraAreas> areas;
     silhouette::SilhouetteOptions silhouette;
     HullStageOptions hull;
-    /// With 0 position_bits, those of codec::position_bits_for.
+    /// With position_bits 0, codec::position_bits_for chooses them.
     codec::MeshCodecOptions mesh{.position_bits = 0};
     texture::TextureOptions texture;
-    int jpeg_quality = 86;  // docs/streams.md has the table from which it is taken
+    int jpeg_quality = 86;  // chosen from the table in docs/streams.md
 };
 
-/// How the colours of one metaframe are coded.
+/// How to code the colours of one metaframe.
 struct ColourCoding {
     int jpeg_quality = 86;
     int divisor = 1;  // 1: as large as the mask; 2: half as wide and high
 };
 
-/// What one camera adds to a frame.
+/// Coded texture of one camera.
 struct CodedCamera {
     std::uint32_t camera = 0;
     image::PixelRect crop_px;
     codec::CodedTexture texture;
 };
 
-/// What was left out of the hull of one metaframe, or mended in it.
-struct LeftOut {
-    std::uint32_t cameras = 0;           // that delivered nothing
+/// Counts the losses and repairs in the hull of one metaframe.
+struct MetaframeLosses {
+    std::uint32_t cameras = 0;           // without a picture
     std::uint32_t phantoms = 0;          // components that no silhouette needs
     std::uint32_t fragments = 0;         // components below hull.min_component_l
     double dropped_l = 0.0;              // volume of both [l]
-    std::uint32_t contours_dropped = 0;  // too small, or could neither be undistorted nor mended
+    std::uint32_t contours_dropped = 0;  // too small, or impossible to undistort or repair
     std::uint32_t contours_repaired = 0;
-    std::uint32_t regions_failed = 0;  // beside others that did not
+    std::uint32_t regions_failed = 0;  // while others succeeded
 };
 
-/// One metaframe, ready to be published. Reused: vectors keep their capacity.
+/// One metaframe, ready to publish. Reusable: vectors keep their capacity.
 struct SiteFrame {
     std::uint64_t frame_id = 0;
     Timestamp capture_time;
-    std::vector<CodedCamera> cameras;  // those that see somebody; none where nobody is there
+    std::vector<CodedCamera> cameras;  // cameras that see somebody; empty if nobody is there
     std::vector<std::uint8_t> draco;   // empty: nobody is there
     hull::VisualHull hull;
-    LeftOut left_out;
+    MetaframeLosses losses;
 
     struct Milliseconds {
         double silhouettes = 0.0;  // segmentation and polygons of all cameras
@@ -72,22 +72,22 @@ struct SiteFrame {
         double total = 0.0;
     } milliseconds;
 
-    /// What the parts of those stages took, summed over the cameras: as long as there are workers
-    /// enough, more than the stage itself.
+    /// Work inside these stages, summed over the cameras. With enough workers the sum exceeds the
+    /// duration of the stage.
     struct WorkMilliseconds {
-        double segmentation = 0.0;  // with the conversion of raw pictures
+        double segmentation = 0.0;  // includes the conversion of raw pictures
         double polygons = 0.0;
         double mesh = 0.0;
         double textures = 0.0;
     } work_milliseconds;
 };
 
-/// From the pictures of one instant to the coded mesh and textures, in two stages: silhouettes of
-/// all cameras, then hull and coding. No network, no threads of its own.
+/// Turns the pictures of one metaframe into a coded mesh and textures, in two stages: the
+/// silhouettes of all cameras, then hull and coding. Uses no network and creates no threads.
 class Pipeline {
 public:
-    /// What the first stage hands to the second: everything that belongs to one metaframe. Reused:
-    /// memory is kept. Holds the pictures until it is used again or `release`d.
+    /// Data that the first stage hands to the second for one metaframe. Reusable: keeps its memory.
+    /// Holds the pictures until its next use or `release`.
     class Silhouettes {
     public:
         Silhouettes();
@@ -96,10 +96,10 @@ public:
         ~Silhouettes();
 
         const capture::Metaframe& metaframe() const { return metaframe_; }
-        /// Lets the pictures go, which cameras may need for the next ones.
+        /// Releases the pictures, whose memory cameras may need for the next ones.
         void release() { metaframe_.frames.clear(); }
 
-        /// Silhouettes of one camera as polygons in the delivered picture [px].
+        /// Returns the silhouettes of one camera as polygons in the delivered picture [px].
         std::vector<std::vector<Eigen::Vector2d>> delivered_outlines(std::size_t camera) const;
 
     private:
@@ -111,35 +111,35 @@ public:
         double milliseconds_ = 0.0;
     };
 
-    /// Learns the empty room from `source`, or takes it as learned before, unless its frames carry
-    /// silhouettes. A camera that cannot show it now (kUnavailable) is left out from then on. Error
-    /// kUnavailable once `stop` is requested.
+    /// Loads or learns the background of each camera, unless the frames of `source` carry
+    /// silhouettes. A camera that cannot show the empty room now (kUnavailable) is excluded from
+    /// all metaframes. Error kUnavailable once `stop` is requested.
     static Expected<Pipeline> create(capture::FrameSource& source,
                                      const PipelineOptions& options,
                                      std::stop_token stop);
 
-    /// Names of those that are left out.
+    /// Names of the excluded cameras.
     std::vector<std::string> cameras_without_background() const;
 
     Pipeline(Pipeline&&) noexcept;
     Pipeline& operator=(Pipeline&&) noexcept;
     ~Pipeline();
 
-    /// First stage. Cameras that the metaframe lacks are left out. Metaframes in their order, one
-    /// at a time; `executor` is lent for the call. An error leaves `out` unspecified but usable
-    /// again.
+    /// First stage. Ignores cameras that the metaframe lacks. Takes metaframes in their order, one
+    /// at a time. After an error `out` is unspecified but reusable.
     Expected<void> find_silhouettes(const capture::Metaframe& metaframe,
                                     Executor& executor,
                                     Silhouettes& out);
 
-    /// Second stage, one at a time, in any order. May run while the first stage works on other
-    /// `Silhouettes`. An error leaves `frame` unspecified; too few cameras are one.
+    /// Second stage. Takes one metaframe at a time, in any order, and may run while the first stage
+    /// works on other `Silhouettes`. After an error, for example too few cameras, `frame` is
+    /// unspecified.
     Expected<void> compute(Silhouettes& silhouettes,
                            const ColourCoding& coding,
                            Executor& executor,
                            SiteFrame& frame);
 
-    /// Both stages, with colours coded as the options say. Not while one of the stages runs.
+    /// Runs both stages, with the colour coding of the options. Must not overlap with either stage.
     Expected<void> process(const capture::Metaframe& metaframe,
                            Executor& executor,
                            SiteFrame& frame);
@@ -169,7 +169,7 @@ private:
     HullStage hull_;
     codec::MeshEncoder mesh_encoder_;
     std::vector<CodedCamera> spare_coded_;  // memory for cameras that see somebody again
-    Silhouettes own_silhouettes_;           // of `process`
+    Silhouettes own_silhouettes_;           // used by `process`
 };
 
 }  // namespace atrium::site_node

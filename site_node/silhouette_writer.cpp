@@ -27,19 +27,18 @@ Expected<void> prepare_folder(const fs::path& folder, bool overwrite) {
     if (!overwrite && fs::exists(folder, problem) && !fs::is_empty(folder, problem)) {
         return make_error(
             ErrorKind::kConfiguration,
-            fmt::format("--write-silhouettes: '{}' is not empty; give --overwrite to write into it",
+            fmt::format("--write-silhouettes: '{}' is not empty; add --overwrite to write into it",
                         folder.string()));
     }
     fs::create_directories(folder, problem);
     if (problem) {
-        return make_error(
-            ErrorKind::kUnavailable,
-            fmt::format("{}: cannot be made: {}", folder.string(), problem.message()));
+        return make_error(ErrorKind::kUnavailable,
+                          fmt::format("{}: cannot create: {}", folder.string(), problem.message()));
     }
     return {};
 }
 
-// One camera from picture to files.
+// Segments the pictures of one camera and writes them to files.
 class CameraWriter {
 public:
     CameraWriter(const geometry::CalibratedCamera& camera,
@@ -51,7 +50,7 @@ public:
           options_(options),
           folder_(std::move(folder)) {}
 
-    /// The view has no contours where nobody is seen.
+    /// The view has no contours if the camera sees nobody.
     Expected<hull_tool::NamedView> write(const capture::CameraFrame& frame, std::size_t number) {
         const image::YuvView picture = image::working_view(frame.image, buffer_);
         if (auto done = segmenter_.segment(picture, mask_); !done)
@@ -92,7 +91,7 @@ Expected<std::vector<std::unique_ptr<CameraWriter>>> make_writers(capture::Frame
         if (problem) {
             return make_error(
                 ErrorKind::kUnavailable,
-                fmt::format("{}: cannot be made: {}", folder.string(), problem.message()));
+                fmt::format("{}: cannot create: {}", folder.string(), problem.message()));
         }
         writers.push_back(std::make_unique<CameraWriter>(
             camera,
@@ -104,7 +103,7 @@ Expected<std::vector<std::unique_ptr<CameraWriter>>> make_writers(capture::Frame
     return writers;
 }
 
-// Cameras without a picture are left out.
+// Skips cameras without a picture.
 Expected<std::size_t> write_metaframe(capture::RecordingSource& source,
                                       std::size_t index,
                                       std::vector<std::unique_ptr<CameraWriter>>& writers,
@@ -129,7 +128,7 @@ Expected<std::size_t> write_metaframe(capture::RecordingSource& source,
 Expected<void> write_silhouettes(const SiteNodeConfig& config, std::stop_token stop) {
     if (config.capture.source != "recording") {
         return make_error(ErrorKind::kConfiguration,
-                          "--write-silhouettes: needs a recording: --recording DIR");
+                          "--write-silhouettes: needs a recording; add --recording DIR");
     }
     auto source = capture::RecordingSource::open({config.capture.recording, 0.0, false});
     if (!source) return tl::unexpected(source.error());
@@ -147,15 +146,15 @@ Expected<void> write_silhouettes(const SiteNodeConfig& config, std::stop_token s
     std::size_t num_metaframes = 0;
     std::size_t num_pictures = 0;
     std::size_t num_missing = 0;
-    auto told = Clock::now();
+    auto last_log = Clock::now();
     for (std::size_t i = 0; i < (*source)->num_frames() && !stop.stop_requested(); ++i) {
         const auto written = write_metaframe(**source, i, *writers, views_folder);
         if (!written) return tl::unexpected(written.error());
         num_metaframes += *written > 0 ? 1 : 0;
         num_pictures += *written;
         num_missing += writers->size() - *written;
-        if (Clock::now() - told < std::chrono::seconds(1)) continue;
-        told = Clock::now();
+        if (Clock::now() - last_log < std::chrono::seconds(1)) continue;
+        last_log = Clock::now();
         app::log::info("writing silhouettes metaframe={} of={}", i + 1, (*source)->num_frames());
     }
     app::log::info("wrote silhouettes folder={} metaframes={} pictures={}",
@@ -163,12 +162,12 @@ Expected<void> write_silhouettes(const SiteNodeConfig& config, std::stop_token s
                    num_metaframes,
                    num_pictures);
     if (num_missing > 0) {
-        app::log::warn("pictures were missing or could not be read, and are left out pictures={}",
+        app::log::warn("pictures were missing or unreadable and are not in the output pictures={}",
                        num_missing);
     }
     if (num_pictures == 0 && !stop.stop_requested()) {
         return make_error(ErrorKind::kInvalidData,
-                          fmt::format("recording '{}': no picture of it can be read",
+                          fmt::format("recording '{}': no picture can be read",
                                       config.capture.recording.string()));
     }
     return {};

@@ -6,13 +6,13 @@
 
 namespace atrium::site_node {
 
-/// Writes what the site makes of the pictures of a recording (`config.capture.recording`), each
-/// metaframe exactly once, into `config.write_silhouettes`: `<camera>/silhouettes/%06d.png`, and
-/// the polygons of all cameras as `views/%06d.json` in the format that `visual_hull` reads.
-/// Silhouettes of the recording itself are not used.
+/// Segments every metaframe of a recording (`config.capture.recording`) once. Writes masks as
+/// `<camera>/silhouettes/%06d.png` and the polygons of all cameras as `views/%06d.json`, the format
+/// that `visual_hull` reads, into `config.write_silhouettes`. Ignores silhouettes that the
+/// recording itself has.
 ///
-/// A picture that is missing leaves its camera out of that metaframe. Error kConfiguration where
-/// the folder holds something and `config.overwrite` is false. A stop is no error.
+/// A metaframe lacks every camera whose picture is missing. Error kConfiguration if the folder is
+/// not empty and `config.overwrite` is false. A stop is not an error.
 Expected<void> write_silhouettes(const SiteNodeConfig& config, std::stop_token stop);
 
 }  // namespace atrium::site_node

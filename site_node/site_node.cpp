@@ -4,7 +4,7 @@
 #include "core/app/program.hpp"
 #include "core/presence/join_world.hpp"
 #include "core/status/bottleneck.hpp"
-#include "site_node/left_out.hpp"
+#include "site_node/metaframe_losses.hpp"
 #include "site_node/open_source.hpp"
 
 #include <fmt/format.h>
@@ -41,7 +41,7 @@ double rate_hz(const SiteNodeConfig& config, const config::Rig& rig) {
     return config.capture.rate_hz > 0.0 ? config.capture.rate_hz : rig.rate_hz;
 }
 
-// What the configuration says that may be meant otherwise, or does not fit this rig.
+// Checks the configuration against this rig and warns about suspicious settings.
 Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
     if (config.capture.min_cameras > static_cast<int>(rig.cameras.size())) {
         return make_error(
@@ -62,11 +62,12 @@ Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
     }
     const HullStageOptions& hull = config.pipeline.hull;
     for (const std::string& pair : overlapping_regions(hull.regions)) {
-        app::log::warn("hull.region: {} overlap; who stands there is in the mesh twice", pair);
+        app::log::warn("hull.region: {} overlap; people there appear twice in the mesh", pair);
     }
     if (hull.partial_views && hull.min_views == 0) {
         app::log::warn(
-            "hull.partial_views without hull.min_views: what no camera sees counts as somebody's");
+            "hull.partial_views without hull.min_views: space that no camera sees counts as "
+            "occupied");
     }
     return {};
 }
@@ -95,16 +96,15 @@ Expected<void> learn_background(const SiteNodeConfig& config, std::stop_token st
 Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& config,
                                                      std::stop_token stop) {
     if (auto checked = check(config); !checked) return tl::unexpected(checked.error());
-    // before the room is opened and learned, which takes a while: what is wrong with the network
-    // or the name is said at once
+    // before the slow opening and learning of the room: reports a network or name problem at once
     auto participant = bus::Participant::create(config.bus);
     if (!participant) return tl::unexpected(participant.error());
-    const auto end = std::make_shared<RunEnd>();
+    const auto run_control = std::make_shared<RunControl>();
     auto member = presence::join_world(
         *participant,
         bus::ProgramKind::kSiteNode,
         config.name,
-        [end](const Error& lost) { end->lose_name(lost); },
+        [run_control](const Error& lost) { run_control->lose_name(lost); },
         stop);
     if (!member) return tl::unexpected(member.error());
 
@@ -118,7 +118,7 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& confi
     auto pipeline = Pipeline::create(**source, config.pipeline, stop);
     if (!pipeline) return tl::unexpected(pipeline.error());
     for (const std::string& name : pipeline->cameras_without_background()) {
-        app::log::warn("camera '{}' is left out, for it did not show the empty room at the start",
+        app::log::warn("camera '{}' is excluded: it did not show the empty room at the start",
                        name);
     }
 
@@ -140,7 +140,7 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& confi
                                                   std::move(*pipeline),
                                                   std::move(writers),
                                                   std::move(*feedback),
-                                                  end,
+                                                  run_control,
                                                   std::move(*member)));
 }
 
@@ -149,7 +149,7 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
                    Pipeline pipeline,
                    Writers writers,
                    bus::Reader<bus::StreamFeedback> feedback,
-                   std::shared_ptr<RunEnd> end,
+                   std::shared_ptr<RunControl> run_control,
                    std::unique_ptr<presence::Membership> membership)
     : config_(config),
       source_(std::move(source)),
@@ -162,7 +162,7 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
               std::move(feedback)),
       pool_(static_cast<std::size_t>(config.threads)),
       offsets_(source_->rig(), source_->is_live()),
-      end_(std::move(end)),
+      run_control_(std::move(run_control)),
       membership_(std::move(membership)) {
     if (config_.preview.empty()) return;
     std::vector<std::string> names;
@@ -171,26 +171,26 @@ SiteNode::SiteNode(const SiteNodeConfig& config,
 }
 
 Expected<void> SiteNode::run(std::stop_token stop) {
-    if (auto begun = end_->begin(); !begun) return begun;
-    const std::stop_callback pass_on(stop, [this] { end_->finish({}); });
+    if (auto begun = run_control_->begin(); !begun) return begun;
+    const std::stop_callback pass_on(stop, [this] { run_control_->finish({}); });
     const bus::SiteDescription description{
         config_.name, source_->rig().cameras, source_->rig().bounds_site};
     if (auto written = writers_.description.write(description); !written)
         return tl::unexpected(written.error());
     {
-        // stopped and joined from the last to the first, in the order of the data: what was
-        // captured still goes out
+        // destruction stops and joins in the order of the data: captured metaframes still go out
         const std::jthread publisher =
             named_thread("publish", [this](std::stop_token s) { publish_frames(s); });
-        const std::jthread worker = named_thread("work", [this](std::stop_token s) { work(s); });
+        const std::jthread worker =
+            named_thread("work", [this](std::stop_token s) { compute_frames(s); });
         const std::jthread silhouettes =
             named_thread("silhouettes", [this](std::stop_token s) { find_silhouettes(s); });
-        const std::jthread capturer =
-            named_thread("capture", [this](std::stop_token) { capture_metaframes(end_->token()); });
-        report_status(end_->token());
+        const std::jthread capturer = named_thread(
+            "capture", [this](std::stop_token) { capture_metaframes(run_control_->token()); });
+        report_status(run_control_->token());
     }
-    // where the name is another's, so is what stands under it
-    if (!end_->has_lost_name()) {
+    // after a loss of the name its instances belong to another program
+    if (!run_control_->has_lost_name()) {
         if (auto gone = writers_.description.dispose(description); !gone)
             app::log::warn("{}", gone.error().message);
     }
@@ -203,13 +203,13 @@ Expected<void> SiteNode::run(std::stop_token stop) {
                    total.stream.num_dropped_for_rate,
                    total.num_failed,
                    atrium::status::process_fields(total.processor, total.first_output_s));
-    if (const std::string line = left_out_line({}, total); !line.empty())
+    if (const std::string line = losses_line({}, total); !line.empty())
         app::log::info("counted {}", line);
     for (const capture::CameraCounters& counters : source_->camera_counters()) {
         if (source_->is_live() || has_faults(counters))
             app::log::info("camera {}", to_line(counters));
     }
-    return end_->result();
+    return run_control_->result();
 }
 
 void SiteNode::capture_metaframes(std::stop_token stop) {
@@ -237,7 +237,7 @@ void SiteNode::capture_metaframes(std::stop_token stop) {
     });
     if (!stop.stop_requested()) take(assembler.finish());
     if (source_->is_live()) app::log::info("camera offsets in ms {}", offsets_.line());
-    end_->finish(result);
+    run_control_->finish(result);
 }
 
 void SiteNode::hand_over(capture::Metaframe metaframe) {
@@ -273,35 +273,35 @@ void SiteNode::find_silhouettes_of(const capture::Metaframe& metaframe,
     if (!found) {
         memory->release();
         spare_silhouettes_.put(std::move(memory));
-        return fail(metaframe.frame_id, found.error());
+        return count_failure(metaframe.frame_id, found.error());
     }
     metaframes_.hand_over({std::move(memory), choice, ThreadPool::Priority(pool_)});
 }
 
-void SiteNode::work(std::stop_token stop) {
+void SiteNode::compute_frames(std::stop_token stop) {
     while (auto ready = metaframes_.take(stop)) {
-        work_on(*ready);
+        compute_frame(*ready);
         ready->silhouettes->release();
         spare_silhouettes_.put(std::move(ready->silhouettes));
     }
 }
 
-void SiteNode::fail(std::uint64_t frame_id, const Error& error) {
+void SiteNode::count_failure(std::uint64_t frame_id, const Error& error) {
     ++num_failed_;
     complaints_.warn(fmt::format("metaframe failed id={} reason=\"{}\"", frame_id, error.message));
 }
 
-void SiteNode::work_on(Ready& ready) {
+void SiteNode::compute_frame(Ready& ready) {
     auto frame = spare_frames_.try_take().value_or(nullptr);
     if (frame == nullptr) frame = std::make_unique<SiteFrame>();
     const StreamAdapter::Choice& choice = ready.choice;
     const ColourCoding coding{choice.level.jpeg_quality, choice.level.colour_divisor};
     if (auto done = pipeline_.compute(*ready.silhouettes, coding, pool_, *frame); !done)
-        return fail(ready.silhouettes->metaframe().frame_id, done.error());
+        return count_failure(ready.silhouettes->metaframe().frame_id, done.error());
     stream_.coded(choice, *frame, std::chrono::steady_clock::now());
-    count(*frame);
+    count_losses(*frame);
     stage_times_.computed(frame->milliseconds);
-    show(*ready.silhouettes);
+    show_preview(*ready.silhouettes);
     app::log::debug(
         "metaframe id={} triangles={} silhouettes_ms={:.2f} hull_ms={:.2f} encode_ms={:.2f} "
         "total_ms={:.2f}",
@@ -314,17 +314,17 @@ void SiteNode::work_on(Ready& ready) {
     site_frames_.put(std::move(frame));
 }
 
-void SiteNode::count(const SiteFrame& frame) {
-    const LeftOut& left_out = frame.left_out;
-    if (left_out.regions_failed > 0) {
+void SiteNode::count_losses(const SiteFrame& frame) {
+    const MetaframeLosses& losses = frame.losses;
+    if (losses.regions_failed > 0) {
         complaints_.warn(fmt::format(
-            "metaframe lacks regions id={} failed={}", frame.frame_id, left_out.regions_failed));
+            "metaframe lacks regions id={} failed={}", frame.frame_id, losses.regions_failed));
     }
-    const std::lock_guard lock(left_out_mutex_);
-    add(left_out, left_out_);
+    const std::lock_guard lock(losses_mutex_);
+    add(losses, losses_);
 }
 
-void SiteNode::show(const Pipeline::Silhouettes& silhouettes) {
+void SiteNode::show_preview(const Pipeline::Silhouettes& silhouettes) {
     const capture::Metaframe& metaframe = silhouettes.metaframe();
     if (preview_ == nullptr || !preview_->count(metaframe)) return;
     std::vector<std::vector<std::vector<Eigen::Vector2d>>> outlines_px;
@@ -356,7 +356,7 @@ void SiteNode::publish_frames(std::stop_token stop) {
     }
 }
 
-// Textures first: a viewer's pair is complete as soon as the mesh arrives.
+// Writes the mesh last: with its arrival a viewer's pair is complete.
 Expected<std::size_t> SiteNode::publish(const SiteFrame& frame) {
     bus::SiteMesh mesh{config_.name, frame.frame_id, frame.capture_time, {}, frame.draco};
     const auto begin = std::chrono::steady_clock::now();

@@ -13,7 +13,7 @@
 #include "site_node/capture/metaframe_assembler.hpp"
 #include "site_node/config.hpp"
 #include "site_node/preview/preview.hpp"
-#include "site_node/run_end.hpp"
+#include "site_node/run_control.hpp"
 #include "site_node/stage_times.hpp"
 #include "site_node/stream_adapter.hpp"
 
@@ -25,22 +25,22 @@
 
 namespace atrium::site_node {
 
-/// Opens where the pictures come from; with a simulated room that may take minutes.
+/// Checks the configuration and opens the frame source. A simulated room may take minutes.
 Expected<std::unique_ptr<capture::FrameSource>> open_frame_source(const SiteNodeConfig& config,
                                                                   std::stop_token stop);
 
-/// Instead of running: learns the empty room of all cameras and keeps it in
-/// segmentation.background_folder.
+/// Learns the empty room of all cameras and writes it to segmentation.background_folder, instead of
+/// a run.
 Expected<void> learn_background(const SiteNodeConfig& config, std::stop_token stop);
 
-/// One room: captures, computes, publishes. `create` prepares everything that can fail (recording,
+/// One room: captures, computes, publishes. `create` does everything that can fail (recording,
 /// rendering of a simulated room, background, bus); `run` owns the threads.
 class SiteNode {
 public:
     static Expected<std::unique_ptr<SiteNode>> create(const SiteNodeConfig& config,
                                                       std::stop_token stop);
 
-    /// Until the stop, the end of the source or `site.seconds`. On one thread at a time.
+    /// Runs until the stop, the end of the source or `site.seconds`. One caller at a time.
     Expected<void> run(std::stop_token stop);
 
     /// Thread-safe.
@@ -50,8 +50,7 @@ private:
     struct Writers {
         bus::Writer<bus::SiteDescription> description;
         bus::Writer<bus::SiteMesh> mesh;
-        // One per camera: Cyclone DDS repairs one sample of several fragments per writer and round
-        // trip.
+        // One per camera: Cyclone DDS repairs only one fragmented sample per writer and round trip.
         std::vector<bus::Writer<bus::CameraTexture>> textures;
         bus::Writer<bus::SiteStatus> status;
     };
@@ -61,7 +60,7 @@ private:
              Pipeline pipeline,
              Writers writers,
              bus::Reader<bus::StreamFeedback> feedback,
-             std::shared_ptr<RunEnd> end,
+             std::shared_ptr<RunControl> run_control,
              std::unique_ptr<presence::Membership> membership);
 
     void capture_metaframes(std::stop_token stop);
@@ -70,17 +69,17 @@ private:
     struct Ready {
         std::unique_ptr<Pipeline::Silhouettes> silhouettes;
         StreamAdapter::Choice choice;
-        ThreadPool::Priority priority;  // over the silhouettes of the next one
+        ThreadPool::Priority priority;  // over the silhouettes of the next metaframe
     };
     void find_silhouettes(std::stop_token stop);
     void find_silhouettes_of(const capture::Metaframe& metaframe,
                              const StreamAdapter::Choice& choice,
                              std::unique_ptr<Pipeline::Silhouettes> memory);
-    void work(std::stop_token stop);
-    void work_on(Ready& ready);
-    void fail(std::uint64_t frame_id, const Error& error);
-    void count(const SiteFrame& frame);
-    void show(const Pipeline::Silhouettes& silhouettes);
+    void compute_frames(std::stop_token stop);
+    void compute_frame(Ready& ready);
+    void count_failure(std::uint64_t frame_id, const Error& error);
+    void count_losses(const SiteFrame& frame);
+    void show_preview(const Pipeline::Silhouettes& silhouettes);
     void publish_frames(std::stop_token stop);
     void report_status(std::stop_token stop);
     Expected<std::size_t> publish(const SiteFrame& frame);
@@ -91,14 +90,14 @@ private:
     Writers writers_;
     StreamAdapter stream_;
     ThreadPool pool_;
-    std::unique_ptr<preview::Preview> preview_;  // null: nobody wants one
+    std::unique_ptr<preview::Preview> preview_;  // null: no preview
 
-    // newest wins: a late one is worth nothing
+    // newest wins: a late metaframe is useless
     TwoStageOrder<capture::Metaframe, Ready> metaframes_;
     LatestSlot<std::unique_ptr<Pipeline::Silhouettes>> spare_silhouettes_;
     LatestSlot<std::unique_ptr<SiteFrame>>
         site_frames_;  // newest wins: a slow link costs frames, not latency
-    LatestSlot<std::unique_ptr<SiteFrame>> spare_frames_;  // buffers on their way back
+    LatestSlot<std::unique_ptr<SiteFrame>> spare_frames_;  // buffers for reuse
 
     std::atomic<std::uint64_t> num_captured_{0};
     std::atomic<std::uint64_t> num_incomplete_{0};
@@ -107,8 +106,8 @@ private:
     std::atomic<std::uint64_t> num_published_{0};
     std::atomic<std::uint64_t> num_bytes_{0};
     OffsetBoard offsets_;
-    mutable std::mutex left_out_mutex_;
-    bus::LeftOutTotals left_out_;
+    mutable std::mutex losses_mutex_;
+    bus::LeftOutTotals losses_;
     mutable std::mutex latency_mutex_;
     LatencyWindow capture_to_publish_;
     StageTimes stage_times_;
@@ -116,13 +115,13 @@ private:
     RateMeter bytes_rate_;
     std::atomic<double> metaframes_per_s_{0.0};
     std::atomic<double> bytes_per_s_{0.0};
-    std::atomic<double> first_output_s_{0.0};  // 0: nothing is published yet
-    ProcessorMeter processor_meter_;           // of the thread that reports
+    std::atomic<double> first_output_s_{0.0};  // 0: nothing published yet
+    ProcessorMeter processor_meter_;           // of the reporting thread
     mutable std::mutex processor_mutex_;
-    ProcessorUse processor_;  // as measured last
+    ProcessorUse processor_;  // latest measurement
     app::log::OncePerSecond complaints_;
 
-    std::shared_ptr<RunEnd> end_;  // with the membership, which is there first
+    std::shared_ptr<RunControl> run_control_;  // shared with the membership, which exists first
     std::unique_ptr<presence::Membership> membership_;
 };
 

@@ -1,6 +1,6 @@
 #include "core/app/program.hpp"
 #include "core/status/bottleneck.hpp"
-#include "site_node/left_out.hpp"
+#include "site_node/metaframe_losses.hpp"
 #include "site_node/site_node.hpp"
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include <condition_variable>
 #include <mutex>
 
-// What a site says of itself once a second.
+// Status of a site, published once a second.
 namespace atrium::site_node {
 namespace {
 
@@ -32,7 +32,7 @@ void SiteNode::report_status(std::stop_token stop) {
         if (limited) until = std::min(until, end);
         std::unique_lock lock(mutex);
         wake.wait_until(lock, stop, until, [] { return false; });
-        if (limited && Clock::now() >= end) end_->finish({});
+        if (limited && Clock::now() >= end) run_control_->finish({});
         metaframes_per_s_ = published_rate_.update(num_published_, Clock::now());
         bytes_per_s_ = bytes_rate_.update(num_bytes_, Clock::now());
         stage_times_.update_rates(Clock::now());
@@ -44,7 +44,7 @@ void SiteNode::report_status(std::stop_token stop) {
         const bus::SiteStatus now = status();
         if (auto written = writers_.status.write(now); !written)
             complaints_.warn(written.error().message);
-        if (const std::string line = left_out_line(former, now); !line.empty())
+        if (const std::string line = losses_line(former, now); !line.empty())
             app::log::debug("this second {}", line);
         former = now;
         if (const auto line = overload.look(atrium::status::figures_of(now), Clock::now()))
@@ -68,8 +68,8 @@ bus::SiteStatus SiteNode::status() const {
     status.num_dropped_late = metaframes_.num_dropped() + site_frames_.num_dropped();
     status.num_failed = num_failed_;
     {
-        const std::lock_guard lock(left_out_mutex_);
-        status.left_out = left_out_;
+        const std::lock_guard lock(losses_mutex_);
+        status.left_out = losses_;
     }
     status.num_bytes_published = num_bytes_;
     status.metaframes_per_s = metaframes_per_s_;

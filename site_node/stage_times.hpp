@@ -11,16 +11,16 @@
 
 namespace atrium::site_node {
 
-/// What the stages of a site took, and what they sent, for its status. Thread-safe.
+/// Collects stage durations and byte counts of a site for its status. Thread-safe.
 class StageTimes {
 public:
     void computed(const SiteFrame::Milliseconds& milliseconds);
-    /// Bytes of payload of one metaframe.
+    /// Records the payload sizes of one metaframe and how long it took to publish.
     void published(std::size_t mesh_bytes,
                    std::size_t texture_bytes,
                    std::chrono::nanoseconds duration);
 
-    /// Turns what was sent into rates since the call before.
+    /// Computes byte rates since the previous call.
     void update_rates(std::chrono::steady_clock::time_point now);
     void put_into(bus::SiteStatus& status) const;
 

@@ -61,10 +61,10 @@ void StreamAdapter::take_feedback(stream::Time now) {
     if (report.num_rejected > 0) complaints_.warn("feedback_rejected " + report.first_rejection);
 }
 
-void StreamAdapter::tell(const stream::StreamCap& cap) {
+void StreamAdapter::log_level_change(const stream::StreamCap& cap) {
     const std::size_t index = controller_.level();
-    if (index == told_level_) return;
-    told_level_ = index;
+    if (index == logged_level_) return;
+    logged_level_ = index;
     const stream::Level& level = controller_.ladder()[index];
     app::log::info("stream level quality={} resolution=1/{} rate=1/{} reason=\"{}\"",
                    level.jpeg_quality,
@@ -79,7 +79,7 @@ std::optional<StreamAdapter::Choice> StreamAdapter::offer(stream::Time now) {
     const stream::StreamCap cap = links_.cap(now);
     controller_.set_cap(cap.cap);
     const auto index = controller_.offer(now);
-    tell(cap);
+    log_level_change(cap);
     const stream::Level& level = controller_.ladder()[controller_.level()];
     const std::lock_guard lock(state_mutex_);
     state_.jpeg_quality = static_cast<std::uint32_t>(level.jpeg_quality);

@@ -12,9 +12,9 @@
 
 namespace atrium::site_node {
 
-/// Between the bus and site_node/stream: takes what viewers report, decides how the next metaframe
-/// is coded, and logs each step. Thread-safe. Metaframes overlap: one may be offered before the one
-/// before it is coded, so that the pacing sees the bytes of a metaframe one later.
+/// Connects the bus to site_node/stream: takes the feedback of viewers, decides how to code the
+/// next metaframe, and logs each change of level. Thread-safe. Metaframes overlap: one may be
+/// offered before the previous one is coded, so the pacing sees byte counts one metaframe late.
 class StreamAdapter {
 public:
     StreamAdapter(const stream::StreamOptions& options,
@@ -27,10 +27,10 @@ public:
         std::size_t index = 0;  // in the ladder
         stream::Level level;
     };
-    /// A metaframe is there: how to code it. Nothing: it is to be left out, for the rate.
+    /// Decides how to code a new metaframe. Empty: skip it, to reduce the rate.
     std::optional<Choice> offer(stream::Time now);
 
-    /// That metaframe was coded, just now.
+    /// Reports the size of a metaframe coded with `choice`.
     void coded(const Choice& choice, const SiteFrame& frame, stream::Time now);
 
     bus::StreamState state() const;
@@ -38,14 +38,14 @@ public:
 private:
     void take_feedback(stream::Time now);
     void add(const bus::StreamFeedback& feedback, stream::Time now);
-    void tell(const stream::StreamCap& cap);
+    void log_level_change(const stream::StreamCap& cap);
 
-    std::mutex mutex_;  // of all but the state
+    std::mutex mutex_;  // guards all except state_
     std::string site_;
     bus::Reader<bus::StreamFeedback> feedback_;
     stream::RateController controller_;
     stream::ViewerLinks links_;
-    std::size_t told_level_ = 0;
+    std::size_t logged_level_ = 0;
 
     app::log::OncePerSecond complaints_;
 

@@ -14,7 +14,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMaxSerialLength = 15;  // of GigE Vision, without the closing zero
+constexpr std::size_t kMaxSerialLength = 15;  // GigE Vision, without the terminating zero
 
 std::chrono::nanoseconds from_ms(double ms) {
     return std::chrono::nanoseconds(static_cast<std::int64_t>(ms * 1e6));
@@ -28,28 +28,29 @@ std::int64_t now_us() { return Timestamp::now().ns / 1000; }
 
 }  // namespace
 
-std::vector<CameraPlace> places_of(const config::Rig& rig) {
-    std::vector<CameraPlace> places;
+std::vector<CameraIdentity> identities_of(const config::Rig& rig) {
+    std::vector<CameraIdentity> identities;
     for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
         const std::string& name = rig.cameras[i].name;
-        places.push_back({name,
-                          name.size() <= kMaxSerialLength ? name : fmt::format("simulated{}", i),
-                          fmt::format("127.0.0.{}", i + 2)});
+        identities.push_back(
+            {name,
+             name.size() <= kMaxSerialLength ? name : fmt::format("simulated{}", i),
+             fmt::format("127.0.0.{}", i + 2)});
     }
-    return places;
+    return identities;
 }
 
 struct CameraServer::Impl {
     Impl(ShownPictures shown, const ServerOptions& server_options)
-        : options(server_options), show(std::move(shown), options.empty_time) {
-        places = places_of(show.shown.rig);
-        show.on_picture = [this] { note_first_picture(); };
-        for (std::size_t i = 0; i < places.size(); ++i) {
+        : options(server_options), state(std::move(shown), options.empty_time) {
+        identities = identities_of(state.shown.rig);
+        state.on_picture = [this] { note_first_picture(); };
+        for (std::size_t i = 0; i < identities.size(); ++i) {
             const CameraFaults faults{.lost_share = options.faults.lost_share[i],
                                       .delay = from_ms(options.faults.delay_ms[i]),
                                       .clock_offset = from_ms(options.faults.clock_offset_ms[i])};
             cameras.push_back(
-                std::make_unique<ServedCamera>(i, places[i], options.stamp, faults, show));
+                std::make_unique<ServedCamera>(i, identities[i], options.stamp, faults, state));
         }
     }
 
@@ -64,13 +65,13 @@ struct CameraServer::Impl {
     }
 
     const ServerOptions options;
-    SharedShow show;
-    std::vector<CameraPlace> places;
+    SharedServerState state;
+    std::vector<CameraIdentity> identities;
     std::mutex mutex;
     std::condition_variable_any wake;
-    std::optional<Clock::time_point> begin;  // of the first picture
+    std::optional<Clock::time_point> begin;  // time of the first picture
     std::atomic<bool> has_begun{false};
-    std::vector<std::unique_ptr<ServedCamera>> cameras;  // last: their threads use the rest
+    std::vector<std::unique_ptr<ServedCamera>> cameras;  // last member: their threads use the rest
 };
 
 CameraServer::CameraServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -79,7 +80,7 @@ CameraServer::~CameraServer() = default;
 Expected<std::unique_ptr<CameraServer>> CameraServer::start(ShownPictures shown,
                                                             const ServerOptions& options) {
     assert(options.faults.lost_share.size() == shown.rig.cameras.size());
-    // Aravis draws from GLib's generator of the process
+    // Aravis uses GLib's global generator
     g_random_set_seed(static_cast<guint32>(options.seed));
     auto impl = std::make_unique<Impl>(std::move(shown), options);
     for (const auto& camera : impl->cameras) {
@@ -108,7 +109,7 @@ void CameraServer::follow_outages(std::stop_token stop) {
     for (const Event& event : events) {
         impl_->wake.wait_until(lock, stop, begin + from_s(event.at_s), [] { return false; });
         if (stop.stop_requested()) return;
-        lock.unlock();  // the camera's own thread may want to say that it has sent a picture
+        lock.unlock();  // the camera's own thread may have to report its first picture
         ServedCamera& camera = *impl_->cameras[event.camera];
         if (event.comes) {
             if (auto started = camera.start(); !started)
@@ -118,13 +119,13 @@ void CameraServer::follow_outages(std::stop_token stop) {
         }
         app::log::info("camera {} camera={} at_s={:.3f}",
                        event.comes ? "is back" : "is gone",
-                       camera.place().name,
+                       camera.identity().name,
                        std::chrono::duration<double>(Clock::now() - begin).count());
         lock.lock();
     }
 }
 
-void CameraServer::empty_room() { impl_->show.programme.empty_room(now_us()); }
+void CameraServer::empty_room() { impl_->state.schedule.empty_room(now_us()); }
 
 std::vector<std::uint64_t> CameraServer::num_sent() const {
     std::vector<std::uint64_t> sent;
@@ -132,6 +133,6 @@ std::vector<std::uint64_t> CameraServer::num_sent() const {
     return sent;
 }
 
-const std::vector<CameraPlace>& CameraServer::places() const { return impl_->places; }
+const std::vector<CameraIdentity>& CameraServer::identities() const { return impl_->identities; }
 
 }  // namespace atrium::simulated_cameras

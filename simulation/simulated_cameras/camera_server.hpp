@@ -1,7 +1,7 @@
 #pragma once
 
 #include "simulation/simulated_cameras/faults.hpp"
-#include "simulation/simulated_cameras/show.hpp"
+#include "simulation/simulated_cameras/shown_pictures.hpp"
 
 #include <memory>
 #include <string>
@@ -9,43 +9,43 @@
 
 namespace atrium::simulated_cameras {
 
-/// How a camera of the rig is found on the network.
-struct CameraPlace {
+/// Network identity of a camera.
+struct CameraIdentity {
     std::string name;
-    std::string serial;   // its name, where a serial number can be as long
+    std::string serial;   // its name, if short enough for a serial number
     std::string address;  // 127.0.0.2 for the first
 };
-std::vector<CameraPlace> places_of(const config::Rig& rig);
+std::vector<CameraIdentity> identities_of(const config::Rig& rig);
 
 struct ServerOptions {
     std::chrono::microseconds empty_time{};
-    bool stamp = false;      // pictures say who took them and when (stamp.hpp)
+    bool stamp = false;      // mark pictures with camera and trigger (stamp.hpp)
     std::uint64_t seed = 1;  // of lost packets
     Faults faults;           // of every camera of the rig
 };
 
-/// GigE Vision cameras, one per camera of the rig, each a thread of Aravis' own fake camera on an
-/// address of its own. They run freely at the rig's rate, all triggered at the same instants, or by
-/// software triggers; what they show is common to all of them. A client may change the frame rate
-/// and the region, not the pixel format.
+/// Serves one GigE Vision camera per camera of the rig. Each is a thread of Aravis' fake camera
+/// with its own address. They run freely at the rig's rate, triggered at the same instants, or by
+/// software triggers, and all show the same scene. A client may change the frame rate and the
+/// region, but not the pixel format.
 class CameraServer {
 public:
-    /// The addresses must be there (`app::bring_up_loopback`). Error kUnavailable names the camera
+    /// The addresses must exist (`app::bring_up_loopback`). Error kUnavailable names the camera
     /// that cannot listen.
     static Expected<std::unique_ptr<CameraServer>> start(ShownPictures shown,
                                                          const ServerOptions& options);
     ~CameraServer();
 
-    /// Follows the outages of `ServerOptions::faults` until the stop.
+    /// Executes the outages of `ServerOptions::faults` until the stop.
     void follow_outages(std::stop_token stop);
 
-    /// The room is empty from now on for `ServerOptions::empty_time`.
+    /// Empties the room for `ServerOptions::empty_time`.
     void empty_room();
 
-    /// Pictures that each camera has sent.
+    /// Number of pictures sent, per camera.
     std::vector<std::uint64_t> num_sent() const;
 
-    const std::vector<CameraPlace>& places() const;
+    const std::vector<CameraIdentity>& identities() const;
 
 private:
     struct Impl;

@@ -31,27 +31,28 @@ sigset_t usr1() {
     return set;
 }
 
-// Only calls that are safe between fork and exec. An error number goes to `report` if it fails.
+// Uses only calls that are safe between fork and exec. On failure writes errno to `report`.
 [[noreturn]] void become(char* const* arguments, pid_t parent, int report) {
     sigset_t none;
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, nullptr);
     prctl(PR_SET_PDEATHSIG, SIGTERM);
-    if (getppid() != parent) _exit(127);  // the parent went before prctl took hold
+    if (getppid() != parent) _exit(127);  // the parent died before prctl took effect
     execvp(arguments[0], arguments);
     const int error = errno;
     if (write(report, &error, sizeof(error)) < 0) _exit(126);
     _exit(127);
 }
 
-// The process, once it runs the program.
+// Returns the process id once exec succeeded.
 Expected<pid_t> start(const std::vector<std::string>& command) {
     std::vector<char*> arguments;
     for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
     std::array<int, 2> report{};  // closed by a successful exec
     if (pipe2(report.data(), O_CLOEXEC) != 0)
-        return make_error(ErrorKind::kUnavailable, fmt::format("a pipe: {}", std::strerror(errno)));
+        return make_error(ErrorKind::kUnavailable,
+                          fmt::format("cannot create a pipe: {}", std::strerror(errno)));
     const Descriptor reading(report[0]);
     const pid_t parent = getpid();
     const pid_t pid = fork();
@@ -98,9 +99,9 @@ Expected<int> run_command(const std::vector<std::string>& command,
     const sigset_t set = usr1();
     const Descriptor stopped(eventfd(0, EFD_CLOEXEC));
     const Descriptor signals(signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK));
-    const std::stop_callback tell(stop, [&stopped] {
+    const std::stop_callback wake(stop, [&stopped] {
         const std::uint64_t one = 1;
-        if (write(stopped.get(), &one, sizeof(one)) < 0) return;  // an eventfd takes a first one
+        if (write(stopped.get(), &one, sizeof(one)) < 0) return;  // the first write cannot fail
     });
     pid_t pid = 0;
     if (!command.empty()) {

@@ -10,8 +10,8 @@
 namespace atrium::simulated_cameras {
 
 struct SimulatedCamerasConfig {
-    std::filesystem::path rig;        // of a simulated room
-    std::filesystem::path recording;  // instead: its folder
+    std::filesystem::path rig;        // for a simulated room
+    std::filesystem::path recording;  // folder, instead of a rig
     double rate_hz = 0.0;             // 0: the rig's
     std::string pixel_format = "BayerRG8";
     double empty_seconds = 5.0;
@@ -27,7 +27,7 @@ struct SimulatedCamerasConfig {
 /// Declares every option with its default; `config` must outlive `set`.
 void declare(SimulatedCamerasConfig& config, config::OptionSet& set);
 
-/// What options cannot check one by one.
+/// Checks rules that span several options.
 Expected<void> check(const SimulatedCamerasConfig& config);
 
 }  // namespace atrium::simulated_cameras

@@ -32,8 +32,8 @@ std::optional<std::size_t> find_camera(std::string_view text, const config::Rig&
     return number < rig.cameras.size() ? std::optional(number) : std::nullopt;
 }
 
-// Calls visit(camera, rest) for each "CAMERA<separator>rest" of a list with commas; false from
-// `visit` is an error of that item.
+// Calls visit(camera, rest) for each "CAMERA<separator>rest" of a comma-separated list; if `visit`
+// returns false, that item is an error.
 template <typename Visit>
 Expected<void> visit_items(const std::string& option,
                            const std::string& list,
@@ -114,7 +114,7 @@ Expected<void> parse_outages(const FaultTexts& texts,
                        });
 }
 
-// A camera that is away cannot go away.
+// Rejects outages of a camera that is already away.
 Expected<void> check_outages(const std::vector<Outage>& outages, const config::Rig& rig) {
     for (std::size_t i = 0; i < outages.size(); ++i) {
         for (std::size_t k = i + 1; k < outages.size(); ++k) {

@@ -9,23 +9,22 @@
 
 namespace atrium::simulated_cameras {
 
-/// A camera that is away for a while: it answers nothing, and comes back as one that was just
-/// switched on.
+/// A period in which a camera answers nothing. It comes back freshly switched on.
 struct Outage {
     std::size_t camera = 0;
     double from_s = 0.0;  // after the first picture
     double seconds = 0.0;
 };
 
-/// What goes wrong, per camera of the rig.
+/// Faults per camera of the rig.
 struct Faults {
     std::vector<double> lost_share;       // of its packets, 0 to 1
     std::vector<double> delay_ms;         // of its pictures, after their trigger
     std::vector<double> clock_offset_ms;  // of its time stamps
-    std::vector<Outage> outages;          // by time
+    std::vector<Outage> outages;          // sorted by time
 };
 
-/// The faults as the command line has them; a camera is given by its name or its number.
+/// Faults as text from the command line. CAMERA is a name or a number.
 ///   lose, delay_ms, clock_offset_ms: "CAMERA=VALUE,CAMERA=VALUE", lose in percent
 ///   stop: "CAMERA@FROM+SECONDS,..."; restart: "CAMERA@FROM,..."
 struct FaultTexts {
@@ -36,7 +35,7 @@ struct FaultTexts {
     std::string restart{};
 };
 
-/// Error kConfiguration that names the option and what is wrong with it.
+/// Parses the faults. Error kConfiguration names the option and the problem.
 Expected<Faults> parse_faults(const FaultTexts& texts, const config::Rig& rig);
 
 }  // namespace atrium::simulated_cameras

@@ -8,7 +8,7 @@
 
 int main(int argc, char** argv) {
     using namespace atrium;
-    // what follows "--" is not ours
+    // arguments after "--" belong to the command
     char** const separator =
         std::find_if(argv, argv + argc, [](const char* word) { return std::string(word) == "--"; });
     std::vector<std::string> command;
@@ -19,8 +19,8 @@ int main(int argc, char** argv) {
     simulated_cameras::declare(config, options);
     const app::ProgramInfo info{
         "simulated_cameras",
-        "Serves a room that does not exist, or a recording, as GigE Vision cameras in a network of "
-        "its own, and runs a command there:\nsimulated_cameras [OPTIONS] -- COMMAND [ARGUMENTS]",
+        "Serves a simulated room, or a recording, as GigE Vision cameras in a private network, and "
+        "runs a command there:\nsimulated_cameras [OPTIONS] -- COMMAND [ARGUMENTS]",
         "Examples:\n  simulated_cameras --rig deploy/rigs/full_body.toml --list\n"
         "  simulated_cameras --rig deploy/rigs/full_body.toml --lose cam3=1 -- "
         "build/bin/site_node --config deploy/sites/simulated_cameras.toml"};

@@ -17,25 +17,25 @@
 namespace atrium::simulated_cameras {
 namespace {
 
-// Of GigE Vision's fake camera.
+// Limit of Aravis' fake camera.
 constexpr int kMaxSidePx = 2048;
-// Loopback addresses, of which the first is the host's.
+// Loopback addresses; the first is the host's.
 constexpr std::size_t kMaxCameras = 64;
 
 Expected<void> check(const config::Rig& rig) {
     if (rig.cameras.size() > kMaxCameras) {
-        return make_error(ErrorKind::kConfiguration,
-                          fmt::format("rig: at most {} cameras can be served, it has {}",
-                                      kMaxCameras,
-                                      rig.cameras.size()));
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format(
+                "rig: at most {} cameras can be served, got {}", kMaxCameras, rig.cameras.size()));
     }
     for (const geometry::CalibratedCamera& camera : rig.cameras) {
         const geometry::PinholeCamera& c = camera.intrinsics;
         if (c.width > kMaxSidePx || c.height > kMaxSidePx) {
-            return make_error(
-                ErrorKind::kConfiguration,
-                fmt::format(
-                    "rig: camera {}: can be {} px wide and high at most", camera.name, kMaxSidePx));
+            return make_error(ErrorKind::kConfiguration,
+                              fmt::format("rig: camera {}: must be at most {} px wide and high",
+                                          camera.name,
+                                          kMaxSidePx));
         }
     }
     return {};
@@ -46,7 +46,7 @@ Expected<ShownPictures> load_pictures(const Plan& plan, std::stop_token stop) {
         return show_recording(plan.config.recording, plan.format, stop);
     const simulation::RoomConfig& room = plan.config.simulation;
     std::size_t last_step = 0;
-    const auto tell = [&](std::size_t done, std::size_t total) {
+    const auto report = [&](std::size_t done, std::size_t total) {
         const std::size_t step = done * 20 / total;
         if (step != last_step) app::log::info("rendering the simulated room {} %", step * 5);
         last_step = step;
@@ -55,11 +55,11 @@ Expected<ShownPictures> load_pictures(const Plan& plan, std::stop_token stop) {
                      simulation::room_options(room, plan.rig.rate_hz),
                      plan.format,
                      room.cache,
-                     tell,
+                     report,
                      stop);
 }
 
-// Asks for the stop after that time, unless it is asked for before.
+// Requests a stop after this time, unless one was requested before.
 std::jthread time_limit(double seconds, std::stop_source& stop) {
     return std::jthread([seconds, &stop](std::stop_token ended) {
         std::mutex mutex;
@@ -98,13 +98,13 @@ void print(const Plan& plan) {
                "size",
                "format",
                "rate");
-    const std::vector<CameraPlace> places = places_of(plan.rig);
-    for (std::size_t i = 0; i < places.size(); ++i) {
+    const std::vector<CameraIdentity> identities = identities_of(plan.rig);
+    for (std::size_t i = 0; i < identities.size(); ++i) {
         const geometry::PinholeCamera& c = plan.rig.cameras[i].intrinsics;
         fmt::print("{:<16} {:<16} {:<12} {:>10} {:>9} {:>5} Hz\n",
-                   places[i].name,
-                   places[i].serial,
-                   places[i].address,
+                   identities[i].name,
+                   identities[i].serial,
+                   identities[i].address,
                    fmt::format("{}x{}", c.width & ~1, c.height & ~1),
                    plan.config.pixel_format,
                    plan.rig.rate_hz);
@@ -135,8 +135,9 @@ Expected<int> run(const Plan& plan, std::stop_token stop) {
                    plan.config.pixel_format,
                    getpid());
     if (plan.command.empty() && plan.config.own_network) {
-        app::log::info("no command given; to get there: nsenter --preserve-credentials -U -n -t {}",
-                       getpid());
+        app::log::info(
+            "no command given; to enter the network: nsenter --preserve-credentials -U -n -t {}",
+            getpid());
     }
     std::stop_source end;
     const std::stop_callback pass_on(stop, [&end] { end.request_stop(); });
@@ -153,7 +154,8 @@ Expected<int> run(const Plan& plan, std::stop_token stop) {
     }
     const std::vector<std::uint64_t> num_sent = (*server)->num_sent();
     for (std::size_t i = 0; i < num_sent.size(); ++i) {
-        app::log::info("camera name={} pictures_sent={}", (*server)->places()[i].name, num_sent[i]);
+        app::log::info(
+            "camera name={} pictures_sent={}", (*server)->identities()[i].name, num_sent[i]);
     }
     return exit_code;
 }

@@ -10,7 +10,7 @@
 
 namespace atrium::simulated_cameras {
 
-/// A configuration that was checked, with what it names.
+/// A checked configuration with its rig, format and faults.
 struct Plan {
     SimulatedCamerasConfig config;
     config::Rig rig;
@@ -20,13 +20,13 @@ struct Plan {
 };
 Expected<Plan> make_plan(const SimulatedCamerasConfig& config, std::vector<std::string> command);
 
-/// The cameras as a table on standard output.
+/// Prints the cameras as a table to standard output.
 void print(const Plan& plan);
 
-/// Makes the network that the cameras are in, and this process' own; before any thread is started.
+/// Creates and enters the private network of the cameras. Call it before any thread starts.
 Expected<void> enter_network(const Plan& plan);
 
-/// Loads the pictures, serves them and runs the command. Returns its exit code, 0 without one.
+/// Loads and serves the pictures and runs the command. Returns its exit code, 0 without a command.
 Expected<int> run(const Plan& plan, std::stop_token stop);
 
 }  // namespace atrium::simulated_cameras

@@ -21,7 +21,7 @@ constexpr std::array<std::pair<const char*, PixelFormat>, 6> kFormats{
      {"Mono8", PixelFormat::kMono8},
      {"RGB8", PixelFormat::kRgb}}};
 
-// What red, green and blue have more than luma, in full-range BT.601.
+// Differences of red, green and blue from luma, in full-range BT.601.
 struct ColourOffsets {
     int red = 0;
     int green = 0;

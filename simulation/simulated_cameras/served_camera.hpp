@@ -8,25 +8,24 @@
 #include <functional>
 #include <mutex>
 
-// Aravis' types stay out of headers that others read.
+// Keeps Aravis' types out of headers that others include.
 typedef struct _ArvFakeCamera ArvFakeCamera;
 typedef struct _ArvGvFakeCamera ArvGvFakeCamera;
 typedef struct _ArvBuffer ArvBuffer;
 
 namespace atrium::simulated_cameras {
 
-/// What all cameras of a server share.
-struct SharedShow {
-    SharedShow(ShownPictures shown_pictures, std::chrono::microseconds empty_time)
+/// State that all cameras of a server share.
+struct SharedServerState {
+    SharedServerState(ShownPictures shown_pictures, std::chrono::microseconds empty_time)
         : shown(std::move(shown_pictures)),
-          programme(
-              shown.empty.front().size(), shown.num_instants(), shown.rig.rate_hz, empty_time),
+          schedule(shown.empty.front().size(), shown.num_instants(), shown.rig.rate_hz, empty_time),
           triggers(shown.rig.cameras.size()) {}
 
     const ShownPictures shown;
-    Programme programme;
+    ShowSchedule schedule;
     TriggerNumbers triggers;
-    std::function<void()> on_picture;  // after each, from any camera's thread
+    std::function<void()> on_picture;  // after each picture, on any camera's thread
 };
 
 struct CameraFaults {
@@ -35,37 +34,37 @@ struct CameraFaults {
     std::chrono::nanoseconds clock_offset{};
 };
 
-/// One fake camera, which can be switched off and on again.
+/// One fake camera that can be switched off and on again.
 class ServedCamera {
 public:
     ServedCamera(std::size_t index,
-                 CameraPlace place,
+                 CameraIdentity identity,
                  bool stamp,
                  const CameraFaults& faults,
-                 SharedShow& show);
+                 SharedServerState& state);
     ~ServedCamera();
     ServedCamera(const ServedCamera&) = delete;
     ServedCamera& operator=(const ServedCamera&) = delete;
 
-    /// Switches it on, in its initial state. Error kUnavailable.
+    /// Switches it on in its initial state. Error kUnavailable.
     Expected<void> start();
-    /// Switches it off: whoever talks to it gets no answer.
+    /// Switches it off: clients get no answer.
     void stop();
 
-    const CameraPlace& place() const { return place_; }
+    const CameraIdentity& identity() const { return identity_; }
     std::uint64_t num_sent() const { return num_sent_; }
 
 private:
     void fill(ArvBuffer* buffer);
     TriggerNumbers::Trigger free_trigger(std::int64_t now_us, std::int64_t period_us);
-    bool copy_region(const Programme::Choice& choice, ArvBuffer* buffer, std::uint8_t* out);
+    bool copy_region(const ShowSchedule::Choice& choice, ArvBuffer* buffer, std::uint8_t* out);
     bool hold_back(std::chrono::nanoseconds time);
 
     const std::size_t index_;
-    const CameraPlace place_;
+    const CameraIdentity identity_;
     const bool stamp_;
     const CameraFaults faults_;
-    SharedShow& show_;
+    SharedServerState& state_;
     ArvGvFakeCamera* device_ = nullptr;
     ArvFakeCamera* registers_ = nullptr;  // of the device
     std::atomic<std::uint64_t> num_sent_{0};

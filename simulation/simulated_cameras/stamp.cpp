@@ -12,10 +12,10 @@ constexpr int kBlocksPerRow = kStampWidthPx / kBlockPx;
 constexpr std::size_t kNumBytes = 8;
 static_assert(kBlocksPerRow * (kStampHeightPx / kBlockPx) == 8 * kNumBytes);
 
-// Far enough from both ends for noise, and apart enough for any threshold in between.
+// Far enough from both ends for noise, and apart enough for any threshold between them.
 constexpr std::uint8_t kBlack = 16;
 constexpr std::uint8_t kWhite = 235;
-constexpr std::uint8_t kFirstByte = 0xa6;  // neither all black nor all white nor a stripe
+constexpr std::uint8_t kFirstByte = 0xa6;  // not black, white or striped
 
 using Code = std::array<std::uint8_t, kNumBytes>;
 
@@ -43,7 +43,7 @@ Code encode(const Stamp& stamp) {
     return code;
 }
 
-// Where the samples of a picture are that tell brightness.
+// Position of the brightness samples of a picture.
 struct Samples {
     std::size_t first = 0;
     std::size_t step = 1;  // [B]
@@ -63,7 +63,7 @@ Samples samples_of(image::PixelFormat format) {
     }
 }
 
-// `pixels` is the first of the stamp's own first row.
+// `pixels` points to the first row of the stamp.
 void write_code(const Code& code,
                 std::size_t bytes_per_pixel,
                 std::size_t stride_bytes,
@@ -85,7 +85,7 @@ Code read_code(const image::RawImage& picture, int first_row) {
     const auto [first, step] = samples_of(picture.format);
     Code code{};
     for (int block = 0; block < static_cast<int>(8 * kNumBytes); ++block) {
-        // the inner quarter of the block, whatever a lens or a codec did to its rim
+        // the inner quarter of the block: a lens or codec may have changed its rim
         const int left = block % kBlocksPerRow * kBlockPx + kBlockPx / 4;
         const int top = first_row + block / kBlocksPerRow * kBlockPx + kBlockPx / 4;
         int sum = 0;

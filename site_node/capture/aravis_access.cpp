@@ -12,21 +12,21 @@
 namespace atrium::capture {
 namespace {
 
-constexpr guint64 kControlRegister = 0x0a00;  // GigE Vision: who controls the camera
+constexpr guint64 kControlRegister = 0x0a00;  // GigE Vision control channel privilege
 constexpr guint32 kControlBits = 3;
 
-// Never destroyed, and its thread never joined: nobody should wait for a camera that is gone.
-struct Graveyard {
+// Never destroyed, and its thread never joined: the program must not wait for a lost camera.
+struct DeferredRelease {
     std::mutex mutex;
     std::condition_variable changed;
     std::deque<std::shared_ptr<void>> dead;
 
-    static Graveyard& instance() {
-        static auto* const graveyard = new Graveyard;
-        return *graveyard;
+    static DeferredRelease& instance() {
+        static auto* const deferred = new DeferredRelease;
+        return *deferred;
     }
 
-    Graveyard() {
+    DeferredRelease() {
         std::thread([this] {
             for (;;) {
                 std::shared_ptr<void> next;
@@ -43,11 +43,11 @@ struct Graveyard {
 }  // namespace
 
 Expected<GPtr<ArvCamera>> open_camera(const FoundCamera& found) {
-    static std::mutex mutex;  // Aravis reads the descriptions of two cameras at once wrongly
+    static std::mutex mutex;  // Aravis misreads the descriptions of two cameras at once
     const std::lock_guard lock(mutex);
     const auto failed = [&](const std::string& reason) {
         return make_error(ErrorKind::kUnavailable,
-                          fmt::format("camera at {} cannot be opened: {}", found.address, reason));
+                          fmt::format("cannot open the camera at {}: {}", found.address, reason));
     };
     GErrorSlot error;
     if (found.protocol != "GigEVision") {
@@ -55,9 +55,9 @@ Expected<GPtr<ArvCamera>> open_camera(const FoundCamera& found) {
         if (camera == nullptr) return failed(error.message());
         return camera;
     }
-    // not by name: Aravis would ask all networks again, one camera at a time
+    // not by name: Aravis would search all networks again, one camera at a time
     const std::string own = own_address_towards(found.address);
-    if (own.empty()) return failed("no interface leads there");
+    if (own.empty()) return failed("no interface has a route to it");
     const GPtr<GInetAddress> own_address(g_inet_address_new_from_string(own.c_str()));
     const GPtr<GInetAddress> address(g_inet_address_new_from_string(found.address.c_str()));
     const GPtr<ArvDevice> device(arv_gv_device_new(own_address.get(), address.get(), error.out()));
@@ -92,12 +92,12 @@ bool is_ptp_locked(ArvCamera& camera) {
 }
 
 void release_in_background(std::shared_ptr<void> dead) {
-    Graveyard& graveyard = Graveyard::instance();
+    DeferredRelease& deferred = DeferredRelease::instance();
     {
-        const std::lock_guard lock(graveyard.mutex);
-        graveyard.dead.push_back(std::move(dead));
+        const std::lock_guard lock(deferred.mutex);
+        deferred.dead.push_back(std::move(dead));
     }
-    graveyard.changed.notify_one();
+    deferred.changed.notify_one();
 }
 
 }  // namespace atrium::capture

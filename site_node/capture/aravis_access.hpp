@@ -8,18 +8,18 @@
 
 namespace atrium::capture {
 
-/// Opens a camera that was found and takes control of it. Error kUnavailable.
+/// Opens a discovered camera and takes control of it. Error kUnavailable.
 Expected<GPtr<ArvCamera>> open_camera(const FoundCamera& found);
 
-/// True where the camera still obeys this process.
+/// Returns true while this process still controls the camera.
 bool is_under_control(ArvCamera& camera);
 
-/// True once the camera's clock runs with the master of its PTP domain.
+/// Returns true once the camera follows, or is, the master clock of its PTP domain.
 bool is_ptp_locked(ArvCamera& camera);
 
-/// Lets go of something that belongs to a camera which no longer answers, on a thread of its own:
-/// Aravis tries to say goodbye for several seconds. What is still there when the program ends, ends
-/// with it.
+/// Destroys `dead`, which belongs to a camera that no longer answers, on a background thread:
+/// Aravis tries for several seconds to end the connection. Objects not destroyed when the program
+/// ends are leaked.
 void release_in_background(std::shared_ptr<void> dead);
 
 }  // namespace atrium::capture

@@ -14,13 +14,13 @@ using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 using Clock = std::chrono::steady_clock;
 
-constexpr milliseconds kFirstPause{100};  // between two attempts to connect; doubles
+constexpr milliseconds kFirstPause{100};  // between two attempts to connect; doubles each time
 constexpr milliseconds kLongestPause{1000};
-constexpr milliseconds kLeastSilence{500};  // that can be a fault
+constexpr milliseconds kLeastSilence{500};  // shorter silence is never a fault
 constexpr std::chrono::seconds kPtpCheckPeriod{1};
-constexpr milliseconds kStall{100};  // longer than a thread waits for the processor as a rule
-constexpr int kLeastUnanswered = 5;  // triggers, before silence is a fault
-// In use besides those that wait for a metaframe to be complete: one lacks packets, one is
+constexpr milliseconds kStall{100};  // longer than a thread usually waits for the processor
+constexpr int kLeastUnanswered = 5;  // triggers before silence is a fault
+// Buffers besides those that wait for a complete metaframe: one lacks packets, one is being
 // received, one is next, one is in the mailbox, one waits for the pipeline and one is in it.
 constexpr int kBuffersInFlight = 6;
 constexpr int kMostBuffers = 32;
@@ -33,34 +33,34 @@ int num_buffers(const CamerasOptions& options, nanoseconds period) {
 
 }  // namespace
 
-CameraCommons::CameraCommons(const CamerasOptions& camera_options,
-                             std::size_t num_cameras,
-                             double rate,
-                             CameraEventSink sink)
+SharedCameraState::SharedCameraState(const CamerasOptions& camera_options,
+                                     std::size_t num_cameras,
+                                     double rate,
+                                     CameraEventSink sink)
     : options(camera_options),
       rate_hz(rate),
-      tell(std::move(sink)),
+      report(std::move(sink)),
       mailbox(num_cameras, camera_options.deadline + 2 * period()) {}
 
 AravisCamera::AravisCamera(std::size_t index,
                            const CameraEntry& entry,
                            const geometry::PinholeCamera& intrinsics,
-                           CameraCommons& commons)
+                           SharedCameraState& shared_state)
     : index_(index),
       entry_(entry),
-      request_{merged(commons.options.common, entry.settings),
-               commons.options.trigger,
-               commons.rate_hz,
+      request_{merged(shared_state.options.common, entry.settings),
+               shared_state.options.trigger,
+               shared_state.rate_hz,
                intrinsics.width,
                intrinsics.height},
-      commons_(commons),
-      trigger_clock_(commons.period()),
-      keeper_([this](std::stop_token stop) { keep(stop); }) {}
+      shared_state_(shared_state),
+      trigger_clock_(shared_state.period()),
+      thread_([this](std::stop_token stop) { run(stop); }) {}
 
 AravisCamera::~AravisCamera() = default;
 
-void AravisCamera::tell(bool is_warning, const std::string& text) const {
-    commons_.tell({is_warning, fmt::format("camera '{}' {}", entry_.name, text)});
+void AravisCamera::report(bool is_warning, const std::string& text) const {
+    shared_state_.report({is_warning, fmt::format("camera '{}' {}", entry_.name, text)});
 }
 
 void AravisCamera::finish_first_attempt(Expected<void> result) {
@@ -79,8 +79,8 @@ Expected<void> AravisCamera::wait_for_first_attempt(std::stop_token stop) {
     return *first_result_;
 }
 
-// The thread of this camera: connects, serves until the camera is lost, and starts over.
-void AravisCamera::keep(std::stop_token stop) {
+// Main function of this camera's thread: connects, serves until the camera is lost, starts over.
+void AravisCamera::run(std::stop_token stop) {
     pthread_setname_np(pthread_self(), fmt::format("cam {:.11}", entry_.name).c_str());
     std::string last_problem;
     milliseconds pause = kFirstPause;
@@ -91,19 +91,19 @@ void AravisCamera::keep(std::stop_token stop) {
         if (!session) {
             finish_first_attempt(tl::unexpected(session.error()));
             if (session.error().message != last_problem)
-                tell(true, fmt::format("is not there: {}", session.error().message));
+                report(true, fmt::format("is not there: {}", session.error().message));
             last_problem = session.error().message;
             std::unique_lock lock(wake_->mutex);
             wake_->changed.wait_for(lock, stop, pause, [] { return false; });
             pause = std::min(2 * pause, kLongestPause);
             continue;
         }
-        say_connected(**session, was_connected);
+        report_connected(**session, was_connected);
         if (was_connected) {
             ++num_reconnects_;
-            tell(false,
-                 fmt::format("is back after {:.1f} s",
-                             std::chrono::duration<double>(Clock::now() - lost_at).count()));
+            report(false,
+                   fmt::format("is back after {:.1f} s",
+                               std::chrono::duration<double>(Clock::now() - lost_at).count()));
         }
         was_connected = true;
         last_problem.clear();
@@ -117,7 +117,7 @@ void AravisCamera::keep(std::stop_token stop) {
 
 Expected<std::unique_ptr<AravisCamera::Session>> AravisCamera::connect(std::stop_token stop) {
     auto session = std::make_unique<Session>();
-    auto found = commons_.finder.find(entry_.serial, entry_.address);
+    auto found = shared_state_.finder.find(entry_.serial, entry_.address);
     if (!found) return tl::unexpected(found.error());
     session->found = std::move(*found);
     auto camera = open_camera(session->found);
@@ -130,7 +130,7 @@ Expected<std::unique_ptr<AravisCamera::Session>> AravisCamera::connect(std::stop
     if (!format) return tl::unexpected(format.error());
     session->format = *format;
     if (session_number_ == 1) {
-        for (const std::string& warning : warnings) tell(true, warning);
+        for (const std::string& warning : warnings) report(true, warning);
     }
 
     watch_control(*session);
@@ -139,11 +139,11 @@ Expected<std::unique_ptr<AravisCamera::Session>> AravisCamera::connect(std::stop
     guard_ = {};
     follows_ptp_ = false;
     if (is_triggered_by_site()) trigger_clock_.start_measuring();
-    const CamerasOptions& options = commons_.options;
+    const CamerasOptions& options = shared_state_.options;
     auto stream = AravisStream::create(*session->camera,
                                        session->format,
-                                       {num_buffers(options, commons_.period()),
-                                        commons_.period(),
+                                       {num_buffers(options, shared_state_.period()),
+                                        shared_state_.period(),
                                         options.realtime_priority,
                                         options.use_packet_socket,
                                         fmt::format("rx {:.12}", entry_.name)},
@@ -154,7 +154,7 @@ Expected<std::unique_ptr<AravisCamera::Session>> AravisCamera::connect(std::stop
     arv_camera_start_acquisition(session->camera.get(), error.out());
     if (error.failed()) {
         return make_error(ErrorKind::kUnavailable,
-                          fmt::format("it does not start to send: {}", error.message()));
+                          fmt::format("it does not start the acquisition: {}", error.message()));
     }
     if (is_triggered_by_site()) measure_delay(*session, stop);
     note_sign_of_life();
@@ -165,11 +165,10 @@ Expected<std::unique_ptr<AravisCamera::Session>> AravisCamera::connect(std::stop
     return session;
 }
 
-// The handler may run on a thread of Aravis while this object goes: it shares what it needs.
+// Aravis may still run the handler while this object is destroyed: it shares ownership of its data.
 void AravisCamera::watch_control(Session& session) {
     using Lost = std::pair<std::shared_ptr<Wake>, std::uint64_t>;
-    static std::mutex
-        mutex;  // of what is handed over through GLib, whose own locks nobody can check
+    static std::mutex mutex;  // guards data that passes through GLib, whose locks no sanitizer sees
     const std::lock_guard lock(mutex);
     session.lost_handler = g_signal_connect_data(
         arv_camera_get_device(session.camera.get()),
@@ -189,32 +188,33 @@ void AravisCamera::watch_control(Session& session) {
         G_CONNECT_DEFAULT);
 }
 
-void AravisCamera::say_connected(const Session& session, bool again) {
+void AravisCamera::report_connected(const Session& session, bool again) {
     const auto delay = trigger_clock_.delay();
-    tell(false,
-         fmt::format(
-             "connected vendor=\"{}\" model=\"{}\" serial={} address={} size={}x{} "
-             "format={} packet_bytes={}{}",
-             session.found.vendor,
-             session.found.model,
-             session.found.serial,
-             session.found.address,
-             session.format.width,
-             session.format.height,
-             arv_camera_get_pixel_format_as_string(session.camera.get(), nullptr),
-             session.format.packet_bytes,
-             delay ? fmt::format(" delay_ms={:.1f}", static_cast<double>(delay->count()) * 1e-6)
-                   : std::string()));
-    if (again || commons_.options.realtime_priority <= 0 || session.stream->is_realtime()) return;
-    tell(false, "is received without realtime priority, which is not permitted here");
+    report(false,
+           fmt::format(
+               "connected vendor=\"{}\" model=\"{}\" serial={} address={} size={}x{} "
+               "format={} packet_bytes={}{}",
+               session.found.vendor,
+               session.found.model,
+               session.found.serial,
+               session.found.address,
+               session.format.width,
+               session.format.height,
+               arv_camera_get_pixel_format_as_string(session.camera.get(), nullptr),
+               session.format.packet_bytes,
+               delay ? fmt::format(" delay_ms={:.1f}", static_cast<double>(delay->count()) * 1e-6)
+                     : std::string()));
+    if (again || shared_state_.options.realtime_priority <= 0 || session.stream->is_realtime())
+        return;
+    report(false, "is received without real-time priority, which is not permitted here");
 }
 
 nanoseconds AravisCamera::silence() const {
-    return std::max<nanoseconds>(commons_.options.silent_periods * commons_.period(),
+    return std::max<nanoseconds>(shared_state_.options.silent_periods * shared_state_.period(),
                                  kLeastSilence);
 }
 
-// Fires, and watches over the camera, until it is lost or the stop comes.
+// Triggers and watches the camera until it is lost or the stop comes.
 AravisCamera::End AravisCamera::serve(Session& session, std::stop_token stop) {
     const nanoseconds silence = this->silence();
     auto next_check = Clock::now() + silence;
@@ -233,7 +233,7 @@ AravisCamera::End AravisCamera::serve(Session& session, std::stop_token stop) {
             due = std::exchange(wake_->due, std::nullopt);
         }
         if (due) trigger(session, *due);
-        if (trigger_clock_.is_astray()) measure_delay(session, stop);
+        if (trigger_clock_.needs_measuring()) measure_delay(session, stop);
         const auto now = Clock::now();
         if (session.format.has_ptp && now >= next_ptp_check) {
             follows_ptp_ = is_ptp_locked(*session.camera);
@@ -241,7 +241,7 @@ AravisCamera::End AravisCamera::serve(Session& session, std::stop_token stop) {
         }
         if (now < next_check) continue;
         const nanoseconds quiet(silence_ns());
-        const bool is_quiet = quiet >= silence && may_be_judged(now - next_check);
+        const bool is_quiet = quiet >= silence && can_judge_silence(now - next_check);
         if (is_quiet && is_silent_for_good(session)) return End::kSilent;
         next_check = Clock::now() + (is_quiet           ? silence
                                      : quiet >= silence ? silence / 2
@@ -249,30 +249,30 @@ AravisCamera::End AravisCamera::serve(Session& session, std::stop_token stop) {
     }
 }
 
-// Where this thread had to wait for the processor, the one that receives may have had to, and
-// where triggers were left out no pictures are missing.
-bool AravisCamera::may_be_judged(nanoseconds late) const {
+// If this thread had to wait for the processor, the receiving thread may have waited too. And
+// skipped triggers leave no picture to miss.
+bool AravisCamera::can_judge_silence(nanoseconds late) const {
     if (is_trigger_refused_) return true;
     if (is_triggered_by_site() && num_unanswered_ < kLeastUnanswered) return false;
     return late < kStall;
 }
 
-// Where the trigger is not ours it may just pause: then all cameras are silent.
+// An external trigger may pause: then all cameras are silent.
 bool AravisCamera::is_silent_for_good(Session& session) {
-    const bool others_deliver = commons_.last_picture_ns > last_sign_ns_;
+    const bool others_deliver = shared_state_.last_picture_ns > last_sign_ns_;
     if (request_.trigger != TriggerMode::kExternal || others_deliver || !session.answers() ||
         !is_under_control(*session.camera)) {
         return true;
     }
     if (!std::exchange(session.is_untriggered, true))
-        tell(true, "is under control and sends nothing, like all others: is it triggered?");
+        report(true, "is under control and sends nothing, like all others: is it triggered?");
     return false;
 }
 
 void AravisCamera::close(std::unique_ptr<Session> session, End end) {
     is_connected_ = false;
     session->stream->detach();
-    commons_.mailbox.clear(index_);
+    shared_state_.mailbox.clear(index_);
     {
         const std::lock_guard lock(session_mutex_);
         const StreamCounts counts = stream_->counts();
@@ -281,7 +281,7 @@ void AravisCamera::close(std::unique_ptr<Session> session, End end) {
         stream_ = nullptr;
     }
     if (end != End::kStopped) {
-        tell(
+        report(
             true,
             fmt::format("is lost: {}; looking for it",
                         end == End::kLost ? "it is no longer under control"

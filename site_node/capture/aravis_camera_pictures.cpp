@@ -1,6 +1,6 @@
 #include "site_node/capture/aravis_camera.hpp"
 
-// What a camera does with pictures, on the thread that receives them, and what it counts.
+// Handling and counting of pictures, on the receiving thread.
 namespace atrium::capture {
 namespace {
 
@@ -23,8 +23,8 @@ void AravisCamera::note_sign_of_life() {
 Timestamp AravisCamera::time_on_site_clock(std::uint64_t device_ns, Timestamp arrival) {
     const Timestamp own = clock_.on_site_clock(device_ns, arrival);
     if (!follows_ptp_) return own;
-    const std::lock_guard lock(commons_.ptp_mutex);
-    return commons_.ptp_clock.on_site_clock(device_ns, arrival);
+    const std::lock_guard lock(shared_state_.ptp_mutex);
+    return shared_state_.ptp_clock.on_site_clock(device_ns, arrival);
 }
 
 void AravisCamera::on_incomplete(std::uint64_t device_ns, Timestamp arrival) {
@@ -38,13 +38,13 @@ void AravisCamera::on_incomplete(std::uint64_t device_ns, Timestamp arrival) {
     CameraFrame lost;
     lost.camera = index_;
     lost.capture_time = *taken;
-    commons_.mailbox.put(std::move(lost), Clock::now());
+    shared_state_.mailbox.put(std::move(lost), Clock::now());
 }
 
 void AravisCamera::on_picture(StreamPicture picture) {
     note_sign_of_life();
     last_picture_ns_ = last_sign_ns_.load();
-    commons_.last_picture_ns = last_sign_ns_.load();
+    shared_state_.last_picture_ns = last_sign_ns_.load();
     ++num_received_;
     const auto arrival_ns = static_cast<std::uint64_t>(picture.arrival.ns);
     if (!guard_.accept(picture.device_ns != 0 ? picture.device_ns : arrival_ns)) {
@@ -54,14 +54,14 @@ void AravisCamera::on_picture(StreamPicture picture) {
     const Timestamp time = time_on_site_clock(picture.device_ns, picture.arrival);
     const auto taken = is_triggered_by_site() ? trigger_clock_.on_picture(time) : time;
     if (!taken) {
-        if (is_connected_) ++num_late_;  // else it was taken to measure
+        if (is_connected_) ++num_late_;  // otherwise it belongs to a measurement
         return;
     }
     CameraFrame frame;
     frame.camera = index_;
     frame.image = std::move(picture.image);
     frame.capture_time = *taken;
-    const auto outcome = commons_.mailbox.put(std::move(frame), Clock::now());
+    const auto outcome = shared_state_.mailbox.put(std::move(frame), Clock::now());
     if (outcome == FrameMailbox::Outcome::kReplacedOne) ++num_late_;
 }
 

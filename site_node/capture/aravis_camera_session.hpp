@@ -7,7 +7,7 @@
 /// Private to aravis_camera*.cpp.
 namespace atrium::capture {
 
-/// A camera while it is connected.
+/// Connection to one camera.
 struct AravisCamera::Session {
     FoundCamera found;
     CameraFormat format;
@@ -15,7 +15,7 @@ struct AravisCamera::Session {
     GPtr<ArvCamera> camera;
     gulong lost_handler = 0;
     std::unique_ptr<AravisStream> stream;
-    bool is_untriggered = false;  // as was told
+    bool is_untriggered = false;  // and reported as such
 
     Session() = default;
     Session(const Session&) = delete;

@@ -14,7 +14,7 @@ struct Unref {
 template <typename T>
 using GPtr = std::unique_ptr<T, Unref>;
 
-/// Where GLib puts what went wrong.
+/// Receives the error of a GLib call.
 class GErrorSlot {
 public:
     GErrorSlot() = default;
@@ -22,7 +22,7 @@ public:
     GErrorSlot(const GErrorSlot&) = delete;
     GErrorSlot& operator=(const GErrorSlot&) = delete;
 
-    /// For the next call; what was there is forgotten.
+    /// Returns the output argument for the next call; clears the previous error.
     GError** out() {
         g_clear_error(&error_);
         return &error_;

@@ -10,7 +10,7 @@
 namespace atrium::capture {
 namespace {
 
-// GVSP packets of more than this no link carries (jumbo frames have 9000 bytes, loopback 65536).
+// No link carries larger GVSP packets (jumbo frames have 9000 bytes, loopback 65536).
 constexpr int kMaxPacketBytes = 16384;
 
 struct FormatName {
@@ -33,7 +33,7 @@ tl::unexpected<Error> refused(const std::string& key, const std::string& reason)
     return make_error(ErrorKind::kConfiguration, fmt::format("{}: {}", key, reason));
 }
 
-// One camera while it is set up.
+// Sets up one camera, step by step.
 class Setup {
 public:
     Setup(ArvCamera& camera, const SetupRequest& request, std::vector<std::string>& warnings)
@@ -43,7 +43,7 @@ public:
         return arv_camera_is_feature_available(&camera_, feature, error_.out()) && !error_.failed();
     }
 
-    // The first of `features` that the camera has; null: none.
+    // Returns the first of `features` that the camera has; null: none.
     const char* first_of(std::initializer_list<const char*> features) {
         for (const char* feature : features) {
             if (has(feature)) return feature;
@@ -78,7 +78,7 @@ public:
             request_.settings.region_px.value_or(std::array{0, 0, request_.width, request_.height});
         if (wanted[2] != request_.width || wanted[3] != request_.height) {
             return refused("region_px",
-                           fmt::format("is {} x {}, the rig says {} x {}",
+                           fmt::format("is {} x {}, but the rig needs {} x {}",
                                        wanted[2],
                                        wanted[3],
                                        request_.width,
@@ -100,7 +100,7 @@ public:
         if (now != wanted) {
             return refused("region_px",
                            fmt::format("the rig needs {} x {} pixels from ({}, {}), the camera "
-                                       "has {} x {} from ({}, {}){}{}",
+                                       "gives {} x {} from ({}, {}){}{}",
                                        wanted[2],
                                        wanted[3],
                                        wanted[0],
@@ -191,11 +191,11 @@ public:
         }
         g_free(sources);
         if (line.empty())
-            return refused("capture.trigger", "the camera has no line to be triggered by");
+            return refused("capture.trigger", "the camera has no input line for a trigger");
         return set_trigger(line);
     }
 
-    // Cameras with one clock for all of them have times that can be compared.
+    // Cameras with a common clock have comparable times.
     bool ptp() {
         const char* const feature = first_of({"PtpEnable", "GevIEEE1588"});
         if (feature != nullptr) {
@@ -203,7 +203,7 @@ public:
             if (!error_.failed()) return true;
         }
         warnings_.push_back(
-            "has no PTP: it runs by its own clock, and its times are taken on arrival");
+            "has no PTP: its own clock is mapped to the site clock by the arrival of its pictures");
         return false;
     }
 
@@ -217,10 +217,10 @@ public:
         if (wanted != 0 && is_bounded && (wanted < min || wanted > max)) {
             return refused(
                 "packet_size",
-                fmt::format("the camera can have {} to {} bytes, got {}", min, max, wanted));
+                fmt::format("the camera accepts {} to {} bytes, got {}", min, max, wanted));
         }
         const int size = wanted != 0 ? wanted : largest_packet(is_bounded ? max : kMaxPacketBytes);
-        // its own search may end above what the interface carries
+        // its own search may end above what the interface allows
         arv_camera_gv_set_packet_size_adjustment(&camera_, ARV_GV_PACKET_SIZE_ADJUSTMENT_NEVER);
         arv_camera_gv_set_packet_size(&camera_, size, error_.out());
         format.packet_bytes =
@@ -243,7 +243,7 @@ public:
         format.payload_bytes = arv_camera_get_payload(&camera_, error_.out());
         if (error_.failed() || format.payload_bytes == 0) {
             return make_error(ErrorKind::kUnavailable,
-                              fmt::format("the camera does not say how large its pictures are: {}",
+                              fmt::format("the camera does not report the size of its pictures: {}",
                                           error_.message()));
         }
         return {};
@@ -275,7 +275,7 @@ private:
     Expected<void> free_run() {
         arv_camera_clear_triggers(&camera_, error_.out());
         if (!arv_camera_is_frame_rate_available(&camera_, error_.out())) {
-            warnings_.push_back("has no frame rate that could be set");
+            warnings_.push_back("has no adjustable frame rate");
             return {};
         }
         arv_camera_set_frame_rate(&camera_, request_.rate_hz, error_.out());
@@ -325,7 +325,7 @@ Expected<CameraFormat> set_up_camera(ArvCamera& camera,
                                      std::vector<std::string>& warnings) {
     Setup setup(camera, request, warnings);
     CameraFormat format;
-    // format and region first: what rates and exposures are possible depends on them
+    // format and region first: the possible rates and exposures depend on them
     for (const auto step : {&Setup::pixel_format,
                             &Setup::region,
                             &Setup::exposure,

@@ -11,7 +11,7 @@
 namespace atrium::capture {
 namespace {
 
-// Entries in the order of the rig.
+// Returns the entries in rig order.
 Expected<std::vector<CameraEntry>> in_rig_order(const config::Rig& rig,
                                                 const std::vector<CameraEntry>& entries) {
     const auto wrong = [](std::string text) {
@@ -35,9 +35,9 @@ Expected<std::vector<CameraEntry>> in_rig_order(const config::Rig& rig,
     return ordered;
 }
 
-void tell_about_sockets(const CamerasOptions& options,
-                        const config::Rig& rig,
-                        const CameraEventSink& tell) {
+void report_sockets(const CamerasOptions& options,
+                    const config::Rig& rig,
+                    const CameraEventSink& report) {
     if (options.use_packet_socket && may_use_packet_sockets()) return;
     std::uint64_t largest = 0;
     for (const geometry::CalibratedCamera& camera : rig.cameras) {
@@ -46,50 +46,50 @@ void tell_about_sockets(const CamerasOptions& options,
                                static_cast<std::uint64_t>(camera.intrinsics.height));
     }
     const std::uint64_t allowed = max_socket_buffer_bytes();
-    tell({false,
-          "GigE Vision pictures come through usual sockets, which lose more of them under load: "
-          "packet sockets are switched off, or not permitted (cap_net_raw)"});
+    report({false,
+            "GigE Vision pictures come through normal sockets, which lose more of them under load: "
+            "packet sockets are disabled or not permitted (cap_net_raw)"});
     if (allowed == 0 || allowed >= 2 * largest) return;
-    tell({true,
-          fmt::format("socket buffers hold {} bytes, less than two pictures: raise them with "
-                      "sysctl net.core.rmem_max={}",
-                      allowed,
-                      2 * largest)});
+    report({true,
+            fmt::format("socket buffers hold {} bytes, less than two pictures: raise them with "
+                        "sysctl net.core.rmem_max={}",
+                        allowed,
+                        2 * largest)});
 }
 
 Expected<void> too_few_pictures(std::size_t num_shown) {
     return make_error(ErrorKind::kUnavailable,
-                      fmt::format("no more than {} pictures of the empty room came", num_shown));
+                      fmt::format("only {} pictures of the empty room arrived", num_shown));
 }
 
 }  // namespace
 
 struct AravisSource::Cameras {
-    CameraCommons commons;
-    std::vector<std::unique_ptr<AravisCamera>> cameras;  // as in the rig
+    SharedCameraState shared_state;
+    std::vector<std::unique_ptr<AravisCamera>> cameras;  // in rig order
     std::vector<std::uint64_t> num_too_old;              // scratch
-    std::jthread trigger;                                // last: it uses all of the above
+    std::jthread trigger;                                // last member: it uses all others
 
-    Cameras(const CamerasOptions& options, const config::Rig& rig, CameraEventSink tell)
-        : commons(options, rig.cameras.size(), rig.rate_hz, std::move(tell)),
+    Cameras(const CamerasOptions& options, const config::Rig& rig, CameraEventSink report)
+        : shared_state(options, rig.cameras.size(), rig.rate_hz, std::move(report)),
           num_too_old(rig.cameras.size(), 0) {}
 
-    // all at once: each may take a while to say goodbye
+    // all at once: each may take a while to disconnect
     ~Cameras() {
         for (const auto& camera : cameras) camera->request_stop();
     }
 
-    void keep_the_beat(std::stop_token stop) {
+    void run_trigger_beat(std::stop_token stop) {
         pthread_setname_np(pthread_self(), "trigger");
-        Pace pace(commons.period());
+        Pace pace(shared_state.period());
         while (pace.wait(stop)) {
-            // a beat that is late would be mistaken for the next one
-            if (Pace::Clock::now() - pace.due() > commons.period() / 4) continue;
+            // a late beat would be confused with the next one
+            if (Pace::Clock::now() - pace.due() > shared_state.period() / 4) continue;
             for (const auto& camera : cameras) camera->fire(pace.due());
         }
     }
 
-    // Those that are there; error where they are too few or one refuses its settings.
+    // Returns an error if too few cameras connect or one refuses its settings.
     Expected<void> wait_for_enough(std::stop_token stop) {
         std::string missing;
         std::size_t num_there = 0;
@@ -105,8 +105,9 @@ struct AravisSource::Cameras {
                 return make_error(connected.error().kind, line);
             missing += (missing.empty() ? "" : "; ") + line;
         }
-        const std::size_t needed =
-            commons.options.min_cameras == 0 ? cameras.size() : commons.options.min_cameras;
+        const std::size_t needed = shared_state.options.min_cameras == 0
+                                       ? cameras.size()
+                                       : shared_state.options.min_cameras;
         if (num_there >= needed) return {};
         return make_error(ErrorKind::kNotFound,
                           fmt::format("{} of {} cameras are there, {} are needed: {}",
@@ -128,51 +129,52 @@ Expected<std::unique_ptr<AravisSource>> AravisSource::open(const config::Rig& ri
                                                            std::stop_token stop) {
     auto entries = in_rig_order(rig, options.cameras);
     if (!entries) return tl::unexpected(entries.error());
-    const auto tell = [events = std::move(events)](const CameraEvent& event) {
+    const auto report = [events = std::move(events)](const CameraEvent& event) {
         if (events) events(event.is_warning, event.text);
     };
-    tell_about_sockets(options, rig, tell);
-    auto cameras = std::make_unique<Cameras>(options, rig, tell);
+    report_sockets(options, rig, report);
+    auto cameras = std::make_unique<Cameras>(options, rig, report);
     for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
         cameras->cameras.push_back(std::make_unique<AravisCamera>(
-            i, (*entries)[i], rig.cameras[i].intrinsics, cameras->commons));
+            i, (*entries)[i], rig.cameras[i].intrinsics, cameras->shared_state));
     }
     if (options.trigger == TriggerMode::kSoftware) {
         cameras->trigger = std::jthread(
-            [&all = *cameras](std::stop_token beat_stop) { all.keep_the_beat(beat_stop); });
+            [&all = *cameras](std::stop_token beat_stop) { all.run_trigger_beat(beat_stop); });
     }
     if (auto enough = cameras->wait_for_enough(stop); !enough)
         return tl::unexpected(enough.error());
     return std::unique_ptr<AravisSource>(new AravisSource(rig, std::move(cameras)));
 }
 
-// Whatever has come since; nothing after a while without pictures.
+// Takes all pending frames. Returns false after a while without any.
 bool AravisSource::take(std::stop_token stop, std::vector<CameraFrame>& frames) {
     constexpr std::chrono::milliseconds kPatience{200};
     auto& too_old = cameras_->num_too_old;
     std::fill(too_old.begin(), too_old.end(), 0);
-    const bool taken = cameras_->commons.mailbox.take(stop, kPatience, frames, too_old);
+    const bool taken = cameras_->shared_state.mailbox.take(stop, kPatience, frames, too_old);
     for (std::size_t i = 0; i < too_old.size(); ++i)
         cameras_->cameras[i]->count_too_old(too_old[i]);
     return taken;
 }
 
 Expected<void> AravisSource::run(std::stop_token stop, const Sink& sink) {
-    cameras_->commons.mailbox.listen_to_all();
+    cameras_->shared_state.mailbox.listen_to_all();
     std::vector<CameraFrame> frames;
     while (!stop.stop_requested()) {
         if (!take(stop, frames) || frames.empty()) continue;
         const Timestamp newest = frames.back().capture_time;
         for (CameraFrame& frame : frames) sink(std::move(frame));
         frames.clear();
-        tell_absent(newest, sink);
+        deliver_lost_frames(newest, sink);
     }
-    cameras_->commons.mailbox.listen_to_none();
+    cameras_->shared_state.mailbox.listen_to_none();
     return {};
 }
 
-// Nobody needs to wait for a camera that is not connected, or no longer answers.
-void AravisSource::tell_absent(Timestamp time, const Sink& sink) {
+// Reports a lost picture for each camera that is not connected or no longer answers: nobody needs
+// to wait for it.
+void AravisSource::deliver_lost_frames(Timestamp time, const Sink& sink) {
     for (std::size_t i = 0; i < cameras_->cameras.size(); ++i) {
         if (cameras_->cameras[i]->is_delivering()) continue;
         CameraFrame lost;
@@ -182,17 +184,17 @@ void AravisSource::tell_absent(Timestamp time, const Sink& sink) {
     }
 }
 
-// One camera that shows the empty room.
+// State of one camera in show_background.
 struct AravisSource::Showing {
     std::chrono::steady_clock::time_point last_picture;
     std::size_t num_shown = 0;
-    std::optional<Expected<void>> result;  // none: it still shows
+    std::optional<Expected<void>> result;  // empty: not finished
 };
 
 std::vector<Expected<void>> AravisSource::show_background(const std::vector<std::size_t>& cameras,
                                                           const BackgroundSink& sink,
                                                           std::stop_token stop) {
-    FrameMailbox& mailbox = cameras_->commons.mailbox;
+    FrameMailbox& mailbox = cameras_->shared_state.mailbox;
     std::vector<Showing> all(rig_.cameras.size(), {std::chrono::steady_clock::now(), 0, {}});
     std::size_t num_showing = cameras.size();
     std::vector<CameraFrame> frames;
@@ -212,7 +214,7 @@ std::vector<Expected<void>> AravisSource::show_background(const std::vector<std:
             ++showing.num_shown;
             if (!sink(frame.camera, image::working_view(frame.image, buffer)))
                 end(frame.camera, {});
-            frame.image = {};  // its buffer goes back now, not after those of the others
+            frame.image = {};  // returns its buffer now, not after those of the others
         }
         frames.clear();
         for (const std::size_t camera : cameras) {

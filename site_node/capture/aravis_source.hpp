@@ -13,18 +13,17 @@ namespace atrium::capture {
 
 /// GigE Vision and USB3 Vision cameras, through Aravis.
 ///
-/// Each camera has a thread of its own that finds, sets up, watches and reconnects it, and one of
-/// Aravis that receives its packets; with a software trigger one more keeps the beat. `run` hands
-/// out the newest picture of each camera, and never one that has become old.
+/// Each camera has two threads: its own finds, sets up, watches and reconnects it, and one of
+/// Aravis receives its packets. With software triggers one more thread keeps the beat. `run`
+/// delivers only the newest picture of each camera, and none older than the maximum age.
 class AravisSource final : public FrameSource {
 public:
-    /// What a person should know, on any thread: `is_warning`, and one line that names the camera.
+    /// Receives events for the user, on any thread: `line` names the camera.
     using EventSink = std::function<void(bool is_warning, const std::string& line)>;
 
-    /// Connects to the cameras. Those that are missing are looked for from then on, if at least
-    /// `options.min_cameras` are there; else error kNotFound naming them. Error kConfiguration
-    /// where entries and rig do not fit, or a camera refuses its settings. `rig.rate_hz` is the
-    /// rate.
+    /// Connects to the cameras. If at least `options.min_cameras` answer, the missing ones are
+    /// searched for from then on; else error kNotFound with their names. Error kConfiguration if
+    /// entries and rig do not match, or a camera refuses its settings. Triggers at `rig.rate_hz`.
     static Expected<std::unique_ptr<AravisSource>> open(const config::Rig& rig,
                                                         const CamerasOptions& options,
                                                         EventSink events,
@@ -34,13 +33,13 @@ public:
     const config::Rig& rig() const override { return rig_; }
     bool has_silhouettes() const override { return false; }
     bool is_live() const override { return true; }
-    /// Shows what the cameras see now: the room has to be empty. kUnavailable for a camera that is
-    /// not there for a second, or sends nothing for five.
+    /// Shows what the cameras see now: the room must be empty. kUnavailable for a camera that is
+    /// missing for one second, or sends nothing for five.
     std::vector<Expected<void>> show_background(const std::vector<std::size_t>& cameras,
                                                 const BackgroundSink& sink,
                                                 std::stop_token stop) override;
-    /// A picture that lacks packets, and those of a camera that is not connected, are frames
-    /// without image.
+    /// A picture that lacks packets, or a camera that is not connected, gives a frame without
+    /// image.
     Expected<void> run(std::stop_token stop, const Sink& sink) override;
     std::vector<CameraCounters> camera_counters() const override;
 
@@ -48,7 +47,7 @@ private:
     struct Cameras;
     struct Showing;
     AravisSource(const config::Rig& rig, std::unique_ptr<Cameras> cameras);
-    void tell_absent(Timestamp time, const Sink& sink);
+    void deliver_lost_frames(Timestamp time, const Sink& sink);
     bool take(std::stop_token stop, std::vector<CameraFrame>& frames);
     bool is_silent_too_long(std::size_t camera,
                             std::chrono::steady_clock::time_point last_picture) const;

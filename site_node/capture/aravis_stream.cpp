@@ -14,26 +14,27 @@
 namespace atrium::capture {
 namespace {
 
-// IP, UDP and GVSP headers, part of the packet size.
+// IP, UDP and GVSP headers; included in the packet size.
 constexpr std::size_t kPacketOverhead_bytes = 36;
-// A receiving thread opens its sockets in milliseconds; on a loaded machine in far more.
+// Opening the sockets takes milliseconds, but far longer on a loaded machine.
 constexpr std::chrono::seconds kLongestOpening{2};
 
-// Aravis counts every packet that finds no buffer.
+// Converts the Aravis count of packets that found no buffer to pictures.
 std::uint64_t pictures_in(std::uint64_t num_packets, const CameraFormat& format) {
     const auto packet = static_cast<std::size_t>(std::max(format.packet_bytes, 0));
-    if (packet <= kPacketOverhead_bytes) return num_packets;  // USB: it counts pictures
+    if (packet <= kPacketOverhead_bytes) return num_packets;  // USB counts pictures
     const std::size_t data = packet - kPacketOverhead_bytes;
-    const std::size_t per_picture = (format.payload_bytes + data - 1) / data + 2;  // its two ends
+    const std::size_t per_picture =
+        (format.payload_bytes + data - 1) / data + 2;  // plus leader and trailer
     return (num_packets + per_picture - 1) / per_picture;
 }
 
 }  // namespace
 
-// What pictures share with their stream. They may outlive it: the memory is here.
+// Memory of the pictures. They may outlive the stream, and share ownership of this.
 struct AravisStream::Buffers {
     std::mutex mutex;
-    ArvStream* stream = nullptr;  // null: gone
+    ArvStream* stream = nullptr;  // null: the stream is gone
     std::vector<std::unique_ptr<std::uint8_t[]>> memory;
 
     void give_back(ArvBuffer* buffer) {
@@ -45,7 +46,7 @@ struct AravisStream::Buffers {
         }
     }
 
-    // A whole picture more than needed is never read; a little more is, by wide loads.
+    // wide loads may read a few bytes past the end of a picture
     static constexpr std::size_t kSlack_bytes = 64;
 
     void add(std::size_t payload_bytes) {
@@ -78,12 +79,12 @@ Expected<std::unique_ptr<AravisStream>> AravisStream::create(ArvCamera& camera,
     self->stream_.reset(arv_camera_create_stream(&camera, &on_event, self.get(), error.out()));
     if (self->stream_ == nullptr || error.failed()) {
         return make_error(ErrorKind::kUnavailable,
-                          fmt::format("no stream of pictures: {}", error.message()));
+                          fmt::format("cannot create the stream of pictures: {}", error.message()));
     }
     self->is_realtime_ = self->entered_.get_future().get();
     ArvStream* const stream = self->stream_.get();
     if (ARV_IS_GV_STREAM(stream)) {
-        // after its last packet; before the next picture, so that others need not wait for this one
+        // time after the last packet: ends before the next picture, which then need not wait
         const auto retention_us = static_cast<guint>(
             std::clamp<std::int64_t>(options.period.count() / 2000, 2000, 1000000));
         g_object_set(stream,
@@ -114,7 +115,7 @@ AravisStream::~AravisStream() {
         const std::lock_guard lock(buffers_->mutex);
         buffers_->stream = nullptr;
     }
-    stream_.reset();  // joins its thread and drops the buffers that are in its queues
+    stream_.reset();  // joins its thread and drops the buffers in its queues
 }
 
 void AravisStream::detach() {
@@ -150,38 +151,38 @@ void AravisStream::enter_thread() {
                        pthread_setschedparam(pthread_self(), SCHED_FIFO, &param) == 0);
 }
 
-// Whatever is in the queue: the newest whole picture goes on, all others back.
+// Empties the queue: passes on the newest whole picture and returns all other buffers.
 void AravisStream::drain() {
     ArvStream* stream = nullptr;
     {
         const std::lock_guard lock(buffers_->mutex);
         stream = buffers_->stream;
     }
-    if (stream == nullptr) return;  // going; its queues are emptied with it
+    if (stream == nullptr) return;  // being destroyed, and its queues with it
     const std::lock_guard lock(listener_mutex_);
     ArvBuffer* newest = nullptr;
     while (ArvBuffer* const buffer = arv_stream_try_pop_buffer(stream)) {
         const ArvBufferStatus status = arv_buffer_get_status(buffer);
-        const bool is_whole = status == ARV_BUFFER_STATUS_SUCCESS && is_as_agreed(*buffer);
+        const bool is_whole = status == ARV_BUFFER_STATUS_SUCCESS && has_agreed_format(*buffer);
         ArvBuffer* const unused = is_whole ? std::exchange(newest, buffer) : buffer;
         if (unused == nullptr) continue;
         const bool is_left_over =
             status == ARV_BUFFER_STATUS_ABORTED || status == ARV_BUFFER_STATUS_CLEARED;
         if (listener_ != nullptr && is_whole) listener_->on_superseded();
-        if (listener_ != nullptr && !is_whole && !is_left_over) tell_incomplete(*buffer);
+        if (listener_ != nullptr && !is_whole && !is_left_over) report_incomplete(*buffer);
         buffers_->give_back(unused);
     }
     if (newest == nullptr) return;
-    StreamPicture picture = picture_in(*newest);  // gives it back when nobody wants it
+    StreamPicture picture = picture_in(*newest);  // returns the buffer when it is released
     if (listener_ != nullptr) listener_->on_picture(std::move(picture));
 }
 
-void AravisStream::tell_incomplete(ArvBuffer& buffer) {
+void AravisStream::report_incomplete(ArvBuffer& buffer) {
     const auto arrival_ns = static_cast<std::int64_t>(arv_buffer_get_system_timestamp(&buffer));
     listener_->on_incomplete(arv_buffer_get_timestamp(&buffer), {arrival_ns});
 }
 
-bool AravisStream::is_as_agreed(ArvBuffer& buffer) const {
+bool AravisStream::has_agreed_format(ArvBuffer& buffer) const {
     const ArvBufferPayloadType type = arv_buffer_get_payload_type(&buffer);
     if (type != ARV_BUFFER_PAYLOAD_TYPE_IMAGE &&
         type != ARV_BUFFER_PAYLOAD_TYPE_EXTENDED_CHUNK_DATA) {

@@ -17,10 +17,10 @@
 namespace atrium::capture {
 namespace {
 
-constexpr std::chrono::milliseconds kAnswerTime{200};  // of a camera in a local network: below 10
+constexpr std::chrono::milliseconds kAnswerTime{200};  // usually below 10 ms in a local network
 constexpr std::chrono::seconds kDiscoveryIsFresh{2};
 
-// GigE Vision Control Protocol: the one command that needs no control of the camera.
+// GigE Vision Control Protocol: discovery is the one command that needs no control of the camera.
 constexpr std::uint16_t kGvcpPort = 3956;
 constexpr std::array<std::uint8_t, 8> kDiscoveryCommand{0x42, 0x01, 0x00, 0x02, 0, 0, 0x41, 0x54};
 constexpr std::size_t kHeaderBytes = 8;
@@ -47,7 +47,7 @@ std::string text(const char* maybe) { return maybe == nullptr ? "" : maybe; }
 }  // namespace
 
 std::vector<FoundCamera> discover_cameras() {
-    static std::mutex mutex;  // Aravis' list is one for the process, and is read by index
+    static std::mutex mutex;  // Aravis has one list per process, read by index
     const std::lock_guard lock(mutex);
     arv_update_device_list();
     std::vector<FoundCamera> cameras;
@@ -74,7 +74,7 @@ std::optional<FoundCamera> ask_gige_camera(const std::string& address,
     const Descriptor handle(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
     if (handle.get() < 0 || inet_pton(AF_INET, address.c_str(), &target.sin_addr) != 1)
         return std::nullopt;
-    // connected: where nobody listens the answer is an error at once
+    // connected: a closed port then returns an error at once
     if (connect(handle.get(), reinterpret_cast<const sockaddr*>(&target), sizeof(target)) != 0 ||
         send(handle.get(), kDiscoveryCommand.data(), kDiscoveryCommand.size(), 0) < 0) {
         return std::nullopt;
@@ -153,8 +153,8 @@ Expected<FoundCamera> CameraFinder::find(const std::string& serial, const std::s
     }
     if (const auto camera = known(serial); camera && !is_silent) return *camera;
     return not_found(
-        fmt::format("no camera with serial number '{}' answers (site_node --list-cameras shows "
-                    "those that do)",
+        fmt::format("no camera with serial number '{}' answers (site_node --list-cameras shows all "
+                    "that do)",
                     serial));
 }
 

@@ -10,7 +10,7 @@ CameraOffsets::CameraOffsets(std::size_t num_cameras, std::chrono::nanoseconds l
     medians_.reserve(num_cameras);
 }
 
-// Of an even number: the mean of the two in the middle.
+// For an even number of values, the mean of the two in the middle.
 std::int64_t CameraOffsets::median_of_scratch() {
     const auto middle = scratch_.begin() + static_cast<std::ptrdiff_t>(scratch_.size() / 2);
     std::nth_element(scratch_.begin(), middle, scratch_.end());
@@ -36,7 +36,7 @@ void CameraOffsets::learn(const std::vector<CameraFrame>& frames) {
     set_offsets();
 }
 
-// The middle of all offsets is 0: else all of them together could wander off.
+// Keeps the median of all offsets at 0: otherwise all could drift away together.
 void CameraOffsets::set_offsets() {
     medians_.clear();
     for (Camera& camera : cameras_) {

@@ -9,24 +9,25 @@
 
 namespace atrium::capture {
 
-/// How much later than its trigger each camera says its pictures were taken: cables, sensors and
-/// clocks differ, by about the same from trigger to trigger. Learned from metaframes, as the median
-/// of the last kWindow deviations from the middle of each; only differences between cameras mean
-/// something. Not thread-safe; does not allocate after construction.
+/// Learns how much later than its trigger each camera stamps its pictures. Cables, sensors and
+/// clocks differ, by about the same amount at each trigger. The offset is the median of the last
+/// kWindow deviations from the median of each metaframe; only differences between cameras are
+/// meaningful. Not thread-safe; does not allocate after construction.
 class CameraOffsets {
 public:
     static constexpr std::size_t kWindow = 63;
-    static constexpr std::size_t kLeastSamples = 8;  // before, an offset counts as 0
+    static constexpr std::size_t kLeastSamples = 8;  // with fewer, the offset is 0
 
-    /// No offset is believed to be larger than `largest`.
+    /// Offsets are clamped to +-`largest`.
     CameraOffsets(std::size_t num_cameras, std::chrono::nanoseconds largest);
 
-    /// When the trigger of this picture was.
+    /// Returns the estimated trigger time of this picture.
     Timestamp trigger_time(const CameraFrame& frame) const {
         return frame.capture_time + -cameras_[frame.camera].offset;
     }
 
-    /// `frames[i]` is of camera i; those without an image are missing. Ignored where most are.
+    /// Learns from one metaframe; `frames[i]` belongs to camera i, and frames without image are
+    /// missing. Ignores a metaframe that lacks half of its pictures or more.
     void learn(const std::vector<CameraFrame>& frames);
 
     std::chrono::nanoseconds offset(std::size_t camera) const { return cameras_[camera].offset; }

@@ -5,7 +5,7 @@
 
 namespace atrium::capture {
 
-// Pictures are let go outside of the lock throughout: their buffers go back to a driver then.
+// Pictures are released outside the lock throughout: this returns their buffers to a driver.
 
 FrameMailbox::FrameMailbox(std::size_t num_cameras, std::chrono::nanoseconds max_age)
     : max_age_(max_age), slots_(num_cameras) {}

@@ -10,34 +10,34 @@
 
 namespace atrium::capture {
 
-/// The newest picture of each camera, on its way from the threads that receive them to the one that
-/// assembles. Nothing queues: a picture that was not taken is replaced, and one that has become
-/// older than `max_age` by then is not handed out. Thread-safe.
+/// Passes the newest picture of each camera from the receiving threads to the assembling thread. No
+/// queue: a picture not taken in time is replaced, and one older than `max_age` is discarded.
+/// Thread-safe.
 class FrameMailbox {
 public:
     enum class Outcome { kTaken, kReplacedOne, kNobodyListens };
 
     FrameMailbox(std::size_t num_cameras, std::chrono::nanoseconds max_age);
 
-    /// A frame without a picture, which says that one is lost, never replaces another. `arrival` is
-    /// when the picture came in; `frame.camera` must be below `num_cameras`.
+    /// Stores a frame. A frame without image, which reports a lost picture, never replaces another.
+    /// `arrival` is the arrival of the picture; `frame.camera` must be below `num_cameras`.
     Outcome put(CameraFrame frame, std::chrono::steady_clock::time_point arrival);
 
-    /// Forgets what `camera` has delivered: it is gone.
+    /// Discards the pending frame of `camera`, which is gone.
     void clear(std::size_t camera);
 
-    /// From now on pictures of these cameras are kept, of no camera, or of all; what was there is
-    /// forgotten.
+    /// Selects the cameras whose pictures are kept: these, all or none. Discards all pending
+    /// frames.
     void listen_to(const std::vector<std::size_t>& cameras);
     void listen_to_all();
     void listen_to_none();
 
-    /// The same for all but this one, which is no longer listened to; their pictures stay.
+    /// Stops keeping pictures of this camera. Pending frames of the others stay.
     void ignore(std::size_t camera);
 
-    /// Waits for pictures and moves all that are there to `frames`, oldest first; false once a stop
-    /// is requested or `timeout` has passed without any. `num_too_old[camera]` grows by those that
-    /// were left out.
+    /// Waits for pictures and moves all pending ones to `frames`, oldest first. Returns false once
+    /// a stop is requested or `timeout` passes without any. Adds the number of discarded old
+    /// pictures to `num_too_old[camera]`.
     bool take(std::stop_token stop,
               std::chrono::nanoseconds timeout,
               std::vector<CameraFrame>& frames,

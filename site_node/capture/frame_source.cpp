@@ -10,7 +10,7 @@ std::vector<Expected<void>> one_after_another(
     for (const std::size_t camera : cameras) {
         const bool is_too_late = stop.stop_requested();
         Expected<void> shown = is_too_late ? Expected<void>() : show(camera);
-        // what the stop cut short must not be taken for the whole
+        // a result cut short by the stop must not count as complete
         if (is_too_late || (shown && stop.stop_requested()))
             shown = make_error(ErrorKind::kUnavailable, "stopped");
         results.push_back(std::move(shown));

@@ -11,45 +11,45 @@
 
 namespace atrium::capture {
 
-/// Where pictures come from: a simulated room, a recording, cameras.
+/// Source of pictures: a simulated room, a recording or cameras.
 ///
-/// One thread at a time. `run` delivers in real time and must never be held up: a sink only hands
-/// over.
+/// Used by one thread at a time. `run` delivers in real time: its sink must hand over the frame and
+/// return.
 class FrameSource {
 public:
     using Sink = std::function<void(CameraFrame)>;
-    /// Takes a picture of the empty room; false: these are enough of this camera.
+    /// Receives a picture of the empty room; returns false once it needs no more of this camera.
     using BackgroundSink = std::function<bool(std::size_t camera, const image::YuvView&)>;
 
     virtual ~FrameSource() = default;
 
     virtual const config::Rig& rig() const = 0;
 
-    /// True where every frame carries its silhouette, so that no background has to be learned.
+    /// True if every frame carries its silhouette; then no background is needed.
     virtual bool has_silhouettes() const = 0;
 
-    /// True where the empty room is shown for as long as somebody looks, and seen as it is now.
+    /// True if the pictures show a real room at this moment, without end.
     virtual bool is_live() const { return false; }
 
-    /// Shows pictures of the empty room of `cameras`, different ones: live cameras at the same
-    /// time, others one after another. Ends once the sink has enough of all, nothing is left to be
-    /// shown, or at once with a stop. One result for each of `cameras`: kNotFound where there are
-    /// no pictures, kUnavailable where none come any more, or the stop came before its end.
+    /// Shows pictures of the empty room of `cameras`, which must be distinct: live cameras in
+    /// parallel, others one after the other. Ends when the sink has enough of all, when no picture
+    /// is left, or at once with a stop. Returns one result per entry of `cameras`: kNotFound
+    /// without any picture, kUnavailable if pictures cease or the stop comes first.
     virtual std::vector<Expected<void>> show_background(const std::vector<std::size_t>& cameras,
                                                         const BackgroundSink& sink,
                                                         std::stop_token stop) = 0;
 
-    /// Delivers pictures at the source's rate until the stop or the end of the source. A frame
-    /// without image says that a picture is lost; a picture of that time may still follow.
+    /// Delivers pictures at the rate of the source until the stop or the end of the source. A frame
+    /// without image reports a lost picture; a picture of the same time may still follow.
     virtual Expected<void> run(std::stop_token stop, const Sink& sink) = 0;
 
-    /// What became of the pictures of each camera, in the order of the rig; empty where nobody
-    /// counts. Thread-safe.
+    /// Returns the counts of each camera in rig order; empty if the source does not count.
+    /// Thread-safe.
     virtual std::vector<CameraCounters> camera_counters() const { return {}; }
 };
 
-/// `show_background` for those who show one camera after another: `show(camera)` does so for one,
-/// and ends with its sink.
+/// Implements `show_background` for sources that show one camera after the other. `show(camera)`
+/// shows one camera until its sink has enough.
 std::vector<Expected<void>> one_after_another(
     const std::vector<std::size_t>& cameras,
     const std::function<Expected<void>(std::size_t camera)>& show,

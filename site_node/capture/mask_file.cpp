@@ -10,7 +10,7 @@ std::filesystem::path numbered_png(const std::filesystem::path& folder, std::siz
 }
 
 Expected<void> write_mask(const image::Mask& mask, const std::filesystem::path& file) {
-    // only read
+    // OpenCV only reads the data
     const cv::Mat picture(
         mask.height, mask.width, CV_8U, const_cast<std::uint8_t*>(mask.data.data()));
     bool written = false;
@@ -19,7 +19,7 @@ Expected<void> write_mask(const image::Mask& mask, const std::filesystem::path& 
     } catch (const cv::Exception&) {
         written = false;
     }
-    if (!written) return make_error(ErrorKind::kUnavailable, file.string() + ": cannot be written");
+    if (!written) return make_error(ErrorKind::kUnavailable, file.string() + ": cannot write");
     return {};
 }
 

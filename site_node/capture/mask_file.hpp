@@ -7,11 +7,10 @@
 
 namespace atrium::capture {
 
-/// `FOLDER/%06d.png`, as recordings name their pictures.
+/// Returns `FOLDER/%06d.png`, the picture name in recordings.
 std::filesystem::path numbered_png(const std::filesystem::path& folder, std::size_t number);
 
-/// Writes what PictureFile::read_mask reads: an 8-bit PNG. Error kUnavailable where it cannot be
-/// written.
+/// Writes a mask as an 8-bit PNG that PictureFile::read_mask can read. Error kUnavailable.
 Expected<void> write_mask(const image::Mask& mask, const std::filesystem::path& file);
 
 }  // namespace atrium::capture

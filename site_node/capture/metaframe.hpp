@@ -10,19 +10,17 @@
 
 namespace atrium::capture {
 
-/// One picture of one camera, as it arrives.
+/// One picture of one camera.
 struct CameraFrame {
     std::size_t camera = 0;  // index into the rig
-    Timestamp
-        capture_time;       // the camera's own, on the site's clock; what metaframes are matched by
-    image::RawImage image;  // empty: the picture of this time is lost, and nobody needs to wait
-    std::shared_ptr<const image::Mask> silhouette;  // null: to be segmented
+    Timestamp capture_time;  // time of exposure on the site clock; metaframes are matched by it
+    image::RawImage image;   // empty: the picture of this time is lost
+    std::shared_ptr<const image::Mask> silhouette;  // null: needs segmentation
 };
 
-/// The pictures of one trigger, one per camera of the rig. Those that are missing, if any, have no
-/// image.
+/// The pictures of one trigger, one per camera of the rig. A missing picture has no image.
 struct Metaframe {
-    std::uint64_t frame_id = 0;       // grows with every trigger, those that were dropped included
+    std::uint64_t frame_id = 0;       // grows with every trigger, also with dropped ones
     Timestamp capture_time;           // the earliest of its pictures
     std::vector<CameraFrame> frames;  // frames[i].camera == i
 };

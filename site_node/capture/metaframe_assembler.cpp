@@ -6,7 +6,7 @@
 namespace atrium::capture {
 namespace {
 
-// A camera with a wild clock must not open metaframes without end.
+// Limits how many metaframes a camera with a wild clock can open.
 constexpr std::size_t kMaxPending = 8;
 
 }  // namespace
@@ -21,7 +21,7 @@ bool MetaframeAssembler::is_enough(const Pending& pending) const {
            (options_.min_cameras > 0 && pending.num_present >= options_.min_cameras);
 }
 
-// `pending` has left the queue: from now on it is ready or dropped.
+// Called once `pending` has left the queue: it becomes ready or is dropped.
 void MetaframeAssembler::retire(Pending&& pending) {
     offsets_.learn(pending.frames);
     if (!is_enough(pending) || (ready_ && ready_->time > pending.time)) {
@@ -51,11 +51,11 @@ bool MetaframeAssembler::is_too_old(Timestamp time) const {
            time < last_emitted_ + 2 * options_.tolerance;
 }
 
-// Null: there is none, and none can be opened any more.
+// Returns null if there is none and it is too late to open one.
 MetaframeAssembler::Pending* MetaframeAssembler::find_or_open(
     Timestamp time, std::chrono::steady_clock::time_point arrival) {
     if (is_too_old(time)) return nullptr;
-    // two pictures of one trigger are less than two tolerances apart, those of two triggers more
+    // pictures of one trigger are less than two tolerances apart, those of two triggers more
     const auto nearest =
         std::min_element(pending_.begin(), pending_.end(), [&](const auto& a, const auto& b) {
             return std::chrono::abs(time - a.time) < std::chrono::abs(time - b.time);

@@ -11,52 +11,52 @@
 namespace atrium::capture {
 
 struct AssemblerOptions {
-    /// Pictures are taken less than this before or after their trigger, as their cameras say; at
-    /// most a quarter of the period, so that no two triggers can be mistaken for each other.
+    /// Largest difference between the capture time of a picture and its trigger. At most a quarter
+    /// of the period: then no two triggers can be confused.
     std::chrono::nanoseconds tolerance{};
-    std::chrono::nanoseconds
-        deadline{};  // after its first picture arrived, how long a metaframe may stay incomplete
-    std::size_t min_cameras = 0;  // so many are enough at the deadline; 0: all are needed
+    /// How long a metaframe may stay incomplete after the arrival of its first picture.
+    std::chrono::nanoseconds deadline{};
+    std::size_t min_cameras = 0;  // enough at the deadline; 0: all are needed
 };
 
 struct AssemblerCounters {
     std::uint64_t num_complete = 0;
     std::uint64_t num_incomplete_used = 0;  // returned with enough cameras
-    std::uint64_t num_incomplete = 0;       // dropped: too few, or a later one was ready
-    std::uint64_t num_stray =
-        0;  // single pictures: of an older trigger, of a camera twice, of no camera of the rig
+    std::uint64_t num_incomplete = 0;       // dropped: too few cameras, or a later one was ready
+    /// Single pictures of an older trigger, of a camera already present, or of no camera of the
+    /// rig.
+    std::uint64_t num_stray = 0;
 };
 
-/// Puts pictures into metaframes by their capture time, never by the order of arrival. Learns by
-/// how much each camera is late as a rule, and takes that off before it compares. Not thread-safe.
+/// Groups pictures into metaframes by capture time, never by order of arrival. Learns the usual
+/// delay of each camera and subtracts it before it compares. Not thread-safe.
 class MetaframeAssembler {
 public:
     MetaframeAssembler(std::size_t num_cameras, const AssemblerOptions& options);
 
-    /// Returns the metaframe that this picture completes, or that needs not wait any longer since
-    /// its other pictures are lost, else one whose deadline has passed, with enough cameras. Older
-    /// ones are dropped then: newest wins. `arrival` is what deadlines are measured by; it must not
-    /// decrease.
+    /// Adds a picture. Returns the metaframe that it completes, or one whose other pictures are
+    /// known to be lost; else one past its deadline with enough cameras. Drops all older
+    /// metaframes: newest wins. `arrival` drives the deadlines and must not decrease.
     std::optional<Metaframe> add(CameraFrame frame, std::chrono::steady_clock::time_point arrival);
 
-    /// What no further picture has to arrive for: as `add`, but nothing is completed.
+    /// Like `add`, but only checks the deadlines.
     std::optional<Metaframe> expire(std::chrono::steady_clock::time_point now);
 
-    /// No picture will follow: what is still pending counts as past its deadline.
+    /// Ends the input: every pending metaframe counts as past its deadline.
     std::optional<Metaframe> finish();
 
     const AssemblerCounters& counters() const { return counters_; }
 
-    /// What was learned.
+    /// The learned offsets.
     const CameraOffsets& offsets() const { return offsets_; }
 
 private:
     struct Pending {
         std::uint64_t frame_id = 0;
-        Timestamp time;  // of its trigger, as the first picture says
+        Timestamp time;  // trigger time, from its first picture
         std::chrono::steady_clock::time_point first_arrival;
         std::vector<CameraFrame> frames;
-        std::vector<std::uint8_t> is_lost;  // per camera: known not to come
+        std::vector<std::uint8_t> is_lost;  // per camera: known to be lost
         std::size_t num_present = 0;
         std::size_t num_lost = 0;
     };
@@ -72,8 +72,8 @@ private:
     std::size_t num_cameras_;
     AssemblerOptions options_;
     CameraOffsets offsets_;
-    std::deque<Pending> pending_;   // by time
-    std::optional<Pending> ready_;  // newest of those that are to be returned
+    std::deque<Pending> pending_;   // sorted by time
+    std::optional<Pending> ready_;  // newest metaframe to return
     Timestamp last_emitted_{std::numeric_limits<std::int64_t>::min()};
     std::uint64_t next_frame_id_ = 1;
     AssemblerCounters counters_;

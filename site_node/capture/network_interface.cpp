@@ -29,7 +29,7 @@ std::string text(const in_addr& address) {
 std::string own_address_towards(const std::string& address) {
     sockaddr_in target{};
     target.sin_family = AF_INET;
-    target.sin_port = htons(9);  // any: nothing is sent
+    target.sin_port = htons(9);  // any port: nothing is sent
     const Descriptor handle(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
     sockaddr_in own{};
     socklen_t size = sizeof(own);

@@ -5,16 +5,17 @@
 
 namespace atrium::capture {
 
-/// The IPv4 address that packets to `address` leave from; empty where no interface leads there.
+/// Returns the local IPv4 address from which packets to `address` leave; empty if there is no
+/// route.
 std::string own_address_towards(const std::string& address);
 
-/// Largest IP packet of the interface with this address [bytes]; 1500 where it cannot be found out.
+/// Returns the MTU of the interface with this address [bytes]; 1500 if it is unknown.
 int mtu_of_interface(const std::string& own_address);
 
-/// Most that a socket may buffer without further rights [bytes]; 0 where the system does not tell.
+/// Returns the largest socket buffer without further privileges [bytes]; 0 if it is unknown.
 std::uint64_t max_socket_buffer_bytes();
 
-/// True where packet sockets may be opened (cap_net_raw).
+/// Returns true if this process may open packet sockets (cap_net_raw).
 bool may_use_packet_sockets();
 
 }  // namespace atrium::capture

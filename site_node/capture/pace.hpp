@@ -9,18 +9,18 @@
 
 namespace atrium::capture {
 
-/// Keeps a replayed source at its rate. Who is late by more than a period starts a new schedule:
-/// there is no catching up in bursts.
+/// Keeps a replayed source at its rate. A delay of more than one period starts a new schedule
+/// instead of a burst.
 class Pace {
 public:
     using Clock = std::chrono::steady_clock;
 
     explicit Pace(std::chrono::nanoseconds period) : period_(period) {}
 
-    /// Waits for the next tick; false once a stop is requested.
+    /// Waits for the next tick. Returns false once a stop is requested.
     bool wait(std::stop_token stop) { return wait(stop, period_); }
 
-    /// The same for a tick that is due `after` the former one.
+    /// Like above, but the tick is due `after` the previous one.
     bool wait(std::stop_token stop, std::chrono::nanoseconds after) {
         const auto now = Clock::now();
         next_ = started_ ? next_ + after : now;
@@ -31,10 +31,10 @@ public:
         return !stop.stop_requested();
     }
 
-    /// When the last tick was due.
+    /// Due time of the last tick.
     Clock::time_point due() const { return next_; }
-    /// The same for stamps: a busy machine that wakes late takes a picture of the instant it was
-    /// meant for, and two of them stay a period apart.
+    /// Like `due`, on the clock of the stamps. A thread that wakes late still stamps pictures with
+    /// their planned time, one period apart.
     Timestamp due_time() const { return Timestamp::now() + (next_ - Clock::now()); }
 
 private:

@@ -18,17 +18,17 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kPollPeriod{2};
-// Aravis has the kernel hand over a block of packets after 5 ms at the latest; its timer counts in
-// steps of up to 10 ms.
+// The kernel hands a block of packets to Aravis after at most 5 ms; its timer has steps of up to 10
+// ms.
 constexpr std::chrono::milliseconds kBlockTime{30};
 
-// True where the filter compares the destination port of UDP with this one.
+// Returns true if the filter compares the UDP destination port with `port`.
 bool lets_pass_only(int packet_socket, std::uint16_t port) {
     std::array<sock_filter, 64> filter{};
     socklen_t length = filter.size();  // in instructions
     if (getsockopt(packet_socket, SOL_SOCKET, SO_GET_FILTER, filter.data(), &length) != 0)
         return false;
-    constexpr std::uint32_t kDestinationPort = 16;  // after the headers of Ethernet and IP
+    constexpr std::uint32_t kDestinationPort = 16;  // after the Ethernet and IP headers
     for (std::size_t i = 0; i + 1 < length; ++i) {
         if (filter[i].code == (BPF_LD | BPF_H | BPF_IND) && filter[i].k == kDestinationPort &&
             filter[i + 1].code == (BPF_JMP | BPF_JEQ | BPF_K) && filter[i + 1].k == port) {
@@ -57,7 +57,7 @@ std::optional<int> find_filtered(std::uint16_t port) {
     return std::nullopt;
 }
 
-// A block that the receiving thread has not given back.
+// Returns true if the receiving thread has not yet given back a block.
 bool holds_packets(int packet_socket) {
     pollfd state{packet_socket, POLLIN, 0};
     return poll(&state, 1, 0) > 0;
@@ -77,7 +77,7 @@ Expected<void> wait_for_empty_packet_socket(std::uint16_t port, std::chrono::nan
     while (holds_packets(*descriptor)) {
         if (Clock::now() > end + kBlockTime) {
             return make_error(ErrorKind::kUnavailable,
-                              "no stream of pictures: packets of other cameras stay in its socket");
+                              "packets of other cameras stay in the socket of the stream");
         }
         std::this_thread::sleep_for(kPollPeriod);
     }

@@ -7,16 +7,16 @@
 
 namespace atrium::capture {
 
-/// Waits until the packet socket of this process that is meant for UDP port `port` holds nothing
-/// that came before its filter was set.
+/// Waits until the packet socket of this process for UDP port `port` holds no packet from before
+/// its filter was set.
 ///
-/// Aravis 0.8 opens a packet socket, which takes all packets of the interface at once, binds it and
-/// only then sets its filter: a new stream may begin with pictures of other cameras. Call this
-/// before the stream has buffers and before its camera sends: what is in the socket is then thrown
-/// away by the receiving thread.
+/// Aravis 0.8 opens a packet socket, which receives all packets of the interface, binds it and only
+/// then sets its filter: a new stream may begin with pictures of other cameras. Call this before
+/// the stream has buffers and before its camera sends; the receiving thread then discards these
+/// packets.
 ///
-/// Returns at once where the receiving thread uses no packet socket after all, as far as can be
-/// seen within `timeout`. Error kUnavailable: the receiving thread did not empty it in time.
+/// Returns at once if no such socket appears within `timeout`, since the receiving thread may use a
+/// normal one. Error kUnavailable if the receiving thread does not empty the socket in time.
 Expected<void> wait_for_empty_packet_socket(std::uint16_t port, std::chrono::nanoseconds timeout);
 
 }  // namespace atrium::capture

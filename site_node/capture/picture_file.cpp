@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 constexpr std::array kVideoSuffixes{".avi", ".mp4", ".mkv"};
 constexpr std::array kImageSuffixes{".png", ".jpg", ".jpeg"};
 
-// 000123.png -> 123; anything else is not of the sequence
+// 000123.png -> 123; other names are not part of the sequence
 std::optional<std::size_t> sequence_number(const fs::path& file) {
     const std::string stem = file.stem().string();
     const std::string suffix = file.extension().string();
@@ -44,10 +44,10 @@ struct PictureFile::Impl {
     Expected<void> read_video(std::size_t index) {
         if (index < next_in_video && (!video.open(path.string()) || !video.isOpened())) {
             return make_error(ErrorKind::kInvalidData,
-                              fmt::format("{}: cannot be opened again", path.string()));
+                              fmt::format("{}: cannot reopen", path.string()));
         }
         if (index < next_in_video) next_in_video = 0;
-        // seeking by number is not exact for every codec: frames in between are read and left
+        // seeking by number is inexact for some codecs: frames in between are grabbed instead
         for (; next_in_video < index; ++next_in_video) {
             if (!video.grab()) break;
         }
@@ -68,7 +68,7 @@ struct PictureFile::Impl {
         decoded = cv::imread(it->second.string(), mode);
         if (decoded.empty()) {
             return make_error(ErrorKind::kInvalidData,
-                              fmt::format("{}: cannot be read as a picture", it->second.string()));
+                              fmt::format("{}: cannot read as a picture", it->second.string()));
         }
         return {};
     }
@@ -98,7 +98,7 @@ Expected<PictureFile> PictureFile::find(const fs::path& folder, const std::strin
         impl.is_video = true;
         if (!impl.video.open(impl.path.string())) {
             return make_error(ErrorKind::kInvalidData,
-                              fmt::format("{}: cannot be opened as a video", impl.path.string()));
+                              fmt::format("{}: cannot open as a video", impl.path.string()));
         }
         impl.num_pictures =
             static_cast<std::size_t>(std::max(0.0, impl.video.get(cv::CAP_PROP_FRAME_COUNT)));
@@ -153,7 +153,7 @@ Expected<void> PictureFile::read_mask(std::size_t index, image::Mask& out) {
         return make_error(ErrorKind::kInvalidData,
                           fmt::format("{}: not an 8-bit mask", path().string()));
     }
-    // pictures lose an odd last row or column in 4:2:0; masks follow
+    // 4:2:0 pictures lose an odd last row or column, and so do masks
     out = image::Mask(grey.cols & ~1, grey.rows & ~1);
     for (int y = 0; y < out.height; ++y) {
         const std::uint8_t* from = grey.ptr<std::uint8_t>(y);

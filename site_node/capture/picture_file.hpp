@@ -11,8 +11,7 @@
 
 namespace atrium::capture {
 
-/// Pictures on disk in any of the forms that a recording may have them: one image, a numbered
-/// sequence, a video.
+/// Reads pictures in every form that a recording may use: one image, a numbered sequence, a video.
 class PictureFile {
 public:
     PictureFile();
@@ -21,18 +20,18 @@ public:
     ~PictureFile();
 
     /// Looks for `stem` in `folder`: `stem.avi|mp4|mkv`, `stem/%06d.png|jpg` or `stem.png|jpg`, in
-    /// that order. Error kNotFound names what was looked for.
+    /// this order. Error kNotFound lists the names tried.
     static Expected<PictureFile> find(const std::filesystem::path& folder, const std::string& stem);
 
     const std::filesystem::path& path() const;
     bool is_video() const;
-    std::size_t num_pictures()
-        const;  // highest number + 1 of a sequence; a video's as its header says
+    /// Highest number + 1 of a sequence; for a video the number in its header.
+    std::size_t num_pictures() const;
 
-    /// Errors: kNotFound where this number is missing, kInvalidData where it cannot be decoded.
+    /// Errors: kNotFound if this number is missing, kInvalidData if it cannot be decoded.
     Expected<void> read(std::size_t index, image::YuvImage& out);
 
-    /// The same for 8-bit masks: anything above 127 is foreground.
+    /// Like `read`, for 8-bit masks: values above 127 are foreground.
     Expected<void> read_mask(std::size_t index, image::Mask& out);
 
 private:

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Recordings up to this size are decoded once when they loop.
+// Looping recordings up to this size stay decoded.
 constexpr std::size_t kMaxDecodedBytes = std::size_t{1} << 30;
 constexpr std::size_t kMaxFrames = 10'000'000;
 
@@ -29,8 +29,7 @@ std::optional<std::int64_t> parse_integer(std::string_view text) {
 
 }  // namespace
 
-// Pictures of one camera: a video that is read in order, or a numbered sequence, and masks that may
-// stand beside either.
+// Pictures of one camera, and optional masks beside them.
 class RecordingSource::Track {
 public:
     static Expected<std::unique_ptr<Track>> open(const fs::path& folder,
@@ -58,7 +57,7 @@ public:
         if (picture->width() != (expected_.width & ~1) ||
             picture->height() != (expected_.height & ~1)) {
             return make_error(ErrorKind::kInvalidData,
-                              fmt::format("{}: frame {} has {}x{} px, rig.toml says {}x{}",
+                              fmt::format("{}: frame {} has {}x{} px, but rig.toml says {}x{}",
                                           pictures_.path().string(),
                                           index,
                                           picture->width(),
@@ -72,7 +71,7 @@ public:
                 return tl::unexpected(read.error());
             if (mask->width != picture->width() || mask->height != picture->height()) {
                 return make_error(ErrorKind::kInvalidData,
-                                  fmt::format("{}: silhouette {} is not as large as its picture",
+                                  fmt::format("{}: silhouette {} differs in size from its picture",
                                               masks_->path().string(),
                                               index));
             }
@@ -94,9 +93,8 @@ RecordingSource::~RecordingSource() = default;
 
 Expected<std::unique_ptr<RecordingSource>> RecordingSource::open(const RecordingOptions& options) {
     if (!fs::is_directory(options.folder)) {
-        return make_error(
-            ErrorKind::kNotFound,
-            fmt::format("recording '{}': there is no such folder", options.folder.string()));
+        return make_error(ErrorKind::kNotFound,
+                          fmt::format("recording '{}': no such folder", options.folder.string()));
     }
     auto rig = config::load_rig(options.folder);
     if (!rig) return tl::unexpected(rig.error());
@@ -113,7 +111,7 @@ Expected<std::unique_ptr<RecordingSource>> RecordingSource::open(const Recording
     if (num_with_masks != 0 && num_with_masks != source->tracks_.size()) {
         return make_error(
             ErrorKind::kInvalidData,
-            fmt::format("recording '{}': some cameras have silhouettes/ and others have not",
+            fmt::format("recording '{}': some cameras have silhouettes/ and others do not",
                         options.folder.string()));
     }
     source->has_silhouettes_ = num_with_masks != 0;
@@ -130,7 +128,7 @@ Expected<void> RecordingSource::load_times() {
     if (!fs::exists(file)) return {};
     std::ifstream stream(file);
     if (!stream)
-        return make_error(ErrorKind::kNotFound, fmt::format("{}: cannot be opened", file.string()));
+        return make_error(ErrorKind::kNotFound, fmt::format("{}: cannot open", file.string()));
     times_ns_.assign(num_frames_, std::vector<std::optional<std::int64_t>>(tracks_.size()));
     std::string line;
     for (std::size_t number = 1; std::getline(stream, line); ++number) {
@@ -175,7 +173,7 @@ Expected<void> RecordingSource::show_background_of(std::size_t camera,
     image::YuvImage picture;
     for (std::size_t i = 0; i < pictures->num_pictures() && !stop.stop_requested(); ++i) {
         if (auto read = pictures->read(i, picture); !read) {
-            // a video's header may promise more frames than the file has
+            // a video header may announce more frames than the file has
             if (i > 0 && pictures->is_video()) break;
             return tl::unexpected(read.error());
         }
@@ -245,9 +243,9 @@ Expected<void> RecordingSource::run(std::stop_token stop, const Sink& sink) {
             }
         }
         if (num_read == 0) {
-            return make_error(ErrorKind::kInvalidData,
-                              fmt::format("recording '{}': no picture of it can be read",
-                                          options_.folder.string()));
+            return make_error(
+                ErrorKind::kInvalidData,
+                fmt::format("recording '{}': no picture can be read", options_.folder.string()));
         }
     } while (options_.loop);
     return {};
@@ -271,9 +269,9 @@ Expected<Metaframe> RecordingSource::read_frame(std::size_t index,
     Metaframe metaframe;
     metaframe.frame_id = index;
     for (std::size_t camera = 0; camera < tracks_.size(); ++camera) {
-        const bool left_out =
+        const bool is_excluded =
             std::find(without.begin(), without.end(), rig_.cameras[camera].name) != without.end();
-        if (left_out) {
+        if (is_excluded) {
             metaframe.frames.push_back({camera, {}, {}, nullptr});
             continue;
         }

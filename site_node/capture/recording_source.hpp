@@ -13,14 +13,14 @@ namespace atrium::capture {
 struct RecordingOptions {
     std::filesystem::path folder;
     double rate_hz = 0.0;  // 0: as recorded (times.csv, else rate_hz of rig.toml)
-    bool loop = false;     // start again after the last frame
+    bool loop = false;     // restart after the last frame
 };
 
-/// Plays one recording (docs/conventions.md, "Recordings") as if it were live: image sequences or
-/// video files.
+/// Plays a recording of image sequences or video files in real time (docs/conventions.md,
+/// "Recordings").
 ///
-/// A picture that is missing or cannot be read leaves its metaframe incomplete; it is not an error
-/// of the source.
+/// A missing or unreadable picture leaves its metaframe incomplete; it is not an error of the
+/// source.
 class RecordingSource final : public FrameSource {
 public:
     static Expected<std::unique_ptr<RecordingSource>> open(const RecordingOptions& options);
@@ -32,17 +32,17 @@ public:
                                                 const BackgroundSink& sink,
                                                 std::stop_token stop) override;
     Expected<void> run(std::stop_token stop, const Sink& sink) override;
-    /// Received is what was delivered, incomplete what is missing or cannot be read.
+    /// Counts delivered pictures as received, missing or unreadable ones as incomplete.
     std::vector<CameraCounters> camera_counters() const override { return counters_.counters(); }
 
-    /// Number of frames of the camera with the most; counts a video by its header.
+    /// Number of frames of the camera with the most frames; for a video the number in its header.
     std::size_t num_frames() const { return num_frames_; }
 
-    /// Frame `index` of every camera at once, for tools, but of those named in `without`. Error
-    /// naming the first camera that lacks it.
+    /// Reads frame `index` of every camera except those in `without`, for tools. The error names
+    /// the first camera that lacks it.
     Expected<Metaframe> read_frame(std::size_t index, const std::vector<std::string>& without = {});
 
-    /// Picture `index` of one camera, for tools; an error where it is missing or cannot be read.
+    /// Reads picture `index` of one camera, for tools. An error if it is missing or unreadable.
     Expected<CameraFrame> read_picture(std::size_t camera, std::size_t index);
 
 private:
@@ -62,8 +62,7 @@ private:
     std::vector<std::unique_ptr<Track>> tracks_;
     std::vector<std::vector<std::optional<std::int64_t>>>
         times_ns_;  // [frame][camera]; empty without times.csv
-    // short recordings that loop are kept decoded, so that playing them costs what live cameras
-    // would
+    // short looping recordings stay decoded: playback then costs as much as live cameras
     std::vector<std::vector<std::optional<CameraFrame>>> decoded_;  // [frame][camera]
 };
 

@@ -41,7 +41,7 @@ std::vector<Expected<void>> SimulatedSource::show_background(
 Expected<void> SimulatedSource::run(std::stop_token stop, const Sink& sink) {
     Pace pace(std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / rig_.rate_hz)));
     for (std::size_t instant = 0; pace.wait(stop); instant = (instant + 1) % loop_.frames.size()) {
-        simulation::keep_in_memory_if_wanted(loop_);
+        simulation::copy_to_memory_if_wanted(loop_);
         const Timestamp now = pace.due_time();
         for (std::size_t camera = 0; camera < rig_.cameras.size(); ++camera) {
             counters_.count_received(camera);

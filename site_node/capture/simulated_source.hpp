@@ -8,11 +8,11 @@
 
 namespace atrium::capture {
 
-/// A room that does not exist: its loop is rendered once, or taken from the cache, and then played
-/// as if it were live, so that what is measured is the site and not the renderer.
+/// Plays a simulated room in real time. Its loop is rendered once or read from the cache, which
+/// keeps the renderer out of all measurements.
 class SimulatedSource final : public FrameSource {
 public:
-    /// `room.rate_hz` is the rate of the source. `cache` may be empty: nothing is kept.
+    /// `room.rate_hz` is the rate of the source. An empty `cache` keeps nothing.
     static Expected<std::unique_ptr<SimulatedSource>> create(
         const config::Rig& rig,
         const simulation::RoomOptions& room,
@@ -26,10 +26,10 @@ public:
                                                 const BackgroundSink& sink,
                                                 std::stop_token stop) override;
     Expected<void> run(std::stop_token stop, const Sink& sink) override;
-    /// Received is what was delivered.
+    /// Counts delivered pictures as received.
     std::vector<CameraCounters> camera_counters() const override { return counters_.counters(); }
 
-    /// What kept the loop out of the cache; empty where nothing did.
+    /// Reason why the loop is not cached; empty if it is.
     const std::string& cache_problem() const { return cache_problem_; }
 
 private:

@@ -37,7 +37,7 @@ void TriggerClock::note_trigger(Timestamp due, Timestamp sent) {
     ++num_triggers_;
 }
 
-std::optional<TriggerClock::Trigger> TriggerClock::nearest(Timestamp time) const {
+std::optional<TriggerClock::Trigger> TriggerClock::nearest_trigger(Timestamp time) const {
     const std::size_t num = std::min(num_triggers_, kRemembered);
     if (num == 0) return std::nullopt;
     return *std::min_element(triggers_.begin(),
@@ -48,9 +48,9 @@ std::optional<TriggerClock::Trigger> TriggerClock::nearest(Timestamp time) const
                              });
 }
 
-// No picture is taken before it is asked for: what seems so has the time of its trigger.
-std::optional<Timestamp> TriggerClock::placed(Timestamp time) const {
-    const auto trigger = nearest(time);
+// A picture cannot precede its trigger: such a time is clamped to the trigger.
+std::optional<Timestamp> TriggerClock::exposure_time(Timestamp time) const {
+    const auto trigger = nearest_trigger(time);
     if (!trigger || trigger->sent - time > period_ / 4) return std::nullopt;
     const Timestamp taken = std::max(time, trigger->sent);
     if (taken - trigger->due >= 3 * period_ / 8) return std::nullopt;
@@ -63,9 +63,9 @@ std::optional<Timestamp> TriggerClock::on_picture(Timestamp late_time) {
         const std::lock_guard lock(mutex_);
         if (state_ == State::kUnknown) return late_time;
         if (state_ == State::kKnown) {
-            taken = placed(late_time + -delay_);
+            taken = exposure_time(late_time + -delay_);
             num_refused_ = taken ? 0 : num_refused_ + 1;
-            // what was measured while the machine was busy is too long, and is mended here
+            // a delay measured on a busy machine is too long; corrected here
             if (taken) delay_ = std::min(delay_, late_time - *taken);
             return taken;
         }
@@ -79,10 +79,10 @@ std::optional<Timestamp> TriggerClock::on_lost_picture(Timestamp late_time) cons
     const std::lock_guard lock(mutex_);
     if (state_ == State::kUnknown) return late_time;
     if (state_ == State::kMeasuring) return std::nullopt;
-    return placed(late_time + -delay_);
+    return exposure_time(late_time + -delay_);
 }
 
-bool TriggerClock::is_astray() const {
+bool TriggerClock::needs_measuring() const {
     const std::lock_guard lock(mutex_);
     return state_ == State::kKnown && num_refused_ >= kMaxRefused;
 }

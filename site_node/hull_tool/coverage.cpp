@@ -11,9 +11,9 @@ namespace {
 
 using Point = Eigen::Vector2d;
 
-constexpr double kTolerance_px =
-    1e-3;  // the jitter is 1e-6 px at first, 1e-3 px where input is very degenerate
-// Nearer to the camera the hull's own rounding, 1e-12 m, would be pixels.
+// The jitter of the hull is 1e-6 px at first, 1e-3 px with very degenerate input.
+constexpr double kTolerance_px = 1e-3;
+// Nearer to the camera, the hull's rounding of 1e-12 m would amount to pixels.
 constexpr double kNear_m = 1e-4;
 
 struct Raster {
@@ -32,13 +32,13 @@ struct Raster {
     }
 };
 
-// x at height y of the edge, computed from its lower end for either direction
+// Returns x of the edge at height y, computed from its lower end for either direction.
 double edge_x(Point a, Point b, double y) {
     if (a.y() > b.y()) std::swap(a, b);
     return a.x() + (b.x() - a.x()) * ((y - a.y()) / (b.y() - a.y()));
 }
 
-// Pixels whose centres lie in the convex polygon or at most kTolerance_px beside it.
+// Fills pixels whose centres lie in the convex polygon or within kTolerance_px of it.
 void fill_convex(std::span<const Point> polygon, Raster& raster) {
     double low = polygon[0].y();
     double high = low;
@@ -51,7 +51,7 @@ void fill_convex(std::span<const Point> polygon, Raster& raster) {
     for (double row = low; row <= high; ++row) {
         double left = std::numeric_limits<double>::infinity();
         double right = -left;
-        // the part of the polygon in the strip row +- tolerance reaches as far as its corners there
+        // in the strip row +- tolerance the polygon extends as far as its corners there
         for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
             const Point& a = polygon[j];
             const Point& b = polygon[i];
@@ -71,8 +71,8 @@ void fill_convex(std::span<const Point> polygon, Raster& raster) {
     }
 }
 
-// Even-odd rule at the pixel centres of each row, moved by `dy`; spans are widened by `widen` on
-// both sides.
+// Fills by the even-odd rule at the pixel centres of each row, shifted by `dy`; widens spans by
+// `widen` on both sides.
 void fill_even_odd(const std::vector<std::vector<Point>>& contours,
                    double dy,
                    double widen,
@@ -138,7 +138,7 @@ Coverage measure_coverage(const geometry::TriangleMesh& mesh,
     Raster near_silhouette{scratch.near_silhouette, width, height};
     Raster hull{scratch.hull, width, height};
     fill_even_odd(view.contours, 0.0, 0.0, silhouette);
-    // twice, since the hull is drawn with a tolerance as well
+    // twice the tolerance, since the hull is drawn with one as well
     for (const double dy : {-2.0, -1.0, 0.0, 1.0, 2.0}) {
         fill_even_odd(view.contours, dy * kTolerance_px, 2.0 * kTolerance_px, near_silhouette);
     }

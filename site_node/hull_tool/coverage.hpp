@@ -9,19 +9,19 @@
 
 namespace atrium::hull_tool {
 
-/// How a hull's projection compares with one silhouette, counted at the centres of the picture's
-/// (undistorted) pixels.
+/// Compares the projection of a hull with one silhouette, at the centres of the (undistorted)
+/// pixels.
 struct Coverage {
     std::size_t silhouette_px = 0;
-    std::size_t covered_px = 0;  // of these, projected onto by the hull
-    std::size_t excess_px = 0;   // projected onto by the hull, but outside the silhouette
+    std::size_t covered_px = 0;  // of these, covered by the projected hull
+    std::size_t excess_px = 0;   // covered by the projected hull, but outside the silhouette
 
     double share() const {
         return static_cast<double>(covered_px) / static_cast<double>(silhouette_px);
     }
 };
 
-/// Reused memory: one byte per pixel each.
+/// Reusable memory: one byte per pixel each.
 struct CoverageScratch {
     std::vector<std::uint8_t> silhouette;
     std::vector<std::uint8_t> near_silhouette;
@@ -29,9 +29,9 @@ struct CoverageScratch {
     std::vector<std::uint8_t> field;
 };
 
-/// A pixel whose centre is nearer than 1e-3 px to an outline counts in the hull's favour: there the
-/// two only differ by the hull's jitter and by rounding. Triangles are cut at the camera; any mesh
-/// will do. Of a view with a field only pixels inside of it count.
+/// Measures the coverage. A pixel whose centre is within 1e-3 px of an outline counts in favour of
+/// the hull: there only jitter and rounding differ. Triangles are clipped at the camera; any mesh
+/// is valid. For a view with a field, only pixels inside the field count.
 Coverage measure_coverage(const geometry::TriangleMesh& mesh,
                           const hull::SilhouetteView& view,
                           CoverageScratch& scratch);

@@ -7,7 +7,7 @@
 
 namespace atrium::hull_tool {
 
-/// One input of the tool; `view.intrinsics` has the picture's size.
+/// One input of the tool. `view.intrinsics` has the picture size.
 struct NamedView {
     std::string name;
     hull::SilhouetteView view;

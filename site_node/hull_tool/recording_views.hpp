@@ -10,9 +10,9 @@
 
 namespace atrium::hull_tool {
 
-/// Silhouettes of one frame of a recording: from its masks where it has some, else by the
-/// background that its pictures of the empty room teach. The pictures of cameras in `without` are
-/// not needed: their views are empty. Errors name what is missing.
+/// Loads the silhouettes of one frame of a recording: its masks if it has any, else segmented
+/// against its pictures of the empty room. Cameras in `without` need no pictures: their views are
+/// empty. Errors name the missing part.
 Expected<std::vector<NamedView>> load_recording_views(const std::filesystem::path& folder,
                                                       std::size_t frame,
                                                       const std::vector<std::string>& without);

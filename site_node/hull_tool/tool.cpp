@@ -30,7 +30,7 @@ std::string name_of_input(const ToolOptions& options) {
     return options.recording.string() + ", frame " + std::to_string(options.frame);
 }
 
-// Views of which any part is unknown get a field; it is that of the silhouettes of a recording.
+// Gives each view a field: that of silhouettes from a recording.
 Expected<void> add_fields(std::vector<NamedView>& views) {
     const double inset_px =
         silhouette::field_inset_px(silhouette::SilhouetteOptions{}.tolerance_px);
@@ -39,7 +39,7 @@ Expected<void> add_fields(std::vector<NamedView>& views) {
         if (!field || !hull::is_usable_field(*field)) {
             return make_error(ErrorKind::kConfiguration,
                               "--partial: view \"" + view.name +
-                                  "\": the lens distortion cannot be taken out along the border "
+                                  "\": the lens distortion cannot be inverted along the border "
                                   "of its picture");
         }
         view.view.field = std::move(*field);
@@ -47,7 +47,7 @@ Expected<void> add_fields(std::vector<NamedView>& views) {
     return {};
 }
 
-Expected<void> leave_out(const std::vector<std::string>& names, std::vector<NamedView>& views) {
+Expected<void> remove_views(const std::vector<std::string>& names, std::vector<NamedView>& views) {
     for (const std::string& name : names) {
         const auto has_name = [&](const NamedView& view) { return view.name == name; };
         if (std::erase_if(views, has_name) > 0) continue;
@@ -58,12 +58,12 @@ Expected<void> leave_out(const std::vector<std::string>& names, std::vector<Name
         std::string known;
         for (const NamedView& view : views) known += (known.empty() ? "" : ", ") + view.name;
         return make_error(ErrorKind::kConfiguration,
-                          "--without: there is no view \"" + name + "\" to leave out of " + known);
+                          "--without: no view is named \"" + name + "\"; the views are " + known);
     }
     return {};
 }
 
-// The views as they are to be intersected.
+// Loads the views to intersect.
 Expected<std::vector<NamedView>> load_views(const ToolOptions& options) {
     auto views =
         options.recording.empty()
@@ -71,7 +71,8 @@ Expected<std::vector<NamedView>> load_views(const ToolOptions& options) {
             : load_recording_views(
                   options.recording, static_cast<std::size_t>(options.frame), options.without);
     if (!views) return views;
-    if (auto done = leave_out(options.without, *views); !done) return tl::unexpected(done.error());
+    if (auto done = remove_views(options.without, *views); !done)
+        return tl::unexpected(done.error());
     if (options.min_views > views->size()) {
         return make_error(ErrorKind::kConfiguration,
                           "--min-views: must not exceed the number of views, " +
@@ -125,7 +126,7 @@ nlohmann::ordered_json report_views(const std::vector<NamedView>& views,
         const Coverage coverage = measure_coverage(mesh, view.view, scratch);
         nlohmann::ordered_json entry;
         entry["name"] = view.name;
-        entry["coverage"] = nullptr;  // a camera that sees nobody has nothing to cover
+        entry["coverage"] = nullptr;  // the camera sees nobody: nothing to cover
         if (coverage.silhouette_px > 0) entry["coverage"] = coverage.share();
         entry["excess_px"] = coverage.excess_px;
         list.push_back(entry);
@@ -192,14 +193,14 @@ Expected<void> write(const geometry::TriangleMesh& mesh, const ToolOptions& opti
     return geometry::write_mesh(options.output, mesh, normals);
 }
 
-// Whether it can be written, before the time of the computation is spent. Changes nothing.
+// Checks that the output can be written, before the slow computation. Changes nothing.
 Expected<void> try_output(const std::filesystem::path& path) {
     std::error_code failure;
     const std::filesystem::file_status status = std::filesystem::status(path, failure);
     const bool is_new = status.type() == std::filesystem::file_type::not_found;
     const bool is_other = !is_new && !std::filesystem::is_regular_file(status) &&
                           !std::filesystem::is_directory(status);
-    if (path.empty() || is_other) return {};  // whoever reads from a pipe would notice
+    if (path.empty() || is_other) return {};  // opening a pipe would be visible to its reader
     const bool writable = std::ofstream(path, std::ios::binary | std::ios::app).is_open();
     if (!writable)
         return make_error(ErrorKind::kUnavailable, path.string() + ": cannot be written");
@@ -209,8 +210,8 @@ Expected<void> try_output(const std::filesystem::path& path) {
 
 std::string advice(hull::HullStatus status, const std::vector<NamedView>& views) {
     if (status == hull::HullStatus::kTooFewViews)
-        return "; at least two cameras at different places are needed";
-    if (status == hull::HullStatus::kUnbounded) return "; --bounds close it";
+        return "; the hull needs at least two cameras at different places";
+    if (status == hull::HullStatus::kUnbounded) return "; add --bounds to close it";
     if (status == hull::HullStatus::kTooComplex) return explain_too_complex(views);
     return "";
 }

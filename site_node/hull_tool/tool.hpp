@@ -12,34 +12,34 @@
 namespace atrium::hull_tool {
 
 struct ToolOptions {
-    std::filesystem::path views_file;  // or
+    std::filesystem::path views_file;  // this or `recording`
     std::filesystem::path recording;   // a folder
     int frame = 0;
-    std::filesystem::path output;  // empty: no mesh is written
+    std::filesystem::path output;  // empty: no mesh file
     int threads = 1;
     int repeat = 1;
-    std::vector<std::string> without;  // names of views that are left out
+    std::vector<std::string> without;  // names of views to ignore
     std::optional<geometry::Aabb> bounds;
-    bool partial = false;  // what lies outside of the pictures is unknown; needs bounds
+    bool partial = false;  // space outside the pictures is unknown; needs bounds
     std::uint32_t min_views = 0;
     double min_litres = 0.005;
     bool keep_phantoms = false;
-    double decimate_mm = 0.0;  // 0: the mesh is written as it is
-    bool normals = false;      // written with the mesh
+    double decimate_mm = 0.0;  // 0: the mesh is not decimated
+    bool normals = false;      // write them with the mesh
 };
 
-/// How the program goes on after its command line.
+/// How the program continues after its command line.
 struct Start {
     bool go_on = false;
-    int exit_code = 0;  // otherwise
+    int exit_code = 0;  // if not go_on
 };
 
-/// Reads the command line; where the program is to end at once (help, version, an error, which was
-/// printed), false and the exit code.
+/// Parses the command line. Returns go_on = false and the exit code if the program must end at once
+/// (help, version, or an error, already printed).
 Start parse_command_line(int argc, char** argv, ToolOptions& options);
 
-/// Computes the hull, writes the mesh and returns the report, one JSON object. Lack of memory or
-/// threads is an error as well: kInternal.
+/// Computes the hull, writes the mesh and returns the report, one JSON object. Errors kInternal if
+/// memory or threads are missing.
 Expected<std::string> run(const ToolOptions& options);
 
 }  // namespace atrium::hull_tool

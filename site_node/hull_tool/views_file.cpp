@@ -19,16 +19,16 @@ namespace {
 
 using nlohmann::json;
 
-// Coverage takes four bytes of each pixel. As many as 8192 x 8192, the largest of a rig.
+// Coverage takes four bytes per pixel. 8192 x 8192, the largest picture of a rig.
 constexpr std::int64_t kMaxPixels = 67'108'864;
-constexpr double kMaxRotationError = 1e-3;  // digits that a person may have left out
+constexpr double kMaxRotationError = 1e-3;  // allows for matrices typed with few digits
 
-// What is wrong with one value; the caller adds the file.
+// Error of one value; the caller adds the file.
 struct BadValue {
     std::string message;
 };
 
-// A key that nobody reads is a misunderstanding, of `distortion` for example.
+// Rejects keys that nothing reads, for example `distortion`.
 void refuse_unknown(const json& object,
                     const std::string& where,
                     std::initializer_list<std::string_view> known) {
@@ -41,7 +41,7 @@ void refuse_unknown(const json& object,
     }
 }
 
-// Of keys that are repeated JSON's readers take one and say nothing.
+// Rejects repeated keys, of which JSON parsers silently take one.
 class RepeatedKeys {
 public:
     bool operator()(int, json::parse_event_t event, const json& parsed) {
@@ -54,14 +54,14 @@ public:
                    !keys_.back().insert(parsed.get<std::string>()).second) {
             const std::string where =
                 keys_.size() > 1 ? "views[" + std::to_string(num_views_) + "]" : "document";
-            throw BadValue{where + ": key " + parsed.dump() + " is there twice"};
+            throw BadValue{where + ": key " + parsed.dump() + " is repeated"};
         }
         return true;
     }
 
 private:
-    std::vector<std::set<std::string>> keys_;  // of the objects around this place
-    std::size_t num_views_ = 0;                // that are complete
+    std::vector<std::set<std::string>> keys_;  // of the enclosing objects
+    std::size_t num_views_ = 0;                // complete ones
 };
 
 const json& member(const json& object, const std::string& where, const char* key) {
@@ -74,8 +74,7 @@ double number(const json& value, const std::string& where) {
     if (!value.is_number()) throw BadValue{where + ": must be a number"};
     const double v = value.get<double>();
     if (!std::isfinite(v)) throw BadValue{where + ": must be finite"};
-    // pixels and metres of any room; beyond it nothing of a pixel would be left in a double's
-    // products
+    // pixels and metres of any room; larger values would lose all sub-pixel digits in products
     constexpr double kMax = 1e6;
     if (std::abs(v) > kMax) throw BadValue{where + ": must be between -1e6 and 1e6"};
     return v;

@@ -10,13 +10,13 @@ namespace atrium::hull_tool {
 
 /// Reads silhouettes from a JSON file:
 /// `{"views": [{name, width, height, fx, fy, cx, cy, [skew], rotation, translation, contours}]}`
-/// with pixel centres at integer coordinates, `rotation` (row-major, 9 numbers) and `translation`
-/// [m] of camera_from_site, `skew` 0 where it is not given, and `contours` a list of closed
-/// polygons `[[x, y], ...]` in undistorted pixels. Other keys, and repeated ones, are errors.
-/// Errors name the file, the view and the key.
+/// Pixel centres are at integer coordinates. `rotation` (row-major, 9 numbers) and `translation`
+/// [m] are camera_from_site, `skew` defaults to 0, and `contours` is a list of closed polygons
+/// `[[x, y], ...]` in undistorted pixels. Other keys, and repeated ones, are errors. Errors name
+/// the file, the view and the key.
 Expected<std::vector<NamedView>> load_views_file(const std::filesystem::path& path);
 
-/// Writes what load_views_file reads. Error kUnavailable where the file cannot be written.
+/// Writes the format that load_views_file reads. Error kUnavailable.
 Expected<void> save_views_file(const std::vector<NamedView>& views,
                                const std::filesystem::path& path);
 

@@ -14,7 +14,7 @@ namespace {
 constexpr auto kFilePeriod = std::chrono::seconds(1);
 constexpr auto kWindowPeriod = std::chrono::milliseconds(100);
 constexpr const char* kFileInsteadOfWindow = "preview.png";
-constexpr int kLowestPriority = 19;  // of nice(2); on Linux it is the thread's own
+constexpr int kLowestPriority = 19;  // of nice(2); on Linux per thread
 
 class Alarm {
 public:
@@ -77,7 +77,7 @@ void Preview::show(const capture::Metaframe& metaframe,
     slot_.put(std::move(shot));
 }
 
-// Camera buffers go back before the slow part.
+// Releases the camera buffers before the slow part.
 void Preview::draw_shot(std::optional<Shot>& shot) {
     for (std::size_t i = 0; i < shot->views.size(); ++i) {
         View& view = shot->views[i];
@@ -116,7 +116,7 @@ void Preview::write_pictures(std::stop_token stop) {
     }
 }
 
-// Once it is closed, no more is asked for.
+// Requests no further shots once the window is closed.
 void Preview::show_in(PreviewWindow& window, std::stop_token stop) {
     Alarm alarm;
     while (!stop.stop_requested() && window.stays_open()) {

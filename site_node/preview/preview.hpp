@@ -18,23 +18,23 @@
 
 namespace atrium::preview {
 
-/// The name that stands for a window instead of a file.
+/// The target that means a window instead of a file.
 inline constexpr const char* kWindow = "window";
 
-/// Shows all views with their silhouettes, in a thread of its own that gives way to all others: in
-/// a file once a second, or in a window. What is offered in between costs nothing but a count.
+/// Shows all views with their silhouettes, in a file once a second or in a window. Runs on its own
+/// thread of lowest priority. Metaframes in between cost only a count.
 class Preview {
 public:
-    /// `target` is a PNG, or kWindow; where no window can be had, preview.png in the current folder
-    /// takes its place.
+    /// `target` is a PNG, or kWindow; if no window can be opened, preview.png in the current
+    /// folder.
     Preview(std::filesystem::path target, std::vector<std::string> camera_names);
     ~Preview();
 
-    /// Counts the pictures of a metaframe. True: it is time for `show` with this one.
+    /// Counts the pictures of a metaframe. Returns true if `show` should follow with it.
     bool count(const capture::Metaframe& metaframe);
 
-    /// `outlines_px[camera]` as in View; of cameras that delivered nothing they are not looked at.
-    /// Newest wins. Pictures are shared, not copied.
+    /// Shows a metaframe; newest wins. `outlines_px[camera]` as in View; ignored for cameras
+    /// without a picture. Shares the pictures without copies.
     void show(const capture::Metaframe& metaframe,
               std::vector<std::vector<std::vector<Eigen::Vector2d>>> outlines_px);
 
@@ -54,18 +54,18 @@ private:
 
     std::filesystem::path target_;
     std::vector<std::string> camera_names_;
-    std::vector<std::uint64_t> num_pictures_;  // per camera; of the thread that counts
-    std::vector<RateMeter> rates_;             // per camera; of the thread that writes
+    std::vector<std::uint64_t> num_pictures_;  // per camera; only the counting thread uses it
+    std::vector<RateMeter> rates_;             // per camera; only the drawing thread uses it
     std::atomic<bool> wants_shot_{true};
     std::atomic<std::uint64_t> num_written_{0};
     LatestSlot<Shot> slot_;
     Picture picture_;
     app::log::OncePerSecond complaints_;
-    std::jthread thread_;  // last: stops before the rest goes
+    std::jthread thread_;  // last member: stops before the others are destroyed
 };
 
-/// Area inside of closed outlines by the even-odd rule [px^2], for blobs that run counter-clockwise
-/// (seen with +Y up) and holes that run clockwise.
+/// Returns the area inside closed outlines by the even-odd rule [px^2]. Blobs must run
+/// counter-clockwise (with +Y up) and holes clockwise.
 double enclosed_area_px(const std::vector<std::vector<Eigen::Vector2d>>& outlines_px);
 
 }  // namespace atrium::preview

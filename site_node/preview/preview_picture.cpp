@@ -14,7 +14,7 @@
 namespace atrium::preview {
 namespace {
 
-constexpr int kBarHeight_px = 26;  // below each view, for the words
+constexpr int kBarHeight_px = 26;  // below each view, for the caption
 constexpr int kGap_px = 4;
 constexpr double kTint = 0.35;
 const cv::Scalar kInk(240, 240, 240);
@@ -25,7 +25,7 @@ const cv::Scalar kSilhouette(80, 220, 60);  // green, which few people wear
 struct Grid {
     int columns = 1;
     int rows = 1;
-    cv::Size view;  // of the largest one
+    cv::Size view;  // size of the largest view
 
     cv::Size cell() const { return {view.width, view.height + kBarHeight_px}; }
     cv::Size size() const {
@@ -39,7 +39,7 @@ struct Grid {
     }
 };
 
-// The grid whose form is nearest to that of a screen.
+// Returns the grid whose aspect ratio is nearest to that of a screen.
 Grid grid_for(const std::vector<View>& views) {
     constexpr double kScreen = 16.0 / 9.0;
     Grid grid;
@@ -67,7 +67,7 @@ Grid grid_for(const std::vector<View>& views) {
     return grid;
 }
 
-// One pixel per 2x2 block: its chroma as it is, and its luma.
+// Writes one pixel per 2x2 block: its chroma and mean luma.
 void halve(const image::YuvView& picture, cv::Mat out) {
     const image::RowCode code = image::best_row_code();
     std::vector<std::uint8_t> luma(static_cast<std::size_t>(out.cols));
@@ -87,7 +87,7 @@ void halve(const image::YuvView& picture, cv::Mat out) {
     }
 }
 
-// In 1/16 of a pixel of the halved picture, whose pixel centres are those of the blocks.
+// Converts outlines to 1/16 px of the halved picture, whose pixel centres are those of the blocks.
 constexpr int kShift = 4;
 std::vector<std::vector<cv::Point>> halved(const View& view) {
     std::vector<std::vector<cv::Point>> outlines;
@@ -161,9 +161,9 @@ Expected<void> write_png(const std::filesystem::path& file, const Picture& pictu
     const cv::Mat bgr(
         picture.height, picture.width, CV_8UC3, const_cast<std::uint8_t*>(picture.bgr.data()));
     try {
-        // noise does not compress, so it is not worth an effort
+        // noise does not compress: more effort is useless
         if (!cv::imwrite(part.string(), bgr, {cv::IMWRITE_PNG_COMPRESSION, 1}))
-            return failed("the file cannot be made");
+            return failed("cannot create the file");
     } catch (const cv::Exception& error) {
         return failed(error.what());
     }

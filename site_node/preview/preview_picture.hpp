@@ -15,9 +15,9 @@ namespace atrium::preview {
 /// One camera in a preview.
 struct View {
     std::string name;
-    image::RawImage image;  // empty: the camera delivered nothing
-    std::vector<std::vector<Eigen::Vector2d>>
-        outlines_px;  // blobs and holes, in the delivered picture; even-odd
+    image::RawImage image;  // empty: no picture
+    /// Blobs and holes in the delivered picture; even-odd rule.
+    std::vector<std::vector<Eigen::Vector2d>> outlines_px;
     double frames_per_s = 0.0;
     double foreground_share = 0.0;  // of the picture's area, 0 to 1
 };
@@ -29,12 +29,11 @@ struct Picture {
     std::vector<std::uint8_t> bgr;
 };
 
-/// All views in one grid, each at half size, with the silhouette tinted and outlined, and what is
-/// said of it below. `out` is reused.
+/// Draws all views in one grid, each at half size, with a tinted and outlined silhouette and a
+/// caption. `out` is reusable.
 void draw(const std::vector<View>& views, Picture& out);
 
-/// Writes through a file of another name, so that nobody sees half a picture. Makes the folder.
-/// Error kUnavailable.
+/// Writes a PNG atomically, through a temporary file. Creates the folder. Error kUnavailable.
 Expected<void> write_png(const std::filesystem::path& file, const Picture& picture);
 
 }  // namespace atrium::preview

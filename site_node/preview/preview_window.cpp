@@ -57,7 +57,7 @@ struct PreviewWindow::Impl {
             GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
     }
 
-    // As large as it fits, in the middle.
+    // Scales to the largest size that fits, centred.
     void copy_to_window() const {
         int window_width = 0;
         int window_height = 0;
@@ -101,7 +101,7 @@ Expected<std::unique_ptr<PreviewWindow>> PreviewWindow::open(const std::string& 
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     impl->window = glfwCreateWindow(kFirstWidth, kFirstHeight, title.c_str(), nullptr, nullptr);
     if (impl->window == nullptr) return failed(last_error());
-    // a key that was pressed and let go between two looks counts as well
+    // also reports a key pressed and released between two polls
     glfwSetInputMode(impl->window, GLFW_STICKY_KEYS, GLFW_TRUE);
     glfwMakeContextCurrent(impl->window);
     if (auto loaded = gl::load_entry_points(&glfwGetProcAddress); !loaded)

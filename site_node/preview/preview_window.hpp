@@ -7,21 +7,21 @@
 
 namespace atrium::preview {
 
-/// A window that shows one picture after another, scaled to its size. All calls come from the
-/// thread that opened it (GLFW asks for the main thread; with X11 any one will do). One at a time,
-/// and none while something is rendered offscreen: they share the table of GL functions.
+/// A window that shows successive pictures, scaled to its size. Use it only on the thread that
+/// opened it (GLFW asks for the main thread; with X11 any works). Only one at a time, and no
+/// offscreen rendering meanwhile: both share the table of GL functions.
 class PreviewWindow {
 public:
-    /// Error kUnavailable where there is no display or no OpenGL 3.3 on it.
+    /// Error kUnavailable without a display or without OpenGL 3.3 on it.
     static Expected<std::unique_ptr<PreviewWindow>> open(const std::string& title);
     ~PreviewWindow();
     PreviewWindow(const PreviewWindow&) = delete;
     PreviewWindow& operator=(const PreviewWindow&) = delete;
 
-    /// The first one gives the window its size.
+    /// The first picture sets the size of the window.
     void show(const Picture& picture);
 
-    /// Looks after the window's events. False: whoever looks has closed it, or pressed Escape.
+    /// Processes window events. Returns false once the user closed the window or pressed Escape.
     bool stays_open();
 
 private:

@@ -6,7 +6,7 @@
 namespace atrium::segmentation {
 namespace {
 
-// First pixel whose centre is not left of `x`.
+// Returns the first pixel whose centre is not left of `x`.
 int pixel_from(double x, int width) {
     return static_cast<int>(std::clamp(std::ceil(x), 0.0, static_cast<double>(width)));
 }

@@ -7,19 +7,19 @@
 
 namespace atrium::segmentation {
 
-/// Corners [px], distorted pixels as the camera delivers them; inside by the even-odd rule.
+/// Corners in delivered (distorted) pixels [px]. Inside by the even-odd rule.
 using AreaPolygon = std::vector<std::array<double, 2>>;
 
-/// Where in the pictures of one camera people are looked for; elsewhere is background.
+/// Areas of one camera in which segmentation looks for people. Everything else is background.
 struct SegmentationAreas {
-    std::vector<AreaPolygon> include;  // none: everywhere
-    std::vector<AreaPolygon> exclude;  // of what is included
+    std::vector<AreaPolygon> include;  // empty: the whole picture
+    std::vector<AreaPolygon> exclude;  // cut out of `include`
 
     bool everywhere() const { return include.empty() && exclude.empty(); }
 };
 
-/// 255 at pixels whose centre lies in one of `include` (or anywhere, if there is none) and in none
-/// of `exclude`, else 0.
+/// Returns a mask with 255 at pixels whose centre lies in one of `include` (anywhere if it is
+/// empty) and in none of `exclude`, else 0.
 image::Mask rasterise(const SegmentationAreas& areas, int width, int height);
 
 }  // namespace atrium::segmentation

@@ -38,7 +38,7 @@ void append(std::vector<char>& bytes, const std::vector<Value>& plane) {
     std::memcpy(bytes.data() + at, plane.data(), plane.size() * sizeof(Value));
 }
 
-// Reads from bytes that nobody vouches for: past their end everything is 0 and `failed`.
+// Reads untrusted bytes: past their end every value is 0 and `failed` is true.
 class ByteReader {
 public:
     explicit ByteReader(const std::vector<char>& bytes, std::size_t size)
@@ -101,24 +101,24 @@ std::vector<char> to_bytes(const BackgroundStatistics& room, const std::string& 
     return bytes;
 }
 
-// The text says what is wrong; empty: nothing.
+// Returns what is wrong; empty if nothing.
 std::string from_bytes(const std::vector<char>& bytes,
                        const std::string& camera,
                        BackgroundStatistics& room) {
-    if (bytes.size() < sizeof(std::uint64_t)) return "is cut short";
+    if (bytes.size() < sizeof(std::uint64_t)) return "is truncated";
     const std::size_t size = bytes.size() - sizeof(std::uint64_t);
     ByteReader reader(bytes, size);
-    if (reader.text(kMagic.size()) != kMagic) return "is not a learned background";
+    if (reader.text(kMagic.size()) != kMagic) return "is not a background file";
     if (const auto version = reader.value<std::uint32_t>(); version != kVersion) {
         return "has version " + std::to_string(version) + ", not " + std::to_string(kVersion);
     }
     std::uint64_t sum = 0;
     std::memcpy(&sum, bytes.data() + size, sizeof sum);
-    if (sum != checksum(bytes, size)) return "is damaged or cut short";
+    if (sum != checksum(bytes, size)) return "is damaged or truncated";
     const auto length = reader.value<std::uint32_t>();
     if (length > kMaxName) return "is damaged";
     if (const std::string name = reader.text(length); name != camera)
-        return "is of camera '" + name + "'";
+        return "belongs to camera '" + name + "'";
     const auto width = reader.value<std::uint32_t>();
     const auto height = reader.value<std::uint32_t>();
     const auto mosaic = reader.value<std::uint32_t>();
@@ -137,7 +137,7 @@ std::string from_bytes(const std::vector<char>& bytes,
     reader.plane(num_pixels, room.luma_sigma);
     for (auto* plane : {&room.u, &room.v, &room.uu, &room.uv, &room.vv})
         reader.plane(num_pixels / 4, *plane);
-    return reader.at_end() ? "" : "has not the length that its size needs";
+    return reader.at_end() ? "" : "does not have the length that its picture size requires";
 }
 
 }  // namespace
@@ -154,7 +154,7 @@ Expected<void> save_background(const BackgroundStatistics& room,
     fs::create_directories(folder, problem);
     if (problem) {
         return make_error(ErrorKind::kUnavailable,
-                          folder.string() + ": cannot be made: " + problem.message());
+                          folder.string() + ": cannot create: " + problem.message());
     }
     const std::vector<char> bytes = to_bytes(room, camera);
     const fs::path temporary = file.string() + ".part" + std::to_string(getpid());
@@ -169,7 +169,7 @@ Expected<void> save_background(const BackgroundStatistics& room,
         std::error_code ignored;
         fs::remove(temporary, ignored);
         return make_error(ErrorKind::kUnavailable,
-                          file.string() + ": cannot be written: " + problem.message());
+                          file.string() + ": cannot write: " + problem.message());
     }
     return {};
 }
@@ -180,20 +180,20 @@ Expected<BackgroundStatistics> load_background(const fs::path& folder, const std
     const auto size = fs::file_size(file, problem);
     std::ifstream stream(file, std::ios::binary);
     if (problem == std::errc::no_such_file_or_directory)
-        return make_error(ErrorKind::kNotFound, file.string() + ": is not there");
+        return make_error(ErrorKind::kNotFound, file.string() + ": does not exist");
     if (problem || !stream)
-        return make_error(ErrorKind::kInvalidData, file.string() + ": cannot be read");
-    // the largest that there can be: 11/2 bytes per pixel and a head
+        return make_error(ErrorKind::kInvalidData, file.string() + ": cannot read");
+    // upper limit: 11/2 bytes per pixel plus a header
     constexpr std::uintmax_t kMaxBytes = 6ULL * kMaxSize_px * kMaxSize_px;
     if (size > kMaxBytes)
         return make_error(ErrorKind::kInvalidData, file.string() + ": is too long");
     std::vector<char> bytes(static_cast<std::size_t>(size));
     stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    if (!stream) return make_error(ErrorKind::kInvalidData, file.string() + ": cannot be read");
+    if (!stream) return make_error(ErrorKind::kInvalidData, file.string() + ": cannot read");
     BackgroundStatistics room;
     if (const std::string wrong = from_bytes(bytes, camera, room); !wrong.empty())
         return make_error(ErrorKind::kInvalidData,
-                          file.string() + ": " + wrong + "; --learn-background writes it anew");
+                          file.string() + ": " + wrong + "; run --learn-background again");
     return room;
 }
 

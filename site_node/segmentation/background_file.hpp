@@ -8,22 +8,21 @@
 
 namespace atrium::segmentation {
 
-/// Keeps what was learned of the empty room: one file per camera, `FOLDER/<camera>.background`.
-/// Options have no part in it, so that they can be changed without learning anew.
+/// Returns the file that keeps the background of one camera: `FOLDER/<camera>.background`. The
+/// content does not depend on options: they may change without learning again.
 ///
-/// Little-endian: "ATRIUMBG", version, camera's name, size, mosaic, number of pictures, the planes
-/// of BackgroundStatistics in the order of their declaration, and a checksum of all that.
+/// Format, little-endian: "ATRIUMBG", version, camera name, size, mosaic, number of pictures, the
+/// planes of BackgroundStatistics in declaration order, and a checksum of all this.
 std::filesystem::path background_file(const std::filesystem::path& folder,
                                       const std::string& camera);
 
-/// Makes `folder` if it is not there. The file appears whole or not at all; one that is there is
-/// replaced.
+/// Writes or replaces the file atomically. Creates `folder` if needed.
 Expected<void> save_background(const BackgroundStatistics& room,
                                const std::filesystem::path& folder,
                                const std::string& camera);
 
-/// Errors name the file: kNotFound where there is none, kInvalidData where it is damaged, cut
-/// short, of another version, or of another camera.
+/// Errors name the file: kNotFound if it does not exist, kInvalidData if it is damaged, truncated,
+/// of another version or of another camera.
 Expected<BackgroundStatistics> load_background(const std::filesystem::path& folder,
                                                const std::string& camera);
 

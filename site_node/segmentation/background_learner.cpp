@@ -8,7 +8,7 @@
 namespace atrium::segmentation {
 namespace {
 
-// Sums of squares of so many bytes fit 32 bits: half an hour at 30 Hz.
+// The sums of squares of this many bytes fit 32 bits: half an hour at 30 Hz.
 constexpr int kMaxFrames = 60000;
 
 std::string size_text(int width, int height) {
@@ -104,7 +104,7 @@ Expected<BackgroundStatistics> BackgroundLearner::finish() const {
         const double mean = scale * sum_y_[i];
         const double sigma = std::sqrt(std::max(scale * sum_yy_[i] - mean * mean, 0.0));
         room.luma[i] = rounded<std::uint16_t>(256.0 * mean);
-        // a sum in doubles may miss 0 by a little
+        // rounding of the sums may leave a deviation just above 0
         room.luma_sigma[i] = rounded<std::uint8_t>(std::ceil(4.0 * sigma - 1e-3));
     }
     for (std::size_t i = 0; i < sum_u_.size(); ++i) {

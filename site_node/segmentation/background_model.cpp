@@ -7,13 +7,13 @@
 namespace atrium::segmentation {
 namespace {
 
-// Near the clipping one channel may clip before the others: chroma is worth less.
+// Near clipping, one channel may clip before the others: chroma is less reliable.
 constexpr double kBrightLuma = 225.0;
 constexpr double kBrightSigmaFactor = 3.0;
-// A ratio of chroma to less luma than this would be noise.
+// A ratio of chroma to a luma below this is noise.
 constexpr double kMinRatioLuma = 24.0;
-// A hue tells a dark thing from a shadow where it is so many times as far as the threshold: things
-// are not quite colourless, and codecs smear hues.
+// Factor on the chroma threshold above which a hue distinguishes a dark object from a shadow. Real
+// objects are not quite colourless, and codecs smear hues.
 constexpr double kSureFactor = 2.5;
 constexpr std::int32_t kClippedMean = kClipped * 256;
 
@@ -27,7 +27,7 @@ std::uint8_t part_of_256(double part) {
 
 struct BlockLuma {
     double mean = 0.0;
-    bool may_clip = false;  // any of the four
+    bool may_clip = false;  // any of the four pixels
 };
 
 BlockLuma luma_of_block(const BackgroundStatistics& room, std::size_t block) {
@@ -41,7 +41,7 @@ BlockLuma luma_of_block(const BackgroundStatistics& room, std::size_t block) {
     return luma;
 }
 
-// The inverse Cholesky factor of the covariance, and how dark a shadow may be.
+// Sets the inverse Cholesky factor of the covariance, and how dark a shadow may be.
 void set_chroma_noise(const SegmentationOptions& options,
                       std::size_t block,
                       BackgroundModel& model) {
@@ -49,9 +49,9 @@ void set_chroma_noise(const SegmentationOptions& options,
     const BlockLuma luma = luma_of_block(room, block);
     const double darkest = options.darkest_shadow;
     model.darkest[block] = part_of_256(darkest);
-    if (luma.mean < options.dark_luma) return;  // whitening stays 0: chroma does not vote
+    if (luma.mean < options.dark_luma) return;  // whitening stays 0: chroma is ignored
 
-    // the floor is added, not only a bound: it is a further, independent source of noise
+    // the floor is added, not a lower bound: it is an independent source of noise
     const bool unsure = luma.may_clip || luma.mean >= kBrightLuma;
     const double sigma = (unsure ? kBrightSigmaFactor : 1.0) * options.min_chroma_sigma;
     const double floor = sigma * sigma;
@@ -68,19 +68,18 @@ void set_chroma_noise(const SegmentationOptions& options,
     noise.whiten_v[at] = fixed_point(1.0 / l22, 32768.0);
     noise.whiten_uv[at] = fixed_point(-l21 / (l11 * l22), 32768.0);
 
-    // How far a colourless thing is from the room's hue; in a shadow of a part of the luma, that
-    // part of it. Where it is still well beyond the threshold, a dark thing is told by its hue.
+    // Distance of a colourless object from the room's hue. In a shadow the distance shrinks with
+    // the luma; while it stays well above the threshold, the hue identifies a dark object.
     const double u = room.u[block] / 128.0;
     const double v = room.v[block] / 128.0;
     const double colour = std::hypot(u / l11, (v - l21 / l11 * u) / l22);
     if (unsure || colour <= 0.0) return;
-    const double told_from = kSureFactor * options.max_chroma_distance / colour;
+    const double shadow_limit = kSureFactor * options.max_chroma_distance / colour;
     const double lowest = std::min(options.darkest_coloured_shadow, darkest);
-    model.darkest[block] = part_of_256(std::clamp(told_from, lowest, darkest));
+    model.darkest[block] = part_of_256(std::clamp(shadow_limit, lowest, darkest));
 }
 
-// Square of how much the whitening of a block lengthens a vector at most: its larger singular
-// value.
+// Squared larger singular value of a block's whitening: the most by which it lengthens a vector.
 double most_stretch_sq(const HueNoise& noise, std::size_t block) {
     const double u = noise.whiten_u[block] / 32768.0;
     const double uv = noise.whiten_uv[block] / 32768.0;
@@ -91,10 +90,11 @@ double most_stretch_sq(const HueNoise& noise, std::size_t block) {
     return 0.5 * (sum + root);
 }
 
-// Plain C++ that the compiler vectorises; each set of instructions is one more instance of it.
+// Plain C++ for the compiler to vectorise, instantiated once per instruction set.
 #define ATRIUM_INLINE inline __attribute__((always_inline))
 
-// Of `num` pixels of one row from `pixel` on; `darkest` is that of their blocks.
+// Sets the thresholds of `num` pixels of one row from `pixel` on; `darkest` is that of their
+// blocks.
 ATRIUM_INLINE void make_thresholds(const std::uint8_t* __restrict darkest,
                                    std::size_t pixel,
                                    std::size_t num,
@@ -117,7 +117,7 @@ ATRIUM_INLINE void make_thresholds(const std::uint8_t* __restrict darkest,
     }
 }
 
-// Of `num` blocks, whose first pixels are `top` and `bottom`.
+// Sets the ratios of `num` blocks, whose first pixels are `top` and `bottom`.
 ATRIUM_INLINE void make_ratios(const std::uint16_t* __restrict top,
                                const std::uint16_t* __restrict bottom,
                                const std::int16_t* __restrict u,
@@ -129,7 +129,7 @@ ATRIUM_INLINE void make_ratios(const std::uint16_t* __restrict top,
         const int sum = top[2 * i] + top[2 * i + 1] + bottom[2 * i] + bottom[2 * i + 1];
         const float luma =
             std::max(static_cast<float>(sum), static_cast<float>(1024.0 * kMinRatioLuma));
-        // 1/128 over 1/1024, in 1/4096; chroma is less than twice the luma in any real colour
+        // 1/128 over 1/1024, in 1/4096; real colours have a chroma below twice the luma
         const float scale = 32768.0F / luma;
         const auto ratio = [&](std::int16_t chroma) {
             return static_cast<std::int16_t>(static_cast<std::int32_t>(
@@ -200,7 +200,7 @@ void update_light(BackgroundModel& model,
 }
 
 void limit_near_hues(BackgroundModel& model) {
-    // in 1/64: one product of `a`, and two of `b`, are rounded by half of one each
+    // in 1/64: each product, one in `a` and two in `b`, is rounded by up to half a unit
     constexpr double kRounding = 1.2;
     constexpr double kQuarter = 16.0;
     const double most = std::max(std::sqrt(model.max_distance_sq) - kRounding, 0.0) / kQuarter;
@@ -230,7 +230,7 @@ BackgroundModel make_model(BackgroundStatistics statistics, const SegmentationOp
     model.max_distance_sq = static_cast<std::int32_t>(
         std::lround(4096.0 * options.max_chroma_distance * options.max_chroma_distance));
     model.min_colour_luma = fixed_point(options.dark_luma, 4.0);
-    // a deviation is in quarters
+    // luma_sigma is in quarters
     model.luma_distance = static_cast<std::int32_t>(std::lround(64.0 * options.max_luma_distance));
     model.min_luma_noise = static_cast<std::int32_t>(
         std::lround(256.0 * options.max_luma_distance * options.min_luma_sigma));

@@ -12,11 +12,11 @@
 
 namespace atrium::segmentation {
 
-/// What was measured of the empty room by one camera; no option has a part in it. Luma: mean and
-/// deviation per pixel (of a mosaic: per sample). Chroma: mean and covariance per 2x2 block. The
-/// vectors' lengths follow from `width` and `height`.
+/// Measurements of the empty room by one camera, independent of options. Luma: mean and deviation
+/// per pixel (of a mosaic: per sample). Chroma: mean and covariance per 2x2 block. `width` and
+/// `height` determine the length of every vector.
 struct BackgroundStatistics {
-    int width = 0;   // of the luma, even
+    int width = 0;   // of the luma plane, even
     int height = 0;  // even
     image::Mosaic mosaic = image::Mosaic::kNone;
     int num_frames = 0;
@@ -30,12 +30,12 @@ struct BackgroundStatistics {
     std::vector<std::int16_t> vv;
 };
 
-/// Blocks in a group: the widest registers take as many pixels of a row.
+/// Blocks per group: as many pixels of a row as fit the widest registers.
 constexpr int kBlocksPerGroup = 16;
 constexpr int kPixelsPerGroup = 2 * kBlocksPerGroup;
 
-/// What the test needs to know of 16 blocks side by side: the whole picture is compared with it,
-/// so it is one run of memory, three lines of the cache. Blocks right of the picture are never
+/// Thresholds and ratios of 16 adjacent blocks. The test reads these for the whole picture,
+/// therefore they are contiguous: three cache lines. Blocks right of the picture are never
 /// foreground.
 struct alignas(64) RoomLook {
     RoomLook() {
@@ -43,58 +43,57 @@ struct alignas(64) RoomLook {
     }
     bool operator==(const RoomLook&) const = default;
 
-    // per pixel of both rows: what is outside [luma_low, luma_high] is foreground whatever its
-    // colour
+    // per pixel of both rows: luma outside [luma_low, luma_high] is foreground at any colour
     std::array<std::array<std::uint8_t, kPixelsPerGroup>, 2> luma_low{};
     std::array<std::array<std::uint8_t, kPixelsPerGroup>, 2> luma_high;
-    // expected chroma is ratio * luma; a darker patch of the same surface keeps its ratio
+    // expected chroma is ratio * luma; a shadow on the same surface keeps the ratio
     std::array<std::int16_t, kBlocksPerGroup> ratio_u{};  // (mean U - 128) / (mean Y), in 1/4096
     std::array<std::int16_t, kBlocksPerGroup> ratio_v{};
 };
 
-/// Of the same blocks: (du, dv) -> (whiten_u du, whiten_uv du + whiten_v dv) has unit covariance;
-/// in 1/32768. All 0 where the room is too dark to have a colour. Mostly nobody has to ask.
+/// Whitening of the same blocks: (du, dv) -> (whiten_u du, whiten_uv du + whiten_v dv) has unit
+/// covariance; in 1/32768. All 0 where the room is too dark to have a colour. Rarely read.
 struct HueNoise {
     std::array<std::int16_t, kBlocksPerGroup> whiten_u{};
     std::array<std::int16_t, kBlocksPerGroup> whiten_uv{};
     std::array<std::int16_t, kBlocksPerGroup> whiten_v{};
 };
 
-/// The same as the integers that the per-pixel test needs, under given options.
+/// The background as integers for the per-pixel test, under given options.
 ///
-/// `room` is what `luma`, `u` and `v` were learned as; where light drifts, what the thresholds are
-/// made from moves away from it by a bounded amount (light_adaptation.hpp).
+/// `luma`, `u` and `v` start as those of `room`. When the light drifts they move away from it by a
+/// bounded amount (light_adaptation.hpp).
 struct BackgroundModel {
     BackgroundStatistics room;
-    std::vector<std::uint16_t> luma;  // as of now, in the units of `room`
+    std::vector<std::uint16_t> luma;  // current values, in the units of `room`
     std::vector<std::int16_t> u;
     std::vector<std::int16_t> v;
 
     // per block
-    std::vector<std::uint8_t> darkest;  // part of its luma that is left in shadow, in 1/256
-    // per group of blocks, row by row of them
+    std::vector<std::uint8_t> darkest;  // fraction of luma that remains in shadow, in 1/256
+    // per group of blocks, row by row
     std::vector<RoomLook> looks;
     std::vector<HueNoise> hue_noise;
 
-    // per row of blocks: where du^2 + dv^2, in 1/16, is not above this, the hue is the room's in
-    // any block of the row; of limit_near_hues
+    // per row of blocks: where du^2 + dv^2, in 1/16, is at most this, every block of the row has
+    // the room's hue; set by limit_near_hues
     std::vector<std::int32_t> near_hue_sq;
 
     std::int32_t max_distance_sq = 0;  // of whitened chroma, in 1/4096
-    std::int16_t min_colour_luma = 0;  // below this sum of a block's four lumas its chroma is none
+    std::int16_t min_colour_luma = 0;  // with a smaller sum of four lumas, chroma is ignored
     // from options, in the units of update_light
     std::int32_t luma_distance = 0;   // in 1/64 of a deviation
     std::int32_t min_luma_noise = 0;  // in 1/256
-    std::int32_t highlight = 0;       // 1 + the part, in 1/256
+    std::int32_t highlight = 0;       // 1 + the fraction, in 1/256
 
     int width() const { return room.width; }
     int height() const { return room.height; }
     int groups_per_row() const { return (room.width + kPixelsPerGroup - 1) / kPixelsPerGroup; }
-    /// Of a block's row, in `looks` and `hue_noise`.
+    /// Index of a block row's first group in `looks` and `hue_noise`.
     std::size_t first_group(int block_row) const {
         return static_cast<std::size_t>(block_row) * static_cast<std::size_t>(groups_per_row());
     }
-    /// Makes both as large as the room.
+    /// Resizes both to the size of the room.
     void resize_groups() {
         const std::size_t num = first_group(room.height / 2);
         looks.assign(num, {});
@@ -102,38 +101,37 @@ struct BackgroundModel {
     }
 };
 
-/// Samples from here on may be clipped: what is brighter still looks the same, and once one
-/// channel clips the colour is wrong.
+/// Samples from here on may be clipped: brighter light looks the same, and a clipped channel
+/// falsifies the colour.
 constexpr std::uint8_t kClipped = 250;
 
-/// Sizes of `statistics` agree with each other (as BackgroundLearner and load_background make
-/// them).
+/// Builds the model. The vector sizes of `statistics` must agree (BackgroundLearner and
+/// load_background guarantee it).
 BackgroundModel make_model(BackgroundStatistics statistics, const SegmentationOptions& options);
 
-/// Makes `near_hue_sq` from the whitening and `max_distance_sq`.
+/// Computes `near_hue_sq` from the whitening and `max_distance_sq`.
 void limit_near_hues(BackgroundModel& model);
 
-/// Makes thresholds and ratios of `part`, whose numbers are even, from the model's luma, u and v.
-/// All sets of instructions give the same bits.
+/// Computes thresholds and ratios of `part` from the model's luma, u and v. `part` must have even
+/// coordinates and sizes. All instruction sets give the same bits.
 void update_light(BackgroundModel& model,
                   const image::PixelRect& part,
                   InstructionSet instructions = best_instruction_set());
 
-/// Half of the interval of luma that noise alone takes up at this pixel, in 1/256.
+/// Returns the luma difference that noise alone can cause at this pixel, in 1/256.
 inline std::int32_t luma_noise(const BackgroundModel& model, std::size_t pixel) {
     const std::int32_t noise = model.room.luma_sigma[pixel] * model.luma_distance;
     return noise > model.min_luma_noise ? noise : model.min_luma_noise;
 }
 
-/// Learns from pictures of the empty room.
+/// Learns the background from pictures of the empty room.
 class BackgroundLearner {
 public:
-    /// Any number of frames of one size, even and not empty, and one mosaic; the first one sets
-    /// them.
+    /// Adds a picture. All must have one even, non-zero size and one mosaic; the first sets both.
     Expected<void> add(const image::YuvView& frame);
 
-    /// An error if no frame was added. One frame is enough (its noise is then taken from the
-    /// options' floors).
+    /// Returns an error without any picture. One picture is enough: its noise is then the lower
+    /// limit of the options.
     Expected<BackgroundStatistics> finish() const;
     Expected<BackgroundModel> finish(const SegmentationOptions& options) const;
 

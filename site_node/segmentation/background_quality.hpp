@@ -4,11 +4,10 @@
 
 namespace atrium::segmentation {
 
-/// How good a model is, for one line of a log.
+/// Quality of a background, for the log.
 struct BackgroundQuality {
     double noise = 0.0;     // median deviation of luma [grey levels]
-    double coverage = 0.0;  // share of the pixels that are neither dark nor clipped: that both luma
-                            // and chroma are tested of
+    double coverage = 0.0;  // share of pixels neither dark nor clipped: luma and chroma are tested
 };
 
 BackgroundQuality background_quality(const BackgroundStatistics& room,

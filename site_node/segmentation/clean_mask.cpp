@@ -14,7 +14,7 @@ namespace {
 
 using Run = CleanScratch::Run;
 
-// One bit for each of 32 pixels, the leftmost lowest.
+// Returns one bit per pixel of 32, the leftmost lowest.
 std::uint32_t bits_of(const std::uint8_t* row) {
 #if defined(__x86_64__)
     const auto half = [](const std::uint8_t* bytes) {
@@ -51,7 +51,7 @@ ATRIUM_AVX2 inline void store(__m256i value, void* bytes) {
     _mm256_storeu_si256(static_cast<__m256i*>(bytes), value);
 }
 
-// At least 32 pixels. The last of them are done with some of those before them, once more.
+// For rows of at least 32 pixels. The last step overlaps the one before it.
 ATRIUM_AVX2 void majority_avx2(const ThreeRows& in, std::int8_t* votes, std::uint8_t* out) {
     __m256i any = _mm256_setzero_si256();
     for (int next = 0; next < in.width; next += 32) {
@@ -95,8 +95,8 @@ void unite(Run* runs, std::uint32_t a, std::uint32_t b) {
     runs[a].area += runs[b].area;
 }
 
-// Joins the runs of a row with those of the row above that have their value, which is every second
-// one, and that they touch. Background comes first, where it may be empty.
+// Unites the runs of a row with those of the row above that touch them and have the same value.
+// Every second run has the same value. Background comes first, possibly empty.
 void join_with_row_above(CleanScratch& scratch, std::size_t y) {
     Run* const runs = scratch.runs.data();
     const std::uint32_t above_first = scratch.first_run_of_row[y - 1];
@@ -155,8 +155,8 @@ void start_runs(CleanScratch& scratch) {
     scratch.first_run_of_row.assign(1, 0);
 }
 
-// Runs alternate; the first one is background and may be empty. So parity within the row tells the
-// value. Each run ends where a pixel differs from the one before it.
+// Runs alternate, and the first is background and may be empty: the parity within the row gives the
+// value. Each run ends where a pixel differs from the previous one.
 void add_runs(const std::uint8_t* row, int width, CleanScratch& scratch) {
     add_runs(row, width, {0, width}, scratch);
 }
@@ -178,7 +178,7 @@ void add_runs(const std::uint8_t* row,
         for (std::uint64_t changes = bits ^ (bits << 1 | before); changes != 0;
              changes &= changes - 1) {
             const int bit = std::countr_zero(changes);
-            if (bit == num) break;  // only by the shift
+            if (bit == num) break;  // an artefact of the shift
             end_run(x + bit);
         }
         before = bits >> (num - 1);
@@ -209,13 +209,13 @@ void remove_small_parts(image::Mask& mask,
 
 namespace {
 
-// Calls `turn_over(y, run, is_background)` for each run of a part that is too small.
-template <typename TurnOver>
+// Calls `flip(y, run, is_background)` for each run of a part that is too small.
+template <typename Flip>
 void find_small_runs(std::size_t height,
                      int min_area_px,
                      int max_hole_px,
                      CleanScratch& scratch,
-                     TurnOver&& turn_over) {
+                     Flip&& flip) {
     for (std::size_t y = 1; y < height; ++y) join_with_row_above(scratch, y);
     const std::array<std::uint32_t, 2> least{static_cast<std::uint32_t>(std::max(max_hole_px, 0)),
                                              static_cast<std::uint32_t>(std::max(min_area_px, 0))};
@@ -223,10 +223,10 @@ void find_small_runs(std::size_t height,
         const std::uint32_t first = scratch.first_run_of_row[y];
         for (std::uint32_t i = first; i < scratch.first_run_of_row[y + 1]; ++i) {
             const std::uint32_t parity = (i - first) % 2;
-            // a run is below those that it points at, and they point at the first one already
+            // a run comes after its parent, which already points at the first run
             Run& run = scratch.runs[i];
             run.component = scratch.runs[run.component].component;
-            if (scratch.runs[run.component].area < least[parity]) turn_over(y, run, parity == 0);
+            if (scratch.runs[run.component].area < least[parity]) flip(y, run, parity == 0);
         }
     }
 }

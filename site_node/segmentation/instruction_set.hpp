@@ -6,7 +6,7 @@ namespace atrium::segmentation {
 
 enum class InstructionSet : std::uint8_t { kBaseline, kAvx2 };
 
-/// The best one that this processor has.
+/// Returns the best instruction set of this processor.
 InstructionSet best_instruction_set();
 
 }  // namespace atrium::segmentation

@@ -13,13 +13,13 @@ namespace atrium::segmentation {
 namespace {
 
 constexpr int kCell = LightAdaptation::kCell;
-// So many places give the median within a tenth of a percent.
+// This many places give the median within a tenth of a percent.
 constexpr int kMaxSamples = 300;
 constexpr int kMinSamples = 48;
-// Ratios of less luma than this are coarse.
+// Ratios to a smaller luma are too coarse.
 constexpr std::int32_t kMinGainLuma = 32;
 constexpr std::int32_t kDeadband = kUnitGain / 200;
-// One visit moves chroma as if it differed by so many grey levels at most: what differs more is no
+// Largest difference by which one visit moves chroma [1/128 grey level]; a larger difference is not
 // drift.
 constexpr std::int32_t kMaxChromaStep = 4 * 128;
 
@@ -43,33 +43,33 @@ Block block_at(const image::YuvView& frame, const BackgroundModel& model, int x,
     return block;
 }
 
-// Blocks side by side in the picture and in the model, from the first of them on.
+// Adjacent blocks in the picture and in the model, from the first on.
 struct FollowedRow {
     const std::uint8_t* top;
     const std::uint8_t* bottom;
     const std::uint8_t* u;
     const std::uint8_t* v;
-    std::size_t pixel;  // in the model, of the upper row
+    std::size_t pixel;  // of the upper row, in the model
     std::size_t block;
     std::size_t num_blocks;
 };
 
 struct Drift {
     std::int32_t inverse_gain;
-    std::int32_t share;     // of the difference that one visit takes away, in 1/65536
+    std::int32_t share;     // of the difference that one visit removes, in 1/65536
     std::int32_t max_luma;  // in 1/256
 };
 
-// Plain C++ that the compiler vectorises; each set of instructions is one more instance of it.
+// Plain C++ for the compiler to vectorise, instantiated once per instruction set.
 #define ATRIUM_INLINE inline __attribute__((always_inline))
 
 ATRIUM_INLINE std::int32_t toward(std::int32_t value, std::int32_t target, std::int32_t share) {
     return value + (((target - value) * share + (1 << 15)) >> 16);
 }
 
-// Finds the blocks that show background up to noise: 1, else 0. Asked at the compensated
-// brightness; where they go is what the camera sees: what stays changed becomes part of the model,
-// and the gain returns to 1.
+// Marks the blocks that show background up to noise with 1, others with 0. Tests at the compensated
+// brightness, but the model follows the uncompensated one: a lasting change becomes part of the
+// model, and the gain returns to 1.
 ATRIUM_INLINE void find_background(const FollowedRow& row,
                                    const Drift& drift,
                                    const BackgroundModel& model,
@@ -100,7 +100,7 @@ ATRIUM_INLINE void find_background(const FollowedRow& row,
     }
 }
 
-// Of one row of pixels; `moves` is that of their blocks.
+// Moves one row of pixels; `moves` holds a flag per pixel, taken from its block.
 ATRIUM_INLINE void follow_luma(const std::uint8_t* __restrict samples,
                                const std::uint8_t* __restrict moves,
                                std::size_t num,
@@ -123,7 +123,7 @@ ATRIUM_INLINE void follow_chroma(const std::uint8_t* __restrict samples,
                                  const Drift& drift,
                                  const std::int16_t* __restrict learned,
                                  std::int16_t* __restrict chroma) {
-    // in 1/128, and half as far: a quarter of the number
+    // in 1/128, and half as far as luma: a quarter of the number
     const std::int32_t max_chroma = drift.max_luma / 4;
     for (std::size_t i = 0; i < num; ++i) {
         const std::int32_t value = chroma[i];
@@ -233,7 +233,7 @@ std::int16_t LightAdaptation::inverse_gain(image::WorkingPicture& picture,
     return inverse_gain_;
 }
 
-// Every eighth row is looked at: flatter parts are near others.
+// Looks at every eighth row: flatter parts of people are near others.
 void LightAdaptation::find_people(const image::SparseMask& people) {
     const image::Mask& mask = people.mask;
     cells_x_ = (mask.width + kCell - 1) / kCell;
@@ -266,7 +266,7 @@ void LightAdaptation::find_people(const image::SparseMask& people) {
     }
 }
 
-// Both even; no people are near.
+// `part` has even coordinates and sizes, and nobody is near it.
 void LightAdaptation::follow_part(const image::YuvView& frame,
                                   const image::PixelRect& part,
                                   const Follow& how,

@@ -12,35 +12,35 @@
 
 namespace atrium::segmentation {
 
-/// Keeps up with light that changes, for one camera: at once and everywhere alike (`inverse_gain`),
-/// or slowly and in places (`follow`). What is near people, as they were in the former picture, has
-/// no say in either; both are bounded by the options.
+/// Adapts one camera's background to changing light: `inverse_gain` to sudden global changes,
+/// `follow` to slow local ones. Both ignore the surroundings of people, taken from the previous
+/// picture, and both are bounded by the options.
 class LightAdaptation {
 public:
-    /// What luma of this picture has to be multiplied by to be as bright as the model, in 1/16384:
-    /// the median over places spread across the picture that are neither dark nor clipped. Where
-    /// too few are left, the former one stays. Within half a percent of 1 it is 1. Makes those
-    /// places of the picture.
+    /// Returns the factor on the luma of this picture that gives the brightness of the model, in
+    /// 1/16384. It is the median over places spread across the picture that are neither dark nor
+    /// clipped. With too few places the previous factor remains; within half a percent of 1 it
+    /// is 1. Converts these places of the picture.
     std::int16_t inverse_gain(image::WorkingPicture& picture,
                               const BackgroundModel& model,
                               const SegmentationOptions& options);
 
-    /// Takes note of where people are, and lets one strip of the model, kStrip rows, the next one
-    /// with each call, come closer to the picture where it shows background up to noise. Makes
-    /// that strip of the picture. All sets of instructions give the same bits.
+    /// Notes where people are. Then moves one strip of kStrip rows of the model, the next one at
+    /// each call, towards the picture where it shows background up to noise. Converts that strip of
+    /// the picture. All instruction sets give the same bits.
     void follow(image::WorkingPicture& picture,
                 const image::SparseMask& mask,
                 const SegmentationOptions& options,
                 BackgroundModel& model,
                 InstructionSet instructions = best_instruction_set());
 
-    /// People keep their own and the neighbouring squares of this size [px] as they are.
+    /// Size of the cells [px]; cells with people and their neighbours are not changed.
     static constexpr int kCell = 16;
     static constexpr int kStrip = 4;
 
 private:
     struct Follow {
-        std::int32_t share;      // of the difference that one visit takes away, in 1/65536
+        std::int32_t share;      // of the difference that one visit removes, in 1/65536
         std::int32_t max_drift;  // of luma, in 1/256
         InstructionSet instructions;
     };

@@ -12,14 +12,15 @@
 namespace atrium::segmentation {
 namespace {
 
-// Deviations of chroma, in quarters, are cut here: far beyond any threshold, and what follows fits
-// 16 bits.
+// Limit of a chroma deviation, in quarters: far beyond any threshold, and all later values fit 16
+// bits.
 constexpr int kMaxDeviation = 1023;
-// Every second row of blocks is tested first. The model of so many cameras is in no cache.
+// Prefetch distance in rows of blocks: every second row is tested first, and the model is in no
+// cache.
 constexpr int kRowsAhead = 2;
 static_assert(kTestCell == kPixelsPerGroup);
 
-// Two rows of pixels, and the row of blocks that they are.
+// Two rows of pixels and their row of blocks.
 struct BlockRow {
     const std::uint8_t* top;
     const std::uint8_t* bottom;
@@ -27,7 +28,7 @@ struct BlockRow {
     const std::uint8_t* v;
     const RoomLook* looks;
     const HueNoise* hue_noise;
-    std::ptrdiff_t ahead;  // groups: so far ahead looks are fetched
+    std::ptrdiff_t ahead;  // prefetch distance in groups
     std::uint8_t* top_out;
     std::uint8_t* bottom_out;
     std::int32_t near_hue_sq;  // BackgroundModel::near_hue_sq
@@ -51,12 +52,12 @@ std::int16_t deviation(int chroma, std::int16_t luma, std::int16_t ratio) {
     return static_cast<std::int16_t>(std::clamp(quarters, -kMaxDeviation, kMaxDeviation) * 16);
 }
 
-// No branches, here and below: so the compiler vectorises the loops with what every processor has.
+// No branches, here and below: the compiler then vectorises the loops with baseline instructions.
 std::uint8_t has_other_hue(const BlockRow& row,
                            int x,
                            const RoomLook& look,
                            const HueNoise& noise,
-                           std::size_t block,  // of the group
+                           std::size_t block,  // within the group
                            const Limits& limits) {
     const int at = 2 * x;
     const int sum = row.top[at] + row.top[at + 1] + row.bottom[at] + row.bottom[at + 1];
@@ -71,7 +72,7 @@ std::uint8_t has_other_hue(const BlockRow& row,
     return static_cast<std::uint8_t>(-(has_hue & (a * a + b * b > limits.max_distance_sq)));
 }
 
-// Of one row of pixels; `hue` is that of their blocks, 255 or 0.
+// Tests one row of pixels; `hue` is that of their blocks, 255 or 0.
 void test_pixels(const std::uint8_t* __restrict y,
                  const std::uint8_t* __restrict low,
                  const std::uint8_t* __restrict high,
@@ -88,7 +89,7 @@ void test_pixels(const std::uint8_t* __restrict y,
     }
 }
 
-// Blocks [first, end), all in one group.
+// Tests blocks [first, end), all in one group.
 void test_group(const BlockRow& row, int first, int end, const Limits& limits) {
     const RoomLook& look = row.looks[first / kBlocksPerGroup];
     const HueNoise& noise = row.hue_noise[first / kBlocksPerGroup];
@@ -157,7 +158,7 @@ ATRIUM_AVX2 inline __m256i cut(__m256i quarters) {
     return _mm256_slli_epi16(bounded, 4);
 }
 
-// Per 32 bits: a^2 + b^2 above a limit, of the lower and the upper halves of each 128 bits.
+// Per 32 bits: compares a^2 + b^2 with a limit, for the lower and upper halves of each 128 bits.
 struct FarHalves {
     __m256i low;
     __m256i high;
@@ -170,8 +171,8 @@ ATRIUM_AVX2 inline FarHalves are_far(__m256i a, __m256i b, std::int32_t limit) {
             _mm256_cmpgt_epi32(_mm256_madd_epi16(high, high), most)};
 }
 
-// Of 16 blocks: both bytes of a block are 255 or 0, as its two columns of pixels need them. Mostly
-// all blocks have the room's hue: then their noise is not even read.
+// Returns the hue test of 16 blocks, 255 or 0 in both bytes of a block, one per pixel column.
+// Usually all blocks have the room's hue, and their noise is not read.
 ATRIUM_AVX2 inline __m256i have_other_hue(
     __m256i top, __m256i bottom, const BlockRow& row, int x, const Limits& limits) {
     const __m256i ones = _mm256_set1_epi8(1);
@@ -228,7 +229,7 @@ ATRIUM_AVX2 inline void fetch(const RoomLook& look) {
     for (std::size_t at = 0; at < sizeof look; at += 64) _mm_prefetch(bytes + at, _MM_HINT_T0);
 }
 
-// 16 blocks of one group, from x on. True if any pixel is foreground.
+// Tests 16 blocks of one group from x on. Returns true if any pixel is foreground.
 template <bool kGain>
 ATRIUM_AVX2 inline bool test_group_avx2(const BlockRow& row, int x, const Limits& limits) {
     const int at = 2 * x;
@@ -247,7 +248,7 @@ ATRIUM_AVX2 inline bool test_group_avx2(const BlockRow& row, int x, const Limits
     return _mm256_testz_si256(any, any) == 0;
 }
 
-// The memory of a group of which the row has only the first blocks.
+// Copies of a group of which the row has only the first blocks.
 struct PaddedGroup {
     std::array<std::uint8_t, kPixelsPerGroup> top{};
     std::array<std::uint8_t, kPixelsPerGroup> bottom{};
@@ -257,7 +258,7 @@ struct PaddedGroup {
     std::array<std::uint8_t, kPixelsPerGroup> bottom_out;
 };
 
-// The first `num` blocks of a group, from x on.
+// Tests the first `num` blocks of a group, from x on.
 template <bool kGain>
 ATRIUM_AVX2 bool test_part_of_group_avx2(const BlockRow& row,
                                          int x,
@@ -284,7 +285,7 @@ ATRIUM_AVX2 bool test_part_of_group_avx2(const BlockRow& row,
     return has_foreground(row, x, x + num);
 }
 
-// Blocks [first, end), where `first` begins a group, and their cells.
+// Tests blocks [first, end) and sets their cells; `first` begins a group.
 template <bool kGain>
 ATRIUM_AVX2 void test_row_avx2(
     const BlockRow& row, int first, int end, const Limits& limits, std::uint8_t* cells) {

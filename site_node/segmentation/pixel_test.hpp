@@ -8,7 +8,7 @@
 
 namespace atrium::segmentation {
 
-/// 1 of `inverse_gain`: the picture is as bright as the room was when it was learned.
+/// `inverse_gain` of a picture as bright as the learned room.
 constexpr std::int16_t kUnitGain = 1 << 14;
 
 /// Rows [first, end) of a picture; both even.
@@ -17,22 +17,22 @@ struct RowRange {
     int end = 0;
 };
 
-/// Writes 255 where a pixel cannot be background, else 0: the given rows, without padding, to
-/// `out`. Sizes of frame and model agree. `inverse_gain` (at least 0, in 1/16384, so below 2) is
-/// what luma is multiplied by before it is compared.
+/// Writes 255 for each pixel that cannot be background, else 0: the given rows to `out`, without
+/// padding. The sizes of frame and model must agree. `inverse_gain` (0 to below 2, in 1/16384)
+/// multiplies luma before the comparison.
 ///
-/// In a mosaic each sample is tested as luma is, against the empty room's sample of the same place.
+/// In a mosaic each sample is tested as luma, against the learned sample at the same place.
 ///
-/// A pixel is background if its luma lies in its interval, and the chroma of its block is that of
-/// the empty room, scaled by the ratio of the lumas, up to noise. So a shadow, which scales luma
-/// and chroma alike, is background. Where the block is dark, or one of its four samples is clipped,
-/// its chroma means nothing and luma alone decides. All sets of instructions give the same bits.
+/// A pixel is background if its luma lies in its interval and the chroma of its block equals that
+/// of the empty room, scaled by the ratio of the lumas, up to noise. A shadow scales luma and
+/// chroma alike and is therefore background. If the block is dark, or one of its four samples is
+/// clipped, luma alone decides. All instruction sets give the same bits.
 ///
 /// Based on: Petit et al., Multicamera Real-Time 3D Modeling for Telepresence and Remote
 /// Collaboration (2010): Gaussian on chroma, interval on luma; and Horprasert et al., A Statistical
 /// Approach for Real-time Robust Background Subtraction (1999): the brightness ratio. We differ:
-/// integers only, chroma once per 2x2 block, no division; how dark a shadow may be depends on how
-/// well the surface's hue tells it from a dark thing.
+/// integers only, chroma once per 2x2 block, no division; the darkest accepted shadow depends on
+/// how well the hue of the surface distinguishes it from a dark object.
 void test_rows(const image::YuvView& frame,
                const BackgroundModel& model,
                std::int16_t inverse_gain,
@@ -40,19 +40,18 @@ void test_rows(const image::YuvView& frame,
                RowRange rows,
                std::uint8_t* out);
 
-/// Width of the cells in which test_part says where foreground is [px].
+/// Width of the cells in which test_part reports foreground [px].
 constexpr int kTestCell = 32;
 
-/// Where the values of two whole rows y and y + 1 go.
+/// Output of test_part for two whole rows y and y + 1.
 struct TestedRows {
     std::uint8_t* top;
     std::uint8_t* bottom;
-    // 1 where one of the rows has foreground in a cell, in cells from the left of the part; null:
-    // nobody wants to know
+    // per cell from the left of the part: 1 if one of the rows has foreground; null: not needed
     std::uint8_t* cells = nullptr;
 };
 
-/// The same for a part of two rows: `part` is {x, y, width, 2}, its numbers even.
+/// Like test_rows for a part of two rows: `part` is {x, y, width, 2}, all numbers even.
 void test_part(const image::YuvView& frame,
                const BackgroundModel& model,
                std::int16_t inverse_gain,

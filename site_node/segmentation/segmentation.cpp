@@ -8,18 +8,16 @@
 namespace atrium::segmentation {
 namespace {
 
-// The picture in cells; width and height of a cell. All stages work on one row of cells after the
-// other, so that what one writes is in the cache when the next reads it.
+// Size of a cell. All stages work on one row of cells before the next row, to find it in the cache.
 constexpr int kCellWidth = kTestCell;
 constexpr int kCellHeight = 16;
-// Rows of cells before the majority: the one that is cleaned, the one below, and room for the last
+// Rows kept before the majority: the cell row being cleaned, the one below, and room for the last
 // row above.
 constexpr int kRawRows = 3 * kCellHeight;
 
 int num_cells(int size, int cell_size) { return (size + cell_size - 1) / cell_size; }
 
-// Pictures come from memory that no cache has, and their rows are too short for the processor to
-// foresee the next ones.
+// Pictures are in no cache, and their rows are too short for the hardware prefetcher.
 void fetch_row(const std::uint8_t* row, int num_bytes) {
     constexpr int kCacheLine = 64;
     for (int x = 0; x < num_bytes; x += kCacheLine) __builtin_prefetch(row + x);
@@ -67,8 +65,8 @@ Expected<void> Segmenter::segment(image::WorkingPicture& picture,
         return make_error(ErrorKind::kInvalidData,
                           "picture of " + std::to_string(frame.width()) + "x" +
                               std::to_string(frame.height()) +
-                              ", but the empty room was learned at " + std::to_string(room.width) +
-                              "x" + std::to_string(room.height));
+                              " px, but the empty room was learned at " +
+                              std::to_string(room.width) + "x" + std::to_string(room.height));
     }
     if (frame.mosaic != room.mosaic) {
         return make_error(ErrorKind::kInvalidData,
@@ -87,8 +85,10 @@ std::uint8_t* Segmenter::raw_row(int y) {
     return raw_.data() + static_cast<std::ptrdiff_t>(y % kRawRows) * model_.width();
 }
 
-// Tests two rows of each four, and finds the cells with foreground there.
-void Segmenter::screen(image::WorkingPicture& picture, int cell_row, std::int16_t inverse_gain) {
+// Tests two rows of each four and finds the cells with foreground there.
+void Segmenter::test_first_rows(image::WorkingPicture& picture,
+                                int cell_row,
+                                std::int16_t inverse_gain) {
     const InstructionSet instructions = best_instruction_set();
     const int width = model_.width();
     const int begin = cell_row * kCellHeight;
@@ -109,8 +109,10 @@ void Segmenter::screen(image::WorkingPicture& picture, int cell_row, std::int16_
     }
 }
 
-// The other two rows of each four, in cells with foreground and next to them.
-void Segmenter::complete(image::WorkingPicture& picture, int cell_row, std::int16_t inverse_gain) {
+// Tests the other two rows of each four, in cells with foreground and their neighbours.
+void Segmenter::test_remaining_rows(image::WorkingPicture& picture,
+                                    int cell_row,
+                                    std::int16_t inverse_gain) {
     const InstructionSet instructions = best_instruction_set();
     const int width = model_.width();
     const auto columns = static_cast<int>(near_people_.size());
@@ -153,7 +155,7 @@ void Segmenter::complete(image::WorkingPicture& picture, int cell_row, std::int1
     }
 }
 
-// Outside of these, rows of these cells are background after the majority.
+// Returns the columns outside of which these rows are background after the majority.
 image::PixelSpan Segmenter::active_columns(int cell_row) const {
     const auto columns = static_cast<int>(near_people_.size());
     const int cell_rows = num_cells(model_.height(), kCellHeight);
@@ -169,7 +171,7 @@ image::PixelSpan Segmenter::active_columns(int cell_row) const {
         }
     }
     if (last < 0) return {0, 0};
-    // tested cells reach one further than those with foreground, and their majority one pixel more
+    // tested cells extend one beyond those with foreground, and their majority one pixel more
     const int end = std::min((last + 3) * kCellWidth, model_.width());
     const int begin = std::max(first - 2, 0) * kCellWidth;
     return {std::min(begin, std::max(end - kCellWidth, 0)), end};
@@ -178,7 +180,7 @@ image::PixelSpan Segmenter::active_columns(int cell_row) const {
 void Segmenter::clean_row(int y, const image::PixelSpan& columns, image::SparseMask& out) {
     std::uint8_t* const row = out.mask.row(y);
     image::PixelSpan& span = out.rows[static_cast<std::size_t>(y)];
-    // what is not written anew
+    // clears the old foreground that is not overwritten below
     std::fill(row + span.begin,
               row + std::max(span.begin, std::min(span.end, columns.begin)),
               std::uint8_t{0});
@@ -208,10 +210,10 @@ void Segmenter::test_and_clean(image::WorkingPicture& picture,
     const int height = model_.height();
     const int cell_rows = num_cells(height, kCellHeight);
     start_runs(clean_);
-    screen(picture, 0, inverse_gain);
+    test_first_rows(picture, 0, inverse_gain);
     for (int cell_row = 0; cell_row < cell_rows; ++cell_row) {
-        if (cell_row + 1 < cell_rows) screen(picture, cell_row + 1, inverse_gain);
-        complete(picture, cell_row, inverse_gain);
+        if (cell_row + 1 < cell_rows) test_first_rows(picture, cell_row + 1, inverse_gain);
+        test_remaining_rows(picture, cell_row, inverse_gain);
         const image::PixelSpan columns = active_columns(cell_row);
         const int end = std::min((cell_row + 1) * kCellHeight, height);
         for (int y = cell_row * kCellHeight; y < end; ++y) clean_row(y, columns, out);

@@ -14,29 +14,30 @@
 
 namespace atrium::segmentation {
 
-/// Tells who does not belong to the empty room, picture by picture of one camera: compensation of
-/// the light, per-pixel test, 3x3 majority, areas, removal of small parts.
+/// Finds the foreground, the people, in successive pictures of one camera: light compensation,
+/// per-pixel test, 3x3 majority, areas, removal of small parts.
 ///
-/// Of every four rows, two are tested everywhere, and the other two only near foreground of those:
-/// in cells of 32 x 16 pixels that have some, and their eight neighbours. So a line of at most two
-/// rows can end where it runs more than a cell away from anything else; all other parts have
-/// foreground in the rows that are tested.
+/// Tests two of every four rows everywhere, and the other two only in cells of 32 x 16 pixels with
+/// foreground and their eight neighbours. A line of at most two rows can therefore end where it
+/// runs more than a cell away from all other foreground; every other part has foreground in the
+/// tested rows.
 ///
-/// Not thread-safe; cameras are independent of each other.
+/// Not thread-safe. Cameras are independent.
 class Segmenter {
 public:
-    /// Finds nobody before a room was given.
+    /// Without a room it finds nobody.
     Segmenter() = default;
     Segmenter(BackgroundStatistics room,
               const SegmentationOptions& options,
               const SegmentationAreas& areas = {});
 
-    /// Pictures in the order of time: the light is followed from one to the next. An error if size
-    /// or mosaic differ from the room's. Allocates only while `out` and scratch memory grow.
+    /// Segments the next picture; pictures must come in time order, since the light is followed
+    /// from one to the next. An error if size or mosaic differ from the room's. Allocates only
+    /// while `out` and scratch memory grow.
     Expected<void> segment(const image::YuvView& frame, image::Mask& out);
-    /// The same, making the picture as it is read: unless there is an error, all of it that lies
-    /// within 16 px of people. Keep `out` together from call to call: rows that were background
-    /// and stay so are not written again. Gives way after each 16 rows.
+    /// Like above, but converts the picture as it reads it: on success everything within 16 px of
+    /// people is converted. Reuse `out`: rows that stay background are not written again. Gives way
+    /// after each 16 rows.
     Expected<void> segment(image::WorkingPicture& picture,
                            image::SparseMask& out,
                            const GiveWay& give_way = {});
@@ -47,8 +48,10 @@ private:
     void test_and_clean(image::WorkingPicture& picture,
                         image::SparseMask& out,
                         const GiveWay& give_way);
-    void screen(image::WorkingPicture& picture, int cell_row, std::int16_t inverse_gain);
-    void complete(image::WorkingPicture& picture, int cell_row, std::int16_t inverse_gain);
+    void test_first_rows(image::WorkingPicture& picture, int cell_row, std::int16_t inverse_gain);
+    void test_remaining_rows(image::WorkingPicture& picture,
+                             int cell_row,
+                             std::int16_t inverse_gain);
     image::PixelSpan active_columns(int cell_row) const;
     void clean_row(int y, const image::PixelSpan& columns, image::SparseMask& out);
     std::uint8_t* raw_row(int y);
@@ -56,8 +59,8 @@ private:
     SegmentationOptions options_;
     BackgroundModel model_;
     LightAdaptation light_;
-    image::Mask areas_;                      // empty: everywhere
-    image::SparseMask whole_;                // of callers that have none
+    image::Mask areas_;                      // empty: the whole picture
+    image::SparseMask whole_;                // for callers without a sparse mask
     std::vector<std::uint8_t> raw_;          // some rows before the majority, cyclic
     std::vector<std::uint8_t> has_people_;   // per cell
     std::vector<std::uint8_t> near_people_;  // of one row of cells

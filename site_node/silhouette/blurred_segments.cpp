@@ -7,14 +7,14 @@
 namespace atrium::silhouette {
 namespace {
 
-// Positive if a, b, c turn left (seen with +Y up).
+// Positive if a, b, c turn left (with +Y up).
 std::int64_t turn(GridPoint a, GridPoint b, GridPoint c) {
     return static_cast<std::int64_t>(b.x - a.x) * (c.y - a.y) -
            static_cast<std::int64_t>(b.y - a.y) * (c.x - a.x);
 }
 
-constexpr std::size_t kInitialCapacity =
-    256;  // of the deque; hulls of straight parts have fewer than 20 corners
+// Of the deque; hulls of straight parts have fewer than 20 corners.
+constexpr std::size_t kInitialCapacity = 256;
 
 }  // namespace
 
@@ -51,7 +51,7 @@ bool BlurredSegment::hull_add(GridPoint point) {
         }
         const std::int64_t side = turn(hull_[bottom_], hull_[top_], point);
         if (side == 0) {
-            hull_[top_] = point;  // a path that does not cross itself goes on in the same direction
+            hull_[top_] = point;  // a path that does not cross itself continues in its direction
             return true;
         }
         const GridPoint first = hull_[bottom_];
@@ -67,7 +67,7 @@ bool BlurredSegment::hull_add(GridPoint point) {
     std::int64_t side_of_bottom = turn(hull_[bottom_], hull_[bottom_ + 1], point);
     std::int64_t side_of_top = turn(hull_[top_ - 1], hull_[top_], point);
     if (side_of_bottom >= 0 && side_of_top >= 0) return false;
-    // grow the deque around its middle before an end could run out
+    // grow the deque around its middle before it runs out at an end
     if (bottom_ == 0 || top_ + 1 == hull_.size()) {
         std::vector<GridPoint> larger(hull_.size() * 2);
         const std::size_t size = top_ - bottom_ + 1;
@@ -96,7 +96,7 @@ bool BlurredSegment::hull_add(GridPoint point) {
     return true;
 }
 
-// Looks for an edge of the hull along which all of it fits into a strip that is thin enough.
+// Looks for a hull edge along which the whole hull fits into a sufficiently thin strip.
 bool BlurredSegment::find_strip() {
     const GridPoint* const hull = hull_.data() + bottom_;
     const std::size_t num_edges = top_ - bottom_;
@@ -128,7 +128,7 @@ void split_into_blurred_segments(std::span<const GridPoint> contour,
     for (std::size_t i = first + 1; i <= last; ++i) {
         const GridPoint point = contour[i == contour.size() ? 0 : i];
         if (segment.add(point)) continue;
-        // two neighbours are always a segment, so each restart moves on
+        // two neighbours always form a segment, so each restart advances
         breaks.push_back(static_cast<std::uint32_t>(i - 1));
         segment.restart(contour[i - 1]);
         segment.add(point);

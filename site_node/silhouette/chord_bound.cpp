@@ -8,7 +8,7 @@ namespace {
 
 __extension__ typedef __int128 Int128;
 
-constexpr std::int64_t kUnitsPerGridStep = kUnitsPerPixel / 2;  // GridPoint has half pixels
+constexpr std::int64_t kUnitsPerGridStep = kUnitsPerPixel / 2;  // GridPoint counts half pixels
 
 struct Units {
     std::int64_t x;
@@ -16,12 +16,12 @@ struct Units {
 };
 
 Units units_of(const Eigen::Vector2d& px) {
-    // exact: what lies on the grid is a multiple of a power of two
+    // exact: grid coordinates are multiples of a power of two
     return {static_cast<std::int64_t>(px.x() * kUnitsPerPixel),
             static_cast<std::int64_t>(px.y() * kUnitsPerPixel)};
 }
 
-// Largest integer whose square is at most `factor`^2 * `square`.
+// Returns the largest integer whose square is at most `factor`^2 * `square`.
 std::int64_t floor_of_root(std::int64_t factor, std::int64_t square) {
     const Int128 limit = static_cast<Int128>(factor * factor) * square;
     auto root = static_cast<std::int64_t>(static_cast<double>(factor) *
@@ -58,7 +58,7 @@ bool all_within(std::span<const GridPoint> contour,
     const Units along{b.x - a.x, b.y - a.y};
     const std::int64_t length_sq = along.x * along.x + along.y * along.y;
     const std::int64_t tolerance_sq = tolerance * tolerance;
-    // of the cross product, where the point lies beside the line segment
+    // on the cross product, for points beside the line segment
     const std::int64_t limit = floor_of_root(tolerance, length_sq);
     for (std::size_t i = begin; i <= end; ++i) {
         const GridPoint point = contour[i == contour.size() ? 0 : i];

@@ -12,12 +12,12 @@
 namespace atrium::silhouette {
 namespace {
 
-// Directions of travel, in the order of left turns (seen with +Y up): +x, +y, -x, -y.
+// Directions of travel, in the order of left turns (with +Y up): +x, +y, -x, -y.
 constexpr int kStepX[4] = {1, 0, -1, 0};
 constexpr int kStepY[4] = {0, 1, 0, -1};
 
-// The pixels left and right ahead of a pixel corner (x, y), which is the upper left corner of pixel
-// (x, y).
+// Pixels ahead on the left and right of a pixel corner (x, y), the upper left corner of pixel (x,
+// y).
 constexpr int kLeftAheadX[4] = {0, -1, -1, 0};
 constexpr int kLeftAheadY[4] = {0, 0, -1, -1};
 constexpr int kRightAheadX[4] = {0, 0, -1, -1};
@@ -28,12 +28,12 @@ bool is_foreground(const image::Mask& mask, int x, int y) {
            static_cast<unsigned>(y) < static_cast<unsigned>(mask.height) && mask.row(y)[x] != 0;
 }
 
-// Walks one contour from the crack above pixel (start_x, start_y), to the right.
+// Follows one contour from the crack above pixel (start_x, start_y), to the right.
 Contour follow(const image::Mask& mask, int start_x, int start_y, ContourSet& out) {
     Contour contour;
     contour.begin = out.points.size();
     const std::ptrdiff_t width = mask.width;
-    // from the pixel whose upper left corner is reached to those ahead of it
+    // offsets to the pixels ahead, from the pixel whose upper left corner is reached
     std::array<std::ptrdiff_t, 4> left_ahead;
     std::array<std::ptrdiff_t, 4> right_ahead;
     for (std::size_t d = 0; d < 4; ++d) {
@@ -51,7 +51,7 @@ Contour follow(const image::Mask& mask, int start_x, int start_y, ContourSet& ou
     do {
         const std::ptrdiff_t corner = y * width + x;
         if (direction == 0) out.visited[static_cast<std::size_t>(corner)] = out.stamp;
-        // corner (x, y) is at pixel position (x - 0.5, y - 0.5), so the middle of the crack is at
+        // corner (x, y) is at pixel position (x - 0.5, y - 0.5): the crack's middle is at
         // half-pixels
         const int step_x = kStepX[direction];
         const int step_y = kStepY[direction];
@@ -59,7 +59,7 @@ Contour follow(const image::Mask& mask, int start_x, int start_y, ContourSet& ou
         area_px += static_cast<std::int64_t>(x) * step_y;  // Green's theorem
         x += step_x;
         y += step_y;
-        // within the picture all four pixels around a corner are there
+        // inside the picture all four pixels around a corner exist
         const bool is_inside = static_cast<unsigned>(x - 1) < inner_width &&
                                static_cast<unsigned>(y - 1) < inner_height;
         bool left = false;
@@ -83,8 +83,7 @@ Contour follow(const image::Mask& mask, int start_x, int start_y, ContourSet& ou
     return contour;
 }
 
-// A walk around a hole begins at its lower side, in no special place: let the contour start at its
-// lowest point.
+// Rotates a hole's contour to start at its lowest point: the walk began at an arbitrary one.
 void start_hole_at_lowest_point(const Contour& hole, std::vector<GridPoint>& points) {
     const auto begin = points.begin() + static_cast<std::ptrdiff_t>(hole.begin);
     const auto lowest = std::max_element(begin, points.end(), [](GridPoint a, GridPoint b) {
@@ -93,7 +92,7 @@ void start_hole_at_lowest_point(const Contour& hole, std::vector<GridPoint>& poi
     std::rotate(begin, lowest, points.end());
 }
 
-// At a foreground pixel below background.
+// Follows the contour at (x, y), a foreground pixel below background, unless it was visited.
 void follow_if_new(
     const image::Mask& mask, int x, int y, std::int64_t min_area_px, ContourSet& out) {
     const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(mask.width) +
@@ -122,8 +121,8 @@ void begin_call(const image::Mask& mask, ContourSet& out) {
 
 constexpr int kBlock = 64;
 
-// One bit for each of the pixels [x, end), at most 64, the leftmost lowest: foreground below
-// background. `above` is null where there is no row.
+// Returns one bit per pixel of [x, end), at most 64, the leftmost lowest: foreground below
+// background. `above` is null for the top row.
 std::uint64_t tops_of(const std::uint8_t* row, const std::uint8_t* above, int x, int end) {
     std::uint64_t tops = 0;
 #if defined(__x86_64__)
@@ -180,8 +179,8 @@ image::PixelRect bounding_rect(const ContourSet& contours) {
         low = {std::min(low.x, p.x), std::min(low.y, p.y)};
         high = {std::max(high.x, p.x), std::max(high.y, p.y)};
     }
-    // the outermost points are in the middle of cracks, which are at odd half-pixels: the one
-    // before pixel x is 2 x - 1
+    // the outermost points are middles of cracks, at odd half-pixels: the crack before pixel x is
+    // at 2 x - 1
     const int x = (low.x + 1) / 2;
     const int y = (low.y + 1) / 2;
     return {x, y, (high.x + 1) / 2 - x, (high.y + 1) / 2 - y};

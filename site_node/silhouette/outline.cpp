@@ -9,16 +9,16 @@
 namespace atrium::silhouette {
 namespace {
 
-constexpr std::uint8_t kMaxLevel = 4;  // from here on a segment is a single step of the contour
-constexpr double kReach = 1.5;  // how far a vertex may move from its contour point, in tolerances
-constexpr int kNumBalancing =
-    2;  // moving an edge changes its neighbours a little: the second round mends that
+constexpr std::uint8_t kMaxLevel = 4;  // at this level a segment is a single contour step
+constexpr double kReach = 1.5;  // largest move of a vertex from its contour point, in tolerances
+// Moving an edge also changes its neighbours a little: the second round corrects that.
+constexpr int kNumBalancing = 2;
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
     return a.x() * b.y() - a.y() * b.x();
 }
 
-// Contour index at which segment k ends; may be contour.size(), which is point 0.
+// Contour index at which segment k ends; contour.size() means point 0.
 std::size_t end_of(const Outline& outline, std::size_t k, std::size_t contour_size) {
     return k + 1 < outline.segments.size() ? outline.segments[k + 1].begin : contour_size;
 }
@@ -27,13 +27,12 @@ GridPoint cyclic(std::span<const GridPoint> contour, std::size_t i) {
     return contour[i == contour.size() ? 0 : i];
 }
 
-// From one contour point to another: exact.
+// Returns the step between two contour points, exactly.
 Eigen::Vector2d step_px(GridPoint from, GridPoint to) {
     return {0.5 * (to.x - from.x), 0.5 * (to.y - from.y)};
 }
 
-// Line through the middle of the contour points [begin, end] along their main direction: total
-// least squares.
+// Fits a line to the contour points [begin, end] by total least squares.
 EdgeLine fitted_line(std::span<const GridPoint> contour, std::size_t begin, std::size_t end) {
     const GridPoint a = contour[begin];
     // sums over half pixels, relative to the first point
@@ -56,7 +55,7 @@ EdgeLine fitted_line(std::span<const GridPoint> contour, std::size_t begin, std:
     const auto cxx = static_cast<double>(n * sxx - sx * sx);
     const auto cxy = static_cast<double>(n * sxy - sx * sy);
     const auto cyy = static_cast<double>(n * syy - sy * sy);
-    // the larger eigenvector of the covariance, by the formula that does not cancel
+    // the larger eigenvector of the covariance, in the formula without cancellation
     const double half_difference = 0.5 * (cxx - cyy);
     const double root = std::sqrt(half_difference * half_difference + cxy * cxy);
     const Eigen::Vector2d along = half_difference >= 0.0
@@ -74,13 +73,14 @@ EdgeLine fitted_line(std::span<const GridPoint> contour, std::size_t begin, std:
     return line;
 }
 
-// Where the edges before and after a contour point meet, seen from there; between them where they
-// are nearly parallel. `to_before` leads from that point to the first one of the segment before.
+// Returns the meeting point of the edges before and after a contour point, relative to that point;
+// a point between them if they are nearly parallel. `to_before` is the vector to the first point of
+// the previous segment.
 Eigen::Vector2d meeting_point(const Eigen::Vector2d& to_before,
                               const EdgeLine& before,
                               const EdgeLine& after,
                               double reach_px) {
-    // below, a small error of a line would move the vertex far along the edges
+    // below this, a small error of a line moves the vertex far along the edges
     constexpr double kMinSine = 0.1;
     const double offset_before = before.normal.dot(to_before + before.middle_px);
     const double offset_after = after.normal.dot(after.middle_px);
@@ -119,8 +119,8 @@ void balance_areas(std::span<const GridPoint> contour,
                                               cyclic(contour, end_of(outline, k, contour.size())));
         const Eigen::Vector2d& from = scratch.moves_px[k];
         const Eigen::Vector2d to = chord + scratch.moves_px[k + 1 < n ? k + 1 : 0];
-        const double chord_to_edge_px2 =
-            0.5 * cross(to, from - chord);  // of the quadrangle chord, edge
+        // area of the quadrangle between chord and edge
+        const double chord_to_edge_px2 = 0.5 * cross(to, from - chord);
         const double length_px = std::max((to - from).norm(), 1.0);
         const double move_px = (scratch.lines[k].bulge_px2 + chord_to_edge_px2) / length_px;
         scratch.lines[k].middle_px +=
@@ -156,7 +156,7 @@ void pin(std::span<const GridPoint> contour, std::size_t k, Outline& outline) {
     if (segment.pinned) return;
     segment.pinned = true;
     outline.vertices_px[k] = snapped_px(contour[segment.begin], Eigen::Vector2d::Zero());
-    // both edges at this vertex have moved
+    // both edges at this vertex moved
     segment.unchecked = true;
     outline.segments[k == 0 ? outline.segments.size() - 1 : k - 1].unchecked = true;
 }
@@ -172,7 +172,7 @@ void split_marked(std::span<const GridPoint> contour,
                   OutlineScratch& scratch,
                   Outline& outline) {
     scratch.segments.clear();
-    scratch.moves_px.clear();  // here: the vertices
+    scratch.moves_px.clear();  // holds the vertices here
     for (std::size_t k = 0; k < outline.segments.size(); ++k) {
         OutlineSegment segment = outline.segments[k];
         if (!scratch.marked[k]) {
@@ -202,8 +202,8 @@ void split_marked(std::span<const GridPoint> contour,
     outline.vertices_px.swap(scratch.moves_px);
 }
 
-// Pins, then refines what breaks the tolerance, until nothing does. It ends: pins stay, segments
-// only get finer, and a single step of the contour fits exactly.
+// Pins vertices, then refines segments, until every edge keeps the tolerance. Terminates: pins
+// stay, segments only get finer, and a single contour step fits exactly.
 void repair(std::span<const GridPoint> contour,
             double tolerance_px,
             OutlineScratch& scratch,
@@ -256,7 +256,7 @@ void fit_outline(std::span<const GridPoint> contour,
     } else {
         pin_all(contour, out);
     }
-    // thin blobs: even the whole contour may be one segment
+    // thin blobs: the whole contour may be one segment
     while (out.segments.size() < 3) {
         scratch.marked.assign(out.segments.size(), 1);
         split_marked(contour, tolerance_px, scratch, out);

@@ -17,7 +17,7 @@ std::optional<std::vector<Eigen::Vector2d>> picture_field(const geometry::Pinhol
     const double right = (intrinsics.width & ~1) - 0.5 - inset_px;
     const double bottom = (intrinsics.height & ~1) - 0.5 - inset_px;
     if (right <= left || bottom <= top) return std::nullopt;
-    // +Y of the picture is down, but what is counter-clockwise is told as if it were up
+    // +Y of the picture is down, but counter-clockwise is defined with +Y up
     const std::array<Eigen::Vector2d, 4> corners{Eigen::Vector2d(left, top),
                                                  Eigen::Vector2d(right, top),
                                                  Eigen::Vector2d(right, bottom),

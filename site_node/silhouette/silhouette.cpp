@@ -11,8 +11,8 @@ namespace {
 
 enum DropReason : std::uint8_t { kKept = 0, kNotUndistorted = 1, kNotSimple = 2 };
 
-// Every round refines what conflicts by one level. Where thin parts lie side by side in long rows,
-// one conflict makes the next: those contours are taken as they are then, which never meet.
+// Each round refines conflicts by one level. Thin parts side by side may create new conflicts in
+// every round; such contours then keep all their points, which never meet.
 constexpr int kMaxRounds = 10;
 
 class Extraction {
@@ -24,7 +24,7 @@ public:
 
     void fit_all() {
         const std::size_t n = scratch_.contours.contours.size();
-        // callers may swap the outlines for others
+        // callers may have swapped the outlines
         if (scratch_.outlines.size() < n) scratch_.outlines.resize(n);
         if (scratch_.segments_of_edges.size() < n) scratch_.segments_of_edges.resize(n);
         if (scratch_.polygons.size() < n) scratch_.polygons.resize(n);
@@ -54,7 +54,7 @@ public:
         }
     }
 
-    // What lies inside a contour that was dropped would be read inside out: it goes too.
+    // Also drops contours inside a dropped one: without it they would be inside out.
     void drop_what_lies_inside() {
         const std::size_t n = scratch_.contours.contours.size();
         for (std::size_t outer = 0; outer < n; ++outer) {
@@ -88,7 +88,7 @@ private:
         scratch_.polygons[c].vertices_px.clear();
     }
 
-    // A polygon of a few pixels may have been flattened or turned over: all its edges conflict.
+    // A polygon of a few pixels may have become flat or inverted: all its edges conflict.
     void mark_inverted() {
         for (std::uint32_t c = 0; c < scratch_.contours.contours.size(); ++c) {
             const SilhouettePolygon& polygon = scratch_.polygons[c];
@@ -100,15 +100,15 @@ private:
         }
     }
 
-    // Index of the first conflict of the polygon after that of conflict `i`.
+    // Returns the index of the first conflict of the next polygon.
     std::size_t end_of_polygon(std::size_t i) const {
         const std::uint32_t c = scratch_.conflicts[i].polygon;
         while (i < scratch_.conflicts.size() && scratch_.conflicts[i].polygon == c) ++i;
         return i;
     }
 
-    // Refines the polygon of conflict `i` where it conflicts, or down to its contour points. False
-    // if it already consists of them.
+    // Refines the polygon of conflict `i` where it conflicts, or down to its contour points.
+    // Returns false if it already consists of them.
     bool refine_from(std::size_t i, bool by_one_level) {
         const std::uint32_t c = scratch_.conflicts[i].polygon;
         Outline& outline = scratch_.outlines[c];
@@ -138,7 +138,7 @@ private:
         for (const EdgeConflict& conflict : scratch_.conflicts) drop(conflict.polygon, kNotSimple);
     }
 
-    // Even-odd rule along a ray to the left, at a height where no contour point lies (points are
+    // Even-odd rule along a ray to the left, at a height without contour points (points are
     // half-pixels).
     static bool encloses(std::span<const GridPoint> contour, GridPoint p) {
         bool inside = false;
@@ -146,8 +146,8 @@ private:
             const GridPoint a = contour[i];
             const GridPoint b = contour[i + 1 < contour.size() ? i + 1 : 0];
             if ((2 * a.y > 2 * p.y + 1) == (2 * b.y > 2 * p.y + 1)) continue;
-            inside ^= a.x + b.x <
-                      2 * p.x;  // steps have at most one unit in y: they cross in their middle
+            // a step has at most one unit in y: the ray crosses it in the middle
+            inside ^= a.x + b.x < 2 * p.x;
         }
         return inside;
     }

@@ -6,11 +6,11 @@
 
 namespace atrium::silhouette {
 
-/// Closed outline of one blob, or of a hole in one, in undistorted pixels (see
+/// Closed outline of a blob or of a hole in one, in undistorted pixels (see
 /// geometry::PinholeCamera).
 struct SilhouettePolygon {
-    std::vector<Eigen::Vector2d>
-        vertices_px;       // foreground on the left, seen with +Y up; the first is not repeated
+    /// Foreground on the left, with +Y up; the first vertex is not repeated.
+    std::vector<Eigen::Vector2d> vertices_px;
     bool is_hole = false;  // false: counter-clockwise (positive area); true: clockwise
 };
 

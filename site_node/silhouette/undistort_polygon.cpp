@@ -6,8 +6,8 @@ namespace atrium::silhouette {
 namespace {
 
 constexpr double kMaxBendPx = 0.1;
-constexpr double kLongEdgePx =
-    48.0;  // longer ones are cut without asking: their middle alone does not tell how they bend
+// Longer edges are always split: their middle alone does not show how they bend.
+constexpr double kLongEdgePx = 48.0;
 constexpr int kMaxDepth = 10;
 
 struct End {
@@ -29,7 +29,7 @@ public:
     EdgeBender(const geometry::PinholeCamera& intrinsics, std::vector<Eigen::Vector2d>& out)
         : lens_(intrinsics), out_(out) {}
 
-    // Appends the vertices strictly between a and b.
+    // Appends the vertices strictly between a and b. Returns false if one cannot be undistorted.
     bool bend(const End& a, const End& b, int depth) {
         const bool bent = is_bent(a, b);
         const bool is_long =
@@ -41,7 +41,7 @@ public:
         const End split{middle_px, *middle};
         const std::size_t before = out_.size();
         if (!bend(a, split, depth + 1)) return false;
-        // a long edge that turned out straight needs no vertex in its middle
+        // a long edge that is straight needs no vertex in its middle
         const bool first_half_straight = out_.size() == before;
         out_.push_back(*middle);
         const std::size_t after = out_.size();
@@ -51,8 +51,8 @@ public:
     }
 
 private:
-    // The way into the delivered picture needs no iteration: how far the middle of the undistorted
-    // edge lies from the delivered one there, scaled as the lens scales that edge.
+    // Distorting needs no iteration: compares the distorted middle of the undistorted edge with the
+    // delivered edge, at the local scale of the lens.
     bool is_bent(const End& a, const End& b) const {
         const Eigen::Vector2d middle = lens_.distort(0.5 * (a.undistorted_px + b.undistorted_px));
         const double length_sq_px2 = (b.distorted_px - a.distorted_px).squaredNorm();

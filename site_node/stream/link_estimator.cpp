@@ -8,36 +8,37 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-constexpr double kQueue_ms = 30.0;      // more, twice in a row, is a queue
-constexpr double kLongQueue_ms = 80.0;  // more is one at once
-constexpr double kEmpty_ms = 12.0;      // less is none: jitter
-constexpr double kDecrease = 0.85;      // of what arrives
+constexpr double kQueue_ms = 30.0;      // longer, twice in a row, is a queue
+constexpr double kLongQueue_ms = 80.0;  // longer is a queue at once
+constexpr double kEmpty_ms = 12.0;      // shorter is jitter
+constexpr double kDecrease = 0.85;      // factor on the arriving rate
 constexpr double kGrowthNear = 1.06;    // per second, up to kNear times the rate of the last queue
 constexpr double kGrowthFar = 1.35;     // per second, beyond it
 constexpr double kNear = 1.1;
-// Of what arrives. The estimate is no farther above it, nor above what comes next on the ladder:
-// more is not known of the way.
+// Limits of the estimate as factors on the arriving rate, or on the next step of the ladder: the
+// link is untested beyond them.
 constexpr double kAboveArrived = 1.25;
-constexpr double kAboveArrivedWider = 1.8;  // where more arrives than when there was a queue
+constexpr double kAboveArrivedWider = 1.8;  // if more arrives than during the last queue
 constexpr double kAboveNext = 1.1;
-constexpr double kCertain = 0.5;  // of what arrives without a queue: the way does carry that
-constexpr double kHeld = 1.05;    // of what arrives, while a queue may be about to build up
-// Of what arrives: a step up may double the rate, and that it was too much must be known before
-// there is a long queue.
+constexpr double kCertain = 0.5;  // of the rate that arrives without a queue: the link carries it
+constexpr double kHeld = 1.05;    // of the arriving rate, while a queue may be building up
+// Factors on the arriving rate while a higher one is probed: a step up may double the rate, and an
+// excess must show before the queue is long.
 constexpr double kProbe = 1.1;
 constexpr double kProbeWider = 1.4;
-// Of what arrives: where so much is free while the stream has all that it wants, there is no limit.
+// Factor on the arriving rate: with this much room, and a stream that needs no more, no limit
+// remains.
 constexpr double kFree = 3.0;
-// A report has a few frames only, sometimes one more, sometimes one less.
+// A report covers only a few frames, sometimes one more or one less.
 constexpr Seconds kArrivedMean{0.5};
 constexpr Seconds kArrivedMemory{2.0};
-constexpr double kDrainTime_ms = 300.0;  // in which a queue is to be gone
+constexpr double kDrainTime_ms = 300.0;  // target time to empty a queue
 constexpr double kLeastWhileDraining = 0.2;
-constexpr Seconds kDrainPatience{1.0};  // for the queue to become shorter
-constexpr int kMaxVain = 2;
-constexpr double kClockStep_ms = 150.0;  // beyond the time that went by
-// A viewer that lets things wait for so long may lose some of them itself: the history of a stream
-// is 8 samples (qos/profiles.xml).
+constexpr Seconds kDrainPatience{1.0};  // for the queue to shrink
+constexpr int kMaxFailedDrains = 2;
+constexpr double kClockStep_ms = 150.0;  // beyond the elapsed time
+// A viewer with waits this long may lose samples itself: the history of a stream is 8 samples
+// (qos/profiles.xml).
 constexpr double kLongWait_ms = 100.0;
 constexpr Seconds kWaitMemory{1.0};
 constexpr Seconds kFrameMemory{1.0};
@@ -51,7 +52,7 @@ void DelayBase::add(double delay_ms, Time now) {
     if (!bucket_begin_) bucket_begin_ = now;
     for (std::size_t turned = 0; now - *bucket_begin_ >= kBucket; ++turned) {
         if (turned == kNumBuckets) {
-            bucket_begin_ = now;  // after a long silence all of it is old
+            bucket_begin_ = now;  // after a long silence all of it is outdated
             break;
         }
         *bucket_begin_ += kBucket;
@@ -111,13 +112,13 @@ void LinkEstimator::measure_queue(const LinkReport& report, Time now) {
     queue_ms_ = std::clamp(report.sure_delay_ms - base_.base_ms(), 0.0, most_queue_ms_);
 }
 
-// All samples of one report may by chance have had a lost datagram; of two they hardly have.
+// All samples of one report may have lost a datagram by chance, but hardly those of two.
 bool LinkEstimator::is_queue() const {
     return queue_ms_ > kLongQueue_ms || (queue_ms_ > kQueue_ms && former_queue_ms_ > kEmpty_ms);
 }
 
-// True where lowering the rate may help: too many frames stay incomplete, and the last time that it
-// was lowered for them there were fewer afterwards.
+// Returns true if a lower rate may help: too many frames stay incomplete, and the previous decrease
+// for this reason reduced their number.
 bool LinkEstimator::loses_frames(const LinkReport& report, double elapsed_s, Time now) {
     if (report.longest_wait_ms > kLongWait_ms) waited_long_ = now;
     if (waited_long_ && now - *waited_long_ < kWaitMemory) return false;
@@ -129,12 +130,13 @@ bool LinkEstimator::loses_frames(const LinkReport& report, double elapsed_s, Tim
     const double share = num_incomplete_ / std::max(num_complete_ + num_incomplete_, 1.0);
     if (num_incomplete_ < kFewFrames || share <= tolerated_share_) return false;
     if (lowered_for_frames_ && now - *lowered_for_frames_ < 2.0 * kFrameMemory) return false;
-    const bool was_vain = lowered_for_frames_ && now - *lowered_for_frames_ < 5.0 * kFrameMemory &&
-                          share > 0.8 * share_before_;
+    const bool was_useless = lowered_for_frames_ &&
+                             now - *lowered_for_frames_ < 5.0 * kFrameMemory &&
+                             share > 0.8 * share_before_;
     lowered_for_frames_ = now;
     share_before_ = share;
-    if (was_vain) tolerated_share_ = std::min(1.3 * share, 1.0);
-    return !was_vain;
+    if (was_useless) tolerated_share_ = std::min(1.3 * share, 1.0);
+    return !was_useless;
 }
 
 void LinkEstimator::decrease(const LinkReport& report, Time now) {
@@ -148,31 +150,32 @@ void LinkEstimator::decrease(const LinkReport& report, Time now) {
 void LinkEstimator::drain(const LinkReport& report, Time now) {
     const bool has_waited = now - drain_since_ >= kDrainPatience;
     if (most_queue_ms_ < kEmpty_ms || (has_waited && queue_ms_ < kEmpty_ms)) {
-        is_draining_ = false;  // or nothing is sure of it any more
-        num_vain_ = 0;
+        is_draining_ = false;  // empty, or no longer certain
+        num_failed_drains_ = 0;
         return;
     }
-    if (most_queue_ms_ < 0.7 * drain_from_ms_) {  // it goes away
+    if (most_queue_ms_ < 0.7 * drain_from_ms_) {  // it shrinks
         drain_since_ = now;
         drain_from_ms_ = most_queue_ms_;
-        num_vain_ = 0;
+        num_failed_drains_ = 0;
         return;
     }
     if (!has_waited) return;
     const bool could_be_sent_less = paced_bit_per_s() >= least_bit_per_s_;
-    if (!could_be_sent_less || ++num_vain_ < kMaxVain) return decrease(report, now);
-    // little was sent, and still nothing changed: no queue of ours, but the way or the clocks
+    if (!could_be_sent_less || ++num_failed_drains_ < kMaxFailedDrains)
+        return decrease(report, now);
+    // little was sent and nothing changed: not our queue, but a new route or clock
     base_.shift(most_queue_ms_);
     queue_ms_ = most_queue_ms_ = 0.0;
     is_draining_ = false;
-    num_vain_ = 0;
+    num_failed_drains_ = 0;
     estimate_bit_per_s_ = kNoLimit;
 }
 
-// The way is not what it was when it had a queue.
+// Returns true if the link is faster than during the last queue.
 bool LinkEstimator::is_wider() const { return arrived_bit_per_s_ > kNear * congested_bit_per_s_; }
 
-// A queue may be about to build up.
+// Limits growth while a queue may be building up.
 void LinkEstimator::hold() {
     estimate_bit_per_s_ =
         std::min(estimate_bit_per_s_, std::max(kHeld * arrived_bit_per_s_, congested_bit_per_s_));
@@ -183,7 +186,7 @@ void LinkEstimator::grow(double next_bit_per_s, double elapsed_s) {
     const bool is_near = estimate_bit_per_s_ < kNear * congested_bit_per_s_;
     const double grown =
         estimate_bit_per_s_ * std::pow(is_near ? kGrowthNear : kGrowthFar, elapsed_s);
-    if (next_bit_per_s <= 0.0) {  // the stream has all that it wants
+    if (next_bit_per_s <= 0.0) {  // the stream needs no more
         estimate_bit_per_s_ = grown > kFree * arrived_bit_per_s_ ? kNoLimit : grown;
         return;
     }

@@ -10,25 +10,24 @@
 
 namespace atrium::stream {
 
-/// What one viewer tells of a fifth of a second or so.
+/// Report of one viewer about roughly a fifth of a second.
 struct LinkReport {
     std::uint32_t num_complete = 0;    // frames
     std::uint32_t num_incomplete = 0;  // frames
-    std::uint32_t num_samples = 0;     // 0: the delays mean nothing
-    double bit_per_s = 0.0;            // payload that arrived
-    // Times from the writing of a sample until the viewer took it [ms], on two clocks that need not
-    // agree.
-    double min_delay_ms = 0.0;     // of any sample
-    double sure_delay_ms = 0.0;    // of that, what was not a wait in the viewer's host, at least
-    double longest_wait_ms = 0.0;  // for which something may have waited there
+    std::uint32_t num_samples = 0;     // 0: the delays are meaningless
+    double bit_per_s = 0.0;            // received payload
+    // From the write of a sample to its take by the viewer [ms]; the two clocks need not agree.
+    double min_delay_ms = 0.0;     // smallest of all samples
+    double sure_delay_ms = 0.0;    // lower bound of its part outside the viewer's host
+    double longest_wait_ms = 0.0;  // upper bound of a wait in the viewer's host
 };
 
-/// Smallest delay of the last 30 s: that of the way without a queue. Allocates nothing.
+/// Smallest delay of the last 30 s: the delay of the link without a queue. Does not allocate.
 class DelayBase {
 public:
     void add(double delay_ms, Time now);
     double base_ms() const;
-    /// The clocks, or the way, are not what they were: all that was known is off by so much.
+    /// Moves all stored delays after a change of a clock or route.
     void shift(double by_ms);
 
 private:
@@ -39,40 +38,42 @@ private:
     std::optional<Time> bucket_begin_;
 };
 
-/// What the way to one viewer carries, from the viewer's reports.
+/// Estimates the capacity of the link to one viewer from its reports.
 ///
 /// Follows the receive-side of Google Congestion Control (Carlucci, De Cicco, Holmer, Mascolo,
 /// "Analysis and Design of the Google Congestion Control for Web Real-time Communication", 2016):
-/// where a queue builds up, the estimate becomes 0.85 of what arrives; where there is none, it
-/// grows by a few per cent per second and stays within a factor of what arrives. What differs:
-/// - A queue is told by the smallest delay over the base of the last 30 s, as in LEDBAT (RFC 6817),
-///   not by a trend. The smallest of all samples of a report, since a lost datagram delays some of
-///   them by a round trip and jitter each by something else, but a queue delays all.
-/// - Loss by itself lowers nothing. Frames that stay incomplete do, unless that does not help.
-/// - Waiting in a viewer that lacks processor time is no queue in the network. The queue lies
-///   between two bounds: the part of the delay that the viewer is sure of, and the delay measured.
-///   It is believed where the lower bound shows it, and gone where the upper bound shows none.
-///   Frames that stay incomplete around a long wait of the viewer count for nothing.
-/// - A queue is sent away at once (`paced_bit_per_s`): it is the harm itself.
-/// - Well above the rate of the last queue growth is faster, in the manner
-///    of CUBIC (RFC 9438): the way has become wider.
-/// - Clocks: a delay that rises faster than time goes by is a clock that was set; one that does not
-///   fall although little is sent is no queue of ours. Both move the base. Not thread-safe.
+/// when a queue builds up, the estimate becomes 0.85 of the arriving rate; without a queue it grows
+/// by a few per cent per second and stays within a factor of the arriving rate. Differences:
+/// - A queue shows in the smallest delay above the base of the last 30 s, as in LEDBAT (RFC 6817),
+///   not in a trend. Smallest of all samples of a report: a lost datagram delays some of them by a
+///   round trip, jitter delays each differently, but a queue delays all.
+/// - Loss alone changes nothing. Incomplete frames lower the estimate, unless that does not help.
+/// - A wait in a viewer that lacks processor time is not a queue in the network. The queue lies
+///   between two bounds: the delay that is certainly outside the viewer, and the measured delay. It
+///   exists once the lower bound shows it, and is gone once the upper bound shows none. Incomplete
+///   frames around a long wait of the viewer are ignored.
+/// - A queue is drained at once (`paced_bit_per_s`): the queue itself is the harm.
+/// - Well above the rate of the last queue, growth is faster, as in CUBIC (RFC 9438): the link has
+///   become faster.
+/// - Clocks: a delay that rises faster than time elapses means a clock that was set; a delay that
+///   does not fall although little is sent is not our queue. Both move the base.
+///
+/// Not thread-safe.
 class LinkEstimator {
 public:
     static constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
-    /// `first` is the viewer's first report. The site sends `least_bit_per_s` whatever is
-    /// estimated: that a queue stays while it does so says nothing.
+    /// `first` is the viewer's first report. The site sends `least_bit_per_s` whatever the
+    /// estimate: a queue that persists at that rate proves nothing.
     LinkEstimator(const LinkReport& first, double least_bit_per_s, Time now);
 
-    /// `next_bit_per_s`: what the stream would have one step up; 0: it has all that it wants.
+    /// `next_bit_per_s`: rate of the stream one step up; 0: there is no step up.
     void add(const LinkReport& report, double next_bit_per_s, Time now);
 
-    /// kNoLimit until there was a queue, and again once there has been room for long.
+    /// kNoLimit until the first queue, and again after a long time with room to spare.
     double bit_per_s() const { return estimate_bit_per_s_; }
-    /// What to send for the moment, at most `bit_per_s`: less while a queue is to go away, and
-    /// while a higher rate is tried on a way that had one.
+    /// Rate to send at the moment, at most `bit_per_s`: lower while a queue drains and while a
+    /// higher rate is probed on a link that had one.
     double paced_bit_per_s() const;
     double queue_ms() const { return queue_ms_; }
 
@@ -89,26 +90,26 @@ private:
     double least_bit_per_s_;
     DelayBase base_;
     double estimate_bit_per_s_ = kNoLimit;
-    double mean_bit_per_s_;             // of what arrives
-    double arrived_bit_per_s_;          // the most of that of late
-    double congested_bit_per_s_ = 0.0;  // what arrived at the last queue; 0: never was one
-    double queue_ms_ = 0.0;             // at least
-    double most_queue_ms_ = 0.0;
+    double mean_bit_per_s_;             // of the arriving rate
+    double arrived_bit_per_s_;          // recent maximum of that mean
+    double congested_bit_per_s_ = 0.0;  // arriving rate at the last queue; 0: no queue yet
+    double queue_ms_ = 0.0;             // lower bound
+    double most_queue_ms_ = 0.0;        // upper bound
     double former_queue_ms_ = 0.0;
     Time last_report_;
     std::optional<Time> last_delay_time_;
     double last_delay_ms_ = 0.0;
 
-    // while a queue is sent away
+    // while a queue drains
     bool is_draining_ = false;
     Time drain_since_;
     double drain_from_ms_ = 0.0;
-    int num_vain_ = 0;
+    int num_failed_drains_ = 0;
 
-    // frames of the last second or so
+    // frames of about the last second
     double num_complete_ = 0.0;
     double num_incomplete_ = 0.0;
-    double share_before_ = 0.0;  // incomplete, when the estimate was lowered for it the last time
+    double share_before_ = 0.0;  // of incomplete frames, at the last decrease for them
     double tolerated_share_;
     std::optional<Time> lowered_for_frames_;
     std::optional<Time> waited_long_;

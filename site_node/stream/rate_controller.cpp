@@ -8,15 +8,15 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-constexpr double kFill = 0.95;         // of the cap, that a level chosen on the way down may take
-constexpr double kMarginUp = 1.08;     // by which a better one must fit
-constexpr double kRise = 1.5;          // by which the rate rises at once
-constexpr Seconds kHold{1.0};          // for how long
-constexpr Seconds kMaxHold{5.0};       // after rises that failed
-constexpr Seconds kRiseFailed{4.0};    // a fall so soon after a rise says that it did
-constexpr double kRiseForgiven = 0.5;  // of the hold, once a rise has lasted longer
-// How much earlier than the bucket says a frame may go, since frames come neither at even times
-// nor in even sizes. The bucket leaks slower by as much as that adds to one second.
+constexpr double kFill = 0.95;         // share of the cap to fill after a step down
+constexpr double kMarginUp = 1.08;     // margin by which a better level must fit
+constexpr double kRise = 1.5;          // largest rise of the rate at once
+constexpr Seconds kHold{1.0};          // how long a better level must fit
+constexpr Seconds kMaxHold{5.0};       // after failed rises
+constexpr Seconds kRiseFailed{4.0};    // a fall within this time after a rise means it failed
+constexpr double kRiseForgiven = 0.5;  // factor on the hold after a rise that lasted longer
+// How early a frame may go, relative to the bucket: frames vary in timing and size. The bucket
+// leaks slower by as much as this adds to one second.
 constexpr Seconds kSlack{0.03};
 
 Time::duration ticks(Seconds s) { return std::chrono::duration_cast<Time::duration>(s); }
@@ -42,7 +42,7 @@ void RateController::measure_rate(Time now) {
     if (last_offer_) {
         constexpr double kFollow = 0.05;
         const double gap_s = Seconds(now - *last_offer_).count();
-        // a pause is no rate
+        // ignore pauses
         if (gap_s < 1.0) period_s_ += kFollow * (gap_s - period_s_);
         period_s_ = std::max(period_s_, 1e-3);
     }
@@ -64,7 +64,7 @@ void RateController::step_up(std::size_t level, Time now) {
     fits_since_.reset();
 }
 
-// What fits, but no more than one step, or a few small ones, at a time.
+// Returns the best level that fits, at most one step or a few small ones up.
 std::size_t RateController::level_to_rise_to() const {
     if (level_ == 0) return 0;
     const double most =
@@ -91,11 +91,11 @@ void RateController::choose_level(Time now) {
 std::optional<std::size_t> RateController::offer(Time now) {
     measure_rate(now);
     choose_level(now);
-    const bool is_turn = ++num_left_out_ >= ladder_[level_].send_every;
+    const bool is_turn = ++num_skipped_ >= ladder_[level_].send_every;
     const bool is_full =
         cap_.paced_bit_per_s > 0.0 && bucket_empty_ && *bucket_empty_ - now > ticks(kSlack);
     if (!is_turn || is_full) return std::nullopt;
-    num_left_out_ = 0;
+    num_skipped_ = 0;
     return level_;
 }
 

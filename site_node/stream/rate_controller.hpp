@@ -9,46 +9,43 @@
 
 namespace atrium::stream {
 
-/// Of a clock that never goes back. The classes here have none of their own: the caller says when.
+/// Monotonic time. The classes here have no clock of their own; the caller passes the time.
 using Time = std::chrono::steady_clock::time_point;
 
-/// How much may be sent.
+/// Limits of the stream.
 struct Cap {
-    double bit_per_s = 0.0;  // what the level is chosen for; 0: no limit
-    /// What is let out for the moment, not above `bit_per_s`: less while a queue in the network is
-    /// to go away. Metaframes are left out for it, the level stays. 0: no limit.
+    double bit_per_s = 0.0;  // for the choice of the level; 0: no limit
+    /// Limit at the moment, at most `bit_per_s`: lower while a queue in the network drains. Skips
+    /// metaframes but keeps the level. 0: no limit.
     double paced_bit_per_s = 0.0;
 };
 
-/// Chooses how each metaframe is coded, and which ones are left out, so that the stream stays below
-/// a cap.
+/// Chooses how to code each metaframe, and which ones to skip, to keep the stream below a cap.
 ///
 /// The level is the best of the ladder whose predicted rate fits the cap. It falls at once when the
-/// prediction does not fit any more. It rises after a better one has fitted with a margin for a
-/// while, and by half at most where it can; that while doubles each time when a rise turns out to
-/// have been one too many.
+/// prediction no longer fits. It rises after a better level has fitted with a margin for a while,
+/// if possible by at most half the rate; the while doubles after each rise that turns out too high.
 ///
-/// Beside the prediction stands a leaky bucket that does not depend on it: over any second no more
-/// goes out than the cap and one frame. Not thread-safe.
+/// A leaky bucket, independent of the prediction, limits the output of any second to the cap plus
+/// one frame. Not thread-safe.
 class RateController {
 public:
-    /// `rate_hz`: metaframes per second, until it is measured.
+    /// `rate_hz`: metaframes per second, until measured.
     RateController(int jpeg_quality, double rate_hz);
 
     void set_cap(const Cap& cap) { cap_ = cap; }
 
-    /// A metaframe is there. Returns the index in `ladder` of the level that it is to be coded at;
-    /// nothing: it is left out. To be called for each metaframe.
+    /// Call once per metaframe. Returns the index in `ladder` at which to code it; empty: skip it.
     std::optional<std::size_t> offer(Time now);
 
-    /// What became of the metaframe that was offered last.
+    /// Reports the size of the metaframe offered last.
     void coded(std::size_t level, const FrameBytes& bytes, Time now);
 
     const std::vector<Level>& ladder() const { return ladder_; }
     std::size_t level() const { return level_; }
-    /// What the stream would have one step up; 0 where there is none.
+    /// Rate of the stream one step up; 0 if there is no step up.
     double next_bit_per_s() const { return level_ > 0 ? predicted_bit_per_s(level_ - 1) : 0.0; }
-    /// What the stream has at a level [bit/s], for the scene as it is.
+    /// Predicted rate of the stream at a level [bit/s], for the current scene.
     double predicted_bit_per_s(std::size_t level) const;
 
 private:
@@ -65,10 +62,10 @@ private:
     std::size_t level_ = 0;
     double period_s_;
     std::optional<Time> last_offer_;
-    int num_left_out_ = 0;  // since the last one that was sent
+    int num_skipped_ = 0;  // since the last metaframe sent
     std::optional<Time> bucket_empty_;
 
-    // of the way up
+    // state of the rise
     std::chrono::duration<double> hold_;
     std::optional<Time> fits_since_;
     std::optional<Time> last_rise_;

@@ -12,7 +12,7 @@ constexpr std::array kQualities{75, 65, 50, 40};
 constexpr int kMaxSendEvery = 6;
 constexpr int kHalfQualityAtMost = 75;
 
-// Colour bytes at a JPEG quality, relative to 85: a first guess for what is then learned.
+// Colour bytes at a JPEG quality, relative to 85: the initial guess for the learned ratios.
 double size_at_quality(int quality) {
     constexpr std::array<std::pair<int, double>, 8> kTable{{{1, 0.08},
                                                             {20, 0.26},
@@ -31,7 +31,7 @@ double size_at_quality(int quality) {
     return below->second + share * (above->second - below->second);
 }
 
-// A half-size picture has a quarter of the pixels, but less smooth ones.
+// A half-size picture has a quarter of the pixels, but they are less smooth.
 constexpr double kSizeAtHalf = 0.33;
 
 double first_guess(const Level& level) {
@@ -53,7 +53,7 @@ std::vector<Level> make_ladder(int jpeg_quality) {
     std::vector<Level> ladder;
     for (const int quality : qualities_from(jpeg_quality)) ladder.push_back({quality, 1, 1});
     for (const int quality : half) ladder.push_back({quality, 2, 1});
-    // half the rate leaves room for some quality; from there on each step is small
+    // half the rate leaves room for quality; from there on each step is small
     for (const int quality : half) ladder.push_back({quality, 2, 2});
     for (int n = 3; n <= kMaxSendEvery; ++n) ladder.push_back({half.back(), 2, n});
     return ladder;
@@ -73,8 +73,8 @@ SizeModel::SizeModel(const std::vector<Level>& ladder) {
 
 void SizeModel::add(std::size_t level, const FrameBytes& bytes) {
     if (bytes.colour == 0) return;
-    constexpr double kFollow = 0.2;  // half of a change is seen after 3 frames
-    constexpr int kToLearn = 6;      // frames after a change of level that tell its ratio
+    constexpr double kFollow = 0.2;  // sees half of a change after 3 frames
+    constexpr int kToLearn = 6;      // frames after a change of level that teach its ratio
     const std::size_t coding = coding_[level];
     const auto colour = static_cast<double>(bytes.colour);
     const auto fixed = static_cast<double>(bytes.fixed);
@@ -89,8 +89,8 @@ void SizeModel::add(std::size_t level, const FrameBytes& bytes) {
     fixed_ += kFollow * (fixed - fixed_);
     if (coding != last_coding_) num_since_change_ = 0;
     last_coding_ = coding;
-    // The scene changes little from one frame to the next: right after a change of level a
-    // difference is due to the level, later to the scene.
+    // The scene changes little between frames: right after a change of level a difference is due to
+    // the level, later to the scene.
     if (coding != 0 && num_since_change_++ < kToLearn) {
         constexpr double kLearn = 0.4;
         ratio_[coding] += kLearn * (colour / colour_at_best_ - ratio_[coding]);

@@ -14,7 +14,9 @@ constexpr double kMega = 1e6;
 
 }  // namespace
 
-bool ViewerLinks::has_say(const Link& link, Time now) { return now - link.last_report <= kSilent; }
+bool ViewerLinks::is_current(const Link& link, Time now) {
+    return now - link.last_report <= kSilent;
+}
 
 void ViewerLinks::add(const std::string& viewer,
                       const LinkReport& report,
@@ -39,7 +41,7 @@ StreamCap ViewerLinks::cap(Time now) const {
     double least = std::numeric_limits<double>::infinity();
     double least_paced = least;
     for (const auto& [viewer, link] : links_) {
-        if (!has_say(link, now)) continue;
+        if (!is_current(link, now)) continue;
         least_paced = std::min(least_paced, link.estimator.paced_bit_per_s());
         if (link.estimator.bit_per_s() >= least) continue;
         least = link.estimator.bit_per_s();

@@ -9,28 +9,27 @@
 namespace atrium::stream {
 
 struct StreamOptions {
-    double max_mbit_per_s = 0.0;  // what the stream may take at most; 0: no limit
-    double min_mbit_per_s = 2.0;  // no viewer brings it below that, lest one ruins it for all
-    bool adapt = true;            // to what the networks of the viewers carry
+    double max_mbit_per_s = 0.0;  // upper limit of the stream; 0: no limit
+    double min_mbit_per_s = 2.0;  // no viewer lowers the stream below this, to protect the others
+    bool adapt = true;            // to the links of the viewers
 };
 
-/// What all viewers and the options together allow.
+/// Cap from all viewers and the options.
 struct StreamCap {
     Cap cap;
-    /// A viewer's name, which is valid until the next change of the links, or the option that is
-    /// the limit; empty: no limit.
+    /// The viewer or the option that sets the cap; empty: no limit. Valid until the links change.
     std::string_view set_by;
-    double queue_ms = 0.0;  // on the way to that viewer
+    double queue_ms = 0.0;  // on the link to that viewer
 };
 
-/// The ways to all viewers of a site. The slowest one sets the cap. A viewer that reported nothing
-/// for a second (it stands still, its machine sleeps, it is gone) has no say; what was known of its
-/// way is kept for half a minute. Not thread-safe.
+/// Links to all viewers of a site. The slowest sets the cap. A viewer without a report for one
+/// second (paused, suspended or gone) is ignored; its estimate is kept for half a minute. Not
+/// thread-safe.
 class ViewerLinks {
 public:
     explicit ViewerLinks(const StreamOptions& options) : options_(options) {}
 
-    /// `next_bit_per_s` as for LinkEstimator::add. Beyond 64 viewers, further ones are ignored.
+    /// `next_bit_per_s` as in LinkEstimator::add. Ignores all viewers beyond 64.
     void add(const std::string& viewer, const LinkReport& report, double next_bit_per_s, Time now);
     void forget(const std::string& viewer) { links_.erase(viewer); }
 
@@ -42,7 +41,7 @@ private:
         LinkEstimator estimator;
         Time last_report;
     };
-    static bool has_say(const Link& link, Time now);
+    static bool is_current(const Link& link, Time now);
 
     StreamOptions options_;
     std::map<std::string, Link> links_;

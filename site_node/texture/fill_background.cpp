@@ -10,10 +10,10 @@
 namespace atrium::texture {
 namespace {
 
-constexpr int kBlockSize = 8;  // of JPEG
+constexpr int kBlockSize = 8;  // of JPEG blocks
 
-// How often background becomes the mean of its four neighbours, from the block's mean towards the
-// smoothest surface through the foreground: more of it saves less than 1 % of the bytes.
+// Number of steps that replace background by the mean of its four neighbours, from the block's mean
+// towards the smoothest surface through the foreground. More steps save less than 1 % of the bytes.
 constexpr int kTimes = 6;
 
 struct PixelRange {
@@ -30,7 +30,7 @@ struct BlockGrid {
     int rows;
 };
 
-// The three planes of a picture.
+// One value for each of the three planes.
 using Means = std::array<std::uint8_t, 3>;
 
 std::uint64_t word_at(const std::uint8_t* bytes) {
@@ -39,18 +39,18 @@ std::uint64_t word_at(const std::uint8_t* bytes) {
     return word;
 }
 
-// Sum of eight bytes.
+// Returns the sum of eight bytes.
 std::uint32_t sum8(std::uint64_t bytes) {
     constexpr std::uint64_t kEven = 0x00ff00ff00ff00ff;
     const std::uint64_t pairs = (bytes & kEven) + (bytes >> 8 & kEven);
     return static_cast<std::uint32_t>(pairs * 0x0001000100010001 >> 48);
 }
 
-// The bytes [x, end) of a row, at most eight, the first one lowest; beyond them 0.
+// Loads the bytes [x, end) of a row, at most eight, the first one lowest; the rest is 0.
 std::uint64_t load_part(const std::uint8_t* row, int x, int end) {
     const int num_missing = kBlockSize - (end - x);
     if (num_missing == 0) return word_at(row + x);
-    // with what lies on the left, where there is something
+    // together with bytes on the left, if there are any
     if (x >= num_missing) return word_at(row + x - num_missing) >> (8 * num_missing);
     std::uint64_t word = 0;
     std::memcpy(&word, row + x, static_cast<std::size_t>(end - x));
@@ -71,7 +71,7 @@ void sum_foreground(const codec::TextureCrop& picture,
     }
 }
 
-// Of a whole block, 8 by 8: a row of each plane after the other, as long as a register.
+// Layout of a whole 8x8 block: a row of each plane after the other, as long as a register.
 constexpr std::size_t kRowBytes = 32;
 constexpr std::size_t kPlanes = 3;
 using BlockRow = std::array<std::uint8_t, kRowBytes>;
@@ -80,12 +80,12 @@ std::size_t byte_of(std::size_t plane, std::size_t x) { return plane * kBlockSiz
 
 unsigned mean_up(unsigned a, unsigned b) { return (a + b + 1) / 2; }
 
-// Two means of two are rounded up, and their mean down: together there is hardly a bias.
+// Rounds two means of two up, and their mean down: nearly no bias in total.
 std::uint8_t mean_of(unsigned a, unsigned b, unsigned c, unsigned d) {
     return static_cast<std::uint8_t>((mean_up(a, b) + mean_up(c, d)) / 2);
 }
 
-// What relax_avx2 does.
+// Portable version of relax_avx2.
 void relax(const std::array<std::uint64_t, kBlockSize>& mask,
            const Means& means,
            const std::array<std::uint8_t*, kPlanes>& at,
@@ -136,7 +136,7 @@ ATRIUM_AVX2 inline __m256i load(const void* bytes) {
     return _mm256_loadu_si256(static_cast<const __m256i*>(bytes));
 }
 
-// Four blocks side by side, as sum_foreground.
+// Like sum_foreground, for four adjacent blocks.
 ATRIUM_AVX2 void sum_four_avx2(const codec::TextureCrop& picture,
                                int x,
                                PixelRange ys,
@@ -152,7 +152,7 @@ ATRIUM_AVX2 void sum_four_avx2(const codec::TextureCrop& picture,
         const auto sum_of = [&](const image::Plane& plane) __attribute__((target("avx2"))) {
             return _mm256_sad_epu8(_mm256_and_si256(load(plane.data.data() + at), mask), zero);
         };
-        num = _mm256_sub_epi8(num, mask);  // each column counts its pixels, at most eight
+        num = _mm256_sub_epi8(num, mask);  // per column a pixel count of at most eight
         sum_y = _mm256_add_epi64(sum_y, sum_of(picture.y));
         sum_u = _mm256_add_epi64(sum_u, sum_of(picture.u));
         sum_v = _mm256_add_epi64(sum_v, sum_of(picture.v));
@@ -181,7 +181,7 @@ ATRIUM_AVX2 void relax_avx2(const std::array<std::uint64_t, kBlockSize>& mask,
         return static_cast<long long>(means[p] * std::uint64_t{0x0101010101010101});
     };
     const __m256i mean = _mm256_setr_epi64x(eight(0), eight(1), eight(2), 0);
-    // the pixels next to each one; those at the edge stand for the ones beyond it
+    // neighbours of each pixel; edge pixels replace those beyond the edge
     const __m256i left = _mm256_broadcastsi128_si256(
         _mm_setr_epi8(0, 0, 1, 2, 3, 4, 5, 6, 8, 8, 9, 10, 11, 12, 13, 14));
     const __m256i right = _mm256_broadcastsi128_si256(
@@ -285,7 +285,7 @@ void fill_evenly(image::Plane& plane,
     }
 }
 
-// Of a block without foreground.
+// Fills a block without foreground.
 void fill_whole(image::Plane& plane, int x, PixelRange ys, std::uint8_t value) {
     const std::uint64_t values = value * std::uint64_t{0x0101010101010101};
     for (int y = ys.begin; y < ys.end; ++y) std::memcpy(plane.row(y) + x, &values, kBlockSize);
@@ -319,7 +319,7 @@ void fill_background(codec::TextureCrop& picture,
     FillBlock whole;
     for (const FillBlock& block : blocks) add(whole, block);
     if (whole.num_foreground == 0)
-        whole = {1, {128, 128, 128}};  // only single pixels, lost by halving
+        whole = {1, {128, 128, 128}};  // only single pixels, which halving removed
     Means means = means_of(whole);
     const std::array<image::Plane*, kPlanes> planes{&picture.y, &picture.u, &picture.v};
     const FillBlock* block = blocks.data();
@@ -332,8 +332,7 @@ void fill_background(codec::TextureCrop& picture,
             if (source.num_foreground > 0) means = means_of(source);
             if (block->num_foreground == kBlockSize * kBlockSize) continue;
             const bool is_wide = xs.end - xs.begin == kBlockSize;
-            // at the right and lower edge the JPEG repeats the last pixels, so that nothing is to
-            // be gained by smoothness
+            // at the right and lower edge JPEG repeats the last pixels: smoothness gains nothing
             if (!is_empty && is_wide && ys.end - ys.begin == kBlockSize) {
                 fill_smoothly(picture, xs.begin, ys.begin, means, code);
                 continue;

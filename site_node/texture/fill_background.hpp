@@ -9,16 +9,16 @@
 
 namespace atrium::texture {
 
-/// What a block of 8x8 pixels, the unit of JPEG, shows of the person.
+/// Foreground of one 8x8 block, the unit of JPEG.
 struct FillBlock {
     std::uint32_t num_foreground = 0;
     std::array<std::uint32_t, 3> sum{};  // of Y, U, V over the foreground
 };
 
-/// Makes the background of `picture` smooth, so that it codes small and none of it shines through
-/// at the edge. Within a block the foreground is continued smoothly; a block without any gets the
-/// mean of the blocks around it, and one far from all foreground is like the one before it, which
-/// is what JPEG foretells. `blocks` is reused memory. All sets of instructions give the same bits.
+/// Smooths the background of `picture`: it compresses well and does not shine through at the edge.
+/// In a block with foreground the background continues it smoothly. A block without foreground gets
+/// the mean of the blocks around it. A block far from all foreground equals the one before it,
+/// which JPEG predicts. `blocks` is reusable memory. All instruction sets give the same bits.
 void fill_background(codec::TextureCrop& picture,
                      image::RowCode code,
                      std::vector<FillBlock>& blocks);

@@ -2,7 +2,7 @@
 
 #include "core/image/block_luma.hpp"
 #include "site_node/texture/fill_background.hpp"
-#include "site_node/texture/whole_resolution.hpp"
+#include "site_node/texture/full_resolution.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -19,7 +19,7 @@ std::uint64_t load8(const std::uint8_t* bytes) {
     return word;
 }
 
-// First column in [0, end) with foreground; `end` if there is none.
+// Returns the first column in [0, end) with foreground; `end` without any.
 int first_foreground(const std::uint8_t* row, int end) {
     int x = 0;
     for (; x + 8 <= end; x += 8) {
@@ -30,7 +30,7 @@ int first_foreground(const std::uint8_t* row, int end) {
     return x;
 }
 
-// One past the last column in [begin, end) with foreground; `begin` if there is none.
+// Returns one past the last column in [begin, end) with foreground; `begin` without any.
 int last_foreground(const std::uint8_t* row, int begin, int end) {
     for (; end - 8 >= begin; end -= 8) {
         if (const std::uint64_t word = load8(row + end - 8); word != 0)
@@ -54,8 +54,8 @@ void set_size(image::Plane& plane, int width, int height) {
     plane.data.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
 }
 
-// `outline` where a block shows both the person and what is behind. Plain C++ that the compiler
-// vectorises; each set of instructions is one more instance of it.
+// Sets `outline` where a block shows both the person and the background. Plain C++ for the compiler
+// to vectorise, instantiated once per instruction set.
 #define ATRIUM_INLINE inline __attribute__((always_inline))
 
 ATRIUM_INLINE void vote_some(const std::uint8_t* __restrict top,
@@ -71,7 +71,7 @@ ATRIUM_INLINE void vote_some(const std::uint8_t* __restrict top,
     }
 }
 
-// The last ones are done with some of those before them, once more.
+// The last step overlaps the one before it.
 ATRIUM_INLINE void vote(const std::uint8_t* top,
                         const std::uint8_t* bottom,
                         int num_blocks,
@@ -105,7 +105,7 @@ __attribute__((target("avx2"))) void vote_avx2(const std::uint8_t* top,
 
 #undef ATRIUM_INLINE
 
-// Of the 2x2 block at (x, y), the mean of those pixels that show the person.
+// Returns the mean luma of the foreground pixels in the 2x2 block at (x, y).
 std::uint8_t foreground_luma(const image::YuvView& frame, const image::Mask& mask, int x, int y) {
     int sum = 0;
     int num_foreground = 0;
@@ -133,7 +133,7 @@ void halve(const image::YuvView& frame,
     for (int y = 0; y < crop.height / 2; ++y) {
         const std::uint8_t* const top = mask.row(crop.y + 2 * y) + crop.x;
         const std::uint8_t* const bottom = mask.row(crop.y + 2 * y + 1) + crop.x;
-        // what lies outside of the person is filled afterwards
+        // pixels outside the person are filled later
         int begin =
             std::min(first_foreground(top, crop.width), first_foreground(bottom, crop.width)) / 2;
         int end =
@@ -156,13 +156,13 @@ void halve(const image::YuvView& frame,
     }
 }
 
-void copy_whole(const image::YuvView& frame,
-                const image::Mask& mask,
-                const image::PixelRect& crop,
-                codec::TextureCrop& out) {
-    whole_luma(frame, crop, out.y);
-    whole_chroma(frame.u, crop, out.u);
-    whole_chroma(frame.v, crop, out.v);
+void copy_full(const image::YuvView& frame,
+               const image::Mask& mask,
+               const image::PixelRect& crop,
+               codec::TextureCrop& out) {
+    full_luma(frame, crop, out.y);
+    full_chroma(frame.u, crop, out.u);
+    full_chroma(frame.v, crop, out.v);
     for (int y = 0; y < crop.height; ++y)
         std::copy_n(mask.row(crop.y + y) + crop.x, crop.width, out.mask.row(y));
 }
@@ -207,7 +207,7 @@ bool crop_texture(const image::YuvView& frame,
     for (image::Plane* plane : {&out.y, &out.u, &out.v, &out.mask})
         set_size(*plane, crop.width / divisor, crop.height / divisor);
     if (is_full)
-        copy_whole(frame, mask, crop, out);
+        copy_full(frame, mask, crop, out);
     else
         halve(frame, mask, crop, code, scratch, out);
     fill_background(out, code, scratch.blocks);

@@ -118,8 +118,8 @@ void work(LatestSlot<capture::Metaframe>& metaframes,
 
 capture::CamerasOptions cameras_options(const ClientConfig& config, const config::Rig& rig) {
     capture::CamerasOptions options;
-    for (const simulated_cameras::CameraPlace& place : simulated_cameras::places_of(rig))
-        options.cameras.push_back({place.name, place.serial, place.address, {}});
+    for (const simulated_cameras::CameraIdentity& identity : simulated_cameras::identities_of(rig))
+        options.cameras.push_back({identity.name, identity.serial, identity.address, {}});
     options.common.pixel_format = config.pixel_format;
     options.trigger = config.trigger == "software" ? capture::TriggerMode::kSoftware
                                                    : capture::TriggerMode::kFreeRun;

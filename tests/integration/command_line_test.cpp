@@ -258,7 +258,7 @@ TEST_F(CommandLine, SimulatedCamerasSayWhatTheyNeed) {
     EXPECT_THAT(nothing.output, AllOf(HasSubstr("rig"), HasSubstr("recording")));
     const Outcome both = run("simulated_cameras --recording /nonexistent" + rig);
     EXPECT_EQ(both.exit_code, 2);
-    EXPECT_THAT(both.output, HasSubstr("both are given"));
+    EXPECT_THAT(both.output, HasSubstr("only one may be set"));
     const Outcome no_camera = run("simulated_cameras --lose cam9=1" + rig);
     EXPECT_EQ(no_camera.exit_code, 2);
     EXPECT_THAT(no_camera.output, AllOf(HasSubstr("lose"), HasSubstr("'cam9'")));

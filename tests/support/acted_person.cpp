@@ -65,7 +65,7 @@ ActedPerson::ActedPerson(const Act& act) : act_(act) {
 geometry::TriangleMesh ActedPerson::mesh_site(double time_s) const {
     geometry::TriangleMesh mesh;
     if (skin_) {
-        const simulation::CarriedSkin carried(*skin_, simulation::pose_bones(act_.pose(time_s)));
+        const simulation::SkinnedBody carried(*skin_, simulation::pose_bones(act_.pose(time_s)));
         const geometry::RigidTransform site_from_feet = act_.site_from_feet(time_s);
         mesh.triangles = skin_->mesh.triangles;
         for (std::size_t i = 0; i < skin_->mesh.vertices.size(); ++i)

@@ -154,7 +154,7 @@ TEST_F(AravisSourceTest, WhatACameraRefusesIsAnErrorThatNamesTheKey) {
     EXPECT_THAT(error_with([](auto& s) {
                     s.region_px = {0, 0, 64, 64};
                 }),
-                HasSubstr("region_px: is 64 x 64, the rig says 96 x 64"));
+                HasSubstr("region_px: is 64 x 64, but the rig needs 96 x 64"));
     EXPECT_THAT(error_with([](auto& s) { s.white_balance = "warm"; }), HasSubstr("white_balance"));
     EXPECT_THAT(error_with([](auto& s) { s.white_balance = "1.5,1.2"; }),
                 HasSubstr("white_balance"));  // it has no BalanceRatio

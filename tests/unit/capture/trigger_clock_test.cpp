@@ -105,11 +105,11 @@ TEST_F(MeasuredClock, ADelayThatWasMeasuredTooLongIsMended) {
 TEST_F(MeasuredClock, IsAstrayWhenNothingFitsAnyMore) {
     for (int beat = 0; beat < 45; ++beat) {
         clock_.note_trigger(at(40.0 * beat), at(40.0 * beat));
-        EXPECT_EQ(clock_.is_astray(), beat >= 40) << beat;
+        EXPECT_EQ(clock_.needs_measuring(), beat >= 40) << beat;
         EXPECT_FALSE(taken(40.0 * beat + 20));
     }
     clock_.start_measuring();
-    EXPECT_FALSE(clock_.is_astray());
+    EXPECT_FALSE(clock_.needs_measuring());
 }
 
 }  // namespace

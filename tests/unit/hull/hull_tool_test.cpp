@@ -205,7 +205,7 @@ TEST_F(HullTool, NamesFileViewAndKeyOfWhatIsWrong) {
     std::string twice = cube_document().dump();
     twice.insert(twice.rfind("\"fx\""), "\"fx\":1500,");
     write(twice);
-    EXPECT_THAT(run(options_).error().message, HasSubstr("views[2]: key \"fx\" is there twice"));
+    EXPECT_THAT(run(options_).error().message, HasSubstr("views[2]: key \"fx\" is repeated"));
     write("{\"views\": [");
     EXPECT_THAT(run(options_).error().message, HasSubstr("views.json: "));
     options_.views_file = folder_ / "none.json";

@@ -75,15 +75,15 @@ TEST_F(BackgroundFile, SaysWhatIsWrongWithAFile) {
     EXPECT_EQ(load_background(folder_, "cam9").error().kind, ErrorKind::kNotFound);
     const std::string good = bytes();
     fs::copy_file(file_, background_file(folder_ / "deep", "cam2"));
-    EXPECT_THAT(error("cam2"), HasSubstr("is of camera 'cam1'"));
+    EXPECT_THAT(error("cam2"), HasSubstr("belongs to camera 'cam1'"));
     std::string version = good;
     version[8] = 9;
     write(version);
     EXPECT_THAT(error(), HasSubstr("version 9"));
     write("PNG and so on, long enough for a head");
-    EXPECT_THAT(error(), HasSubstr("not a learned background"));
+    EXPECT_THAT(error(), HasSubstr("not a background file"));
     write(good + "x");
-    EXPECT_THAT(error(), HasSubstr("damaged or cut short"));
+    EXPECT_THAT(error(), HasSubstr("damaged or truncated"));
     write(good);
     EXPECT_EQ(error(), "");
 }

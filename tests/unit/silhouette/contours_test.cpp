@@ -1,6 +1,6 @@
 #include "site_node/silhouette/contours.hpp"
 
-#include "site_node/silhouette/simplicity.hpp"
+#include "site_node/silhouette/edge_conflicts.hpp"
 #include "tests/unit/silhouette/test_masks.hpp"
 
 #include <gmock/gmock.h>

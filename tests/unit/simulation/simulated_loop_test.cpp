@@ -159,7 +159,7 @@ TEST_F(LoopCache, OutlivesReplacingAndRemovingTheFile) {
 TEST_F(LoopCache, KeepsThePicturesInMemoryBeforeTheFileIsCutShort) {
     const CachedLoop rendered = get();
     CachedLoop loaded = get();
-    EXPECT_FALSE(keep_in_memory_if_wanted(loaded.loop));
+    EXPECT_FALSE(copy_to_memory_if_wanted(loaded.loop));
     std::atomic<bool> is_cut{false};
     std::jthread cutter([&] {
         fs::resize_file(file(), 40);
@@ -170,7 +170,7 @@ TEST_F(LoopCache, KeepsThePicturesInMemoryBeforeTheFileIsCutShort) {
     EXPECT_TRUE(same(rendered.loop, loaded.loop)) << "all is still there";
     {
         const Picture in_use = loaded.loop.frames.front().front();
-        EXPECT_TRUE(keep_in_memory_if_wanted(loaded.loop));
+        EXPECT_TRUE(copy_to_memory_if_wanted(loaded.loop));
         EXPECT_TRUE(loaded.loop.file == nullptr);
         EXPECT_FALSE(is_cut) << "a picture of the file is still in use";
         EXPECT_TRUE(same(in_use, rendered.loop.frames.front().front()));
@@ -178,7 +178,7 @@ TEST_F(LoopCache, KeepsThePicturesInMemoryBeforeTheFileIsCutShort) {
     cutter.join();
     EXPECT_EQ(fs::file_size(file()), 40u);
     EXPECT_TRUE(same(rendered.loop, loaded.loop));
-    EXPECT_FALSE(keep_in_memory_if_wanted(loaded.loop));
+    EXPECT_FALSE(copy_to_memory_if_wanted(loaded.loop));
 }
 
 TEST_F(LoopCache, ReadsAFileThatCannotBeLeased) {

@@ -199,10 +199,10 @@ TEST(SiteConfig, WhatDoesNotFitTheRigIsNamedWithFileAndLineToo) {
     } cases[] = {
         {"[hull]\nmin_views = 60\n", "site.toml:4: hull.min_views: must not exceed"},
         {"[hull]\npartial_views = true\nwhole_cameras = [\"x\"]\n" + box,
-         "site.toml:5: hull.whole_cameras: there is no camera 'x'"},
+         "site.toml:5: hull.whole_cameras: no camera is named 'x'"},
         {"[[hull.region]]\nname = \"a\"\n" + box + "[[hull.region]]\nname = \"b\"\n" + box +
              "cameras = [\"x\"]\n",
-         "site.toml:9: hull.region[1].cameras: there is no camera 'x'"},
+         "site.toml:9: hull.region[1].cameras: no camera is named 'x'"},
     };
     for (const auto& c : cases) {
         auto config = parse(kRoom + c.text);

@@ -49,7 +49,7 @@ TEST(HullStage, NamesTheKeyThatDoesNotFitTheRig) {
     EXPECT_THAT(error_of(cameras, options), HasSubstr("hull.partial_views: needs hull.bounds"));
     options.bounds = kRoom;
     options.whole_cameras = {"top"};
-    EXPECT_THAT(error_of(cameras, options), HasSubstr("hull.whole_cameras: there is no camera"));
+    EXPECT_THAT(error_of(cameras, options), HasSubstr("hull.whole_cameras: no camera is named"));
     options.whole_cameras = {"cam0", "cam0"};
     EXPECT_THAT(error_of(cameras, options), HasSubstr("hull.whole_cameras: 'cam0' is named twice"));
     options.whole_cameras.clear();

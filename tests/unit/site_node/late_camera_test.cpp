@@ -75,8 +75,8 @@ TEST_F(LateCamera, TakesPartAsSoonAsItAppearsWhereItsBackgroundWasKept) {
         if (!metaframe) return;
         const auto done = pipeline->process(*metaframe, pool, frame);
         EXPECT_TRUE(done) << done.error().message;
-        was_without = was_without || frame.left_out.cameras == 1;
-        if (was_without && frame.left_out.cameras == 0) took_part = true;
+        was_without = was_without || frame.losses.cameras == 1;
+        if (was_without && frame.losses.cameras == 0) took_part = true;
     };
     capture::test::Player player(**source, work);
     ASSERT_TRUE(player.wait_for_pictures(0, 5));

@@ -219,9 +219,9 @@ TEST_F(SitePipeline, CountsWhatItLeavesOut) {
     options.hull.min_component_l = 1000.0;
     Pipeline pipeline = make(rig, options);
     process(pipeline, metaframe);
-    EXPECT_EQ(frame_.left_out.fragments, 1u);
-    EXPECT_GT(frame_.left_out.dropped_l, 10.0);
-    EXPECT_LT(frame_.left_out.dropped_l, 1000.0);
+    EXPECT_EQ(frame_.losses.fragments, 1u);
+    EXPECT_GT(frame_.losses.dropped_l, 10.0);
+    EXPECT_LT(frame_.losses.dropped_l, 1000.0);
     EXPECT_TRUE(frame_.draco.empty());  // nobody
 
     options = {};
@@ -229,15 +229,15 @@ TEST_F(SitePipeline, CountsWhatItLeavesOut) {
                             {"elsewhere", {{5, 5, 0}, {6, 6, 2}}, {"cam0", "cam1"}}};
     Pipeline with_regions = make(rig, options);
     process(with_regions, metaframe);
-    EXPECT_EQ(frame_.left_out.cameras, 0u);
-    EXPECT_EQ(frame_.left_out.fragments, 0u);
-    EXPECT_LT(frame_.left_out.dropped_l, 10.0);
-    EXPECT_EQ(frame_.left_out.regions_failed, 0u);
+    EXPECT_EQ(frame_.losses.cameras, 0u);
+    EXPECT_EQ(frame_.losses.fragments, 0u);
+    EXPECT_LT(frame_.losses.dropped_l, 10.0);
+    EXPECT_EQ(frame_.losses.regions_failed, 0u);
     EXPECT_EQ(num_outside(points_), 0u);
     metaframe.frames[1].image = {};
     process(with_regions, metaframe);
-    EXPECT_EQ(frame_.left_out.cameras, 1u);
-    EXPECT_EQ(frame_.left_out.regions_failed, 1u);
+    EXPECT_EQ(frame_.losses.cameras, 1u);
+    EXPECT_EQ(frame_.losses.regions_failed, 1u);
     EXPECT_EQ(num_outside(points_), 0u);
 }
 
@@ -275,7 +275,7 @@ TEST_F(SitePipeline, OverlappingMetaframesComeOutAsThoseOneAfterAnother) {
         next.join();
         EXPECT_EQ(frame_.frame_id, expected[i].frame_id);
         EXPECT_EQ(frame_.draco, expected[i].draco) << i;
-        EXPECT_EQ(frame_.left_out.cameras, expected[i].left_out.cameras) << i;
+        EXPECT_EQ(frame_.losses.cameras, expected[i].losses.cameras) << i;
         ASSERT_EQ(frame_.cameras.size(), expected[i].cameras.size()) << i;
         for (std::size_t c = 0; c < frame_.cameras.size(); ++c) {
             EXPECT_EQ(frame_.cameras[c].camera, expected[i].cameras[c].camera);

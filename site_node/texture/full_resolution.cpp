@@ -1,4 +1,4 @@
-#include "site_node/texture/whole_resolution.hpp"
+#include "site_node/texture/full_resolution.hpp"
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -18,7 +18,7 @@ cv::Mat view_of(image::Plane& plane) {
     return {plane.height, plane.width, CV_8UC1, plane.data.data()};
 }
 
-// `rect` and `margin` more each way, as far as the picture goes.
+// Returns `rect` widened by `margin` on each side, within the picture.
 image::PixelRect widened(const image::PixelRect& rect, int margin, int width, int height) {
     const int x0 = std::max(rect.x - margin, 0);
     const int y0 = std::max(rect.y - margin, 0);
@@ -27,7 +27,7 @@ image::PixelRect widened(const image::PixelRect& rect, int margin, int width, in
     return {x0, y0, x1 - x0, y1 - y0};
 }
 
-// Into `out` the part of `wide`, a picture of `wide_rect`, that shows `rect`.
+// Copies the part of `wide`, a picture of `wide_rect`, that shows `rect` to `out`.
 void cut(const cv::Mat& wide,
          const image::PixelRect& wide_rect,
          const image::PixelRect& rect,
@@ -53,13 +53,13 @@ int conversion_of(image::Mosaic mosaic) {
 
 }  // namespace
 
-void whole_luma(const image::YuvView& frame, const image::PixelRect& crop, image::Plane& out) {
+void full_luma(const image::YuvView& frame, const image::PixelRect& crop, image::Plane& out) {
     if (frame.mosaic == image::Mosaic::kNone) {
         cv::Mat to = view_of(out);
         view_of(frame.y, crop).copyTo(to);
         return;
     }
-    // even, so that the mosaic's first pixel stays of its colour
+    // even, to keep the first pixel of the mosaic at its colour
     constexpr int kMargin = 2;
     const image::PixelRect wide = widened(crop, kMargin, frame.width(), frame.height());
     cv::Mat luma;
@@ -67,7 +67,7 @@ void whole_luma(const image::YuvView& frame, const image::PixelRect& crop, image
     cut(luma, wide, crop, out);
 }
 
-void whole_chroma(const image::PlaneView& chroma, const image::PixelRect& crop, image::Plane& out) {
+void full_chroma(const image::PlaneView& chroma, const image::PixelRect& crop, image::Plane& out) {
     const image::PixelRect half{crop.x / 2, crop.y / 2, crop.width / 2, crop.height / 2};
     const image::PixelRect wide = widened(half, 1, chroma.width, chroma.height);
     cv::Mat doubled;

@@ -1,4 +1,4 @@
-#include "simulation/simulated_cameras/show.hpp"
+#include "simulation/simulated_cameras/shown_pictures.hpp"
 
 #include <gtest/gtest.h>
 
@@ -43,40 +43,40 @@ TEST(TriggerNumbers, SoftwareTriggersOfDifferentCamerasAreOne) {
     EXPECT_EQ(numbers.software(0, last_us + 40'000, kPeriod_us).time_us, last_us + 40'000);
 }
 
-TEST(Programme, TheRoomIsEmptyFirstAndThenTheMotionRepeats) {
-    Programme programme(4, 10, 20.0, microseconds(1'000'000));
+TEST(ShowSchedule, TheRoomIsEmptyFirstAndThenTheMotionRepeats) {
+    ShowSchedule schedule(4, 10, 20.0, microseconds(1'000'000));
     for (int i = 0; i < 20; ++i) {
-        const auto choice = programme.at(kStart_us + i * 50'000);
+        const auto choice = schedule.at(kStart_us + i * 50'000);
         EXPECT_TRUE(choice.is_empty_room) << i;
         EXPECT_EQ(choice.index, static_cast<std::size_t>(i % 4));
     }
     for (int i = 0; i < 25; ++i) {
-        const auto choice = programme.at(kStart_us + 1'000'000 + i * 50'000);
+        const auto choice = schedule.at(kStart_us + 1'000'000 + i * 50'000);
         EXPECT_FALSE(choice.is_empty_room) << i;
         EXPECT_EQ(choice.index, static_cast<std::size_t>(i % 10));
     }
 }
 
-TEST(Programme, EmptiesTheRoomOnRequest) {
-    Programme programme(4, 10, 20.0, microseconds(1'000'000));
-    EXPECT_FALSE((programme.at(kStart_us), programme.at(kStart_us + 1'500'000)).is_empty_room);
-    programme.empty_room(kStart_us + 1'500'000);
-    EXPECT_TRUE(programme.at(kStart_us + 1'500'000).is_empty_room);
-    EXPECT_TRUE(programme.at(kStart_us + 2'450'000).is_empty_room);
-    EXPECT_FALSE(programme.at(kStart_us + 2'500'000).is_empty_room);
+TEST(ShowSchedule, EmptiesTheRoomOnRequest) {
+    ShowSchedule schedule(4, 10, 20.0, microseconds(1'000'000));
+    EXPECT_FALSE((schedule.at(kStart_us), schedule.at(kStart_us + 1'500'000)).is_empty_room);
+    schedule.empty_room(kStart_us + 1'500'000);
+    EXPECT_TRUE(schedule.at(kStart_us + 1'500'000).is_empty_room);
+    EXPECT_TRUE(schedule.at(kStart_us + 2'450'000).is_empty_room);
+    EXPECT_FALSE(schedule.at(kStart_us + 2'500'000).is_empty_room);
 }
 
-TEST(Programme, WithoutPicturesOfTheEmptyRoomTheMotionStartsAtOnce) {
-    Programme programme(0, 10, 20.0, microseconds(1'000'000));
-    EXPECT_FALSE(programme.at(kStart_us).is_empty_room);
-    EXPECT_EQ(programme.at(kStart_us).index, 0u);
+TEST(ShowSchedule, WithoutPicturesOfTheEmptyRoomTheMotionStartsAtOnce) {
+    ShowSchedule schedule(0, 10, 20.0, microseconds(1'000'000));
+    EXPECT_FALSE(schedule.at(kStart_us).is_empty_room);
+    EXPECT_EQ(schedule.at(kStart_us).index, 0u);
 }
 
-TEST(Programme, CamerasOfAPeriodInWholeMicrosecondsMissNoInstant) {
+TEST(ShowSchedule, CamerasOfAPeriodInWholeMicrosecondsMissNoInstant) {
     // 30 Hz cannot be said in whole microseconds
-    Programme programme(1, 1000, 30.0, microseconds(0));
+    ShowSchedule schedule(1, 1000, 30.0, microseconds(0));
     for (int i = 0; i < 900; ++i) {
-        EXPECT_EQ(programme.at(kStart_us + i * 33'333).index, static_cast<std::size_t>(i));
+        EXPECT_EQ(schedule.at(kStart_us + i * 33'333).index, static_cast<std::size_t>(i));
     }
 }
 

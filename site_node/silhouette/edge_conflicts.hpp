@@ -8,13 +8,13 @@
 
 namespace atrium::silhouette {
 
-/// An edge, from vertex `edge` to the next, that meets another one.
+/// An edge, from vertex `edge` to the next, that meets another edge.
 struct EdgeConflict {
     std::uint32_t polygon = 0;
     std::uint32_t edge = 0;
 };
 
-/// Reused memory of find_conflicts.
+/// Reusable memory of find_conflicts.
 struct EdgeGrid {
     struct Entry {
         std::uint32_t polygon;
@@ -25,10 +25,10 @@ struct EdgeGrid {
     std::vector<Entry> entries;
 };
 
-/// Finds all edges that cross, touch or overlap another edge of any of the polygons, other than in
-/// the vertex that they share, and edges without length. Each conflict names both edges; edges may
-/// be named several times. None: every polygon is simple and no two polygons meet. Expected time
-/// O(edges) by a uniform grid.
+/// Finds all edges that cross, touch or overlap another edge of any polygon, except at a shared
+/// vertex, and edges without length. Each conflict lists both edges; an edge may be listed several
+/// times. An empty result means that every polygon is simple and no two polygons meet. Expected
+/// time O(edges) by a uniform grid.
 void find_conflicts(std::span<const SilhouettePolygon> polygons,
                     EdgeGrid& grid,
                     std::vector<EdgeConflict>& out);

@@ -1,8 +1,8 @@
-#include "site_node/run_end.hpp"
+#include "site_node/run_control.hpp"
 
 namespace atrium::site_node {
 
-Expected<void> RunEnd::begin() {
+Expected<void> RunControl::begin() {
     const std::lock_guard lock(mutex_);
     if (name_lost_) return result_;
     source_ = std::stop_source();
@@ -10,17 +10,17 @@ Expected<void> RunEnd::begin() {
     return {};
 }
 
-void RunEnd::finish(const Expected<void>& result) {
+void RunControl::finish(const Expected<void>& result) {
     std::stop_source source;
     {
         const std::lock_guard lock(mutex_);
         if (result_) result_ = result;
         source = source_;
     }
-    source.request_stop();  // what it calls may ask us
+    source.request_stop();  // without the lock: its callbacks may call this object
 }
 
-void RunEnd::lose_name(const Error& lost) {
+void RunControl::lose_name(const Error& lost) {
     {
         const std::lock_guard lock(mutex_);
         name_lost_ = true;
@@ -28,17 +28,17 @@ void RunEnd::lose_name(const Error& lost) {
     finish(tl::unexpected(lost));
 }
 
-std::stop_token RunEnd::token() const {
+std::stop_token RunControl::token() const {
     const std::lock_guard lock(mutex_);
     return source_.get_token();
 }
 
-bool RunEnd::has_lost_name() const {
+bool RunControl::has_lost_name() const {
     const std::lock_guard lock(mutex_);
     return name_lost_;
 }
 
-Expected<void> RunEnd::result() const {
+Expected<void> RunControl::result() const {
     const std::lock_guard lock(mutex_);
     return result_;
 }

@@ -1,4 +1,4 @@
-#include "simulation/simulated_cameras/show.hpp"
+#include "simulation/simulated_cameras/shown_pictures.hpp"
 
 #include "simulation/simulated_cameras/sensor.hpp"
 #include "site_node/capture/recording_source.hpp"
@@ -76,7 +76,7 @@ Expected<ShownPictures> show_recording(const std::filesystem::path& folder,
         if (stop.stop_requested()) return stopped();
         auto metaframe = (*source)->read_frame(i);
         if (!metaframe) {
-            // a video's header may promise more frames than the file has
+            // a video header may announce more frames than the file has
             if (i > 0) break;
             return tl::unexpected(metaframe.error());
         }
@@ -96,25 +96,25 @@ Expected<ShownPictures> show_recording(const std::filesystem::path& folder,
     return shown;
 }
 
-Programme::Programme(std::size_t num_empty,
-                     std::size_t num_instants,
-                     double rate_hz,
-                     std::chrono::microseconds empty_time)
+ShowSchedule::ShowSchedule(std::size_t num_empty,
+                           std::size_t num_instants,
+                           double rate_hz,
+                           std::chrono::microseconds empty_time)
     : num_empty_(num_empty),
       num_instants_(num_instants),
       rate_hz_(rate_hz),
       empty_time_(num_empty == 0 ? std::chrono::microseconds(0) : empty_time) {}
 
-Programme::Choice Programme::at(std::int64_t time_us) {
+ShowSchedule::Choice ShowSchedule::at(std::int64_t time_us) {
     std::int64_t since_us = 0;
     {
         const std::lock_guard lock(mutex_);
         if (!empty_from_us_) empty_from_us_ = time_us;
         since_us = time_us - *empty_from_us_;
     }
-    // a camera that is behind the first one by a trigger or more sees the beginning, too
+    // a camera that lags behind the first one by a trigger or more also sees the beginning
     since_us = std::max<std::int64_t>(since_us, 0);
-    // the nearest instant: a camera's period is of whole microseconds, that of the motion is not
+    // nearest instant: camera periods are whole microseconds, that of the motion is not
     const auto frames_after = [&](std::int64_t us) {
         return static_cast<std::size_t>(std::lround(static_cast<double>(us) * 1e-6 * rate_hz_));
     };
@@ -122,7 +122,7 @@ Programme::Choice Programme::at(std::int64_t time_us) {
     return {false, frames_after(since_us - empty_time_.count()) % num_instants_};
 }
 
-void Programme::empty_room(std::int64_t time_us) {
+void ShowSchedule::empty_room(std::int64_t time_us) {
     const std::lock_guard lock(mutex_);
     empty_from_us_ = time_us;
 }

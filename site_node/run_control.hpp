@@ -7,15 +7,15 @@
 
 namespace atrium::site_node {
 
-/// When and why a run ends, said by any thread, and perhaps before there is one: a site that waits
-/// for its room to be learned has a name already, and may lose it. Thread-safe.
-class RunEnd {
+/// Records when and why a run ends. Any thread may end a run, also before it begins: a site claims
+/// its name before it learns its room, and may lose the name meanwhile. Thread-safe.
+class RunControl {
 public:
-    /// A run begins; fails where the name is lost.
+    /// Begins a run. Fails if the name is lost.
     Expected<void> begin();
-    /// Ends the run; the first result is the run's.
+    /// Ends the run. The first error reported becomes its result.
     void finish(const Expected<void>& result);
-    /// Another has the name: ends this run, and there is no other.
+    /// Ends this run because another program owns the name, and prevents any further run.
     void lose_name(const Error& lost);
 
     std::stop_token token() const;

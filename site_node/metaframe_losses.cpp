@@ -1,4 +1,4 @@
-#include "site_node/left_out.hpp"
+#include "site_node/metaframe_losses.hpp"
 
 #include "core/bus/limits.hpp"
 
@@ -8,18 +8,18 @@
 
 namespace atrium::site_node {
 
-void add(const LeftOut& left_out, bus::LeftOutTotals& totals) {
-    totals.num_cameras += left_out.cameras;
-    totals.num_phantoms += left_out.phantoms;
-    totals.num_fragments += left_out.fragments;
-    // cones of a bad calibration may meet kilometres away; a status has to be sent all the same
-    totals.dropped_l = std::min(totals.dropped_l + left_out.dropped_l, bus::kMaxStatistic);
-    totals.num_contours_dropped += left_out.contours_dropped;
-    totals.num_contours_repaired += left_out.contours_repaired;
-    totals.num_regions_failed += left_out.regions_failed;
+void add(const MetaframeLosses& losses, bus::LeftOutTotals& totals) {
+    totals.num_cameras += losses.cameras;
+    totals.num_phantoms += losses.phantoms;
+    totals.num_fragments += losses.fragments;
+    // cones of a bad calibration may meet kilometres away; the status must stay within its limits
+    totals.dropped_l = std::min(totals.dropped_l + losses.dropped_l, bus::kMaxStatistic);
+    totals.num_contours_dropped += losses.contours_dropped;
+    totals.num_contours_repaired += losses.contours_repaired;
+    totals.num_regions_failed += losses.regions_failed;
 }
 
-std::string left_out_line(const bus::SiteStatus& from, const bus::SiteStatus& to) {
+std::string losses_line(const bus::SiteStatus& from, const bus::SiteStatus& to) {
     if (to.num_incomplete_used == from.num_incomplete_used && to.left_out == from.left_out)
         return {};
     const bus::LeftOutTotals& a = from.left_out;

@@ -1,4 +1,4 @@
-#include "site_node/silhouette/simplicity.hpp"
+#include "site_node/silhouette/edge_conflicts.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 namespace atrium::silhouette {
 namespace {
 
-constexpr double kMinCellPx = 12.0;  // a few edges per cell; a typical edge is some 5 to 30 px long
+constexpr double kMinCellPx = 12.0;  // a few edges per cell; typical edges are 5 to 30 px long
 constexpr int kMaxCells = 128;       // per side
 
 struct Edge {
@@ -23,8 +23,8 @@ double turn(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vec
     return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 
-// Side of `line` on which p lies; 0 also for what rounding could turn (coordinates of some thousand
-// pixels).
+// Side of `line` on which p lies; 0 also where rounding could change the sign (coordinates of some
+// thousand pixels).
 int side(const Edge& line, const Eigen::Vector2d& p) {
     constexpr double kRounding = 1e-7;
     const double t = turn(line.a, line.b, p);
@@ -43,7 +43,7 @@ bool meet(const Edge& s, const Edge& t) {
     return side(s, t.a) * side(s, t.b) <= 0 && side(t, s.a) * side(t, s.b) <= 0;
 }
 
-// `first` ends where `second` begins: they may only meet there.
+// `first` ends where `second` begins: they may meet only there.
 bool folds_back(const Edge& first, const Edge& second) {
     return side(first, second.b) == 0 && (first.b - first.a).dot(second.b - second.a) <= 0.0;
 }
