@@ -221,7 +221,7 @@ int main(int argc, char** argv) {
             "usage: machine_score [--json]\n"
             "Prints how fast this machine is at two fixed kernels, on one core and on all cores at "
             "once.\n"
-            "A score of 100 is 2 cores of an AMD EPYC at 2.45 GHz; docs/measuring.md says more.\n");
+            "A score of 100 is 2 cores of an AMD EPYC at 2.45 GHz; see docs/measuring.md.\n");
         return help ? 0 : 2;
     }
     const std::vector<int> cores = usable_cores();

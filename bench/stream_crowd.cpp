@@ -33,7 +33,7 @@ constexpr const char* kUsage =
     "usage: stream_crowd idle PROGRAM NETWORK COUNT PER_SECOND SECONDS\n"
     "       stream_crowd announce NETWORK SECONDS\n"
     "       stream_crowd head\n"
-    "One row of docs/streams.md, Participants; head: the names of the columns of the first.\n";
+    "One row of docs/streams.md, Participants; head: the column names of the first.\n";
 constexpr auto kPatience = 60s;
 constexpr auto kSettle = 5s;
 

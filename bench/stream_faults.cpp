@@ -120,7 +120,7 @@ int main(int argc, char** argv) {
         argv,
         {1, 2},
         "usage: stream_faults SECONDS_OF_EACH [ONLY]\n"
-        "A row of CSV per case of docs/streams.md, Faults; ONLY: the case of this name.\n");
+        "A row of CSV per case of docs/streams.md, Faults; ONLY: only the case of this name.\n");
     const auto duration = std::chrono::milliseconds(std::lround(1000.0 * std::stod(words[0])));
     const std::string only = words.size() > 1 ? words[1] : "";
     const auto cache =

@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
         {8, 10, 12, 13},
         "usage: stream_links NAME INTERNAL PROFILES MBIT/S DELAY_MS JITTER_MS LOSS FRAMES\n"
         "                    [MESH TEXTURE [MESSAGE FRAGMENT [TEXTURE_WRITERS]]]\n"
-        "INTERNAL: Cyclone's elements of <Internal>; PROFILES: a file, \"\" for the one built in;\n"
+        "INTERNAL: Cyclone's elements of <Internal>; PROFILES: a file, \"\" for the built-in one;\n"
         "0 MBIT/S: no limit; the rest in bytes. One row of docs/streams.md, Links.\n");
     auto network = ImpairedNetwork::create(2, 1);
     if (!network) {

@@ -32,8 +32,8 @@ using test::HostedProcess;
 constexpr const char* kUsage =
     "usage: stream_scale NAME NETWORK STREAM SITES SUBSCRIBERS DECODE SECONDS\n"
     "       stream_scale head\n"
-    "One row of docs/streams.md, Scale. NETWORK: as --network; STREAM: as replayed_site --code\n"
-    "makes it; DECODE: true or false; head: the names of the columns.\n";
+    "One row of docs/streams.md, Scale. NETWORK: as for --network; STREAM: made by\n"
+    "replayed_site --code; DECODE: true or false; head: the column names.\n";
 constexpr auto kPatience = 60s;  // many programs on few cores
 constexpr auto kSettle = 3s;
 constexpr auto kLast = 1s;  // for frames on their way

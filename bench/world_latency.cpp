@@ -327,7 +327,7 @@ void print(const Case& c, const Observer& observer) {
 constexpr const char* kUsage =
     "usage: world_latency NAME KIND SITES SECONDS [RATE_HZ]    one row; KIND: a rig.toml, or "
     "meshes\n"
-    "       world_latency head                                 the names of the columns\n";
+    "       world_latency head                                 the column names\n";
 
 }  // namespace
 
@@ -351,7 +351,8 @@ int main(int argc, char** argv) {
     options.network = kNetwork;
     Programs programs(c, options);
     Observer observer(c, options);
-    if (!observer.wait_for_all(programs)) fail(1, "not all sites and the world were there in time");
+    if (!observer.wait_for_all(programs))
+        fail(1, "timeout: a site or the world server did not appear");
     observer.watch(c.length);
     programs.check();
     print(c, observer);
