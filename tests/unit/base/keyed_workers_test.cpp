@@ -72,7 +72,7 @@ TEST(KeyedWorkers, ReplacesTheWaitingValueByANewerOne) {
     });
     EXPECT_FALSE(sut.put("a", 1));
     began.acquire();
-    EXPECT_FALSE(sut.put("a", 2)) << ""a" waits although a thread was available";
+    EXPECT_FALSE(sut.put("a", 2)) << "the value waits although a thread was available";
     EXPECT_EQ(sut.put("a", 3), 2);
     EXPECT_EQ(sut.num_replaced(), 1U);
     EXPECT_EQ(sut.num_threads(), 1U);

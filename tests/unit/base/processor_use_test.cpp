@@ -25,7 +25,8 @@ TEST(ParseSchedstat, ReadsThreeNumbers) {
     EXPECT_EQ(stat->run_ns, 101933437U);
     EXPECT_EQ(stat->waited_ns, 32335820U);
     EXPECT_EQ(stat->num_runs, 109U);
-    EXPECT_TRUE(parse_schedstat("0 108924 1\n").has_value()) << "the thread is still in its first run";
+    EXPECT_TRUE(parse_schedstat("0 108924 1\n").has_value())
+        << "the thread is still in its first run";
     EXPECT_TRUE(parse_schedstat("18446744073709551615 0 1").has_value());
 }
 

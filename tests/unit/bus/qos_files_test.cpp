@@ -65,7 +65,8 @@ TEST(QosProfiles, MatchTheDesign) {
             EXPECT_NE(qos.limits.max_instances, kUnlimited);
             EXPECT_EQ(qos.lease, std::chrono::seconds(1)) << "a lost site must be gone within 2 s";
         }
-        EXPECT_EQ(profile.writer.lifespan == kForever, name == kDescription) << "only descriptions must live for ever";
+        EXPECT_EQ(profile.writer.lifespan == kForever, name == kDescription)
+            << "only descriptions must live for ever";
         const bool can_be_repaired = name == kStream || name == kTexture;
         for (const EndpointQos& qos : {profile.writer, profile.reader})
             EXPECT_EQ(qos.history.depth, can_be_repaired ? 8 : 1);

@@ -292,7 +292,8 @@ TEST(MeshCodec, RefusesToEncodeBadMeshes) {
     EXPECT_FALSE(encode_mesh(mesh, {}, bytes).has_value());
     mesh = make_octahedron({0, 0, 0}, 1.0);
     for (auto& triangle : mesh.triangles) triangle = {1, 1, 2};
-    EXPECT_FALSE(encode_mesh(mesh, {}, bytes).has_value()) << "a mesh without any remaining triangle was encoded";
+    EXPECT_FALSE(encode_mesh(mesh, {}, bytes).has_value())
+        << "a mesh without any remaining triangle was encoded";
     EXPECT_TRUE(bytes.empty());
 }
 

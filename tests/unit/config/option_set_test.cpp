@@ -88,7 +88,8 @@ TEST(OptionSet, KeepsWordsAndResolvesPathsFromTheFolderOfTheFile) {
     read("network = \"nets/own.xml\"");
     EXPECT_EQ(network, (folder / "nets/own.xml").string());
     ASSERT_TRUE(set.set("bus.network", "own.xml", "--network"));
-    EXPECT_EQ(network, "own.xml") << "a path on the command line is relative to the working directory";
+    EXPECT_EQ(network, "own.xml")
+        << "a path on the command line is relative to the working directory";
     std::filesystem::remove_all(folder);
 }
 
