@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Measures the demo on a quiet machine: waits until the machine is idle, runs build/bin/demo (two simulated rooms, world server, viewer
-that records a video), keeps all figures with date, commit, machine and its score in bench/results/DATE-MACHINE-demo.json and renews
+"""Measures the demo on a quiet machine. Waits until the machine is idle, runs build/bin/demo (two simulated rooms, world server, viewer
+that records a video), keeps all figures with date, commit, machine and its score in bench/results/DATE-MACHINE-demo.json, and renews
 README's table from that file. `make bench-demo` builds and runs it. Ctrl-C ends it without a result and leaves no process.
 """
 
@@ -19,12 +19,12 @@ import readme_table
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", default="build", help="folder of the build (default: %(default)s)")
-    parser.add_argument("--seconds", type=float, default=20.0, help="length of each run, from when everybody is on (default: %(default)s)")
-    parser.add_argument("--runs", type=int, default=1, help="the figures are the medians of so many runs (default: %(default)s)")
+    parser.add_argument("--seconds", type=float, default=20.0, help="length of each run, from when all programs are running (default: %(default)s)")
+    parser.add_argument("--runs", type=int, default=1, help="number of runs; the figures are their medians (default: %(default)s)")
     parser.add_argument("--patience", type=float, default=120.0,
-                        help="how long to wait for an idle machine before each run [s]; then it goes on and marks the result (default: %(default)s)")
-    parser.add_argument("--output", help="the result's file (default: bench/results/DATE-MACHINE-demo.json)")
-    parser.add_argument("--no-readme", action="store_true", help="leave README.md alone")
+                        help="how long to wait for an idle machine before each run [s]; after that it runs anyway and marks the result (default: %(default)s)")
+    parser.add_argument("--output", help="file of the result (default: bench/results/DATE-MACHINE-demo.json)")
+    parser.add_argument("--no-readme", action="store_true", help="do not change README.md")
     given = parser.parse_args()
     if given.seconds < 3 or given.runs < 1:
         parser.error("at least 3 seconds and one run")
@@ -60,7 +60,7 @@ def rounded(value):
 def main():
     given = arguments()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
-    # before anything runs: a score belongs to the idle machine as well
+    # before the first run: the score needs an idle machine too
     machine.wait_until_idle(given.patience, say=say)
     score = machine.score(given.build)
     say(f"score: {score['one_core']['score']} on one core, {score['all_cores']['score']} on all at once")

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Eight simulated GigE Vision cameras of one megapixel at 20 Hz, through Aravis into hulls for a minute: one is away for ten
-# seconds, one loses 1 % of its packets, one is restarted. Prints what became of every trigger; ends with 1 where something
-# is not as it must be. tests/integration/cameras_test is the same in short.
+# Runs eight simulated GigE Vision cameras of one megapixel at 20 Hz through Aravis into hulls for a minute. One camera is away for ten
+# seconds, one loses 1 % of its packets, one restarts. Prints the result of every trigger. Exits with 1 if a check fails.
+# tests/integration/cameras_test is a short version.
 #   bench/cameras_60s.sh [BUILD_FOLDER]
 set -eu
 case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
@@ -9,7 +9,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 bin=${1:-$root/build}/bin
 rig=$root/deploy/rigs/full_body_1mp.toml
 cmake --build "${1:-$root/build}" --target simulated_cameras cameras_client
-# times count from the first picture; the background is learned in the first two to five seconds
+# times count from the first picture; learning the background takes the first two to five seconds
 exec "$bin/simulated_cameras" --log-level warn --rig "$rig" --rate_hz 20 --stamp --empty_seconds 8 --simulation.loop_s 1 \
     --lose cam3=1 --stop cam2@20+10 --restart cam5@45 -- \
     "$bin/cameras_client" --log-level warn --rig "$rig" --seconds 60 --outages cam2=10,cam5=0 --lossy cam3

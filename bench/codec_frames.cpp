@@ -12,7 +12,7 @@
 namespace atrium::bench {
 namespace {
 
-// The mask that halves to `half` where `crop_px` lies.
+// The full-size mask whose half is `half`, with the crop at `crop_px`.
 image::Mask doubled(const image::Mask& half,
                     const image::PixelRect& crop_px,
                     int width,
@@ -90,7 +90,7 @@ Expected<std::vector<CodecFrame>> recorded_frames(const std::filesystem::path& f
     const config::Rig& rig = (*source)->rig();
     std::vector<std::string> without;
     for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
-        // of each run of cameras that share a place in 0 .. num_views - 1, the first
+        // the first camera of each run of cameras with the same place in 0 .. num_views - 1
         const std::size_t place = c * num_views / rig.cameras.size();
         if (c > 0 && (c - 1) * num_views / rig.cameras.size() == place)
             without.push_back(rig.cameras[c].name);

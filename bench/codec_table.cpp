@@ -1,6 +1,5 @@
-// What one frame is coded to: its size, what it loses inside of the silhouettes, and the time on
-// one thread, by the quality of the textures. Writes comma-separated values; codec_table.sh keeps
-// them.
+// Coded size of one frame, its error inside the silhouettes, and the time on one thread, for
+// several texture qualities. Writes comma-separated values, which codec_table.sh keeps.
 
 #include "bench/codec_frames.hpp"
 #include "core/codec/mesh_codec.hpp"
@@ -34,7 +33,7 @@ void require(const Expected<void>& result) {
     std::exit(1);
 }
 
-// The median: what a frame takes on a machine that has other things to do now and then.
+// The median: other programs disturb single frames.
 double median_ms(const std::function<void()>& work) {
     std::vector<double> ms;
     for (int i = 0; i < kRepetitions; ++i) {
@@ -48,7 +47,7 @@ double median_ms(const std::function<void()>& work) {
     return ms[kRepetitions / 2];
 }
 
-/// Of all frames of a scene: sums, and the worst camera.
+/// Over all frames of a scene: sums, and the worst camera.
 struct Row {
     double triangles = 0.0;
     double position_bits = 0.0;

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renews the table of docs/measurements/codecs.md from what codec_table.sh keeps.
+"""Renews the table of docs/measurements/codecs.md from the results of codec_table.sh.
 
 usage: codec_table.py TABLE PAGE    the table goes between <!-- codec --> and <!-- /codec -->
 """

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Measures what a frame is coded to: `bench/codec_table.sh [BUILD]`. Keeps the table with machine and date in bench/results/ and
-# renews that of docs/measurements/codecs.md. BUILD has to be configured with -DATRIUM_BENCH=ON. The machine should have nothing else to do.
-# The recording is left out where ../shared/data is not there.
+# Measures the coded size of a frame: `bench/codec_table.sh [BUILD]`. Keeps the table with machine and date in bench/results/ and renews the
+# table of docs/measurements/codecs.md. Configure BUILD with -DATRIUM_BENCH=ON. The machine should be idle. Skips the recording if ../shared/data is
+# missing.
 set -eu
 case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."

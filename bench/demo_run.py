@@ -1,4 +1,4 @@
-"""Runs one demo and measures its programs from outside, so that any commit's demo can be measured: shared by the scripts here."""
+"""Runs one demo and measures its programs from outside, which works for any commit. Shared by the scripts here."""
 
 import ctypes
 import datetime
@@ -26,7 +26,7 @@ def _die_with_parent():
 
 
 def read_stat(text):
-    """{"parent", "cpu_s", "started_s" since boot} from a text of /proc/PID/stat. The time of threads that ended is in it."""
+    """{"parent", "cpu_s", "started_s" since boot} from a text of /proc/PID/stat. Includes the time of ended threads."""
     words = text[text.rindex(")") + 2:].split()
     hertz = os.sysconf("SC_CLK_TCK")
     return {"parent": int(words[1]), "cpu_s": (int(words[11]) + int(words[12])) / hertz, "started_s": int(words[19]) / hertz}
@@ -41,7 +41,7 @@ def _read(path):
 
 
 def program_name(command):
-    """What the demo calls the program of a command line: world, viewer, or the name of a site's file."""
+    """The demo's name of the program with this command line: world, viewer, or the name of a site's file."""
     program = os.path.basename(command[0])
     if program == "site_node":
         file = command[command.index("--config") + 1]
@@ -65,7 +65,7 @@ def children_of(parent):
 
 
 def waited_s(pid):
-    """{thread: seconds that it was ready but had no processor}; empty where the kernel does not count it."""
+    """{thread: seconds that it was ready but had no processor}; empty if the kernel does not count it."""
     waited = {}
     try:
         threads = os.listdir(f"/proc/{pid}/task")
@@ -133,7 +133,7 @@ def used_between(begin, end, num_metaframes_per_s):
 
 
 def log_time(line):
-    """Seconds since 1970 of a log's line, None where it has no time."""
+    """Seconds since 1970 of a log line, None if it has no time."""
     try:
         return datetime.datetime.fromisoformat(line.split(" ", 1)[0]).timestamp()
     except ValueError:
@@ -141,7 +141,7 @@ def log_time(line):
 
 
 def first_event(log, event):
-    """When a log first holds the event, None where it does not."""
+    """Time of the first such event in a log, None if there is none."""
     for line in log.splitlines():
         if event in line:
             return log_time(line)
@@ -149,7 +149,7 @@ def first_event(log, event):
 
 
 def start_seconds(output, started):
-    """From each program's start to what its user waits for, by the logs: {name: seconds}. started: {name: seconds since 1970}.
+    """Time from each program's start to the event that its user waits for, from the logs: {name: seconds}. started: {name: seconds since 1970}.
 
     A site: until the viewer shows its person. The world server: until it runs. The viewer: until it has a surface to draw on.
     """
@@ -174,7 +174,7 @@ def started_at(pid):
 
 
 def stop(demo):
-    """Ends a demo as Ctrl-C does, and insists after a while. Its programs end with it, even if it is killed."""
+    """Ends a demo like Ctrl-C, and kills it after a while. Its programs end with it even then."""
     for number in (signal.SIGINT, signal.SIGKILL):
         if demo.poll() is not None:
             return
@@ -244,7 +244,7 @@ def _watch(demo, output, say):
 
 
 def median_of(values):
-    """The median of equally built results: of numbers, also inside of dictionaries; of anything else the first."""
+    """The median of results of equal structure: of numbers, also inside dictionaries. Of other values, the first."""
     first = next((value for value in values if value is not None), None)
     if isinstance(first, dict):
         found = [value for value in values if isinstance(value, dict)]

@@ -9,14 +9,14 @@
 #include <chrono>
 #include <limits>
 
-// What is done with the hull of a person, of 10 k triangles: neighbours found and checked, vertices
-// left out, normals for display. `min_ms` is the fastest round.
+// Work on the hull of a person, of 10 k triangles: find and check neighbours, decimate, compute
+// normals for display. `min_ms` is the fastest round.
 namespace atrium::geometry {
 namespace {
 
-constexpr int kNumRandomPoints = 20'000;  // beside all vertices and middles
+constexpr int kNumRandomPoints = 20'000;  // besides all vertices and middles
 
-// Empty where ../shared/data is not; then `state` is skipped.
+// Empty if ../shared/data is missing; then `state` is skipped.
 const TriangleMesh& person(benchmark::State& state) {
     static const TriangleMesh mesh = [] {
         hull::HullScratch scratch;
@@ -43,8 +43,8 @@ private:
     double min_ms_ = std::numeric_limits<double>::infinity();
 };
 
-// args: allowed distance [mm]. Counters: what is left, the bound that comes with it, and the
-// largest distance found from either surface to the other.
+// args: allowed distance [mm]. Counters: the remaining triangles, the reported bound, and the
+// largest measured distance from either surface to the other.
 void decimate_person(benchmark::State& state) {
     const TriangleMesh& in = person(state);
     const DecimateOptions options{.max_distance_m = 1e-3 * static_cast<double>(state.range(0))};

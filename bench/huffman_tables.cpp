@@ -1,6 +1,6 @@
-// Makes core/codec/huffman_tables.hpp: the code that suits the textures of the scenes of
-// codec_table best, with a word for every symbol that baseline JPEG has.
-// usage: huffman_tables > core/codec/huffman_tables.hpp
+// Generates core/codec/huffman_tables.hpp: the best code for the textures of the scenes of
+// codec_table, with a word for every symbol of baseline JPEG. usage: huffman_tables >
+// core/codec/huffman_tables.hpp
 
 #include "bench/codec_frames.hpp"
 #include "core/codec/jpeg_writer.hpp"
@@ -21,9 +21,10 @@
 namespace atrium::bench {
 namespace {
 
-using Counts = std::array<std::uint64_t, 257>;  // by symbol; 256: the word of ones, kept free
+// by symbol; 256: the word of ones, which stays unused
+using Counts = std::array<std::uint64_t, 257>;
 
-/// Of one kind of component.
+/// The counts of one kind of component.
 struct Statistics {
     Counts dc{};
     Counts ac{};
@@ -55,7 +56,7 @@ void count_block(const JCOEF* block, int& last_dc, Statistics& out) {
 void count_picture(std::span<const std::uint8_t> bytes, std::array<Statistics, 2>& out) {
     jpeg_decompress_struct jpeg;
     jpeg_error_mgr errors;
-    jpeg.err = jpeg_std_error(&errors);  // what goes wrong ends the program
+    jpeg.err = jpeg_std_error(&errors);  // an error ends the program
     jpeg_create_decompress(&jpeg);
     jpeg_mem_src(&jpeg, bytes.data(), bytes.size());
     jpeg_read_header(&jpeg, TRUE);
@@ -74,7 +75,7 @@ void count_picture(std::span<const std::uint8_t> bytes, std::array<Statistics, 2
     jpeg_destroy_decompress(&jpeg);
 }
 
-// Length of the word of each symbol with a count; 0 for the others.
+// Word length of each symbol with a count; 0 for the others.
 std::array<int, 257> word_lengths(const Counts& counts) {
     struct Node {
         std::uint64_t count;
@@ -100,13 +101,13 @@ std::array<int, 257> word_lengths(const Counts& counts) {
 }
 
 void print_table(const char* name, Counts counts) {
-    // JPEG has no word of more than 16 bits
+    // JPEG allows no word of more than 16 bits
     auto lengths = word_lengths(counts);
     while (*std::max_element(lengths.begin(), lengths.end()) > 16) {
         for (auto& count : counts) count = (count + 1) / 2;
         lengths = word_lengths(counts);
     }
-    // the last of the longest words is the one of ones
+    // the last of the longest words is the word of ones
     lengths[256] = *std::max_element(lengths.begin(), lengths.end());
     std::vector<std::size_t> symbols;
     for (std::size_t s = 0; s < 256; ++s) {

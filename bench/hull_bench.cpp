@@ -12,15 +12,15 @@
 #include <numbers>
 #include <string>
 
-// Time to compute one exact hull; counters: milliseconds of each stage in the fastest round, and
-// the size of the result.
+// Time of one exact hull. Counters: milliseconds of each stage in the fastest round, and the size
+// of the result.
 namespace atrium::hull {
 namespace {
 
 const std::filesystem::path kSets = ATRIUM_SOURCE_DIR "/../shared/data/hulls";
 
-// A body with the number of segments of a real one where the set is not here: an uneven star from
-// each camera.
+// If the set is missing, a body with as many segments as a real one: an uneven star from each
+// camera.
 std::vector<SilhouetteView> synthetic_body(int num_cameras, int num_vertices) {
     std::vector<SilhouetteView> views;
     for (const auto& camera : test::make_ring_rig({.num_cameras = num_cameras})) {

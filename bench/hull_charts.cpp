@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-// What the hull's stages make of one simulated person, as JSON: the data of docs/figures/hull_*.svg
-// (hull_figures.py draws them).
+// Results of the hull's stages for one simulated person, as JSON: the data of
+// docs/figures/hull_*.svg (hull_figures.py draws them).
 namespace atrium::bench {
 namespace {
 
@@ -43,7 +43,7 @@ json list_views(const std::vector<hull::SilhouetteView>& views) {
     return out;
 }
 
-// The same as a file that visual_hull reads (docs/visual_hull.md): deploy/views/person.json.
+// The same as a file for visual_hull (docs/visual_hull.md): deploy/views/person.json.
 json views_file(const std::vector<hull::SilhouetteView>& views) {
     json out = json::array();
     for (const hull::SilhouetteView& view : views) {
@@ -72,8 +72,8 @@ json views_file(const std::vector<hull::SilhouetteView>& views) {
     return {{"views", out}};
 }
 
-// Triangles of the largest component without any viewing edge, in the first resolution at which
-// the person has one.
+// Triangles of the largest component without any viewing edge, at the first resolution at which the
+// person has one.
 json phantom_of() {
     hull::HullOptions options;
     options.keep_phantoms = true;
@@ -119,7 +119,7 @@ json phantom_of() {
     return nullptr;
 }
 
-// A silhouette of which the picture shows a part only.
+// A silhouette that the picture shows only in part.
 json field_of(const std::vector<hull::SilhouetteView>& views) {
     hull::Outlines outlines;
     hull::OutlineScratch scratch;
@@ -158,7 +158,7 @@ json field_of(const std::vector<hull::SilhouetteView>& views) {
 int main(int argc, char**) {
     using namespace atrium::bench;
     const auto views = person_views(kNumViews, kSegments);
-    if (argc > 1) {  // any argument: the views themselves
+    if (argc > 1) {  // any argument: print the views themselves
         std::puts(views_file(views).dump().c_str());
         return 0;
     }

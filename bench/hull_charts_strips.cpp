@@ -19,7 +19,7 @@ using hull::Cones;
 using hull::StripChart;
 using nlohmann::json;
 
-constexpr std::uint64_t kMaxSteps = 1'000'000;  // of a strip: more than any of a person takes
+constexpr std::uint64_t kMaxSteps = 1'000'000;  // of a strip: more than any strip of a person needs
 
 // Chart coordinates: phi, u.
 Eigen::Vector2d in_chart(const Cones& cones, std::uint32_t strip, const Eigen::Vector3d& p) {
@@ -32,7 +32,7 @@ Eigen::Vector2d in_chart(const Cones& cones, std::uint32_t strip, const Eigen::V
     return {depth == 0.0 ? 0.5 : w.y() / depth, 1.0 / std::max(depth, 1e-9)};
 }
 
-// Where the sector of `other` cuts the strip, by samples: independent of what the sweep looked at.
+// Where the sector of `other` cuts the strip, by sampling: independent of the sweep.
 json cut_of(const Cones& cones, std::uint32_t strip, std::uint32_t other) {
     const Cones::Strip& s = cones.strips[strip];
     const Cones::Strip& o = cones.strips[other];
@@ -61,7 +61,7 @@ json cut_of(const Cones& cones, std::uint32_t strip, std::uint32_t other) {
     return ends;
 }
 
-// The other cameras that see background at a place of the strip.
+// The other cameras that see background at a place on the strip.
 json carving(const std::vector<hull::SilhouetteView>& views,
              const Cones& cones,
              std::uint32_t strip,
@@ -88,15 +88,15 @@ json carving(const std::vector<hull::SilhouetteView>& views,
     return out;
 }
 
-// The figures would contradict the program.
+// Otherwise the figures would contradict the program.
 void require(bool agrees, const char* what) {
     if (agrees) return;
     std::fprintf(stderr, "hull_charts: %s\n", what);
     std::exit(1);
 }
 
-// The sweep's state at one place: the gaps between the visible lines from the camera on, each with
-// the cameras that carve it. Passing a line changes the bit of its camera; hidden lines are taken
+// The sweep's state at one place: the gaps between the visible lines, counted from the camera, each
+// with the cameras that carve it. Passing a line changes the bit of its camera. Hidden lines count
 // as passed before all others or after them.
 json gaps_at(double phi,
              const json& pieces,
@@ -131,7 +131,7 @@ json gaps_at(double phi,
     return gaps;
 }
 
-// Camera of a strip, as `views` counts them: the hull sorts its views.
+// Camera of a strip, numbered as in `views`: the hull sorts its views.
 std::size_t input_view(const std::vector<hull::SilhouetteView>& views,
                        const Cones& cones,
                        std::size_t view) {

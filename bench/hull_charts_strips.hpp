@@ -10,7 +10,7 @@
 #include <map>
 #include <vector>
 
-// Parts of hull_charts: what the hull finds in single strips, as JSON.
+// Parts of hull_charts: the contents of single strips, as JSON.
 namespace atrium::bench {
 
 inline nlohmann::json list(const Eigen::Vector3d& p) { return {p.x(), p.y(), p.z()}; }
@@ -30,15 +30,15 @@ struct Faces {
 
 Faces find_faces(const std::vector<hull::SilhouetteView>& views);
 
-/// A strip with as many events and faces as can still be read.
+/// The strip with the most events and faces that is still readable.
 std::uint32_t choose_strip(Faces& all);
 
-/// Everything that cuts a strip, its faces, and the cameras' verdicts along one place of the sweep.
+/// Everything that cuts a strip, its faces, and the cameras' verdicts at one place of the sweep.
 nlohmann::json chart_of(const std::vector<hull::SilhouetteView>& views,
                         Faces& all,
                         std::uint32_t strip);
 
-/// The faces around the first vertex of three cameras that ends no very short edge.
+/// The faces around the first vertex of three cameras without a very short edge.
 nlohmann::json corner_of(const std::vector<hull::SilhouetteView>& views, Faces& all);
 
 /// The rays of views `i` and `k` by their angle around the line through both.

@@ -14,10 +14,10 @@
 #include <thread>
 #include <vector>
 
-// Time of the hull's stages against the size of the input, as comma-separated values on standard
-// output: `hull_curves segments|views|threads|sets|masks [repetitions]`. All cases of one table
-// are computed in turn, again and again, so that a disturbance of the machine meets all alike, and
-// the minimum of each column is what counts.
+// Time of the hull's stages over the size of the input, as comma-separated values on standard
+// output: `hull_curves segments|views|threads|sets|masks [repetitions]`. It computes all cases of a
+// table in turn, repeatedly. A disturbance of the machine then affects all cases equally, and the
+// minimum of each column counts.
 namespace atrium::bench {
 namespace {
 
@@ -46,7 +46,7 @@ void keep_least(const hull::StageTimes& times, hull::StageTimes& least) {
 
 void measure(std::vector<Case>& cases, int repetitions) {
     hull::HullScratch scratch;
-    // one more, so that no memory is asked for in those that count
+    // one extra run, which allocates the memory before the counted ones
     for (int round = -1; round < repetitions; ++round) {
         for (Case& one : cases) {
             hull::compute_visual_hull(one.views, {}, scratch, pool_of(one.threads), one.hull);
@@ -134,7 +134,7 @@ void run_sets(int repetitions) {
     print_rows("set", cases);
 }
 
-// Every so many cameras of a ring, as evenly as their number allows.
+// Evenly spaced cameras of a ring, as far as their number allows.
 std::vector<hull::SilhouetteView> choose(const std::vector<hull_tool::NamedView>& all,
                                          std::size_t count) {
     std::vector<hull::SilhouetteView> chosen;

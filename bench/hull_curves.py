@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws docs/figures/hull_curves.svg from the tables that hull_curves.sh writes, prints them, and renews those of docs/hull.md.
+"""Draws docs/figures/hull_curves.svg from the tables of hull_curves.sh, prints them, and renews those of docs/hull.md.
 
 usage: hull_curves.py PREFIX PICTURE PAGE    reads PREFIX-segments.csv and so on; tables go between <!-- name --> and <!-- /name -->
 """
@@ -51,12 +51,12 @@ def stages(axes, rows, key):
         labels.append((axes.at(*points[-1]), name, colour))
     lowest = -1e9
     for (x, y), name, colour in sorted(labels, key=lambda label: label[0][1]):
-        lowest = max(y, lowest + 14)  # no label on another
+        lowest = max(y, lowest + 14)  # labels must not overlap
         axes.drawing.text((x + 8, lowest + 4), name, 11, fill=colour)
 
 
 def guide(axes, rows, key, law, label):
-    """A dashed line by `law`, through the last total."""
+    """A dashed line that follows `law` through the last total."""
     xs = [row[key] for row in rows]
     scale = rows[-1]["total_ms"] / law(xs[-1])
     points = [(x, 1.6 * scale * law(x)) for x in xs if 1.6 * scale * law(x) >= axes.y_range[0]]

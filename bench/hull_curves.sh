@@ -1,7 +1,7 @@
 #!/bin/sh
-# Measures the hull: `bench/hull_curves.sh [BUILD] [REPETITIONS]`. Keeps tables with machine and date in bench/results/,
-# draws docs/figures/hull_curves.svg, prints all tables and renews those of docs/hull.md. BUILD has to be configured with -DATRIUM_BENCH=ON.
-# The machine should have nothing else to do. What needs ../shared/data is left out where that is not there.
+# Measures the hull: `bench/hull_curves.sh [BUILD] [REPETITIONS]`. Keeps tables with machine and date in bench/results/, draws
+# docs/figures/hull_curves.svg, prints all tables and renews those of docs/hull.md. Configure BUILD with -DATRIUM_BENCH=ON. The machine
+# should be idle. Skips everything that needs ../shared/data if it is missing.
 set -eu
 case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."

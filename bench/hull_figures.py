@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws docs/figures/hull_1_cones.svg and so on from what `hull_charts` prints.
+"""Draws docs/figures/hull_1_cones.svg and so on from the output of `hull_charts`.
 
 usage: hull_charts | hull_figures.py FOLDER
 """
@@ -39,7 +39,7 @@ def unit(a):
 
 
 class Oblique:
-    """Parallel projection of space into a box of the drawing."""
+    """Parallel projection from space into a box of the drawing."""
 
     def __init__(self, along, points, box, up=(0.0, 0.0, 1.0)):
         self.x = unit(cross(along, up))
@@ -57,7 +57,7 @@ class Oblique:
 
 
 def fit(points, box):
-    """From pixels of a picture into a box of the drawing."""
+    """Maps pixels of a picture into a box of the drawing."""
     low = tuple(min(c) for c in zip(*points))
     high = tuple(max(c) for c in zip(*points))
     bx, by, bw, bh = box
@@ -69,7 +69,7 @@ def fit(points, box):
 # ---- 1: silhouettes, cones, strips
 
 def strip_segment(data):
-    """View and segment of the strip whose chart is shown."""
+    """View and segment of the strip of the shown chart."""
     chart = data["chart"]
     view = data["views"][chart["view"]]
     rays = view["rays"]
@@ -122,7 +122,7 @@ def figure_cones(data, path):
 def repair(d, x):
     d.text((x, 30), "(c) made simple, moved, rounded", 14, bold=True)
     centre = (x + 80, 125)
-    # two strands that cross, and what takes their place
+    # two crossing strands, and their replacement
     for shift, title in ((0, "crossing"), (150, "taken apart")):
         cx, cy = centre[0] + shift - 30, centre[1]
         if shift == 0:
@@ -195,7 +195,7 @@ def figure_pencil(data, path):
         for angle in angles:
             d.line((at(angle), y - 11), (at(angle), y + 11), stroke=colour, width=1.4)
         d.text((x, y - 18), name, 12, fill=colour)
-    # a part of it, larger
+    # an enlarged part of it
     begin = len(first) // 3
     part = [angle for angle in first if first[begin] <= angle <= first[begin + 9]]
     lower, upper = part[0] - 0.002, part[-1] + 0.002
@@ -219,7 +219,7 @@ def figure_pencil(data, path):
     for i, e in enumerate(shown):
         d.line((near(e["angle"]), y2 - 12), (near(e["angle"]), y2 + 12), stroke=VERMILION, width=2)
         label(near(e["angle"]), y2 + 28, f"q{i}", VERMILION)
-    # a strip of camera 1 between two of the rays that are shown
+    # a strip of camera 1 between two of the shown rays
     strips = [(i - skipped, k - skipped) for i, k in data["pencil"]["strips"]]
     strips = [(i, k) for i, k in strips if 0 <= i < k < len(shown)]
 
@@ -358,7 +358,7 @@ def figure_sweep(data, path):
         u = max(min(0.5 * (gap["above"] + gap["below"]), limits[1]), limits[0])
         d.path([(x + 2, axes.at(phi, u)[1]), (490, axes.at(phi, u)[1]), (568, y + row / 2)], stroke=GREY, width=0.6,
                dash="2 3")
-    # the faces as they are in space
+    # the faces in space
     d.text((850, 46), "(c) the faces in the strip's plane,", 14, bold=True)
     d.text((850, 63), "     and their triangles", 14, bold=True)
     plane = plane_of(chart)
@@ -376,7 +376,7 @@ def figure_sweep(data, path):
 
 
 def plane_of(chart):
-    """Chart to metres in the strip's plane."""
+    """Converts chart coordinates to metres in the strip's plane."""
     f, t = chart["rays"]
     e1 = unit(f)
     rest = sub(t, tuple(dot(e1, t) * c for c in e1))
@@ -387,7 +387,7 @@ def plane_of(chart):
 
 
 def squeeze(points):
-    """Turned, so that the faces' longer direction is vertical."""
+    """Rotates the faces until their longer direction is vertical."""
     low = tuple(min(c) for c in zip(*points))
     high = tuple(max(c) for c in zip(*points))
     tall = high[0] - low[0] >= high[1] - low[1]
@@ -397,7 +397,7 @@ def squeeze(points):
 # ---- 5: names
 
 def loop_of(edges):
-    """Loops of directed edges, by the names of their vertices."""
+    """Loops of directed edges, by vertex name."""
     after = {e["from_key"]: e for e in edges}
     loops = []
     while after:

@@ -1,7 +1,6 @@
 #!/bin/sh
-# Draws docs/figures/hull_1_cones.svg to hull_6_fields.svg and hull_meshes.png from real data, and writes the person in
-# them to deploy/views/person.json: `bench/hull_figures.sh [BUILD]`, a build folder that is
-# configured with -DATRIUM_BENCH=ON. The same tree gives the same pictures.
+# Draws docs/figures/hull_1_cones.svg to hull_6_fields.svg and hull_meshes.png from real data, and writes their person to
+# deploy/views/person.json: `bench/hull_figures.sh [BUILD]`. Configure BUILD with -DATRIUM_BENCH=ON. The same tree gives the same pictures.
 set -eu
 case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."

@@ -16,9 +16,9 @@
 #include <string>
 #include <vector>
 
-// How much of their error bounds the doubles of the hull's filter really use: the largest ratio of
-// error and bound over many scenes, for each kind of number. Above 1 a decision could be wrong.
-// `hull_filter [number of random scenes]`. True values come from the integers, in long double.
+// Tightness of the error bounds of the hull's floating-point filter: the largest ratio of error and
+// bound over many scenes, for each kind of number. Above 1 a decision could be wrong. `hull_filter
+// [number of random scenes]`. True values come from the integers, in long double.
 namespace atrium::bench {
 namespace {
 
@@ -64,7 +64,7 @@ Number pseudo_angle(Number x, Number y) {
     return y < 0 ? p - 1 : 1 - p;
 }
 
-// The bound of pencils.cpp, of one ray in the pencil of views i < k.
+// The bound in pencils.cpp for one ray in the pencil of views i < k.
 void check_angles(const Cones& cones, const Pencils& pencils, Report& report) {
     for (std::size_t i = 0; i < cones.num_views(); ++i) {
         for (std::size_t k = i + 1; k < cones.num_views(); ++k) {

@@ -10,8 +10,8 @@
 #include <new>
 #include <string>
 
-// Bytes that a HullScratch holds after a hull was computed with it, as comma-separated values. The
-// heap of the whole program is counted, by its own operator new.
+// Bytes that a HullScratch holds after computing a hull, as comma-separated values. Counts the heap
+// of the whole program with a custom operator new.
 namespace {
 
 std::atomic<std::int64_t> num_bytes{0};

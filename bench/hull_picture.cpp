@@ -22,10 +22,10 @@
 #include <string>
 #include <vector>
 
-// Hulls from more and more cameras side by side, with the edges of their faces:
-// `hull_picture OUT.png` of a person of the simulation (docs/figures/hull_meshes.png), and
-// `hull_picture OUT.png RECORDING` of a real one, to look at: those of ../shared/data may not be
-// shown in documents.
+// Draws hulls from more and more cameras side by side, with the edges of their faces. `hull_picture
+// OUT.png` uses a person of the simulation (docs/figures/hull_meshes.png). `hull_picture OUT.png
+// RECORDING` uses a real person, for viewing only: documents must not show recordings of
+// ../shared/data.
 namespace atrium::bench {
 namespace {
 
@@ -76,7 +76,7 @@ Eigen::Vector3d normal_of(const geometry::TriangleMesh& mesh, std::size_t t) {
         .normalized();
 }
 
-// Edges at which the surface bends: those of the polyhedron's faces, without the diagonals.
+// Edges where the surface bends: those of the polyhedron's faces, without the diagonals.
 std::vector<Corner> face_edges(const geometry::TriangleMesh& mesh) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> sides;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -196,7 +196,7 @@ std::vector<Panel> panels_of(const std::vector<hull::SilhouetteView>& all,
     return panels;
 }
 
-// The same way as in a site: pictures, masks, polygons.
+// The same steps as in a site: pictures, masks, polygons.
 std::vector<Panel> simulated_panels() {
     const auto rig = test::make_ring_rig({.num_cameras = 20});
     constexpr double kTime_s = 0.6;

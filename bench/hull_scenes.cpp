@@ -14,7 +14,7 @@ namespace {
 const std::filesystem::path kData = ATRIUM_SOURCE_DIR "/../shared/data";
 
 constexpr std::uint64_t kPose = 6;  // one hand on the hip: a hole in some silhouettes
-constexpr int kBallVertices = 96;   // finer than any outline that is taken from it
+constexpr int kBallVertices = 96;   // finer than any outline taken from it
 
 }  // namespace
 

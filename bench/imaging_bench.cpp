@@ -1,6 +1,6 @@
-// Stages between picture and hull, each on one camera of 1 MP (1000 x 1000); so ms per run are ms
-// per megapixel. Run with --benchmark_repetitions=5 --benchmark_report_aggregates_only=true and
-// quote the minimum or the median.
+// Stages between picture and hull, each on one camera of 1 MP (1000 x 1000). ms per run are
+// therefore ms per megapixel. Run with --benchmark_repetitions=5
+// --benchmark_report_aggregates_only=true and quote the minimum or the median.
 
 #include "core/codec/texture_codec.hpp"
 #include "core/image/raw_image.hpp"
@@ -28,7 +28,7 @@ image::Mask rough_person() {
     return mask;
 }
 
-// A grey room with noise; where `mask` is foreground, something else.
+// A grey room with noise, and other pixels in the foreground of `mask`.
 image::YuvImage frame_with(const image::Mask& mask, unsigned seed) {
     std::mt19937 random(seed);
     std::normal_distribution<double> noise(0.0, 2.0);
@@ -89,12 +89,12 @@ void remove_small_parts(benchmark::State& state) {
     segmentation::CleanScratch scratch;
     image::Mask cleaned;
     segmentation::majority_3x3(raw, scratch, cleaned);
-    // the first run does the work of removing, all do that of looking
+    // only the first run removes parts, all runs search for them
     for (auto _ : state) segmentation::remove_small_parts(cleaned, 100, 100, scratch);
 }
 BENCHMARK(remove_small_parts)->Unit(benchmark::kMillisecond);
 
-// From the sensor's bytes to what segmentation reads.
+// From the sensor's bytes to the input of segmentation.
 void convert(benchmark::State& state) {
     std::vector<std::uint8_t> bytes(3000 * 1000);
     std::mt19937 random(3);
@@ -170,7 +170,8 @@ void extract_silhouette(benchmark::State& state) {
 }
 BENCHMARK(extract_silhouette)->ArgName("distorted")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 
-// What no camera delivers: noise all over, and threads side by side across the whole picture.
+// A worst case that no camera delivers: noise everywhere, and parallel threads across the whole
+// picture.
 void extract_worst_silhouette(benchmark::State& state) {
     image::Mask mask = silhouette::test::noise_mask(1000, 1000, 0.6, 1);
     if (state.range(0) != 0) {

@@ -1,11 +1,11 @@
 """Counts the instructions per metaframe of site, world server and viewer (bench/metaframe_work.cpp, fixed input, one thread), and compares
-them with the figures kept in bench/instructions.json: prints the ratios, and fails where one is above 1.15.
+them with the figures kept in bench/instructions.json. Prints the ratios, and fails if one is above 1.15.
 
-The counter is valgrind's callgrind: it needs no rights and no hardware counters, and counts the same on every machine, as it emulates the same
-processor (with AVX2, where the machine has it). One to three minutes on 2 cores, whatever else the machine does. The profiles stay in
+The counter is valgrind's callgrind. It needs no rights and no hardware counters, and counts the same on every machine, because it emulates the
+same processor (with AVX2 if the machine has it). Takes one to three minutes on 2 cores, under any load. The profiles stay in
 BUILD/metaframes: callgrind_annotate BUILD/metaframes/viewer.callgrind
 
-exit codes: 0 at most 15 % above what is kept; 1 more, or nothing is kept for this kind of processor; 2 wrong command line; 3 something is missing
+exit codes: 0 at most 15 % above the kept figures; 1 more, or no figures are kept for this kind of processor; 2 wrong command line; 3 something is missing
 """
 
 import argparse
@@ -32,14 +32,14 @@ def fail(text, code):
 
 
 def processor():
-    """Which processor valgrind emulates here: it has AVX2 where the machine has it."""
+    """The processor that valgrind emulates here. It has AVX2 if the machine has it."""
     with open("/proc/cpuinfo", encoding="ascii", errors="replace") as file:
         flags = re.search(r"^flags\s*:\s*(.*)$", file.read(), re.MULTILINE)
     return "x86-64 with AVX2" if flags and "avx2" in flags.group(1).split() else "x86-64 without AVX2"
 
 
 def collected(text):
-    """Instructions that callgrind counted, from what it prints; None where it printed none."""
+    """Instructions that callgrind counted, from its output; None if it printed none."""
     found = re.search(r"Collected : (\d+)$", text, re.MULTILINE)
     return int(found.group(1)) if found and int(found.group(1)) > 0 else None
 
@@ -52,7 +52,7 @@ def run(command, **more):
 def count(stage, program, folder, num):
     """Instructions per metaframe of a stage, mean over `num`."""
     command = ["valgrind", "--tool=callgrind", "--instr-atstart=no", f"--callgrind-out-file={folder}/{stage}.callgrind", program, stage, folder, str(num)]
-    # nothing that the user's settings change
+    # independent of the user's settings
     environment = {**os.environ, "LP_NUM_THREADS": "0", "MESA_SHADER_CACHE_DISABLE": "true", "VALGRIND_OPTS": ""}
     done = run(command, env=environment)
     instructions = collected(done.stdout)
@@ -100,8 +100,8 @@ def load():
 def main():
     parser = argparse.ArgumentParser(prog="bench/instructions.sh", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", nargs="?", default="build", help="folder of the build (default: %(default)s)")
-    parser.add_argument("--renew", action="store_true", help="keep what is counted now")
-    parser.add_argument("--metaframes", type=int, default=8, help="so many are counted, 1 to 16 (default: %(default)s)")
+    parser.add_argument("--renew", action="store_true", help="keep the new figures")
+    parser.add_argument("--metaframes", type=int, default=8, help="number of counted metaframes, 1 to 16 (default: %(default)s)")
     given = parser.parse_args()
     if not 1 <= given.metaframes <= 16:
         parser.error("--metaframes: 1 to 16")

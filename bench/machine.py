@@ -1,4 +1,4 @@
-"""The machine and the tree that a measurement belongs to: name, cores, score, idle share, commit. Shared by the scripts here."""
+"""Describes the machine and the tree of a measurement: name, cores, score, idle share, commit. Shared by the scripts here."""
 
 import datetime
 import json
@@ -9,7 +9,7 @@ import sys
 import time
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-QUIET_SHARE = 0.05  # of all cores: what others may use of a machine that counts as idle, steal included
+QUIET_SHARE = 0.05  # of all cores: limit of use by others for an idle machine, steal included
 
 
 class CpuTimes:
@@ -31,7 +31,7 @@ class CpuTimes:
 
 
 def shares(begin, end, own_s=0.0):
-    """What others used between two CpuTimes, as shares of all cores: {"others", "steal"}; own_s: processor time of the measured programs.
+    """Use by other programs between two CpuTimes, as shares of all cores: {"others", "steal"}; own_s: processor time of the measured programs.
 
     Time in interrupts counts for nobody: most of it is the measured programs' own traffic.
     """
@@ -72,7 +72,7 @@ def name():
 
 
 def file_part(text):
-    """A text as a part of a file's name, as the other scripts here make it."""
+    """A text as a part of a file name, in the form of the other scripts here."""
     return re.sub(r"[^A-Za-z0-9]", "-", text)
 
 
@@ -81,7 +81,7 @@ def num_cores():
 
 
 def score(build):
-    """What machine_score prints, as a dictionary."""
+    """The output of machine_score, as a dictionary."""
     program = os.path.join(build, "bin", "machine_score")
     return json.loads(subprocess.run([program, "--json"], check=True, capture_output=True, text=True).stdout)
 
@@ -96,7 +96,7 @@ def git(*arguments, tree=ROOT):
 
 
 def commit(tree=ROOT):
-    """(short commit or "unknown", whether files are changed that are not results of measurements)."""
+    """(short commit or "unknown", whether files other than results of measurements are changed)."""
     short = git("rev-parse", "--short=7", "HEAD", tree=tree)
     if short is None:
         return "unknown", True

@@ -1,17 +1,17 @@
-// Prints how fast this machine is: `machine_score [--json]`, some four seconds.
+// Prints how fast this machine is: `machine_score [--json]`, about four seconds.
 //
 // Two fixed kernels do a fixed amount of work. "integer" runs four chains of multiplications, each
 // step with a load from a table of 16 kB. "memory" follows a chain of 32,768 cache lines in random
-// order (2 MB), 32 times, then reads and writes 16 MB from front to back, 4 times. The score is
-// 100 * reference / time, with the least time of several runs; the score of both is the geometric
-// mean. A machine of score 200 does the same work in half the time of one of score 100.
+// order (2 MB), 32 times, then reads and writes 16 MB from front to back, 4 times. The score is 100
+// * reference / time, with the least time of several runs. The score of both is the geometric mean.
+// A machine of score 200 does the same work in half the time of one of score 100.
 //
 // "one core" runs one thread. "all cores" runs one pinned thread on each core that this process may
-// use, all at the same time, and takes the slowest thread: it is lower than "one core" where cores
-// share an execution unit, a cache or the memory bus, or where other programs run.
+// use, all at the same time, and takes the slowest thread. It is lower than "one core" if cores
+// share an execution unit, a cache or the memory bus, or if other programs run.
 //
-// CMakeLists.txt sets the compiler's flags, so that a score depends on the machine and hardly on
-// the compiler.
+// CMakeLists.txt sets the compiler's flags. The score then depends on the machine and hardly on the
+// compiler.
 #include <sched.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -31,15 +31,15 @@
 
 namespace {
 
-// Seconds of one run of each kernel on one core. Measured with this program on 2026-11-23 on a
-// virtual machine with 2 cores of an AMD EPYC (family 25, model 1, 2.45 GHz, KVM), idle: the least
+// Seconds of one run of each kernel on one core. Measured with this program on 2026-11-23 on an
+// idle virtual machine with 2 cores of an AMD EPYC (family 25, model 1, 2.45 GHz, KVM): the least
 // of ten calls, g++ 12.2.
 constexpr double kReferenceIntegerSeconds = 0.0295;
 constexpr double kReferenceMemorySeconds = 0.0240;
 
 constexpr int kNumRuns = 40;
 
-volatile std::uint64_t sink;  // the result is used, so the work is not left out
+volatile std::uint64_t sink;  // uses the result, which prevents the compiler from dropping the work
 
 std::uint64_t integer_kernel() {
     std::array<std::uint64_t, 2048> table;  // 16 kB: fits the first cache of any x86-64
@@ -91,7 +91,7 @@ public:
     std::uint64_t kernel() {
         std::uint64_t line = 0;
         for (std::size_t i = 0; i < 32 * kNumLines; ++i) line = words_[line * kWordsPerLine];
-        // beside the chain's links, which every line begins with
+        // next to the chain's links, at the start of every line
         std::uint64_t sum = line;
         for (int pass = 0; pass < 4; ++pass) {
             for (std::size_t i = 1; i < kNumWords; i += 2) {
@@ -144,10 +144,10 @@ void pin_to(int core) {
     cpu_set_t set;
     CPU_ZERO(&set);
     CPU_SET(static_cast<std::size_t>(core), &set);
-    sched_setaffinity(0, sizeof set, &set);  // without it the score is merely less steady
+    sched_setaffinity(0, sizeof set, &set);  // without it the score is merely less stable
 }
 
-// One thread per core; each run begins on all cores at the same time and ends with the slowest.
+// One thread per core. Each run starts on all cores at the same time and ends with the slowest.
 Times measure(const std::vector<int>& cores) {
     std::vector<Times> of_core(cores.size());
     Times least;
@@ -221,7 +221,7 @@ int main(int argc, char** argv) {
             "usage: machine_score [--json]\n"
             "Prints how fast this machine is at two fixed kernels, on one core and on all cores at "
             "once.\n"
-            "A score of 100 is 2 cores of an AMD EPYC at 2.45 GHz; docs/measuring.md says more.\n");
+            "A score of 100 is 2 cores of an AMD EPYC at 2.45 GHz; see docs/measuring.md.\n");
         return help ? 0 : 2;
     }
     const std::vector<int> cores = usable_cores();

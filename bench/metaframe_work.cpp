@@ -1,6 +1,6 @@
-// What one metaframe costs each program, in work that is the same each time: instructions.sh counts
-// the instructions of it. Fixed input: the demo's site of alice and the demo's world. One thread,
-// no network, no clock that decides anything.
+// Runs the work of each program for one metaframe, the same each time: instructions.sh counts its
+// instructions. The input is fixed: the demo's site of alice and the demo's world. One thread, no
+// network, and no clock that decides anything.
 //
 //   metaframe_work prepare FOLDER        renders the room, codes its person, keeps both
 //   metaframe_work site FOLDER NUM       8 pictures -> coded mesh and textures
@@ -8,8 +8,8 @@
 //   metaframe_work world FOLDER NUM      coded meshes of two sites -> people -> 4 steps
 //   metaframe_work viewer FOLDER NUM     coded frames of two sites -> people -> a drawn picture
 //
-// NUM metaframes are counted, by valgrind's callgrind with --instr-atstart=no, after some that are
-// not: start, caches and the compiling of shaders are left out.
+// NUM metaframes count, measured by valgrind's callgrind with --instr-atstart=no. Some uncounted
+// ones come first: they cover startup, caches and shader compilation.
 #include "bench/scale/coded_stream.hpp"
 #include "core/app/program.hpp"
 #include "core/base/executor.hpp"
@@ -40,10 +40,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int kWarmUp = 4;            // metaframes that are not counted
-constexpr int kMostCounted = 16;      // what `prepare` makes is enough for
-constexpr std::size_t kFirst = 30;    // of the loop: alice's hand is on its way to what it pushes
-constexpr std::size_t kBobLater = 8;  // bob's person is alice's, some instants later
+constexpr int kWarmUp = 4;        // metaframes that are not counted
+constexpr int kMostCounted = 16;  // maximum NUM for the files of `prepare`
+// of the loop: alice's hand moves towards the object that it pushes
+constexpr std::size_t kFirst = 30;
+constexpr std::size_t kBobLater = 8;  // bob's person is alice's, this many instants later
 constexpr auto kPeriod = 33'333'333ns;
 constexpr int kTicksPerMetaframe = 4;
 constexpr int kPicturesPerRead = 3;  // the demo's video has 10 pictures/s
@@ -79,7 +80,7 @@ void read_options(const char* program,
     if (!start.go_on) std::exit(start.exit_code);
 }
 
-// As site_node does it.
+// As in site_node.
 site_node::SiteNodeConfig site_config(const std::filesystem::path& folder) {
     site_node::SiteNodeConfig config;
     config::OptionSet options;
@@ -94,7 +95,7 @@ site_node::SiteNodeConfig site_config(const std::filesystem::path& folder) {
     return config;
 }
 
-// As world_server does it.
+// As in world_server.
 world_server::WorldServerConfig world_config() {
     world_server::WorldServerConfig config;
     config::OptionSet options;
@@ -106,7 +107,7 @@ world_server::WorldServerConfig world_config() {
     return config;
 }
 
-/// Counts what happens between its construction and its end.
+/// Counts instructions between its construction and its end.
 class Counted {
 public:
     Counted() { CALLGRIND_START_INSTRUMENTATION; }
@@ -115,7 +116,7 @@ public:
     ~Counted() { CALLGRIND_STOP_INSTRUMENTATION; }
 };
 
-// Calls work(metaframe) for those of the warm-up, then for `num` that are counted.
+// Calls work(metaframe) for the warm-up, then for `num` counted metaframes.
 template <typename Work>
 void count(int num, Work&& work) {
     for (std::size_t i = 0; i < kWarmUp; ++i) work(i);
@@ -195,7 +196,7 @@ void add(const std::vector<Value>& values, Fnv1a& hash) {
     for (std::size_t i = 0; i < values.size() * sizeof(Value); ++i) hash.add(bytes[i]);
 }
 
-// The least time of a metaframe, over rounds of the same ones: others may use the machine.
+// The least time of a metaframe, over rounds of the same ones: other programs disturb it.
 void time_site(const std::filesystem::path& folder, int num) {
     constexpr int kRounds = 12;
     Site site(folder);
@@ -227,7 +228,7 @@ void time_site(const std::filesystem::path& folder, int num) {
                textures.value());
 }
 
-// What both sites sent in a metaframe.
+// The messages of both sites for one metaframe.
 bus::SiteMesh mesh_of(const CodedStream& stream, const std::string& site, std::size_t metaframe) {
     const std::size_t at = metaframe + (site == "bob" ? kBobLater : 0);
     bus::SiteMesh mesh = stream.frames[at].mesh;

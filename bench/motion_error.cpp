@@ -1,6 +1,6 @@
-// How far the motion that physics gives a person's surface is from the true one, with hulls from
-// the cameras of a rig: rows of comma-separated values, one per act, of all surfels that are within
-// 15 cm of what the act holds or hits with.
+// Error of the motion that physics estimates for a person's surface, with hulls from the cameras of
+// a rig. Writes rows of comma-separated values, one per act, over all surfels within 15 cm of the
+// held object or the hitting hand.
 #include "bench/trial_options.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "core/config/rig.hpp"
@@ -22,10 +22,9 @@
 namespace atrium::bench {
 namespace {
 
-constexpr double kNearM = 0.15;  // of the grip
-constexpr double kMaxOffM =
-    0.04;  // a surfel that is further from the true surface has no true motion
-constexpr double kSettleS = 0.2;  // the first meshes have no past
+constexpr double kNearM = 0.15;    // of the grip
+constexpr double kMaxOffM = 0.04;  // a surfel farther from the true surface has no true motion
+constexpr double kSettleS = 0.2;   // the first meshes have no predecessor
 
 template <typename T>
 T value_of(Expected<T> result) {
@@ -37,7 +36,7 @@ T value_of(Expected<T> result) {
 struct Errors {
     std::vector<double> all;  // [m/s]
     double along = 0.0;       // sum of estimated speed along the true motion
-    double speed = 0.0;       // and of the true one, where that is above 0.2 m/s
+    double speed = 0.0;       // and sum of the true speed, where it is above 0.2 m/s
     std::vector<double> prepare_ms;
 
     void print(const std::string& name) {

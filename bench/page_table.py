@@ -1,4 +1,4 @@
-"""What benchmarks keep, and where it goes in a page: shared by the scripts here."""
+"""Reads results of benchmarks, and puts tables into pages. Shared by the scripts here."""
 
 import csv
 import sys
@@ -25,14 +25,14 @@ def renew(page, name, text):
 
 
 def put_table(page, name, lines, comment):
-    """Prints a table and where it comes from, and puts both into a page as `renew` does."""
+    """Prints a table and its origin, and puts both into a page like `renew`."""
     text = "\n".join([*lines, "", comment + "."])
     print(text)
     renew(page, name, text)
 
 
 def between(page, name):
-    """The text between <!-- name --> and <!-- /name --> of a page, as `renew` puts it there; None where the markers are missing."""
+    """The text between <!-- name --> and <!-- /name --> of a page, in the form of `renew`; None if the markers are missing."""
     with open(page, encoding="utf-8") as file:
         content = file.read()
     begin, end = f"<!-- {name} -->\n", f"\n<!-- /{name} -->"

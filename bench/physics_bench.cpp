@@ -1,5 +1,5 @@
-// What a person costs the world server: one mesh (sample, measure its motion)
-// and one tick among objects. Single-threaded; the mesh is a closed figure of spheres and boxes.
+// Cost of a person in the world server: one mesh (sample it, measure its motion) and one tick among
+// objects. Single-threaded. The mesh is a closed figure of spheres and boxes.
 #include "tests/unit/physics/meshes.hpp"
 #include "world_server/physics/person_shape.hpp"
 #include "world_server/physics/world.hpp"
@@ -11,7 +11,7 @@
 namespace atrium::physics {
 namespace {
 
-// Somebody who reaches out at 1.5 m/s while walking at 1 m/s, and back again.
+// A person who reaches out at 1.5 m/s while walking at 1 m/s, and back again.
 std::vector<geometry::TriangleMesh> walking_figure(int num_cuts) {
     std::vector<geometry::TriangleMesh> meshes;
     for (int frame = 0; frame < 18; ++frame) {
@@ -41,7 +41,7 @@ void shape_person(benchmark::State& state) {
 }
 BENCHMARK(shape_person)->Arg(12)->Arg(24)->Arg(44)->Unit(benchmark::kMillisecond);
 
-// What the step thread does with a new mesh: hands it over, and sorts it in the next tick.
+// The step thread's work on a new mesh: take it over, and sort it in the next tick.
 void take_in_person(benchmark::State& state) {
     const auto meshes = walking_figure(24);
     PersonShaper shaper({});
@@ -57,7 +57,7 @@ void take_in_person(benchmark::State& state) {
 }
 BENCHMARK(take_in_person)->Unit(benchmark::kMillisecond);
 
-// Two people among `range(0)` balls and boxes on the floor; a new mesh of each every 4 ticks.
+// Two people among `range(0)` balls and boxes on the floor, with a new mesh of each every 4 ticks.
 void tick_world(benchmark::State& state) {
     World world({});
     world.add({.id = 1, .shape = ObjectShape::kPlane});
@@ -82,7 +82,7 @@ void tick_world(benchmark::State& state) {
             world.set_person("anna", shapes[tick / 4 % shapes.size()]);
             world.set_person("ben", shapes[(tick / 4 + 5) % shapes.size()]);
         }
-        if (tick % 480 == 0) world.reset();  // keep things in the air and in the way
+        if (tick % 480 == 0) world.reset();  // keeps objects in the air and in the way
         world.tick();
         ++tick;
     }

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""README's tables, made from the newest committed files of bench/results: of the demo between <!-- demo --> and <!-- /demo -->, of its
-parts between <!-- parts --> and its end, of recordings between <!-- recordings --> and its end.
+"""Makes README's tables from the newest committed files of bench/results: the demo between <!-- demo --> and <!-- /demo -->, its parts
+between <!-- parts --> and <!-- /parts -->, recordings between <!-- recordings --> and <!-- /recordings -->.
 
 usage: readme_table.py            renews README.md
-       readme_table.py --check    fails where README.md is not what the newest committed files give; changes nothing
+       readme_table.py --check    fails if README.md differs from the newest committed files; changes nothing
 """
 
 import glob
@@ -19,7 +19,7 @@ README = os.path.join(machine.ROOT, "README.md")
 
 
 def results_files(kind="demo.json"):
-    """The committed (or added) results of one kind; without git, all that are there."""
+    """The committed (or added) results of one kind; without git, all files."""
     pattern = f"bench/results/*-{kind}"
     listed = machine.git("ls-files", "--", pattern)
     if listed is None:
@@ -33,7 +33,7 @@ def load(file):
 
 
 def newest(files):
-    """The file whose measurement is the latest."""
+    """The file of the latest measurement."""
     return max(files, key=lambda file: (load(file)["date"], file)) if files else None
 
 
@@ -60,7 +60,7 @@ def machine_line(kept):
 
 
 def gave_way_rows(viewer):
-    """How far the viewer gave way to a slow machine; nothing in results of viewers that cannot."""
+    """How far the viewer reduced its quality on a slow machine; "" in results of viewers that cannot."""
     if viewer.get("scale") is None:
         return []
     shadows = "with shadows" if viewer["shadows"] > 0.5 else "without shadows"
@@ -69,7 +69,7 @@ def gave_way_rows(viewer):
 
 
 def start_row(sites, figures):
-    """What programs report of their own start; in results without that, what the logs tell."""
+    """Start times as the programs report them; in results without these, from the logs."""
     report = figures["report"]
     first = {**{name: report["sites"][name].get("first_output_s") for name in sites},
              **{name: report[name].get("first_output_s") for name in ("world", "viewer")}}
@@ -140,7 +140,7 @@ def only(rows, **wanted):
 
 
 def parts_table():
-    """What the parts do alone, each by its own script."""
+    """Figures of the parts alone, each from its own script."""
     lines = ["| alone | measured | machine | by |", "|---|---|---|---|"]
     rows, where = newest_rows("site-8x1mp.csv")
     row = only(rows, format="BayerRG8", offered_hz="60", workers="2")
@@ -182,7 +182,7 @@ def recordings_table():
 
 
 def tables(demo_file):
-    """{marker: text} of all that stands in README."""
+    """{marker: text} of all tables in README."""
     return {"demo": demo_table(load(demo_file)), "parts": parts_table(), "recordings": recordings_table()}
 
 
@@ -194,7 +194,7 @@ def renew_readme(demo_file):
 def check():
     file = newest(results_files())
     if file is None:
-        return "there is no bench/results/*-demo.json; make bench-demo makes one"
+        return "no bench/results/*-demo.json found; run make bench-demo"
     wrong = [name for name, text in tables(file).items() if between(README, name) != text]
     if wrong:
         return (f"README.md is not what the newest committed results give: {', '.join(wrong)} (the demo's: {os.path.relpath(file, machine.ROOT)}). "
@@ -211,7 +211,7 @@ def main(arguments):
     elif not arguments:
         file = newest(results_files())
         if file is None:
-            sys.exit("readme_table: there is no bench/results/*-demo.json; make bench-demo makes one")
+            sys.exit("readme_table: no bench/results/*-demo.json found; run make bench-demo")
         renew_readme(file)
     else:
         sys.exit(__doc__)

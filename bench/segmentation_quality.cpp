@@ -1,7 +1,7 @@
-// How good masks are, and what they cost, beside OpenCV's background subtractors on the same
-// pictures: one row of comma-separated values per picture and method. Every method gets the same
-// cleaning. `segmentation_quality [FOLDER]` also writes pictures of what was right (white), too
-// much (red) and missed (blue) into FOLDER. bench/segmentation_quality.sh keeps the tables.
+// Quality and cost of masks, beside OpenCV's background subtractors on the same pictures: one row
+// of comma-separated values per picture and method. Every method gets the same cleaning.
+// `segmentation_quality [FOLDER]` also writes pictures of correct (white), false (red) and missed
+// (blue) pixels into FOLDER. bench/segmentation_quality.sh keeps the tables.
 
 #include "bench/segmentation_scenes.hpp"
 #include "core/image/raw_image.hpp"
@@ -23,8 +23,8 @@ using Clock = std::chrono::steady_clock;
 
 struct Result {
     cv::Mat mask;
-    double ms = 0.0;            // of one picture, the least of some
-    double empty_share = -1.0;  // of the pixels of later empty pictures; -1: there are none
+    double ms = 0.0;            // of one picture, the least of several
+    double empty_share = -1.0;  // false part of later empty pictures; -1: there are none
 };
 
 double part_of(const cv::Mat& mask, const cv::Mat& area) {
@@ -96,7 +96,7 @@ Result atrium_mask(const SegmentationScene& scene) {
 }
 
 cv::Mat cleaned(const cv::Mat& bgr_mask) {
-    // shadows are 127 there
+    // OpenCV marks shadows with 127
     const cv::Mat binary = bgr_mask > 200;
     image::Mask in(binary.cols, binary.rows);
     for (int y = 0; y < binary.rows; ++y)

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Measures the masks beside OpenCV's: `bench/segmentation_quality.sh [BUILD]`. Keeps the table with machine and date in
-# bench/results/ and renews that of docs/segmentation.md. BUILD has to be configured with -DATRIUM_BENCH=ON. The machine
-# should have nothing else to do. Recordings are left out where ../shared/data is not there.
+# Measures the masks beside those of OpenCV: `bench/segmentation_quality.sh [BUILD]`. Keeps the table with machine and date in
+# bench/results/ and renews the table of docs/segmentation.md. Configure BUILD with -DATRIUM_BENCH=ON. The machine should be idle. Skips
+# recordings if ../shared/data is missing.
 set -eu
 case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."

@@ -14,7 +14,7 @@ namespace atrium::bench {
 namespace {
 
 constexpr double kShadowBelow = 0.93;  // of the empty room's luma
-constexpr double kShadowAbove = 0.3;   // what is darker still is no shadow of an ordinary room
+constexpr double kShadowAbove = 0.3;   // darker pixels are no shadow of an ordinary room
 constexpr double kMinShadowedLuma = 30.0;
 
 std::vector<cv::Mat> read_video(const std::string& path) {
@@ -39,7 +39,7 @@ cv::Mat luma(const cv::Mat& bgr) {
     return grey;
 }
 
-// Where nobody is (three pixels apart at least) and less light falls than on the empty room.
+// Pixels without a person (at least three pixels away) that are darker than in the empty room.
 cv::Mat shadow_of(const SegmentationScene& scene, double light) {
     cv::Mat mean = cv::Mat::zeros(scene.picture.size(), CV_32F);
     for (const cv::Mat& bgr : scene.empty) cv::accumulate(luma(bgr), mean);

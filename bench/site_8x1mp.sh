@@ -1,7 +1,7 @@
 #!/bin/sh
-# Measures the whole site on two cores: `bench/site_8x1mp.sh [BUILD] [SECONDS of each case]`. Keeps text and table with machine and
-# date in bench/results/ and renews the table of docs/site_node.md. BUILD has to be configured with -DATRIUM_BENCH=ON.
-# The machine should have nothing else to do. The first run renders the pictures.
+# Measures the whole site on two cores: `bench/site_8x1mp.sh [BUILD] [SECONDS of each case]`. Keeps text and table with machine and date in
+# bench/results/ and renews the table of docs/site_node.md. Configure BUILD with -DATRIUM_BENCH=ON. The machine should be idle. The first
+# run renders the pictures.
 set -eu
 case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."

@@ -1,4 +1,4 @@
-// What soft things cost: one tick of the curtain, the soft ball and both, alone and with a person
+// Cost of soft objects: one tick of the curtain, the soft ball and both, alone and with a person
 // who walks through. Single-threaded.
 #include "tests/unit/physics/meshes.hpp"
 #include "world_server/physics/person_shape.hpp"
@@ -44,7 +44,7 @@ void add_things(World& world, int things) {
     world.add_soft(ball);
 }
 
-// range(0): Things; range(1): whether somebody walks to and fro, a new mesh every 4 ticks.
+// range(0): Things; range(1): whether a person walks to and fro, with a new mesh every 4 ticks.
 void tick_soft(benchmark::State& state) {
     World world({});
     add_things(world, static_cast<int>(state.range(0)));

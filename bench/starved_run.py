@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
-"""A site, a world server and a viewer in three network namespaces on one bridge, and a viewer's host that lacks processor time.
+"""Runs a site, a world server and a viewer in three network namespaces on one bridge. The viewer's host lacks processor time.
 
-usage: starved_run.py BUILD STARVED LIMIT NETWORK SECONDS SEED CACHE    one row of CSV; `starved_run.py head`: its heads
+usage: starved_run.py BUILD STARVED LIMIT NETWORK SECONDS SEED CACHE    one row of CSV; `starved_run.py head`: the column names
 
-STARVED: none; quota (a control group gives 0.3 core); loops (three busy loops on the viewer's core, which rest now and then); freezes
-(it stands still for 0.5 s every 2 to 5 s). The seed is that of their times. LIMIT: Mbit/s on the way to the viewer, from 5 s after the
-start of the measurement; 0: none. NETWORK: lan or wan. The site and the world server have the first core for themselves, the viewer has the others, where
-there are two or more. Needs root, or user namespaces (not enough for `quota`), and tc with tbf.
+STARVED: none; quota (a control group gives 0.3 core); loops (three busy loops on the viewer's core, which pause at times); freezes
+(it stands still for 0.5 s every 2 to 5 s). SEED decides their times. LIMIT: Mbit/s towards the viewer, from 5 s after the start of the
+measurement; 0: none. NETWORK: lan or wan. With two or more cores, the site and the world server get the first one, and the viewer the others. Needs root, or user namespaces (not enough for `quota`), and tc with tbf.
 """
 
 import os
@@ -30,7 +29,7 @@ def run(*words):
 
 
 class Bridge:
-    """Three hosts, each a namespace that lives as long as a process in it."""
+    """Three hosts, each a namespace that lives as long as its process."""
 
     def __init__(self):
         run("ip", "link", "set", "lo", "up")
@@ -135,7 +134,7 @@ class Starvation:
         self.loops = []
         self.quota = None
         if kind == "quota":
-            time.sleep(self.random.uniform(0.0, 0.1))  # where its periods begin
+            time.sleep(self.random.uniform(0.0, 0.1))  # start of its periods
             self.quota = Quota()
             self.quota.add(viewer.pid)
         elif kind == "loops":
@@ -188,7 +187,7 @@ def is_streaming():
 
 
 def found_after(samples, limited_at, bit_per_s):
-    """When the site sends no more than the limit, for good [s]: the last second with 1.15 of it begins before."""
+    """Time from which on the site never sends more than 1.15 of the limit in any second [s]."""
     found = 0.0
     for first, (begin, sent) in enumerate(samples):
         if begin < limited_at:
@@ -240,7 +239,7 @@ def measure(build, kind, limit, network, seconds, seed, cache):
         bridge.close()
     stopped = re.search(r"stopped captured=(\d+) .*?rate=(\d+)", site_text)
     if not stopped:
-        sys.exit(f"the site did not end well: {site_text[-2000:]}")
+        sys.exit(f"the site failed: {site_text[-2000:]}")
     levels = re.findall(r"stream level (.*)", site_text)
     pictures = re.search(r"viewer_stopped frames=\d+ frames_per_s=([\d.]+)", viewer_text)
     if os.environ.get("KEEP_LOGS"):
@@ -267,7 +266,7 @@ def main(words):
         os.environ["ATRIUM_OWN_NETWORK"] = "1"
         flags = "-n" if os.geteuid() == 0 else "-Urn"
         os.execvp("unshare", ["unshare", flags, sys.executable, os.path.abspath(__file__), *words])
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that no program is left behind
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # otherwise programs would stay behind
     build, kind, limit, network, seconds, seed, cache = words
     measure(os.path.abspath(build), kind, float(limit), network, float(seconds), int(seed), os.path.abspath(cache))
 

@@ -14,14 +14,15 @@
 #include <thread>
 #include <vector>
 
-// What many programs cost that are only there; one row of CSV. stream_scale.sh makes the tables of
-// docs/measurements/streams.md, "Participants", of them:
+// Cost of many programs that are only present; one row of CSV. stream_scale.sh makes the tables of
+// docs/measurements/streams.md, "Participants", from it:
 //
 //   stream_crowd idle PROGRAM NETWORK COUNT PER_SECOND SECONDS
 //   stream_crowd announce NETWORK SECONDS       one program of `wan` or the like, and a peer that
-//   is not there stream_crowd head                           the names of the columns of the first
+//                                               is absent
+//   stream_crowd head                           the column names of the first
 //
-// PROGRAM: crowd_member or subscriber, COUNT times; PER_SECOND of them are started in a second.
+// PROGRAM: crowd_member or subscriber, started COUNT times, PER_SECOND of them in a second.
 namespace {
 
 using namespace atrium;
@@ -32,8 +33,7 @@ constexpr const char* kUsage =
     "usage: stream_crowd idle PROGRAM NETWORK COUNT PER_SECOND SECONDS\n"
     "       stream_crowd announce NETWORK SECONDS\n"
     "       stream_crowd head\n"
-    "One row of docs/measurements/streams.md, Participants; head: the names of the columns of the "
-    "first.\n";
+    "One row of docs/measurements/streams.md, Participants; head: the column names of the first.\n";
 constexpr auto kPatience = 60s;
 constexpr auto kSettle = 5s;
 
@@ -66,7 +66,7 @@ Processes start_all(const std::string& program,
     return processes;
 }
 
-// When each knew of all [ns], sorted.
+// When each program knew all others [ns], sorted.
 std::vector<std::int64_t> times_of_knowledge(const Processes& processes) {
     std::vector<std::int64_t> times;
     for (const auto& process : processes) {
@@ -121,7 +121,7 @@ void idle(const std::vector<std::string>& words) {
                1e-3 * static_cast<double>(lo.bytes - lo_before.bytes) / seconds);
 }
 
-// What one program sends to a host on which nobody is.
+// Traffic of one program to a host without programs.
 void announce(const std::vector<std::string>& words) {
     auto network = test::ImpairedNetwork::create(2, 1);
     if (!network) fail(3, network.error().message);

@@ -12,12 +12,12 @@
 #include <thread>
 #include <vector>
 
-// A site and a viewer over links with faults, one row of CSV each; stream_faults.sh makes the table
-// of docs/measurements/streams.md of them:
+// A site and a viewer over links with faults, one row of CSV each. stream_faults.sh makes the table
+// of docs/measurements/streams.md from it:
 //
 //   stream_faults SECONDS_OF_EACH [ONLY]
 //
-// ONLY: the case of this name.
+// ONLY: only the case of this name.
 namespace {
 
 using namespace atrium::test;
@@ -27,10 +27,10 @@ struct Case {
     std::string name;
     Impairment link;
     int jpeg_quality = 86;
-    /// Happens after 2 s of what is measured; returns when it is over. Then as much again is
-    /// measured.
+    /// Runs after 2 s of the measurement, and returns when the fault is over. Then the measurement
+    /// runs as long again.
     std::function<void(ImpairedNetwork&, SiteOverLink&)> fault;
-    std::chrono::seconds settle = 2s;  // before the measurement: where the stream has to adapt
+    std::chrono::seconds settle = 2s;  // before the measurement: time for the stream to adapt
 };
 
 void cut_for_three_seconds(ImpairedNetwork& network, SiteOverLink&) {
@@ -89,7 +89,7 @@ int measure(const Case& fault_case,
     }
     std::this_thread::sleep_for(duration);
     const Moment to = (*run)->moment();
-    std::this_thread::sleep_for(1s);  // what is being repaired still comes
+    std::this_thread::sleep_for(1s);  // for repairs on their way
     const auto report = (*run)->finish(from, to);
     if (!report) {
         fmt::print(stderr, "{}: {}\n", fault_case.name, report.error().message);
@@ -121,7 +121,7 @@ int main(int argc, char** argv) {
                                       {1, 2},
                                       "usage: stream_faults SECONDS_OF_EACH [ONLY]\n"
                                       "A row of CSV per case of docs/measurements/streams.md, "
-                                      "Faults; ONLY: the case of this name.\n");
+                                      "Faults; ONLY: only the case of this name.\n");
     const auto duration = std::chrono::milliseconds(std::lround(1000.0 * std::stod(words[0])));
     const std::string only = words.size() > 1 ? words[1] : "";
     const auto cache =

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renews the table of docs/measurements/streams.md from what stream_faults.sh keeps.
+"""Renews the table of docs/measurements/streams.md from the results of stream_faults.sh.
 
 usage: stream_faults.py TABLE PAGE    the table goes between <!-- faults --> and <!-- /faults -->
 """

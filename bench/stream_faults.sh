@@ -1,7 +1,7 @@
 #!/bin/sh
-# A site and a viewer over links with faults: `bench/stream_faults.sh [BUILD] [SECONDS of each case]`. Keeps the figures with machine
-# and date in bench/results/ and renews the table of docs/measurements/streams.md. BUILD has to be configured with -DATRIUM_BENCH=ON. Needs no
-# rights, but /dev/net/tun; about five minutes, in which the machine should have nothing else to do.
+# Measures a site and a viewer over links with faults: `bench/stream_faults.sh [BUILD] [SECONDS of each case]`. Keeps the figures with
+# machine and date in bench/results/ and renews the table of docs/measurements/streams.md. Configure BUILD with -DATRIUM_BENCH=ON. Needs /dev/net/tun,
+# but no rights. Takes about five minutes. The machine should be idle.
 set -eu
 case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws docs/figures/stream_adaptation.svg from what `stream_link` prints.
+"""Draws docs/figures/stream_adaptation.svg from the output of `stream_link`.
 
 usage: stream_link | stream_figures.py FOLDER
 """
@@ -59,7 +59,7 @@ def main():
     label(ages, (end, 130), "largest", ORANGE)
     label(ages, (end, 40), "median", VERMILION)
 
-    # the ladder as names, best on top
+    # the levels by name, best on top
     names = sorted({(85, 1, 1)} | {tuple(int(w) for w in step[1:]) for step in steps}, key=lambda s: (s[2], s[1], -s[0]))
     place = {name: len(names) - i for i, name in enumerate(names)}
     levels = Axes(drawing, (LEFT + 70, 550, BOX_WIDTH - 70, 110), (0, end), (0.5, len(names) + 0.5), log=False)

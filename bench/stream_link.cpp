@@ -1,4 +1,4 @@
-// A run over a simulated link that becomes narrow and wide again, as numbers: stream_figures.sh.
+// A run over a simulated link that becomes narrow and wide again, as numbers for stream_figures.sh.
 #include "bench/usage.hpp"
 #include "tests/support/simulated_stream.hpp"
 

@@ -11,13 +11,13 @@
 #include <string>
 #include <vector>
 
-// One row of the tables of docs/measurements/links.md; stream_links.sh has all of them:
+// One row of the tables of docs/measurements/links.md. stream_links.sh runs all of them:
 //
 //   stream_links NAME INTERNAL PROFILES MBIT/S DELAY_MS JITTER_MS LOSS FRAMES
 //                [MESH TEXTURE [MESSAGE FRAGMENT [TEXTURE_WRITERS]]]
 //
-// INTERNAL: Cyclone's elements of <Internal>; PROFILES: a file like qos/profiles.xml, or "" for the
-// one built in; 0 MBIT/S: no limit; the rest in bytes.
+// INTERNAL: Cyclone's elements of <Internal>. PROFILES: a file like qos/profiles.xml, or "" for the
+// built-in one. 0 MBIT/S: no limit. The rest is in bytes.
 int main(int argc, char** argv) {
     using namespace atrium::test;
     const std::vector<std::string> words = atrium::bench::words_or_usage(
@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
         {8, 10, 12, 13},
         "usage: stream_links NAME INTERNAL PROFILES MBIT/S DELAY_MS JITTER_MS LOSS FRAMES\n"
         "                    [MESH TEXTURE [MESSAGE FRAGMENT [TEXTURE_WRITERS]]]\n"
-        "INTERNAL: Cyclone's elements of <Internal>; PROFILES: a file, \"\" for the one built in;\n"
+        "INTERNAL: Cyclone's elements of <Internal>; PROFILES: a file, \"\" for the built-in one;\n"
         "0 MBIT/S: no limit; the rest in bytes. One row of docs/measurements/links.md.\n");
     auto network = ImpairedNetwork::create(2, 1);
     if (!network) {

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The rows of docs/measurements/links.md: bench/stream_links.sh [build folder]. About seven minutes; needs no rights, but /dev/net/tun.
+# Prints the rows of docs/measurements/links.md: bench/stream_links.sh [build folder]. Takes about seven minutes. Needs /dev/net/tun, but no
+# rights.
 set -euo pipefail
 case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."
@@ -7,7 +8,7 @@ build=${1:-build}
 profiles=$(mktemp -d)
 trap 'rm -r "$profiles"' EXIT
 
-# histories WRITER READER: prints a file with the profiles of meshes and textures changed so
+# histories WRITER READER: prints a file whose profiles of meshes and textures have these history depths
 histories() {
     local file=$profiles/$1_$2.xml
     awk -v writer="$1" -v reader="$2" '

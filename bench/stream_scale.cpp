@@ -16,13 +16,13 @@
 #include <thread>
 #include <vector>
 
-// Sites and subscribers of one host, each a program of its own; one row of CSV. stream_scale.sh
-// makes the table and the picture of docs/measurements/streams.md, "Scale", of them:
+// Sites and subscribers on one host, each in its own process; one row of CSV. stream_scale.sh makes
+// the table and the picture of docs/measurements/streams.md, "Scale", from it:
 //
 //   stream_scale NAME NETWORK STREAM SITES SUBSCRIBERS DECODE SECONDS
 //
-// NETWORK: as --network; STREAM: as replayed_site --code makes it; DECODE: true or false.
-// `stream_scale head`: the names of the columns.
+// NETWORK: as for --network. STREAM: made by replayed_site --code. DECODE: true or false.
+// `stream_scale head` prints the column names.
 namespace {
 
 using namespace atrium;
@@ -32,12 +32,11 @@ using test::HostedProcess;
 constexpr const char* kUsage =
     "usage: stream_scale NAME NETWORK STREAM SITES SUBSCRIBERS DECODE SECONDS\n"
     "       stream_scale head\n"
-    "One row of docs/measurements/streams.md, Scale. NETWORK: as --network; STREAM: as "
-    "replayed_site --code\n"
-    "makes it; DECODE: true or false; head: the names of the columns.\n";
+    "One row of docs/measurements/streams.md, Scale. NETWORK: as for --network; STREAM: made by\n"
+    "replayed_site --code; DECODE: true or false; head: the column names.\n";
 constexpr auto kPatience = 60s;  // many programs on few cores
 constexpr auto kSettle = 3s;
-constexpr auto kLast = 1s;  // what is on its way still comes
+constexpr auto kLast = 1s;  // for frames on their way
 
 [[noreturn]] void fail(int code, const std::string& why) {
     fmt::print(stderr, "{}\n", why);
@@ -118,7 +117,7 @@ private:
     std::vector<std::unique_ptr<HostedProcess>> processes_;
 };
 
-/// What the programs said, of the frames that were captured in some time.
+/// The programs' results for the frames captured in an interval.
 struct Outcome {
     std::size_t num_published = 0;  // of all sites
     std::size_t num_failed = 0;     // writes, of the whole run
@@ -187,7 +186,7 @@ Outcome read(const Run& run, const Moment& from, const Moment& to) {
     return outcome;
 }
 
-// Mean of some processes, of one core [%].
+// Mean processor use of some processes, of one core [%].
 double percent(const Moment& from, const Moment& to, std::size_t first, std::size_t last) {
     std::chrono::nanoseconds sum{};
     for (std::size_t i = first; i < last; ++i) sum += to.processor[i] - from.processor[i];

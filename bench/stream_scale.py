@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renews the tables of docs/measurements/streams.md from what stream_scale.sh keeps, and draws stream_scale.svg.
+"""Renews the tables of docs/measurements/streams.md from the results of stream_scale.sh, and draws stream_scale.svg.
 
 usage: stream_scale.py SCALE CROWD PAGE FOLDER    the tables go between <!-- scale --> and <!-- crowd --> and their ends
 """
@@ -32,7 +32,7 @@ def all_programs(row):
 
 
 def mark(row):
-    """Of rows during which others used more than a tenth of a core."""
+    """Marks rows during which other programs used more than a tenth of a core."""
     return " *" if number(row, "host_percent") - all_programs(row) > 10 else ""
 
 
@@ -90,7 +90,7 @@ def draw(rows, folder):
         x += 70 + 7 * len(name)
     panel(drawing, rows, (0, 0), "A site", "site_percent", "of a core [%]")
     panel(drawing, rows, (1, 0), "A subscriber", "subscriber_percent", "of a core [%]", from_one=True)
-    # of the frames that were due: a site leaves out those for which it comes too late
+    # of the due frames: a site skips frames for which it is too late
     shares = [dict(row, due=number(row, "decoded_share" if row["case"] == "decode" else "share")
                    * number(row, "published_per_s") / RATE_HZ) for row in rows]
     panel(drawing, shares, (0, 1), "Frames complete, or decoded, of those due", "due", "[%]", 100.0, True, 105.0)
@@ -100,7 +100,7 @@ def draw(rows, folder):
 
 def main(scale, crowd, page, folder):
     rows, comment = read_rows(scale)
-    # of a case that was measured again, the last
+    # the last row of a case that was measured again
     rows = list({(row["case"], row["subscribers"]): row for row in rows}.values())
     if rows:
         renew(page, "scale", scale_table(rows, comment))

@@ -1,9 +1,9 @@
 #!/bin/sh
-# Sites and subscribers on one host: `bench/stream_scale.sh [BUILD] [SECONDS of each case, but 60 for 16 subscribers on loopback]`. Keeps the
-# figures with machine and date in bench/results/, renews the tables of docs/measurements/streams.md and draws docs/figures/stream_scale.svg. BUILD
-# has to be configured with -DATRIUM_BENCH=ON. Needs no rights; about fifteen minutes, in which the machine should have nothing else
-# to do. With ONLY=name it measures one series (loopback, decode, multicast, lan, crowd) and adds it to the file of this day; RUN is
-# put before each measurement (RUN="nice -n -5").
+# Measures sites and subscribers on one host: `bench/stream_scale.sh [BUILD] [SECONDS of each case, but 60 for 16 subscribers on loopback]`.
+# Keeps the figures with machine and date in bench/results/, renews the tables of docs/measurements/streams.md and draws docs/figures/stream_scale.svg.
+# Configure BUILD with -DATRIUM_BENCH=ON. Needs no rights. Takes about fifteen minutes. The machine should be idle. ONLY=name measures one
+# series (loopback, decode, multicast, lan, crowd) and adds it to the file of this day. RUN is put before each measurement (RUN="nice -n
+# -5").
 set -eu
 case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."
@@ -21,7 +21,7 @@ trap 'rm -r "$work"' EXIT
 mkdir -p bench/results
 "$build"/bin/replayed_site --stream "$work/person" --code true > "$work/log" 2>&1 || { cat "$work/log"; exit 1; }
 
-# new FILE PROGRAM: begins a file of this day
+# new FILE PROGRAM: starts a file of this day
 new() {
     [ -n "$only" ] && [ -e "$1" ] && return 0
     {
@@ -31,7 +31,7 @@ new() {
 }
 wants() { [ -z "$only" ] || [ "$only" = "$1" ]; }
 
-# row NAME NETWORK SUBSCRIBERS DECODE; false where the programs do not find each other in time
+# row NAME NETWORK SUBSCRIBERS DECODE: fails if the programs do not find each other in time
 row() {
     length=$seconds
     case $1-$3 in loopback-16 | decode-16) length=60 ;; esac
@@ -41,7 +41,7 @@ row() {
     return 1
 }
 
-# the same files with one thing changed: data by multicast as well, over lo
+# the same files with one change: data by multicast as well, over lo
 multicast() { sed -e 's/<AllowMulticast>[a-z]*</<AllowMulticast>true</' -e 's/multicast="false"/multicast="true"/' "$1"; }
 on_lo() { sed -e 's|<General>|<General><Interfaces><NetworkInterface name="lo" multicast="true"/></Interfaces>|' "$1"; }
 multicast qos/loopback.xml > "$work/multicast.xml"

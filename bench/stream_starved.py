@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renews the table of docs/measurements/streams.md from what stream_starved.sh keeps.
+"""Renews the table of docs/measurements/streams.md from the results of stream_starved.sh.
 
 usage: stream_starved.py TABLE PAGE    the table goes between <!-- starved --> and <!-- /starved -->
 """

@@ -1,9 +1,9 @@
 #!/bin/sh
-# A site, a world server and a viewer whose host lacks processor time, on a bridge with and without a limit:
-# `bench/stream_starved.sh [BUILD] [SECONDS of each case] [SEEDS]`. Keeps the figures with machine and date in bench/results/ and renews
-# the table of docs/measurements/streams.md. BUILD holds bin/site_node, bin/world_server and bin/viewer. Needs root, a control group of the processor
-# and two cores that have nothing else to do; with 300 s and ten seeds about nine hours. ONLY="quota:0:lan loops:5:wan" measures these
-# cases only: how it is starved, the limit in Mbit/s, the network. BUILT=1: what is in BUILD is up to date.
+# Measures a site, a world server and a viewer whose host lacks processor time, on a bridge with and without a limit:
+# `bench/stream_starved.sh [BUILD] [SECONDS of each case] [SEEDS]`. Keeps the figures with machine and date in bench/results/ and renews the
+# table of docs/measurements/streams.md. BUILD holds bin/site_node, bin/world_server and bin/viewer. Needs root, a control group of the processor and two
+# idle cores. Takes about nine hours with 300 s and ten seeds. ONLY="quota:0:lan loops:5:wan" measures only these cases: how the viewer is
+# starved, the limit in Mbit/s, the network. BUILT=1: BUILD is up to date.
 set -eu
 case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."

@@ -1,4 +1,4 @@
-"""Drawings for docs/figures without any package: shapes and text in one SVG file, and diagrams with axes."""
+"""Makes drawings for docs/figures without any package: shapes and text in one SVG file, and diagrams with axes."""
 
 import math
 from html import escape

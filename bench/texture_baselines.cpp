@@ -139,7 +139,7 @@ void WeightedDrawing::lay_out(const CameraWeights& weights, const Eigen::Vector3
         const Eigen::Vector3f normal =
             (model_.vertices_site[triangle[1]] - a).cross(model_.vertices_site[triangle[2]] - a);
         if (!(normal.dot(eye_site - a) > 0.0F)) continue;
-        // the cameras with most weight at the corners together
+        // the cameras with the largest sum of weights at the corners
         std::vector<std::pair<float, std::size_t>> used;
         for (std::size_t c = 0; c < weights.size(); ++c) {
             const float sum =

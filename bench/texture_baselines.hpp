@@ -8,24 +8,24 @@
 
 #include <vector>
 
-// Simpler ways to texture a person, to measure the viewer's own beside: with the same pictures, the
-// same fallback colours and the same shader, but other weights.
+// Simpler ways to texture a person, to compare with the viewer's: with the same pictures, fallback
+// colours and shader, but different weights.
 namespace atrium::bench {
 
 using CameraWeights = std::vector<std::vector<float>>;  // [camera][vertex]
 
-/// (a) The one camera that is nearest to the eye as seen from the middle of the person, wherever it
-/// sees the surface; elsewhere the fallback colour.
+/// (a) The one camera nearest to the eye, as seen from the middle of the person, wherever it sees
+/// the surface. Elsewhere the fallback colour.
 CameraWeights nearest_camera(const renderer::PersonModel& model, const Eigen::Vector3d& eye_site);
 
-/// The same, but each vertex takes the nearest of the cameras that see it.
+/// The same, but each vertex uses the nearest camera that sees it.
 CameraWeights nearest_seeing_camera(const renderer::PersonModel& model,
                                     const Eigen::Vector3d& eye_site);
 
-/// (b) All cameras that the surface faces alike, whatever stands between.
+/// (b) All cameras that the surface faces, with equal weights, whatever is in between.
 CameraWeights all_facing_cameras(const renderer::PersonModel& model);
 
-/// Draws one model with given weights. The GL context stays current as long as it is there.
+/// Draws one model with given weights. The GL context is current during its lifetime.
 class WeightedDrawing {
 public:
     explicit WeightedDrawing(const renderer::PersonModel& model);

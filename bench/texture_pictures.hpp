@@ -7,20 +7,20 @@
 #include <filesystem>
 #include <vector>
 
-/// Pictures around those of texture_quality.
+/// Auxiliary pictures of texture_quality.
 namespace atrium::bench {
 
-/// The truth and the photos of the same view in a row, cut to where the person is.
+/// The truth and the photos of one view in a row, cropped to the person.
 void write_side_by_side(const std::filesystem::path& file,
                         const test::TruePicture& truth,
                         const std::vector<test::Photo>& photos);
 
-/// What the texture alone has kept of its camera's picture, of `width` by `height`: no way to show
-/// it at the camera's own pose is expected to do better.
+/// The texture's version of its camera's picture, of `width` by `height`. No display at the
+/// camera's own pose should do better.
 test::Photo enlarged(const renderer::CameraPicture& picture, int width, int height);
 
-/// As a camera with pixels twice as large would have seen the person alone: of the size of the
-/// textures, each pixel the mean of those of four that are inside the mask.
+/// The person alone as a camera with pixels twice as large would see it. It has the size of the
+/// textures, and each pixel is the mean of those of four pixels that are inside the mask.
 test::TruePicture halved(const test::TruePicture& from);
 
 }  // namespace atrium::bench

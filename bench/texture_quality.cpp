@@ -1,6 +1,6 @@
-// How people look beside what real cameras saw, and beside simpler ways to texture them: rows of
-// comma-separated values, one per picture and way; texture_quality.sh keeps them and makes the
-// table of docs/measurements/viewer.md.
+// Compares drawn people with the pictures of real cameras, and with simpler ways to texture them.
+// Writes rows of comma-separated values, one per picture and method. texture_quality.sh keeps them
+// and makes the table of docs/measurements/viewer.md.
 #include "bench/texture_baselines.hpp"
 #include "bench/texture_pictures.hpp"
 #include "core/app/program.hpp"
@@ -96,7 +96,7 @@ renderer::PersonModel model_of(const test::ReceivedPerson& person, const Options
     return model;
 }
 
-// One scene: a person from some cameras, shown where others stood.
+// One scene: a person from some cameras, shown from the places of others.
 class Comparison {
 public:
     Comparison(std::string scene,
@@ -112,7 +112,7 @@ public:
         person_.set_model(model_);
     }
 
-    // `own`: the texture that was made of `truth`, if any.
+    // `own` is the texture made of `truth`, if there is one.
     void compare(const TruePicture& truth, const renderer::CameraPicture* own) {
         std::vector<Photo> photos;
         photos.push_back(take(truth.camera));
@@ -161,7 +161,7 @@ public:
     Comparison& operator=(const Comparison&) = delete;
 
 private:
-    // The person of the cameras alone that a viewer decodes.
+    // The person that a viewer decodes, from these cameras alone.
     void use_needed(const Eigen::Vector3f& eye_site) {
         std::vector<Eigen::Vector3f> centres;
         for (const renderer::CameraPicture& picture : received_.pictures)
@@ -207,7 +207,7 @@ private:
 
     std::string scene_;
     const Options& options_;
-    test::PersonPhotographer photographer_;  // goes last: it owns the context
+    test::PersonPhotographer photographer_;  // destroyed last: it owns the context
     test::ReceivedPerson received_;
     renderer::PersonModel model_;
     renderer::PersonModelScratch scratch_;
@@ -219,7 +219,7 @@ private:
     int num_views_ = 0;
 };
 
-// Contexts follow each other: each comparison ends before the next begins.
+// Only one context exists at a time: each comparison ends before the next begins.
 void compare_all(const std::string& scene,
                  const test::ReceivedPerson& person,
                  std::span<const TruePicture> truths,
@@ -228,7 +228,7 @@ void compare_all(const std::string& scene,
     for (const TruePicture& truth : truths) comparison.compare(truth, nullptr);
 }
 
-// At the poses of the cameras that gave the textures, at their resolution and at the textures'.
+// At the poses of the texturing cameras, at their resolution and at the textures'.
 void compare_own(const std::string& scene,
                  const test::ReceivedPerson& person,
                  std::span<const TruePicture> texturing,
@@ -247,7 +247,7 @@ void compare_own(const std::string& scene,
     }
 }
 
-// The same of a site that sends textures at full resolution (codec.texture_resolution).
+// The same for a site that sends textures at full resolution (codec.texture_resolution).
 void compare_full(const std::string& scene,
                   std::span<const TruePicture> texturing,
                   std::span<const TruePicture> truths,
@@ -321,7 +321,7 @@ void compare_orbit(const Options& options,
         true_changes.mean);
 }
 
-// In place of what the cameras saw the person's own colours: those of the room have no part in the
+// The person's own colours replace the cameras' pictures: the room's colours must not mix into the
 // pixels at the outline.
 void show_person_alone(std::span<const geometry::CalibratedCamera> rig,
                        const simulation::RoomOptions& room,
@@ -343,7 +343,7 @@ void compare_room(const Options& options) {
     std::vector<TruePicture> pictures = value_of(test::film_room(cameras, room, kTime_s));
     const std::span<const TruePicture> texturing(pictures.data(), rig.size());
     const auto person = value_of(test::receive_person(texturing, publishing(options)));
-    // at its own pose, though, a camera's picture is the truth as it is
+    // at its own pose, though, a camera's picture is the truth itself
     const std::vector<TruePicture> filmed(texturing.begin(), texturing.end());
     show_person_alone(rig, room, pictures);
     if (wants(options, "room")) {

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Renews the tables of docs/measurements/viewer.md from what texture_quality.sh keeps.
+"""Renews the tables of docs/measurements/viewer.md from the results of texture_quality.sh.
 
-usage: texture_quality.py TABLE PAGE    they go between <!-- texture-quality --> and <!-- /texture-quality -->
+usage: texture_quality.py TABLE PAGE    the tables go between <!-- texture-quality --> and <!-- /texture-quality -->
 """
 
 import os
@@ -28,7 +28,7 @@ def mean(rows, column):
 
 
 def quality(rows):
-    """Mean PSNR, that of the inside, and SSIM of one scene and way."""
+    """Mean PSNR, mean PSNR of the inside, and mean SSIM of one scene and method."""
     if not rows:
         return ""
     return f"{mean(rows, 'psnr_db'):.1f} ({mean(rows, 'inner_psnr_db'):.1f}) dB, {mean(rows, 'ssim'):.3f}"
@@ -47,7 +47,7 @@ def main(table, page):
     orbit = {row["way"]: row for row in rows if row["scene"] == "orbit"}
     if orbit:
         shown, true = orbit["viewer"], orbit["truth"]
-        # of orbits the columns are: largest change of a picture, of a block, and the mean change
+        # columns of orbits: largest change of a picture, of a block, and the mean change
         out += ["", "| around the simulated person in 360 steps: change from picture to picture, grey levels | viewer | true surface | ratio |",
                 "|---|---|---|---|"]
         for column, what in {"psnr_db": "largest, mean over the picture", "inner_psnr_db": "largest, mean over a block of 16 x 16 pixels",

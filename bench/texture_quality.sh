@@ -1,7 +1,7 @@
 #!/bin/sh
-# How people look beside what cameras saw: `bench/texture_quality.sh [BUILD] [PICTURES]`. Keeps every picture's figures with machine and
-# date in bench/results/ and renews the tables of docs/measurements/viewer.md. BUILD has to be configured with -DATRIUM_BENCH=ON; it needs no display.
-# With a folder PICTURES, truth and renderings go there side by side. Recordings that are not here are left out. About two minutes.
+# Compares drawn people with the pictures of cameras: `bench/texture_quality.sh [BUILD] [PICTURES]`. Keeps the figures of every picture with
+# machine and date in bench/results/ and renews the tables of docs/measurements/viewer.md. Configure BUILD with -DATRIUM_BENCH=ON. Needs no display.
+# Writes truth and renderings side by side into the folder PICTURES, if given. Skips missing recordings. Takes about two minutes.
 set -eu
 cd "$(dirname "$0")/.."
 build=${1:-build}

@@ -8,7 +8,7 @@
 
 namespace atrium::bench {
 
-/// What the benches that film acts with the cameras of a simulated room are told.
+/// Common options of the benchmarks that film acts with the cameras of a simulated room.
 struct TrialOptions {
     std::filesystem::path rig = ATRIUM_SOURCE_DIR "/deploy/rigs/full_body_1mp.toml";
     std::uint64_t num_trials = 20;
@@ -19,7 +19,7 @@ struct TrialOptions {
     bool wants(const std::string& name) const;
 };
 
-/// Reads the command line of such a bench, whose `options` hold the defaults.
+/// Reads the command line of these benchmarks. `options` holds the defaults.
 app::Start start(const app::ProgramInfo& info, TrialOptions& options, int argc, char** argv);
 
 }  // namespace atrium::bench

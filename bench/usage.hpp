@@ -8,9 +8,8 @@
 
 namespace atrium::bench {
 
-/// The words of the command line, of a program that takes them by their places. Ends the program
-/// after `usage`: with 0 where --help or -h is among them, with 2 where their number is none of
-/// `allowed`.
+/// Returns the positional words of the command line. Prints `usage` and ends the program with 0 for
+/// --help or -h, and with 2 if their number is not in `allowed`.
 inline std::vector<std::string> words_or_usage(int argc,
                                                char** argv,
                                                const std::vector<std::size_t>& allowed,

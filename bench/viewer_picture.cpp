@@ -1,5 +1,5 @@
 // Processor time of a viewer's picture in software, part by part: two coded people among a few
-// things, drawn with OSMesa. Each row adds one kind of work to the row before it.
+// objects, drawn with OSMesa. Each row adds one kind of work to the previous row.
 #include "bench/scale/coded_stream.hpp"
 #include "core/app/program.hpp"
 #include "core/gl/offscreen_context.hpp"
@@ -45,7 +45,7 @@ T value_of(Expected<T> result) {
     std::exit(app::fail(result.error()));
 }
 
-// Of all threads of this process, llvmpipe's included [ms].
+// Processor time of all threads of this process, including llvmpipe's [ms].
 double processor_ms() {
     timespec now{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
@@ -83,7 +83,7 @@ renderer::TexturePicture checks() {
     return picture;
 }
 
-// A floor, and as many things as the demo's world has, of every shape, some with a texture.
+// A floor, and as many objects as the demo's world, of every shape, some with a texture.
 constexpr std::uint32_t kNumThings = 12;
 
 ObjectLook thing(std::uint32_t i) {
@@ -241,7 +241,7 @@ void measure(const CodedStream& stream, int width, int height, const Options& op
               .read = true}}};
     if (!options.only.empty())
         std::erase_if(rows, [&](const Row& row) { return row.name != options.only; });
-    // the least of several, interleaved: other programs only add to it
+    // the least of several interleaved runs: other programs only add to it
     for (std::uint64_t round = 0; round < options.rounds; ++round) {
         for (Row& row : rows) {
             pictures.begin(row.work);

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Renews the tables of docs/measurements/viewer.md from what viewer_speed.sh keeps.
+"""Renews the tables of docs/measurements/viewer.md from the results of viewer_speed.sh.
 
-usage: viewer_speed.py SPEED GUESTS PAGE    between <!-- viewer-speed --> and <!-- /viewer-speed -->, <!-- viewer-guests --> and its end
+usage: viewer_speed.py SPEED GUESTS PAGE    the tables go between <!-- viewer-speed --> and <!-- /viewer-speed -->, <!-- viewer-guests --> and its end
 """
 
 import os

@@ -1,8 +1,8 @@
 #!/bin/sh
-# How fast the viewer draws two people without a display, and what guests cost it that ask for more than people do:
+# Measures the speed of the viewer with two people and no display, and the cost of guests that are more demanding than people:
 # `bench/viewer_speed.sh [BUILD] [SECONDS of each case]`. Keeps the figures with machine and date in bench/results/ and renews the tables of
-# docs/measurements/viewer.md. BUILD has to be configured with -DATRIUM_BENCH=ON. Needs no rights; some five minutes, in which the machine should have
-# nothing else to do. The first run renders the rooms.
+# docs/measurements/viewer.md. Configure BUILD with -DATRIUM_BENCH=ON. Needs no rights. Takes about five minutes. The machine should be idle. The first
+# run renders the rooms.
 set -eu
 case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."
@@ -24,7 +24,7 @@ trap 'exit 130' INT TERM
 mkdir -p bench/results
 world=viewer-speed-$$
 
-# starts PROGRAM ARGS..., silently
+# starts PROGRAM ARGS... without output
 begin() {
     program=$1
     shift
@@ -40,7 +40,7 @@ simulated() {
     begin site_node --config deploy/sites/bob.toml
 }
 
-# view ARGS...: a viewer until its end; value NAME: one of the figures that it then told
+# view ARGS...: runs a viewer to its end; value NAME: a figure of its report
 view() {
     if ! "$build"/bin/viewer --bus.world "$world" --view.context osmesa --wait_timeout_s 240 --seconds "$seconds" "$@" > "$work/viewer.log" 2>&1; then
         cat "$work/viewer.log"
@@ -49,7 +49,7 @@ view() {
 }
 value() { sed -n 's/.* viewer_stopped //p' "$work/viewer.log" | tr ' ' '\n' | sed -n "s/^$1=//p"; }
 
-# row NAME ALLOWED_FPS WIDTH HEIGHT: one viewer among what was begun
+# row NAME ALLOWED_FPS WIDTH HEIGHT: one viewer beside the started programs
 row() {
     begin world_server --config deploy/worlds/demo.toml
     view --view.width "$3" --view.height "$4" --view.max_fps 240 --view.adapt off --wait_people 2
@@ -58,7 +58,7 @@ row() {
     stop
 }
 
-# guest NAME PROGRAM ARGS...: comes when a person has been there for some pictures
+# guest NAME PROGRAM ARGS...: joins after a person has been shown for some pictures
 guest() {
     name=$1
     guest_program=$2

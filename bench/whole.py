@@ -1,9 +1,9 @@
-"""Compares the whole of two commits: builds both, runs their demos in turn (A B A B ...) on the idle machine, prints a table with the
+"""Compares the demos of two commits. Builds both, runs their demos in turn (A B A B ...) on the idle machine, prints a table with the
 ratios of the medians (B / A), and keeps all figures in bench/results/DATE-MACHINE-whole-A-B.json.
 
-Processor time, waiting time and memory are read from outside (/proc), so that commits without such figures can be compared. The
-commits stand as git worktrees in .cache/whole, and stay there built; remove the folder at will. The rooms are rendered before the
-first round. Ctrl-C ends it: no process is left, and the rounds so far are kept.
+Processor time, waiting time and memory are read from outside (/proc), which works for commits that do not report them. The commits
+are git worktrees in .cache/whole, and stay there built; you can remove the folder. The rooms are rendered before the first round.
+Ctrl-C ends it, leaves no process, and keeps the rounds so far.
 
   bench/whole.sh e3e7f11 HEAD            # three rounds of 20 s
   bench/whole.sh e3e7f11 HEAD 5 30
@@ -31,14 +31,14 @@ def say(text):
 def arguments():
     parser = argparse.ArgumentParser(prog="bench/whole.sh", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("a", metavar="A", help="a commit")
-    parser.add_argument("b", metavar="B", help="the commit that is compared with it")
+    parser.add_argument("b", metavar="B", help="the commit to compare with it")
     parser.add_argument("rounds", nargs="?", type=int, default=3, help="runs of each (default: %(default)s)")
-    parser.add_argument("seconds", nargs="?", type=float, default=20.0, help="length of each run, from when everybody is on (default: %(default)s)")
+    parser.add_argument("seconds", nargs="?", type=float, default=20.0, help="length of each run, from when all programs are running (default: %(default)s)")
     parser.add_argument("--build-a", metavar="DIR", help="a tree of commit A with its programs in DIR/build/bin, instead of a worktree")
     parser.add_argument("--build-b", metavar="DIR", help="likewise of commit B")
     parser.add_argument("--patience", type=float, default=120.0,
-                        help="how long to wait for an idle machine before each run [s]; then it goes on and marks the run (default: %(default)s)")
-    parser.add_argument("--keep", metavar="FILE", help="the result's file; rounds are added to one of the same commits that is there")
+                        help="how long to wait for an idle machine before each run [s]; after that it runs anyway and marks the run (default: %(default)s)")
+    parser.add_argument("--keep", metavar="FILE", help="file of the result; adds the rounds to an existing file of the same commits")
     given = parser.parse_args()
     if given.rounds < 1 or given.seconds < 3:
         parser.error("at least one round of 3 seconds")
@@ -46,7 +46,7 @@ def arguments():
 
 
 class Side:
-    """One of the two commits, with its tree and a folder to run in that holds its rooms."""
+    """One of the two commits, with its tree, and a working folder with its rooms."""
 
     def __init__(self, letter, revision, tree):
         self.letter = letter
@@ -69,7 +69,7 @@ class Side:
         if not os.path.exists(os.path.join(self.tree, ".git")):
             machine.git("worktree", "prune")
             if machine.git("worktree", "add", "--detach", self.tree, self.commit) is None:
-                sys.exit(f"whole: cannot make the worktree {self.tree}")
+                sys.exit(f"whole: cannot create the worktree {self.tree}")
         log = os.path.join(self.folder, "build.log")
         say(f"{self.letter}: builds {self.commit} in {os.path.relpath(self.tree)} (see {os.path.relpath(log)})")
         with open(log, "wb") as output:
@@ -85,7 +85,7 @@ class Side:
             sys.exit(f"whole: {self.commit} cannot be built; see {log}")
 
     def run(self, seconds, tell=lambda text: None):
-        # its own folder to run in, so that each commit makes its own rooms
+        # a separate working folder: each commit renders its own rooms
         options = ["--deploy", os.path.join(self.tree, "deploy"), "--world", os.path.join(self.tree, "deploy", "worlds", "demo.toml"),
                    "--viewer", os.path.join(self.tree, "deploy", "viewer.toml")]
         with tempfile.TemporaryDirectory(prefix="whole-") as output:
@@ -98,7 +98,7 @@ class Side:
 
 
 def figures(run):
-    """{name: (value, unit)} of one run, in the table's order; value None where it was not measured."""
+    """{name: (value, unit)} of one run, in the table's order; value None if it was not measured."""
     rows = {}
     report = run["report"]
     for site in sorted(report["sites"]):
@@ -113,7 +113,7 @@ def figures(run):
         rows[f"{text}, p99"] = (of["p99"], "ms")
     rows["world: steps/s"] = (report["world"]["steps_per_s"], "")
     rows["viewer: pictures/s"] = (report["viewer"]["frames_per_s"], "")
-    # of viewers that give way to a slow machine: a ratio of times alone would hide it
+    # of viewers that reduce their quality on a slow machine: a ratio of times alone would hide it
     rows["viewer: resolution of the scene"] = (None if "scale" not in report["viewer"] else 100.0 * report["viewer"]["scale"], "%")
     rows["viewer: shadows (1: on)"] = (report["viewer"].get("shadows"), "")
     rows["viewer: pairs shown"] = (report["viewer"]["pairs_shown"], "")

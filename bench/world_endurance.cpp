@@ -1,9 +1,7 @@
-// Two people who move about among the things of every world of deploy/worlds, minute after minute:
-// whether anything explodes. All bounds of tests/support/endurance.hpp are looked at after every
-// step; comma-separated values, a row per world, and exit code 1 where a bound was broken;
-// world_endurance.sh keeps them. Once a minute all things are put back, so that there is always
-// something to push.
-// Usage: world_endurance [MINUTES [WORLD ...]]
+// Two people move about among the objects of every world of deploy/worlds for minutes. Checks all
+// bounds of tests/support/endurance.hpp after every step. Writes comma-separated values, a row per
+// world. Exits with 1 if a bound was broken. world_endurance.sh keeps the values. Once a minute all
+// objects are reset, which keeps them in the way. Usage: world_endurance [MINUTES [WORLD ...]]
 #include "bench/usage.hpp"
 #include "core/base/thread_pool.hpp"
 #include "core/codec/mesh_codec.hpp"
@@ -53,7 +51,7 @@ world_server::WorldServerConfig load(const fs::path& file) {
     return config;
 }
 
-// Somebody on the rosette, as the cameras of a room see her.
+// A person on the rosette, seen by the cameras of a room.
 class Wanderer {
 public:
     Wanderer(const test::HullFilm& film, double start_s, double phase_rad)
@@ -84,7 +82,7 @@ public:
           scene_(value_of(world_server::Scene::create(config_))),
           watch_(scene_, config_.joints, bounds) {}
 
-    // Up to a time, with people who are new.
+    // Runs up to a time, with new people.
     void advance(const std::vector<physics::PersonShape>& people, double until_s) {
         for (std::size_t p = 0; p < people.size(); ++p)
             scene_.world().set_person(fmt::format("person{}", p), people[p]);

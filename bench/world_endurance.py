@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renews the table of docs/measurements/world.md from what world_endurance.sh keeps.
+"""Renews the table of docs/measurements/world.md from the results of world_endurance.sh.
 
 usage: world_endurance.py TABLE PAGE    the table goes between <!-- world-endurance --> and <!-- /world-endurance -->
 """

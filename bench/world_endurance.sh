@@ -1,7 +1,7 @@
 #!/bin/sh
-# Two people among the things of every world of deploy/worlds: `bench/world_endurance.sh [BUILD [MINUTES]]`, 10 simulated minutes of each
-# world. Keeps the table with machine and date in bench/results/ and renews that of docs/measurements/world.md; fails where a bound was broken.
-# Takes about 15 minutes of one core; progress goes to stderr.
+# Runs two people among the objects of every world of deploy/worlds: `bench/world_endurance.sh [BUILD [MINUTES]]`, 10 simulated minutes of
+# each world. Keeps the table with machine and date in bench/results/ and renews the table of docs/measurements/world.md. Fails if a bound was
+# broken. Takes about 15 minutes of one core. Progress goes to stderr.
 set -eu
 cd "$(dirname "$0")/.."
 build=${1:-build}

@@ -19,15 +19,15 @@
 #include <string>
 #include <vector>
 
-// From a hand's capture to the published motion of what it pushes, all on one host, each site and
-// the world server a program of its own; one row of CSV. world_latency.sh makes the table of
-// docs/measurements/world.md of them:
+// Time from a hand's capture to the published motion of the object that it pushes, all on one host,
+// with each site and the world server in its own process. Writes one row of CSV. world_latency.sh
+// makes the table of docs/measurements/world.md from it:
 //
 //   world_latency NAME KIND SITES SECONDS [RATE_HZ]
 //
-// KIND: a rig.toml, whose cameras see simulated rooms in site_node programs; or "meshes", people of
-// boxes whose meshes go out 16 ms after their capture, the site's work as bench/site_8x1mp.sh
-// measures it. `world_latency head`: the names of the columns.
+// KIND: a rig.toml, whose cameras see simulated rooms in site_node programs. Or "meshes": people of
+// boxes whose meshes are sent 16 ms after their capture, the site's time as measured by
+// bench/site_8x1mp.sh. `world_latency head` prints the column names.
 namespace {
 
 using namespace atrium;
@@ -36,9 +36,9 @@ using Clock = std::chrono::steady_clock;
 using test::HostedProcess;
 
 constexpr auto kPatience = 180s;          // rooms are rendered
-constexpr int kSettled = 60;              // meshes of each site before it counts
-constexpr double kLoopS = 1.5;            // a push every so often; a hand comes with about 0.7 m/s
-constexpr double kBeyondPeriodMs = 25.0;  // that a push may take
+constexpr int kSettled = 60;              // meshes of each site before counting starts
+constexpr double kLoopS = 1.5;            // period of the pushes; a hand arrives with about 0.7 m/s
+constexpr double kBeyondPeriodMs = 25.0;  // maximum duration of a push
 constexpr double kBallM = 0.16;
 constexpr auto kSiteWork = 16ms;
 const std::string kNetwork = "loopback";
@@ -64,14 +64,14 @@ struct Case {
     double bar_ms() const { return 1000.0 / rate_hz + kBeyondPeriodMs; }
 
     bool has_cameras() const { return kind != "meshes"; }
-    /// Where the ball lies, before a hand that is about in the middle of its way.
+    /// Place of the ball, in front of a hand about in the middle of its path.
     Eigen::Vector3d ball_site() const {
         return has_cameras() ? Eigen::Vector3d(0.52, -0.20, 1.21)
                              : Eigen::Vector3d(0.70, -0.17, 1.3);
     }
 };
 
-// Sites stand on a ring, far enough from each other.
+// Sites stand on a ring, far enough apart.
 geometry::RigidTransform world_from_site(std::size_t site) {
     const double yaw_rad = 0.5 * std::numbers::pi * static_cast<double>(site);
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()));
@@ -117,13 +117,13 @@ bench::Target target(const Case& c, std::size_t site) {
     target.ball.size_m.setConstant(kBallM);
     target.ball.mass_kg = 0.4;
     target.ball.world_from_object.translation = target.world_from_site * c.ball_site();
-    // more than a hand goes from mesh to mesh: it may meet the ball at any moment between them
+    // more than the hand's motion between meshes: it may meet the ball at any moment between them
     target.spread_m =
         (target.world_from_site.rotation * Eigen::Vector3d(0.03, 0.0, 0.0)).cwiseAbs();
     return target;
 }
 
-// A person of boxes whose arms come and go.
+// A person of boxes whose arms move forth and back.
 geometry::TriangleMesh person_at(Timestamp capture, std::size_t site) {
     constexpr auto kLoopNs = static_cast<std::int64_t>(1e9 * kLoopS);
     const double phase = static_cast<double>(capture.ns % kLoopNs) / static_cast<double>(kLoopNs);
@@ -212,7 +212,7 @@ public:
         for (std::size_t i = 0; i < c.num_sites; ++i) watches_.emplace_back(target(c, i), 1000 + i);
     }
 
-    /// All sites send meshes and the world states; false: not in time.
+    /// Waits until all sites send meshes and the world sends states. Returns false at the timeout.
     bool wait_for_all(const Programs& programs) {
         const auto give_up = Clock::now() + kPatience;
         std::map<std::string, int> num_meshes;
@@ -264,7 +264,7 @@ private:
     bus::Writer<bus::SceneCommand> commands_;
     bus::Waiter waiter_;
     std::vector<bench::PushWatch> watches_;
-    bus::SiteStatus site_status_;  // of one of them, the last
+    bus::SiteStatus site_status_;  // of one of them, the latest
     bus::WorldStatus world_status_;
 };
 
@@ -327,7 +327,7 @@ void print(const Case& c, const Observer& observer) {
 constexpr const char* kUsage =
     "usage: world_latency NAME KIND SITES SECONDS [RATE_HZ]    one row; KIND: a rig.toml, or "
     "meshes\n"
-    "       world_latency head                                 the names of the columns\n";
+    "       world_latency head                                 the column names\n";
 
 }  // namespace
 
@@ -351,7 +351,8 @@ int main(int argc, char** argv) {
     options.network = kNetwork;
     Programs programs(c, options);
     Observer observer(c, options);
-    if (!observer.wait_for_all(programs)) fail(1, "not all sites and the world were there in time");
+    if (!observer.wait_for_all(programs))
+        fail(1, "timeout: a site or the world server did not appear");
     observer.watch(c.length);
     programs.check();
     print(c, observer);

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renews the table of docs/measurements/world.md from what world_latency.sh keeps.
+"""Renews the table of docs/measurements/world.md from the results of world_latency.sh.
 
 usage: world_latency.py TABLE PAGE    the table goes between <!-- world-latency --> and <!-- /world-latency -->
 """

@@ -1,8 +1,8 @@
 #!/bin/sh
-# From a hand's capture to the motion of what it pushes: `bench/world_latency.sh [BUILD] [SECONDS of each case]`. Keeps the figures with
-# machine and date in bench/results/ and renews the table of docs/measurements/world.md. BUILD has to be configured with -DATRIUM_BENCH=ON.
-# Needs no rights; about eight minutes, in which the machine should have nothing else to do. RUN is put before each measurement
-# (RUN="nice -n -5"). The first run renders the rooms.
+# Measures the time from a hand's capture to the motion of the object that it pushes: `bench/world_latency.sh [BUILD] [SECONDS of each
+# case]`. Keeps the figures with machine and date in bench/results/ and renews the table of docs/measurements/world.md. Configure BUILD with
+# -DATRIUM_BENCH=ON. Needs no rights. Takes about eight minutes. The machine should be idle. RUN is put before each measurement (RUN="nice
+# -n -5"). The first run renders the rooms.
 set -eu
 case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."

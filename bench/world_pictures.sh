@@ -1,8 +1,8 @@
 #!/bin/sh
-# Pictures of a world with two simulated people who play in it: `bench/world_pictures.sh WORLD [AT_S...]`, where WORLD is a name in
-# deploy/demos. Films a play of that demo for 12 s without a window (out/world_WORLD/view.avi) and puts its pictures of the times given,
-# 2 3 4 5 s without any, side by side into docs/figures/world_WORLD.png. The people's loops begin when their programs do: look at the film
-# first, then take the times from there with FILM=no, which films nothing anew. BUILD is the build folder.
+# Makes pictures of a world with two simulated people who play in it: `bench/world_pictures.sh WORLD [AT_S...]`, where WORLD is a name in
+# deploy/demos. Films that demo for 12 s without a window (out/world_WORLD/view.avi) and puts its pictures at the given times (default 2 3 4
+# 5 s) side by side into docs/figures/world_WORLD.png. The people's loops start with their programs. Watch the film first, then choose the
+# times with FILM=no, which uses the existing film. BUILD is the build folder.
 set -eu
 cd "$(dirname "$0")/.."
 world=$1

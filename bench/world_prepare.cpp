@@ -1,7 +1,7 @@
-// What it costs to prepare people's meshes for the physics, from coded bytes to moving surfels, one
-// thread, its CPU time: comma-separated values, a row per act. The meshes are hulls from the
-// cameras of a simulated room. The work is the same in every run, so instructions can be counted
-// (valgrind --tool=callgrind).
+// CPU time to prepare people's meshes for the physics, from coded bytes to moving surfels, on one
+// thread. Writes comma-separated values, a row per act. The meshes are hulls from the cameras of a
+// simulated room. The work is the same in every run, and its instructions can be counted (valgrind
+// --tool=callgrind).
 #include "bench/thread_time.hpp"
 #include "bench/trial_options.hpp"
 #include "core/codec/mesh_codec.hpp"
@@ -37,7 +37,7 @@ void measure(const std::string& name, const test::HullFilm& film, std::size_t ma
     std::vector<double> all_ms;
     std::vector<double> triangles;
     std::vector<double> surfels;
-    std::uint64_t hash = 0;  // the same work was done
+    std::uint64_t hash = 0;  // proves that the same work was done
     for (const auto& frame : film.frames) {
         if (frame.draco.empty()) continue;
         if (all_ms.size() == max_meshes) break;

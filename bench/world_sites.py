@@ -19,7 +19,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from demo_run import read_stat
 from page_table import put_table, read_rows
 
-SETTLE_S = 4.0  # until the programs have found each other
+SETTLE_S = 4.0  # time for the programs to find each other
 PATIENCE_S = 30.0
 FIELDS = ["sites", "steps_per_s", "skipped_ticks", "meshes_per_s", "dropped_meshes", "prepare_ms", "prepare_p99_ms", "step_ms",
           "collision_ms", "collision_p99_ms", "world_share", "viewer_share", "site_share", "world_mb"]
@@ -31,7 +31,7 @@ def cpu_s(process):
 
 
 class Programs:
-    """Programs of one case in a folder of logs; all end with it."""
+    """Programs of one case, with a folder of logs. All end with this object."""
 
     def __init__(self, build, folder):
         self.build, self.folder, self.started = build, folder, []
@@ -65,7 +65,7 @@ def read_reports(path):
             try:
                 reports.append(json.loads(line))
             except json.JSONDecodeError:
-                pass  # a log's line, or the one that is being written
+                pass  # a log line, or an incomplete line
     return reports
 
 

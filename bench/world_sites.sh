@@ -1,10 +1,10 @@
 #!/bin/sh
-# Sites on one host with a world server and one viewer: `bench/world_sites.sh [BUILD] [SECONDS of each case]`. The sites are simulated:
-# each replays the coded frames of the simulated room at 30 Hz. Measures whether steps are on time (skipped ticks), which meshes were
-# dropped, capture to collision (median and p99), and each program's share of a core. Keeps the figures with machine and commit in
-# bench/results/ and renews the table of docs/measurements/world.md. BUILD has to be configured with -DATRIUM_BENCH=ON. Needs no rights; about
-# two minutes, in which the machine should have nothing else to do. SITES="1 4" chooses the numbers of sites, STREAM=FILE keeps the
-# coded frames from run to run, RUN is put before each program (RUN="nice -n -5").
+# Measures sites on one host with a world server and one viewer: `bench/world_sites.sh [BUILD] [SECONDS of each case]`. The sites are
+# simulated: each replays the coded frames of the simulated room at 30 Hz. Measures whether steps are on time (skipped ticks), dropped
+# meshes, capture to collision (median and p99), and the share of a core of each program. Keeps the figures with machine and commit in
+# bench/results/ and renews the table of docs/measurements/world.md. Configure BUILD with -DATRIUM_BENCH=ON. Needs no rights. Takes about two
+# minutes. The machine should be idle. SITES="1 4" chooses the numbers of sites, STREAM=FILE keeps the coded frames from run to run, RUN is
+# put before each program (RUN="nice -n -5").
 set -eu
 case "${1:-}" in -h | --help) exec sed -n '2,/^set/{/^set/d;s/^# *//p}' "$0" ;; esac
 cd "$(dirname "$0")/.."

@@ -1,7 +1,7 @@
-// How long the steps of a world take, and taking in a person's mesh: comma-separated values, a row
-// per setting; world_step.sh keeps them. One thread, its CPU time. In the world are rigid bodies, a
-// curtain and a soft ball (and more of both), and a puppet on strings; the people are figures of
-// spheres and boxes who walk and reach among them, meshes at 30 Hz.
+// CPU time of a world's steps, and of taking a person's mesh, on one thread. Writes comma-separated
+// values, a row per setting, which world_step.sh keeps. The world has rigid bodies, a curtain, a
+// soft ball (and more of both), and a puppet on strings. The people are figures of spheres and
+// boxes who walk and reach among them, with meshes at 30 Hz.
 #include "bench/thread_time.hpp"
 #include "tests/unit/physics/meshes.hpp"
 #include "world_server/config.hpp"
@@ -22,8 +22,8 @@ namespace {
 
 constexpr int kTicksPerMesh = 4;  // 30 Hz
 constexpr int kTicksPerState = 2;
-constexpr int kNumPoses = 20;                                 // there, and as many back
-constexpr int kTicksPerWalk = 2 * kNumPoses * kTicksPerMesh;  // there and back
+constexpr int kNumPoses = 20;                                 // forth, and as many back
+constexpr int kTicksPerWalk = 2 * kNumPoses * kTicksPerMesh;  // forth and back
 constexpr int kTicksPerReset = 2 * kTicksPerWalk;             // 2.7 s
 constexpr int kTicks = 10 * kTicksPerReset;                   // of the standard setting, 27 s,
 constexpr int kTicksOfSweep = 4 * kTicksPerReset;             // and of the others
@@ -44,7 +44,7 @@ struct Setting {
     std::exit(code);
 }
 
-// Cuts of a figure's parts for at most so many triangles.
+// Cuts of a figure's parts that give at most this many triangles.
 int cuts_for(int triangles) {
     int cuts = 2;
     while (
@@ -57,8 +57,8 @@ int cuts_for(int triangles) {
 
 double place_of(int person) { return kApartM * (person - 1); }
 
-// Somebody who walks at 1 m/s and reaches out at 0.5 m/s, to and fro. The second round is kept, in
-// which the first mesh has one before it.
+// A person who walks at 1 m/s and reaches out at 0.5 m/s, to and fro. The second round is kept,
+// whose first mesh has a predecessor.
 std::vector<physics::PersonShape> walk(int person, int triangles, std::vector<double>& shape_ms) {
     physics::PersonShaper shaper(physics::PersonShapeOptions{});
     std::vector<physics::PersonShape> shapes(2 * kNumPoses);
@@ -85,7 +85,7 @@ void add_floor(world_server::WorldServerConfig& config) {
     config.objects.push_back(floor);
 }
 
-// Balls and boxes by turns, in layers above where people walk.
+// Balls and boxes in turn, in layers above the people's paths.
 void add_bodies(world_server::WorldServerConfig& config, int num) {
     for (int i = 0; i < num; ++i) {
         world_server::WorldObject body;
@@ -100,7 +100,7 @@ void add_bodies(world_server::WorldServerConfig& config, int num) {
     }
 }
 
-// Puppets on strings, each before one of the people.
+// Puppets on strings, each in front of one person.
 void add_puppets(world_server::WorldServerConfig& config, int num) {
     for (int i = 0; i < num; ++i) {
         world_server::PuppetDescription description;
@@ -114,7 +114,8 @@ void add_puppets(world_server::WorldServerConfig& config, int num) {
     }
 }
 
-// By turns a curtain, before the hands, and a ball, before the feet: those of curtain.toml.
+// In turn a curtain, in front of the hands, and a ball, in front of the feet: those of
+// curtain.toml.
 void add_soft(world_server::WorldServerConfig& config, int num) {
     for (int i = 0; i < num; ++i) {
         world_server::WorldSoftObject soft;
@@ -156,13 +157,13 @@ world_server::Scene make_scene(const Setting& setting) {
 }
 
 struct Times {
-    std::vector<double> step_ms;   // all that the simulating thread does in a tick
-    std::vector<double> take_ms;   // taking in a mesh, a part of it
-    std::vector<double> shape_ms;  // preparing it, which another thread does
+    std::vector<double> step_ms;   // all work of the simulating thread in a tick
+    std::vector<double> take_ms;   // taking a mesh, a part of it
+    std::vector<double> shape_ms;  // preparing it, on another thread
     std::size_t num_contact_ticks = 0;
     std::size_t num_soft_contact_ticks = 0;
     std::size_t num_moving = 0;  // rigid objects, over all ticks
-    std::uint64_t hash = 0;      // of the state at the end: the same work was done
+    std::uint64_t hash = 0;      // of the final state: proves that the same work was done
 };
 
 Times measure(const Setting& setting) {
@@ -179,11 +180,11 @@ Times measure(const Setting& setting) {
     physics::WorldCounters before;
     for (int tick = 0; tick < kWarmUpTicks + num_ticks; ++tick) {
         if (tick == kWarmUpTicks) before = world.counters();
-        // back into the air and in the way, when people have stepped back
+        // back into the air and in the way, while people have stepped back
         if (tick % kTicksPerReset == 0) world.reset();
         double take_ms = 0.0;
         for (int p = 0; p < setting.people; ++p) {
-            // not all in the same tick, as sites have clocks of their own
+            // not all in the same tick, because sites have independent clocks
             if (tick % kTicksPerMesh != p % kTicksPerMesh) continue;
             const auto& shapes = people[static_cast<std::size_t>(p)];
             const auto at = static_cast<std::size_t>(tick / kTicksPerMesh) % shapes.size();
@@ -259,7 +260,7 @@ int run(const std::vector<std::string>& arguments) {
     const double begin_ms = thread_ms();
     for (std::size_t i = 0; i < settings.size(); ++i) {
         print(settings[i], measure(settings[i]));
-        // the table goes to a file mostly: somebody waits for some minutes
+        // the table usually goes to a file: show progress to the user, who waits for minutes
         fmt::print(stderr,
                    "{} of {} settings, {:.0f} s of processor time: {}\n",
                    i + 1,

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renews the table of docs/measurements/world.md and its curves from what world_step.sh keeps.
+"""Renews the table of docs/measurements/world.md and its curves from the results of world_step.sh.
 
 usage: world_step.py TABLE PAGE SVG    the table goes between <!-- world-step --> and <!-- /world-step -->
 """

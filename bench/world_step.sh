@@ -1,7 +1,7 @@
 #!/bin/sh
-# Measures the steps of a world: `bench/world_step.sh [BUILD]`. Keeps the table with machine and date in bench/results/ and renews
-# table and curves of docs/measurements/world.md. BUILD has to be configured with -DATRIUM_BENCH=ON, and is best a release build; the
-# machine should have nothing else to do. Takes two to three minutes and tells on the terminal how far it is.
+# Measures the steps of a world: `bench/world_step.sh [BUILD]`. Keeps the table with machine and date in bench/results/ and renews table and
+# curves of docs/measurements/world.md. Configure BUILD with -DATRIUM_BENCH=ON, preferably as a release build. The machine should be idle. Takes
+# two to three minutes and shows its progress on the terminal.
 set -eu
 cd "$(dirname "$0")/.."
 build=${1:-build}

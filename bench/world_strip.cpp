@@ -1,4 +1,4 @@
-// Some pictures of a film side by side, the middle of each: world_strip FILM PICTURE WIDTH_PX
+// Puts some pictures of a film side by side, the middle of each: world_strip FILM PICTURE WIDTH_PX
 // AT_S... Times below 0 count from the film's end.
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -13,7 +13,7 @@
 
 namespace {
 
-// Its middle of 8:5, `width_px` wide.
+// The middle of a picture at 8:5, `width_px` wide.
 cv::Mat middle_of(const cv::Mat& picture, int width_px) {
     const int columns = std::min(picture.cols, picture.rows * 8 / 5);
     const cv::Rect middle((picture.cols - columns) / 2, 0, columns, picture.rows);
@@ -66,7 +66,7 @@ int main(int argc, char** argv) {
     }
     cv::Mat strip;
     cv::hconcat(chosen, strip);
-    // 64 levels per channel are plenty for a page, and half the bytes
+    // 64 levels per channel are enough for a page, at half the bytes
     strip = strip & cv::Scalar::all(0xfc);
     if (!cv::imwrite(argv[2], strip, {cv::IMWRITE_PNG_COMPRESSION, 9})) {
         std::fprintf(stderr, "cannot write %s\n", argv[2]);

@@ -1,5 +1,5 @@
-// What people can do to the things of a world, with hulls from the cameras of a simulated room:
-// rows of comma-separated values, one per trial; world_trials.sh keeps them and makes the table.
+// Trials of acts with objects of a world, with hulls from the cameras of a simulated room. Writes
+// rows of comma-separated values, one per trial. world_trials.sh keeps them and makes the table.
 #include "tests/support/world_trials.hpp"
 
 #include "bench/trial_options.hpp"
@@ -31,7 +31,7 @@ T value_of(Expected<T> result) {
 
 using Trial = std::function<TrialResult(const TrialSetting&, std::uint64_t)>;
 
-// Directions that are spread evenly over all there are.
+// Directions spread evenly over the sphere.
 Eigen::Vector3d direction(std::uint64_t i, int num) {
     const double z = 1.0 - 2.0 * (static_cast<double>(i) + 0.5) / num;
     const double angle = static_cast<double>(i) * 2.39996323;  // the golden angle

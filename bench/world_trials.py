@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renews the table of docs/measurements/world.md from what world_trials.sh keeps.
+"""Renews the table of docs/measurements/world.md from the results of world_trials.sh.
 
 usage: world_trials.py TABLE PAGE    the table goes between <!-- world-trials --> and <!-- /world-trials -->
 """

@@ -1,8 +1,7 @@
 #!/bin/sh
-# Tries what people can do to the things of a world, with hulls from the cameras of a simulated room: `bench/world_trials.sh [BUILD]
-# [TRIALS]`, 20 of each by default. Keeps every trial with machine and date in bench/results/ and renews the table of
-# docs/measurements/world.md. BUILD has to be configured with -DATRIUM_BENCH=ON. The hulls take some 10 minutes the first time and are kept in
-# .cache/world_trials.
+# Tries the acts of people with objects of a world, with hulls from the cameras of a simulated room: `bench/world_trials.sh [BUILD]
+# [TRIALS]`, 20 of each by default. Keeps every trial with machine and date in bench/results/ and renews the table of docs/measurements/world.md.
+# Configure BUILD with -DATRIUM_BENCH=ON. The hulls take about 10 minutes the first time and are kept in .cache/world_trials.
 set -eu
 cd "$(dirname "$0")/.."
 build=${1:-build}

@@ -10,9 +10,9 @@
 namespace atrium::bench {
 namespace {
 
-constexpr double kAwayM = 0.12;     // the hand is so far from where the ball is put
-constexpr double kMovedM = 0.001;   // the ball moves: so far from its place,
-constexpr double kMovesMps = 0.05;  // or so fast
+constexpr double kAwayM = 0.12;     // the hand is this far from the place of the ball
+constexpr double kMovedM = 0.001;   // the ball moves: this far from its place,
+constexpr double kMovesMps = 0.05;  // or at this speed
 constexpr double kStillMps = 0.005;
 constexpr int kStillStates = 6;  // a tenth of a second
 
@@ -60,7 +60,7 @@ std::optional<bus::SceneCommand> PushWatch::look_for_end() {
 }
 
 std::optional<bus::SceneCommand> PushWatch::see(const bus::SiteMesh& mesh, Timestamp received) {
-    // what is measured has the same two cores: no work on meshes that tell nothing
+    // the measured programs share the same two cores: skip work on meshes without a push
     const bool tells_little = phase_ == Phase::kDone || phase_ == Phase::kPut;
     if (tells_little && mesh.frame_id % 4 != 0) return std::nullopt;
     const auto decoded = codec::decode_mesh(mesh.draco);
@@ -77,20 +77,20 @@ std::optional<bus::SceneCommand> PushWatch::see(const bus::SiteMesh& mesh, Times
             break;
         case Phase::kPut:
             if (gap_m > 0.0) break;
-            ++num_missed_;  // the hand was there before the ball lay still
+            ++num_missed_;  // the hand arrived before the ball was at rest
             return take_ball();
         case Phase::kArmed:
             gap_m_ = gap_m;
             gap_capture_ = mesh.capture_time;
             if (gap_m <= 0.0) {
-                ++num_missed_;  // not seen on its way
+                ++num_missed_;  // the push was missed
                 return take_ball();
             }
             if (gap_m < 0.5 * kAwayM) phase_ = Phase::kHandComes;
             break;
         case Phase::kHandComes:
             if (gap_m > kAwayM) {
-                ++num_missed_;  // it went back, and not both have happened
+                ++num_missed_;  // the hand went back before both had happened
                 return take_ball();
             }
             if (gap_m <= 0.0 && push_.capture == Timestamp{}) {

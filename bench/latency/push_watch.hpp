@@ -12,31 +12,32 @@
 
 namespace atrium::bench {
 
-/// One push: a hand that came to a ball at rest, and the ball that began to move.
+/// One push: a hand came to a ball at rest, and the ball began to move.
 struct Push {
-    Timestamp touch;           // the hand's surface met the ball's, between the two meshes there
-    Timestamp capture;         // of the first mesh in which the hand is in the ball
-    Timestamp mesh_received;   // that mesh, by us
+    // time when the hand's surface met the ball's, between the two meshes around it
+    Timestamp touch;
+    Timestamp capture;         // of the first mesh with the hand in the ball
+    Timestamp mesh_received;   // when this program received that mesh
     Timestamp moved;           // stamp of the first published state in which the ball moves
-    Timestamp state_received;  // that state, by us
+    Timestamp state_received;  // when this program received that state
 };
 
-/// What is put before a hand.
+/// The ball that is put in front of a hand.
 struct Target {
     std::string site;
     geometry::RigidTransform world_from_site;
-    bus::SceneObject ball;                    // at rest where it is put
-    Eigen::Vector3d spread_m{0.0, 0.0, 0.0};  // it is put up to so far from there, at random
+    bus::SceneObject ball;                    // at rest at its place
+    Eigen::Vector3d spread_m{0.0, 0.0, 0.0};  // its place varies at random up to this much
 };
 
-/// Watches one hand that comes and goes, by the meshes of its site, and puts a ball before it each
-/// time that it is away. What counts as a push is found from what is on the bus alone: from the
-/// meshes' triangles and the ball's place. No network and no clock of its own; one thread.
+/// Watches one hand that comes and goes, through the meshes of its site, and puts a ball in front
+/// of it whenever it is away. It detects pushes only from messages on the bus: the meshes'
+/// triangles and the ball's place. It uses no network and no clock, and one thread.
 class PushWatch {
 public:
     PushWatch(Target target, std::uint64_t seed);
 
-    /// Each may ask for a command: to put the ball, or to take it away.
+    /// Each may return a command: put the ball, or take it away.
     std::optional<bus::SceneCommand> see(const bus::SiteMesh& mesh, Timestamp received);
     std::optional<bus::SceneCommand> see(const bus::SceneState& state, Timestamp received);
 
@@ -55,8 +56,8 @@ private:
     std::mt19937_64 random_;
     Phase phase_ = Phase::kDone;
     Eigen::Vector3d place_world_ = Eigen::Vector3d::Zero();  // of the ball, at rest
-    int num_still_ = 0;                                      // states in a row
-    std::optional<double> gap_m_;  // of the mesh before: hand to ball, < 0 inside
+    int num_still_ = 0;                                      // consecutive states
+    std::optional<double> gap_m_;  // of the previous mesh: hand to ball, < 0 inside
     Timestamp gap_capture_;
     Push push_;
     std::vector<Push> pushes_;

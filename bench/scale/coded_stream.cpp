@@ -11,7 +11,7 @@
 namespace atrium::bench {
 namespace {
 
-// One function for both ways, so that they cannot differ.
+// One function for both directions, which therefore cannot differ.
 class Saver {
 public:
     explicit Saver(const std::filesystem::path& file) : stream_(file, std::ios::binary) {}
@@ -40,7 +40,7 @@ public:
     }
     template <typename Sequence>
     void resize(Sequence& sequence) {
-        constexpr std::size_t kMost = 1U << 24U;  // of a file that is none of ours
+        constexpr std::size_t kMost = 1U << 24U;  // of a foreign file
         std::size_t size = 0;
         number(size);
         if (size > kMost) stream_.setstate(std::ios::failbit);

@@ -12,8 +12,8 @@ struct SiteFrame;
 
 namespace atrium::bench {
 
-/// What a site publishes, ready to be written again and again; site, ids and times are for the
-/// writer to fill in.
+/// Coded messages of a site, ready to be written repeatedly. The writer fills in site, ids and
+/// times.
 struct CodedStream {
     struct Frame {
         bus::SiteMesh mesh;
@@ -23,11 +23,11 @@ struct CodedStream {
     std::vector<Frame> frames;
 };
 
-/// A coded metaframe as it is published.
+/// A coded metaframe as a site publishes it.
 CodedStream::Frame to_frame(const site_node::SiteFrame& coded);
 
-/// One second of the simulated room as a site codes it by itself: eight cameras of 1 MP with a
-/// mosaic and noise. Takes a minute where the room is not in the cache.
+/// One second of the simulated room, coded as in a site: eight cameras of 1 MP with a mosaic and
+/// noise. Takes a minute if the room is not in the cache.
 Expected<CodedStream> code_simulated_person();
 
 /// A file for other processes of this machine.

@@ -8,8 +8,8 @@
 #include <condition_variable>
 #include <mutex>
 
-// A program that is there, as a small onlooker would be: Presence, and readers of what sites are
-// and how they are.
+// A program that is only present, like a small observer: Presence, and readers of descriptions and
+// statuses.
 int main(int argc, char** argv) {
     using namespace atrium;
     const app::StopOnSignal stop;

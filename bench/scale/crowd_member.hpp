@@ -11,8 +11,8 @@
 
 namespace atrium::bench {
 
-/// Says "knows NS", the time at which this program knew of so many, itself included, to 20 ms; then
-/// costs nothing any more. With 0 members it says nothing.
+/// Prints "knows NS", the time at which this program knew of this many programs, including itself,
+/// accurate to 20 ms. Then it costs nothing. With 0 members it prints nothing.
 class SayWhenAllAreThere {
 public:
     SayWhenAllAreThere(const presence::Membership& membership, std::size_t num_members)

@@ -70,7 +70,7 @@ LoopbackCounters loopback_counters() {
         if (colon == std::string::npos) continue;
         std::istringstream words(line.substr(colon + 3));
         LoopbackCounters counters;
-        words >> counters.bytes >> counters.datagrams;  // received: on lo what was sent
+        words >> counters.bytes >> counters.datagrams;  // received: on lo everything that was sent
         return counters;
     }
     return {};

@@ -12,10 +12,10 @@
 #include <mutex>
 #include <optional>
 
-// A site without cameras: writes a coded stream at 30 Hz, in a loop, through the same writers and
-// with the same samples as a true site, and hears what viewers report, but sends at full quality
-// whatever they say. At its end it says what it published, "published ID CAPTURE_NS"; a capture is
-// the instant before the first write of its frame.
+// A site without cameras. It writes a coded stream at 30 Hz in a loop, through the same writers and
+// with the same samples as a real site. It receives the viewers' reports, but always sends at full
+// quality. At its end it prints its published frames, "published ID CAPTURE_NS". A capture is the
+// instant before the first write of its frame.
 namespace {
 
 using namespace atrium;
@@ -68,7 +68,7 @@ public:
                 status_due += 1s;
                 tell();
             }
-            // what came too late is left out, as a site does
+            // skips late metaframes, as a site does
             for (due += kPeriod; due < Clock::now(); due += kPeriod) ++num_late_;
             std::unique_lock lock(mutex);
             never.wait_until(lock, stop, due, [] { return false; });

@@ -13,10 +13,10 @@
 #include <set>
 #include <thread>
 
-// A viewer without pictures: receives, pairs and reports to the sites, and with --decode decodes
-// people up to what a graphics card would be handed. Says "sees N" once it has had frames of N
-// sites, and at its end what it had: "frame SITE ID CAPTURE_NS COMPLETE_NS" and "person SITE
-// CAPTURE_NS DECODED_NS".
+// A viewer without pictures. It receives, pairs and reports to the sites, and with --decode decodes
+// people up to the data for a graphics card. Prints "sees N" once it has frames of N sites, and its
+// results at the end: "frame SITE ID CAPTURE_NS COMPLETE_NS" and "person SITE CAPTURE_NS
+// DECODED_NS".
 namespace {
 
 using namespace atrium;
@@ -109,7 +109,7 @@ private:
     std::unique_ptr<viewer::Session> session_;
     std::size_t num_sites_;
     bus::ViewerStatus status_;
-    std::set<std::string> seen_;  // of the receiving thread, as the next one
+    std::set<std::string> seen_;  // of the receiving thread, like the next one
     std::vector<Arrival> frames_;
     std::vector<Arrival> people_;
 };

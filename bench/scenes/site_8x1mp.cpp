@@ -1,6 +1,6 @@
 // The whole site on two cores: eight cameras of one megapixel, from raw pixels in memory to coded
-// mesh and textures ready to send, by the threads and slots that site_node has; only the network is
-// left out. Offered at a given rate, and one after another.
+// mesh and textures ready to send, with the threads and slots of site_node. Only the network is
+// missing. Metaframes come at a given rate, or one after another.
 
 #include "bench/scenes/site_scene.hpp"
 #include "core/base/latest_slot.hpp"
@@ -56,7 +56,7 @@ double quantile(std::vector<double> values, double share) {
     return values[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
 }
 
-// What one column of the table is the median of.
+// The values of one sample of a case; the table shows the median of each column.
 struct Column {
     const char* name;
     std::function<double(const SiteFrame&)> value;
@@ -85,7 +85,7 @@ const std::vector<Column>& columns() {
     return all;
 }
 
-/// Offers, works and takes what is ready, each in its own thread, as site_node does.
+/// Offers, processes and takes results, each on its own thread, as site_node does.
 class SiteRun {
 public:
     SiteRun(SiteScene& scene, site_node::Pipeline& pipeline, std::size_t num_workers)
@@ -104,7 +104,7 @@ public:
         seconds_ = seconds_since_begin();
         cpu_ms_ = cpu_ms() - cpu_ms_at_begin_;
         num_late_ = metaframes_.num_dropped() - late_at_begin_;
-        // from the last to the first, so that nobody waits for a thread that is gone
+        // from the last to the first: no thread then waits for one that has ended
         silhouettes = {};
         work = {};
         ready = {};
@@ -231,7 +231,7 @@ private:
     std::vector<std::vector<double>> samples_;  // [column]
 };
 
-// All that is told of a case, in the order of the table.
+// All columns of a case, in the order of the table.
 struct Figure {
     const char* name;
     std::string value;
@@ -266,7 +266,7 @@ void print(const std::vector<Figure>& figures) {
     std::fflush(stdout);
 }
 
-// With the names above the first one.
+// The cases, with the column names above the first one.
 void write(const std::vector<Figure>& figures, bool is_first, std::FILE* csv) {
     const auto line = [&](const auto& text_of) {
         for (std::size_t i = 0; i < figures.size(); ++i)

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kEmptyShots = 16;
 
-// The full-body rig with square pictures that show as much from top to bottom.
+// The full-body rig with square pictures of the same vertical field of view.
 Expected<config::Rig> square_rig(int side_px) {
     auto rig = config::load_rig(ATRIUM_SOURCE_DIR "/deploy/rigs/full_body.toml");
     if (!rig) return rig;
@@ -25,7 +25,7 @@ Expected<config::Rig> square_rig(int side_px) {
     return rig;
 }
 
-/// Turns rendered pictures into what a sensor delivers.
+/// Converts rendered pictures to a sensor's format.
 class Sensor {
 public:
     explicit Sensor(const SiteSceneOptions& options)
@@ -61,7 +61,7 @@ public:
     }
 
 private:
-    // One colour per pixel, as its filter lets through.
+    // One colour per pixel, by its filter.
     static void sample(
         const std::uint8_t* bgr, int y, int width, image::Mosaic mosaic, std::uint8_t* out) {
         const image::RedAt red = image::red_at(mosaic);
@@ -87,7 +87,7 @@ Expected<SiteScene> SiteScene::create(const SiteSceneOptions& options) {
     room.motion = "wave";
     room.loop_s = 1.0;
     room.rate_hz = options.num_instants;
-    room.noise_lsb = 0.0;  // the sensor's comes here
+    room.noise_lsb = 0.0;  // the sensor's noise is added here
     room.num_empty_frames = 1;
     const auto rendered =
         simulation::load_or_render_loop(rig->cameras, room, options.cache, {}, {});

@@ -7,19 +7,20 @@
 #include <filesystem>
 #include <vector>
 
-// What the measurements of the whole site take their pictures from.
+// Pictures for the benchmarks of the whole site.
 namespace atrium::bench {
 
 struct SiteSceneOptions {
     int side_px = 1000;                                        // pictures are square
     image::PixelFormat format = image::PixelFormat::kBayerRG;  // or kBgr
     double noise_lsb = 2.0;  // standard deviation of every sample of the sensor
-    int num_instants = 24;   // of one second of motion; all of them lie in memory
+    int num_instants = 24;   // of one second of motion; all stay in memory
     std::filesystem::path cache = ".cache/simulation";  // of the pictures without noise
 };
 
-/// A simulated person before eight cameras, as the sensors deliver it: raw pictures in memory, each
-/// with its own noise, so that what is measured is the site and neither renderer nor cameras.
+/// A simulated person in front of eight cameras: raw pictures in memory, as the sensors deliver
+/// them, each with its own noise. The benchmark then measures the site, and neither renderer nor
+/// cameras.
 class SiteScene final : public capture::FrameSource {
 public:
     static Expected<SiteScene> create(const SiteSceneOptions& options);
@@ -30,10 +31,10 @@ public:
                                                 const BackgroundSink& sink,
                                                 std::stop_token stop) override;
 
-    /// The loop once, as fast as the sink takes it.
+    /// Plays the loop once, as fast as the sink takes it.
     Expected<void> run(std::stop_token stop, const Sink& sink) override;
 
-    /// Picture `camera` of any instant: the loop goes on for ever.
+    /// Picture of `camera` at any instant. The loop repeats for ever.
     const image::RawImage& picture(std::size_t instant, std::size_t camera) const {
         return frames_[instant % frames_.size()][camera];
     }

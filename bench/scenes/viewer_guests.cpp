@@ -14,7 +14,7 @@
 namespace atrium::bench {
 namespace {
 
-// Takes each mesh out of its bytes, and puts what `change` makes of it back.
+// Decodes each mesh, changes it by `change`, and codes it again.
 template <typename Change>
 Expected<void> change_meshes(CodedStream& stream, const Change& change) {
     codec::MeshEncoder encoder;

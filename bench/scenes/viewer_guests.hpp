@@ -5,17 +5,17 @@
 
 #include <cstddef>
 
-// Guests that are more than a viewer expects: what they send is valid on the bus.
+// Streams of extreme guests that are still valid on the bus.
 namespace atrium::bench {
 
-/// The stream's textures again and again, until there are `num_cameras` (at most 64).
+/// Repeats the stream's textures until there are `num_cameras` (at most 64).
 void repeat_cameras(std::size_t num_cameras, CodedStream& stream);
 
-/// Each triangle of the meshes cut into four, `times` over.
+/// Splits each triangle of the meshes into four, `times` times.
 Expected<void> subdivide_meshes(int times, CodedStream& stream);
 
-/// Cameras that no lens is like, some inside the person and some out of sight, and meshes that are
-/// far away, huge, tiny and flat in turns.
+/// Cameras like no real lens, some inside the person and some out of sight. The meshes are far
+/// away, huge, tiny and flat in turn.
 Expected<void> make_absurd(CodedStream& stream);
 
 }  // namespace atrium::bench

@@ -1,5 +1,5 @@
-// A world of a thousand things that all appear at once, move, and go away at once to come again:
-// written to the bus as a world server would, to see whether viewers keep their pictures up.
+// A world of a thousand objects that all appear at once, move, disappear at once and come again. It
+// writes to the bus as a world server would, to test whether viewers keep their rate.
 #include "core/app/log.hpp"
 #include "core/app/program.hpp"
 #include "core/bus/bus.hpp"
@@ -72,12 +72,12 @@ private:
         return std::uniform_real_distribution<double>(low, high)(random_);
     }
 
-    // sizes and places anywhere within what the bus lets through, where that is asked for
+    // on request, sizes and places anywhere within the limits of the bus
     void add(std::uint32_t id) {
         bus::SceneObject object;
         object.object = id + 1;
         object.name = fmt::format("thing{}", id);
-        object.shape = static_cast<bus::Shape>(id % 4);  // the four that are no plane
+        object.shape = static_cast<bus::Shape>(id % 4);  // the four shapes besides the plane
         const double size_m = options_.absurd ? std::pow(10.0, between(-12.0, 5.0)) : 0.15;
         object.size_m.setConstant(size_m);
         if (object.shape == bus::Shape::kCapsule) object.size_m.z() *= 0.5 + between(1.0, 2.0);

@@ -9,7 +9,7 @@
 
 namespace atrium::test {
 
-/// Makes values of what a fuzzer gives. Past its end there are zeros.
+/// Makes values from a fuzzer's bytes. Past their end it reads zeros.
 class ByteReader {
 public:
     explicit ByteReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -25,13 +25,13 @@ public:
     int below(int limit) { return byte() % limit; }
     /// In [low, high], on a grid of 65536 steps.
     double between(double low, double high) { return low + (high - low) * word() / 65535.0; }
-    /// Any number at all.
+    /// Any number, finite or not.
     double raw() {
         std::uint64_t bits = 0;
         for (int i = 0; i < 8; ++i) bits = bits << 8 | byte();
         return std::bit_cast<double>(bits);
     }
-    /// What programs trip over.
+    /// Numbers that often break programs.
     double hostile() {
         constexpr double kInfinity = std::numeric_limits<double>::infinity();
         constexpr std::array<double, 12> kValues{0.0,

@@ -14,7 +14,7 @@ int must(int result, const char* what) {
     return result;
 }
 
-// Nobody can be found from there, and nobody finds it.
+// An isolated configuration: no peer can find this participant, and it finds none.
 dds_entity_t lonely_participant() {
     constexpr dds_domainid_t kDomain = 203;
     constexpr const char* kSettings = R"(<CycloneDDS><Domain Id="any">
@@ -30,7 +30,7 @@ dds_entity_t lonely_participant() {
 
 }  // namespace
 
-// Cyclone makes its types along with the topic and shows them with what was written.
+// Cyclone creates its types with the topic and exposes them with a written sample.
 CdrType::CdrType(const dds_topic_descriptor_t& descriptor,
                  const char* name,
                  const void* good_sample)
@@ -49,9 +49,9 @@ CdrType::CdrType(const dds_topic_descriptor_t& descriptor,
 
 CdrType::Serialised CdrType::accept(std::span<const std::uint8_t> payload,
                                     ddsi_serdata_kind kind) const {
-    constexpr std::size_t kHeaderBytes = 4;  // Cyclone drops what has none before it gets here
+    constexpr std::size_t kHeaderBytes = 4;  // Cyclone drops shorter payloads before this point
     if (payload.size() < kHeaderBytes) return nullptr;
-    // of its own size, so that reading beyond it is seen
+    // an exact-size copy, which shows reads beyond the end
     std::vector<std::uint8_t> copy(payload.begin(), payload.end());
     const ddsrt_iovec_t vector{copy.data(), copy.size()};
     return Serialised(ddsi_serdata_from_ser_iov(any_->type, kind, 1, &vector, copy.size()));

@@ -10,7 +10,7 @@
 
 namespace atrium::test {
 
-/// One topic's type, as Cyclone DDS reads it from the network.
+/// The type of one topic, as Cyclone DDS reads it from the network.
 class CdrType {
 public:
     struct Release {
@@ -18,22 +18,22 @@ public:
     };
     using Serialised = std::unique_ptr<ddsi_serdata, Release>;
 
-    /// `good_sample` is a wire struct that can be written. Aborts where Cyclone cannot be used.
+    /// `good_sample` is a wire struct that can be written. Aborts if Cyclone fails.
     CdrType(const dds_topic_descriptor_t& descriptor, const char* name, const void* good_sample);
 
-    /// What a datagram's payload is made into, or null where Cyclone drops it. `kind` is SDK_DATA
-    /// for samples, SDK_KEY for what tells that a key is gone.
+    /// The sample that Cyclone makes of a datagram's payload, or null if it drops the payload.
+    /// `kind` is SDK_DATA for samples and SDK_KEY for the end of an instance.
     Serialised accept(std::span<const std::uint8_t> payload, ddsi_serdata_kind kind) const;
 
-    /// The payload that `sample` is sent as.
+    /// The payload that carries `sample`.
     std::vector<std::uint8_t> payload_of(const void* sample, ddsi_serdata_kind kind) const;
 
-    /// What `take` hands out, of a sample and of the end of its key. `sample` is a wire struct, all
-    /// zeros or from an earlier call; false where Cyclone fails.
+    /// The wire structs that `take` returns, for a sample and for the end of its instance. `sample`
+    /// is a wire struct, all zeros or from an earlier call. Returns false if Cyclone fails.
     bool read(const ddsi_serdata& data, void* sample) const;
     bool read_key(const ddsi_serdata& data, void* sample) const;
 
-    /// Gives back what a wire struct owns after `read`.
+    /// Frees the memory that a wire struct owns after `read`.
     void free_contents(void* sample) const;
 
 private:

@@ -14,7 +14,7 @@ namespace {
 
 constexpr codec::MeshLimits kMeshLimits{.max_triangles = 20'000, .max_vertices = 20'000};
 
-// What our own reader takes, Draco's takes as well, and for the same mesh.
+// If Atrium's reader accepts a stream, Draco's must accept it too, with the same mesh.
 std::string check_own_reader(std::span<const std::uint8_t> bytes) {
     geometry::TriangleMesh mesh;
     if (!codec::EdgebreakerReader().read(bytes, kMeshLimits, mesh)) return "";
@@ -71,7 +71,7 @@ std::string check_texture_bytes(std::span<const std::uint8_t> bytes, bool& was_a
         std::min<std::size_t>(bytes[0] | std::size_t{bytes[1]} << 8, bytes.size() - 2);
     const auto mask_bytes = bytes.subspan(2, num_mask);
     image::Mask mask;
-    // what it may cost is bounded by the limits of a texture; a fuzzer needs less
+    // the limits of a texture bound its cost; a fuzzer needs less
     constexpr int kMostPixels = 1 << 16;
     if (codec::decode_mask(mask_bytes, mask) && mask.width * mask.height > kMostPixels) return "";
     codec::TextureDecoder decoder;

@@ -5,13 +5,15 @@
 
 #include <algorithm>
 
-// Inputs that a fuzzer found to reach code that no other input reaches, with any compiler.
+// Fuzzer inputs that reach code that no other input reaches, with any compiler.
 namespace atrium::test {
 namespace {
 
-TEST(CodecFuzzSeeds, Meshes) { replay("codec_mesh", check_mesh_bytes, 3, 10); }
-TEST(CodecFuzzSeeds, Masks) { replay("codec_mask", check_mask_bytes, 3, 3); }
-TEST(CodecFuzzSeeds, Textures) { replay("codec_texture", check_texture_bytes, 3, 10); }
+TEST(CodecFuzzSeeds, KeepTheMeshDecodersPromises) { replay("codec_mesh", check_mesh_bytes, 3, 10); }
+TEST(CodecFuzzSeeds, KeepTheMaskDecodersPromises) { replay("codec_mask", check_mask_bytes, 3, 3); }
+TEST(CodecFuzzSeeds, KeepTheTextureDecodersPromises) {
+    replay("codec_texture", check_texture_bytes, 3, 10);
+}
 
 }  // namespace
 }  // namespace atrium::test

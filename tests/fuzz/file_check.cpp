@@ -20,8 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder in memory for the one file that is looked at. It goes with the process, unless that is
-/// aborted.
+/// A folder in memory for the one file under test. It vanishes with the process, unless the process
+/// aborts.
 class Folder {
 public:
     Folder() {
@@ -84,7 +84,7 @@ bool same(const hull_tool::NamedView& a, const hull_tool::NamedView& b) {
                1e-6;
 }
 
-// FNV-1a, as background_file.hpp does not say: where it changes, no seed is accepted any more.
+// FNV-1a, which background_file.hpp does not document. If it changes, no seed is accepted any more.
 std::uint64_t checksum(std::span<const std::uint8_t> bytes) {
     std::uint64_t hash = 14695981039346656037ULL;
     for (const std::uint8_t byte : bytes) hash = (hash ^ byte) * 1099511628211ULL;

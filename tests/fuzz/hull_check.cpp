@@ -35,7 +35,7 @@ bool same_bits(const hull::VisualHull& a, const hull::VisualHull& b) {
 }  // namespace
 
 std::string check_hull(const HullInput& input) {
-    static ThreadPool pool(2);  // starting threads would take longer than most hulls
+    static ThreadPool pool(2);  // creating threads would take longer than most hulls
     SerialExecutor serial;
     hull::HullScratch scratch;
     hull::VisualHull first;
@@ -43,7 +43,7 @@ std::string check_hull(const HullInput& input) {
     const std::string wrong = check_status(first);
     if (!wrong.empty()) return wrong;
 
-    // something else in between, so that what it left behind would show
+    // another input in between, to expose leftovers
     hull::VisualHull again;
     const auto fewer = std::span(input.views).first(input.views.size() - 1);
     compute_visual_hull(fewer, input.options, scratch, serial, again);

@@ -6,9 +6,8 @@
 
 namespace atrium::test {
 
-/// Computes the hull of `input` several times: it has to be a sound mesh or none, and the same to
-/// the bit on a scratch that was used for something else and with two workers. Empty: all is well;
-/// else what is wrong.
+/// Computes the hull of `input` several times. It must be a sound mesh or none, and have the same
+/// bits with a used scratch and with two workers. Returns the violation, or "".
 std::string check_hull(const HullInput& input);
 
 }  // namespace atrium::test

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <map>
 
-// Inputs that a fuzzer found to reach code that no other input reaches, with any compiler.
+// Fuzzer inputs that reach code that no other input reaches, with any compiler.
 namespace atrium::test {
 namespace {
 
@@ -34,7 +34,7 @@ TEST(HullFuzzSeeds, GiveASoundMeshOrNone) {
     }
 }
 
-// Else the inputs have lost their meaning, and the test above sees nothing any more.
+// Otherwise the seeds are outdated, and the test above checks nothing.
 TEST(HullFuzzSeeds, ReachHullsAndRefusals) {
     std::map<hull::HullStatus, int> count;
     hull::HullScratch scratch;

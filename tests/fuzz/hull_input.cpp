@@ -49,7 +49,7 @@ Contour star(ByteReader& reader, int num_points, bool with_spikes) {
     return contour;
 }
 
-// Far more points than bytes: walks that cross themselves.
+// Many more points than bytes: walks that cross themselves.
 Contour scribble(ByteReader& reader, int num_points) {
     const double step_px = reader.between(0.01, 200.0);
     Noise noise(reader.word());
@@ -74,7 +74,7 @@ Contour decode_contour(ByteReader& reader, const Contour& former) {
                 contour.emplace_back(x, reader.between(0.0, 1000.0));
             }
             break;
-        case 1:  // on a lattice: touches and repeats itself
+        case 1:  // on a lattice: it touches and repeats itself
             for (int i = 0; i < count % 64; ++i) {
                 const int cell = reader.byte();
                 contour.emplace_back(50.0 * (cell / 16) + 100.0, 50.0 * (cell % 16) + 100.0);
@@ -84,7 +84,7 @@ Contour decode_contour(ByteReader& reader, const Contour& former) {
             return star(reader, count, false);
         case 3:
             return star(reader, count, true);
-        case 4: {  // the former one again, a little or not at all beside it
+        case 4: {  // the previous contour again, shifted slightly or not at all
             const double shift_px = 0.25 * (count - 128);
             contour = former;
             for (Eigen::Vector2d& p : contour) p.x() += shift_px;
@@ -96,7 +96,7 @@ Contour decode_contour(ByteReader& reader, const Contour& former) {
                 contour.emplace_back(x, 500.0 + 1e-7 * reader.byte());
             }
             break;
-        case 6:  // numbers that are none, rarely: one of them spoils the whole input
+        case 6:  // non-finite numbers, rarely: a single one spoils the whole input
             if (count % 4 != 0) return star(reader, count, false);
             for (int i = 0; i < count % 10; ++i) {
                 const double x = reader.hostile();
@@ -105,7 +105,7 @@ Contour decode_contour(ByteReader& reader, const Contour& former) {
             break;
         case 7:
             return scribble(reader, 12 * count);
-        default:  // regular, the same in all views: edges that several cameras see
+        default:  // regular, the same in all views: several cameras see the same edges
             for (int i = 0; i < count % 32; ++i)
                 contour.push_back(on_circle(static_cast<double>(i) / (count % 32), 150.0));
             break;
@@ -118,7 +118,7 @@ geometry::RigidTransform decode_pose(ByteReader& reader,
     const Eigen::Vector3d target(0.0, 0.0, 0.9);
     const int kind = reader.below(16);
     const double turn = 2.0 * std::numbers::pi * reader.byte() / 16.0;
-    if (kind == 0 && !former.empty()) {  // in the same place, turned
+    if (kind == 0 && !former.empty()) {  // at the same place, turned
         const geometry::RigidTransform turned_from_camera{
             Eigen::Quaterniond(Eigen::AngleAxisd(0.1 * turn, Eigen::Vector3d::UnitY())),
             Eigen::Vector3d::Zero()};
@@ -135,7 +135,7 @@ geometry::RigidTransform decode_pose(ByteReader& reader,
         for (int i = 0; i < 3; ++i) pose.translation[i] = reader.hostile();
         return pose;
     }
-    if (kind == 3) {  // anywhere, even inside of what is seen
+    if (kind == 3) {  // anywhere, even inside the bodies
         Eigen::Vector3d centre;
         for (int i = 0; i < 3; ++i) centre[i] = reader.between(-4.0, 4.0);
         return look_at(centre + Eigen::Vector3d(1e-3, 0.0, 0.0), target);

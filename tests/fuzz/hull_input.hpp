@@ -13,8 +13,8 @@ struct HullInput {
     hull::HullOptions options;
 };
 
-/// Any bytes are an input: 2 to 8 views from the good to the impossible. Limits are set so low that
-/// a hull takes less than a second, sanitizers included. Missing bytes read as 0.
+/// Any bytes are an input: 2 to 8 views from good to impossible. Low limits keep a hull below a
+/// second, even with sanitizers. Missing bytes read as 0.
 HullInput decode_hull_input(std::span<const std::uint8_t> bytes);
 
 }  // namespace atrium::test

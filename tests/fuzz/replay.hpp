@@ -12,8 +12,8 @@
 
 namespace atrium::test {
 
-/// Gives `check(bytes, was_accepted)`, which returns what is wrong, all files of seeds/`name`. At
-/// least so many have to be accepted and refused: else the inputs have lost their meaning.
+/// Runs `check(bytes, was_accepted)`, which returns the violation, on all files of seeds/`name`.
+/// Expects minimum numbers of accepted and refused inputs. With fewer the seeds are outdated.
 template <typename Check>
 void replay(const std::string& name, const Check& check, int least_accepted, int least_refused) {
     int num_accepted = 0;

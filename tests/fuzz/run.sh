@@ -6,15 +6,15 @@ usage() {
     cat <<'EOF'
 usage: tests/fuzz/run.sh SECONDS [TARGET...]
 
-Builds the fuzzers into build-fuzz (needs Debian's clang and libclang-rt-14-dev) and runs each TARGET, or all, for SECONDS one after
-the other, with AddressSanitizer and UndefinedBehaviorSanitizer. Begins with tests/fuzz/seeds/TARGET and with what earlier runs kept in
-build-fuzz/corpus/TARGET. What a fuzzer finds is left in build-fuzz/findings/TARGET; given as the only argument to
-build-fuzz/bin/TARGET_fuzz it happens again, and kept in tests/fuzz/seeds/TARGET it is tested from then on.
+Builds the fuzzers into build-fuzz (needs Debian's clang and libclang-rt-14-dev). Runs each TARGET, or all, for SECONDS one after the
+other, with AddressSanitizer and UndefinedBehaviorSanitizer. Starts with tests/fuzz/seeds/TARGET and the inputs that earlier runs kept in
+build-fuzz/corpus/TARGET. Writes findings to build-fuzz/findings/TARGET. To repeat a finding, give it as the only argument to
+build-fuzz/bin/TARGET_fuzz. Copy it to tests/fuzz/seeds/TARGET to keep it as a test.
 
-Prints executions, executions per second and edges covered per target as a table. Exit status: 0 all clean, 1 there is a finding,
+Prints a table with executions, executions per second and covered edges per target. Exit status: 0 no findings, 1 a finding,
 2 wrong usage.
 
-  --list    names the targets (after the build)
+  --list    lists the targets (after the build)
   --help    this text
 EOF
 }
@@ -37,7 +37,7 @@ max_len() {
     esac
 }
 
-# run_one TARGET SECONDS: a row of the table; fails where there is a finding
+# run_one TARGET SECONDS: prints a row of the table; fails on a finding
 run_one() {
     local target=$1 seconds=$2
     local corpus=$build/corpus/$target findings=$build/findings/$target log=$build/findings/$target.log

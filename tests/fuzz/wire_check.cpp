@@ -22,8 +22,8 @@ namespace {
 enum class Reading { kSample, kEndOfKey, kFields };
 constexpr int kNumReadings = 3;
 
-/// What a wire struct says, field by field, without what stands behind the ends of its names. Notes
-/// what no message may hold.
+/// The content of a wire struct field by field, without the bytes after the ends of names. Notes
+/// values that no message may hold.
 class Statement {
 public:
     static constexpr bool kWithIgnored = false;
@@ -40,7 +40,7 @@ public:
         (add(parts), ...);
     }
 
-    std::vector<std::uint8_t> bytes;  // of all but rotations
+    std::vector<std::uint8_t> bytes;  // of everything except rotations
     std::vector<Eigen::Vector4d> rotations;
     std::string wrong;
 
@@ -114,7 +114,7 @@ private:
     }
 };
 
-/// Rotations may be made a little longer or shorter, and nothing else may change.
+/// The length of a rotation may change slightly, and nothing else.
 std::string compare(const Statement& received, const Statement& accepted) {
     constexpr double kRounding = 2e-15;
     if (received.bytes != accepted.bytes) return "not what was received";
@@ -131,7 +131,7 @@ std::string compare(const Statement& received, const Statement& accepted) {
 template <typename Message>
 using WireOf = typename bus::Topic<Message>::Wire;
 
-/// `wire` is what `message` was made from.
+/// `message` was read from `wire`.
 template <typename Message>
 std::string check_accepted(WireOf<Message>& wire, const Message& message) {
     if (const std::string broken = broken_promise(message); !broken.empty()) return broken;
@@ -196,7 +196,7 @@ const CdrType& cdr_type() {
     return type;
 }
 
-/// A wire struct whose contents Cyclone allocates.
+/// A wire struct whose content Cyclone allocates.
 template <typename Message>
 struct Received {
     Received() = default;
@@ -225,7 +225,7 @@ std::string check_payload(std::span<const std::uint8_t> payload, bool& was_accep
     const std::string wrong = check_sample<Message>(sample.wire, payload.size(), was_accepted);
     if (!wrong.empty() || !was_accepted) return wrong;
 
-    // Cyclone reads into structs that it has read into before
+    // Cyclone reuses structs that it has read into before
     const Statement first = Statement::of(sample.wire);
     if (!type.read(*data, &sample.wire)) return "is not read twice";
     if (Statement::of(sample.wire).bytes != first.bytes) return "is read as another the next time";

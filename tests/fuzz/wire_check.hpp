@@ -14,20 +14,19 @@ using Bytes = std::vector<std::uint8_t>;
 struct WireCheck {
     std::string_view topic;
 
-    /// Does with any bytes what is done with those that come from the network, and holds what is
-    /// accepted against what messages.hpp promises. The first byte says how the others are read,
-    /// modulo 3:
-    ///   0  as the payload of a sample, by Cyclone DDS
-    ///   1  as the payload of the end of a key, by Cyclone DDS
-    ///   2  as values of the wire struct's fields, past Cyclone DDS
-    /// Empty: all is well, or refused; else what is wrong.
+    /// Treats any bytes as if they came from the network. Checks accepted messages against the
+    /// promises of messages.hpp. The first byte modulo 3 selects the meaning of the rest:
+    ///   0  payload of a sample, read by Cyclone DDS
+    ///   1  payload of the end of an instance, read by Cyclone DDS
+    ///   2  values of the wire struct's fields, without Cyclone DDS
+    /// Returns the violation, or "" if all is well or the bytes were refused.
     std::string (*check)(std::span<const std::uint8_t> bytes, bool& was_accepted);
 
-    /// A few small inputs of that form that are accepted, always the same ones.
+    /// A few small inputs that are accepted, the same in every run.
     std::vector<Bytes> (*samples)();
 };
 
-/// Of every topic.
+/// One check per topic.
 std::span<const WireCheck> wire_checks();
 
 }  // namespace atrium::test

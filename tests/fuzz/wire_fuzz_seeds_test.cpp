@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-// Samples of every topic as they come from the network, good ones, damaged ones, and those that a
-// fuzzer found to reach code that no other reaches.
+// Samples of every topic as they come from the network: good ones, damaged ones, and fuzzer inputs
+// that reach code that no other input reaches.
 namespace atrium::test {
 namespace {
 
@@ -25,7 +25,7 @@ TEST_P(EveryTopic, AcceptsItsSamples) {
     }
 }
 
-TEST_P(EveryTopic, BearsEachSampleCutShortAnywhere) {
+TEST_P(EveryTopic, SurvivesEveryTruncation) {
     for (const Bytes& bytes : GetParam().samples()) {
         for (std::size_t size = 0; size < bytes.size(); ++size) {
             bool was_accepted = false;
@@ -34,7 +34,7 @@ TEST_P(EveryTopic, BearsEachSampleCutShortAnywhere) {
     }
 }
 
-TEST_P(EveryTopic, BearsAnyByteOfEachSampleChanged) {
+TEST_P(EveryTopic, SurvivesEveryChangedByte) {
     int num_refused = 0;
     for (Bytes bytes : GetParam().samples()) {
         for (std::size_t i = 1; i < bytes.size(); ++i) {
@@ -50,7 +50,7 @@ TEST_P(EveryTopic, BearsAnyByteOfEachSampleChanged) {
     EXPECT_GT(num_refused, 0);
 }
 
-TEST_P(EveryTopic, BearsWhatAFuzzerFound) {
+TEST_P(EveryTopic, SurvivesFuzzerInputs) {
     replay("wire_" + std::string(GetParam().topic), GetParam().check, 2, 2);
 }
 

@@ -9,7 +9,7 @@ namespace atrium::test {
 void WireFiller::fill(double& value) {
     switch (reader_.below(4)) {
         case 0:
-            value = 1.0;  // is allowed everywhere
+            value = 1.0;  // allowed everywhere
             break;
         case 1:
             value = reader_.between(-1.0, 1.0);
@@ -18,7 +18,7 @@ void WireFiller::fill(double& value) {
             value = reader_.hostile();
             break;
         default:
-            // whatever the limits are, it gets on both sides of them
+            // reaches both sides of any limit
             value = std::ldexp(reader_.between(-2.0, 2.0), reader_.below(64));
     }
 }
@@ -33,7 +33,7 @@ void WireFiller::fill(atrium_Name& name) {
         name[1] = '\0';
         return;
     }
-    const auto length = static_cast<std::size_t>(reader_.below(65));  // 64: no end
+    const auto length = static_cast<std::size_t>(reader_.below(65));  // 64: no terminator
     for (std::size_t i = 0; i < length; ++i)
         name[i] = kind == 1 ? static_cast<char>(reader_.byte()) : kAllowed[i];
     if (length < sizeof(name)) name[length] = '\0';
@@ -71,7 +71,7 @@ void WireFiller::fill(atrium_Pose& pose) {
         case 1:
             fill(rotation);
             break;
-        default: {  // near the unit sphere, on both sides of what is near enough
+        default: {  // near the unit sphere, on both sides of the tolerance
             double squared_norm = 0.0;
             for (double& value : rotation) {
                 value = reader_.between(-1.0, 1.0);

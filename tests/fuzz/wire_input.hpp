@@ -11,8 +11,8 @@
 
 namespace atrium::test {
 
-/// Fills the fields of wire structs with what a fuzzer gives: values that are allowed where it
-/// gives zeros, and anything that the type can hold. Owns what their sequences point at.
+/// Fills the fields of wire structs from a fuzzer's bytes: valid values for zeros, and any value of
+/// the type otherwise. Owns the memory of their sequences.
 class WireFiller {
 public:
     static constexpr bool kWithIgnored = true;
@@ -61,7 +61,7 @@ private:
         owned_.push_back(elements);
         sequence._buffer = elements->data();
         sequence._maximum = sequence._length = static_cast<std::uint32_t>(length);
-        // more than may be looked at: what there are is not worth the memory
+        // more elements than the reader may look at, without real memory behind them
         if (length == 5) sequence._maximum = sequence._length = ~std::uint32_t{reader_.byte()};
     }
 

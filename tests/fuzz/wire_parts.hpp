@@ -14,8 +14,8 @@ struct OptionalName {
     atrium_Name& name;
 };
 
-/// Each hands all fields of a wire struct to `visit`, in their order. The bindings name every
-/// field, so that one that is new in idl/ does not compile before it stands here.
+/// Each passes all fields of a wire struct to `visit`, in their order. The bindings name every
+/// field, and a new field in idl/ does not compile until it is added here.
 template <typename Visit>
 void visit_parts(atrium_Latency& wire, Visit& visit) {
     auto& [median_ms, p99_ms, num_samples] = wire;
@@ -130,7 +130,7 @@ void visit_parts(atrium_ObjectProxy& wire, Visit& visit) {
     visit(object, origin_m, step_m, vertices, edges);
 }
 
-/// The object is ignored by those that look at what is meant, unless it is to be added.
+/// Readers ignore the object unless it is to be added.
 template <typename Visit>
 void visit_parts(atrium_SceneCommand& wire, Visit& visit) {
     auto& [sender, kind, target, impulse_ns, point_object, goal_world, object] = wire;

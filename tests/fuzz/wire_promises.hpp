@@ -6,8 +6,8 @@
 
 namespace atrium::test {
 
-/// What core/bus/messages.hpp says of a message beyond finite numbers, names and times. Empty: it
-/// holds; else what does not.
+/// The promises of core/bus/messages.hpp beyond finite numbers, names and times. Returns the broken
+/// promise, or "".
 std::string broken_promise(const bus::SiteDescription& message);
 std::string broken_promise(const bus::SiteMesh& message);
 std::string broken_promise(const bus::CameraTexture& message);

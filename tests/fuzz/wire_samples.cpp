@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <fstream>
 
-// Writes inputs of each topic that are accepted, for the fuzzers to begin with: wire_samples FOLDER
-// makes FOLDER/wire_TOPIC/sample_0 and so on. They follow idl/, which files kept here would not.
+// Writes accepted inputs of each topic as a start for the fuzzers: wire_samples FOLDER creates
+// FOLDER/wire_TOPIC/sample_0 and so on. They follow idl/, which stored files would not.
 int main(int argc, char** argv) {
     if (argc != 2) {
         std::fprintf(stderr, "usage: wire_samples FOLDER\n");

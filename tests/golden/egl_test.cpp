@@ -11,8 +11,7 @@
 #include <string>
 #include <thread>
 
-// The renderer in contexts of EGL: on a GPU where there is one, else in software, which has a
-// driver of its own there.
+// Draws in EGL contexts: on a GPU if there is one, otherwise in software, with a driver of its own.
 namespace atrium::golden {
 namespace {
 
@@ -20,12 +19,12 @@ using gl::EglContext;
 using gl::EglDevices;
 using renderer::RenderedPicture;
 
-// Of a GPU, whose driver may put a pixel of an edge on the other side, and blends the texels of a
-// floor far away otherwise. Less than a thing that moves by two pixels. Nobody has measured it on a
-// GPU yet; softpipe, a rasteriser of Mesa's that shares nothing with llvmpipe, stays within the
-// limits of the same driver: mean 0.1, nothing over 5.
+// Limits for a GPU. Its driver may move a pixel of an edge to the other side, and blends texels of
+// a distant floor differently. They are below an object that moves by two pixels. Nobody has
+// measured them on a GPU yet. softpipe, a rasteriser of Mesa that shares nothing with llvmpipe,
+// stays within the limits of the same driver: mean 0.1, nothing over 5.
 constexpr Limits kOtherDriver{.mean = 1.0, .percentile_99_9 = 10.0, .share_over_5 = 0.005};
-// Which pixels a line covers is not laid down: softpipe has 8 % over 5.
+// No standard defines the pixels of a line: softpipe has 8 % over 5.
 constexpr Limits kLinesOfOtherDriver{
     .mean = 3.0, .percentile_99_9 = std::numeric_limits<double>::infinity(), .share_over_5 = 0.15};
 
@@ -42,7 +41,7 @@ RenderedPicture drawn(const Scene& scene) {
 
 class Egl : public testing::Test {
 protected:
-    // Nothing, with the reason, where the machine has no device for EGL at all.
+    // Empty, with the reason, if the machine has no EGL device.
     std::optional<EglContext> open() {
         auto context = EglContext::create(EglDevices::kAny);
         if (!context) {
@@ -56,8 +55,8 @@ protected:
 
 class EglPicture : public Egl, public testing::WithParamInterface<Scene> {};
 
-// One after the other in one process, and back again.
-TEST_P(EglPicture, IsThatOfOsmesa) {
+// Several contexts in one process, one after the other, and back again.
+TEST_P(EglPicture, EqualsThatOfOsmesa) {
     RenderedPicture of_osmesa;
     RenderedPicture of_egl;
     Limits limits;
@@ -85,7 +84,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes,
                          testing::ValuesIn(all_scenes()),
                          [](const auto& scene) { return scene.param.name; });
 
-TEST_F(Egl, AContextCanBeHandedToAnotherThread) {
+TEST_F(Egl, ContextCanMoveToAnotherThread) {
     auto context = open();
     if (!context) GTEST_SKIP() << reason_;
     const Scene scene = all_scenes().front();
@@ -102,8 +101,8 @@ TEST_F(Egl, AContextCanBeHandedToAnotherThread) {
     EXPECT_TRUE(context->make_current());
 }
 
-// They have one display.
-TEST_F(Egl, AContextOutlivesAnotherOne) {
+// Both contexts share one display.
+TEST_F(Egl, ContextOutlivesAnother) {
     auto first = open();
     if (!first) GTEST_SKIP() << reason_;
     const Scene scene = all_scenes().front();
@@ -116,10 +115,10 @@ TEST_F(Egl, AContextOutlivesAnotherOne) {
     ASSERT_TRUE(current) << current.error().message;
     EXPECT_EQ(drawn(scene).rgba, before.rgba);
     *first = std::move(*open());
-    EXPECT_EQ(drawn(scene).rgba, before.rgba) << "moved to";
+    EXPECT_EQ(drawn(scene).rgba, before.rgba) << "moved";
 }
 
-TEST_F(Egl, WhoWantsHardwareGetsHardwareOrTheReason) {
+TEST_F(Egl, HardwareRequestGivesHardwareOrTheReason) {
     const auto context = EglContext::create(EglDevices::kHardware);
     if (context)
         EXPECT_TRUE(context->is_hardware());

@@ -34,7 +34,7 @@ void renew_golden(const std::string& name, const renderer::RenderedPicture& pict
         picture.height, picture.width, CV_8UC4, const_cast<std::uint8_t*>(picture.rgba.data()));
     cv::Mat bgr;
     cv::cvtColor(rgba, bgr, cv::COLOR_RGBA2BGR);
-    // as small as can be: they stay in the history
+    // as small as possible, because they stay in the history
     EXPECT_TRUE(cv::imwrite(golden_file(name).string(), bgr, {cv::IMWRITE_PNG_COMPRESSION, 9}));
 }
 

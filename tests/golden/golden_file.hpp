@@ -7,19 +7,19 @@
 
 namespace atrium::golden {
 
-/// Where the picture of that name lies.
+/// Path of the picture of that name.
 std::filesystem::path golden_file(const std::string& name);
 
-/// Puts `picture` in its place.
+/// Replaces the golden picture by `picture`.
 void renew_golden(const std::string& name, const renderer::RenderedPicture& picture);
 
-/// A test's failure where `picture` is not within `limits` of the golden one; what was drawn and
-/// where it differs then lie as pictures in the folder that the failure names.
+/// Fails the test unless `picture` is within `limits` of the golden one. Then it writes the drawn
+/// picture and the differences as pictures into the folder that the failure names.
 void expect_golden(const std::string& name,
                    const renderer::RenderedPicture& picture,
                    const Limits& limits);
 
-/// The numbers, for people.
+/// The numbers in readable form.
 std::string describe(const PictureDifference& difference);
 
 }  // namespace atrium::golden

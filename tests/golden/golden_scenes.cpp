@@ -60,7 +60,7 @@ void put_shapes(SceneRenderer& scene) {
     put_floor(scene);
     scene.set_texture("letter", letter({240, 230, 90}, {60, 110, 190}, {200, 40, 40}));
     for (const auto& [number, look] : shapes()) scene.set_object(number, look);
-    // a pyramid without a shape's name
+    // a pyramid, which no built-in shape has
     auto pyramid = std::make_shared<renderer::ShapeMesh>();
     const Eigen::Vector3f top(0, 0, 0.5F);
     for (int i = 0; i < 4; ++i) {
@@ -85,7 +85,7 @@ void put_shapes_on_ground(SceneRenderer& scene) {
     scene.remove_object(kFloor);
 }
 
-// A person of spheres in a striped shirt, 1.75 m high, as six cameras saw it.
+// A person of spheres in a striped shirt, 1.75 m high, seen by six cameras.
 void put_person(SceneRenderer& scene, const std::string& site, const RigidTransform& at) {
     std::vector<synthetic::Sphere> body{{{0, 0, 1.6}, 0.15}, {{0, 0, 1.25}, 0.24}};
     body.push_back({{0, 0, 0.92}, 0.2});
@@ -162,7 +162,7 @@ void put_soft_things(SceneRenderer& scene) {
 const ViewCamera kPeopleCamera{
     .position_m = {2.6, -3.6, 1.9}, .target_m = {0.1, 0.1, 0.95}, .fov_deg = 38.0};
 
-// One who is there, and one of whom nothing comes any more.
+// One person who is present, and one who has become silent.
 void put_names(SceneRenderer& scene) {
     put_floor(scene);
     put_person(scene, "alice", placed({-0.4, -0.3, 0}, -0.7));
@@ -173,12 +173,12 @@ void put_names(SceneRenderer& scene) {
                               "",
                               kPeopleCamera.position_m,
                               viewer::NameTags::Clock::time_point(std::chrono::hours(1)));
-    // a share of the picture's height, of which nothing could be read in 180 px
+    // a fraction of the picture's height; text of this size is illegible in 180 px
     for (renderer::Label& label : labels) label.height *= 2.5;
     scene.overlay().set_labels(std::move(labels));
 }
 
-// Wires, a box around one thing, and a camera with its name.
+// Wires, a box around one object, and a camera with its name.
 void put_debug_view(SceneRenderer& scene) {
     put_shapes(scene);
     std::vector<renderer::Line> lines;
@@ -226,7 +226,7 @@ ViewCamera shapes_camera() {
 
 std::vector<Scene> all_scenes() {
     const auto seen = [](const ViewCamera& camera, const char* stereo) {
-        // without a wall there is nothing that could be missing
+        // without a wall nothing could be missing
         const auto display =
             viewer::Display::create({.stereo = stereo, .eye_distance_m = 0.1, .convergence_m = 0});
         return display->eyes(camera, kWidth, kHeight);

@@ -15,7 +15,7 @@ namespace atrium::golden {
 inline constexpr int kWidth = 320;
 inline constexpr int kHeight = 180;
 
-/// What is in a golden picture, and who looks at it.
+/// The content of a golden picture, and its view.
 struct Scene {
     std::string name;  // of the picture's file
     std::vector<renderer::EyeView> eyes;
@@ -24,14 +24,14 @@ struct Scene {
 
 inline std::ostream& operator<<(std::ostream& out, const Scene& scene) { return out << scene.name; }
 
-/// One for each kind of thing that the renderer draws.
+/// One for each kind of object that the renderer draws.
 std::vector<Scene> all_scenes();
 
-/// The things of the scene "shapes", by their numbers.
+/// The objects of the scene "shapes", by their numbers.
 std::map<std::uint32_t, renderer::ObjectLook> shapes();
 renderer::ViewCamera shapes_camera();
 
-/// Draws it in the context that is current.
+/// Draws the scene in the current context.
 Expected<renderer::RenderedPicture> draw(const Scene& scene);
 
 }  // namespace atrium::golden

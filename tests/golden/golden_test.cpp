@@ -14,9 +14,9 @@
 #include <optional>
 #include <random>
 
-// What the renderer draws with OSMesa beside what it drew when somebody looked at it. Pictures that
-// changed on purpose are renewed with ATRIUM_RENEW_GOLDEN=1, and looked at before they are
-// committed (tests/README.md).
+// Compares pictures drawn with OSMesa with stored pictures that somebody has checked.
+// ATRIUM_RENEW_GOLDEN=1 renews pictures that changed on purpose. Check them before you commit them
+// (tests/README.md).
 namespace atrium::golden {
 namespace {
 
@@ -40,7 +40,7 @@ protected:
 
 class GoldenPicture : public GoldenTest, public testing::WithParamInterface<Scene> {};
 
-TEST_P(GoldenPicture, IsDrawnAsItWas) {
+TEST_P(GoldenPicture, IsDrawnUnchanged) {
     const RenderedPicture picture = drawn(GetParam());
     if (std::getenv("ATRIUM_RENEW_GOLDEN") != nullptr) {
         renew_golden(GetParam().name, picture);
@@ -54,7 +54,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes,
                          testing::ValuesIn(all_scenes()),
                          [](const auto& scene) { return scene.param.name; });
 
-// Whether the comparison would notice: changes of the scene "shapes".
+// Tests of the comparison itself, with changes of the scene "shapes".
 class GoldenComparison : public GoldenTest {
 protected:
     void SetUp() override {
@@ -62,7 +62,7 @@ protected:
         scene_ = all_scenes().front();
         picture_ = drawn(scene_);
     }
-    // With one more thing done to the scene.
+    // Draws the scene with one more change.
     RenderedPicture drawn_with(const std::function<void(renderer::SceneRenderer&)>& change) const {
         Scene changed = scene_;
         changed.fill = [&](renderer::SceneRenderer& renderer) {
@@ -74,7 +74,7 @@ protected:
     RenderedPicture drawn_with(std::uint32_t number, const ObjectLook& look) const {
         return drawn_with([&](auto& renderer) { renderer.set_object(number, look); });
     }
-    // Each byte of red, green and blue with something added.
+    // Adds a value to each byte of red, green and blue.
     RenderedPicture with_added(const std::function<int()>& next) const {
         RenderedPicture result = picture_;
         for (std::size_t i = 0; i < result.rgba.size(); ++i) {
@@ -95,7 +95,7 @@ protected:
     mutable PictureDifference last_;
 };
 
-TEST_F(GoldenComparison, LetsPassWhatNobodySees) {
+TEST_F(GoldenComparison, IgnoresInvisibleChanges) {
     EXPECT_TRUE(passes(picture_));
     EXPECT_EQ(last_.mean, 0.0);
     std::mt19937 random(1);
@@ -103,19 +103,19 @@ TEST_F(GoldenComparison, LetsPassWhatNobodySees) {
     EXPECT_TRUE(passes(with_added([&] { return grey_levels(random); }))) << measured();
 }
 
-TEST_F(GoldenComparison, NoticesAnotherExposure) {
+TEST_F(GoldenComparison, NoticesADifferentExposure) {
     EXPECT_FALSE(passes(with_added([] { return 2; }))) << measured();
 }
 
 TEST_F(GoldenComparison, NoticesAMissingShadow) {
     for (const auto& [number, look] : shapes()) {
-        if (!look.texture.empty()) continue;  // its colour is not seen
+        if (!look.texture.empty()) continue;  // the texture hides its colour
         ObjectLook black = look;
         black.colour.setZero();
         const RenderedPicture other = drawn_with(number, black);
         const RenderedPicture without =
             drawn_with([&](auto& renderer) { renderer.remove_object(number); });
-        // where the thing itself is not, as if it were not there
+        // compares only outside the object, as if the object did not exist
         RenderedPicture no_shadow = picture_;
         for (std::size_t i = 0; i < no_shadow.rgba.size(); i += 4) {
             if (std::equal(&other.rgba[i], &other.rgba[i] + 3, &picture_.rgba[i]))
@@ -125,7 +125,7 @@ TEST_F(GoldenComparison, NoticesAMissingShadow) {
     }
 }
 
-TEST_F(GoldenComparison, NoticesAThingThatMovedByTwoPixels) {
+TEST_F(GoldenComparison, NoticesAnObjectThatMovedByTwoPixels) {
     const renderer::ViewCamera camera = shapes_camera();
     const Eigen::Vector3d forward = (camera.target_m - camera.position_m).normalized();
     const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
@@ -145,7 +145,7 @@ TEST_F(GoldenComparison, NoticesAColourThatChangedByATenth) {
     }
 }
 
-TEST_F(GoldenComparison, ShowsWhoeverLooksWhereAPictureDiffers) {
+TEST_F(GoldenComparison, WritesAPictureOfTheDifferences) {
     ObjectLook look = shapes().at(2);
     look.colour = {0.1, 0.15, 0.8};
     const RenderedPicture changed = drawn_with(2, look);

@@ -18,7 +18,7 @@ cv::Mat lab_of(const renderer::RenderedPicture& picture) {
     cv::cvtColor(rgba, rgb, cv::COLOR_RGBA2RGB);
     rgb.convertTo(rgb, CV_32F, 1.0 / 255.0);
     cv::GaussianBlur(rgb, rgb, {0, 0}, 1.0);
-    cv::cvtColor(rgb, lab, cv::COLOR_RGB2Lab);  // of float: L in [0, 100]
+    cv::cvtColor(rgb, lab, cv::COLOR_RGB2Lab);  // float: L in [0, 100]
     return lab;
 }
 

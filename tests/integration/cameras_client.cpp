@@ -1,7 +1,6 @@
-// A site's way from cameras to hulls, watched: run beside simulated cameras that stamp their
-// pictures, it checks what no site could know, that no metaframe mixes triggers, and that the site
-// keeps going while cameras fail. Prints a table; exits with 1 where something is not as it must
-// be.
+// Watches a site's path from cameras to hulls. It runs beside simulated cameras that stamp their
+// pictures, and checks what a site cannot know: that no metaframe mixes triggers, and that the site
+// keeps running while cameras fail. Prints a table. Exits with 1 if a check fails.
 //
 //   simulated_cameras --rig RIG --stamp --stop cam2@20+10 -- cameras_client --rig RIG
 //       --outages cam2=10
@@ -28,7 +27,7 @@ namespace {
 
 using namespace cameras;
 
-constexpr double kMaxGap_s = 2.0;  // of the site, and of a camera that is back
+constexpr double kMaxGap_s = 2.0;  // of the site, and of a camera that returns
 
 struct ClientConfig {
     std::filesystem::path rig;
@@ -196,7 +195,7 @@ void print(const ClientConfig& config,
     }
 }
 
-// What is not as it must be, one line each.
+// Failed checks, one per line.
 std::vector<std::string> failures(const ClientConfig& config,
                                   const config::Rig& rig,
                                   const Watch& watch,
@@ -261,7 +260,7 @@ Expected<int> run(const ClientConfig& config, std::stop_token stop) {
     options.deadline = std::chrono::milliseconds(config.deadline_ms);
     options.min_cameras = static_cast<std::size_t>(config.min_cameras);
     capture::MetaframeAssembler assembler(rig->cameras.size(), options);
-    // software triggers are stamped with their time in ms
+    // stamps of software triggers are their time in ms
     const bool is_ours = config.trigger == "software";
     Watch watch(rig->cameras.size(),
                 is_ours ? static_cast<std::uint32_t>(500.0 / config.rate_hz) : 0);

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <string>
 
-// Eight GigE Vision cameras of one megapixel at 20 Hz, over the real protocol in a network of their
-// own, through Aravis into hulls: what is true of every metaframe, and what happens while cameras
-// fail. bench/cameras_60s.sh is the same for a minute.
+// Eight GigE Vision cameras of one megapixel at 20 Hz, over the real protocol in a private network,
+// through Aravis into hulls. Checks every metaframe, also while cameras fail. bench/cameras_60s.sh
+// does the same for a minute.
 namespace atrium {
 namespace {
 
@@ -50,23 +50,23 @@ protected:
     }
 };
 
-// Times count from the first picture; learning the background takes one or two seconds of them.
-TEST_F(Cameras, OneStopsOneRestartsOneLosesPacketsAndTheSiteGoesOn) {
+// Times count from the first picture. Learning the background takes the first one or two seconds.
+TEST_F(Cameras, SiteContinuesWhileCamerasStopRestartAndLosePackets) {
     expect_good(run(serve("--rate_hz 20 --lose cam3=1 --stop cam2@6+2 --restart cam5@9") +
                     watch("--rate_hz 20 --seconds 10 --outages cam2=2,cam5=0 --lossy cam3 "
                           "--num_background_frames 8")));
 }
 
-// Whoever is late is left out: on a machine that is shared metaframes are lost, and none is mixed.
-TEST_F(Cameras, TriggeredByTheSiteTheyShowOneInstant) {
+// The site drops late pictures: a busy machine loses metaframes, but mixes none.
+TEST_F(Cameras, SoftwareTriggersShowOneInstant) {
     expect_good(
         run(serve("--rate_hz 20") +
             watch("--rate_hz 20 --seconds 6 --num_background_frames 4 --trigger software")));
 }
 
-// More than half a period between shutter and arrival, which nothing but the site's own triggers
-// can tell from a trigger later.
-TEST_F(Cameras, ALongDelayOfOneCameraMixesNoTriggers) {
+// More than half a period between shutter and arrival. Only the site's own triggers distinguish
+// that from the next trigger.
+TEST_F(Cameras, LongDelayOfOneCameraMixesNoTriggers) {
     expect_good(run(serve("--rate_hz 10 --delay_ms cam2=70") +
                     watch("--rate_hz 10 --seconds 6 --num_background_frames 4 --trigger software "
                           "--deadline_ms 150")));

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-/// What `cameras_client` keeps of what it sees.
+/// Records of `cameras_client`.
 namespace atrium::cameras {
 
 using Clock = std::chrono::steady_clock;
@@ -20,14 +20,14 @@ using Seconds = std::chrono::duration<double>;
 
 constexpr std::uint64_t kMaxDescribed = 3;  // of metaframes that mix triggers
 
-// What was seen of one camera, on the capture thread.
+// Record of one camera, on the capture thread.
 struct Presence {
     std::uint64_t num_seen = 0;
     Clock::time_point last;
     double longest_absence_s = 0.0;
 };
 
-// The capture thread's view: what the stamps say.
+// The capture thread's record of the stamps.
 struct Watch {
     /// Stamps of one trigger differ by `max_apart` at most.
     Watch(std::size_t num_cameras, std::uint32_t max_apart)
@@ -71,7 +71,7 @@ struct Watch {
         last_trigger = trigger;
     }
 
-    // Which picture is of which trigger, with its time: for whoever looks for the reason.
+    // Triggers and times of the pictures, to find the reason of a failure.
     static void describe(const capture::Metaframe& metaframe) {
         std::string text;
         for (const capture::CameraFrame& frame : metaframe.frames) {
@@ -104,7 +104,7 @@ struct Watch {
     std::optional<std::uint32_t> first_trigger, last_trigger;
 };
 
-// The worker's view: what comes out.
+// The worker's record of the results.
 struct Output {
     std::uint64_t num_published = 0;
     std::uint64_t num_with_hull = 0;

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <string>
 
-// The programs as a user starts them, with what users get wrong.
+// Starts the programs as a user does, with typical mistakes.
 namespace atrium {
 namespace {
 
@@ -41,7 +41,7 @@ protected:
     fs::path folder_;
 };
 
-TEST_F(CommandLine, AMistakeInANetworkFileIsNamedBeforeTheRoomIsOpened) {
+TEST_F(CommandLine, NetworkFileErrorIsNamedBeforeTheRoomOpens) {
     const std::string network = file("net.xml",
                                      "<CycloneDDS>\n  <Domain Id='any'>\n    <Generl/>\n"
                                      "  </Domain>\n</CycloneDDS>\n");
@@ -52,11 +52,11 @@ TEST_F(CommandLine, AMistakeInANetworkFileIsNamedBeforeTheRoomIsOpened) {
     EXPECT_THAT(got.output,
                 AllOf(HasSubstr(network + ": "), HasSubstr("Generl"), HasSubstr("(line 3)")));
     EXPECT_THAT(got.output, Not(HasSubstr("source opened")));
-    // what is as it is without options would only hide the error
+    // listing options with their defaults would hide the error
     EXPECT_THAT(got.output, AllOf(HasSubstr("bus.network = "), Not(HasSubstr("hull.min_views"))));
 }
 
-TEST_F(CommandLine, EveryProgramExplainsItselfAndItsVersion) {
+TEST_F(CommandLine, EveryProgramPrintsHelpAndVersion) {
     for (const std::string program : {"site_node",
                                       "world_server",
                                       "viewer",
@@ -89,7 +89,7 @@ TEST_F(CommandLine, UnknownKeysAreNamedWithFileAndLine) {
     }
 }
 
-TEST_F(CommandLine, IllTypedValuesSayWhatIsAllowed) {
+TEST_F(CommandLine, IllTypedValuesNameAllowedOnes) {
     const Outcome in_file =
         run("site_node --config " + file("site.toml", "[site]\nthreads = \"two\"\n"));
     EXPECT_EQ(in_file.exit_code, 2);
@@ -124,7 +124,7 @@ TEST_F(CommandLine, MissingFilesAndRecordingsAreNamed) {
 const std::string kCamera =
     "width = 64\nheight = 48\nfx = 60\nfy = 60\ncx = 31.5\ncy = 23.5\ntranslation = [0, 0, 3]\n";
 
-TEST_F(CommandLine, ACameraWithASingularMatrixIsNamed) {
+TEST_F(CommandLine, CameraWithASingularMatrixIsNamed) {
     file("rec/rig.toml",
          "[[camera]]\nname = \"good\"\nrotation = [1,0,0,0,1,0,0,0,1]\n" + kCamera +
              "[[camera]]\nname = \"flat\"\nrotation = [1,0,0,0,1,0,0,0,0]\n" + kCamera);
@@ -135,11 +135,11 @@ TEST_F(CommandLine, ACameraWithASingularMatrixIsNamed) {
                 AllOf(HasSubstr("rig.toml:"), HasSubstr("'flat'"), HasSubstr("rotation matrix")));
 }
 
-TEST_F(CommandLine, ARecordingWithoutBackgroundSaysWhichCamera) {
+TEST_F(CommandLine, RecordingWithoutBackgroundNamesTheCamera) {
     file("rec/rig.toml",
          "[[camera]]\nname = \"a\"\nrotation = [1,0,0,0,1,0,0,0,1]\n" + kCamera +
              "[[camera]]\nname = \"b\"\nrotation = [1,0,0,0,1,0,0,0,1]\n" + kCamera);
-    // a picture need not be readable for the background to be missed
+    // the missing background is found even if no picture is readable
     file("rec/a/frames/000000.png", "x");
     file("rec/b/frames/000000.png", "x");
     const Outcome outcome = run("site_node --capture.source recording --capture.recording " +
@@ -148,7 +148,7 @@ TEST_F(CommandLine, ARecordingWithoutBackgroundSaysWhichCamera) {
     EXPECT_THAT(outcome.output, AllOf(HasSubstr("camera 'a'"), HasSubstr("no background")));
 }
 
-TEST_F(CommandLine, AWindowWithoutDisplayFallsBackAndSaysSo) {
+TEST_F(CommandLine, WindowWithoutDisplayFallsBackAndReportsIt) {
     unsetenv("DISPLAY");
     unsetenv("WAYLAND_DISPLAY");
     const Outcome outcome =
@@ -159,7 +159,7 @@ TEST_F(CommandLine, AWindowWithoutDisplayFallsBackAndSaysSo) {
     EXPECT_GT(fs::file_size(folder_ / "v.png"), 1000u);
 }
 
-TEST_F(CommandLine, VisualHullRefusesViewsThatAreNone) {
+TEST_F(CommandLine, VisualHullRefusesBadViews) {
     for (const char* text : {"", "{", "[]", "{\"views\": 3}", "{\"views\": [{\"name\": \"a\"}]}"}) {
         const Outcome outcome = run("visual_hull " + file("views.json", text));
         EXPECT_EQ(outcome.exit_code, 2) << text;
@@ -167,7 +167,7 @@ TEST_F(CommandLine, VisualHullRefusesViewsThatAreNone) {
     }
 }
 
-TEST_F(CommandLine, VisualHullNamesTheNumberThatCannotBe) {
+TEST_F(CommandLine, VisualHullNamesABadNumber) {
     const Outcome outcome =
         run("visual_hull " +
             file("views.json",
@@ -194,7 +194,7 @@ std::string cube(int size_px) {
     return "{\"views\": [" + views + "]}";
 }
 
-TEST_F(CommandLine, VisualHullSaysThatMemoryOrThreadsAreLacking) {
+TEST_F(CommandLine, VisualHullReportsLackOfMemoryOrThreads) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
     GTEST_SKIP() << "sanitizers need more address space than any limit leaves";
 #endif
@@ -209,7 +209,7 @@ TEST_F(CommandLine, VisualHullSaysThatMemoryOrThreadsAreLacking) {
     EXPECT_THAT(threads.output, HasSubstr("--threads: 256 cannot be started"));
 }
 
-TEST_F(CommandLine, VisualHullHasAnExitCodeForEachEnd) {
+TEST_F(CommandLine, VisualHullHasAnExitCodeForEachOutcome) {
     const std::string help = run("visual_hull --help").output;
     for (const char* code : {"0 done", "1 no hull", "2 wrong", "3 a file"})
         EXPECT_THAT(help, HasSubstr(code));
@@ -229,7 +229,7 @@ TEST_F(CommandLine, VisualHullHasAnExitCodeForEachEnd) {
     EXPECT_THAT(output.output, HasSubstr("/nonexistent/hull.ply"));
 }
 
-TEST_F(CommandLine, VisualHullOfThePersonThatComesAlong) {
+TEST_F(CommandLine, VisualHullComputesTheBundledPerson) {
     const std::string mesh = (folder_ / "hull.ply").string();
     const Outcome outcome =
         run("visual_hull " ATRIUM_SOURCE_DIR "/deploy/views/person.json -o " + mesh);
@@ -241,7 +241,7 @@ TEST_F(CommandLine, VisualHullOfThePersonThatComesAlong) {
     EXPECT_GT(fs::file_size(mesh), 10'000u);
 }
 
-TEST_F(CommandLine, VisualHullSaysWhichBoundsThereAre) {
+TEST_F(CommandLine, VisualHullReportsItsBounds) {
     for (const char* bounds : {"0,0,0,0.005,1,1", "-1,-1,-1,1,1,20000"}) {
         const Outcome outcome = run(std::string("visual_hull views.json --bounds ") + bounds);
         EXPECT_EQ(outcome.exit_code, 2);
@@ -251,7 +251,7 @@ TEST_F(CommandLine, VisualHullSaysWhichBoundsThereAre) {
     }
 }
 
-TEST_F(CommandLine, SimulatedCamerasSayWhatTheyNeed) {
+TEST_F(CommandLine, SimulatedCamerasNameBadOptions) {
     const std::string rig = " --rig " ATRIUM_SOURCE_DIR "/deploy/rigs/full_body.toml";
     const Outcome nothing = run("simulated_cameras");
     EXPECT_EQ(nothing.exit_code, 2);
@@ -270,7 +270,7 @@ TEST_F(CommandLine, SimulatedCamerasSayWhatTheyNeed) {
     EXPECT_THAT(list.output, AllOf(HasSubstr("cam7"), HasSubstr("127.0.0.9")));
 }
 
-TEST_F(CommandLine, SimulatedCamerasPassTheExitCodeOfTheirCommandOn) {
+TEST_F(CommandLine, SimulatedCamerasReturnTheExitCodeOfTheirCommand) {
     const std::string head = "[[camera]]\nrotation = [1,0,0,0,1,0,0,0,1]\n" + kCamera;
     const std::string small = file("rig.toml", head + "name = \"a\"\n" + head + "name = \"b\"\n");
     const std::string cameras =
@@ -285,7 +285,7 @@ TEST_F(CommandLine, SimulatedCamerasPassTheExitCodeOfTheirCommandOn) {
     EXPECT_THAT(none.output, HasSubstr("/nonexistent/program"));
 }
 
-TEST_F(CommandLine, TheDemoRefusesNobodyAndAFolderThatCannotBe) {
+TEST_F(CommandLine, DemoRefusesZeroPeopleAndABadFolder) {
     const Outcome no_sites = run("demo --sites ''");
     EXPECT_EQ(no_sites.exit_code, 2);
     EXPECT_THAT(no_sites.output, HasSubstr("sites"));

@@ -12,11 +12,11 @@
 #include <thread>
 #include <vector>
 
-// Somebody in the world writes whatever its memory holds, on every topic, past Atrium's own checks.
+// A peer in the world writes random memory on every topic and bypasses Atrium's own checks.
 namespace atrium {
 namespace {
 
-constexpr std::uint32_t kDomain = 178;  // of this test alone
+constexpr std::uint32_t kDomain = 178;  // used by this test only
 constexpr const char* kWorld = "hostile-peer-test";
 
 bus::BusOptions bus_options() {
@@ -26,8 +26,8 @@ bus::BusOptions bus_options() {
     return options;
 }
 
-/// Fills wire structs: sometimes plausible, sometimes bytes as they fall. Owns what their sequences
-/// point at until `forget`.
+/// Fills wire structs, sometimes with plausible values, sometimes with random bytes. Owns the
+/// memory of their sequences until `forget`.
 class Garbage {
 public:
     explicit Garbage(std::uint32_t seed) : random_(seed) {}
@@ -91,7 +91,7 @@ private:
         auto* data = elements(sequence, below(chance(10) ? 60000 : 300));
         for (std::uint32_t i = 0; i < sequence._length; ++i)
             data[i] = static_cast<std::uint8_t>(random_());
-        // as a decoder would like to see it begin
+        // begins as a decoder expects
         if (chance(50) && sequence._length > 8)
             std::memcpy(data, chance(50) ? "DRACO\2\2\1" : "\xff\xd8\xff\xe0\0\x10JF", 8);
     }
@@ -266,7 +266,7 @@ private:
     std::vector<std::vector<std::uint8_t>> memory_;
 };
 
-/// Writes without any check of ours.
+/// Writes without any of Atrium's checks.
 template <typename Message>
 class RawWriter {
 public:
@@ -293,7 +293,7 @@ public:
     bool is_open() const { return writer_ > 0; }
     void write_any(Garbage& garbage) {
         const auto wire = garbage.any<typename bus::Topic<Message>::Wire>();
-        dds_write(writer_, &wire);  // may time out or be refused: that is the bus's right
+        dds_write(writer_, &wire);  // may time out or be refused, which the bus is free to do
         garbage.forget();
     }
 
@@ -302,7 +302,7 @@ private:
     dds_entity_t writer_ = 0;
 };
 
-TEST(HostilePeer, GarbageOnEveryTopicIsCountedAndHarmsNobody) {
+TEST(HostilePeer, GarbageOnEveryTopicIsCountedAndHarmless) {
     world_server::WorldServerConfig world_config;
     world_config.bus = bus_options();
     auto world = world_server::WorldServer::create(world_config);
@@ -310,7 +310,7 @@ TEST(HostilePeer, GarbageOnEveryTopicIsCountedAndHarmsNobody) {
     viewer::ViewerConfig viewer_config;
     viewer_config.bus = bus_options();
     viewer_config.headless = true;
-    viewer_config.view.debug = "on";  // it reads all topics then
+    viewer_config.view.debug = "on";  // the viewer then reads all topics
     viewer_config.view.width = 160;
     viewer_config.view.height = 120;
     auto viewer = viewer::Viewer::create(viewer_config);
@@ -377,7 +377,7 @@ TEST(HostilePeer, GarbageOnEveryTopicIsCountedAndHarmsNobody) {
         << "world " << (*world)->status().num_rejected << ", viewer "
         << (*viewer)->status().num_rejected << ", status " << num_status_rejected;
 
-    // both go on
+    // both programs continue
     const auto steps_before = (*world)->status().num_steps;
     const auto frames_before = (*viewer)->status().num_frames;
     const auto goes_on = [&] {

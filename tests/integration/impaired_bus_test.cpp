@@ -13,22 +13,21 @@
 #include <string>
 #include <thread>
 
-// What the bus makes of bad links, with frames of the size of a site's, between programs that know
-// each other by address. docs/measurements/links.md has the measurements from which the settings
-// come.
+// The bus on bad links, with frames of a site's size, between programs that know each other by
+// address. docs/measurements/links.md has the measurements behind the settings.
 namespace atrium::test {
 namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int kOneSecond = 30;  // samples of a key
+constexpr int kOneSecond = 30;  // samples per key
 constexpr const char* kFastRepair =
     "<NackDelay>2ms</NackDelay>"
     "<HeartbeatInterval min=\"1ms\" minsched=\"2ms\" max=\"1s\">5ms</HeartbeatInterval>"
     "<MaxQueuedRexmitBytes>1MB</MaxQueuedRexmitBytes>"
     "<DefragReliableMaxSamples>256</DefragReliableMaxSamples>";
 
-// The profiles of meshes and textures with other histories.
+// The profiles of meshes and textures with other history depths.
 void write_profiles(int writer_depth, int reader_depth, const std::filesystem::path& file) {
     std::ifstream stream(ATRIUM_SOURCE_DIR "/qos/profiles.xml");
     std::string all(std::istreambuf_iterator<char>(stream), {});
@@ -96,10 +95,10 @@ protected:
     StreamSettings settings_;
 };
 
-TEST_F(ImpairedBus, OnAGoodLinkEachFrameArrives) {
+TEST_F(ImpairedBus, GoodLinkDeliversEachFrame) {
     impair_both_ways({.delay = 50ms, .jitter = 10ms});
     settings_.num_frames = 90;
-    use_history(1, kOneSecond);  // the reader may be kept waiting by a busy machine
+    use_history(1, kOneSecond);  // a busy machine may delay the reader
     const auto stream = start();
     ASSERT_TRUE(stream);
     const StreamReport report = finish(*stream, "50 +- 10 ms");
@@ -108,27 +107,27 @@ TEST_F(ImpairedBus, OnAGoodLinkEachFrameArrives) {
     EXPECT_GE(report.age_ms(0.0), 40.0);
 }
 
-// A repair takes a round trip and a little; here that is less than the time between two frames. On
-// a longer way only a longer history has the frame still, as the next test shows.
-TEST_F(ImpairedBus, AtOnePercentLossFramesAreRepairedWhereTheRoundTripIsShort) {
+// A repair takes slightly more than a round trip, which is shorter here than the time between two
+// frames. On a longer link only a longer history still has the frame, as the next test shows.
+TEST_F(ImpairedBus, RepairsFramesAtOnePercentLossOnAShortLink) {
     impair_both_ways({.delay = 2ms, .loss = 0.01});
     use_history(1, kOneSecond);
     double gap_ms = 1e9;
-    for (int i = 0; i < 3 && gap_ms >= 500.0; ++i) {  // a machine that stands still makes gaps too
+    for (int i = 0; i < 3 && gap_ms >= 500.0; ++i) {  // a busy machine makes gaps too
         const auto stream = start();
         ASSERT_TRUE(stream);
         const StreamReport report = finish(*stream, "2 ms, 1 % lost");
         EXPECT_GT(report.there.lost, 50u);
         EXPECT_GT(report.retransmitted_bytes, 50u * 1000);
-        // A writer of the newest alone may skip a frame: a repair can be lost as well, or a busy
-        // machine late with it. Without repair 47 % of the frames were lost.
+        // A writer with history 1 may skip a frame: a repair can be lost as well, or be late on a
+        // busy machine. Without repair 47 % of the frames were lost.
         EXPECT_GE(report.share_complete(), 0.9);
         gap_ms = std::min(gap_ms, report.longest_gap_ms());
     }
     EXPECT_LT(gap_ms, 500.0);
 }
 
-TEST_F(ImpairedBus, WithAHistoryAndAWriterPerCameraNoFrameIsLostOnALongWay) {
+TEST_F(ImpairedBus, HistoryAndAWriterPerCameraLoseNoFrameOnALongLink) {
     impair_both_ways({.delay = 50ms, .jitter = 10ms, .loss = 0.01});
     use_history(kOneSecond, kOneSecond);
     settings_.mesh_bytes = 12'000;
@@ -142,7 +141,7 @@ TEST_F(ImpairedBus, WithAHistoryAndAWriterPerCameraNoFrameIsLostOnALongWay) {
     EXPECT_LT(report.age_ms(0.5), 200.0);
 }
 
-TEST_F(ImpairedBus, AfterACutOfThreeSecondsTheNewestIsThereAtOnce) {
+TEST_F(ImpairedBus, NewestFrameArrivesAtOnceAfterACutOfThreeSeconds) {
     impair_both_ways({.delay = 10ms});
     const auto stream = start();
     ASSERT_TRUE(stream);
@@ -159,17 +158,17 @@ TEST_F(ImpairedBus, AfterACutOfThreeSecondsTheNewestIsThereAtOnce) {
     for (const CompleteFrame& frame : report.complete) {
         if (frame.complete_ns <= restored_ns) continue;
         if (first_ns == 0) first_ns = frame.complete_ns;
-        // nothing that was kept for it meanwhile
+        // no frame that waited during the cut
         EXPECT_GT(frame.capture_ns, restored_ns - 1'000'000'000);
     }
-    ASSERT_GT(first_ns, 0) << "it did not come back";
+    ASSERT_GT(first_ns, 0) << "no frame arrived after the cut";
     const double recovery_ms = static_cast<double>(first_ns - restored_ns) * 1e-6;
     std::printf("back %.0f ms after the link\n", recovery_ms);
     EXPECT_LT(recovery_ms, 2000.0);
     EXPECT_EQ(report.complete.back().number, settings_.num_frames);
 }
 
-TEST_F(ImpairedBus, AReaderThatIsStoppedForFiveSecondsDoesNotMakeWritesSlower) {
+TEST_F(ImpairedBus, StoppedReaderDoesNotSlowWritesDown) {
     impair_both_ways({.delay = 10ms});
     const auto stream = start();
     ASSERT_TRUE(stream);
@@ -179,7 +178,7 @@ TEST_F(ImpairedBus, AReaderThatIsStoppedForFiveSecondsDoesNotMakeWritesSlower) {
     stream->reader().signal(SIGCONT);
     const StreamReport report = finish(*stream, "reader stopped for 5 s");
     EXPECT_GT(report.longest_gap_ms(), 4500.0);
-    // a write that waits for the reader takes 50 ms, or fails; one that does not, less than one
+    // a write that waits for the reader takes 50 ms or fails; other writes take less than one
     EXPECT_LT(report.write_ms_at(0.95), 10.0);
     EXPECT_EQ(report.complete.back().number, settings_.num_frames);
 }

@@ -19,8 +19,8 @@
 #include <thread>
 #include <vector>
 
-// Packets through the network of the tests, from socket to socket. What the lines do is tested
-// without time in unit/support; here is what the relay and the kernel make of it.
+// Packets through the test network, from socket to socket. unit/support tests the lines without
+// real time. These tests check the relay and the kernel.
 namespace atrium::test {
 namespace {
 
@@ -38,7 +38,7 @@ struct Probe {
 };
 struct Arrival {
     std::int64_t number = 0;
-    nanoseconds arrived{0};  // when the kernel of the receiver had it
+    nanoseconds arrived{0};  // when the receiver's kernel got it
     nanoseconds delay{0};
 };
 
@@ -79,7 +79,7 @@ protected:
         send(from, network_->address(to), number, num_bytes);
     }
 
-    // All that have come, once nothing is on its way any more.
+    // Receives all packets until none is on its way.
     std::vector<Arrival> arrivals(int host) {
         const auto end = std::chrono::steady_clock::now() + 20s;
         while (!is_still() && std::chrono::steady_clock::now() < end)
@@ -90,7 +90,7 @@ protected:
         return result;
     }
 
-    // Each packet that was sent has been seen by the relay, and none is on its way.
+    // Waits until the relay has handled each sent packet and none is on its way.
     bool is_still() {
         std::uint64_t num_in_flight = 0;
         for (int i = 0; i < kNumHosts; ++i) {
@@ -129,7 +129,7 @@ protected:
     std::uint64_t num_expected_ = 0;
 };
 
-// That of the packet at this share of all, the shortest first.
+// Delay of the packet at this fraction of all, sorted from the shortest.
 double delay_ms_of(std::vector<Arrival> arrivals, double share) {
     const auto at =
         arrivals.begin() + std::lround(share * static_cast<double>(arrivals.size() - 1));
@@ -139,7 +139,7 @@ double delay_ms_of(std::vector<Arrival> arrivals, double share) {
     return std::chrono::duration<double, std::milli>(at->delay).count();
 }
 
-TEST_F(ImpairedNetworkTest, EachDirectionOfEachHostHasItsOwnDelay) {
+TEST_F(ImpairedNetworkTest, DelaysEachDirectionOfEachHostSeparately) {
     network_->set(0, Way::kUp, {.delay = 30ms});
     network_->set(1, Way::kUp, {.delay = 10ms});
     network_->set(1, Way::kDown, {.delay = 5ms});
@@ -156,7 +156,7 @@ TEST_F(ImpairedNetworkTest, EachDirectionOfEachHostHasItsOwnDelay) {
     ASSERT_EQ(at_1.size(), 100u);
     ASSERT_EQ(at_0.size(), 100u);
     ASSERT_EQ(at_2.size(), 100u);
-    // the shortest: a machine that is shared may keep packets, but none comes early
+    // the shortest delay: a busy machine may keep packets, but none arrives early
     for (const auto& [seen, delay_ms] :
          {std::pair(&at_1, 35.0), std::pair(&at_0, 10.0), std::pair(&at_2, 30.0)}) {
         EXPECT_GE(delay_ms_of(*seen, 0.0), delay_ms);
@@ -166,7 +166,7 @@ TEST_F(ImpairedNetworkTest, EachDirectionOfEachHostHasItsOwnDelay) {
     }
 }
 
-TEST_F(ImpairedNetworkTest, TheSamePacketsAreLostInEachRun) {
+TEST_F(ImpairedNetworkTest, LosesTheSamePacketsInEachRun) {
     constexpr int kNum = 2000;
     std::array<std::vector<std::int64_t>, 2> seen;
     for (auto& numbers : seen) {
@@ -185,13 +185,13 @@ TEST_F(ImpairedNetworkTest, TheSamePacketsAreLostInEachRun) {
     EXPECT_EQ(seen[0], seen[1]);
 }
 
-TEST_F(ImpairedNetworkTest, ALimitedRateIsKeptAndTheQueueDropsTheRest) {
+TEST_F(ImpairedNetworkTest, KeepsARateLimitAndDropsTheRestInTheQueue) {
     network_->set(0, Way::kUp, {.rate_bit_per_s = 10e6, .queue = 50ms});
     constexpr std::size_t kBytes = 1250;  // 1 ms each
     constexpr std::uint64_t kNumCarried = 500;
     std::int64_t number = 0;
     LineCounters counters;
-    do {  // 40 Mbit/s, for as long as a busy machine needs
+    do {  // 40 Mbit/s, as long as a busy machine needs
         for (int i = 0; i < 4; ++i) send(0, 1, number++, kBytes);
         std::this_thread::sleep_for(1ms);
         counters = network_->counters(0, Way::kUp);
@@ -202,9 +202,8 @@ TEST_F(ImpairedNetworkTest, ALimitedRateIsKeptAndTheQueueDropsTheRest) {
     EXPECT_GT(counters.dropped_by_queue, 100u);
     EXPECT_EQ(counters.entered, seen.size() + counters.dropped_by_queue);
     EXPECT_LE(counters.longest_queue, 50ms);
-    // While the queue does not run dry, what leaves leaves a millisecond apart. A machine that
-    // keeps this process waiting lets it run dry now and then: the median of stretches of 50
-    // packets does not see that.
+    // While packets queue, they leave a millisecond apart. A busy machine can stop this process
+    // until the queue runs dry. The median over stretches of 50 packets ignores that.
     constexpr std::size_t kStretch = 50;
     ASSERT_GE(seen.size(), kNumCarried);
     std::vector<double> between_ms;
@@ -218,7 +217,7 @@ TEST_F(ImpairedNetworkTest, ALimitedRateIsKeptAndTheQueueDropsTheRest) {
     EXPECT_NEAR(*middle, 1.0, 0.05);
 }
 
-TEST_F(ImpairedNetworkTest, AHostThatIsCutOffHearsNothingUntilItIsBack) {
+TEST_F(ImpairedNetworkTest, CutHostReceivesNothingUntilRestored) {
     send(0, 1, 1);
     num_expected_ = 1;
     EXPECT_EQ(arrivals(1).size(), 1u);
@@ -240,7 +239,7 @@ TEST_F(ImpairedNetworkTest, AHostThatIsCutOffHearsNothingUntilItIsBack) {
     EXPECT_EQ(seen[0].number, 5);
 }
 
-TEST_F(ImpairedNetworkTest, MulticastReachesTheMembersAmongTheOthers) {
+TEST_F(ImpairedNetworkTest, MulticastReachesOnlyMembers) {
     const std::string group = "239.255.0.1";
     for (const int member : {1, 2}) {
         ip_mreqn request{};
@@ -261,7 +260,7 @@ TEST_F(ImpairedNetworkTest, MulticastReachesTheMembersAmongTheOthers) {
     EXPECT_EQ(network_->counters(2, Way::kDown).left, 1u);
 }
 
-TEST_F(ImpairedNetworkTest, CarriesMuchWithLittleWork) {
+TEST_F(ImpairedNetworkTest, CarriesHighRatesWithLittleProcessorTime) {
     constexpr std::size_t kBytes = 1400;
     constexpr int kNum = 18'000;  // 200 Mbit in a second
     network_->set(0, Way::kUp, {.delay = 10ms, .loss = 0.01, .rate_bit_per_s = 1e9});
@@ -286,7 +285,7 @@ TEST_F(ImpairedNetworkTest, CarriesMuchWithLittleWork) {
                 std::chrono::duration<double>(worked).count() * 100);
 }
 
-TEST_F(ImpairedNetworkTest, ProgramsRunInTheirHostAndAreStoppedAndEnded) {
+TEST_F(ImpairedNetworkTest, RunsStopsAndEndsProgramsInTheirHost) {
     auto shell = network_->start(
         1, {"/bin/sh", "-c", "cat /proc/net/fib_trie; echo ready; while :; do sleep 0.01; done"});
     ASSERT_TRUE(shell) << shell.error().message;
@@ -306,11 +305,11 @@ TEST_F(ImpairedNetworkTest, ProgramsRunInTheirHostAndAreStoppedAndEnded) {
     EXPECT_FALSE(network_->start(0, {"/no/such/program"}));
 }
 
-TEST_F(ImpairedNetworkTest, NothingIsLeftWhenTheTestIsKilled) {
+TEST_F(ImpairedNetworkTest, LeavesNothingWhenTheTestIsKilled) {
     std::array<int, 2> pipe{};
     ASSERT_EQ(::pipe(pipe.data()), 0);
     const pid_t test = fork();
-    if (test == 0) {  // stands for a test; without the threads of this one
+    if (test == 0) {  // the child stands for a test, without the threads of this one
         auto shell = network_->start(1, {"/bin/sh", "-c", "echo ready; read never < /dev/zero"});
         const pid_t id = shell && (*shell)->wait_for_output("ready", 20s) ? (*shell)->id() : 0;
         [[maybe_unused]] const auto n = write(pipe[1], &id, sizeof(id));

@@ -18,7 +18,7 @@
 #include <sstream>
 #include <thread>
 
-// A world of programs that only say how they are, and a monitor that listens to them.
+// A world of programs that only report their status, and a monitor that listens to them.
 namespace atrium {
 namespace {
 
@@ -29,7 +29,7 @@ using testing::HasSubstr;
 using testing::SizeIs;
 
 constexpr const char* kWorld = "monitor-test";
-constexpr int kDomain = 176;  // of this test alone
+constexpr int kDomain = 176;  // used by this test only
 
 bus::BusOptions bus_options() {
     bus::BusOptions options;
@@ -45,7 +45,7 @@ bus::Writer<Message> writer(const bus::Participant& participant) {
     return std::move(*made);
 }
 
-/// A program's place in the world, and whatever it says ten times a second.
+/// A program's presence in the world. It sends its status ten times a second.
 class Speaker {
 public:
     Speaker(ProgramKind kind,
@@ -71,7 +71,7 @@ public:
 
 private:
     std::unique_ptr<presence::Membership> membership_;
-    std::jthread thread_;  // ends first
+    std::jthread thread_;  // destroyed first
 };
 
 std::function<void(int)> speak_as_site(const bus::Participant& participant) {
@@ -146,7 +146,7 @@ std::vector<nlohmann::json> objects_in(const std::string& output) {
     return objects;
 }
 
-TEST(MonitorRun, OneReportInJsonTellsWhoIsThere) {
+TEST(MonitorRun, JsonReportListsThePrograms) {
     const Speaker site(ProgramKind::kSiteNode, "lab", speak_as_site);
     const Speaker world(ProgramKind::kWorldServer, kWorld, speak_as_world);
     const Speaker viewer(ProgramKind::kViewer, "wall", speak_as_viewer);
@@ -190,7 +190,7 @@ TEST(MonitorRun, OneReportInJsonTellsWhoIsThere) {
     EXPECT_LT(mesh["bytes_per_s"], 20'000.0);
 }
 
-TEST(MonitorRun, NobodyIsExitCodeThree) {
+TEST(MonitorRun, EmptyWorldExitsWithThree) {
     const Outcome outcome = run_monitor("--json --once --wait 0.5", "empty-world");
     EXPECT_EQ(outcome.exit_code, 3);
     EXPECT_THAT(outcome.output, HasSubstr("nobody is in the world 'empty-world'"));
@@ -198,8 +198,8 @@ TEST(MonitorRun, NobodyIsExitCodeThree) {
     EXPECT_EQ(objects_in(outcome.output)[0]["num_here"], 0);
 }
 
-/// What a monitor on a terminal of 90 x 30 writes, until it ends; Ctrl-C is typed once it has
-/// drawn.
+/// Output of a monitor on a terminal of 90 x 30, until it ends. The test types Ctrl-C after its
+/// first drawing.
 Outcome type_ctrl_c_at_a_monitor() {
     winsize size{};
     size.ws_col = 90;
@@ -234,11 +234,11 @@ Outcome type_ctrl_c_at_a_monitor() {
     return outcome;
 }
 
-TEST(MonitorRun, OnATerminalItDrawsInPlaceAndLeavesItAsItWas) {
+TEST(MonitorRun, DrawsInPlaceAndRestoresTheTerminal) {
     const auto begin = std::chrono::steady_clock::now();
     const Outcome outcome = type_ctrl_c_at_a_monitor();
     EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, 40s) << "Ctrl-C ends it";
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, 40s) << "Ctrl-C must end the monitor";
     const std::string own_screen = "\033[?1049h\033[?25l";
     const std::string as_it_was = "\033[?25h\033[?1049l";
     EXPECT_EQ(outcome.output.find(own_screen), 0u);
@@ -246,11 +246,12 @@ TEST(MonitorRun, OnATerminalItDrawsInPlaceAndLeavesItAsItWas) {
     ASSERT_NE(end, std::string::npos);
     EXPECT_THAT(outcome.output.substr(0, end), HasSubstr("\033[H"));
     EXPECT_THAT(outcome.output.substr(0, end), HasSubstr("\033[33mnobody is there"));
-    EXPECT_THAT(outcome.output.substr(end), HasSubstr("nobody is there")) << "the last one stays";
+    EXPECT_THAT(outcome.output.substr(end), HasSubstr("nobody is there"))
+        << "the last report must stay on the screen";
 }
 
-// How a program ends on the second Ctrl-C (core/app): without destructors.
-TEST(MonitorRun, ATerminalIsAsItWasAfterAnEndAtOnce) {
+// The second Ctrl-C ends a program without destructors (core/app).
+TEST(MonitorRun, SecondCtrlCRestoresTheTerminal) {
     int terminal = -1;
     const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
     if (child == 0) {
@@ -269,7 +270,7 @@ TEST(MonitorRun, ATerminalIsAsItWasAfterAnEndAtOnce) {
     EXPECT_EQ(output, "\033[?1049h\033[?25l\033[0m\033[?25h\033[?1049l");
 }
 
-TEST(MonitorRun, OneThatEndsIsToldWithItsReasonAndNobodyHearsOfTheMonitor) {
+TEST(MonitorRun, ReportsAnEndWithItsReasonAndStaysInvisible) {
     auto inbox = monitor::Inbox::create(bus_options(), /*measure=*/false);
     ASSERT_TRUE(inbox) << inbox.error().message;
     monitor::WorldModel model(kWorld);
@@ -300,7 +301,8 @@ TEST(MonitorRun, OneThatEndsIsToldWithItsReasonAndNobodyHearsOfTheMonitor) {
         return true;
     }));
     EXPECT_EQ(reason, "it ended");
-    EXPECT_EQ(meshes.num_readers(), 0) << "it does not read what it does not measure";
+    EXPECT_EQ(meshes.num_readers(), 0)
+        << "the monitor must not read topics that it does not measure";
 }
 
 }  // namespace

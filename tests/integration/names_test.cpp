@@ -7,7 +7,7 @@
 
 #include <thread>
 
-// Programs that want a name which another has.
+// Programs that claim a name that another program holds.
 namespace atrium {
 namespace {
 
@@ -17,11 +17,11 @@ using testing::HasSubstr;
 bus::BusOptions bus_options() {
     bus::BusOptions options;
     options.world = "names-test";
-    options.domain = 179;  // of this test alone
+    options.domain = 179;  // used by this test only
     return options;
 }
 
-TEST(Names, ASecondServerOfAWorldIsRefusedAndTheFirstGoesOn) {
+TEST(Names, SecondServerOfAWorldIsRefusedAndTheFirstContinues) {
     world_server::WorldServerConfig config;
     config.bus = bus_options();
     auto first = world_server::WorldServer::create(config);
@@ -42,14 +42,14 @@ TEST(Names, ASecondServerOfAWorldIsRefusedAndTheFirstGoesOn) {
             std::this_thread::yield();
         EXPECT_GT((*first)->status().num_steps, steps);
         config.bus.world = "another-world";
-        EXPECT_TRUE(world_server::WorldServer::create(config)) << "worlds do not hear each other";
+        EXPECT_TRUE(world_server::WorldServer::create(config)) << "worlds must be isolated";
     }
     first->reset();
     config.bus = bus_options();
-    EXPECT_TRUE(world_server::WorldServer::create(config)) << "the name is free again";
+    EXPECT_TRUE(world_server::WorldServer::create(config)) << "the name must be free again";
 }
 
-TEST(Names, ASecondViewerOfAGivenNameIsRefusedAndThoseWithoutOneAreNot) {
+TEST(Names, SecondViewerOfAGivenNameIsRefusedUnnamedOnesAreNot) {
     viewer::ViewerConfig config;
     config.bus = bus_options();
     const auto nameless = viewer::Viewer::create(config);

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-// The programs have the niceness that they are told, and say the same of themselves.
+// The programs run with the configured niceness and report it.
 namespace atrium {
 namespace {
 
@@ -20,7 +20,7 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::seconds;
 
 constexpr const char* kWorld = "niceness-test";
-constexpr std::uint32_t kDomain = 184;  // of this test alone
+constexpr std::uint32_t kDomain = 184;  // used by this test only
 constexpr seconds kPatience{60};
 
 template <typename T>
@@ -37,7 +37,7 @@ std::unique_ptr<test::HostedProcess> start(const std::string& program,
     return value(test::HostedProcess::start(command));
 }
 
-// Of the first status with a measured interval.
+// Niceness in the first status with a measured interval.
 template <typename Status>
 ProcessorUse first_use() {
     bus::BusOptions options;
@@ -56,8 +56,8 @@ ProcessorUse first_use() {
     return use;
 }
 
-// A library may give its own background threads a higher niceness: Mesa does, for those that
-// compile and cache shaders.
+// A library may raise the niceness of its own background threads. Mesa does so for shader
+// compilation and its cache.
 void expect_no_thread_goes_before(pid_t process, int nice) {
     int num_threads = 0;
     for (const auto& thread :
@@ -70,7 +70,7 @@ void expect_no_thread_goes_before(pid_t process, int nice) {
     EXPECT_EQ(getpriority(PRIO_PROCESS, static_cast<id_t>(process)), nice);
 }
 
-TEST(Niceness, OfTheWorldServerIsAsGiven) {
+TEST(Niceness, OfTheWorldServerIsAsConfigured) {
     const auto server = start("world_server", {"--process.nice", "7"});
     const ProcessorUse use = first_use<bus::WorldStatus>();
     EXPECT_EQ(use.nice, 7) << server->output();
@@ -78,7 +78,7 @@ TEST(Niceness, OfTheWorldServerIsAsGiven) {
     expect_no_thread_goes_before(server->id(), 7);
 }
 
-TEST(Niceness, OfTheViewerIsTwoWhereNothingIsGiven) {
+TEST(Niceness, OfTheViewerIsTwoByDefault) {
     const auto viewer =
         start("viewer", {"--headless", "--view.width", "64", "--view.height", "36"});
     const ProcessorUse use = first_use<bus::ViewerStatus>();

@@ -18,20 +18,20 @@
 #include <thread>
 #include <vector>
 
-// Two sites, a world server and a viewer, of which one is killed and started again while the others
-// go on. ATRIUM_RESTART_ROUNDS says how often each of three is (3); docs/measurements/streams.md
-// has the result of 20.
+// Two sites, a world server and a viewer. The tests kill one and start it again while the others
+// run. ATRIUM_RESTART_ROUNDS sets the number of rounds for each of the three (default 3).
+// docs/measurements/streams.md has the result of 20.
 namespace atrium::test {
 namespace {
 
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kPatience = 120s;  // a slow machine under sanitizers, and rooms to be rendered
+constexpr auto kPatience = 120s;  // for slow machines with sanitizers, and rooms to render
 constexpr double kGoneWithin_ms = 2000.0;
 constexpr double kBackWithin_ms = 2000.0;
 constexpr const char* kWorld = "restarts";
-constexpr std::uint32_t kDomain = 193;  // of this test alone
+constexpr std::uint32_t kDomain = 193;  // used by this test only
 
 int num_rounds() {
     const char* text = std::getenv("ATRIUM_RESTART_ROUNDS");
@@ -48,7 +48,7 @@ T value(Expected<T> expected) {
     return std::move(*expected);
 }
 
-/// What the bus tells of the programs: how far each has come, by its status, and which are gone.
+/// Follows the programs over the bus: their progress by their status, and the lost ones.
 class Onlooker {
 public:
     Onlooker()
@@ -63,12 +63,13 @@ public:
         thread_ = std::jthread([this](std::stop_token stop) { watch(stop); });
     }
 
-    /// Waits until nobody of this name is there.
+    /// Waits until no program of this name is present.
     bool wait_gone(const std::string& name) {
         std::unique_lock lock(mutex_);
         return changed_.wait_for(lock, kPatience, [&] { return !progress_.contains(name); });
     }
-    /// Waits for two reports of each from now on; returns who does not count more in the second.
+    /// Waits for two reports of each program from now on. Returns those whose second report shows
+    /// no progress.
     std::vector<std::string> wait_progress(const std::vector<std::string>& names) {
         std::unique_lock lock(mutex_);
         const auto wait_reports = [&](std::map<std::string, std::uint64_t> since) {
@@ -88,7 +89,7 @@ public:
         }
         return standing;
     }
-    /// Of all reports so far.
+    /// Number of faults in all reports so far.
     std::uint64_t num_faults() const {
         const std::lock_guard lock(mutex_);
         return num_faults_;
@@ -140,19 +141,19 @@ private:
     bus::Reader<bus::WorldStatus> worlds_;
     bus::Reader<bus::ViewerStatus> viewers_;
     mutable std::mutex mutex_;                       // guards the next ones
-    std::map<std::string, std::uint64_t> progress_;  // of who is there
+    std::map<std::string, std::uint64_t> progress_;  // of the present programs
     std::map<std::string, std::uint64_t> num_reports_;
     std::map<std::string, int> num_gone_;
     std::uint64_t num_faults_ = 0;
     std::condition_variable changed_;
-    std::jthread thread_;  // goes first
+    std::jthread thread_;  // destroyed first
 };
 
 /// Times of one kind, over all rounds.
 struct Times {
     std::vector<double> ms;
     void print(const std::string& what) {
-        if (ms.empty()) return;  // it came to nothing, and the test has said so
+        if (ms.empty()) return;  // nothing was measured, and the test has already failed
         std::sort(ms.begin(), ms.end());
         std::printf("%-28s %zu times, median %.0f ms, longest %.0f ms\n",
                     what.c_str(),
@@ -228,7 +229,7 @@ protected:
     }
     std::size_t seen(const std::string& name) const { return programs_.at(name)->output().size(); }
 
-    /// What the others say once it is gone, and once it is back.
+    /// Log lines of the other programs when it is gone, and when it is back.
     struct Lines {
         std::string by;
         std::string gone;
@@ -250,8 +251,8 @@ protected:
     Times gone_;
     Times back_;
     Times start_;
-    /// Rounds in which nobody was lost who was not killed: on a machine that stands still for most
-    /// of a lease others are, by themselves.
+    /// Number of rounds in which only the killed program was lost. On a machine that stands still
+    /// for most of a lease, others are lost as well.
     int num_alone_ = 0;
 };
 
@@ -278,7 +279,8 @@ void Restart::kill_and_restart(const std::string& name,
     for (const auto& [other, program] : programs_) {
         if (other != name) others.push_back(other);
     }
-    EXPECT_THAT(onlooker_.wait_progress(others), testing::IsEmpty()) << "stand still";
+    EXPECT_THAT(onlooker_.wait_progress(others), testing::IsEmpty())
+        << "these programs make no progress";
 
     for (const auto& [other, program] : programs_) before[other] = seen(other);
     const auto begin = Clock::now();
@@ -287,7 +289,7 @@ void Restart::kill_and_restart(const std::string& name,
     start_.ms.push_back(ms_since(begin));
     const auto is_ready = Clock::now();
     for (const Lines& lines : others_say) {
-        // its own lines are all new
+        // all of its own lines are new
         const std::size_t from = lines.by == name ? 0 : before[lines.by];
         ASSERT_TRUE(wait(lines.by, lines.back, from)) << lines.by << lines.back;
     }
@@ -304,11 +306,12 @@ void Restart::kill_and_restart(const std::string& name,
     }
     num_alone_ += is_alone;
     others.push_back(name);
-    EXPECT_THAT(onlooker_.wait_progress(others), testing::IsEmpty()) << "stand still";
+    EXPECT_THAT(onlooker_.wait_progress(others), testing::IsEmpty())
+        << "these programs make no progress";
     EXPECT_EQ(onlooker_.num_faults(), 0U);
 }
 
-TEST_F(Restart, ASiteThatIsKilledIsGoneAndComesBackWhileTheOthersGoOn) {
+TEST_F(Restart, KilledSiteReturnsWhileOthersContinue) {
     for (int round = 0; round < num_rounds() && !HasFailure(); ++round) {
         kill_and_restart("alice",
                          "published id=",
@@ -319,7 +322,7 @@ TEST_F(Restart, ASiteThatIsKilledIsGoneAndComesBackWhileTheOthersGoOn) {
     EXPECT_GT(num_alone_, 0);
 }
 
-TEST_F(Restart, ASecondSiteOfTheNameIsRefusedAndTheFirstGoesOn) {
+TEST_F(Restart, SecondSiteOfTheNameIsRefusedAndTheFirstContinues) {
     for (int round = 0; round < num_rounds() && num_alone_ == 0; ++round) {
         const int num_gone = onlooker_.num_gone("alice");
         const std::size_t from = seen("wall");
@@ -332,10 +335,10 @@ TEST_F(Restart, ASecondSiteOfTheNameIsRefusedAndTheFirstGoesOn) {
         num_alone_ += onlooker_.num_gone("alice") == num_gone &&
                       programs_["wall"]->output().find("person_gone", from) == std::string::npos;
     }
-    EXPECT_GT(num_alone_, 0) << "nobody lost the first";
+    EXPECT_GT(num_alone_, 0) << "the first site was lost in every round";
 }
 
-TEST_F(Restart, AWorldServerThatIsKilledIsGoneAndComesBackWhileTheOthersGoOn) {
+TEST_F(Restart, KilledWorldServerReturnsWhileOthersContinue) {
     for (int round = 0; round < num_rounds() && !HasFailure(); ++round) {
         kill_and_restart(
             kWorld,
@@ -346,7 +349,7 @@ TEST_F(Restart, AWorldServerThatIsKilledIsGoneAndComesBackWhileTheOthersGoOn) {
     EXPECT_GT(num_alone_, 0);
 }
 
-TEST_F(Restart, AViewerThatIsKilledIsGoneAndComesBackWhileTheOthersGoOn) {
+TEST_F(Restart, KilledViewerReturnsWhileOthersContinue) {
     for (int round = 0; round < num_rounds() && !HasFailure(); ++round) {
         kill_and_restart(
             "wall",

@@ -16,8 +16,8 @@
 #include <optional>
 #include <thread>
 
-// Two sites push one box, in turn and at once, over the real bus and the real world server; two
-// viewers must show it at the same place at the same time stamp.
+// Two sites push one box, in turn and at once, over the real bus and the real world server. Two
+// viewers must show it at the same place for the same time stamp.
 namespace atrium {
 namespace {
 
@@ -31,15 +31,16 @@ constexpr double kBoxM = 0.3;
 constexpr std::uint32_t kFloor = 1;
 constexpr std::uint32_t kBox = 2;
 constexpr std::int64_t kStampStepNs = 4'000'000;  // places are compared 250 times a second
-constexpr double kSamePlaceM = 0.005;             // what the two may differ by
-const auto kPatience = std::chrono::seconds(60);  // each push takes some seconds, sanitizers more
+constexpr double kSamePlaceM = 0.005;             // allowed difference between the two viewers
+// each push takes some seconds, and more with sanitizers
+const auto kPatience = std::chrono::seconds(60);
 const Eigen::Vector3d kAliceAtRest{-0.8, 0.0, 0.15};  // world
 const Eigen::Vector3d kBobAtRest{0.9, 0.0, 0.15};
 
 bus::BusOptions bus_options() {
     bus::BusOptions options;
     options.world = "shared-object-test-" + std::to_string(getpid());
-    options.domain = 178;  // of this test alone: ctest may run others at the same time
+    options.domain = 178;  // used by this test only: ctest may run others at the same time
     return options;
 }
 
@@ -71,7 +72,7 @@ world_server::WorldServerConfig world_config() {
     return config;
 }
 
-/// A hand that goes straight to where it is sent. Thread-safe.
+/// A hand that moves straight to its target. Thread-safe.
 class Hand {
 public:
     explicit Hand(const Eigen::Vector3d& at_world) : at_(at_world), goal_(at_world) {}
@@ -82,11 +83,11 @@ public:
         speed_mps_ = speed_mps;
     }
 
-    /// Where it is at that time; times rise.
+    /// Place of the hand at that time. Times must increase.
     Eigen::Vector3d move_on(Timestamp time) {
         const std::lock_guard lock(mutex_);
         if (last_ != Timestamp{}) {
-            // a machine that stands still does not take it through the box
+            // a machine that stands still must not move it through the box
             const double step_s = std::min(1e-3 * milliseconds(time - last_), kMaxStepS);
             const double way_m = speed_mps_ * step_s;
             const Eigen::Vector3d to_go = goal_ - at_;
@@ -112,11 +113,11 @@ private:
 
 struct Drawn {
     Eigen::Vector3d place;
-    bool is_between = false;  // two states, and not beyond the newest
+    bool is_between = false;  // between two states, not beyond the newest
 };
 
-/// What a viewer has on its way from the bus to the picture, as SceneView uses it: a session and a
-/// timeline of a participant of its own. Looks `pictures_per_s` times a second.
+/// The path of a viewer from the bus to the picture, as SceneView uses it: a session and a timeline
+/// with their own participant. Draws `pictures_per_s` times a second.
 class SceneViewer {
 public:
     SceneViewer(const std::string& name, double pictures_per_s)
@@ -129,7 +130,8 @@ public:
         drawer_ = std::jthread([this](std::stop_token stop) { draw(stop); });
     }
 
-    /// Waits until the place of the box in the newest picture is such; false: not in time.
+    /// Waits until the place of the box in the newest picture meets the condition. Returns false at
+    /// the timeout.
     bool wait_until_shown(const std::function<bool(const Eigen::Vector3d&)>& holds) {
         std::unique_lock lock(mutex_);
         return drawn_one_.wait_for(lock, kPatience, [&] {
@@ -154,7 +156,7 @@ private:
         }
     }
 
-    // Each time stamp that has come up since the picture before, with the states that are there.
+    // Records each time stamp since the previous picture, from the available states.
     void draw_one(Clock::time_point now) {
         for (auto& [state, arrival] : session_->take_scene().states) {
             newest_ns_ = std::max(newest_ns_, state.time.ns);
@@ -180,7 +182,7 @@ private:
 
     std::chrono::nanoseconds period_;
     std::unique_ptr<viewer::Session> session_;
-    viewer::SceneTimeline timeline_;  // of the drawing thread, as are the next four
+    viewer::SceneTimeline timeline_;  // of the drawing thread, like the next four
     std::vector<bus::ObjectState> objects_;
     std::int64_t newest_ns_ = 0;
     std::int64_t oldest_ns_ = 0;
@@ -189,7 +191,7 @@ private:
     std::condition_variable drawn_one_;
     std::map<std::int64_t, Drawn> drawn_;
     std::jthread receiver_;
-    std::jthread drawer_;  // goes first
+    std::jthread drawer_;  // destroyed first
 };
 
 class SharedObject : public testing::Test {
@@ -203,7 +205,7 @@ protected:
         bob_site_ = start_site("bob", world_from_bob(), bob_);
         ASSERT_TRUE(alice_site_ && bob_site_);
         left_ = std::make_unique<SceneViewer>("left", 60.0);
-        right_ = std::make_unique<SceneViewer>("right", 24.0);  // one on a slow machine
+        right_ = std::make_unique<SceneViewer>("right", 24.0);  // a viewer on a slow machine
     }
 
     static std::unique_ptr<test::MeshSite> start_site(
@@ -221,7 +223,7 @@ protected:
         return site ? std::move(*site) : nullptr;
     }
 
-    // Sends a hand somewhere until the box, as shown, is in a place.
+    // Sends a hand to a place until the shown box meets the condition.
     void push(Hand& hand,
               const Eigen::Vector3d& towards,
               const std::function<bool(const Eigen::Vector3d&)>& is_there,
@@ -247,20 +249,20 @@ protected:
     std::unique_ptr<SceneViewer> right_;
 };
 
-TEST_F(SharedObject, IsAtTheSamePlaceForBothViewersWhileTwoSitesPushIt) {
+TEST_F(SharedObject, HasTheSamePlaceInBothViewersWhileTwoSitesPushIt) {
     if (HasFatalFailure()) return;
     const auto is_at_rest_in_the_middle = [](const Eigen::Vector3d& p) { return p.norm() < 0.2; };
     ASSERT_TRUE(left_->wait_until_shown(is_at_rest_in_the_middle));
     ASSERT_TRUE(right_->wait_until_shown(is_at_rest_in_the_middle));
-    // each alone, the other being far away
+    // each alone, while the other hand is far away
     push(
         alice_, {0.3, 0.0, 0.15}, [](const auto& p) { return p.x() > 0.2; }, "alice alone");
     withdraw(alice_, kAliceAtRest);
     push(
         bob_, {-0.3, 0.0, 0.15}, [](const auto& p) { return p.x() < 0.0; }, "bob alone");
     if (HasFatalFailure()) return;
-    // both at once, from as far away and across each other: what goes along +x is alice's doing,
-    // along -y bob's
+    // both at once, from the same distance, across each other: alice causes motion along +x, bob
+    // along -y
     withdraw(bob_, {0.9, 0.9, 0.15});
     const Eigen::Vector3d box = place_of_box();
     withdraw(bob_, box + Eigen::Vector3d(0.0, 0.5, 0.0));
@@ -285,7 +287,7 @@ TEST_F(SharedObject, IsAtTheSamePlaceForBothViewersWhileTwoSitesPushIt) {
     for (const auto& [step, place] : left) {
         const auto other = right.find(step);
         if (step > end || other == right.end()) continue;
-        // beyond the newest state each viewer goes on by itself: that is no place of the world yet
+        // beyond the newest state each viewer extrapolates: that is not yet a place of the world
         if (!place.is_between || !other->second.is_between) continue;
         const double apart_m = (place.place - other->second.place).norm();
         ASSERT_LE(apart_m, kSamePlaceM) << "at " << step * kStampStepNs << " ns";

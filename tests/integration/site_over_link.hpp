@@ -16,38 +16,38 @@ namespace atrium::test {
 /// A simulated room of eight cameras at 30 Hz, and a viewer that draws nothing.
 struct SiteSettings {
     int jpeg_quality = 86;
-    std::filesystem::path cache;  // of the room's pictures: rendered where they are not there
-    /// Options of both programs, instead of those of the network `wan`; the programs then run in
-    /// the network of this process.
+    std::filesystem::path cache;  // of the room's pictures, which are rendered if absent
+    /// Options of both programs, instead of those of the network `wan`. With them the programs run
+    /// in the network of this process.
     std::vector<std::string> bus_options;
 };
 
 struct ShownFrame {
-    std::uint64_t id = 0;  // counted by the site, at its capture
+    std::uint64_t id = 0;  // assigned by the site at its capture
     std::int64_t capture_ns = 0;
-    std::int64_t complete_ns = 0;  // all its parts are with the viewer
+    std::int64_t complete_ns = 0;  // when the viewer has all of its parts
 
     double age_ms() const { return static_cast<double>(complete_ns - capture_ns) * 1e-6; }
 };
 
-/// What came of the frames of some time; `now_ns` of a Moment and these times are of one clock.
+/// The fate of the frames of an interval. `now_ns` of a Moment and these times are on one clock.
 struct SiteReport {
-    std::size_t num_published = 0;           // of that time
+    std::size_t num_published = 0;           // in that interval
     std::size_t num_complete = 0;            // of those
     std::vector<std::int64_t> published_ns;  // capture times of all, in order
-    std::vector<ShownFrame> shown;           // all, in the order in which they were complete
-    std::size_t num_out_of_order = 0;        // complete after a newer one; of all
-    std::vector<double> ages_ms;             // of those complete in that time, sorted
-    double bytes_per_s = 0.0;                // on the link, from the site; of that time
+    std::vector<ShownFrame> shown;           // all, in the order of completion
+    std::size_t num_out_of_order = 0;        // completed after a newer one; over the whole run
+    std::vector<double> ages_ms;             // of those that completed in that interval, sorted
+    double bytes_per_s = 0.0;                // on the link, from the site, in that interval
     std::int64_t resident_before = 0;        // [B] of the site
     std::int64_t resident_after = 0;
     std::string output_of_site;
 
     double share() const;
-    /// Frames per second that the site published of what it captured from one time to the other.
+    /// Frames per second that the site published, of captures between the two times.
     double published_per_s(std::int64_t from_ns, std::int64_t to_ns) const;
     double age_ms(double share) const;
-    /// From that time to the first complete frame that was captured later; NaN: none.
+    /// Time until the first complete frame with a later capture. NaN if there is none.
     double recovery_ms(std::int64_t since_ns) const;
 };
 
@@ -58,17 +58,17 @@ struct Moment {
     std::int64_t resident_bytes = 0;  // of the site
 };
 
-/// bin/site_node on host 0 and a viewer on host 1, each with the options that its user would give.
+/// bin/site_node on host 0 and a viewer on host 1, each with the options that a user would give.
 class SiteOverLink {
 public:
-    /// Both are there, and frames arrive. `network` may be null where `bus_options` say how they
-    /// find each other.
+    /// Starts both and waits until frames arrive. `network` may be null if `bus_options` tell the
+    /// programs how to find each other.
     static Expected<std::unique_ptr<SiteOverLink>> start(ImpairedNetwork* network,
                                                          const SiteSettings& settings);
     HostedProcess& site() { return *site_; }
     HostedProcess& viewer() { return *viewer_; }
     Moment moment() const;
-    /// Ends both; the report is of the time from one moment to the other.
+    /// Ends both. The report covers the time from one moment to the other.
     Expected<SiteReport> finish(const Moment& from, const Moment& to);
 
 private:
@@ -81,7 +81,7 @@ private:
     std::unique_ptr<HostedProcess> viewer_;
 };
 
-/// Of a process; 0 where it is gone.
+/// Resident memory of a process. 0 if it has ended.
 std::int64_t resident_bytes(pid_t id);
 
 }  // namespace atrium::test

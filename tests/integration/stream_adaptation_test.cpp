@@ -1,4 +1,4 @@
-// A site that adapts its stream, and what viewers tell it, over the real bus.
+// A site that adapts its stream to reports of viewers, over the real bus.
 #include "core/bus/bus.hpp"
 #include "site_node/site_node.hpp"
 #include "viewer/session.hpp"
@@ -19,7 +19,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kPatience = 60s;  // a slow machine under sanitizers; normally some seconds
+constexpr auto kPatience = 60s;  // for slow machines with sanitizers; usually some seconds
 
 template <typename T>
 T value(Expected<T> expected) {
@@ -35,15 +35,15 @@ protected:
         config_.capture.rig = ATRIUM_SOURCE_DIR "/deploy/rigs/full_body.toml";
         config_.capture.rate_hz = 10.0;
         config_.simulation.loop_s = 1.0;
-        config_.simulation.cache.clear();  // nothing is left behind
+        config_.simulation.cache.clear();  // leaves no files
         config_.bus.world = "stream-adaptation-" + std::to_string(getpid());
-        config_.bus.domain = 183;  // of this test alone
+        config_.bus.domain = 183;  // used by this test only
     }
     void start() {
         node_ = value(site_node::SiteNode::create(config_, {}));
         running_ = std::jthread([this](std::stop_token stop) { EXPECT_TRUE(node_->run(stop)); });
     }
-    /// Lets `each` look at what has arrived, until it returns true.
+    /// Calls `each` for arriving messages until it returns true.
     template <typename Message>
     bool await(bus::Reader<Message>& reader, const std::function<bool(const Message&)>& each) {
         auto waiter = value(bus::Waiter::create(*participant_));
@@ -71,7 +71,7 @@ protected:
     std::jthread running_;
 };
 
-TEST_F(AdaptingSite, HearsFromAViewerHowItsStreamArrives) {
+TEST_F(AdaptingSite, ReceivesReportsOfAViewer) {
     auto feedback = value(bus::Reader<bus::StreamFeedback>::create(join()));
     auto session = value(viewer::Session::create(config_.bus, "watcher"));
     const std::jthread receiving([&](std::stop_token stop) { session->receive(stop); });
@@ -87,8 +87,9 @@ TEST_F(AdaptingSite, HearsFromAViewerHowItsStreamArrives) {
         EXPECT_GT(report.num_samples, report.num_complete) << "textures and meshes";
         EXPECT_LE(report.sure_delay_ms, report.min_delay_ms);
         EXPECT_GT(report.payload_bytes_per_s, 1000.0);
-        EXPECT_GT(report.min_delay_ms, 0.0) << "one clock: that of this computer";
-        EXPECT_GE(report.median_delay_ms, report.min_delay_ms) << "that begins with the capture";
+        EXPECT_GT(report.min_delay_ms, 0.0) << "both use this computer's clock";
+        EXPECT_GE(report.median_delay_ms, report.min_delay_ms)
+            << "the median delay counts from the capture";
         return ++num_good == 5;
     }));
     const bus::SiteStatus status = node_->status();
@@ -96,7 +97,7 @@ TEST_F(AdaptingSite, HearsFromAViewerHowItsStreamArrives) {
     EXPECT_EQ(status.num_failed, 0u);
 }
 
-TEST_F(AdaptingSite, GivesWayToAViewerWithAQueueAndTakesBackWhatItGave) {
+TEST_F(AdaptingSite, AdaptsToAViewerWithAQueueAndRecovers) {
     auto writer = value(bus::Writer<bus::StreamFeedback>::create(join()));
     auto meshes = value(bus::Reader<bus::SiteMesh>::create(*participant_));
     start();
@@ -105,8 +106,8 @@ TEST_F(AdaptingSite, GivesWayToAViewerWithAQueueAndTakesBackWhatItGave) {
     report.site = "lab";
     report.num_samples = 9;
     report.num_complete = 1;
-    report.payload_bytes_per_s = 40e3;  // 0.32 Mbit/s; the stream has some
-    // with every frame that comes one report, whose delay grows by 100 ms each
+    report.payload_bytes_per_s = 40e3;  // 0.32 Mbit/s, less than the stream needs
+    // one report per arriving frame, with a delay that grows by 100 ms each
     ASSERT_TRUE(await<bus::SiteMesh>(meshes, [&](const bus::SiteMesh& mesh) {
         report.newest_frame_id = mesh.frame_id;
         report.min_delay_ms += 100.0;
@@ -115,7 +116,7 @@ TEST_F(AdaptingSite, GivesWayToAViewerWithAQueueAndTakesBackWhatItGave) {
         return node_->status().stream.cap_set_by == "stream.min_mbit_per_s";
     }));
     EXPECT_EQ(node_->status().stream.cap_bit_per_s, 1e6 * config_.stream.min_mbit_per_s);
-    // it is gone, and with it its say
+    // the viewer is gone and no longer counts
     ASSERT_TRUE(writer.dispose(report));
     EXPECT_TRUE(await<bus::SiteMesh>(meshes, [&](const bus::SiteMesh&) {
         const bus::StreamState stream = node_->status().stream;
@@ -124,7 +125,7 @@ TEST_F(AdaptingSite, GivesWayToAViewerWithAQueueAndTakesBackWhatItGave) {
     }));
 }
 
-TEST_F(AdaptingSite, StaysBelowTheConfiguredRateForReal) {
+TEST_F(AdaptingSite, StaysBelowTheConfiguredRateOnTheBus) {
     config_.stream.max_mbit_per_s = 0.4;
     config_.stream.min_mbit_per_s = 0.1;
     auto meshes = value(bus::Reader<bus::SiteMesh>::create(join()));
@@ -156,7 +157,8 @@ TEST_F(AdaptingSite, StaysBelowTheConfiguredRateForReal) {
         for (const auto& [time, frame] : arrivals) {
             if (time >= first.first && time < first.first + 1s) sum += bits[frame];
         }
-        // the site holds to its cap and one frame; on the way here two may come closer together
+        // the site keeps its cap plus one frame; on the way here two frames may come closer
+        // together
         EXPECT_LE(sum, 0.4e6 + 2.0 * largest);
     }
     const bus::SiteStatus status = node_->status();

@@ -11,8 +11,8 @@
 #include <string>
 #include <thread>
 
-// A whole site and a viewer over a link with faults, with the options that their users would give.
-// bench/stream_faults measures more of them; docs/measurements/streams.md has its table.
+// A whole site and a viewer over a link with faults, with the options that users would give.
+// bench/stream_faults measures more faults. docs/measurements/streams.md has the table.
 namespace atrium::test {
 namespace {
 
@@ -28,7 +28,7 @@ protected:
     static void TearDownTestSuite() { std::filesystem::remove_all(folder_); }
     void SetUp() override { settings_.cache = folder_ / "rooms"; }
 
-    /// Both ways of the link.
+    /// Impairs both directions of the link.
     void start_over(const Impairment& impairment) {
         auto network = ImpairedNetwork::create(2, 11);
         if (!network) GTEST_SKIP() << network.error().message;
@@ -40,7 +40,7 @@ protected:
         auto run = SiteOverLink::start(network_.get(), settings_);
         ASSERT_TRUE(run) << run.error().message;
         run_ = std::move(*run);
-        std::this_thread::sleep_for(1s);  // what is measured begins after the start
+        std::this_thread::sleep_for(1s);  // the measurement begins after the start
         from_ = run_->moment();
     }
     SiteReport finish() {
@@ -58,7 +58,7 @@ protected:
                     1e-6 * static_cast<double>(report->resident_before),
                     1e-6 * static_cast<double>(report->resident_after));
         EXPECT_GT(report->num_published, 0U);
-        EXPECT_EQ(report->num_out_of_order, 0U) << "nothing older after something newer";
+        EXPECT_EQ(report->num_out_of_order, 0U) << "an older frame completed after a newer one";
         EXPECT_LT(report->resident_after, report->resident_before + 20'000'000);
         return std::move(*report);
     }
@@ -70,25 +70,25 @@ protected:
     Moment from_;
 };
 
-TEST_F(StreamFaults, AtOnePercentLossOnAShortWayNoFrameIsLost) {
+TEST_F(StreamFaults, LosesNoFrameAtOnePercentLossOnAShortLink) {
     start_over({.delay = 2ms, .loss = 0.01});
     if (run_ == nullptr) return;
     std::this_thread::sleep_for(6s);
     const std::uint64_t num_lost = network_->counters(0, Way::kUp).lost;
     const SiteReport report = finish();
     EXPECT_GT(num_lost, 20U);
-    // those of the last moment may be on their way, or being repaired
+    // the last frames may be on their way, or being repaired
     EXPECT_GE(report.num_complete + 8, report.num_published);
     EXPECT_GE(report.share(), 0.95);
 }
 
-// What Cyclone itself loses on purpose, with the settings that programs of one host have.
-TEST_F(StreamFaults, WhatCycloneLosesOnLoopbackIsRepaired) {
+// Cyclone itself loses packets on purpose, with the settings for programs of one host.
+TEST_F(StreamFaults, RepairsLossesOfCycloneOnLoopback) {
     std::ifstream builtin(ATRIUM_SOURCE_DIR "/qos/loopback.xml");
     std::string xml(std::istreambuf_iterator<char>(builtin), {});
     const std::size_t at = xml.find("<Internal>");
     ASSERT_NE(at, std::string::npos);
-    xml.insert(at + 10, "<Test><XmitLossiness>10</XmitLossiness></Test>");  // of a thousand
+    xml.insert(at + 10, "<Test><XmitLossiness>10</XmitLossiness></Test>");  // per thousand
     const std::filesystem::path file = folder_ / "lossy.xml";
     std::ofstream(file) << xml;
     settings_.bus_options = {
@@ -101,7 +101,7 @@ TEST_F(StreamFaults, WhatCycloneLosesOnLoopbackIsRepaired) {
     EXPECT_GE(report.share(), 0.95);
 }
 
-TEST_F(StreamFaults, AfterACutTheNewestIsThereSoonAndNothingOld) {
+TEST_F(StreamFaults, DeliversTheNewestAndNothingOldAfterACut) {
     start_over({.delay = 10ms});
     if (run_ == nullptr) return;
     std::this_thread::sleep_for(1s);
@@ -113,13 +113,14 @@ TEST_F(StreamFaults, AfterACutTheNewestIsThereSoonAndNothingOld) {
     const SiteReport report = finish();
     for (const ShownFrame& frame : report.shown) {
         if (frame.complete_ns <= restored.now_ns) continue;
-        EXPECT_GT(frame.capture_ns, restored.now_ns - 1'500'000'000) << "kept for long";
+        EXPECT_GT(frame.capture_ns, restored.now_ns - 1'500'000'000)
+            << "the frame waited for too long";
     }
     std::printf("back after %.0f ms\n", report.recovery_ms(restored.now_ns));
     EXPECT_LT(report.recovery_ms(restored.now_ns), 3000.0);
 }
 
-TEST_F(StreamFaults, AViewerThatIsStoppedCostsTheSiteNothing) {
+TEST_F(StreamFaults, StoppedViewerDoesNotSlowTheSite) {
     start_over({.delay = 10ms});
     if (run_ == nullptr) return;
     std::this_thread::sleep_for(3s);
@@ -139,7 +140,7 @@ TEST_F(StreamFaults, AViewerThatIsStoppedCostsTheSiteNothing) {
     EXPECT_LT(report.recovery_ms(woken.now_ns), 3000.0);
 }
 
-TEST_F(StreamFaults, OverANarrowLinkTheSiteSendsLess) {
+TEST_F(StreamFaults, SiteSendsLessOverANarrowLink) {
     start_over({.delay = 20ms, .rate_bit_per_s = 5e6});
     if (run_ == nullptr) return;
     std::this_thread::sleep_for(6s);
@@ -148,7 +149,7 @@ TEST_F(StreamFaults, OverANarrowLinkTheSiteSendsLess) {
     const SiteReport report = finish();
     EXPECT_THAT(report.output_of_site, testing::HasSubstr("stream level quality="));
     EXPECT_LT(report.bytes_per_s, 0.65e6);
-    // the way, the site's own work, and a queue of 100 ms that is full of what is too much
+    // the link delay, the site's own work, and a full queue of 100 ms
     EXPECT_LT(report.age_ms(0.5), 250.0);
 }
 

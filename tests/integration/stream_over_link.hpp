@@ -13,8 +13,8 @@
 namespace atrium::test {
 
 /// Settings for Cyclone DDS between hosts of the network that know each other by address. The
-/// elements of `internal` are added to those of <Internal>. A message is one UDP datagram; larger
-/// ones than the MTU are cut by IP.
+/// elements of `internal` are added to those of <Internal>. A message is one UDP datagram, which IP
+/// fragments above the MTU.
 std::string network_xml(const ImpairedNetwork& network,
                         const std::string& internal,
                         int message_bytes = 1400,
@@ -36,32 +36,33 @@ struct CompleteFrame {
 };
 
 struct StreamReport {
-    std::vector<CompleteFrame> complete;  // in the order in which they became so
+    std::vector<CompleteFrame> complete;  // in the order of completion
     std::size_t num_samples = 0;          // of 9 per frame
-    std::size_t num_out_of_order = 0;     // samples older than one of the same key before
+    std::size_t num_out_of_order = 0;     // samples older than an earlier one of the same key
     std::vector<double> write_ms;         // of each frame
     std::uint64_t num_failed_writes = 0;
     std::uint64_t retransmitted_bytes = 0;
-    LineCounters there;  // the way of the data, from host to hub; of this stream alone
-    LineCounters back;   // the way of the acknowledgements, likewise
+    LineCounters there;  // data direction, from host to hub; of this stream alone
+    LineCounters back;   // acknowledgement direction, likewise
     double seconds = 0.0;
 
     double share_complete() const;
-    double age_ms(double share) const;  // of complete frames, at this share, the youngest first
-    /// Longest time without a newer complete frame, between the first one and the last.
+    // of complete frames, at this fraction, sorted from the youngest
+    double age_ms(double share) const;
+    /// Longest time without a newer complete frame, between the first frame and the last.
     double longest_gap_ms() const;
     double write_ms_at(double share) const;
 };
 
-/// A stream from host 0 to host 1 by programs of their own.
+/// A stream from host 0 to host 1 between two separate programs.
 class StreamOverLink {
 public:
-    /// Both programs are started and have found each other.
+    /// Starts both programs and waits until they are matched.
     static Expected<std::unique_ptr<StreamOverLink>> start(ImpairedNetwork& network,
                                                            const StreamSettings& settings);
     HostedProcess& writer() { return *writer_; }
     HostedProcess& reader() { return *reader_; }
-    /// Waits until all frames are written, and what is on its way has come.
+    /// Waits until all frames are written and nothing is on its way.
     Expected<StreamReport> finish();
 
 private:
@@ -76,7 +77,7 @@ private:
     std::chrono::steady_clock::time_point started_;
 };
 
-/// The report as one row, or without one the heads of the columns.
+/// The report as one table row. Without a report, the column heads.
 std::string table_head();
 std::string table_row(const std::string& name,
                       const StreamReport& report,

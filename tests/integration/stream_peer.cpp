@@ -13,13 +13,13 @@
 #include <thread>
 #include <vector>
 
-// One end of a stream of frames as a site sends them: a mesh and eight textures each, at 30 Hz.
+// One end of a stream of frames like a site's: a mesh and eight textures each, at 30 Hz.
 //
 //   stream_peer write NETWORK PROFILES FRAMES MESH_BYTES TEXTURE_BYTES TEXTURE_WRITERS
 //   stream_peer read NETWORK PROFILES
 //
-// Both say "matched" once they have found each other, and what they measured at the end: the writer
-// after its frames, the reader on SIGTERM.
+// Both print "matched" once they have found each other, and their measurements at the end: the
+// writer after its frames, the reader on SIGTERM.
 namespace {
 
 using namespace atrium;
@@ -42,7 +42,7 @@ void say(const std::string& text) {
     std::fflush(stdout);
 }
 
-// Bytes sent again by all writers so far.
+// Bytes retransmitted by all writers so far.
 std::uint64_t retransmitted_bytes(const bus::Participant& participant) {
     std::array<dds_entity_t, 16> writers{};
     const int n =
@@ -84,7 +84,7 @@ struct FrameWriter {
     }
 
     bus::Writer<bus::SiteMesh> meshes;
-    std::vector<bus::Writer<bus::CameraTexture>> textures;  // the cameras in turn
+    std::vector<bus::Writer<bus::CameraTexture>> textures;  // cameras in turn
     bus::SiteMesh mesh;
     bus::CameraTexture texture;
     int num_failed = 0;
@@ -100,7 +100,8 @@ struct Sizes {
 void write_frames(const bus::Participant& participant, const Sizes& sizes) {
     FrameWriter writer(participant, sizes.num_texture_writers);
     while (!writer.has_readers()) std::this_thread::sleep_for(5ms);
-    std::this_thread::sleep_for(200ms);  // the reader has found us when we have found it, and a way
+    // the reader is matched when the writer is, plus a link delay
+    std::this_thread::sleep_for(200ms);
     say("matched");
     const auto start = Clock::now();
     const std::uint64_t retransmitted_before = retransmitted_bytes(participant);
@@ -112,7 +113,7 @@ void write_frames(const bus::Participant& participant, const Sizes& sizes) {
         durations_ms.push_back(
             std::chrono::duration<double, std::milli>(Clock::now() - before).count());
     }
-    std::this_thread::sleep_for(1s);  // what is lost at the end is sent again
+    std::this_thread::sleep_for(1s);  // for repairs of losses at the end
     fmt::print("failed {}\nretransmitted {}\n",
                writer.num_failed,
                retransmitted_bytes(participant) - retransmitted_before);

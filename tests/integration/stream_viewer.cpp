@@ -6,8 +6,8 @@
 
 #include <cstdio>
 
-// A viewer that draws nothing: receives, pairs and reports to the sites as any viewer does, and
-// says when each frame was complete, "frame ID CAPTURE_NS COMPLETE_NS".
+// A viewer that draws nothing. It receives, pairs and reports to the sites like any viewer, and
+// prints when each frame was complete: "frame ID CAPTURE_NS COMPLETE_NS".
 int main(int argc, char** argv) {
     using namespace atrium;
     const app::StopOnSignal stop;

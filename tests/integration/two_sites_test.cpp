@@ -19,11 +19,12 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint32_t kDomain = 177;  // of this test alone: ctest may run others at the same time
+// used by this test only: ctest may run others at the same time
+constexpr std::uint32_t kDomain = 177;
 constexpr std::uint32_t kBallOverTheHand = 1;
 constexpr std::uint32_t kBallInTheOpen = 2;
 const auto kPatience =
-    std::chrono::seconds(120);  // a slow machine under sanitizers; normally some seconds
+    std::chrono::seconds(120);  // for slow machines with sanitizers; usually some seconds
 
 bus::BusOptions bus_options() {
     bus::BusOptions options;
@@ -40,7 +41,7 @@ site_node::SiteNodeConfig site_config(const std::string& name, const std::string
     config.simulation.look = look;
     config.simulation.motion = "push";
     config.simulation.loop_s = 2.0;
-    config.simulation.cache.clear();  // nothing is left behind
+    config.simulation.cache.clear();  // leaves no files
     config.bus = bus_options();
     return config;
 }
@@ -56,7 +57,7 @@ world_server::WorldObject ball(std::uint32_t id, const Eigen::Vector3d& position
     return object;
 }
 
-// Alice stands at x = -0.9 and reaches towards +x with her right hand, Bob stands opposite.
+// Alice stands at x = -0.9 and reaches towards +x with her right hand. Bob stands opposite.
 world_server::WorldServerConfig world_config() {
     world_server::WorldServerConfig config;
     config.bus = bus_options();
@@ -80,7 +81,7 @@ viewer::ViewerConfig viewer_config(const fs::path& output) {
     viewer::ViewerConfig config;
     config.bus = bus_options();
     config.headless = true;
-    config.view.context = "osmesa";  // which draws the rooms in this process
+    config.view.context = "osmesa";  // it draws the rooms in this process
     config.view.width = 480;
     config.view.height = 270;
     config.output = output;
@@ -96,8 +97,8 @@ cv::Mat picture_after(viewer::ViewerConfig config) {
     return cv::imread(config.output.string());
 }
 
-// Share of the pixels where a person of 1.75 m at (x, 0) is expected that differ from the empty
-// world.
+// Fraction of pixels that differ from the empty world where a person of 1.75 m at (x, 0) is
+// expected.
 double share_changed(const cv::Mat& empty, const cv::Mat& full, double x_m) {
     const auto camera = viewer::make_view_camera(viewer::ViewConfig{});
     int num_changed = 0;
@@ -117,7 +118,7 @@ double share_changed(const cv::Mat& empty, const cv::Mat& full, double x_m) {
     return static_cast<double>(num_changed) / num_pixels;
 }
 
-// Where the two balls have been since the last reset.
+// Tracks of the two balls since the last reset.
 struct BallTracks {
     double hand_sideways_m = 0.0;
     double open_sideways_m = 0.0;
@@ -156,7 +157,7 @@ protected:
     std::vector<std::jthread> threads_;
 };
 
-TEST_F(TwoSites, BothStandInThePictureAndAHandMovesABall) {
+TEST_F(TwoSites, BothPeopleAppearAndAHandMovesABall) {
     const fs::path folder = fs::path(testing::TempDir()) / "atrium_two_sites";
     fs::create_directories(folder);
     auto before = viewer_config(folder / "empty.png");
@@ -175,7 +176,7 @@ TEST_F(TwoSites, BothStandInThePictureAndAHandMovesABall) {
     EXPECT_GT(share_changed(empty, full, -0.9), 0.7) << "alice, see " << folder / "full.png";
     EXPECT_GT(share_changed(empty, full, 0.9), 0.7) << "bob, see " << folder / "full.png";
 
-    // the balls fell before anybody was there: let them fall again, until the hand has met its one
+    // the balls fell before anybody was there: reset until the hand has met its ball
     auto participant = bus::Participant::create(bus_options());
     ASSERT_TRUE(participant);
     auto states = bus::Reader<bus::SceneState>::create(*participant);

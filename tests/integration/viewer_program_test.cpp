@@ -17,7 +17,7 @@
 #include <sstream>
 #include <string>
 
-// The viewer as a user starts it, in a window on a display of its own, with keys and mouse.
+// The viewer as a user starts it, in a window on a private display, with keys and mouse.
 namespace atrium {
 namespace {
 
@@ -29,11 +29,11 @@ using testing::HasSubstr;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kTitle = "Atrium";
-constexpr std::uint32_t kDomain = 184;  // of this test alone
+constexpr std::uint32_t kDomain = 184;  // used by this test only
 constexpr double kVideoHz = 20.0;
 const cv::Size kSize(640, 360);
 const cv::Size kLargerSize(800, 450);
-// A place where the box is, and one of sky and one of floor where no figures stand.
+// A point on the box, one in the sky and one on the floor, away from the figures.
 const cv::Point kBoxAt(320, 180);
 const cv::Point kSkyAt(620, 10);
 const cv::Point kFloorAt(620, 350);
@@ -95,7 +95,7 @@ protected:
         text << std::ifstream(log_file()).rdbuf();
         return text.str();
     }
-    /// What the log names last after that word; empty until it does.
+    /// The last value in the log after that word. Empty without one.
     fs::path file_in_log(const std::string& word) const {
         std::istringstream lines(log());
         fs::path file;
@@ -105,7 +105,7 @@ protected:
         }
         return file;
     }
-    /// Another file than `before` that the log names once that key was pressed.
+    /// Waits for a file in the log other than `before`, after that key was pressed.
     fs::path file_after(const std::string& key, const std::string& word, const fs::path& before) {
         display_->press(kTitle, key);
         fs::path file;
@@ -141,7 +141,7 @@ protected:
     std::future<Outcome> program_;
 };
 
-// A red box before sky and floor: what the scene is, whatever size the picture has.
+// Expects a red box in front of sky and floor, at any size of the picture.
 void expect_the_scene(const cv::Mat& bgr) {
     ASSERT_FALSE(bgr.empty());
     const cv::Vec3b box = bgr.at<cv::Vec3b>(bgr.rows / 2, bgr.cols / 2);
@@ -150,17 +150,17 @@ void expect_the_scene(const cv::Mat& bgr) {
     const cv::Vec3b sky = bgr.at<cv::Vec3b>(10, bgr.cols - 20);
     const cv::Vec3b floor = bgr.at<cv::Vec3b>(bgr.rows - 10, bgr.cols - 20);
     EXPECT_GT(cv::norm(sky, floor), 10.0);
-    EXPECT_LT(std::abs(sky[2] - sky[1]), 60) << "no red there";
+    EXPECT_LT(std::abs(sky[2] - sky[1]), 60) << "the sky must not be red";
     cv::Scalar mean, deviation;
     cv::meanStdDev(bgr, mean, deviation);
     EXPECT_GT(deviation[1], 10.0);
 }
 
-TEST_F(ViewerProgram, TakesScreenshotsOfWhatItsWindowShows) {
+TEST_F(ViewerProgram, TakesScreenshotsOfItsWindow) {
     const cv::Mat first = screenshot_after("F12");
     ASSERT_EQ(first.size(), kSize);
     expect_the_scene(first);
-    // nothing moves: what is on the screen is what was on it
+    // nothing moves: the screen still shows the picture of the screenshot
     for (const cv::Point& at : {kBoxAt, kSkyAt, kFloorAt}) EXPECT_TRUE(shows(first, at)) << at;
 
     display_->resize(kTitle, {kLargerSize.width, kLargerSize.height});
@@ -173,7 +173,7 @@ TEST_F(ViewerProgram, TakesScreenshotsOfWhatItsWindowShows) {
     expect_the_scene(second);
     EXPECT_TRUE(comes_true([&] { return shows(second, corner); }));
 
-    // a drag over the floor looks at the box from elsewhere
+    // a drag over the floor moves the view around the box
     display_->point_at(kTitle, 700, 420);
     display_->hold_button(kTitle, true);
     EXPECT_TRUE(comes_true([&] {
@@ -208,8 +208,8 @@ Video read_video(const fs::path& file) {
     return video;
 }
 
-TEST_F(ViewerProgram, RecordsVideosBetweenKeysAndUntilItIsClosed) {
-    // some pictures in each: 20 kB hold no more than two or three
+TEST_F(ViewerProgram, RecordsVideosBetweenKeysAndUntilClosed) {
+    // several pictures in each: 20 kB hold no more than two or three
     const auto has_grown = [](const fs::path& file) {
         std::error_code failure;
         return fs::file_size(file, failure) > 100'000 && !failure;
@@ -231,8 +231,8 @@ TEST_F(ViewerProgram, RecordsVideosBetweenKeysAndUntilItIsClosed) {
     const Video ended_by_key = read_video(first);
     expect_the_scene(ended_by_key.last);
     EXPECT_NEAR(ended_by_key.frames_per_s, kVideoHz, 0.01);
-    // as long as it was recorded: one picture at each end, and half of them where a busy machine
-    // leaves pictures out
+    // as long as the recording: one picture at each end may be missing, and half of them on a busy
+    // machine
     EXPECT_LE(ended_by_key.num_frames, most_s * kVideoHz + 2.0);
     EXPECT_GE(ended_by_key.num_frames, 0.5 * least_s * kVideoHz - 1.0);
     EXPECT_GT(ended_by_key.num_frames, 1);
@@ -241,7 +241,7 @@ TEST_F(ViewerProgram, RecordsVideosBetweenKeysAndUntilItIsClosed) {
     EXPECT_GT(ended_by_closing.num_frames, 1);
 }
 
-// Whoever is asked for draws, or the program says what is missing.
+// The requested context draws, or the program names what is missing.
 class ViewerContext : public testing::Test {
 protected:
     static Outcome run(const std::string& options, const std::string& before = "") {
@@ -254,7 +254,7 @@ protected:
     const std::string no_driver_ = "export __EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json; ";
 };
 
-TEST_F(ViewerContext, DrawsWithOsmesaOrEglWhereAskedTo) {
+TEST_F(ViewerContext, DrawsWithOsmesaOrEglOnRequest) {
     const Outcome osmesa = run("--view.context osmesa");
     EXPECT_EQ(osmesa.exit_code, 0) << osmesa.output;
     EXPECT_THAT(osmesa.output, HasSubstr("surface_open on=\"OSMesa, llvmpipe"));
@@ -264,7 +264,7 @@ TEST_F(ViewerContext, DrawsWithOsmesaOrEglWhereAskedTo) {
     EXPECT_THAT(egl.output, HasSubstr("surface_open on=\"EGL, "));
 }
 
-TEST_F(ViewerContext, SaysWhatIsMissing) {
+TEST_F(ViewerContext, NamesAMissingDriver) {
     const Outcome egl = run("--view.context egl", no_driver_);
     EXPECT_EQ(egl.exit_code, 3) << egl.output;
     EXPECT_THAT(egl.output, HasSubstr("EGL: no driver"));
@@ -276,7 +276,7 @@ TEST_F(ViewerContext, SaysWhatIsMissing) {
     EXPECT_THAT(neither.output, HasSubstr("view.context"));
 }
 
-TEST_F(ViewerContext, IsOsmesaWhereNoGpuIsAndTheLogSaysWhy) {
+TEST_F(ViewerContext, IsOsmesaWithoutAGpuAndTheLogSaysWhy) {
     const Outcome outcome = run("--headless", no_driver_);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
     EXPECT_THAT(outcome.output,

@@ -7,9 +7,8 @@
 #include <filesystem>
 #include <memory>
 
-// Some seconds of what bench/world_endurance does for minutes: two people walk through every
-// delivered world and do what they do, and nothing explodes. Here their surfaces come from no
-// cameras.
+// Some seconds of what bench/world_endurance does for minutes. Two people walk through every
+// delivered world, act, and nothing explodes. Their surfaces do not come from cameras here.
 namespace atrium::test {
 namespace {
 
@@ -56,7 +55,7 @@ std::vector<Walked> delivered_worlds(const EnduranceBounds& bounds) {
     return worlds;
 }
 
-TEST(WorldEndurance, NothingExplodesWhereTwoPeopleWalkThroughTheDeliveredWorlds) {
+TEST(WorldEndurance, DeliveredWorldsStayCalmWithTwoPeople) {
     const Act act = wander_act("ada");
     const auto worlds = delivered_worlds({.people_mps = wander_speed_mps(act)});
     ASSERT_GE(worlds.size(), 6U);
@@ -91,8 +90,8 @@ TEST(WorldEndurance, NothingExplodesWhereTwoPeopleWalkThroughTheDeliveredWorlds)
     }
 }
 
-// A world that is watched is found out.
-TEST(WorldEndurance, WhatIsTooFastOrTooDeepIsReported) {
+// Tests that the watch finds broken bounds.
+TEST(WorldEndurance, WatchReportsObjectsTooFastOrTooDeep) {
     world_server::WorldServerConfig config;
     world_server::WorldObject ball;
     ball.scene.object = 1;
@@ -111,7 +110,7 @@ TEST(WorldEndurance, WhatIsTooFastOrTooDeepIsReported) {
             scene->world().tick();
             watch.look(0.0);
         }
-        EXPECT_EQ(watch.figures().broken, "") << "it only falls";
+        EXPECT_EQ(watch.figures().broken, "") << "a falling object must not be reported";
         EXPECT_TRUE(scene->world().set_state(state));
         scene->world().tick();
         watch.look(1.0);
@@ -129,7 +128,7 @@ TEST(WorldEndurance, WhatIsTooFastOrTooDeepIsReported) {
     EXPECT_NE(broken_after(state).find("below the floor"), std::string::npos);
 }
 
-TEST(WorldEndurance, WhatIsJoinedIsBoundedAsAWhole) {
+TEST(WorldEndurance, WatchBoundsJoinedObjectsAsAWhole) {
     world_server::WorldServerConfig config;
     for (const std::uint32_t id : {1U, 2U}) {
         world_server::WorldObject ball;

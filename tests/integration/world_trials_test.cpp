@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-// A few of the trials of bench/world_trials: people whose hulls come from the cameras of a
-// simulated room carry, hold, hand over and hit.
+// A few trials of bench/world_trials: people carry, hold, hand over and hit. Their hulls come from
+// the cameras of a simulated room.
 namespace atrium::test {
 namespace {
 
@@ -30,23 +30,23 @@ protected:
     TrialSetting setting_;
 };
 
-TEST_F(WorldTrials, ABallStaysOnATrayThatMovesAndRises) {
+TEST_F(WorldTrials, BallStaysOnAMovingTray) {
     EXPECT_TRUE(succeeds(try_carry(setting_, carry_on_tray(0), Thing::kBall, 0)));
 }
 
-TEST_F(WorldTrials, ABoxStaysOnAPalmThatMovesAndRises) {
+TEST_F(WorldTrials, BoxStaysOnAMovingPalm) {
     EXPECT_TRUE(succeeds(try_carry(setting_, carry_on_palm(2), Thing::kBox, 2)));
 }
 
-TEST_F(WorldTrials, ABallBetweenTwoPalmsIsLiftedMovedAndTurned) {
+TEST_F(WorldTrials, BallBetweenTwoPalmsIsLiftedMovedAndTurned) {
     EXPECT_TRUE(succeeds(try_clasp(setting_, clasp_move_turn(1), Thing::kBall)));
 }
 
-TEST_F(WorldTrials, ABoxIsHandedFromThePersonOfOneSiteToThatOfAnother) {
+TEST_F(WorldTrials, BoxIsHandedOverBetweenPeopleOfTwoSites) {
     EXPECT_TRUE(succeeds(try_hand_over(setting_, hand_over(0), Thing::kBox)));
 }
 
-TEST_F(WorldTrials, AHandHitsASmallBallAtEverySpeed) {
+TEST_F(WorldTrials, HandHitsASmallBallAtEverySpeed) {
     for (const double speed : {1.0, 4.0, 8.0}) {
         const auto act = strike({0.0, 0.0, 1.1}, {0.3, -0.8, 0.2}, speed, 0);
         EXPECT_TRUE(succeeds(try_strike(setting_, act))) << speed << " m/s";

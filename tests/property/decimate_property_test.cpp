@@ -14,7 +14,7 @@
 #include <filesystem>
 #include <random>
 
-// Decimated hulls against the hulls: everything is measured on the two meshes, nothing is believed.
+// Compares decimated hulls with the original hulls, by measurements on both meshes only.
 namespace atrium {
 namespace {
 
@@ -28,8 +28,8 @@ TriangleMesh hull_of(const std::vector<hull::SilhouetteView>& views) {
     return hull.mesh;
 }
 
-// Points further from both surfaces than they are from each other are inside of both or of neither:
-// the surface was neither turned over nor torn.
+// A point farther from both surfaces than they are from each other is inside both or outside both.
+// Otherwise the surface was flipped or torn.
 void expect_same_inside(const TriangleMesh& in, const TriangleMesh& out, double bound_m) {
     const geometry::Aabb box = geometry::bounds(in);
     const test::SurfaceDistance to_in(in);
@@ -68,7 +68,7 @@ std::size_t expect_sound(const TriangleMesh& in, double max_m, int num_samples) 
 
 class DecimatedHull : public testing::TestWithParam<int> {};
 
-TEST_P(DecimatedHull, OfRandomOutlinesIsWithinItsBound) {
+TEST_P(DecimatedHull, StaysWithinItsBoundForRandomOutlines) {
     std::mt19937_64 random(static_cast<std::uint64_t>(GetParam()));
     std::vector<hull::SilhouetteView> views;
     for (const auto& camera :
@@ -102,7 +102,7 @@ TEST_P(DecimatedHull, OfASphereLosesTrianglesAndKeepsItsOutside) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, DecimatedHull, testing::Range(0, 10));
 
-TEST(DecimatedPerson, IsWithinItsBound) {
+TEST(DecimatedPerson, StaysWithinItsBound) {
     auto rig = config::load_rig(ATRIUM_SOURCE_DIR "/deploy/rigs/full_body.toml");
     ASSERT_TRUE(rig) << rig.error().message;
     simulation::RoomOptions options;

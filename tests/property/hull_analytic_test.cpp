@@ -9,7 +9,7 @@
 #include <limits>
 #include <numbers>
 
-// Hulls whose volume is known from a formula or from an integral that has nothing to do with
+// Hulls whose volume is known from a formula, or from an integral that shares nothing with
 // polyhedra.
 namespace atrium::hull {
 namespace {
@@ -24,7 +24,7 @@ VisualHull exact_hull_of(const std::vector<SilhouetteView>& views) {
     return compute_visual_hull(views, options, scratch);
 }
 
-// The unit sphere from far away along the axes, as 512-gons inside of its outlines.
+// The unit sphere from far away along the axes, as 512-gons inside its outlines.
 std::vector<SilhouetteView> far_discs(int num_axes) {
     const double radius_px = 400.0 * kDistance_m / std::sqrt(kDistance_m * kDistance_m - 1.0);
     std::vector<SilhouetteView> views;
@@ -39,8 +39,8 @@ std::vector<SilhouetteView> far_discs(int num_axes) {
     return views;
 }
 
-// 16/3 and 8 (2 - sqrt 2) for cylinders; for cones of 512-gons these were measured with a boolean
-// of meshes that has nothing to do with this hull, to six decimals.
+// 16/3 and 8 (2 - sqrt 2) for cylinders. The values for cones of 512-gons come from a mesh boolean
+// that shares nothing with this hull, to six decimals.
 TEST(AnalyticHull, OfTwoFarDiscsIsSteinmetzBicylinder) {
     const VisualHull hull = exact_hull_of(far_discs(2));
     ASSERT_EQ(hull.status, HullStatus::kOk);
@@ -54,8 +54,8 @@ TEST(AnalyticHull, OfThreeFarDiscsIsSteinmetzTricylinderWithEightTriplePoints) {
     ASSERT_EQ(hull.status, HullStatus::kOk);
     EXPECT_NEAR(geometry::volume_m3(hull.mesh), 4.686125, 2e-6);
     EXPECT_LT(geometry::volume_m3(hull.mesh), 8.0 * (2.0 - std::numbers::sqrt2));
-    // a triple point lies on three outlines and on no corner of any; all others lie on a viewing
-    // line, that is, on a corner
+    // A triple point lies on three outlines and on no corner of any. All other points lie on a
+    // viewing line, and therefore on a corner.
     std::size_t num_triple_points = 0;
     for (const Eigen::Vector3d& p : hull.mesh.vertices) {
         double nearest_corner_px = std::numeric_limits<double>::infinity();
@@ -69,8 +69,8 @@ TEST(AnalyticHull, OfThreeFarDiscsIsSteinmetzTricylinderWithEightTriplePoints) {
     EXPECT_EQ(num_triple_points, 8u);
 }
 
-// Volume of what the tangent cones of a sphere have in common, by integration over all directions
-// from the sphere's centre, in which the body is star-shaped.
+// Volume of the intersection of a sphere's tangent cones, by integration over all directions from
+// the sphere's centre. The body is star-shaped from there.
 double volume_between_tangent_cones(const test::Sphere& sphere,
                                     const std::vector<Eigen::Vector3d>& cameras) {
     constexpr int kRows = 1500;
@@ -108,8 +108,8 @@ TEST(AnalyticHull, OfASphereIsBetweenItsTangentCones) {
     constexpr int kSides = 360;
     const VisualHull hull = exact_hull_of(test::views_of(sphere, rig, kSides));
     ASSERT_EQ(hull.status, HullStatus::kOk);
-    // the outlines are polygons around the ellipses; a polygon with its corners on them is smaller
-    // by 1 / cos(pi / n)
+    // The outlines are polygons around the ellipses. A polygon with its corners on them is smaller
+    // by 1 / cos(pi / n).
     const double volume_m3 = geometry::volume_m3(hull.mesh);
     const double grow = 1.0 / std::cos(std::numbers::pi / kSides);
     EXPECT_GT(volume_m3, smooth_m3 * (1.0 - 1e-6));

@@ -2,7 +2,7 @@
 
 namespace {
 
-TEST(ExactIntersection, IsTheHull) {
+TEST(ExactIntersection, EqualsTheHull) {
     GTEST_SKIP() << "CGAL (libcgal-dev) was not found when this was configured";
 }
 

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <limits>
 
-// The hull against the exact intersection of the same cones by somebody else's code.
+// Compares the hull with the exact intersection of the same cones by independent code.
 namespace atrium::hull {
 namespace {
 
@@ -18,7 +18,7 @@ using test::ExactCone;
 using test::ExactSolid;
 using test::Random;
 
-// The cones of the last computation, after jitter and rounding: what the hull has to be exact for.
+// The cones of the last computation, after jitter and rounding. The hull must be exact for these.
 std::vector<ExactCone> exact_cones(const HullScratch& scratch) {
     const Cones& cones = intersected_cones(scratch);
     std::vector<ExactCone> result;
@@ -31,7 +31,7 @@ std::vector<ExactCone> exact_cones(const HullScratch& scratch) {
     return result;
 }
 
-// Planes that differ by jitter only, 1e-9 rad, meet where rounding to 1e-16 puts them, a few times
+// Planes that differ by jitter only, 1e-9 rad, meet where rounding to 1e-16 puts them: a few times
 // 0.1 um along their line.
 constexpr double kSamePlace_m = 1e-6;
 
@@ -69,7 +69,7 @@ std::vector<SilhouetteView> small_scene(std::uint64_t seed) {
     return test::make_scene(options, seed);
 }
 
-// Beyond all that the hull reaches; if it should reach farther, the exact solid is cut.
+// Beyond the reach of the hull. If the hull reached farther, the exact solid would be cut.
 double far_m(const Cones& cones, const VisualHull& hull) {
     double depth_m = 20.0;
     for (const Cones::View& view : cones.views) {
@@ -80,8 +80,8 @@ double far_m(const Cones& cones, const VisualHull& hull) {
     return depth_m;
 }
 
-// A camera that all others see inside their silhouettes is a point of the surface, and where its
-// own silhouette has several contours the surface touches itself there.
+// A camera that all others see inside their silhouettes is a point of the surface. If its own
+// silhouette has several contours, the surface touches itself there.
 bool touches_itself(const std::vector<ExactCone>& cones, const ExactSolid& solid) {
     return std::any_of(cones.begin(), cones.end(), [&](const ExactCone& cone) {
         return cone.loops.size() > 1 &&
@@ -93,7 +93,7 @@ bool touches_itself(const std::vector<ExactCone>& cones, const ExactSolid& solid
 
 class ExactIntersection : public testing::TestWithParam<std::uint64_t> {};
 
-TEST_P(ExactIntersection, IsTheHull) {
+TEST_P(ExactIntersection, EqualsTheHull) {
     const std::vector<SilhouetteView> views = small_scene(GetParam());
     HullOptions options;
     options.keep_phantoms = true;

@@ -18,8 +18,8 @@ using test::between;
 using test::Contour;
 using test::Random;
 
-// Cameras anywhere on a sphere, opposite ones included, with stars as silhouettes: far more corner
-// cases than real silhouettes have.
+// Cameras anywhere on a sphere, including opposite ones, with stars as silhouettes. They have many
+// more corner cases than real silhouettes.
 std::vector<SilhouetteView> random_scene(std::uint64_t seed) {
     Random random(seed);
     std::vector<SilhouetteView> views;
@@ -69,8 +69,8 @@ TEST_P(RandomScene, HasAClosedManifoldHullInGeneralPosition) {
     EXPECT_EQ(hull_.num_attempts, 1u);
 }
 
-TEST_P(RandomScene, ContainsExactlyThePointsThatAllSilhouettesContain) {
-    // a point well inside or outside of all outlines: the mesh has to agree with the pictures
+TEST_P(RandomScene, ContainsExactlyThePointsInAllSilhouettes) {
+    // a point well inside or outside all outlines: the mesh must agree with the pictures
     constexpr double kMargin_px = 0.01;
     Random random(99);
     const geometry::Aabb box = geometry::bounds(hull_.mesh);
@@ -97,7 +97,7 @@ TEST_P(RandomScene, ContainsExactlyThePointsThatAllSilhouettesContain) {
     EXPECT_GT(num_inside, 0);
 }
 
-TEST_P(RandomScene, DoesNotDependOnTheOrderOfAnything) {
+TEST_P(RandomScene, DoesNotDependOnAnyOrder) {
     Random random(7);
     std::vector<SilhouetteView> shuffled = views_;
     std::shuffle(shuffled.begin(), shuffled.end(), random);
@@ -115,8 +115,8 @@ TEST_P(RandomScene, DoesNotDependOnTheOrderOfAnything) {
     EXPECT_EQ(hull_.mesh.triangles, again.mesh.triangles);
 }
 
-// The filter in front of the exact decisions may only be faster.
-TEST_P(RandomScene, IsTheSameWhenAllIsDecidedInIntegers) {
+// The filter in front of the exact decisions may change only the speed.
+TEST_P(RandomScene, IsTheSameWithIntegerDecisionsOnly) {
     HullOptions options;
     options.keep_phantoms = true;
     options.only_exact = true;
@@ -136,7 +136,7 @@ TEST_P(RandomScene, MovesWithTheRig) {
     const VisualHull hull = test::exact_hull_of(moved);
     ASSERT_EQ(hull.status, HullStatus::kOk);
     EXPECT_EQ(hull.mesh.vertices.size(), hull_.mesh.vertices.size());
-    // another pose, another jitter: the surface may move by that of 1e-6 px at 4 m
+    // another pose has another jitter: the surface may move by that of 1e-6 px at 4 m
     double area_m2 = 0.0;
     for (const auto& [a, b, c] : hull_.mesh.triangles) {
         const auto& p = hull_.mesh.vertices;
@@ -162,8 +162,8 @@ TEST_P(RandomScene, ShrinksWithOneMoreCamera) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomScene, testing::Range(0, 60));
 
-// Input that no camera delivers: any status is fine, but an OK has to be a sound mesh, and it has
-// to come soon.
+// Input that no camera delivers. Any status is fine, but an OK must come with a sound mesh, and the
+// result must come soon.
 class HostileScene : public testing::TestWithParam<int> {};
 
 Contour hostile_contour(Random& random) {

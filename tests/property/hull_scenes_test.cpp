@@ -13,8 +13,8 @@
 #include <map>
 #include <random>
 
-// Some thousand scenes: people, balls, boxes and rods in front of good, bad and degenerate rigs,
-// with silhouettes that fit together, are noisy, shifted or cut by the picture.
+// Several thousand scenes: people, balls, boxes and rods in good, bad and degenerate rigs. Their
+// silhouettes are consistent, noisy, shifted or cut by the picture.
 namespace atrium::hull {
 namespace {
 
@@ -28,17 +28,18 @@ constexpr std::uint64_t kStride = 1;
 #endif
 constexpr std::uint64_t kNumBlocks = 25;
 constexpr std::uint64_t kScenesPerBlock = 100;
-// Everything but soundness is looked at in one scene of so many. Coprime to kStride.
+// One scene of this many is checked for everything, the others for soundness only. Coprime to
+// kStride.
 constexpr std::uint64_t kSubset = 3;
 
 HullOptions exact() {
     HullOptions options;
     options.keep_phantoms = true;
-    options.min_contour_area_px2 = 1e-6;  // so that no dropped hole can have a pixel centre in it
+    options.min_contour_area_px2 = 1e-6;  // no dropped hole can then have a pixel centre in it
     return options;
 }
 
-// Counts by outcome, of all blocks together; printed at the end, for people.
+// Counts by outcome, of all blocks together. Printed at the end for information.
 class Tally : public testing::Environment {
 public:
     void count(const VisualHull& hull) {
@@ -68,8 +69,8 @@ Tally& tally() {
 }
 [[maybe_unused]] Tally& registered = tally();  // before main
 
-// Necessary for a hull without end, by the caps of directions around the silhouettes: all of them
-// meet in pairs. Independent of the hull.
+// A necessary condition for an infinite hull, from the caps of directions around the silhouettes:
+// all of them meet in pairs. Independent of the hull.
 bool may_be_unbounded(const std::vector<SilhouetteView>& views) {
     struct Cap {
         Eigen::Vector3d middle;
@@ -101,7 +102,7 @@ bool may_be_unbounded(const std::vector<SilhouetteView>& views) {
     return true;
 }
 
-// Silhouettes that fit together and cannot lose a whole body to their resolution.
+// Silhouettes that are consistent and cannot lose a whole body to their resolution.
 bool must_have_a_hull(const SceneOptions& options) {
     return (options.bodies == test::BodyKind::kPeople ||
             options.bodies == test::BodyKind::kBalls) &&
@@ -110,7 +111,7 @@ bool must_have_a_hull(const SceneOptions& options) {
 }
 
 // A camera that all others see inside their silhouettes is a vertex with as many faces as its
-// outline has edges; all other vertices have three.
+// outline has edges. All other vertices have three.
 bool has_camera_centre(const VisualHull& hull, const std::vector<SilhouetteView>& views) {
     return std::any_of(views.begin(), views.end(), [&](const SilhouetteView& view) {
         const Eigen::Vector3d centre = view.camera_from_site.inverse().translation;
@@ -129,7 +130,7 @@ void expect_sound(const VisualHull& hull, const std::vector<SilhouetteView>& vie
     EXPECT_TRUE(std::all_of(hull.mesh.vertices.begin(),
                             hull.mesh.vertices.end(),
                             [](const Eigen::Vector3d& p) { return p.allFinite(); }));
-    // three faces in every vertex, and no vertex was added to triangulate
+    // three faces at every vertex, and the triangulation added no vertex
     if (!has_camera_centre(hull, views)) {
         EXPECT_EQ(hull.mesh.vertices.size() % 2, 0u);
     }
@@ -149,9 +150,9 @@ bool have_common_centre(const std::vector<SilhouetteView>& views) {
     return false;
 }
 
-// How far the surfaces of two hulls may lie apart, as a volume: everywhere by the jitter of both,
-// 1e-6 px each in x and y, at the depth of the farthest vertex. Cameras in one place are set apart
-// by some micrometres.
+// Allowed volume between the surfaces of two hulls: everywhere the jitter of both, 1e-6 px each in
+// x and y, at the depth of the farthest vertex. Cameras at one place are separated by some
+// micrometres.
 double jitter_volume_m3(const VisualHull& hull,
                         const std::vector<SilhouetteView>& views,
                         std::uint32_t num_attempts) {
@@ -186,7 +187,7 @@ protected:
             check(seed, options, test::make_scene(options, seed));
         }
     }
-    // Like that, where there is a hull.
+    // Like `for_each_scene`, but only for scenes with a hull.
     template <typename Check>
     void for_some_hulls(const Check& check) {
         for_each_scene(kSubset, [&](std::uint64_t seed, const SceneOptions&, const auto& views) {
@@ -226,7 +227,7 @@ TEST_P(Scenes, HaveASoundHullOrNone) {
     EXPECT_GT(outcomes[HullStatus::kOk], outcomes[HullStatus::kEmptyIntersection]);
 }
 
-TEST_P(Scenes, CoverNoPixelOutsideOfAnySilhouette) {
+TEST_P(Scenes, CoverNoPixelOutsideAnySilhouette) {
     hull_tool::CoverageScratch coverage_scratch;
     for_some_hulls([&](std::uint64_t, const auto& views, const VisualHull& hull) {
         std::size_t covered_px = 0;
@@ -246,7 +247,7 @@ TEST_P(Scenes, CoverNoPixelOutsideOfAnySilhouette) {
             EXPECT_EQ(coverage.excess_px, 0u);
             covered_px += coverage.covered_px;
         }
-        // else there is nothing to be seen of the hull, and the test sees nothing
+        // otherwise the hull covers no pixel, and the test checks nothing
         if (geometry::volume_m3(hull.mesh) > 1e-3) {
             EXPECT_GT(covered_px, 0u);
         }
@@ -265,7 +266,7 @@ TEST_P(Scenes, NeverGrowWithOneMoreView) {
     });
 }
 
-TEST_P(Scenes, DoNotDependOnTheOrderOfAnything) {
+TEST_P(Scenes, DoNotDependOnAnyOrder) {
     for_some_hulls([&](std::uint64_t seed, auto views, const VisualHull& hull) {
         std::mt19937_64 random(seed);
         std::shuffle(views.begin(), views.end(), random);
@@ -304,7 +305,7 @@ TEST_P(Scenes, KeepTheirVolumeWhenTheRigMoves) {
         for (SilhouetteView& view : views)
             view.camera_from_site = view.camera_from_site * moved_from_site.inverse();
         const VisualHull moved = hull_of(views);
-        // what the jitter decides may be all that there is
+        // the parts that the jitter decides may be the whole hull
         const double volume_m3 = geometry::volume_m3(hull.mesh);
         if (moved.status == HullStatus::kEmptyIntersection) {
             EXPECT_LE(volume_m3, jitter_volume_m3(hull, views, hull.num_attempts));

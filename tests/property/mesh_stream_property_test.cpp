@@ -24,8 +24,8 @@
 #include <map>
 #include <set>
 
-// The streams of meshes against those that Draco's encoder writes, byte by byte, and what is read
-// from them against its decoder, bit by bit.
+// Compares the streams of meshes with those of Draco's encoder byte by byte, and the decoded meshes
+// with those of Draco's decoder bit by bit.
 namespace atrium::codec {
 namespace {
 
@@ -34,7 +34,7 @@ using test::Random;
 using Bytes = std::vector<std::uint8_t>;
 using Point = std::array<float, 3>;
 
-/// Empty where Draco refuses.
+/// Empty if Draco refuses.
 Bytes draco_bytes(const TriangleMesh& mesh, const MeshCodecOptions& options) {
     draco::Mesh coded;
     coded.set_num_points(static_cast<std::uint32_t>(mesh.vertices.size()));
@@ -60,7 +60,7 @@ Bytes draco_bytes(const TriangleMesh& mesh, const MeshCodecOptions& options) {
 
 using Triangles = std::multiset<std::array<Point, 3>>;
 
-/// By position, each from that corner on which makes it smallest (corners may coincide).
+/// Triangles by position, each rotated to its smallest form (corners may coincide).
 Triangles canonical(const std::vector<std::array<Point, 3>>& triangles) {
     Triangles out;
     for (const auto& [a, b, c] : triangles)
@@ -68,7 +68,7 @@ Triangles canonical(const std::vector<std::array<Point, 3>>& triangles) {
     return out;
 }
 
-/// What Draco's decoder makes of a stream.
+/// The mesh that Draco's decoder makes of a stream.
 Triangles triangles_of(const Bytes& bytes) {
     draco::DecoderBuffer buffer;
     buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -88,7 +88,7 @@ Triangles triangles_of(const Bytes& bytes) {
     return canonical(triangles);
 }
 
-/// The triangles of `mesh` on the grid that its stream has to use, in doubles and then as floats.
+/// The triangles of `mesh` on the grid that its stream must use, in doubles and then as floats.
 Triangles quantised(const TriangleMesh& mesh, int position_bits) {
     Eigen::Vector3f low = mesh.vertices[0].cast<float>();
     Eigen::Vector3f high = low;
@@ -132,7 +132,7 @@ MeshCodecOptions random_options(Random& random) {
 
 class MeshStream : public testing::Test {
 protected:
-    /// By the writer, which may not leave it to Draco: Draco's bytes, and its decoder reads them.
+    /// The writer, without Draco's help, must write Draco's bytes, and its reader must read them.
     void expect_written(const TriangleMesh& mesh, const MeshCodecOptions& options) {
         ASSERT_TRUE(EdgebreakerWriter::takes_speed(options.speed));
         draco::EncoderBuffer buffer;
@@ -143,12 +143,12 @@ protected:
             << options.speed;
         EXPECT_TRUE(triangles_of(bytes) == quantised(mesh, options.position_bits));
         TriangleMesh expected;
-        ASSERT_TRUE(reader_.read(bytes, kAnySize, read_)) << "by Draco alone";
+        ASSERT_TRUE(reader_.read(bytes, kAnySize, read_)) << "only Draco could read it";
         ASSERT_TRUE(read_with_draco(bytes, kAnySize, expected));
         EXPECT_TRUE(has_same_bits(read_, expected)) << mesh.triangles.size() << " triangles";
     }
 
-    /// By the encoder, whoever it asks: as Draco does, which may be an error.
+    /// The encoder, with either writer, must do as Draco does, including errors.
     void expect_as_draco(const TriangleMesh& mesh, const MeshCodecOptions& options) {
         Bytes bytes;
         const bool is_coded = encoder_.encode(mesh, options, bytes).has_value();
@@ -158,7 +158,8 @@ protected:
         if (is_coded) expect_read_as_draco(bytes);
     }
 
-    /// Whoever reads it; which may be an error. Returns whether it was read without Draco.
+    /// Either reader must do as Draco does, including errors. Returns whether it read without
+    /// Draco.
     bool expect_read_as_draco(const Bytes& bytes) {
         TriangleMesh expected;
         const auto draco = read_with_draco(bytes, kAnySize, expected);
@@ -180,7 +181,7 @@ protected:
         return is_written;
     }
 
-    // the same for all meshes of a test: what one leaves behind is there for the next
+    // shared by all meshes of a test, to find leftovers
     EdgebreakerWriter writer_;
     MeshEncoder encoder_;
     EdgebreakerReader reader_;
@@ -189,7 +190,7 @@ protected:
     TriangleMesh decoded_;
 };
 
-TEST_F(MeshStream, OfShuffledClosedMeshesIsDracos) {
+TEST_F(MeshStream, EqualsDracosForShuffledClosedMeshes) {
     Random random(31);
     for (int round = 0; round < 120; ++round) {
         TriangleMesh mesh =
@@ -218,11 +219,11 @@ bool meets(const Triangle& triangle, const std::set<std::uint32_t>& vertices) {
         triangle.begin(), triangle.end(), [&](auto v) { return vertices.contains(v); });
 }
 
-/// A torus with tubes from one place of its surface to another, each of which is a handle more.
+/// A torus with tubes between places of its surface. Each tube adds a handle.
 TriangleMesh make_knot(int num_tubes, Random& random) {
     const TriangleMesh torus = test::make_torus(40, 30);
     std::vector<Triangle> mouths;
-    std::set<std::uint32_t> taken;  // by mouths, and all neighbours of these
+    std::set<std::uint32_t> taken;  // by mouths and their neighbours
     while (mouths.size() < 2 * static_cast<std::size_t>(num_tubes)) {
         const Triangle& mouth = torus.triangles[random() % torus.triangles.size()];
         if (meets(mouth, taken)) continue;
@@ -240,7 +241,7 @@ TriangleMesh make_knot(int num_tubes, Random& random) {
         [&](const Triangle& t) { return std::count(mouths.begin(), mouths.end(), t) == 0; });
     for (std::size_t i = 0; i < mouths.size(); i += 2) {
         const auto& [a, b, c] = mouths[i];
-        const auto& [x, z, y] = mouths[i + 1];  // seen from within the tube: the other way
+        const auto& [x, z, y] = mouths[i + 1];  // seen from inside the tube: the other direction
         for (const auto& [p, q, r, s] :
              {std::array{a, b, x, y}, std::array{b, c, y, z}, std::array{c, a, z, x}}) {
             knot.triangles.push_back({p, q, s});
@@ -251,19 +252,19 @@ TriangleMesh make_knot(int num_tubes, Random& random) {
     return knot;
 }
 
-// Where the way around a handle meets itself, it was split before.
-TEST_F(MeshStream, OfSurfacesWithManyHandlesIsDracos) {
+// Where a handle's loop meets itself, the mesh was split before.
+TEST_F(MeshStream, EqualsDracosForSurfacesWithManyHandles) {
     Random random(32);
     for (int num_tubes = 0; num_tubes < 20; ++num_tubes) {
         const TriangleMesh knot = make_knot(num_tubes, random);
         const geometry::MeshReport report = geometry::inspect(knot);
-        ASSERT_TRUE(report.manifold) << "the test's own mesh";
+        ASSERT_TRUE(report.manifold) << "the test mesh is not manifold";
         ASSERT_EQ(report.euler_characteristic, -2 * num_tubes);
         expect_written(knot, random_options(random));
     }
 }
 
-TEST_F(MeshStream, OfHullsIsDracos) {
+TEST_F(MeshStream, EqualsDracosForHulls) {
     Random random(33);
     int num_handles = 0;
     for (int round = 0; round < 20; ++round) {
@@ -280,7 +281,7 @@ TEST_F(MeshStream, OfHullsIsDracos) {
     EXPECT_GT(num_handles, 0);
 }
 
-TEST_F(MeshStream, OfHullsOfRealOutlinesIsDracos) {
+TEST_F(MeshStream, EqualsDracosForHullsOfRealOutlines) {
     const std::filesystem::path folder = ATRIUM_SOURCE_DIR "/../shared/data/hulls";
     if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here";
     for (const char* set : {"person_1px", "person_10k", "person_24views", "torus", "spheres"}) {
@@ -295,7 +296,7 @@ TEST_F(MeshStream, OfHullsOfRealOutlinesIsDracos) {
     }
 }
 
-TEST_F(MeshStream, OfMeshesOnFewPointsIsDracos) {
+TEST_F(MeshStream, EqualsDracosForMeshesOnFewPoints) {
     Random random(34);
     for (int round = 0; round < 40; ++round) {
         TriangleMesh mesh = test::make_torus(12, 9);
@@ -308,7 +309,7 @@ TEST_F(MeshStream, OfMeshesOnFewPointsIsDracos) {
     expect_written(far, {11, 7});
 }
 
-TEST_F(MeshStream, IsLeftToDracoWhereTheMeshIsNotClosedOrNot2Manifold) {
+TEST_F(MeshStream, IsWrittenByDracoUnlessTheMeshIsAClosed2Manifold) {
     const TriangleMesh good = test::make_torus(8, 6);
     ASSERT_TRUE(is_written(good));
     std::map<std::string, TriangleMesh> meshes;
@@ -340,7 +341,7 @@ TEST_F(MeshStream, IsLeftToDracoWhereTheMeshIsNotClosedOrNot2Manifold) {
     }
 }
 
-TEST_F(MeshStream, OfOtherSpeedsIsDracos) {
+TEST_F(MeshStream, EqualsDracosAtOtherSpeeds) {
     const TriangleMesh mesh = test::make_torus(20, 12);
     for (const int speed : {0, 1, 8, 9, 10}) {
         EXPECT_FALSE(EdgebreakerWriter::takes_speed(speed));
@@ -348,8 +349,8 @@ TEST_F(MeshStream, OfOtherSpeedsIsDracos) {
     }
 }
 
-// Some of what is damaged still is a mesh, and then the same one to both.
-TEST_F(MeshStream, IsReadAsDracoDoesWhereItIsDamaged) {
+// Some damaged streams are still meshes, which must then be the same for both readers.
+TEST_F(MeshStream, IsReadLikeDracoIfDamaged) {
     Random random(36);
     std::vector<Bytes> streams;
     const auto add = [&](const TriangleMesh& mesh, const MeshCodecOptions& options) {
@@ -377,9 +378,9 @@ TEST_F(MeshStream, IsReadAsDracoDoesWhereItIsDamaged) {
     EXPECT_GT(num_read, 1000);
 }
 
-// From a few vertices nearly everything has too many or too few triangles at an edge; from closed
-// meshes with some damage, little.
-TEST_F(MeshStream, OfTriangleSoupsIsDracos) {
+// With a few vertices, nearly every mesh has too many or too few triangles at an edge. Damaged
+// closed meshes have few of these.
+TEST_F(MeshStream, EqualsDracosForTriangleSoups) {
     Random random(35);
     int num_written = 0;
     for (int round = 0; round < 1500; ++round) {

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <vector>
 
-// Cameras that see only a part of the space: against the definition, point by point.
+// Compares hulls of cameras that see only a part of space with the definition, point by point.
 namespace atrium::hull {
 namespace {
 
@@ -22,8 +22,8 @@ struct Scene {
     HullOptions options;
 };
 
-// Cameras around a box, with silhouettes that have nothing to do with each other; most have a field
-// that cuts through their silhouette, some a field without any, some none.
+// Cameras around a box, with unrelated silhouettes. Most have a field that cuts their silhouette,
+// some a field without any silhouette, some none.
 Scene random_scene(std::uint64_t seed) {
     Random random(seed);
     Scene scene;
@@ -46,7 +46,8 @@ Scene random_scene(std::uint64_t seed) {
         const int field = between(random, 0, 4);
         if (field == 1) {
             view.field = {{2.0, 2.0}, {997.0, 2.0}, {997.0, 997.0}, {2.0, 997.0}};
-        } else if (field > 1 || kind == 0) {  // a camera that sees nobody anywhere empties the hull
+            // a camera that sees no subject anywhere empties the hull
+        } else if (field > 1 || kind == 0) {
             const double left = between(random, 100.0, 500.0);
             const double top = between(random, 100.0, 500.0);
             const double right = left + between(random, 150.0, 500.0);
@@ -67,7 +68,7 @@ Scene random_scene(std::uint64_t seed) {
 
 struct Truth {
     bool inside = false;
-    bool is_clear = false;  // far enough from every border for the jitter not to matter
+    bool is_clear = false;  // far enough from every border to make the jitter irrelevant
 };
 
 Truth truth_of(const Eigen::Vector3d& p, const Scene& scene) {
@@ -102,7 +103,7 @@ class PartialViews : public testing::TestWithParam<int> {
 protected:
     void SetUp() override { scene_ = random_scene(static_cast<std::uint64_t>(GetParam())); }
     VisualHull compute() { return compute_visual_hull(scene_.views, scene_.options, scratch_); }
-    // Inside of the bounds, on faces and near them.
+    // Points inside the bounds, on faces and near them.
     Eigen::Vector3d random_point(Random& random, const VisualHull& hull) {
         const geometry::Aabb& box = *scene_.options.bounds;
         Eigen::Vector3d p;
@@ -119,7 +120,7 @@ protected:
     HullScratch scratch_;
 };
 
-TEST_P(PartialViews, GiveTheSpaceThatNobodyCarvesAndEnoughSee) {
+TEST_P(PartialViews, ContainExactlyTheUncarvedSpaceThatEnoughSee) {
     const VisualHull hull = compute();
     ASSERT_TRUE(hull.status == HullStatus::kOk || hull.status == HullStatus::kEmptyIntersection)
         << to_string(hull.status);
@@ -139,7 +140,7 @@ TEST_P(PartialViews, GiveTheSpaceThatNobodyCarvesAndEnoughSee) {
     }
 }
 
-TEST_P(PartialViews, DoNotDependOnTheOrderOfViewsNorOnTheFilter) {
+TEST_P(PartialViews, DoNotDependOnTheOrderOfViewsOrTheFilter) {
     const VisualHull hull = compute();
     Random random(7);
     std::shuffle(scene_.views.begin(), scene_.views.end(), random);
@@ -152,7 +153,7 @@ TEST_P(PartialViews, DoNotDependOnTheOrderOfViewsNorOnTheFilter) {
     EXPECT_EQ(hull.mesh.triangles, exact.mesh.triangles);
 }
 
-TEST_P(PartialViews, LeaveLessWhereMoreHaveToSee) {
+TEST_P(PartialViews, ShrinkIfMoreViewsAreRequired) {
     scene_.options.min_views = 0;
     double last = 1e9;
     for (std::uint32_t m = 0; m <= scene_.views.size() + 1; ++m) {

@@ -9,8 +9,8 @@
 
 #include <limits>
 
-// The simulated person against its own hull: from pictures that a camera could have taken, with
-// noise and shadow.
+// Compares the simulated person with its hull, from pictures like a camera's, with noise and
+// shadow.
 namespace atrium {
 namespace {
 
@@ -76,8 +76,8 @@ protected:
         return views;
     }
 
-    /// Share of the true person's vertices that are inside `mesh`, or outside of it by no more than
-    /// `slack_px` pixels of the camera that sees that vertex largest.
+    /// Fraction of the true person's vertices that are inside `mesh`, or outside it by at most
+    /// `slack_px` pixels of the camera in which that vertex is largest.
     double share_contained(const geometry::TriangleMesh& mesh, double slack_px) const {
         std::size_t num_contained = 0;
         std::size_t num_tried = 0;
@@ -116,7 +116,7 @@ private:
         return best;
     }
 
-    // to a triangle: its plane where the foot point is inside, else its nearest edge
+    // to a triangle: its plane if the foot point is inside, otherwise its nearest edge
     static double distance(const Eigen::Vector3d& a,
                            const Eigen::Vector3d& b,
                            const Eigen::Vector3d& c,
@@ -148,8 +148,8 @@ TEST_P(PersonHull, ContainsThePersonUpToAPixel) {
     EXPECT_GT(geometry::volume_m3(hull.mesh), geometry::volume_m3(truth_));
 }
 
-// The blurred segments may be one pixel off, and a noisy edge one more; what is thinner than that
-// may be lost.
+// The blurred segments may be off by one pixel, and a noisy edge by one more. Thinner parts may be
+// lost.
 TEST_P(PersonHull, ContainsThePersonAfterRealSegmentation) {
     const hull::VisualHull hull =
         hull::compute_visual_hull(views_of_segmented_pictures(), {}, hull_scratch_);

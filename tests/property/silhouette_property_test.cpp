@@ -1,5 +1,5 @@
-// What polygons of silhouettes have to be, on masks that no camera delivers as well. Whatever can
-// be decided by integers is: vertices lie on a grid of 1/1024 px.
+// Properties of silhouette polygons, also for masks that no camera delivers. Integers decide
+// whatever they can: vertices lie on a grid of 1/1024 px.
 
 #include "site_node/silhouette/silhouette.hpp"
 #include "tests/support/random.hpp"
@@ -34,7 +34,7 @@ image::Mask random_blobs(Random& random) {
     image::Mask mask(between(random, 40, 120), between(random, 40, 120));
     const int num = between(random, 1, 6);
     for (int i = 0; i < 2 * num; ++i) {
-        // beyond the border as well; every second one cuts a hole
+        // some extend beyond the border; every second one cuts a hole
         const double x = between(random, -10.0, mask.width + 10.0);
         const double y = between(random, -10.0, mask.height + 10.0);
         test::draw(mask,
@@ -171,7 +171,7 @@ std::int64_t doubled_area(const std::vector<Point>& polygon) {
     return sum;
 }
 
-// No two edges of any polygons have a point in common but the vertex between neighbours.
+// No two edges of any polygons have a common point, except the vertex between neighbours.
 bool are_simple_and_apart(const std::vector<std::vector<Point>>& polygons) {
     struct Edge {
         Point a;
@@ -221,7 +221,7 @@ void extract(const image::Mask& mask, double tolerance_px, Result& out) {
         mask, camera, {.tolerance_px = tolerance_px, .min_area_px = 1}, out.scratch, out.polygons);
 }
 
-// Of one contour: its polygon `k` of the result.
+// Checks one contour against its polygon `k`.
 void expect_bound(const Result& result, std::size_t c, double tolerance_px) {
     const auto contour = result.scratch.contours.points_of(result.scratch.contours.contours[c]);
     const Outline& outline = result.scratch.outlines[c];
@@ -260,7 +260,7 @@ void expect_sound(const Scene& scene, double tolerance_px) {
     ASSERT_TRUE(are_simple_and_apart(polygons));
 }
 
-TEST(SilhouetteProperty, EveryContourPointLiesWithinTheToleranceOfItsOwnEdge) {
+TEST(SilhouetteProperty, EveryContourPointIsWithinToleranceOfItsOwnEdge) {
     for (const Scene& scene : all_masks(40)) {
         for (const double tolerance_px : kTolerances_px) {
             expect_sound(scene, tolerance_px);
@@ -312,8 +312,8 @@ TEST(SilhouetteProperty, PolygonsMoveWithTheMaskBitForBit) {
     }
 }
 
-// The start does not wander: it is the corner that the leftmost crack of the topmost row is (of a
-// hole the rightmost one of the lowest), and segments before a change stay what they were.
+// The start is stable: the corner at the leftmost crack of the topmost row (for a hole, the
+// rightmost crack of the lowest row). Segments before a change stay the same.
 TEST(SilhouetteProperty, SegmentsBeforeAChangeStay) {
     int num_compared = 0;
     for (unsigned seed = 0; seed < 60; ++seed) {
@@ -326,7 +326,7 @@ TEST(SilhouetteProperty, SegmentsBeforeAChangeStay) {
         for (const GridPoint p : contour) {
             ASSERT_TRUE(contour[0].y < p.y || (contour[0].y == p.y && contour[0].x <= p.x));
         }
-        // a pixel of the foreground at three quarters of the contour goes
+        // removes a foreground pixel at three quarters of the contour
         const GridPoint crack = contour[contour.size() * 3 / 4];
         const auto pixel = [](int half) { return static_cast<int>(std::floor(0.5 * half + 0.25)); };
         int x = pixel(crack.x);

@@ -9,17 +9,17 @@
 #include <numbers>
 #include <string>
 
-/// What the acts are made of.
+/// Motion profiles and poses that acts are made of.
 namespace atrium::test {
 
-/// From 0 at `start_s` to 1 after `seconds`, with no jump of velocity or acceleration.
+/// Rises from 0 at `start_s` to 1 after `seconds`, with continuous velocity and acceleration.
 inline double ease(double time_s, double start_s, double seconds) {
     const double t = std::clamp((time_s - start_s) / seconds, 0.0, 1.0);
     return t * t * t * (10.0 - 15.0 * t + 6.0 * t * t);
 }
 
-/// Way at `speed` for `seconds`, with ramps of `ramp_s` before and after it that add half their
-/// length each: all in all speed * (seconds + ramp_s).
+/// Distance travelled at `speed` for `seconds`. A ramp of `ramp_s` before and one after add half
+/// their length each, so the total is speed * (seconds + ramp_s).
 inline double glide(double time_s, double start_s, double speed, double ramp_s, double seconds) {
     const double t = std::clamp(time_s - start_s, 0.0, seconds + 2.0 * ramp_s);
     const double up = std::min(t, ramp_s);
@@ -37,7 +37,7 @@ inline std::string random_look(Random& random) {
     return looks[static_cast<std::size_t>(between(random, 0, static_cast<int>(looks.size()) - 1))];
 }
 
-/// Steps on the spot: both feet, by turns, lift by `height_m`.
+/// Steps on the spot: the feet lift alternately by `height_m`.
 inline void step(simulation::BodyPose& pose, double turns, double height_m) {
     const double swing = std::sin(2.0 * std::numbers::pi * turns);
     pose.right_leg.ankle.z() += height_m * std::max(0.0, swing);

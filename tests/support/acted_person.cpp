@@ -7,12 +7,12 @@
 namespace atrium::test {
 namespace {
 
-// The palm's middle on the skin, in the hand's frame: along the fingers and out of the palm.
+// The middle of the palm on the skin, in the hand's frame: along the fingers and out of the palm.
 constexpr double kAlongM = 0.095;
 constexpr double kOutM = 0.021;
 
 std::shared_ptr<const simulation::Skin> skin_of(const std::string& look) {
-    // a tenth of a second each, and every trial wants one
+    // creation takes a tenth of a second, and every trial needs one
     static std::map<std::string, std::shared_ptr<const simulation::Skin>> skins;
     auto& skin = skins[look];
     if (!skin) {

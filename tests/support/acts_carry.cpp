@@ -9,20 +9,20 @@ using Eigen::Vector3d;
 using geometry::RigidTransform;
 using simulation::BodyPose;
 
-constexpr double kSpeed = 0.5;       // [m/s] both ways
+constexpr double kSpeed = 0.5;       // [m/s] sideways and upwards
 constexpr double kSeconds = 2.0;     // at that speed
-constexpr double kStillS = 0.8;      // before: what falls comes to rest
-constexpr double kEndS = 0.5;        // after
-constexpr double kLowM = 0.65;       // of palm or tray at the beginning
-constexpr double kForwardsM = 0.33;  // of the palms from the body's middle
-constexpr double kCrouchM = 0.34;    // by which the body is lower then
+constexpr double kStillS = 0.8;      // before the motion: a falling object comes to rest
+constexpr double kEndS = 0.5;        // after the motion
+constexpr double kLowM = 0.65;       // height of palm or tray at the beginning
+constexpr double kForwardsM = 0.33;  // from the body's middle to the palms
+constexpr double kCrouchM = 0.34;    // the body crouches by this much at the beginning
 const Vector3d kTraySize(0.40, 0.28, 0.02);
 
-// Where the body is and how high palm or tray is held.
+// Place of the body, and height of the palm or tray.
 struct CarryMotion {
     double start_s = kStillS;
     double ramp_s = 0.3;
-    double side = 1.0;  // of the motion: 1 to the right
+    double side = 1.0;  // direction of the motion: 1 is to the right
     double heading_rad = 0.0;
     Vector3d offset = Vector3d::Zero();
 

@@ -8,15 +8,16 @@ using Eigen::Vector3d;
 using geometry::RigidTransform;
 using simulation::BodyPose;
 
-constexpr double kOpenM = 0.12;  // by which open palms are further apart than the thing is wide
-constexpr double kCloseS = 0.6;  // that closing takes
+constexpr double kOpenM = 0.12;  // open palms are this much further apart than the object's width
+constexpr double kCloseS = 0.6;  // duration of closing
 constexpr double kForwardsM =
-    0.33;  // from the body's middle to what is held; within reach of the lower arm
+    0.33;  // from the body's middle to the held object; within reach of the lower arm
 constexpr double kLiftM = 0.12;
 const Vector3d kElbow(0.7, -0.6, -0.8);
 
-// Both palms face each other, `gap` apart, around a place before the chest. Slant 0: the right one
-// is below, the left one above; 90 degrees: right and left. Lean: the right one is behind as well.
+// Both palms face each other around a place in front of the chest, `gap` apart. Slant 0: the right
+// palm is below and the left one above. 90 degrees: right and left. With a lean the right palm is
+// also behind.
 struct Clasp {
     double scale = 1.0;
     double slant_rad = 0.0;
@@ -66,7 +67,7 @@ ClaspAct clasp_move_turn(std::uint64_t seed, bool level) {
     clasp.act.look = look;
     clasp.act.seconds = clasp.end_s + 0.4;
     const double lifted_s = clasp.lifted_s;
-    // the thing, not the feet, goes by one metre: the turn moves it as well
+    // the object, not the feet, moves by one metre: the turn moves it as well
     const auto thing = [=](double heading_now) {
         return Vector3d(upright(Vector3d::Zero(), heading_now) * Vector3d(0.0, kForwardsM, 0.0));
     };
@@ -108,13 +109,13 @@ HandOverAct hand_over(std::uint64_t seed) {
     const double giver_squeeze = between(random, 0.015, 0.03);
     const double taker_squeeze = between(random, 0.015, 0.03);
     const double height = std::max(giver_scale, taker_scale) * between(random, 1.20, 1.24);
-    const double aside = between(random, -0.03, 0.03);  // by which the taker stands off
+    const double aside = between(random, -0.03, 0.03);  // sideways offset of the taker
     const double late_s = between(random, 0.0, 0.3);
-    // in the world the two clasps cross, for the two face each other
+    // in the world the two clasps cross, because the people face each other
     const Clasp giver_hands{giver_scale, between(random, 0.25, 0.4)};
     const Clasp taker_hands{taker_scale, between(random, 0.25, 0.4)};
     act.width_m = width;
-    constexpr double kForwards = -0.5 * std::numbers::pi;  // +Y of the body along +X of the site
+    constexpr double kForwards = -0.5 * std::numbers::pi;  // turns the body's +Y to +X of the site
     constexpr double kWalkM = 0.46;
     constexpr double kWalkS = 1.4;
     const double closed_s = 0.3 + kCloseS;
@@ -185,11 +186,11 @@ ThrowAct throw_forwards(std::uint64_t seed) {
     const Clasp hands{scale, between(random, -0.2, 0.2), kLean};
     constexpr double kStrokeM = 0.36;
     constexpr double kArms = 0.30;
-    constexpr double kLetGoM = 0.22;      // wide enough for what falls on its way
-    constexpr double kOpenEarlyS = 0.06;  // the palms let go while they are fast
+    constexpr double kLetGoM = 0.22;      // wide enough for an object that falls on its way
+    constexpr double kOpenEarlyS = 0.06;  // the palms open while they are fast
     const double closed_s = 0.3 + kCloseS;
     const double start_s = closed_s + 0.3;
-    const double stroke_s = 2.0 * kStrokeM / speed;  // at even acceleration
+    const double stroke_s = 2.0 * kStrokeM / speed;  // with constant acceleration
     thrown.width_m = width;
     thrown.speed_mps = speed;
     thrown.release_s = start_s + stroke_s;
@@ -198,7 +199,7 @@ ThrowAct throw_forwards(std::uint64_t seed) {
     thrown.act.look = look;
     thrown.act.seconds = thrown.release_s + 0.5;
     const double release_s = thrown.release_s;
-    // the arms give this much of the way, a step the rest
+    // the arms cover this part of the distance, a step the rest
     const auto forwards = [=](double t) {
         const double up = std::clamp(t - start_s, 0.0, stroke_s);
         const double down = std::clamp(t - release_s, 0.0, 0.1);

@@ -12,8 +12,8 @@ using simulation::BodyPose;
 
 namespace {
 
-// A flat hand, thin along x and long along z, and a round arm behind it: by itself a hand is too
-// few pixels for a camera that sees a whole room.
+// A flat hand, thin along x and long along z, and a round arm behind it. A hand alone covers too
+// few pixels of a camera that sees a whole room.
 geometry::TriangleMesh hand_and_arm(const Vector3d& half_size_of_hand) {
     const geometry::TriangleMesh ball = physics_test::make_sphere_mesh(1.0, Vector3d::Zero(), 16);
     geometry::TriangleMesh hand = ball;
@@ -48,7 +48,7 @@ KickAct kick(std::uint64_t seed) {
                                      0.5 * kick.diameter_m);
     kick.act.name = "kick" + std::to_string(seed);
     kick.act.look = look;
-    // from the back evenly faster to the lowest point, then evenly slower
+    // from the back it accelerates evenly to the lowest point, then decelerates evenly
     const double rate = speed / (scale * kLegM);
     const double swing_s = 2.0 * kBackRad / rate;
     kick.act.seconds = kStillS + 2.0 * swing_s + 0.4;
@@ -73,7 +73,7 @@ StrikeAct strike(const Vector3d& target_site,
                  double speed_mps,
                  std::uint64_t seed) {
     Random random(7000 + seed);
-    constexpr double kRunUpM = 0.6;   // that gaining speed takes
+    constexpr double kRunUpM = 0.6;   // distance of the acceleration
     constexpr double kBeforeM = 0.1;  // at full speed to the target
     constexpr double kBeyondM = 0.25;
     constexpr double kStopM = 0.3;

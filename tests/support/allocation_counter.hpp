@@ -4,7 +4,8 @@
 
 namespace atrium::test {
 
-/// Calls of operator new in this process so far, by all threads. Link atrium_allocation_counter.
+/// Number of calls of operator new in this process so far, by all threads. Link
+/// atrium_allocation_counter.
 std::uint64_t num_allocations();
 
 }  // namespace atrium::test

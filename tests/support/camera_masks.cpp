@@ -12,7 +12,7 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Ve
     return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 
-// The columns of row `y` inside a triangle: [from, to] by where its edges cross the row.
+// The columns of row `y` inside a triangle: [from, to] where its edges cross the row.
 void fill_row(image::Mask& mask,
               int y,
               const Eigen::Vector2d& a,
@@ -52,7 +52,7 @@ void MaskPainter::draw(const geometry::TriangleMesh& mesh_site) {
         const Eigen::Vector2d& a = projected_[i];
         const Eigen::Vector2d& b = projected_[j];
         const Eigen::Vector2d& c = projected_[k];
-        // the side that faces away covers the same pixels; rows grow downwards
+        // the back side covers the same pixels; rows grow downwards
         if (cross(a, b, c) > 0.0) continue;
         const double low = std::min({a.y(), b.y(), c.y()});
         const double high = std::max({a.y(), b.y(), c.y()});

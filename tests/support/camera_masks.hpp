@@ -11,17 +11,17 @@
 
 namespace atrium::test {
 
-/// What one camera sees of solid bodies: the pixels whose centres they cover.
+/// The pixels of one camera whose centres solid bodies cover.
 class MaskPainter {
 public:
     /// `camera` has no lens distortion.
     explicit MaskPainter(const geometry::CalibratedCamera& camera);
 
     void clear();
-    /// `mesh_site` is closed and wholly before the camera.
+    /// `mesh_site` is closed and lies completely in front of the camera.
     void draw(const geometry::TriangleMesh& mesh_site);
-    /// Each pixel that touches one of the other side with an edge changes sides with this
-    /// probability, as the border of a segmented person flickers.
+    /// Each pixel that shares an edge with the other side changes sides with this probability, like
+    /// the flickering border of a segmented person.
     void flicker(double probability, Random& random);
 
     const image::Mask& mask() const { return mask_; }

@@ -13,7 +13,7 @@
 namespace atrium::test {
 namespace {
 
-constexpr double kMiddle_m = 0.9;  // height of what is looked at
+constexpr double kMiddle_m = 0.9;  // height of the target
 constexpr int kBlock_px = 16;
 
 Photo on_grey(std::span<const std::uint8_t> rgba, int width, int height) {
@@ -22,7 +22,7 @@ Photo on_grey(std::span<const std::uint8_t> rgba, int width, int height) {
     for (std::size_t i = 0; i < photo.covered.data.size(); ++i) {
         const std::uint8_t* p = rgba.data() + 4 * i;
         photo.covered.data[i] = p[3] > 0 ? 255 : 0;
-        // as `PersonPhotographer`: the mean of the samples that show the person
+        // like `PersonPhotographer`: the mean of the samples that show the person
         for (std::size_t c = 0; c < 3; ++c)
             photo.bgr[3 * i + c] = static_cast<std::uint8_t>(
                 p[3] > 0 ? std::min(255, (p[2 - c] * 255 + p[3] / 2) / p[3]) : 128);

@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-// Meshes whose topology is known.
+// Meshes of known topology.
 namespace atrium::test {
 
-/// A tube around a circle, closed in both directions: 2 * rings * sides triangles.
+/// A tube around a circle, closed in both directions, with 2 * rings * sides triangles.
 inline geometry::TriangleMesh make_torus(std::uint32_t rings,
                                          std::uint32_t sides,
                                          double tube_m = 0.3) {
@@ -48,7 +48,7 @@ inline geometry::TriangleMesh make_octahedron(const Eigen::Vector3d& centre, dou
     return mesh;
 }
 
-/// Each triangle into four, `times` times; new vertices on the sphere around the origin.
+/// Splits each triangle into four, `times` times. New vertices are on the sphere around the origin.
 inline geometry::TriangleMesh make_sphere(int times, double radius_m) {
     geometry::TriangleMesh mesh = make_octahedron(Eigen::Vector3d::Zero(), radius_m);
     for (; times > 0; --times) {

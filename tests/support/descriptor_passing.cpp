@@ -18,7 +18,7 @@ constexpr std::size_t kMaxDescriptors = 8;
 constexpr std::size_t kMaxText = 2000;
 
 struct Letter {
-    std::array<char, kMaxText> text{};  // of the error; empty: there is none
+    std::array<char, kMaxText> text{};  // of the error; empty without one
     alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int) * kMaxDescriptors)> control{};
     iovec part{text.data(), text.size()};
 
@@ -89,7 +89,7 @@ Expected<PassedDescriptors> descriptors_made_in_child(
         post(ends[1], make());
         _exit(0);
     }
-    close(ends[1]);  // or the child's end would never be the last one
+    close(ends[1]);  // otherwise the child would not hold the last copy of its end
     if (child < 0)
         return make_error(ErrorKind::kInternal, fmt::format("fork: {}", std::strerror(errno)));
     auto result = receive(ours.get());

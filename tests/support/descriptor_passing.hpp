@@ -11,8 +11,8 @@ namespace atrium::test {
 
 using PassedDescriptors = std::vector<std::unique_ptr<Descriptor>>;
 
-/// Runs `make` in a child process, which may leave for other namespaces, and hands over the
-/// descriptors that it made there, at most 8, or its error. The child is gone afterwards.
+/// Runs `make` in a child process, which may enter other namespaces. Returns the descriptors that
+/// it created there, at most 8, or its error. The child has ended by then.
 Expected<PassedDescriptors> descriptors_made_in_child(
     const std::function<Expected<PassedDescriptors>()>& make);
 

@@ -18,18 +18,18 @@ constexpr std::array<simulation::Motion, 5> kMotions{simulation::Motion::kWalk,
                                                      simulation::Motion::kWave,
                                                      simulation::Motion::kSway,
                                                      simulation::Motion::kRaise};
-constexpr double kTurnS = kWanderLoopS / kMotions.size();  // of one motion,
-constexpr double kLoopS = kTurnS / 2.0;                    // which is done twice,
-constexpr double kBlendS = 2.0;                            // before each turn's end
+constexpr double kTurnS = kWanderLoopS / kMotions.size();  // of one motion
+constexpr double kLoopS = kTurnS / 2.0;                    // each motion is performed twice
+constexpr double kBlendS = 2.0;                            // before the end of each motion
 constexpr double kGravity = 9.81;
-constexpr double kRounded = 1.0001;  // of a float
+constexpr double kRounded = 1.0001;  // rounding of a float
 constexpr double kPictureS = 1.0 / 30.0;
 
 Eigen::Vector3d mix(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double share) {
     return a + share * (b - a);
 }
 
-// Of directions, which may be opposite: on the way round, at an even pace.
+// Interpolates directions, which may be opposite, along an arc at a constant rate.
 Eigen::Vector3d turned(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double share) {
     const auto all = Eigen::Quaterniond::FromTwoVectors(a, b);
     return Eigen::Quaterniond::Identity().slerp(share, all) * a.normalized();
@@ -134,7 +134,7 @@ WorldWatch::WorldWatch(world_server::Scene& scene,
 void WorldWatch::join(const physics::Joint& joint) {
     const auto a = things_.find(joint.a);
     const auto b = things_.find(joint.b);
-    if (a == things_.end() || b == things_.end()) return;  // to the world
+    if (a == things_.end() || b == things_.end()) return;  // joined to the world
     if (a->second.mass_kg <= 0.0 || b->second.mass_kg <= 0.0) return;
     const std::uint32_t from = a->second.whole;
     const std::uint32_t to = b->second.whole;
@@ -142,7 +142,7 @@ void WorldWatch::join(const physics::Joint& joint) {
         if (thing.whole == from) thing.whole = to;
 }
 
-// Keeps the first that is over its bound, or not a number.
+// Keeps the first value above its bound or not a number.
 void WorldWatch::note(double value, double bound, const std::string& what, double time_s) {
     if (value <= bound || !figures_.broken.empty()) return;
     figures_.broken =
@@ -188,7 +188,7 @@ double WorldWatch::look_at_rigid(double time_s) {
     return energy_j;
 }
 
-// All nodes of a thing count as equally heavy. What it holds in its links is not counted.
+// All nodes of an object count as equally heavy. Energy in its links does not count.
 double WorldWatch::look_at_soft(double time_s) {
     scene_.world().get_soft_states(soft_);
     double energy_j = 0.0;

@@ -10,65 +10,68 @@
 #include <string>
 #include <vector>
 
-/// Two people who move about in a world, and what must hold of it after every step.
+/// Two people who move about in a world, and bounds that must hold after every step.
 namespace atrium::test {
 
-/// Somebody who walks, pushes, waves, sways and raises the arms on the spot, again and again: a
-/// loop of `kWanderLoopS` in the body's own frame.
+/// A person who walks, pushes, waves, sways and raises the arms on the spot, repeatedly: a loop of
+/// `kWanderLoopS` in the body's own frame.
 Act wander_act(const std::string& look);
 constexpr double kWanderLoopS = 15.0;
 
-/// Where such a person walks: a rosette of 1.5 m around the world's middle, at 0.7 m/s at most.
-/// `phase_rad` keeps several apart.
+/// Path of this person: a rosette of 1.5 m around the middle of the world, at 0.7 m/s at most.
+/// Different `phase_rad` keep several people apart.
 geometry::RigidTransform wander_place(double time_s, double phase_rad);
 
-/// The fastest place of the body [m/s] in the loop, with the walk; of 30 pictures a second.
+/// Speed of the fastest point of the body in the loop [m/s], with the walk, from 30 pictures a
+/// second.
 double wander_speed_mps(const Act& act);
 
-/// What a world with people in it may do. What is hit leaves with at most 1.5 times the speed of
-/// the hand, as nothing is more elastic on skin, from as high as that reaches; from there on only
-/// gravity makes it faster. All of a world together has no more energy than if it were where it
-/// started, or as high as a head, and as fast as people are. The ends of a cloth and the limbs of a
-/// puppet crack like a whip: all of it together is bounded like any other thing, single nodes and
-/// parts by the world's own limit of speed only. Where nobody touches anything, nothing but motors
-/// and what is stretched adds energy.
+/// Limits of a world with people in it. An object that is hit leaves with at most 1.5 times the
+/// speed of the hand, because nothing is more elastic on skin, and from at most the height that the
+/// hand reaches. From then on only gravity accelerates it. The energy of a whole world is at most
+/// that of all objects at their start, or at head height, moving as fast as people. The ends of a
+/// cloth and the limbs of a puppet can crack like a whip. As a whole they obey the bounds of any
+/// object; single nodes and parts obey only the world's own speed limit. As long as nobody touches
+/// anything, only motors and stretched parts add energy.
 struct EnduranceBounds {
     double people_mps = 0.0;  // of the fastest limb
     double hit_factor = 1.5;
     double reach_m = 2.1;
     double part_mps = 15.0;  // WorldOptions::max_speed_mps
     double head_m = 1.8;
-    double lowest_m = -0.1;         // of anything's centre: below, it went through the floor
-    double untouched_gain_j = 0.0;  // in one tick, see above; 0: looked at, but not bounded
+    double lowest_m = -0.1;         // of the centre of any object: below, it fell through the floor
+    double untouched_gain_j = 0.0;  // in one tick, see above; 0: measured, but not bounded
 };
 
-/// The worst that was seen of a world.
+/// The worst values observed in a world.
 struct EnduranceFigures {
     double rigid_mps = 0.0;
     double spin_rad_s = 0.0;
-    double soft_mps = 0.0;        // of any node
-    double rigid_specific = 0.0;  // highest of v^2 / 2 + g z over its bound: what is joined, on the
-    double soft_specific = 0.0;   // mean of its mass; soft things, on the mean of their nodes
+    double soft_mps = 0.0;  // of any node
+    // Largest v^2 / 2 + g z over its bound: of joined objects by their mean over mass, of soft
+    // objects by the mean of their nodes.
+    double rigid_specific = 0.0;
+    double soft_specific = 0.0;
     double energy_j = 0.0;
     double energy_bound_j = 0.0;
-    double lowest_m = 1e9;            // of a centre or node
-    double untouched_gain_j = 0.0;    // in one tick
-    std::uint64_t num_untouched = 0;  // ticks without a contact with people in them and the last
-    std::vector<physics::Incident> incidents;  // what the world put back
-    std::string broken;                        // the first bound that was, by what, and when
+    double lowest_m = 1e9;          // of a centre or node
+    double untouched_gain_j = 0.0;  // in one tick
+    // ticks without contact, with people in this tick and the last
+    std::uint64_t num_untouched = 0;
+    std::vector<physics::Incident> incidents;  // objects that the world reset
+    std::string broken;                        // the first broken bound, with object and time
 };
 
-/// Looks at a world after each of its ticks.
+/// Checks a world after each of its ticks.
 class WorldWatch {
 public:
-    /// Gravity is along -z. `joints` are those that hold the scene together. `scene` must outlive
-    /// this.
+    /// Gravity is along -z. `joints` hold the scene together. `scene` must outlive this.
     WorldWatch(world_server::Scene& scene,
                const std::vector<physics::Joint>& joints,
                const EnduranceBounds& bounds);
 
     void look(double time_s);
-    /// Before the world is put back to its start: what it then gains is not its own doing.
+    /// Call before the world is reset to its start. The next energy gain does not count.
     void forget() { energy_before_j_ = kUnknown; }
     const EnduranceFigures& figures() const { return figures_; }
 
@@ -78,11 +81,11 @@ private:
         std::string name;
         double mass_kg = 0.0;
         Eigen::Vector3d inertia;  // of its bounding box, about its middle
-        std::uint32_t whole = 0;  // what it is joined to and moves with has the same
+        std::uint32_t whole = 0;  // the same for all objects that are joined and move together
     };
     struct Whole {
         double mass_kg = 0.0;
-        double energy_j = 0.0;  // without turning
+        double energy_j = 0.0;  // without rotation
         std::size_t num_parts = 0;
     };
 

@@ -20,7 +20,7 @@ using Vector = Kernel::Vector_3;
 
 Vector exact(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-// The pyramid over one loop, ended by the plane at `far_m` along the axis.
+// The pyramid over one loop, which ends at the plane at `far_m` along the axis.
 class PyramidBuilder : public CGAL::Modifier_base<Polyhedron::HalfedgeDS> {
 public:
     PyramidBuilder(const ExactCone& cone, const std::vector<Eigen::Vector3d>& loop, double far_m) {
@@ -29,7 +29,7 @@ public:
         Vector area = CGAL::NULL_VECTOR;
         for (const Eigen::Vector3d& direction : loop) {
             const Vector ray = exact(direction);
-            // in rational numbers, so that the base is exactly flat
+            // in rational numbers, which keep the base exactly flat
             base_.push_back(apex + ray * (Kernel::FT(far_m) / (ray * axis)));
         }
         for (std::size_t i = 0; i < base_.size(); ++i) {
@@ -75,7 +75,8 @@ Nef solid_of(const ExactCone& cone, double far_m) {
 }
 
 Eigen::Vector3d rounded(const Point& p) {
-    // `to_double` of a lazy number is good to 1e-5 only, that of its exact value to the last bit
+    // `to_double` of a lazy number is accurate to 1e-5 only, that of its exact value to the last
+    // bit
     return {CGAL::to_double(p.x().exact()),
             CGAL::to_double(p.y().exact()),
             CGAL::to_double(p.z().exact())};

@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What Aravis' own description of its fake camera lacks, and real cameras have.
+// Features of real cameras that the description of Aravis' fake camera lacks.
 constexpr const char* kMoreFormats = R"(
 <EnumEntry Name="BGR8" NameSpace="Standard"><Value>35127317</Value></EnumEntry>
 <EnumEntry Name="YUV422_8" NameSpace="Standard"><Value>34603058</Value></EnumEntry>
@@ -39,7 +39,7 @@ void replace_once(std::string& text, const std::string& from, const std::string&
     if (at != std::string::npos) text.replace(at, from.size(), to);
 }
 
-// Aravis tells its description only through a camera that has it.
+// Aravis exposes its description only through a camera that uses it.
 std::string plain_description(const std::string& address) {
     auto* const camera = arv_gv_fake_camera_new(address.c_str(), "description");
     GInetAddress* const inet = g_inet_address_new_from_string(address.c_str());

@@ -9,17 +9,17 @@
 
 namespace atrium::test_support {
 
-/// A GigE Vision camera that does not exist, served by Aravis over the real protocol, on threads of
-/// its own, at a loopback address. The sensor has 2048 x 2048 pixels at most.
+/// A simulated GigE Vision camera at a loopback address. Aravis serves it over the real protocol,
+/// on its own threads. The sensor has 2048 x 2048 pixels at most.
 class FakeGigeCamera {
 public:
     struct Options {
         std::string address;
         std::string serial;
         std::uint64_t first_number = 1;   // of its pictures
-        double lost_packets = 0.0;        // part of all
-        double trigger_check_hz = 200.0;  // how often it looks whether it was triggered
-        /// The camera's time of picture `number` [ns]; none: as the host's clock says.
+        double lost_packets = 0.0;        // fraction of all packets
+        double trigger_check_hz = 200.0;  // rate at which it checks for triggers
+        /// The camera's time of picture `number` [ns]. If empty, the host's clock.
         std::function<std::uint64_t(std::uint64_t number, std::uint64_t host_ns)> clock;
     };
 
@@ -29,11 +29,11 @@ public:
     bool is_running() const;
     std::uint64_t num_sent() const;
 
-    /// What byte `i` of picture `number` is; the number itself is in the first eight.
+    /// Byte `i` of picture `number`. The first eight bytes hold the number itself.
     static std::uint8_t expected_byte(std::uint64_t number, std::size_t i);
     static std::uint64_t number_in(const std::uint8_t* picture);
 
-    /// A register as the site has set it.
+    /// Value of a register, as the site has set it.
     std::uint32_t register_value(std::uint32_t address) const;
 
 private:

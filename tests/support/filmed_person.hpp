@@ -15,7 +15,7 @@
 
 namespace atrium::test {
 
-/// What one camera really saw of a person.
+/// The true picture of a person in one camera.
 struct TruePicture {
     geometry::CalibratedCamera camera;
     image::YuvImage yuv;
@@ -31,10 +31,10 @@ Expected<std::vector<TruePicture>> film_room(const std::vector<geometry::Calibra
                                              const simulation::RoomOptions& options,
                                              double time_s);
 
-/// The first frame of a recording that has masks, of all of its cameras.
+/// The first frame of a recording with masks, for all of its cameras.
 Expected<std::vector<TruePicture>> load_pictures(const std::filesystem::path& recording);
 
-/// How the pictures of the texturing cameras reach the viewer.
+/// How the viewer gets the pictures of the texturing cameras.
 enum class Publishing : std::uint8_t {
     kAsSites,     // at half resolution, through the codec with its usual quality
     kFull,        // likewise, but at full resolution
@@ -47,8 +47,8 @@ struct ReceivedPerson {
     std::vector<renderer::CameraPicture> pictures;
 };
 
-/// Silhouettes, hull and textures from `pictures`, through the stages of a site but for the
-/// segmentation, in whose place the true masks are taken. The mesh is the hull as it is, not coded.
+/// Computes silhouettes, hull and textures from `pictures` with the stages of a site. True masks
+/// replace the segmentation. The mesh is the hull without coding.
 Expected<ReceivedPerson> receive_person(std::span<const TruePicture> pictures,
                                         Publishing publishing);
 

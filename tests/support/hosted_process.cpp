@@ -30,9 +30,9 @@ constexpr int kNotStarted = 127;
     dup2(output, STDOUT_FILENO);
     dup2(output, STDERR_FILENO);
     if (host != nullptr && !enter(*host)) _exit(kNotStarted);
-    // after the move: a change of credentials takes this back
+    // after the move, because a change of credentials clears this setting
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) _exit(kNotStarted);  // it went before prctl took hold
+    if (getppid() != parent) _exit(kNotStarted);  // the parent ended before prctl took effect
     execv(arguments[0], arguments);
     _exit(kNotStarted);
 }
@@ -68,7 +68,7 @@ Expected<std::unique_ptr<HostedProcess>> HostedProcess::start(
         close(pipe[0]);
         return make_error(ErrorKind::kUnavailable, fmt::format("fork: {}", std::strerror(errno)));
     }
-    setpgid(pid, pid);  // here as well: whoever comes first, it is done before we go on
+    setpgid(pid, pid);  // the child does it too: whichever is first, it is done before we continue
     return std::unique_ptr<HostedProcess>(new HostedProcess(pid, pipe[0]));
 }
 
@@ -97,7 +97,7 @@ std::optional<int> HostedProcess::wait(std::chrono::milliseconds patience) {
         std::unique_lock lock(mutex_);
         if (!more_output_.wait_for(lock, patience, [this] { return has_ended_; })) return {};
     }
-    kill(-pid_, SIGKILL);  // what it may have left; its group is there until it is reaped
+    kill(-pid_, SIGKILL);  // its remaining children; the group exists until the process is reaped
     int status = 0;
     if (waitpid(pid_, &status, 0) != pid_) return {};
     exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
@@ -119,7 +119,7 @@ bool HostedProcess::wait_for_output(const std::string& text,
 }
 
 void HostedProcess::collect() {
-    // until the process ends, not until the pipe does, which its own children may hold
+    // until the process ends; the pipe may stay open in the process's own children
     std::array<pollfd, 2> either{{{pipe_.get(), POLLIN, 0}, {handle_.get(), POLLIN, 0}}};
     for (;;) {
         if (poll(either.data(), either.size(), -1) < 0) continue;

@@ -15,29 +15,29 @@
 
 namespace atrium::test {
 
-/// A program that runs, most often inside a NetworkHost. It leads a process group, which is killed
-/// with this object; the kernel kills the program as well should the thread that started it end.
+/// A running program, usually inside a NetworkHost. It leads a process group. The destructor kills
+/// the group, and the kernel kills the program if the thread that started it ends.
 class HostedProcess {
 public:
-    /// `command`: the program's path and its arguments.
+    /// `command` is the path of the program and its arguments.
     static Expected<std::unique_ptr<HostedProcess>> start(const NetworkHost& host,
                                                           const std::vector<std::string>& command);
-    /// In the network of this process.
+    /// Runs in the network of this process.
     static Expected<std::unique_ptr<HostedProcess>> start(const std::vector<std::string>& command);
     ~HostedProcess();
     HostedProcess(const HostedProcess&) = delete;
     HostedProcess& operator=(const HostedProcess&) = delete;
 
     pid_t id() const { return pid_; }
-    /// To the whole group: SIGSTOP, SIGCONT, SIGTERM, SIGKILL ...
+    /// Sends a signal to the whole group: SIGSTOP, SIGCONT, SIGTERM, SIGKILL ...
     void signal(int number);
-    /// Waits for its end: the exit code, 128 + signal where one ended it; nothing when `patience`
-    /// is over.
+    /// Waits for the end. Returns the exit code, or 128 + signal if a signal ended it. Returns
+    /// nothing after `patience`.
     std::optional<int> wait(std::chrono::milliseconds patience);
-    /// Both streams so far; all of them once `wait` has returned a code.
+    /// Output of both streams so far. It is complete once `wait` has returned a code.
     std::string output() const;
-    /// True once its output contains the text, from the byte `from` on; false when `patience` or
-    /// the program has ended.
+    /// Waits until the output contains the text, searched from byte `from` on. Returns false after
+    /// `patience`, or if the program ends without it.
     bool wait_for_output(const std::string& text,
                          std::chrono::milliseconds patience,
                          std::size_t from = 0);
@@ -47,7 +47,7 @@ private:
                                                           const std::vector<std::string>& command);
     HostedProcess(pid_t pid, int pipe);
     void collect();
-    bool collect_all();  // that is there; false at the end of the stream
+    bool collect_all();  // reads all available output; false at the end of the stream
 
     pid_t pid_;
     Descriptor pipe_;

@@ -8,10 +8,10 @@
 #include <cstdint>
 #include <vector>
 
-// What tests ask of hulls again and again.
+// Common checks of hulls.
 namespace atrium::test {
 
-/// With phantoms and fragments.
+/// Keeps phantoms and fragments.
 inline hull::VisualHull exact_hull_of(const std::vector<hull::SilhouetteView>& views) {
     hull::HullOptions options;
     options.keep_phantoms = true;
@@ -19,7 +19,7 @@ inline hull::VisualHull exact_hull_of(const std::vector<hull::SilhouetteView>& v
     return compute_visual_hull(views, options, scratch);
 }
 
-/// A closed 2-manifold, and as many components as are said.
+/// Expects a closed 2-manifold with the reported number of components.
 inline void expect_closed(const hull::VisualHull& hull) {
     ASSERT_EQ(hull.status, hull::HullStatus::kOk) << to_string(hull.status);
     const geometry::MeshReport report = geometry::inspect(hull.mesh);
@@ -27,13 +27,13 @@ inline void expect_closed(const hull::VisualHull& hull) {
     EXPECT_TRUE(report.manifold);
     EXPECT_GT(report.volume_m3, 0.0);
     EXPECT_EQ(report.num_components, hull.num_components);
-    // no vertex was added to triangulate
+    // the triangulation added no vertex
     EXPECT_EQ(
         static_cast<std::int64_t>(hull.mesh.triangles.size()),
         2 * static_cast<std::int64_t>(hull.mesh.vertices.size()) - 2 * report.euler_characteristic);
 }
 
-/// General position as well: three faces in every vertex.
+/// Expects general position as well: three faces at every vertex.
 inline void expect_sound(const hull::VisualHull& hull) {
     expect_closed(hull);
     EXPECT_EQ(hull.mesh.vertices.size() % 2, 0u);

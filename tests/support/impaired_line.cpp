@@ -7,8 +7,7 @@
 namespace atrium::test {
 namespace {
 
-// What a random number is for: each purpose has a row of its own, so that one setting does not
-// change what another one does.
+// Purposes of random numbers. Each has its own sequence, and one setting does not affect another.
 enum Purpose : unsigned { kLoss, kBurstStart, kBurstEnd, kJitter, kTwice, kHeldBack };
 
 // The finaliser of MurmurHash3, which spreads each bit over all others.
@@ -64,7 +63,7 @@ Passage ImpairedLine::enter(std::int64_t now_ns, std::size_t num_bytes) {
     }
     const std::uint64_t number = counters_.entered++;
     counters_.entered_bytes += num_bytes;
-    const bool lost = is_lost(number);  // always drawn: the row must not depend on the queue
+    const bool lost = is_lost(number);  // always drawn: the sequence must not depend on the queue
     if (is_cut_) {
         ++counters_.dropped_by_cut;
         return {Fate::kCut, 0, false};
@@ -83,7 +82,7 @@ Passage ImpairedLine::enter(std::int64_t now_ns, std::size_t num_bytes) {
                   std::llround(8e9 * static_cast<double>(num_bytes) / impairment_.rate_bit_per_s);
         free_ns_ = sent_ns;
     }
-    if (lost) {  // on the way: it has used the rate
+    if (lost) {  // lost on the way: it has used the rate
         ++counters_.lost;
         return {Fate::kLost, 0, false};
     }

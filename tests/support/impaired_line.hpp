@@ -6,36 +6,36 @@
 
 namespace atrium::test {
 
-/// What a line does to the packets that enter it. The defaults do nothing. Shares are of packets,
-/// 0..1.
+/// Impairments of a line for the packets that enter it. The defaults do nothing. Fractions are of
+/// packets, 0..1.
 struct Impairment {
     std::chrono::nanoseconds delay{0};  // one way
-    /// The delay swings by at most this, up and down, slowly enough that no packet overtakes
-    /// another: between random values of which one follows the other every four times `jitter`.
+    /// The delay varies by at most this, up and down, slowly enough that no packet overtakes
+    /// another. It moves between random values, one per four times `jitter`.
     std::chrono::nanoseconds jitter{0};
-    double loss = 0.0;            // share lost, each packet by itself
-    double burst_start = 0.0;     // share with which a row of losses starts
-    double burst_length = 1.0;    // mean number of packets in such a row, >= 1
+    double loss = 0.0;            // fraction lost, independently per packet
+    double burst_start = 0.0;     // fraction at which a burst of losses starts
+    double burst_length = 1.0;    // mean number of packets in a burst, >= 1
     double rate_bit_per_s = 0.0;  // of whole IP packets; 0: no limit
-    /// A packet that would wait longer than this for its turn is dropped; where there is no rate
-    /// limit nothing waits. The default is that of a home router of the better kind.
+    /// A packet that would wait longer than this is dropped. Without a rate limit nothing waits.
+    /// The default is that of a good home router.
     std::chrono::nanoseconds queue = std::chrono::milliseconds(100);
-    double duplicated = 0.0;  // share that arrives twice
-    double held_back = 0.0;   // share that comes later than it should: others overtake it,
-    std::chrono::nanoseconds held_back_by{0};  // by this much
+    double duplicated = 0.0;                   // fraction that arrives twice
+    double held_back = 0.0;                    // fraction that arrives late: others overtake it,
+    std::chrono::nanoseconds held_back_by{0};  // late by this much
 };
 
 /// Sums since the start; bytes are those of IP packets.
 struct LineCounters {
     std::uint64_t entered = 0;  // packets
     std::uint64_t entered_bytes = 0;
-    std::uint64_t duplicated = 0;  // further packets that the line made
+    std::uint64_t duplicated = 0;  // extra packets that the line created
     std::uint64_t lost = 0;
     std::uint64_t dropped_by_queue = 0;
     std::uint64_t dropped_by_cut = 0;
     std::uint64_t left = 0;
     std::uint64_t left_bytes = 0;
-    std::chrono::nanoseconds longest_queue{0};  // wait of a packet that was not dropped
+    std::chrono::nanoseconds longest_queue{0};  // longest wait of a packet that was not dropped
 
     std::uint64_t in_flight() const {
         return entered + duplicated - lost - dropped_by_queue - dropped_by_cut - left;
@@ -47,27 +47,27 @@ enum class Fate : std::uint8_t { kPasses, kLost, kQueueFull, kCut };
 
 struct Passage {
     Fate fate = Fate::kPasses;
-    std::int64_t leaves_ns = 0;  // where it passes
+    std::int64_t leaves_ns = 0;  // when it passes
     bool twice = false;
 };
 
-/// One direction of a link: a bounded queue, then a rate limit, then loss, then a delay, then
-/// duplication. It keeps no packets and asks no clock: what happens to a packet follows from the
-/// seed, its number, its size and the times given. Loss and duplication follow from the seed and
-/// the number alone, so that they fall on the same packets however the machine is loaded.
+/// One direction of a link: a bounded queue, then a rate limit, then loss, then delay, then
+/// duplication. It keeps no packets and reads no clock. The fate of a packet follows from the seed,
+/// its number, its size and the given times. Loss and duplication follow from the seed and the
+/// number alone, and therefore hit the same packets under any load of the machine.
 class ImpairedLine {
 public:
     explicit ImpairedLine(std::uint64_t seed) : seed_(seed) {}
 
-    /// Holds for the packets that enter from now on, none of which overtakes an earlier one.
+    /// Applies to packets that enter from now on. None of them overtakes an earlier one.
     void set(const Impairment& impairment);
-    /// Nothing enters until `restore`; what is on its way arrives.
+    /// Nothing enters until `restore`. Packets on their way still arrive.
     void cut() { is_cut_ = true; }
     void restore() { is_cut_ = false; }
 
-    /// `now_ns` does not go back from call to call.
+    /// `now_ns` must not decrease from call to call.
     Passage enter(std::int64_t now_ns, std::size_t num_bytes);
-    /// To be called for each packet, duplicates as well, once it is out.
+    /// Call for each packet once it is out, including duplicates.
     void note_left(std::size_t num_bytes);
 
     const LineCounters& counters() const { return counters_; }
@@ -83,8 +83,8 @@ private:
     bool in_burst_ = false;
     bool started_ = false;
     std::int64_t first_ns_ = 0;
-    std::int64_t free_ns_ = 0;         // when the rate limit has dealt with all before
-    std::int64_t last_leaves_ns_ = 0;  // of those not held back
+    std::int64_t free_ns_ = 0;         // when the rate limit has passed all earlier packets
+    std::int64_t last_leaves_ns_ = 0;  // of packets that were not held back
     LineCounters counters_;
 };
 

@@ -12,24 +12,24 @@
 
 namespace atrium::test {
 
-/// Hosts with the addresses 10.77.0.1, 10.77.0.2 ... around a hub, each on a line of its own that
-/// can be made as bad as wanted while programs run. Carries unicast and multicast of IPv4. Needs no
-/// rights and no module of the kernel but tun; nothing is left when it, or this process, is gone.
+/// Hosts with the addresses 10.77.0.1, 10.77.0.2 ... around a hub. Each has its own line, whose
+/// impairments can change while programs run. Carries unicast and multicast of IPv4. Needs no
+/// rights and no kernel module except tun. Nothing is left after this object or process ends.
 ///
-/// TUN devices, not TAP: there is no ARP, whose loss would make the first packet of a test wait a
-/// second, and multicast needs no bridge, only a route.
+/// It uses TUN devices, not TAP. Without ARP, no lost ARP packet delays the first packet of a test
+/// by a second, and multicast needs only a route, not a bridge.
 class ImpairedNetwork {
 public:
-    /// 2 to 8 hosts. Error kUnavailable where namespaces or /dev/net/tun are not permitted.
+    /// 2 to 8 hosts. Error kUnavailable if namespaces or /dev/net/tun are not permitted.
     static Expected<std::unique_ptr<ImpairedNetwork>> create(int num_hosts, std::uint64_t seed);
 
     std::string address(int host) const;
 
-    /// Both lines of all hosts are free of impairments at first.
+    /// All lines start without impairments.
     void set(int host, Way way, const Impairment& impairment) {
         relay_->set(host, way, impairment);
     }
-    /// A host's cable is pulled, and plugged in again.
+    /// Pulls the cable of a host, and plugs it in again.
     void cut(int host);
     void restore(int host);
     LineCounters counters(int host, Way way) const { return relay_->counters(host, way); }
@@ -41,7 +41,7 @@ public:
 
 private:
     ImpairedNetwork() = default;
-    std::vector<NetworkHost> hosts_;  // without their TUN devices, which the relay has
+    std::vector<NetworkHost> hosts_;  // without their TUN devices, which the relay owns
     std::unique_ptr<PacketRelay> relay_;
 };
 

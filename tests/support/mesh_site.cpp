@@ -11,7 +11,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// False once a stop is requested.
+// Returns false once a stop is requested.
 bool wait_until(Clock::time_point time, const std::stop_token& stop) {
     std::mutex mutex;
     std::condition_variable_any never;

@@ -17,21 +17,22 @@ namespace atrium::test {
 struct MeshSiteOptions {
     std::string name = "site";
     double rate_hz = 30.0;
-    /// From a capture to the moment its mesh is handed to the bus: what a site takes to compute it.
+    /// Time from a capture until the bus gets its mesh: the computation time of a site.
     std::chrono::nanoseconds work{0};
 };
 
-/// A site without cameras and pictures: publishes what somebody looks like at each capture, coded
-/// as sites do, in real time. Captures that come too late are left out, as a site does.
+/// A site without cameras and pictures. It publishes the surface of a person at each capture, coded
+/// as sites do, in real time. Like a site, it skips captures that come too late.
 class MeshSite {
 public:
-    /// Closed mesh in the site's frame; called by the site's thread, capture times rise.
+    /// Returns a closed mesh in the site's frame. The site's thread calls it with increasing
+    /// capture times.
     using MeshAt = std::function<geometry::TriangleMesh(Timestamp capture_time)>;
 
     static Expected<std::unique_ptr<MeshSite>> start(const bus::BusOptions& options,
                                                      MeshSiteOptions site,
                                                      MeshAt mesh_at);
-    /// The site leaves: its description and meshes are gone.
+    /// Makes the site leave: its description and meshes are disposed.
     ~MeshSite() = default;
 
     std::uint64_t num_published() const { return num_published_; }
@@ -51,7 +52,7 @@ private:
     bus::Writer<bus::SiteMesh> meshes_;
     std::atomic<std::uint64_t> num_published_ = 0;
     std::atomic<std::uint64_t> num_failed_ = 0;
-    std::jthread thread_;  // goes first: it uses the rest
+    std::jthread thread_;  // destroyed first: it uses the rest
 };
 
 }  // namespace atrium::test

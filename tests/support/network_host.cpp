@@ -27,7 +27,7 @@ namespace atrium::test {
 namespace {
 
 constexpr int kMtu = 1500;
-// As many packets may wait for the relay; the kernel drops what is more. A default of 500 is less
+// Number of packets that may wait for the relay. The kernel drops more. Its default of 500 is less
 // than a burst of large samples.
 constexpr std::uint32_t kDeviceQueue = 20'000;
 
@@ -48,7 +48,7 @@ void put(sockaddr& to, std::uint32_t address) {
     std::memcpy(&to, &from, sizeof(from));
 }
 
-// Belongs to the network namespace in which it is opened.
+// A socket belongs to the network namespace in which it is opened.
 Expected<std::unique_ptr<Descriptor>> open_tun() {
     auto tun = std::make_unique<Descriptor>(open("/dev/net/tun", O_RDWR | O_NONBLOCK | O_CLOEXEC));
     if (tun->get() < 0) return failed("/dev/net/tun");
@@ -59,7 +59,7 @@ Expected<std::unique_ptr<Descriptor>> open_tun() {
     return tun;
 }
 
-// By netlink: the older way is for root outside alone.
+// Uses netlink, because the older interface needs root outside.
 Expected<void> lengthen_queue() {
     const Descriptor netlink(socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE));
     struct {
@@ -115,7 +115,7 @@ Expected<void> set_up_link(std::uint32_t address) {
     return lengthen_queue();
 }
 
-// The calling process, which has one thread, becomes the host.
+// Turns the calling process, which must have one thread, into the host.
 Expected<PassedDescriptors> become_host(std::uint32_t address) {
     if (auto entered = app::enter_private_network(); !entered)
         return tl::unexpected(entered.error());

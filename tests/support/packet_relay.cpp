@@ -16,7 +16,7 @@
 namespace atrium::test {
 namespace {
 
-constexpr int kReadsAtOnce = 64;  // then it is time to look what is due
+constexpr int kReadsAtOnce = 64;  // then check for due packets
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
 std::int64_t now() {
@@ -140,7 +140,7 @@ void PacketRelay::read_all(int port) {
             enter(line_of(port, Way::kUp), index, now());
         }
         release(index);
-        if (num_bytes <= 0) return;  // nothing is there
+        if (num_bytes <= 0) return;  // nothing available
     }
 }
 
@@ -187,7 +187,7 @@ void PacketRelay::forward(int from_port, int packet, std::int64_t now_ns) {
 
 void PacketRelay::write(int port, const Event& event) {
     const Packet& packet = *packets_[static_cast<std::size_t>(event.packet)];
-    // What the host cannot take its own kernel drops, and counts.
+    // The kernel drops, and counts, packets that the host cannot take.
     [[maybe_unused]] const auto written = ::write(
         ports_[static_cast<std::size_t>(port)].tun->get(), packet.bytes.data(), packet.num_bytes);
     largest_lateness_ns_ = std::max(largest_lateness_ns_, now() - event.due_ns);
@@ -210,12 +210,12 @@ void PacketRelay::release(int packet) {
 }
 
 void PacketRelay::arm_timer() {
-    itimerspec spec{};  // all zero: none
+    itimerspec spec{};  // all zero disarms the timer
     if (!events_.empty()) {
         const std::int64_t due_ns = std::max<std::int64_t>(events_.front().due_ns, 1);
         spec.it_value = {due_ns / kSecond_ns, due_ns % kSecond_ns};
     }
-    // also takes back an expiry that was not read
+    // also clears an expiry that was not read
     timerfd_settime(timer_.get(), TFD_TIMER_ABSTIME, &spec, nullptr);
 }
 

@@ -12,16 +12,16 @@
 
 namespace atrium::test {
 
-/// Seen from a host: `kUp` leaves it, `kDown` goes to it.
+/// From a host's view: `kUp` leaves it, `kDown` arrives.
 enum class Way : std::uint8_t { kUp, kDown };
 
-/// Moves IPv4 packets between TUN devices as a hub would to which each host has a line of its own:
-/// up the sender's line and down that of the host with the address, or, for multicast, of all
-/// others. Other packets, and IGMP, which the kernel sends of its own accord, go nowhere and are
-/// not counted. A thread of its own sleeps until a packet comes in or is due.
+/// Moves IPv4 packets between TUN devices, like a hub with one line per host: up the sender's line,
+/// and down the line of the destination or, for multicast, of all others. It drops other packets,
+/// and IGMP, which the kernel sends on its own, without counting them. A private thread sleeps
+/// until a packet arrives or is due.
 ///
-/// A packet that leaves one line enters the next at the instant at which it was due, not at which
-/// the thread came to it; how late it was brought out is counted.
+/// A packet enters its second line at the instant at which it was due, not when the thread handled
+/// it. The delay of its delivery is measured.
 class PacketRelay {
 public:
     struct Port {
@@ -29,7 +29,7 @@ public:
         std::uint32_t address = 0;  // IPv4, host byte order
     };
 
-    /// `seed` decides all that is random.
+    /// `seed` decides everything random.
     PacketRelay(std::vector<Port> ports, std::uint64_t seed);
     ~PacketRelay();
     PacketRelay(const PacketRelay&) = delete;
@@ -40,7 +40,7 @@ public:
     void restore(int port, Way way);
     LineCounters counters(int port, Way way) const;
 
-    /// Of one packet behind its time, since the start or the last `forget_lateness`.
+    /// Lateness of one packet, since the start or the last `forget_lateness`.
     std::chrono::nanoseconds largest_lateness() const;
     void forget_lateness();
     /// Processor time of the thread so far.
@@ -52,9 +52,9 @@ private:
         std::size_t num_bytes = 0;
         int num_uses = 0;
     };
-    struct Event {  // a packet is at the end of a line
+    struct Event {  // a packet reaches the end of a line
         std::int64_t due_ns = 0;
-        std::uint64_t order = 0;  // of two at one time the first is the first
+        std::uint64_t order = 0;  // packets due at the same time keep their order
         int line = 0;
         int packet = 0;
     };
@@ -76,9 +76,9 @@ private:
     Descriptor epoll_;
     Descriptor timer_;
     Descriptor stop_event_;
-    mutable std::mutex mutex_;         // guards what follows
+    mutable std::mutex mutex_;         // guards the members below
     std::vector<ImpairedLine> lines_;  // up and down of each port
-    std::vector<Event> events_;        // heap, the next one first
+    std::vector<Event> events_;        // a heap with the next event first
     std::vector<std::unique_ptr<Packet>> packets_;
     std::vector<int> free_packets_;
     std::uint64_t num_events_ = 0;

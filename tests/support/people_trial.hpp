@@ -11,15 +11,15 @@
 
 namespace atrium::test {
 
-/// Somebody whose site sends the hulls of a film.
+/// A person whose site sends the hulls of a film.
 struct Player {
     std::string site;
     geometry::RigidTransform world_from_site;
     const HullFilm* film = nullptr;  // must outlive the trial
 };
 
-/// Feeds the films of people into a world tick by tick, through what the world server reads meshes
-/// with. A hull comes at the first tick after its capture.
+/// Feeds the films of people into a world tick by tick, through the mesh reader of the world
+/// server. A hull arrives at the first tick after its capture.
 class PeopleTrial {
 public:
     /// `world` must outlive this.
@@ -28,10 +28,10 @@ public:
                 std::vector<Player> players,
                 const physics::PersonShapeOptions& options = {});
 
-    /// Ticks until `seconds`; calls `after_tick` with the time at the end of each tick.
+    /// Ticks until `seconds`. Calls `after_tick` with the time at the end of each tick.
     void run(double seconds, const std::function<void(double)>& after_tick);
 
-    /// Messages of meshes that were refused; empty if none was.
+    /// Errors of refused meshes. Empty if none was refused.
     const std::vector<std::string>& refused() const { return refused_; }
 
 private:
@@ -41,12 +41,12 @@ private:
     double tick_s_;
     std::vector<Player> players_;
     std::vector<std::size_t> num_sent_;
-    std::vector<world_server::SiteReader> readers_;  // of each player
+    std::vector<world_server::SiteReader> readers_;  // one per player
     std::vector<std::string> refused_;
     std::int64_t num_ticks_ = 0;
 };
 
-/// The state of one object; it must be there.
+/// The state of one object, which must exist.
 physics::RigidState state_of(const physics::World& world, std::uint32_t id);
 
 }  // namespace atrium::test

@@ -10,13 +10,13 @@
 namespace atrium::test {
 namespace {
 
-// Per pixel, each way. An odd number has one at the centre: others are looked at only where the
-// lens bends, and then so near by that next to nothing is blurred.
+// Samples per pixel and direction. An odd number has one at the centre. Other samples count only
+// where the lens bends, and are then so near that they blur almost nothing.
 constexpr int samples_of(Sampling sampling) { return sampling == Sampling::kMean ? 2 : 3; }
 
 constexpr std::uint8_t kGrey = 128;
 
-// GL's projection of a camera's undistorted pixels, the top row at the top of the clip space.
+// GL's projection of a camera's undistorted pixels, with the top row at the top of clip space.
 Eigen::Matrix4d clip_from_camera(const geometry::PinholeCamera& c) {
     constexpr double kNear_m = 0.05;
     constexpr double kFar_m = 30.0;
@@ -38,7 +38,7 @@ public:
     Samples(const std::vector<std::uint8_t>& rgba, int width, int height, Sampling sampling)
         : rgba_(rgba), width_(width), height_(height), sampling_(sampling) {}
 
-    // Of the pixel around (x, y), as `at`.
+    // Sums for the pixel around (x, y), as `at`.
     Eigen::Vector4d pixel(double x, double y) const {
         const int n = samples_of(sampling_);
         if (sampling_ == Sampling::kCentre) {
@@ -54,7 +54,7 @@ public:
     }
 
 private:
-    // Red, green, blue times coverage, and coverage, at (x, y) from the top, linear in between.
+    // Red, green, blue times coverage, and coverage, at (x, y) from the top, linearly interpolated.
     Eigen::Vector4d at(double x, double y) const {
         const auto x0 = static_cast<int>(std::floor(x));
         const auto y0 = static_cast<int>(std::floor(y));
@@ -76,7 +76,7 @@ private:
     Sampling sampling_;
 };
 
-// Where the covered samples are, widened by what the lens may bend: nothing else is looked at.
+// Bounds of the covered samples, widened by the bend of the lens. Pixels outside are skipped.
 image::PixelRect painted_rect(const std::vector<std::uint8_t>& rgba,
                               int width,
                               int height,
@@ -118,7 +118,7 @@ Photo PersonPhotographer::take(const geometry::CalibratedCamera& camera, const P
     const int height = samples_of(sampling_) * lens.height;
     if (target_.width != width || target_.height != height) {
         auto target = gl::make_framebuffer(width, height);
-        if (!target) std::abort();  // only for want of memory
+        if (!target) std::abort();  // only for lack of memory
         target_ = std::move(*target);
     }
     target_.bind();

@@ -16,42 +16,42 @@
 
 namespace atrium::test {
 
-/// What a camera would see of a person as the viewer shows it.
+/// A camera's picture of a person as the viewer draws it.
 struct Photo {
     int width = 0;
     int height = 0;
-    std::vector<std::uint8_t> bgr;  // packed, rows from the top; grey where the person is not
-    image::Mask covered;            // 255 where any of the pixel's samples shows the person
+    std::vector<std::uint8_t> bgr;  // packed, rows from the top; grey outside the person
+    image::Mask covered;            // 255 if any of the pixel's samples shows the person
 };
 
-/// What a pixel of a photo is.
+/// How a photo computes its pixels.
 enum class Sampling : std::uint8_t {
     kMean,    // of four samples, as a camera gathers light
-    kCentre,  // what is seen at its centre, as the viewer draws; beside the person's edge, the mean
+    kCentre,  // at the pixel's centre, as the viewer draws; at the person's edge, the mean
 };
 
-/// Draws people as the viewer does, but from a calibrated camera, lens distortion included, and
-/// without the world around them.
+/// Draws people as the viewer does, but from a calibrated camera with lens distortion, and without
+/// the world around them.
 ///
-/// Owns a GL context, which is current from the creation on; what is drawn
-/// is made and destroyed while it is.
+/// Owns a GL context, which is current from its creation on. Create and destroy the drawn objects
+/// during its lifetime.
 class PersonPhotographer {
 public:
     static Expected<PersonPhotographer> create(Sampling sampling = Sampling::kMean);
 
-    /// Draws something into the bound framebuffer, whose alpha is 0 where nothing is.
+    /// Draws into the bound framebuffer, whose alpha is 0 where nothing is drawn.
     using Paint =
         std::function<void(const Eigen::Matrix4d& clip_from_site, const Eigen::Vector3d& eye_site)>;
     Photo take(const geometry::CalibratedCamera& camera, const Paint& paint);
 
-    /// As the viewer's scene does it.
+    /// Draws as the viewer's scene does.
     Photo take(const geometry::CalibratedCamera& camera, renderer::PersonDrawing& person);
 
 private:
     PersonPhotographer(gl::OffscreenContext context, Sampling sampling)
         : context_(std::move(context)), sampling_(sampling) {}
 
-    gl::OffscreenContext context_;  // goes last
+    gl::OffscreenContext context_;  // destroyed last
     Sampling sampling_;
     std::optional<renderer::PersonShaders> shaders_;
     gl::Framebuffer target_;

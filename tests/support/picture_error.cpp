@@ -9,7 +9,7 @@
 namespace atrium::test {
 namespace {
 
-constexpr int kOutlinePx = 3;  // so far in from the mask's edge the inside begins
+constexpr int kOutlinePx = 3;  // the inside begins this far inside the mask's edge
 
 cv::Mat picture_of(const std::vector<std::uint8_t>& bgr, const image::Mask& mask) {
     assert(bgr.size() == 3 * mask.data.size());
@@ -23,7 +23,7 @@ cv::Mat luma_of(const cv::Mat& bgr) {
     return grey;
 }
 
-// Means over windows, of the pixels with weight alone.
+// Means over windows, of weighted pixels only.
 class WindowMean {
 public:
     explicit WindowMean(const cv::Mat& weights) : weights_(weights) {

@@ -7,15 +7,15 @@
 
 namespace atrium::test {
 
-/// How far a picture is from the true one, where `mask` is not 0. All are of the mask's size.
+/// Difference of a picture from the true one, where `mask` is not 0. All have the mask's size.
 struct PictureError {
-    double psnr_db = 0.0;        // of blue, green and red alike; infinite where nothing differs
+    double psnr_db = 0.0;        // over blue, green and red; infinite without differences
     double inner_psnr_db = 0.0;  // more than three pixels inside the mask's edge
     double ssim = 1.0;           // of luma
 };
 
-/// The windows of the structural similarity (Gaussian, sigma 1.5 px, 11 px wide) weigh the mask's
-/// pixels alone, so that what is outside has no part in it; mean over the mask.
+/// The windows of the structural similarity (Gaussian, sigma 1.5 px, 11 px wide) weigh only pixels
+/// of the mask, and pixels outside have no influence. The result is the mean over the mask.
 ///
 /// Wang, Bovik, Sheikh, Simoncelli. Image Quality Assessment: From Error Visibility to Structural
 /// Similarity. IEEE Transactions on Image Processing 13(4), 2004.

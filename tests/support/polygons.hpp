@@ -29,7 +29,7 @@ inline bool even_odd(const Contours& contours, const Eigen::Vector2d& p) {
     return inside;
 }
 
-/// Infinite where there are no segments.
+/// Infinite without segments.
 inline double distance_to_edges(const Contours& contours, const Eigen::Vector2d& p) {
     double least = std::numeric_limits<double>::infinity();
     for_each_segment(contours, [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {

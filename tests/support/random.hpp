@@ -17,8 +17,8 @@ inline int between(Random& random, int low, int high) {
     return std::uniform_int_distribution<int>(low, high)(random);
 }
 
-/// Each coordinate by itself. One number after the other: arguments of one call have no order that
-/// all compilers share.
+/// Draws each coordinate independently, one after the other, because compilers differ in the order
+/// in which they evaluate arguments.
 inline Eigen::Vector3d between(Random& random,
                                const Eigen::Vector3d& low,
                                const Eigen::Vector3d& high) {
@@ -32,7 +32,7 @@ inline Eigen::Vector3d random_in_cube(Random& random, double half_side) {
     return between(random, -corner, corner);
 }
 
-/// Unit vector; all directions alike.
+/// A unit vector, uniform over all directions.
 inline Eigen::Vector3d random_direction(Random& random) {
     for (;;) {
         const Eigen::Vector3d v = random_in_cube(random, 1.0);

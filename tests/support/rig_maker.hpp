@@ -8,7 +8,7 @@
 
 namespace atrium::test {
 
-/// Camera at `centre` that looks at `target`, image upright with respect to +Z (or +Y where it
+/// A camera at `centre` that looks at `target`, with the picture upright along +Z (or +Y if it
 /// looks along Z).
 geometry::RigidTransform look_at(const Eigen::Vector3d& centre_site,
                                  const Eigen::Vector3d& target_site);
@@ -16,14 +16,14 @@ geometry::RigidTransform look_at(const Eigen::Vector3d& centre_site,
 struct RingRigOptions {
     int num_cameras = 8;
     double radius_m = 3.0;
-    std::vector<double> heights_m{1.1, 2.4};  // taken in turn
+    std::vector<double> heights_m{1.1, 2.4};  // used in turn
     Eigen::Vector3d target_site{0.0, 0.0, 0.9};
     double first_angle_rad = 0.0;
     int size_px = 1000;
     double focal_px = 1300.0;
 };
 
-/// Cameras "cam0", "cam1", ... evenly on a circle around the Z axis.
+/// Cameras "cam0", "cam1", ... evenly spaced on a circle around the Z axis.
 std::vector<geometry::CalibratedCamera> make_ring_rig(const RingRigOptions& options);
 
 }  // namespace atrium::test

@@ -137,7 +137,7 @@ Vector3d on_ring(double angle, double radius_m, double height_m) {
     return {radius_m * std::cos(angle), radius_m * std::sin(angle), height_m};
 }
 
-// Centres and targets of the cameras of `kind`, before any randomness of single cameras.
+// Centres and targets of the cameras of `kind`, before any random change of single cameras.
 struct Pose {
     Vector3d centre;
     Vector3d target;
@@ -162,7 +162,7 @@ std::vector<Pose> rig_poses(RigKind kind, int num_views, const Bodies& bodies, R
         } else if (kind == RigKind::kCoplanar) {
             pose.centre.z() = 1.2;
             pose.target.z() =
-                1.2;  // the upper faces are seen edge-on, in the middle of the picture
+                1.2;  // cameras see the upper faces edge-on, in the middle of the picture
         } else if (kind == RigKind::kOpposite && i % 2 == 1) {
             pose.centre = 2.0 * middle - poses.back().centre;
         } else if (kind == RigKind::kBehindEachOther && i % 2 == 1) {
@@ -216,7 +216,8 @@ Contour projection(const ConvexPart& part,
     return convex_hull(points);
 }
 
-// Points on the edges until there are about `num_segments`: exactly collinear ones, up to rounding.
+// Adds points on the edges until there are about `num_segments`. They are exactly collinear up to
+// rounding.
 Contour subdivided(const Contour& polygon, int num_segments) {
     const int parts = std::max(1, num_segments / static_cast<int>(polygon.size()));
     Contour result;
@@ -251,7 +252,7 @@ std::vector<Contour> silhouette_of(const Bodies& bodies,
     return outline_of_union(shapes, picture, {options.segments_per_view, num_cells});
 }
 
-// Zoomed so far that the bodies leave the picture on some sides.
+// Zooms until the bodies leave the picture on some sides.
 void crop(geometry::PinholeCamera& intrinsics, Random& random) {
     const double zoom = between(random, 1.0, 1.6);
     intrinsics.fx *= zoom;

@@ -5,8 +5,9 @@
 
 namespace atrium::test {
 
-/// The shortest of up to `num_tries` times that `measure` returns; the first one below `bound` ends
-/// it. For what is promised to happen in time: whatever else runs on the machine only adds to it.
+/// The shortest of up to `num_tries` times that `measure` returns. The first time below `bound`
+/// ends the tries. For promises about durations, which other programs on the machine can only
+/// lengthen.
 template <typename Measure>
 std::chrono::steady_clock::duration shortest_of(int num_tries,
                                                 std::chrono::steady_clock::duration bound,

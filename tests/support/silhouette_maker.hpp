@@ -19,7 +19,7 @@ struct Sphere {
 };
 
 /// Outline of a sphere: a polygon around the exact ellipse that touches it in the middle of each
-/// edge, so that the hull contains the sphere.
+/// edge. The hull therefore contains the sphere.
 Contour outline_of(const Sphere& sphere,
                    const geometry::CalibratedCamera& camera,
                    int num_vertices);
@@ -28,24 +28,24 @@ Contour outline_of(const Sphere& sphere,
 Contour outline_of(std::span<const Eigen::Vector3d> points_site,
                    const geometry::CalibratedCamera& camera);
 
-/// Counter-clockwise as seen with +Y up, without collinear points.
+/// Counter-clockwise with +Y up, without collinear points.
 Contour convex_hull(Contour points);
 
-/// Regular polygon, counter-clockwise seen with +Y up, first vertex at `phase_rad`.
+/// Regular polygon, counter-clockwise with +Y up, with its first vertex at `phase_rad`.
 Contour regular_polygon(const Eigen::Vector2d& centre_px,
                         double radius_px,
                         int num_vertices,
                         double phase_rad = 0.1);
 
-/// Random star-shaped polygon with radii in [0.5, 1] of `radius_px`.
+/// A random star-shaped polygon with radii in [0.5, 1] of `radius_px`.
 Contour random_star(Random& random,
                     const Eigen::Vector2d& centre_px,
                     double radius_px,
                     int num_vertices);
 
-/// A star of 3 to `most_vertices` about the middle of a picture of 1000 px, at times with a hole
-/// and with an island beside it. Several of them have nothing to do with each other: as silhouettes
-/// of different cameras they have more crossings, phantoms and handles than those of bodies.
+/// A star of 3 to `most_vertices` around the middle of a picture of 1000 px, sometimes with a hole
+/// and with an island beside it. Several stars are unrelated. As silhouettes of different cameras
+/// they have more crossings, phantoms and handles than those of bodies.
 std::vector<Contour> random_stars(Random& random, int most_vertices);
 
 hull::SilhouetteView make_view(const geometry::CalibratedCamera& camera,
@@ -57,8 +57,8 @@ std::vector<hull::SilhouetteView> views_of(const Sphere& sphere,
 std::vector<hull::SilhouetteView> views_of(std::span<const Eigen::Vector3d> points_site,
                                            std::span<const geometry::CalibratedCamera> rig);
 
-/// Independent of the hull: whether a point lies inside all silhouettes by the even-odd rule.
-/// `margin_px`: nearest distance to any outline, to tell undecidable points.
+/// Whether a point lies inside all silhouettes by the even-odd rule, independent of the hull.
+/// `margin_px` is the smallest distance to any outline, to skip undecidable points.
 struct Membership {
     bool inside = false;
     double margin_px = 0.0;

@@ -18,14 +18,14 @@ using Random = std::mt19937_64;
 constexpr double kDatagramBytes = 1344.0;
 const std::string kSite = "site";
 constexpr double kTick_s = 0.001;
-constexpr double kLookAgain_s = 0.005;  // as viewer/session.cpp
+constexpr double kLookAgain_s = 0.005;  // as in viewer/session.cpp
 
 stream::Time at(double seconds) {
     return stream::Time{} + std::chrono::duration_cast<stream::Time::duration>(
                                 std::chrono::duration<double>(seconds));
 }
 
-// As if the world began at the year 2001, on a clock that is off by so much.
+// Time stamp of `seconds` on a clock with this offset, in a world that starts in the year 2001.
 Timestamp on_clock(double seconds, double offset_ms) {
     return Timestamp{1'000'000'000'000'000'000 +
                      static_cast<std::int64_t>(1e9 * seconds + 1e6 * offset_ms)};
@@ -35,18 +35,19 @@ double uniform(Random& random, double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
 }
 
-// What colours really take: not what the controller guesses at first.
+// The true size of colours relative to the best level. It differs from the controller's first
+// estimate.
 double true_ratio(const stream::Level& level) {
     const double quality = std::pow(level.jpeg_quality / 85.0, 1.15);
     return quality * (level.colour_divisor == 2 ? 0.28 : 1.0);
 }
 
-// In turn: waits, then runs, for as long as `next` says. Known from the start, as it is asked for
-// several times and not always for later ones.
+// Waits and runs in turn, for the durations of the two functions. All durations are drawn at the
+// start, because calls repeat times and can go back.
 Runs in_turn(const std::function<double()>& next_wait_s,
              const std::function<double()>& next_run_s) {
     constexpr double kLength_s = 600.0;
-    std::vector<double> changes{0.0};  // it waits from the even ones on
+    std::vector<double> changes{0.0};  // waits from the even ones on
     while (changes.back() < kLength_s) {
         changes.push_back(changes.back() + next_wait_s());
         changes.push_back(changes.back() + next_run_s());
@@ -72,7 +73,7 @@ struct FrameState {
     double bytes;
 };
 
-// One way: a queue of bytes that leaves at the rate of the link, and delivers in order per writer.
+// One direction: a queue of bytes that drains at the link's rate and delivers in order per writer.
 class Way {
 public:
     Way(const SimulatedLink& link, const SimulatedSite& site, std::uint64_t seed)
@@ -82,7 +83,7 @@ public:
         const int num_samples = site_->num_cameras + 1;
         frames_.resize(frame + 1, {0, 0.0});
         frames_[frame] = {num_samples, fixed + colour};
-        // textures first: a sixth of what is fixed are masks
+        // textures first: a sixth of the fixed bytes are masks
         const double texture_bytes = (colour + fixed / 6.0) / site_->num_cameras;
         for (int camera = 0; camera < site_->num_cameras; ++camera)
             send_sample(now_s, frame, texture_bytes, 0);
@@ -105,7 +106,8 @@ public:
         feedback_.looked(by_viewer(now_s), !is_in_socket(now_s));
     }
 
-    // What was received since the last time; it reaches the site after the way back.
+    // Reports everything received since the last report. It reaches the site after the link's
+    // delay.
     void report(double now_s) {
         if (link_->is_paused(now_s) || !link_->taker_runs(now_s)) return;
         feedback_.report(link_->viewer, by_viewer(now_s), [&](const bus::StreamFeedback& feedback) {
@@ -186,7 +188,7 @@ private:
     std::queue<Sample> in_reader_;
     double looked_s_ = 0.0;
     std::vector<FrameState> frames_;
-    std::size_t next_ = 0;  // first frame that may still become complete
+    std::size_t next_ = 0;  // first frame that can still become complete
     viewer::Feedback feedback_;
     std::queue<std::pair<double, stream::LinkReport>> reports_;
 };

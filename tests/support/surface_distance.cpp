@@ -20,7 +20,7 @@ double distance_to_edge(const Vector3d& p, const Vector3d& a, const Vector3d& b)
     return (p - a - t * ab).norm();
 }
 
-// To its plane where the foot point is inside, else to its nearest edge.
+// To the triangle's plane if the foot point is inside, otherwise to its nearest edge.
 double distance_to_triangle(const Vector3d& p, const std::array<Vector3d, 3>& t) {
     const Vector3d normal = (t[1] - t[0]).cross(t[2] - t[0]);
     const double area_sq = normal.squaredNorm();

@@ -8,8 +8,7 @@
 
 namespace atrium::test {
 
-/// Exact distances of points to a mesh's triangles; nothing is shared with what the meshes were
-/// made with.
+/// Exact distances of points to a mesh's triangles. Shares no code with the makers of the meshes.
 class SurfaceDistance {
 public:
     explicit SurfaceDistance(const geometry::TriangleMesh& mesh);
@@ -17,7 +16,8 @@ public:
     double distance_m(const Eigen::Vector3d& p) const;
 
     /// Largest distance of `from`'s vertices, edge middles, triangle middles and `num_random`
-    /// points, spread evenly over its area, which is not zero unless `num_random` is.
+    /// points that are spread evenly over its area. The area must not be zero unless `num_random`
+    /// is.
     double largest_m(const geometry::TriangleMesh& from, int num_random) const;
 
 private:

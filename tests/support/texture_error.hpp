@@ -7,7 +7,7 @@
 namespace atrium::test {
 
 /// Peak signal-to-noise ratio of 8-bit samples, in dB: 10 log10(255^2 / mean squared error).
-/// Infinite where nothing differs, and where there is nothing.
+/// Infinite without differences or without samples.
 class SampleError {
 public:
     void add(double original, double decoded) {
@@ -26,13 +26,13 @@ private:
     std::size_t num_samples_ = 0;
 };
 
-/// Over the foreground only: what is outside is made up before it is coded and never shown.
+/// Over the foreground only. The rest is invented before coding and never shown.
 struct TextureError {
-    SampleError rgb;     // R, G and B alike
+    SampleError rgb;     // over R, G and B
     SampleError luma;    // Y
-    SampleError chroma;  // Cb and Cr alike
+    SampleError chroma;  // over Cb and Cr
 
-    SampleError ycbcr() const {  // Y, Cb and Cr alike
+    SampleError ycbcr() const {  // over Y, Cb and Cr
         SampleError all = luma;
         all.add(chroma);
         return all;
@@ -44,8 +44,8 @@ struct TextureError {
     }
 };
 
-/// How far the picture that a viewer shows is from the half-resolution picture that was cut out
-/// (its colours in real numbers, cut off at 0 and 255). Both are of one size.
+/// Difference between the picture that a viewer shows and the cropped half-resolution picture (its
+/// colours as real numbers, clamped to 0 and 255). Both have the same size.
 TextureError texture_error(const codec::TextureCrop& original, const codec::DecodedTexture& shown);
 
 }  // namespace atrium::test

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kMinSegments = 4;  // per outline
 
-// The half-planes of a convex polygon; inside is where all are positive.
+// The half-planes of a convex polygon. All are positive inside.
 struct HalfPlane {
     Eigen::Vector2d inwards;  // unit
     double offset = 0.0;
@@ -95,7 +95,7 @@ private:
             left = std::min(left, x);
             right = std::max(right, x);
         }
-        // the frame of one pixel stays empty, so that every outline closes
+        // a frame of one pixel stays empty, which closes every outline
         const int first = static_cast<int>(std::clamp(std::ceil(left), 1.0, width_ - 1.0));
         const int last = static_cast<int>(std::clamp(std::floor(right), 0.0, width_ - 2.0));
         for (int column = first; column <= last; ++column) pixels_[index(column, row)] = 1;
@@ -108,8 +108,8 @@ private:
     std::vector<std::uint8_t> pixels_;
 };
 
-// Steps along the cracks between pixels: right, down, left, up. Corner (x, y) is the upper left one
-// of pixel (x, y).
+// Steps along the cracks between pixels: right, down, left, up. Corner (x, y) is the upper left
+// corner of pixel (x, y).
 constexpr std::array<std::array<int, 2>, 4> kSteps{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
 
 // Outlines and holes of the raster along its cracks, in raster coordinates.
@@ -150,7 +150,7 @@ private:
         Contour loop;
         unsigned direction = 0;
         while (leaving(x, y) != 0) {
-            // where two pixels touch at a corner: the sharper turn, which keeps them apart
+            // where two pixels touch at a corner: the sharper turn, which separates them
             for (const unsigned turn : {1u, 0u, 3u, 2u}) {
                 const unsigned next = (direction + turn) % 4;
                 if ((leaving(x, y) & (1u << next)) == 0) continue;
@@ -182,7 +182,7 @@ PixelBox bounds_of(std::span<const Contour> shapes, const PixelBox& picture) {
     return {box.min.cwiseMax(picture.min), box.max.cwiseMin(picture.max)};
 }
 
-// Onto the border of the union, or of the picture where that is nearer; stays where it is if the
+// Moves a point to the border of the union, or of the picture if that is nearer. Keeps it if the
 // border is farther away than the raster can have moved it.
 Eigen::Vector2d snapped(Eigen::Vector2d p,
                         std::span<const ConvexShape> shapes,

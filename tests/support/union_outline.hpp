@@ -16,16 +16,16 @@ struct PixelBox {
 };
 
 struct UnionOutlineOptions {
-    int num_segments = 100;  // of all outlines together, about; each has at least 4
-    int num_cells = 160;     // of the raster, along the longer side of what is drawn
+    int num_segments = 100;  // of all outlines together, approximately; each has at least 4
+    int num_cells = 160;     // of the raster, along the longer side of the drawn area
 };
 
 /// Outlines and holes of the union of convex polygons, cut by `picture`.
 ///
-/// The union is drawn on a coarse raster, its outlines are traced there, and the points taken from
-/// them are moved onto the polygon whose border is nearest: sub-pixel positions at the price of a
-/// thumbnail. Details smaller than a cell are lost, and close to each other points may leave their
-/// order, so that an outline can cross itself.
+/// Draws the union on a coarse raster, traces its outlines there, and moves the traced points onto
+/// the nearest border of a polygon: sub-pixel positions at the price of a thumbnail. Details
+/// smaller than a cell are lost. Points close to each other can lose their order, and an outline
+/// can then cross itself.
 std::vector<Contour> outline_of_union(std::span<const Contour> shapes,
                                       const PixelBox& picture,
                                       const UnionOutlineOptions& options);

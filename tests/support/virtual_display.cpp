@@ -23,10 +23,10 @@ namespace atrium::test_support {
 namespace {
 
 constexpr int kStartPatience_ms = 30'000;
-constexpr std::chrono::seconds kLongEnough{60};  // for what takes well below one
-constexpr std::chrono::milliseconds kPause{5};   // between looks: each stops the whole display
+constexpr std::chrono::seconds kLongEnough{60};  // for waits well below 1 s
+constexpr std::chrono::milliseconds kPause{5};   // between looks: each look stops the whole display
 
-// While it lives nobody else is served: a window that was found stays.
+// While it lives the server serves nobody else: a found window stays.
 class Grab {
 public:
     explicit Grab(Display* display) : display_(display) { XGrabServer(display_); }
@@ -77,9 +77,9 @@ std::optional<Place> find(Display* display, const std::string& title) {
                                 const char* number_to_text,
                                 const char* screen,
                                 pid_t parent) {
-    fcntl(number_to, F_SETFD, 0);  // this one it keeps
+    fcntl(number_to, F_SETFD, 0);  // the child keeps this descriptor
     prctl(PR_SET_PDEATHSIG, SIGTERM);
-    if (getppid() != parent) _exit(126);  // the parent went before prctl took hold
+    if (getppid() != parent) _exit(126);  // the parent ended before prctl took effect
     const int nowhere = open("/dev/null", O_WRONLY);
     dup2(nowhere, STDERR_FILENO);
     execlp("Xvfb",
@@ -96,7 +96,7 @@ std::optional<Place> find(Display* display, const std::string& title) {
     _exit(127);
 }
 
-// What the server says once it is ready; empty where it never is.
+// The server's text when it is ready. Empty if it never is.
 std::string read_number(int descriptor) {
     std::string number;
     char character = 0;
@@ -135,7 +135,7 @@ struct VirtualDisplay::Impl {
         const auto place = find(display, title);
         if (!place) return;
         event.xany.window = place->window;
-        // without a mask it goes to the window's owner
+        // without an event mask, the event goes to the window's owner
         XSendEvent(display, place->window, False, NoEventMask, &event);
     }
 
@@ -235,7 +235,7 @@ void VirtualDisplay::press(const std::string& title, const std::string& key) {
     const bool is_shifted = XkbKeycodeToKeysym(impl_->display, code, 0, 0) != symbol;
     event.xkey.state = is_shifted ? ShiftMask : 0;
     impl_->send(title, event);
-    // a key that is held down sends no second press
+    // a held key sends no second press
     event.xkey.type = KeyRelease;
     impl_->send(title, event);
 }

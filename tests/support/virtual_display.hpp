@@ -10,13 +10,13 @@
 
 namespace atrium::test_support {
 
-/// An X server without a screen (Xvfb), with no window manager on it: what a test opens there can
-/// be looked at, resized, and typed into. While it lives, DISPLAY names it. Calls come from one
-/// thread. Windows are named by their titles; nothing happens where there is no such window.
+/// An X server without a screen (Xvfb) and without a window manager. Tests can look at windows on
+/// it, resize them, and type into them. DISPLAY names it during its lifetime. Call it from one
+/// thread. Windows are named by their titles; calls for an unknown window do nothing.
 class VirtualDisplay {
 public:
-    /// Its screen in pixels. Error kNotFound where Xvfb is not installed, kUnavailable where it
-    /// does not start.
+    /// Starts a screen of this size [px]. Error kNotFound if Xvfb is not installed, kUnavailable if
+    /// it does not start.
     static Expected<std::unique_ptr<VirtualDisplay>> start(int width, int height);
     ~VirtualDisplay();
     VirtualDisplay(const VirtualDisplay&) = delete;
@@ -25,22 +25,21 @@ public:
     using Size = std::array<int, 2>;    // width, height [px]
     using Colour = std::array<int, 3>;  // red, green, blue, 0 to 255
 
-    /// None where no window of that title is shown.
+    /// Empty if no window of that title is shown.
     std::optional<Size> size_of(const std::string& title);
-    /// Of what the screen shows at column `x` and row `y` of that window, from its upper left
-    /// corner.
+    /// Colour on the screen at column `x` and row `y` of the window, from its upper left corner.
     std::optional<Colour> colour_in(const std::string& title, int x, int y);
 
-    /// Moves it into the screen's upper left corner as well.
+    /// Also moves the window to the screen's upper left corner.
     void resize(const std::string& title, const Size& size);
-    /// A key by X's name of what it types: "Escape", "F9", "h", "question".
+    /// Presses a key by the X name of its symbol: "Escape", "F9", "h", "question".
     void press(const std::string& title, const std::string& key);
-    /// Puts the mouse there, from the window's upper left corner.
+    /// Moves the mouse there, from the window's upper left corner.
     void point_at(const std::string& title, int x, int y);
-    /// Presses the left button where the mouse is, or lets it go.
+    /// Presses the left button at the mouse, or releases it.
     void hold_button(const std::string& title, bool is_down);
     void press_escape(const std::string& title) { press(title, "Escape"); }
-    /// As the button in a window's frame does.
+    /// Acts like the close button of a window's frame.
     void ask_to_close(const std::string& title);
 
 private:
@@ -49,7 +48,7 @@ private:
     std::unique_ptr<Impl> impl_;
 };
 
-/// Looks again and again until it is true. False: it did not come true in a minute.
+/// Checks repeatedly until it is true. Returns false after a minute.
 bool comes_true(const std::function<bool()>& condition);
 
 }  // namespace atrium::test_support

@@ -29,7 +29,7 @@ FilmOptions film_options(const TrialSetting& setting, std::uint64_t seed) {
     options.cameras = setting.cameras;
     options.rate_hz = setting.rate_hz;
     options.seed = seed + 1;
-    // cameras and simulation do not begin together
+    // cameras and simulation start at different times
     options.first_s = 0.001 * static_cast<double>(seed * 7 % 33);
     return options;
 }
@@ -53,7 +53,7 @@ void add_floor(physics::World& world) {
     world.add(floor);
 }
 
-// A post under a thing that is to be taken.
+// A post under an object that will be taken.
 void add_stand(physics::World& world, const Vector3d& top) {
     physics::RigidObject stand;
     stand.id = kStand;
@@ -63,13 +63,13 @@ void add_stand(physics::World& world, const Vector3d& top) {
     world.add(stand);
 }
 
-// Where a thing is beside where it belongs, and the diary of it.
+// Compares the place of an object with its target, and writes the trace.
 class Watch {
 public:
     Watch(const TrialSetting& setting, const physics::World& world)
         : trace_(setting.trace), world_(world), lag_s_(1.0 / setting.rate_hz) {}
 
-    /// In the frame of the grip; physics shows people one mesh period late.
+    /// Offset in the frame of the grip. Physics shows people one mesh period late.
     Vector3d off(double time_s,
                  const Act& act,
                  const RigidTransform& world_from_site = RigidTransform{}) {
@@ -95,7 +95,7 @@ public:
         }
         return off;
     }
-    /// Of the thing in the grip's frame, about its vertical.
+    /// Yaw of the object in the grip's frame, about its vertical.
     double yaw_rad() const { return yaw_rad_; }
     const physics::RigidState& state() const { return state_; }
 
@@ -120,8 +120,8 @@ public:
         const double distance = distance_.distance_m(p);
         return geometry::winding_number(mesh_, p) > 0.5 ? -distance : distance;
     }
-    /// Where the distance grows, over a centimetre: facets of a hull differ from what they stand
-    /// for.
+    /// Direction in which the distance grows, over a centimetre. The facets of a hull differ from
+    /// the true surface.
     Vector3d direction_out(const Vector3d& p) const {
         Vector3d slope;
         for (int axis = 0; axis < 3; ++axis) {
@@ -174,7 +174,8 @@ Expected<TrialResult> try_carry(const TrialSetting& setting,
     double lost_s = 0.0;
     bool rested = true;
     trial.run(carry.act.seconds, [&](double time_s) {
-        // nobody stands there before the first hull, and what is above the hull's top falls on it
+        // nobody is there before the first hull, and then an object above the hull's top falls onto
+        // it
         off = watch.off(time_s, carry.act);
         result.measure = off.head<2>().norm();
         const bool lies = off.z() > -0.05 && result.measure < sideways_limit;
@@ -297,7 +298,7 @@ Expected<TrialResult> try_throw(const TrialSetting& setting, const ThrowAct& act
     });
     TrialResult result;
     const double forwards = velocity.dot(act.forwards_site);
-    // it has fallen for a moment by now: what it has lost of its level flight is not the hands'
+    // the object has fallen for a moment: the hands did not cause its loss of level flight
     const Vector3d level(velocity.x(), velocity.y(), 0.0);
     const double aside = std::acos(std::clamp(forwards / std::max(1e-9, level.norm()), -1.0, 1.0));
     result.measure = forwards / act.speed_mps;
@@ -344,11 +345,12 @@ Expected<StrikeResult> try_strike(const TrialSetting& setting, const StrikeAct& 
     physics::WorldOptions options = setting.world;
     options.gravity = Vector3d::Zero();
     options.max_speed_mps = 30.0;
-    options.lowest_z_m = -options.half_extent_m;  // there is no floor, and some are hit downwards
+    // there is no floor, and some strikes go downwards
+    options.lowest_z_m = -options.half_extent_m;
     physics::World world(options);
     RigidTransform start;
     const RigidTransform at_contact = act.act.site_from_grip(act.contact_s);
-    // just before the palm's middle then, and where the act aims at otherwise
+    // just in front of the palm's middle at that time, which is the act's target
     start.translation = at_contact.translation + (0.02 + 0.5 * kDiameterM) * act.palm_normal_site;
     world.add(make_thing(Thing::kBall, kDiameterM, start));
     PeopleTrial trial(world, options.tick_s, {{"alice", {}, &*hulls}});

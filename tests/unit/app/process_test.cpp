@@ -18,7 +18,7 @@
 namespace atrium::app {
 namespace {
 
-TEST(ParseStartTicks, FindsTheFieldBehindAnyName) {
+TEST(ParseStartTicks, FindsTheFieldAfterAnyProcessName) {
     const std::string rest = " S 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 4711 20 21\n";
     EXPECT_EQ(parse_start_ticks("12 (viewer)" + rest), 4711U);
     EXPECT_EQ(parse_start_ticks("12 (a ) (b) 9 9)" + rest), 4711U);
@@ -26,7 +26,7 @@ TEST(ParseStartTicks, FindsTheFieldBehindAnyName) {
               4711U);
 }
 
-TEST(ParseStartTicks, RefusesWhatIsNoSuchLine) {
+TEST(ParseStartTicks, RefusesMalformedLines) {
     for (const char* text : {"",
                              "12 viewer S 1 2",
                              "12 (viewer)",
@@ -38,14 +38,14 @@ TEST(ParseStartTicks, RefusesWhatIsNoSuchLine) {
     }
 }
 
-TEST(SecondsSinceStart, GrowWithTheProcess) {
+TEST(SecondsSinceStart, GrowsWhileTheProcessRuns) {
     const double first_s = seconds_since_start();
     EXPECT_GT(first_s, 0.0);
     EXPECT_LT(first_s, 3600.0);
     EXPECT_GE(seconds_since_start(), first_s);
 }
 
-// Whether all threads of this process have it.
+// Whether every thread of this process has this niceness.
 bool all_threads_have(int nice) {
     int num_threads = 0;
     for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
@@ -56,7 +56,7 @@ bool all_threads_have(int nice) {
     return num_threads > 1;
 }
 
-// In a process of its own, with a thread that runs already: niceness cannot be taken back.
+// Runs in a child process with a thread that already runs, because niceness cannot be taken back.
 bool holds_in_child(const std::function<bool()>& promise) {
     const pid_t child = fork();
     if (child == 0) {
@@ -71,7 +71,7 @@ bool holds_in_child(const std::function<bool()>& promise) {
     return waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
-TEST(Niceness, IsThatOfAllThreadsAndOfTheStatus) {
+TEST(Niceness, AppliesToAllThreadsAndIsInTheStatus) {
     EXPECT_TRUE(holds_in_child([] {
         const bool is_set = apply({.nice = 7}) == 7 && all_threads_have(7);
         bool is_inherited = false;
@@ -82,16 +82,16 @@ TEST(Niceness, IsThatOfAllThreadsAndOfTheStatus) {
     }));
 }
 
-TEST(Niceness, KeepsAHigherOneThatTheProcessWasStartedWith) {
+TEST(Niceness, KeepsAHigherValueFromTheStartOfTheProcess) {
     EXPECT_TRUE(holds_in_child([] {
         return apply({.nice = 9}) == 9 && apply({.nice = 5}) == 9 && apply({.nice = 0}) == 9 &&
                all_threads_have(9);
     }));
 }
 
-TEST(Niceness, IsLeftAloneWithAWarningWhereNegativeOnesAreRefused) {
+TEST(Niceness, StaysUnchangedWithAWarningIfNegativeValuesAreRefused) {
     EXPECT_TRUE(holds_in_child([] {
-        // as an ordinary user without limits that permit it
+        // as an ordinary user without limits that allow it
         const rlimit none{0, 0};
         if (setrlimit(RLIMIT_NICE, &none) != 0) return false;
         if (getuid() == 0 && setresuid(65534, 65534, 65534) != 0) return false;

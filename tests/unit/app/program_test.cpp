@@ -54,26 +54,26 @@ protected:
     std::string errors_;
 };
 
-TEST_F(ProgramStart, GoesOnWithDefaults) {
+TEST_F(ProgramStart, ContinuesWithDefaults) {
     EXPECT_TRUE(start_with({}).go_on);
     EXPECT_EQ(options_.rate_hz, 30.0);
 }
 
-TEST_F(ProgramStart, SaysWhatItStartsWithUnlessItOnlyPrints) {
+TEST_F(ProgramStart, LogsItsSettingsUnlessItOnlyPrints) {
     EXPECT_TRUE(start_with({"--name", "hall"}).go_on);
     EXPECT_THAT(output_ + errors_, HasSubstr("name = hall"));
     EXPECT_TRUE(start_with({"--name", "hall", "--loop", "true"}).go_on);
     EXPECT_EQ(output_ + errors_, "");
 }
 
-TEST_F(ProgramStart, TheCommandLineWinsOverTheFile) {
+TEST_F(ProgramStart, CommandLineOverridesTheFile) {
     const std::string config = file("rate_hz = 10\nname = \"file\"\n");
     EXPECT_TRUE(start_with({"--name", "line", "--config", config}).go_on);
     EXPECT_EQ(options_.rate_hz, 10.0);
     EXPECT_EQ(options_.name, "line");
 }
 
-TEST_F(ProgramStart, AFlagAloneMeansTrueAndMayBeToldFalse) {
+TEST_F(ProgramStart, FlagWithoutValueIsTrueAndCanBeSetFalse) {
     EXPECT_TRUE(start_with({"--loop", "--name", "x"}).go_on);
     EXPECT_TRUE(options_.loop);
     EXPECT_TRUE(start_with({"--loop", "false"}).go_on);
@@ -81,7 +81,7 @@ TEST_F(ProgramStart, AFlagAloneMeansTrueAndMayBeToldFalse) {
     EXPECT_EQ(start_with({"--loop", "maybe"}).exit_code, 2);
 }
 
-TEST_F(ProgramStart, AnOptionMayHaveAValueOfItsOwnWhereItStandsAlone) {
+TEST_F(ProgramStart, OptionWithoutValueTakesItsImplicitValue) {
     EXPECT_TRUE(start_with({}).go_on);
     EXPECT_EQ(options_.picture, "");
     EXPECT_TRUE(start_with({"--picture", "--loop"}).go_on);
@@ -91,7 +91,7 @@ TEST_F(ProgramStart, AnOptionMayHaveAValueOfItsOwnWhereItStandsAlone) {
     EXPECT_EQ(start_with({"--name"}).exit_code, 2);
 }
 
-TEST_F(ProgramStart, HelpNamesEveryOptionWithUnitRangeAndDefault) {
+TEST_F(ProgramStart, HelpListsEveryOptionWithUnitRangeAndDefault) {
     const Start start = start_with({"--help"});
     EXPECT_FALSE(start.go_on);
     EXPECT_EQ(start.exit_code, 0);
@@ -99,7 +99,7 @@ TEST_F(ProgramStart, HelpNamesEveryOptionWithUnitRangeAndDefault) {
     EXPECT_THAT(output_, HasSubstr("pictures per second [Hz]"));
 }
 
-TEST_F(ProgramStart, ErrorsEndItWithTheRightCode) {
+TEST_F(ProgramStart, ErrorsExitWithTheRightCode) {
     EXPECT_EQ(start_with({"--rate_hz", "0"}).exit_code, 2);
     EXPECT_THAT(errors_, HasSubstr("--rate_hz: must be a number in [1, 240], got '0'"));
     EXPECT_EQ(start_with({"--config", "/nonexistent.toml"}).exit_code, 3);
@@ -107,7 +107,7 @@ TEST_F(ProgramStart, ErrorsEndItWithTheRightCode) {
     EXPECT_EQ(start_with({"--log-level", "loud"}).exit_code, 2);
 }
 
-TEST_F(ProgramStart, AnUnknownOptionIsSaidWithWhatMayBeMeant) {
+TEST_F(ProgramStart, UnknownOptionIsNamedWithASuggestion) {
     EXPECT_EQ(start_with({"--rat_hz", "3"}).exit_code, 2);
     EXPECT_THAT(errors_, HasSubstr("unexpected: --rat_hz 3; did you mean --rate_hz?"));
     EXPECT_EQ(start_with({"--confg=x.toml"}).exit_code, 2);
@@ -118,7 +118,7 @@ TEST_F(ProgramStart, AnUnknownOptionIsSaidWithWhatMayBeMeant) {
     EXPECT_THAT(errors_, HasSubstr("unexpected: file.toml;"));
 }
 
-TEST_F(ProgramStart, AProgramMayReadMoreOfItsFile) {
+TEST_F(ProgramStart, ProgramCanReadMoreKeysOfItsFile) {
     int extra = 0;
     const auto more = [&](config::TableReader& reader) { reader.read("extra", extra, {0, 5}); };
     EXPECT_TRUE(start_with({"--config", file("extra = 3\n")}, more).go_on);

@@ -12,14 +12,14 @@
 namespace atrium {
 namespace {
 
-TEST(KeyedWorkers, HandleEachKeyInOrderAndNeverTwiceAtOnce) {
+TEST(KeyedWorkers, HandlesAKeyInOrderAndOneValueAtATime) {
     constexpr std::size_t kKeys = 7;
     constexpr int kProducers = 3;
     constexpr int kPuts = 20'000;
     for (const std::size_t max_threads : {1, 2, 4}) {
         struct Key {
             std::atomic<bool> is_busy = false;
-            std::array<int, kProducers> last{};  // of each producer, as its values have an order
+            std::array<int, kProducers> last{};  // of each producer: its values are in order
         };
         std::array<Key, kKeys> keys;
         std::atomic<bool> is_right = true;
@@ -52,7 +52,7 @@ TEST(KeyedWorkers, HandleEachKeyInOrderAndNeverTwiceAtOnce) {
                 });
             }
         }
-        // nothing is lost uncounted: what was not replaced is handled, without a further `put`
+        // every value is either replaced or handled, without a further `put`
         while (num_handled + num_replaced < kProducers * kPuts) std::this_thread::yield();
         EXPECT_TRUE(is_right);
         EXPECT_EQ(num_handled + num_replaced, kProducers * kPuts);
@@ -61,7 +61,7 @@ TEST(KeyedWorkers, HandleEachKeyInOrderAndNeverTwiceAtOnce) {
     }
 }
 
-TEST(KeyedWorkers, ANewerValueReplacesTheOneThatWaits) {
+TEST(KeyedWorkers, ReplacesTheWaitingValueByANewerOne) {
     std::binary_semaphore began(0);
     std::binary_semaphore go_on(0);
     std::vector<int> handled;
@@ -72,7 +72,7 @@ TEST(KeyedWorkers, ANewerValueReplacesTheOneThatWaits) {
     });
     EXPECT_FALSE(sut.put("a", 1));
     began.acquire();
-    EXPECT_FALSE(sut.put("a", 2)) << "waits, though a thread could be had";
+    EXPECT_FALSE(sut.put("a", 2)) << "the value waits although a thread was available";
     EXPECT_EQ(sut.put("a", 3), 2);
     EXPECT_EQ(sut.num_replaced(), 1U);
     EXPECT_EQ(sut.num_threads(), 1U);
@@ -83,7 +83,7 @@ TEST(KeyedWorkers, ANewerValueReplacesTheOneThatWaits) {
     EXPECT_EQ(handled, (std::vector{1, 3}));
 }
 
-TEST(KeyedWorkers, DifferentKeysAreHandledAtTheSameTime) {
+TEST(KeyedWorkers, HandlesDifferentKeysInParallel) {
     std::latch both(2);
     std::counting_semaphore<2> done(0);
     KeyedWorkers<int> sut("test", 2, [&](const std::string&, int, std::size_t) {
@@ -97,7 +97,7 @@ TEST(KeyedWorkers, DifferentKeysAreHandledAtTheSameTime) {
     EXPECT_EQ(sut.num_threads(), 2U);
 }
 
-TEST(KeyedWorkers, ManyKeysStartNoMoreThreadsThanAllowed) {
+TEST(KeyedWorkers, StartsNoMoreThreadsThanAllowedForManyKeys) {
     constexpr int kKeys = 500;
     std::atomic<int> num_handled = 0;
     KeyedWorkers<int> sut("test", 3, [&](const std::string&, int, std::size_t) { ++num_handled; });
@@ -108,7 +108,7 @@ TEST(KeyedWorkers, ManyKeysStartNoMoreThreadsThanAllowed) {
     EXPECT_EQ(sut.num_replaced(), 0U);
 }
 
-TEST(KeyedWorkers, ABusyKeyDoesNotStarveAnother) {
+TEST(KeyedWorkers, BusyKeyDoesNotStarveAnother) {
     std::binary_semaphore began(0);
     std::binary_semaphore go_on(0);
     std::vector<std::string> handled;
@@ -133,7 +133,7 @@ TEST(KeyedWorkers, ABusyKeyDoesNotStarveAnother) {
     EXPECT_EQ(handled[1], "b");
 }
 
-TEST(KeyedWorkers, StopWaitsForHandlersAndDropsWhatWaits) {
+TEST(KeyedWorkers, StopWaitsForHandlersAndDropsWaitingValues) {
     std::binary_semaphore began(0);
     std::atomic<bool> is_finished = false;
     std::atomic<int> num_handled = 0;
@@ -145,11 +145,11 @@ TEST(KeyedWorkers, StopWaitsForHandlersAndDropsWhatWaits) {
             is_finished = true;
         });
     sut.stop();
-    EXPECT_TRUE(sut.put("a", std::make_unique<int>(1))) << "after a stop nothing is handled";
+    EXPECT_TRUE(sut.put("a", std::make_unique<int>(1))) << "put after stop is not handled";
 
     KeyedWorkers<int> busy("test", 1, [&](const std::string&, int, std::size_t) {
         began.release();
-        // holds on until the others wait
+        // blocks until the others wait
         while (busy.num_replaced() < 1) std::this_thread::yield();
         is_finished = true;
         ++num_handled;
@@ -160,7 +160,7 @@ TEST(KeyedWorkers, StopWaitsForHandlersAndDropsWhatWaits) {
     busy.put("b", 2);
     busy.stop();
     EXPECT_TRUE(is_finished);
-    EXPECT_LE(num_handled, 2) << "of b at most the newest";
+    EXPECT_LE(num_handled, 2) << "more than the newest value of b was handled";
     EXPECT_EQ(busy.num_threads(), 0U);
 }
 

@@ -13,7 +13,7 @@ TEST(LatestSlot, IsEmptyAtFirst) {
     EXPECT_EQ(slot.num_dropped(), 0u);
 }
 
-TEST(LatestSlot, KeepsTheNewestAndCountsWhatItReplaced) {
+TEST(LatestSlot, KeepsTheNewestAndCountsReplacedValues) {
     LatestSlot<int> slot;
     EXPECT_FALSE(slot.put(1));
     EXPECT_TRUE(slot.put(2));
@@ -23,7 +23,7 @@ TEST(LatestSlot, KeepsTheNewestAndCountsWhatItReplaced) {
     EXPECT_EQ(slot.num_dropped(), 2u);
 }
 
-TEST(LatestSlot, TakeEndsWhenStopIsRequested) {
+TEST(LatestSlot, TakeReturnsWhenStopIsRequested) {
     LatestSlot<int> slot;
     std::optional<int> result = 7;
     {
@@ -32,7 +32,7 @@ TEST(LatestSlot, TakeEndsWhenStopIsRequested) {
     EXPECT_FALSE(result.has_value());
 }
 
-TEST(LatestSlot, NeverGoesBackwardsUnderContentionAndLosesNothingUncounted) {
+TEST(LatestSlot, KeepsOrderAndCountsEveryLossUnderContention) {
     constexpr int kNumValues = 20000;
     LatestSlot<int> slot;
     int num_taken = 0;

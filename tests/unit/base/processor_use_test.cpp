@@ -25,11 +25,12 @@ TEST(ParseSchedstat, ReadsThreeNumbers) {
     EXPECT_EQ(stat->run_ns, 101933437U);
     EXPECT_EQ(stat->waited_ns, 32335820U);
     EXPECT_EQ(stat->num_runs, 109U);
-    EXPECT_TRUE(parse_schedstat("0 108924 1\n").has_value()) << "its first run goes on";
+    EXPECT_TRUE(parse_schedstat("0 108924 1\n").has_value())
+        << "the thread is still in its first run";
     EXPECT_TRUE(parse_schedstat("18446744073709551615 0 1").has_value());
 }
 
-TEST(ParseSchedstat, RefusesWhatIsNoSuchLine) {
+TEST(ParseSchedstat, RefusesMalformedLines) {
     for (const char* text : {"",
                              "\n",
                              "1",
@@ -47,7 +48,7 @@ TEST(ParseSchedstat, RefusesWhatIsNoSuchLine) {
     }
 }
 
-TEST(ParseSchedstat, TakesZerosForAKernelThatDoesNotCount) {
+TEST(ParseSchedstat, ReadsZerosAsAKernelThatDoesNotCount) {
     EXPECT_FALSE(parse_schedstat("0 0 0\n").has_value());
 }
 
@@ -73,7 +74,7 @@ protected:
     Clock::time_point now_{seconds(1000)};
 };
 
-TEST_F(ProcessorMeterTest, AddsUpTheWaitsOfAllThreads) {
+TEST_F(ProcessorMeterTest, SumsTheWaitsOfAllThreads) {
     thread(10, 500, 1'000'000'000);
     thread(11, 500, 2'000'000'000);
     ProcessorMeter meter(folder_.string(), now_);
@@ -86,8 +87,9 @@ TEST_F(ProcessorMeterTest, AddsUpTheWaitsOfAllThreads) {
     EXPECT_DOUBLE_EQ(use.longest_wait_per_s, 0.35);
 }
 
-// A program's first report follows its start at once, and late reports follow each other at once.
-TEST_F(ProcessorMeterTest, JudgesNoIntervalOfAFewMilliseconds) {
+// A program's first report follows its start immediately, and late reports follow each other
+// immediately.
+TEST_F(ProcessorMeterTest, IgnoresIntervalsOfAFewMilliseconds) {
     thread(10, 500, 0);
     ProcessorMeter meter(folder_.string(), now_);
     thread(10, 900, 90'000'000);
@@ -95,16 +97,16 @@ TEST_F(ProcessorMeterTest, JudgesNoIntervalOfAFewMilliseconds) {
     EXPECT_EQ(first.longest_wait_per_s, 0.0) << "90 ms of 100";
     EXPECT_TRUE(first.is_waiting_known);
     const ProcessorUse second = meter.update(now_ + milliseconds(1000));
-    EXPECT_DOUBLE_EQ(second.longest_wait_per_s, 0.09) << "nothing is lost";
+    EXPECT_DOUBLE_EQ(second.longest_wait_per_s, 0.09) << "the wait of the ignored interval is lost";
     thread(10, 1'000, 5'090'000'000);
     EXPECT_EQ(meter.update(now_ + milliseconds(1001)), second);
-    // the wait began before the interval: longer than it no thread can have waited
+    // the wait began before the interval: no thread can wait longer than the interval lasts
     const ProcessorUse third = meter.update(now_ + milliseconds(2000));
     EXPECT_DOUBLE_EQ(third.longest_wait_per_s, 1.0);
     EXPECT_EQ(third.waited_ns, 5'090'000'000U);
 }
 
-TEST_F(ProcessorMeterTest, KeepsWhatThreadsWaitedThatHaveEnded) {
+TEST_F(ProcessorMeterTest, KeepsTheWaitsOfEndedThreads) {
     thread(10, 500, 100);
     thread(11, 500, 2'000'000'000);
     ProcessorMeter meter(folder_.string(), now_);
@@ -115,14 +117,14 @@ TEST_F(ProcessorMeterTest, KeepsWhatThreadsWaitedThatHaveEnded) {
     EXPECT_EQ(meter.update(now_ + seconds(2)).waited_ns, 2'000'000'500U);
 }
 
-TEST_F(ProcessorMeterTest, CountsANewThreadWithTheNumberOfOneThatEnded) {
+TEST_F(ProcessorMeterTest, CountsANewThreadThatReusesAnEndedThreadsId) {
     thread(10, 5'000, 1'000);
     ProcessorMeter meter(folder_.string(), now_);
-    thread(10, 20, 300);  // it ran less than the old one
+    thread(10, 20, 300);  // it ran for less time than the old thread
     EXPECT_EQ(meter.update(now_ + seconds(1)).waited_ns, 1'300U);
 }
 
-TEST_F(ProcessorMeterTest, NeverGoesBack) {
+TEST_F(ProcessorMeterTest, NeverDecreases) {
     std::mt19937 random(1);
     ProcessorMeter meter(folder_.string(), now_);
     ProcessorUse last;
@@ -140,7 +142,7 @@ TEST_F(ProcessorMeterTest, NeverGoesBack) {
     }
 }
 
-TEST_F(ProcessorMeterTest, SaysThatTheKernelDoesNotCount) {
+TEST_F(ProcessorMeterTest, ReportsAKernelThatDoesNotCount) {
     thread(10, "0 0 0\n");
     ProcessorMeter zeros(folder_.string(), now_);
     EXPECT_FALSE(zeros.update(now_ + seconds(1)).is_waiting_known);
@@ -150,10 +152,10 @@ TEST_F(ProcessorMeterTest, SaysThatTheKernelDoesNotCount) {
     ProcessorMeter no_folder((folder_ / "none").string(), now_);
     const ProcessorUse use = no_folder.update(now_ + seconds(1));
     EXPECT_FALSE(use.is_waiting_known);
-    EXPECT_GT(use.run_ns, 0U) << "that needs no schedstat";
+    EXPECT_GT(use.run_ns, 0U) << "the run time needs no schedstat";
 }
 
-TEST_F(ProcessorMeterTest, CountsNothingTwiceWhenAFileWasUnreadable) {
+TEST_F(ProcessorMeterTest, CountsNothingTwiceAfterAnUnreadableFile) {
     thread(10, 500, 1'000);
     ProcessorMeter meter(folder_.string(), now_);
     thread(10, "");
@@ -162,7 +164,7 @@ TEST_F(ProcessorMeterTest, CountsNothingTwiceWhenAFileWasUnreadable) {
     EXPECT_EQ(meter.update(now_ + seconds(2)).waited_ns, 1'100U);
 }
 
-// Runs `thread` while more threads than the machine has cores need one all the time.
+// Runs `thread` while more busy threads than cores compete with it.
 template <typename Thread>
 void run_among_busy_threads(Thread thread) {
     std::atomic<bool> stop{false};
@@ -179,20 +181,20 @@ void run_among_busy_threads(Thread thread) {
 
 bool kernel_counts() { return ProcessorMeter().update().is_waiting_known; }
 
-TEST(ProcessorMeterOfThisProcess, SeesItsThreadsRunAndWait) {
+TEST(ProcessorMeterOfThisProcess, MeasuresItsThreadsRunAndWait) {
     ProcessorMeter meter;
     run_among_busy_threads([] { std::this_thread::sleep_for(milliseconds(200)); });
     const ProcessorUse use = meter.update();
     EXPECT_GT(use.run_per_s, 0.1);
     if (!kernel_counts()) GTEST_SKIP() << "this kernel does not count waits";
-    // the busy threads have ended: the meter has not seen them
+    // the busy threads have ended before the meter could see them
     ProcessorMeter again;
     ProcessorUse during;
     run_among_busy_threads([&] {
         std::this_thread::sleep_for(milliseconds(300));
         during = again.update();
     });
-    EXPECT_GT(during.waited_per_s, 0.3) << "twice as many threads as cores";
+    EXPECT_GT(during.waited_per_s, 0.3) << "two threads per core must wait";
     EXPECT_LE(during.longest_wait_per_s, 1.0);
 }
 

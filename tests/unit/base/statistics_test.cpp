@@ -7,7 +7,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-TEST(LatencyWindow, SaysThatNothingWasMeasured) {
+TEST(LatencyWindow, ReportsNothingWithoutMeasurements) {
     EXPECT_EQ(LatencyWindow().quantiles().num_samples, 0u);
 }
 
@@ -20,13 +20,13 @@ TEST(LatencyWindow, GivesNearestRankQuantiles) {
     EXPECT_EQ(q.num_samples, 100u);
 }
 
-TEST(LatencyWindow, ForgetsTheOldest) {
+TEST(LatencyWindow, ForgetsTheOldestValues) {
     LatencyWindow window(3);
     for (const int ms : {1000, 1, 2, 3}) window.add(milliseconds(ms));
     EXPECT_DOUBLE_EQ(window.quantiles().p99_ms, 3.0);
 }
 
-TEST(RateMeter, DividesTheDifferenceByTheTime) {
+TEST(RateMeter, DividesTheCountDifferenceByTheTime) {
     const auto t0 = std::chrono::steady_clock::time_point{} + milliseconds(5);
     RateMeter meter;
     EXPECT_DOUBLE_EQ(meter.update(10, t0), 0.0);

@@ -12,7 +12,7 @@
 namespace atrium {
 namespace {
 
-TEST(ThreadPool, DoesEachTaskOnceInEveryRound) {
+TEST(ThreadPool, RunsEachTaskOncePerRound) {
     for (const std::size_t num_workers : {1u, 2u, 5u}) {
         ThreadPool pool(num_workers);
         EXPECT_EQ(pool.num_workers(), num_workers);
@@ -30,7 +30,7 @@ TEST(ThreadPool, DoesEachTaskOnceInEveryRound) {
     }
 }
 
-TEST(ThreadPool, NoTwoTasksAtOnceHaveTheSameWorker) {
+TEST(ThreadPool, ConcurrentTasksHaveDifferentWorkers) {
     constexpr std::size_t kNumWorkers = 4;
     ThreadPool pool(kNumWorkers);
     std::vector<std::atomic<int>> busy(kNumWorkers);
@@ -43,7 +43,7 @@ TEST(ThreadPool, NoTwoTasksAtOnceHaveTheSameWorker) {
     EXPECT_FALSE(shared);
 }
 
-TEST(ThreadPool, ResultsAreSeenByTheCaller) {
+TEST(ThreadPool, CallerSeesTheResults) {
     ThreadPool pool(3);
     std::vector<std::uint64_t> squares(10000);
     const auto body = [&](std::size_t task, std::size_t) { squares[task] = task * task; };
@@ -51,12 +51,12 @@ TEST(ThreadPool, ResultsAreSeenByTheCaller) {
     for (std::size_t i = 0; i < squares.size(); ++i) ASSERT_EQ(squares[i], i * i);
 }
 
-TEST(ThreadPool, GivesTheCallerWhatABodyThrowsAndGoesOn) {
+TEST(ThreadPool, RethrowsToTheCallerAndStaysUsable) {
     for (const std::size_t num_workers : {1u, 2u, 5u}) {
         ThreadPool pool(num_workers);
         for (const std::size_t bad_task : {0u, 50u, 99u}) {
             const auto body = [&](std::size_t task, std::size_t) {
-                if (task >= bad_task) throw std::bad_alloc();  // of several workers at once
+                if (task >= bad_task) throw std::bad_alloc();  // thrown by several workers at once
             };
             EXPECT_THROW(pool.parallel_for(100, body), std::bad_alloc) << num_workers;
             std::atomic<int> num_done{0};
@@ -67,7 +67,7 @@ TEST(ThreadPool, GivesTheCallerWhatABodyThrowsAndGoesOn) {
     }
 }
 
-// Threads that are in a task right now, and the most there were at once.
+// Number of threads inside a task now, and its maximum so far.
 class Crowd {
 public:
     class Member {
@@ -90,7 +90,7 @@ private:
     std::atomic<int> most_{0};
 };
 
-TEST(ThreadPool, DoesEachTaskOfBothCallersOnce) {
+TEST(ThreadPool, RunsEachTaskOfTwoCallersOnce) {
     constexpr int kNumRounds = 300;
     constexpr std::size_t kNumTasks = 40;
     for (const std::size_t num_workers : {1u, 2u, 4u}) {
@@ -127,9 +127,9 @@ TEST(ThreadPool, DoesEachTaskOfBothCallersOnce) {
     }
 }
 
-// Both tasks of an urgent round wait for each other, with one pool thread, which is in a task of
-// the background: only by giving way there the round can end.
-TEST(ThreadPool, GivesWayInTheMiddleOfATask) {
+// Both tasks of an urgent round wait for each other. The only pool thread is busy with a background
+// task, and the round can end only if that task gives way.
+TEST(ThreadPool, BackgroundTaskGivesWayBeforeItEnds) {
     ThreadPool pool(2);
     std::atomic<int> num_begun{0};
     std::atomic<bool> urgent_done{false};
@@ -142,7 +142,7 @@ TEST(ThreadPool, GivesWayInTheMiddleOfATask) {
         };
         pool.background().parallel_for(1, body);
     });
-    num_begun.wait(0);  // in the pool thread, as somebody holds the priority
+    num_begun.wait(0);  // on the pool thread, because somebody holds the priority
     std::atomic<int> num_met{0};
     const auto meet = [&](std::size_t, std::size_t) {
         ++num_met;
@@ -155,7 +155,7 @@ TEST(ThreadPool, GivesWayInTheMiddleOfATask) {
     EXPECT_EQ(num_met, 2);
 }
 
-TEST(ThreadPool, TheBackgroundsCallerWorksOnlyWhereNobodyHasPriority) {
+TEST(ThreadPool, BackgroundCallerWorksOnlyWithoutPriorityHolders) {
     ThreadPool alone(1);
     std::optional<ThreadPool::Priority> priority(alone);
     std::atomic<int> num_done{0};
@@ -166,19 +166,19 @@ TEST(ThreadPool, TheBackgroundsCallerWorksOnlyWhereNobodyHasPriority) {
     const auto urgent = [&](std::size_t, std::size_t) { EXPECT_EQ(num_done, 0); };
     for (int i = 0; i < 1000; ++i) alone.parallel_for(3, urgent);
     ThreadPool::Priority moved(std::move(*priority));
-    priority.reset();  // of what was moved from
+    priority.reset();  // the moved-from one
     alone.parallel_for(3, urgent);
     moved = ThreadPool::Priority();
     other.join();
     EXPECT_EQ(num_done, 10);
 }
 
-TEST(ThreadPool, NoMoreThreadsWorkThanItHasWorkers) {
+TEST(ThreadPool, RunsNoMoreThreadsThanWorkers) {
     constexpr std::size_t kNumWorkers = 3;
     ThreadPool pool(kNumWorkers);
     Crowd crowd;
     std::atomic<bool> ends{false};
-    std::optional<ThreadPool::Priority> priority(pool);  // held throughout
+    std::optional<ThreadPool::Priority> priority(pool);  // held during the whole test
     std::jthread other([&] {
         const auto body = [&](std::size_t, std::size_t) { const Crowd::Member member(crowd); };
         while (!ends) pool.background().parallel_for(20, body);
@@ -191,7 +191,7 @@ TEST(ThreadPool, NoMoreThreadsWorkThanItHasWorkers) {
     EXPECT_LE(crowd.most(), static_cast<int>(kNumWorkers));
 }
 
-TEST(ThreadPool, GivesTheBackgroundsCallerWhatABodyThrows) {
+TEST(ThreadPool, RethrowsToTheBackgroundCaller) {
     for (const std::size_t num_workers : {1u, 2u, 5u}) {
         ThreadPool pool(num_workers);
         const auto bad = [&](std::size_t task, std::size_t) {
@@ -205,7 +205,7 @@ TEST(ThreadPool, GivesTheBackgroundsCallerWhatABodyThrows) {
     }
 }
 
-TEST(ThreadPool, MayBeDestroyedWithoutEverBeingUsed) { const ThreadPool pool(8); }
+TEST(ThreadPool, CanBeDestroyedUnused) { const ThreadPool pool(8); }
 
 }  // namespace
 }  // namespace atrium

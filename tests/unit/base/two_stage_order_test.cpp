@@ -18,7 +18,7 @@ std::stop_token stopped() {
     return source.get_token();
 }
 
-TEST(TwoStageOrder, HandsOnInOrder) {
+TEST(TwoStageOrder, PassesItemsOnInOrder) {
     Order order;
     for (int i = 1; i <= 3; ++i) {
         order.offer(i);
@@ -32,7 +32,7 @@ TEST(TwoStageOrder, HandsOnInOrder) {
     EXPECT_EQ(order.num_dropped(), 0u);
 }
 
-TEST(TwoStageOrder, KeepsTheNewestInFrontOfTheFirstStage) {
+TEST(TwoStageOrder, KeepsTheNewestBeforeTheFirstStage) {
     Order order;
     for (int i = 1; i <= 4; ++i) order.offer(i);
     EXPECT_EQ(order.num_dropped(), 3u);
@@ -40,26 +40,26 @@ TEST(TwoStageOrder, KeepsTheNewestInFrontOfTheFirstStage) {
     EXPECT_FALSE(order.begin(stopped()));
 }
 
-TEST(TwoStageOrder, DropsWhatWaitsForABusySecondStageOnceANewerOneIsBegun) {
+TEST(TwoStageOrder, DropsTheItemThatWaitsForTheSecondStageWhenANewerOneBegins) {
     Order order;
     order.offer(1);
     order.begin({});
     order.hand_over(1);
-    EXPECT_EQ(order.take({}), 1);  // busy from here on
+    EXPECT_EQ(order.take({}), 1);  // the second stage is busy from here on
     order.offer(2);
     order.begin({});
     order.hand_over(2);
     order.offer(3);
-    EXPECT_EQ(order.num_dropped(), 0u) << "2 may still be taken";
+    EXPECT_EQ(order.num_dropped(), 0u) << "2 can still be taken";
     const auto begun = order.begin({});
     EXPECT_EQ(begun->value, 3);
-    EXPECT_EQ(begun->dropped, 2) << "its memory comes back";
+    EXPECT_EQ(begun->dropped, 2) << "the dropped item must be returned for reuse";
     EXPECT_EQ(order.num_dropped(), 1u);
     order.hand_over(3);
     EXPECT_EQ(order.take({}), 3);
 }
 
-TEST(TwoStageOrder, CountsEverythingThatASecondStageWithoutPausesDoesNotTake) {
+TEST(TwoStageOrder, CountsEverythingABusySecondStageDoesNotTake) {
     Order order;
     constexpr int kNumRounds = 2000;
     std::vector<int> taken;
@@ -78,7 +78,7 @@ TEST(TwoStageOrder, CountsEverythingThatASecondStageWithoutPausesDoesNotTake) {
     EXPECT_EQ(taken.size() + order.num_dropped(), static_cast<std::size_t>(kNumRounds));
 }
 
-TEST(TwoStageOrder, BothStagesEndWithAStopAndWhatIsThereIsStillHandedOut) {
+TEST(TwoStageOrder, StopEndsBothStagesAfterPendingItemsAreTaken) {
     Order order;
     order.offer(1);
     EXPECT_TRUE(order.begin(stopped()));
@@ -92,9 +92,9 @@ TEST(TwoStageOrder, BothStagesEndWithAStopAndWhatIsThereIsStillHandedOut) {
     }
 }
 
-// Three threads with random pauses: taken in order, the last one always, every other one taken or
-// counted, and nothing after something newer.
-TEST(TwoStageOrder, IsOrderedAndLosesNothingUncounted) {
+// Three threads with random pauses. Items are taken in order, the last one always. Every other item
+// is taken or counted, and none follows a newer one.
+TEST(TwoStageOrder, KeepsOrderAndCountsEveryLoss) {
     constexpr int kNumValues = 5000;
     for (unsigned seed = 0; seed < 3; ++seed) {
         Order order;

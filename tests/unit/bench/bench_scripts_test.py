@@ -1,4 +1,4 @@
-"""Tests of what the scripts in bench/ compute; they start no demo. Run by ctest: python3 tests/unit/bench/bench_scripts_test.py"""
+"""Tests the computations of the scripts in bench/. They start no demo. Run by ctest: python3 tests/unit/bench/bench_scripts_test.py"""
 
 import copy
 import json
@@ -48,7 +48,7 @@ class Shares(unittest.TestCase):
         self.assertAlmostEqual(used["others"], (2.0 + 2.0) / 20.0)
         self.assertAlmostEqual(used["steal"], 0.1)
 
-    def test_is_never_negative(self):
+    def test_shares_are_never_negative(self):
         self.assertEqual(machine.shares(cpu(), cpu(user=1, idle=1), own_s=1.5)["others"], 0.0)
 
     def test_refuses_a_line_of_one_core(self):
@@ -76,7 +76,7 @@ class WaitUntilIdle(unittest.TestCase):
         self.assertAlmostEqual(used["others"], 0.01)
         self.assertEqual([line.split(":")[0] for line in said], ["not idle", "not idle", "idle"])
 
-    def test_gives_up_after_its_patience_and_says_so(self):
+    def test_gives_up_after_its_patience_and_reports_it(self):
         waited, used, said = self.wait([0.9] * 5, patience_s=6)
         self.assertEqual(waited, 6)
         self.assertAlmostEqual(used["others"], 0.9)
@@ -84,7 +84,7 @@ class WaitUntilIdle(unittest.TestCase):
 
 
 class Processes(unittest.TestCase):
-    def test_reads_a_stat_line_whose_name_holds_blanks_and_brackets(self):
+    def test_reads_a_stat_line_with_blanks_and_brackets_in_the_name(self):
         text = f"12 (a) b (c) S 7 12 12 0 -1 0 0 0 0 0 {3 * HERTZ} {2 * HERTZ} 99 99 20 0 1 0 {50 * HERTZ} 0"
         self.assertEqual(demo_run.read_stat(text), {"parent": 7, "cpu_s": 5.0, "started_s": 50.0})
 
@@ -122,7 +122,7 @@ class Processes(unittest.TestCase):
             started = {"world": begin, "viewer": begin, "alice": begin, "bob": begin}
             self.assertEqual(demo_run.start_seconds(output, started), {"world": 1.5, "alice": 3.25})
 
-    def test_takes_medians_of_numbers_inside_of_dictionaries(self):
+    def test_takes_medians_of_numbers_inside_dictionaries(self):
         runs = [{"a": 1, "b": {"c": 5.0}, "d": "x", "e": None}, {"a": 3, "b": {"c": 1.0}, "d": "x", "e": 2.0}, {"a": 2, "b": {"c": 2.0}, "d": "x"}]
         self.assertEqual(demo_run.median_of(runs), {"a": 2, "b": {"c": 2.0}, "d": "x", "e": 2.0})
         self.assertEqual(demo_run.median_of([{"a": None}, {"a": {"b": 1}}, {"a": {"b": 3}}]), {"a": {"b": 2}})
@@ -165,7 +165,7 @@ class RunsADemo(unittest.TestCase):
             os.chmod(path, 0o755)
         self.output = os.path.join(self.folder.name, "out")
 
-    def test_measures_what_the_demo_started(self):
+    def test_measures_the_programs_of_the_demo(self):
         with mock.patch.dict(os.environ, FAKE_DEMO="works"), mock.patch.object(demo_run, "program_name", return_value="world"):
             result_of_run = demo_run.run(os.path.join(self.folder.name, "demo"), self.folder.name, self.output, 3)
         self.assertEqual(result_of_run["report"], {"seconds": 3})
@@ -197,23 +197,23 @@ class ReadmeTable(unittest.TestCase):
             self.assertIn(part, text)
         self.assertNotIn("not quiet", text)
 
-    def test_prefers_what_programs_report_of_their_start(self):
+    def test_prefers_start_times_that_programs_report(self):
         self.assertIn("until the world server runs", readme_table.demo_table(result()))
         kept = result()
         for name, seconds in (("world", 0.25), ("viewer", 1.5)):
             kept["figures"]["report"][name]["first_output_s"] = seconds
         self.assertIn("first picture | not counted and not counted, 0.2, 1.5 s |", readme_table.demo_table(kept))
 
-    def test_says_how_far_the_viewer_gave_way(self):
+    def test_reports_the_quality_that_the_viewer_gave_up(self):
         kept = result()
         self.assertNotIn("allows itself", readme_table.demo_table(kept))
         kept["figures"]["report"]["viewer"].update(max_frames_per_s=30.0, scale=0.75, shadows=0.0)
         self.assertIn("| 30; 75% of the picture's width and height, without shadows |", readme_table.demo_table(kept))
 
-    def test_says_when_the_machine_was_not_quiet(self):
+    def test_reports_a_machine_that_was_not_quiet(self):
         self.assertIn("**not quiet**", readme_table.demo_table(result(quiet=False)))
 
-    def test_check_fails_where_a_table_is_not_the_newest_files(self):
+    def test_check_fails_if_a_table_differs_from_the_newest_files(self):
         with tempfile.TemporaryDirectory() as folder:
             readme = os.path.join(folder, "README.md")
             files = []
@@ -245,7 +245,7 @@ class ReadmeTable(unittest.TestCase):
         new = "2026-11-24T00:47Z, Some CPU, machine score 98.6, 2 cores, c++ 12.2.0"
         self.assertEqual(readme_table.measured_on(new), "Some CPU, score 99, 2026-11-24")
 
-    def test_takes_the_table_that_was_measured_last_whatever_its_name(self):
+    def test_takes_the_latest_measurement_whatever_its_name(self):
         with tempfile.TemporaryDirectory() as folder:
             files = []
             for name, date in (("b", "2026-11-23T01:48Z"), ("a", "2026-11-23T16:00Z")):
@@ -256,7 +256,7 @@ class ReadmeTable(unittest.TestCase):
                 rows, where = readme_table.newest_rows("x.csv")
         self.assertEqual((rows[0]["key"], where), ("a", "CPU a, score not measured, 2026-11-23"))
 
-    def test_the_text_between_markers_is_what_renew_put_there(self):
+    def test_reads_the_text_that_renew_put_between_markers(self):
         with tempfile.NamedTemporaryFile("w", suffix=".md") as page:
             page.write("a\n<!-- x -->\nold\n<!-- /x -->\nb\n")
             page.flush()
@@ -282,7 +282,7 @@ class Whole(unittest.TestCase):
         self.assertIn("| world: processor time per metaframe | 12.0 ms | 6.0 ms | 0.50 |", text)
         self.assertIn("all runs quiet", text)
 
-    def test_counts_runs_that_were_not_quiet_and_leaves_gaps_where_nothing_was_measured(self):
+    def test_counts_runs_that_were_not_quiet_and_leaves_gaps_without_a_measurement(self):
         old = self.run_with(10.0, others=0.2)
         old["programs"]["world"]["waiting_ms_per_metaframe"] = None
         text = whole.table(self.kept([old], [self.run_with(5.0)]))
@@ -291,12 +291,12 @@ class Whole(unittest.TestCase):
 
 
 class Instructions(unittest.TestCase):
-    def test_reads_callgrinds_total(self):
+    def test_reads_the_total_of_callgrind(self):
         self.assertEqual(instructions.collected("==1== Events    : Ir\n==1== Collected : 335736149\n==1==\n"), 335736149)
         self.assertIsNone(instructions.collected("==1== Collected : 0\n"))  # nothing was counted
         self.assertIsNone(instructions.collected("==1== error\n"))
 
-    def test_fails_beyond_fifteen_percent_of_any_stage(self):
+    def test_fails_above_fifteen_percent_in_any_stage(self):
         kept = {"site": 100e6, "world": 100e6, "viewer": 100e6}
         for ratio, expected in ((0.5, True), (1.149, True), (1.151, False)):
             lines, within = instructions.compare(kept, {**kept, "world": ratio * 100e6})
@@ -314,7 +314,7 @@ class Instructions(unittest.TestCase):
                 return end.code
         return 0
 
-    def test_exits_as_its_help_says(self):
+    def test_exits_with_the_codes_of_its_help(self):
         kept = {"site": 100e6, "world": 100e6, "viewer": 100e6}
         self.assertEqual(self.exit_code(kept, kept), 0)
         self.assertEqual(self.exit_code(kept, {**kept, "viewer": 120e6}), 1)

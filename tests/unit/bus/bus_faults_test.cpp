@@ -27,7 +27,7 @@ using testing::Listener;
 using testing::own_world;
 using testing::value;
 
-/// Another process that is a site; killed at the end at the latest.
+/// Another process that runs a site. The destructor kills it.
 class Peer {
 public:
     Peer(const BusOptions& options, const std::string& site) {
@@ -55,7 +55,7 @@ private:
     pid_t pid_ = 0;
 };
 
-TEST(BusFaults, ASiteThatIsKilledIsGoneWithinTwoSeconds) {
+TEST(BusFaults, KilledSiteIsGoneWithinTwoSeconds) {
     const BusOptions options = own_world("killed", 110);
     const auto participant = value(Participant::create(options));
     Listener<SiteDescription> descriptions(participant);
@@ -81,13 +81,13 @@ TEST(BusFaults, ASiteThatIsKilledIsGoneWithinTwoSeconds) {
     EXPECT_EQ(descriptions.endings.front(), Ending::kLost);
     EXPECT_EQ(meshes.endings.front(), Ending::kLost);
 
-    // One that returns is back by itself.
+    // A site that returns appears again without help.
     descriptions.forget();
     const Peer again(options, "doomed");
     EXPECT_TRUE(descriptions.await([&] { return !descriptions.samples.empty(); }));
 }
 
-TEST(BusFaults, ASiteThatWasFrozenIsGoneAndComesBackByItself) {
+TEST(BusFaults, FrozenSiteIsGoneAndReturnsByItself) {
     const BusOptions options = own_world("frozen", 111);
     const auto participant = value(Participant::create(options));
     Listener<SiteDescription> descriptions(participant);
@@ -102,7 +102,7 @@ TEST(BusFaults, ASiteThatWasFrozenIsGoneAndComesBackByItself) {
         EXPECT_TRUE(descriptions.await([&] { return !descriptions.gone.empty(); }));
         const auto time = std::chrono::steady_clock::now() - frozen_at;
 
-        // It wrote its description once, at its start; a reader must get it again all the same.
+        // The site wrote its description only once, at its start. The reader must receive it again.
         descriptions.forget();
         meshes.forget();
         peer.signal(SIGCONT);
@@ -113,8 +113,9 @@ TEST(BusFaults, ASiteThatWasFrozenIsGoneAndComesBackByItself) {
     EXPECT_LT(atrium::test::shortest_of(3, 2s, time_until_gone), 2s);
 }
 
-// More than the 10 for which Cyclone has room by itself, or the 31 for which there once was.
-TEST(BusFaults, FortyProgramsOfOneHostFindEachOther) {
+// More than the 10 participants that Cyclone allows by default, and more than the former limit of
+// 31.
+TEST(BusFaults, FortyProgramsOnOneHostFindEachOther) {
     const BusOptions options = own_world("forty", 112);
     const auto participant = value(Participant::create(options));
     Listener<SiteDescription> descriptions(participant);
@@ -131,7 +132,7 @@ TEST(BusFaults, FortyProgramsOfOneHostFindEachOther) {
         << seen.size();
 }
 
-/// Writes wire structs as they are, which Writer would never do.
+/// Writes wire structs unchecked, which Writer never does.
 template <typename Message>
 class RawWriter {
 public:
@@ -164,7 +165,7 @@ private:
     Entity writer_;
 };
 
-TEST(BusFaults, ABadSampleIsCountedAndNamedAndTheGoodOnesPass) {
+TEST(BusFaults, BadSampleIsCountedAndNamedAndGoodOnesPass) {
     const auto participant = value(Participant::create(own_world("bad")));
     Listener<SitePlacement> listener(participant);
     RawWriter<SitePlacement> raw(participant);
@@ -183,7 +184,7 @@ TEST(BusFaults, ABadSampleIsCountedAndNamedAndTheGoodOnesPass) {
     EXPECT_THAT(listener.first_rejection, HasSubstr("SitePlacement.world_from_site"));
 }
 
-TEST(BusFaults, AKeyThatIsNoNameIsRejectedAlsoWhereItIsDisposed) {
+TEST(BusFaults, InvalidKeyIsRejectedEvenIfDisposed) {
     const auto participant = value(Participant::create(own_world("key")));
     Listener<SiteMesh> listener(participant);
     RawWriter<SiteMesh> raw(participant);
@@ -197,7 +198,7 @@ TEST(BusFaults, AKeyThatIsNoNameIsRejectedAlsoWhereItIsDisposed) {
     EXPECT_TRUE(listener.gone.empty());
 }
 
-TEST(BusFaults, GarbageInCodedBytesReachesTheCodecWhichRefusesIt) {
+TEST(BusFaults, GarbageInCodedBytesIsRefusedByTheCodec) {
     const auto participant = value(Participant::create(own_world("garbage")));
     Listener<SiteMesh> listener(participant);
     RawWriter<SiteMesh> raw(participant);

@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <string>
 
-/// A site that announces itself once and sends a mesh every 50 ms until it is killed:
-/// bus_peer <domain> <world> <site>.
+/// Announces a site once and sends a mesh every 50 ms until it is killed: bus_peer <domain> <world>
+/// <site>.
 int main(int argc, char** argv) {
     using namespace atrium::bus;
     if (argc != 4) return 2;

@@ -12,7 +12,7 @@
 
 namespace atrium::bus::testing {
 
-/// A world that no other test and no other process is in.
+/// A world that no other test and no other process uses.
 inline BusOptions own_world(const std::string& name, std::uint32_t domain = 101) {
     BusOptions options;
     options.domain = domain;
@@ -26,7 +26,7 @@ T value(Expected<T> expected) {
     return std::move(*expected);
 }
 
-/// A reader, what it has received, and what it has lost.
+/// A reader with everything that it received and every instance that it lost.
 template <typename Message>
 struct Listener {
     explicit Listener(const Participant& participant)
@@ -46,7 +46,7 @@ struct Listener {
         if (!report.first_rejection.empty()) first_rejection = report.first_rejection;
     }
 
-    /// What was received so far, and what comes until now.
+    /// Takes everything that has arrived, and drops it.
     void forget() {
         take();
         samples.clear();
@@ -54,7 +54,7 @@ struct Listener {
         endings.clear();
     }
 
-    /// Takes until the condition holds; false after the time limit.
+    /// Takes samples until the condition holds. Returns false after the time limit.
     bool await(const std::function<bool()>& condition,
                std::chrono::milliseconds limit = std::chrono::seconds(10)) {
         const auto end = std::chrono::steady_clock::now() + limit;
@@ -72,7 +72,7 @@ struct Listener {
     Waiter waiter;
     std::vector<Message> samples;
     std::vector<Message> gone;
-    std::vector<Ending> endings;  // of each
+    std::vector<Ending> endings;  // of each lost instance
     std::size_t num_rejected = 0;
     std::string first_rejection;
 };

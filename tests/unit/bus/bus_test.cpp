@@ -50,7 +50,7 @@ using Messages = ::testing::Types<SiteDescription,
                                   Presence>;
 TYPED_TEST_SUITE(EveryTopic, Messages);
 
-TYPED_TEST(EveryTopic, CarriesAMessageToAnotherParticipantUnchanged) {
+TYPED_TEST(EveryTopic, CarriesAMessageUnchanged) {
     const BusOptions options = own_world("every");
     const auto here = value(Participant::create(options));
     const auto there = value(Participant::create(options));
@@ -71,7 +71,7 @@ TYPED_TEST(EveryTopic, CarriesAMessageToAnotherParticipantUnchanged) {
     EXPECT_EQ(listener.num_rejected, 0U);
 }
 
-TEST(Bus, AKeyStaysWhileOneOfItsTwoWritersIsThere) {
+TEST(Bus, InstanceStaysWhileOneOfTwoWritersLives) {
     const BusOptions options = own_world("two-writers");
     const auto participant = value(Participant::create(options));
     Listener<SitePlacement> listener(participant);
@@ -86,13 +86,13 @@ TEST(Bus, AKeyStaysWhileOneOfItsTwoWritersIsThere) {
     }
     ASSERT_TRUE(listener.await([&] { return !listener.gone.empty(); }));
     EXPECT_EQ(listener.gone.front().site, "b");
-    // whatever was to come of the second writer has come before this
+    // everything from the second writer has arrived before this
     ASSERT_TRUE(first.write({"c", {}}));
     ASSERT_TRUE(listener.await([&] { return listener.samples.back().site == "c"; }));
     for (const SitePlacement& key : listener.gone) EXPECT_EQ(key.site, "b");
 }
 
-TEST(Bus, WriteRefusesWhatAReaderWouldRefuse) {
+TEST(Bus, WriteRefusesMessagesThatReadersRefuse) {
     const auto participant = value(Participant::create(own_world("refuse")));
     auto writer = value(Writer<SitePlacement>::create(participant));
     Listener<SitePlacement> listener(participant);
@@ -107,7 +107,7 @@ TEST(Bus, WriteRefusesWhatAReaderWouldRefuse) {
     EXPECT_TRUE(listener.samples.empty());
 }
 
-TEST(Bus, ASlowReaderFindsTheNewestEightOfEachKeyInOrderAndHoldsNobodyUp) {
+TEST(Bus, SlowReaderGetsTheNewestEightPerKeyInOrderAndBlocksNobody) {
     const auto participant = value(Participant::create(own_world("newest")));
     auto writer = value(Writer<SiteMesh>::create(participant));
     Listener<SiteMesh> listener(participant);
@@ -118,17 +118,17 @@ TEST(Bus, ASlowReaderFindsTheNewestEightOfEachKeyInOrderAndHoldsNobodyUp) {
     listener.take();
     std::map<std::string, std::vector<std::uint64_t>> frames;
     for (const SiteMesh& mesh : listener.samples) frames[mesh.site].push_back(mesh.frame_id);
-    // fewer where half a second was over before they were taken: the machine is busy
+    // fewer than eight if half a second passed before they were taken: the machine is busy
     EXPECT_THAT(frames["a"],
                 ::testing::SizeIs(::testing::AllOf(::testing::Ge(1), ::testing::Le(8))));
     for (auto& [site, ids] : frames) {
-        EXPECT_LE(ids.size(), 8U) << "what waits is bounded for each key";
+        EXPECT_LE(ids.size(), 8U) << "the queue of each key is bounded";
         EXPECT_TRUE(std::is_sorted(ids.begin(), ids.end())) << site;
         EXPECT_EQ(ids.back(), site == "a" ? 200U : 1200U);
     }
 }
 
-TEST(Bus, WhoJoinsLateGetsTheLastDescriptionOfEachSite) {
+TEST(Bus, LateJoinerGetsTheLastDescriptionOfEachSite) {
     const BusOptions options = own_world("late");
     const auto early = value(Participant::create(options));
     auto writer = value(Writer<SitePlacement>::create(early));
@@ -147,7 +147,7 @@ TEST(Bus, WhoJoinsLateGetsTheLastDescriptionOfEachSite) {
         EXPECT_EQ(placement.world_from_site.translation.x(), 3.0);
 }
 
-TEST(Bus, WhoJoinsLateGetsNoOldMesh) {
+TEST(Bus, LateJoinerGetsNoOldMesh) {
     const auto participant = value(Participant::create(own_world("volatile")));
     auto writer = value(Writer<SiteMesh>::create(participant));
     ASSERT_TRUE(writer.write(mesh_of("a", 1)).has_value());
@@ -157,7 +157,7 @@ TEST(Bus, WhoJoinsLateGetsNoOldMesh) {
     EXPECT_EQ(listener.samples.front().frame_id, 2U);
 }
 
-TEST(Bus, DisposeTellsTheKeyAndTheKeyMayComeBack) {
+TEST(Bus, DisposeReportsTheKeyWhichCanReturn) {
     const auto participant = value(Participant::create(own_world("dispose")));
     auto writer = value(Writer<SceneObject>::create(participant));
     Listener<SceneObject> listener(participant);
@@ -175,7 +175,7 @@ TEST(Bus, DisposeTellsTheKeyAndTheKeyMayComeBack) {
     EXPECT_EQ(listener.gone.size(), 1U);
 }
 
-TEST(Bus, AnUnreadLastSampleIsDeliveredBeforeItsKeyIsGone) {
+TEST(Bus, UnreadLastSampleComesBeforeItsDispose) {
     const auto participant = value(Participant::create(own_world("unread")));
     auto writer = value(Writer<SceneObject>::create(participant));
     Listener<SceneObject> listener(participant);
@@ -188,10 +188,10 @@ TEST(Bus, AnUnreadLastSampleIsDeliveredBeforeItsKeyIsGone) {
     ASSERT_EQ(listener.samples.size(), 1U);
     EXPECT_EQ(listener.samples.front().name, "last-words");
     EXPECT_EQ(listener.gone.front().object, 9U);
-    EXPECT_EQ(listener.endings.front(), Ending::kDisposed) << "with the last sample as well";
+    EXPECT_EQ(listener.endings.front(), Ending::kDisposed) << "disposed, after its last sample";
 }
 
-TEST(Bus, AWriterThatIsDestroyedTakesItsKeysAlong) {
+TEST(Bus, DestroyedWriterDisposesItsInstances) {
     const auto participant = value(Participant::create(own_world("destroyed")));
     Listener<SiteMesh> listener(participant);
     {
@@ -204,13 +204,13 @@ TEST(Bus, AWriterThatIsDestroyedTakesItsKeysAlong) {
     EXPECT_EQ(listener.reader.num_writers(), 0);
 }
 
-TEST(Bus, DisposedKeysDoNotCountAgainstTheLimit) {
+TEST(Bus, DisposedInstancesDoNotCountAgainstTheLimit) {
     const auto participant = value(Participant::create(own_world("limit")));
     auto writer = value(Writer<SceneObject>::create(participant));
     Listener<SceneObject> listener(participant);
     SceneObject object;
     object.name = "drop";
-    for (object.object = 0; object.object < 10'000; ++object.object) {  // the profile has 4096
+    for (object.object = 0; object.object < 10'000; ++object.object) {  // the profile allows 4096
         const auto result = writer.write(object);
         ASSERT_TRUE(result.has_value()) << object.object << ": " << result.error().message;
         ASSERT_TRUE(writer.dispose(object).has_value());
@@ -219,7 +219,7 @@ TEST(Bus, DisposedKeysDoNotCountAgainstTheLimit) {
     EXPECT_EQ(listener.gone.size(), 10'000U);
 }
 
-TEST(Bus, WorldsDoNotHearEachOther) {
+TEST(Bus, WorldsAreIsolated) {
     const auto one = value(Participant::create(own_world("one")));
     const auto two = value(Participant::create(own_world("two")));
     auto writer = value(Writer<SiteMesh>::create(one));
@@ -233,7 +233,7 @@ TEST(Bus, WorldsDoNotHearEachOther) {
     EXPECT_EQ(other_world.reader.num_writers(), 0);
 }
 
-TEST(Bus, CommandsAreAllDeliveredInOrderAndAFullReaderIsReported) {
+TEST(Bus, CommandsArriveInOrderAndAFullReaderIsReported) {
     const auto participant = value(Participant::create(own_world("commands")));
     auto writer = value(Writer<SceneCommand>::create(participant));
     Listener<SceneCommand> listener(participant);
@@ -246,13 +246,13 @@ TEST(Bus, CommandsAreAllDeliveredInOrderAndAFullReaderIsReported) {
         result = writer.write(command);
         if (!result) break;
     }
-    ASSERT_FALSE(result.has_value()) << "a reader that never takes must not grow for ever";
+    ASSERT_FALSE(result.has_value()) << "a reader that never takes must stay bounded";
     EXPECT_EQ(result.error().kind, ErrorKind::kUnavailable);
     EXPECT_EQ(num_written, 256U);
     listener.take();
     ASSERT_EQ(listener.samples.size(), num_written);
     for (std::uint32_t i = 0; i < num_written; ++i) ASSERT_EQ(listener.samples[i].target, i);
-    EXPECT_TRUE(writer.write(command).has_value()) << "and goes on once there is room";
+    EXPECT_TRUE(writer.write(command).has_value()) << "write must succeed once there is room";
 }
 
 TEST(Bus, ReadersKeepTheirParticipantAlive) {
@@ -263,7 +263,7 @@ TEST(Bus, ReadersKeepTheirParticipantAlive) {
     EXPECT_TRUE(listener->await([&] { return !listener->samples.empty(); }));
 }
 
-TEST(Bus, AnExceptionInACallbackLosesNoMemoryAndNoLaterSample) {
+TEST(Bus, ExceptionInACallbackLeaksNothingAndLosesNoLaterSample) {
     const auto participant = value(Participant::create(own_world("throw")));
     auto writer = value(Writer<SiteMesh>::create(participant));
     Listener<SiteMesh> listener(participant);
@@ -277,7 +277,7 @@ TEST(Bus, AnExceptionInACallbackLosesNoMemoryAndNoLaterSample) {
     EXPECT_EQ(listener.samples.back().frame_id, 21U);
 }
 
-TEST(Waiter, WakeEndsAWaitOfAnotherThread) {
+TEST(Waiter, WakeEndsTheWaitOfAnotherThread) {
     const auto participant = value(Participant::create(own_world("wake")));
     auto waiter = value(Waiter::create(participant));
     bool result = true;
@@ -285,22 +285,22 @@ TEST(Waiter, WakeEndsAWaitOfAnotherThread) {
     waiter.wake();
     sleeper.join();
     EXPECT_FALSE(result);
-    EXPECT_FALSE(waiter.wait(0ms)) << "one wake ends one wait";
+    EXPECT_FALSE(waiter.wait(0ms)) << "one wake must end only one wait";
 }
 
-TEST(Waiter, ReturnsFalseAtTheTimeoutAndTrueWithASample) {
+TEST(Waiter, ReturnsFalseAtTimeoutAndTrueWithASample) {
     const auto participant = value(Participant::create(own_world("timeout")));
     Listener<SiteMesh> listener(participant);
     EXPECT_FALSE(listener.waiter.wait(1ms));
     auto writer = value(Writer<SiteMesh>::create(participant));
     ASSERT_TRUE(writer.write(mesh_of("a", 1)).has_value());
     EXPECT_TRUE(listener.waiter.wait(10s));
-    EXPECT_TRUE(listener.waiter.wait(0ms)) << "true as long as nobody takes it";
+    EXPECT_TRUE(listener.waiter.wait(0ms)) << "must stay true until the sample is taken";
     listener.take();
     EXPECT_FALSE(listener.waiter.wait(0ms));
 }
 
-TEST(Writer, MayBeUsedByTwoThreads) {
+TEST(Writer, CanBeUsedByTwoThreads) {
     const auto participant = value(Participant::create(own_world("threads")));
     auto writer = value(Writer<SiteMesh>::create(participant));
     Listener<SiteMesh> listener(participant);

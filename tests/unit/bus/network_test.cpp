@@ -29,7 +29,7 @@ Error error_of(const BusOptions& options) {
     return settings ? Error{ErrorKind::kInternal, "no error"} : settings.error();
 }
 
-TEST(Network, DatagramsOfWifiAndWanAreNotCut) {
+TEST(Network, DoesNotFragmentDatagramsOfWifiAndWan) {
     for (const char* kind : {"wifi", "wan"}) {
         EXPECT_THAT(load(kind).xml,
                     AllOf(HasSubstr("<MaxMessageSize>1400B</MaxMessageSize>"),
@@ -37,7 +37,7 @@ TEST(Network, DatagramsOfWifiAndWanAreNotCut) {
     }
 }
 
-TEST(Network, WanUsesNoMulticastAndWifiAndLanDo) {
+TEST(Network, UsesMulticastOnWifiAndLanOnly) {
     EXPECT_FALSE(load("wan").multicast);
     EXPECT_FALSE(load("loopback").multicast);
     EXPECT_TRUE(load("wifi").multicast);
@@ -45,13 +45,13 @@ TEST(Network, WanUsesNoMulticastAndWifiAndLanDo) {
     EXPECT_THAT(load("wan").xml, Not(HasSubstr("spdp")));
 }
 
-TEST(Network, EveryKindHasRoomForItsPrograms) {
+TEST(Network, HasRoomForItsProgramsOfEveryKind) {
     for (const char* kind : {"loopback", "lan", "wifi"}) {
         EXPECT_THAT(load(kind).xml, HasSubstr("<MaxAutoParticipantIndex>119<")) << kind;
     }
 }
 
-TEST(Network, PeersAndCardAreEnteredIntoTheFile) {
+TEST(Network, WritesPeersAndInterfaceIntoTheFile) {
     const NetworkSettings wan = load("wan", "192.0.2.10, 192.0.2.20", "lo");
     EXPECT_THAT(wan.xml,
                 AllOf(HasSubstr("<Peer Address=\"192.0.2.10\"/>"),
@@ -60,15 +60,15 @@ TEST(Network, PeersAndCardAreEnteredIntoTheFile) {
     EXPECT_EQ(wan.card, "lo");
     EXPECT_EQ(wan.address, "127.0.0.1");
     EXPECT_TRUE(wan.has_remote_peers);
-    EXPECT_THAT(wan.peers, Contains("127.0.0.1")) << "the programs of this host";
+    EXPECT_THAT(wan.peers, Contains("127.0.0.1")) << "the programs of this host must be peers";
     const NetworkSettings here = load("lan", "localhost");
     EXPECT_THAT(here.peers, Contains("127.0.0.1"));
     EXPECT_FALSE(here.has_remote_peers);
-    // the attribute that says that lo has no multicast stays
+    // the attribute that disables multicast on lo stays
     EXPECT_THAT(load("loopback", "", "lo").xml, HasSubstr("multicast=\"false\""));
 }
 
-TEST(Network, AnUnknownPeerCardOrFileIsNamed) {
+TEST(Network, NamesAnUnknownPeerInterfaceOrFile) {
     BusOptions options;
     options.peers = "no-such-host.invalid";
     EXPECT_EQ(error_of(options).kind, ErrorKind::kConfiguration);
@@ -83,7 +83,7 @@ TEST(Network, AnUnknownPeerCardOrFileIsNamed) {
     EXPECT_THAT(error_of(options).message, HasSubstr("/nowhere/wifi.xml"));
 }
 
-TEST(Network, IsReportedInOneLineWithWhatIsWrong) {
+TEST(Network, IsReportedInOneLineWithItsProblems) {
     NetworkSettings settings = load("wan", "192.0.2.10", "lo");
     settings.receive_buffer_bytes = 4096;
     const NetworkReport report = report_network(settings);

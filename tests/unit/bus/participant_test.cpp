@@ -41,7 +41,7 @@ Error error_of(const BusOptions& options) {
     return participant ? Error{ErrorKind::kInternal, "no error"} : participant.error();
 }
 
-TEST(Participant, SaysWhatIsWrongWithItsOptions) {
+TEST(Participant, NamesBadOptions) {
     BusOptions options = own_world("options");
     options.world = "*";
     EXPECT_THAT(error_of(options).message, HasSubstr("world '*'"));
@@ -59,7 +59,7 @@ TEST(Participant, SaysWhatIsWrongWithItsOptions) {
     EXPECT_THAT(error_of(options).message, HasSubstr("the profile 'description' is missing"));
 }
 
-TEST(Participant, PassesOnWhatCycloneSaysOfANetworkFileWithTheLine) {
+TEST(Participant, ReportsCyclonesErrorsInANetworkFileWithTheLine) {
     BusOptions options = own_world("network", 103);
     const TemporaryFile file(
         "<?xml version='1.0'?>\n<!-- of\n  two lines -->\n<CycloneDDS>\n  <Domain Id='any'>\n"
@@ -69,7 +69,7 @@ TEST(Participant, PassesOnWhatCycloneSaysOfANetworkFileWithTheLine) {
         "  </Domain>\n</CycloneDDS>\n");
     for (const std::string peers : {"", "127.0.0.1"}) {
         options.network = file.path().string();
-        options.peers = peers;  // changes what Cyclone is given
+        options.peers = peers;  // changes the configuration that Cyclone gets
         EXPECT_EQ(error_of(options).kind, ErrorKind::kConfiguration);
         EXPECT_THAT(error_of(options).message,
                     AllOf(HasSubstr(file.path().string()),
@@ -79,7 +79,7 @@ TEST(Participant, PassesOnWhatCycloneSaysOfANetworkFileWithTheLine) {
     }
 }
 
-TEST(Participant, NamesAnInterfaceThatIsNotThere) {
+TEST(Participant, NamesAMissingInterface) {
     BusOptions options = own_world("interface", 104);
     const TemporaryFile file(
         "<CycloneDDS><Domain Id='any'><General><Interfaces><NetworkInterface name='atrium9'/>"
@@ -89,7 +89,7 @@ TEST(Participant, NamesAnInterfaceThatIsNotThere) {
     EXPECT_THAT(error_of(options).message, HasSubstr("atrium9"));
 }
 
-/// Takes a UDP port away from others.
+/// Occupies a UDP port.
 class OccupiedPort {
 public:
     explicit OccupiedPort(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
@@ -108,20 +108,20 @@ private:
     bool is_mine_ = false;
 };
 
-TEST(Participant, SaysWhatToDoWhereItsPortsAreTaken) {
+TEST(Participant, GivesAdviceIfItsPortsAreTaken) {
     BusOptions options = own_world("ports", 107);
     const TemporaryFile file(
         "<CycloneDDS><Domain Id='any'><Discovery><ParticipantIndex>auto</ParticipantIndex>"
         "<MaxAutoParticipantIndex>0</MaxAutoParticipantIndex></Discovery></Domain></CycloneDDS>");
     options.network = file.path().string();
-    const OccupiedPort taken(7400 + 250 * 107 + 10);  // of the first process in the domain
+    const OccupiedPort taken(7400 + 250 * 107 + 10);  // the port of the first process in the domain
     ASSERT_TRUE(taken.is_mine());
     EXPECT_EQ(error_of(options).kind, ErrorKind::kUnavailable);
     EXPECT_THAT(error_of(options).message,
                 AllOf(HasSubstr("domain 107"), HasSubstr("MaxAutoParticipantIndex")));
 }
 
-TEST(Participant, MayBeCreatedAndDestroyedByManyThreadsInOneDomain) {
+TEST(Participant, CanBeCreatedByManyThreadsInOneDomain) {
     const BusOptions options = own_world("many", 108);
     std::atomic<int> num_failed = 0;
     {
@@ -138,7 +138,7 @@ TEST(Participant, MayBeCreatedAndDestroyedByManyThreadsInOneDomain) {
     EXPECT_EQ(num_failed, 0);
 }
 
-TEST(Participant, RefusesOtherNetworkSettingsOnAnOpenDomainAndTakesThemOnceItIsClosed) {
+TEST(Participant, RefusesOtherNetworkSettingsUntilTheDomainIsClosed) {
     BusOptions options = own_world("settings", 105);
     BusOptions other = options;
     other.network = ATRIUM_SOURCE_DIR "/qos/wan.xml";
@@ -151,7 +151,7 @@ TEST(Participant, RefusesOtherNetworkSettingsOnAnOpenDomainAndTakesThemOnceItIsC
     EXPECT_TRUE(Participant::create(other).has_value());
 }
 
-TEST(Participant, EachNetworkFileOfTheProjectIsOneThatCycloneTakes) {
+TEST(Participant, CycloneAcceptsEachNetworkFileOfTheProject) {
     for (const char* name : {"loopback", "lan", "wifi", "wan"}) {
         BusOptions options = own_world("files", 106);
         options.network = std::string(ATRIUM_SOURCE_DIR "/qos/") + name + ".xml";

@@ -19,7 +19,7 @@ std::string profile_with(const std::string& policies) {
            "</datawriter_qos></qos_profile></qos_library></dds>";
 }
 
-/// A profile of these policies of its writer and its reader.
+/// A profile with these policies for its writer and its reader.
 std::string pair_of(const std::string& writer, const std::string& reader) {
     return "<dds><qos_library><qos_profile name='p'><datawriter_qos>" + writer +
            "</datawriter_qos><datareader_qos>" + reader +
@@ -38,7 +38,7 @@ std::string error_of(const std::string& xml) {
     return profiles.error().message;
 }
 
-TEST(QosProfiles, TheBuiltInCopiesAreTheFiles) {
+TEST(QosProfiles, BuiltInCopiesEqualTheFiles) {
     const auto profiles = read_text_file(ATRIUM_SOURCE_DIR "/qos/profiles.xml");
     ASSERT_TRUE(profiles);
     EXPECT_EQ(*profiles, kBuiltinProfiles);
@@ -50,7 +50,7 @@ TEST(QosProfiles, TheBuiltInCopiesAreTheFiles) {
     }
 }
 
-TEST(QosProfiles, SayWhatTheDesignPromises) {
+TEST(QosProfiles, MatchTheDesign) {
     const auto profiles = load_qos_profiles({});
     ASSERT_TRUE(profiles.has_value()) << profiles.error().message;
     ASSERT_EQ(profiles->size(), kProfileNames.size());
@@ -61,15 +61,16 @@ TEST(QosProfiles, SayWhatTheDesignPromises) {
             EXPECT_TRUE(qos.reliable);
             EXPECT_EQ(qos.history.keep_all, name == kCommand);
             EXPECT_EQ(qos.transient_local, name == kDescription);
-            EXPECT_NE(qos.limits.max_samples, kUnlimited) << "memory must be bounded";
+            EXPECT_NE(qos.limits.max_samples, kUnlimited) << "memory is not bounded";
             EXPECT_NE(qos.limits.max_instances, kUnlimited);
-            EXPECT_EQ(qos.lease, std::chrono::seconds(1)) << "gone within 2 s";
+            EXPECT_EQ(qos.lease, std::chrono::seconds(1)) << "a lost site must be gone within 2 s";
         }
-        EXPECT_EQ(profile.writer.lifespan == kForever, name == kDescription) << "stale data dies";
+        EXPECT_EQ(profile.writer.lifespan == kForever, name == kDescription)
+            << "only descriptions must live for ever";
         const bool can_be_repaired = name == kStream || name == kTexture;
         for (const EndpointQos& qos : {profile.writer, profile.reader})
             EXPECT_EQ(qos.history.depth, can_be_repaired ? 8 : 1);
-        // a reader that is full takes nothing more, of any key
+        // a full reader takes no further sample of any key
         if (name != kCommand) {
             EXPECT_GE(profile.reader.limits.max_samples,
                       profile.reader.history.depth * profile.writer.limits.max_instances);
@@ -113,7 +114,7 @@ TEST(QosProfiles, ReadsEveryPolicy) {
     EXPECT_EQ(qos.lifespan.count(), 7);
 }
 
-TEST(QosProfiles, AReaderThatAsksForMoreThanItsWriterOffersIsNamed) {
+TEST(QosProfiles, NameAReaderThatRequestsMoreThanItsWriterOffers) {
     const std::string reliable = "<reliability><kind>RELIABLE_RELIABILITY_QOS</kind></reliability>";
     const std::string kept = "<durability><kind>TRANSIENT_LOCAL_DURABILITY_QOS</kind></durability>";
     struct Case {
@@ -143,7 +144,7 @@ TEST(QosProfiles, AReaderThatAsksForMoreThanItsWriterOffersIsNamed) {
     }
 }
 
-TEST(QosProfiles, NameWhatTheyDoNotKnow) {
+TEST(QosProfiles, NameUnknownElements) {
     EXPECT_THAT(error_of(profile_with("<ownership/>")),
                 AllOf(HasSubstr("here.xml"),
                       HasSubstr("'p'"),
@@ -182,7 +183,7 @@ TEST(QosProfiles, NameWhatTheyDoNotKnow) {
     EXPECT_THAT(error_of(""), HasSubstr("here.xml"));
 }
 
-TEST(QosProfiles, AFileThatIsNotThereIsNotFound) {
+TEST(QosProfiles, ReportAMissingFile) {
     const auto profiles = load_qos_profiles("/nowhere/profiles.xml");
     ASSERT_FALSE(profiles.has_value());
     EXPECT_EQ(profiles.error().kind, ErrorKind::kNotFound);
@@ -198,7 +199,7 @@ TEST(NetworkFile, IsReducedToItsElements) {
     EXPECT_EQ(*text, "<CycloneDDS><Domain/></CycloneDDS>");
 }
 
-TEST(NetworkFile, NamesTheFileThatIsIllFormedOrSomethingElse) {
+TEST(NetworkFile, NamesAnIllFormedOrForeignFile) {
     const auto cut = parse_network_file("<CycloneDDS><Domain>", "here.xml");
     ASSERT_FALSE(cut.has_value());
     EXPECT_THAT(cut.error().message, AllOf(HasSubstr("here.xml"), HasSubstr("at byte")));

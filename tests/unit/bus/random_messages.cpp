@@ -25,7 +25,7 @@ std::string name(Random& random) {
 
 std::string model_file(Random& random) {
     std::string out = "models/" + name(random);
-    if (out[7] == '.') out[7] = '_';  // no part begins with a dot
+    if (out[7] == '.') out[7] = '_';  // no part of a name begins with a dot
     return out;
 }
 

@@ -4,7 +4,7 @@
 
 #include <random>
 
-/// Messages that are allowed, drawn at random, and their comparison.
+/// Random valid messages, and their comparison.
 namespace atrium::bus::testing {
 
 using Random = std::mt19937_64;

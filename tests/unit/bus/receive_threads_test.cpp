@@ -25,15 +25,15 @@ bool eventually(Condition condition) {
     return true;
 }
 
-TEST(ReceiveThreads, AreFoundAndSleepWhereNothingComes) {
+TEST(ReceiveThreads, AreFoundAndSleepWithoutTraffic) {
     const auto participant = value(Participant::create(own_world("receive-threads", 129)));
     ReceiveThreads threads;
-    EXPECT_FALSE(threads.are_asleep()) << "that is not known yet";
+    EXPECT_FALSE(threads.are_asleep()) << "sleep is not known yet";
     EXPECT_TRUE(eventually([&] { return threads.are_asleep(); }));
-    EXPECT_GE(threads.size(), 2U) << "Cyclone DDS names its threads otherwise";
+    EXPECT_GE(threads.size(), 2U) << "Cyclone DDS uses other thread names";
 }
 
-TEST(ReceiveThreads, ThoseThatHaveEndedKeepNobodyWaiting) {
+TEST(ReceiveThreads, EndedThreadsBlockNobody) {
     std::optional<ReceiveThreads> threads;
     {
         const auto participant = value(Participant::create(own_world("receive-threads", 129)));
@@ -42,7 +42,7 @@ TEST(ReceiveThreads, ThoseThatHaveEndedKeepNobodyWaiting) {
     EXPECT_TRUE(eventually([&] { return threads->are_asleep(); }));
 }
 
-TEST(TakeWritten, SaysWhenEachSampleWasWritten) {
+TEST(TakeWritten, ReturnsTheWriteTimeOfEachSample) {
     const auto participant = value(Participant::create(own_world("take-written", 129)));
     auto writer = value(Writer<SiteMesh>::create(participant));
     auto reader = value(Reader<SiteMesh>::create(participant));

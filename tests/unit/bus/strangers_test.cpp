@@ -32,7 +32,7 @@ std::vector<std::string> complaints(const Participant& participant, std::size_t 
     return all;
 }
 
-TEST(Strangers, APeerWithOtherQosIsNamedOnceWithThePolicy) {
+TEST(Strangers, PeerWithOtherQosIsNamedOnceWithThePolicy) {
     BusOptions options = own_world("qos", 125);
     const auto here = value(Participant::create(options));
     const auto file = std::filesystem::temp_directory_path() /
@@ -58,16 +58,16 @@ TEST(Strangers, APeerWithOtherQosIsNamedOnceWithThePolicy) {
                       HasSubstr("reliability"),
                       HasSubstr("pid " + std::to_string(::getpid()))));
     EXPECT_TRUE(here.take_mismatches().empty()) << "once";
-    EXPECT_EQ(complaints(there, 1).size(), 1U) << "both sides say so";
+    EXPECT_EQ(complaints(there, 1).size(), 1U) << "both sides must report it";
 }
 
-TEST(Strangers, AForeignTypeUnderOurTopicIsNamedOnceAndDoesNoHarm) {
+TEST(Strangers, ForeignTypeOnOurTopicIsNamedOnceAndHarmless) {
     const BusOptions options = own_world("type", 126);
     const auto here = value(Participant::create(options));
     Listener<SiteMesh> listener(here);
     auto writer = value(Writer<SiteMesh>::create(here));
     const auto there = value(Participant::create(options));
-    // the type of another topic under the name of this one
+    // the type of another topic under this topic's name
     const auto topic = value(own(dds_create_topic(there.impl()->participant.get(),
                                                   &Topic<SitePlacement>::kDescriptor,
                                                   Topic<SiteMesh>::kName,
@@ -95,11 +95,11 @@ TEST(Strangers, AForeignTypeUnderOurTopicIsNamedOnceAndDoesNoHarm) {
     mesh.site = "b";
     ASSERT_TRUE(writer.write(mesh));
     ASSERT_TRUE(listener.await([&] { return !listener.samples.empty(); }));
-    EXPECT_EQ(listener.samples.front().site, "b") << "the good ones pass";
+    EXPECT_EQ(listener.samples.front().site, "b") << "good samples must pass";
     EXPECT_EQ(listener.num_rejected, 0U);
 }
 
-TEST(Strangers, ThoseOfOurOwnKindAreNoReasonToComplain) {
+TEST(Strangers, OwnProgramsCauseNoComplaint) {
     const BusOptions options = own_world("own", 127);
     const auto here = value(Participant::create(options));
     const auto there = value(Participant::create(options));
@@ -113,7 +113,7 @@ TEST(Strangers, ThoseOfOurOwnKindAreNoReasonToComplain) {
     EXPECT_TRUE(there.take_mismatches().empty());
 }
 
-TEST(StaleData, IsNotDeliveredOnceItsLifespanIsOver) {
+TEST(StaleData, IsNotDeliveredAfterItsLifespan) {
     const auto participant = value(Participant::create(own_world("stale", 128)));
     Listener<SiteMesh> meshes(participant);
     Listener<SitePlacement> placements(participant);
@@ -124,12 +124,12 @@ TEST(StaleData, IsNotDeliveredOnceItsLifespanIsOver) {
     ASSERT_TRUE(mesh_writer.write(mesh));
     ASSERT_TRUE(placement_writer.write({"old", {}}));
     const auto lifespan = participant.impl()->profiles.find(kStream)->second.writer.lifespan;
-    std::this_thread::sleep_for(lifespan + 200ms);  // nobody takes: this is what is tested
+    std::this_thread::sleep_for(lifespan + 200ms);  // nobody takes meanwhile: that is under test
     meshes.take();
     EXPECT_TRUE(meshes.samples.empty());
-    EXPECT_TRUE(meshes.gone.empty()) << "the site is there all the same";
+    EXPECT_TRUE(meshes.gone.empty()) << "the site still exists";
     placements.take();
-    EXPECT_EQ(placements.samples.size(), 1U) << "descriptions hold until they change";
+    EXPECT_EQ(placements.samples.size(), 1U) << "descriptions do not expire";
     mesh.site = "new";
     ASSERT_TRUE(mesh_writer.write(mesh));
     ASSERT_TRUE(meshes.await([&] { return !meshes.samples.empty(); }));
@@ -147,7 +147,7 @@ TEST(DeadlineCount, CountsWholePeriodsOfSilencePerKey) {
     EXPECT_EQ(count.num_missed(), 2U);
     count.gone(1);
     count.heard(1, start + 1h);
-    EXPECT_EQ(count.num_missed(), 2U) << "nothing is expected of one that has left";
+    EXPECT_EQ(count.num_missed(), 2U) << "a writer that left must not count";
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ using Messages = ::testing::Types<SiteDescription,
                                   Presence>;
 TYPED_TEST_SUITE(EveryMessage, Messages);
 
-TYPED_TEST(EveryMessage, ComesBackFromTheWireAsItWas) {
+TYPED_TEST(EveryMessage, SurvivesTheWireUnchanged) {
     Random random(7);
     WireScratch scratch;
     for (int round = 0; round < 200; ++round) {
@@ -61,7 +61,7 @@ TYPED_TEST(EveryMessage, ComesBackFromTheWireAsItWas) {
     }
 }
 
-TYPED_TEST(EveryMessage, KeepsItsKeyWithoutItsData) {
+TYPED_TEST(EveryMessage, KeepsItsKeyWithoutData) {
     Random random(8);
     const auto message = random_message<TypeParam>(random);
     typename Topic<TypeParam>::Wire key{};
@@ -73,7 +73,7 @@ TYPED_TEST(EveryMessage, KeepsItsKeyWithoutItsData) {
     EXPECT_EQ(std::memcmp(&key, &again, sizeof(key)), 0);
 }
 
-/// A good wire struct, something done to it, and what the refusal must name.
+/// A valid wire struct, a change to it, and the field that the refusal must name.
 template <typename Message>
 struct Damage {
     std::string names;
@@ -125,7 +125,7 @@ TEST(FromWire, RefusesEachBadFieldOfASiteDescription) {
         {{"site", [](W& w) { spoil_name(w.site, ""); }},
          {"site", [](W& w) { spoil_name(w.site, "a b"); }},
          {"site", [](W& w) { spoil_name(w.site, "../etc"); }},
-         {"site", [](W& w) { std::memset(w.site, 'a', sizeof(w.site)); }},  // no end
+         {"site", [](W& w) { std::memset(w.site, 'a', sizeof(w.site)); }},  // no terminator
          {"cameras", [](W& w) { w.cameras._length = 65; }},
          {"cameras", [](W& w) { w.cameras._length = 0xffffffff; }},
          {"cameras.name", [](W& w) { spoil_name(w.cameras._buffer[1].name, "\xff"); }},
@@ -329,7 +329,7 @@ TEST(ModelFile, StaysInItsFolder) {
     EXPECT_FALSE(is_valid_model_file(std::string("a\0b", 3)));
 }
 
-TEST(SoftNodes, AreTrueToHalfAStep) {
+TEST(SoftNodes, AreAccurateToHalfAStep) {
     Random random(12);
     for (const double extent_m : {0.0, 1e-7, 0.1, 2.0, 40.0}) {
         std::uniform_real_distribution<float> anywhere(-static_cast<float>(extent_m) / 2,
@@ -444,7 +444,7 @@ TEST(FromWire, RefusesEachBadFieldOfAFeedback) {
          {"longest_wait_ms", [](auto& w) { w.longest_wait_ms = 1e16; }}});
 }
 
-TEST(FromWire, RefusesAFeedbacksKeyWithABadName) {
+TEST(FromWire, RefusesAFeedbackKeyWithABadName) {
     atrium_StreamFeedback key{};
     key_to_wire(StreamFeedback{"viewer", "room", {}}, key);
     ASSERT_TRUE(key_from_wire(key).has_value());
@@ -455,7 +455,7 @@ TEST(FromWire, RefusesAFeedbacksKeyWithABadName) {
     EXPECT_FALSE(key_from_wire(key).has_value());
 }
 
-TEST(FromWire, NormalisesAQuaternionThatIsALittleOff) {
+TEST(FromWire, NormalisesAQuaternionWithASmallError) {
     WireScratch scratch;
     atrium_SitePlacement wire{};
     to_wire(SitePlacement{"room", {}}, scratch, wire);
@@ -465,7 +465,7 @@ TEST(FromWire, NormalisesAQuaternionThatIsALittleOff) {
     EXPECT_NEAR(placement->world_from_site.rotation.norm(), 1.0, 1e-15);
 }
 
-TEST(FromWire, LooksAtTheObjectOfAnAddCommandOnly) {
+TEST(FromWire, ChecksTheObjectOfAddCommandsOnly) {
     WireScratch scratch;
     atrium_SceneCommand wire{};
     SceneCommand reset;
@@ -477,7 +477,7 @@ TEST(FromWire, LooksAtTheObjectOfAnAddCommandOnly) {
     EXPECT_EQ(command->object.mass_kg, 0.0);
 }
 
-TEST(ToWire, LendsCodedBytesInsteadOfCopyingThem) {
+TEST(ToWire, LendsCodedBytesWithoutACopy) {
     const SiteMesh message{"room", 1, {5}, {0}, std::vector<std::uint8_t>(1000, 7)};
     WireScratch scratch;
     atrium_SiteMesh wire{};
@@ -487,7 +487,7 @@ TEST(ToWire, LendsCodedBytesInsteadOfCopyingThem) {
     EXPECT_EQ(payload_bytes(message), 4U + 8U + 8U + 4U + 1000U);
 }
 
-TEST(FromWire, TakesALatencyMeasuredBetweenClocksThatDiffer) {
+TEST(FromWire, AcceptsALatencyBetweenDifferentClocks) {
     Random random(3);
     auto status = random_message<ViewerStatus>(random);
     status.capture_to_display.median_ms = -3.6e6;  // the site's clock is an hour ahead
@@ -495,7 +495,7 @@ TEST(FromWire, TakesALatencyMeasuredBetweenClocksThatDiffer) {
     EXPECT_TRUE(check(status));
 }
 
-TEST(FromWire, RefusesAPresenceThatIsWrong) {
+TEST(FromWire, RefusesABadPresence) {
     Random random(4);
     expect_each_refused<Presence>(
         random_message<Presence>(random),

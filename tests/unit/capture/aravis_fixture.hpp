@@ -12,7 +12,7 @@
 #include <mutex>
 #include <thread>
 
-// Fake GigE Vision cameras at loopback addresses, and who plays a source of them.
+// Fake GigE Vision cameras at loopback addresses, and a player that runs a source of them.
 namespace atrium::capture::test {
 
 using std::chrono::milliseconds;
@@ -22,7 +22,7 @@ using testing::HasSubstr;
 
 constexpr int kWidth = 96;
 constexpr int kHeight = 64;
-constexpr seconds kLongEnough{20};  // for what takes well below one, also under a sanitizer
+constexpr seconds kLongEnough{20};  // for waits well below 1 s, with a sanitizer too
 
 inline config::Rig rig_of(std::size_t num_cameras, double rate_hz) {
     config::Rig rig;
@@ -58,7 +58,7 @@ inline CamerasOptions options_of(std::size_t num_cameras) {
     return options;
 }
 
-// Runs a source and keeps what it delivers.
+// Runs a source and records its output.
 class Player {
 public:
     explicit Player(AravisSource& source, FrameSource::Sink first = {})
@@ -73,13 +73,13 @@ public:
         bool is_exact;
     };
 
-    // False: it did not come true in time.
+    // Returns false at the timeout.
     template <typename Condition>
     bool wait(Condition condition, std::chrono::nanoseconds timeout = kLongEnough) {
         std::unique_lock lock(mutex_);
         return changed_.wait_for(lock, timeout, [&] { return condition(seen_); });
     }
-    /// So many more than there are now.
+    /// Waits for `more` further pictures of the camera.
     bool wait_for_pictures(std::size_t camera, std::size_t more) {
         const std::size_t before = count_of(camera);
         return wait([&](const auto& seen) { return count(seen, camera) >= before + more; });
@@ -92,7 +92,7 @@ public:
         const std::lock_guard lock(mutex_);
         return seen_;
     }
-    /// Those that were said to be lost.
+    /// The pictures that the source reported as lost.
     std::vector<Seen> lost() {
         const std::lock_guard lock(mutex_);
         return lost_;

@@ -22,19 +22,19 @@ TEST_F(AravisSourceTest, SoftwareTriggersReachAllCameras) {
     Player player(**source);
     for (std::size_t i = 0; i < 3; ++i) ASSERT_TRUE(player.wait_for_pictures(i, 5));
     const auto seen = player.seen();
-    // they look 200 times a second whether they were triggered, and would send as often by
-    // themselves: at the pace of the site they send only when they are told
+    // The fakes check for triggers 200 times a second, and in free run they would send as often.
+    // They send at the pace of the site only if triggers make them send.
     std::vector<std::vector<std::int64_t>> times(3);
     for (const auto& picture : seen) times[picture.camera].push_back(picture.capture_time.ns);
     for (const auto& of_camera : times) {
         const double periods = static_cast<double>(of_camera.back() - of_camera.front()) / 100e6;
-        // on a machine that is busy the site leaves triggers out
+        // a busy machine makes the site skip triggers
         EXPECT_LE(static_cast<double>(of_camera.size() - 1), periods + 1.0);
     }
 }
 
-// Aravis repeats the trigger that nobody answers for some seconds; the other camera does not wait.
-TEST_F(AravisSourceTest, ATriggeredCameraThatDiesIsSaidToBeMuteAndLostForTheOther) {
+// Aravis repeats an unanswered trigger for some seconds. The other camera must not wait.
+TEST_F(AravisSourceTest, DeadTriggeredCameraIsReportedAndDelaysNoOther) {
     for (std::size_t i = 0; i < 2; ++i) add_fake(fake_options(i));
     CamerasOptions options = options_of(2);
     options.trigger = TriggerMode::kSoftware;
@@ -50,8 +50,8 @@ TEST_F(AravisSourceTest, ATriggeredCameraThatDiesIsSaidToBeMuteAndLostForTheOthe
     ASSERT_TRUE(wait_for_event("camera 'cam1' is lost"));
 }
 
-TEST_F(AravisSourceTest, ACameraThatIsNotTriggeredIsNotLost) {
-    add_fake(fake_options(0));  // nothing ever comes by its line
+TEST_F(AravisSourceTest, UntriggeredCameraIsNotLost) {
+    add_fake(fake_options(0));  // no trigger ever arrives on its line
     CamerasOptions options = options_of(1);
     options.trigger = TriggerMode::kExternal;
     const auto source = open(options, 40.0);
@@ -67,7 +67,7 @@ TEST_F(AravisSourceTest, ACameraThatIsNotTriggeredIsNotLost) {
     EXPECT_TRUE(wait_for_event("camera 'cam0' is lost"));
 }
 
-TEST_F(AravisSourceTest, ALineThatACameraLacksIsNamed) {
+TEST_F(AravisSourceTest, NamesATriggerLineThatACameraLacks) {
     add_fake(fake_options(0));
     CamerasOptions options = options_of(1);
     options.trigger = TriggerMode::kExternal;
@@ -79,7 +79,7 @@ TEST_F(AravisSourceTest, ALineThatACameraLacksIsNamed) {
     EXPECT_THAT(wrong.error().message, HasSubstr("it has Line0, Software"));
 }
 
-TEST_F(AravisSourceTest, MissingCamerasAreNamedAndTakenInLater) {
+TEST_F(AravisSourceTest, MissingCamerasAreNamedAndJoinLater) {
     add_fake(fake_options(0));
     CamerasOptions options = options_of(3);
     const auto all = open(options);
@@ -100,11 +100,11 @@ TEST_F(AravisSourceTest, MissingCamerasAreNamedAndTakenInLater) {
     EXPECT_EQ((*source)->camera_counters()[2].num_reconnects, 0u);
 }
 
-TEST_F(AravisSourceTest, CamerasAreFoundBySerialNumber) {
+TEST_F(AravisSourceTest, FindsCamerasBySerialNumber) {
     add_fake(fake_options(0));
     add_fake(fake_options(1));
     CamerasOptions options = options_of(2);
-    options.cameras[0] = {"cam0", serial(1), "", {}};  // the other way round
+    options.cameras[0] = {"cam0", serial(1), "", {}};  // in swapped order
     options.cameras[1] = {"cam1", serial(0), address(0), {}};
     auto source = open(options);
     ASSERT_TRUE(source) << source.error().message;
@@ -114,7 +114,7 @@ TEST_F(AravisSourceTest, CamerasAreFoundBySerialNumber) {
     EXPECT_TRUE(
         wait_for_event("camera 'cam1' connected vendor=\"Aravis\" model=\"Fake\" "
                        "serial=S0 address=127.0.0.2"));
-    *source = nullptr;  // gives the cameras back
+    *source = nullptr;  // releases the cameras
     options.cameras[1].serial = "S9";
     const auto wrong = open(options);
     ASSERT_FALSE(wrong);
@@ -122,7 +122,7 @@ TEST_F(AravisSourceTest, CamerasAreFoundBySerialNumber) {
                 HasSubstr("the camera at 127.0.0.2 has serial number 'S0', not 'S9'"));
 }
 
-TEST_F(AravisSourceTest, ListsWhatIsThere) {
+TEST_F(AravisSourceTest, ListsCamerasOnTheNetwork) {
     add_fake(fake_options(0));
     add_fake(fake_options(1));
     const auto found = discover_cameras();
@@ -136,7 +136,7 @@ TEST_F(AravisSourceTest, ListsWhatIsThere) {
     EXPECT_FALSE(ask_gige_camera("not an address", milliseconds(100)));
 }
 
-TEST_F(AravisSourceTest, WhatACameraRefusesIsAnErrorThatNamesTheKey) {
+TEST_F(AravisSourceTest, RefusedSettingIsAnErrorThatNamesTheKey) {
     add_fake(fake_options(0));
     const auto error_with = [&](auto change) {
         CamerasOptions options = options_of(1);
@@ -157,16 +157,16 @@ TEST_F(AravisSourceTest, WhatACameraRefusesIsAnErrorThatNamesTheKey) {
                 HasSubstr("region_px: is 64 x 64, but the rig needs 96 x 64"));
     EXPECT_THAT(error_with([](auto& s) { s.white_balance = "warm"; }), HasSubstr("white_balance"));
     EXPECT_THAT(error_with([](auto& s) { s.white_balance = "1.5,1.2"; }),
-                HasSubstr("white_balance"));  // it has no BalanceRatio
+                HasSubstr("white_balance"));  // the fake has no BalanceRatio
     EXPECT_THAT(error_with([](auto& s) { s.packet_size = 50000; }), HasSubstr("packet_size"));
 }
 
-TEST_F(AravisSourceTest, SetsTheCameraUpAsAsked) {
+TEST_F(AravisSourceTest, AppliesTheSettings) {
     FakeGigeCamera& fake = add_fake(fake_options(0));
     CamerasOptions options = options_of(1);
     options.common.exposure_us = 1234.0;
     options.common.gain_db = 5.0;
-    options.cameras[0].settings.gain_db = 7.0;  // wins
+    options.cameras[0].settings.gain_db = 7.0;  // overrides the common value
     options.common.white_balance = "auto-once";
     options.common.packet_size = 1400;
     options.cameras[0].settings.region_px = {8, 16, kWidth, kHeight};
@@ -182,8 +182,8 @@ TEST_F(AravisSourceTest, SetsTheCameraUpAsAsked) {
     EXPECT_EQ(fake.register_value(0x0d04) & 0xffff, 1400u);
 }
 
-TEST_F(AravisSourceTest, PtpTimesOfSeveralCamerasAreOnOneClock) {
-    // their clock is an hour ahead of the site's, and the second one takes 3 ms longer to send
+TEST_F(AravisSourceTest, PtpTimesOfAllCamerasShareOneClock) {
+    // The clock of the cameras is an hour ahead of the site's. The second camera sends 3 ms later.
     for (std::size_t i = 0; i < 2; ++i) {
         FakeGigeCamera::Options options = fake_options(i);
         options.clock = [i](std::uint64_t, std::uint64_t host_ns) {
@@ -197,7 +197,7 @@ TEST_F(AravisSourceTest, PtpTimesOfSeveralCamerasAreOnOneClock) {
     const auto source = open(options_of(2));
     ASSERT_TRUE(source) << source.error().message;
     Player player(**source);
-    ASSERT_TRUE(player.wait_for_pictures(0, 5));  // the clocks have been compared by then
+    ASSERT_TRUE(player.wait_for_pictures(0, 5));  // by now the clocks are compared
     ASSERT_TRUE(player.wait_for_pictures(1, 5));
     const std::size_t before = player.seen().size();
     ASSERT_TRUE(player.wait_for_pictures(0, 10));
@@ -210,16 +210,15 @@ TEST_F(AravisSourceTest, PtpTimesOfSeveralCamerasAreOnOneClock) {
         distances_ns.push_back(apart_ns);
     }
     ASSERT_GE(distances_ns.size(), 5u);
-    // One offset for both: what is left is its drift. Where a picture of the pair arrived sooner
-    // than any before, as happens once a loaded machine has time again, the offset became smaller
-    // by that.
+    // Both cameras have one offset, so only its drift is left. When a picture arrives faster than
+    // any before it, as after a load peak, the offset shrinks by the difference.
     const auto median = distances_ns.begin() + static_cast<std::ptrdiff_t>(distances_ns.size() / 2);
     std::nth_element(distances_ns.begin(), median, distances_ns.end());
     EXPECT_LT(*median, 100'000);
     EXPECT_LT(std::chrono::abs(Timestamp::now() - seen.back().capture_time), seconds(1));
 }
 
-TEST_F(AravisSourceTest, AllCamerasShowTheEmptyRoomAtTheSameTime) {
+TEST_F(AravisSourceTest, ShowsTheEmptyRoomOfAllCamerasInParallel) {
     add_fake(fake_options(0));
     add_fake(fake_options(1));
     CamerasOptions options = options_of(3);
@@ -241,14 +240,15 @@ TEST_F(AravisSourceTest, AllCamerasShowTheEmptyRoomAtTheSameTime) {
     ASSERT_EQ(shown.size(), 3u);
     EXPECT_TRUE(shown[0]) << shown[0].error().message;
     EXPECT_TRUE(shown[1]) << shown[1].error().message;
-    EXPECT_THAT(num_shown, testing::ElementsAre(12, 30, 0));  // each as many as were enough
+    // each camera shows exactly as many as wanted
+    EXPECT_THAT(num_shown, testing::ElementsAre(12, 30, 0));
     EXPECT_LT(num_of_first_when_second_began, 12);
     EXPECT_EQ((*source)->camera_counters()[0].num_backwards, 0u);
-    ASSERT_FALSE(shown[2]);  // it is absent, which the others do not mind
+    ASSERT_FALSE(shown[2]);  // camera 2 is absent, and the others continue
     EXPECT_EQ(shown[2].error().kind, ErrorKind::kUnavailable);
 }
 
-TEST_F(AravisSourceTest, AStopEndsTheEmptyRoomAtOnce) {
+TEST_F(AravisSourceTest, StopEndsTheEmptyRoomAtOnce) {
     add_fake(fake_options(0));
     add_fake(fake_options(1));
     const auto source = open(options_of(2));
@@ -265,10 +265,11 @@ TEST_F(AravisSourceTest, AStopEndsTheEmptyRoomAtOnce) {
     ASSERT_EQ(shown.size(), 2u);
     ASSERT_FALSE(shown[0]);
     EXPECT_EQ(shown[0].error().kind, ErrorKind::kUnavailable);
-    EXPECT_EQ(shown[1].has_value(), num_shown[1] == 2);  // what was done before is done
+    // a camera that was done before the stop stays done
+    EXPECT_EQ(shown[1].has_value(), num_shown[1] == 2);
 }
 
-TEST_F(AravisSourceTest, EntriesAndRigHaveToFit) {
+TEST_F(AravisSourceTest, CameraEntriesMustMatchTheRig) {
     const auto message = [&](const CamerasOptions& options, std::size_t num_cameras) {
         const auto source = open(options, 20.0, num_cameras);
         return source ? std::string() : source.error().message;
@@ -280,7 +281,7 @@ TEST_F(AravisSourceTest, EntriesAndRigHaveToFit) {
     EXPECT_THAT(message(twice, 2), HasSubstr("two are named 'cam0'"));
 }
 
-TEST_F(AravisSourceTest, AStopIsHonouredWhileCamerasAreMissing) {
+TEST_F(AravisSourceTest, StopEndsTheWaitForMissingCameras) {
     CamerasOptions options = options_of(2);
     options.cameras[1].address.clear();
     options.cameras[1].serial = "nowhere";

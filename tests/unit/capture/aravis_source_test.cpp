@@ -8,7 +8,7 @@
 namespace atrium::capture::test {
 namespace {
 
-TEST_F(AravisSourceTest, PicturesOfEveryFormatArriveByteForByte) {
+TEST_F(AravisSourceTest, DeliversEveryFormatByteForByte) {
     const std::map<std::string, image::PixelFormat> expected{
         {"Mono8", image::PixelFormat::kMono8},
         {"BayerRG8", image::PixelFormat::kBayerRG},
@@ -34,7 +34,7 @@ TEST_F(AravisSourceTest, PicturesOfEveryFormatArriveByteForByte) {
     }
 }
 
-TEST_F(AravisSourceTest, ACameraWithoutFreeBuffersCountsWhatItDrops) {
+TEST_F(AravisSourceTest, CountsDroppedPicturesWithoutFreeBuffers) {
     add_fake(fake_options(0));
     CamerasOptions options = options_of(1);
     options.num_buffers = 3;
@@ -46,7 +46,7 @@ TEST_F(AravisSourceTest, ACameraWithoutFreeBuffersCountsWhatItDrops) {
         const std::lock_guard lock(mutex);
         held.push_back(std::move(frame));
     });
-    ASSERT_TRUE(player.wait_for_pictures(0, 3));  // all of its buffers are here now
+    ASSERT_TRUE(player.wait_for_pictures(0, 3));  // the test now holds all of the camera's buffers
     const std::uint64_t before = fakes_[0]->num_sent();
     while (fakes_[0]->num_sent() < before + 10) std::this_thread::yield();
     EXPECT_EQ(player.count_of(0), 3u);
@@ -63,7 +63,7 @@ TEST_F(AravisSourceTest, ACameraWithoutFreeBuffersCountsWhatItDrops) {
     held.clear();
 }
 
-TEST_F(AravisSourceTest, ACameraThatIsRestartedComesBackWhileTheOtherGoesOn) {
+TEST_F(AravisSourceTest, RestartedCameraReturnsWhileTheOtherContinues) {
     add_fake(fake_options(0));
     add_fake(fake_options(1));
     CamerasOptions options = options_of(2);
@@ -81,7 +81,8 @@ TEST_F(AravisSourceTest, ACameraThatIsRestartedComesBackWhileTheOtherGoesOn) {
         EXPECT_FALSE((*source)->camera_counters()[1].connected);
         EXPECT_TRUE((*source)->camera_counters()[0].connected);
         EXPECT_TRUE(player.wait_for_pictures(0, 20));
-        EXPECT_GE(player.lost().size(), 10u);  // nobody has to wait for it
+        // the assembler need not wait for the missing pictures
+        EXPECT_GE(player.lost().size(), 10u);
 
         fakes_[1] = std::make_unique<FakeGigeCamera>(fake_options(1));
         EXPECT_TRUE(fakes_[1]->is_running());
@@ -91,10 +92,10 @@ TEST_F(AravisSourceTest, ACameraThatIsRestartedComesBackWhileTheOtherGoesOn) {
     };
     EXPECT_LT(atrium::test::shortest_of(3, seconds(2), time_until_back), seconds(2));
     ASSERT_TRUE(wait_for_event("camera 'cam1' is back"));
-    // once more where the machine is too busy to hear it in time
+    // more than one reconnect if the busy machine misses the camera's heartbeat
     EXPECT_GE((*source)->camera_counters()[1].num_reconnects, 1u);
     EXPECT_EQ((*source)->camera_counters()[0].num_reconnects, 0u);
-    // the other never waited: no gap of more than some periods
+    // the other camera never waited: no gap longer than some periods
     const auto seen = player.seen();
     std::int64_t last_ns = 0;
     for (const auto& picture : seen) {
@@ -106,21 +107,22 @@ TEST_F(AravisSourceTest, ACameraThatIsRestartedComesBackWhileTheOtherGoesOn) {
     }
 }
 
-TEST_F(AravisSourceTest, ACameraThatWasSwitchedOffAndOnAtOnceIsTakenBack) {
+TEST_F(AravisSourceTest, ReconnectsACameraThatWasSwitchedOffAndOn) {
     add_fake(fake_options(0));
     const auto source = open(options_of(1));
     ASSERT_TRUE(source) << source.error().message;
     Player player(**source);
     ASSERT_TRUE(player.wait_for_pictures(0, 3));
     fakes_[0].reset();
-    fakes_[0] = std::make_unique<FakeGigeCamera>(fake_options(0));  // it answers, but forgot us
+    // the new camera answers, but does not know the connection
+    fakes_[0] = std::make_unique<FakeGigeCamera>(fake_options(0));
     ASSERT_TRUE(player.wait_for_pictures(0, 3));
     EXPECT_EQ((*source)->camera_counters()[0].num_reconnects, 1u);
 }
 
-// A packet socket takes whatever passes its interface until its filter is set: beside a camera that
-// sends without pause, a new connection may begin with pictures of that one.
-TEST_F(AravisSourceTest, ANewConnectionShowsNoPictureOfAnotherCamera) {
+// A packet socket receives everything on its interface until its filter is set. Next to a camera
+// that sends without pause, a new connection can begin with pictures of that camera.
+TEST_F(AravisSourceTest, NewConnectionDeliversNoPictureOfAnotherCamera) {
     FakeGigeCamera::Options busy = fake_options(0);
     busy.first_number = 1'000'000;
     add_fake(busy);
@@ -139,7 +141,7 @@ TEST_F(AravisSourceTest, ANewConnectionShowsNoPictureOfAnotherCamera) {
     EXPECT_GE((*source)->camera_counters()[1].num_reconnects, 5u);
 }
 
-TEST_F(AravisSourceTest, PicturesThatAreOlderThanTheOneBeforeAreRejectedAndCounted) {
+TEST_F(AravisSourceTest, RejectsAndCountsPicturesThatGoBackInTime) {
     FakeGigeCamera::Options options = fake_options(0);
     options.clock = [](std::uint64_t number, std::uint64_t host_ns) {
         return number % 4 == 0 ? host_ns - 500'000'000 : host_ns;
@@ -158,7 +160,7 @@ TEST_F(AravisSourceTest, PicturesThatAreOlderThanTheOneBeforeAreRejectedAndCount
     EXPECT_GE((*source)->camera_counters()[0].num_backwards, 4u);
 }
 
-TEST_F(AravisSourceTest, AStalledConsumerSeesOnlyTheNewest) {
+TEST_F(AravisSourceTest, StalledConsumerGetsOnlyTheNewest) {
     FakeGigeCamera& fake = add_fake(fake_options(0));
     const auto source = open(options_of(1), 50.0);
     ASSERT_TRUE(source) << source.error().message;
@@ -168,12 +170,12 @@ TEST_F(AravisSourceTest, AStalledConsumerSeesOnlyTheNewest) {
     std::vector<CameraFrame> held;
     Player player(**source, [&](CameraFrame frame) {
         std::unique_lock lock(mutex);
-        if (held.empty()) held.push_back(std::move(frame));  // and keeps a buffer all the time
+        if (held.empty()) held.push_back(std::move(frame));  // the test keeps one buffer to the end
         changed.wait(lock, [&] { return !is_stalled; });
     });
     ASSERT_TRUE(player.wait_for_pictures(0, 1));
     const std::uint64_t first = player.seen().back().number;
-    // far more than there are buffers; the counter is of what was received in the meantime
+    // far more than the number of buffers; the counter includes the pictures of the stall
     while ((*source)->camera_counters()[0].num_received < 40) std::this_thread::yield();
     const std::uint64_t before = fake.num_sent();
     {
@@ -184,7 +186,7 @@ TEST_F(AravisSourceTest, AStalledConsumerSeesOnlyTheNewest) {
     ASSERT_TRUE(player.wait_for_pictures(0, 3));
     const auto seen = player.seen();
     EXPECT_EQ(seen[0].number, first);
-    EXPECT_GE(seen[1].number + 2, before);  // one may be under way
+    EXPECT_GE(seen[1].number + 2, before);  // one picture may be in transit
     for (std::size_t i = 1; i < seen.size(); ++i) {
         EXPECT_GT(seen[i].number, seen[i - 1].number);
         EXPECT_TRUE(seen[i].is_exact);
@@ -216,7 +218,7 @@ TEST_F(AravisSourceTest, PicturesOutliveTheSource) {
     }
 }
 
-TEST_F(AravisSourceTest, LostPacketsCostPicturesAndNoneIsStriped) {
+TEST_F(AravisSourceTest, LostPacketsDropWholePictures) {
     FakeGigeCamera::Options options = fake_options(0);
     options.lost_packets = 0.05;
     add_fake(options);
@@ -228,7 +230,8 @@ TEST_F(AravisSourceTest, LostPacketsCostPicturesAndNoneIsStriped) {
     ASSERT_TRUE(player.wait_for_pictures(0, 20));
     for (const auto& seen : player.seen()) EXPECT_TRUE(seen.is_exact) << seen.number;
     EXPECT_GT((*source)->camera_counters()[0].num_incomplete, 0u);
-    // and each is told of, unless its first packet was lost, with the time that it would have had
+    // The source reports each incomplete picture with its expected time, unless its first packet
+    // was lost.
     const auto lost = player.lost();
     EXPECT_FALSE(lost.empty());
     for (const auto& picture : lost) {

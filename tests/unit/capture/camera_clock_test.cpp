@@ -13,20 +13,20 @@ namespace {
 constexpr std::int64_t kPeriod_ns = 33'000'000;
 constexpr std::int64_t kEpoch_ns = 1'800'000'000'000'000'000;
 
-TEST(CameraClock, TimesWithoutADeviceClockAreThoseOfArrival) {
+TEST(CameraClock, UsesArrivalTimesWithoutADeviceClock) {
     CameraClock clock;
     EXPECT_EQ(clock.on_site_clock(0, {kEpoch_ns}).ns, kEpoch_ns);
     EXPECT_EQ(clock.on_site_clock(0, {kEpoch_ns + 7}).ns, kEpoch_ns + 7);
 }
 
-TEST(CameraClock, LateArrivalsDoNotMovePicturesInTime) {
+TEST(CameraClock, LateArrivalsDoNotShiftCaptureTimes) {
     std::mt19937 random(5);
     CameraClock clock;
     std::vector<std::int64_t> errors_ns;
     for (int i = 0; i < 2000; ++i) {
         const std::int64_t device_ns = 1'000'000 + i * kPeriod_ns;
         const std::int64_t true_ns = kEpoch_ns + device_ns + device_ns / 20'000;  // 50 ppm apart
-        // mostly 1 ms on the way, now and then as much as a period more
+        // the delay is mostly 1 ms, and sometimes up to a period more
         const std::int64_t delay_ns =
             1'000'000 + (random() % 5 == 0 ? static_cast<std::int64_t>(random() % 33'000'000)
                                            : static_cast<std::int64_t>(random() % 200'000));
@@ -39,11 +39,11 @@ TEST(CameraClock, LateArrivalsDoNotMovePicturesInTime) {
     EXPECT_LE(*most, 1'000'000 + 300'000);
 }
 
-TEST(CameraClock, FollowsAClockThatWasSetAnew) {
+TEST(CameraClock, FollowsAClockThatWasSet) {
     CameraClock clock;
     clock.on_site_clock(5'000'000'000'000, {kEpoch_ns});
     EXPECT_EQ(clock.on_site_clock(1'000, {kEpoch_ns + kPeriod_ns}).ns, kEpoch_ns + kPeriod_ns);
-    // and keeps its pace from there on, though the next one arrives late
+    // it keeps that pace, although the next picture arrives late
     const auto next =
         clock.on_site_clock(1'000 + kPeriod_ns, {kEpoch_ns + 2 * kPeriod_ns + 9'000'000});
     EXPECT_NEAR(static_cast<double>(next.ns - kEpoch_ns),
@@ -51,7 +51,7 @@ TEST(CameraClock, FollowsAClockThatWasSetAnew) {
                 CameraClock::kMaxDrift * (kPeriod_ns + 9'000'000));
 }
 
-TEST(BackwardsGuard, RefusesWhatIsOlderOrTheSame) {
+TEST(BackwardsGuard, RefusesOlderOrEqualTimes) {
     BackwardsGuard guard;
     EXPECT_TRUE(guard.accept(10));
     EXPECT_FALSE(guard.accept(10));
@@ -59,7 +59,7 @@ TEST(BackwardsGuard, RefusesWhatIsOlderOrTheSame) {
     EXPECT_TRUE(guard.accept(11));
 }
 
-TEST(BackwardsGuard, BelievesAClockThatWasSetBackAfterAWhile) {
+TEST(BackwardsGuard, AcceptsAClockThatWasSetBackAfterAWhile) {
     BackwardsGuard guard;
     EXPECT_TRUE(guard.accept(1'000'000));
     for (int i = 0; i < BackwardsGuard::kMaxRefused; ++i)
@@ -68,14 +68,14 @@ TEST(BackwardsGuard, BelievesAClockThatWasSetBackAfterAWhile) {
     EXPECT_TRUE(guard.accept(101));
 }
 
-TEST(BackwardsGuard, NeverBelievesOldPicturesThatDisagree) {
+TEST(BackwardsGuard, NeverAcceptsOldPicturesThatDisagree) {
     BackwardsGuard guard;
     EXPECT_TRUE(guard.accept(1'000'000));
     for (int i = 0; i < 100; ++i)
         EXPECT_FALSE(guard.accept(static_cast<std::uint64_t>(i % 3 == 0 ? 10 : 10 + i % 3)));
 }
 
-TEST(CameraSettings, OwnSettingsWinAndTheRestIsCommon) {
+TEST(CameraSettings, OwnSettingsOverrideCommonOnes) {
     CameraSettings common;
     common.pixel_format = "BayerRG8";
     common.exposure_us = 5000.0;

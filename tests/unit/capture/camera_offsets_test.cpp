@@ -17,7 +17,7 @@ constexpr std::int64_t kPeriod_ns = 50'000'000;
 constexpr std::int64_t kTolerance_ns = kPeriod_ns / 4;
 const AssemblerOptions kOptions{nanoseconds(kTolerance_ns), milliseconds(100), 0};
 
-// Pictures of cameras that are late by some time, each as a rule, give or take a jitter.
+// Simulated cameras. Each has a constant offset and a jitter.
 class Room {
 public:
     Room(std::vector<double> offsets_tol, double jitter_tol, unsigned seed)
@@ -50,7 +50,7 @@ public:
     std::size_t num_cameras() const { return offsets_tol_.size(); }
     double& offset_tol(std::size_t camera) { return offsets_tol_[camera]; }
 
-    // the width tells the trigger
+    // the width encodes the trigger
     static image::RawImage image_of(int trigger) {
         static const std::uint8_t kPixel = 0;
         image::RawImage image;
@@ -67,7 +67,7 @@ private:
     std::mt19937 random_;
 };
 
-// The trigger of all pictures of a metaframe; 0: they are of several.
+// The common trigger of all pictures of a metaframe, or 0 if they belong to several triggers.
 int trigger_of(const Metaframe& metaframe) {
     int trigger = 0;
     for (const CameraFrame& frame : metaframe.frames) {
@@ -85,7 +85,7 @@ double median(std::vector<double> values) {
 
 Clock::time_point at(std::int64_t ns) { return Clock::time_point{} + nanoseconds(ns); }
 
-// All triggers in [first, last], in the order of arrival; returns those of the metaframes.
+// Sends all triggers in [first, last] in order of arrival. Returns the triggers of the metaframes.
 std::vector<int> play(Room& room,
                       MetaframeAssembler& assembler,
                       int first,
@@ -110,7 +110,7 @@ std::vector<int> play(Room& room,
     return triggers;
 }
 
-TEST(CameraOffsets, AnyOffsetsWithinTheToleranceAreLearnedAndTriggersNeverMix) {
+TEST(CameraOffsets, LearnsAnyOffsetWithinTheToleranceAndNeverMixesTriggers) {
     std::mt19937 random(2024);
     for (int round = 0; round < 200; ++round) {
         const std::size_t num_cameras = 2 + random() % 7;
@@ -131,7 +131,7 @@ TEST(CameraOffsets, AnyOffsetsWithinTheToleranceAreLearnedAndTriggersNeverMix) {
             last = trigger;
         }
         if (lost > 0.0) continue;
-        // what is not complete was overtaken by a newer one that was
+        // incomplete triggers were overtaken by a newer complete one
         ASSERT_GE(triggers.size(), 120u) << "round " << round;
         const double middle_tol = median(offsets_tol);
         for (std::size_t i = 0; i < num_cameras; ++i) {
@@ -143,14 +143,14 @@ TEST(CameraOffsets, AnyOffsetsWithinTheToleranceAreLearnedAndTriggersNeverMix) {
     }
 }
 
-TEST(CameraOffsets, NoTriggerIsLostToACameraNearTheTolerance) {
+TEST(CameraOffsets, LosesNoTriggerToACameraNearTheTolerance) {
     Room room({0.0, 0.05, 0.9, -0.1, -0.9}, 0.05, 7);
     MetaframeAssembler assembler(5, kOptions);
     EXPECT_EQ(play(room, assembler, 1, 300).size(), 300u);
     EXPECT_EQ(assembler.counters().num_complete, 300u);
 }
 
-TEST(CameraOffsets, TheMiddleOfAllOffsetsStaysZero) {
+TEST(CameraOffsets, KeepsTheMiddleOfAllOffsetsAtZero) {
     Room room({0.3, 0.3, 0.3, 0.8, -0.5}, 0.1, 9);
     MetaframeAssembler assembler(5, kOptions);
     play(room, assembler, 1, 2000);
@@ -162,7 +162,7 @@ TEST(CameraOffsets, TheMiddleOfAllOffsetsStaysZero) {
     EXPECT_NEAR(static_cast<double>(offsets_ns[0]), -0.8 * kTolerance_ns, 0.05 * kTolerance_ns);
 }
 
-TEST(CameraOffsets, ACameraThatCameBackWithAnotherOffsetIsLearnedAgain) {
+TEST(CameraOffsets, RelearnsACameraThatReturnsWithAnotherOffset) {
     Room room({0.0, 0.0, 0.0, 0.95}, 0.02, 3);
     MetaframeAssembler assembler(4, kOptions);
     ASSERT_EQ(play(room, assembler, 1, 100).size(), 100u);
@@ -175,19 +175,19 @@ TEST(CameraOffsets, ACameraThatCameBackWithAnotherOffsetIsLearnedAgain) {
                 0.05 * kTolerance_ns);
 }
 
-TEST(CameraOffsets, AreNeverBelievedToBeLargerThanTheTolerance) {
+TEST(CameraOffsets, NeverLearnsOffsetsAboveTheTolerance) {
     Room room({0.0, 0.0, 0.0, 1.6}, 0.02, 3);
     MetaframeAssembler assembler(4, kOptions);
     ASSERT_EQ(play(room, assembler, 1, 100).size(), 100u);
     EXPECT_EQ(assembler.offsets().offset(3).count(), kTolerance_ns);
-    // so that, even if it was learned wrongly, a true one within the tolerance is matched at once
+    // even after a wrong estimate, a true offset within the tolerance matches immediately
     room.offset_tol(3) = -0.9;
     const auto triggers = play(room, assembler, 101, 200);
     EXPECT_EQ(triggers.size(), 100u);
     EXPECT_EQ(std::count(triggers.begin(), triggers.end(), 0), 0);
 }
 
-TEST(CameraOffsets, TheCaptureTimeIsWhatTheCamerasSay) {
+TEST(CameraOffsets, KeepsTheCaptureTimesOfTheCameras) {
     Room room({0.0, 0.8}, 0.0, 3);
     MetaframeAssembler assembler(2, kOptions);
     ASSERT_EQ(play(room, assembler, 1, 50).size(), 50u);

@@ -43,7 +43,7 @@ TEST_F(FrameMailboxTest, KeepsTheNewestOfEachCamera) {
     EXPECT_EQ(take(), std::vector<std::int64_t>{});
 }
 
-TEST_F(FrameMailboxTest, ALostPictureNeverReplacesOneThatIsThere) {
+TEST_F(FrameMailboxTest, LostPictureNeverReplacesAPresentOne) {
     mailbox_.listen_to_all();
     CameraFrame lost = frame(0, 20);
     lost.image = {};
@@ -51,11 +51,12 @@ TEST_F(FrameMailboxTest, ALostPictureNeverReplacesOneThatIsThere) {
     EXPECT_EQ(mailbox_.put(lost, Clock::now()), Outcome::kTaken);
     EXPECT_EQ(take(), std::vector<std::int64_t>{10});
     mailbox_.put(lost, Clock::now());
-    EXPECT_EQ(mailbox_.put(frame(0, 30), Clock::now()), Outcome::kTaken);  // and none was late
+    // and none counts as late
+    EXPECT_EQ(mailbox_.put(frame(0, 30), Clock::now()), Outcome::kTaken);
     EXPECT_EQ(take(), std::vector<std::int64_t>{30});
 }
 
-TEST_F(FrameMailboxTest, NeverHandsOutWhatHasBecomeOld) {
+TEST_F(FrameMailboxTest, NeverDeliversOutdatedPictures) {
     mailbox_.listen_to_all();
     mailbox_.put(frame(0, 1), Clock::now() - seconds(11));
     mailbox_.put(frame(1, 2), Clock::now());
@@ -64,7 +65,7 @@ TEST_F(FrameMailboxTest, NeverHandsOutWhatHasBecomeOld) {
     EXPECT_EQ(num_too_old_, (std::vector<std::uint64_t>{1, 0, 1}));
 }
 
-TEST_F(FrameMailboxTest, ForgetsACameraThatIsGone) {
+TEST_F(FrameMailboxTest, ForgetsALostCamera) {
     mailbox_.listen_to_all();
     mailbox_.put(frame(0, 1), Clock::now());
     mailbox_.put(frame(1, 2), Clock::now());
@@ -72,7 +73,7 @@ TEST_F(FrameMailboxTest, ForgetsACameraThatIsGone) {
     EXPECT_EQ(take(), std::vector<std::int64_t>{2});
 }
 
-TEST_F(FrameMailboxTest, LetsGoAtOnceOfWhatNobodyListensTo) {
+TEST_F(FrameMailboxTest, ReleasesPicturesWithoutAListenerAtOnce) {
     CameraFrame unheard = frame(1, 5);
     const std::weak_ptr<const void> picture = unheard.image.owner;
     EXPECT_EQ(mailbox_.put(std::move(unheard), Clock::now()), Outcome::kNobodyListens);
@@ -80,11 +81,11 @@ TEST_F(FrameMailboxTest, LetsGoAtOnceOfWhatNobodyListensTo) {
     mailbox_.listen_to({1});
     EXPECT_EQ(mailbox_.put(frame(0, 6), Clock::now()), Outcome::kNobodyListens);
     EXPECT_EQ(mailbox_.put(frame(1, 7), Clock::now()), Outcome::kTaken);
-    mailbox_.listen_to_all();  // what was there is of another listener
+    mailbox_.listen_to_all();  // the earlier picture belongs to another listener
     EXPECT_EQ(take(), std::vector<std::int64_t>{});
 }
 
-TEST_F(FrameMailboxTest, WakesWhoWaitsForAPictureOrAStop) {
+TEST_F(FrameMailboxTest, WakesTheTakerForAPictureOrAStop) {
     mailbox_.listen_to_all();
     std::vector<CameraFrame> frames;
     bool taken = false;
@@ -93,7 +94,7 @@ TEST_F(FrameMailboxTest, WakesWhoWaitsForAPictureOrAStop) {
             taken = mailbox_.take(stop, seconds(60), frames, num_too_old_);
         });
         mailbox_.put(frame(1, 4), Clock::now());
-        taker.request_stop();  // the picture was there before
+        taker.request_stop();  // the picture arrived before
     }
     EXPECT_EQ(frames.size(), 1u);
     {

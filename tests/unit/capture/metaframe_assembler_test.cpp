@@ -37,11 +37,11 @@ TEST(MetaframeAssembler, CompletesWhenTheLastCameraArrives) {
     EXPECT_EQ(metaframe->capture_time.ns, 1000);
 }
 
-TEST(MetaframeAssembler, MatchesByTimeAndNotByArrival) {
+TEST(MetaframeAssembler, MatchesByTimeNotByArrival) {
     MetaframeAssembler assembler(2, kOptions);
     EXPECT_FALSE(assembler.add(frame(0, kPeriodNs), at(0)));
     EXPECT_FALSE(assembler.add(frame(1, 2 * kPeriodNs),
-                               at(1)));  // of the next trigger, though it came second
+                               at(1)));  // belongs to the next trigger, although it came second
     const auto first = assembler.add(frame(1, kPeriodNs + 5), at(2));
     ASSERT_TRUE(first);
     EXPECT_EQ(first->frames[1].capture_time.ns, kPeriodNs + 5);
@@ -51,7 +51,7 @@ TEST(MetaframeAssembler, MatchesByTimeAndNotByArrival) {
     EXPECT_EQ(assembler.counters().num_incomplete, 0u);
 }
 
-TEST(MetaframeAssembler, DropsWhatIsIncompleteAtItsDeadlineAndCountsIt) {
+TEST(MetaframeAssembler, DropsAndCountsIncompleteMetaframesAtTheirDeadline) {
     MetaframeAssembler assembler(2, kOptions);
     EXPECT_FALSE(assembler.add(frame(0, kPeriodNs), at(0)));
     assembler.expire(at(99));
@@ -59,10 +59,11 @@ TEST(MetaframeAssembler, DropsWhatIsIncompleteAtItsDeadlineAndCountsIt) {
     assembler.expire(at(101));
     EXPECT_EQ(assembler.counters().num_incomplete, 1u);
     EXPECT_FALSE(assembler.add(frame(1, kPeriodNs),
-                               at(102)));  // too late: opens one that will miss the other camera
+                               // too late: it opens a metaframe that will lack the other camera
+                               at(102)));
 }
 
-TEST(MetaframeAssembler, NewerCompleteOneDropsOlderIncompleteOnes) {
+TEST(MetaframeAssembler, NewerCompleteMetaframeDropsOlderIncompleteOnes) {
     MetaframeAssembler assembler(2, kOptions);
     EXPECT_FALSE(assembler.add(frame(0, kPeriodNs), at(0)));
     EXPECT_FALSE(assembler.add(frame(0, 2 * kPeriodNs), at(1)));
@@ -72,7 +73,7 @@ TEST(MetaframeAssembler, NewerCompleteOneDropsOlderIncompleteOnes) {
     EXPECT_EQ(assembler.counters().num_stray, 1u);
 }
 
-TEST(MetaframeAssembler, CountsStraysAndKeepsTheFirstOfTwoPicturesOfOneCamera) {
+TEST(MetaframeAssembler, CountsStraysAndKeepsTheFirstOfTwoPictures) {
     MetaframeAssembler assembler(2, kOptions);
     EXPECT_FALSE(assembler.add(frame(5, kPeriodNs), at(0)));
     EXPECT_FALSE(assembler.add(frame(0, kPeriodNs + 1), at(0)));
@@ -83,7 +84,7 @@ TEST(MetaframeAssembler, CountsStraysAndKeepsTheFirstOfTwoPicturesOfOneCamera) {
     EXPECT_EQ(assembler.counters().num_stray, 2u);
 }
 
-TEST(MetaframeAssembler, ACameraWithAWildClockDoesNotFillTheMemory) {
+TEST(MetaframeAssembler, StaysBoundedWithARandomCameraClock) {
     MetaframeAssembler assembler(2, kOptions);
     for (int i = 1; i <= 1000; ++i) EXPECT_FALSE(assembler.add(frame(0, i * kPeriodNs), at(0)));
     EXPECT_GE(assembler.counters().num_incomplete, 990u);
@@ -91,7 +92,7 @@ TEST(MetaframeAssembler, ACameraWithAWildClockDoesNotFillTheMemory) {
 
 const AssemblerOptions kTwoAreEnough{milliseconds(10), milliseconds(100), 2};
 
-TEST(MetaframeAssembler, UsesWhatHasEnoughCamerasAtItsDeadline) {
+TEST(MetaframeAssembler, ReturnsMetaframesWithEnoughCamerasAtTheirDeadline) {
     MetaframeAssembler assembler(3, kTwoAreEnough);
     EXPECT_FALSE(assembler.add(frame(2, kPeriodNs + 7), at(0)));
     EXPECT_FALSE(assembler.add(frame(0, kPeriodNs + 5), at(1)));
@@ -110,7 +111,7 @@ TEST(MetaframeAssembler, UsesWhatHasEnoughCamerasAtItsDeadline) {
     EXPECT_EQ(assembler.counters().num_stray, 1u);
 }
 
-TEST(MetaframeAssembler, DropsWhatHasTooFewCamerasAtItsDeadline) {
+TEST(MetaframeAssembler, DropsMetaframesWithTooFewCamerasAtTheirDeadline) {
     MetaframeAssembler assembler(3, kTwoAreEnough);
     EXPECT_FALSE(assembler.add(frame(1, kPeriodNs), at(0)));
     EXPECT_FALSE(assembler.expire(at(101)));
@@ -118,7 +119,7 @@ TEST(MetaframeAssembler, DropsWhatHasTooFewCamerasAtItsDeadline) {
     EXPECT_EQ(assembler.counters().num_incomplete_used, 0u);
 }
 
-TEST(MetaframeAssembler, GoesOnWithoutALostCameraAndWithItAgain) {
+TEST(MetaframeAssembler, ContinuesWithoutALostCameraAndTakesItBack) {
     MetaframeAssembler assembler(3, kTwoAreEnough);
     std::vector<std::uint64_t> ids;
     std::vector<bool> has_camera1;
@@ -133,7 +134,7 @@ TEST(MetaframeAssembler, GoesOnWithoutALostCameraAndWithItAgain) {
         }
     }
     EXPECT_TRUE(std::is_sorted(ids.begin(), ids.end()));
-    // of the 15 without it, the last three were still within their deadline as it came back
+    // of the 15 triggers without it, the last three were within their deadline when it returned
     EXPECT_EQ(assembler.counters().num_incomplete_used, 12u);
     EXPECT_EQ(assembler.counters().num_incomplete, 3u);
     EXPECT_EQ(assembler.counters().num_complete, 15u);
@@ -141,7 +142,7 @@ TEST(MetaframeAssembler, GoesOnWithoutALostCameraAndWithItAgain) {
     EXPECT_EQ(ids.size(), 27u);
 }
 
-TEST(MetaframeAssembler, ReturnsOnlyTheNewestOfSeveralPastTheirDeadline) {
+TEST(MetaframeAssembler, ReturnsOnlyTheNewestOfSeveralPastDeadline) {
     MetaframeAssembler assembler(3, kTwoAreEnough);
     for (int trigger = 1; trigger <= 3; ++trigger) {
         for (const std::size_t camera : {0u, 2u})
@@ -154,7 +155,7 @@ TEST(MetaframeAssembler, ReturnsOnlyTheNewestOfSeveralPastTheirDeadline) {
     EXPECT_EQ(assembler.counters().num_incomplete_used, 1u);
 }
 
-TEST(MetaframeAssembler, ACompleteOneGoesBeforeAnOlderOneThatIsDueAtTheSameTime) {
+TEST(MetaframeAssembler, PrefersACompleteMetaframeToAnOlderDueOne) {
     MetaframeAssembler assembler(2, {milliseconds(10), milliseconds(100), 1});
     EXPECT_FALSE(assembler.add(frame(0, kPeriodNs), at(0)));
     EXPECT_FALSE(assembler.add(frame(0, 2 * kPeriodNs), at(33)));
@@ -166,7 +167,7 @@ TEST(MetaframeAssembler, ACompleteOneGoesBeforeAnOlderOneThatIsDueAtTheSameTime)
     EXPECT_EQ(assembler.counters().num_incomplete_used, 0u);
 }
 
-TEST(MetaframeAssembler, ReturnsTheLastOneWhenTheSourceEnds) {
+TEST(MetaframeAssembler, ReturnsTheLastMetaframeWhenTheSourceEnds) {
     MetaframeAssembler assembler(3, kTwoAreEnough);
     EXPECT_FALSE(assembler.add(frame(0, kPeriodNs), at(0)));
     EXPECT_FALSE(assembler.add(frame(1, kPeriodNs), at(0)));
@@ -178,8 +179,8 @@ TEST(MetaframeAssembler, ReturnsTheLastOneWhenTheSourceEnds) {
     EXPECT_FALSE(assembler.finish());
 }
 
-TEST(MetaframeAssembler, FastTriggersOfALostCameraAreNotPushedOutUnused) {
-    // more triggers within a deadline than are kept waiting
+TEST(MetaframeAssembler, KeepsFastTriggersWhileACameraIsLost) {
+    // more triggers within one deadline than the assembler keeps waiting
     MetaframeAssembler assembler(3, kTwoAreEnough);
     std::int64_t last_ns = 0;
     std::uint64_t num_metaframes = 0;
@@ -202,7 +203,7 @@ CameraFrame lost(std::size_t camera, std::int64_t time_ns) {
     return f;
 }
 
-TEST(MetaframeAssembler, DoesNotWaitForAPictureThatIsKnownToBeLost) {
+TEST(MetaframeAssembler, DoesNotWaitForALostPicture) {
     for (const bool comes_first : {true, false}) {
         MetaframeAssembler assembler(3, kTwoAreEnough);
         std::optional<Metaframe> metaframe;
@@ -217,12 +218,12 @@ TEST(MetaframeAssembler, DoesNotWaitForAPictureThatIsKnownToBeLost) {
         EXPECT_TRUE(metaframe->frames[1].image.empty());
         EXPECT_EQ(metaframe->capture_time.ns, kPeriodNs);
         EXPECT_EQ(assembler.counters().num_incomplete_used, 1u);
-        EXPECT_FALSE(assembler.add(lost(1, kPeriodNs), at(4)));  // told twice, too late
+        EXPECT_FALSE(assembler.add(lost(1, kPeriodNs), at(4)));  // reported twice, too late
         EXPECT_EQ(assembler.counters().num_stray, 0u);
     }
 }
 
-TEST(MetaframeAssembler, DropsAtOnceWhatCannotGetEnough) {
+TEST(MetaframeAssembler, DropsHopelessMetaframesAtOnce) {
     MetaframeAssembler assembler(3, kTwoAreEnough);
     EXPECT_FALSE(assembler.add(frame(0, kPeriodNs), at(0)));
     EXPECT_FALSE(assembler.add(lost(1, kPeriodNs), at(0)));
@@ -232,7 +233,7 @@ TEST(MetaframeAssembler, DropsAtOnceWhatCannotGetEnough) {
     EXPECT_EQ(assembler.counters().num_incomplete, 1u);
 }
 
-TEST(MetaframeAssembler, TakesAPictureThatWasBelievedLost) {
+TEST(MetaframeAssembler, AcceptsAPictureReportedAsLost) {
     MetaframeAssembler assembler(2, kOptions);
     EXPECT_FALSE(assembler.add(lost(0, kPeriodNs), at(0)));
     EXPECT_FALSE(assembler.add(frame(0, kPeriodNs), at(0)));
@@ -240,8 +241,8 @@ TEST(MetaframeAssembler, TakesAPictureThatWasBelievedLost) {
     EXPECT_EQ(assembler.counters().num_complete, 1u);
 }
 
-// any order of arrival within the deadline, some pictures lost
-TEST(MetaframeAssembler, NeverMixesTriggersAndNeverGoesBack) {
+// any order of arrival within the deadline, with some pictures lost
+TEST(MetaframeAssembler, NeverMixesTriggersOrGoesBack) {
     std::mt19937 random(11);
     for (int round = 0; round < 100; ++round) {
         constexpr std::size_t kNumCameras = 5;

@@ -25,7 +25,7 @@ using testing::IsTrue;
 constexpr int kWidth = 64;
 constexpr int kHeight = 48;
 
-// A recording of two cameras whose frame k is grey of value 10 (k + 1) + camera.
+// A recording of two cameras. Frame k of a camera is grey with value 10 (k + 1) + camera.
 class RecordingOnDisk : public testing::Test {
 protected:
     void SetUp() override {
@@ -89,7 +89,7 @@ protected:
     fs::path folder_;
 };
 
-TEST_F(RecordingOnDisk, PlaysSequencesInOrderWithOneTimePerTrigger) {
+TEST_F(RecordingOnDisk, PlaysInOrderWithOneTimePerTrigger) {
     write_sequence("a", 3);
     write_sequence("b", 3);
     const auto frames = play({});
@@ -114,7 +114,7 @@ TEST_F(RecordingOnDisk, PlaysVideos) {
     }
 }
 
-TEST_F(RecordingOnDisk, LoopsOnRequestAndOnlyThen) {
+TEST_F(RecordingOnDisk, LoopsOnlyOnRequest) {
     write_video("a", 2);
     write_sequence("b", 2);
     RecordingOptions loop;
@@ -125,7 +125,7 @@ TEST_F(RecordingOnDisk, LoopsOnRequestAndOnlyThen) {
     EXPECT_LT(frames[0].capture_time, frames[8].capture_time);
 }
 
-TEST_F(RecordingOnDisk, AMissingPictureLeavesItsMetaframeIncomplete) {
+TEST_F(RecordingOnDisk, MissingPictureLeavesItsMetaframeIncomplete) {
     write_sequence("a", 3);
     write_sequence("b", 3);
     fs::remove(folder_ / "b" / "frames" / numbered(1));
@@ -138,7 +138,7 @@ TEST_F(RecordingOnDisk, AMissingPictureLeavesItsMetaframeIncomplete) {
     EXPECT_EQ(num_complete, 1u);
 }
 
-TEST_F(RecordingOnDisk, CountsWhatItDeliversAndWhatItCannotRead) {
+TEST_F(RecordingOnDisk, CountsDeliveredAndUnreadablePictures) {
     write_sequence("a", 3);
     write_sequence("b", 3);
     std::ofstream(folder_ / "a" / "frames" / numbered(2)) << "not a picture";
@@ -185,7 +185,7 @@ TEST_F(RecordingOnDisk, KeepsTheRecordedTimesOfEachCamera) {
     EXPECT_EQ((frames[2].capture_time - frames[3].capture_time).count(), 1500);
 }
 
-TEST_F(RecordingOnDisk, NamesTheLineOfABadTimesFile) {
+TEST_F(RecordingOnDisk, NamesTheBadLineOfATimesFile) {
     write_sequence("a", 1);
     write_sequence("b", 1);
     for (const char* line : {"0, c, 5\n", "0, a\n", "x, a, 5\n", "0, a, soon\n", "-1, a, 5\n"}) {
@@ -196,7 +196,7 @@ TEST_F(RecordingOnDisk, NamesTheLineOfABadTimesFile) {
     }
 }
 
-TEST_F(RecordingOnDisk, ShowsTheBackgroundInAnyForm) {
+TEST_F(RecordingOnDisk, ShowsTheBackgroundInEveryForm) {
     write_sequence("a", 1);
     write_sequence("b", 1);
     cv::imwrite((folder_ / "a" / "background.png").string(), grey(77));
@@ -220,7 +220,7 @@ TEST_F(RecordingOnDisk, ShowsTheBackgroundInAnyForm) {
     EXPECT_EQ(seen[1].size(), 3u);
 }
 
-TEST_F(RecordingOnDisk, AStopEndsTheBackgroundAndSaysSo) {
+TEST_F(RecordingOnDisk, StopEndsTheBackgroundWithAnError) {
     write_sequence("a", 1);
     write_sequence("b", 1);
     for (const char* camera : {"a", "b"}) write_video(camera, 5, "background.avi");
@@ -241,7 +241,7 @@ TEST_F(RecordingOnDisk, AStopEndsTheBackgroundAndSaysSo) {
     }
 }
 
-TEST_F(RecordingOnDisk, SaysWhatIsMissing) {
+TEST_F(RecordingOnDisk, NamesMissingParts) {
     const auto no_folder = RecordingSource::open({"/nonexistent/room"});
     ASSERT_FALSE(no_folder);
     EXPECT_EQ(no_folder.error().kind, ErrorKind::kNotFound);
@@ -261,7 +261,7 @@ TEST_F(RecordingOnDisk, SaysWhatIsMissing) {
     EXPECT_TRUE((*source)->read_frame(0));
 }
 
-TEST_F(RecordingOnDisk, ReadsAFrameWithoutACameraThatLacksIt) {
+TEST_F(RecordingOnDisk, ReadsAFrameWithoutTheCameraThatLacksIt) {
     write_sequence("a", 1);
     write_sequence("b", 2);
     auto source = RecordingSource::open({folder_});
@@ -275,7 +275,7 @@ TEST_F(RecordingOnDisk, ReadsAFrameWithoutACameraThatLacksIt) {
     EXPECT_EQ(luma(frame->frames[1].image, 5, 5), 21);
 }
 
-TEST_F(RecordingOnDisk, RefusesPicturesOfAnotherSizeThanTheRigSays) {
+TEST_F(RecordingOnDisk, RefusesPicturesThatDoNotMatchTheRigSize) {
     write_sequence("a", 1);
     write_sequence("b", 1);
     cv::imwrite((folder_ / "b" / "frames" / numbered(0)).string(),
@@ -287,7 +287,7 @@ TEST_F(RecordingOnDisk, RefusesPicturesOfAnotherSizeThanTheRigSays) {
     EXPECT_THAT(frame.error().message, HasSubstr("20x20"));
 }
 
-TEST_F(RecordingOnDisk, GivesUpWhenNoPictureCanBeRead) {
+TEST_F(RecordingOnDisk, FailsIfNoPictureCanBeRead) {
     for (const char* camera : {"a", "b"}) {
         fs::create_directories(folder_ / camera / "frames");
         std::ofstream(folder_ / camera / "frames" / numbered(0)) << "garbage";

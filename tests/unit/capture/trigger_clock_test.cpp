@@ -13,7 +13,7 @@ constexpr milliseconds kPeriod{40};
 constexpr milliseconds kDelay{70};  // nearly two periods
 constexpr Timestamp kStart{1'700'000'000'000'000'000};
 
-// Times are relative to kStart; what a camera delivers at `ms` was taken kDelay before.
+// Times are relative to kStart. A camera delivers a picture kDelay after its capture.
 Timestamp at(double ms) { return {kStart.ns + static_cast<std::int64_t>(ms * 1e6)}; }
 
 class MeasuredClock : public testing::Test {
@@ -27,7 +27,7 @@ protected:
     TriggerClock clock_{kPeriod};
 };
 
-TEST(TriggerClock, WithoutMeasuringAllPicturesStayAsTheyAre) {
+TEST(TriggerClock, PassesPicturesThroughWithoutMeasurement) {
     TriggerClock clock(kPeriod);
     EXPECT_EQ(clock.on_picture(at(3)), at(3));
     clock.start_measuring();
@@ -37,7 +37,7 @@ TEST(TriggerClock, WithoutMeasuringAllPicturesStayAsTheyAre) {
     EXPECT_FALSE(clock.delay());
 }
 
-TEST(TriggerClock, WhileMeasuringTheFirstPictureOfEachShotIsHandedOver) {
+TEST(TriggerClock, PassesOnePicturePerShotWhileMeasuring) {
     TriggerClock clock(kPeriod);
     clock.start_measuring();
     clock.begin_shot();
@@ -55,21 +55,21 @@ TEST(TriggerClock, WhileMeasuringTheFirstPictureOfEachShotIsHandedOver) {
     EXPECT_FALSE(clock.on_lost_picture(at(70)));
 }
 
-TEST_F(MeasuredClock, APictureIsOfTheTriggerThatItWasTakenAfter) {
+TEST_F(MeasuredClock, AssignsAPictureToTheTriggerBeforeIt) {
     for (int beat = 0; beat < 200; ++beat) {
         const double due_ms = 40.0 * beat;
         clock_.note_trigger(at(due_ms), at(due_ms + 1));
-        // nearly two periods later two more triggers have been sent
+        // two more triggers have been sent within the delay of nearly two periods
         if (beat >= 2) {
             EXPECT_EQ(taken(due_ms - 80 + 3), at(due_ms - 80 + 3)) << beat;
         }
     }
 }
 
-TEST_F(MeasuredClock, PicturesOfTwoTriggersAreFartherApartThanTwoOfOne) {
+TEST_F(MeasuredClock, SeparatesTriggersMoreThanPicturesOfOneTrigger) {
     for (int beat = 0; beat < 2; ++beat) {
         const double due_ms = 40.0 * beat;
-        clock_.note_trigger(at(due_ms), at(due_ms + 10));  // as late as may be
+        clock_.note_trigger(at(due_ms), at(due_ms + 10));  // as late as allowed
     }
     std::vector<double> accepted_ms;
     for (double ms = -30; ms < 90; ms += 0.25) {
@@ -84,7 +84,7 @@ TEST_F(MeasuredClock, PicturesOfTwoTriggersAreFartherApartThanTwoOfOne) {
     }
 }
 
-TEST_F(MeasuredClock, PicturesOfNoTriggerAreRefused) {
+TEST_F(MeasuredClock, RefusesPicturesWithoutATrigger) {
     EXPECT_FALSE(taken(0));
     clock_.note_trigger(at(0), at(0));
     EXPECT_FALSE(taken(20));
@@ -94,15 +94,15 @@ TEST_F(MeasuredClock, PicturesOfNoTriggerAreRefused) {
     EXPECT_TRUE(taken(2));
 }
 
-TEST_F(MeasuredClock, ADelayThatWasMeasuredTooLongIsMended) {
+TEST_F(MeasuredClock, CorrectsADelayThatWasMeasuredTooLong) {
     clock_.note_trigger(at(0), at(0));
-    EXPECT_EQ(clock_.on_picture(at(2) + milliseconds(64)), at(0));  // not before it was asked for
+    EXPECT_EQ(clock_.on_picture(at(2) + milliseconds(64)), at(0));  // not before the trigger
     EXPECT_EQ(clock_.delay(), milliseconds(66));
     clock_.note_trigger(at(40), at(40));
     EXPECT_EQ(clock_.on_picture(at(42) + milliseconds(64)), at(40));
 }
 
-TEST_F(MeasuredClock, IsAstrayWhenNothingFitsAnyMore) {
+TEST_F(MeasuredClock, IsAstrayWhenNoPictureMatches) {
     for (int beat = 0; beat < 45; ++beat) {
         clock_.note_trigger(at(40.0 * beat), at(40.0 * beat));
         EXPECT_EQ(clock_.needs_measuring(), beat >= 40) << beat;

@@ -40,14 +40,14 @@ TriangleMesh there_and_back(const TriangleMesh& mesh, const MeshCodecOptions& op
     return decoded ? *decoded : TriangleMesh{};
 }
 
-/// Half a step on each axis, and what the way through float adds.
+/// Half a step on each axis plus the rounding of the conversion to float.
 double allowed_error_m(const TriangleMesh& mesh, const MeshCodecOptions& options) {
     const geometry::Aabb box = geometry::bounds(mesh);
     const double largest_m = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
     return 0.5 * quantisation_step_m(mesh, options) + 4.0 * 6e-8 * largest_m;
 }
 
-/// Index of the vertex of `mesh` that is nearest to `p`, by the largest difference of a coordinate.
+/// Index of the vertex of `mesh` nearest to `p` in the maximum norm.
 std::uint32_t nearest(const TriangleMesh& mesh, const Eigen::Vector3d& p) {
     const auto found =
         std::min_element(mesh.vertices.begin(), mesh.vertices.end(), [&](auto& a, auto& b) {
@@ -58,7 +58,7 @@ std::uint32_t nearest(const TriangleMesh& mesh, const Eigen::Vector3d& p) {
 
 using Triangles = std::multiset<std::array<std::uint32_t, 3>>;
 
-/// Triangles that begin with their smallest index.
+/// The triangles, each rotated to begin with its smallest index.
 Triangles canonical(const std::vector<std::array<std::uint32_t, 3>>& triangles) {
     Triangles out;
     for (auto triangle : triangles) {
@@ -87,7 +87,7 @@ void expect_same_mesh_renumbered(const TriangleMesh& mesh, const MeshCodecOption
 
 void expect_same_topology(const TriangleMesh& mesh, const MeshCodecOptions& options = {}) {
     const geometry::MeshReport before = geometry::inspect(mesh);
-    ASSERT_TRUE(before.closed && before.manifold) << "the test's own mesh";
+    ASSERT_TRUE(before.closed && before.manifold) << "the test mesh is not closed and manifold";
     const TriangleMesh decoded = there_and_back(mesh, options);
     const geometry::MeshReport after = geometry::inspect(decoded);
     EXPECT_TRUE(after.closed);
@@ -98,7 +98,7 @@ void expect_same_topology(const TriangleMesh& mesh, const MeshCodecOptions& opti
     EXPECT_EQ(after.euler_characteristic, before.euler_characteristic);
 }
 
-TEST(MeshCodec, AnEmptyMeshIsZeroBytesAndBack) {
+TEST(MeshCodec, EmptyMeshIsZeroBytesBothWays) {
     std::vector<std::uint8_t> bytes{1, 2, 3};
     const auto size = encode_mesh({}, {}, bytes);
     ASSERT_TRUE(size.has_value());
@@ -109,14 +109,14 @@ TEST(MeshCodec, AnEmptyMeshIsZeroBytesAndBack) {
     EXPECT_TRUE(mesh->empty());
 }
 
-TEST(MeshCodec, TheStepOfATwoMetreBoxIsBelowAQuarterMillimetre) {
+TEST(MeshCodec, StepOfATwoMetreBoxIsBelowAQuarterMillimetre) {
     TriangleMesh box;
     box.vertices = {{0, 0, 0}, {1, 0.5, 2}};
     EXPECT_NEAR(quantisation_step_m(box, {}), 2.0 / 16383.0, 1e-12);
     EXPECT_LT(quantisation_step_m(box, {}), 0.25e-3);
 }
 
-TEST(MeshCodec, MovesNoCoordinateByMoreThanHalfAStepAndKeepsEveryTriangle) {
+TEST(MeshCodec, MovesCoordinatesByAtMostHalfAStepAndKeepsTriangles) {
     Random random(21);
     for (int round = 0; round < 12; ++round) {
         MeshCodecOptions options;
@@ -144,7 +144,7 @@ geometry::CalibratedCamera camera_towards(const Eigen::Vector3d& target,
     return camera;
 }
 
-TEST(MeshCodec, AutomaticBitsMoveNoVertexFurtherThanWhatACameraCanSee) {
+TEST(MeshCodec, AutomaticBitsMoveVerticesLessThanACameraCanSee) {
     Random random(27);
     int fewest = 99;
     int most = 0;
@@ -160,7 +160,7 @@ TEST(MeshCodec, AutomaticBitsMoveNoVertexFurtherThanWhatACameraCanSee) {
         }
         const int bits = position_bits_for(mesh, cameras);
         ASSERT_GT(bits, 8);
-        ASSERT_LT(bits, 16) << "the property needs one in between";
+        ASSERT_LT(bits, 16) << "the test needs a number of bits below the maximum";
         fewest = std::min(fewest, bits);
         most = std::max(most, bits);
         const TriangleMesh decoded = there_and_back(mesh, {.position_bits = bits});
@@ -176,20 +176,20 @@ TEST(MeshCodec, AutomaticBitsMoveNoVertexFurtherThanWhatACameraCanSee) {
             }
         }
         EXPECT_LE(farthest_px, 0.44);
-        EXPECT_GT(farthest_px, 0.05) << "more bits than are needed";
+        EXPECT_GT(farthest_px, 0.05) << "more bits than necessary";
     }
     EXPECT_LT(fewest, most);
 }
 
-// Whatever floats may get wrong.
-TEST(MeshCodec, AutomaticBitsAreTheFewestWithWhichNoStepIsTooLong) {
+// Allowance for rounding in float.
+TEST(MeshCodec, AutomaticBitsAreTheFewestWithShortEnoughSteps) {
     Random random(28);
     for (int round = 0; round < 300; ++round) {
         const TriangleMesh mesh = make_torus(20, 12, number(random, 0.1, 0.5));
         std::vector<geometry::CalibratedCamera> cameras;
         double most_px_per_m = 0.0;
         for (int i = 0; i < 3; ++i) {
-            // some look through the mesh from within
+            // some look at the mesh from inside
             const double turn = number(random, 0.0, 6.28);
             const double far_m = number(random, 0.0, round % 3 == 0 ? 80.0 : 5.0) + 0.1;
             cameras.push_back(camera_towards({number(random, -0.2, 0.2), 0, 0},
@@ -217,12 +217,12 @@ TEST(MeshCodec, AutomaticBitsAreTheFewestWithWhichNoStepIsTooLong) {
     }
 }
 
-TEST(MeshCodec, AutomaticBitsWithoutACameraThatSeesAnything) {
+TEST(MeshCodec, AutomaticBitsAreDefinedIfNoCameraSeesTheMesh) {
     const TriangleMesh mesh = make_torus(20, 12);
     EXPECT_EQ(position_bits_for(mesh, {}), 14);
     const std::array behind{camera_towards({9, 0, 0}, {4, 0, 0}, 1000.0)};
     EXPECT_EQ(position_bits_for(mesh, behind), 14);
-    // almost on the surface: the limit
+    // nearly on the surface: the limit
     const std::array near{camera_towards({0, 0, 0}, {1.001, 0, 0}, 5000.0)};
     EXPECT_EQ(position_bits_for(mesh, near), 16);
 }
@@ -240,13 +240,13 @@ TEST(MeshCodec, KeepsTheTopologyOfSphereTorusAndManyBodies) {
     expect_same_topology(crowd);
 }
 
-TEST(MeshCodec, KeepsTheTopologyWhereVerticesCoincideOnTheGrid) {
-    // Edges of 0.1 um in a mesh of 2 m, whose step is a thousand times as long: a tube so thin that
-    // each of its rings is one grid point, and bodies smaller than a step on top of each other.
+TEST(MeshCodec, KeepsTheTopologyOfVerticesThatCoincideOnTheGrid) {
+    // Edges of 0.1 um in a mesh of 2 m, where a step is a thousand times as long: a tube so thin
+    // that each ring is one grid point, and overlapping bodies smaller than a step.
     TriangleMesh thin = make_torus(200, 6, 1e-7);
     for (int i = 0; i < 20; ++i) append(thin, make_octahedron({0.1, 0.2, 0.3}, 1e-7));
     for (const int speed : {0, 5, 7, 10}) expect_same_topology(thin, {14, speed});
-    // All of it in one point.
+    // All vertices in one point.
     TriangleMesh point = make_torus(8, 8);
     for (auto& vertex : point.vertices) vertex = {1, 2, 3};
     expect_same_topology(point);
@@ -257,7 +257,7 @@ TEST(MeshCodec, KeepsTheTopologyOfRandomlyCrumpledMeshes) {
     for (int round = 0; round < 40; ++round) {
         TriangleMesh mesh = make_torus(4 + random() % 30, 3 + random() % 20);
         if (round % 3 == 0) append(mesh, make_sphere(2, 0.5));
-        // Half of the vertices fall onto others or into their sub-step neighbourhood.
+        // Half of the vertices coincide with others or lie within a fraction of a step.
         for (auto& vertex : mesh.vertices) {
             if (random() % 2 == 0) continue;
             vertex = mesh.vertices[random() % mesh.vertices.size()];
@@ -268,19 +268,19 @@ TEST(MeshCodec, KeepsTheTopologyOfRandomlyCrumpledMeshes) {
     }
 }
 
-TEST(MeshCodec, GivesEachFanOfASharedVertexItsOwnCopyAndDropsWhatNobodyUses) {
+TEST(MeshCodec, SplitsSharedVerticesByFanAndDropsUnusedOnes) {
     TriangleMesh mesh = make_octahedron({0, 0, 0}, 0.5);
-    append(mesh, make_octahedron({1, 0, 0}, 0.5));  // its vertex 7 is where vertex 0 is
+    append(mesh, make_octahedron({1, 0, 0}, 0.5));  // its vertex 7 coincides with vertex 0
     for (auto& triangle : mesh.triangles) std::replace(triangle.begin(), triangle.end(), 7U, 0U);
     ASSERT_FALSE(geometry::inspect(mesh).manifold);
     const TriangleMesh decoded = there_and_back(mesh);
-    EXPECT_EQ(decoded.vertices.size(), 12U);  // 7 is not used by anyone; 0 is there twice
+    EXPECT_EQ(decoded.vertices.size(), 12U);  // vertex 7 is unused, vertex 0 appears twice
     const auto report = geometry::inspect(decoded);
     EXPECT_TRUE(report.manifold);
     EXPECT_EQ(report.num_components, 2U);
 }
 
-TEST(MeshCodec, RefusesToEncodeWhatIsNoMesh) {
+TEST(MeshCodec, RefusesToEncodeBadMeshes) {
     std::vector<std::uint8_t> bytes;
     TriangleMesh mesh = make_octahedron({0, 0, 0}, 1.0);
     mesh.triangles[3][1] = 6;
@@ -288,11 +288,12 @@ TEST(MeshCodec, RefusesToEncodeWhatIsNoMesh) {
     mesh = make_octahedron({0, 0, 0}, 1.0);
     mesh.vertices[2].y() = std::nan("");
     EXPECT_THAT(encode_mesh(mesh, {}, bytes).error().message, HasSubstr("finite"));
-    mesh.vertices[2].y() = 1e300;  // no float
+    mesh.vertices[2].y() = 1e300;  // exceeds float
     EXPECT_FALSE(encode_mesh(mesh, {}, bytes).has_value());
     mesh = make_octahedron({0, 0, 0}, 1.0);
     for (auto& triangle : mesh.triangles) triangle = {1, 1, 2};
-    EXPECT_FALSE(encode_mesh(mesh, {}, bytes).has_value()) << "nothing is left of it";
+    EXPECT_FALSE(encode_mesh(mesh, {}, bytes).has_value())
+        << "a mesh without any remaining triangle was encoded";
     EXPECT_TRUE(bytes.empty());
 }
 
@@ -339,7 +340,7 @@ TEST(MeshCodec, SurvivesFlippedBits) {
     }
 }
 
-TEST(MeshCodec, SurvivesRandomBytesBehindAGoodBeginning) {
+TEST(MeshCodec, SurvivesRandomBytesAfterAValidBeginning) {
     Random random(25);
     const auto good = encode(make_torus(12, 6));
     for (int round = 0; round < 6'000; ++round) {
@@ -351,9 +352,9 @@ TEST(MeshCodec, SurvivesRandomBytesBehindAGoodBeginning) {
     }
 }
 
-TEST(MeshCodec, OneDecoderReadsGoodMeshesBetweenDamagedAndEmptyOnes) {
+TEST(MeshCodec, OneDecoderReadsGoodMeshesAfterDamagedOrEmptyOnes) {
     const std::array streams{encode(make_torus(20, 10)),
-                             encode(make_sphere(3, 1.0), {12, 0}),  // read by Draco
+                             encode(make_sphere(3, 1.0), {12, 0}),  // Draco decodes this one
                              encode(make_octahedron({0, 0, 0}, 0.1), {14, 7})};
     MeshDecoder decoder;
     TriangleMesh mesh;
@@ -374,7 +375,7 @@ TEST(MeshCodec, OneDecoderReadsGoodMeshesBetweenDamagedAndEmptyOnes) {
 
 TEST(MeshCodec, RefusesAStreamOfAnotherForm) {
     const auto good = encode(make_torus(5, 5));
-    // Version, kind of geometry, method, flags, kind of symbols: each of them another decoder.
+    // Version, geometry type, method, flags, symbol type: each selects another decoder.
     for (const std::size_t position : {5U, 6U, 7U, 8U, 9U, 10U, 11U}) {
         auto bytes = good;
         bytes[position] ^= 1U;

@@ -17,9 +17,9 @@ std::vector<std::uint8_t> ramp(int width, int height) {
     return rgba;
 }
 
-TEST(PictureEncoder, KeepsColoursAndTheOrderOfRows) {
+TEST(PictureEncoder, KeepsColoursAndRowOrder) {
     PictureEncoder encoder;
-    // of several sizes: the encoder's memory grows, and is used again
+    // several sizes, because the encoder reuses its growing memory
     for (const auto& [width, height] : {std::pair(16, 8), {61, 47}, {64, 48}, {17, 9}}) {
         SCOPED_TRACE(testing::Message() << width << " x " << height);
         const auto jpeg = encoder.encode(ramp(width, height), width, height, 95);
@@ -40,7 +40,7 @@ TEST(PictureEncoder, KeepsColoursAndTheOrderOfRows) {
     }
 }
 
-TEST(PictureEncoder, RefusesWhatIsNoPicture) {
+TEST(PictureEncoder, RefusesBadPictures) {
     PictureEncoder encoder;
     const std::vector<std::uint8_t> rgba = ramp(16, 8);
     for (const auto& [width, height] :
@@ -49,7 +49,7 @@ TEST(PictureEncoder, RefusesWhatIsNoPicture) {
         ASSERT_FALSE(jpeg) << width << " x " << height;
         EXPECT_EQ(jpeg.error().kind, ErrorKind::kInvalidData);
     }
-    EXPECT_FALSE(encoder.encode(ramp(70'000, 1), 70'000, 1, 80));  // wider than JPEG can be
+    EXPECT_FALSE(encoder.encode(ramp(70'000, 1), 70'000, 1, 80));  // wider than JPEG allows
     EXPECT_TRUE(encoder.encode(rgba, 16, 8, 80));
 }
 

@@ -23,7 +23,7 @@ image::Mask noise_mask(int width, int height, double density, unsigned seed) {
     return mask;
 }
 
-// About as large and as complicated as a standing person at half of 1 MP.
+// About as large and as complex as a standing person at half of 1 MP.
 image::Mask figure_mask() {
     image::Mask mask(200, 440);
     for (int y = 0; y < 440; ++y) {
@@ -62,7 +62,7 @@ CodedTexture coded(const TextureCrop& crop, int quality = 85, int divisor = 1) {
     return result;
 }
 
-// Root of the mean squared error of the three colours, in grey levels.
+// Root mean square error of the three colours, in grey levels.
 double rms_error(const TextureCrop& crop, const DecodedTexture& decoded) {
     double error_sq = 0.0;
     for (std::size_t i = 0; i < crop.y.data.size(); ++i) {
@@ -96,14 +96,14 @@ TEST(MaskCodec, RoundTripIsExact) {
     EXPECT_EQ(back.data, stripes.data);
 }
 
-TEST(MaskCodec, APersonTakesLessThanAKilobyte) {
+TEST(MaskCodec, PersonTakesLessThanAKilobyte) {
     std::vector<std::uint8_t> bytes;
     encode_mask(figure_mask(), bytes);
     EXPECT_LT(bytes.size(), 1000u);
 }
 
-// These bytes are format version 1: a change here is a change on the wire.
-TEST(MaskCodec, FormatVersionOneStaysAsItIs) {
+// These bytes are format version 1. A change here is a change of the wire format.
+TEST(MaskCodec, FormatVersionOneIsUnchanged) {
     image::Mask mask(6, 4);
     std::fill_n(mask.row(1) + 2, 2, 255);
     std::fill_n(mask.row(2) + 1, 4, 255);
@@ -128,7 +128,7 @@ TEST(MaskCodec, RejectsEveryTruncationAndTrailingBytes) {
     EXPECT_FALSE(decode_mask(bytes, out).has_value());
 }
 
-TEST(MaskCodec, RejectsSizesThatAreEmptyOrTooLarge) {
+TEST(MaskCodec, RejectsEmptyAndTooLargeSizes) {
     image::Mask out;
     std::vector<std::uint8_t> bytes(8192, 0xFF);
     const auto with_size = [&](int width, int height) {
@@ -185,8 +185,8 @@ TEST(TextureCodec, KeepsColoursWithinAFewLevelsAndAlphaExactly) {
     EXPECT_LT(rms_error(crop, out), 1.5);
 }
 
-// A shift by half a pixel, which a careless doubling has, would cost some 3 levels here.
-TEST(TextureCodec, ColoursAtHalfSizeComeBackInPlaceWithAnExactMask) {
+// A shift by half a pixel, a common doubling mistake, would cost about 3 levels here.
+TEST(TextureCodec, HalfSizeColoursKeepTheirPlaceAndTheMaskIsExact) {
     TextureDecoder decoder;
     DecodedTexture out;
     for (const auto& [width, height] : {std::pair{200, 440}, {199, 439}, {200, 33}, {37, 440}}) {
@@ -205,7 +205,7 @@ TEST(TextureCodec, ColoursAtHalfSizeComeBackInPlaceWithAnExactMask) {
     }
 }
 
-TEST(TextureCodec, HalfSizeOfSmallAndOddSizesWorks) {
+TEST(TextureCodec, HalvesSmallAndOddSizes) {
     TextureDecoder decoder;
     DecodedTexture out;
     for (int width = 1; width <= 18; ++width) {
@@ -220,7 +220,7 @@ TEST(TextureCodec, HalfSizeOfSmallAndOddSizesWorks) {
     }
 }
 
-TEST(TextureCodec, OnlyTheHalfRoundedUpIsTakenForHalf) {
+TEST(TextureCodec, AcceptsOnlyTheRoundedUpHalfSize) {
     const CodedTexture mask_33 = coded(smooth_crop(image::Mask(33, 33, 255)));
     DecodedTexture out;
     for (int width = 1; width <= 66; ++width) {
@@ -233,7 +233,7 @@ TEST(TextureCodec, OnlyTheHalfRoundedUpIsTakenForHalf) {
     }
 }
 
-TEST(TextureCodec, DamagedColoursAtHalfSizeAreNoDanger) {
+TEST(TextureCodec, SurvivesDamagedColoursAtHalfSize) {
     const CodedTexture good = coded(smooth_crop(noise_mask(41, 39, 0.5, 2)), 85, 2);
     TextureDecoder decoder;
     DecodedTexture out;
@@ -252,7 +252,7 @@ TEST(TextureCodec, DamagedColoursAtHalfSizeAreNoDanger) {
 }
 
 TEST(TextureCodec, EveryQualityCodesTheHardestPicture) {
-    // noise of extreme colours has every word of the Huffman code, and the longest of them
+    // noise of extreme colours uses every word of the Huffman code, including the longest
     const image::Mask mask(72, 56, 255);
     TextureCrop crop = smooth_crop(mask);
     std::mt19937 random(11);
@@ -274,9 +274,8 @@ TEST(TextureCodec, EveryQualityCodesTheHardestPicture) {
     EXPECT_EQ(quantisation_step(1), 255);
 }
 
-// Half a step for each coefficient is the most that a picture can lose; a block of a constant
-// colour has one.
-TEST(TextureCodec, AConstantColourIsOffByNoMoreThanItsStep) {
+// A picture loses at most half a step per coefficient. A block of constant colour has one.
+TEST(TextureCodec, ConstantColourErrorIsAtMostItsStep) {
     for (const int quality : {50, 86, 95}) {
         const int allowed = quantisation_step(quality) / 16 + 1;
         TextureCrop crop = smooth_crop(image::Mask(16, 16, 255));
@@ -290,7 +289,7 @@ TEST(TextureCodec, AConstantColourIsOffByNoMoreThanItsStep) {
     }
 }
 
-TEST(TextureCodec, EncoderNamesWhatItCannotCode) {
+TEST(TextureCodec, EncoderNamesTheReasonOfARefusal) {
     TextureEncoder encoder;
     CodedTexture out;
     TextureCrop crop;
@@ -302,7 +301,7 @@ TEST(TextureCodec, EncoderNamesWhatItCannotCode) {
     EXPECT_THAT(encoder.encode(crop, 85, out).error().message, HasSubstr("4098x2"));
 }
 
-TEST(TextureCodec, SmallAndOddSizesWork) {
+TEST(TextureCodec, CodesSmallAndOddSizes) {
     TextureEncoder encoder;
     TextureDecoder decoder;
     CodedTexture bytes;
@@ -320,7 +319,7 @@ TEST(TextureCodec, RejectsEveryTruncation) {
     TextureDecoder decoder;
     DecodedTexture out;
     for (std::size_t size = 0; size < texture.colour.size(); ++size) {
-        // a copy of that size, so that the address sanitizer sees reads past its end
+        // an exact-size copy lets the address sanitizer see reads past its end
         const std::vector<std::uint8_t> cut(
             texture.colour.begin(), texture.colour.begin() + static_cast<std::ptrdiff_t>(size));
         EXPECT_FALSE(decoder.decode(cut, texture.mask, out).has_value()) << size;
@@ -329,7 +328,7 @@ TEST(TextureCodec, RejectsEveryTruncation) {
     EXPECT_TRUE(whole.has_value()) << (whole ? "" : whole.error().message);
 }
 
-TEST(TextureCodec, RejectsColoursOfAnotherSizeThanTheMask) {
+TEST(TextureCodec, RejectsColoursThatDifferInSizeFromTheMask) {
     const CodedTexture small = coded(smooth_crop(image::Mask(16, 16, 255)));
     const CodedTexture large = coded(smooth_crop(image::Mask(16, 24, 255)));
     DecodedTexture out;
@@ -337,7 +336,7 @@ TEST(TextureCodec, RejectsColoursOfAnotherSizeThanTheMask) {
                 HasSubstr("16x24"));
 }
 
-TEST(TextureCodec, AHugeSizeInTheHeaderIsRejectedBeforeMemoryIsTaken) {
+TEST(TextureCodec, RejectsAHugeHeaderSizeBeforeAllocation) {
     CodedTexture texture = coded(smooth_crop(image::Mask(16, 16, 255)));
     // height and width in the start-of-frame segment
     const std::vector<std::uint8_t> marker = {0xFF, 0xC0};
@@ -369,7 +368,7 @@ TEST(TextureCodec, SurvivesRandomBytesAndBitFlips) {
         for (std::uint8_t& b : bytes) b = static_cast<std::uint8_t>(byte(random));
         EXPECT_FALSE(decoder.decode(bytes, good.mask, out).has_value());
     }
-    // the decoder is as good as new afterwards
+    // the decoder still works afterwards
     EXPECT_TRUE(decoder.decode(good.colour, good.mask, out).has_value());
 }
 

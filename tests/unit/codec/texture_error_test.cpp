@@ -7,7 +7,7 @@
 namespace atrium::test {
 namespace {
 
-/// Grey; its upper half is foreground.
+/// A grey crop whose upper half is foreground.
 codec::TextureCrop grey_crop(std::uint8_t level) {
     codec::TextureCrop crop;
     crop.y = image::Plane(16, 8, level);
@@ -28,7 +28,7 @@ codec::DecodedTexture shown(int red, int green, int blue) {
 
 double psnr_of(double mean_square) { return 10.0 * std::log10(255.0 * 255.0 / mean_square); }
 
-TEST(SampleError, IsTheRatioOfThePeakToTheMeanSquare) {
+TEST(SampleError, IsTheRatioOfPeakToMeanSquare) {
     SampleError error;
     EXPECT_TRUE(std::isinf(error.psnr_db()));
     error.add(10.0, 10.0);
@@ -44,7 +44,7 @@ TEST(SampleError, IsTheRatioOfThePeakToTheMeanSquare) {
     EXPECT_EQ(worst.num_samples(), 3U);
 }
 
-TEST(TextureError, OfAGreyThatIsBrighterIsTheSameInRgbAndLuma) {
+TEST(TextureError, OfABrighterGreyIsEqualInRgbAndLuma) {
     const TextureError error = texture_error(grey_crop(100), shown(103, 103, 103));
     EXPECT_NEAR(error.rgb.psnr_db(), psnr_of(9.0), 1e-9);
     EXPECT_NEAR(error.luma.psnr_db(), psnr_of(9.0), 1e-9);
@@ -53,7 +53,7 @@ TEST(TextureError, OfAGreyThatIsBrighterIsTheSameInRgbAndLuma) {
     EXPECT_EQ(error.rgb.num_samples(), 3U * 64U);
 }
 
-TEST(TextureError, OfOneColourGoesToLumaAndChromaByTheirWeights) {
+TEST(TextureError, SplitsAColourErrorIntoLumaAndChromaByWeight) {
     const TextureError error = texture_error(grey_crop(100), shown(100, 100, 110));  // bluer by 10
     EXPECT_NEAR(error.rgb.psnr_db(), psnr_of(100.0 / 3.0), 1e-9);
     EXPECT_NEAR(error.luma.psnr_db(), psnr_of(1.14 * 1.14), 1e-9);
@@ -64,13 +64,13 @@ TEST(TextureError, OfOneColourGoesToLumaAndChromaByTheirWeights) {
         error.ycbcr().psnr_db(), psnr_of((1.14 * 1.14 + blue * blue + red * red) / 3.0), 1e-9);
 }
 
-TEST(TextureError, DoesNotSeeWhatIsOutsideOfTheSubject) {
+TEST(TextureError, IgnoresPixelsOutsideTheSubject) {
     codec::TextureCrop crop = grey_crop(100);
     for (int y = 4; y < 8; ++y) std::fill_n(crop.y.row(y), 16, 200);
     EXPECT_TRUE(std::isinf(texture_error(crop, shown(100, 100, 100)).rgb.psnr_db()));
 }
 
-TEST(TextureError, CutsOffColoursThatNoScreenHas) {
+TEST(TextureError, ClampsColoursThatNoScreenCanShow) {
     codec::TextureCrop crop = grey_crop(250);
     std::fill(crop.v.data.begin(), crop.v.data.end(), 200);  // red would be 351
     const TextureError error = texture_error(crop, shown(255, 199, 250));

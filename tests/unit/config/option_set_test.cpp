@@ -44,7 +44,7 @@ TEST(OptionSet, CommandLineOverridesTheFile) {
     EXPECT_EQ(options.threads, 1);
 }
 
-TEST(OptionSet, RefusesTextOfTheWrongTypeOrRangeAndKeepsTheValue) {
+TEST(OptionSet, RefusesBadTypeOrRangeAndKeepsTheValue) {
     Options options;
     const OptionSet set = declare(options);
     for (const char* text : {"fast", "0", "nan", "1e9", "", "3 4", "3\nx=1"}) {
@@ -59,14 +59,14 @@ TEST(OptionSet, RefusesTextOfTheWrongTypeOrRangeAndKeepsTheValue) {
     EXPECT_EQ(options.rate_hz, 30);
 }
 
-TEST(OptionSet, TakesTextWithQuotesAndBackslashesAsItIs) {
+TEST(OptionSet, KeepsQuotesAndBackslashes) {
     Options options;
     const OptionSet set = declare(options);
     ASSERT_TRUE(set.set("capture.file", "/a \"b\"\\c", "x"));
     EXPECT_EQ(options.file, "/a \"b\"\\c");
 }
 
-TEST(OptionSet, AWordIsTakenAsItIsAndAPathFromTheFolderOfTheFile) {
+TEST(OptionSet, KeepsWordsAndResolvesPathsFromTheFolderOfTheFile) {
     std::string network = "near";
     OptionSet set;
     set.add_word_or_path("bus.network", network, "where", {"near", "far"});
@@ -88,7 +88,8 @@ TEST(OptionSet, AWordIsTakenAsItIsAndAPathFromTheFolderOfTheFile) {
     read("network = \"nets/own.xml\"");
     EXPECT_EQ(network, (folder / "nets/own.xml").string());
     ASSERT_TRUE(set.set("bus.network", "own.xml", "--network"));
-    EXPECT_EQ(network, "own.xml") << "on the command line, from where the user is";
+    EXPECT_EQ(network, "own.xml")
+        << "a path on the command line is relative to the working directory";
     std::filesystem::remove_all(folder);
 }
 
@@ -100,7 +101,7 @@ TEST(OptionSet, ListsTheEffectiveValues) {
     EXPECT_THAT(set.effective(), HasSubstr("capture.rate_hz = 30\n"));
 }
 
-TEST(OptionSet, ListsWhatIsNotAsItWasDeclared) {
+TEST(OptionSet, ListsValuesThatDifferFromTheirDefaults) {
     Options options;
     OptionSet set = declare(options);
     std::string area = "none";

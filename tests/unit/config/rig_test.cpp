@@ -63,7 +63,7 @@ TEST(LoadRig, RefusesMirroredRotations) {
     EXPECT_FALSE(load(camera("a") + replaced(camera("b"), "[0, 1, 0,", "[0, -1, 0,")));
 }
 
-TEST(LoadRig, RefusesWhatCannotBeACamera) {
+TEST(LoadRig, RefusesImpossibleCameras) {
     const std::string good = camera("a");
     for (const auto& [from, to] : {std::pair<std::string, std::string>{"fx = 500", "fx = 0"},
                                    {"width = 640", "width = -1"},

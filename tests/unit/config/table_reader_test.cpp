@@ -70,12 +70,12 @@ TEST(TableReader, NamesFileLineAndKeyOfAnUnknownKey) {
                 AllOf(HasSubstr("room.toml:4"), HasSubstr("hull.treads"), HasSubstr("threads")));
 }
 
-TEST(TableReader, TakesAKeyThatIsNearlyTheMissingOneForAMistake) {
+TEST(TableReader, ReportsAnUnknownKeySimilarToAMissingOneAsATypo) {
     TableReader reader = reader_of("[hull]\nnr = 1\ntreads = 3\n");
     reader.table("hull").require("threads");
     EXPECT_THAT(reader.finish().error().message,
                 AllOf(HasSubstr("room.toml:3"), HasSubstr("hull.treads: unknown key")));
-    // one that is like it, but known, is no mistake, whenever it is asked for
+    // a similar key that is known is no typo, whenever the code reads it
     TableReader joint = reader_of("[joint]\nb = 1\nmax_m = 2\n");
     joint.require("joint.a");
     joint.require("joint.min_m");
@@ -88,7 +88,7 @@ TEST(TableReader, TakesAKeyThatIsNearlyTheMissingOneForAMistake) {
     EXPECT_THAT(other.finish().error().message, HasSubstr("hull.threads: is missing"));
 }
 
-TEST(TableReader, KnowsKeysThatWereOnlyLookedFor) {
+TEST(TableReader, KnowsKeysThatWereOnlyQueried) {
     TableReader reader = reader_of("[hull]\nbound = 1\n");
     EXPECT_FALSE(reader.has("hull.bounds"));
     EXPECT_THAT(reader.finish().error().message, HasSubstr("known here: bounds"));
@@ -103,7 +103,7 @@ TEST(TableReader, NamesAnUnknownTable) {
     EXPECT_THAT(finished.error().message, HasSubstr("hul: unknown key"));
 }
 
-TEST(TableReader, SaysWhatIsAllowedForAWrongTypeOrRange) {
+TEST(TableReader, NamesAllowedValuesForAWrongTypeOrRange) {
     TableReader wrong_type = reader_of("a = 1\nrate = \"fast\"\n");
     double rate = 30;
     wrong_type.read("rate", rate, {1, 100});

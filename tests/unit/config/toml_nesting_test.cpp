@@ -29,7 +29,7 @@ TEST(TomlNesting, CountsListsTablesAndPartsOfKeys) {
     EXPECT_EQ(line_nested_too_deeply("a = [" + times(1000, "[1.5, 2.5],\n") + "]"), 0U);
 }
 
-TEST(TomlNesting, DoesNotCountInStringsAndComments) {
+TEST(TomlNesting, IgnoresStringsAndComments) {
     const std::string many = times(100, "[");
     for (const std::string& text : {"\"" + many + "\"",
                                     "'" + many + "'",
@@ -46,14 +46,14 @@ TEST(TomlNesting, DoesNotCountInStringsAndComments) {
     }
 }
 
-TEST(TomlNesting, IsNotTakenInByBracketsThatOnlySeemToClose) {
+TEST(TomlNesting, IgnoresClosingBracketsInsideStringsAndComments) {
     for (const std::string closed : {"[\"]\",", "[']',", "[\"\"\"]\"\"\"\"\",", "[#]\n", "{\"}\"="})
         EXPECT_NE(line_nested_too_deeply("a = " + times(100, closed)), 0U) << closed;
     EXPECT_NE(line_nested_too_deeply("]]]]" + times(100, "[")), 0U);
 }
 
-// else the stack would not do
-TEST(TomlNesting, IsRefusedWithThePlace) {
+// without this limit the parser would overflow the stack
+TEST(TomlNesting, ExcessIsRefusedWithFileAndLine) {
     const auto reader = TableReader::parse("b = 1\na = " + times(100'000, "["), "room.toml");
     ASSERT_FALSE(reader);
     EXPECT_EQ(reader.error().kind, ErrorKind::kConfiguration);

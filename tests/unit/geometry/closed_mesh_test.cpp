@@ -17,10 +17,10 @@ namespace {
 using test::Random;
 using ::testing::HasSubstr;
 
-/// By the definition: each triangle has three vertices, each edge one other in the opposite
-/// direction, and from any corner of a vertex one comes to all others over its edges.
+/// By the definition: each triangle has three different vertices. Each edge has exactly one partner
+/// in the opposite direction. The corners of a vertex are connected through its edges.
 bool is_closed_2_manifold(const TriangleMesh& mesh) {
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> ends;  // by edge: third vertex
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> ends;  // edge to third vertex
     for (const auto& [a, b, c] : mesh.triangles) {
         if (a == b || b == c || c == a) return false;
         if (!ends.try_emplace({a, b}, c).second || !ends.try_emplace({b, c}, a).second ||
@@ -60,9 +60,9 @@ void expect_neighbours(const ClosedMesh& surface, const TriangleMesh& mesh) {
         EXPECT_EQ(surface.from(surface.edge_at(v)), v);
 }
 
-TEST(ClosedMesh, TakesWhatIsClosedAnd2ManifoldAndNothingElse) {
+TEST(ClosedMesh, AcceptsOnlyClosed2Manifolds) {
     Random random(41);
-    ClosedMesh surface;  // the same for all: what one mesh leaves behind is there for the next
+    ClosedMesh surface;  // shared by all meshes, to find leftovers of the previous mesh
     int num_taken = 0;
     constexpr int kRounds = 3000;
     for (int round = 0; round < kRounds; ++round) {
@@ -73,7 +73,7 @@ TEST(ClosedMesh, TakesWhatIsClosedAnd2ManifoldAndNothingElse) {
             mesh.triangles[random() % mesh.triangles.size()][random() % 3] =
                 static_cast<std::uint32_t>(random() % mesh.vertices.size());
         if (round % 5 == 0) {
-            // two vertices become one, which may leave one unused or two fans
+            // merging two vertices can leave one unused or create two fans
             const auto from = static_cast<std::uint32_t>(random() % mesh.vertices.size());
             const auto to = static_cast<std::uint32_t>(random() % mesh.vertices.size());
             for (auto& triangle : mesh.triangles)
@@ -90,7 +90,7 @@ TEST(ClosedMesh, TakesWhatIsClosedAnd2ManifoldAndNothingElse) {
     EXPECT_LT(num_taken, kRounds / 2);
 }
 
-TEST(ClosedMesh, SaysWhatIsWrongWhere) {
+TEST(ClosedMesh, NamesTheDefectAndItsPlace) {
     const TriangleMesh good = test::make_torus(5, 4);
     ClosedMesh surface;
     ASSERT_TRUE(surface.assign(good));

@@ -42,7 +42,7 @@ TriangleMesh torus(std::uint32_t num_u, std::uint32_t num_v, double noise_m = 0.
     return mesh;
 }
 
-// A cube of 1 m whose sides are grids of n x n squares.
+// A cube of 1 m. Each side is a grid of n x n squares.
 TriangleMesh gridded_cube(int n) {
     TriangleMesh mesh;
     std::vector<std::int64_t> index(static_cast<std::size_t>((n + 1) * (n + 1) * (n + 1)), -1);
@@ -117,7 +117,7 @@ TEST(Decimate, LeavesOnlyTheCornersOfACube) {
     EXPECT_EQ(result.report.num_collapses, cube.vertices.size() - 8);
 }
 
-TEST(Decimate, KeepsTheHoleOfATorusHoweverMuchIsAllowed) {
+TEST(Decimate, KeepsTheHoleOfATorusForAnyTolerance) {
     const TriangleMesh in = torus(60, 30, 2e-3);
     const Result result = decimated(in, {.max_distance_m = 10.0});
     expect_same_topology(in, result.mesh);
@@ -125,7 +125,7 @@ TEST(Decimate, KeepsTheHoleOfATorusHoweverMuchIsAllowed) {
     EXPECT_GT(volume_m3(result.mesh), 0.0);
 }
 
-TEST(Decimate, StaysWithinTheBoundThatItStates) {
+TEST(Decimate, StaysWithinItsStatedBound) {
     const TriangleMesh in = torus(60, 30, 2e-3);
     std::size_t former = in.triangles.size() + 1;
     for (const double max_m : {1e-3, 3e-3, 10e-3, 30e-3}) {
@@ -139,13 +139,13 @@ TEST(Decimate, StaysWithinTheBoundThatItStates) {
         const double back = test::SurfaceDistance(in).largest_m(result.mesh, 1000);
         EXPECT_LE(there, bound);
         EXPECT_LE(back, bound);
-        // a bound that says something: detours of many coarse steps add up to three times at most
+        // the bound stays useful: detours of many coarse steps make it at most three times as large
         EXPECT_GT(std::max(there, back), bound / 3.0);
     }
     EXPECT_LT(former, in.triangles.size() / 5);
 }
 
-TEST(Decimate, EndsAtTheTarget) {
+TEST(Decimate, StopsAtTheTarget) {
     const TriangleMesh in = torus(40, 20);
     const Result reached = decimated(in, {.max_distance_m = 0.1, .target_triangles = 500});
     EXPECT_EQ(reached.mesh.triangles.size(), 500u);
@@ -155,7 +155,7 @@ TEST(Decimate, EndsAtTheTarget) {
     EXPECT_FALSE(stopped.report.reached_target);
 }
 
-TEST(Decimate, OnlyUsesVerticesOfTheInputInTheirOrder) {
+TEST(Decimate, KeepsASubsetOfTheVerticesInOrder) {
     const TriangleMesh in = torus(40, 20, 1e-3);
     const Result result = decimated(in, {.max_distance_m = 0.01});
     auto at = in.vertices.begin();
@@ -166,7 +166,7 @@ TEST(Decimate, OnlyUsesVerticesOfTheInputInTheirOrder) {
     }
 }
 
-TEST(Decimate, LeavesTheSmallestMeshesAndEmptyOnesAsTheyAre) {
+TEST(Decimate, KeepsTheSmallestAndEmptyMeshes) {
     EXPECT_EQ(decimated(tetrahedron(), {.max_distance_m = 10.0}).mesh.triangles,
               tetrahedron().triangles);
     TriangleMesh pillow;
@@ -180,7 +180,7 @@ TEST(Decimate, LeavesTheSmallestMeshesAndEmptyOnesAsTheyAre) {
     EXPECT_EQ(untouched.report.distance_bound_m, 0.0);
 }
 
-TEST(Decimate, RefusesWhatIsNoClosedSurface) {
+TEST(Decimate, RefusesOpenSurfaces) {
     DecimateScratch scratch;
     TriangleMesh out;
     const auto error_after = [&](auto change) {
@@ -235,7 +235,7 @@ TEST(Decimate, SurvivesSurfacesWithoutArea) {
     }
 }
 
-TEST(Decimate, GivesTheSameBitsAgainAndDoesNotAllocateOnceWarm) {
+TEST(Decimate, RepeatsBitsAndDoesNotAllocateOnceWarm) {
     const TriangleMesh in = torus(40, 20, 1e-3);
     DecimateScratch scratch;
     TriangleMesh out;
@@ -249,7 +249,7 @@ TEST(Decimate, GivesTheSameBitsAgainAndDoesNotAllocateOnceWarm) {
     EXPECT_EQ(out.triangles, first.triangles);
 }
 
-// The tip of a pyramid over a regular polygon of radius 1 m moves to one of its corners.
+// The tip of a pyramid over a regular polygon of radius 1 m moves to one corner of its base.
 class PyramidTip : public testing::TestWithParam<int> {};
 
 TEST_P(PyramidTip, MovesByItsHeight) {
@@ -265,9 +265,9 @@ TEST_P(PyramidTip, MovesByItsHeight) {
     double longest = 0.0;
     for (const DisplacementBox& box : map.after()) longest = std::max(longest, box.longest_m());
     EXPECT_GE(longest, kHeight_m * (1.0 - 1e-12));
-    EXPECT_LE(longest, 1.01 * kHeight_m);  // sideways by no more than the slope
+    EXPECT_LE(longest, 1.01 * kHeight_m);  // the sideways part is at most the slope
     EXPECT_FALSE(map.bound({0.01, 0.02, kHeight_m}, ring, before, 0.99 * kHeight_m, 0.0));
-    // what had been moved down by 1 cm before is now 4 cm away; up, 3 to 2 cm
+    // boxes that were 1 cm lower before are now 4 cm lower, and 2 cm instead of 3 cm higher
     for (DisplacementBox& box : before) box.add(Eigen::Array3d(0.0, 0.0, -0.01));
     ASSERT_TRUE(map.bound({0.01, 0.02, kHeight_m}, ring, before, 1.0, 0.0));
     double lowest = 0.0;

@@ -14,7 +14,7 @@ PinholeCamera lens() {
     return camera;
 }
 
-TEST(PinholeCamera, RayAndProjectionAreInverse) {
+TEST(PinholeCamera, RayInvertsProjection) {
     const PinholeCamera camera = lens();
     std::mt19937 random(3);
     std::uniform_real_distribution<double> u(-100, 740);
@@ -35,8 +35,8 @@ TEST(PinholeCamera, UndistortInvertsDistortInsideThePicture) {
     }
 }
 
-// OpenCV documents its model as these formulas (calib3d, "Detailed Description").
-TEST(PinholeCamera, DistortsByOpenCvsDocumentedModel) {
+// OpenCV documents its model with these formulas (calib3d, "Detailed Description").
+TEST(PinholeCamera, DistortsByTheModelThatOpenCvDocuments) {
     PinholeCamera camera = lens();
     camera.skew = 0.0;
     const Eigen::Vector2d p = camera.distort(camera.project({0.5, -0.35, 1.0}));

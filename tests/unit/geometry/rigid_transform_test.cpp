@@ -13,7 +13,7 @@ RigidTransform random_transform(std::mt19937& random) {
     return {Eigen::Quaterniond(q.normalized()), {normal(random), normal(random), normal(random)}};
 }
 
-TEST(RigidTransform, ProductAndInverseObeyTheirLawsOnRandomTransforms) {
+TEST(RigidTransform, ProductAndInverseObeyTheGroupLaws) {
     std::mt19937 random(7);
     for (int i = 0; i < 200; ++i) {
         const RigidTransform a_from_b = random_transform(random);

@@ -33,7 +33,7 @@ void append(TriangleMesh& mesh, const TriangleMesh& other) {
         mesh.triangles.push_back({a + offset, b + offset, c + offset});
 }
 
-TEST(InspectMesh, KnowsABox) {
+TEST(InspectMesh, AcceptsABox) {
     const MeshReport report = inspect(box({1, 2, 3}, {0.5, 2, 1}));
     EXPECT_TRUE(report.closed);
     EXPECT_TRUE(report.manifold);
@@ -51,7 +51,7 @@ TEST(InspectMesh, CountsComponents) {
     EXPECT_EQ(report.euler_characteristic, 4);
 }
 
-TEST(InspectMesh, SeesAHoleAFlippedTriangleAndAnUnusedVertex) {
+TEST(InspectMesh, FindsHolesFlippedTrianglesAndUnusedVertices) {
     TriangleMesh open = box({0, 0, 0}, {1, 1, 1});
     open.triangles.pop_back();
     EXPECT_FALSE(inspect(open).closed);
@@ -64,7 +64,7 @@ TEST(InspectMesh, SeesAHoleAFlippedTriangleAndAnUnusedVertex) {
     EXPECT_FALSE(inspect(unused).manifold);
 }
 
-TEST(InspectMesh, SeesTwoFansAtOneVertex) {
+TEST(InspectMesh, FindsTwoFansAtOneVertex) {
     TriangleMesh mesh = box({0, 0, 0}, {1, 1, 1});
     append(mesh, box({1, 1, 1}, {1, 1, 1}));
     for (auto& t : mesh.triangles) {
@@ -99,9 +99,9 @@ TEST(VertexNormals, PointOutOfABox) {
     }
 }
 
-// A corner of a box has three faces with the same angle, however they are cut and however long they
-// are.
-TEST(VertexNormals, DoNotDependOnHowFacesAreCut) {
+// A box corner has three faces with equal angles, however the faces are triangulated and however
+// long the edges are.
+TEST(VertexNormals, DoNotDependOnTheTriangulation) {
     const TriangleMesh mesh = box({-1, -2, -3}, {2, 4, 6});
     const auto normals = vertex_normals(mesh);
     for (std::size_t i = 0; i < normals.size(); ++i) {
@@ -110,7 +110,7 @@ TEST(VertexNormals, DoNotDependOnHowFacesAreCut) {
     }
 }
 
-TEST(VertexNormals, LeaveOutTrianglesThatAreNothingButRounding) {
+TEST(VertexNormals, IgnoreTrianglesThatAreMereRounding) {
     TriangleMesh mesh;
     mesh.vertices = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {0.5, 0, 1.0 - 1e-15}, {5, 5, 5}};
     mesh.triangles = {{0, 1, 2}, {1, 0, 3}};

@@ -36,7 +36,7 @@ std::map<DirectedEdge, int> edges_of(const Triangles& triangles) {
     return edges;
 }
 
-// Directed edges minus their opposites: the boundary, whatever the triangulation.
+// Directed edges minus their opposites: the boundary, which no triangulation changes.
 std::map<DirectedEdge, int> boundary_of(const Triangles& triangles) {
     std::map<DirectedEdge, int> boundary = edges_of(triangles);
     for (auto& [edge, count] : boundary) {
@@ -80,7 +80,7 @@ double smallest_angle(const Points& points, const Triangles& triangles) {
     return smallest;
 }
 
-// By how much `d` is inside the circle through a, b, c (counter-clockwise), relative to its radius.
+// How far `d` is inside the circle through a, b, c (counter-clockwise), relative to its radius.
 double depth_in_circle(const Eigen::Vector2d& a,
                        const Eigen::Vector2d& b,
                        const Eigen::Vector2d& c,
@@ -97,7 +97,7 @@ double depth_in_circle(const Eigen::Vector2d& a,
     return 1.0 - (d - centre).norm() / radius;
 }
 
-// Ear clipping. `loop` may visit a vertex twice, as at a bridge to a hole.
+// Triangulates by ear clipping. `loop` may visit a vertex twice, for example at a bridge to a hole.
 Triangles clip_ears(const Points& points, std::vector<std::uint32_t> loop) {
     Triangles triangles;
     while (loop.size() > 3) {
@@ -128,7 +128,7 @@ struct Face {
     Triangles triangles;
 };
 
-// A star-shaped polygon with `num_corners`, and a star-shaped hole unless `num_hole` is 0.
+// A star-shaped polygon with `num_corners`, with a star-shaped hole unless `num_hole` is 0.
 Face random_face(Random& random, std::size_t num_corners, std::size_t num_hole) {
     Face face;
     const auto add_star = [&](std::size_t n, double low, double high) {
@@ -145,8 +145,8 @@ Face random_face(Random& random, std::size_t num_corners, std::size_t num_hole) 
     std::vector<std::uint32_t> loop;
     for (std::uint32_t i = 0; i < num_corners; ++i) loop.push_back(i);
     if (num_hole > 0) {
-        // from the outer corner at the smallest angle to the hole's nearest corner, clockwise
-        // around it, and back
+        // from the outer corner with the smallest angle to the nearest corner of the hole,
+        // clockwise around it, and back
         std::uint32_t nearest = static_cast<std::uint32_t>(num_corners);
         for (auto i = nearest; i < face.points.size(); ++i) {
             if ((face.points[i] - face.points[0]).norm() <
@@ -175,7 +175,7 @@ TEST(BetterDiagonals, ExchangesTheLongDiagonalOfAFlatQuad) {
     EXPECT_NEAR(area_of(points, triangles), 0.2, 1e-15);
 }
 
-TEST(BetterDiagonals, DoesTheSameSeenFromBehind) {
+TEST(BetterDiagonals, DoesTheSameFromBehind) {
     const Points points{{0.0, 0.0}, {1.0, -0.1}, {2.0, 0.0}, {1.0, 0.1}};
     Triangles triangles{{0, 2, 1}, {0, 3, 2}};
     BetterDiagonals diagonals;
@@ -184,9 +184,9 @@ TEST(BetterDiagonals, DoesTheSameSeenFromBehind) {
     EXPECT_NEAR(area_of(points, triangles), -0.2, 1e-15);
 }
 
-TEST(BetterDiagonals, LeavesNotchesSquaresAndJoinedCornersAlone) {
+TEST(BetterDiagonals, KeepsNotchesSquaresAndJoinedCorners) {
     BetterDiagonals diagonals;
-    // the quad is not convex at 1: the other diagonal would lie outside of it
+    // the quad is concave at 1: the other diagonal would lie outside
     const Points dart{{0.0, 0.0}, {1.0, 0.1}, {2.0, 0.0}, {1.0, 1.0}};
     const Triangles dart_before{{0, 1, 3}, {1, 2, 3}};
     Triangles triangles = dart_before;
@@ -198,7 +198,7 @@ TEST(BetterDiagonals, LeavesNotchesSquaresAndJoinedCornersAlone) {
     triangles = square_before;
     diagonals.improve(square, triangles);
     EXPECT_EQ(triangles, square_before);
-    // 1 and 3 are joined already, by a triangle on the other side of the plane's face
+    // another triangle, on the other side of the face's plane, already joins 1 and 3
     const Points flat{{0.0, 0.0}, {1.0, -0.1}, {2.0, 0.0}, {1.0, 0.1}, {1.05, 0.0}};
     const Triangles flat_before{{0, 1, 2}, {0, 2, 3}, {1, 3, 4}};
     triangles = flat_before;
@@ -206,7 +206,7 @@ TEST(BetterDiagonals, LeavesNotchesSquaresAndJoinedCornersAlone) {
     EXPECT_EQ(triangles, flat_before);
 }
 
-TEST(BetterDiagonals, NeverJoinsCornersOfOneLine) {
+TEST(BetterDiagonals, NeverJoinsCollinearCorners) {
     const Points points{{0.0, 0.0}, {1.0, -0.1}, {2.0, 0.0}, {1.0, 0.1}};
     const Triangles before{{0, 1, 2}, {0, 2, 3}};
     const std::vector<BetterDiagonals::Lines> apart{{1, 2}, {2, 3}, {3, 4}, {4, 1}};
@@ -219,7 +219,7 @@ TEST(BetterDiagonals, NeverJoinsCornersOfOneLine) {
     EXPECT_NE(triangles, before);
 }
 
-TEST(BetterDiagonals, SplitsAnEmptyTriangleOffTheSideThatItLiesOn) {
+TEST(BetterDiagonals, SplitsTheSideUnderADegenerateTriangle) {
     // 3 lies on the edge from 0 to 1
     const Points points{{0.0, 0.0}, {2.0, 0.0}, {1.0, -1.0}, {1.0, 0.0}};
     Triangles triangles{{0, 1, 3}, {1, 0, 2}};
@@ -241,7 +241,7 @@ TEST_P(RandomFace, KeepsItsBoundaryAndLosesItsSmallestAngles) {
         const auto num_corners = static_cast<std::size_t>(3 + random() % 60);
         const std::size_t num_hole = round % 2 == 0 ? 0 : 3 + random() % 20;
         Face face = random_face(random, num_corners, num_hole);
-        if (face.triangles.empty()) continue;  // the bridge was not free
+        if (face.triangles.empty()) continue;  // the bridge crosses an edge
         const Triangles before = face.triangles;
         diagonals.improve(face.points, face.triangles);
         EXPECT_EQ(boundary_of(face.triangles), boundary_of(before));
@@ -272,15 +272,15 @@ TEST_P(RandomFace, IsDelaunayAcrossEveryDiagonalOfAConvexSet) {
     for (std::uint32_t i = 1; i + 1 < n; ++i) triangles.push_back({0, i, i + 1});
     BetterDiagonals diagonals;
     diagonals.improve(points, triangles);
-    // convex: nothing but the set's own outline constrains the triangles, so no corner at all may
-    // lie in any circle
+    // The set is convex, so only its outline constrains the triangles. No corner may lie inside any
+    // circumcircle.
     for (const auto& [a, b, c] : triangles) {
         for (const Eigen::Vector2d& p : points)
             EXPECT_LT(depth_in_circle(points[a], points[b], points[c], p), 1e-6);
     }
 }
 
-TEST_P(RandomFace, KeepsTheCombinatoricsOfHostileNumbers) {
+TEST_P(RandomFace, KeepsItsCombinatoricsForHostileNumbers) {
     Random random(static_cast<std::uint64_t>(GetParam()));
     BetterDiagonals diagonals;
     for (int round = 0; round < 40; ++round) {
@@ -302,7 +302,7 @@ TEST_P(RandomFace, KeepsTheCombinatoricsOfHostileNumbers) {
                     p *= huge[random() % 5];
                     break;
                 default:
-                    p = {between(random, -1, 1), between(random, -1, 1)};  // turned over
+                    p = {between(random, -1, 1), between(random, -1, 1)};  // flipped
             }
         }
         const Triangles before = face.triangles;
@@ -315,7 +315,7 @@ TEST_P(RandomFace, KeepsTheCombinatoricsOfHostileNumbers) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomFace, testing::Range(0, 12));
 
-TEST(BetterDiagonals, LeavesTrianglesThatAreNoneAlone) {
+TEST(BetterDiagonals, KeepsDegenerateTriangles) {
     const Points points{{0.0, 0.0}, {1.0, -0.1}, {2.0, 0.0}, {1.0, 0.1}};
     BetterDiagonals diagonals;
     for (const Triangles& before : {Triangles{{0, 1, 2}, {0, 2, 9}},

@@ -6,7 +6,8 @@
 #include <array>
 #include <random>
 
-// Against fractions of any length, from the definitions; with numbers as large as are allowed.
+// Compares the predicates with fractions of unlimited length from the definitions, for numbers up
+// to the largest allowed.
 namespace atrium::hull::exact {
 namespace {
 
@@ -28,7 +29,7 @@ Big cross(const Big& a, const Big& b) {
 int sign(const Fraction& f) { return f.sign(); }
 
 Vector random_vector(Random& random, std::int64_t limit) {
-    // small numbers and the largest ones meet more often than by chance
+    // makes small numbers and the largest ones meet more often than by chance
     const auto component = [&]() -> std::int64_t {
         switch (std::uniform_int_distribution<int>(0, 5)(random)) {
             case 0:
@@ -44,7 +45,7 @@ Vector random_vector(Random& random, std::int64_t limit) {
     return {component(), component(), component()};
 }
 
-// A strip and three others that cut it, none through this strip's camera.
+// A strip and three others that cut it. None of their planes goes through this strip's camera.
 struct Setting {
     Vector own_from, own_to;
     std::array<Vector, 4> from, to, offset;  // other strips; this centre minus theirs
@@ -77,7 +78,7 @@ protected:
     Random random_{12345};
 };
 
-TEST_F(ExactPredicates, TellTheSideOfARay) {
+TEST_F(ExactPredicates, FindTheSideOfARay) {
     for (int i = 0; i < 2000; ++i) {
         const Vector a = random_vector(random_, kBaseline);
         const Vector b = random_vector(random_, kRay);
@@ -110,7 +111,7 @@ TEST_F(ExactPredicates, OrderLinesAlongARay) {
 TEST_F(ExactPredicates, PlaceRaysAlongTheStrip) {
     for (int i = 0; i < 1000; ++i) {
         const Setting s(random_);
-        // a ray in the plane of the baseline and a ray of the strip at a known share
+        // a ray in the plane of the baseline, and a ray of the strip with a known parameter
         const Vector baseline = random_vector(random_, kBaseline >> 12);
         const auto place = [&](int share) {
             Vector ray;

@@ -17,7 +17,7 @@ using test::even_odd;
 using test::HostileContours;
 using test::Point;
 
-// Star-shaped, mostly not convex, on a lattice now and then so that it touches the contours.
+// A star-shaped polygon, mostly concave. Some are snapped to a lattice and touch the contours.
 Contour random_field(HostileContours& random) {
     const Point centre(random.uniform(0, 8), random.uniform(0, 8));
     const int n = 3 + random.index(9);

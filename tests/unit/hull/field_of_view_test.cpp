@@ -62,7 +62,7 @@ PerFamily num_loops(const LabelledOutlines& labelled) {
             static_cast<int>(labelled.num_background_loops)};
 }
 
-// Twice what the segments of `loop` enclose, foreground or background, to their left.
+// Twice the area to the left of the segments of `loop` in the family (foreground or background).
 double loop_area_px2(const LabelledOutlines& labelled, bool foreground, std::uint32_t loop) {
     double twice = 0.0;
     for (const Segment& s : labelled.segments) {
@@ -86,7 +86,7 @@ TEST(FieldOfView, CutsADiskAtTheBorder) {
     EXPECT_NEAR(loop_area_px2(labelled, false, 0), 100.0 - half, 0.05);
 }
 
-TEST(FieldOfView, LeavesUnseenPiecesOutOnRequest) {
+TEST(FieldOfView, OmitsUnseenPiecesOnRequest) {
     const LabelledOutlines all = cut({disk(0, 5, 3)}, kField);
     const LabelledOutlines labelled = cut({disk(0, 5, 3)}, kField, false);
     EXPECT_EQ(num_chains(labelled), (PerKind{1, 1, 0}));
@@ -95,7 +95,7 @@ TEST(FieldOfView, LeavesUnseenPiecesOutOnRequest) {
     EXPECT_EQ(length_of(labelled, kOutside), length_of(all, kOutside));
 }
 
-TEST(FieldOfView, CutsARingIntoOneCellBetweenTwoOfBackground) {
+TEST(FieldOfView, CutsARingIntoOneCellBetweenTwoBackgroundCells) {
     const LabelledOutlines labelled = cut({disk(0, 5, 4), disk(0, 5, 2)}, kField);
     EXPECT_EQ(num_chains(labelled), (PerKind{2, 2, 2}));
     EXPECT_EQ(num_loops(labelled), (PerFamily{1, 2}));
@@ -108,7 +108,7 @@ TEST(FieldOfView, KeepsARingInsideAsTwoLoopsOfEachFamily) {
     EXPECT_EQ(num_loops(labelled), (PerFamily{2, 3}));
 }
 
-TEST(FieldOfView, DividesTheBackgroundBesideAPersonAcrossTwoBorders) {
+TEST(FieldOfView, DividesTheBackgroundBesideAPersonOverTwoBorders) {
     const LabelledOutlines labelled = cut({{{4, -2}, {6, -2}, {6, 12}, {4, 12}}}, kField);
     EXPECT_EQ(num_chains(labelled), (PerKind{2, 2, 2}));
     ASSERT_EQ(num_loops(labelled), (PerFamily{1, 2}));
@@ -117,7 +117,7 @@ TEST(FieldOfView, DividesTheBackgroundBesideAPersonAcrossTwoBorders) {
     EXPECT_NEAR(loop_area_px2(labelled, false, 1), 40.0, 1e-4);
 }
 
-TEST(FieldOfView, FollowsTheBorderRoundACornerInTheForeground) {
+TEST(FieldOfView, FollowsTheBorderAroundACornerInTheForeground) {
     const LabelledOutlines labelled = cut({{{7, 8}, {12, 8}, {12, 12}, {7, 12}}}, kField);
     EXPECT_NEAR(length_of(labelled, kSilhouette), 5.0, 1e-4);
     EXPECT_NEAR(length_of(labelled, kUnseen), 5.0, 1e-4);
@@ -143,7 +143,7 @@ TEST(FieldOfView, IsAllForegroundInsideAContour) {
     EXPECT_TRUE(cut({disk(5, 5, 20)}, kField, false).segments.empty());
 }
 
-TEST(FieldOfView, DoesNotDependOnHowTheFieldIsWrittenDown) {
+TEST(FieldOfView, DoesNotDependOnTheFieldsOrderOrOrientation) {
     const Contours contours{disk(0, 5, 4), disk(0, 5, 2), disk(8, 9, 2)};
     Contour turned = kField;
     std::rotate(turned.begin(), turned.begin() + 2, turned.end());
@@ -160,14 +160,14 @@ TEST(FieldOfView, DoesNotDependOnHowTheFieldIsWrittenDown) {
     }
 }
 
-TEST(FieldOfView, ReportsContoursThatContradictThemselves) {
+TEST(FieldOfView, ReportsContradictoryContours) {
     FieldScratch scratch;
     LabelledOutlines out;
     Outlines outlines;  // foreground to the right
     outlines.append(Contour{{-3, 4}, {-3, 6}, {3, 6}, {3, 4}});
     EXPECT_FALSE(cut_by_field(outlines, kField, true, scratch, out));
     EXPECT_TRUE(out.segments.empty());
-    outlines.clear();  // two across each other
+    outlines.clear();  // two that cross
     outlines.append(Contour{{-3, 4}, {3, 4}, {3, 6}, {-3, 6}});
     outlines.append(Contour{{-3, 5}, {3, 5}, {3, 7}, {-3, 7}});
     EXPECT_FALSE(cut_by_field(outlines, kField, true, scratch, out));
@@ -186,7 +186,7 @@ TEST(FieldOfView, DoesNotAllocateOnceWarm) {
     EXPECT_EQ(test::num_allocations(), before);
 }
 
-TEST(FieldOfView, WithoutAFieldContoursAreChainsAndLoops) {
+TEST(FieldOfView, KeepsContoursAsChainsAndLoopsWithoutAField) {
     const Outlines outlines = prepare({disk(5, 5, 4), disk(5, 5, 2)});
     LabelledOutlines labelled;
     label_without_field(outlines, labelled);
@@ -199,7 +199,7 @@ TEST(FieldOfView, WithoutAFieldContoursAreChainsAndLoops) {
     EXPECT_EQ(num_loops(labelled), (PerFamily{2, 2}));
 }
 
-TEST(UsableField, IsASimplePolygonOfSomeArea) {
+TEST(UsableField, IsASimplePolygonWithArea) {
     EXPECT_TRUE(is_usable_field(kField));
     EXPECT_TRUE(is_usable_field(Contour{{0, 0}, {10, 0}, {10, 10}, {5, 1}, {0, 10}}));
     EXPECT_TRUE(is_usable_field(Contour{{0, 0}, {5, 0}, {10, 0}, {0, 10}}));  // straight on
@@ -209,8 +209,10 @@ TEST(UsableField, IsASimplePolygonOfSomeArea) {
     EXPECT_FALSE(is_usable_field(Contour{{0, 0}, {1, 0}, {1, 1}, {0, 1}}));
     EXPECT_FALSE(is_usable_field(Contour{{0, 0}, {10, 10}, {10, 0}, {0, 20}}));
     EXPECT_FALSE(is_usable_field(Contour{{0, 0}, {0, 0}, {10, 0}, {10, 10}}));
-    EXPECT_FALSE(is_usable_field(Contour{{0, 0}, {10, 0}, {10, 10}, {10, 5}}));          // back
-    EXPECT_FALSE(is_usable_field(Contour{{0, 0}, {10, 0}, {10, 10}, {5, 0}, {0, 10}}));  // touches
+    // goes back
+    EXPECT_FALSE(is_usable_field(Contour{{0, 0}, {10, 0}, {10, 10}, {10, 5}}));
+    // touches itself
+    EXPECT_FALSE(is_usable_field(Contour{{0, 0}, {10, 0}, {10, 10}, {5, 0}, {0, 10}}));
     EXPECT_FALSE(is_usable_field(Contour{{0, 0}, {10, 0}, {5, 5}, {10, 10}, {0, 10}, {5, 5}}));
 }
 

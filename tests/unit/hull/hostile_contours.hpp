@@ -14,7 +14,7 @@ namespace atrium::test {
 
 using Point = Eigen::Vector2d;
 
-/// Contours of some 20 px that cross and touch themselves and each other, a pure function of the
+/// Contours of about 20 px that cross and touch themselves and each other. They depend only on the
 /// seed.
 class HostileContours {
 public:
@@ -50,7 +50,7 @@ private:
         for (Contour& contour : contours) contour = make();
         return contours;
     }
-    // vertices on vertices, vertices on edges and edges along edges
+    // vertices on vertices, vertices on edges, and edges along edges
     Contour on_lattice(int num_points, int size) {
         Contour contour;
         for (int i = 0; i < num_points; ++i) contour.emplace_back(index(size), index(size));
@@ -86,7 +86,7 @@ private:
         }
         return contour;
     }
-    // some of them the same, most of them side by side
+    // some identical, most side by side
     Contours tiles() {
         return several(2, 8, [&]() -> Contour {
             const double x = index(4);

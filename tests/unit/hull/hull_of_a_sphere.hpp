@@ -10,7 +10,7 @@
 
 namespace atrium::hull {
 
-/// Silhouettes that are as they should be, to be changed.
+/// Fixture with valid silhouettes of a sphere. Tests change them.
 class HullOfASphere : public testing::Test {
 protected:
     std::vector<SilhouetteView> views_ =

@@ -1,4 +1,4 @@
-// Parts of the tool that need no views file.
+// Tests the parts of the tool that need no views file.
 #include "site_node/hull_tool/coverage.hpp"
 #include "site_node/hull_tool/limits.hpp"
 #include "site_node/hull_tool/tool.hpp"
@@ -12,7 +12,7 @@
 namespace atrium::hull_tool {
 namespace {
 
-TEST(HullToolCommandLine, EndsWithUsageErrorsBeforeAnyWork) {
+TEST(HullToolCommandLine, ReportsUsageErrorsBeforeAnyWork) {
     const auto exit_code_of = [](std::vector<std::string> words) {
         words.insert(words.begin(), "visual_hull");
         std::vector<char*> argv;
@@ -62,7 +62,7 @@ TEST(HullToolCommandLine, EndsWithUsageErrorsBeforeAnyWork) {
     EXPECT_EQ(exit_code_of({"--colour"}), 2);
 }
 
-TEST(HullToolCommandLine, ReadsWhatDecidesTheHull) {
+TEST(HullToolCommandLine, ReadsTheHullOptions) {
     std::vector<std::string> words{"visual_hull",
                                    "--without",
                                    "a",
@@ -90,7 +90,7 @@ TEST(HullToolCommandLine, ReadsWhatDecidesTheHull) {
     EXPECT_EQ(options.min_litres, 0.25);
 }
 
-// A square plate of 1 m, 8 m in front of a camera with 80 px per metre there.
+// A square plate of 1 m at 8 m from a camera, where 1 m is 80 px.
 TEST(Coverage, CountsPixelCentres) {
     geometry::TriangleMesh plate;
     plate.vertices = {{-0.5, -0.5, 8.0}, {0.5, -0.5, 8.0}, {0.5, 0.5, 8.0}, {-0.5, 0.5, 8.0}};
@@ -117,7 +117,7 @@ TEST(Coverage, CountsPixelCentres) {
 
 class Limits : public testing::Test {
 protected:
-    // What the tool says; checks that the hull agrees about it.
+    // Returns the tool's error, or "". Checks that the hull agrees with the tool.
     static std::string error_of(const std::vector<NamedView>& views, bool has_bounds = false) {
         hull::HullOptions options;
         if (has_bounds) options.bounds = geometry::Aabb{{-1, -1, -1}, {1, 1, 1}};
@@ -134,7 +134,8 @@ protected:
         return within ? "" : within.error().message;
     }
 
-    // Contours of one point over and over: the hull counts them and sees nothing, at once.
+    // Contours that repeat one point. The hull counts the points, then sees nothing and returns
+    // immediately.
     static std::vector<NamedView> views_of(std::size_t num_views, std::size_t num_points) {
         std::vector<NamedView> views(num_views);
         for (std::size_t i = 0; i < num_views; ++i) {

@@ -19,7 +19,7 @@ using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
 
-// Three cameras 8 m away on the axes that see a square of 1 m each.
+// Three cameras on the axes, 8 m away. Each sees a square of 1 m.
 json cube_document() {
     const std::vector<std::vector<double>> rotations{{0, 1, 0, 0, 0, -1, -1, 0, 0},
                                                      {-1, 0, 0, 0, 0, -1, 0, -1, 0},
@@ -95,7 +95,7 @@ TEST_F(HullTool, ReportsOneJsonObject) {
     }
 }
 
-TEST_F(HullTool, ReportsAnEmptyHullWhereOneCameraSeesNobody) {
+TEST_F(HullTool, ReportsAnEmptyHullIfOneCameraSeesNobody) {
     json document = cube_document();
     document["views"][1]["contours"] = json::array();
     write(document.dump());
@@ -108,7 +108,7 @@ TEST_F(HullTool, ReportsAnEmptyHullWhereOneCameraSeesNobody) {
     EXPECT_EQ(report.at("views")[0].at("coverage"), 0.0);
 }
 
-// The first camera sees only one half of the cube, the other one is beyond its picture.
+// The first camera sees only one half of the cube. The other half lies outside its picture.
 json half_seen_document() {
     json document = cube_document();
     document["views"][0]["cx"] = 639.5;
@@ -117,7 +117,7 @@ json half_seen_document() {
     return document;
 }
 
-TEST_F(HullTool, CutsAtTheBoundsAndDropsWhatIsSmall) {
+TEST_F(HullTool, CutsAtTheBoundsAndDropsSmallBodies) {
     const json whole = json::parse(*run(options_));
     options_.bounds = geometry::Aabb{{-1, -1, 0.01}, {1, 1, 1}};
     const json upper = json::parse(*run(options_));
@@ -133,7 +133,7 @@ TEST_F(HullTool, CutsAtTheBoundsAndDropsWhatIsSmall) {
     EXPECT_EQ(none.at("fragments_dropped"), 1);
 }
 
-TEST_F(HullTool, LeavesOutViews) {
+TEST_F(HullTool, ExcludesViews) {
     const double volume = json::parse(*run(options_)).at("volume_m3");
     options_.without = {"cam1"};
     const json report = json::parse(*run(options_));
@@ -150,7 +150,7 @@ TEST_F(HullTool, LeavesOutViews) {
     EXPECT_THAT(run(options_).error().message, HasSubstr("too few views"));
 }
 
-TEST_F(HullTool, KeepsWhatIsBeyondAPictureOnlyAsPartialViews) {
+TEST_F(HullTool, KeepsSpaceOutsideAPictureOnlyWithPartialViews) {
     write(half_seen_document().dump());
     EXPECT_NEAR(json::parse(*run(options_)).at("volume_m3").get<double>(), 0.5, 0.06);
     options_.partial = true;
@@ -162,13 +162,13 @@ TEST_F(HullTool, KeepsWhatIsBeyondAPictureOnlyAsPartialViews) {
         EXPECT_GT(view.at("coverage").get<double>(), 0.98);
         EXPECT_EQ(view.at("excess_px"), 0);
     }
-    options_.min_views = 3;  // of one half there are only two
+    options_.min_views = 3;  // only two views see one of the halves
     EXPECT_NEAR(json::parse(*run(options_)).at("volume_m3").get<double>(), 0.5, 0.06);
     options_.min_views = 4;
     EXPECT_THAT(run(options_).error().message, HasSubstr("--min-views"));
 }
 
-TEST_F(HullTool, NamesFileViewAndKeyOfWhatIsWrong) {
+TEST_F(HullTool, NamesFileViewAndKeyOfAnError) {
     const auto error_after = [&](auto change) {
         json document = cube_document();
         change(document);
@@ -217,7 +217,7 @@ TEST_F(HullTool, RefusesUnknownMeshFormatsBeforeItComputes) {
     EXPECT_THAT(run(options_).error().message, HasSubstr(".ply, .obj, .gltf or .glb"));
 }
 
-TEST_F(HullTool, FindsThatTheOutputCannotBeWrittenBeforeAnythingElse) {
+TEST_F(HullTool, ReportsAnUnwritableOutputFirst) {
     options_.output = folder_ / "none" / "hull.ply";
     options_.views_file = folder_ / "none.json";
     const auto report = run(options_);
@@ -226,7 +226,7 @@ TEST_F(HullTool, FindsThatTheOutputCannotBeWrittenBeforeAnythingElse) {
     EXPECT_THAT(report.error().message, HasSubstr("hull.ply: cannot be written"));
 }
 
-TEST_F(HullTool, LeavesTheOutputAsItIsWhereThereIsNoHull) {
+TEST_F(HullTool, KeepsTheOldOutputWithoutAHull) {
     options_.views_file = folder_ / "none.json";
     options_.output = folder_ / "new.ply";
     EXPECT_FALSE(run(options_));
@@ -237,7 +237,7 @@ TEST_F(HullTool, LeavesTheOutputAsItIsWhereThereIsNoHull) {
     EXPECT_EQ(std::filesystem::file_size(options_.output), 3u);
 }
 
-TEST_F(HullTool, WritesAPlyThatSaysWhatItHolds) {
+TEST_F(HullTool, WritesAPlyWithAMatchingHeader) {
     const json report = json::parse(*run(options_));
     const std::string ply = written("hull.ply");
     const std::string header = ply.substr(0, ply.find("end_header\n") + 11);
@@ -330,8 +330,8 @@ TEST_F(HullTool, WritesNormalsToObjAndGltf) {
     EXPECT_EQ(gltf.at("buffers")[0].at("byteLength"), 24 * num_vertices + 12 * num_triangles);
 }
 
-TEST_F(HullTool, DecimatesTheMeshThatItWrites) {
-    // a square with corners cut off: short edges to leave out
+TEST_F(HullTool, DecimatesTheWrittenMesh) {
+    // a square with cut corners: it has short edges to remove
     json document = cube_document();
     for (json& view : document["views"]) {
         view["contours"] = {{{220.3, 150.1},

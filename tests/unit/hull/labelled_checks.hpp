@@ -29,7 +29,7 @@ inline Outlines prepare(const Contours& contours) {
     return outlines;
 }
 
-/// Chains, junctions and loops are what `LabelledOutlines` promises.
+/// Checks the promises of `LabelledOutlines` on chains, junctions and loops.
 inline void expect_sound(const LabelledOutlines& labelled, bool keep_unseen) {
     std::vector<int> num_in(labelled.points.size());
     std::vector<int> num_out(labelled.points.size());
@@ -49,7 +49,7 @@ inline void expect_sound(const LabelledOutlines& labelled, bool keep_unseen) {
                 EXPECT_EQ(s.from, labelled.segments[i - 1].to);
                 EXPECT_EQ(s.foreground_loop, labelled.segments[i - 1].foreground_loop);
                 EXPECT_EQ(s.background_loop, labelled.segments[i - 1].background_loop);
-                ++num_in[s.from];  // passed inside of a chain
+                ++num_in[s.from];  // passed inside a chain
                 ++num_out[s.from];
             }
             EXPECT_EQ(s.foreground_loop == LabelledOutlines::kNoLoop,
@@ -77,7 +77,7 @@ inline void expect_sound(const LabelledOutlines& labelled, bool keep_unseen) {
     }
     EXPECT_EQ(begin, labelled.segments.size());
     for (std::uint32_t p = 0; p < labelled.points.size(); ++p) {
-        // each point is passed by one chain, or it is a junction with one end of each kind
+        // either one chain passes each point, or the point is a junction with one end of each kind
         const auto it = meeting.find(p);
         EXPECT_EQ(num_in[p], it == meeting.end() ? 1 : 0);
         if (it != meeting.end()) {
@@ -99,7 +99,7 @@ inline void expect_sound(const LabelledOutlines& labelled, bool keep_unseen) {
 
 enum class Cell { kForeground, kBackground, kUnknown };
 
-/// Follows the ray from infinity to p; every segment has to be entered from the cell that it names.
+/// Follows the ray from infinity to p. Each segment must be entered from the cell that it names.
 inline Cell cell_of(const LabelledOutlines& labelled, const Point& p) {
     struct Hit {
         double x;
@@ -114,7 +114,7 @@ inline Cell cell_of(const LabelledOutlines& labelled, const Point& p) {
         if (x <= p.x()) continue;
         const Cell left = s.kind == SegmentKind::kOutside ? Cell::kUnknown : Cell::kForeground;
         const Cell right = s.kind == SegmentKind::kUnseen ? Cell::kUnknown : Cell::kBackground;
-        const bool rising = b.y() > a.y();  // what is left has smaller x
+        const bool rising = b.y() > a.y();  // the rest has smaller x
         hits.push_back({x, rising ? right : left, rising ? left : right});
     }
     std::sort(hits.begin(), hits.end(), [](const Hit& l, const Hit& r) { return l.x > r.x; });
@@ -126,7 +126,8 @@ inline Cell cell_of(const LabelledOutlines& labelled, const Point& p) {
     return cell;
 }
 
-/// The same without kUnseen segments: whether p is background, by the number of borders passed.
+/// Like the above, without kUnseen segments: whether p is background, by the number of borders
+/// passed.
 inline bool is_background(const LabelledOutlines& labelled, const Point& p) {
     bool inside = false;
     for (const LabelledOutlines::Segment& s : labelled.segments) {

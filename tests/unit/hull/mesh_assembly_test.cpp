@@ -13,11 +13,11 @@ namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-// As strips deliver them: each face in a run of its own, each vertex named in all of its faces and
-// placed by the first of them.
+// Faces as strips deliver them: each face in its own run. Each vertex is named in all of its faces,
+// and the first of them places it.
 class Faces {
 public:
-    /// `first_key`: of the vertices, which must differ between bodies.
+    /// `first_key` is the key of the first vertex. The keys of bodies must differ.
     void add(const std::vector<Eigen::Vector3d>& points,
              const std::vector<Triangle>& triangles,
              VertexKey first_key,
@@ -50,7 +50,7 @@ protected:
         SerialExecutor executor;
         return assembly_.assemble(cones_, faces_.runs, {}, executor, hull_);
     }
-    // After a mesh with a phantom, so that there is something to be left behind.
+    // Assembles after a mesh with a phantom, to find leftovers.
     void expect_refused(const std::vector<RunFaces>& broken) {
         faces_.add(kTetrahedron, kItsFaces, 100, false);
         ASSERT_TRUE(assemble());
@@ -73,7 +73,7 @@ protected:
     VisualHull hull_;
 };
 
-TEST_F(Assembly, JoinsFacesByTheNamesOfTheirVertices) {
+TEST_F(Assembly, JoinsFacesByVertexKey) {
     ASSERT_TRUE(assemble());
     const geometry::MeshReport report = geometry::inspect(hull_.mesh);
     EXPECT_TRUE(report.manifold);
@@ -83,7 +83,7 @@ TEST_F(Assembly, JoinsFacesByTheNamesOfTheirVertices) {
     EXPECT_EQ(hull_.num_components, 1u);
 }
 
-TEST_F(Assembly, LeavesOutPhantomsAndFragmentsAndCountsThem) {
+TEST_F(Assembly, DropsAndCountsPhantomsAndFragments) {
     faces_.add(kTetrahedron, kItsFaces, 100, false);
     std::vector<Eigen::Vector3d> small;
     for (const Eigen::Vector3d& p : kTetrahedron) small.emplace_back(0.01 * p);
@@ -96,25 +96,25 @@ TEST_F(Assembly, LeavesOutPhantomsAndFragmentsAndCountsThem) {
     EXPECT_EQ(hull_.mesh.vertices.size(), 4u);
 }
 
-TEST_F(Assembly, RefusesASurfaceThatLacksAFace) {
+TEST_F(Assembly, RefusesASurfaceWithAMissingFace) {
     Faces open;
     open.add(kTetrahedron, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}}, 1, true);
     expect_refused(open.runs);
 }
 
-TEST_F(Assembly, RefusesAFaceThatIsTurnedOver) {
+TEST_F(Assembly, RefusesAFlippedFace) {
     Faces turned;
     turned.add(kTetrahedron, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 3, 2}}, 1, true);
     expect_refused(turned.runs);
 }
 
-TEST_F(Assembly, RefusesAVertexThatNobodyPlaced) {
+TEST_F(Assembly, RefusesAVertexWithoutAPosition) {
     std::vector<RunFaces> unplaced = faces_.runs;
     unplaced[0].vertices[0].is_owner = false;
     expect_refused(unplaced);
 }
 
-TEST_F(Assembly, RefusesTwoFansInOneVertex) {
+TEST_F(Assembly, RefusesTwoFansAtOneVertex) {
     Faces touching;
     const std::vector<Triangle> both{
         {0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 4, 5}, {0, 6, 4}, {0, 5, 6}, {4, 6, 5}};
@@ -124,13 +124,13 @@ TEST_F(Assembly, RefusesTwoFansInOneVertex) {
     expect_refused(touching.runs);
 }
 
-// Two faces whose corners are on one line of two strips could both be cut along it.
+// If two faces have corners on one line of two strips, both could be cut along it.
 TEST_F(Assembly, RefusesADiagonalOnALineOfTwoStrips) {
     ++faces_.runs[2].num_sides_on_lines;
     EXPECT_FALSE(assemble());
 }
 
-TEST_F(Assembly, AllowsMoreThanThreeFacesInAVertexOnlyWhereViewsAreCounted) {
+TEST_F(Assembly, AllowsMoreThanThreeFacesPerVertexOnlyWithCountedViews) {
     faces_.runs.clear();
     faces_.add(
         {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},

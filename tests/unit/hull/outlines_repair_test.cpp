@@ -20,11 +20,11 @@ using test::Point;
 
 constexpr double kJitter_px = 1e-6;
 constexpr double kFarFromEdges_px = 0.01;
-// no loop with less area contains a point that far from its edges
+// a loop with less area contains no point that far from its edges
 constexpr double kMinArea_px2 = 3e-4;
 constexpr std::uint64_t kManyTests = 100'000'000;
 
-// What the test knows by itself, apart from the code under test.
+// The test's own reference, independent of the code under test.
 double turn(const Point& a, const Point& b, const Point& c) {
     return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
@@ -69,7 +69,7 @@ protected:
     OutlineScratch scratch_;
 };
 
-TEST_P(HostileOutlines, EndSimpleAndEncloseTheSame) {
+TEST_P(HostileOutlines, BecomeSimpleAndEncloseTheSame) {
     for (int i = 0; i < kPerCase; ++i) {
         HostileContours hostile(static_cast<std::uint32_t>(GetParam() * kPerCase + i));
         const Contours contours = hostile.make();
@@ -95,7 +95,7 @@ TEST_P(HostileOutlines, EndSimpleAndEncloseTheSame) {
     }
 }
 
-TEST_P(HostileOutlines, DoNotDependOnHowTheyAreWrittenDown) {
+TEST_P(HostileOutlines, DoNotDependOnOrderOrOrientation) {
     for (int i = 0; i < kPerCase; ++i) {
         HostileContours hostile(static_cast<std::uint32_t>(GetParam() * kPerCase + i));
         Contours contours = hostile.make();
@@ -157,14 +157,14 @@ TEST(OutlineRepair, DoesNotAllocateOnceWarm) {
         jitter(outlines, kJitter_px, 7);
         EXPECT_TRUE(make_simple(outlines, 0.01, kManyTests, scratch, counts));
     };
-    for (int i = 0; i < 2; ++i) repair();  // two arrays change places
+    for (int i = 0; i < 2; ++i) repair();  // two arrays are swapped
     const auto before = test::num_allocations();
     repair();
     EXPECT_EQ(test::num_allocations(), before);
 }
 
-TEST(OutlineRepair, DropsLoopsThatStillCrossWhereRepairsRunOutAndNoOthers) {
-    // two combs across each other: 1600 crossings
+TEST(OutlineRepair, DropsOnlyLoopsThatStillCrossWhenRepairsRunOut) {
+    // two crossing combs: 1600 crossings
     Contour comb;
     for (int i = 0; i < 20; ++i) {
         comb.insert(comb.end(), {{2.0 * i, 0.0}, {2.0 * i + 0.5, 50.0}, {2.0 * i + 1.0, 0.0}});

@@ -34,7 +34,7 @@ protected:
 
 const Contour kSquare{{0, 0}, {10, 0}, {10, 10}, {0, 10}};
 
-TEST_F(OutlinesTest, SplitsAFigureEightInItsTwoLoops) {
+TEST_F(OutlinesTest, SplitsAFigureEightIntoItsTwoLoops) {
     const Outlines outlines = prepare({{{0, 0}, {10, 10}, {10, 0}, {0, 10}}});
     EXPECT_EQ(outlines.num_contours(), 2u);
     EXPECT_EQ(counts_.repaired, 1u);
@@ -52,7 +52,7 @@ TEST_F(OutlinesTest, DropsTheTinyLoopOfASimplifiedCorner) {
     EXPECT_NEAR(total_area(outlines), 100.0, 0.5);
 }
 
-TEST_F(OutlinesTest, JoinsTwoThatCrossAndCutsOutWhatBothEnclose) {
+TEST_F(OutlinesTest, JoinsTwoCrossingLoopsAndCutsOutTheirOverlap) {
     const Outlines outlines = prepare({kSquare, {{8, 8}, {12, 8}, {12, 12}, {8, 12}}});
     EXPECT_EQ(outlines.num_contours(), 2u);  // joined at one crossing, split at the other
     EXPECT_EQ(counts_.dropped, 0u);
@@ -75,7 +75,7 @@ TEST_F(OutlinesTest, DoNotDependOnOrderStartOrOrientation) {
     EXPECT_EQ(one.ends, other.ends);
 }
 
-TEST_F(OutlinesTest, LeaveOutWhatLiesBesideABox) {
+TEST_F(OutlinesTest, OmitLoopsOutsideABox) {
     const Contour hole{{2, 2}, {2, 8}, {8, 8}, {8, 2}};
     const Contour far{{20, 0}, {30, 0}, {30, 10}};
     Outlines outlines = prepare({far, kSquare, hole});
@@ -98,7 +98,7 @@ TEST_F(OutlinesTest, RemovesRepeatedPointsAndSpikes) {
     EXPECT_LE(outlines.points.size(), 5u);
 }
 
-TEST_F(OutlinesTest, TurnsHolesAgainstTheirSurroundingsAtAnyDepth) {
+TEST_F(OutlinesTest, OrientsHolesAgainstTheirParentAtAnyDepth) {
     const Contour hole{{2, 2}, {2, 8}, {8, 8}, {8, 2}};
     const Contour island{{4, 4}, {6, 4}, {6, 6}, {4, 6}};
     const Outlines outlines = prepare({island, hole, kSquare});
@@ -120,11 +120,11 @@ protected:
     Outlines outlines_;
 };
 
-TEST_F(Scribble, IsGivenUpBeyondTheAllowedNumberOfTests) {
+TEST_F(Scribble, IsAbandonedAfterTheAllowedNumberOfTests) {
     EXPECT_FALSE(make_simple(outlines_, kMinArea_px2, 50, scratch_, counts_));
 }
 
-TEST_F(Scribble, IsCutDownToLoopsThatCrossNothing) {
+TEST_F(Scribble, IsReducedToLoopsWithoutCrossings) {
     ASSERT_TRUE(make_simple(outlines_, kMinArea_px2, kManyTests, scratch_, counts_));
     EXPECT_GT(counts_.repaired, 0u);
     const Outlines once = outlines_;

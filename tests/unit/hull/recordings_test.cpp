@@ -7,8 +7,7 @@
 #include <filesystem>
 #include <string>
 
-// Real people: silhouettes with segmentation noise, calibration that is not perfect, distorted
-// lenses.
+// Real people: silhouettes with segmentation noise, imperfect calibration and distorted lenses.
 namespace atrium::hull_tool {
 namespace {
 
@@ -17,8 +16,8 @@ struct Recording {
     int frame;
     double min_litres;
     double max_litres;
-    double mean_coverage;   // at least
-    double worst_coverage;  // at least
+    double mean_coverage;   // minimum
+    double worst_coverage;  // minimum
 };
 
 class RealPeople : public testing::TestWithParam<Recording> {};
@@ -49,9 +48,9 @@ TEST_P(RealPeople, HaveTheVolumeAndCoverTheirSilhouettes) {
     EXPECT_GE(sum / static_cast<double>(report.at("views").size()), expected.mean_coverage);
 }
 
-// ring20: a voxel carve gives 73 to 74 litres; dancer: 99. horseman is segmented with its learned
-// background; a board that is not in the empty room stands in one of its four views, so that view
-// cannot be covered whole.
+// ring20: a voxel carve gives 73 to 74 litres. dancer: 99 litres. horseman is segmented with its
+// learned background. One of its four views shows a board that is not in the empty room, so the
+// hull cannot cover that view completely.
 INSTANTIATE_TEST_SUITE_P(Recordings,
                          RealPeople,
                          testing::Values(Recording{"ring20", 0, 60, 80, 0.94, 0.90},

@@ -41,7 +41,7 @@ protected:
     HullScratch scratch_;
 };
 
-TEST_F(Bounds, ChangeNothingWhereTheyAreFarAway) {
+TEST_F(Bounds, ChangeNothingIfFarAway) {
     const VisualHull free = compute_visual_hull(views_, {}, scratch_);
     HullOptions options;
     options.bounds = box({-1.0, -1.0, 0.0}, {1.0, 1.0, 2.0});
@@ -67,7 +67,7 @@ TEST_F(Bounds, CutTheHullWithPlanes) {
     EXPECT_NEAR(sum, geometry::volume_m3(whole.mesh), 1e-7);
 }
 
-TEST_F(Bounds, CloseWhatOneCameraLeavesOpen) {
+TEST_F(Bounds, CloseTheConeOfOneCamera) {
     HullOptions options;
     options.bounds = box({-0.5, -0.5, 0.5}, {0.5, 0.5, 1.5});
     // a square pyramid from a camera in front of a cube, cut at both ends
@@ -86,16 +86,16 @@ TEST_F(Bounds, CloseWhatOneCameraLeavesOpen) {
 
 TEST_F(Bounds, AreTheHullWhereNoCameraCutsIt) {
     HullOptions options;
-    options.bounds = box({-0.05, -0.1, 0.8}, {0.05, 0.1, 1.0});  // inside of the sphere
+    options.bounds = box({-0.05, -0.1, 0.8}, {0.05, 0.1, 1.0});  // inside the sphere
     const VisualHull hull = compute_visual_hull(views_, options, scratch_);
-    // no viewing edge reaches it, but it is no phantom: the bounds have cut those away
+    // no viewing edge reaches it, but it is no phantom: the bounds have cut the edges off
     expect_sound(hull);
     EXPECT_EQ(hull.mesh.vertices.size(), 8u);
     EXPECT_NEAR(geometry::volume_m3(hull.mesh), 0.1 * 0.2 * 0.2, 1e-8);
     EXPECT_EQ(hull.num_phantoms_dropped, 0u);
 }
 
-TEST_F(Bounds, OfNoExtentAreRefused) {
+TEST_F(Bounds, WithoutExtentAreRefused) {
     HullOptions options;
     options.bounds = box({-1.0, -1.0, 0.5}, {1.0, 1.0, 0.5});
     EXPECT_EQ(compute_visual_hull(views_, options, scratch_).status, HullStatus::kInvalidInput);
@@ -116,7 +116,7 @@ protected:
             }
         }
         for (const SilhouetteView& view : two_) pointers_.push_back(&view);
-        options_.min_component_volume_m3 = 0.03;  // where cones past both bodies meet is nobody
+        options_.min_component_volume_m3 = 0.03;  // nobody is where cones past both bodies meet
         regions_ = {{"left", box({-2.0, -0.6, 0.2}, {-1.0, 0.6, 1.6}), {}, 1},
                     {"right", box({1.0, -0.6, 0.2}, {2.0, 0.6, 1.6}), {}, 1}};
     }
@@ -133,7 +133,7 @@ protected:
     RegionScratch region_scratch_;
 };
 
-TEST_F(Regions, GiveOneMeshOfAllBodies) {
+TEST_F(Regions, MakeOneMeshOfAllBodies) {
     const VisualHull hull = compute(regions_);
     expect_sound(hull);
     EXPECT_EQ(hull.num_components, 2u);
@@ -141,7 +141,7 @@ TEST_F(Regions, GiveOneMeshOfAllBodies) {
     EXPECT_NEAR(geometry::volume_m3(hull.mesh), geometry::volume_m3(whole.mesh), 1e-7);
 }
 
-TEST_F(Regions, GoOnWithoutALostCamera) {
+TEST_F(Regions, ContinueWithoutALostCamera) {
     const VisualHull all = compute(regions_);
     pointers_[2] = nullptr;
     const VisualHull hull = compute(regions_);
@@ -175,7 +175,7 @@ TEST_F(Regions, UseOnlyTheirOwnCameras) {
     EXPECT_GT(geometry::volume_m3(four.mesh), geometry::volume_m3(eight.mesh));
 }
 
-TEST_F(Regions, WithoutCamerasAreLeftOutAndCounted) {
+TEST_F(Regions, WithoutCamerasAreSkippedAndCounted) {
     regions_[0].views = {3};
     pointers_[3] = nullptr;
     const VisualHull hull = compute(regions_);
@@ -185,7 +185,7 @@ TEST_F(Regions, WithoutCamerasAreLeftOutAndCounted) {
     EXPECT_EQ(compute({regions_[0]}).status, HullStatus::kTooFewViews);
 }
 
-TEST_F(Regions, WithFewerCamerasThanTheyNeedAreLeftOutAndCounted) {
+TEST_F(Regions, WithTooFewCamerasAreSkippedAndCounted) {
     regions_[0].views = {1, 3, 5};
     pointers_[3] = nullptr;
     for (const std::uint32_t num_missing : {0u, 1u}) {
@@ -196,25 +196,25 @@ TEST_F(Regions, WithFewerCamerasThanTheyNeedAreLeftOutAndCounted) {
         const bool has_left = geometry::bounds(hull.mesh).min.x() < 0.0;
         EXPECT_EQ(has_left, num_missing == 0);
         EXPECT_LT(0.0, geometry::bounds(hull.mesh).max.x());
-        // nothing of the former region's hull comes again
+        // nothing of the previous region's hull appears again
         EXPECT_EQ(compute({regions_[1], regions_[0]}).num_components, hull.num_components);
     }
     EXPECT_EQ(compute({regions_[0]}).status, HullStatus::kTooFewViews);
     EXPECT_TRUE(compute({regions_[0]}).mesh.empty());
-    regions_[1].min_views = 8;  // of all, of which one is missing
+    regions_[1].min_views = 8;  // all eight cameras, one of which is missing
     EXPECT_EQ(compute({regions_[1]}).status, HullStatus::kTooFewViews);
     regions_[1].min_views = 7;
     EXPECT_EQ(compute({regions_[1]}).status, HullStatus::kOk);
 }
 
-TEST_F(Regions, RefuseCamerasThatAreNotThere) {
+TEST_F(Regions, RefuseUnknownCameras) {
     regions_[1].views = {0, 8};
     const VisualHull hull = compute(regions_);
     EXPECT_EQ(hull.status, HullStatus::kInvalidInput);
     EXPECT_TRUE(hull.mesh.empty());
 }
 
-TEST_F(Regions, AreEmptyWhereNobodyIs) {
+TEST_F(Regions, AreEmptyWithoutABody) {
     EXPECT_EQ(compute({{"empty", box({-0.5, -0.5, 0.0}, {0.5, 0.5, 2.0}), {}, 1}}).status,
               HullStatus::kEmptyIntersection);
     EXPECT_EQ(compute({}).status, HullStatus::kEmptyIntersection);

@@ -14,12 +14,12 @@
 #include <set>
 #include <vector>
 
-// What StripChart builds, against a test of every ray of every camera with every strip.
+// Compares StripChart with a test of every ray of every camera against every strip.
 namespace atrium::hull {
 namespace {
 
 constexpr std::uint64_t kMaxSteps = 100'000'000;
-constexpr double kClear = 1e-6;  // relative; nearer to a border, this test's doubles decide nothing
+constexpr double kClear = 1e-6;  // relative; nearer to a border, this test's doubles cannot decide
 
 enum class Answer : std::uint8_t { kNo, kYes, kUnclear };
 
@@ -141,8 +141,8 @@ TEST_P(StripChartOfScenes, KeepsEveryEndOfAViewingEdge) {
     EXPECT_GE(num_events, num_ends);
 }
 
-// Integer keys decide most of the order of a pencil's rays; integers without rounding decide it
-// all.
+// Integer keys decide most of the order of a pencil's rays. Integers without rounding decide all of
+// it.
 TEST_P(StripChartOfScenes, ReadsPencilsInTheirExactOrder) {
     const test::SceneOptions scene = test::random_scene_options(GetParam());
     HullScratch scratch;

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-// What has no hull, and what is refused.
+// Views without a hull, and views that the hull refuses.
 namespace atrium::hull {
 namespace {
 
@@ -18,19 +18,19 @@ using test::Contour;
 
 class FaultyViews : public HullOfASphere {};
 
-TEST_F(FaultyViews, IsEmptyWhereOneCameraSeesNobody) {
+TEST_F(FaultyViews, GiveAnEmptyHullIfOneCameraSeesNobody) {
     views_[5].contours.clear();
     const VisualHull hull = compute_visual_hull(views_, {}, scratch_);
     EXPECT_EQ(hull.status, HullStatus::kEmptyIntersection);
     EXPECT_TRUE(hull.mesh.empty());
 }
 
-TEST_F(FaultyViews, IsEmptyWhereConesMissEachOther) {
+TEST_F(FaultyViews, GiveAnEmptyHullIfConesMissEachOther) {
     for (auto& p : views_[2].contours[0]) p.x() += 5000.0;
     EXPECT_EQ(compute_visual_hull(views_, {}, scratch_).status, HullStatus::kEmptyIntersection);
 }
 
-TEST_F(FaultyViews, NeedsTwoViews) {
+TEST_F(FaultyViews, AreTooFewBelowTwo) {
     EXPECT_EQ(compute_visual_hull(std::span(views_).first(1), {}, scratch_).status,
               HullStatus::kTooFewViews);
     EXPECT_EQ(compute_visual_hull({}, {}, scratch_).status, HullStatus::kTooFewViews);
@@ -38,14 +38,14 @@ TEST_F(FaultyViews, NeedsTwoViews) {
     EXPECT_EQ(compute_visual_hull(same, {}, scratch_).status, HullStatus::kTooFewViews);
 }
 
-TEST_F(FaultyViews, IsUnboundedWhereAllCamerasLookTheSameWay) {
+TEST_F(FaultyViews, AreUnboundedIfAllCamerasLookTheSameWay) {
     SilhouetteView beside = views_[0];
     beside.camera_from_site.translation.x() += 0.3;
     const std::vector<SilhouetteView> pair{views_[0], beside};
     EXPECT_EQ(compute_visual_hull(pair, {}, scratch_).status, HullStatus::kUnbounded);
 }
 
-TEST_F(FaultyViews, RefusesNumbersThatAreNone) {
+TEST_F(FaultyViews, AreRefusedForNonFiniteNumbers) {
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const auto status_with = [&](auto change) {
@@ -68,19 +68,19 @@ TEST_F(FaultyViews, RefusesNumbersThatAreNone) {
               HullStatus::kInvalidInput);
 }
 
-TEST_F(FaultyViews, RefusesMoreViewsThanItCanName) {
+TEST_F(FaultyViews, AreRefusedAboveTheMaximumNumber) {
     const std::vector<SilhouetteView> views(kMaxViews + 1, views_[0]);
     EXPECT_EQ(compute_visual_hull(views, {}, scratch_).status, HullStatus::kInvalidInput);
 }
 
-TEST_F(FaultyViews, RefusesMoreWorkThanAllowed) {
+TEST_F(FaultyViews, AreRefusedForTooMuchWork) {
     HullOptions options;
     options.max_segments = 100;
     EXPECT_EQ(compute_visual_hull(views_, options, scratch_).status, HullStatus::kTooComplex);
 }
 
 TEST(HullOfCombs, StopsAfterTheAllowedSteps) {
-    // twelve combs across each other: many crossings on every strip
+    // twelve crossing combs: many crossings on every strip
     std::vector<SilhouetteView> views;
     for (const auto& camera : test::make_ring_rig({.num_cameras = 12})) {
         Contour comb;
@@ -96,9 +96,9 @@ TEST(HullOfCombs, StopsAfterTheAllowedSteps) {
     EXPECT_EQ(compute_visual_hull(views, options, scratch).status, HullStatus::kTooComplex);
 }
 
-TEST(HullOfCombs, StopsWhereLinesAreManyAndCrossNothing) {
-    // two cameras above each other; the long sides of slivers in the one run along the epipolar
-    // lines of the other, and meet every tooth of its comb
+TEST(HullOfCombs, StopsForManyLinesWithoutCrossings) {
+    // Two cameras above each other. The long sides of slivers in one picture run along the epipolar
+    // lines of the other and meet every tooth of its comb.
     Contour comb;
     for (int i = 0; i < 6000; ++i) {
         const double y = 100.0 + 800.0 * i / 6000;
@@ -126,7 +126,7 @@ TEST(HullOfCombs, StopsWhereLinesAreManyAndCrossNothing) {
     EXPECT_EQ(compute_visual_hull(views, options, scratch).status, HullStatus::kTooComplex);
 }
 
-// A bar of cameras along an axis of the site: the same row of two pictures is one plane.
+// A bar of cameras along an axis of the site. The same row of two pictures is one plane.
 TEST(RectifiedRig, NeedsOneAttempt) {
     for (const int radius_px : {50, 200}) {
         std::vector<SilhouetteView> views;
@@ -160,7 +160,7 @@ TEST(RectifiedRig, NeedsOneAttempt) {
     }
 }
 
-TEST_F(FaultyViews, LeavesOutContoursWithoutArea) {
+TEST_F(FaultyViews, LoseContoursWithoutArea) {
     const VisualHull clean = compute_visual_hull(views_, {}, scratch_);
     views_[0].contours.push_back({{10.0, 10.0}, {20.0, 10.0}, {30.0, 10.0}});
     views_[1].contours.push_back({{10.0, 10.0}});

@@ -20,8 +20,8 @@ using test::Contour;
 using test::exact_hull_of;
 using test::expect_sound;
 
-// Cameras `distance_m` from the origin on the given axes, so far away that their cones are nearly
-// cylinders.
+// Cameras `distance_m` from the origin on the given axes. They are so far away that their cones are
+// nearly cylinders.
 std::vector<geometry::CalibratedCamera> far_cameras(const std::vector<Eigen::Vector3d>& directions,
                                                     double distance_m) {
     std::vector<geometry::CalibratedCamera> rig;
@@ -37,13 +37,13 @@ std::vector<geometry::CalibratedCamera> far_cameras(const std::vector<Eigen::Vec
 const std::vector<Eigen::Vector3d> kAxes{
     Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ()};
 
-// 512-gons inside the circles: their area is the circle's times this
+// 512-gons inside the circles: their area is this fraction of the circle's
 const double kPolygonFactor =
     std::sin(2.0 * std::numbers::pi / 512) / (2.0 * std::numbers::pi / 512);
 
 std::vector<SilhouetteView> unit_disc_views(const std::vector<geometry::CalibratedCamera>& rig,
                                             double distance_m) {
-    // seen from the distance, the unit sphere's tangent cone has this radius on the plane through
+    // from this distance, the tangent cone of the unit sphere has this radius on the plane through
     // its centre
     const double radius_px = 400.0 * distance_m / std::sqrt(distance_m * distance_m - 1.0);
     std::vector<SilhouetteView> views;
@@ -58,7 +58,7 @@ TEST(VisualHull, OfASphereFromTwoFarCamerasIsSteinmetzBicylinder) {
     const auto rig = far_cameras({kAxes[0], kAxes[1]}, 500.0);
     const VisualHull hull = exact_hull_of(unit_disc_views(rig, 500.0));
     expect_sound(hull);
-    // cones instead of cylinders and polygons instead of circles: both below 1e-4 here
+    // cones instead of cylinders and polygons instead of circles: both errors are below 1e-4 here
     EXPECT_NEAR(geometry::volume_m3(hull.mesh), 16.0 / 3.0, 16.0 / 3.0 * 1e-4);
     EXPECT_LT(kPolygonFactor, 1.0);
 }
@@ -71,9 +71,9 @@ TEST(VisualHull, OfASphereFromThreeFarCamerasIsSteinmetzTricylinder) {
     EXPECT_NEAR(geometry::volume_m3(hull.mesh), exact, exact * 1e-4);
 }
 
-TEST(VisualHull, OfTwoCamerasThatFaceEachOtherIsADoubleConeWithTheirCentres) {
-    // each epipole lies in the middle of the other silhouette, and both camera centres belong to
-    // the hull
+TEST(VisualHull, OfTwoFacingCamerasIsADoubleConeWithTheirCentres) {
+    // each epipole lies in the middle of the other silhouette, and the hull contains both camera
+    // centres
     constexpr double kDistance_m = 6.0;
     constexpr int kCorners = 24;
     constexpr double kRadius_px = 130.0;
@@ -111,7 +111,7 @@ TEST(VisualHull, ContainsTheSphereAndShrinksWithMoreCameras) {
         const VisualHull hull =
             exact_hull_of({views.begin(), views.begin() + static_cast<std::ptrdiff_t>(n)});
         if (n == 2) {
-            // neighbours on the ring: bounded, but long
+            // neighbours on the ring: the hull is bounded, but long
             ASSERT_EQ(hull.status, HullStatus::kOk) << to_string(hull.status);
         }
         expect_sound(hull);
@@ -131,8 +131,8 @@ TEST(VisualHull, ContainsTheSphereAndShrinksWithMoreCameras) {
 }
 
 TEST(VisualHull, OfABoxSeenAlongItsEdgesIsTheBox) {
-    // each camera sees two faces edge-on, every edge of the box is seen by several cameras: the
-    // worst case for predicates
+    // Each camera sees two faces edge-on, and several cameras see every edge of the box: the worst
+    // case for the predicates.
     std::vector<Eigen::Vector3d> corners;
     for (const double x : {-0.4, 0.4}) {
         for (const double y : {-0.4, 0.4}) {
@@ -151,8 +151,8 @@ TEST(VisualHull, OfABoxSeenAlongItsEdgesIsTheBox) {
     }
 }
 
-// A cube-like body from two cameras, through which a third one sees a hole that lies inside of one
-// face of the body.
+// A body like a cube from two cameras. A third camera sees a hole through it that lies inside one
+// face.
 class DrilledBody : public testing::Test {
 protected:
     std::vector<geometry::CalibratedCamera> rig_ = far_cameras(kAxes, 8.0);
@@ -196,7 +196,7 @@ TEST_F(DrilledBody, HandlesSeveralHolesAndIslands) {
     expect_sound(hull);
     const geometry::MeshReport report = geometry::inspect(hull.mesh);
     EXPECT_EQ(report.num_components, 2u);  // the island is a rod inside the first drill hole
-    EXPECT_EQ(report.euler_characteristic, -2 + 2);  // a body with two handles, a rod
+    EXPECT_EQ(report.euler_characteristic, -2 + 2);  // a body with two handles, and a rod
     const double expected = geometry::volume_m3(with_third({body_}).mesh) -
                             geometry::volume_m3(with_third({hole_}).mesh) +
                             geometry::volume_m3(with_third({island}).mesh) -
@@ -204,7 +204,7 @@ TEST_F(DrilledBody, HandlesSeveralHolesAndIslands) {
     EXPECT_NEAR(report.volume_m3, expected, 1e-8 * expected);
 }
 
-TEST_F(HullOfASphere, IsTheSameToTheBitOnAnyNumberOfWorkers) {
+TEST_F(HullOfASphere, HasTheSameBitsForAnyNumberOfWorkers) {
     ThreadPool pool(4);
     VisualHull parallel;
     const VisualHull serial = compute_visual_hull(views_, {}, scratch_);
@@ -225,7 +225,7 @@ TEST_F(HullOfASphere, AllocatesNothingOnceWarm) {
     EXPECT_EQ(hull.status, HullStatus::kOk);
 }
 
-TEST_F(HullOfASphere, IgnoresACameraThatIsThereTwice) {
+TEST_F(HullOfASphere, IgnoresADuplicateCamera) {
     const VisualHull once = compute_visual_hull(views_, {}, scratch_);
     views_.push_back(views_[3]);
     const VisualHull twice = compute_visual_hull(views_, {}, scratch_);
@@ -234,7 +234,7 @@ TEST_F(HullOfASphere, IgnoresACameraThatIsThereTwice) {
 }
 
 TEST_F(HullOfASphere, IntersectsTwoSilhouettesOfOneCamera) {
-    // no baseline between them: the hull is that of the two silhouettes' intersection
+    // without a baseline between them, the hull is that of the intersection of the two silhouettes
     const double whole = geometry::volume_m3(compute_visual_hull(views_, {}, scratch_).mesh);
     views_.push_back(views_[0]);
     for (auto& p : views_.back().contours[0]) p.x() += 40.0;
@@ -261,16 +261,16 @@ TEST_F(HullOfASphere, KeepsItsVolumeWithCollinearPoints) {
     EXPECT_NEAR(geometry::volume_m3(dense.mesh), geometry::volume_m3(plain.mesh), 1e-8);
 }
 
-TEST(VisualHull, Takes64Views) {
+TEST(VisualHull, Accepts64Views) {
     const auto rig = test::make_ring_rig({.num_cameras = 64, .heights_m = {0.4, 1.1, 1.8, 2.4}});
     const VisualHull hull =
         exact_hull_of(test::views_of(test::Sphere{{0.0, 0.0, 0.9}, 0.4}, rig, 20));
     expect_sound(hull);
 }
 
-TEST(VisualHull, DropsPhantomsUnlessAskedToKeepThem) {
-    // two people, three cameras: where a ray past one meets rays past the other there is a body
-    // that nobody has
+TEST(VisualHull, DropsPhantomsUnlessKept) {
+    // Two people, three cameras. Where a ray past one person meets rays past the other, a phantom
+    // body appears.
     const auto rig =
         test::make_ring_rig({.num_cameras = 3, .heights_m = {1.0}, .first_angle_rad = 0.2});
     const test::Sphere a{{-0.6, 0.1, 0.9}, 0.15};

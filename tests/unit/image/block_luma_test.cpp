@@ -20,7 +20,7 @@ Plane random_plane(unsigned seed) {
     return plane;
 }
 
-// By the colours of the block's samples, row by row.
+// Computes block luma from the colours of the block's samples, row by row.
 double expected_luma(const Plane& plane, Mosaic mosaic, int x, int y) {
     constexpr std::array<const char*, 5> kColours{"", "RGGB", "GRBG", "GBRG", "BGGR"};
     double luma = 0.0;
@@ -36,7 +36,7 @@ double expected_luma(const Plane& plane, Mosaic mosaic, int x, int y) {
     return luma;
 }
 
-TEST(BlockLuma, IsThatOfTheBlocksColourWithAllInstructionSets) {
+TEST(BlockLuma, MatchesTheBlocksColourWithAllInstructionSets) {
     const Plane plane = random_plane(1);
     for (const Mosaic mosaic :
          {Mosaic::kNone, Mosaic::kRG, Mosaic::kGR, Mosaic::kGB, Mosaic::kBG}) {
@@ -52,7 +52,7 @@ TEST(BlockLuma, IsThatOfTheBlocksColourWithAllInstructionSets) {
                 const int x = blocks.x + 2 * static_cast<int>(i);
                 EXPECT_NEAR(baseline[i], expected_luma(plane, mosaic, x, blocks.y), 0.52);
             }
-            EXPECT_EQ(baseline[size], 7);  // nothing behind
+            EXPECT_EQ(baseline[size], 7);  // nothing is written past the end
             if (best_row_code() == RowCode::kBaseline) continue;
             std::vector<std::uint8_t> avx2(size + 1, 7);
             luma_of_blocks(picture, blocks, RowCode::kAvx2, avx2.data());

@@ -34,7 +34,7 @@ Yuv packed(const std::vector<std::uint8_t>& bytes, int width, bool blue_first, R
     return out;
 }
 
-TEST(ColourRows, PackedRowsAreTheSameWithAllInstructionSets) {
+TEST(ColourRows, PackedRowsAreEqualWithAllInstructionSets) {
     if (best_row_code() == RowCode::kBaseline) GTEST_SKIP() << "this processor has no AVX2";
     for (int width = 2; width < 240; width += 2) {
         const auto bytes =
@@ -47,7 +47,7 @@ TEST(ColourRows, PackedRowsAreTheSameWithAllInstructionSets) {
     }
 }
 
-TEST(ColourRows, MosaicRowsAreTheSameWithAllInstructionSets) {
+TEST(ColourRows, MosaicRowsAreEqualWithAllInstructionSets) {
     if (best_row_code() == RowCode::kBaseline) GTEST_SKIP() << "this processor has no AVX2";
     for (int num_blocks = 1; num_blocks < 90; ++num_blocks) {
         const auto bytes = random_bytes(static_cast<std::size_t>(4 * num_blocks),
@@ -63,7 +63,7 @@ TEST(ColourRows, MosaicRowsAreTheSameWithAllInstructionSets) {
     }
 }
 
-TEST(ColourRows, AreRightToSixTenthsOfAGreyLevel) {
+TEST(ColourRows, AreAccurateToSixTenthsOfAGreyLevel) {
     constexpr int kWidth = 200;
     const auto bytes = random_bytes(6 * kWidth, 1);
     const Yuv yuv = packed(bytes, kWidth, false, best_row_code());
@@ -83,8 +83,8 @@ TEST(ColourRows, AreRightToSixTenthsOfAGreyLevel) {
     }
 }
 
-// Every third value of each channel, the ends among them; of grey all.
-TEST(ColourRows, LumaIsThatOfTheMatrixAndOfGreyExact) {
+// Every third value of each channel, including both ends, and every grey.
+TEST(ColourRows, LumaFollowsTheMatrixAndIsExactForGrey) {
     std::vector<std::uint8_t> rgb;
     for (int i = 0; i < 256; ++i) {
         const auto level = static_cast<std::uint8_t>(i);

@@ -60,8 +60,8 @@ TEST(YuvImage, ChromaIsTheMeanOfItsBlock) {
     EXPECT_EQ(image.y.at(1, 1), 0);
 }
 
-TEST(YuvImage, OddSizesLoseTheirLastColumnAndRowAndStridesAreKept) {
-    // rows of 7 pixels, 5 of them belong to the picture
+TEST(YuvImage, OddSizesLoseTheirLastColumnAndRow) {
+    // rows of 7 pixels, of which 5 belong to the picture
     std::vector<std::uint8_t> bgr = plain({255, 255, 255}, 7, 3);
     for (int y = 0; y < 3; ++y) std::fill_n(bgr.begin() + y * 21, 15, 50 * y);
     YuvImage image;

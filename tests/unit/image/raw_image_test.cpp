@@ -20,7 +20,7 @@ struct Rgb {
     int b = 0;
 };
 
-/// One colour per 2x2 block, so that every format can hold it.
+/// One colour per 2x2 block, which every format can represent.
 struct Scene {
     std::vector<Rgb> blocks;
     const Rgb& at(int x, int y) const {
@@ -45,8 +45,9 @@ int v_of(const Rgb& c) {
     return std::min(static_cast<int>(128.5 + 0.5 * c.r - 0.418688 * c.g - 0.081312 * c.b), 255);
 }
 
-// `block`: the colours of the first row, then those of the second. (One array: with
-// -fsanitize=undefined g++ 12 mixes up the elements of two literals that a condition chooses from.)
+// `block` holds the colours of the first row, then those of the second. It is one array, because
+// g++ 12 with -fsanitize=undefined mixes up the elements of two literals that a condition chooses
+// from.
 int mosaic_sample(const Rgb& c, const std::array<char, 4>& block, int x, int y) {
     const char colour = block[static_cast<std::size_t>(2 * (y % 2) + x % 2)];
     return colour == 'R' ? c.r : colour == 'G' ? c.g : c.b;
@@ -138,7 +139,7 @@ TEST(WorkingView, EveryColourFormatShowsTheSameColours) {
     }
 }
 
-TEST(WorkingPicture, PartsAreThoseOfTheWhole) {
+TEST(WorkingPicture, PartsEqualTheWhole) {
     for (const PixelFormat format : {PixelFormat::kRgb,
                                      PixelFormat::kBgr,
                                      PixelFormat::kUyvy,
@@ -153,7 +154,7 @@ TEST(WorkingPicture, PartsAreThoseOfTheWhole) {
         const YuvView whole = working_view(raw, whole_buffer);
         YuvImage buffer;
         WorkingPicture picture(raw, buffer);
-        picture.make({4, 2, 2, 2});  // as places are looked at before their rows are made
+        picture.make({4, 2, 2, 2});  // some places are read before their rows are made
         EXPECT_EQ(picture.view().y.at(5, 3), whole.y.at(5, 3));
         EXPECT_EQ(picture.view().u.at(2, 1), whole.u.at(2, 1));
         picture.make({0, 0, 8, 6});
@@ -175,7 +176,7 @@ TEST(WorkingView, MonochromeHasNoHue) {
     const Scene scene = random_scene(5);
     const std::vector<std::uint8_t> bytes = encode(scene, PixelFormat::kMono8, kWidth);
     YuvImage buffer;
-    buffer.u = Plane((kWidth - 1) / 2, (kHeight - 1) / 2, 7);  // left over from something else
+    buffer.u = Plane((kWidth - 1) / 2, (kHeight - 1) / 2, 7);  // leftover of an earlier picture
     const YuvView view = working_view(raw_image(bytes, PixelFormat::kMono8, kWidth), buffer);
     EXPECT_EQ(view.y.data, bytes.data());
     EXPECT_EQ(view.y.at(4, 4), luma(scene.at(4, 4)));
@@ -187,7 +188,7 @@ TEST(WorkingView, MonochromeHasNoHue) {
     }
 }
 
-TEST(WorkingView, WhatCanBeUsedAsItIsIsNotCopied) {
+TEST(WorkingView, UsableFormatsAreNotCopied) {
     const auto image =
         std::make_shared<const YuvImage>(YuvImage{Plane(6, 4, 1), Plane(3, 2, 2), Plane(3, 2, 3)});
     YuvImage buffer;
@@ -195,13 +196,13 @@ TEST(WorkingView, WhatCanBeUsedAsItIsIsNotCopied) {
     EXPECT_EQ(view.y.data, image->y.data.data());
     EXPECT_EQ(view.u.data, image->u.data.data());
     EXPECT_EQ(view.v.data, image->v.data.data());
-    EXPECT_EQ(image.use_count(), 1);  // the temporary has let go
+    EXPECT_EQ(image.use_count(), 1);  // the temporary has released its reference
     const std::vector<std::uint8_t> bytes(kWidth * kHeight, 9);
     const RawImage mosaic = raw_image(bytes, PixelFormat::kBayerGB, kWidth);
     EXPECT_EQ(working_view(mosaic, buffer).y.data, bytes.data());
 }
 
-TEST(RawImage, NoPictureIsEmpty) {
+TEST(RawImage, IsEmptyWithoutAPicture) {
     EXPECT_TRUE(RawImage().empty());
     EXPECT_TRUE(RawImage(nullptr).empty());
 }

@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-// The rules of docs/architecture.md, "Layers", checked on every #include of the project.
+// Checks the rules of docs/architecture.md, "Layers", on every #include of the project.
 namespace atrium {
 namespace {
 
 namespace fs = std::filesystem;
 
 struct Include {
-    std::string file;    // from the root
+    std::string file;    // relative to the root
     std::string target;  // as written
 };
 
@@ -51,9 +51,9 @@ protected:
     std::vector<Include> includes_ = all_includes(ATRIUM_SOURCE_DIR);
 };
 
-TEST_F(Layering, SeesTheProject) { EXPECT_GT(includes_.size(), 200u); }
+TEST_F(Layering, FindsTheProject) { EXPECT_GT(includes_.size(), 200u); }
 
-// what a module may include of the project, by folder; its own folder is always allowed
+// The project folders that a module may include. Its own folder is always allowed.
 const std::map<std::string, std::vector<std::string>> kMayInclude{
     {"core/base/", {}},
     {"core/geometry/", {"core/base/"}},
@@ -112,11 +112,11 @@ TEST_F(Layering, DependenciesPointOneWay) {
     }
 }
 
-TEST_F(Layering, NoProgramIncludesAnother) {
+TEST_F(Layering, ProgramsDoNotIncludeEachOther) {
     for (const Include& include : includes_) {
         for (const std::string program :
              {"world_server/", "viewer/", "site_node/", "monitor/", "deploy/"}) {
-            // a program that plays recordings to the site, through the site's own reader
+            // this program plays recordings to the site through the site's own reader
             if (include.file.rfind("simulation/simulated_cameras/", 0) == 0 &&
                 include.target.rfind("site_node/capture/", 0) == 0) {
                 continue;
@@ -160,7 +160,7 @@ TEST_F(Layering, MiddlewareStaysInItsAdapters) {
     }
 }
 
-TEST_F(Layering, AlgorithmHeadersKeepLibrariesOut) {
+TEST_F(Layering, AlgorithmHeadersIncludeNoLibraries) {
     for (const Include& include : includes_) {
         if (!include.file.ends_with(".hpp")) continue;
         EXPECT_FALSE(
@@ -172,7 +172,7 @@ TEST_F(Layering, AlgorithmHeadersKeepLibrariesOut) {
     }
 }
 
-TEST_F(Layering, ThereIsNoCommonAndNoUtils) {
+TEST_F(Layering, HasNoCommonOrUtilsFolder) {
     const std::set<std::string> forbidden{"common", "utils", "util", "misc", "helpers"};
     for (const Include& include : includes_) {
         for (const auto& part : fs::path(include.file).parent_path())

@@ -92,7 +92,7 @@ std::string text(const Report& report, TextOptions options = {}) {
     return all;
 }
 
-TEST(RenderText, ShowsProgramsWithWhatTheyDoAndLose) {
+TEST(RenderText, ShowsRatesAndLossesOfPrograms) {
     const std::string shown = text(whole_report());
     for (const char* part :
          {"world atrium",
@@ -114,10 +114,10 @@ TEST(RenderText, ShowsProgramsWithWhatTheyDoAndLose) {
           "lost incomplete pairs 7 (1.5/s)"}) {
         EXPECT_THAT(shown, HasSubstr(part));
     }
-    EXPECT_THAT(shown, Not(HasSubstr("failed"))) << "what is zero is not shown";
+    EXPECT_THAT(shown, Not(HasSubstr("failed"))) << "zero losses must be hidden";
 }
 
-TEST(RenderText, SaysWhichSiteOfTheCommandLineIsNotThere) {
+TEST(RenderText, NamesSitesOfTheCommandLineThatAreMissing) {
     const TextOptions options{.sites = {"alice", "nobody"}};
     const std::string shown = text(whole_report(), options);
     EXPECT_THAT(shown, HasSubstr("! no site 'nobody' is there; there are: alice\n"));
@@ -128,7 +128,7 @@ TEST(RenderText, SaysWhichSiteOfTheCommandLineIsNotThere) {
     EXPECT_THAT(text(empty, options), HasSubstr("! no site 'alice' is there, nor any other\n"));
 }
 
-TEST(RenderText, LatenciesSayWhatTheyAreWorth) {
+TEST(RenderText, ShowsHowFarLatenciesCanBeTrusted) {
     EXPECT_THAT(text(whole_report(ClockTrust::kSynchronised)),
                 HasSubstr("capture to display 51.0 (p99 60.2) +- 1.5"));
     EXPECT_THAT(text(whole_report(ClockTrust::kUnsynchronised)),
@@ -141,7 +141,7 @@ TEST(RenderText, LatenciesSayWhatTheyAreWorth) {
     EXPECT_THAT(text(report), HasSubstr("capture to display -\n"));
 }
 
-TEST(RenderText, NoLineIsWiderThanTheTerminal) {
+TEST(RenderText, FitsLinesToTheTerminal) {
     Report report = whole_report();
     report.notices = {"clocks of " + std::string(63, 'a') + " and beta are not synchronised, " +
                       "latencies between them mean nothing"};
@@ -154,19 +154,19 @@ TEST(RenderText, NoLineIsWiderThanTheTerminal) {
     }
     EXPECT_GT(render_text(report, {40, 0, false, {}}).size(),
               render_text(report, {180, 0, false, {}}).size())
-        << "what does not fit goes on in the next line";
+        << "the rest must continue on the next line";
     EXPECT_EQ(render_text(report, {3, 0, false, {}}),
               render_text(report, {kMinWidth, 0, false, {}}));
 }
 
-TEST(RenderText, CamerasAreShownWhereThereIsRoomOrOnDemand) {
+TEST(RenderText, ShowsCamerasIfTheyFitOrOnDemand) {
     Report report = whole_report();
     report.programs.push_back(site("bob", 3));
     const auto all = render_text(report, {120, 0, false, {}});
     const auto fewer = render_text(report, {120, all.size() - 1, false, {}});
     EXPECT_THAT(all, Contains(HasSubstr("cam0")));
     EXPECT_THAT(fewer, Not(Contains(HasSubstr("cam0"))));
-    EXPECT_EQ(fewer.size(), all.size() - 8) << "two tables of a heading and three cameras";
+    EXPECT_EQ(fewer.size(), all.size() - 8) << "without two tables of a heading and three cameras";
     const auto one = render_text(report, {120, all.size() - 1, false, {"bob"}});
     EXPECT_EQ(one.size(), all.size() - 4);
     for (const std::size_t height : {1u, 5u, 9u}) {
@@ -176,7 +176,7 @@ TEST(RenderText, CamerasAreShownWhereThereIsRoomOrOnDemand) {
     }
 }
 
-TEST(RenderText, NothingFromOutsideCommandsTheTerminal) {
+TEST(RenderText, PassesNoForeignEscapesToTheTerminal) {
     Report report = whole_report();
     const std::string evil =
         "\033[2J\a\x9b"
@@ -192,7 +192,7 @@ TEST(RenderText, NothingFromOutsideCommandsTheTerminal) {
     for (const std::string& line : render_text(report, {100, 0, false, {}})) {
         for (const char c : line) EXPECT_TRUE(c >= ' ' && c <= '~') << line;
     }
-    // with colours each escape is one of ours: ESC [ digits m
+    // with colours, every escape is one of the renderer's: ESC [ digits m
     for (const std::string& line : render_text(report, {100, 0, true, {}})) {
         for (std::size_t at = line.find('\033'); at != std::string::npos;
              at = line.find('\033', at + 1)) {
@@ -202,7 +202,7 @@ TEST(RenderText, NothingFromOutsideCommandsTheTerminal) {
     }
 }
 
-TEST(RenderText, ColoursStandOnlyWhereTheyAreWanted) {
+TEST(RenderText, UsesColoursOnlyOnRequest) {
     EXPECT_THAT(text(whole_report()), Not(HasSubstr("\033")));
     TextOptions options;
     options.colour = true;
@@ -215,7 +215,7 @@ TEST(RenderText, ColoursStandOnlyWhereTheyAreWanted) {
                 HasSubstr("\033[31msite alice  on alpha pid 17, 1.2.3  GONE for 4 s: it ended"));
 }
 
-TEST(RenderText, ARateThatIsNotKnownYetIsNotZero) {
+TEST(RenderText, ShowsAnUnknownRateNotAsZero) {
     Report report = whole_report();
     report.programs[0].cameras[0].received.per_s.reset();
     report.programs[0].losses[0].per_s.reset();
@@ -225,13 +225,13 @@ TEST(RenderText, ARateThatIsNotKnownYetIsNotZero) {
     EXPECT_TRUE(json["programs"][0]["losses"]["dropped_late"]["per_s"].is_null());
 }
 
-TEST(RenderText, NobodyIsSaidSo) {
+TEST(RenderText, ReportsAnEmptyWorld) {
     Report report;
     report.world = "atrium";
     EXPECT_THAT(text(report), HasSubstr("nobody is there"));
 }
 
-TEST(RenderText, FiguresOfAnySizeAreShown) {
+TEST(RenderText, ShowsFiguresOfAnySize) {
     Report report = whole_report();
     report.programs[0].uptime_s = std::numeric_limits<double>::infinity();
     report.programs[0].rate = 1e300;
@@ -253,7 +253,7 @@ TEST(RenderJson, IsOneLineWithStableKeys) {
     EXPECT_EQ(alice["pid"], 17);
     EXPECT_EQ(alice["clock"]["synchronised"], true);
     EXPECT_EQ(alice["rate_unit"], "metaframes/s");
-    EXPECT_EQ(alice["losses"]["failed"]["total"], 0) << "zeros are there as well";
+    EXPECT_EQ(alice["losses"]["failed"]["total"], 0) << "zero losses must be present";
     EXPECT_EQ(alice["losses"]["dropped_late"]["per_s"], 0.25);
     EXPECT_EQ(alice["latencies"]["hull"]["median_ms"], 3.14);
     EXPECT_TRUE(alice["latencies"]["hull"]["p99_ms"].is_null());
@@ -272,27 +272,27 @@ TEST(RenderJson, IsOneLineWithStableKeys) {
     const auto& wall = json["programs"][1];
     EXPECT_TRUE(wall["host"].is_null());
     EXPECT_EQ(wall["processor"]["cores"], 0.0);
-    EXPECT_TRUE(wall["processor"]["waited_per_s"].is_null()) << "not known";
+    EXPECT_TRUE(wall["processor"]["waited_per_s"].is_null()) << "the wait is unknown";
     EXPECT_TRUE(wall["first_output_s"].is_null());
     EXPECT_TRUE(wall["bottlenecks"].empty());
     EXPECT_EQ(wall["latencies"]["capture_to_display"]["clocks"], "synchronised");
     EXPECT_EQ(wall["latencies"]["capture_to_display"]["clock_error_ms"], 1.5);
     EXPECT_EQ(json["streams"][0]["losses"]["incomplete_pairs"]["total"], 7);
-    // a program of which nothing is known has the same keys
+    // a program without any report has the same keys
     Report little;
     little.programs = {ProgramReport{}};
     const auto empty = nlohmann::json::parse(render_json(little))["programs"][0];
     for (const auto& [key, value] : alice.items()) EXPECT_TRUE(empty.contains(key)) << key;
 }
 
-TEST(RenderJson, DoubtfulLatenciesHaveNoError) {
+TEST(RenderJson, OmitsTheErrorOfUntrustedLatencies) {
     const auto json = nlohmann::json::parse(render_json(whole_report(ClockTrust::kUnsynchronised)));
     const auto& latency = json["programs"][1]["latencies"]["capture_to_display"];
     EXPECT_EQ(latency["clocks"], "unsynchronised");
     EXPECT_TRUE(latency["clock_error_ms"].is_null());
 }
 
-TEST(RenderJson, BytesThatAreNoTextAreReplaced) {
+TEST(RenderJson, ReplacesInvalidUtf8) {
     Report report = whole_report();
     report.programs[0].name = "\xff\xfe\033\n";
     const std::string line = render_json(report);

@@ -70,7 +70,7 @@ protected:
         for (const ProgramReport& program : report_.programs) {
             if (program.name == name) return program;
         }
-        ADD_FAILURE() << name << " is not there";
+        ADD_FAILURE() << name << " is missing";
         static const ProgramReport nobody;
         return nobody;
     }
@@ -78,7 +78,7 @@ protected:
         for (const Count& count : losses) {
             if (count.what == what) return count;
         }
-        ADD_FAILURE() << what << " is not there";
+        ADD_FAILURE() << what << " is missing";
         static const Count none;
         return none;
     }
@@ -95,40 +95,40 @@ protected:
     Report report_;
 };
 
-TEST_F(Model, NobodyIsThereAtFirst) {
+TEST_F(Model, IsEmptyAtFirst) {
     EXPECT_EQ(report().num_here(), 0u);
     EXPECT_THAT(report().programs, IsEmpty());
     EXPECT_EQ(report().world, "test");
 }
 
-TEST_F(Model, TellsWhoIsThereAndForHowLong) {
+TEST_F(Model, ReportsProgramsAndTheirUptime) {
     model_.see(presence(ProgramKind::kSiteNode, "lab", 1), now_);
     EXPECT_FALSE(program("lab").has_status);
-    EXPECT_DOUBLE_EQ(*program("lab").uptime_s, 100.0) << "by this host's clock";
+    EXPECT_DOUBLE_EQ(*program("lab").uptime_s, 100.0) << "uptime must use this host's clock";
     model_.see(site_status(42.0, 0), now_);
     now_ += 1s;
     const ProgramReport& lab = program("lab");
     EXPECT_EQ(lab.host, "alpha");
     EXPECT_EQ(lab.pid, 17u);
     EXPECT_EQ(lab.version, "1.2.3");
-    EXPECT_DOUBLE_EQ(*lab.uptime_s, 43.0) << "by its own clock";
+    EXPECT_DOUBLE_EQ(*lab.uptime_s, 43.0) << "uptime must use the program's clock";
     EXPECT_DOUBLE_EQ(lab.rate, 30.0);
 }
 
-TEST_F(Model, RatesComeFromTheProgramsOwnClock) {
+TEST_F(Model, RatesUseTheProgramsClock) {
     model_.see(site_status(10.0, 100), now_);
     EXPECT_EQ(loss(program("lab").losses, "dropped_late").total, 100u);
-    EXPECT_FALSE(loss(program("lab").losses, "dropped_late").per_s) << "before it counted";
-    now_ += 5s;  // it was under way for long
+    EXPECT_FALSE(loss(program("lab").losses, "dropped_late").per_s) << "a first report has no rate";
+    now_ += 5s;  // the report arrives late
     model_.see(site_status(12.0, 110), now_);
     EXPECT_DOUBLE_EQ(*loss(program("lab").losses, "dropped_late").per_s, 5.0);
     EXPECT_DOUBLE_EQ(*program("lab").cameras[0].received.per_s, 150.0);
     EXPECT_DOUBLE_EQ(*loss(program("lab").cameras[0].losses, "incomplete").per_s, 5.0);
 }
 
-TEST_F(Model, CountersThatBeginAnewGiveNoRate) {
+TEST_F(Model, RestartedCountersGiveNoRate) {
     model_.see(site_status(10.0, 100), now_);
-    model_.see(site_status(11.0, 3), now_);  // restarted, and nobody said so
+    model_.see(site_status(11.0, 3), now_);  // restarted without a notice
     EXPECT_EQ(loss(program("lab").losses, "dropped_late").total, 3u);
     EXPECT_FALSE(loss(program("lab").losses, "dropped_late").per_s);
     EXPECT_FALSE(program("lab").cameras[0].received.per_s);
@@ -140,25 +140,25 @@ TEST_F(Model, CountersThatBeginAnewGiveNoRate) {
     EXPECT_FALSE(loss(program("lab").losses, "dropped_late").per_s) << "no time has passed";
 }
 
-TEST_F(Model, AnotherProcessOfTheNameCountsForItself) {
+TEST_F(Model, NewProcessOfTheSameNameCountsSeparately) {
     model_.see(presence(ProgramKind::kSiteNode, "lab", 1), now_);
     model_.see(site_status(10.0, 100), now_);
     model_.gone(presence(ProgramKind::kSiteNode, "lab", 1), Ending::kDisposed, now_);
     model_.see(presence(ProgramKind::kSiteNode, "lab", 2), now_);
     EXPECT_EQ(program("lab").state, ProgramState::kPresent);
-    EXPECT_FALSE(program("lab").has_status) << "the figures were of the process before";
+    EXPECT_FALSE(program("lab").has_status) << "figures of the previous process must be gone";
     model_.see(site_status(11.0, 200), now_);
     EXPECT_FALSE(loss(program("lab").losses, "dropped_late").per_s);
 }
 
-TEST_F(Model, WhoLeftIsShownForTenSecondsWithTheReason) {
+TEST_F(Model, ProgramsThatLeftAreShownForTenSecondsWithTheReason) {
     const auto lab = presence(ProgramKind::kSiteNode, "lab", 1);
     const auto wall = presence(ProgramKind::kViewer, "wall", 2);
     model_.see(lab, now_);
     model_.see(wall, now_);
     model_.gone(lab, Ending::kDisposed, now_);
     model_.gone(wall, Ending::kLost, now_);
-    model_.see(site_status(1.0, 0), now_);  // a last word that comes too late
+    model_.see(site_status(1.0, 0), now_);  // a last status that arrives too late
     now_ += 9s;
     EXPECT_EQ(program("lab").state, ProgramState::kGone);
     EXPECT_DOUBLE_EQ(program("lab").gone_s, 9.0);
@@ -170,7 +170,7 @@ TEST_F(Model, WhoLeftIsShownForTenSecondsWithTheReason) {
     EXPECT_THAT(report().programs, IsEmpty());
 }
 
-TEST_F(Model, OneThatDoesNotSayHowItIsIsSilent) {
+TEST_F(Model, ProgramWithoutStatusIsSilent) {
     model_.see(presence(ProgramKind::kSiteNode, "lab", 1), now_);
     model_.see(site_status(1.0, 0), now_);
     now_ += 2900ms;
@@ -178,10 +178,10 @@ TEST_F(Model, OneThatDoesNotSayHowItIsIsSilent) {
     now_ += 200ms;
     EXPECT_EQ(program("lab").state, ProgramState::kSilent);
     now_ += 1h;
-    EXPECT_EQ(program("lab").state, ProgramState::kSilent) << "it says that it is there";
+    EXPECT_EQ(program("lab").state, ProgramState::kSilent) << "its presence is still announced";
 }
 
-TEST_F(Model, OneHostIsOneClock) {
+TEST_F(Model, ProgramsOnOneHostShareAClock) {
     see_two_hosts(presence(ProgramKind::kSiteNode, "lab", 1),
                   presence(ProgramKind::kViewer, "wall", 2));
     EXPECT_EQ(program("wall").latencies[0].trust, ClockTrust::kOneClock);
@@ -194,11 +194,12 @@ TEST_F(Model, ErrorsOfTwoSynchronisedClocksAddUp) {
                   synchronised(presence(ProgramKind::kViewer, "wall", 2, "beta"), 500us));
     EXPECT_EQ(program("wall").latencies[0].trust, ClockTrust::kSynchronised);
     EXPECT_DOUBLE_EQ(program("wall").latencies[0].error_ms, 1.5);
-    EXPECT_EQ(program("lab").latencies.back().trust, ClockTrust::kOneClock) << "its own clock";
+    EXPECT_EQ(program("lab").latencies.back().trust, ClockTrust::kOneClock)
+        << "a latency of one program has one clock";
     EXPECT_THAT(report().notices, IsEmpty());
 }
 
-TEST_F(Model, LatenciesBetweenUnsynchronisedClocksMeanNothing) {
+TEST_F(Model, LatenciesBetweenUnsynchronisedClocksAreUntrusted) {
     see_two_hosts(synchronised(presence(ProgramKind::kSiteNode, "lab", 1, "alpha"), 1ms),
                   presence(ProgramKind::kViewer, "wall", 2, "beta"));
     bus::StreamFeedback feedback;
@@ -212,7 +213,7 @@ TEST_F(Model, LatenciesBetweenUnsynchronisedClocksMeanNothing) {
                             "latencies between them mean nothing"));
 }
 
-TEST_F(Model, TellsASlowViewerFromASlowNetwork) {
+TEST_F(Model, DistinguishesASlowViewerFromASlowNetwork) {
     bus::SiteStatus site = site_status(0, 0);
     model_.see(site, now_);
     site = site_status(1, 0);
@@ -239,14 +240,14 @@ TEST_F(Model, TellsASlowViewerFromASlowNetwork) {
     EXPECT_EQ(program("wall").bottlenecks.size(), 1U);
 }
 
-TEST_F(Model, ASiteThatLeftDoesNotSpoilTheLatency) {
+TEST_F(Model, SiteThatLeftDoesNotAffectTheLatency) {
     const auto site = presence(ProgramKind::kSiteNode, "lab", 1, "alpha");
     see_two_hosts(site, presence(ProgramKind::kViewer, "wall", 2, "beta"));
     model_.gone(site, Ending::kDisposed, now_);
     EXPECT_EQ(program("wall").latencies[0].trust, ClockTrust::kOneClock);
 }
 
-TEST_F(Model, AHostThatIsNotKnownIsNotTrusted) {
+TEST_F(Model, UnknownHostIsNotTrusted) {
     model_.see(site_status(1.0, 0), now_);
     model_.see(viewer_status(), now_);
     EXPECT_EQ(program("wall").latencies[0].trust, ClockTrust::kUnknown);
@@ -254,7 +255,7 @@ TEST_F(Model, AHostThatIsNotKnownIsNotTrusted) {
     EXPECT_THAT(report().notices, ElementsAre(HasSubstr("not known")));
 }
 
-TEST_F(Model, StreamsAreCountedOverTheirReports) {
+TEST_F(Model, CountsStreamsAcrossReports) {
     bus::StreamFeedback feedback;
     feedback.viewer = "wall";
     feedback.site = "lab";
@@ -277,7 +278,7 @@ TEST_F(Model, StreamsAreCountedOverTheirReports) {
     EXPECT_THAT(report().streams, IsEmpty());
 }
 
-TEST_F(Model, WhatIsMeasuredReplacesWhatIsReported) {
+TEST_F(Model, MeasuredValuesReplaceReportedOnes) {
     bus::SiteStatus status = site_status(1.0, 0);
     status.mesh_bytes_per_s = 7.0;
     status.texture_bytes_per_s = 8.0;
@@ -294,19 +295,19 @@ TEST_F(Model, WhatIsMeasuredReplacesWhatIsReported) {
     EXPECT_TRUE(program("lab").topics[1].is_measured);
     EXPECT_DOUBLE_EQ(program("lab").topics[1].bytes_per_s, 20'000.0);
     EXPECT_DOUBLE_EQ(*program("lab").topics[1].samples_per_s, 20.0);
-    EXPECT_EQ(report().programs.size(), 1u) << "samples of strangers make no program";
+    EXPECT_EQ(report().programs.size(), 1u) << "samples of strangers must not create a program";
 }
 
-TEST_F(Model, TwoThatWantOneNameAreTold) {
+TEST_F(Model, ReportsTwoProgramsWithOneName) {
     model_.see(presence(ProgramKind::kSiteNode, "lab", 1), now_);
     bus::Presence other = presence(ProgramKind::kSiteNode, "lab", 2, "beta");
     other.is_holder = false;
     model_.see(other, now_);
-    EXPECT_EQ(program("lab").host, "alpha") << "it holds the name";
+    EXPECT_EQ(program("lab").host, "alpha") << "alpha holds the name";
     EXPECT_THAT(report().notices, ElementsAre(HasSubstr("2 processes")));
 }
 
-TEST_F(Model, MemoryIsBoundedWhateverComes) {
+TEST_F(Model, MemoryStaysBounded) {
     bus::StreamFeedback feedback;
     for (int i = 0; i < 3000; ++i) {
         const std::string name = "n" + std::to_string(i);
@@ -321,13 +322,13 @@ TEST_F(Model, MemoryIsBoundedWhateverComes) {
     EXPECT_EQ(report().streams.size(), WorldModel::kMaxStreams);
     EXPECT_GT(report().num_left_out, 0u);
     EXPECT_LE(report().notices.size(), 2 * WorldModel::kMaxNotices + 1);
-    // one that leaves makes room for one that comes
+    // a program that leaves makes room for a new one
     model_.gone(presence(ProgramKind::kOther, "n0", 1), Ending::kLost, now_);
     model_.see(presence(ProgramKind::kSiteNode, "lab", 1), now_);
     EXPECT_EQ(program("lab").state, ProgramState::kPresent);
 }
 
-TEST_F(Model, NoticesGoAwayAfterAMinute) {
+TEST_F(Model, NoticesExpireAfterAMinute) {
     model_.notice("a stranger", now_);
     now_ += 30s;
     model_.notice("another", now_);

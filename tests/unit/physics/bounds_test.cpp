@@ -15,7 +15,7 @@ std::vector<Incident> incidents_of(World& world) {
     return incidents;
 }
 
-// A box that moves out along +x, with another that hangs below it.
+// A box that moves out along +x, with a second box that hangs below it.
 void throw_two_out(World& world) {
     ASSERT_EQ(world.add(floor_plane()), AddResult::kAdded);
     ASSERT_EQ(world.add(box_at(2, {0, 0, 1.5}, {0.1, 0.1, 0.1})), AddResult::kAdded);
@@ -25,7 +25,7 @@ void throw_two_out(World& world) {
     for (const std::uint32_t id : {2U, 3U}) ASSERT_TRUE(world.push(id, {4.0 * 0.5, 0, 0}));
 }
 
-TEST(Bounds, ResetPutsWhatLeftBackWithWhatItIsJoinedTo) {
+TEST(Bounds, ResetReturnsAnEscapedObjectWithItsJointPartners) {
     World world(room(LeavePolicy::kReset));
     throw_two_out(world);
     while (world.counters().num_strays == 0 && world.counters().num_ticks < 120) world.tick();
@@ -41,11 +41,11 @@ TEST(Bounds, ResetPutsWhatLeftBackWithWhatItIsJoinedTo) {
     EXPECT_EQ(world.num_objects(), 4U);
 }
 
-TEST(Bounds, RemoveTakesAwayWhatLeftWithWhatItIsJoinedTo) {
+TEST(Bounds, RemoveDropsAnEscapedObjectWithItsJointPartners) {
     World world(room(LeavePolicy::kRemove));
     throw_two_out(world);
     run(world, 1.0);
-    EXPECT_EQ(world.num_objects(), 2U) << "the floor and the box that stayed";
+    EXPECT_EQ(world.num_objects(), 2U) << "the floor and the other box must remain";
     EXPECT_EQ(world.num_joints(), 0U);
     std::vector<std::uint32_t> removed;
     for (const Incident& incident : incidents_of(world)) {
@@ -68,7 +68,7 @@ TEST(Bounds, BounceKeepsEverythingInside) {
     EXPECT_TRUE(incidents_of(world).empty());
 }
 
-TEST(Guards, AStateThatIsNotANumberIsPutBackAlone) {
+TEST(Guards, NonFiniteStateResetsOnlyThatObject) {
     World world({});
     ASSERT_EQ(world.add(floor_plane()), AddResult::kAdded);
     ASSERT_EQ(world.add(box_at(2, {0, 0, 0.1})), AddResult::kAdded);
@@ -81,10 +81,10 @@ TEST(Guards, AStateThatIsNotANumberIsPutBackAlone) {
     EXPECT_EQ(incidents[0].kind, IncidentKind::kNotFinite);
     EXPECT_EQ(world.counters().num_not_finite, 1U);
     EXPECT_NEAR(state_of(world, 2).world_from_object.translation.x(), 0.0, 0.01);
-    EXPECT_LT(state_of(world, 3).linear_velocity.z(), -0.5) << "the other goes on falling";
+    EXPECT_LT(state_of(world, 3).linear_velocity.z(), -0.5) << "the other object must keep falling";
 }
 
-TEST(Guards, AnAbsurdSpeedIsPutBackAndAHighOneOnlyLimited) {
+TEST(Guards, AbsurdSpeedResetsAndHighSpeedIsLimited) {
     World world({.gravity = Eigen::Vector3d::Zero()});
     ASSERT_EQ(world.add(box_at(2, {0, 0, 1})), AddResult::kAdded);
     ASSERT_EQ(world.add(box_at(3, {0, 2, 1})), AddResult::kAdded);

@@ -105,13 +105,13 @@ TEST(WorldConfig, ErrorsNameFileLineKeyAndWhatIsAllowed) {
     }
 }
 
-TEST(WorldConfig, RefusesMoreObjectsThanTheWorldMayHave) {
+TEST(WorldConfig, RefusesTooManyObjects) {
     EXPECT_THAT(error_of(std::string("[world]\nmax_objects = 1\n") + kBall +
                          "[[object]]\nname = \"floor\"\nshape = \"plane\"\n"),
                 HasSubstr("world.max_objects"));
 }
 
-TEST(WorldConfig, OfEveryWorldThatIsDeliveredIsValid) {
+TEST(WorldConfig, OfEveryDeliveredWorldIsValid) {
     int num_worlds = 0;
     for (const auto& entry :
          std::filesystem::directory_iterator(ATRIUM_SOURCE_DIR "/deploy/worlds")) {
@@ -130,7 +130,7 @@ TEST(WorldConfig, OfEveryWorldThatIsDeliveredIsValid) {
         auto scene = Scene::create(config);
         ASSERT_TRUE(scene) << scene.error().message;
 
-        // untouched, things stay in the world and come to rest or nearly so
+        // untouched objects stay in the world and come to rest, or nearly so
         for (int i = 0; i < 600; ++i) scene->world().tick();
         EXPECT_EQ(scene->world().counters().num_strays, 0U) << entry.path();
         bus::SceneState state;

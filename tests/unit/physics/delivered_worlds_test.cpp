@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <map>
 
-// Every world that is delivered loads, and keeps calm until somebody touches it.
+// Every delivered world loads, and stays calm until somebody touches it.
 namespace atrium::world_server {
 namespace {
 
@@ -37,7 +37,7 @@ std::map<std::uint32_t, physics::RigidState> states_of(Scene& scene) {
     return by_id;
 }
 
-// By which an object leans from where its file has it upright [rad].
+// Angle between an object's up direction and that of its world file [rad].
 double lean(const bus::SceneObject& object, const physics::RigidState& state) {
     const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
     const double cosine =
@@ -59,7 +59,7 @@ TEST_P(DeliveredWorld, LoadsAndComesToRest) {
         for (const auto& [id, state] : states_of(*scene))
             fastest = std::max(fastest, state.linear_velocity.norm());
     }
-    EXPECT_LT(fastest, 7.0) << "what falls, falls from below 2 m";
+    EXPECT_LT(fastest, 7.0) << "objects fall from below 2 m";
     const auto objects = scene->objects();
     const auto states = states_of(*scene);
     for (const bus::SceneObject& object : objects) {
@@ -129,7 +129,7 @@ int num_fallen(Scene& scene, const Row& row) {
         }));
 }
 
-TEST(Dominoes, StandUntilTheFirstIsPushedAndThenAllFall) {
+TEST(Dominoes, StandUntilTheFirstIsPushedThenAllFall) {
     const auto config = load(world_file("dominoes.toml"));
     ASSERT_TRUE(config) << config.error().message;
     auto scene = Scene::create(*config);

@@ -1,4 +1,4 @@
-// The worlds that the demo shows, with the people that the demo shows, without cameras or network.
+// The demo's worlds with the demo's people, without cameras or network.
 #include "deploy/demo/demo.hpp"
 #include "simulation/person.hpp"
 #include "world_server/config.hpp"
@@ -32,7 +32,7 @@ Expected<WorldServerConfig> load_world(const std::filesystem::path& file) {
     return config;
 }
 
-// A file of deploy/demos.
+// Path of a file in deploy/demos.
 Expected<demo::DemoConfig> load_demo(const std::string& name) {
     auto reader = config::TableReader::load(kSource / "deploy/demos" / (name + ".toml"));
     if (!reader) return tl::unexpected(reader.error());
@@ -44,7 +44,7 @@ Expected<demo::DemoConfig> load_demo(const std::string& name) {
     return config;
 }
 
-/// A world with alice and bob in it, each with a motion that repeats every 3 s.
+/// A world with alice and bob in it. Each repeats a motion every 3 s.
 class Play {
 public:
     Play(const WorldServerConfig& config, const std::vector<std::string>& motions)
@@ -81,14 +81,14 @@ public:
         ++tick_;
     }
 
-    /// Where the thing of that name is.
+    /// Position of the object of that name.
     Eigen::Vector3d place(const std::string& name) {
         bus::SceneState state;
         scene_->get_state("demo", Timestamp{}, state);
         for (const bus::ObjectState& object : state.objects) {
             if (object.object == ids_.at(name)) return object.world_from_object.translation;
         }
-        ADD_FAILURE() << name << " is gone";
+        ADD_FAILURE() << name << " is missing";
         return Eigen::Vector3d::Zero();
     }
 
@@ -105,7 +105,7 @@ private:
 
 class DemoWorld : public testing::Test {
 protected:
-    // The world of a file of deploy/demos, with what it says that people do.
+    // The world of a file in deploy/demos, with the people's acts from that file.
     void open(const std::string& name) {
         const auto demo = load_demo(name);
         ASSERT_TRUE(demo) << demo.error().message;
@@ -127,7 +127,7 @@ protected:
     std::optional<Play> play_;
 };
 
-TEST_F(DemoWorld, HasThingsThatThePeoplePushToTheFloor) {
+TEST_F(DemoWorld, HasObjectsThatPeoplePushToTheFloor) {
     const auto config = load_world(kSource / "deploy/worlds/demo.toml");
     ASSERT_TRUE(config) << config.error().message;
     ASSERT_EQ(config->placements.size(), 2U);
@@ -143,9 +143,9 @@ TEST_F(DemoWorld, HasThingsThatThePeoplePushToTheFloor) {
     EXPECT_EQ(counters.num_not_finite, 0U);
 }
 
-TEST_F(DemoWorld, HasABallPitOutOfWhichBallsFly) {
+TEST_F(DemoWorld, HasABallPitThatBallsFlyOutOf) {
     open("ballpit");
-    go_on(1.2);  // the balls have fallen
+    go_on(1.2);  // until the balls have fallen
     double highest_m = 0.0;
     bus::SceneState state;
     for (int i = 0; i < 24; ++i) {
@@ -157,7 +157,7 @@ TEST_F(DemoWorld, HasABallPitOutOfWhichBallsFly) {
     EXPECT_GT(highest_m, 0.7) << "more than twice the height of the walls";
 }
 
-TEST_F(DemoWorld, HasDominoesThatAliceSetsOff) {
+TEST_F(DemoWorld, HasDominoesThatAliceTopples) {
     open("dominoes");
     go_on(6.0);
     EXPECT_LT(play_->place("ball").z(), 1.0) << "off its shelf, down the ramp";
@@ -180,13 +180,13 @@ TEST_F(DemoWorld, HasPuppetsThatAreCarriedAndSwung) {
     EXPECT_GT(furthest_m, 0.08);
 }
 
-TEST_F(DemoWorld, HasACurtainThatIsParted) {
+TEST_F(DemoWorld, HasACurtainThatAlicePartsWithHerHands) {
     open("curtain");
     const Eigen::Vector3d ball = play_->place("weight");
     go_on(1.9);  // both hands are apart, and alice stands between the panels
     std::vector<bus::SoftBodyState> states;
     play_->scene().get_soft_states(Timestamp{}, states);
-    double left_m = 1.0, right_m = -1.0;  // the edges of the panels at the height of the chest
+    double left_m = 1.0, right_m = -1.0;  // inner edges of the panels at chest height
     for (std::size_t panel = 0; panel < 2; ++panel) {
         for (const auto& [x, y, z] : states.at(panel).nodes) {
             const bus::SoftBodyState& state = states[panel];
@@ -206,7 +206,7 @@ TEST_F(DemoWorld, HasABallToKickAndATowerToPushOver) {
     go_on(3.0);
     EXPECT_GT((play_->place("football") - ball).norm(), 0.8);
     EXPECT_LT(play_->place("box-5").z(), 0.3) << "the hand met it, at 1.1 m";
-    // it falls to the floor, or onto what stands yet
+    // box-6 falls to the floor, or onto the boxes that still stand
     EXPECT_LT(play_->place("box-6").z(), 1.2) << "it was the top of the tower, at 1.4 m";
 }
 

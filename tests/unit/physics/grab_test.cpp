@@ -33,7 +33,7 @@ struct Room {
     World world{{}};
 };
 
-TEST(Grab, BringsTheHeldPointToItsGoalAndKeepsItThere) {
+TEST(Grab, MovesTheHeldPointToItsGoalAndKeepsItThere) {
     for (const double mass_kg : {0.05, 2.0, 30.0}) {
         Room room(mass_kg);
         const Eigen::Vector3d point(0.1, 0.1, 0.1);
@@ -45,7 +45,7 @@ TEST(Grab, BringsTheHeldPointToItsGoalAndKeepsItThere) {
     }
 }
 
-TEST(Grab, IsOfBoundedForce) {
+TEST(Grab, HasBoundedForce) {
     Room heavy(150.0);
     ASSERT_TRUE(heavy.world.grab("eve", 2, kCentre, {0, 0, 2}));
     heavy.run(1.0);
@@ -58,7 +58,7 @@ TEST(Grab, IsOfBoundedForce) {
     EXPECT_LT(light.place().z(), 0.11);
 }
 
-TEST(Grab, ThrowsWhatIsLetGoOnItsWay) {
+TEST(Grab, ThrowsAnObjectReleasedInMotion) {
     Room room;
     Eigen::Vector3d goal(0, 0, 1);
     ASSERT_TRUE(room.world.grab("eve", 2, kCentre, goal));
@@ -76,7 +76,7 @@ TEST(Grab, ThrowsWhatIsLetGoOnItsWay) {
     EXPECT_LT(room.box().linear_velocity.norm(), 15.0);
 }
 
-TEST(Grab, EndsAfterTwoSecondsWithoutNews) {
+TEST(Grab, EndsAfterTwoSecondsWithoutAnUpdate) {
     Room room;
     ASSERT_TRUE(room.world.grab("eve", 2, kCentre, {0, 0, 1}));
     room.run(1.9);
@@ -103,17 +103,17 @@ TEST(Grab, EndsWithItsHolderAndItsObject) {
     room.run(0.1);
 }
 
-TEST(Grab, OfTwoHoldersMeetsInTheMiddle) {
+TEST(Grab, OfTwoHoldersSettlesInTheMiddle) {
     Room room;
     ASSERT_TRUE(room.world.grab("eve", 2, kCentre, {-0.5, 0, 1}));
     ASSERT_TRUE(room.world.grab("bob", 2, kCentre, {0.5, 0, 1}));
     room.run(1.5);
     EXPECT_NEAR(room.place().z(), 1.0, 0.05);
     EXPECT_LT(std::abs(room.place().x()), 0.45);
-    EXPECT_LT(room.box().linear_velocity.norm(), 0.2) << "it does not tremble";
+    EXPECT_LT(room.box().linear_velocity.norm(), 0.2) << "the box must not tremble";
 }
 
-TEST(Grab, RefusesWhatMakesNoSense) {
+TEST(Grab, RefusesInvalidArguments) {
     Room room;
     const double nan = std::numeric_limits<double>::quiet_NaN();
     EXPECT_FALSE(room.world.grab("eve", 1, kCentre, kCentre)) << "the floor";
@@ -129,7 +129,8 @@ TEST(Grab, RefusesWhatMakesNoSense) {
                         .size_m = {0.1, 0.1, 0.1},
                         .mass_kg = 0.2,
                         .world_from_object = {Eigen::Quaterniond::Identity(), {id * 1.0, 0, 1}}});
-        EXPECT_EQ(room.world.grab("eve", id, kCentre, {0, 0, 1}), id < 13) << "four hands";
+        EXPECT_EQ(room.world.grab("eve", id, kCentre, {0, 0, 1}), id < 13)
+            << "only four grabs are allowed";
     }
 }
 

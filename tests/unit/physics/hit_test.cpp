@@ -1,4 +1,4 @@
-// A hand, beside a still torso in the same mesh, that starts at full speed into a small ball.
+// A hand starts at full speed into a small ball, beside a still torso in the same mesh.
 #include "meshes.hpp"
 #include "world_server/physics/body_samples.hpp"
 #include "world_server/physics/person_shape.hpp"
@@ -19,10 +19,10 @@ using physics_test::make_box_mesh;
 constexpr double kBallRadiusM = 0.025;
 constexpr double kTickS = 1.0 / 120.0;
 constexpr int kNumDirections = 20;
-const Eigen::Vector3d kHandSizeM{0.04, 0.10, 0.18};     // its forearm goes on along -z
+const Eigen::Vector3d kHandSizeM{0.04, 0.10, 0.18};     // the forearm continues along -z
 const Eigen::Vector3d kForearmSizeM{0.06, 0.07, 0.26};  // overlaps the hand by 1 cm
 
-// A hand and what it does: it stays where it is, then moves along `direction` at `speed_mps`.
+// A hand and its motion. It rests, then moves along `direction` at `speed_mps`.
 struct Hit {
     double speed_mps = 0.0;
     double mesh_hz = 0.0;
@@ -40,13 +40,13 @@ struct Hit {
 
 struct Outcome {
     bool is_hit = false;
-    double normal_mps = 0.0;   // the hand's, along the normal of the face that hits
-    double leaving_mps = 0.0;  // the ball's, along the same
-    int longest_deep = 0;      // ticks in a row with the ball deeper than 2 cm inside the hand
+    double normal_mps = 0.0;   // the hand's speed along the normal of the face that hits
+    double leaving_mps = 0.0;  // the ball's speed along the same normal
+    int longest_deep = 0;      // consecutive ticks with the ball deeper than 2 cm inside the hand
     double deepest_m = 0.0;
 };
 
-// How deep the ball reaches into a box at `centre`; below 0: not at all.
+// Depth of the ball inside a box at `centre` [m]. Negative without contact.
 double depth_in_box(const Eigen::Vector3d& ball,
                     const Eigen::Vector3d& centre,
                     const Eigen::Quaterniond& rotation,
@@ -67,8 +67,8 @@ Hit make_hit(int trial, double speed_mps, double mesh_hz) {
     hit.speed_mps = speed_mps;
     hit.mesh_hz = mesh_hz;
     hit.direction = even_directions(kNumDirections)[static_cast<std::size_t>(trial)].cast<double>();
-    // turned at random, but with one of the hand's flat faces, or the ends of the fingers, ahead,
-    // and so that the ball meets that face and not its edge
+    // A random orientation with one flat face of the hand, or the fingertips, ahead. The ball meets
+    // that face, not its edge.
     const int axis = trial % 3 == 2 ? 2 : 0;
     hit.hand_rotation =
         Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::Unit(axis), hit.direction) *
@@ -79,7 +79,7 @@ Hit make_hit(int trial, double speed_mps, double mesh_hz) {
         const double room_m = 0.5 * kHandSizeM[i] - 0.012;
         ball_in_hand[i] = i == axis ? 0.5 * kHandSizeM[i] + kBallRadiusM : uniform(-room_m, room_m);
     }
-    // the meshes before and after the start do not tell the full speed: let them pass
+    // skip the meshes around the start, which do not show the full speed
     const double gap_m = uniform(0.05, 0.25) + speed_mps / mesh_hz;
     hit.start = hit.ball - hit.hand_rotation * ball_in_hand - gap_m * hit.direction;
     hit.rest_s = 0.2 + uniform(0.0, 1.0 / mesh_hz);
@@ -94,7 +94,7 @@ geometry::TriangleMesh mesh_of(const Hit& hit, double seconds, int num_cuts) {
                    Eigen::Vector3d(0, 0, 0.5 * (kHandSizeM.z() + kForearmSizeM.z()) - 0.01);
     geometry::TriangleMesh mesh = make_box_mesh(kHandSizeM, {hit.hand_rotation, hand}, num_cuts);
     append(mesh, make_box_mesh(kForearmSizeM, {hit.hand_rotation, forearm}, num_cuts + 1));
-    // to the side of the hand's way, as near as the way of ball and hand allows
+    // beside the path of the hand, as near as the paths of ball and hand allow
     const Eigen::Vector3d side = hit.direction.unitOrthogonal();
     const Eigen::Vector3d torso = hit.start + 0.55 * side;
     append(
@@ -127,7 +127,8 @@ Outcome play(const Hit& hit) {
             world.tick();
             world.get_states(states);
             const Eigen::Vector3d ball = states[0].world_from_object.translation;
-            // the world has the hand of a mesh period ago, with straight ways from mesh to mesh
+            // the world shows the hand one mesh period late, and interpolates linearly between
+            // meshes
             const double share = static_cast<double>(tick) / ticks_per_mesh;
             const Eigen::Vector3d hand = (1.0 - share) * hit.hand_at(captured_s - period_s) +
                                          share * hit.hand_at(captured_s);

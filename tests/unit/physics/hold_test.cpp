@@ -1,4 +1,4 @@
-// What people carry, clasp and throw: hands with the noise and the ever new triangles of
+// People carry, clasp and throw objects. The hands have the noise and the changing triangulation of
 // visual hulls.
 #include "meshes.hpp"
 #include "world_server/physics/person_shape.hpp"
@@ -82,14 +82,14 @@ public:
     double fastest_mps = 0.0;
 
 private:
-    // Another triangulation and other errors each time.
+    // A different triangulation with different errors each time.
     geometry::TriangleMesh noisy_mesh(const std::vector<Slab>& slabs) {
         geometry::TriangleMesh mesh;
         for (const Slab& slab : slabs) {
             append(mesh,
                    make_box_mesh(slab.size_m, slab.pose, 6 + static_cast<int>(random_() % 5)));
         }
-        // as silhouettes err: by a few millimetres, much alike for neighbouring places
+        // a silhouette's errors: a few millimetres, similar for neighbouring points
         constexpr int kNumWaves = 6;
         std::normal_distribution<double> normal;
         for (int wave = 0; wave < kNumWaves; ++wave) {
@@ -126,7 +126,7 @@ struct CarryCase {
 
 class Carry : public testing::TestWithParam<CarryCase> {};
 
-TEST_P(Carry, KeepsWhatLiesOnAHandThatMovesAtHalfAMetrePerSecond) {
+TEST_P(Carry, KeepsAnObjectOnAHandThatMovesAtHalfAMetrePerSecond) {
     const CarryCase c = GetParam();
     const Eigen::Vector3d size_m = c.is_tray ? kTraySizeM : kFlatHandM;
     const double object_m = 0.08;
@@ -148,7 +148,8 @@ TEST_P(Carry, KeepsWhatLiesOnAHandThatMovesAtHalfAMetrePerSecond) {
         const bool is_on = std::abs(on_hand.x()) < 0.5 * size_m.x() &&
                            std::abs(on_hand.y()) < 0.5 * size_m.y() && on_hand.z() > 0.02;
         num_kept += is_on ? 1 : 0;
-        EXPECT_LT(stage.fastest_mps, 6.5);  // what falls to the floor, from 2 m at most
+        // an object that falls to the floor does so from 2 m at most
+        EXPECT_LT(stage.fastest_mps, 6.5);
     }
     EXPECT_GE(num_kept, 9);
 }
@@ -162,7 +163,8 @@ INSTANTIATE_TEST_SUITE_P(OnAHandAndATray,
                                          CarryCase{false, true, false},
                                          CarryCase{false, true, true}));
 
-// Two upright palms across x, `gap_m` between them, around `centre`, turned about z by `angle_rad`.
+// Two upright palms across x, with `gap_m` between them, around `centre`, turned about z by
+// `angle_rad`.
 std::vector<Slab> palms(const Eigen::Vector3d& centre, double gap_m, double angle_rad) {
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitZ()));
     const Eigen::Vector3d half = turn * Eigen::Vector3d(0.5 * gap_m + 0.02, 0, 0);
@@ -176,9 +178,9 @@ double ramp(double t, double from, double seconds) {
 }
 
 constexpr double kObjectM = 0.12;
-constexpr double kClaspedM = kObjectM - 0.012;  // hands press 6 mm in on either side
+constexpr double kClaspedM = kObjectM - 0.012;  // each hand presses in by 6 mm
 
-// A table under the object until it is clasped.
+// A table supports the object until it is clasped.
 void add_table(Stage& stage) {
     ASSERT_EQ(
         stage.world.add({.id = 0,
@@ -189,7 +191,7 @@ void add_table(Stage& stage) {
 
 double closing_gap(double t) { return 0.3 + (kClaspedM - 0.3) * ramp(t, 0.3, 0.7); }
 
-TEST(Clasp, HoldsABallThatIsLiftedMovedByAMetreAndTurnedByARightAngle) {
+TEST(Clasp, HoldsABallWhileLiftedMovedByAMetreAndTurnedBy90Degrees) {
     int num_held = 0;
     for (int trial = 0; trial < kNumTrials; ++trial) {
         Stage stage(static_cast<unsigned>(300 + trial));
@@ -207,7 +209,7 @@ TEST(Clasp, HoldsABallThatIsLiftedMovedByAMetreAndTurnedByARightAngle) {
     EXPECT_GE(num_held, 8);
 }
 
-TEST(Clasp, ThrowsWithTheSpeedOfTheHands) {
+TEST(Clasp, ThrowsAtTheSpeedOfTheHands) {
     for (int trial = 0; trial < 5; ++trial) {
         Stage stage(static_cast<unsigned>(700 + trial));
         add_table(stage);
@@ -229,7 +231,7 @@ TEST(Clasp, ThrowsWithTheSpeedOfTheHands) {
     }
 }
 
-TEST(Clasp, SqueezingHarderAndHarderKeepsSpeedsBounded) {
+TEST(Clasp, KeepsSpeedsBoundedWhileSqueezingHarder) {
     for (const bool is_ball : {true, false}) {
         Stage stage(900);
         add_table(stage);
@@ -243,7 +245,7 @@ TEST(Clasp, SqueezingHarderAndHarderKeepsSpeedsBounded) {
     }
 }
 
-TEST(StillHand, LeavesARestingBallInPeace) {
+TEST(StillHand, DoesNotMoveARestingBall) {
     Stage stage(1);
     stage.add(true, 0.08, {0, 0, 1.06});
     double fastest_mps = 0.0;

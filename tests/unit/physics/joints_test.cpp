@@ -16,13 +16,13 @@ struct Bar {
     double gap() const { return (now_at(world, object, anchor) - anchor).norm(); }
 };
 
-TEST(Joints, AHingeKeepsItsAnchorAndItsPlaneUnderLoad) {
+TEST(Joints, HingeKeepsItsAnchorAndPlaneUnderLoad) {
     Bar bar;
     ASSERT_TRUE(bar.world.add_joint({.kind = JointKind::kHinge,
                                      .a = 2,
                                      .anchor_m = bar.anchor,
                                      .axis = Eigen::Vector3d::UnitY()}));
-    ASSERT_TRUE(bar.world.push(2, {0, 5, 0})) << "against the axis";
+    ASSERT_TRUE(bar.world.push(2, {0, 5, 0})) << "along the axis, which resists";
     double lowest = 2.0;
     for (int i = 0; i < 600; ++i) {
         bar.world.tick();
@@ -31,13 +31,13 @@ TEST(Joints, AHingeKeepsItsAnchorAndItsPlaneUnderLoad) {
         EXPECT_LT(bar.gap(), 0.01);
         EXPECT_LT(std::abs(state.world_from_object.translation.y()), 0.01);
     }
-    EXPECT_LT(lowest, 1.82) << "it swings through the bottom";
+    EXPECT_LT(lowest, 1.82) << "the bar must swing through the bottom";
 }
 
-TEST(Joints, AHingeStopsAtItsLimitsAndDoesNotBounce) {
+TEST(Joints, HingeStopsAtItsLimitsWithoutBouncing) {
     for (const double limit_deg : {30.0, 60.0}) {
         Bar bar;
-        // right-handed about -y: +x turns up; gravity turns it down, to the lower limit
+        // right-handed about -y: +x turns up, and gravity turns it down to the lower limit
         ASSERT_TRUE(bar.world.add_joint({.kind = JointKind::kHinge,
                                          .a = 2,
                                          .anchor_m = bar.anchor,
@@ -58,7 +58,7 @@ TEST(Joints, AHingeStopsAtItsLimitsAndDoesNotBounce) {
     }
 }
 
-TEST(Joints, AHingesMotorTurnsAtItsSpeedTheRightWay) {
+TEST(Joints, HingeMotorTurnsAtItsSpeedInTheRightDirection) {
     Bar bar;
     ASSERT_TRUE(bar.world.add_joint({.kind = JointKind::kHinge,
                                      .a = 2,
@@ -70,7 +70,7 @@ TEST(Joints, AHingesMotorTurnsAtItsSpeedTheRightWay) {
     EXPECT_NEAR(state_of(bar.world, 2).angular_velocity.z(), 3.0, 0.15);
 }
 
-TEST(Joints, ABallKeepsItsAnchorItsConeAndItsTwist) {
+TEST(Joints, BallJointKeepsItsAnchorConeAndTwist) {
     Bar bar;
     ASSERT_TRUE(bar.world.add_joint({.kind = JointKind::kBall,
                                      .a = 2,
@@ -90,7 +90,7 @@ TEST(Joints, ABallKeepsItsAnchorItsConeAndItsTwist) {
     EXPECT_LT(state_of(bar.world, 2).angular_velocity.norm(), 0.1);
 }
 
-TEST(Joints, AFreeBallHangsDown) {
+TEST(Joints, FreeBallJointHangsDown) {
     Bar bar;
     ASSERT_TRUE(bar.world.add_joint(
         {.kind = JointKind::kBall, .a = 2, .anchor_m = bar.anchor, .damping = 0.1}));
@@ -99,7 +99,7 @@ TEST(Joints, AFreeBallHangsDown) {
     EXPECT_LT((state.world_from_object.translation - Eigen::Vector3d(0, 0, 1.8)).norm(), 0.01);
 }
 
-TEST(Joints, ASliderMovesAlongItsAxisBetweenItsLimitsAndDoesNotTurn) {
+TEST(Joints, SliderMovesBetweenItsLimitsWithoutTurning) {
     World world({});
     const RigidObject box = box_at(2, {0, 0, 2});
     ASSERT_EQ(world.add(box), AddResult::kAdded);
@@ -134,7 +134,7 @@ TEST(Joints, ASliderMovesAlongItsAxisBetweenItsLimitsAndDoesNotTurn) {
     EXPECT_NEAR(lifted.dot(axis), 0.2, 0.01);
 }
 
-TEST(Joints, ASpringHoldsAWeightWhereHookeSays) {
+TEST(Joints, SpringHoldsAWeightByHookesLaw) {
     World world({});
     const RigidObject box = box_at(2, {0, 0, 1});  // 4 kg
     ASSERT_EQ(world.add(box), AddResult::kAdded);
@@ -151,7 +151,7 @@ TEST(Joints, ASpringHoldsAWeightWhereHookeSays) {
                 0.005);
 }
 
-TEST(Joints, ASpringBeyondWhatTheStepResolvesIsStable) {
+TEST(Joints, SpringTooStiffForTheStepIsStable) {
     World world({});
     const RigidObject box = box_at(2, {0, 0, 1}, {0.05, 0.05, 0.05});  // 62 g
     ASSERT_EQ(world.add(box), AddResult::kAdded);
@@ -169,7 +169,7 @@ TEST(Joints, ASpringBeyondWhatTheStepResolvesIsStable) {
     EXPECT_NEAR(state_of(world, 2).world_from_object.translation.z(), 1.1, 0.05);
 }
 
-TEST(Joints, ASpringPullsNoMoreThanItsBound) {
+TEST(Joints, SpringForceIsBounded) {
     for (const bool is_stretched : {true, false}) {
         World world({.gravity = Eigen::Vector3d::Zero()});
         const RigidObject box = box_at(2, {0, 0, 1});  // 4 kg
@@ -184,7 +184,7 @@ TEST(Joints, ASpringPullsNoMoreThanItsBound) {
         run(world, 0.25);
         const double speed = state_of(world, 2).linear_velocity.z();
         EXPECT_NEAR(speed * (is_stretched ? 1.0 : -1.0), 10.0 / box.mass_kg * 0.25, 0.01);
-        // within its bound it is the spring that it was
+        // within its bound it acts as the unbounded spring
         for (int i = 0; i < 1200; ++i) {
             world.tick();
             ASSERT_LT(state_of(world, 2).linear_velocity.norm(), 2.1);  // 10 N over 0.8 m
@@ -192,7 +192,7 @@ TEST(Joints, ASpringPullsNoMoreThanItsBound) {
     }
 }
 
-TEST(Joints, AStringPullsAndDoesNotPush) {
+TEST(Joints, StringPullsAndDoesNotPush) {
     World world({});
     ASSERT_EQ(world.add(floor_plane()), AddResult::kAdded);
     ASSERT_EQ(world.add(box_at(2, {0, 0, 0.1})), AddResult::kAdded);
@@ -208,11 +208,11 @@ TEST(Joints, AStringPullsAndDoesNotPush) {
     EXPECT_LT(state_of(world, 2).linear_velocity.norm(), 0.02);
 }
 
-TEST(Joints, ObjectsThatAreJoinedCollideOnlyWhereToldTo) {
+TEST(Joints, JoinedObjectsCollideOnlyOnRequest) {
     for (const bool collides : {false, true}) {
         World world({.gravity = Eigen::Vector3d::Zero()});
         ASSERT_EQ(world.add(box_at(2, {0, 0, 1})), AddResult::kAdded);
-        ASSERT_EQ(world.add(box_at(3, {0.15, 0, 1})), AddResult::kAdded);  // 5 cm within each other
+        ASSERT_EQ(world.add(box_at(3, {0.15, 0, 1})), AddResult::kAdded);  // they overlap by 5 cm
         ASSERT_TRUE(world.add_joint({.kind = JointKind::kSpring,
                                      .a = 2,
                                      .b = 3,
@@ -227,7 +227,7 @@ TEST(Joints, ObjectsThatAreJoinedCollideOnlyWhereToldTo) {
     }
 }
 
-TEST(Joints, GoWithTheirObjects) {
+TEST(Joints, AreRemovedWithTheirObjects) {
     World world({});
     ASSERT_EQ(world.add(box_at(2, {0, 0, 2})), AddResult::kAdded);
     ASSERT_EQ(world.add(box_at(3, {0, 0, 1.7})), AddResult::kAdded);
@@ -238,28 +238,29 @@ TEST(Joints, GoWithTheirObjects) {
     ASSERT_TRUE(world.remove(2));
     EXPECT_EQ(world.num_joints(), 0U);
     run(world, 0.5);
-    EXPECT_LT(state_of(world, 3).world_from_object.translation.z(), 0.8) << "the other falls";
+    EXPECT_LT(state_of(world, 3).world_from_object.translation.z(), 0.8)
+        << "the other object must fall";
 }
 
-TEST(Joints, ThatMakeNoSenseAreRefused) {
+TEST(Joints, RefuseInvalidArguments) {
     World world({});
     ASSERT_EQ(world.add(floor_plane()), AddResult::kAdded);
     ASSERT_EQ(world.add(box_at(2, {0, 0, 2})), AddResult::kAdded);
     const auto refused = [&](const Joint& joint) { return !world.add_joint(joint); };
     EXPECT_TRUE(refused({.a = 7})) << "nobody";
     EXPECT_TRUE(refused({.a = 2, .b = 7})) << "nobody";
-    EXPECT_TRUE(refused({.a = 2, .b = 2})) << "with itself";
-    EXPECT_TRUE(refused({.a = kFloorId})) << "the floor with the world";
+    EXPECT_TRUE(refused({.a = 2, .b = 2})) << "an object joined to itself";
+    EXPECT_TRUE(refused({.a = kFloorId})) << "the floor joined to the world";
     EXPECT_TRUE(refused({.a = 2, .anchor_m = {std::nan(""), 0, 0}}));
     EXPECT_TRUE(refused({.a = 2, .axis = {0, 0, 0}}));
     EXPECT_TRUE(refused({.kind = JointKind::kHinge, .a = 2, .limits = {{0.5, 1.0}}}))
-        << "it starts outside its limits";
+        << "a joint that starts outside its limits";
     EXPECT_TRUE(refused({.a = 2, .swing_rad = 2.0}));
     EXPECT_TRUE(refused({.a = 2, .damping = -1.0}));
     EXPECT_EQ(world.num_joints(), 0U);
 }
 
-TEST(Joints, OneThatIsTornPutsItsObjectsBackAndSaysSo) {
+TEST(Joints, TornJointResetsItsObjectsAndIsReported) {
     World world({.gravity = Eigen::Vector3d::Zero()});
     ASSERT_EQ(world.add(box_at(2, {0, 0, 2})), AddResult::kAdded);
     ASSERT_EQ(world.add(box_at(3, {0, 0, 1.7})), AddResult::kAdded);
@@ -278,7 +279,7 @@ TEST(Joints, OneThatIsTornPutsItsObjectsBackAndSaysSo) {
     EXPECT_LT(
         (state_of(world, 3).world_from_object.translation - Eigen::Vector3d(0, 0, 1.7)).norm(),
         0.01);
-    EXPECT_GT(state_of(world, 4).linear_velocity.x(), 0.2) << "the rest of the world goes on";
+    EXPECT_GT(state_of(world, 4).linear_velocity.x(), 0.2) << "the rest of the world must continue";
     world.take_incidents(incidents);
     EXPECT_TRUE(incidents.empty());
 }

@@ -41,7 +41,7 @@ News take(PeopleInbox& inbox) {
     return news;
 }
 
-// A reader that goes on when the test says so.
+// A reader that blocks until the test releases it.
 struct Gate {
     std::binary_semaphore began{0};
     std::binary_semaphore go_on{0};
@@ -59,7 +59,7 @@ struct Gate {
     }
 };
 
-// Hands over mesh 1 of alice, while it is read the others in their order, and waits for two to be
+// Submits mesh 1 of alice. While it is read, submits the others in order, then waits until two are
 // read.
 struct WhileReading {
     PeopleInbox inbox;
@@ -78,7 +78,7 @@ struct WhileReading {
     }
 };
 
-TEST(MeshPreparation, PreparesTheNewestOfWhatWaitsAndCountsTheRest) {
+TEST(MeshPreparation, PreparesTheNewestWaitingMeshAndCountsTheRest) {
     WhileReading after({2, 3, 4, 5});
     EXPECT_EQ(after.gate.read, (std::vector<std::uint64_t>{1, 5}));
     EXPECT_EQ(after.sut.num_dropped(), 3U);
@@ -88,13 +88,13 @@ TEST(MeshPreparation, PreparesTheNewestOfWhatWaitsAndCountsTheRest) {
     EXPECT_EQ(news.at("alice")->capture_time, mesh_of("alice", 5).capture_time);
 }
 
-TEST(MeshPreparation, KeepsTheNewerWhereAnOlderComesLate) {
+TEST(MeshPreparation, KeepsTheNewerMeshIfAnOlderArrivesLate) {
     WhileReading after({3, 2});
     EXPECT_EQ(after.gate.read, (std::vector<std::uint64_t>{1, 3}));
     EXPECT_EQ(after.sut.num_dropped(), 1U);
 }
 
-TEST(MeshPreparation, NothingOfALostPersonReachesTheInbox) {
+TEST(MeshPreparation, DeliversNothingOfALostPerson) {
     PeopleInbox inbox;
     Gate gate;
     MeshPreparation sut(inbox, 1, [](const std::string&) { FAIL(); });
@@ -106,7 +106,7 @@ TEST(MeshPreparation, NothingOfALostPersonReachesTheInbox) {
     News news = take(inbox);
     ASSERT_TRUE(news.contains("alice"));
     EXPECT_FALSE(news.at("alice").has_value());
-    // once another site's mesh is prepared by the only worker, those of alice are over
+    // the only worker has prepared another site's mesh, so those of alice are done
     Gate other;
     sut.arrive("bob", other.make_reader());
     sut.put(mesh_of("bob", 1));
@@ -120,7 +120,7 @@ TEST(MeshPreparation, NothingOfALostPersonReachesTheInbox) {
     EXPECT_EQ(gate.read, (std::vector<std::uint64_t>{1}));
 }
 
-TEST(MeshPreparation, ASiteThatComesBackStartsAnew) {
+TEST(MeshPreparation, RestartsForASiteThatReturns) {
     PeopleInbox inbox;
     std::atomic<int> num_readers = 0;
     std::atomic<int> num_read = 0;
@@ -133,7 +133,7 @@ TEST(MeshPreparation, ASiteThatComesBackStartsAnew) {
         };
     };
     sut.arrive("alice", make_reader);
-    sut.arrive("alice", make_reader);  // is there already
+    sut.arrive("alice", make_reader);  // already present
     EXPECT_EQ(num_readers, 1);
     sut.leave("alice");
     sut.leave("alice");
@@ -145,7 +145,7 @@ TEST(MeshPreparation, ASiteThatComesBackStartsAnew) {
     EXPECT_TRUE(take(inbox).at("alice").has_value());
 }
 
-TEST(MeshPreparation, ReportsWhatAReaderRefuses) {
+TEST(MeshPreparation, ReportsMeshesThatAReaderRefuses) {
     PeopleInbox inbox;
     std::atomic<int> num_refused = 0;
     MeshPreparation sut(inbox, 2, [&](const std::string& why) {
@@ -163,9 +163,9 @@ TEST(MeshPreparation, ReportsWhatAReaderRefuses) {
     EXPECT_TRUE(take(inbox).empty());
 }
 
-// Sites come, go and lose people at random while their meshes are prepared, which takes a random
-// number of turns of the scheduler. The step takes what is there all the while.
-TEST(MeshPreparation, KeepsTheOrderOfEachSiteWhateverHappens) {
+// Sites appear, disappear and lose people at random while their meshes are prepared. Each
+// preparation yields the scheduler a random number of times. The step takes the results meanwhile.
+TEST(MeshPreparation, KeepsTheOrderOfEachSite) {
     constexpr int kSites = 5;
     constexpr int kEvents = 4'000;
     for (unsigned seed = 0; seed < 4; ++seed) {
@@ -173,7 +173,7 @@ TEST(MeshPreparation, KeepsTheOrderOfEachSiteWhateverHappens) {
             std::atomic<bool> is_busy = false;
             std::atomic<std::int64_t> num_read = 0;
             bool is_there = false;
-            std::int64_t last_put = 0;  // number of the mesh; 0: cancelled since
+            std::int64_t last_put = 0;  // number of the mesh, or 0 if it was cancelled since
             std::int64_t last_taken = 0;
             std::int64_t ended_at = 0;  // no mesh up to this number may be taken after the end
         };
@@ -184,7 +184,7 @@ TEST(MeshPreparation, KeepsTheOrderOfEachSiteWhateverHappens) {
         std::atomic<unsigned> salt = seed;
         const auto maker_for = [&](Site& site) {
             return [&] {
-                // of one person: meshes come in the order of their capture
+                // the meshes of one person come in the order of their capture
                 auto last = std::make_shared<std::uint64_t>(0);
                 return [&, last](const bus::SiteMesh& message) -> MeshPreparation::Result {
                     if (site.is_busy.exchange(true)) is_right = false;
@@ -220,7 +220,7 @@ TEST(MeshPreparation, KeepsTheOrderOfEachSiteWhateverHappens) {
                 sut.put(mesh_of(name, ++number));
                 site.last_put = number;
             } else if (what < 96) {
-                step();  // what came before the end may be used until then
+                step();  // meshes from before the end may be used until now
                 what < 94 ? sut.lose(name) : sut.leave(name);
                 site.is_there = what < 94;
                 site.ended_at = number;
@@ -229,7 +229,7 @@ TEST(MeshPreparation, KeepsTheOrderOfEachSiteWhateverHappens) {
                 step();
             }
         }
-        // the newest of each is prepared without a further `put`
+        // the newest of each site is prepared without a further `put`
         const auto all_taken = [&] {
             step();
             return std::all_of(sites.begin(), sites.end(), [](const Site& site) {

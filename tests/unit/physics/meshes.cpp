@@ -12,7 +12,7 @@ namespace {
 
 using Key = std::tuple<int, int, int>;
 
-// The surface of the cube [-1, 1]^3 with `n` squares along each edge; vertices are shared.
+// The surface of the cube [-1, 1]^3 with `n` squares along each edge and shared vertices.
 geometry::TriangleMesh make_cube(int n) {
     geometry::TriangleMesh mesh;
     std::map<Key, std::uint32_t> index_of;

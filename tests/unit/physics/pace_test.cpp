@@ -19,15 +19,15 @@ TEST(Pace, GivesOneTickPerPeriod) {
     EXPECT_EQ(pace.num_skipped(), 0U);
 }
 
-TEST(Pace, SkipsAndCountsWhatItCannotMakeUp) {
+TEST(Pace, SkipsAndCountsTicksItCannotCatchUp) {
     Pace pace(10ms, 4, kStart);
     EXPECT_EQ(pace.num_due(kStart + 1005ms), 4);
     EXPECT_EQ(pace.num_skipped(), 96U);
-    EXPECT_EQ(pace.num_due(kStart + 1009ms), 0) << "no debt is left";
+    EXPECT_EQ(pace.num_due(kStart + 1009ms), 0) << "no tick must remain due";
     EXPECT_EQ(pace.num_due(kStart + 1010ms), 1);
 }
 
-TEST(Pace, SleepEndsAtOnceOnAStop) {
+TEST(Pace, StopEndsSleepAtOnce) {
     std::stop_source source;
     source.request_stop();
     const auto before = Pace::Clock::now();

@@ -1,4 +1,4 @@
-// How people hold things, with surfaces whose velocities are given instead of found.
+// How people hold objects. The test sets the velocities of the surfaces instead of estimating them.
 #include "meshes.hpp"
 #include "world_server/physics/people_field.hpp"
 #include "world_server/physics/surface_index.hpp"
@@ -29,7 +29,8 @@ RigidTransform at(const Eigen::Vector3d& position, double yaw_rad = 0.0) {
     return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ())), position};
 }
 
-// What has the shape of `mesh` and moves rigidly, with `share` of its velocity told.
+// A body of the shape of `mesh` that moves rigidly. It reports the fraction `share` of its
+// velocity.
 class Holder {
 public:
     Holder(const geometry::TriangleMesh& mesh, double share)
@@ -70,7 +71,7 @@ protected:
                              .world_from_object = at(position)}),
                   AddResult::kAdded);
     }
-    // `pose` of the holder over time; it has been where it is at 0 before.
+    // Plays `pose` of the holder over time. Before time 0 the holder rests at pose(0).
     void play(
         double seconds,
         const Holder& holder,
@@ -96,7 +97,7 @@ protected:
     World world{WorldOptions{}};
 };
 
-// A hand with a thumb, so that every direction can be told from its surface; its top at z = 0.
+// A hand with a thumb, whose surface determines motion in every direction. Its top is at z = 0.
 geometry::TriangleMesh make_hand() {
     geometry::TriangleMesh hand = make_box_mesh({0.10, 0.18, 0.03}, at({0, 0, -0.015}), 5);
     append(hand, make_box_mesh({0.03, 0.06, 0.03}, at({0.065, -0.03, -0.015}), 3));
@@ -108,9 +109,10 @@ double ramp(double t, double from, double seconds) {
     return s * s * (3.0 - 2.0 * s);
 }
 
-TEST_F(HoldTest, BringsBackWhatTheVelocityOfTheSurfaceLeavesBehind) {
+TEST_F(HoldTest, CompensatesForUnderestimatedSurfaceVelocity) {
     add(ObjectShape::kBox, {0.08, 0.08, 0.08}, {0, 0, 1.04});
-    const Holder hand(make_hand(), 0.85);  // as found of hulls: 15 cm would be lost over a metre
+    // as estimated from hulls: 15 cm would be lost over a metre
+    const Holder hand(make_hand(), 0.85);
     const auto pose = [](double t) {
         return at({ramp(t, 1.0, 2.5), 0.3 * ramp(t, 1.0, 2.5), 1.0}, 1.2 * ramp(t, 1.0, 2.5));
     };
@@ -123,10 +125,10 @@ TEST_F(HoldTest, BringsBackWhatTheVelocityOfTheSurfaceLeavesBehind) {
     EXPECT_LT(turned.angle(), 0.1);
 }
 
-TEST_F(HoldTest, DoesNotHoldBackWhatRollsOff) {
+TEST_F(HoldTest, LetsObjectsRollOff) {
     add(ObjectShape::kSphere, Eigen::Vector3d::Constant(0.1), {0.0, 0, 1.09});
     const Holder hand(make_hand(), 1.0);
-    // after a second it tilts by 70 degrees: what lay on it must fall
+    // after a second the hand tilts by 70 degrees: the object on it must fall
     const auto pose = [](double t) {
         return RigidTransform{Eigen::Quaterniond(Eigen::AngleAxisd(1.2 * ramp(t, 1.0, 0.5),
                                                                    Eigen::Vector3d::UnitY())),
@@ -138,8 +140,8 @@ TEST_F(HoldTest, DoesNotHoldBackWhatRollsOff) {
     EXPECT_LT(position().z(), 0.2);
 }
 
-TEST_F(HoldTest, WhatIsDeepInAThinHandIsNotPushedOutOfItsBack) {
-    // more than half of the hand's 3 cm deep, as between palms that press
+TEST_F(HoldTest, ObjectDeepInAThinHandIsNotPushedOutOfItsBack) {
+    // more than half of the hand's thickness of 3 cm, as between palms that press
     add(ObjectShape::kBox, {0.06, 0.06, 0.06}, {0, 0, 1.0 + 0.03 - 0.02});
     const Holder hand(make_hand(), 1.0);
     double lowest = 2.0;
@@ -154,9 +156,9 @@ TEST_F(HoldTest, WhatIsDeepInAThinHandIsNotPushedOutOfItsBack) {
     EXPECT_NEAR(position().z(), 1.03, 0.005);
 }
 
-TEST_F(HoldTest, BetweenSurfacesThatContradictEachOtherItKeepsStill) {
+TEST_F(HoldTest, ObjectBetweenContradictorySurfacesStaysStill) {
     add(ObjectShape::kSphere, Eigen::Vector3d::Constant(0.12), {0, 0, 1.0});
-    // walls 1 cm in on either side, slanted by 10 degrees against each other
+    // walls that overlap it by 1 cm on either side, slanted by 10 degrees against each other
     geometry::TriangleMesh walls;
     for (const double side : {-1.0, 1.0}) {
         const Eigen::Quaterniond slant(Eigen::AngleAxisd(side * 0.09, Eigen::Vector3d::UnitZ()));
@@ -179,7 +181,7 @@ TEST_F(HoldTest, BetweenSurfacesThatContradictEachOtherItKeepsStill) {
     EXPECT_LT((position() - Eigen::Vector3d(0, 0, 1.0)).norm(), 0.03);
 }
 
-TEST_F(HoldTest, WhatIsHeldTurnsWithTheHands) {
+TEST_F(HoldTest, HeldObjectTurnsWithTheHands) {
     add(ObjectShape::kSphere, Eigen::Vector3d::Constant(0.12), {0, 0, 1.0});
     geometry::TriangleMesh walls;
     for (const double side : {-1.0, 1.0})
@@ -194,8 +196,8 @@ TEST_F(HoldTest, WhatIsHeldTurnsWithTheHands) {
     EXPECT_LT(behind.angle(), 0.15);
 }
 
-// What `may_find` rules out, `query` must not find.
-TEST(PersonField, RulesOutOnlyWhatItWouldNotFind) {
+// `query` must find nothing where `may_find` returns false.
+TEST(PersonField, RulesOutOnlyPlacesWithoutASurface) {
     std::mt19937 random(11);
     std::uniform_real_distribution<float> unit(-1.0F, 1.0F);
     const auto any = [&] { return Eigen::Vector3f(unit(random), unit(random), unit(random)); };

@@ -1,4 +1,4 @@
-// Things that are put where people are.
+// Objects that a reset puts into people.
 #include "soft_stage.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ using physics_test::make_box_mesh;
 constexpr std::uint32_t kBall = 2;
 const Eigen::Vector3d kStart(0.0, 0.0, 0.06);
 
-// A hand whose fingers end at `tip_x`, as high as the ball's middle, and somebody whose it is.
+// A hand whose fingertips are at `tip_x`, as high as the middle of the ball, and its person.
 geometry::TriangleMesh hand_at(double tip_x) {
     const auto at = [](double x, double z) {
         return geometry::RigidTransform{Eigen::Quaterniond::Identity(), {x, 0.0, z}};
@@ -30,7 +30,7 @@ protected:
         ball.size_m = Eigen::Vector3d::Constant(0.12);
         ball.world_from_object.translation = kStart;
         ASSERT_EQ(stage_.world.add(ball), AddResult::kAdded);
-        // it is elsewhere when somebody reaches to where it started
+        // the ball is elsewhere when somebody reaches to its start
         RigidState away = stage_.rigid(kBall);
         away.world_from_object.translation.y() = 2.0;
         ASSERT_TRUE(stage_.world.set_state(away));
@@ -42,7 +42,7 @@ protected:
     Stage stage_;
 };
 
-TEST_F(PutOntoAHand, AThingIsLeftAloneAsLongAsTheHandIsInIt) {
+TEST_F(PutOntoAHand, ObjectStaysUntouchedWhileTheHandIsInIt) {
     double furthest = 0.0;
     const auto look = [&](double) { furthest = std::max(furthest, off_m()); };
     const auto still = [](double) { return hand_at(-0.015); };
@@ -50,7 +50,7 @@ TEST_F(PutOntoAHand, AThingIsLeftAloneAsLongAsTheHandIsInIt) {
     EXPECT_LT(furthest, 0.001);
 }
 
-TEST_F(PutOntoAHand, AThingIsTouchedOnceWhoWasThereHasGone) {
+TEST_F(PutOntoAHand, ObjectIsTouchedAgainAfterTheHandHasLeft) {
     const auto still = [](double) { return hand_at(-0.015); };
     const auto push = [](double t) { return hand_at(-0.32 + 0.4 * t); };
     stage_.play(0.2, still);

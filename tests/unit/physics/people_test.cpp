@@ -1,4 +1,4 @@
-// What people do to objects: meshes at 30 Hz without any common topology, ticks at 120 Hz.
+// How people move objects: meshes at 30 Hz without a common topology, ticks at 120 Hz.
 #include "meshes.hpp"
 #include "world_server/physics/person_shape.hpp"
 #include "world_server/physics/world.hpp"
@@ -18,7 +18,7 @@ using physics_test::make_sphere_mesh;
 constexpr int kTicksPerMesh = 4;
 constexpr double kMeshPeriodS = 1.0 / 30.0;
 
-// A world with a floor, to which a person's meshes are given at 30 Hz.
+// A world with a floor that receives a person's meshes at 30 Hz.
 class Stage {
 public:
     Stage() { world.add({.id = 1, .shape = ObjectShape::kPlane, .size_m = {10, 10, 0}}); }
@@ -46,7 +46,7 @@ public:
                   AddResult::kAdded);
     }
 
-    // `mesh_at(seconds)` is asked once per mesh; `look` is called after every tick.
+    // Calls `mesh_at(seconds)` once per mesh and `look` after every tick.
     void play(
         double seconds,
         const std::function<geometry::TriangleMesh(double)>& mesh_at,
@@ -79,7 +79,7 @@ private:
     int num_meshes_ = 0;
 };
 
-// A hand-like slab that stands still, then moves at full speed at once, and stops at once.
+// A slab like a hand that rests, then moves at full speed immediately, and stops immediately.
 struct Swing {
     double speed_mps;
     double start_m;
@@ -96,7 +96,7 @@ struct Swing {
     }
 };
 
-// The share of seeded trials in which the slab carries or throws the object forward.
+// The fraction of seeded trials in which the slab carries or throws the object forward.
 double share_moved(double speed_mps, bool use_box, int num_trials) {
     int num_moved = 0;
     for (int trial = 0; trial < num_trials; ++trial) {
@@ -141,7 +141,7 @@ TEST_P(SlabAtSpeed, PushesABoxAndNeverPassesThroughIt) {
 }
 INSTANTIATE_TEST_SUITE_P(MetresPerSecond, SlabAtSpeed, testing::Values(1.0, 2.0, 4.0));
 
-TEST(Person, GivesABallAboutItsOwnSpeed) {
+TEST(Person, GivesABallAboutTheHandsSpeed) {
     Stage stage;
     stage.add_table(0.95);
     stage.add_ball({0, 0, 1.0});
@@ -155,10 +155,11 @@ TEST(Person, GivesABallAboutItsOwnSpeed) {
         },
         [&] { fastest = std::max(fastest, stage.object().linear_velocity.x()); });
     EXPECT_GT(fastest, 1.7);
-    EXPECT_LT(fastest, 2.0 * 1.2 * 1.1);  // restitution of the two: 4 %; the measure of speed: 8 %
+    // restitution of the two: 4 %; error of the measured speed: 8 %
+    EXPECT_LT(fastest, 2.0 * 1.2 * 1.1);
 }
 
-TEST(Person, WakesAnObjectThatSleeps) {
+TEST(Person, WakesASleepingObject) {
     Stage stage;
     stage.add_ball({0, 0, 0.05});
     const auto nobody = [](double) { return geometry::TriangleMesh{}; };
@@ -170,7 +171,7 @@ TEST(Person, WakesAnObjectThatSleeps) {
     EXPECT_GT(stage.position().x() - before.x(), 0.3);
 }
 
-TEST(Person, IsAWallWhenStandingStill) {
+TEST(Person, IsAWallWhenStill) {
     for (const double speed_mps : {1.0, 4.0, 8.0}) {
         Stage stage;
         stage.add_ball({1.0, 0, 1.2});
@@ -183,7 +184,8 @@ TEST(Person, IsAWallWhenStandingStill) {
                 return physics_test::make_person_mesh({0, 0, 0}, 0.05, ++num_cuts);
             },
             [&] { nearest = std::min(nearest, stage.position().x()); });
-        // the chest is at x = 0.11 m, the ball's radius is 5 cm; the rest is one tick's way
+        // the chest is at x = 0.11 m and the ball's radius is 5 cm; the rest is the distance of one
+        // tick
         EXPECT_GT(nearest, 0.16 - speed_mps / 120.0 - 0.01) << speed_mps;
         EXPECT_EQ(stage.world.counters().num_escapes, 0U);
     }
@@ -225,7 +227,7 @@ TEST(Person, CarriesABoxOnAFlatHandUpwards) {
     EXPECT_NEAR(stage.position().z(), 1.3 + 0.02 + 0.06, 0.02);
 }
 
-TEST(Person, LetsOutWhatItEnclosesWhenItAppears) {
+TEST(Person, ReleasesEnclosedObjectsWhenItAppears) {
     for (const double diameter_m : {0.06, 0.1, 0.2}) {
         Stage stage;
         stage.add_ball({0.03, 0.01, 1.0}, diameter_m);
@@ -238,7 +240,7 @@ TEST(Person, LetsOutWhatItEnclosesWhenItAppears) {
         const bool inside =
             std::abs(p.x()) < 0.15 && std::abs(p.y()) < 0.22 && std::abs(p.z() - 1.0) < 0.45;
         EXPECT_FALSE(inside) << "diameter " << diameter_m << " at " << p.transpose();
-        // a large ball reaches out of the torso and is pushed rather than led
+        // a large ball reaches out of the torso, which pushes it instead of leading it out
         if (diameter_m < 0.15) {
             EXPECT_GE(stage.world.counters().num_escapes, 1U) << diameter_m;
         }
@@ -246,7 +248,7 @@ TEST(Person, LetsOutWhatItEnclosesWhenItAppears) {
     }
 }
 
-TEST(Person, SqueezingAnObjectAgainstAWallDoesNotShootItOff) {
+TEST(Person, SqueezingAgainstAWallDoesNotEjectAnObject) {
     Stage stage;
     ASSERT_EQ(
         stage.world.add({.id = 4,
@@ -272,7 +274,7 @@ TEST(Person, SqueezingAnObjectAgainstAWallDoesNotShootItOff) {
     EXPECT_EQ(stage.world.counters().num_not_finite, 0U);
 }
 
-TEST(Person, StopsWhenNoMeshComesAndIsGoneWhenRemoved) {
+TEST(Person, StopsWithoutMeshesAndVanishesWhenRemoved) {
     Stage stage;
     const auto hand_at = [&](double x) {
         return make_box_mesh({0.04, 0.1, 0.18}, {Eigen::Quaterniond::Identity(), {x, 0, 1.0}}, 3);
@@ -282,17 +284,17 @@ TEST(Person, StopsWhenNoMeshComesAndIsGoneWhenRemoved) {
     stage.play(0.2,
                [&](double t) { return hand_at(-0.6 + 2.0 * t); });  // towards the ball, then lost
     for (int i = 0; i < 240; ++i) stage.world.tick();
-    EXPECT_LT(stage.position().head<2>().norm(), 0.01) << "the hand that was lost went on";
+    EXPECT_LT(stage.position().head<2>().norm(), 0.01) << "the lost hand kept moving";
     EXPECT_GT(stage.world.num_surfels(), 0U);
 
     stage.world.remove_person("anna");
     EXPECT_EQ(stage.world.num_surfels(), 0U);
     EXPECT_EQ(stage.world.num_people(), 0U);
-    stage.world.remove_person("anna");  // twice is no harm
+    stage.world.remove_person("anna");  // a second removal is harmless
     stage.world.tick();
 }
 
-TEST(Person, ThatLeavesDropsWhatLayOnIt) {
+TEST(Person, DropsObjectsOnItWhenItLeaves) {
     Stage stage;
     stage.add_box({0, 0, 1.08}, 0.12);
     const auto tray = [&](double) {

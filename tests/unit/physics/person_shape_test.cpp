@@ -23,7 +23,7 @@ geometry::TriangleMesh slab_at(const Eigen::Vector3d& position, int num_cuts) {
     return make_box_mesh({0.04, 0.10, 0.18}, {Eigen::Quaterniond::Identity(), position}, num_cuts);
 }
 
-TEST(SurfaceIndex, FindsTheNearestThatFacesTheSameWayWithAndWithoutAvx2) {
+TEST(SurfaceIndex, FindsTheNearestWithEqualFacingWithAndWithoutAvx2) {
     geometry::TriangleMesh mesh = slab_at({0.0, 0.0, 1.0}, 3);
     physics_test::append(mesh, slab_at({0.06, 0.3, 1.1}, 4));
     const SurfaceIndex index(mesh, {});
@@ -39,7 +39,7 @@ TEST(SurfaceIndex, FindsTheNearestThatFacesTheSameWayWithAndWithoutAvx2) {
     std::mt19937 random(7);
     std::uniform_real_distribution<float> offset_m(-0.2F, 0.5F);
     std::size_t num_found = 0;
-    // the number of places is no multiple of what is looked up at once
+    // the number of places is no multiple of the batch size
     std::vector<SurfaceSample> places(27);
     std::vector<std::uint32_t> found(places.size());
     std::vector<std::uint32_t> found_plain(places.size());
@@ -74,7 +74,7 @@ TEST(SurfaceIndex, FindsTheNearestThatFacesTheSameWayWithAndWithoutAvx2) {
     EXPECT_GT(num_found, 1000U);
 }
 
-TEST(SurfaceIndex, FindsNothingAtPlacesThatAreFarOrNotFinite) {
+TEST(SurfaceIndex, FindsNothingAtFarOrNonFinitePlaces) {
     const SurfaceIndex index(slab_at({0.0, 0.0, 1.0}, 3), {});
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const float infinite = std::numeric_limits<float>::infinity();
@@ -119,9 +119,9 @@ TEST(PersonShaper, GivesEachPartItsOwnVelocity) {
     }
 }
 
-TEST(PersonShaper, TakesTheFlickerOfAStillOutlineForRest) {
+TEST(PersonShaper, TreatsFlickerOfAStillOutlineAsRest) {
     std::mt19937 random(5);
-    std::normal_distribution<double> noise_m(0.0, 0.002);  // half a pixel at 2 m, roughly
+    std::normal_distribution<double> noise_m(0.0, 0.002);  // about half a pixel at 2 m
     PersonShaper shaper({});
     PersonShape shape;
     for (int frame = 0; frame < 5; ++frame) {
@@ -146,8 +146,8 @@ TEST(PersonShaper, NeverExceedsItsSpeedLimit) {
     }
 }
 
-// Specks of surface come and go where cameras see little; some other speck is always near.
-TEST(PersonShaper, DoesNotTakeASpeckThatAppearsForOneThatFlew) {
+// Specks of surface appear and disappear where cameras see little. Another speck is always near.
+TEST(PersonShaper, DoesNotMistakeANewSpeckForAMovedOne) {
     std::mt19937 random(11);
     std::uniform_real_distribution<double> extent_m(0.02, 0.05);
     std::uniform_real_distribution<double> way_m(-0.3, 0.3);
@@ -179,7 +179,7 @@ TEST(PersonShaper, DoesNotTakeASpeckThatAppearsForOneThatFlew) {
     EXPECT_LE(num_flying, 5) << "of " << num_specks;
 }
 
-TEST(PersonShaper, GivesNoVelocityWithoutAUsableMeshBefore) {
+TEST(PersonShaper, GivesNoVelocityWithoutAUsablePreviousMesh) {
     PersonShaper shaper({});
     EXPECT_EQ(shaper.shape(slab_at({0, 0, 1}, 2), frame_time(0)).period_s, 0.0);
     EXPECT_GT(shaper.shape(slab_at({0, 0, 1}, 2), frame_time(1)).period_s, 0.0);

@@ -1,4 +1,4 @@
-// What the whole server says of people, over the real bus on the loopback interface.
+// The proxies that the whole server publishes, over the real bus on the loopback interface.
 #include "core/bus/bus.hpp"
 #include "core/bus/proxy_points.hpp"
 #include "core/codec/mesh_codec.hpp"
@@ -22,7 +22,7 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr double kSpeedMps = 0.5;
-constexpr double kTurnS = 2.0;  // she goes so long one way, then back
+constexpr double kTurnS = 2.0;  // the person moves this long in one direction, then back
 
 double seconds_since(Timestamp start, Timestamp time) {
     return std::chrono::duration<double>(time - start).count();
@@ -32,7 +32,8 @@ class ProxiesOnTheBus : public testing::Test {
 protected:
     void SetUp() override {
         config_ = floor_and_ball();
-        config_.objects[1].scene.world_from_object.translation = {3, 3, 0.1};  // out of her way
+        // out of the person's way
+        config_.objects[1].scene.world_from_object.translation = {3, 3, 0.1};
         config_.bus.world = "proxies-test-" + std::to_string(getpid());
         config_.bus.domain = 77;
         config_.placements = {{"alice", {Eigen::Quaterniond::Identity(), {-1, 0, 0}}}};
@@ -45,13 +46,13 @@ protected:
         meshes_.emplace(bus::Writer<bus::SiteMesh>::create(*participant_).value());
     }
 
-    // Of her middle in the site, at that time.
+    // Position of the person's middle in the site at that time.
     double x_at(Timestamp time) const {
         const double turns = seconds_since(start_, time) / kTurnS;
         const double share = turns - 2.0 * std::floor(0.5 * turns);  // in [0, 2)
         return kSpeedMps * kTurnS * (share < 1.0 ? share : 2.0 - share);
     }
-    // Time since she turned or will turn, the shorter one.
+    // Time to the nearest turn, before or after.
     double s_to_turn(Timestamp time) const {
         const double within = std::fmod(seconds_since(start_, time), kTurnS);
         return std::min(within, kTurnS - within);
@@ -68,7 +69,7 @@ protected:
         ASSERT_TRUE(codec::encode_mesh(shape, {}, mesh_.draco));
         ASSERT_TRUE(meshes_->write(mesh_));
     }
-    // True once `holds()`; she moves meanwhile, 30 meshes a second.
+    // Returns true once `holds()`. The person moves meanwhile, with 30 meshes a second.
     bool move_until(const std::function<bool()>& holds) {
         const Clock::time_point end = Clock::now() + 60s;
         for (Clock::time_point next = Clock::now(); Clock::now() < end; next += 33ms) {
@@ -78,7 +79,7 @@ protected:
         }
         return false;
     }
-    // Of what is published per tick of a second.
+    // Bytes published per tick, over one second.
     double bytes_per_tick() {
         const bus::WorldStatus before = server_->status();
         EXPECT_TRUE(
@@ -97,7 +98,7 @@ protected:
     const Timestamp start_ = Timestamp::now();
 };
 
-TEST_F(ProxiesOnTheBus, TellWhereAPersonIsAndHowSheMovesAndOnlyWhoeverReadsThem) {
+TEST_F(ProxiesOnTheBus, GivePlaceAndVelocityOfAPersonToReadersOnly) {
     ASSERT_TRUE(move_until([&] { return server_->status().num_sites == 1; }));
     const double bytes_without = bytes_per_tick();
     double bytes_with = 0.0;
@@ -109,7 +110,7 @@ TEST_F(ProxiesOnTheBus, TellWhereAPersonIsAndHowSheMovesAndOnlyWhoeverReadsThem)
         const auto look = [&](bus::PersonProxy&& proxy) {
             ++num_told;
             EXPECT_EQ(proxy.site, "alice");
-            EXPECT_GE(proxy.capture_time, last) << "never an older one";
+            EXPECT_GE(proxy.capture_time, last) << "an older proxy followed a newer one";
             last = proxy.capture_time;
             ASSERT_GT(proxy.points.size(), 500U);
             ASSERT_GE(proxy.num_surfels, proxy.points.size());
@@ -129,13 +130,14 @@ TEST_F(ProxiesOnTheBus, TellWhereAPersonIsAndHowSheMovesAndOnlyWhoeverReadsThem)
                 std::nth_element(values.begin(), middle, values.end());
                 return *middle;
             };
-            // of meshes that a busy machine brings too far apart nobody knows how she moves
+            // the velocity is unknown if a busy machine delivers meshes too far apart
             const double velocity_x = middle_of(along);
             if (velocity_x == 0.0) return;
             ++num_compared;
             EXPECT_NEAR(velocity_x, velocity_x_at(proxy.capture_time), 0.1);
             EXPECT_LT(middle_of(across), 0.1);
-            // in the world, where the site stands a metre to the left; a mesh period behind at most
+            // in the world the site stands a metre to the left; the proxy is behind by a mesh
+            // period at most
             geometry::Aabb truth;
             const double x_m = x_at(proxy.capture_time) - 1.0;
             for (const Eigen::Vector3d& v :
@@ -156,7 +158,7 @@ TEST_F(ProxiesOnTheBus, TellWhereAPersonIsAndHowSheMovesAndOnlyWhoeverReadsThem)
         EXPECT_LE(num_told, 10.0 * took_s + 2.0);
         bytes_with = bytes_per_tick();
 
-        // who leaves is told of
+        // readers learn that a person has left
         bool is_gone = false;
         reader.take({});
         meshes_->dispose(mesh_);
@@ -167,10 +169,10 @@ TEST_F(ProxiesOnTheBus, TellWhereAPersonIsAndHowSheMovesAndOnlyWhoeverReadsThem)
         }
         EXPECT_TRUE(is_gone);
     }
-    // 10 times a second some 1500 points of 18 bytes, over 120 ticks
+    // about 1500 points of 18 bytes, 10 times a second, over 120 ticks
     EXPECT_GT(bytes_with, bytes_without + 1000.0);
     const double bytes_after = bytes_per_tick();
-    EXPECT_LT(bytes_after, bytes_without + 100.0) << "nobody reads it any more";
+    EXPECT_LT(bytes_after, bytes_without + 100.0) << "proxies are still sent without a reader";
     RecordProperty("bytes_per_s", static_cast<int>(120.0 * (bytes_with - bytes_without)));
 }
 

@@ -28,7 +28,7 @@ physics::PersonNow person_of(std::size_t num_surfels) {
     return person;
 }
 
-TEST(PersonProxy, HasSurfelsWhereTheyAreNowAndHowTheyMove) {
+TEST(PersonProxy, HasSurfelsAtTheirCurrentPlaceWithVelocities) {
     std::vector<Eigen::Vector3f> places;
     bus::PersonProxy proxy;
     fill_proxy(person_of(100), places, proxy);
@@ -38,7 +38,7 @@ TEST(PersonProxy, HasSurfelsWhereTheyAreNowAndHowTheyMove) {
     EXPECT_EQ(proxy.num_surfels, 100U);
     ASSERT_EQ(proxy.points.size(), 100U);
     for (std::size_t i = 0; i < 100; ++i) {
-        // a quarter of the way of 20 cm is still to go
+        // a quarter of the 20 cm is still to go
         const Eigen::Vector3d expected(1e-3 * static_cast<double>(i) - 0.05, 2, 1);
         EXPECT_LT((bus::place_of(proxy, i) - expected).norm(), 1e-5);
         const Eigen::Vector3d velocity = bus::velocity_of(proxy.points[i]);
@@ -48,20 +48,21 @@ TEST(PersonProxy, HasSurfelsWhereTheyAreNowAndHowTheyMove) {
     }
 }
 
-TEST(PersonProxy, IsAnEvenChoiceOfManySurfels) {
+TEST(PersonProxy, SamplesManySurfelsEvenly) {
     std::vector<Eigen::Vector3f> places;
     bus::PersonProxy proxy;
     fill_proxy(person_of(bus::kMaxProxyPoints), places, proxy);
-    EXPECT_EQ(proxy.points.size(), bus::kMaxProxyPoints) << "as many as fit are all sent";
+    EXPECT_EQ(proxy.points.size(), bus::kMaxProxyPoints)
+        << "a full proxy must keep all of its points";
     fill_proxy(person_of(5000), places, proxy);
     ASSERT_TRUE(bus::check(proxy));
     EXPECT_EQ(proxy.num_surfels, 5000U);
-    ASSERT_EQ(proxy.points.size(), 1667U) << "every third";
+    ASSERT_EQ(proxy.points.size(), 1667U) << "every third surfel";
     for (std::size_t i = 1; i < proxy.points.size(); ++i)
         EXPECT_NEAR(bus::place_of(proxy, i).x() - bus::place_of(proxy, i - 1).x(), 3e-3, 2e-4);
 }
 
-TEST(PersonProxy, SaysWhatIsTouchedUpToALimit) {
+TEST(PersonProxy, ListsTouchesUpToALimit) {
     physics::PersonNow person = person_of(1);
     for (std::uint32_t i = 0; i < 300; ++i) person.touches.push_back({i, {0.5F, 1, 2}});
     std::vector<Eigen::Vector3f> places;
@@ -73,7 +74,7 @@ TEST(PersonProxy, SaysWhatIsTouchedUpToALimit) {
     EXPECT_EQ(proxy.touches[9].point_world, Eigen::Vector3d(0.5, 1, 2));
     person.touches.clear();
     fill_proxy(person, places, proxy);
-    EXPECT_TRUE(proxy.touches.empty()) << "not those of the time before";
+    EXPECT_TRUE(proxy.touches.empty()) << "touches of the previous call must be gone";
 }
 
 physics::PersonShape hand_at(double x_m) {
@@ -83,7 +84,7 @@ physics::PersonShape hand_at(double x_m) {
                         Timestamp{5});
 }
 
-TEST(WorldPeople, AreWhatThePhysicsHasAndWhatTheyTouchNow) {
+TEST(WorldPeople, HaveTheSurfaceAndTouchesOfThePhysics) {
     Scene scene = Scene::create(floor_and_ball()).value();
     physics::World& world = scene.world();
     std::vector<physics::PersonNow> people;
@@ -100,17 +101,17 @@ TEST(WorldPeople, AreWhatThePhysicsHasAndWhatTheyTouchNow) {
     ASSERT_FALSE(people[0].touches.empty());
     for (const auto& touch : people[0].touches) {
         EXPECT_EQ(touch.object, 2U);
-        EXPECT_NEAR(touch.point.x(), -0.09F, 0.01F) << "on the side of the hand";
+        EXPECT_NEAR(touch.point.x(), -0.09F, 0.01F) << "the touch must be on the hand's side";
         EXPECT_LT((touch.point - Eigen::Vector3f(0, 0, 0.1F)).norm(), 0.12F);
     }
     EXPECT_TRUE(people[1].touches.empty());
     world.set_person("alice", hand_at(-1.0));
     world.tick();
     world.get_people(people);
-    EXPECT_TRUE(people[0].touches.empty()) << "not those of the tick before";
+    EXPECT_TRUE(people[0].touches.empty()) << "touches of the previous tick must be gone";
 }
 
-TEST(Simulation, TellsOfPeopleTenTimesASecondAndOnlyWhereItIsWanted) {
+TEST(Simulation, SendsPeopleTenTimesASecondOnRequestOnly) {
     auto simulation = simulation_of(floor_and_ball(), [](const std::string&) {});
     simulation.people().put("alice", hand_at(1.0));
     Outbox::Content content;
@@ -133,7 +134,7 @@ TEST(Simulation, TellsOfPeopleTenTimesASecondAndOnlyWhereItIsWanted) {
     EXPECT_EQ(num_told_in_a_second(), 0);
 }
 
-TEST(ObjectProxy, ComesWithAModelAndNotWithWhatIsAddedInItsPlace) {
+TEST(ObjectProxy, ExistsForAModelNotForItsReplacement) {
     WorldServerConfig config = floor_and_ball();
     WorldObject rock;
     rock.scene.object = 3;
@@ -161,7 +162,7 @@ TEST(ObjectProxy, ComesWithAModelAndNotWithWhatIsAddedInItsPlace) {
     for (const SceneChange& change : scene.all()) EXPECT_FALSE(change.proxy);
 }
 
-TEST(ObjectProxy, HasTheEdgesOfEachPartWithoutThoseWithinItsFaces) {
+TEST(ObjectProxy, HasTheEdgesOfEachPartWithoutFaceDiagonals) {
     const Eigen::Vector3d size_m(0.2, 0.4, 0.6);
     const geometry::RigidTransform left{Eigen::Quaterniond::Identity(), {-0.5, 0, 0}};
     const geometry::RigidTransform right{Eigen::Quaterniond::Identity(), {0.5, 0, 0}};
@@ -172,24 +173,24 @@ TEST(ObjectProxy, HasTheEdgesOfEachPartWithoutThoseWithinItsFaces) {
     ASSERT_TRUE(bus::check(proxy)) << bus::check(proxy).error().message;
     EXPECT_EQ(proxy.object, 7U);
     ASSERT_EQ(proxy.vertices.size(), 16U);
-    EXPECT_EQ(proxy.edges.size(), 24U) << "twelve each, and no diagonals of faces";
+    EXPECT_EQ(proxy.edges.size(), 24U) << "twelve edges per part, without face diagonals";
     for (const auto& [from, to] : proxy.edges) {
         const Eigen::Vector3d a = bus::vertex_of(proxy, from);
         const Eigen::Vector3d way = bus::vertex_of(proxy, to) - a;
-        EXPECT_NEAR(way.cwiseAbs().maxCoeff(), way.norm(), 1e-5) << "along an axis";
+        EXPECT_NEAR(way.cwiseAbs().maxCoeff(), way.norm(), 1e-5) << "an edge must follow an axis";
         EXPECT_NEAR(std::abs(std::abs(a.x()) - 0.5), 0.1, 1e-5);
         EXPECT_NEAR(std::abs(a.z()), 0.3, 1e-5);
     }
 }
 
-TEST(ObjectProxy, LeavesOutPartsBeyondItsLimit) {
+TEST(ObjectProxy, OmitsPartsBeyondItsLimit) {
     const geometry::TriangleMesh part = physics_test::make_sphere_mesh(0.1, {0, 0, 0}, 20);
     const std::vector<geometry::TriangleMesh> parts(64, part);
     const bus::ObjectProxy proxy = make_object_proxy(7, parts);
     ASSERT_TRUE(bus::check(proxy)) << bus::check(proxy).error().message;
     ASSERT_GT(part.vertices.size() * parts.size(), bus::kMaxProxyVertices);
     EXPECT_GE(proxy.vertices.size(), part.vertices.size());
-    EXPECT_EQ(proxy.vertices.size() % part.vertices.size(), 0U) << "whole parts";
+    EXPECT_EQ(proxy.vertices.size() % part.vertices.size(), 0U) << "only whole parts may be sent";
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ Puppet add_puppet(World& world, const PuppetDescription& description) {
     return puppet;
 }
 
-// What the parts have of kinetic and potential energy, without their turning [J].
+// Kinetic and potential energy of the parts, without rotation [J].
 double energy_j(const World& world, const Puppet& puppet) {
     double sum = 0.0;
     for (const WorldObject& part : puppet.parts) {
@@ -52,7 +52,7 @@ double widest_gap_m(const World& world, const Puppet& puppet) {
     return widest;
 }
 
-TEST(Puppet, HasThirteenNamedPartsAndAsManyJointsAsHoldThemTogether) {
+TEST(Puppet, HasThirteenNamedPartsAndTheJointsBetweenThem) {
     const Puppet puppet = make_puppet({.name = "p", .string_m = 0.0}, 7);
     ASSERT_EQ(puppet.parts.size(), kNumPuppetParts);
     EXPECT_EQ(puppet.joints.size(), kNumPuppetParts - 1);
@@ -71,7 +71,7 @@ TEST(Puppet, HasThirteenNamedPartsAndAsManyJointsAsHoldThemTogether) {
 
 class PuppetOfHeight : public testing::TestWithParam<double> {};
 
-TEST_P(PuppetOfHeight, FallsAndLiesStillWithoutTearingOrGainingEnergy) {
+TEST_P(PuppetOfHeight, FallsAndRestsWithoutTearingOrGainingEnergy) {
     World world({});
     ASSERT_EQ(world.add(physics::floor_plane()), physics::AddResult::kAdded);
     PuppetDescription description{.name = "p", .height_m = GetParam()};
@@ -85,19 +85,19 @@ TEST_P(PuppetOfHeight, FallsAndLiesStillWithoutTearingOrGainingEnergy) {
     for (int i = 0; i < 60 * 120; ++i) {
         world.tick();
         const double energy = energy_j(world, puppet);
-        // limits and contacts give back a little of what they take
+        // limits and contacts return a little of the energy that they take
         ASSERT_LT(energy, energy_at_start * 1.02);
         ASSERT_LT(widest_gap_m(world, puppet), 0.05 * GetParam()) << "tick " << i;
         ASSERT_LT(fastest_mps(world, puppet), 10.0);
         if (i > 20 * 120) late_fastest = std::max(late_fastest, fastest_mps(world, puppet));
     }
-    EXPECT_LT(late_fastest, 0.05) << "it lies still and does not twitch";
+    EXPECT_LT(late_fastest, 0.05) << "the puppet must lie still without twitching";
     std::vector<physics::Incident> incidents;
     world.take_incidents(incidents);
     EXPECT_TRUE(incidents.empty());
 }
 
-TEST_P(PuppetOfHeight, HangsByItsStringsAndComesToRestAfterAHit) {
+TEST_P(PuppetOfHeight, HangsByItsStringsAndRestsAfterAHit) {
     World world({});
     PuppetDescription description{.name = "p", .height_m = GetParam(), .string_m = 0.5};
     description.world_from_puppet.translation = {0, 0, 1.0};
@@ -116,10 +116,11 @@ TEST_P(PuppetOfHeight, HangsByItsStringsAndComesToRestAfterAHit) {
         furthest = std::max(furthest, chest().world_from_object.translation.x());
     }
     EXPECT_GT(furthest, 0.03) << "it swings";
-    EXPECT_LT(fastest_mps(world, puppet), 0.1) << "and comes to rest";
+    EXPECT_LT(fastest_mps(world, puppet), 0.1) << "the puppet must come to rest";
 }
 
-// Somebody walked off with it and lets it go: what the strings store must not make a catapult.
+// Somebody pulls the puppet away and releases it. The energy stored in the strings must not fling
+// it.
 TEST_P(PuppetOfHeight, IsNotFlungByItsStrings) {
     World world({});
     PuppetDescription description{.name = "p", .height_m = GetParam(), .string_m = 0.5};
@@ -138,11 +139,11 @@ TEST_P(PuppetOfHeight, IsNotFlungByItsStrings) {
         const double x = physics::state_of(world, 101).world_from_object.translation.x();
         furthest_back = std::min(furthest_back, x);
     }
-    EXPECT_LT(furthest_back, 0.1) << "it swings back";
+    EXPECT_LT(furthest_back, 0.1) << "the puppet must swing back";
     EXPECT_EQ(world.counters().num_torn + world.counters().num_runaways, 0U);
 }
 
-TEST_P(PuppetOfHeight, ThrownHardStaysInOnePiece) {
+TEST_P(PuppetOfHeight, StaysInOnePieceWhenThrownHard) {
     World world({});
     ASSERT_EQ(world.add(physics::floor_plane()), physics::AddResult::kAdded);
     PuppetDescription description{.name = "p", .height_m = GetParam()};
@@ -158,7 +159,7 @@ TEST_P(PuppetOfHeight, ThrownHardStaysInOnePiece) {
         for (int i = 0; i < 60; ++i) {
             world.tick();
             ASSERT_LT(fastest_mps(world, puppet), 16.0);
-            // while it is torn at; how wide differs with the compiler's rounding
+            // during the pull; the width of the gap depends on the compiler's rounding
             ASSERT_LT(widest_gap_m(world, puppet), 0.2 * GetParam());
         }
     }

@@ -21,7 +21,7 @@ Expected<Rights> read(const std::string& toml) {
     return rights;
 }
 
-TEST(Rights, WithoutATableAllowAllButSavingToEveryone) {
+TEST(Rights, AllowEveryoneAllButSavingWithoutATable) {
     const auto rights = read("");
     ASSERT_TRUE(rights);
     for (const CommandKind kind : {CommandKind::kAdd,
@@ -36,7 +36,7 @@ TEST(Rights, WithoutATableAllowAllButSavingToEveryone) {
     EXPECT_FALSE(rights->of(CommandKind::kRestore).allows("anybody"));
 }
 
-TEST(Rights, AreWhatTheFileSays) {
+TEST(Rights, FollowTheFile) {
     const auto rights = read(
         "[rights]\nadd = 'nobody'\nreset = ['eve', 'bob']\nsave = ['bob']\ngrab = []\n"
         "push = 'everyone'\nmax_per_s = 10\n");
@@ -47,13 +47,13 @@ TEST(Rights, AreWhatTheFileSays) {
     EXPECT_FALSE(rights->of(CommandKind::kReset).allows("mallory"));
     EXPECT_TRUE(rights->of(CommandKind::kSave).allows("bob"));
     EXPECT_TRUE(rights->of(CommandKind::kRestore).allows("bob"));
-    EXPECT_FALSE(rights->of(CommandKind::kMove).allows("bob")) << "goes with grab";
+    EXPECT_FALSE(rights->of(CommandKind::kMove).allows("bob")) << "move follows grab";
     EXPECT_TRUE(rights->of(CommandKind::kPush).allows("mallory"));
-    EXPECT_TRUE(rights->of(CommandKind::kRemove).allows("mallory")) << "not in the file";
+    EXPECT_TRUE(rights->of(CommandKind::kRemove).allows("mallory")) << "remove is not in the file";
     EXPECT_EQ(rights->max_per_s, 10.0);
 }
 
-TEST(Rights, SayWhatIsWrong) {
+TEST(Rights, NameErrors) {
     EXPECT_THAT(read("[rights]\nadd = 'some'").error().message, HasSubstr("world.toml:2"));
     EXPECT_THAT(read("[rights]\nadd = ['a b']").error().message, HasSubstr("senders' names"));
     EXPECT_FALSE(read("[rights]\nadd = [1]"));
@@ -62,13 +62,13 @@ TEST(Rights, SayWhatIsWrong) {
     EXPECT_FALSE(read("[rights]\nmax_per_s = 0"));
 }
 
-TEST(CommandRates, HoldEachSenderToItsOwn) {
+TEST(CommandRates, LimitEachSenderSeparately) {
     CommandRates rates(10.0);
     const CommandRates::Clock::time_point start{};
     int admitted = 0;
     for (int i = 0; i < 100; ++i) admitted += rates.admit("eve", start) ? 1 : 0;
     EXPECT_EQ(admitted, 5) << "a burst";
-    EXPECT_TRUE(rates.admit("bob", start)) << "whom it does not concern";
+    EXPECT_TRUE(rates.admit("bob", start)) << "another sender must not be limited";
     admitted = 0;
     for (int i = 0; i < 1000; ++i) admitted += rates.admit("eve", start + i * 10ms) ? 1 : 0;
     EXPECT_NEAR(admitted, 100, 2) << "10 s";
@@ -84,7 +84,7 @@ bus::SceneCommand command(const std::string& sender, CommandKind kind) {
     return c;
 }
 
-TEST(CommandInbox, RefusesWhatIsNotAllowedTooFastOrTooMuch) {
+TEST(CommandInbox, RefusesForbiddenTooFrequentAndTooManyCommands) {
     Rights rights;
     rights.max_per_s = 600.0;
     rights.reset = {false, {"bob"}};

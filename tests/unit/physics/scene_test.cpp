@@ -55,7 +55,7 @@ protected:
     std::optional<Scene> scene;
 };
 
-TEST_F(SceneCommands, AddGivesAnIdWhereTheSenderHasNone) {
+TEST_F(SceneCommands, AddAssignsAnIdIfTheSenderGivesNone) {
     const auto first = add(ball(0, 1.0));
     const auto second = add(ball(0, 2.0));
     ASSERT_TRUE(first && second);
@@ -65,7 +65,7 @@ TEST_F(SceneCommands, AddGivesAnIdWhereTheSenderHasNone) {
     EXPECT_EQ(scene->objects().size(), 4U);
 }
 
-TEST_F(SceneCommands, AddRefusesDuplicatesNonsenseAndAFullWorld) {
+TEST_F(SceneCommands, AddRefusesDuplicatesInvalidObjectsAndAFullWorld) {
     EXPECT_THAT(add(ball(2)).error().message, HasSubstr("there already"));
     bus::SceneObject bad = ball(9);
     bad.size_m.setConstant(std::numeric_limits<double>::quiet_NaN());
@@ -78,14 +78,14 @@ TEST_F(SceneCommands, AddRefusesDuplicatesNonsenseAndAFullWorld) {
     bad = ball(9);
     bad.name = "no spaces allowed";
     EXPECT_FALSE(add(bad));
-    EXPECT_EQ(scene->objects().size(), 2U) << "nothing of this changed the world";
+    EXPECT_EQ(scene->objects().size(), 2U) << "a refused command changed the world";
 
     ASSERT_TRUE(add(ball(10, 1.0)));
     ASSERT_TRUE(add(ball(11, 2.0)));
     EXPECT_THAT(add(ball(12, 3.0)).error().message, HasSubstr("has its 4 objects"));
 }
 
-TEST_F(SceneCommands, RemoveTakesWhatMovesAndLeavesTheFloor) {
+TEST_F(SceneCommands, RemoveAcceptsMovableObjectsNotTheFloor) {
     const auto removed = scene->apply(command(bus::CommandKind::kRemove, 2));
     ASSERT_TRUE(removed);
     EXPECT_TRUE(removed->at(0).is_gone);
@@ -115,7 +115,7 @@ TEST_F(SceneCommands, PushIsBoundedByTheSpeedLimit) {
     EXPECT_FALSE(scene->apply(push)) << "nobody";
 }
 
-TEST_F(SceneCommands, GrabMovesWhatTheSenderHoldsUntilItIsGone) {
+TEST_F(SceneCommands, GrabMovesTheHeldObjectUntilItIsRemoved) {
     bus::SceneCommand grab = command(bus::CommandKind::kGrab, 2);
     grab.goal_world = {0, 0, 1};
     ASSERT_TRUE(scene->apply(grab));
@@ -134,7 +134,8 @@ TEST_F(SceneCommands, GrabMovesWhatTheSenderHoldsUntilItIsGone) {
     EXPECT_NEAR(state.objects.at(1).world_from_object.translation.x(), 0.5, 0.02);
 
     EXPECT_TRUE(scene->apply(command(bus::CommandKind::kRelease, 2)));
-    EXPECT_TRUE(scene->apply(command(bus::CommandKind::kRelease, 2))) << "twice is no fault";
+    EXPECT_TRUE(scene->apply(command(bus::CommandKind::kRelease, 2)))
+        << "a second release must be accepted";
     EXPECT_EQ(scene->world().num_grabs(), 0U);
     ASSERT_TRUE(scene->apply(grab));
     scene->forget_sender("test");
@@ -143,7 +144,7 @@ TEST_F(SceneCommands, GrabMovesWhatTheSenderHoldsUntilItIsGone) {
     EXPECT_FALSE(scene->apply(grab)) << "the floor";
 }
 
-TEST_F(SceneCommands, ResetPutsThingsBack) {
+TEST_F(SceneCommands, ResetReturnsObjects) {
     bus::SceneCommand push = command(bus::CommandKind::kPush, 2);
     push.impulse_ns = {1.0, 0, 0};
     ASSERT_TRUE(scene->apply(push));

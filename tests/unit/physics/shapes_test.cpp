@@ -23,7 +23,7 @@ geometry::TriangleMesh box_hull(const Eigen::Vector3d& centre, const Eigen::Vect
     return convex_hull(corners_of_box(centre, size_m), kMaxHullVertices);
 }
 
-// A stool: a seat on four legs, its origin on the floor between them.
+// A stool: a seat on four legs. Its origin is on the floor between the legs.
 Parts stool() {
     Parts parts{box_hull({0, 0, 0.42}, {0.4, 0.4, 0.04})};
     for (const double x : {-0.17, 0.17}) {
@@ -33,7 +33,7 @@ Parts stool() {
     return parts;
 }
 
-TEST(ConvexHull, IsClosedAndOutwardAndLeavesOutWhatIsInside) {
+TEST(ConvexHull, IsClosedAndOutwardWithoutInnerPoints) {
     std::vector<Eigen::Vector3d> points = corners_of_box({1, 2, 3}, {0.2, 0.3, 0.4});
     points.emplace_back(1.0, 2.0, 3.0);
     points.emplace_back(1.05, 2.1, 3.1);
@@ -44,7 +44,7 @@ TEST(ConvexHull, IsClosedAndOutwardAndLeavesOutWhatIsInside) {
     EXPECT_NEAR(report.volume_m3, 0.2 * 0.3 * 0.4, 1e-12);
 }
 
-TEST(ConvexHull, OfAFineSphereHasABoundedNumberOfVerticesAndNearlyItsVolume) {
+TEST(ConvexHull, OfAFineSphereHasFewVerticesAndNearlyItsVolume) {
     std::mt19937 random(7);
     std::normal_distribution<double> normal;
     std::vector<Eigen::Vector3d> points;
@@ -57,13 +57,13 @@ TEST(ConvexHull, OfAFineSphereHasABoundedNumberOfVerticesAndNearlyItsVolume) {
     EXPECT_GT(geometry::volume_m3(hull), 0.88 * 4.0 / 3.0 * EIGEN_PI * 1e-3);
 }
 
-TEST(ConvexHull, OfWhatIsFlatIsEmpty) {
+TEST(ConvexHull, OfFlatPointsIsEmpty) {
     EXPECT_TRUE(convex_hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, 64).empty());
     EXPECT_TRUE(convex_hull({{0, 0, 0}, {1, 0, 0}}, 64).empty());
     EXPECT_TRUE(convex_hull({}, 64).empty());
 }
 
-TEST(MassProperties, OfATurnedBoxAreThoseOfTheBoxTurned) {
+TEST(MassProperties, OfARotatedBoxAreRotated) {
     const Eigen::Vector3d size(0.2, 0.3, 0.5);
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
     const Eigen::Vector3d centre(0.4, -0.2, 0.1);
@@ -83,7 +83,7 @@ TEST(MassProperties, OfATurnedBoxAreThoseOfTheBoxTurned) {
     EXPECT_LT((mass.inertia - expected).norm(), 1e-12);
 }
 
-TEST(CollisionShape, OfAConvexBoxHasTheMassPropertiesOfTheBoxShape) {
+TEST(CollisionShape, OfAConvexBoxHasTheMassPropertiesOfABox) {
     const Eigen::Vector3d size(0.2, 0.3, 0.5);
     RigidObject box = box_at(2, {0, 0, 0}, size);
     const RigidObject convex = of_parts(3, {box_hull({0.1, 0.2, 0.3}, size)}, 500.0, {0, 0, 0});
@@ -116,13 +116,13 @@ TEST(Shapes, ComeToRestOnTheFloor) {
     }
 }
 
-TEST(Shapes, ACompoundFallsAsOneAndItsStateIsThatOfItsFrame) {
+TEST(Shapes, CompoundFallsAsOneAndReportsItsFrame) {
     World world({});
     const RigidObject object = of_parts(2, stool(), 600, {0, 0, 10});
     ASSERT_EQ(world.add(object), AddResult::kAdded);
     const RigidState before = state_of(world, 2);
     EXPECT_LT((before.world_from_object.translation - Eigen::Vector3d(0, 0, 10)).norm(), 1e-5)
-        << "the frame of the model, not the centre of mass";
+        << "the state must be that of the model's frame, not of the centre of mass";
     run(world, 1.0);
     const RigidState after = state_of(world, 2);
     EXPECT_NEAR(after.world_from_object.translation.z(), 10.0 - 4.905, 0.1);
@@ -130,7 +130,7 @@ TEST(Shapes, ACompoundFallsAsOneAndItsStateIsThatOfItsFrame) {
     EXPECT_NEAR(after.linear_velocity.z(), -9.81, 0.2);
 }
 
-TEST(Shapes, AnOffCentrePushTurnsAConvexAboutItsCentreOfMass) {
+TEST(Shapes, OffCentrePushTurnsAConvexAboutItsCentreOfMass) {
     World world({.gravity = Eigen::Vector3d::Zero()});
     // the frame is at one end of a rod
     const RigidObject rod = of_parts(2, {box_hull({0.5, 0, 0}, {1.0, 0.1, 0.1})}, 500, {0, 0, 0});
@@ -138,11 +138,11 @@ TEST(Shapes, AnOffCentrePushTurnsAConvexAboutItsCentreOfMass) {
     ASSERT_TRUE(world.push(2, {0, rod.mass_kg, 0}));
     run(world, 0.5);
     const RigidState state = state_of(world, 2);
-    EXPECT_LT(state.angular_velocity.norm(), 1e-4) << "pushed at its centre it does not turn";
+    EXPECT_LT(state.angular_velocity.norm(), 1e-4) << "a push at the centre must not turn it";
     EXPECT_NEAR(state.world_from_object.translation.y(), 0.5, 0.02);
 }
 
-TEST(Shapes, BadPartsAreRefused) {
+TEST(Shapes, RefuseBadParts) {
     World world({});
     RigidObject object = of_parts(2, stool(), 600, {0, 0, 1});
     object.shape = ObjectShape::kConvex;
@@ -163,7 +163,7 @@ TEST(Shapes, RestOnSolidScenery) {
     ASSERT_EQ(world.add(box_at(2, {0.1, 0.2, 1.3})), AddResult::kAdded);
     run(world, 3.0);
     EXPECT_NEAR(state_of(world, 2).world_from_object.translation.z(), 1.1, 0.008);
-    EXPECT_EQ(world.num_objects(), 1U) << "scenery is no object";
+    EXPECT_EQ(world.num_objects(), 1U) << "scenery must not count as an object";
     EXPECT_FALSE(world.add_still({})) << "without triangles";
     table.mesh.triangles[0][1] = 1000;
     EXPECT_FALSE(world.add_still(table)) << "an index beyond the vertices";

@@ -1,4 +1,4 @@
-// By itself, for operator new is replaced.
+// A separate executable, because it replaces operator new.
 #include "meshes.hpp"
 #include "simulation_stage.hpp"
 #include "tests/support/allocation_counter.hpp"
@@ -22,11 +22,11 @@ void add_soft_ball(WorldServerConfig& config) {
     config.soft = {soft};
 }
 
-TEST(Simulation, StepsAndSendsStatesInMemoryThatItHas) {
+TEST(Simulation, StepsAndSendsStatesWithoutAllocation) {
     WorldServerConfig config = floor_and_ball();
     add_soft_ball(config);
     auto simulation = simulation_of(config, [](const std::string&) {});
-    // who stands in the soft thing, the rigid one at her feet
+    // a person who stands in the soft object, with the rigid one at the feet
     physics::PersonShaper shaper{physics::PersonShapeOptions{}};
     simulation.people().put(
         "alice",
@@ -48,7 +48,7 @@ TEST(Simulation, StepsAndSendsStatesInMemoryThatItHas) {
         if (!content.has_state) return;
         ++num_states;
         num_soft_states += static_cast<int>(content.state.soft.size());
-        EXPECT_GT(content.state.rigid.tick, newest) << "never an older one";
+        EXPECT_GT(content.state.rigid.tick, newest) << "an older state followed a newer one";
         newest = content.state.rigid.tick;
         ASSERT_EQ(content.state.rigid.objects.size(), 2U);
         ASSERT_GT(content.state.soft.front().nodes.size(), 20U);
@@ -57,14 +57,14 @@ TEST(Simulation, StepsAndSendsStatesInMemoryThatItHas) {
     for (int tick = 0; tick < 240; ++tick) step(tick);
     bus::WorldStatus warm;
     simulation.fill(warm);
-    ASSERT_GT(warm.num_contacts, 0U) << "people are there to be touched";
+    ASSERT_GT(warm.num_contacts, 0U) << "people must touch something";
     num_states = num_soft_states = num_people = 0;
     const std::uint64_t before = test::num_allocations();
     for (int tick = 240; tick < 600; ++tick) step(tick);
     EXPECT_EQ(test::num_allocations() - before, 0U);
     EXPECT_EQ(num_states, 120);
     EXPECT_EQ(num_soft_states, 120);
-    EXPECT_EQ(num_people, 30) << "ten a second";
+    EXPECT_EQ(num_people, 30) << "ten proxies a second";
 }
 
 }  // namespace

@@ -12,14 +12,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-TEST(Simulation, SkipsAStallInsteadOfRunningBehindIt) {
+TEST(Simulation, SkipsAStallInsteadOfLagging) {
     WorldServerConfig config = floor_and_ball();
     config.seconds = 1.0;
     int num_stalls = 0;
     auto simulation = simulation_of(config, [&](const std::string&) {
         ++num_stalls;
         const Clock::time_point end = Clock::now() + std::chrono::milliseconds(300);
-        while (Clock::now() < end) continue;  // as when the machine does something else
+        while (Clock::now() < end) continue;  // as if the machine were busy with something else
     });
     bus::SceneCommand nonsense;
     nonsense.sender = "eve";
@@ -31,15 +31,16 @@ TEST(Simulation, SkipsAStallInsteadOfRunningBehindIt) {
     simulation.fill(status);
     EXPECT_EQ(num_stalls, 1);
     EXPECT_EQ(status.num_refused, 1U);
-    EXPECT_GE(status.num_skipped_ticks, 30U) << "of the 36 that the stall took, 4 are made up";
+    EXPECT_GE(status.num_skipped_ticks, 30U)
+        << "the stall takes 36 ticks, of which 4 are caught up";
     EXPECT_GE(status.num_steps + status.num_skipped_ticks, 118U);
     EXPECT_LE(status.num_steps, 92U);
-    EXPECT_GT(status.step.p99_ms, 250.0) << "and it shows";
+    EXPECT_GT(status.step.p99_ms, 250.0) << "the step time must include the stall";
 }
 
 TEST(Simulation, SendsTheTickInWhichATouchBegins) {
     WorldServerConfig config = floor_and_ball();
-    config.send_hz = 0.01;  // the next state would go out in a hundred seconds
+    config.send_hz = 0.01;  // the next regular state is due in a hundred seconds
     auto simulation = simulation_of(config, [](const std::string&) {});
     physics::PersonShaper shaper(config.person);
     const auto hand_at = [&](double x_m, std::int64_t ns) {
@@ -58,10 +59,10 @@ TEST(Simulation, SendsTheTickInWhichATouchBegins) {
     ASSERT_TRUE(content.has_state);
     const bus::ObjectState& ball = content.state.rigid.objects[1];
     EXPECT_GT(ball.linear_velocity.x(), 0.1);
-    EXPECT_LT(ball.world_from_object.translation.x(), 0.03) << "it has just begun";
+    EXPECT_LT(ball.world_from_object.translation.x(), 0.03) << "the touch has only begun";
 }
 
-TEST(Simulation, StampsStatesWithTheTimeTheyWereDue) {
+TEST(Simulation, StampsStatesWithTheirDueTime) {
     WorldServerConfig config = floor_and_ball();
     config.seconds = 0.5;
     auto simulation = simulation_of(config, [](const std::string&) {});
@@ -84,7 +85,8 @@ TEST(Simulation, StampsStatesWithTheTimeTheyWereDue) {
     for (std::size_t i = 1; i < states.size(); ++i) {
         const double ticks = static_cast<double>(states[i].tick - states[i - 1].tick);
         const double apart_s = static_cast<double>((states[i].time - states[i - 1].time).count());
-        EXPECT_NEAR(apart_s * 1e-9, ticks / 120.0, 5e-4) << "whenever it was computed";
+        EXPECT_NEAR(apart_s * 1e-9, ticks / 120.0, 5e-4)
+            << "the stamp must not depend on the time of computation";
     }
 }
 

@@ -29,7 +29,7 @@ geometry::TriangleMesh hand_at(double x) {
         {0.1, 0.1, 0.1}, {Eigen::Quaterniond::Identity(), {x, 0, 1}}, 3);
 }
 
-TEST(SiteReader, PutsMeshesWhereTheSiteStands) {
+TEST(SiteReader, TransformsMeshesByThePlaceOfTheSite) {
     SiteReader reader(kWorldFromAlice, {});
     const auto shape = reader.read(mesh_message(hand_at(0.5), 1000));
     ASSERT_TRUE(shape && *shape);
@@ -58,10 +58,11 @@ TEST(SiteReader, RefusesBrokenLateAndFarMeshes) {
     EXPECT_FALSE(reader.read(broken));
     EXPECT_FALSE(reader.read(mesh_message(hand_at(100.0), 5200)));
     EXPECT_TRUE(reader.read(mesh_message(hand_at(0), 5300))) << "it recovers";
-    EXPECT_TRUE(reader.read(mesh_message(hand_at(0), 100))) << "a recording that starts again";
+    EXPECT_TRUE(reader.read(mesh_message(hand_at(0), 100)))
+        << "a recording that restarts must be accepted";
 }
 
-TEST(SiteReader, FollowsAClockThatIsSetByHoursEitherWay) {
+TEST(SiteReader, FollowsAClockSetByHoursInEitherDirection) {
     constexpr std::int64_t kHours_ms = 5 * 3600 * 1000;
     SiteReader reader(kWorldFromAlice, {});
     const std::int64_t begin_ms = 2 * kHours_ms;
@@ -74,7 +75,7 @@ TEST(SiteReader, FollowsAClockThatIsSetByHoursEitherWay) {
     }
 }
 
-TEST(SiteReader, TakesAnEmptyMeshForAnEmptyRoom) {
+TEST(SiteReader, TreatsAnEmptyMeshAsAnEmptyRoom) {
     SiteReader reader(kWorldFromAlice, {});
     const auto shape = reader.read(mesh_message({}, 1000));
     ASSERT_TRUE(shape);

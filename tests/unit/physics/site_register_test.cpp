@@ -11,15 +11,15 @@ const NamedPlacement kAlice{
     "alice",
     {Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ())), {2, 0, 0}}};
 
-TEST(SiteRegister, PlacesASiteWhenItArrives) {
+TEST(SiteRegister, PlacesASiteOnArrival) {
     SiteRegister sites({kAlice}, 4);
     const auto placement = sites.arrive("alice");
     ASSERT_TRUE(placement && *placement);
     EXPECT_EQ((*placement)->world_from_site.translation, kAlice.world_from_site.translation);
-    EXPECT_FALSE(sites.arrive("alice").value().has_value()) << "it is there already";
+    EXPECT_FALSE(sites.arrive("alice").value().has_value()) << "the site is already present";
 }
 
-TEST(SiteRegister, PlacesUnnamedSitesOnARingAndKeepsTheirPlaces) {
+TEST(SiteRegister, PlacesUnnamedSitesOnARingAndKeepsThem) {
     SiteRegister sites({kAlice}, 3);
     const auto first = sites.arrive("x");
     const auto second = sites.arrive("y");
@@ -27,7 +27,7 @@ TEST(SiteRegister, PlacesUnnamedSitesOnARingAndKeepsTheirPlaces) {
     for (const auto& placement : {**first, **second}) {
         EXPECT_NEAR(placement.world_from_site.translation.norm(), 1.8, 1e-9);
         const Eigen::Vector3d ahead = placement.world_from_site * Eigen::Vector3d(1.8, 0, 0);
-        EXPECT_LT(ahead.norm(), 1e-9) << "it faces the centre";
+        EXPECT_LT(ahead.norm(), 1e-9) << "the site must face the centre";
     }
     EXPECT_GT(
         ((*first)->world_from_site.translation - (*second)->world_from_site.translation).norm(),
@@ -35,7 +35,7 @@ TEST(SiteRegister, PlacesUnnamedSitesOnARingAndKeepsTheirPlaces) {
     const auto third = sites.arrive("z");
     ASSERT_FALSE(third);
     EXPECT_EQ(third.error().kind, ErrorKind::kUnavailable);
-    EXPECT_TRUE(sites.arrive("alice")) << "named sites always have room";
+    EXPECT_TRUE(sites.arrive("alice")) << "a named site must always have room";
 
     sites.leave("x");
     EXPECT_EQ(sites.num_present(), 2U);

@@ -1,4 +1,4 @@
-// Soft things on the floor, on pins and among rigid things.
+// Soft objects on the floor, on pins and among rigid objects.
 #include "soft_stage.hpp"
 
 #include <gtest/gtest.h>
@@ -39,12 +39,12 @@ TEST(SoftObject, IsRefusedWithAReason) {
     EXPECT_EQ(find_problem(open)->field, "model");
 }
 
-TEST(SoftObject, SharesIdsAndNodesWithAllOthers) {
+TEST(SoftObject, SharesIdsAndNodeLimitWithOthers) {
     Stage stage;
     SoftObject ball = ball_at({0, 0, 1});
     ball.id = 1;
     EXPECT_EQ(stage.world.add_soft(ball), AddResult::kIdInUse);
-    ball.spacing_m = 0.018;  // some 1200 nodes
+    ball.spacing_m = 0.018;  // about 1200 nodes
     for (ball.id = 2; ball.id < 5; ++ball.id) {
         ASSERT_EQ(stage.world.add_soft(ball), AddResult::kAdded);
     }
@@ -65,7 +65,7 @@ TEST(SoftBall, RestsOnTheFloorAndKeepsItsVolume) {
     });
     EXPECT_LT(worst, 0.05);
     const Eigen::Vector3d before = stage.centre();
-    EXPECT_GT(before.z(), 0.09);  // sags, and stays a ball
+    EXPECT_GT(before.z(), 0.09);  // it sags, but stays a ball
     EXPECT_LT(before.z(), 0.18);
     stage.run(5.0);
     EXPECT_LT((stage.centre() - before).norm(), 0.02);
@@ -85,7 +85,7 @@ TEST(SoftBox, KeepsItsShape) {
     EXPECT_NEAR(stage.centre().z(), 0.1, 0.03);
 }
 
-TEST(SoftModel, IsAnyClosedMesh) {
+TEST(SoftModel, CanBeAnyClosedMesh) {
     Stage stage;
     SoftObject model = ball_at({0, 0, 0.4});
     model.shape = SoftShape::kModel;
@@ -128,7 +128,7 @@ TEST(SoftRope, HangsByItsEndsAndKeepsItsLength) {
     EXPECT_NEAR(2.0 - stage.lowest_m(), 0.733, 0.05);
 }
 
-TEST(SoftRope, CarriesWhatIsTiedToIt) {
+TEST(SoftRope, CarriesATiedObject) {
     Stage stage;
     ASSERT_EQ(stage.world.add({.id = 7,
                                .size_m = {0.1, 0.1, 0.1},
@@ -145,17 +145,17 @@ TEST(SoftRope, CarriesWhatIsTiedToIt) {
         const Eigen::Vector3d end = stage.rigid(7).world_from_object.translation;
         longest = std::max(longest, (end - Eigen::Vector3d(-0.5, 0, 2)).norm());
     });
-    EXPECT_LT(longest, 1.12);  // swings on the rope, which hardly gives
+    EXPECT_LT(longest, 1.12);  // the box swings on the rope, which hardly stretches
     EXPECT_LT(stage.rigid(7).world_from_object.translation.z(), 1.9);
     rope.id = 51;
     rope.pins = {{.place = PinPlace::kRight, .object_id = 99}};
     EXPECT_EQ(stage.world.add_soft(rope), AddResult::kInvalid);
     ASSERT_TRUE(stage.world.remove(7));
-    stage.run(0.5);  // and nothing of the box is left in the rope
+    stage.run(0.5);  // the box no longer affects the rope
     EXPECT_LT(stage.fastest_mps(), 15.1);
 }
 
-// A square of 2 m of the plane z = height_m, of as many triangles.
+// A square of 2 m in the plane z = height_m, with this many triangles.
 geometry::TriangleMesh terrain(double height_m, int num_cuts) {
     geometry::TriangleMesh mesh;
     const auto across = static_cast<std::uint32_t>(num_cuts + 1);
@@ -189,13 +189,14 @@ TEST(SoftWorld, RestsOnSolidScenery) {
             ASSERT_GT(stage.lowest_m(51), 0.498) << num_cuts;
         });
         EXPECT_LT(stage.centre().z(), 0.7);
-        EXPECT_NEAR(stage.centre(51).z(), 0.505, 0.005) << "half of its thickness above it";
-        stage.run(7.0);  // as long as a ball on a plane takes to come to rest
+        EXPECT_NEAR(stage.centre(51).z(), 0.505, 0.005)
+            << "the cloth must lie half of its thickness above the table";
+        stage.run(7.0);  // the time that a ball on a plane needs to come to rest
         EXPECT_LT(stage.mean_square_speed(), 0.02 * 0.02);
     }
 }
 
-TEST(SoftWorld, IsKeptInByTheWallsOfItsBounds) {
+TEST(SoftWorld, StaysInsideTheWallsOfItsBounds) {
     WorldOptions options;
     options.box = geometry::Aabb{.min = {-1, -1, -1}, .max = {1, 1, 3}};
     options.leaving = LeavePolicy::kBounce;
@@ -207,12 +208,12 @@ TEST(SoftWorld, IsKeptInByTheWallsOfItsBounds) {
         for (const Eigen::Vector3f& p : stage.soft().positions)
             furthest_m = std::max<double>(furthest_m, p.x());
     });
-    EXPECT_GT(furthest_m, 0.98) << "it came to the wall";
+    EXPECT_GT(furthest_m, 0.98) << "the ball must reach the wall";
     EXPECT_LT(furthest_m, 1.01);
     EXPECT_EQ(stage.world.counters().num_strays, 0U);
 }
 
-TEST(SoftWorld, IsTheSameEachTime) {
+TEST(SoftWorld, IsRepeatable) {
     const auto hashes = [] {
         Stage stage;
         EXPECT_EQ(stage.world.add_soft(ball_at({0.05, 0, 0.6})), AddResult::kAdded);
@@ -237,7 +238,7 @@ TEST(SoftWorld, IsTheSameEachTime) {
     EXPECT_EQ(hashes(), hashes());
 }
 
-TEST(SoftWorld, GoesOnFromASavedStateAsIfNothingHadBeen) {
+TEST(SoftWorld, ContinuesIdenticallyFromASavedState) {
     Stage once;
     ASSERT_EQ(once.world.add_soft(ball_at({0, 0, 0.6})), AddResult::kAdded);
     once.run(0.5);
@@ -258,7 +259,7 @@ TEST(SoftWorld, GoesOnFromASavedStateAsIfNothingHadBeen) {
     EXPECT_EQ(once.world.state_hash(), again.world.state_hash());
 }
 
-TEST(SoftWorld, HasNoNodeFasterThanTheWorldAllows) {
+TEST(SoftWorld, LimitsTheSpeedOfNodes) {
     for (const auto& object : {curtain_at({0, 0, 1.5}), ball_at({0, 0, 1.0}), rope_at({0, 0, 1})}) {
         Stage stage({.max_speed_mps = 4.0});
         ASSERT_EQ(stage.world.add_soft(object), AddResult::kAdded);
@@ -277,11 +278,11 @@ TEST(SoftWorld, HasNoNodeFasterThanTheWorldAllows) {
     }
 }
 
-// As where somebody walks off with some of it and it slips out of her hands.
+// As if somebody pulled part of it away and lost hold of it.
 TEST(SoftWorld, SnapsBackWithoutBeingFlung) {
     const auto rope = rope_at({0, 0, 1.5});
     const auto curtain = curtain_at({0, 0, 2.0});
-    // twice as far below the pins, or some of it torn off the rest
+    // pulled to twice the distance below the pins, or partly torn off the rest
     const auto doubled = [](float below_m) { return 2.0F * below_m; };
     const auto torn = [](float below_m) { return below_m > 0.4F ? below_m + 0.6F : below_m; };
     for (const auto& object : {rope, curtain}) {
@@ -306,12 +307,12 @@ TEST(SoftWorld, SnapsBackWithoutBeingFlung) {
             double off_m = 0.0;
             for (std::size_t i = 0; i < hanging.size(); ++i)
                 off_m += (stage.soft().positions[i] - hanging[i]).cast<double>().norm() / num_nodes;
-            EXPECT_LT(off_m, 0.15) << "it hangs again";
+            EXPECT_LT(off_m, 0.15) << "the object must hang again";
         }
     }
 }
 
-TEST(SoftWorld, PutsBackWhatLeavesIt) {
+TEST(SoftWorld, ResetsObjectsThatLeaveIt) {
     Stage stage;
     ASSERT_EQ(stage.world.add_soft(ball_at({0, 0, 0.6})), AddResult::kAdded);
     SoftState far = stage.soft();
@@ -322,7 +323,7 @@ TEST(SoftWorld, PutsBackWhatLeavesIt) {
     EXPECT_NEAR(stage.centre().x(), 0.0, 1e-3);
 }
 
-TEST(SoftWorld, LosesWhatLeavesItWhereThatIsWhatItsBoundsSay) {
+TEST(SoftWorld, RemovesObjectsThatLeaveItIfItsBoundsSaySo) {
     Stage stage({.leaving = LeavePolicy::kRemove});
     ASSERT_EQ(stage.world.add_soft(ball_at({0, 0, 0.6})), AddResult::kAdded);
     SoftState far = stage.soft();
@@ -338,7 +339,7 @@ TEST(SoftWorld, LosesWhatLeavesItWhereThatIsWhatItsBoundsSay) {
     stage.run(0.1);
 }
 
-TEST(SoftCloth, CatchesABallThatIsThrownOnIt) {
+TEST(SoftCloth, CatchesAThrownBall) {
     Stage stage;
     SoftObject sheet = curtain_at({0, 0, 1.0});
     sheet.size_m = {1.0, 1.0, 0.01};
@@ -359,7 +360,7 @@ TEST(SoftCloth, CatchesABallThatIsThrownOnIt) {
         lowest_of_cloth = std::min(lowest_of_cloth, stage.lowest_m());
         ASSERT_GT(stage.rigid(7).world_from_object.translation.z(), 0.4);
     });
-    EXPECT_LT(lowest_of_cloth, 0.85);  // it gave way
+    EXPECT_LT(lowest_of_cloth, 0.85);  // the cloth gave way
 }
 
 TEST(SoftWorld, GainsNoEnergyInAMinute) {

@@ -29,7 +29,7 @@ size_m = [1.0, 1.0]
 mass_kg = 0.2
 )";
 
-TEST(SoftConfig, NamesFileLineAndKeyOfWhatIsWrong) {
+TEST(SoftConfig, NamesFileLineAndKeyOfAnError) {
     EXPECT_EQ(error_of(kCloth), "");
     const auto expect_error = [](const std::string& toml, const std::string& part) {
         const std::string error = error_of(toml);
@@ -47,7 +47,7 @@ TEST(SoftConfig, NamesFileLineAndKeyOfWhatIsWrong) {
                  "diameter_m");
 }
 
-TEST(SoftConfig, TakesWhatTheMaterialSays) {
+TEST(SoftConfig, UsesTheValuesOfTheMaterial) {
     const std::string text =
         "[[material]]\nname = \"down\"\ndensity_kg_per_m3 = 20.0\nfriction = 0.9\n"
         "colour = [0.1, 0.2, 0.3]\n"
@@ -78,7 +78,7 @@ protected:
         : folder_(std::filesystem::temp_directory_path() /
                   ("atrium_soft_" + std::to_string(::getpid()))) {
         std::filesystem::create_directories(folder_);
-        // a wedge as exporters write it: each face with vertices of its own
+        // a wedge as exporters write it: each face has its own vertices
         put("wedge.obj",
             "v 0 0 0\nv 0 1 0\nv 1 0 0\nv 0 0 0\nv 1 0 0\nv 0 0 1\n"
             "v 0 0 0\nv 0 0 1\nv 0 1 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
@@ -98,7 +98,7 @@ protected:
     void put(const std::string& name, const std::string& text) const {
         std::ofstream(folder_ / name) << text;
     }
-    // Of a world with this [[soft]] of shape model.
+    // The text of a world with this [[soft]] of shape model.
     std::string error_of_model(const std::string& keys, WorldServerConfig& config) const {
         put("world.toml", "[[soft]]\nname = \"m\"\nshape = \"model\"\nmass_kg = 1\n" + keys);
         auto reader = config::TableReader::load(folder_ / "world.toml");
@@ -110,7 +110,7 @@ protected:
     std::filesystem::path folder_;
 };
 
-TEST_F(SoftModelFile, HasANodeForEachPlaceOfItsVertices) {
+TEST_F(SoftModelFile, HasOneNodePerVertexPosition) {
     WorldServerConfig config;
     ASSERT_EQ(error_of_model("model = \"wedge.obj\"\nscale = 0.5\n", config), "");
     const physics::SoftObject& object = config.soft.at(0).object;
@@ -120,7 +120,7 @@ TEST_F(SoftModelFile, HasANodeForEachPlaceOfItsVertices) {
     EXPECT_NEAR(physics::volume_m3(object), 0.125 / 6.0, 1e-9);
 }
 
-TEST_F(SoftModelFile, IsRefusedByFileLineAndKey) {
+TEST_F(SoftModelFile, IsRefusedWithFileLineAndKey) {
     const auto expect_error =
         [&](const std::string& keys, const std::string& line_and_key, const std::string& part) {
             WorldServerConfig config;

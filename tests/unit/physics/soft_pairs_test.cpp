@@ -1,4 +1,4 @@
-// Soft things that touch each other.
+// Soft objects that touch each other.
 #include "soft_stage.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ WorldOptions weightless() {
     return options;
 }
 
-// Hangs in the plane x = 0.
+// A cloth that hangs in the plane x = 0.
 SoftObject hanging_cloth() {
     SoftObject cloth = curtain_at({0, 0, 1.2});
     cloth.id = kCloth;
@@ -29,7 +29,7 @@ SoftObject hanging_cloth() {
     return cloth;
 }
 
-// Lies in the plane z = `height_m`, held at its corners.
+// A cloth that lies in the plane z = `height_m`, held at its corners.
 SoftObject stretched_sheet(double height_m) {
     SoftObject sheet = curtain_at({0, 0, height_m});
     sheet.id = kCloth;
@@ -67,27 +67,28 @@ double least_distance_m(Stage& stage, std::uint32_t id, const Eigen::Vector3d& p
 
 class SoftBallThrown : public testing::TestWithParam<double> {};
 
-TEST_P(SoftBallThrown, PushesAHangingClothAndDoesNotPassThroughIt) {
+TEST_P(SoftBallThrown, PushesAHangingClothWithoutPassingThrough) {
     Stage stage;
     ASSERT_EQ(stage.world.add_soft(hanging_cloth()), AddResult::kAdded);
     ASSERT_EQ(stage.world.add_soft(ball_at({-0.6, 0, 1.2})), AddResult::kAdded);
     stage.throw_soft(kSoft, {GetParam(), 0, 0.5});
     double furthest_m = 0.0;
     stage.run(0.7, [&] {
-        // nodes of the cloth are 8 cm apart: it cannot get past the middle of the ball, of a radius
-        // of 17.5 cm, without one that comes nearer to it than this
+        // Nodes of the cloth are 8 cm apart. The cloth cannot pass the middle of the ball of radius
+        // 17.5 cm unless a node comes nearer to it than this.
         ASSERT_GT(least_distance_m(stage, kCloth, stage.centre()), 0.07);
         for (const Eigen::Vector3f& p : stage.soft(kCloth).positions)
             furthest_m = std::max<double>(furthest_m, p.x());
     });
     EXPECT_GT(furthest_m, 0.1);
     EXPECT_EQ(num_inside(stage, kSoft, kCloth), 0U);
-    EXPECT_LT(stage.soft(kSoft).velocities[0].x(), 0.7 * GetParam()) << "the ball feels it";
+    EXPECT_LT(stage.soft(kSoft).velocities[0].x(), 0.7 * GetParam())
+        << "the cloth must slow the ball down";
     EXPECT_EQ(stage.world.counters().num_torn, 0U);
 }
 INSTANTIATE_TEST_SUITE_P(Speeds, SoftBallThrown, testing::Values(2.0, 4.0, 8.0));
 
-TEST(SoftPairs, ExchangeMomentumAndMakeNone) {
+TEST(SoftPairs, ConserveMomentum) {
     Stage stage(weightless());
     SoftObject left = ball_at({-0.3, 0, 1});
     SoftObject right = ball_at({0.3, 0.05, 1});
@@ -100,26 +101,27 @@ TEST(SoftPairs, ExchangeMomentumAndMakeNone) {
     double least_m = 1e9;
     stage.run(1.0, [&] {
         least_m = std::min(least_m, (stage.centre(50) - stage.centre(51)).norm());
-        // nobody else is there to push
+        // nothing else can push them
         EXPECT_NEAR(stage.momentum(left).x() + stage.momentum(right).x(), 1.0, 0.01);
     });
-    EXPECT_GT(least_m, 0.25) << "of balls of 0.35 m";
+    EXPECT_GT(least_m, 0.25) << "the balls have a diameter of 0.35 m";
     EXPECT_GT(stage.momentum(right).x(), 0.5);
-    EXPECT_LT(stage.momentum(right).x(), 1.35) << "no faster apart than they came";
+    EXPECT_LT(stage.momentum(right).x(), 1.35)
+        << "they must not separate faster than they approached";
     EXPECT_EQ(num_inside(stage, 50, 51) + num_inside(stage, 51, 50), 0U);
 }
 
-TEST(SoftPairs, ASheetCarriesASoftBall) {
+TEST(SoftPairs, SheetCarriesASoftBall) {
     Stage stage;
     ASSERT_EQ(stage.world.add_soft(stretched_sheet(1.0)), AddResult::kAdded);
     ASSERT_EQ(stage.world.add_soft(ball_at({0.03, 0.02, 1.4})), AddResult::kAdded);
     stage.run(5.0, [&] { ASSERT_GT(stage.centre().z(), 0.5); });
-    EXPECT_GT(stage.lowest_m() - stage.lowest_m(kCloth), -0.01) << "it lies in it";
+    EXPECT_GT(stage.lowest_m() - stage.lowest_m(kCloth), -0.01) << "the ball must lie in the sheet";
     EXPECT_EQ(num_inside(stage, kSoft, kCloth), 0U);
     EXPECT_LT(stage.mean_square_speed(), 0.1 * 0.1);
 }
 
-TEST(SoftPairs, AClothDrapesOverASoftBox) {
+TEST(SoftPairs, ClothDrapesOverASoftBox) {
     Stage stage;
     SoftObject box = ball_at({0, 0, 0.15});
     box.shape = SoftShape::kBox;
@@ -134,12 +136,12 @@ TEST(SoftPairs, AClothDrapesOverASoftBox) {
     double highest_m = 0.0;
     for (const Eigen::Vector3f& p : stage.soft(kCloth).positions)
         highest_m = std::max<double>(highest_m, p.z());
-    EXPECT_GT(highest_m, 0.25) << "it lies on the box";
-    EXPECT_LT(stage.lowest_m(kCloth), 0.15) << "and hangs down at its sides";
+    EXPECT_GT(highest_m, 0.25) << "the cloth must lie on the box";
+    EXPECT_LT(stage.lowest_m(kCloth), 0.15) << "the cloth must hang down at the sides";
     EXPECT_LT(stage.mean_square_speed(kCloth), 0.1 * 0.1);
 }
 
-TEST(SoftPairs, ARopeLiesOnASheet) {
+TEST(SoftPairs, RopeLiesOnASheet) {
     Stage stage;
     SoftObject rope = rope_at({0, 0, 1.5});
     rope.size_m = {0.6, 0.02, 0.6};
@@ -151,14 +153,14 @@ TEST(SoftPairs, ARopeLiesOnASheet) {
     EXPECT_LT(stage.centre().z(), 1.0);
 }
 
-// A ball on its way into a curtain.
+// A ball that moves into a curtain.
 void begin_contact(Stage& stage) {
     ASSERT_EQ(stage.world.add_soft(hanging_cloth()), AddResult::kAdded);
     ASSERT_EQ(stage.world.add_soft(ball_at({-0.6, 0.1, 1.2})), AddResult::kAdded);
     stage.throw_soft(kSoft, {4, 0, 0.5});
 }
 
-TEST(SoftPairs, AreTheSameEachTime) {
+TEST(SoftPairs, AreRepeatable) {
     const auto hashes = [] {
         Stage stage;
         begin_contact(stage);
@@ -169,11 +171,11 @@ TEST(SoftPairs, AreTheSameEachTime) {
     EXPECT_EQ(hashes(), hashes());
 }
 
-TEST(SoftPairs, GoOnFromAStateThatWasSavedWhileTheyTouched) {
+TEST(SoftPairs, ContinueFromAStateSavedDuringATouch) {
     Stage once;
     begin_contact(once);
     once.run(0.15);
-    ASSERT_LT(least_distance_m(once, kCloth, once.centre()), 0.19) << "they touch";
+    ASSERT_LT(least_distance_m(once, kCloth, once.centre()), 0.19) << "they must touch";
     WorldState saved;
     once.world.get_state(saved);
     ASSERT_TRUE(once.world.set_state(saved));

@@ -1,4 +1,4 @@
-// Soft things under people's hands.
+// Soft objects under people's hands.
 #include "soft_stage.hpp"
 
 #include <gtest/gtest.h>
@@ -44,8 +44,8 @@ TEST_P(SoftBallPushed, IsNeverPassedThrough) {
                     2 + static_cast<int>(random() % 5));
             },
             [&](double t) {
-                // a person lags by one mesh period; a ball whose middle is beside the hand has
-                // glanced off its edge
+                // A person lags by one mesh period. A ball whose middle is beside the hand has
+                // glanced off its edge.
                 const Eigen::Vector3d hand(hand_x(t - kMeshPeriodS), y, z);
                 const Eigen::Vector3d middle =
                     Eigen::AngleAxisd(-tilt, Eigen::Vector3d::UnitZ()) * (stage.centre() - hand);
@@ -59,7 +59,7 @@ TEST_P(SoftBallPushed, IsNeverPassedThrough) {
 }
 INSTANTIATE_TEST_SUITE_P(Speeds, SoftBallPushed, testing::Values(0.5, 1.0, 2.0));
 
-TEST(SoftBall, IsNotBlownUpByAPersonWhoAppearsInIt) {
+TEST(SoftBall, SurvivesAPersonWhoAppearsInIt) {
     Stage stage;
     ASSERT_EQ(stage.world.add_soft(ball_at({0.05, 0, 1.2})), AddResult::kAdded);
     double fastest = 0.0;
@@ -77,7 +77,7 @@ TEST(SoftBall, IsNotBlownUpByAPersonWhoAppearsInIt) {
     EXPECT_LT(volume, 1.2 * 0.022);
     stage.world.remove_person("anna");
     stage.run(3.0);
-    EXPECT_LT(stage.centre().z(), 0.2);  // and falls when the person is gone
+    EXPECT_LT(stage.centre().z(), 0.2);  // and falls when the person has left
     EXPECT_NEAR(stage.volume_m3(), 0.022, 0.002);
 }
 

@@ -12,7 +12,7 @@
 #include <functional>
 #include <vector>
 
-/// Soft things, and a place where tests let them fall, hang and be touched.
+/// Soft objects, and a stage on which tests let them fall, hang and be touched.
 namespace atrium::physics {
 
 inline constexpr double kTickS = 1.0 / 120.0;
@@ -53,7 +53,7 @@ inline SoftObject rope_at(const Eigen::Vector3d& position) {
     return rope;
 }
 
-// A world with a floor, and one person of whom a mesh comes at 30 Hz.
+// A world with a floor and one person, whose meshes arrive at 30 Hz.
 class Stage {
 public:
     explicit Stage(const WorldOptions& options = {}) : world(options) {
@@ -100,7 +100,7 @@ public:
         for (const Eigen::Vector3f& p : soft(id).positions) low = std::min<double>(low, p.z());
         return low;
     }
-    /// Of a thing whose nodes weigh the same, about [kg m/s].
+    /// Momentum of an object whose nodes have about equal mass [kg m/s].
     Eigen::Vector3d momentum(const SoftObject& object) {
         Eigen::Vector3d sum = Eigen::Vector3d::Zero();
         const SoftState& state = soft(object.id);
@@ -134,7 +134,7 @@ public:
         }
         return length;
     }
-    /// Gives a soft thing one velocity as a whole.
+    /// Gives all nodes of a soft object one velocity.
     void throw_soft(std::uint32_t id, const Eigen::Vector3d& velocity) {
         SoftState state = soft(id);
         for (Eigen::Vector3f& v : state.velocities) v = velocity.cast<float>();

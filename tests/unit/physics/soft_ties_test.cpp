@@ -1,4 +1,4 @@
-// What hangs on ropes and cloths.
+// Objects that hang on ropes and cloths.
 #include "soft_stage.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ constexpr double kRopeM = 1.2;
 constexpr double kRopeKg = 0.3;
 constexpr double kBallM = 0.12;
 
-// A rope from `top`, `slant_rad` off the vertical, at whose end a ball hangs by its skin.
+// A rope from `top`, `slant_rad` off the vertical. A ball hangs by its skin at the end.
 void add_pendulum(Stage& stage, const Eigen::Vector3d& top, double mass_kg, double slant_rad) {
     const Eigen::Quaterniond turned(
         Eigen::AngleAxisd(0.5 * std::numbers::pi - slant_rad, Eigen::Vector3d::UnitY()));
@@ -39,7 +39,7 @@ double fastest_within(Stage& stage, double seconds) {
     return fastest;
 }
 
-TEST(SoftTies, AWeightOnARopeComesToRest) {
+TEST(SoftTies, WeightOnARopeComesToRest) {
     for (const double mass_kg : {0.05, 0.4, 7.0}) {
         for (const Eigen::Vector2d& at : {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(0.5, 1.3)}) {
             Stage stage;
@@ -60,13 +60,13 @@ TEST(SoftTies, AWeightOnARopeComesToRest) {
     }
 }
 
-TEST(SoftTies, APendulumDoesNotSwingItselfUp) {
+TEST(SoftTies, PendulumGainsNoAmplitude) {
     for (const double mass_kg : {0.05, 0.4, 7.0}) {
         for (const double slant_rad : {0.2, 0.52, 1.2}) {
             Stage stage;
             const Eigen::Vector3d top(0.3, -0.2, 2.4);
             add_pendulum(stage, top, mass_kg, slant_rad);
-            // of both, per mass of both: the end of a rope may be fast for a moment
+            // of both per mass of both: the end of a rope may be fast for a moment
             const auto energy = [&] {
                 const RigidState ball = stage.rigid(kWeight);
                 double sum = mass_kg * (9.81 * ball.world_from_object.translation.z() +
@@ -87,7 +87,7 @@ TEST(SoftTies, APendulumDoesNotSwingItselfUp) {
     }
 }
 
-TEST(SoftTies, ABarAtTheFootOfAClothComesToRest) {
+TEST(SoftTies, BarAtTheFootOfAClothComesToRest) {
     for (const double mass_kg : {0.1, 0.5, 3.0}) {
         Stage stage;
         SoftObject cloth = curtain_at({0.4, -0.3, 1.5});
@@ -106,8 +106,8 @@ TEST(SoftTies, ABarAtTheFootOfAClothComesToRest) {
     }
 }
 
-// As where somebody takes the weight of a swing along until it slips out of her hands.
-TEST(SoftTies, DoNotFlingWhatHangsOnARope) {
+// As if somebody pulled the weight of a swing along and lost hold of it.
+TEST(SoftTies, DoNotFlingAWeightOnARope) {
     Stage stage;
     add_pendulum(stage, {0, 0, 2.2}, 0.4, 0.0);
     stage.run(1.0);
@@ -127,7 +127,8 @@ TEST(SoftTies, DoNotFlingWhatHangsOnARope) {
             ASSERT_LT(stage.rigid(kWeight).linear_velocity.norm(), 6.5) << away_m << " m";
         });
         stage.run(8.0);
-        EXPECT_LT(stage.rigid(kWeight).linear_velocity.norm(), 0.8) << "it has nearly swung out";
+        EXPECT_LT(stage.rigid(kWeight).linear_velocity.norm(), 0.8)
+            << "the swing must have nearly ended";
     }
 }
 

@@ -88,7 +88,7 @@ SavedWorld random_world(Random& random, std::size_t max_objects) {
     return world;
 }
 
-TEST(StateCodec, GivesBackWhatWasSaved) {
+TEST(StateCodec, RoundTripIsExact) {
     Random random(31);
     for (int round = 0; round < 200; ++round) {
         const SavedWorld world = random_world(random, 40);
@@ -103,7 +103,7 @@ TEST(StateCodec, GivesBackWhatWasSaved) {
             EXPECT_EQ(back->added[i].name, world.added[i].name);
             EXPECT_EQ(back->added[i].texture, world.added[i].texture);
         }
-        EXPECT_EQ(encode(*back), bytes) << "down to the last bit";
+        EXPECT_EQ(encode(*back), bytes) << "a second encoding must have the same bits";
     }
 }
 
@@ -123,8 +123,8 @@ TEST(StateCodec, RefusesEveryTruncationAndEveryFlippedBit) {
     EXPECT_FALSE(decode(damaged)) << "longer";
 }
 
-// The checksum keeps accidents out, not somebody who computes it: what is behind it is checked too.
-TEST(StateCodec, RefusesNonsenseBehindAGoodChecksum) {
+// The checksum detects accidents, but anybody can compute it. The decoder also checks the content.
+TEST(StateCodec, RefusesInvalidContentWithAGoodChecksum) {
     Random random(33);
     SavedWorld good = random_world(random, 6);
     good.state.objects.resize(2);
@@ -148,7 +148,7 @@ TEST(StateCodec, RefusesNonsenseBehindAGoodChecksum) {
     EXPECT_TRUE(refused([](SavedWorld& w) { w.added[0].mass_kg = -1; }));
 }
 
-TEST(StateCodec, SurvivesAnyBytesBehindAGoodHeader) {
+TEST(StateCodec, SurvivesAnyBytesAfterAGoodHeader) {
     Random random(34);
     const auto sound = encode(random_world(random, 5));
     int num_decoded = 0;
@@ -165,10 +165,10 @@ TEST(StateCodec, SurvivesAnyBytesBehindAGoodHeader) {
             for (const auto& motion : world->state.objects) ASSERT_TRUE(physics::is_valid(motion));
         }
     }
-    EXPECT_GT(num_decoded, 100) << "the header that this test makes is a good one";
+    EXPECT_GT(num_decoded, 100) << "the test's header must be valid";
 }
 
-TEST(StateFile, IsTheOldOrTheNewOneWheneverItsWriterIsKilled) {
+TEST(StateFile, IsOldOrNewWheneverItsWriterIsKilled) {
     const Folder folder;
     const fs::path file = folder / "world.state";
     Random random(35);
@@ -186,11 +186,11 @@ TEST(StateFile, IsTheOldOrTheNewOneWheneverItsWriterIsKilled) {
         const auto bytes = read_file(file);
         ASSERT_TRUE(bytes) << bytes.error().message;
         ASSERT_EQ(bytes->size(), 200'000U);
-        EXPECT_EQ(*bytes, make(bytes->front())) << "all of one save";
+        EXPECT_EQ(*bytes, make(bytes->front())) << "the file mixes two saves";
     }
 }
 
-TEST(StateFile, ThatIsBadIsKeptAside) {
+TEST(StateFile, IsKeptAsideIfBad) {
     const Folder folder;
     const fs::path file = folder / "world.state";
     for (const char* text : {"first", "second"}) {
@@ -200,7 +200,7 @@ TEST(StateFile, ThatIsBadIsKeptAside) {
         EXPECT_FALSE(fs::exists(file));
         std::string found;
         std::ifstream(*aside) >> found;
-        EXPECT_EQ(found, text) << "none overwrites another";
+        EXPECT_EQ(found, text) << "one backup overwrote another";
     }
     EXPECT_FALSE(put_aside(file));
     EXPECT_EQ(read_file(file).error().kind, ErrorKind::kNotFound);
@@ -236,7 +236,7 @@ bus::SceneCommand command(bus::CommandKind kind, std::uint32_t target) {
     return c;
 }
 
-TEST(SavedScene, ComesBackWithWhatWasAddedAndWithoutWhatWasRemoved) {
+TEST(SavedScene, ReturnsWithAddedAndWithoutRemovedObjects) {
     const Folder folder;
     const WorldServerConfig config = floor_and_balls(folder / "world.state");
     auto scene = Scene::create(config);
@@ -266,7 +266,7 @@ TEST(SavedScene, ComesBackWithWhatWasAddedAndWithoutWhatWasRemoved) {
     EXPECT_EQ(back.objects()[3].friction, 0.9);
     const auto again = back.apply(add);
     ASSERT_TRUE(again);
-    EXPECT_EQ(again->at(0).object.object, 1001U) << "no id is given twice";
+    EXPECT_EQ(again->at(0).object.object, 1001U) << "an id was assigned twice";
     EXPECT_TRUE(scene->apply(add));
     for (int i = 0; i < 100; ++i) {
         back.world().tick();
@@ -293,10 +293,10 @@ TEST(SavedScene, OfAnotherWorldIsRefusedAndKeptAside) {
     EXPECT_TRUE(fs::exists(config.state_file.string() + ".bad-1"));
     const auto none = load_scene(config);
     ASSERT_TRUE(none);
-    EXPECT_FALSE(*none) << "nothing is there now";
+    EXPECT_FALSE(*none) << "no file must remain";
 }
 
-TEST(SavedScene, ThatNamesAnObjectWhichIsNotThereIsRefusedAsAWhole) {
+TEST(SavedScene, IsRefusedAsAWholeIfItNamesAMissingObject) {
     const Folder folder;
     const WorldServerConfig config = floor_and_balls(folder / "world.state");
     auto scene = Scene::create(config);

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-/// Objects and helpers of the tests of things.
+/// Objects and helpers for tests of objects.
 namespace atrium::physics {
 
 inline constexpr std::uint32_t kFloorId = 1;
@@ -50,7 +50,7 @@ inline RigidState state_of(const World& world, std::uint32_t id) {
     return {};
 }
 
-/// Where a point of an object, given at its start in the world, is now.
+/// Current position of a point of an object. The point is given at its start in the world.
 inline Eigen::Vector3d now_at(const World& world,
                               const RigidObject& object,
                               const Eigen::Vector3d& place_at_start) {

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-// What a world file may say besides simple objects, and what it may not.
+// Everything in a world file besides simple objects, and its errors.
 namespace atrium::world_server {
 namespace {
 
@@ -88,8 +88,8 @@ TEST_F(WorldFile, ReadsModelsMaterialsAndTextures) {
     EXPECT_EQ(corner.scene.texture, "models/paint.png");
     EXPECT_LT((corner.scene.size_m - Eigen::Vector3d::Constant(0.6)).norm(), 1e-6);
     EXPECT_NEAR(corner.scene.mass_kg, 1800 * 0.6 * 0.6 * 0.6 / 6.0, 1e-3);
-    EXPECT_EQ(corner.scene.friction, 0.3) << "the object's own";
-    EXPECT_EQ(corner.scene.restitution, 0.05) << "the material's";
+    EXPECT_EQ(corner.scene.friction, 0.3) << "the object's own friction must win";
+    EXPECT_EQ(corner.scene.restitution, 0.05) << "restitution must come from the material";
     EXPECT_EQ(corner.rolling_friction_m, 0.01);
     EXPECT_EQ(corner.scene.colour, Eigen::Vector3d(0.5, 0.3, 0.2));
     EXPECT_EQ(config->objects[1].scene.shape, bus::Shape::kCompound);
@@ -115,8 +115,9 @@ TEST_F(WorldFile, ReadsJointsPuppetsBoundsAndScenery) {
     ASSERT_EQ(config->objects.size(), 15U);
     EXPECT_EQ(config->objects[2].scene.name, "jack.pelvis");
     for (std::size_t i = 0; i < config->objects.size(); ++i)
-        EXPECT_EQ(config->objects[i].scene.object, i + 1) << "ids in a stable order";
-    ASSERT_EQ(config->joints.size(), 12U + 3U + 2U) << "of the puppet, its strings, the file";
+        EXPECT_EQ(config->objects[i].scene.object, i + 1) << "ids must have a stable order";
+    ASSERT_EQ(config->joints.size(), 12U + 3U + 2U)
+        << "joints of the puppet, of its strings, of the file";
     const physics::Joint& hinge = config->joints[15];
     EXPECT_EQ(hinge.kind, physics::JointKind::kHinge);
     EXPECT_EQ(hinge.a, 1U);

@@ -28,7 +28,7 @@ WorldServerConfig test_world() {
     return config;
 }
 
-// A site and a viewer in one, to see what the server does.
+// A site and a viewer in one, to observe the server.
 struct Guest {
     bus::Participant participant;
     bus::Writer<bus::SiteDescription> descriptions;
@@ -74,7 +74,7 @@ struct Guest {
         status_reader.take([&](bus::WorldStatus&& m) { status = std::move(m); });
     }
 
-    // True once `holds()`; `meanwhile` is called about 30 times a second.
+    // Returns true once `holds()`. Calls `meanwhile` about 30 times a second.
     bool wait_until(
         const std::function<bool()>& holds, const std::function<void()>& meanwhile = [] {}) {
         const Clock::time_point end = Clock::now() + std::chrono::seconds(20);
@@ -96,14 +96,14 @@ struct Guest {
     }
 };
 
-TEST(WorldServer, ServesASiteAndAViewerFromTheirArrivalToTheirLeave) {
+TEST(WorldServer, ServesASiteAndAViewerFromArrivalToLeave) {
     const WorldServerConfig config = test_world();
     auto server = WorldServer::create(config);
     ASSERT_TRUE(server) << server.error().message;
     std::jthread running([&](std::stop_token stop) { EXPECT_TRUE((*server)->run(stop)); });
     auto guest = std::make_unique<Guest>(Guest::create(config.bus));
 
-    // who joins late hears of the objects, their state, and the places of named sites
+    // a late joiner receives the objects, their state, and the places of named sites
     ASSERT_TRUE(guest->wait_until([&] {
         return guest->objects.size() == 2 && guest->state.objects.size() == 2 &&
                guest->placements.contains("alice");
@@ -111,7 +111,7 @@ TEST(WorldServer, ServesASiteAndAViewerFromTheirArrivalToTheirLeave) {
     EXPECT_EQ(guest->objects[2].name, "ball");
     EXPECT_EQ(guest->state.world, config.bus.world);
 
-    // a foot that comes along pushes the ball
+    // a foot that moves along pushes the ball
     bus::SiteDescription description;
     description.site = "alice";
     description.bounds_site.add({-1, -1, 0});
@@ -137,10 +137,10 @@ TEST(WorldServer, ServesASiteAndAViewerFromTheirArrivalToTheirLeave) {
     EXPECT_EQ(guest->status.num_rejected, 0U);
     EXPECT_GT(guest->status.capture_to_collision.num_samples, 0U);
 
-    // commands: reset, add, and one that makes no sense
+    // commands: reset, add, and an invalid one
     bus::SceneCommand command;
     command.sender = "guest";
-    mesh.draco.clear();  // the room is empty, so that nobody is in the ball's place
+    mesh.draco.clear();  // the room is empty, which keeps the ball's place free
     mesh.capture_time = Timestamp::now();
     ASSERT_TRUE(guest->meshes.write(mesh));
     command.kind = bus::CommandKind::kAdd;
@@ -168,7 +168,7 @@ TEST(WorldServer, ServesASiteAndAViewerFromTheirArrivalToTheirLeave) {
     EXPECT_EQ((*server)->status().num_sites, 0U);
 }
 
-TEST(WorldServer, TakesALastMeshOfASiteThatHasEndedForNoNewArrival) {
+TEST(WorldServer, LateMeshOfAnEndedSiteIsNoNewArrival) {
     const WorldServerConfig config = test_world();
     auto server = WorldServer::create(config);
     ASSERT_TRUE(server) << server.error().message;
@@ -196,7 +196,7 @@ TEST(WorldServer, TakesALastMeshOfASiteThatHasEndedForNoNewArrival) {
     ASSERT_TRUE(guest.descriptions.write(description));
     ASSERT_TRUE(guest.wait_until(is_there, send_mesh));
 
-    // as if these had waited in a queue while the description went
+    // as if these meshes had waited in a queue while the description was disposed
     ASSERT_TRUE(guest.descriptions.dispose(description));
     ASSERT_TRUE(guest.wait_until([&] { return (*server)->status().num_sites == 0; }));
     const std::uint64_t num_before = (*server)->status().num_meshes_received;
@@ -209,13 +209,13 @@ TEST(WorldServer, TakesALastMeshOfASiteThatHasEndedForNoNewArrival) {
         send_mesh));
     EXPECT_FALSE(has_arrived || (*server)->status().num_sites > 0);
 
-    // one that begins again is there again
+    // a site that starts again appears again
     ASSERT_TRUE(guest.descriptions.write(description));
     EXPECT_TRUE(guest.wait_until(is_there, send_mesh));
     EXPECT_EQ((*server)->status().num_rejected, 0U);
 }
 
-TEST(WorldServer, LetsGoOfWhatAGuestHeldWhoIsGoneAndRefusesWhatIsNotAllowed) {
+TEST(WorldServer, ReleasesObjectsOfALostGuestAndRefusesForbiddenCommands) {
     WorldServerConfig config = test_world();
     config.rights.reset = {.everyone = false, .names = {"host"}};
     auto server = WorldServer::create(config);
@@ -256,7 +256,7 @@ TEST(WorldServer, LetsGoOfWhatAGuestHeldWhoIsGoneAndRefusesWhatIsNotAllowed) {
     EXPECT_GT(witness->status.step.num_samples, 0U);
 }
 
-TEST(WorldServer, GoesOnFromWhereItWasStopped) {
+TEST(WorldServer, ContinuesFromItsSavedState) {
     WorldServerConfig config = test_world();
     config.state_file =
         std::filesystem::temp_directory_path() / ("atrium-server-" + std::to_string(getpid()));
@@ -284,14 +284,14 @@ TEST(WorldServer, GoesOnFromWhereItWasStopped) {
         ASSERT_TRUE(guest.commands.write(command));
         EXPECT_TRUE(guest.wait_until([&] { return guest.ball_x() > 0.5; }));
         EXPECT_TRUE(guest.wait_until([&] { return guest.status.num_saves > 0; }))
-            << "now and then, by itself";
+            << "the server must save periodically";
         x_m = guest.ball_x();
         tick = guest.state.tick;
     });
     live([&](Guest& guest) {
         EXPECT_GE(guest.state.tick, tick);
-        EXPECT_GE(guest.ball_x(), x_m - 0.01) << "where it was, or rolled on";
-        // back to what was saved
+        EXPECT_GE(guest.ball_x(), x_m - 0.01) << "the ball must be where it was, or have rolled on";
+        // back to the saved state
         command.kind = bus::CommandKind::kSave;
         ASSERT_TRUE(guest.commands.write(command));
         EXPECT_TRUE(guest.wait_until([&] { return guest.status.num_saves > 1; }));
@@ -301,7 +301,7 @@ TEST(WorldServer, GoesOnFromWhereItWasStopped) {
         EXPECT_TRUE(guest.wait_until([&] { return guest.state.tick > before + 30; }));
         EXPECT_GE(guest.ball_x(), x_m - 0.01);
     });
-    // a damaged file: the world starts as described, and the file is kept
+    // a damaged file: the world starts as described, and the server keeps the file
     std::filesystem::resize_file(config.state_file, 40);
     live([&](Guest& guest) { EXPECT_LT(std::abs(guest.ball_x()), 0.05); });
     const std::filesystem::path aside = config.state_file.string() + ".bad-1";
@@ -310,7 +310,7 @@ TEST(WorldServer, GoesOnFromWhereItWasStopped) {
     std::filesystem::remove(config.state_file);
 }
 
-TEST(WorldServer, LeavesTheFileOfAnotherAloneThatHasTheName) {
+TEST(WorldServer, KeepsTheFileOfAServerThatHoldsTheName) {
     WorldServerConfig config = test_world();
     config.state_file =
         std::filesystem::temp_directory_path() / ("atrium-taken-" + std::to_string(getpid()));
@@ -327,7 +327,7 @@ TEST(WorldServer, LeavesTheFileOfAnotherAloneThatHasTheName) {
     std::filesystem::remove(config.state_file);
 }
 
-TEST(WorldServer, SaysAtOnceThatItsStateCannotBeKeptAndInTheEndThatItWasNot) {
+TEST(WorldServer, ReportsAnUnwritableStateFileAtStartAndEnd) {
     WorldServerConfig config = test_world();
     const std::filesystem::path folder =
         std::filesystem::temp_directory_path() / ("atrium-gone-" + std::to_string(getpid()));
@@ -341,12 +341,12 @@ TEST(WorldServer, SaysAtOnceThatItsStateCannotBeKeptAndInTheEndThatItWasNot) {
     config.save_every_s = 0.0;
     auto kept = WorldServer::create(config);
     ASSERT_TRUE(kept) << kept.error().message;
-    EXPECT_TRUE(std::filesystem::is_empty(folder)) << "having looked leaves nothing";
+    EXPECT_TRUE(std::filesystem::is_empty(folder)) << "the check must leave no file";
     std::filesystem::remove(folder);
     EXPECT_FALSE((*kept)->run({}));
 }
 
-TEST(WorldServer, EndsByItselfAfterTheTimeItWasGiven) {
+TEST(WorldServer, EndsAfterItsTimeLimit) {
     WorldServerConfig config = test_world();
     config.seconds = 0.3;
     auto server = WorldServer::create(config);
@@ -354,10 +354,10 @@ TEST(WorldServer, EndsByItselfAfterTheTimeItWasGiven) {
     ASSERT_TRUE((*server)->run({}));
     const std::uint64_t num_steps = (*server)->status().num_steps;
     EXPECT_GT(num_steps, 3U);
-    EXPECT_LE(num_steps, 37U) << "never faster than real time";
+    EXPECT_LE(num_steps, 37U) << "steps must not run faster than real time";
 }
 
-TEST(WorldServer, SaysWhatIsWrongWithItsDescription) {
+TEST(WorldServer, NamesErrorsOfItsDescription) {
     WorldServerConfig config = test_world();
     config.objects[1].scene.mass_kg = 1e9;
     const auto server = WorldServer::create(config);

@@ -13,7 +13,7 @@
 namespace atrium::physics {
 namespace {
 
-// Things of every shape above a floor: they fall, hit each other, roll, and some come to rest.
+// Objects of every shape above a floor. They fall, collide and roll, and some come to rest.
 void add_things(World& world) {
     world.add({.id = 1, .shape = ObjectShape::kPlane});
     std::mt19937 random(5);
@@ -33,7 +33,7 @@ void add_things(World& world) {
     }
 }
 
-// A chain of four boxes on a ball joint, hinges and a spring, which swings among them.
+// A chain of four boxes on a ball joint, hinges and a spring, which swings among the objects.
 void add_chain(World& world) {
     for (std::uint32_t id = 60; id < 64; ++id) {
         world.add(
@@ -60,7 +60,7 @@ void add_chain(World& world) {
     ASSERT_TRUE(world.add_joint(spring));
 }
 
-// A cloth that hangs where the things fall, and a soft ball among them.
+// A cloth that hangs where the objects fall, and a soft ball among them.
 void add_soft_things(World& world) {
     SoftObject cloth;
     cloth.id = 50;
@@ -77,7 +77,7 @@ void add_soft_things(World& world) {
     ASSERT_EQ(world.add_soft(ball), AddResult::kAdded);
 }
 
-// What happens at a tick of the recorded input, the same in every run.
+// The input of a tick, the same in every run.
 void input(World& world, int tick) {
     if (tick % 40 == 7) world.push(2 + static_cast<std::uint32_t>(tick) % 30, {0.6, -0.3, 0.8});
     if (tick == 130) world.grab("eve", 5, {0, 0, 0}, {0.2, 0.2, 1.0});
@@ -92,7 +92,7 @@ void input(World& world, int tick) {
     }
 }
 
-// A person who walks through the things.
+// A person who walks through the objects.
 class Walker {
 public:
     void set(World& world, int tick) {
@@ -131,7 +131,7 @@ TEST(RecordedInput, GivesTheSameHashTwice) {
     }
 }
 
-TEST(RecordedInput, GivesTheSameHashFromARestoredStateAsInTheWorldThatSavedIt) {
+TEST(RecordedInput, GivesTheSameHashFromARestoredState) {
     for (const int save_at : {1, 60, 150, 300}) {
         World world{{}};
         add_things(world);
@@ -144,8 +144,9 @@ TEST(RecordedInput, GivesTheSameHashFromARestoredStateAsInTheWorldThatSavedIt) {
         }
         world.get_state(state);
         const std::uint64_t hash = world.state_hash();
-        ASSERT_TRUE(world.set_state(state)) << "the world that saves goes on from what it saved";
-        EXPECT_EQ(world.state_hash(), hash) << "and is not moved by that";
+        ASSERT_TRUE(world.set_state(state))
+            << "the saving world must continue from its saved state";
+        EXPECT_EQ(world.state_hash(), hash) << "the restore must not move the world";
 
         World restored{{}};
         add_things(restored);
@@ -206,7 +207,7 @@ TEST(WorldState, SavingHardlyDisturbsAStack) {
     }
 }
 
-TEST(WorldState, ThatMakesNoSenseChangesNothing) {
+TEST(WorldState, ChangesNothingIfInvalid) {
     World world{{}};
     add_things(world);
     for (int i = 0; i < 30; ++i) world.tick();

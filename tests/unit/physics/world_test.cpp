@@ -39,11 +39,11 @@ RigidState state_of(const World& world, std::uint32_t id) {
     return {};
 }
 
-TEST(World, LetsABallFallAsGalileoSays) {
+TEST(World, LetsABallFallByGalileosLaw) {
     World world({});
     ASSERT_EQ(world.add(ball(2, {0, 0, 10})), AddResult::kAdded);
     run(world, 1.0);
-    // the 2 % per second of air damping take 3 cm; the semi-implicit step adds 4 cm
+    // the air damping of 2 % per second costs 3 cm; the semi-implicit step adds 4 cm
     EXPECT_NEAR(state_of(world, 2).world_from_object.translation.z(), 10.0 - 4.905, 0.1);
 }
 
@@ -83,7 +83,7 @@ TEST(World, KeepsATowerOfBoxesStanding) {
     EXPECT_LT(top.world_from_object.translation.head<2>().norm(), 0.02);
 }
 
-TEST(World, RefusesWhatMakesNoSense) {
+TEST(World, RefusesInvalidObjects) {
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
     World world({.max_objects = 2});
     const auto refused = [&](auto change) {
@@ -98,11 +98,12 @@ TEST(World, RefusesWhatMakesNoSense) {
     EXPECT_TRUE(refused([&](RigidObject& o) { o.size_m.setConstant(1e9); }));
     EXPECT_TRUE(refused([&](RigidObject& o) { o.size_m.z() = 0.3; })) << "an egg";
     EXPECT_TRUE(refused([&](RigidObject& o) { o.mass_kg = -1.0; }));
-    EXPECT_TRUE(refused([&](RigidObject& o) { o.mass_kg = 1000.0; })) << "denser than any metal";
+    EXPECT_TRUE(refused([&](RigidObject& o) { o.mass_kg = 1000.0; }))
+        << "an object denser than any metal";
     EXPECT_TRUE(refused([&](RigidObject& o) { o.friction = -0.1; }));
     EXPECT_TRUE(refused([&](RigidObject& o) { o.restitution = 1.5; }));
     EXPECT_TRUE(refused([&](RigidObject& o) { o.shape = ObjectShape::kPlane; }))
-        << "a plane that falls";
+        << "a movable plane";
     EXPECT_EQ(world.num_objects(), 0U);
 
     EXPECT_EQ(world.add(ball(1, {0, 0, 1})), AddResult::kAdded);
@@ -119,7 +120,7 @@ TEST(World, PushChangesVelocityByImpulseOverMassAndWakes) {
     ASSERT_TRUE(world.push(2, {0, 0, 9.0}));
     world.tick();
     EXPECT_NEAR(state_of(world, 2).linear_velocity.z(), 3.0 - 9.81 / 120.0, 0.05);
-    EXPECT_FALSE(world.push(1, {1, 0, 0})) << "the floor";
+    EXPECT_FALSE(world.push(1, {1, 0, 0})) << "a push of the floor";
     EXPECT_FALSE(world.push(9, {1, 0, 0})) << "nobody";
     EXPECT_FALSE(world.push(2, Eigen::Vector3d::Constant(std::nan(""))));
 }
@@ -134,7 +135,7 @@ TEST(World, LimitsSpeed) {
     }
 }
 
-TEST(World, PutsBackWhatLeftTheWorldAndCountsIt) {
+TEST(World, ResetsAndCountsObjectsThatLeave) {
     World world({});  // no floor
     ASSERT_EQ(world.add(ball(2, {0, 0, 0.5})), AddResult::kAdded);
     run(world, 0.7);
@@ -142,10 +143,10 @@ TEST(World, PutsBackWhatLeftTheWorldAndCountsIt) {
     EXPECT_GT(state_of(world, 2).world_from_object.translation.z(), -1.0);
 }
 
-TEST(World, SeparatesOverlappingObjectsWithoutAnExplosion) {
+TEST(World, SeparatesOverlappingObjectsGently) {
     World world({});
     ASSERT_EQ(world.add(floor_object()), AddResult::kAdded);
-    for (std::uint32_t i = 0; i < 6; ++i) {  // all in the same place
+    for (std::uint32_t i = 0; i < 6; ++i) {  // all at the same place
         ASSERT_EQ(world.add(box(2 + i, {0.001 * i, 0, 0.2})), AddResult::kAdded);
     }
     double fastest = 0.0;
@@ -159,7 +160,7 @@ TEST(World, SeparatesOverlappingObjectsWithoutAnExplosion) {
     EXPECT_EQ(world.counters().num_not_finite, 0U);
 }
 
-TEST(World, ResetPutsEverythingBackAtRest) {
+TEST(World, ResetReturnsEverythingAtRest) {
     World world({});
     ASSERT_EQ(world.add(floor_object()), AddResult::kAdded);
     ASSERT_EQ(world.add(ball(2, {0.3, 0, 1.0})), AddResult::kAdded);
@@ -169,10 +170,11 @@ TEST(World, ResetPutsEverythingBackAtRest) {
     EXPECT_LT((state.world_from_object.translation - Eigen::Vector3d(0.3, 0, 1.0)).norm(), 1e-6);
     EXPECT_EQ(state.linear_velocity, Eigen::Vector3d::Zero());
     run(world, 0.2);
-    EXPECT_LT(state_of(world, 2).world_from_object.translation.z(), 0.9) << "it falls again";
+    EXPECT_LT(state_of(world, 2).world_from_object.translation.z(), 0.9)
+        << "the object must fall again";
 }
 
-TEST(World, WhatRestedOnARemovedObjectFalls) {
+TEST(World, ObjectsOnARemovedObjectFall) {
     World world({});
     ASSERT_EQ(world.add(floor_object()), AddResult::kAdded);
     ASSERT_EQ(world.add(box(2, {0, 0, 0.125})), AddResult::kAdded);

@@ -24,7 +24,7 @@ using bus::testing::value;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-/// What a member said.
+/// The messages of one member.
 struct Said {
     std::mutex mutex;
     std::vector<std::string> lines;
@@ -61,7 +61,7 @@ auto join(const BusOptions& options, const std::string& name, Said& said) {
         participant, {ProgramKind::kSiteNode, name, "1.2.3"}, said.events(), {});
 }
 
-TEST(Membership, KnowsWhoIsThereAndWhoHasLeft) {
+TEST(Membership, ReportsWhoJoinedAndWhoLeft) {
     const BusOptions options = own_world("present", 120);
     Said said;
     const auto first = value(join(options, "lab", said));
@@ -80,7 +80,7 @@ TEST(Membership, KnowsWhoIsThereAndWhoHasLeft) {
     EXPECT_EQ(said.num_lost(), 0U);
 }
 
-TEST(Membership, ALaterOneOfTheSameNameIsRefusedAndTheFirstGoesOn) {
+TEST(Membership, SecondOfTheSameNameIsRefusedAndTheFirstStays) {
     const BusOptions options = own_world("refused", 121);
     Said first_said;
     Said second_said;
@@ -98,7 +98,7 @@ TEST(Membership, ALaterOneOfTheSameNameIsRefusedAndTheFirstGoesOn) {
     EXPECT_TRUE(eventually([&] { return first->present().size() == 1; }));
 }
 
-TEST(Membership, OfTwoThatJoinAtTheSameInstantExactlyOneSurvives) {
+TEST(Membership, OneOfTwoSimultaneousJoinsSurvives) {
     for (int round = 0; round < 3; ++round) {
         const BusOptions options = own_world("instant" + std::to_string(round), 122);
         Said said[2];
@@ -125,8 +125,8 @@ TEST(Membership, OfTwoThatJoinAtTheSameInstantExactlyOneSurvives) {
     }
 }
 
-// What a network that was cut and healed looks like to the member that did not see it coming.
-TEST(Membership, GivesWayToAnOlderHolderThatTurnsUp) {
+// How a network that was cut and healed looks to the member that did not notice the cut.
+TEST(Membership, GivesWayToAnOlderHolder) {
     const BusOptions options = own_world("healed", 123);
     Said said;
     const auto member = value(join(options, "lab", said));
@@ -138,7 +138,7 @@ TEST(Membership, GivesWayToAnOlderHolderThatTurnsUp) {
     other.start_time = other.start_time + 1h;
     ASSERT_TRUE(writer.write(other));
     ASSERT_TRUE(eventually([&] { return member->present().size() == 2; }));
-    EXPECT_EQ(said.num_lost(), 0U) << "that one is younger";
+    EXPECT_EQ(said.num_lost(), 0U) << "must not give way to a younger holder";
     other.start_time = other.start_time + -2h;
     ASSERT_TRUE(writer.write(other));
     ASSERT_TRUE(eventually([&] { return said.num_lost() == 1; }));
@@ -146,7 +146,7 @@ TEST(Membership, GivesWayToAnOlderHolderThatTurnsUp) {
     EXPECT_THAT(said.lost.front().message, AllOf(HasSubstr("'lab'"), HasSubstr("omega")));
 }
 
-TEST(Membership, OneThatIsStoppedWhileItAsksEnds) {
+TEST(Membership, EndsWhenStoppedWhileAsking) {
     const auto participant = value(Participant::create(own_world("stopped", 124)));
     Said said;
     std::stop_source stop;

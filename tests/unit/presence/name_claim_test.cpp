@@ -28,7 +28,7 @@ Presence lab(std::uint64_t instance, std::int64_t start_s, bool is_holder) {
     return presence;
 }
 
-TEST(NameClaim, IsHeldAfterListeningWhereNobodyElseWantsIt) {
+TEST(NameClaim, IsHeldAfterListeningWithoutRivals) {
     NameClaim claim(lab(1, 100, false), kStart);
     Presence other_name = lab(2, 50, true);
     other_name.name = "studio";
@@ -41,7 +41,7 @@ TEST(NameClaim, IsHeldAfterListeningWhereNobodyElseWantsIt) {
     EXPECT_EQ(claim.rival(), nullptr);
 }
 
-TEST(NameClaim, IsRefusedAtOnceWhereTheHolderAnswers) {
+TEST(NameClaim, IsRefusedAtOnceIfTheHolderAnswers) {
     NameClaim claim(lab(1, 100, false), kStart);
     claim.see(lab(2, 50, true), kStart);
     EXPECT_EQ(claim.decide(kStart + 10ms), Verdict::kWait);
@@ -55,9 +55,9 @@ TEST(NameClaim, IsRefusedAtOnceWhereTheHolderAnswers) {
                       HasSubstr("1970-01-01T00:00:50Z")));
 }
 
-// The holder's answer was its last word before the newcomer found it: that looks like a killed
-// one's.
-TEST(NameClaim, AsksAgainWhereTheAnswerCameBeforeItCouldBeHeard) {
+// The holder's last message came before the newcomer discovered it. That looks like the last
+// message of a killed holder.
+TEST(NameClaim, AsksAgainIfTheAnswerCameBeforeDiscovery) {
     NameClaim holder(lab(2, 50, false), kStart);
     ASSERT_EQ(holder.decide(kStart + 1s), Verdict::kHold);
     const auto begin = kStart + 2s;
@@ -70,14 +70,14 @@ TEST(NameClaim, AsksAgainWhereTheAnswerCameBeforeItCouldBeHeard) {
     const auto again = begin + NameClaim::kAskAgain;
     EXPECT_EQ(newcomer.decide(again), Verdict::kWait);
     EXPECT_TRUE(newcomer.should_ask(again));
-    EXPECT_FALSE(newcomer.should_ask(again + 20ms)) << "not with each look";
+    EXPECT_FALSE(newcomer.should_ask(again + 20ms)) << "must not ask at every check";
     holder.see(lab(1, 100, false), again);
     EXPECT_TRUE(holder.take_question());
     newcomer.see(lab(2, 50, true), again + 10ms);
     EXPECT_EQ(newcomer.decide(again + 10ms), Verdict::kRefused);
 }
 
-TEST(NameClaim, WhoAsksAllTheTimeIsNotAnsweredAllTheTime) {
+TEST(NameClaim, FrequentAskerGetsFewAnswers) {
     NameClaim holder(lab(2, 50, false), kStart);
     ASSERT_EQ(holder.decide(kStart + 1s), Verdict::kHold);
     int num_answers = 0;
@@ -88,14 +88,14 @@ TEST(NameClaim, WhoAsksAllTheTimeIsNotAnsweredAllTheTime) {
     EXPECT_EQ(num_answers, 10);
 }
 
-TEST(NameClaim, NobodyIsAskedWhereNobodyHoldsTheName) {
+TEST(NameClaim, AsksNobodyWithoutAHolder) {
     NameClaim claim(lab(1, 100, false), kStart);
     claim.see(lab(2, 50, false), kStart);
     EXPECT_EQ(claim.decide(kStart + 1s), Verdict::kWait);
     EXPECT_FALSE(claim.should_ask(kStart + 1s));
 }
 
-TEST(NameClaim, IsRefusedAlsoByAHolderWhoseClockIsBehindOrAhead) {
+TEST(NameClaim, IsRefusedByAHolderWithAWrongClock) {
     for (const std::int64_t holder_start_s : {std::int64_t{1}, std::int64_t{100'000}}) {
         NameClaim claim(lab(1, 5000, false), kStart);
         claim.see(lab(2, holder_start_s, true), kStart);
@@ -104,7 +104,7 @@ TEST(NameClaim, IsRefusedAlsoByAHolderWhoseClockIsBehindOrAhead) {
     }
 }
 
-TEST(NameClaim, OfOneThatWasKilledIsHadOnceItsLeaseIsOver) {
+TEST(NameClaim, IsFreeOnceTheLeaseOfAKilledHolderExpires) {
     NameClaim claim(lab(1, 100, false), kStart);
     claim.see(lab(2, 50, true), kStart);
     EXPECT_EQ(claim.decide(kStart + 1500ms), Verdict::kWait);
@@ -113,14 +113,14 @@ TEST(NameClaim, OfOneThatWasKilledIsHadOnceItsLeaseIsOver) {
     EXPECT_EQ(claim.decide(kStart + 1500ms), Verdict::kHold);
 }
 
-TEST(NameClaim, IsRefusedByASilentHolderThatDdsDoesNotLose) {
+TEST(NameClaim, IsRefusedByASilentHolderThatDdsStillSees) {
     NameClaim claim(lab(1, 100, false), kStart);
     claim.see(lab(2, 50, true), kStart);
     EXPECT_EQ(claim.decide(kStart + NameClaim::kLease - 1ms), Verdict::kWait);
     EXPECT_EQ(claim.decide(kStart + NameClaim::kLease), Verdict::kRefused);
 }
 
-// Runs both as their messages reach each other after `delay_steps` of 20 ms; returns who holds.
+// Runs both claims. Messages arrive after `delay_steps` of 20 ms. Returns the holders.
 std::vector<std::uint64_t> survivors(std::int64_t start_a_s,
                                      std::int64_t start_b_s,
                                      int delay_steps,
@@ -129,7 +129,7 @@ std::vector<std::uint64_t> survivors(std::int64_t start_a_s,
         Presence own;
         NameClaim claim;
         bool is_out = false;
-        std::vector<std::pair<int, Presence>> inbox;  // step of arrival
+        std::vector<std::pair<int, Presence>> inbox;  // step of arrival, message
     };
     std::vector<Process> all;
     all.push_back({lab(1, start_a_s, false), NameClaim(lab(1, start_a_s, false), kStart), {}, {}});
@@ -169,7 +169,7 @@ std::vector<std::uint64_t> survivors(std::int64_t start_a_s,
     return held;
 }
 
-TEST(NameClaim, OfTwoExactlyOneSurvivesHoweverTheyStart) {
+TEST(NameClaim, ExactlyOneOfTwoSurvivesAnyStart) {
     for (const std::int64_t start_b_s : {90, 100, 110}) {
         for (const int delay_steps : {0, 1, 10, 29, 31, 60}) {
             for (const int b_begins_step : {0, 1, 20, 30, 31, 100}) {
@@ -179,17 +179,17 @@ TEST(NameClaim, OfTwoExactlyOneSurvivesHoweverTheyStart) {
             }
         }
     }
-    // started together: the lower instance
+    // both started together: the lower instance number wins
     EXPECT_EQ(survivors(100, 100, 1, 0), std::vector<std::uint64_t>{1});
 }
 
-TEST(NameClaim, ALaterOneHasNoEffectOnTheFirstWhateverItsClockSays) {
+TEST(NameClaim, LaterClaimDoesNotAffectTheFirstWhateverItsClock) {
     for (const std::int64_t start_b_s : {1, 100, 100'000}) {
         EXPECT_EQ(survivors(100, start_b_s, 2, 100), std::vector<std::uint64_t>{1}) << start_b_s;
     }
 }
 
-TEST(NameClaim, OfTwoHoldersTheOlderStays) {
+TEST(NameClaim, OlderOfTwoHoldersStays) {
     NameClaim older(lab(5, 100, false), kStart);
     NameClaim younger(lab(6, 200, false), kStart);
     ASSERT_EQ(older.decide(kStart + 1s), Verdict::kHold);

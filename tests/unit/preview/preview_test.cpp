@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 using Bgr = std::array<int, 3>;
 constexpr Bgr kSomeColour{60, 120, 180};
 
-// One colour all over, as a sensor with `format` delivers it.
+// A picture of one colour, as a sensor with `format` delivers it.
 image::RawImage plain_picture(int width, int height, image::PixelFormat format) {
     const bool mosaic = format == image::PixelFormat::kBayerRG;
     const std::size_t stride = image::row_bytes(format, width);
@@ -68,10 +68,10 @@ int difference(const Bgr& a, const Bgr& b) {
     return sum;
 }
 
-// Where the only view of a preview begins.
+// Where the only view of a preview begins, in x and y.
 constexpr int kEdge = 4;
 
-TEST(PreviewPicture, TintsTheSilhouetteAndNothingElse) {
+TEST(PreviewPicture, TintsOnlyTheSilhouette) {
     for (const auto format : {image::PixelFormat::kBgr, image::PixelFormat::kBayerRG}) {
         Picture picture;
         draw({view_of(format)}, picture);
@@ -91,7 +91,7 @@ TEST(PreviewPicture, TintsTheSilhouetteAndNothingElse) {
     }
 }
 
-TEST(PreviewPicture, HasACellForEveryCameraEvenForOneThatIsGone) {
+TEST(PreviewPicture, HasACellForEveryCameraEvenIfLost) {
     for (std::size_t n = 1; n <= 12; ++n) {
         std::vector<View> views(n, view_of(image::PixelFormat::kBgr));
         views[n / 2] = {};
@@ -111,7 +111,7 @@ TEST(PreviewPicture, HasACellForEveryCameraEvenForOneThatIsGone) {
     }
 }
 
-TEST(Preview, ForegroundIsWhatTheOutlinesEnclose) {
+TEST(Preview, ForegroundIsTheAreaInsideTheOutlines) {
     EXPECT_DOUBLE_EQ(enclosed_area_px(view_of(image::PixelFormat::kBgr).outlines_px),
                      200.0 * 200.0 - 80.0 * 80.0);
     EXPECT_EQ(enclosed_area_px({}), 0.0);
@@ -124,7 +124,7 @@ protected:
         fs::path(testing::TempDir()) / ("atrium_preview_" + std::to_string(getpid()));
 };
 
-TEST_F(PreviewFile, IsWrittenWholeAndNothingElseIsLeft) {
+TEST_F(PreviewFile, IsWrittenCompletelyWithoutLeftovers) {
     const fs::path file = folder_ / "new" / "views.png";
     const View view = view_of(image::PixelFormat::kBgr);
     capture::Metaframe metaframe;
@@ -135,8 +135,8 @@ TEST_F(PreviewFile, IsWrittenWholeAndNothingElseIsLeft) {
         Preview preview(file, {"front", "gone"});
         EXPECT_TRUE(preview.count(metaframe));
         preview.show(metaframe, {view.outlines_px, {}});
-        EXPECT_FALSE(preview.count(metaframe));  // for a second
-    }                                            // what was shown is written all the same
+        EXPECT_FALSE(preview.count(metaframe));  // false for one second
+    }                                            // the destructor still writes the pending picture
     Picture drawn;
     draw({view, {}}, drawn);
     const cv::Mat read = cv::imread(file.string());
@@ -146,7 +146,7 @@ TEST_F(PreviewFile, IsWrittenWholeAndNothingElseIsLeft) {
     EXPECT_EQ(std::distance(fs::directory_iterator(file.parent_path()), {}), 1);
 }
 
-TEST_F(PreviewFile, SaysWhyItCannotBeWritten) {
+TEST_F(PreviewFile, NamesTheReasonOfAWriteError) {
     Picture picture;
     draw({}, picture);
     const auto written = write_png("/proc/no/such/place.png", picture);

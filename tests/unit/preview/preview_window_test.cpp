@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-// What is seen of the window, on a display of its own.
+// Shows the preview window on a private display and reads the display's pixels.
 namespace atrium::preview {
 namespace {
 
@@ -46,7 +46,7 @@ protected:
     std::unique_ptr<VirtualDisplay> display_;
 };
 
-TEST_F(PreviewWindowTest, ShowsThePictureUprightAndInItsOwnSize) {
+TEST_F(PreviewWindowTest, ShowsThePictureUprightAtItsSize) {
     auto window = PreviewWindow::open(kTitle);
     ASSERT_TRUE(window) << window.error().message;
     const Picture picture = two_colours(401, 300);  // rows of an odd number of bytes
@@ -60,13 +60,13 @@ TEST_F(PreviewWindowTest, ShowsThePictureUprightAndInItsOwnSize) {
     }));
 }
 
-TEST_F(PreviewWindowTest, KeepsThePicturesShapeWhereTheWindowHasAnother) {
+TEST_F(PreviewWindowTest, KeepsThePicturesAspectRatioInAnyWindow) {
     auto window = PreviewWindow::open(kTitle);
     ASSERT_TRUE(window) << window.error().message;
     const Picture picture = two_colours(400, 300);
     (*window)->show(picture);
     ASSERT_TRUE((*window)->stays_open());
-    display_->resize(kTitle, {1000, 600});  // the picture is 800 x 600 then, from 100 on
+    display_->resize(kTitle, {1000, 600});  // the picture is then 800 x 600 and begins at x = 100
     EXPECT_TRUE(comes_true([&] {
         (*window)->show(picture);
         return (*window)->stays_open() && display_->colour_in(kTitle, 95, 20) == kBlack &&
@@ -77,7 +77,7 @@ TEST_F(PreviewWindowTest, KeepsThePicturesShapeWhereTheWindowHasAnother) {
     EXPECT_EQ(display_->size_of(kTitle), (Size{1000, 600}));
 }
 
-TEST_F(PreviewWindowTest, IsClosedByEscapeAndByItsFrame) {
+TEST_F(PreviewWindowTest, EscapeAndTheFrameCloseIt) {
     for (const auto ask : {&VirtualDisplay::press_escape, &VirtualDisplay::ask_to_close}) {
         auto window = PreviewWindow::open(kTitle);
         ASSERT_TRUE(window) << window.error().message;
@@ -90,7 +90,7 @@ TEST_F(PreviewWindowTest, IsClosedByEscapeAndByItsFrame) {
     }
 }
 
-TEST_F(PreviewWindowTest, WhoseEndAsksForNoMorePictures) {
+TEST_F(PreviewWindowTest, RequestsNoPicturesAfterItsEnd) {
     constexpr const char* kPreviewTitle = "Atrium: views of the site";
     auto bytes = std::make_shared<std::vector<std::uint8_t>>(640 * 480, std::uint8_t{200});
     capture::Metaframe metaframe;

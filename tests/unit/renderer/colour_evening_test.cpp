@@ -55,8 +55,8 @@ Built build(const Factors& factors, const ColourEveningOptions& options) {
     return built;
 }
 
-// Mean over the vertices of the largest difference of what two cameras show there, grey levels:
-// what is seen where one camera takes over from the other.
+// Mean over the vertices of the largest difference between two cameras there, in grey levels. It is
+// visible where one camera takes over from another.
 double seam_contrast(const PersonModel& model) {
     double sum = 0.0;
     int num = 0;
@@ -86,14 +86,14 @@ double seam_contrast(const PersonModel& model) {
     return sum / num;
 }
 
-TEST(ColourEvening, SeamsBetweenCamerasOfDifferentColoursVanish) {
+TEST(ColourEvening, RemovesSeamsBetweenCamerasOfDifferentColours) {
     Factors equal;
     equal.fill(Eigen::Array3d::Ones());
     const double least = seam_contrast(build(equal, {.max_points = 0}).model);
     const double before = seam_contrast(build(made_up(), {.max_points = 0}).model);
     const double after = seam_contrast(build(made_up(), {}).model);
     EXPECT_GT(before, least + 15.0);
-    // what is left is the sampling, and 1 % of a colour that is left alone
+    // the rest is the sampling, and 1 % of a colour that is not corrected
     EXPECT_LT(after, least + 3.0);
 }
 
@@ -104,13 +104,13 @@ TEST(ColourEvening, FindsTheFactorsOfTheCameras) {
     Eigen::Array3d mean = Eigen::Array3d::Zero();
     for (const Eigen::Array3d& own : factors) mean += own.log() / 8.0;
     for (std::size_t c = 0; c < factors.size(); ++c) {
-        // up to a common factor, of which the cameras know nothing, and the dead zone
+        // up to a common factor, which the cameras cannot show, and the dead zone
         const Eigen::Array3d left = built.log_gains[c] + factors[c].log() - mean;
         EXPECT_LT(left.abs().maxCoeff(), 0.025) << c << ": " << left.transpose();
     }
 }
 
-TEST(ColourEvening, CamerasThatAgreeAreLeftAlone) {
+TEST(ColourEvening, DoesNotChangeCamerasThatAgree) {
     Factors equal;
     equal.fill(Eigen::Array3d::Ones());
     const Built evened = build(equal, {});
@@ -119,14 +119,14 @@ TEST(ColourEvening, CamerasThatAgreeAreLeftAlone) {
         EXPECT_EQ(log_gain.abs().maxCoeff(), 0.0);
 }
 
-TEST(ColourEvening, TheColourOfThePersonAsAWholeStays) {
+TEST(ColourEvening, KeepsThePersonsMeanColour) {
     const Built built = build(made_up(), {});
     Eigen::Array3d sum = Eigen::Array3d::Zero();
     for (const Eigen::Array3d& log_gain : built.log_gains) sum += log_gain;
     EXPECT_LT(sum.abs().maxCoeff(), 0.04);  // four dead zones
 }
 
-TEST(ColourEvening, ACameraThatSharesNothingIsLeftAlone) {
+TEST(ColourEvening, DoesNotChangeACameraWithoutSharedVertices) {
     const auto camera = synthetic::camera_at({3.0, 0.0, 1.0}, kSphere.centre);
     const auto opposite = synthetic::camera_at({-3.0, 0.0, 1.0}, kSphere.centre);
     const auto green = [](const auto&) { return Eigen::Vector3d(0.2, 0.7, 0.3); };

@@ -1,5 +1,5 @@
-// Things that are small in the picture are drawn with fewer triangles, those out of sight not at
-// all.
+// The renderer draws objects that are small in the picture with fewer triangles, and objects out of
+// sight not at all.
 #include "tests/unit/renderer/scene_renderer_fixture.hpp"
 #include "viewer/renderer/backdrop.hpp"
 #include "viewer/renderer/person_drawing.hpp"
@@ -28,11 +28,12 @@ double volume(const ShapeMesh& mesh, const std::vector<std::uint32_t>& indices) 
     return sum;
 }
 
-TEST(ShapeMesh, CoarserLevelsAreTheSameSolidWithAQuarterOfTheTriangles) {
+TEST(ShapeMesh, CoarserLevelsKeepTheSolidWithAQuarterOfTheTriangles) {
     for (const ShapeKind kind : {ShapeKind::kSphere, ShapeKind::kCapsule, ShapeKind::kCylinder}) {
         const ShapeMesh mesh = make_shape(kind, {0.4, 0.4, 1.0});
         const double whole = volume(mesh, mesh.indices);
-        // of a circle, a polygon of 16 sides has 0.974 and one of 8 sides 0.900; balls lose more
+        // a polygon of 16 sides has 0.974 of its circle's area, one of 8 sides 0.900; balls lose
+        // more
         EXPECT_GT(volume(mesh, mesh.coarser[0]), 0.94 * whole);
         EXPECT_GT(volume(mesh, mesh.coarser[1]), 0.75 * whole);
         EXPECT_LT(volume(mesh, mesh.coarser[0]), whole);
@@ -42,7 +43,7 @@ TEST(ShapeMesh, CoarserLevelsAreTheSameSolidWithAQuarterOfTheTriangles) {
     EXPECT_TRUE(make_shape(ShapeKind::kBox, {1, 1, 1}).coarser[0].empty());
 }
 
-TEST(SeenRadius, IsNothingOnlyWhereNoPointOfTheBallIsInSight) {
+TEST(SeenRadius, IsZeroOnlyIfNoPointOfTheBallIsInSight) {
     std::mt19937 random(1);
     std::uniform_real_distribution<double> place(-6.0, 6.0);
     const ViewCamera camera;
@@ -66,7 +67,7 @@ TEST(SeenRadius, IsNothingOnlyWhereNoPointOfTheBallIsInSight) {
     EXPECT_LT(num_out_of_sight, 490);
 }
 
-TEST(SeenRadius, IsThatOfTheBallsOutline) {
+TEST(SeenRadius, IsTheRadiusOfTheBallsOutline) {
     const ViewCamera camera;
     const EyeView eye = eye_of(camera, kWidth, kHeight);
     const View view{eye.clip_from_world(), eye.eye_world(), kHeight};
@@ -81,8 +82,8 @@ TEST(SeenRadius, IsThatOfTheBallsOutline) {
     EXPECT_GT(seen_radius_px(view, camera.position_m, 1.0), kHeight);
 }
 
-// What casts a shadow into the picture need not be in it itself.
-TEST_F(SceneRendererTest, ThingsOutOfSightStillCastTheirShadows) {
+// An object can cast a shadow into the picture from outside.
+TEST_F(SceneRendererTest, ObjectsOutOfSightCastShadows) {
     ViewCamera camera;
     camera.position_m = {0.0, -2.0, 1.2};
     camera.target_m = {0.0, 0.0, 0.0};
@@ -96,8 +97,8 @@ TEST_F(SceneRendererTest, ThingsOutOfSightStillCastTheirShadows) {
     EXPECT_GT(num_darker(picture_, bare), 500);
 }
 
-// The shadow on the floor lies where the light's rays past the person end.
-TEST_F(SceneRendererTest, APersonsShadowIsThatOfHerSurface) {
+// The person's shadow on the floor ends where the light rays past the person end.
+TEST_F(SceneRendererTest, PersonShadowHasTheShapeOfTheSurface) {
     const synthetic::Sphere sphere{{0.0, 0.0, 1.0}, 0.3};
     const geometry::RigidTransform world_from_site{Eigen::Quaterniond::Identity(),
                                                    {0.4, -0.3, 1.0}};
@@ -121,7 +122,8 @@ TEST_F(SceneRendererTest, APersonsShadowIsThatOfHerSurface) {
             const Eigen::Vector3d ray = ray_of(camera, x, y);
             const Eigen::Vector3d p = camera.position_m - ray * (camera.position_m.z() / ray.z());
             if (p.head<2>().cwiseAbs().maxCoeff() > 3.5) continue;
-            if ((centre - camera.position_m).cross(ray).norm() < 0.4) continue;  // hidden by her
+            // the person hides it
+            if ((centre - camera.position_m).cross(ray).norm() < 0.4) continue;
             const double distance_m = (centre - p).cross(light).norm();
             const double darker = bare[static_cast<std::size_t>(y * kWidth + x)] - brightness(x, y);
             if (distance_m > sphere.radius_m + 0.08) {
@@ -136,10 +138,10 @@ TEST_F(SceneRendererTest, APersonsShadowIsThatOfHerSurface) {
     EXPECT_GT(num_checked, 50);
 }
 
-// They share their meshes and are drawn in one go, but each has its own place, size and colour.
-TEST_F(SceneRendererTest, EachOfACrowdIsWhereAndWhatItIs) {
+// The objects share their meshes and one draw call, but each has its own place, size and colour.
+TEST_F(SceneRendererTest, DrawsEachOfManyObjectsAtItsPlace) {
     ViewCamera camera;
-    camera.position_m = {0.0, -0.5, 7.0};  // nothing hides anything
+    camera.position_m = {0.0, -0.5, 7.0};  // no object hides another
     camera.target_m = {0.0, 0.0, 0.0};
     constexpr std::array kKinds = {ShapeKind::kBox, ShapeKind::kCylinder, ShapeKind::kCapsule};
     const std::array<Eigen::Vector3d, 3> colours = {

@@ -25,14 +25,14 @@ std::vector<Eigen::Vector3f> ring(int num) {
     return centres;
 }
 
-TEST(NeededCameras, AreThoseOnTheEyesSide) {
+TEST(NeededCameras, AreOnTheEyesSide) {
     const std::vector<Eigen::Vector3f> eyes = {around(0.0F, 4.0F)};
     const auto needed = needed_cameras(ring(8), kPerson, eyes, {.max_angle_deg = 110.0});
     const std::vector<bool> expected = {true, true, true, false, false, false, true, true};
     EXPECT_EQ(needed, expected);
 }
 
-TEST(NeededCameras, OfSeveralEyesAreThoseOfEach) {
+TEST(NeededCameras, OfSeveralEyesAreTheUnion) {
     std::mt19937 random(5);
     std::uniform_real_distribution<float> angle(0.0F, 360.0F);
     for (int round = 0; round < 100; ++round) {
@@ -48,7 +48,7 @@ TEST(NeededCameras, OfSeveralEyesAreThoseOfEach) {
     }
 }
 
-TEST(NeededCameras, AreAllWithoutAnEyeWithoutAPersonAndAroundTheEye) {
+TEST(NeededCameras, AreAllWithoutAnEyeOrAPersonOrWithTheEyeInside) {
     const std::vector<bool> all(8, true);
     const std::vector<Eigen::Vector3f> outside = {around(0.0F, 4.0F)};
     const std::vector<Eigen::Vector3f> inside = {Eigen::Vector3f(0.1F, 0.0F, 1.6F)};
@@ -58,7 +58,7 @@ TEST(NeededCameras, AreAllWithoutAnEyeWithoutAPersonAndAroundTheEye) {
     EXPECT_TRUE(needed_cameras({}, kPerson, outside).empty());
 }
 
-TEST(NeededCameras, AreTheNearestWhereAllAreFar) {
+TEST(NeededCameras, AreTheNearestIfAllAreFar) {
     // all behind the person
     std::vector<Eigen::Vector3f> centres;
     for (const float deg : {150.0F, 165.0F, 190.0F, 175.0F, 160.0F, 215.0F})

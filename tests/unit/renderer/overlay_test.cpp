@@ -21,7 +21,7 @@ protected:
         std::array<int, 2> low{kWidth, kHeight};
         std::array<int, 2> high{-1, -1};
     };
-    // Where the picture is as green as nothing in the scene.
+    // Bounds of the pixels that are greener than anything in the scene.
     Box green_part() const {
         Box box;
         for (int y = 0; y < kHeight; ++y) {
@@ -39,7 +39,7 @@ protected:
     const ViewCamera camera_{.position_m = {0, -3, 1}, .target_m = {0, 0, 1}};
 };
 
-TEST_F(OverlayTest, ALabelStandsOnItsPlaceAndHasOneSizeHoweverFar) {
+TEST_F(OverlayTest, LabelStandsAtItsPlaceWithOneSizeAtAnyDistance) {
     for (const double y_m : {-1.0, 2.0, 20.0}) {
         const Eigen::Vector3d at(0.3, y_m, 1.1);
         renderer_->overlay().set_labels(
@@ -54,7 +54,7 @@ TEST_F(OverlayTest, ALabelStandsOnItsPlaceAndHasOneSizeHoweverFar) {
     }
 }
 
-TEST_F(OverlayTest, IsSeenBeforeEverythingButNotFromBehind) {
+TEST_F(OverlayTest, IsDrawnOverEverythingButNotBehindTheEye) {
     ObjectLook wall{.shape = ShapeKind::kBox};
     wall.size_m = {4, 0.1, 4};
     wall.world_from_object.translation = {0, -1, 1};
@@ -69,7 +69,7 @@ TEST_F(OverlayTest, IsSeenBeforeEverythingButNotFromBehind) {
     EXPECT_EQ(green_part().num, 0);
 }
 
-TEST_F(OverlayTest, ALabelLetsThroughWhatItsOpacitySays) {
+TEST_F(OverlayTest, LabelBlendsByItsOpacity) {
     draw(camera_);
     const Eigen::Vector3d bare = pixel_at(camera_, {0, 0, 1.02});
     const auto picture = green(8, 8);
@@ -83,7 +83,7 @@ TEST_F(OverlayTest, ALabelLetsThroughWhatItsOpacitySays) {
     }
 }
 
-TEST_F(OverlayTest, LinesReachFromOnePlaceToAnotherAndAreFaintBehindThings) {
+TEST_F(OverlayTest, LinesReachTheirEndsAndAreFaintBehindObjects) {
     const Eigen::Vector3f colour(0, 1, 0);
     const std::vector<Line> lines{{{{-0.5F, 0, 1}, colour}, {{0.5F, 0, 1}, colour}}};
     renderer_->overlay().set_lines(lines);
@@ -104,11 +104,11 @@ TEST_F(OverlayTest, LinesReachFromOnePlaceToAnotherAndAreFaintBehindThings) {
     renderer_->overlay().set_lines({});
     draw(camera_);
     const Eigen::Vector3d bare = pixel(kWidth / 2, line.low[1]);
-    EXPECT_GT(hidden.y() - hidden.x(), 0.2) << "seen through the wall";
+    EXPECT_GT(hidden.y() - hidden.x(), 0.2) << "the line must show through the wall";
     EXPECT_LT(bare.y() - bare.x(), 0.05);
 }
 
-TEST_F(OverlayTest, WiresLetTheGroundThrough) {
+TEST_F(OverlayTest, WiresAreTransparent) {
     ObjectLook ball{.shape = ShapeKind::kSphere, .colour = {0.9, 0, 0}};
     ball.world_from_object.translation = {0, 0, 1};
     renderer_->set_object(1, ball);
@@ -128,8 +128,8 @@ TEST_F(OverlayTest, WiresLetTheGroundThrough) {
     EXPECT_EQ(num_red(), num_solid);
 }
 
-// As 3D televisions take two eyes' pictures: squeezed.
-TEST_F(OverlayTest, IsInEachEyesPartAndSqueezedWithIt) {
+// Squeezed side by side, as 3D televisions expect the pictures of two eyes.
+TEST_F(OverlayTest, AppearsInEachEyesPartAndIsSqueezedWithIt) {
     renderer_->overlay().set_labels(
         {{.picture = green(10, 10), .at_world = {0, 0, 1}, .height = 0.2}});
     std::vector<EyeView> eyes(2, eye_of(camera_, kWidth, kHeight));

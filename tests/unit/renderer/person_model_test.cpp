@@ -33,7 +33,7 @@ PersonModel build(const std::vector<Sphere>& spheres,
     return build(synthetic::mesh_of(spheres, 24), pictures);
 }
 
-TEST(PersonModel, ACameraSeesWhatFacesItAndNothingElse) {
+TEST(PersonModel, CameraSeesOnlyFacesTowardsIt) {
     const Sphere sphere{{0.0, 0.0, 1.0}, 0.5};
     const auto camera = synthetic::camera_at({3.0, 0.0, 1.0}, sphere.centre);
     const PersonModel model = build({sphere}, {camera});
@@ -50,7 +50,7 @@ TEST(PersonModel, ACameraSeesWhatFacesItAndNothingElse) {
     }
 }
 
-// Lenses, places and sizes anywhere within what the bus lets through.
+// Lenses, places and sizes anywhere within the limits of the bus.
 class AbsurdPeople {
 public:
     explicit AbsurdPeople(unsigned seed) : random_(seed) {}
@@ -102,7 +102,7 @@ private:
     std::mt19937 random_;
 };
 
-TEST(PersonModel, OfAbsurdCamerasAndMeshesHoldsNumbers) {
+TEST(PersonModel, StaysFiniteForAbsurdCamerasAndMeshes) {
     for (unsigned seed = 0; seed < 400; ++seed) {
         AbsurdPeople people(seed);
         const PersonModel model = people.model();
@@ -122,7 +122,7 @@ TEST(PersonModel, OfAbsurdCamerasAndMeshesHoldsNumbers) {
     }
 }
 
-TEST(PersonModel, AnEdgeOnFaceTakesNothingFromThatCamera) {
+TEST(PersonModel, EdgeOnFaceTakesNothingFromThatCamera) {
     const Sphere sphere{{0.0, 0.0, 1.0}, 0.5};
     const auto cameras = synthetic::ring(8, sphere.centre);
     const PersonModel model = build({sphere}, cameras);
@@ -147,7 +147,7 @@ TEST(PersonModel, AnEdgeOnFaceTakesNothingFromThatCamera) {
     }
     EXPECT_GT(num_edge_on, 100u);
 
-    // and what is laid out for drawing has none of its weight
+    // and the drawn triangles have no weight of that camera
     BlendScratch scratch;
     BlendedMesh blended;
     blend_for_view(model, Eigen::Vector3f(1.5f, 1.5f, 1.2f), scratch, blended);
@@ -175,7 +175,7 @@ TEST(PersonModel, AnEdgeOnFaceTakesNothingFromThatCamera) {
     }
 }
 
-TEST(PersonModel, WhatHidesBehindAnotherPartIsNotSeen) {
+TEST(PersonModel, HiddenPartsAreNotSeen) {
     const Sphere front{{1.0, 0.0, 1.0}, 0.12};
     const Sphere back{{-0.5, 0.0, 1.0}, 0.35};
     const auto camera = synthetic::camera_at({3.0, 0.0, 1.0}, {0.0, 0.0, 1.0});
@@ -215,7 +215,8 @@ TEST(PersonModel, LayerCoordinatesFollowTheLensDistortion) {
             camera.camera_from_site * model.vertices_site[v].cast<double>();
         const Eigen::Vector2d px = camera.intrinsics.distort(camera.intrinsics.project(p_camera));
         const Eigen::Vector3f& st = model.cameras[0].layer_coordinates[v];
-        // half resolution: the centre of texel i lies at crop + 2 i + 0.5; one texel of border
+        // half resolution: the centre of texel i lies at crop + 2 i + 0.5, with a border of one
+        // texel
         const double x = st.x() / st.z() * model.layer_width - 0.5 - 1.0;
         const double y = st.y() / st.z() * model.layer_height - 0.5 - 1.0;
         EXPECT_NEAR(picture.crop_px.x + 2 * x + 0.5, px.x(), 0.01);
@@ -223,12 +224,12 @@ TEST(PersonModel, LayerCoordinatesFollowTheLensDistortion) {
     }
 }
 
-TEST(PersonModel, NothingOutsideTheMaskEntersALayer) {
+TEST(PersonModel, LayersHoldNothingFromOutsideTheMask) {
     const Sphere sphere{{0.0, 0.0, 1.0}, 0.5};
     const PersonModel model =
         build({sphere}, {synthetic::camera_at({3.0, 0.0, 1.0}, sphere.centre)});
     for (std::size_t i = 0; i < model.layers.size(); i += 4) {
-        // the pictures' outside is magenta; colours are multiplied by alpha
+        // the pictures are magenta outside the mask; colours are multiplied by alpha
         if (model.layers[i + 3] == 0) {
             EXPECT_EQ(model.layers[i], 0);
         } else {
@@ -237,7 +238,7 @@ TEST(PersonModel, NothingOutsideTheMaskEntersALayer) {
     }
 }
 
-TEST(PersonModel, UnseenVerticesTakeTheColourOfTheirNeighbours) {
+TEST(PersonModel, UnseenVerticesTakeTheirNeighboursColour) {
     const Sphere sphere{{0.0, 0.0, 1.0}, 0.5};
     const PersonModel model =
         build({sphere}, {synthetic::camera_at({3.0, 0.0, 1.0}, sphere.centre)});
@@ -245,7 +246,7 @@ TEST(PersonModel, UnseenVerticesTakeTheColourOfTheirNeighbours) {
         EXPECT_LT((colour.cast<double>() - kGreen).norm(), 0.02);
 }
 
-TEST(PersonModel, WithoutPicturesThereIsAGreyPerson) {
+TEST(PersonModel, IsGreyWithoutPictures) {
     const PersonModel model = build(synthetic::mesh_of({{{0.0, 0.0, 1.0}, 0.5}}, 8), {});
     EXPECT_TRUE(model.cameras.empty());
     ASSERT_FALSE(model.fallback.empty());
@@ -267,7 +268,7 @@ protected:
     }
 };
 
-TEST_F(CameraBlend, WeightsSumToOneAndOnlySeeingCamerasHaveAny) {
+TEST_F(CameraBlend, WeightsSumToOneOverSeeingCameras) {
     choose_cameras(model_, Eigen::Vector3f(2.0f, 1.0f, 1.5f), scratch_);
     for (std::size_t v = 0; v < model_.vertices_site.size(); ++v) {
         float sum = 0.0f;
@@ -285,7 +286,7 @@ TEST_F(CameraBlend, WeightsSumToOneAndOnlySeeingCamerasHaveAny) {
     }
 }
 
-TEST_F(CameraBlend, SeenFromACameraThatCameraDominates) {
+TEST_F(CameraBlend, CameraAtTheEyeDominates) {
     for (std::size_t c = 0; c < model_.cameras.size(); ++c) {
         choose_cameras(model_, model_.cameras[c].centre_site, scratch_);
         for (std::size_t v = 0; v < model_.vertices_site.size(); ++v)
@@ -295,14 +296,14 @@ TEST_F(CameraBlend, SeenFromACameraThatCameraDominates) {
     }
 }
 
-TEST_F(CameraBlend, ASmallStepOfTheEyeChangesWeightsALittle) {
+TEST_F(CameraBlend, SmallStepOfTheEyeChangesWeightsALittle) {
     BlendScratch next;
     float largest = 0.0f;
     for (int step = 0; step < 400; ++step) {
         const auto eye = [](float angle) {
             return Eigen::Vector3f(2.5f * std::cos(angle), 2.5f * std::sin(angle), 1.6f);
         };
-        constexpr float kStep = 0.002f;  // [rad]: 5 mm of way
+        constexpr float kStep = 0.002f;  // [rad]: a distance of 5 mm
         choose_cameras(model_, eye(0.015f * static_cast<float>(step)), scratch_);
         choose_cameras(model_, eye(0.015f * static_cast<float>(step) + kStep), next);
         for (std::size_t v = 0; v < model_.vertices_site.size(); ++v)
@@ -313,13 +314,13 @@ TEST_F(CameraBlend, ASmallStepOfTheEyeChangesWeightsALittle) {
     EXPECT_LT(largest, 0.02f);  // a switch without fading would be near 0.3
 }
 
-// Sorts the coordinates of triangles' corners, so that their order does not matter.
+// Sorts the coordinates of the triangles' corners to make their order irrelevant.
 std::vector<std::array<float, 9>> sorted(std::vector<std::array<float, 9>> triangles) {
     std::sort(triangles.begin(), triangles.end());
     return triangles;
 }
 
-TEST_F(CameraBlend, EveryTriangleThatFacesTheEyeIsLaidOutOnce) {
+TEST_F(CameraBlend, DrawsEveryTriangleThatFacesTheEyeOnce) {
     const Eigen::Vector3f eye(2.0f, 1.0f, 1.5f);
     BlendedMesh blended;
     blend_for_view(model_, eye, scratch_, blended);

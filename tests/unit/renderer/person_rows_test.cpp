@@ -44,7 +44,7 @@ private:
     std::mt19937 engine_;
 };
 
-TEST(PersonRows, ProjectsAsTheCameraDoes) {
+TEST(PersonRows, ProjectsLikeTheCamera) {
     auto camera = synthetic::camera_at({3.0, 0.5, 1.0}, {0.0, 0.0, 0.0});
     camera.intrinsics.distortion = {-0.2, 0.05, 0.001, -0.002, 0.01};
     const auto& lens = camera.intrinsics;
@@ -86,7 +86,7 @@ TEST(PersonRows, ProjectsAsTheCameraDoes) {
     }
 }
 
-TEST(PersonRows, ATexelIsWhereItsCoordinatesAreAndElseOfTheBorder) {
+TEST(PersonRows, ReadsTexelsByCoordinateAndTheBorderElsewhere) {
     Projection projection{};
     projection.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     projection.translation = {0, 0, 2.5f};
@@ -117,7 +117,7 @@ TEST(PersonRows, ATexelIsWhereItsCoordinatesAreAndElseOfTheBorder) {
     EXPECT_GT(num_within, 100);
 }
 
-TEST(PersonRows, ScalesToLengthOneAndLeavesNothingAtNothing) {
+TEST(PersonRows, NormalisesVectorsAndKeepsZero) {
     Axes first;
     for (const RowCode code : kCodes) {
         if (!is_there(code)) continue;
@@ -136,7 +136,7 @@ TEST(PersonRows, ScalesToLengthOneAndLeavesNothingAtNothing) {
     }
 }
 
-TEST(PersonRows, VerticesCountLessWhenGrazedOrHidden) {
+TEST(PersonRows, GrazedOrHiddenVerticesCountLess) {
     Random random(9);
     Seen all;
     all.reserve(500);
@@ -166,13 +166,13 @@ TEST(PersonRows, VerticesCountLessWhenGrazedOrHidden) {
             const double expected = t * t * (3.0 - 2.0 * t) * all.masks[i] * (1.0 - hidden);
             ASSERT_NEAR(quality[all.vertices[i]], expected, 1e-4);
         }
-        EXPECT_EQ(quality[0], -1.0f) << "beyond the size";
+        EXPECT_EQ(quality[0], -1.0f) << "outside the picture";
         if (code == RowCode::kBaseline) first = quality;
         EXPECT_EQ(quality, first);
     }
 }
 
-TEST(PersonRows, FacingIsTheSameForAllInstructions) {
+TEST(PersonRows, FacingIsEqualForAllInstructionSets) {
     Random random(2);
     Faces faces{random.points(777, 2.0f), random.points(777, 1.0f)};
     std::vector<float> cosines[2], facing[2];
@@ -192,7 +192,7 @@ TEST(PersonRows, FacingIsTheSameForAllInstructions) {
     }
 }
 
-TEST(PersonRows, MultipliesByTheMaskPixelByPixel) {
+TEST(PersonRows, MultipliesByTheMaskPerPixel) {
     Random random(3);
     for (const std::size_t width : {1U, 2U, 3U, 17U, 250U}) {
         std::vector<std::uint32_t> rows[3];
@@ -230,7 +230,7 @@ TEST(PersonRows, MultipliesByTheMaskPixelByPixel) {
     }
 }
 
-TEST(PersonRows, MultipliesColoursAndStopsAtWhite) {
+TEST(PersonRows, MultipliesColoursUpToWhite) {
     Random random(4);
     std::vector<std::uint32_t> texels(301);
     for (auto& texel : texels) texel = random.number();
@@ -254,13 +254,13 @@ TEST(PersonRows, MultipliesColoursAndStopsAtWhite) {
     }
 }
 
-TEST(InverseDepth, FitsThePointsBeforeTheCameraWithABorder) {
+TEST(InverseDepth, FitsThePointsInFrontOfTheCameraWithABorder) {
     Random random(6);
     Axes points = random.points(205, 300.0f);
     for (float& x : points.x) x *= 0.5f;
     for (std::size_t i = 0; i < points.size(); ++i)
         points.z[i] = i % 7 == 0 ? 0.0f : random.between(0.1f, 1.0f);
-    points.x[0] = 9000.0f;  // behind
+    points.x[0] = 9000.0f;  // behind the camera
     points.y[203] = -1000.0f;
     std::vector<Eigen::Vector4f> first;
     for (const RowCode code : kCodes) {
@@ -291,7 +291,7 @@ TEST(InverseDepth, FitsThePointsBeforeTheCameraWithABorder) {
     EXPECT_EQ(picture.width * picture.height, 1);
 }
 
-TEST(InverseDepth, IsTheNearestTriangleThatFacesTheCameraWhateverTheInstructions) {
+TEST(InverseDepth, IsTheNearestFacingTriangleForAllInstructionSets) {
     Random random(5);
     std::vector<Eigen::Vector4f> corners;
     std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -304,7 +304,7 @@ TEST(InverseDepth, IsTheNearestTriangleThatFacesTheCameraWhateverTheInstructions
                                  0.0f);
         triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
     }
-    // pixels on an edge may be rounded to either side: what is surely there, and what may be
+    // pixels on an edge may be rounded to either side: one set is certainly covered, one possibly
     std::vector<float> least(61 * 91, 0.0f), most = least;
     for (const auto& [ia, ib, ic] : triangles) {
         const Eigen::Vector4d a = corners[ia].cast<double>(), b = corners[ib].cast<double>(),
@@ -353,7 +353,7 @@ TEST(InverseDepth, IsTheNearestTriangleThatFacesTheCameraWhateverTheInstructions
     }
 }
 
-TEST(ChooseCameras, GivesTheSameBitsForAllInstructions) {
+TEST(ChooseCameras, GivesTheSameBitsForAllInstructionSets) {
     if (!is_there(RowCode::kAvx2)) GTEST_SKIP() << "no AVX2 here";
     const std::vector<synthetic::Sphere> body{{{0.0, 0.0, 1.0}, 0.5}};
     std::vector<CameraPicture> pictures;

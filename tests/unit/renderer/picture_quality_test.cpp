@@ -22,7 +22,7 @@ protected:
         draw(camera_);
         return picture_;
     }
-    // of 255, mean over all channels
+    // mean over all channels, of 255
     static double mean_difference(const RenderedPicture& a, const RenderedPicture& b) {
         double sum = 0.0;
         for (std::size_t i = 0; i < a.rgba.size(); ++i)
@@ -33,7 +33,7 @@ protected:
     const ViewCamera camera_{.position_m = {0.7, -3.0, 1.6}, .target_m = {0.0, 0.0, 0.7}};
 };
 
-TEST_F(PictureQuality, AScaledPictureShowsTheSameSceneAtTheSameSize) {
+TEST_F(PictureQuality, ScaledPictureShowsTheSameSceneAtTheSameSize) {
     const RenderedPicture full = drawn();
     double before = 0.0;
     for (const double scale : {0.75, 0.5}) {
@@ -43,16 +43,16 @@ TEST_F(PictureQuality, AScaledPictureShowsTheSameSceneAtTheSameSize) {
         ASSERT_EQ(scaled.height, kHeight);
         EXPECT_EQ(renderer_->width(), kWidth);
         const double difference = mean_difference(full, scaled);
-        EXPECT_GT(difference, before) << "less is drawn than at the scale before";
+        EXPECT_GT(difference, before) << "a smaller scale must differ more";
         EXPECT_LT(difference, 2.0) << scale;
         before = difference;
-        // a shift by one pixel of the picture would show in the box's outline
+        // a shift by one pixel of the picture would show at the box's outline
         for (const Eigen::Vector3d& p : {Eigen::Vector3d(0, 0, 0.9), Eigen::Vector3d(0.2, 0, 1.1)})
             EXPECT_GT(pixel_at(camera_, p).x(), 2.0 * pixel_at(camera_, p).y());
     }
 }
 
-TEST_F(PictureQuality, TheFullScaleIsBackBitForBit) {
+TEST_F(PictureQuality, FullScaleReturnsBitForBit) {
     const RenderedPicture full = drawn();
     ASSERT_TRUE(renderer_->set_scale(0.5));
     EXPECT_NE(drawn().rgba, full.rgba);
@@ -60,8 +60,8 @@ TEST_F(PictureQuality, TheFullScaleIsBackBitForBit) {
     EXPECT_EQ(drawn().rgba, full.rgba);
 }
 
-TEST_F(PictureQuality, AnyScaleAndSizeGoTogether) {
-    renderer_->remove_object(0);  // a picture of one pixel would show nothing else
+TEST_F(PictureQuality, AnyScaleWorksWithAnySize) {
+    renderer_->remove_object(0);  // it would fill a picture of one pixel
     for (const double scale : {0.5, 0.33, 0.01}) {
         ASSERT_TRUE(renderer_->set_scale(scale));
         for (const auto& [width, height] : {std::array{201, 99}, std::array{17, 16}}) {
@@ -70,7 +70,7 @@ TEST_F(PictureQuality, AnyScaleAndSizeGoTogether) {
             EXPECT_EQ(picture_.width, width);
             EXPECT_EQ(picture_.height, height);
             EXPECT_GT(pixel(width / 2, 0).z(), 0.3) << "sky, not black";
-            EXPECT_GT(pixel(width - 1, height - 1).z(), 0.3) << "ground up to the corner";
+            EXPECT_GT(pixel(width - 1, height - 1).z(), 0.3) << "the ground must reach the corner";
         }
     }
 }
@@ -120,7 +120,7 @@ TEST_F(PictureQuality, EyesKeepTheirPartsAndColours) {
         ASSERT_EQ(both.rgba[i + 1], right_alone.rgba[i + 1]);
         ASSERT_EQ(both.rgba[i + 2], right_alone.rgba[i + 2]);
     }
-    // side by side: the left half does not depend on the right one, but where they meet
+    // side by side: except at the seam, the left half does not depend on the right half
     left.writes = right.writes = {true, true, true};
     left.part_px = {0, 0, kWidth / 2, kHeight};
     right.part_px = {kWidth / 2, 0, kWidth / 2, kHeight};
@@ -136,14 +136,14 @@ TEST_F(PictureQuality, EyesKeepTheirPartsAndColours) {
     EXPECT_NE(halves.rgba, same.rgba);
 }
 
-TEST_F(PictureQuality, WithoutShadowsTheFloorIsLit) {
+TEST_F(PictureQuality, FloorIsLitWithoutShadows) {
     const RenderedPicture shaded = drawn();
     EXPECT_TRUE(renderer_->has_shadows());
     renderer_->set_shadows(false);
     const RenderedPicture lit = drawn();
     EXPECT_GT(num_darker(shaded, lit), 100);
     EXPECT_EQ(num_darker(lit, shaded), 0);
-    // what moves meanwhile has its shadow where it is once they are back
+    // an object that moved meanwhile has its shadow at its new place when shadows return
     renderer_->move_object(0, {Eigen::Quaterniond::Identity(), {0.3, 0.0, 0.9}});
     const RenderedPicture moved_lit = drawn();
     renderer_->set_shadows(true);
@@ -153,15 +153,15 @@ TEST_F(PictureQuality, WithoutShadowsTheFloorIsLit) {
     EXPECT_EQ(drawn().rgba, shaded.rgba);
 }
 
-// The second picture of a view copies floor and sky, the first one draws them.
-TEST_F(PictureQuality, WhatStandsStillIsCopiedAsItWouldBeDrawn) {
+// The first picture of a view draws floor and sky, and the second copies them.
+TEST_F(PictureQuality, CopiedBackgroundEqualsADrawnOne) {
     ViewCamera camera{.position_m = {2.5, -2.5, 1.6}, .target_m = {0.0, 0.0, 0.4}};
     ViewCamera elsewhere = camera;
     elsewhere.fov_deg = 50.0;
     ObjectLook floor{.shape = ShapeKind::kPlane, .size_m = {3.0, 3.0, 0.0}};
     renderer_->set_object(7, floor);
     const auto compare = [&](const char* when) {
-        draw(camera);  // of another floor than the one kept
+        draw(camera);  // another floor than the kept one
         const RenderedPicture copied = picture_;
         draw(elsewhere);
         draw(camera);
@@ -186,7 +186,7 @@ TEST_F(PictureQuality, WhatStandsStillIsCopiedAsItWouldBeDrawn) {
     compare("gone");
 }
 
-TEST_F(PictureQuality, WarmingUpLeavesNothingBehind) {
+TEST_F(PictureQuality, WarmUpLeavesNoTraces) {
     const RenderedPicture before = drawn();
     renderer_->remove_object(0);
     renderer_->warm_up(camera_);
@@ -200,14 +200,14 @@ TEST_F(PictureQuality, WarmingUpLeavesNothingBehind) {
     EXPECT_EQ(drawn().rgba, before.rgba);
 }
 
-// Shadows are multiplied onto the floor just above it, cell by cell: from nowhere is one seen
-// through, or twice as dark.
-TEST_F(PictureQuality, AShadowHasNoHolesAndNoSeams) {
+// The renderer multiplies shadows onto the floor cell by cell, just above it. From no view may a
+// cell be missing or twice as dark.
+TEST_F(PictureQuality, ShadowHasNoHolesOrSeams) {
     renderer_->set_object(0, {.shape = ShapeKind::kPlane, .size_m = {3.0, 3.0, 0.0}});
     renderer_->set_object(1,
                           {.size_m = {2.4, 2.4, 0.02},
                            .world_from_object = {Eigen::Quaterniond::Identity(), {0, 0, 3.0}}});
-    // a metre of the floor that all lies in its shadow
+    // a square metre of the floor that lies completely in the shadow
     const Eigen::Vector3d light(0.30, -0.22, 1.0);
     const Eigen::Vector2d middle = -3.0 * light.head<2>();
     for (const double distance_m : {1.5, 3.0, 8.0, 18.0}) {

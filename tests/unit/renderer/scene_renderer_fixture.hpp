@@ -26,7 +26,7 @@ inline PersonModel person_of(const std::vector<synthetic::Sphere>& spheres,
     return model;
 }
 
-/// Ray of pixel (x, y) by the definition of the view, not by its matrices.
+/// Ray of pixel (x, y), from the definition of the view, not from its matrices.
 inline Eigen::Vector3d ray_of(const ViewCamera& camera, int x, int y) {
     const Eigen::Vector3d forward = (camera.target_m - camera.position_m).normalized();
     const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
@@ -37,7 +37,7 @@ inline Eigen::Vector3d ray_of(const ViewCamera& camera, int x, int y) {
     return (forward + u * right + v * up).normalized();
 }
 
-/// A renderer without a window, and what it drew.
+/// A renderer without a window, and its last picture.
 class SceneRendererTest : public testing::Test {
 protected:
     void SetUp() override {
@@ -65,7 +65,7 @@ protected:
         const Eigen::Vector2d px = project_px(camera, p_world, picture_.width, picture_.height);
         return pixel(static_cast<int>(std::lround(px.x())), static_cast<int>(std::lround(px.y())));
     }
-    // Pixels of `now` that are darker than they were, in rows from `top_row` on.
+    // Number of pixels that are darker in `now` than before, in rows from `top_row` on.
     static int num_darker(const RenderedPicture& now,
                           const RenderedPicture& before,
                           int top_row = 0) {

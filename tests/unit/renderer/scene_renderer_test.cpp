@@ -12,7 +12,7 @@ namespace {
 
 using synthetic::Sphere;
 
-TEST_F(SceneRendererTest, PictureOnTheSurfaceIsThePictureOfTheSurface) {
+TEST_F(SceneRendererTest, TextureOnTheSurfaceMatchesTheTrueSurface) {
     const Sphere sphere{{0.0, 0.0, 1.0}, 0.5};
     const auto colour = [&](const Eigen::Vector3d& p) {
         const Eigen::Vector3d n = (p - sphere.centre) / sphere.radius_m;
@@ -26,7 +26,7 @@ TEST_F(SceneRendererTest, PictureOnTheSurfaceIsThePictureOfTheSurface) {
     for (const auto& camera : cameras)
         pictures.push_back(synthetic::picture_of({sphere}, camera, colour));
     renderer_->set_person("a", person_of({sphere}, pictures));
-    // the site stands elsewhere in the world, turned
+    // the site is moved and turned in the world
     const geometry::RigidTransform world_from_site{
         Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ())), {0.4, -0.3, 0.1}};
     renderer_->set_site_pose("a", world_from_site);
@@ -51,7 +51,7 @@ TEST_F(SceneRendererTest, PictureOnTheSurfaceIsThePictureOfTheSurface) {
                                     p))
                     continue;
                 const Eigen::Vector3d n = (p - sphere.centre) / sphere.radius_m;
-                // away from the outline and from the underside that no camera sees well
+                // away from the outline, and from the underside that no camera sees well
                 if (n.dot(site_from_world.rotation * ray) > -0.35 || n.z() < -0.6) continue;
                 const double error = (pixel(x, y) - colour(p)).cwiseAbs().maxCoeff();
                 worst = std::max(worst, error);
@@ -65,9 +65,10 @@ TEST_F(SceneRendererTest, PictureOnTheSurfaceIsThePictureOfTheSurface) {
     }
 }
 
-TEST_F(SceneRendererTest, HiddenPartsTakeNoColourFromTheCameraThatDoesNotSeeThem) {
+TEST_F(SceneRendererTest, HiddenPartsTakeNoColourFromBlindCameras) {
     const std::vector<Sphere> spheres = {{{0.9, 0.0, 1.0}, 0.25}, {{-0.5, 0.0, 1.0}, 0.4}};
-    // the camera in line with both sees a red front sphere; from the side everything is green
+    // the camera in line with both spheres sees a red front sphere; from the side everything is
+    // green
     const Eigen::Vector3d red(0.9, 0.1, 0.1);
     const Eigen::Vector3d green(0.1, 0.8, 0.1);
     const auto front = synthetic::camera_at({3.2, 0.0, 1.0}, {0.0, 0.0, 1.0});
@@ -79,17 +80,17 @@ TEST_F(SceneRendererTest, HiddenPartsTakeNoColourFromTheCameraThatDoesNotSeeThem
                    synthetic::picture_of(spheres, side, [&](const auto&) { return green; })}));
     ViewCamera camera{.position_m = {1.2, 1.6, 2.1}, .target_m = {-0.4, 0.0, 1.0}};
     draw(camera);
-    // on the back sphere, in the shade of the front one as the front camera has it
+    // on the back sphere, where the front sphere hides it from the front camera
     const Eigen::Vector3d hidden =
         spheres[1].centre + 0.4 * Eigen::Vector3d(0.9, 0.42, 0.1).normalized();
     const Eigen::Vector3d seen =
         spheres[0].centre + 0.25 * Eigen::Vector3d(0.9, 0.3, 0.3).normalized();
     EXPECT_LT((pixel_at(camera, hidden) - green).cwiseAbs().maxCoeff(), 0.06)
         << pixel_at(camera, hidden).transpose();
-    EXPECT_GT(pixel_at(camera, seen).x(), 0.5);  // the test sees red where it should be
+    EXPECT_GT(pixel_at(camera, seen).x(), 0.5);  // the red sphere is in the picture
 }
 
-TEST_F(SceneRendererTest, ObjectsStandWhereTheyAre) {
+TEST_F(SceneRendererTest, ObjectsAppearAtTheirPlaces) {
     ViewCamera camera{.position_m = {4.0, -2.0, 2.0}, .target_m = {0.0, 0.0, 0.5}};
     draw(camera);
     const RenderedPicture empty = picture_;
@@ -105,7 +106,7 @@ TEST_F(SceneRendererTest, ObjectsStandWhereTheyAre) {
     for (std::uint32_t i = 0; i < 4; ++i) {
         const Eigen::Vector3d c = pixel_at(camera, {0.0, 1.2 * i - 1.8, 0.5});
         EXPECT_GT(c.x(), 2.0 * c.y()) << "object " << i << ": " << c.transpose();
-        // only the ball ends at its radius above the middle
+        // only the ball ends at its radius above its middle
         const Eigen::Vector3d above = pixel_at(camera, {0.0, 1.2 * i - 1.8, 0.5 + 0.22});
         EXPECT_EQ(above.x() > 2.0 * above.y(), kinds[i] != ShapeKind::kSphere) << "object " << i;
     }
@@ -117,7 +118,7 @@ TEST_F(SceneRendererTest, ObjectsStandWhereTheyAre) {
     EXPECT_EQ(picture_.rgba, empty.rgba);
 }
 
-TEST_F(SceneRendererTest, AnObjectShadesTheFloorBelowIt) {
+TEST_F(SceneRendererTest, ObjectShadesTheFloorBelowIt) {
     ViewCamera camera{.position_m = {0.0, -3.0, 3.0}, .target_m = {0.0, 0.0, 0.0}};
     draw(camera);
     const Eigen::Vector3d bright = pixel_at(camera, {0.02, 0.02, 0.0});
@@ -125,13 +126,13 @@ TEST_F(SceneRendererTest, AnObjectShadesTheFloorBelowIt) {
     look.world_from_object.translation = {0.0, 0.0, 1.0};
     renderer_->set_object(7, look);
     draw(camera);
-    // the light comes from (0.30, -0.22, 1): the shade lies opposite
+    // the light comes from (0.30, -0.22, 1), and the shadow falls to the other side
     const Eigen::Vector3d shaded = pixel_at(camera, {-0.30, 0.22, 0.0});
     EXPECT_LT(shaded.x(), 0.8 * bright.x());
     EXPECT_GT(shaded.x(), 0.5 * bright.x());
 }
 
-TEST_F(SceneRendererTest, ARemovedPersonLeavesNothing) {
+TEST_F(SceneRendererTest, RemovedPersonLeavesNoTraces) {
     ViewCamera camera;
     draw(camera);
     const RenderedPicture empty = picture_;
@@ -146,7 +147,7 @@ TEST_F(SceneRendererTest, ARemovedPersonLeavesNothing) {
     EXPECT_EQ(picture_.rgba, empty.rgba);
 }
 
-TEST_F(SceneRendererTest, ANewModelReplacesTheFormerAndHandsItBack) {
+TEST_F(SceneRendererTest, NewModelReplacesAndReturnsTheOldOne) {
     ViewCamera camera;
     renderer_->set_person("a", person_of({{{0.0, 0.0, 1.0}, 0.5}}, {}));
     draw(camera);
@@ -156,7 +157,7 @@ TEST_F(SceneRendererTest, ANewModelReplacesTheFormerAndHandsItBack) {
     EXPECT_GT((pixel_at(camera, {0.0, 0.0, 1.0}) - Eigen::Vector3d::Constant(0.5)).norm(), 0.1);
 }
 
-TEST_F(SceneRendererTest, CopesWithTwentyCamerasWhoseNumberChanges) {
+TEST_F(SceneRendererTest, SupportsTwentyCamerasAndChangingNumbers) {
     const Sphere sphere{{0.0, 0.0, 1.0}, 0.5};
     const Eigen::Vector3d blue(0.1, 0.2, 0.9);
     std::vector<CameraPicture> pictures;
@@ -214,7 +215,8 @@ TEST_F(SceneRendererTest, DrawsASoftClothFromBothSidesAndARope) {
                         .colour = {0.8, 0.05, 0.05}};
     renderer_->set_soft_object(3, look);
     draw(front);
-    EXPECT_EQ(pixel_at(front, {0.1, 0, 1}), before) << "nothing before its nodes are known";
+    EXPECT_EQ(pixel_at(front, {0.1, 0, 1}), before)
+        << "the cloth must stay hidden until its nodes are known";
 
     std::vector<Eigen::Vector3f> nodes{{-0.4F, 0, 0.6F},
                                        {0.4F, 0, 0.6F},
@@ -228,16 +230,16 @@ TEST_F(SceneRendererTest, DrawsASoftClothFromBothSidesAndARope) {
         for (const Eigen::Vector3d& p : {Eigen::Vector3d(0.1, 0, 1), {-0.3, 0, 0.8}, {0.7, 0, 1}}) {
             const Eigen::Vector3d colour = pixel_at(camera, p);
             EXPECT_GT(colour.x(), 2.0 * colour.y()) << p.transpose();
-            EXPECT_GT(colour.x(), 0.3) << "lit, on either side";
+            EXPECT_GT(colour.x(), 0.3) << "both sides must be lit";
         }
     }
     for (Eigen::Vector3f& node : nodes) node.x() += 2.0F;
     renderer_->move_soft_object(3, nodes);
     draw(front);
     EXPECT_LT(pixel_at(front, {-0.3, 0, 0.8}).x(), 2.0 * pixel_at(front, {-0.3, 0, 0.8}).y())
-        << "it has moved away";
+        << "the cloth must have moved away";
     nodes.pop_back();
-    renderer_->move_soft_object(3, nodes);  // another number of nodes: left alone
+    renderer_->move_soft_object(3, nodes);  // a different number of nodes is ignored
     renderer_->remove_soft_object(3);
     EXPECT_EQ(renderer_->num_objects(), 0U);
 }
@@ -261,7 +263,7 @@ TEST_F(SceneRendererTest, DrawsAModelInPlaceOfAShapeAndScenery) {
     renderer_->set_object(1, look);
     draw(camera);
     EXPECT_TRUE(is_green({-0.2, 0, 0.8}));
-    EXPECT_FALSE(is_green({0.3, 0, 1.3})) << "the half of the box that the model has not";
+    EXPECT_FALSE(is_green({0.3, 0, 1.3})) << "the model does not fill this half of the box";
     renderer_->remove_object(1);
 
     renderer_->set_object(1, {.shape = ShapeKind::kPlane, .size_m = {8, 8, 0}});
@@ -271,7 +273,8 @@ TEST_F(SceneRendererTest, DrawsAModelInPlaceOfAShapeAndScenery) {
     const RenderedPicture shaded = picture_;
     renderer_->set_scenery("room", {});
     draw(camera);
-    EXPECT_GT(num_darker(shaded, picture_, kHeight * 2 / 3), 100) << "on the floor";
+    EXPECT_GT(num_darker(shaded, picture_, kHeight * 2 / 3), 100)
+        << "the shadow on the floor is missing";
     const RenderedPicture bare = picture_;
     // a roof over everything
     mesh = std::make_shared<ShapeMesh>(*mesh);
@@ -282,7 +285,7 @@ TEST_F(SceneRendererTest, DrawsAModelInPlaceOfAShapeAndScenery) {
     look.world_from_object.translation = {0, 0, 3};
     renderer_->set_scenery("room", std::vector{look});
     draw(camera);
-    EXPECT_EQ(num_darker(picture_, bare, kHeight * 2 / 3), 0) << "a room darkens nothing";
+    EXPECT_EQ(num_darker(picture_, bare, kHeight * 2 / 3), 0) << "a roof must cast no shadow";
     renderer_->set_scenery("room", {});
     draw(camera);
     EXPECT_FALSE(is_green({-0.2, 0, 0.8}));

@@ -11,7 +11,7 @@ namespace {
 
 using synthetic::Sphere;
 
-// What several eyes see of a room with a person, a box and the sky above.
+// Several eyes look at a room with a person, a box and the sky above.
 class SeveralEyes : public SceneRendererTest {
 protected:
     void SetUp() override {
@@ -42,7 +42,7 @@ protected:
     const ViewCamera camera_{.position_m = {0.5, -3.5, 1.6}, .target_m = {0.2, 0.0, 0.9}};
 };
 
-TEST_F(SeveralEyes, SeeThroughWhoFades) {
+TEST_F(SeveralEyes, SeeThroughAFadingPerson) {
     const std::vector<EyeView> eye{eye_of(camera_, kWidth, kHeight)};
     const RenderedPicture solid = seen_by(eye);
     renderer_->set_person_opacity("a", 0.25);
@@ -53,14 +53,15 @@ TEST_F(SeveralEyes, SeeThroughWhoFades) {
     EXPECT_EQ(seen_by(eye).rgba, solid.rgba);
     std::size_t num_of_person = 0;
     for (std::size_t i = 0; i < solid.rgba.size(); ++i) {
-        // what lies behind the person shows through evenly; her shadow is linear as well
+        // The background of the fading person shows through evenly. The shadow fades linearly as
+        // well.
         const double expected = 0.25 * solid.rgba[i] + 0.75 * none.rgba[i];
         ASSERT_NEAR(faded.rgba[i], expected, 2.0);
         num_of_person += std::abs(int{solid.rgba[i]} - int{none.rgba[i]}) > 40 ? 1 : 0;
     }
     EXPECT_GT(num_of_person, 3000U);
     renderer_->remove_person("a");
-    EXPECT_EQ(seen_by(eye).rgba, none.rgba) << "and no shadow";
+    EXPECT_EQ(seen_by(eye).rgba, none.rgba) << "a fully faded person must have no shadow";
 }
 
 TEST_F(SeveralEyes, TilesOfAWallMakeOnePicture) {
@@ -83,7 +84,7 @@ TEST_F(SeveralEyes, TilesOfAWallMakeOnePicture) {
     std::size_t num_different = 0;
     for (std::size_t i = 0; i < whole.rgba.size(); ++i)
         num_different += std::abs(int{whole.rgba[i]} - int{tiled.rgba[i]}) > 2 ? 1 : 0;
-    // but for edges that rounding moves by a pixel
+    // equal except for edges that rounding moves by a pixel
     EXPECT_LT(num_different, whole.rgba.size() / 500);
 }
 
@@ -104,9 +105,9 @@ TEST_F(SeveralEyes, HaveTheirOwnColoursInAnAnaglyph) {
         ASSERT_EQ(both.rgba[i + 2], right_alone.rgba[i + 2]);
         num_apart += left_alone.rgba[i] != right_alone.rgba[i] ? 1 : 0;
     }
-    EXPECT_GT(num_apart, both.rgba.size() / 40) << "the eyes see something else";
+    EXPECT_GT(num_apart, both.rgba.size() / 40) << "the eyes must see different pictures";
     const RenderedPicture after = seen_by({eye_of(camera_, kWidth, kHeight)});
-    EXPECT_EQ(after.rgba, left_alone.rgba) << "all colours are written again";
+    EXPECT_EQ(after.rgba, left_alone.rgba) << "the colour mask must be reset";
 }
 
 }  // namespace

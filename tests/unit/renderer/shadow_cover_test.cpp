@@ -32,7 +32,7 @@ protected:
     }
 };
 
-TEST_F(FindCovered, IsWhatTrianglesOfAnySizeAndSideHoldWithinThePicture) {
+TEST_F(FindCovered, FindsThePixelsInsideTrianglesOfAnySizeAndOrientation) {
     std::mt19937 random(3);
     const auto between = [&](float low, float high) {
         return std::uniform_real_distribution<float>(low, high)(random);
@@ -49,7 +49,7 @@ TEST_F(FindCovered, IsWhatTrianglesOfAnySizeAndSideHoldWithinThePicture) {
     int num_covered = 0;
     for (int y = 0; y < kSide; ++y) {
         for (int x = 0; x < kSide; ++x) {
-            // the largest distance inside of any triangle's edges, by its sign
+            // the largest distance inside the edges of any triangle; negative outside
             double inside = -std::numeric_limits<double>::infinity();
             for (const auto& triangle : triangles_) {
                 double least = std::numeric_limits<double>::infinity();
@@ -88,7 +88,7 @@ TEST_F(FindCovered, LeavesNoGapBetweenNeighbours) {
     EXPECT_EQ(runs_.size(), 29u) << "one in each row from 6 to 34";
 }
 
-TEST_F(FindCovered, CopesWithCornersThatAreNoNumbers) {
+TEST_F(FindCovered, SurvivesNonFiniteCorners) {
     const float no_number = std::numeric_limits<float>::quiet_NaN();
     const float endless = std::numeric_limits<float>::infinity();
     corners_ = {{no_number, 3.0f},
@@ -110,7 +110,7 @@ TEST_F(FindCovered, CopesWithCornersThatAreNoNumbers) {
     EXPECT_TRUE(runs_.empty());
 }
 
-// Twice the area, summed, and all corners, of what triangles cover.
+// Twice the summed area of the triangles, and the bounds of their corners.
 std::pair<double, Eigen::AlignedBox2d> cover_of(const std::vector<Eigen::Vector3f>& triangles) {
     double twice_area = 0.0;
     Eigen::AlignedBox2d bounds;
@@ -123,12 +123,12 @@ std::pair<double, Eigen::AlignedBox2d> cover_of(const std::vector<Eigen::Vector3
     return {twice_area, bounds};
 }
 
-TEST(FloorCells, AreThoseThatAPartTouchesOnceEach) {
-    FloorCells cells(FloorCells::kSide);  // of a metre
+TEST(FloorCells, AreTheTouchedCellsOnceEach) {
+    FloorCells cells(FloorCells::kSide);  // cells of a metre
     EXPECT_TRUE(cells.empty());
     cells.add({Eigen::Vector2d(0.5, -1.5), Eigen::Vector2d(2.5, -0.5)});
     cells.add({Eigen::Vector2d(1.5, -1.5), Eigen::Vector2d(1.6, 0.5)});
-    cells.add({Eigen::Vector2d(20.0, 0.0), Eigen::Vector2d(25.0, 1.0)});      // beyond
+    cells.add({Eigen::Vector2d(20.0, 0.0), Eigen::Vector2d(25.0, 1.0)});      // outside
     cells.add({Eigen::Vector2d(15.5, -90.0), Eigen::Vector2d(99.0, -15.5)});  // in a corner
     EXPECT_FALSE(cells.empty());
     EXPECT_EQ(cells.bounds().min(), Eigen::Vector2d(0.0, -16.0));
@@ -143,7 +143,7 @@ TEST(FloorCells, AreThoseThatAPartTouchesOnceEach) {
     EXPECT_TRUE(cells.empty());
 }
 
-TEST(FloorCells, EndWhereAPlaneEnds) {
+TEST(FloorCells, EndAtTheEdgeOfThePlane) {
     FloorCells cells(FloorCells::kSide);
     cells.add({Eigen::Vector2d(-10.0, -10.0), Eigen::Vector2d(10.0, 10.0)});
     const Eigen::AngleAxisd turn(0.6, Eigen::Vector3d::UnitZ());

@@ -19,7 +19,7 @@ protected:
             synthetic::picture_of(spheres_, camera_, [](const Eigen::Vector3d&) { return kRed; });
         renderer_->set_person("alice", person_of(spheres_, {picture_of_camera_}));
     }
-    // Of the camera's picture, where it is drawn.
+    // Pixels of the camera's picture, where the renderer draws it.
     Eigen::Vector3d place_of(const Eigen::Vector2d& px) const {
         return camera_.camera_from_site.inverse() *
                (kDistanceM * camera_.intrinsics.ray_camera(px));
@@ -36,11 +36,11 @@ protected:
     const ViewCamera eye_{.position_m = {3.0, 0.35, 1.0}, .target_m = {2.65, 0.0, 1.0}};
 };
 
-TEST_F(Silhouettes, AreSeenWhereTheirCameraIsWhenAskedFor) {
+TEST_F(Silhouettes, AreDrawnAtTheirCameraOnRequest) {
     const Eigen::Vector3d middle = place_of(middle_of_crop());
     draw(eye_);
     const Eigen::Vector3d without = pixel_at(eye_, middle);
-    EXPECT_GT((without - kRed).norm(), 0.5) << "the background";
+    EXPECT_GT((without - kRed).norm(), 0.5) << "the background must show here";
     renderer_->overlay().set_silhouettes(kDistanceM);
     draw(eye_);
     EXPECT_LT((pixel_at(eye_, middle) - kRed).norm(), 0.15);
@@ -49,7 +49,7 @@ TEST_F(Silhouettes, AreSeenWhereTheirCameraIsWhenAskedFor) {
     EXPECT_EQ(pixel_at(eye_, middle), without);
 }
 
-TEST_F(Silhouettes, AreSeenThroughBesideThePersonAndHaveAnOutline) {
+TEST_F(Silhouettes, AreTransparentBesideThePersonAndHaveAnOutline) {
     const image::PixelRect& crop = picture_of_camera_.crop_px;
     const Eigen::Vector3d corner =
         place_of({crop.x + 0.04 * crop.width, crop.y + 0.04 * crop.height});
@@ -59,7 +59,7 @@ TEST_F(Silhouettes, AreSeenThroughBesideThePersonAndHaveAnOutline) {
     draw(eye_);
     const double change = (pixel_at(eye_, corner) - without).norm();
     EXPECT_LT(change, 0.2);
-    EXPECT_GT(change, 0.01) << "a tint says how far the picture reaches";
+    EXPECT_GT(change, 0.01) << "a tint must show the extent of the picture";
     // along a line through the middle: outside, outline, inside
     bool has_outline = false;
     for (int x = crop.x; x < crop.x + crop.width; ++x) {
@@ -70,7 +70,7 @@ TEST_F(Silhouettes, AreSeenThroughBesideThePersonAndHaveAnOutline) {
     EXPECT_TRUE(has_outline);
 }
 
-TEST_F(Silhouettes, AreHiddenByWhatIsBeforeThem) {
+TEST_F(Silhouettes, AreHiddenByObjectsInFront) {
     ObjectLook wall{.shape = ShapeKind::kBox};
     wall.size_m = {0.02, 0.02, 0.6};
     wall.colour = {0.0, 0.6, 0.0};
@@ -80,10 +80,10 @@ TEST_F(Silhouettes, AreHiddenByWhatIsBeforeThem) {
     renderer_->overlay().set_silhouettes(kDistanceM);
     draw(eye_);
     const Eigen::Vector3d colour = pixel_at(eye_, middle);
-    EXPECT_GT(colour.y(), colour.x()) << "the wall's";
+    EXPECT_GT(colour.y(), colour.x()) << "the wall must hide the silhouette";
 }
 
-TEST(AppendSilhouette, UndoesTheLens) {
+TEST(AppendSilhouette, RemovesLensDistortion) {
     PersonModel::Camera camera;
     const geometry::CalibratedCamera there = synthetic::camera_at({3, 0, 1}, {0, 0, 1});
     camera.intrinsics = there.intrinsics;

@@ -7,8 +7,8 @@
 namespace atrium::renderer {
 namespace {
 
-// Else a shader would be compiled only when the first person is drawn.
-TEST(StandInPerson, NeedsEachShaderOfPeopleOnce) {
+// Otherwise the driver would compile some shader only when the first person is drawn.
+TEST(StandInPerson, UsesEachPersonShaderOnce) {
     const Eigen::Vector3f target(0.2f, -0.1f, 1.0f);
     for (const Eigen::Vector3f& eye : {Eigen::Vector3f(3, -3, 1.7f),
                                        Eigen::Vector3f(0.2f, -0.1f, 4),

@@ -129,7 +129,7 @@ CameraPicture picture_of(const std::vector<Sphere>& spheres,
                                                    site_from_camera.rotation *
                                                        camera.intrinsics.ray_camera(*undistorted),
                                                    p);
-            // what lies outside the mask is loud, so that any of it in a result shows
+            // bright colours outside the mask show up if they leak into a result
             const Eigen::Vector3d c = is_hit ? colour(p) : Eigen::Vector3d(1.0, 0.0, 1.0);
             for (int k = 0; k < 3; ++k)
                 picture.rgba.push_back(static_cast<std::uint8_t>(std::lround(255.0 * c[k])));

@@ -1,4 +1,4 @@
-// What people look like beside what cameras saw of them, at a small size: bench/texture_quality
+// Compares drawn people with the pictures of cameras, at a small size. bench/texture_quality
 // measures the same at full size.
 #include "core/config/rig.hpp"
 #include "tests/support/camera_orbit.hpp"
@@ -28,7 +28,7 @@ renderer::PersonModel model_of(const ReceivedPerson& person,
     return model;
 }
 
-// Mean over the true pictures of what the viewer shows from where they were taken.
+// Mean error of the viewer's pictures against the true pictures from the same places.
 PictureError mean_error(const renderer::PersonModel& model,
                         std::span<const TruePicture> truths,
                         Sampling sampling = Sampling::kMean) {
@@ -48,7 +48,7 @@ PictureError mean_error(const renderer::PersonModel& model,
     return mean;
 }
 
-// The rig of eight megapixel cameras with pictures of half their width and height, filmed once.
+// The rig of eight megapixel cameras with pictures of half the width and height, filmed once.
 class SimulatedRoom : public testing::Test {
 protected:
     static void SetUpTestSuite() {
@@ -83,7 +83,7 @@ TEST_F(SimulatedRoom, FreeViewpointsShowThePerson) {
     EXPECT_GT(mean_error(model_of(*person), free()).psnr_db, 26.0);
 }
 
-TEST_F(SimulatedRoom, ATexturingCameraIsShownItsOwnPicture) {
+TEST_F(SimulatedRoom, ViewFromATexturingCameraShowsItsPicture) {
     const auto person = receive_person(own(), Publishing::kAsTheyWere);
     ASSERT_TRUE(person) << person.error().message;
     const PictureError error = mean_error(model_of(*person), own(), Sampling::kCentre);
@@ -92,13 +92,13 @@ TEST_F(SimulatedRoom, ATexturingCameraIsShownItsOwnPicture) {
     EXPECT_GT(error.psnr_db, 32.0);
 }
 
-TEST_F(SimulatedRoom, CamerasOfDifferentColoursAreEvenedOut) {
+TEST_F(SimulatedRoom, EvensOutCamerasOfDifferentColours) {
     std::vector<TruePicture> uneven(own().begin(), own().end());
     constexpr std::array<double, 8> kGains = {0.8, 1.1, 0.9, 1.2, 1.0, 0.85, 1.15, 0.95};
     ASSERT_LE(uneven.size(), kGains.size());
     for (std::size_t i = 0; i < uneven.size(); ++i) {
         for (std::size_t at = 0; at < uneven[i].bgr.size(); ++at) {
-            // each channel in its own way, none of them on the whole
+            // each channel differs, but none of them on average
             const double gain = kGains[(i + 3 * (at % 3)) % kGains.size()];
             std::uint8_t& value = uneven[i].bgr[at];
             value = static_cast<std::uint8_t>(std::min(255.0, value * gain + 0.5));
@@ -116,21 +116,21 @@ TEST_F(SimulatedRoom, CamerasOfDifferentColoursAreEvenedOut) {
     EXPECT_GT(evened_db, 24.0);
 }
 
-TEST_F(SimulatedRoom, CamerasOfTheSameColoursAreLeftAlone) {
+TEST_F(SimulatedRoom, DoesNotChangeCamerasOfEqualColours) {
     const auto person = receive_person(own(), Publishing::kAsTheyWere);
     ASSERT_TRUE(person) << person.error().message;
     renderer::PersonModelScratch scratch;
     renderer::PersonModel model;
     renderer::build_person_model(person->mesh, person->pictures, {}, scratch, model);
-    // the hull is not the person, so that cameras see different points at the same place
+    // the hull differs from the person, and cameras see different points at the same place
     for (const Eigen::Array3d& log_gain : scratch.colour_evening.log_gains)
         EXPECT_LT(log_gain.abs().maxCoeff(), 0.03) << log_gain.transpose();
 }
 
-TEST_F(SimulatedRoom, NothingPopsOnAWayAround) {
+TEST_F(SimulatedRoom, HasNoPoppingOnAPathAround) {
     const auto person = receive_person(own(), Publishing::kAsSites);
     ASSERT_TRUE(person) << person.error().message;
-    // a sixth of a turn in steps of one degree, past a camera and between two
+    // a sixth of a turn in steps of one degree, past one camera and between two
     auto way = orbit(360, 2.6, 1.3, 180, 240, 280.0);
     way.resize(60);
     const PictureChanges true_changes = changes(photograph_truth(rig_, {}, kTime_s, way).value());
@@ -144,7 +144,7 @@ TEST_F(SimulatedRoom, NothingPopsOnAWayAround) {
     EXPECT_LT(changes(photos).largest_block, 1.5 * true_changes.largest_block);
 }
 
-TEST(RecordedPerson, IsShownWhereOtherCamerasStood) {
+TEST(RecordedPerson, MatchesCamerasThatWereLeftOut) {
     const std::filesystem::path folder = ATRIUM_SOURCE_DIR "/../shared/data/recordings/ring20";
     if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here";
     const auto pictures = load_pictures(folder);

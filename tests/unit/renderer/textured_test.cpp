@@ -1,4 +1,4 @@
-// Pictures that lie on things: where on each shape, and that they are seen.
+// Texture coordinates of each shape, and their pictures on screen.
 #include "core/gl/offscreen_context.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
 
@@ -13,7 +13,7 @@
 namespace atrium::renderer {
 namespace {
 
-// The place in the picture of the corner nearest to a point of the surface, of those that face
+// Texture coordinates of the corner nearest to a point of the surface, among the corners that face
 // along `normal`.
 Eigen::Vector2f place_at(const ShapeMesh& mesh,
                          const Eigen::Vector3f& p,
@@ -51,7 +51,7 @@ TEST(TexturePlaces, CoverEachFaceOfABoxUpright) {
     EXPECT_THAT(place_at(box, {1, -1, 1}, {0, 0, 1}), IsPlace(1, 1));
 }
 
-TEST(TexturePlaces, GoAroundASphereFromTopToBottom) {
+TEST(TexturePlaces, WrapASphereFromTopToBottom) {
     const ShapeMesh ball = make_shape(ShapeKind::kSphere, {1, 1, 1});
     EXPECT_THAT(place_at(ball, {0, 0.5F, 0}, {0, 1, 0}), IsPlace(0.25, 0.5));
     EXPECT_THAT(place_at(ball, {-0.5F, 0, 0}, {-1, 0, 0}), IsPlace(0.5, 0.5));
@@ -59,7 +59,7 @@ TEST(TexturePlaces, GoAroundASphereFromTopToBottom) {
     EXPECT_NEAR(place_at(ball, {0, 0, -0.5F}, {0, 0, -1}).y(), 1.0F, 1e-4F);
 }
 
-TEST(TexturePlaces, GoAroundACylinderAndAcrossItsEnds) {
+TEST(TexturePlaces, WrapACylinderAndCrossItsEnds) {
     const ShapeMesh cylinder = make_shape(ShapeKind::kCylinder, {0.4, 0.4, 1.0});
     EXPECT_THAT(place_at(cylinder, {0, 0.2F, 0.5F}, {0, 1, 0}), IsPlace(0.25, 0));
     EXPECT_THAT(place_at(cylinder, {0, 0.2F, -0.5F}, {0, 1, 0}), IsPlace(0.25, 1));
@@ -68,8 +68,8 @@ TEST(TexturePlaces, GoAroundACylinderAndAcrossItsEnds) {
     EXPECT_THAT(place_at(cylinder, {0, 0.2F, 0.5F}, {0, 0, 1}), IsPlace(0.5, 0));
 }
 
-TEST(TexturePlaces, GoEvenlyAlongACapsule) {
-    // from pole to pole 0.2 pi + 0.6 m, of which the straight part is 0.6 m
+TEST(TexturePlaces, RunEvenlyAlongACapsule) {
+    // 0.2 pi + 0.6 m from pole to pole, of which the straight part is 0.6 m
     const ShapeMesh capsule = make_shape(ShapeKind::kCapsule, {0.4, 0.4, 1.0});
     const double length = 0.2 * std::numbers::pi + 0.6;
     EXPECT_THAT(place_at(capsule, {0, 0.2F, 0.3F}, {0, 1, 0}),
@@ -79,7 +79,7 @@ TEST(TexturePlaces, GoEvenlyAlongACapsule) {
     EXPECT_NEAR(place_at(capsule, {0, 0, -0.5F}, {0, 0, -1}).y(), 1.0F, 1e-4F);
 }
 
-TEST(TexturePlaces, RepeatPerMetreOnAPlaneAndWhereAModelHasNone) {
+TEST(TexturePlaces, RepeatPerMetreOnAPlaneAndOnModelsWithout) {
     const ShapeMesh plane = make_shape(ShapeKind::kPlane, {4, 6, 0});
     EXPECT_THAT(place_at(plane, {2, 3, 0}, {0, 0, 1}), IsPlace(2, -3));
     EXPECT_THAT(projected_place({0.3F, 0.5F, 0.7F}, {0.1F, 0.2F, 0.9F}), IsPlace(0.3, -0.5));
@@ -87,7 +87,7 @@ TEST(TexturePlaces, RepeatPerMetreOnAPlaneAndWhereAModelHasNone) {
     EXPECT_THAT(projected_place({0.3F, 0.5F, 0.7F}, {0.1F, -0.9F, 0.1F}), IsPlace(0.3, -0.7));
 }
 
-TEST(TexturePlaces, CoverAClothOnceHoweverItHangs) {
+TEST(TexturePlaces, CoverAClothOnceInAnyPose) {
     // three columns and two rows, whose diagonals alternate
     const SoftLook cloth{.num_nodes = 6, .triangles = {{0, 4, 1}, {0, 3, 4}, {1, 4, 2}, {2, 4, 5}}};
     const std::vector<Eigen::Vector3f> crumpled(6, Eigen::Vector3f(1, 2, 3));
@@ -98,7 +98,7 @@ TEST(TexturePlaces, CoverAClothOnceHoweverItHangs) {
     EXPECT_THAT(places[5], IsPlace(1, 1));
 }
 
-TEST(TexturePlaces, GoAroundASoftBall) {
+TEST(TexturePlaces, WrapASoftBall) {
     const SoftLook ball{.num_nodes = 4, .triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}}};
     const std::vector<Eigen::Vector3f> nodes{{3, 0, 0}, {1, 0, 0}, {2, 0, 1}, {2, 0, -1}};
     const auto places = make_texture_places(ball, nodes);
@@ -108,7 +108,7 @@ TEST(TexturePlaces, GoAroundASoftBall) {
     EXPECT_NEAR(places[3].y(), 1.0F, 1e-4F);
 }
 
-// Red, green / blue, transparent: each a quarter.
+// Red, green / blue, transparent: one quarter each.
 TexturePicture quarters() {
     TexturePicture picture{.width = 64, .height = 64, .rgba = {}};
     for (int y = 0; y < 64; ++y) {
@@ -133,7 +133,7 @@ protected:
     }
     void TearDown() override { renderer_.reset(); }
 
-    // 'r', 'g', 'b' where one colour outweighs both others by half; else '.'.
+    // Returns 'r', 'g' or 'b' if that colour exceeds both others by half, otherwise '.'.
     char hue_at(const Eigen::Vector3d& p_world) const {
         const Eigen::Vector2d px = project_px(camera_, p_world, picture_.width, picture_.height);
         const auto i = 4 * (static_cast<std::size_t>(std::lround(px.y())) * 480 +
@@ -155,14 +155,15 @@ protected:
     RenderedPicture picture_;
 };
 
-TEST_F(TexturedTest, ABoxShowsThePictureAndItsColourWhereThatIsTransparent) {
+TEST_F(TexturedTest, BoxShowsItsColourThroughTransparentTexels) {
     const ObjectLook look{.size_m = {1, 1, 1},
                           .colour = {0.7, 0.7, 0.7},
                           .texture = "quarters",
                           .world_from_object = {Eigen::Quaterniond::Identity(), {0, 0, 1}}};
     renderer_->set_object(1, look);
     draw();
-    EXPECT_EQ(hue_at({-0.25, -0.5, 1.25}), '.') << "plain until the picture is there";
+    EXPECT_EQ(hue_at({-0.25, -0.5, 1.25}), '.')
+        << "the box must be plain until its picture is loaded";
     renderer_->set_texture("quarters", quarters());
     draw();
     EXPECT_EQ(hue_at({-0.25, -0.5, 1.25}), 'r');
@@ -171,7 +172,7 @@ TEST_F(TexturedTest, ABoxShowsThePictureAndItsColourWhereThatIsTransparent) {
     EXPECT_EQ(hue_at({0.25, -0.5, 0.75}), '.');
 }
 
-TEST_F(TexturedTest, APictureTurnsWithItsBall) {
+TEST_F(TexturedTest, PictureTurnsWithItsBall) {
     renderer_->set_texture("quarters", quarters());
     ObjectLook look{.shape = ShapeKind::kSphere,
                     .size_m = {1, 1, 1},
@@ -180,7 +181,7 @@ TEST_F(TexturedTest, APictureTurnsWithItsBall) {
                     .world_from_object = {Eigen::Quaterniond::Identity(), {0, 0, 1}}};
     renderer_->set_object(1, look);
     draw();
-    // from -y the second half of the way around is seen
+    // from -y, the second half of the wrap is visible
     EXPECT_EQ(hue_at({0, -0.45, 1.2}), 'g');
     EXPECT_EQ(hue_at({0, -0.45, 0.8}), '.');
     look.world_from_object.rotation = Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ());
@@ -209,7 +210,7 @@ TEST_F(TexturedTest, FloorSceneryAndClothShowPictures) {
         {0.4F, 0, 1.2F}, {0.8F, 0, 1.2F}, {0.4F, 0, 0.8F}, {0.8F, 0, 0.8F}};
     renderer_->move_soft_object(2, nodes);
     draw();
-    EXPECT_EQ(hue_at({0.25, -0.25, 0}), 'r') << "once per metre, from the origin";
+    EXPECT_EQ(hue_at({0.25, -0.25, 0}), 'r') << "the picture must repeat per metre from the origin";
     EXPECT_EQ(hue_at({-0.25, -0.25, 0}), 'g');
     EXPECT_EQ(hue_at({0.25, 0.25, 0}), 'b');
     EXPECT_EQ(hue_at({-0.7, -0.2, 1.1}), 'r');

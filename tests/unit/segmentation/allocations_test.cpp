@@ -6,7 +6,7 @@ namespace {
 
 using namespace test;
 
-// With people that come and go, in light that flickers.
+// With people who come and go, in flickering light.
 TEST(Segmenter, AllocatesNothingAfterItsFirstPictures) {
     std::mt19937 random(1);
     const image::YuvImage scene = room(240, 160);

@@ -46,7 +46,7 @@ protected:
     BackgroundStatistics room_;
 };
 
-TEST_F(BackgroundFile, GivesBackWhatWasLearned) {
+TEST_F(BackgroundFile, RoundTripKeepsTheModel) {
     const auto loaded = load_background(folder_ / "deep", "cam1");
     ASSERT_TRUE(loaded) << loaded.error().message;
     EXPECT_EQ(loaded->width, 62);
@@ -62,16 +62,16 @@ TEST_F(BackgroundFile, GivesBackWhatWasLearned) {
     EXPECT_EQ(loaded->vv, room_.vv);
 }
 
-TEST_F(BackgroundFile, IsReplacedWholeAndLeavesNothingElse) {
+TEST_F(BackgroundFile, IsReplacedAtomicallyWithoutLeftovers) {
     room_.num_frames = 8;
     ASSERT_TRUE(save_background(room_, folder_ / "deep", "cam1"));
     EXPECT_EQ(load_background(folder_ / "deep", "cam1")->num_frames, 8);
     EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "deep"), {}), 1);
-    // a file stands where the folder would have to
+    // a file occupies the path of the folder
     EXPECT_FALSE(save_background(room_, file_ / "inside", "cam1"));
 }
 
-TEST_F(BackgroundFile, SaysWhatIsWrongWithAFile) {
+TEST_F(BackgroundFile, NamesErrorsOfAFile) {
     EXPECT_EQ(load_background(folder_, "cam9").error().kind, ErrorKind::kNotFound);
     const std::string good = bytes();
     fs::copy_file(file_, background_file(folder_ / "deep", "cam2"));
@@ -88,7 +88,7 @@ TEST_F(BackgroundFile, SaysWhatIsWrongWithAFile) {
     EXPECT_EQ(error(), "");
 }
 
-TEST_F(BackgroundFile, NoCutAndNoFlippedByteIsTakenForGood) {
+TEST_F(BackgroundFile, RefusesEveryCutAndFlippedByte) {
     const std::string good = bytes();
     for (std::size_t size = 0; size < good.size(); size += size < 80 ? 1 : 97) {
         write(good.substr(0, size));
@@ -102,8 +102,8 @@ TEST_F(BackgroundFile, NoCutAndNoFlippedByteIsTakenForGood) {
     }
 }
 
-// A checksum is no proof of honesty: sizes that do not fit the length are told.
-TEST_F(BackgroundFile, SizesThatLieAreFound) {
+// A valid checksum proves nothing about the content. Sizes that do not fit the length are errors.
+TEST_F(BackgroundFile, RefusesSizesThatDoNotFitTheLength) {
     for (const std::uint32_t width : {0U, 1U, 60U, 64U, 8194U, 0xffffffffU}) {
         std::string bad = bytes();
         std::memcpy(bad.data() + 8 + 4 + 4 + 4, &width, sizeof width);
@@ -118,7 +118,7 @@ TEST_F(BackgroundFile, SizesThatLieAreFound) {
     }
 }
 
-TEST(BackgroundQuality, TellsNoiseAndWhatCanBeTested) {
+TEST(BackgroundQuality, ReportsNoiseAndTestablePixels) {
     std::mt19937 random(2);
     image::YuvImage scene = plain(100, 40, {100, 128, 128});
     for (int y = 0; y < 40; ++y) {

@@ -16,7 +16,7 @@ image::Mask noise(int width, int height, double density, unsigned seed) {
     return mask;
 }
 
-// The same by flood fill, part by part.
+// Reference by flood fill, component by component.
 image::Mask without_small_parts(const image::Mask& in, int min_area_px, int max_hole_px) {
     image::Mask out = in;
     std::vector<bool> seen(in.data.size());
@@ -49,7 +49,7 @@ image::Mask without_small_parts(const image::Mask& in, int min_area_px, int max_
     return out;
 }
 
-TEST(CleanMask, MajorityIsTheCountOfNineWithRepeatedBorders) {
+TEST(CleanMask, MajorityCountsNinePixelsWithRepeatedBorders) {
     CleanScratch scratch;
     image::Mask out;
     for (unsigned seed = 0; seed < 8; ++seed) {
@@ -70,7 +70,7 @@ TEST(CleanMask, MajorityIsTheCountOfNineWithRepeatedBorders) {
     }
 }
 
-TEST(CleanMask, AllInstructionSetsCountTheSameMajority) {
+TEST(CleanMask, MajorityIsEqualForAllInstructionSets) {
     if (best_instruction_set() == InstructionSet::kBaseline)
         GTEST_SKIP() << "this processor has no AVX2";
     CleanScratch scratch;
@@ -86,7 +86,7 @@ TEST(CleanMask, AllInstructionSetsCountTheSameMajority) {
     }
 }
 
-TEST(CleanMask, SmallPartsAreRemovedAsByFloodFill) {
+TEST(CleanMask, RemovesSmallPartsLikeFloodFill) {
     CleanScratch scratch;
     for (unsigned seed = 0; seed < 30; ++seed) {
         const image::Mask in = noise(45, 31, 0.3 + 0.015 * seed, seed);
@@ -101,7 +101,7 @@ TEST(CleanMask, SmallPartsAreRemovedAsByFloodFill) {
     }
 }
 
-TEST(CleanMask, PlainMasksStayAsTheyAre) {
+TEST(CleanMask, KeepsPlainMasks) {
     CleanScratch scratch;
     for (const std::uint8_t value : {std::uint8_t{0}, std::uint8_t{255}}) {
         image::Mask mask(20, 10, value);

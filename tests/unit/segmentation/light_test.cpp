@@ -13,14 +13,14 @@ image::YuvImage lit(const image::YuvImage& scene, double light, std::mt19937& ra
     return frame;
 }
 
-// Somebody of another hue, as bright as the room.
+// A person of another hue, as bright as the room.
 void stand(image::YuvImage& frame) {
     for (int y = kPatch.y / 2; y < (kPatch.y + kPatch.height) / 2; ++y) {
         for (int x = kPatch.x / 2; x < (kPatch.x + kPatch.width) / 2; ++x) frame.v.row(y)[x] += 40;
     }
 }
 
-TEST(Light, FlickerOfTheWholeRoomIsCompensated) {
+TEST(Light, CompensatesFlickerOfTheWholeRoom) {
     std::mt19937 random(1);
     const image::YuvImage scene = room(240, 160);
     const auto learned = learn(scene, 20, random);
@@ -32,7 +32,7 @@ TEST(Light, FlickerOfTheWholeRoomIsCompensated) {
     image::Mask mask;
     double seen_without = 0.0;
     for (const double light : {1.0, 1.22, 0.8, 1.15, 0.9, 1.2}) {
-        // what is in shadow of this light is darker than any shadow of the light that was learned
+        // a shadow in this light is darker than any shadow in the learned light
         image::YuvImage frame = lit(scene, light, random);
         scale_light(frame, kPatch, 0.7);
         ASSERT_TRUE(compensating.segment(frame, mask).has_value());
@@ -43,7 +43,7 @@ TEST(Light, FlickerOfTheWholeRoomIsCompensated) {
     EXPECT_GT(seen_without, 1.0);
 }
 
-TEST(Light, CompensationIsBoundedAndFindsPeopleAllTheSame) {
+TEST(Light, BoundsCompensationAndStillFindsPeople) {
     std::mt19937 random(2);
     const image::YuvImage scene = room(240, 160);
     const auto learned = learn(scene, 20, random);
@@ -58,7 +58,7 @@ TEST(Light, CompensationIsBoundedAndFindsPeopleAllTheSame) {
     EXPECT_NEAR(gain(0.85), 1.0 / 0.85, 0.004);
     EXPECT_EQ(gain(1.0), 1.0);
     EXPECT_NEAR(gain(0.5), 1.0 / 0.75, 0.001);
-    EXPECT_NEAR(gain(1.6), 1.0 / 1.25, 0.02);  // some of the room clips
+    EXPECT_NEAR(gain(1.6), 1.0 / 1.25, 0.02);  // a part of the room clips
 
     Segmenter segmenter(learned, {});
     image::Mask mask;
@@ -73,7 +73,7 @@ TEST(Light, CompensationIsBoundedAndFindsPeopleAllTheSame) {
     }
 }
 
-TEST(Light, TheModelFollowsLightThatDriftsInPlaces) {
+TEST(Light, FollowsLocalDriftOfTheLight) {
     std::mt19937 random(3);
     const image::YuvImage scene = room(240, 160);
     const auto learned = learn(scene, 20, random);
@@ -95,7 +95,7 @@ TEST(Light, TheModelFollowsLightThatDriftsInPlaces) {
         ASSERT_TRUE(following.segment(drifted(1.0 - 0.2 * i / 1500), mask).has_value());
         ASSERT_EQ(foreground_part(mask, kWhole), 0.0) << i;
     }
-    // a shadow in that light: known to who followed
+    // a shadow in that light: only a model that followed knows it
     image::YuvImage frame = drifted(0.8);
     scale_light(frame, {140, 40, 60, 60}, 0.68);
     ASSERT_TRUE(following.segment(frame, mask).has_value());
@@ -104,7 +104,7 @@ TEST(Light, TheModelFollowsLightThatDriftsInPlaces) {
     EXPECT_GT(foreground_part(mask, {144, 44, 52, 52}), 0.9);
 }
 
-TEST(Light, DriftIsBounded) {
+TEST(Light, BoundsDrift) {
     const image::YuvImage scene = plain(96, 64, {100, 120, 130});
     std::mt19937 random(4);
     SegmentationOptions options;
@@ -123,11 +123,11 @@ TEST(Light, DriftIsBounded) {
     for (std::size_t i = 0; i < model.luma.size(); ++i) {
         const double moved = (model.luma[i] - model.room.luma[i]) / 256.0;
         EXPECT_LE(moved, 12.01);
-        EXPECT_GT(moved, 6.0);  // as far as the room was still told
+        EXPECT_GT(moved, 6.0);  // as far as the model recognised the room
     }
 }
 
-TEST(Light, NobodyBecomesPartOfTheRoom) {
+TEST(Light, NeverAbsorbsAPersonIntoTheRoom) {
     std::mt19937 random(5);
     const image::YuvImage scene = room(240, 160);
     SegmentationOptions options;
@@ -150,7 +150,7 @@ TEST(Light, NobodyBecomesPartOfTheRoom) {
     }
 }
 
-TEST(Light, AllInstructionSetsFollowAlike) {
+TEST(Light, FollowsEquallyForAllInstructionSets) {
     if (best_instruction_set() == InstructionSet::kBaseline)
         GTEST_SKIP() << "this processor has no AVX2";
     std::mt19937 random(9);
@@ -177,7 +177,7 @@ TEST(Light, AllInstructionSetsFollowAlike) {
             image::YuvImage frame = scene;
             for (image::Plane* plane : {&frame.y, &frame.u, &frame.v}) {
                 for (std::uint8_t& value : plane->data) {
-                    // some is clipped, and some is no background
+                    // some pixels clip, and some are no background
                     const int changed = number(0, 9) == 0 ? number(0, 255) : value + number(-6, 6);
                     value = static_cast<std::uint8_t>(std::clamp(changed, 0, 255));
                 }

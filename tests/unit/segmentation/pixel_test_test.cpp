@@ -57,7 +57,7 @@ void let_all_luma_pass(BackgroundModel& model) {
     }
 }
 
-// No luma of this pixel passes.
+// Makes every luma of this pixel fail.
 void forbid(BackgroundModel& model, int x, int y) {
     RoomLook& look =
         model.looks[model.first_group(y / 2) + static_cast<std::size_t>(x / kPixelsPerGroup)];
@@ -65,7 +65,7 @@ void forbid(BackgroundModel& model, int x, int y) {
         255;
 }
 
-// Any values at all; a model that was learned is tamer.
+// A model with arbitrary values. Learned models have milder ones.
 BackgroundModel any_model(int width, int height, Random& random) {
     BackgroundModel model;
     model.room.width = width;
@@ -83,7 +83,7 @@ BackgroundModel any_model(int width, int height, Random& random) {
     return model;
 }
 
-TEST(PixelTest, AllInstructionSetsGiveTheSameBits) {
+TEST(PixelTest, GivesTheSameBitsForAllInstructionSets) {
     if (best_instruction_set() == InstructionSet::kBaseline)
         GTEST_SKIP() << "this processor has no AVX2";
     Random random(7);
@@ -92,7 +92,7 @@ TEST(PixelTest, AllInstructionSetsGiveTheSameBits) {
     for (int round = 0; round < 60; ++round) {
         const int width = 2 * random.in(1, 70);
         const int height = 2 * random.in(1, 9);
-        // dark, bright and all kinds of pictures
+        // dark, bright and arbitrary pictures
         const image::YuvImage frame =
             picture(width, height, random, round % 3 == 1 ? 230 : 0, round % 3 == 2 ? 30 : 255);
         const BackgroundModel model = any_model(width, height, random);
@@ -110,8 +110,8 @@ TEST(PixelTest, AllInstructionSetsGiveTheSameBits) {
     EXPECT_GT(num_background, 1000);
 }
 
-// The same with limits that let much of a picture pass.
-TEST(PixelTest, AllInstructionSetsAgreeWhereChromaDecides) {
+// The same, with limits that let much of a picture pass.
+TEST(PixelTest, GivesTheSameBitsWhereChromaDecides) {
     if (best_instruction_set() == InstructionSet::kBaseline)
         GTEST_SKIP() << "this processor has no AVX2";
     Random random(8);
@@ -129,8 +129,8 @@ TEST(PixelTest, AllInstructionSetsAgreeWhereChromaDecides) {
     }
 }
 
-// Where the hue is near the room's, the wide registers do not look at its noise.
-TEST(PixelTest, AllInstructionSetsAgreeAtTheLimitOfChroma) {
+// If the hue is near the room's, the AVX2 code does not look at its noise.
+TEST(PixelTest, GivesTheSameBitsAtTheChromaLimit) {
     if (best_instruction_set() == InstructionSet::kBaseline)
         GTEST_SKIP() << "this processor has no AVX2";
     Random random(10);
@@ -144,7 +144,7 @@ TEST(PixelTest, AllInstructionSetsAgreeAtTheLimitOfChroma) {
         const int most = random.in(500, 32767);
         set_hue_noise(model, random, most);
         model.min_colour_luma = 0;
-        // so that the nearest deviations that count are some grey levels
+        // puts the smallest deviations that count at some grey levels
         const int limit = random.in(1, 30) * most / 512;
         model.max_distance_sq = limit * limit;
         limit_near_hues(model);
@@ -164,7 +164,7 @@ TEST(PixelTest, AllInstructionSetsAgreeAtTheLimitOfChroma) {
     EXPECT_GT(num_background, 1000);
 }
 
-TEST(PixelTest, CellsWithForegroundAreTold) {
+TEST(PixelTest, ReportsCellsWithForeground) {
     Random random(11);
     for (int round = 0; round < 200; ++round) {
         const int width = 2 * random.in(1, 70);
@@ -192,8 +192,8 @@ TEST(PixelTest, CellsWithForegroundAreTold) {
     }
 }
 
-// A strip of rows is the same part of the whole.
-TEST(PixelTest, RowsAreTestedByThemselves) {
+// A strip of rows gives the same result as these rows of the whole picture.
+TEST(PixelTest, TestsRowsIndependently) {
     Random random(9);
     const image::YuvImage frame = picture(50, 12, random, 0, 255);
     const BackgroundModel model = any_model(50, 12, random);

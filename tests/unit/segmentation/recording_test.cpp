@@ -40,9 +40,9 @@ Segmenter learned(const std::string& folder) {
     return {learner.finish().value(), {}};
 }
 
-// Four people, masks drawn by hand. The best that OpenCV's subtractors reach there, with a
-// threshold chosen per picture, is 0.901 (MOG2) and 0.907 (KNN).
-TEST(SegmentationRecording, AgreesWithMasksDrawnByHand) {
+// Four people with hand-drawn masks. The best of OpenCV's subtractors, with a threshold chosen per
+// picture, reach 0.901 (MOG2) and 0.907 (KNN).
+TEST(SegmentationRecording, AgreesWithHandDrawnMasks) {
     const std::string root = kRecordings + "fourpersons_a";
     if (!std::filesystem::exists(root)) GTEST_SKIP() << root << " is not there";
     double sum = 0.0;
@@ -60,9 +60,9 @@ TEST(SegmentationRecording, AgreesWithMasksDrawnByHand) {
     EXPECT_GT(sum / 4.0, 0.92);
 }
 
-// One person sits there for 426 frames: the room must not grow into them while it follows the
-// light, nor they into the room.
-TEST(SegmentationRecording, WhoSitsStillStays) {
+// One person sits still for 426 frames. The room must not grow into the person while it follows the
+// light, nor the person into the room.
+TEST(SegmentationRecording, PersonWhoSitsStillStays) {
     const std::string root = kRecordings + "horseman";
     if (!std::filesystem::exists(root)) GTEST_SKIP() << root << " is not there";
     for (const char* camera : {"cam1", "cam2", "cam4"}) {

@@ -17,7 +17,7 @@ image::Mask segmented(const image::YuvImage& frame, const BackgroundStatistics& 
     return mask;
 }
 
-TEST(BackgroundLearner, SaysWhyItCannotLearn) {
+TEST(BackgroundLearner, NamesTheReasonWhyItCannotLearn) {
     BackgroundLearner learner;
     EXPECT_THAT(learner.finish().error().message, HasSubstr("no picture"));
     image::YuvImage odd = plain(8, 8, {1, 2, 3});
@@ -39,7 +39,7 @@ TEST(Segmentation, RejectsAFrameOfAnotherSize) {
     EXPECT_THAT(result.error().message, HasSubstr("160x160"));
 }
 
-TEST(Segmentation, TheEmptyRoomIsEmptyAfterOneFrameAndAfterMany) {
+TEST(Segmentation, EmptyRoomIsEmptyAfterOneFrameAndMany) {
     for (const int num_frames : {1, 30}) {
         std::mt19937 random(2);
         const image::YuvImage scene = room(240, 160);
@@ -65,7 +65,7 @@ TEST(Segmentation, ShadowsAndHighlightsAreBackground) {
     }
 }
 
-TEST(Segmentation, AWholeRoomThatGetsALittleDarkerStaysEmpty) {
+TEST(Segmentation, SlightlyDarkerRoomStaysEmpty) {
     std::mt19937 random(4);
     const image::YuvImage scene = room(240, 160);
     const BackgroundStatistics model = learn(scene, 20, random);
@@ -75,7 +75,7 @@ TEST(Segmentation, AWholeRoomThatGetsALittleDarkerStaysEmpty) {
     EXPECT_EQ(foreground_part(segmented(frame, model), kWhole), 0.0);
 }
 
-TEST(Segmentation, FindsWhatDiffersInHueOrIsTooDarkOrTooBright) {
+TEST(Segmentation, FindsObjectsOfOtherHueOrTooDarkOrTooBright) {
     std::mt19937 random(5);
     const image::YuvImage scene = room(240, 160);
     const BackgroundStatistics model = learn(scene, 20, random);
@@ -95,7 +95,7 @@ TEST(Segmentation, FindsWhatDiffersInHueOrIsTooDarkOrTooBright) {
         const double all = foreground_part(mask, kWhole) * kWhole.width * kWhole.height;
         EXPECT_NEAR(all,
                     kPatch.width * kPatch.height,
-                    40.0);  // corners, rounded by the majority, and some noise
+                    40.0);  // the majority rounds corners, plus some noise
     }
 }
 
@@ -113,8 +113,8 @@ TEST(Segmentation, ClippedAndBlackSurfacesDoNotFlicker) {
     }
 }
 
-// The samples of a mosaic are what luma is elsewhere.
-TEST(Segmentation, AMosaicIsNotComparedWithPicturesInColour) {
+// The samples of a mosaic take the place of luma in other formats.
+TEST(Segmentation, DoesNotCompareAMosaicWithColourPictures) {
     const image::YuvImage scene = plain(64, 48, {100, 120, 130});
     BackgroundLearner learner;
     image::YuvView mosaic(scene);
@@ -127,9 +127,9 @@ TEST(Segmentation, AMosaicIsNotComparedWithPicturesInColour) {
     EXPECT_THAT(segmenter.segment(scene, mask).error().message, HasSubstr("mosaic"));
 }
 
-// A green floor in deep shadow and a black thing on it are equally dark: the hue tells them apart.
-// Before a grey wall nothing does, so there the luma limit stays.
-TEST(Segmentation, DeepShadowsAreBackgroundOnlyWhereTheHueProvesThem) {
+// A green floor in deep shadow and a black object on it are equally dark, but differ in hue. On a
+// grey wall the hue does not differ, so the luma limit stays there.
+TEST(Segmentation, DeepShadowsAreBackgroundOnlyIfTheHueMatches) {
     std::mt19937 random(8);
     for (const bool coloured : {true, false}) {
         const image::YuvImage scene =
@@ -150,8 +150,8 @@ TEST(Segmentation, DeepShadowsAreBackgroundOnlyWhereTheHueProvesThem) {
     }
 }
 
-// Once a sample clips, its colour is wrong; in the dark there is none.
-TEST(Segmentation, ColoursOfClippedAndDarkPixelsDoNotVote) {
+// The colour of a clipped sample is wrong, and a dark sample has none.
+TEST(Segmentation, IgnoresColoursOfClippedAndDarkPixels) {
     std::mt19937 random(9);
     const image::YuvImage bright = plain(240, 160, {238, 128, 128});
     image::YuvImage clipped = bright;
@@ -163,15 +163,15 @@ TEST(Segmentation, ColoursOfClippedAndDarkPixelsDoNotVote) {
     image::YuvImage tinted = dark;
     for (std::uint8_t& v : tinted.v.data) v = 160;
     EXPECT_EQ(foreground_part(segmented(tinted, learn(dark, 20, random, 1.0)), kWhole), 0.0);
-    // the same tint in the light is somebody
+    // the same tint in the light is a person
     const image::YuvImage lit = plain(240, 160, {90, 128, 128});
     image::YuvImage lit_tinted = lit;
     for (std::uint8_t& v : lit_tinted.v.data) v = 160;
     EXPECT_EQ(foreground_part(segmented(lit_tinted, learn(lit, 20, random, 1.0)), kWhole), 1.0);
 }
 
-// Noise of U and V that goes together: a deviation along it is noise, one of the same length across
-// it is somebody.
+// The noise of U and V is correlated. A deviation along it is noise, and one of the same length
+// across it is a person.
 TEST(Segmentation, ChromaIsTestedWithItsFullCovariance) {
     std::mt19937 random(10);
     std::normal_distribution<double> noise(0.0, 5.0);
@@ -196,8 +196,9 @@ TEST(Segmentation, ChromaIsTestedWithItsFullCovariance) {
     }
 }
 
-// The mask of a Segmenter beside one that tests every pixel and cleans the whole picture.
-TEST(Segmentation, FindsWhatTestingEveryPixelFinds) {
+// Compares the mask of a Segmenter with a reference that tests every pixel and cleans the whole
+// picture.
+TEST(Segmentation, FindsTheSameAsATestOfEveryPixel) {
     std::mt19937 random(21);
     for (const auto& [width, height] :
          {std::pair{240, 160}, {96, 34}, {50, 66}, {30, 22}, {642, 82}}) {
@@ -211,7 +212,7 @@ TEST(Segmentation, FindsWhatTestingEveryPixelFinds) {
         image::SparseMask sparse;
         for (int round = 0; round < 30; ++round) {
             image::YuvImage frame = scene;
-            // blobs, also at the picture's border, slanted rows of them, and holes in them
+            // blobs, also at the picture's border, slanted rows of blobs, and holes in them
             for (unsigned i = random() % 4; i > 0; --i) {
                 const int x = static_cast<int>(random() % static_cast<unsigned>(width - 8)) & ~1;
                 const int y = static_cast<int>(random() % static_cast<unsigned>(height - 8)) & ~1;
@@ -244,7 +245,7 @@ TEST(Segmentation, FindsWhatTestingEveryPixelFinds) {
     }
 }
 
-TEST(Segmentation, AreasAreWherePeopleAreLookedFor) {
+TEST(Segmentation, LooksForPeopleOnlyInItsAreas) {
     std::mt19937 random(11);
     const image::YuvImage scene = room(240, 160);
     const auto learned = learn(scene, 10, random);

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-/// A room that is a smooth gradient, and what can be done to pictures of it.
+/// A room that is a smooth gradient, and changes to its pictures.
 namespace atrium::segmentation::test {
 
 struct Colour {
@@ -24,7 +24,7 @@ inline image::YuvImage plain(int width, int height, Colour c) {
             image::Plane(width / 2, height / 2, byte(c.v))};
 }
 
-// Smooth colours over the whole range that a lit wall has.
+// Smooth colours over the whole range of a lit wall.
 inline image::YuvImage room(int width, int height) {
     image::YuvImage frame = plain(width, height, {0, 128, 128});
     for (int y = 0; y < height; ++y) {
@@ -58,7 +58,7 @@ inline void add_noise(image::YuvImage& frame,
     shake(frame.v, sigma_chroma);
 }
 
-// Multiplies the light in a rectangle with even edges.
+// Multiplies the light in a rectangle with sharp edges.
 inline void scale_light(image::YuvImage& frame, const image::PixelRect& area, double factor) {
     for (int y = area.y; y < area.y + area.height; ++y) {
         for (int x = area.x; x < area.x + area.width; ++x) {
@@ -89,7 +89,7 @@ inline BackgroundStatistics learn(const image::YuvImage& scene,
     return learner.finish().value();
 }
 
-// Part of the pixels of `area` that are foreground.
+// Fraction of the pixels of `area` that are foreground.
 inline double foreground_part(const image::Mask& mask, const image::PixelRect& area) {
     double count = 0;
     for (int y = area.y; y < area.y + area.height; ++y) {

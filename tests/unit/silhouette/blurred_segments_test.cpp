@@ -8,7 +8,7 @@
 namespace atrium::silhouette {
 namespace {
 
-// Isothetic thickness [px] by its definition: least over all strips through two of the points.
+// Isothetic thickness [px] by its definition: the least over all strips through two of the points.
 double thickness_px(std::span<const GridPoint> points) {
     double best = 1e30;
     for (const GridPoint a : points) {
@@ -38,7 +38,7 @@ std::vector<GridPoint> noisy_line(double slope, int noise, unsigned seed) {
     return points;
 }
 
-TEST(BlurredSegment, GrowsExactlyAsLongAsTheThicknessAllows) {
+TEST(BlurredSegment, GrowsExactlyUpToTheThickness) {
     BlurredSegment segment;
     for (unsigned seed = 0; seed < 60; ++seed) {
         const std::vector<GridPoint> points =
@@ -55,7 +55,7 @@ TEST(BlurredSegment, GrowsExactlyAsLongAsTheThicknessAllows) {
     }
 }
 
-TEST(BlurredSegment, TheLimitItselfBelongsToTheSegment) {
+TEST(BlurredSegment, IncludesTheLimit) {
     const std::vector<GridPoint> points = {
         {0, 0}, {2, 1}, {4, 2}, {5, 0}, {8, 2}, {10, 0}};  // 1 px = 2 units thick
     BlurredSegment segment;
@@ -69,7 +69,7 @@ TEST(BlurredSegment, TheLimitItselfBelongsToTheSegment) {
     EXPECT_FALSE(all);
 }
 
-TEST(BlurredSegment, LongNoisyPathsGrowTheHullStore) {
+TEST(BlurredSegment, GrowsItsHullStoreForLongNoisyPaths) {
     BlurredSegment segment;
     segment.set_thickness_px(1e6);
     // a parabola: every point is a corner of the hull
@@ -77,7 +77,7 @@ TEST(BlurredSegment, LongNoisyPathsGrowTheHullStore) {
     for (int x = 1; x < 2000; ++x) EXPECT_TRUE(segment.add({x, x * x}));
 }
 
-TEST(BlurredSegments, EveryHalfPlaneEdgeIsOneSegmentOfOnePixel) {
+TEST(BlurredSegments, MakeOneSegmentOfEveryHalfPlaneEdgeAtOnePixel) {
     ContourSet set;
     BlurredSegment segment;
     segment.set_thickness_px(1.0);
@@ -91,7 +91,7 @@ TEST(BlurredSegments, EveryHalfPlaneEdgeIsOneSegmentOfOnePixel) {
             }
         }
         trace_contours(mask, 1, set);
-        // keep the cracks of the edge itself, which are those inside the picture, in their order
+        // keep only the cracks of the edge inside the picture, in their order
         std::vector<GridPoint> edge;
         const auto all = set.points_of(set.contours[0]);
         const auto inside = [](GridPoint p) {
@@ -108,7 +108,7 @@ TEST(BlurredSegments, EveryHalfPlaneEdgeIsOneSegmentOfOnePixel) {
     }
 }
 
-TEST(BlurredSegments, EveryRunIsThinEnoughAndAsLongAsItCanBe) {
+TEST(BlurredSegments, AreThinEnoughAndAsLongAsPossible) {
     std::mt19937 random(7);
     image::Mask mask = test::person_mask();
     test::roughen(mask, 0.2, random);

@@ -60,7 +60,7 @@ double signed_area_of_points(std::span<const GridPoint> points) {
     return 0.125 * twice;
 }
 
-TEST(Contours, OnePixelIsFourCrackMiddlesWithForegroundOnTheLeft) {
+TEST(Contours, OfOnePixelAreFourCrackMiddlesWithForegroundOnTheLeft) {
     image::Mask mask(5, 4);
     mask.row(2)[3] = 255;
     ContourSet set;
@@ -72,7 +72,7 @@ TEST(Contours, OnePixelIsFourCrackMiddlesWithForegroundOnTheLeft) {
                 ElementsAre(GridPoint{6, 3}, GridPoint{7, 4}, GridPoint{6, 5}, GridPoint{5, 4}));
 }
 
-TEST(Contours, DiagonalNeighboursAreTwoBlobsAndAFullPictureIsClosedAlongItsBorder) {
+TEST(Contours, SplitDiagonalNeighboursAndCloseAtTheBorder) {
     image::Mask mask(2, 2);
     mask.row(0)[0] = mask.row(1)[1] = 255;
     ContourSet set;
@@ -84,7 +84,7 @@ TEST(Contours, DiagonalNeighboursAreTwoBlobsAndAFullPictureIsClosedAlongItsBorde
     EXPECT_TRUE(set.contours[0].touches_border);
 }
 
-TEST(Contours, HoleIsClockwiseAndDiagonalGapsOfAHoleAreJoined) {
+TEST(Contours, RunClockwiseAroundHolesAndJoinDiagonalGaps) {
     image::Mask mask(6, 6, 255);
     mask.row(2)[2] = mask.row(3)[3] = 0;
     ContourSet set;
@@ -94,7 +94,7 @@ TEST(Contours, HoleIsClockwiseAndDiagonalGapsOfAHoleAreJoined) {
     EXPECT_LT(signed_area_of_points(set.points_of(set.contours[1])), 0.0);
 }
 
-TEST(Contours, SmallBlobsAndSmallHolesAreLeftOutAlikeAndCounted) {
+TEST(Contours, OmitAndCountSmallBlobsAndHoles) {
     image::Mask mask(40, 40);
     test::draw(mask, {15, 20, 15, 20, 12});
     test::draw(mask, {12, 20, 12, 20, 1.1}, 0);  // a hole of 5 pixels
@@ -149,7 +149,7 @@ TEST(Contours, NeverTouchThemselvesOrEachOther) {
     }
 }
 
-TEST(Contours, StartInAVertexOfTheirConvexHull) {
+TEST(Contours, StartAtAVertexOfTheirConvexHull) {
     const image::Mask mask = test::person_mask();
     ContourSet set;
     trace_contours(mask, 100, set);
@@ -175,7 +175,7 @@ TEST(Contours, StampsSurviveManyCallsAndSizeChanges) {
     }
 }
 
-TEST(Contours, BoundingRectangleHoldsAllTheyEnclose) {
+TEST(Contours, BoundingRectangleHoldsTheirInside) {
     ContourSet set;
     trace_contours(image::Mask(30, 20), 1, set);
     EXPECT_TRUE(bounding_rect(set).empty());

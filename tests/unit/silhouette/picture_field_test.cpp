@@ -32,7 +32,7 @@ bool is_inside(const Polygon& polygon, const Eigen::Vector2d& p) {
     return inside;
 }
 
-TEST(PictureField, IsARectangleWhereTheLensIsStraight) {
+TEST(PictureField, IsARectangleWithoutLensDistortion) {
     const auto field = picture_field(camera(640, 481), 2.5);
     ASSERT_TRUE(field);
     const Polygon expected{{2.0, 2.0}, {637.0, 2.0}, {637.0, 477.0}, {2.0, 477.0}};  // 480 rows
@@ -57,13 +57,14 @@ TEST(PictureField, FollowsTheBorderOfADistortedPicture) {
     }
 }
 
-TEST(PictureField, IsNoneWhereNothingIsLeftOrTheLensHasNoInverse) {
+TEST(PictureField, IsEmptyIfNothingIsLeftOrTheLensHasNoInverse) {
     EXPECT_FALSE(picture_field(camera(16, 16), 8.0));
     EXPECT_FALSE(picture_field(camera(640, 480, {-3.0, 0.0, 0.0, 0.0, 0.0}), 2.0));
 }
 
-// A subject that is cut by the picture's border must be foreground on both sides of the field's
-// border, so that its contour leaves the field and no edge along the picture's border cuts anybody.
+// If the picture's border cuts a subject, the subject must be foreground on both sides of the
+// field's border. Then its contour leaves the field, and no edge along the picture's border cuts
+// the subject.
 TEST(PictureField, IsCrossedBySilhouettesThatTouchTheBorder) {
     std::mt19937 random(5);
     const std::array<double, 5> lenses[] = {
@@ -109,7 +110,7 @@ TEST(PictureField, IsCrossedBySilhouettesThatTouchTheBorder) {
                         num_on += mask.at(x, y) != 0 ? 1 : 0;
                     }
                 }
-                if (num_on != 0 && num_on != num) continue;  // too near to an outline to tell
+                if (num_on != 0 && num_on != num) continue;  // too near to an outline to decide
                 bool inside = false;
                 for (const SilhouettePolygon& polygon : polygons)
                     inside ^= is_inside(polygon.vertices_px, p);

@@ -18,7 +18,7 @@ geometry::PinholeCamera straight_camera(int width, int height) {
             .cy = 0.5 * height};
 }
 
-// Bends straight lines at the border of a picture of 1000 x 1000 px by some ten pixels.
+// Bends straight lines at the border of a picture of 1000 x 1000 px by about ten pixels.
 geometry::PinholeCamera wide_camera() {
     geometry::PinholeCamera camera = straight_camera(1000, 1000);
     camera.distortion = {-0.28, 0.08, 0.0005, -0.0003, 0.0};
@@ -86,7 +86,7 @@ TEST(Silhouette, PersonIsOneBlobAndOneHoleWithTheRightOrientation) {
     EXPECT_LT(num_vertices(coarse.polygons), 200u);
 }
 
-TEST(Silhouette, EnclosedAreaIsThatOfTheMaskWithoutBias) {
+TEST(Silhouette, EnclosesTheAreaOfTheMaskWithoutBias) {
     std::mt19937 random(3);
     for (const double roughness : {0.0, 0.2}) {
         image::Mask mask = test::person_mask();
@@ -109,13 +109,13 @@ TEST(Silhouette, DiscKeepsItsAreaAtEverySizeAndPosition) {
                        {200 + 0.27 * i, 200 - 0.19 * i, 200 + 0.27 * i, 200 - 0.19 * i, radius});
             const Result result = extract(mask, straight_camera(400, 400));
             const auto truth = static_cast<double>(test::num_foreground(mask));
-            // a tenth of a pixel of the radius at most
+            // at most a tenth of a pixel of the radius
             EXPECT_NEAR(area_px(result.polygons), truth, 0.1 * 2.0 * 3.14159 * radius) << radius;
         }
     }
 }
 
-TEST(Silhouette, EveryContourPointLiesWithinTheTolerance) {
+TEST(Silhouette, KeepsEveryContourPointWithinTheTolerance) {
     std::mt19937 random(11);
     image::Mask mask(500, 500);
     test::draw(mask, {120, 120, 380, 300, 40});
@@ -132,7 +132,7 @@ TEST(Silhouette, EveryContourPointLiesWithinTheTolerance) {
     }
 }
 
-TEST(Silhouette, PolygonsAreSimpleEvenOnNoiseAndThinBridges) {
+TEST(Silhouette, PolygonsAreSimpleEvenWithNoiseAndThinBridges) {
     for (unsigned seed = 0; seed < 12; ++seed) {
         const Result noise = extract(test::noise_mask(120, 120, 0.5 + 0.02 * seed, seed),
                                      straight_camera(120, 120),
@@ -140,7 +140,7 @@ TEST(Silhouette, PolygonsAreSimpleEvenOnNoiseAndThinBridges) {
         EXPECT_TRUE(all_simple(noise.polygons)) << seed;
         EXPECT_EQ(noise.counts.num_not_simple, 0u);
     }
-    // lines one pixel wide, and gaps one pixel wide
+    // lines and gaps, each one pixel wide
     image::Mask comb(200, 100);
     for (int x = 10; x < 190; x += 2)
         test::draw(comb, {1.0 * x, 10, 1.0 * x + 0.2 * (x % 7), 80, 0.6});
@@ -175,7 +175,7 @@ TEST(Silhouette, MovesWithTheMask) {
     }
 }
 
-TEST(Silhouette, ClosesAlongTheBorderOfThePictureAndSaysSo) {
+TEST(Silhouette, ClosesAlongThePictureBorderAndReportsIt) {
     image::Mask mask(100, 80);
     for (int y = 30; y < 80; ++y) std::fill_n(mask.row(y) + 20, 40, 255);
     const Result result = extract(mask, straight_camera(100, 80));
@@ -198,7 +198,7 @@ TEST(Silhouette, UndistortedPolygonFollowsTheUndistortedContour) {
     ASSERT_EQ(result.polygons.size(), 2u);
     ContourSet contours;
     trace_contours(mask, 100, contours);
-    double scale = 1.0;  // the lens stretches the tolerance where it undistorts
+    double scale = 1.0;  // undistortion stretches the tolerance
     for (const GridPoint p : contours.points) {
         const Eigen::Vector2d px(0.5 * p.x, 0.5 * p.y);
         const Eigen::Vector2d here = camera.undistort(px).value();
@@ -208,14 +208,14 @@ TEST(Silhouette, UndistortedPolygonFollowsTheUndistortedContour) {
             std::max(scale, (camera.undistort(px + Eigen::Vector2d(0, 1)).value() - here).norm());
         EXPECT_LE(distance_px(here, result.polygons), 1.0 * scale + 0.15);
     }
-    // straight edges of the mask have no noise: there only the bend of the lens counts
+    // straight edges of the mask have no noise: only the bend of the lens counts
     for (int x = 100; x < 900; x += 7) {
         EXPECT_LE(distance_px(camera.undistort({x, 29.5}).value(), result.polygons), 0.12);
         EXPECT_LE(distance_px(camera.undistort({x, 969.5}).value(), result.polygons), 0.12);
     }
 }
 
-TEST(Silhouette, WhatCannotBeUndistortedIsLeftOutWithAllInsideIt) {
+TEST(Silhouette, OmitsContoursWithoutUndistortionAndTheirInside) {
     geometry::PinholeCamera fish = straight_camera(1000, 1000);
     fish.distortion = {-0.9, 0.0, 0.0, 0.0, 0.0};  // folds over long before the corners
     ASSERT_FALSE(fish.undistort({30, 30}).has_value());

@@ -12,7 +12,7 @@ struct Capsule {
     double x0, y0, x1, y1, radius;
 };
 
-/// Draws what lies within `radius` of a segment; `radius_noise_px` roughens its outline.
+/// Draws all points within `radius` of a segment. `radius_noise_px` roughens the outline.
 inline void draw(image::Mask& mask, const Capsule& c, std::uint8_t value = 255) {
     for (int y = 0; y < mask.height; ++y) {
         for (int x = 0; x < mask.width; ++x) {
@@ -26,8 +26,8 @@ inline void draw(image::Mask& mask, const Capsule& c, std::uint8_t value = 255) 
     }
 }
 
-/// A standing figure of about 130,000 pixels, one hand on the hip (which leaves a hole), in a
-/// picture of 1 MP.
+/// A standing figure of about 130,000 pixels in a picture of 1 MP. One hand is on the hip, which
+/// leaves a hole.
 inline image::Mask person_mask() {
     image::Mask mask(1000, 1000);
     for (const Capsule& c : {Capsule{500, 180, 500, 190, 48},  // head

@@ -14,20 +14,20 @@ int exit_code_of(const std::vector<std::string>& command) {
     return code ? *code : -1;
 }
 
-TEST(Command, PassesTheExitCodeOn) {
+TEST(Command, ReturnsTheExitCode) {
     EXPECT_EQ(exit_code_of({"sh", "-c", "exit 0"}), 0);
     EXPECT_EQ(exit_code_of({"sh", "-c", "exit 42"}), 42);
     EXPECT_EQ(exit_code_of({"sh", "-c", "kill -KILL $$"}), 128 + SIGKILL);
 }
 
-TEST(Command, AProgramThatIsNotThereIsNamed) {
+TEST(Command, NamesAMissingProgram) {
     const auto code = run_command({"/nonexistent/program"}, std::stop_token(), [] {});
     ASSERT_FALSE(code);
     EXPECT_EQ(code.error().kind, ErrorKind::kNotFound);
     EXPECT_THAT(code.error().message, testing::HasSubstr("/nonexistent/program"));
 }
 
-TEST(Command, EndsWithTheStop) {
+TEST(Command, StopEndsIt) {
     std::stop_source stop;
     stop.request_stop();
     const auto begin = std::chrono::steady_clock::now();
@@ -38,10 +38,10 @@ TEST(Command, EndsWithTheStop) {
     EXPECT_EQ(run_command({}, stop.get_token(), [] {}), 0);
 }
 
-TEST(Command, TellsOfItsSignal) {
+TEST(Command, ReportsItsSignal) {
     block_usr1();
     int num_signals = 0;
-    // the command ends only once the signal has come through: it waits for what `on_signal` does
+    // the command ends only after the signal has arrived, because `on_signal` stops it
     std::stop_source stop;
     const auto code =
         run_command({"sh", "-c", "kill -USR1 $PPID; exec sleep 60"}, stop.get_token(), [&] {

@@ -18,7 +18,7 @@ config::Rig three_cameras() {
     return rig;
 }
 
-TEST(Faults, NamesAndNumbersOfCamerasAreUnderstood) {
+TEST(Faults, AcceptNamesAndNumbersOfCameras) {
     const auto faults = parse_faults({.lose = "right=1,2=50",
                                       .delay_ms = "left=12.5",
                                       .clock_offset_ms = "top=-3",
@@ -29,7 +29,7 @@ TEST(Faults, NamesAndNumbersOfCamerasAreUnderstood) {
     EXPECT_THAT(faults->lost_share, ElementsAre(0.0, 0.01, 0.5));
     EXPECT_THAT(faults->delay_ms, ElementsAre(12.5, 0.0, 0.0));
     EXPECT_THAT(faults->clock_offset_ms, ElementsAre(0.0, 0.0, -3.0));
-    ASSERT_EQ(faults->outages.size(), 3u);  // by time
+    ASSERT_EQ(faults->outages.size(), 3u);  // sorted by time
     EXPECT_EQ(faults->outages[0].camera, 0u);
     EXPECT_EQ(faults->outages[1].from_s, 2.5);
     EXPECT_EQ(faults->outages[1].seconds, 10.0);
@@ -37,14 +37,14 @@ TEST(Faults, NamesAndNumbersOfCamerasAreUnderstood) {
     EXPECT_EQ(faults->outages[2].seconds, 0.0);
 }
 
-TEST(Faults, NoneAreAFullSetOfNone) {
+TEST(Faults, AreEmptyByDefault) {
     const auto faults = parse_faults({}, three_cameras());
     ASSERT_TRUE(faults);
     EXPECT_THAT(faults->lost_share, ElementsAre(0.0, 0.0, 0.0));
     EXPECT_TRUE(faults->outages.empty());
 }
 
-TEST(Faults, WhatCannotBeIsNamed) {
+TEST(Faults, NameInvalidEntries) {
     const auto message = [](const FaultTexts& texts) {
         const auto faults = parse_faults(texts, three_cameras());
         return faults ? std::string("accepted") : faults.error().message;

@@ -13,7 +13,7 @@ using image::PixelFormat;
 
 constexpr int kSide = 16;
 
-// One colour all over, as the site would see it.
+// A picture of one colour, as the site sees it.
 image::YuvImage uniform(std::uint8_t red, std::uint8_t green, std::uint8_t blue) {
     std::vector<std::uint8_t> rgb;
     for (int i = 0; i < kSide * kSide; ++i) rgb.insert(rgb.end(), {red, green, blue});
@@ -43,7 +43,7 @@ TEST(Sensor, EachPixelHasTheColourOfItsFilter) {
     }
 }
 
-TEST(Sensor, WhatItDeliversIsWhatTheSiteSeesAgain) {
+TEST(Sensor, DeliversWhatTheSiteDecodes) {
     const image::YuvImage picture = uniform(90, 150, 210);
     for (const std::string& name : pixel_format_names()) {
         const PixelFormat format = *find_pixel_format(name);
@@ -63,7 +63,7 @@ TEST(Sensor, WhatItDeliversIsWhatTheSiteSeesAgain) {
     }
 }
 
-TEST(Sensor, RefusesFormatsItCannotHave) {
+TEST(Sensor, RefusesUnsupportedFormats) {
     const auto format = find_pixel_format("YUV422");
     ASSERT_FALSE(format);
     EXPECT_EQ(format.error().kind, ErrorKind::kConfiguration);

@@ -9,7 +9,7 @@ using std::chrono::microseconds;
 
 constexpr std::int64_t kStart_us = 1'795'288'687'250'000;
 
-TEST(TriggerNumbers, CamerasOfOneInstantHaveOneNumberHoweverLateTheyAre) {
+TEST(TriggerNumbers, AreEqualForOneInstantDespiteDelays) {
     for (const std::int64_t period_us : {50'000, 33'333, 16'667}) {
         const std::int64_t tick_us = kStart_us / period_us * period_us;
         const auto first = TriggerNumbers::free_running(tick_us, period_us);
@@ -23,7 +23,7 @@ TEST(TriggerNumbers, CamerasOfOneInstantHaveOneNumberHoweverLateTheyAre) {
     }
 }
 
-TEST(TriggerNumbers, SoftwareTriggersOfDifferentCamerasAreOne) {
+TEST(TriggerNumbers, AreEqualForSoftwareTriggersOfDifferentCameras) {
     TriggerNumbers numbers(3);
     constexpr std::int64_t kPeriod_us = 50'000;
     for (int round = 0; round < 5; ++round) {
@@ -32,18 +32,18 @@ TEST(TriggerNumbers, SoftwareTriggersOfDifferentCamerasAreOne) {
         EXPECT_EQ(first.time_us, now_us);
         for (const std::size_t camera : {2u, 1u}) {
             const auto other = numbers.software(camera, now_us + 3'000, kPeriod_us);
-            EXPECT_EQ(other.number, first.number + 3);  // each says when it was triggered
+            EXPECT_EQ(other.number, first.number + 3);  // each reports its trigger time
             EXPECT_EQ(other.time_us, now_us);
         }
     }
-    // the same camera again is the next trigger, however soon
+    // the same camera again means the next trigger, however soon
     const std::int64_t last_us = kStart_us + 4 * 41'000;
     EXPECT_EQ(numbers.software(1, last_us + 4'000, kPeriod_us).time_us, last_us + 4'000);
-    // and a camera that is late by more than half a period is on its own
+    // a camera that is late by more than half a period gets its own number
     EXPECT_EQ(numbers.software(0, last_us + 40'000, kPeriod_us).time_us, last_us + 40'000);
 }
 
-TEST(ShowSchedule, TheRoomIsEmptyFirstAndThenTheMotionRepeats) {
+TEST(ShowSchedule, EmptiesTheRoomFirstThenRepeatsTheMotion) {
     ShowSchedule schedule(4, 10, 20.0, microseconds(1'000'000));
     for (int i = 0; i < 20; ++i) {
         const auto choice = schedule.at(kStart_us + i * 50'000);
@@ -66,14 +66,14 @@ TEST(ShowSchedule, EmptiesTheRoomOnRequest) {
     EXPECT_FALSE(schedule.at(kStart_us + 2'500'000).is_empty_room);
 }
 
-TEST(ShowSchedule, WithoutPicturesOfTheEmptyRoomTheMotionStartsAtOnce) {
+TEST(ShowSchedule, StartsTheMotionAtOnceWithoutEmptyRoomPictures) {
     ShowSchedule schedule(0, 10, 20.0, microseconds(1'000'000));
     EXPECT_FALSE(schedule.at(kStart_us).is_empty_room);
     EXPECT_EQ(schedule.at(kStart_us).index, 0u);
 }
 
-TEST(ShowSchedule, CamerasOfAPeriodInWholeMicrosecondsMissNoInstant) {
-    // 30 Hz cannot be said in whole microseconds
+TEST(ShowSchedule, RoundedPeriodsMissNoInstant) {
+    // the period of 30 Hz is no whole number of microseconds
     ShowSchedule schedule(1, 1000, 30.0, microseconds(0));
     for (int i = 0; i < 900; ++i) {
         EXPECT_EQ(schedule.at(kStart_us + i * 33'333).index, static_cast<std::size_t>(i));

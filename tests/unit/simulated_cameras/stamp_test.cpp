@@ -29,7 +29,7 @@ std::vector<std::uint8_t> random_bytes(std::size_t num, unsigned seed) {
     return bytes;
 }
 
-TEST(Stamp, IsReadBackFromEveryFormatOfTheCameras) {
+TEST(Stamp, IsReadableInEveryCameraFormat) {
     for (const PixelFormat format : {PixelFormat::kMono8,
                                      PixelFormat::kBayerRG,
                                      PixelFormat::kBayerGR,
@@ -56,7 +56,7 @@ TEST(Stamp, SurvivesNoise) {
     EXPECT_EQ(read_stamp(picture_over(bytes, PixelFormat::kMono8)), (Stamp{3, 99}));
 }
 
-TEST(Stamp, IsNotSeenWhereThereIsNone) {
+TEST(Stamp, IsNotFoundWithoutAStamp) {
     for (unsigned seed = 0; seed < 100; ++seed) {
         EXPECT_FALSE(
             read_stamp(picture_over(random_bytes(kWidth * kHeight, seed), PixelFormat::kMono8)));
@@ -66,8 +66,8 @@ TEST(Stamp, IsNotSeenWhereThereIsNone) {
     EXPECT_FALSE(read_stamp({}));
 }
 
-TEST(Stamp, AMixtureOfTwoPicturesIsNotTakenForOne) {
-    // a striped picture: the first rows of one, the rest of another
+TEST(Stamp, IsNotFoundInAMixtureOfTwoPictures) {
+    // a striped picture: the first rows of one picture, the rest of another
     std::vector<std::uint8_t> old_bytes(kWidth * kHeight), new_bytes(kWidth * kHeight);
     write_stamp({1, 41}, 1, kWidth, kHeight, old_bytes.data());
     write_stamp({1, 42}, 1, kWidth, kHeight, new_bytes.data());
@@ -79,7 +79,7 @@ TEST(Stamp, AMixtureOfTwoPicturesIsNotTakenForOne) {
     }
 }
 
-TEST(Stamp, APictureThatIsTooSmallStaysAsItIs) {
+TEST(Stamp, DoesNotChangeAPictureThatIsTooSmall) {
     std::vector<std::uint8_t> bytes(64 * 64, 7);
     write_stamp({1, 2}, 1, 64, 64, bytes.data());
     EXPECT_EQ(bytes, std::vector<std::uint8_t>(64 * 64, 7));

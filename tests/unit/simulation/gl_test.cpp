@@ -25,7 +25,7 @@ void main() { fragment = vec4(colour, 1.0); }
 
 using Pixel = std::array<int, 3>;
 
-// Draws a triangle over the lower left half of a framebuffer of its own.
+// Draws a triangle over the lower left half of a private framebuffer.
 struct HalfScreen {
     int width = 16;
     int height = 16;
@@ -59,7 +59,7 @@ struct HalfScreen {
     }
 };
 
-TEST(OffscreenContext, DrawsIntoAFramebufferThatIsReadBackBottomRowFirst) {
+TEST(OffscreenContext, ReadsAFramebufferBackBottomRowFirst) {
     const auto context = OffscreenContext::create(8, 8);
     ASSERT_TRUE(context) << context.error().message;
     const HalfScreen scene;
@@ -85,7 +85,7 @@ TEST(OffscreenContext, SurvivesAResizeAndAMove) {
     EXPECT_EQ(rgba[rgba.size() - 4], 0);
 }
 
-TEST(OffscreenContext, ContextsOnSeveralThreadsDrawTheirOwnPictures) {
+TEST(OffscreenContext, DrawsIndependentPicturesOnSeveralThreads) {
     constexpr std::size_t kNumThreads = 4;
     std::array<Pixel, kNumThreads> seen{};
     std::vector<std::jthread> threads;
@@ -107,7 +107,7 @@ TEST(OffscreenContext, ContextsOnSeveralThreadsDrawTheirOwnPictures) {
     }
 }
 
-TEST(OffscreenContext, CanBeHandedToAnotherThread) {
+TEST(OffscreenContext, CanMoveToAnotherThread) {
     auto context = OffscreenContext::create(4, 4);
     ASSERT_TRUE(context) << context.error().message;
     context->release();
@@ -121,7 +121,7 @@ TEST(OffscreenContext, CanBeHandedToAnotherThread) {
     EXPECT_EQ(seen, (Pixel{255, 0, 0}));
 }
 
-TEST(ShaderProgram, ReportsWhatDoesNotCompileByName) {
+TEST(ShaderProgram, NamesAStageThatDoesNotCompile) {
     const auto context = OffscreenContext::create(4, 4);
     ASSERT_TRUE(context) << context.error().message;
     const auto program = ShaderProgram::create(

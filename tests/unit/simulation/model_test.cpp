@@ -52,7 +52,7 @@ protected:
         return folder_ / name;
     }
 
-    // A column of 0.2 x 0.2 m, and of that height along the file's +Y, all of one colour.
+    // A column of 0.2 x 0.2 m in one colour, with that height along the file's +Y.
     fs::path column(double height, const std::string& colour) {
         file("column.mtl", "newmtl paint\nKd " + colour + "\n");
         std::string text = "mtllib column.mtl\nusemtl paint\n";
@@ -68,7 +68,8 @@ protected:
     fs::path folder_;
 };
 
-// Two bones along +Y: the lower one stands, the upper one turns about +Z by 90 degrees in a second.
+// Two bones along +Y. The lower one stands still, and the upper one turns about +Z by 90 degrees in
+// a second.
 ModelRig two_bones() {
     ModelRig rig;
     ModelNode upper;
@@ -98,14 +99,14 @@ TEST(ModelRig, BonesCarryTheirVertices) {
     EXPECT_TRUE(skin.positions[0].isApprox(Eigen::Vector3f(0, 0.5f, 0)));
     EXPECT_TRUE(skin.positions[1].isApprox(Eigen::Vector3f(-1, 1, 0), 1e-5f));
     EXPECT_TRUE(skin.normals[1].isApprox(Eigen::Vector3f(0, 1, 0), 1e-5f));
-    // half and half: between where either would have it
+    // half weights: between the positions of both bones
     EXPECT_TRUE(skin.positions[2].isApprox(Eigen::Vector3f(0.5f, 1.5f, 0), 1e-5f));
     pose_rig(two_bones(), 0.5, scratch, skin);
     const float half = std::sqrt(0.5f);
     EXPECT_TRUE(skin.positions[1].isApprox(Eigen::Vector3f(-half, 1 + half, 0), 1e-5f));
 }
 
-TEST_F(ModelFile, StandsUprightOnTheFloorWhereTheOptionsSay) {
+TEST_F(ModelFile, StandsUprightAtItsConfiguredPlace) {
     RoomOptions options = options_of(column(1.2, "1 0 0"));
     options.position_m = {0.5, -0.25, 0.1};
     const auto model = Model::load(options);
@@ -118,19 +119,19 @@ TEST_F(ModelFile, StandsUprightOnTheFloorWhereTheOptionsSay) {
     for (const Eigen::Vector3f& normal : skin.normals) EXPECT_NEAR(normal.norm(), 1.0, 1e-4);
 }
 
-TEST_F(ModelFile, HasTheHeightThatIsAskedForOrThatOfAPerson) {
+TEST_F(ModelFile, HasTheConfiguredHeightOrThatOfAPerson) {
     const auto height_of = [](const RoomOptions& options) {
         PosedSkin skin;
         Model::load(options)->pose(0.0, skin);
         return box_of(skin).size().z();
     };
-    RoomOptions options = options_of(column(180.0, "1 0 0"));  // somebody's centimetres
+    RoomOptions options = options_of(column(180.0, "1 0 0"));  // a model in centimetres
     EXPECT_NEAR(height_of(options), 1.75, 1e-4);
     options.model_height_m = 0.9;
     EXPECT_NEAR(height_of(options), 0.9, 1e-4);
 }
 
-TEST_F(ModelFile, IsSeenInTheColourOfItsMaterial) {
+TEST_F(ModelFile, HasTheColourOfItsMaterial) {
     const auto camera = ring(1).front();
     auto renderer = RoomRenderer::create({camera}, options_of(column(1.8, "0 1 0")));
     ASSERT_TRUE(renderer) << renderer.error().message;
@@ -152,7 +153,7 @@ TEST_F(ModelFile, IsSeenInTheColourOfItsMaterial) {
     EXPECT_GT(num_covered, 500u);
 }
 
-TEST_F(ModelFile, WhatCannotBeReadIsNamed) {
+TEST_F(ModelFile, NamesFilesThatCannotBeRead) {
     const auto missing = Model::load(options_of("/nonexistent/model.gltf"));
     ASSERT_FALSE(missing);
     EXPECT_EQ(missing.error().kind, ErrorKind::kNotFound);
@@ -165,7 +166,7 @@ TEST_F(ModelFile, WhatCannotBeReadIsNamed) {
     }
 }
 
-TEST_F(ModelFile, AnotherModelIsAnotherLoopOfTheCache) {
+TEST_F(ModelFile, AnotherModelHasItsOwnCachedLoop) {
     const auto cameras = ring(2);
     RoomOptions options = options_of(column(1.2, "1 0 0"));
     const fs::path first = cache_file(cameras, options, "cache");
@@ -186,7 +187,7 @@ protected:
     }
 };
 
-TEST_F(Walker, WalksOnTheSpotOnTheFloorAndTheLoopCloses) {
+TEST_F(Walker, WalksOnTheSpotInAClosedLoop) {
     const RoomOptions options = options_of(kWalker);
     const auto model = Model::load(options);
     ASSERT_TRUE(model) << model.error().message;
@@ -212,7 +213,7 @@ TEST_F(Walker, WalksOnTheSpotOnTheFloorAndTheLoopCloses) {
     }
     EXPECT_LT(lowest, 0.02);
     EXPECT_GT(farthest, 0.3);  // limbs do move
-    // the first pose again at the end of the loop
+    // the loop ends with its first pose
     model->pose(options.frame_time_s(options.num_frames()), skin);
     for (std::size_t v = 0; v < skin.positions.size(); ++v)
         EXPECT_LT((skin.positions[v] - first.positions[v]).norm(), 1e-3f);
@@ -228,7 +229,7 @@ TEST_F(Walker, WearsItsTexture) {
     image::YuvImage picture;
     image::Mask mask;
     renderer->render(0.0, 0, Scene::kPerson, 0, picture, &mask);
-    // white, green and blue stripes: luma and chroma spread widely
+    // white, green and blue stripes: luma and chroma vary widely
     int num_white = 0;
     int num_coloured = 0;
     for (int y = 0; y + 1 < mask.height; y += 2) {

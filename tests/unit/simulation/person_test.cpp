@@ -53,30 +53,30 @@ TEST_P(EveryLook, IsOneClosedManifoldSolidInEveryMotion) {
             EXPECT_TRUE(report.manifold) << where;
             EXPECT_EQ(report.num_components, 1u) << where;
             EXPECT_EQ(report.euler_characteristic, 2) << where;
-            // people of this height weigh 45 to 110 kg at about 1 kg per litre; positive: oriented
-            // outwards
+            // people of this height weigh 45 to 110 kg at about 1 kg per litre; a positive volume
+            // is oriented outwards
             EXPECT_GT(report.volume_m3, 0.045) << where;
             EXPECT_LT(report.volume_m3, 0.110) << where;
         }
     }
 }
 
-TEST_P(EveryLook, StandsOnTheFloorAsTallAsItsLookSays) {
+TEST_P(EveryLook, StandsOnTheFloorWithTheHeightOfItsLook) {
     const Person person = make_person(room(GetParam(), "sway"));
     const geometry::Aabb box = geometry::bounds(person.mesh(0.0));
     EXPECT_NEAR(box.min.z(), 0.0, 0.005);
     EXPECT_NEAR(
-        box.max.z(), person.look().height_m, 0.05);  // hair above, a slight bend of the knees below
+        box.max.z(), person.look().height_m, 0.05);  // hair above, slightly bent knees below
 }
 
-TEST_P(EveryMotion, EndsWhereItBegan) {
+TEST_P(EveryMotion, EndsAtItsStart) {
     const RoomOptions options = room("ben", GetParam());
     const Person person = make_person(options);
     EXPECT_EQ(largest_step_m(person.mesh(0.0), person.mesh(options.loop_s)), 0.0);
     EXPECT_LT(largest_step_m(person.mesh(0.7), person.mesh(0.7 + options.loop_s)), 1e-9);
 }
 
-TEST_P(EveryMotion, MovesButNoFasterThanPeopleDo) {
+TEST_P(EveryMotion, MovesNoFasterThanPeople) {
     const RoomOptions options = room("ben", GetParam());
     const Person person = make_person(options);
     constexpr double kFastestHandMps = 6.0;
@@ -103,7 +103,7 @@ TEST_P(EveryMotion, KeepsTheFeetOnTheFloor) {
     }
 }
 
-TEST(Person, PushesForwardsAtChestHeight) {
+TEST(Person, PushesForwardAtChestHeight) {
     const RoomOptions options = room("ada", "push");
     const Person person = make_person(options);
     Eigen::Vector3d furthest(0.0, 0.0, 0.0);
@@ -161,7 +161,7 @@ TEST(Person, NormalsPointOutwards) {
     EXPECT_GT(num_agreeing, 98 * of_mesh.size() / 100);
 }
 
-TEST(RoomOptions, NamesTheOptionThatIsWrongAndWhatIsAllowed) {
+TEST(RoomOptions, NamesTheWrongOptionAndAllowedValues) {
     const auto message_for = [](auto change) {
         RoomOptions options;
         change(options);

@@ -31,8 +31,8 @@ inline geometry::CalibratedCamera camera_at(const Eigen::Vector3d& eye,
     return camera;
 }
 
-/// Cameras on a circle of 3.1 m around the origin, low and high by turns; camera 0 on +Y, before a
-/// person's face.
+/// Cameras on a circle of 3.1 m around the origin, alternately low and high. Camera 0 is on +Y, in
+/// front of the person's face.
 inline std::vector<geometry::CalibratedCamera> ring(int num_cameras,
                                                     int width = 320,
                                                     int height = 240) {

@@ -20,7 +20,7 @@ bool sees(const geometry::CalibratedCamera& camera, const Eigen::Vector3d& p_sit
     return px.x() > 0.0 && px.y() > 0.0 && px.x() < c.width - 1.0 && px.y() < c.height - 1.0;
 }
 
-TEST(FullBodyRig, SeesATallPersonWithRaisedArmsWholly) {
+TEST(FullBodyRig, SeesATallPersonWithRaisedArmsCompletely) {
     const config::Rig rig = load("full_body.toml");
     ASSERT_EQ(rig.cameras.size(), 8u);
     RoomOptions options;

@@ -17,7 +17,8 @@ namespace {
 
 constexpr double kTimeS = 0.5;
 
-// Plain scan conversion of a mesh into a camera's picture: what it must cover, computed without GL.
+// Plain scan conversion of a mesh into a camera's picture, without GL: the pixels that it must
+// cover.
 image::Mask projection_of(const geometry::TriangleMesh& mesh,
                           const geometry::CalibratedCamera& camera) {
     image::Mask mask(camera.intrinsics.width, camera.intrinsics.height);
@@ -64,7 +65,7 @@ bool any_near(const image::Mask& mask, int x, int y, int radius) {
     return false;
 }
 
-// Pixels of `a` that have no pixel of `b` within one pixel.
+// Number of pixels of `a` without a pixel of `b` within one pixel.
 int num_away(const image::Mask& a, const image::Mask& b) {
     int num = 0;
     for (int y = 0; y < a.height; ++y) {
@@ -87,8 +88,8 @@ void expect_mask_is_projection(RoomRenderer& renderer) {
         ASSERT_GT(num_set(mask), 1000u) << "camera " << i;
         EXPECT_EQ(num_away(mask, projection), 0) << "camera " << i;
         EXPECT_EQ(num_away(projection, mask), 0) << "camera " << i;
-        // half-covered pixels count as person: of four samples that is two, an eighth of a pixel
-        // along the outline
+        // half-covered pixels count as person: two of four samples, an eighth of a pixel along the
+        // outline
         const auto area = static_cast<double>(num_set(projection));
         EXPECT_NEAR(static_cast<double>(num_set(mask)), area, 0.05 * area) << "camera " << i;
     }
@@ -130,7 +131,7 @@ std::array<double, 3> mean_colour(const image::YuvImage& picture, const image::M
     return sum;
 }
 
-// One renderer for the tests that only look.
+// One renderer, shared by the tests that do not change it.
 class RoomRendererTest : public testing::Test {
 protected:
     static void SetUpTestSuite() {
@@ -175,15 +176,15 @@ TEST_F(RoomRendererTest, PicturesOfTheEmptyRoomDifferByNoiseAlone) {
     image::YuvImage a, b;
     renderer->render(0.0, 1, Scene::kEmptyRoom, 0, a);
     renderer->render(0.0, 1, Scene::kEmptyRoom, 1, b);
-    // channels of 2 LSB each; luma weighs them by 0.299, 0.587, 0.114; two independent pictures;
-    // rounding adds a little
+    // Channels have noise of 2 LSB each. Luma weighs them by 0.299, 0.587, 0.114. The two pictures
+    // are independent, and rounding adds a little.
     const double expected = 2.0 * std::sqrt(2.0 * (0.299 * 0.299 + 0.587 * 0.587 + 0.114 * 0.114));
     EXPECT_NEAR(deviation_of_difference(a.y, b.y), expected, 0.15 * expected);
     EXPECT_GT(deviation_of_difference(a.u, b.u), 0.3);
     EXPECT_LT(deviation_of_difference(a.u, b.u), 1.6);
 }
 
-TEST_F(RoomRendererTest, PersonChangesNothingButItselfAndItsShadow) {
+TEST_F(RoomRendererTest, PersonChangesOnlyItsPixelsAndItsShadow) {
     image::YuvImage with, without;
     image::Mask mask;
     for (std::size_t camera = 0; camera < 8; ++camera) {
@@ -228,13 +229,13 @@ TEST_F(RoomRendererTest, ShadowOnTheFloorIsSoftAndNotBlack) {
             num_half += darkening > 0.12 && darkening < 0.28;
         }
     }
-    // all of the lamp's light at the most: kDiffuse of kAmbient + kDiffuse, and noise
+    // at most all of the lamp's light is missing: kDiffuse of kAmbient + kDiffuse, plus noise
     EXPECT_GT(deepest, 0.27);
     EXPECT_LT(deepest, 0.42);
     EXPECT_GT(num_half, 100);  // the penumbra
 }
 
-TEST(RoomRenderer, GivesTheSameBytesForTheSameSeedOnly) {
+TEST(RoomRenderer, GivesTheSameBytesOnlyForTheSameSeed) {
     const auto cameras = ring(1);
     RoomOptions options;
     RoomRenderer first = make_renderer(cameras, options);
@@ -243,7 +244,7 @@ TEST(RoomRenderer, GivesTheSameBytesForTheSameSeedOnly) {
     RoomRenderer other = make_renderer(cameras, options);
     image::YuvImage a, b, c;
     first.render(1.0, 0, Scene::kPerson, 0, a);
-    second.render(0.2, 0, Scene::kPerson, 0, b);  // what was drawn before does not matter
+    second.render(0.2, 0, Scene::kPerson, 0, b);  // earlier pictures do not matter
     second.render(1.0, 0, Scene::kPerson, 0, b);
     other.render(1.0, 0, Scene::kPerson, 0, c);
     EXPECT_EQ(a.y.data, b.y.data);
@@ -251,7 +252,7 @@ TEST(RoomRenderer, GivesTheSameBytesForTheSameSeedOnly) {
     EXPECT_NE(a.y.data, c.y.data);
 }
 
-TEST(RoomRenderer, HonoursLensDistortionAndSkew) {
+TEST(RoomRenderer, AppliesLensDistortionAndSkew) {
     auto cameras = ring(2);
     cameras[0].intrinsics.distortion = {-0.28, 0.10, 0.001, -0.0015, 0.0};
     cameras[0].intrinsics.skew = 2.0;
@@ -261,11 +262,11 @@ TEST(RoomRenderer, HonoursLensDistortionAndSkew) {
     expect_mask_is_projection(renderer);
 }
 
-TEST(RoomRenderer, TableHidesWhatIsBehindIt) {
+TEST(RoomRenderer, TableHidesPartsBehindIt) {
     RoomOptions options;
     options.motion = "table_hands";
-    // level with the table's far edge and below it: hands over the table are seen, hips behind it
-    // are not
+    // level with the table's far edge and below it: hands over the table are visible, hips behind
+    // it are not
     const std::vector<geometry::CalibratedCamera> cameras = {
         camera_at({0.0, 1.6, 1.3}, {0.0, 0.0, 0.8}, 250.0, 320, 240)};
     RoomRenderer renderer = make_renderer(cameras, options);
@@ -282,7 +283,7 @@ TEST(RoomRenderer, TableHidesWhatIsBehindIt) {
         return in_picture ? int{mask.at(x, y)} : 0;
     };
     EXPECT_EQ(at({0.1, -0.72, 0.45}),
-              0);  // right thigh, on a line of sight that crosses the table's top
+              0);  // right thigh, on a line of sight that crosses the table top
     int num_over_table = 0;
     for (const Eigen::Vector3d& p : renderer.person().mesh(kTimeS).vertices) {
         if (p.head<2>().cwiseAbs().maxCoeff() < 0.45 && p.z() > kTableHeightM)
@@ -291,7 +292,7 @@ TEST(RoomRenderer, TableHidesWhatIsBehindIt) {
     EXPECT_GT(num_over_table, 500);
 }
 
-TEST(RoomRenderer, RefusesCamerasThatCannotBe) {
+TEST(RoomRenderer, RefusesImpossibleCameras) {
     EXPECT_FALSE(RoomRenderer::create({}, RoomOptions{}));
     auto cameras = ring(1);
     cameras[0].intrinsics.width = 319;

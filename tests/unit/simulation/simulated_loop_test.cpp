@@ -88,7 +88,7 @@ protected:
     fs::path folder_;
 };
 
-TEST(SimulatedLoop, HasEveryInstantOfEveryCameraAndReportsProgress) {
+TEST(SimulatedLoop, HasAllPicturesOfAllCamerasAndReportsProgress) {
     const auto cameras = ring(2, 64, 48);
     std::size_t last = 0;
     std::size_t all = 0;
@@ -108,7 +108,7 @@ TEST(SimulatedLoop, HasEveryInstantOfEveryCameraAndReportsProgress) {
     EXPECT_FALSE(same(loop->frames[0][0], loop->frames[1][0]));
 }
 
-TEST(SimulatedLoop, StopsWhenAsked) {
+TEST(SimulatedLoop, StopsOnRequest) {
     std::stop_source stop;
     std::size_t done = 0;
     const auto loop = render_loop(
@@ -124,7 +124,7 @@ TEST(SimulatedLoop, StopsWhenAsked) {
     EXPECT_EQ(done, 3u);
 }
 
-TEST_F(LoopCache, GivesBackWhatWasRendered) {
+TEST_F(LoopCache, RoundTripIsExact) {
     const CachedLoop rendered = get();
     EXPECT_FALSE(rendered.from_cache);
     EXPECT_FALSE(rendered.cache_problem);
@@ -132,10 +132,10 @@ TEST_F(LoopCache, GivesBackWhatWasRendered) {
     EXPECT_TRUE(loaded.from_cache);
     EXPECT_TRUE(same(rendered.loop, loaded.loop));
     EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1)
-        << "no partial file stays";
+        << "a partial file is left";
 }
 
-TEST_F(LoopCache, PlaysFromTheFileWhichBothSitesShare) {
+TEST_F(LoopCache, SharesTheFileBetweenBothSites) {
     get();
     const CachedLoop one = get();
     const CachedLoop other = get();
@@ -155,8 +155,8 @@ TEST_F(LoopCache, OutlivesReplacingAndRemovingTheFile) {
     EXPECT_TRUE(same(rendered.loop, loaded.loop));
 }
 
-// Whoever cuts the file short waits until the loop has been copied into memory.
-TEST_F(LoopCache, KeepsThePicturesInMemoryBeforeTheFileIsCutShort) {
+// A process that truncates the file must wait until the loop has been copied into memory.
+TEST_F(LoopCache, CopiesThePicturesToMemoryBeforeTruncation) {
     const CachedLoop rendered = get();
     CachedLoop loaded = get();
     EXPECT_FALSE(copy_to_memory_if_wanted(loaded.loop));
@@ -167,7 +167,7 @@ TEST_F(LoopCache, KeepsThePicturesInMemoryBeforeTheFileIsCutShort) {
     });
     while (!loaded.loop.file->is_wanted()) std::this_thread::yield();
     EXPECT_FALSE(is_cut);
-    EXPECT_TRUE(same(rendered.loop, loaded.loop)) << "all is still there";
+    EXPECT_TRUE(same(rendered.loop, loaded.loop)) << "the loop must be intact";
     {
         const Picture in_use = loaded.loop.frames.front().front();
         EXPECT_TRUE(copy_to_memory_if_wanted(loaded.loop));
@@ -183,14 +183,14 @@ TEST_F(LoopCache, KeepsThePicturesInMemoryBeforeTheFileIsCutShort) {
 
 TEST_F(LoopCache, ReadsAFileThatCannotBeLeased) {
     const CachedLoop rendered = get();
-    const std::ofstream writer(file(), std::ios::binary | std::ios::app);  // keeps leases away
+    const std::ofstream writer(file(), std::ios::binary | std::ios::app);  // prevents leases
     const CachedLoop loaded = get();
     EXPECT_TRUE(loaded.from_cache);
     EXPECT_TRUE(loaded.loop.file == nullptr);
     EXPECT_TRUE(same(rendered.loop, loaded.loop));
 }
 
-TEST_F(LoopCache, RendersAnewWhatIsCutShortDamagedOrForeign) {
+TEST_F(LoopCache, RendersAgainIfTheFileIsTruncatedDamagedOrForeign) {
     const CachedLoop rendered = get();
     const std::string good = bytes_of(file());
     ASSERT_GT(good.size(), 1000u);
@@ -219,10 +219,10 @@ TEST_F(LoopCache, RendersAnewWhatIsCutShortDamagedOrForeign) {
     const CachedLoop again = get();
     EXPECT_FALSE(again.from_cache);
     EXPECT_TRUE(same(rendered.loop, again.loop));
-    EXPECT_EQ(bytes_of(file()), good) << "the good file is back";
+    EXPECT_EQ(bytes_of(file()), good) << "the good file must be restored";
 }
 
-TEST_F(LoopCache, KeepsLoopsOfOtherRoomsAndRigsApart) {
+TEST_F(LoopCache, SeparatesLoopsByRoomAndRig) {
     const fs::path original = file();
     std::vector<fs::path> others;
     const auto with = [&](auto change) {
@@ -250,7 +250,7 @@ TEST_F(LoopCache, KeepsLoopsOfOtherRoomsAndRigsApart) {
     EXPECT_EQ(std::adjacent_find(others.begin(), others.end()), others.end());
 }
 
-TEST_F(LoopCache, KeepsAFewLoopsOnly) {
+TEST_F(LoopCache, KeepsOnlyAFewLoops) {
     fs::create_directories(folder_);
     for (int i = 0; i < 9; ++i) {
         const fs::path old = folder_ / ("old" + std::to_string(i) + ".atriumloop");
@@ -268,7 +268,7 @@ TEST_F(LoopCache, KeepsAFewLoopsOnly) {
     EXPECT_FALSE(fs::exists(folder_ / "old0.atriumloop"));
 }
 
-TEST_F(LoopCache, StillRendersWhereNothingCanBeKept) {
+TEST_F(LoopCache, RendersWithoutAWritableCache) {
     write_bytes(folder_, "a file where the folder should be");
     const CachedLoop rendered = get();
     EXPECT_FALSE(rendered.from_cache);

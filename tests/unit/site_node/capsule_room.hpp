@@ -10,23 +10,23 @@
 
 namespace atrium::site_node::test {
 
-/// All points nearer than `radius_m` to the segment from `a` to `b`, site frame.
+/// All points nearer than `radius_m` to the segment from `a` to `b`, in the site frame.
 struct Capsule {
     Eigen::Vector3d a;
     Eigen::Vector3d b;
     double radius_m = 0.1;
 };
 
-/// Somebody who stands at `floor_site`, 1.75 m tall with both arms held out.
+/// A person of 1.75 m who stands at `floor_site` with both arms held out.
 std::vector<Capsule> make_body(const Eigen::Vector3d& floor_site);
 
-/// Pixels whose rays meet a capsule, lens distortion included.
+/// Pixels whose rays hit a capsule, with lens distortion.
 image::Mask draw(std::span<const Capsule> body, const geometry::CalibratedCamera& camera);
 
 /// All cameras at one instant, with silhouettes.
 capture::Metaframe take_pictures(std::span<const Capsule> body, const config::Rig& rig);
 
-/// Cameras that bring their silhouettes along; `run` has nothing to deliver.
+/// Cameras that deliver silhouettes. `run` delivers nothing.
 class StillSource final : public capture::FrameSource {
 public:
     explicit StillSource(config::Rig rig) : rig_(std::move(rig)) {}

@@ -29,7 +29,7 @@ Expected<SiteNodeConfig> parse(const std::string& text) {
     return config;
 }
 
-TEST(SiteConfig, SeesNobodyOutsideOfThePicturesByDefault) {
+TEST(SiteConfig, TreatsSpaceOutsideThePicturesAsEmptyByDefault) {
     const auto config = parse(kRoom);
     ASSERT_TRUE(config) << config.error().message;
     const HullStageOptions& hull = config->pipeline.hull;
@@ -58,7 +58,7 @@ TEST(SiteConfig, ReadsBoundsAndPartialViews) {
     EXPECT_EQ(config->capture.min_cameras, 6);
 }
 
-TEST(SiteConfig, PositionBitsAreChosenUnlessTheyAreGiven) {
+TEST(SiteConfig, ChoosesPositionBitsUnlessGiven) {
     EXPECT_EQ(parse(kRoom)->pipeline.mesh.position_bits, 0);
     EXPECT_EQ(parse(kRoom + "[codec]\nposition_bits = 12\n")->pipeline.mesh.position_bits, 12);
     const auto few = parse(kRoom + "[codec]\nposition_bits = 7\n");
@@ -83,7 +83,7 @@ TEST(SiteConfig, ReadsAreasOfCameras) {
     EXPECT_TRUE(areas_of(config->pipeline.areas, "right").everywhere());
 }
 
-TEST(SiteConfig, AreasHaveCornersAndAName) {
+TEST(SiteConfig, RefusesAreasWithoutCornersOrName) {
     const std::string camera = kRoom + "[[segmentation.camera]]\n";
     EXPECT_THAT(parse(camera + "include = [[0, 0], [1, 0], [1, 1]]\n").error().message,
                 HasSubstr("name"));
@@ -96,7 +96,7 @@ TEST(SiteConfig, AreasHaveCornersAndAName) {
     }
 }
 
-TEST(SiteConfig, ARecordingCanBeGivenInShort) {
+TEST(SiteConfig, AcceptsTheShortFormOfARecording) {
     auto config = parse("recording = \"here\"\n" + kRoom);
     ASSERT_TRUE(config) << config.error().message;
     resolve(*config);
@@ -104,7 +104,7 @@ TEST(SiteConfig, ARecordingCanBeGivenInShort) {
     EXPECT_EQ(config->capture.recording, "here");
 }
 
-TEST(SiteConfig, TheStreamAdaptsToNetworksAndNotToABusyHost) {
+TEST(SiteConfig, AdaptsTheStreamToNetworksNotToABusyHost) {
     const auto adapts = [](const std::string& text) {
         auto config = parse(kRoom + text);
         EXPECT_TRUE(config) << config.error().message;
@@ -173,7 +173,7 @@ TEST(SiteConfig, ErrorsNameFileLineKeyAndWhatIsAllowed) {
     }
 }
 
-TEST(SiteConfig, ShowsWhatOnlyAFileCanSayAsWell) {
+TEST(SiteConfig, ListsFileOnlySettingsToo) {
     SiteNodeConfig config;
     config::OptionSet set;
     declare(config, set);
@@ -189,7 +189,7 @@ TEST(SiteConfig, ShowsWhatOnlyAFileCanSayAsWell) {
                           "stairs [-1, -2, 0] to [1, 2, 2.5] cameras []\n"));
 }
 
-TEST(SiteConfig, WhatDoesNotFitTheRigIsNamedWithFileAndLineToo) {
+TEST(SiteConfig, NamesMismatchesWithTheRigByFileAndLine) {
     const auto rig = config::load_rig(ATRIUM_SOURCE_DIR "/deploy/rigs/table.toml");
     ASSERT_TRUE(rig) << rig.error().message;
     const std::string box = "bounds = { min = [0, 0, 0], max = [1, 1, 1] }\n";
@@ -212,7 +212,7 @@ TEST(SiteConfig, WhatDoesNotFitTheRigIsNamedWithFileAndLineToo) {
         ASSERT_FALSE(stage);
         EXPECT_THAT(stage.error().message, testing::StartsWith(c.named));
         if (hull.min_views == 0) continue;
-        hull.min_views = 50;  // as from the command line: the file does not say so
+        hull.min_views = 50;  // as if from the command line: the file does not contain it
         EXPECT_THAT(HullStage::create(rig->cameras, hull, 0.75).error().message,
                     testing::StartsWith("hull.min_views: must not exceed"));
     }
@@ -227,7 +227,7 @@ TEST(SiteConfig, NamesRegionsThatOverlap) {
                 ElementsAre("left and right"));
 }
 
-TEST(SiteConfig, OfEverySiteThatIsDeliveredIsValid) {
+TEST(SiteConfig, OfEveryDeliveredSiteIsValid) {
     int num_sites = 0;
     for (const auto& entry :
          std::filesystem::directory_iterator(ATRIUM_SOURCE_DIR "/deploy/sites")) {
@@ -243,7 +243,7 @@ TEST(SiteConfig, OfEverySiteThatIsDeliveredIsValid) {
         read_cameras(*reader, config.capture.cameras);
         const auto read = reader->finish();
         ASSERT_TRUE(read) << read.error().message;
-        if (config.capture.source == "recording") continue;  // which one is the user's to say
+        if (config.capture.source == "recording") continue;  // the user chooses the recording
         const auto valid = check(config);
         ASSERT_TRUE(valid) << valid.error().message;
         const auto rig = config::load_rig(config.capture.rig);
@@ -297,7 +297,7 @@ region_px = [16, 8, 640, 480]
     EXPECT_THAT(*south.region_px, ElementsAre(16, 8, 640, 480));
 }
 
-TEST(CameraConfig, WrongOnesAreErrorsThatNameTheKey) {
+TEST(CameraConfig, NamesTheKeyOfAWrongCamera) {
     const auto message = [](const std::string& text) {
         const auto config = parse(text);
         return config ? std::string("no error") : config.error().message;

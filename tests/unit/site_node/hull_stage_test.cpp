@@ -60,7 +60,7 @@ TEST(HullStage, NamesTheKeyThatDoesNotFitTheRig) {
     EXPECT_EQ(error_of(cameras, options), "no error");
 }
 
-TEST(HullStage, HasRoomForBoundsBesideTheCameras) {
+TEST(HullStage, AllowsBoundsBesideTheMaximumOfCameras) {
     HullStageOptions options;
     EXPECT_EQ(error_of(atrium::test::make_ring_rig({.num_cameras = 64}), options), "no error");
     options.bounds = kRoom;
@@ -72,7 +72,7 @@ TEST(HullStage, HasRoomForBoundsBesideTheCameras) {
 class TwoBodies : public testing::Test {
 protected:
     TwoBodies() {
-        options_.min_component_l = 30.0;  // where cones past both bodies meet is nobody
+        options_.min_component_l = 30.0;  // nobody is where cones past both bodies meet
         options_.regions = {{"left", {{-2, -0.6, 0.2}, {-1, 0.6, 1.6}}, {"cam0", "cam2", "cam4"}},
                             {"right", {{1, -0.6, 0.2}, {2, 0.6, 1.6}}, {}}};
     }
@@ -101,7 +101,7 @@ TEST_F(TwoBodies, AreComputedInTheirRegions) {
     EXPECT_EQ(hull_.num_components, 2u);
     EXPECT_EQ(hull_.num_regions_failed, 0u);
     double left_l = 0.0;
-    // three cameras' hull of a ball is larger than eight cameras'
+    // the hull of a ball from three cameras is larger than that from eight
     for (const bool with_left : {true, false}) {
         options_.regions[0].cameras.clear();
         if (with_left) options_.regions[0].cameras = {"cam0", "cam2", "cam4"};
@@ -116,7 +116,7 @@ TEST_F(TwoBodies, AreComputedInTheirRegions) {
     }
 }
 
-TEST_F(TwoBodies, LoseTheRegionThatHasTooFewCamerasUntilTheyReturn) {
+TEST_F(TwoBodies, LoseARegionWithTooFewCamerasUntilTheyReturn) {
     HullStage stage = make_stage();
     std::vector<std::uint8_t> delivered(8, 1);
     stage.compute(delivered, executor_, hull_);
@@ -133,7 +133,7 @@ TEST_F(TwoBodies, LoseTheRegionThatHasTooFewCamerasUntilTheyReturn) {
     EXPECT_EQ(hull_.mesh.vertices, all.vertices);
 }
 
-TEST_F(TwoBodies, AllocateNothingOnceWarmAlsoWhenCamerasComeAndGo) {
+TEST_F(TwoBodies, AllocateNothingOnceWarmEvenIfCamerasComeAndGo) {
     for (const bool with_regions : {true, false}) {
         if (!with_regions) options_.regions.clear();
         HullStage stage = make_stage();
@@ -152,13 +152,14 @@ TEST_F(TwoBodies, AllocateNothingOnceWarmAlsoWhenCamerasComeAndGo) {
     }
 }
 
-TEST_F(TwoBodies, NeedAsManyCamerasAsHaveToSeeThem) {
+TEST_F(TwoBodies, NeedTheMinimumNumberOfCameras) {
     options_ = {};
     options_.bounds = geometry::Aabb{{-2, -1, 0}, {2, 1, 2}};
     HullStage two = make_stage();
     std::vector<std::uint8_t> delivered{0, 0, 0, 1, 0, 0, 0, 0};
     two.compute(delivered, executor_, hull_);
-    EXPECT_EQ(hull_.status, hull::HullStatus::kTooFewViews);  // bounds are no second camera
+    // bounds do not count as a second camera
+    EXPECT_EQ(hull_.status, hull::HullStatus::kTooFewViews);
     EXPECT_TRUE(hull_.mesh.empty());
     delivered[5] = 1;
     two.compute(delivered, executor_, hull_);

@@ -23,7 +23,7 @@ protected:
     }
     void TearDown() override { fs::remove_all(folder_); }
 
-    // As the cameras of the fixture see it, of one grey all over.
+    // A plain grey picture, as the cameras of the fixture see it.
     void keep_background(const std::string& camera) const {
         segmentation::BackgroundLearner learner;
         image::YuvImage grey(
@@ -34,7 +34,7 @@ protected:
         ASSERT_TRUE(segmentation::save_background(*learner.finish(), folder_, camera));
     }
 
-    // Three side by side; a wall of noise fills their pictures.
+    // Three cameras side by side. A wall of noise fills their pictures.
     static config::Rig rig() {
         config::Rig rig = capture::test::rig_of(3, 20.0);
         for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
@@ -50,7 +50,7 @@ protected:
     fs::path folder_;
 };
 
-TEST_F(LateCamera, TakesPartAsSoonAsItAppearsWhereItsBackgroundWasKept) {
+TEST_F(LateCamera, JoinsOnAppearanceIfItsBackgroundWasKept) {
     for (const char* camera : {"cam0", "cam1", "cam2"}) keep_background(camera);
     add_fake(capture::test::fake_options(0));
     add_fake(capture::test::fake_options(1));

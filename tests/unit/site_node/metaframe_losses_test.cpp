@@ -8,7 +8,7 @@
 namespace atrium::site_node {
 namespace {
 
-TEST(MetaframeLosses, AddsUpAndIsShownWhereItIsNotZero) {
+TEST(MetaframeLosses, AddsUpAndShowsOnlyNonZeroCounts) {
     bus::SiteStatus status;
     EXPECT_EQ(losses_line({}, status), "");
     add(MetaframeLosses{1, 2, 3, 0.5, 4, 5, 6}, status.left_out);
@@ -25,8 +25,8 @@ TEST(MetaframeLosses, AddsUpAndIsShownWhereItIsNotZero) {
               "contours_dropped=40 contours_repaired=50 regions_failed=60");
 }
 
-// A status that breaks a limit would not be sent.
-TEST(MetaframeLosses, StaysWithinWhatAStatusMayHold) {
+// The bus does not send a status that exceeds a limit.
+TEST(MetaframeLosses, StaysWithinTheLimitsOfAStatus) {
     bus::SiteStatus status;
     status.site = "lab";
     for (int i = 0; i < 2; ++i) add(MetaframeLosses{.dropped_l = 0.8e15}, status.left_out);

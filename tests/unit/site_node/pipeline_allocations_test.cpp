@@ -19,14 +19,14 @@ constexpr std::array kFormats{image::PixelFormat::kBgr,
                               image::PixelFormat::kUyvy,
                               image::PixelFormat::kMono8};
 
-// Memory that was kept serves another camera or polygon than before, and grows until it has served
-// all of them.
+// Kept memory serves another camera or polygon each time, and grows until it has served all of
+// them.
 constexpr int kWarmRounds = 10;
 
 image::PixelFormat format_of(std::size_t camera) { return kFormats[camera % kFormats.size()]; }
 
-// Bytes of one value, another one where somebody is, with noise: in any format a picture that
-// segmentation can tell apart.
+// Bytes of one value, a different one where a person is, with noise. Segmentation can separate the
+// picture in any format.
 image::RawImage take_picture(const image::Mask& person, image::PixelFormat format, unsigned seed) {
     std::mt19937 random(seed);
     std::uniform_int_distribution<int> noise(-2, 2);
@@ -77,10 +77,10 @@ capture::Metaframe shoot(std::span<const test::Capsule> body, const config::Rig&
     return metaframe;
 }
 
-// Draco allocates whatever it likes, which is what coding the same meshes a second time allocates;
-// everything else in a metaframe, from raw pictures on, allocates nothing. (TurboJPEG takes its
-// memory by malloc, which nobody counts here.) People come, go and move, and cameras fail.
-TEST(PipelineAllocations, AreThoseOfDracoAlone) {
+// Draco allocates freely. The test counts that by coding the same meshes a second time. Everything
+// else in a metaframe, from raw pictures on, allocates nothing. (TurboJPEG uses malloc, which is
+// not counted here.) People come, go and move, and cameras fail.
+TEST(PipelineAllocations, AreOnlyThoseOfDraco) {
     config::Rig rig;
     rig.cameras = atrium::test::make_ring_rig({.num_cameras = kNumCameras,
                                                .radius_m = 3.0,
@@ -97,7 +97,7 @@ TEST(PipelineAllocations, AreThoseOfDracoAlone) {
     metaframes.push_back(metaframes.front());
 
     PipelineOptions options;
-    options.segmentation.drift_frames = 0.0;  // each round finds what the one before it did
+    options.segmentation.drift_frames = 0.0;  // each round starts from the same state
     EmptyRoom room(rig);
     auto pipeline = Pipeline::create(room, options, {});
     ASSERT_TRUE(pipeline) << pipeline.error().message;

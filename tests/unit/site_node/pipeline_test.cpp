@@ -20,7 +20,7 @@ using testing::HasSubstr;
 
 const geometry::Aabb kSpace{{-0.7, -0.8, 0.0}, {0.7, 0.8, 1.9}};
 const std::vector<test::Capsule> kBody = test::make_body({0, 0, 0});
-// A pixel of these cameras is some 7 mm wide at the body; outlines are true to a pixel or so.
+// A pixel of these cameras is about 7 mm wide at the body. Outlines are accurate to about a pixel.
 constexpr double kMargin_m = 0.02;
 
 config::Rig make_rig(double focal_px) {
@@ -34,7 +34,8 @@ config::Rig make_rig(double focal_px) {
     return rig;
 }
 
-// Four cameras look at the upper half of the body and four at the lower one; nobody is seen whole.
+// Four cameras look at the upper half of the body and four at the lower half. None sees the whole
+// body.
 config::Rig make_close_rig() {
     config::Rig rig = make_rig(500.0);
     for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
@@ -76,7 +77,7 @@ protected:
     const std::vector<Eigen::Vector3d> points_ = test::points_inside(kBody, kMargin_m, 300);
 };
 
-TEST_F(SitePipeline, HullContainsWhoIsSeenWhole) {
+TEST_F(SitePipeline, HullContainsACompletelySeenPerson) {
     const config::Rig rig = make_rig(250.0);
     Pipeline pipeline = make(rig);
     process(pipeline, test::take_pictures(kBody, rig));
@@ -86,14 +87,14 @@ TEST_F(SitePipeline, HullContainsWhoIsSeenWhole) {
     EXPECT_THAT(textured(), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
 }
 
-TEST_F(SitePipeline, ClosedBordersCutWhoReachesOutOfThePictures) {
+TEST_F(SitePipeline, ClosedBordersCutAPersonWhoLeavesThePictures) {
     const config::Rig rig = make_close_rig();
     Pipeline pipeline = make(rig);
     process(pipeline, test::take_pictures(kBody, rig));
     EXPECT_GT(num_outside(points_), points_.size() / 4);
 }
 
-TEST_F(SitePipeline, PartialViewsContainWhoReachesOutOfThePictures) {
+TEST_F(SitePipeline, PartialViewsContainAPersonWhoLeavesThePictures) {
     const config::Rig rig = make_close_rig();
     const capture::Metaframe metaframe = test::take_pictures(kBody, rig);
     PipelineOptions options;
@@ -111,22 +112,22 @@ TEST_F(SitePipeline, PartialViewsContainWhoReachesOutOfThePictures) {
         EXPECT_TRUE((extent.min.array() > kSpace.min.array() - 1e-5).all());
         EXPECT_TRUE((extent.max.array() < kSpace.max.array() + 1e-5).all());
     }
-    // the body has 0.09 m3; what less than three cameras see is not in it
+    // the body has 0.09 m3; parts that fewer than three cameras see are missing
     EXPECT_LT(geometry::volume_m3(frame_.hull.mesh), 0.2);
 }
 
-TEST_F(SitePipeline, WholeCamerasCutAmongPartialOnes) {
+TEST_F(SitePipeline, WholeCamerasCutEvenAmongPartialOnes) {
     const config::Rig rig = make_close_rig();
     PipelineOptions options;
     options.hull.partial_views = true;
     options.hull.bounds = kSpace;
-    options.hull.whole_cameras = {"cam0"};  // which is not true of it
+    options.hull.whole_cameras = {"cam0"};  // this camera does not really see the whole body
     Pipeline pipeline = make(rig, options);
     process(pipeline, test::take_pictures(kBody, rig));
     EXPECT_GT(num_outside(points_), 0u);
 }
 
-TEST_F(SitePipeline, GoesOnWithoutALostCameraAndWithItAgain) {
+TEST_F(SitePipeline, ContinuesWithoutALostCameraAndTakesItBack) {
     const config::Rig rig = make_rig(250.0);
     const capture::Metaframe all = test::take_pictures(kBody, rig);
     capture::Metaframe seven = all;
@@ -142,7 +143,7 @@ TEST_F(SitePipeline, GoesOnWithoutALostCameraAndWithItAgain) {
     EXPECT_GT(geometry::volume_m3(frame_.hull.mesh), volume);
     EXPECT_THAT(textured(), ElementsAre(0, 1, 3, 4, 5, 6, 7));
 
-    // the same as if the camera had never been there
+    // the same result as if the camera had never existed
     config::Rig smaller = rig;
     smaller.cameras.erase(smaller.cameras.begin() + 2);
     Pipeline other = make(smaller);
@@ -184,7 +185,7 @@ private:
     config::Rig rig_;
 };
 
-TEST_F(SitePipeline, LeavesOutACameraThatCannotShowTheEmptyRoom) {
+TEST_F(SitePipeline, SkipsACameraThatCannotShowTheEmptyRoom) {
     const config::Rig rig = make_rig(250.0);
     DarkSource source(rig);
     auto pipeline = Pipeline::create(source, {}, {});
@@ -212,7 +213,7 @@ TEST_F(SitePipeline, RefusesOneCameraAlone) {
     }
 }
 
-TEST_F(SitePipeline, CountsWhatItLeavesOut) {
+TEST_F(SitePipeline, CountsOmittedParts) {
     const config::Rig rig = make_rig(250.0);
     capture::Metaframe metaframe = test::take_pictures(kBody, rig);
     PipelineOptions options;
@@ -222,7 +223,7 @@ TEST_F(SitePipeline, CountsWhatItLeavesOut) {
     EXPECT_EQ(frame_.losses.fragments, 1u);
     EXPECT_GT(frame_.losses.dropped_l, 10.0);
     EXPECT_LT(frame_.losses.dropped_l, 1000.0);
-    EXPECT_TRUE(frame_.draco.empty());  // nobody
+    EXPECT_TRUE(frame_.draco.empty());  // no person
 
     options = {};
     options.hull.regions = {{"here", kSpace, {}},
@@ -241,9 +242,9 @@ TEST_F(SitePipeline, CountsWhatItLeavesOut) {
     EXPECT_EQ(num_outside(points_), 0u);
 }
 
-// The first stage of each metaframe beside the second of the one before it, in two threads that
-// share a pool, gives the bytes that one after another gives.
-TEST_F(SitePipeline, OverlappingMetaframesComeOutAsThoseOneAfterAnother) {
+// Two threads that share a pool run the first stage of each metaframe beside the second stage of
+// the previous one. They give the same bytes as one metaframe after another.
+TEST_F(SitePipeline, OverlappingMetaframesEqualSequentialOnes) {
     const config::Rig rig = make_rig(250.0);
     std::vector<capture::Metaframe> metaframes;
     for (int i = 0; i < 6; ++i) {

@@ -23,7 +23,7 @@ using testing::HasSubstr;
 constexpr int kWidth = 96;
 constexpr int kHeight = 64;
 
-// Two cameras, three metaframes: a red square that moves through a grey room. Camera "b" lacks the
+// Two cameras, three metaframes: a red square moves through a grey room. Camera "b" lacks the
 // second picture.
 class SilhouetteWriter : public testing::Test {
 protected:
@@ -96,13 +96,13 @@ TEST_F(SilhouetteWriter, WritesMasksAndPolygonsOfEveryPicture) {
         EXPECT_EQ(view.view.camera_from_site.translation.x(), i == 1 ? 0.0 : 0.3);
         ASSERT_EQ(view.view.contours.size(), 1u);
         for (const Eigen::Vector2d& p : view.view.contours[0]) {
-            EXPECT_GE(p.x(), 9.0 + 20 * i);  // a corner may be half a pixel off
+            EXPECT_GE(p.x(), 9.0 + 20 * i);  // a corner may be off by half a pixel
             EXPECT_LE(p.x(), 30.0 + 20 * i);
         }
     }
 }
 
-TEST_F(SilhouetteWriter, DoesNotWriteOverWhatIsThereUnlessTold) {
+TEST_F(SilhouetteWriter, OverwritesFilesOnlyOnRequest) {
     ASSERT_TRUE(write_silhouettes(config_, {}));
     const auto again = write_silhouettes(config_, {});
     ASSERT_FALSE(again);
@@ -112,7 +112,7 @@ TEST_F(SilhouetteWriter, DoesNotWriteOverWhatIsThereUnlessTold) {
     EXPECT_TRUE(write_silhouettes(config_, {}));
 }
 
-TEST_F(SilhouetteWriter, AreasAreOfCamerasThatAreThere) {
+TEST_F(SilhouetteWriter, RefusesAreasOfUnknownCameras) {
     config_.pipeline.areas.push_back({"a", {{{{0, 0}, {20, 0}, {20, 64}, {0, 64}}}, {}}});
     ASSERT_TRUE(write_silhouettes(config_, {}));
     const cv::Mat mask = cv::imread((folder_ / "out/a/silhouettes/000000.png").string(), 0);
@@ -122,14 +122,14 @@ TEST_F(SilhouetteWriter, AreasAreOfCamerasThatAreThere) {
     EXPECT_THAT(write_silhouettes(config_, {}).error().message, HasSubstr("no camera 'c'"));
 }
 
-TEST_F(SilhouetteWriter, UsesTheRoomThatWasLearnedBefore) {
+TEST_F(SilhouetteWriter, UsesAPreviouslyLearnedRoom) {
     const auto learned = learn_background(config_, {});
     ASSERT_TRUE(learned) << learned.error().message;
     EXPECT_TRUE(fs::exists(segmentation::background_file(folder_ / "learned", "b")));
     fs::remove_all(folder_ / "recording/a/background");
     fs::remove_all(folder_ / "recording/b/background");
     EXPECT_TRUE(write_silhouettes(config_, {}));
-    // damaged is an error, never a reason to guess
+    // a damaged file is an error, never ignored
     std::ofstream(segmentation::background_file(folder_ / "learned", "b")) << "nothing";
     config_.overwrite = true;
     const auto damaged = write_silhouettes(config_, {});
@@ -137,12 +137,12 @@ TEST_F(SilhouetteWriter, UsesTheRoomThatWasLearnedBefore) {
     EXPECT_THAT(damaged.error().message, HasSubstr("b.background"));
 }
 
-TEST_F(SilhouetteWriter, LearningNeedsAPlaceToKeepIt) {
+TEST_F(SilhouetteWriter, LearningNeedsAFileToSave) {
     config_.pipeline.background.folder.clear();
     EXPECT_THAT(learn_background(config_, {}).error().message, HasSubstr("background_folder"));
 }
 
-TEST_F(SilhouetteWriter, AStopEndsLearning) {
+TEST_F(SilhouetteWriter, StopEndsLearning) {
     std::stop_source stop;
     stop.request_stop();
     EXPECT_EQ(learn_background(config_, stop.get_token()).error().kind, ErrorKind::kUnavailable);

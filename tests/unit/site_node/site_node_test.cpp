@@ -1,4 +1,4 @@
-// The whole site in this process: from a recording on disk to the real bus.
+// The whole site in this process, from a recording on disk to the real bus.
 #include "site_node/site_node.hpp"
 
 #include "tests/support/rig_maker.hpp"
@@ -20,7 +20,8 @@ using testing::HasSubstr;
 
 constexpr int kNumFrames = 8;
 
-// Four cameras at 20 Hz; "cam1" lacks frames 3 to 5, and after 5 nothing comes for half a second.
+// Four cameras at 20 Hz. "cam1" lacks frames 3 to 5, and nothing comes for half a second after
+// frame 5.
 class SiteFromRecording : public testing::Test {
 protected:
     void SetUp() override {
@@ -52,7 +53,7 @@ protected:
         config_.capture.recording = folder_;
         config_.capture.deadline_ms = 300.0;
         config_.bus.world = "site-node-test-" + std::to_string(getpid());
-        config_.bus.domain = 181;  // of this test alone
+        config_.bus.domain = 181;  // used by this test only
     }
     void TearDown() override { fs::remove_all(folder_); }
 
@@ -98,11 +99,11 @@ protected:
     SiteNodeConfig config_;
 };
 
-TEST_F(SiteFromRecording, GoesOnWithoutALostCameraAndCountsIt) {
+TEST_F(SiteFromRecording, ContinuesWithoutALostCameraAndCountsIt) {
     config_.capture.min_cameras = 3;
     const auto node = run_to_the_end();
     const bus::SiteStatus status = node->status();
-    // of the three without cam1 two are past their deadline together with a newer one
+    // of the three metaframes without cam1, two pass their deadline together with a newer one
     EXPECT_EQ(node->status().num_incomplete_used, 1u);
     EXPECT_EQ(status.num_dropped_incomplete, 2u);
     EXPECT_EQ(status.num_metaframes_captured, 6u);
@@ -131,12 +132,12 @@ TEST_F(SiteFromRecording, DropsIncompleteMetaframesByDefault) {
     EXPECT_EQ(node->status().num_metaframes_captured, 5u);
 }
 
-TEST_F(SiteFromRecording, WorksOnWhatACameraThatNeverReturnsLeaves) {
+TEST_F(SiteFromRecording, UsesMetaframesAfterACameraIsLostForGood) {
     lose_for_good("cam1");
     config_.capture.min_cameras = 3;
     const auto node = run_to_the_end();
     const bus::SiteStatus status = node->status();
-    EXPECT_EQ(status.num_incomplete_used, 2u);   // the sixth, and the last as it ends
+    EXPECT_EQ(status.num_incomplete_used, 2u);   // the sixth, and the last one at the end
     EXPECT_GE(status.left_out.num_cameras, 1u);  // nothing can overtake the last one
     EXPECT_LE(status.left_out.num_cameras, 2u);
     EXPECT_EQ(status.num_dropped_incomplete, 3u);
@@ -145,7 +146,7 @@ TEST_F(SiteFromRecording, WorksOnWhatACameraThatNeverReturnsLeaves) {
     EXPECT_EQ(status.num_metaframes_published + status.num_dropped_late, 5u);
 }
 
-TEST_F(SiteFromRecording, CountsMetaframesOfTooFewCamerasAsFailed) {
+TEST_F(SiteFromRecording, CountsMetaframesWithTooFewCamerasAsFailed) {
     lose_for_good("cam1");
     config_.capture.min_cameras = 3;
     config_.pipeline.hull.min_views = 4;
@@ -159,13 +160,13 @@ TEST_F(SiteFromRecording, CountsMetaframesOfTooFewCamerasAsFailed) {
 TEST_F(SiteFromRecording, CountsTheFragmentsOfAllMetaframes) {
     config_.pipeline.hull.min_component_l = 1000.0;
     const auto node = run_to_the_end();
-    // one each, but for those that were replaced before they were worked on
+    // one each, except for metaframes that were replaced before processing
     EXPECT_GE(node->status().left_out.num_fragments + node->status().num_dropped_late, 5u);
     EXPECT_GE(node->status().left_out.num_fragments, 1u);
     EXPECT_LE(node->status().left_out.num_fragments, 5u);
 }
 
-TEST_F(SiteFromRecording, RefusesMoreCamerasThanThereAre) {
+TEST_F(SiteFromRecording, RefusesAMinimumAboveTheNumberOfCameras) {
     config_.capture.min_cameras = 5;
     const auto node = SiteNode::create(config_, {});
     ASSERT_FALSE(node);

@@ -11,7 +11,7 @@ TEST(StageTimes, AreMediansAndBytesPerSecondOfEachTopic) {
     StageTimes times;
     bus::SiteStatus status;
     times.put_into(status);
-    EXPECT_EQ(status.stages, bus::StageTimes{}) << "nothing was measured";
+    EXPECT_EQ(status.stages, bus::StageTimes{}) << "all times must be zero before a measurement";
     const std::chrono::steady_clock::time_point begin{100s};
     times.update_rates(begin);
     for (const double ms : {1.0, 2.0, 30.0}) {
@@ -25,7 +25,7 @@ TEST(StageTimes, AreMediansAndBytesPerSecondOfEachTopic) {
     EXPECT_DOUBLE_EQ(status.texture_bytes_per_s, 10'500.0);
     times.update_rates(begin + 3s);
     times.put_into(status);
-    EXPECT_EQ(status.mesh_bytes_per_s, 0.0) << "nothing was sent since";
+    EXPECT_EQ(status.mesh_bytes_per_s, 0.0) << "the rate must be zero if nothing was sent since";
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ ProcessorUse waiting(double longest_wait_per_s) {
     return use;
 }
 
-// Of a site, some seconds after its start.
+// The status of a site, some seconds after its start.
 bus::SiteStatus site_after(int second, std::uint64_t late_per_s, double longest_wait_per_s) {
     bus::SiteStatus status;
     status.time = Timestamp{} + seconds(1000 + second);
@@ -40,12 +40,12 @@ std::vector<Bottleneck> of_second_2(std::uint64_t late_per_s, double longest_wai
                        figures_of(site_after(2, late_per_s, longest_wait_per_s)));
 }
 
-TEST(Bottlenecks, AreNoneWhereAProgramKeepsUp) {
+TEST(Bottlenecks, AreEmptyIfAProgramKeepsUp) {
     EXPECT_THAT(of_second_2(0, 0.0), IsEmpty());
     EXPECT_THAT(of_second_2(1, 0.19), IsEmpty()) << "a hiccup";
 }
 
-TEST(Bottlenecks, BlameTheMachineWhereAThreadWaitsForACore) {
+TEST(Bottlenecks, BlameTheMachineIfAThreadWaitsForACore) {
     EXPECT_THAT(of_second_2(0, 0.25),
                 ElementsAre(Bottleneck{Cause::kMachine,
                                        "machine too slow: waited 25 % of the time for a core"}));
@@ -55,7 +55,7 @@ TEST(Bottlenecks, BlameTheMachineWhereAThreadWaitsForACore) {
                                        "30 metaframes came too late for work"}));
 }
 
-TEST(Bottlenecks, BlameTheWorkWhereCoresAreFree) {
+TEST(Bottlenecks, BlameTheWorkIfCoresAreFree) {
     EXPECT_THAT(of_second_2(5, 0.02),
                 ElementsAre(Bottleneck{Cause::kWork,
                                        "work takes longer than its period, though cores are free: "
@@ -71,7 +71,7 @@ TEST(Bottlenecks, BlameTheWorkWhereCoresAreFree) {
     EXPECT_THAT(found[0].text, HasSubstr("20 of 120 steps were skipped"));
 }
 
-TEST(Bottlenecks, BlameNoWorkOfAProgramThatStoodStill) {
+TEST(Bottlenecks, BlameNoWorkIfTheProgramStoodStill) {
     bus::WorldStatus before;
     bus::WorldStatus now;
     now.num_steps = 123;
@@ -87,7 +87,7 @@ TEST(Bottlenecks, BlameNoWorkOfAProgramThatStoodStill) {
     EXPECT_EQ(bottlenecks(figures_of(before), figures_of(now))[0].cause, Cause::kMachine);
 }
 
-TEST(Bottlenecks, BlameNeitherWhereTheKernelDoesNotCount) {
+TEST(Bottlenecks, BlameNeitherIfTheKernelDoesNotCount) {
     bus::SiteStatus before = site_after(1, 5, 0.9);
     bus::SiteStatus now = site_after(2, 5, 0.9);
     before.processor.is_waiting_known = now.processor.is_waiting_known = false;
@@ -96,7 +96,7 @@ TEST(Bottlenecks, BlameNeitherWhereTheKernelDoesNotCount) {
     EXPECT_EQ(found[0].cause, Cause::kMachineOrWork);
 }
 
-TEST(Bottlenecks, BlameTheNetworkForMetaframesLeftOut) {
+TEST(Bottlenecks, BlameTheNetworkForOmittedMetaframes) {
     bus::SiteStatus before = site_after(1, 0, 0.0);
     bus::SiteStatus now = site_after(2, 0, 0.0);
     now.stream.num_dropped_for_rate = 15;
@@ -111,7 +111,7 @@ TEST(Bottlenecks, BlameTheNetworkForMetaframesLeftOut) {
                 StartsWith("limited by stream.max_mbit_per_s: 15 of 30"));
 }
 
-TEST(Bottlenecks, DoNotBlameTheNetworkForWhatAStarvedViewerLoses) {
+TEST(Bottlenecks, DoNotBlameTheNetworkForLossesOfAStarvedViewer) {
     bus::ViewerStatus before;
     bus::ViewerStatus now;
     now.num_pairs_shown = 20;
@@ -126,7 +126,7 @@ TEST(Bottlenecks, DoNotBlameTheNetworkForWhatAStarvedViewerLoses) {
                                        "machine too slow: waited 60 % of the time for a core"}));
 }
 
-TEST(Bottlenecks, AreNoLossesOfAProgramThatStartedAgain) {
+TEST(Bottlenecks, IgnoreCountersOfARestartedProgram) {
     EXPECT_THAT(bottlenecks(figures_of(site_after(9, 5, 0.0)), figures_of(site_after(2, 5, 0.0))),
                 IsEmpty());
     EXPECT_THAT(bottlenecks(std::nullopt, figures_of(site_after(2, 5, 0.0))), IsEmpty());
@@ -151,7 +151,7 @@ TEST(OverloadLog, WarnsAtOnceAndThenEveryFiveSeconds) {
     EXPECT_NE(look(13, 0.3), std::nullopt) << "at once";
 }
 
-TEST(OverloadLog, LeavesTheNetworkToTheStreams) {
+TEST(OverloadLog, IgnoresNetworkLosses) {
     OverloadLog log(bus::ProgramKind::kViewer);
     bus::ViewerStatus status;
     status.processor = waiting(0.0);
@@ -165,11 +165,11 @@ TEST(Advice, NamesOptionsOfTheProgram) {
     EXPECT_THAT(advice(Cause::kWork, bus::ProgramKind::kSiteNode), HasSubstr("site.threads"));
     EXPECT_THAT(advice(Cause::kMachine, bus::ProgramKind::kSiteNode),
                 Not(HasSubstr("site.threads")))
-        << "more threads would wait as well";
+        << "more threads would have to wait too";
     EXPECT_THAT(advice(Cause::kWork, bus::ProgramKind::kWorldServer), HasSubstr("world.tick_hz"));
 }
 
-TEST(ProcessFields, SayWhenTheKernelDoesNotCount) {
+TEST(ProcessFields, ReportAKernelThatDoesNotCount) {
     ProcessorUse use = waiting(0.1);
     use.run_ns = 12'340'000'000;
     use.waited_ns = 400'000'000;

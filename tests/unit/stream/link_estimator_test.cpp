@@ -17,7 +17,7 @@ LinkReport report(double bit_per_s, double delay_ms) {
     return {6, 0, 54, bit_per_s, delay_ms, delay_ms};
 }
 
-/// Five reports a second, whose delay is a function of the time.
+/// Feeds five reports a second, with the delay as a function of time.
 class Estimated : public testing::Test {
 protected:
     using Delay = std::function<double(double)>;
@@ -38,7 +38,7 @@ TEST_F(Estimated, HasNoLimitWithoutAQueue) {
     EXPECT_EQ(estimator_.paced_bit_per_s(), LinkEstimator::kNoLimit);
 }
 
-TEST_F(Estimated, FallsToAShareOfWhatArrivesAndSendsTheQueueAway) {
+TEST_F(Estimated, FallsBelowTheArrivingRateAndDrainsTheQueue) {
     run(2.0, 20e6, [](double) { return 30.0; });
     run(0.2, 20e6, [](double) { return 60.0; });
     run(0.2, 20e6, [](double) { return 90.0; });
@@ -58,13 +58,13 @@ TEST_F(Estimated, GrowsSlowlyNearTheRateOfTheLastQueueAndOnlyWithoutOne) {
         1.0, 17e6, [](double) { return 30.0; }, 30e6);
     EXPECT_NEAR(estimator_.bit_per_s() / lowered, 1.065, 0.015);
     const auto queue = [](double) { return 50.0; };
-    run(0.2, 17e6, queue, 30e6);  // one report may be chance
+    run(0.2, 17e6, queue, 30e6);  // a single report may be chance
     const double held = estimator_.bit_per_s();
     run(0.2, 17e6, queue, 30e6);
     EXPECT_LE(estimator_.bit_per_s(), held);
 }
 
-TEST_F(Estimated, HasNoLimitAgainWhereThereIsRoomForAllForLong) {
+TEST_F(Estimated, LosesItsLimitAfterEnoughTimeWithRoom) {
     run(2.0, 20e6, [](double) { return 30.0; });
     run(0.4, 20e6, [](double) { return 100.0; });
     run(
@@ -72,7 +72,7 @@ TEST_F(Estimated, HasNoLimitAgainWhereThereIsRoomForAllForLong) {
     EXPECT_TRUE(has_no_limit());
 }
 
-TEST_F(Estimated, NeedsNoClocksThatAgreeAndFollowsTheirDrift) {
+TEST_F(Estimated, ToleratesClockOffsetsAndFollowsDrift) {
     for (const double offset_ms : {-3.6e6, 0.0, 3.6e6}) {
         for (const double drift_ms_per_s : {-0.2, 0.2}) {
             estimator_ = LinkEstimator(report(20e6, offset_ms), 2e6, at(0.0));
@@ -86,25 +86,25 @@ TEST_F(Estimated, NeedsNoClocksThatAgreeAndFollowsTheirDrift) {
     }
 }
 
-TEST_F(Estimated, AClockThatIsSetIsNoQueue) {
+TEST_F(Estimated, ClockStepIsNoQueue) {
     run(5.0, 20e6, [](double) { return 30.0; });
     run(5.0, 20e6, [](double) { return 1030.0; });
     EXPECT_TRUE(has_no_limit());
     run(5.0, 20e6, [](double) { return -5000.0; });
     EXPECT_TRUE(has_no_limit());
     run(0.6, 20e6, [](double) { return -4900.0; });
-    EXPECT_FALSE(has_no_limit()) << "a queue on the clock that was set";
+    EXPECT_FALSE(has_no_limit()) << "a queue after the clock step must be found";
 }
 
-// Another route, or a small step of a clock: it looks like a queue, but does not go away.
-TEST_F(Estimated, ALongerWayIsTakenForAQueueForSomeSecondsOnly) {
+// Another route, or a small clock step. It looks like a queue, but does not go away.
+TEST_F(Estimated, LongerPathLooksLikeAQueueForSomeSecondsOnly) {
     run(5.0, 20e6, [](double) { return 30.0; });
     run(6.0, 20e6, [](double) { return 110.0; });
     EXPECT_TRUE(has_no_limit());
     EXPECT_LT(estimator_.queue_ms(), 1.0);
 }
 
-TEST_F(Estimated, AReportOfNothingChangesNothing) {
+TEST_F(Estimated, EmptyReportChangesNothing) {
     run(5.0, 20e6, [](double) { return 30.0; });
     for (int i = 0; i < 20; ++i) estimator_.add({}, 0.0, at(now_s_ += 0.2));
     EXPECT_TRUE(has_no_limit());
@@ -112,14 +112,14 @@ TEST_F(Estimated, AReportOfNothingChangesNothing) {
     EXPECT_TRUE(has_no_limit());
 }
 
-TEST_F(Estimated, FramesThatStayIncompleteLowerIt) {
+TEST_F(Estimated, FallsForIncompleteFrames) {
     run(2.0, 20e6, [](double) { return 30.0; });
     for (int i = 0; i < 5; ++i)
         estimator_.add({3, 3, 40, 18e6, 30.0, 30.0}, 0.0, at(now_s_ += 0.2));
     EXPECT_LE(estimator_.bit_per_s(), 0.9 * 18e6);
 }
 
-TEST_F(Estimated, AWaitInTheViewersHostIsNoQueue) {
+TEST_F(Estimated, WaitInTheViewersHostIsNoQueue) {
     run(2.0, 20e6, [](double) { return 30.0; });
     for (int i = 0; i < 1500; ++i) {
         const double wait_ms = 7.0 * (i % 60);
@@ -128,14 +128,14 @@ TEST_F(Estimated, AWaitInTheViewersHostIsNoQueue) {
     }
 }
 
-TEST_F(Estimated, AQueueIsFoundBesideAWait) {
+TEST_F(Estimated, FindsAQueueBesideAWait) {
     run(2.0, 20e6, [](double) { return 30.0; });
     for (int i = 0; i < 2; ++i)
         estimator_.add({6, 0, 54, 5e6, 230.0, 80.0, 150.0}, 0.0, at(now_s_ += 0.2));
     EXPECT_DOUBLE_EQ(estimator_.bit_per_s(), 0.85 * 5e6);
 }
 
-TEST_F(Estimated, FramesThatStayIncompleteAroundALongWaitSayNothing) {
+TEST_F(Estimated, IgnoresIncompleteFramesAroundALongWait) {
     run(2.0, 20e6, [](double) { return 30.0; });
     for (int i = 0; i < 50; ++i) {
         const double wait_ms = i % 5 == 0 ? 300.0 : 5.0;
@@ -144,7 +144,7 @@ TEST_F(Estimated, FramesThatStayIncompleteAroundALongWaitSayNothing) {
     EXPECT_TRUE(has_no_limit());
 }
 
-TEST_F(Estimated, FramesThatStayIncompleteWhateverIsSentDoNotLowerItForGood) {
+TEST_F(Estimated, RecoversFromIncompleteFramesThatNoRatePrevents) {
     run(2.0, 20e6, [](double) { return 30.0; });
     double least = LinkEstimator::kNoLimit;
     for (int i = 0; i < 300; ++i) {  // a minute
@@ -154,14 +154,14 @@ TEST_F(Estimated, FramesThatStayIncompleteWhateverIsSentDoNotLowerItForGood) {
     EXPECT_GT(least, 0.6 * 18e6);
 }
 
-// The site sends its minimum whatever the way carries, so a queue stays there.
-TEST_F(Estimated, AQueueThatMustStayIsNotTakenForTheWay) {
+// The site sends its minimum whatever the link carries, so a queue stays there.
+TEST_F(Estimated, PermanentQueueIsNotMistakenForThePath) {
     run(2.0, 0.5e6, [](double) { return 30.0; });
     run(20.0, 0.5e6, [](double) { return 330.0; });
     EXPECT_LE(estimator_.bit_per_s(), 0.5e6);
 }
 
-TEST_F(Estimated, ComesBackFromNothing) {
+TEST_F(Estimated, RecoversFromNothing) {
     run(2.0, 20e6, [](double) { return 30.0; });
     for (int i = 0; i < 5; ++i)
         estimator_.add({0, 5, 9, 0.0, 200.0, 200.0}, 0.0, at(now_s_ += 0.2));
@@ -171,7 +171,7 @@ TEST_F(Estimated, ComesBackFromNothing) {
     EXPECT_GT(estimator_.bit_per_s(), 2e6);
 }
 
-TEST_F(Estimated, StaysANumberWhateverIsReported) {
+TEST_F(Estimated, StaysFiniteForAnyReport) {
     const double numbers[] = {0.0, 1e15, -1e15, 1.0, 1e-300};
     std::uint32_t seed = 1;
     const auto pick = [&] { return numbers[(seed = seed * 1664525u + 1013904223u) >> 16 & 3u]; };

@@ -40,13 +40,13 @@ TEST(Ladder, BeginsWithTheConfiguredQuality) {
     }
 }
 
-TEST(SizeModel, LearnsWhatALevelReallyTakes) {
+TEST(SizeModel, LearnsTheSizeOfALevel) {
     const std::vector<Level> ladder = make_ladder(85);
     SizeModel sizes(ladder);
     EXPECT_EQ(sizes.frame_bytes(0), 0.0);
     for (int i = 0; i < 20; ++i) sizes.add(0, {10'000, 100'000});
     EXPECT_NEAR(sizes.frame_bytes(0), 110'000, 1);
-    // level 2 takes 0.3 instead of the 0.62 that is guessed at first
+    // level 2 takes 0.3, not the first estimate of 0.62
     for (int i = 0; i < 20; ++i) sizes.add(2, {10'000, 30'000});
     EXPECT_NEAR(sizes.frame_bytes(2), 40'000, 1'000);
     EXPECT_NEAR(sizes.frame_bytes(0), 110'000, 8'000);
@@ -54,17 +54,17 @@ TEST(SizeModel, LearnsWhatALevelReallyTakes) {
     EXPECT_NEAR(sizes.frame_bytes(2), 40'000, 2'000);
 }
 
-TEST(SizeModel, AnEmptyRoomIsForgottenAtOnce) {
+TEST(SizeModel, ForgetsAnEmptyRoomAtOnce) {
     SizeModel sizes(make_ladder(85));
     sizes.add(0, {10'000, 100'000});
     for (int i = 0; i < 100; ++i) sizes.add(0, {0, 0});
     EXPECT_NEAR(sizes.frame_bytes(0), 110'000, 1);
 }
 
-/// Offers metaframes at 30 Hz and codes those that are admitted.
+/// Offers metaframes at 30 Hz and codes the admitted ones.
 class Controlled : public testing::Test {
 protected:
-    // Bytes of colour at a level, for 100 kB at the best.
+    // Bytes of colour at a level, for 100 kB at the best level.
     double colour(std::size_t level) const {
         const Level& chosen = controller_.ladder()[level];
         return 100e3 * chosen.jpeg_quality / 85.0 * (chosen.colour_divisor == 2 ? 0.28 : 1.0);
@@ -98,14 +98,14 @@ protected:
     std::vector<std::pair<double, double>> sent_;  // time [s], size [bit]
 };
 
-TEST_F(Controlled, SendsEverythingAtItsBestWithoutACap) {
+TEST_F(Controlled, SendsEverythingAtBestQualityWithoutACap) {
     run(3.0);
     EXPECT_EQ(num_steps_, 0);
     EXPECT_GE(sent_.size(), 90u);
     EXPECT_EQ(controller_.next_bit_per_s(), 0.0);
 }
 
-TEST_F(Controlled, StepsDownAtOnceAndNoFartherThanItMust) {
+TEST_F(Controlled, StepsDownAtOnceAndNoFartherThanNecessary) {
     run(2.0);
     controller_.set_cap({20e6, 20e6});
     run(0.05);
@@ -118,7 +118,7 @@ TEST_F(Controlled, StepsDownAtOnceAndNoFartherThanItMust) {
 }
 
 TEST_F(Controlled, KnowsThatAMeshDoesNotShrink) {
-    fixed_ = 20'000;  // 4.8 Mbit/s at 30 Hz: no quality brings it below 4
+    fixed_ = 20'000;  // 4.8 Mbit/s at 30 Hz: no quality goes below 4
     run(2.0);
     controller_.set_cap({4e6, 4e6});
     run(5.0);
@@ -139,20 +139,20 @@ TEST_F(Controlled, RisesOnlyAfterAWhile) {
     EXPECT_EQ(controller_.level(), 0u);
 }
 
-// Caps next to what a level takes are where a controller would go to and fro.
-TEST_F(Controlled, DoesNotOscillateWhereverTheCapIs) {
+// At caps near the size of a level, a controller would tend to oscillate.
+TEST_F(Controlled, DoesNotOscillateAtAnyCap) {
     run(1.0);
     for (double cap_mbit = 2.0; cap_mbit < 30.0; cap_mbit += 0.5) {
         controller_.set_cap({1e6 * cap_mbit, 1e6 * cap_mbit});
-        run(10.0);  // learns, settles
+        run(10.0);  // time to learn and settle
         const int before = num_steps_;
         run(30.0);
         EXPECT_LE(num_steps_ - before, 6) << cap_mbit << " Mbit/s";
     }
 }
 
-TEST_F(Controlled, NoSecondHasMoreThanTheCapAndOneFrame) {
-    noise_ = 0.6;  // what cannot be predicted
+TEST_F(Controlled, SendsAtMostTheCapPlusOneFramePerSecond) {
+    noise_ = 0.6;  // unpredictable sizes
     const double cap_bit_per_s = 6e6;
     controller_.set_cap({cap_bit_per_s, cap_bit_per_s});
     run(60.0);
@@ -169,7 +169,7 @@ TEST_F(Controlled, NoSecondHasMoreThanTheCapAndOneFrame) {
     }
 }
 
-TEST_F(Controlled, LeavesFramesOutForAQueueButKeepsTheLevel) {
+TEST_F(Controlled, SkipsFramesForAQueueButKeepsTheLevel) {
     controller_.set_cap({20e6, 20e6});
     run(5.0);
     const std::size_t before = controller_.level();
@@ -179,7 +179,7 @@ TEST_F(Controlled, LeavesFramesOutForAQueueButKeepsTheLevel) {
     EXPECT_LE(rate_bit_per_s(now_s_ - 1.0), 5e6 + 8.0 * 120e3);
 }
 
-TEST_F(Controlled, TakesPartOfASlowSource) {
+TEST_F(Controlled, SkipsNoFramesOfASlowSource) {
     // 10 Hz fit where 30 would not
     for (int i = 0; i < 100; ++i) {
         now_s_ += 0.1;

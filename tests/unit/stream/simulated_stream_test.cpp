@@ -1,4 +1,4 @@
-// The whole of site_node/stream and the viewer's counting, on simulated networks.
+// The whole of site_node/stream with the viewer's counters, on simulated networks.
 #include "tests/support/simulated_stream.hpp"
 
 #include <gtest/gtest.h>
@@ -23,8 +23,8 @@ SimulatedSite site_of(std::uint64_t seed, const stream::StreamOptions& options =
     return site;
 }
 
-// What a frame needs to get through the link by itself, at the rate that is sent: part of the delay
-// of the way, not of a queue.
+// Time that a frame needs to pass the link by itself at the sent rate. It is part of the link's
+// delay, not of a queue.
 double way_ms(const SimulatedLink& link, const StreamRecord& record, double from_s, double to_s) {
     double largest = 0.0;
     for (const SentFrame& frame : record.sent) {
@@ -46,7 +46,7 @@ TEST_P(NarrowLink, IsUsedWithoutAQueue) {
 }
 INSTANTIATE_TEST_SUITE_P(Mbit, NarrowLink, testing::Values(5.0, 10.0, 20.0));
 
-TEST(WidenedLink, HasItsQualityBackSoon) {
+TEST(WidenedLink, RegainsItsQualitySoon) {
     for (const double narrow : {5.0, 10.0, 20.0}) {
         SimulatedLink link;
         link.bit_per_s = [=](double t) { return t < 30.0 ? kMega * narrow : 1e9; };
@@ -73,7 +73,7 @@ TEST(SuddenlyNarrowLink, IsFreeOfItsQueueAfterTwoSeconds) {
     }
 }
 
-TEST(WideLink, LossAndJitterChangeNothing) {
+TEST(WideLink, DoesNotReactToLossAndJitter) {
     for (const double loss : {0.01, 0.02, 0.05}) {
         for (const std::uint64_t seed : {1, 2, 3}) {
             SimulatedLink link;
@@ -86,7 +86,7 @@ TEST(WideLink, LossAndJitterChangeNothing) {
     }
 }
 
-TEST(WideLink, LossThatBeginsLaterChangesNothingEither) {
+TEST(WideLink, DoesNotReactToLossThatBeginsLater) {
     SimulatedLink link;
     link.jitter_ms = 10.0;
     SimulatedLink lossy = link;
@@ -96,7 +96,7 @@ TEST(WideLink, LossThatBeginsLaterChangesNothingEither) {
     EXPECT_EQ(simulate({}, {link, lossy}, 100.0).steps.size(), 0u);
 }
 
-TEST(NarrowLossyLink, IsUsedAllTheSame) {
+TEST(NarrowLossyLink, IsUsedDespiteLoss) {
     SimulatedLink link = link_of(10.0);
     link.loss = 0.02;
     link.jitter_ms = 10.0;
@@ -117,21 +117,21 @@ TEST(Clocks, NeitherOffsetNorDriftMatters) {
     EXPECT_LT(max_age_ms(other.viewers[0], 2.0, 60.0), way_ms(link, other, 2.0, 60.0) + 100.0);
 }
 
-TEST(PausedViewer, ChangesNothingForTheOthers) {
+TEST(PausedViewer, DoesNotAffectOthers) {
     SimulatedLink wide;
     SimulatedLink paused = link_of(3.0);
     paused.viewer = "v2";
     paused.is_paused = [](double t) { return t > 20.0; };
     const StreamRecord record = simulate({}, {wide, paused}, 60.0);
-    EXPECT_GT(num_steps(record, 0.0, 20.0), 0) << "it had a say while it was there";
+    EXPECT_GT(num_steps(record, 0.0, 20.0), 0) << "it must count while it is present";
     EXPECT_EQ(record.sent.back().level, 0u);
     EXPECT_EQ(num_steps(record, 30.0, 60.0), 0);
-    // and one that never came to life
+    // and a viewer that never starts
     paused.is_paused = [](double) { return true; };
     EXPECT_EQ(simulate({}, {wide, paused}, 30.0).steps.size(), 0u);
 }
 
-TEST(VerySlowViewer, BringsTheStreamToTheMinimumAndNoLower) {
+TEST(VerySlowViewer, LowersTheStreamToTheMinimumOnly) {
     SimulatedLink wide;
     SimulatedLink slow = link_of(0.5);
     slow.viewer = "v2";
@@ -147,12 +147,12 @@ TEST(ConfiguredCap, HoldsOverEverySecond) {
         const StreamRecord record = simulate(site_of(1, {.max_mbit_per_s = cap}), {wide}, 60.0);
         EXPECT_LE(busiest_second_bits(record), kMega * cap) << cap;
         EXPECT_GE(sent_bit_per_s(record, 5.0, 60.0), 0.7 * kMega * cap) << cap;
-        // the scene itself grows and shrinks twice by half
+        // the size of the scene itself grows and shrinks twice by half
         EXPECT_LE(num_steps(record, 5.0, 60.0), 20) << cap;
     }
 }
 
-// Links that change at random every few seconds, with loss, jitter and scenes of their own.
+// Links that change at random every 30 s. Each has its own loss, jitter and scene.
 class RandomLinks : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(RandomLinks, NeitherOscillateNorGetStuck) {

@@ -1,5 +1,5 @@
-// What lacks a processor is no narrow network: viewers and sites that are starved, over links with
-// and without a limit.
+// A lack of processor time is not a narrow network. Starved viewers and sites, over links with and
+// without a limit.
 #include "tests/support/simulated_stream.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 constexpr double kMega = 1e6;
 constexpr std::uint64_t kNumSeeds = 10;
 
-/// Takes the processor from a viewer.
+/// Takes processor time from a viewer.
 struct Starvation {
     std::string name;
     void (*apply)(SimulatedLink& link, std::uint64_t seed);
@@ -47,7 +47,7 @@ protected:
     }
 };
 
-TEST_P(StarvedViewer, LowersNothingWhereTheLinkHasNoLimit) {
+TEST_P(StarvedViewer, LowersNothingOnAnUnlimitedLink) {
     for (std::uint64_t seed = 1; seed <= kNumSeeds; ++seed) {
         for (const double loss : {0.0, 0.01}) {
             SimulatedLink link = link_of(1000.0, seed);
@@ -62,7 +62,7 @@ TEST_P(StarvedViewer, LowersNothingWhereTheLinkHasNoLimit) {
     }
 }
 
-// Time until no more is sent than the link carries, for good.
+// Time from which on the site never sends more than the link carries.
 double found_s(const StreamRecord& record, double bit_per_s) {
     double found = 0.0;
     for (double t = 10.0; t < 40.0; t += 0.1) {
@@ -71,7 +71,7 @@ double found_s(const StreamRecord& record, double bit_per_s) {
     return found;
 }
 
-TEST_P(StarvedViewer, FindsARealLimitAllTheSame) {
+TEST_P(StarvedViewer, StillFindsARealLimit) {
     for (const double mbit : {5.0, 20.0}) {
         double latest = 0.0;
         double sum = 0.0;

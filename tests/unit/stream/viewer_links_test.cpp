@@ -12,7 +12,7 @@ Time at(double seconds) {
            std::chrono::duration_cast<Time::duration>(std::chrono::duration<double>(seconds));
 }
 
-// Two seconds, at the end of which a queue builds up or not.
+// Two seconds. `queue_ms` of delay builds up at their end.
 void tell(ViewerLinks& links, const std::string& viewer, double bit_per_s, bool has_queue) {
     for (int i = 0; i <= 10; ++i) {
         const double delay_ms = has_queue && i > 7 ? 100.0 : 20.0;
@@ -20,20 +20,20 @@ void tell(ViewerLinks& links, const std::string& viewer, double bit_per_s, bool 
     }
 }
 
-TEST(ViewerLinks, NobodyAndNothingMeansNoCap) {
+TEST(ViewerLinks, HasNoCapWithoutViewersAndOptions) {
     const ViewerLinks links({});
     EXPECT_EQ(links.cap(at(0)).cap.bit_per_s, 0.0);
     EXPECT_EQ(links.cap(at(0)).set_by, "");
 }
 
-TEST(ViewerLinks, TheOptionHoldsWithoutAnyViewer) {
+TEST(ViewerLinks, AppliesTheOptionWithoutViewers) {
     const ViewerLinks links({.max_mbit_per_s = 6.0});
     EXPECT_EQ(links.cap(at(0)).cap.bit_per_s, 6e6);
     EXPECT_EQ(links.cap(at(0)).cap.paced_bit_per_s, 6e6);
     EXPECT_EQ(links.cap(at(0)).set_by, kMaxOption);
 }
 
-TEST(ViewerLinks, TheSlowestViewerSetsTheCap) {
+TEST(ViewerLinks, SlowestViewerSetsTheCap) {
     ViewerLinks links({});
     tell(links, "fast", 30e6, false);
     EXPECT_EQ(links.cap(at(2)).set_by, "");
@@ -46,21 +46,21 @@ TEST(ViewerLinks, TheSlowestViewerSetsTheCap) {
     EXPECT_NEAR(cap.queue_ms, 80.0, 1e-6);
 }
 
-TEST(ViewerLinks, WhoIsSilentForASecondHasNoSay) {
+TEST(ViewerLinks, IgnoresViewersThatAreSilentForASecond) {
     ViewerLinks links({});
     tell(links, "slow", 5e6, true);
     EXPECT_EQ(links.cap(at(2.9)).set_by, "slow");
     EXPECT_EQ(links.cap(at(3.1)).set_by, "");
 }
 
-TEST(ViewerLinks, WhoIsGoneHasNoSay) {
+TEST(ViewerLinks, IgnoresViewersThatLeft) {
     ViewerLinks links({});
     tell(links, "slow", 5e6, true);
     links.forget("slow");
     EXPECT_EQ(links.cap(at(2)).set_by, "");
 }
 
-TEST(ViewerLinks, OneVerySlowViewerDoesNotRuinTheOthers) {
+TEST(ViewerLinks, VerySlowViewerDoesNotRuinTheOthers) {
     ViewerLinks links({.min_mbit_per_s = 2.0});
     tell(links, "slow", 0.3e6, true);
     const StreamCap cap = links.cap(at(2));
@@ -69,20 +69,20 @@ TEST(ViewerLinks, OneVerySlowViewerDoesNotRuinTheOthers) {
     EXPECT_EQ(cap.set_by, kMinOption);
 }
 
-TEST(ViewerLinks, TheMaximumIsStrongerThanTheMinimum) {
+TEST(ViewerLinks, MaximumOverridesTheMinimum) {
     ViewerLinks links({.max_mbit_per_s = 1.0, .min_mbit_per_s = 2.0});
     tell(links, "slow", 0.3e6, true);
     EXPECT_EQ(links.cap(at(2)).cap.bit_per_s, 1e6);
 }
 
-TEST(ViewerLinks, DoesNotListenWhereItIsNotToAdapt) {
+TEST(ViewerLinks, IgnoresReportsIfAdaptationIsOff) {
     ViewerLinks links({.adapt = false});
     tell(links, "slow", 5e6, true);
     EXPECT_EQ(links.cap(at(2)).set_by, "");
     EXPECT_EQ(links.size(), 0u);
 }
 
-TEST(ViewerLinks, AFloodOfViewersTakesNoMoreThanItsRoom) {
+TEST(ViewerLinks, BoundsTheNumberOfViewers) {
     ViewerLinks links({});
     for (int i = 0; i < 10'000; ++i)
         links.add("v" + std::to_string(i), {1, 0, 1, 1e6, 10.0, 10.0}, 0.0, at(0.001 * i));

@@ -10,8 +10,8 @@ namespace {
 constexpr std::uint64_t kNumSeeds = 20;
 constexpr double kNearlyM = 0.013;
 
-// A hand that cannot get to where the act wants it presses on things, or misses them, in ways that
-// no person would choose; what the trials then say is about the act.
+// A hand that cannot reach the place that the act wants presses on objects, or misses them, as no
+// person would. The trials would then measure the act, not the physics.
 double out_of_reach_m(const Act& act, double until_s) {
     double worst = 0.0;
     for (double t = 0.0; t < until_s; t += 0.05)
@@ -38,13 +38,13 @@ TEST(Acts, StayWithinTheReachOfTheArms) {
     }
 }
 
-TEST(Acts, OutOfReachIsHowFarTheWristStaysBehind) {
+TEST(Acts, OutOfReachIsTheDistanceThatTheWristLacks) {
     simulation::BodyPose pose;
     EXPECT_LT(test::out_of_reach_m(pose), 1e-9);
     const simulation::RestJoints rest;
     const double arm_m = 0.998 * (rest.upper_arm_m + rest.forearm_m);  // never quite straight
     pose.left_arm.wrist = rest.shoulder + Eigen::Vector3d(0.0, arm_m + 0.1, 0.0);
-    EXPECT_NEAR(test::out_of_reach_m(pose), 0.1, 1e-3);  // rest directions have four digits
+    EXPECT_NEAR(test::out_of_reach_m(pose), 0.1, 1e-3);  // the rest directions have four digits
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ ImpairedLine line_with(const Impairment& impairment, std::uint64_t seed = 1) {
     return line;
 }
 
-// Which of `num` packets are lost, one every millisecond.
+// The lost ones among `num` packets, sent one per millisecond.
 std::vector<bool> losses(const Impairment& impairment, std::uint64_t seed, int num = 100'000) {
     ImpairedLine line = line_with(impairment, seed);
     std::vector<bool> lost;
@@ -34,7 +34,7 @@ double share(const std::vector<bool>& lost) {
            static_cast<double>(lost.size());
 }
 
-TEST(ImpairedLine, DoesNothingUnlessTold) {
+TEST(ImpairedLine, DoesNothingByDefault) {
     ImpairedLine line(1);
     for (int i = 0; i < 1000; ++i) {
         const Passage passage = line.enter(i, 1500);
@@ -44,12 +44,12 @@ TEST(ImpairedLine, DoesNothingUnlessTold) {
     }
 }
 
-TEST(ImpairedLine, DelaysByWhatIsAsked) {
+TEST(ImpairedLine, DelaysByTheConfiguredTime) {
     ImpairedLine line = line_with({.delay = 50ms});
     EXPECT_EQ(line.enter(7, 100).leaves_ns, 50 * kMs + 7);
 }
 
-TEST(ImpairedLine, JitterUsesItsRangeButNoPacketOvertakesAnother) {
+TEST(ImpairedLine, JitterUsesItsRangeWithoutReordering) {
     ImpairedLine line = line_with({.delay = 50ms, .jitter = 10ms});
     std::int64_t last_ns = 0;
     double sum_ms = 0;
@@ -70,18 +70,18 @@ TEST(ImpairedLine, JitterUsesItsRangeButNoPacketOvertakesAnother) {
     EXPECT_LE(most_ms, 60.0);
     EXPECT_LT(least_ms, 41.0);
     EXPECT_GT(most_ms, 59.0);
-    // 1250 values, of which each has a standard deviation of 10/sqrt(3) ms: 4 sigma
+    // 1250 values with a standard deviation of 10/sqrt(3) ms each: 4 sigma
     EXPECT_NEAR(sum_ms / kNum, 50.0, 4 * 10 / std::sqrt(3 * 1250.0));
 }
 
-TEST(ImpairedLine, LosesTheShareThatIsAsked) {
+TEST(ImpairedLine, LosesTheConfiguredShare) {
     // 4 sigma of a binomial share
     EXPECT_NEAR(share(losses({.loss = 0.05}, 3)), 0.05, 4 * std::sqrt(0.05 * 0.95 / 100'000));
     EXPECT_EQ(share(losses({.loss = 0.0}, 3)), 0.0);
     EXPECT_EQ(share(losses({.loss = 1.0}, 3)), 1.0);
 }
 
-TEST(ImpairedLine, LosesTheSamePacketsInEachRunWhateverTheRateAndTheDelay) {
+TEST(ImpairedLine, LosesTheSamePacketsAtAnyRateAndDelay) {
     const Impairment plain{.loss = 0.05, .burst_start = 0.01, .burst_length = 4};
     EXPECT_EQ(losses(plain, 3), losses(plain, 3));
     EXPECT_NE(losses(plain, 3), losses(plain, 4));
@@ -94,7 +94,7 @@ TEST(ImpairedLine, LosesTheSamePacketsInEachRunWhateverTheRateAndTheDelay) {
     EXPECT_EQ(losses(plain, 3), losses(other, 3));
 }
 
-TEST(ImpairedLine, LosesRowsOfTheLengthThatIsAsked) {
+TEST(ImpairedLine, LosesBurstsOfTheConfiguredLength) {
     const double start = 0.004;
     const double length = 5.0;
     const std::vector<bool> lost =
@@ -102,13 +102,13 @@ TEST(ImpairedLine, LosesRowsOfTheLengthThatIsAsked) {
     int num_rows = 0;
     for (std::size_t i = 1; i < lost.size(); ++i) num_rows += lost[i] && !lost[i - 1] ? 1 : 0;
     const double mean_length = share(lost) * static_cast<double>(lost.size()) / num_rows;
-    // lengths are geometric: deviation sqrt(length * (length - 1)); 4 sigma
+    // burst lengths are geometric, with deviation sqrt(length * (length - 1)); 4 sigma
     EXPECT_NEAR(mean_length, length, 4 * std::sqrt(length * (length - 1) / num_rows));
     EXPECT_NEAR(share(lost), start * length / (1 + start * length), 0.001);
 }
 
-TEST(ImpairedLine, KeepsTheRateAndDropsWhatTheQueueCannotHold) {
-    // 1250 bytes at 10 Mbit/s take 1 ms; twice as many come
+TEST(ImpairedLine, KeepsTheRateAndDropsPacketsBeyondTheQueue) {
+    // 1250 bytes at 10 Mbit/s take 1 ms; the test sends twice as many
     ImpairedLine line = line_with({.rate_bit_per_s = 10e6, .queue = 20ms});
     std::vector<std::int64_t> leaves_ns;
     for (int i = 0; i < 2000; ++i) {
@@ -119,20 +119,20 @@ TEST(ImpairedLine, KeepsTheRateAndDropsWhatTheQueueCannotHold) {
         ASSERT_EQ(leaves_ns[i] - leaves_ns[i - 1], kMs);
     const LineCounters& counters = line.counters();
     EXPECT_EQ(leaves_ns.front(), kMs);
-    // in one second 1000, and what waits at its end
+    // 1000 in one second, plus those that wait at its end
     EXPECT_NEAR(static_cast<double>(leaves_ns.size()), 1000 + 20, 2);
     EXPECT_EQ(counters.dropped_by_queue, 2000 - leaves_ns.size());
     EXPECT_LE(counters.longest_queue, 20ms);
     EXPECT_GT(counters.longest_queue, 19ms);
 }
 
-TEST(ImpairedLine, WithoutALimitNothingQueues) {
+TEST(ImpairedLine, QueuesNothingWithoutALimit) {
     ImpairedLine line = line_with({.queue = 0ms});
     for (int i = 0; i < 100; ++i) EXPECT_EQ(line.enter(0, 1500).leaves_ns, 0);
     EXPECT_EQ(line.counters().longest_queue, 0ns);
 }
 
-TEST(ImpairedLine, NoPacketOvertakesAnotherWhenTheDelayBecomesShort) {
+TEST(ImpairedLine, KeepsTheOrderWhenTheDelayShrinks) {
     ImpairedLine line = line_with({.delay = 50ms});
     EXPECT_EQ(line.enter(0, 100).leaves_ns, 50 * kMs);
     line.set({.delay = 1ms});
@@ -140,7 +140,7 @@ TEST(ImpairedLine, NoPacketOvertakesAnotherWhenTheDelayBecomesShort) {
     EXPECT_EQ(line.enter(60 * kMs, 100).leaves_ns, 61 * kMs);
 }
 
-TEST(ImpairedLine, PacketsHeldBackAreOvertakenAndOthersAreNot) {
+TEST(ImpairedLine, ReordersOnlyPacketsHeldBack) {
     ImpairedLine line = line_with({.delay = 5ms, .held_back = 0.1, .held_back_by = 8ms});
     int num_held = 0;
     for (int i = 0; i < 10'000; ++i) {
@@ -151,7 +151,7 @@ TEST(ImpairedLine, PacketsHeldBackAreOvertakenAndOthersAreNot) {
     EXPECT_NEAR(num_held, 1000, 4 * std::sqrt(10'000 * 0.1 * 0.9));
 }
 
-TEST(ImpairedLine, ACutStopsWhatEntersAndARestoreLetsItInAgain) {
+TEST(ImpairedLine, CutStopsNewPacketsUntilTheRestore) {
     ImpairedLine line = line_with({.delay = 5ms});
     EXPECT_EQ(line.enter(0, 100).fate, Fate::kPasses);
     line.cut();

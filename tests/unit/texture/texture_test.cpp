@@ -25,7 +25,7 @@ void fill(image::Plane& plane, const image::PixelRect& r, std::uint8_t value) {
     for (int y = r.y; y < r.y + r.height; ++y) std::fill_n(plane.row(y) + r.x, r.width, value);
 }
 
-TEST(BoundingRect, IsTheSmallestThatHoldsTheForeground) {
+TEST(BoundingRect, IsTheSmallestAroundTheForeground) {
     std::mt19937 random(1);
     std::uniform_int_distribution<int> column(0, 60);
     std::uniform_int_distribution<int> row(0, 40);
@@ -46,7 +46,7 @@ TEST(BoundingRect, IsTheSmallestThatHoldsTheForeground) {
     }
 }
 
-TEST(CropTexture, AnEmptySubjectLeavesNothingToSend) {
+TEST(CropTexture, IsEmptyForAnEmptySubject) {
     TextureScratch scratch;
     codec::TextureCrop crop;
     EXPECT_FALSE(crop_texture(noise_frame(64, 48, 1), image::Mask(64, 48), {}, {}, scratch, crop));
@@ -117,7 +117,7 @@ TEST(CropTexture, NoBackgroundColourIsLeft) {
     }
     for (int y = 0; y < 160; ++y) {
         for (int x = 0; x < 200; ++x) {
-            // a pixel more than the mask, since a texel is the mean of four pixels
+            // a pixel more than the mask, because a texel is the mean of four pixels
             const bool near =
                 std::hypot(x - 100, y - 80) <= 58 || std::hypot(x - 180, y - 20) <= 12;
             if (!near) continue;
@@ -135,9 +135,9 @@ TEST(CropTexture, NoBackgroundColourIsLeft) {
     EXPECT_EQ(std::count(crop.v.data.begin(), crop.v.data.end(), 90), std::ssize(crop.v.data));
 }
 
-// A step at the edge costs bytes: beside a subject that is brighter from row to row, so is what
-// continues it.
-TEST(CropTexture, TheSubjectIsContinuedSmoothly) {
+// A step at the edge costs bytes. If the subject is brighter from row to row, so must be its
+// continuation.
+TEST(CropTexture, ContinuesTheSubjectSmoothly) {
     image::YuvImage frame{
         image::Plane(32, 32, 255), image::Plane(16, 16, 128), image::Plane(16, 16, 128)};
     image::Mask mask(32, 32);
@@ -160,8 +160,8 @@ TEST(CropTexture, TheSubjectIsContinuedSmoothly) {
     EXPECT_EQ(crop.y.at(12, 3), 88) << "no subject in this block: the mean";
 }
 
-// JPEG codes a block like the one before it with the fewest bits.
-TEST(CropTexture, BlocksFarFromTheSubjectAreLikeTheOneBefore) {
+// JPEG codes a block equal to the previous one with the fewest bits.
+TEST(CropTexture, BlocksFarFromTheSubjectRepeatThePreviousOne) {
     const image::YuvImage frame = noise_frame(128, 64, 6);
     image::Mask mask(128, 64);
     fill(mask, {18, 18, 12, 12}, 255);
@@ -177,7 +177,7 @@ TEST(CropTexture, BlocksFarFromTheSubjectAreLikeTheOneBefore) {
     }
 }
 
-TEST(CropTexture, ForegroundThatVanishesAtHalfResolutionIsGrey) {
+TEST(CropTexture, IsGreyIfTheForegroundVanishesAtHalfResolution) {
     image::Mask mask(32, 32);
     mask.row(9)[9] = 255;
     TextureScratch scratch;
@@ -199,7 +199,7 @@ TEST(CropTexture, OddMasksOfOddPicturesLoseTheirLastColumnAndRow) {
     EXPECT_EQ(crop.crop_px, (image::PixelRect{16, 16, 16, 14}));
 }
 
-TEST(CropTexture, AtFullResolutionLumaAndMaskAreAsTheyWere) {
+TEST(CropTexture, AtFullResolutionLumaAndMaskAreUnchanged) {
     TextureScratch scratch;
     codec::TextureCrop crop;
     image::YuvImage frame = noise_frame(128, 96, 6);
@@ -223,7 +223,7 @@ TEST(CropTexture, AtFullResolutionLumaAndMaskAreAsTheyWere) {
     }
 }
 
-// Chroma that rises evenly is where it was: no shift by half a pixel.
+// Chroma that rises evenly stays in place: no shift by half a pixel.
 TEST(CropTexture, AtFullResolutionChromaStaysInPlace) {
     TextureScratch scratch;
     codec::TextureCrop crop;
@@ -245,7 +245,7 @@ TEST(CropTexture, AtFullResolutionChromaStaysInPlace) {
                         1.01);
 }
 
-// Of a colour that is the same everywhere each mosaic gives its luma, to the crop's edge.
+// Every mosaic of one constant colour gives the colour's luma, up to the crop's edge.
 TEST(CropTexture, AtFullResolutionMosaicsAreInterpolated) {
     TextureScratch scratch;
     codec::TextureCrop crop;
@@ -272,7 +272,7 @@ TEST(CropTexture, AtFullResolutionMosaicsAreInterpolated) {
     }
 }
 
-TEST(CropTexture, WhatIsTooLargeForAFullOneStaysAtHalf) {
+TEST(CropTexture, StaysAtHalfIfTooLargeForFullResolution) {
     TextureScratch scratch;
     codec::TextureCrop crop;
     const image::Mask mask(1100, 1000, 255);
@@ -285,7 +285,7 @@ TEST(CropTexture, WhatIsTooLargeForAFullOneStaysAtHalf) {
     EXPECT_EQ(crop.width(), 550);
 }
 
-TEST(CropTexture, IsTheSameWithAllInstructionSets) {
+TEST(CropTexture, IsEqualForAllInstructionSets) {
     if (image::best_row_code() == image::RowCode::kBaseline)
         GTEST_SKIP() << "this processor has no AVX2";
     std::mt19937 random(4);

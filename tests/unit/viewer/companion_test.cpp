@@ -18,7 +18,7 @@ const Companion::Clock::time_point kStart{std::chrono::hours(1)};
 PersonPlace standing_at(double x, double y) { return {{x, y, 0.9}, {x, y, 1.65}, {x, y, 1.8}}; }
 
 TEST(PersonPlace, HasTheEyesInTheHead) {
-    // a body with one arm far out, and a head off its middle
+    // a body with one arm far out, and a head beside its middle
     std::vector<Eigen::Vector3f> vertices;
     for (float z = 0.0F; z <= 1.45F; z += 0.05F)
         for (const float x : {-0.2F, 0.2F}) vertices.emplace_back(x, 0.1F * x, z);
@@ -32,7 +32,7 @@ TEST(PersonPlace, HasTheEyesInTheHead) {
     EXPECT_NEAR(place.middle.z(), 0.85, 1e-3);
 }
 
-TEST(Companion, FollowsTheNearestUntilToldOtherwise) {
+TEST(Companion, FollowsTheNearestUntilToggled) {
     Companion companion;
     Companion::Places places{{"alice", standing_at(-0.4, 0)}, {"bob", standing_at(2, 2)}};
     companion.toggle_follow(kCamera, places);
@@ -48,14 +48,14 @@ TEST(Companion, FollowsTheNearestUntilToldOtherwise) {
     EXPECT_LT(
         (camera.position_m - camera.target_m - (kCamera.position_m - kCamera.target_m)).norm(),
         1e-9)
-        << "from the same side";
+        << "the view must keep its side";
     companion.toggle_follow(camera, places);
     EXPECT_EQ(companion.name(), "");
     places["alice"] = standing_at(-2, 0);
     EXPECT_EQ(companion.update(camera, places, now += milliseconds(16)), camera);
 }
 
-TEST(Companion, KeepsTheViewOfWhoMovesItWhileFollowing) {
+TEST(Companion, KeepsAViewThatTheUserMovesWhileFollowing) {
     Companion companion;
     const Companion::Places places{{"alice", standing_at(0, 0)}};
     companion.toggle_follow(kCamera, places);
@@ -63,24 +63,24 @@ TEST(Companion, KeepsTheViewOfWhoMovesItWhileFollowing) {
     auto now = kStart;
     for (int i = 0; i < 200; ++i)
         camera = companion.update(camera, places, now += milliseconds(16));
-    // orbiting moves the eye alone, and nothing takes it back
+    // orbiting moves only the eye, and the companion must not undo it
     camera.position_m += Eigen::Vector3d(0, 1, 0.2);
     const ViewCamera moved = companion.update(camera, places, now += milliseconds(16));
     EXPECT_LT((moved.position_m - camera.position_m).norm(), 1e-6);
 }
 
-TEST(Companion, SeesThroughTheEyesOfWhoIsChosen) {
+TEST(Companion, SeesThroughTheEyesOfTheChosenPerson) {
     Companion companion;
     Companion::Places places{{"alice", standing_at(-0.4, 0)}, {"bob", standing_at(2, 2)}};
     companion.toggle_eyes(3, places);
-    EXPECT_FALSE(companion.has_own_eyes()) << "there are two";
+    EXPECT_FALSE(companion.has_own_eyes()) << "there are only two people";
     companion.toggle_eyes(2, places);
     EXPECT_TRUE(companion.has_own_eyes());
     ViewCamera camera = companion.update(kCamera, places, kStart);
     EXPECT_LT((camera.position_m - places["bob"].eyes).norm(), 1e-12);
     EXPECT_NEAR(camera.target_m.z(), camera.position_m.z(), 1e-12) << "level";
     EXPECT_LT((camera.target_m - camera.position_m - Eigen::Vector3d(-1, 0, 0)).norm(), 1e-9);
-    // a head that flickers by 5 cm from picture to picture hardly moves the view
+    // a head that flickers by 5 cm between pictures hardly moves the view
     auto now = kStart;
     double shaken_m = 0.0;
     for (int i = 0; i < 100; ++i) {
@@ -91,15 +91,15 @@ TEST(Companion, SeesThroughTheEyesOfWhoIsChosen) {
     }
     EXPECT_LT(shaken_m, 0.01);
     companion.toggle_eyes(2, places);
-    EXPECT_FALSE(companion.has_own_eyes()) << "the same number again";
+    EXPECT_FALSE(companion.has_own_eyes()) << "the same number again must leave the eyes";
     companion.toggle_eyes(1, places);
     EXPECT_EQ(companion.name(), "alice");
     places.erase("alice");
     EXPECT_EQ(companion.update(camera, places, now += milliseconds(16)), camera);
-    EXPECT_FALSE(companion.has_own_eyes()) << "she is gone";
+    EXPECT_FALSE(companion.has_own_eyes()) << "the person has left";
 }
 
-TEST(History, HasTheMeansAndRatesOfTheLastHalfMinute) {
+TEST(History, HasMeansAndRatesOfTheLastHalfMinute) {
     History history;
     History pictures;
     auto now = kStart;
@@ -115,8 +115,8 @@ TEST(History, HasTheMeansAndRatesOfTheLastHalfMinute) {
     EXPECT_NEAR(static_cast<double>(std::ranges::count(means, 80.0F)), 40.0, 1.0);
     for (const float rate : pictures.values(History::Of::kPerSecond, now)) EXPECT_NEAR(rate, 60, 5);
     const auto later = history.values(History::Of::kMean, now + std::chrono::seconds(20));
-    EXPECT_EQ(later.back(), 0.0F) << "nothing came since";
-    EXPECT_NEAR(later.front(), 80.0F, 80.0F) << "and what is older is forgotten";
+    EXPECT_EQ(later.back(), 0.0F) << "nothing arrived since";
+    EXPECT_NEAR(later.front(), 80.0F, 80.0F) << "older values must be gone";
 }
 
 }  // namespace

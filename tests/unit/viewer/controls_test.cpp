@@ -16,7 +16,7 @@ double distance(const renderer::ViewCamera& camera) {
     return (camera.position_m - camera.target_m).norm();
 }
 
-TEST(Controls, WithoutMotionNothingMoves) {
+TEST(Controls, DoNothingWithoutMotion) {
     const auto camera = apply({}, kStart);
     EXPECT_LT((camera.position_m - kStart.position_m).norm(), 1e-12);
     EXPECT_EQ(camera.target_m, kStart.target_m);
@@ -41,10 +41,10 @@ TEST(Controls, WalkingStaysOnTheFloor) {
         camera = apply({.fly = {0, 1, 1}, .seconds = 1.0 / 60.0, .walk = true}, camera);
     EXPECT_NEAR(camera.position_m.z(), 1.65, 1e-9);
     const Eigen::Vector2d way = (camera.position_m - kStart.position_m).head<2>();
-    EXPECT_NEAR(way.norm(), 1.4, 1e-6) << "a walk's speed, however the eye is tilted";
+    EXPECT_NEAR(way.norm(), 1.4, 1e-6) << "the tilt of the eye must not change the walking speed";
     EXPECT_NEAR(way.normalized().dot(ahead), 1.0, 1e-9);
     const auto turned = apply({.turn_px = {80.0, 20.0}, .walk = true}, camera);
-    EXPECT_EQ(turned.position_m, camera.position_m) << "the mouse turns the head";
+    EXPECT_EQ(turned.position_m, camera.position_m) << "the mouse must only turn the head";
     EXPECT_GT((turned.target_m - camera.target_m).norm(), 0.3);
 }
 
@@ -55,7 +55,7 @@ TEST(Controls, LookingAroundKeepsTheEye) {
     EXPECT_GT((camera.target_m - kStart.target_m).norm(), 0.5);
 }
 
-TEST(Controls, ZoomMovesAlongTheViewAndHasAnEnd) {
+TEST(Controls, ZoomMovesAlongTheViewUpToALimit) {
     const auto nearer = apply({.zoom_steps = 3.0}, kStart);
     EXPECT_LT(distance(nearer), distance(kStart));
     const Eigen::Vector3d before = (kStart.position_m - kStart.target_m).normalized();
@@ -64,14 +64,14 @@ TEST(Controls, ZoomMovesAlongTheViewAndHasAnEnd) {
     EXPECT_LE(distance(apply({.zoom_steps = -1000.0}, kStart)), 51.0);
 }
 
-TEST(Controls, FlyingForwardCarriesTheTargetAlong) {
+TEST(Controls, FlyingForwardMovesTheTargetToo) {
     const auto camera = apply({.fly = {0.0, 1.0, 0.0}, .seconds = 0.5}, kStart);
     const Eigen::Vector3d way = camera.position_m - kStart.position_m;
     EXPECT_LT((way - (camera.target_m - kStart.target_m)).norm(), 1e-12);
     EXPECT_GT(way.dot((kStart.target_m - kStart.position_m).normalized()), 0.5);
 }
 
-TEST(Controls, NoSequenceOfMotionsTipsTheEyeOver) {
+TEST(Controls, NeverTipTheEyeOver) {
     std::mt19937 random(5);
     std::uniform_real_distribution<> any(-400.0, 400.0);
     renderer::ViewCamera camera = kStart;
@@ -101,7 +101,7 @@ TEST(ViewerConfig, NamesTheKeyOfABadPoint) {
     }
 }
 
-TEST(ViewerConfig, RefusesToLookAtWhereItStands) {
+TEST(ViewerConfig, RefusesATargetAtTheEye) {
     ViewConfig config;
     config.position_m = config.target_m = "1,1,1";
     EXPECT_FALSE(make_view_camera(config));

@@ -10,7 +10,7 @@ namespace {
 
 const Eigen::Vector3f kColour(1, 0, 0);
 
-// How many lines have an end there.
+// Number of lines with an end there.
 std::size_t num_ends_at(const std::vector<renderer::Line>& lines, const Eigen::Vector3d& p_world) {
     std::size_t num = 0;
     for (const renderer::Line& line : lines) {
@@ -20,7 +20,7 @@ std::size_t num_ends_at(const std::vector<renderer::Line>& lines, const Eigen::V
     return num;
 }
 
-TEST(DebugView, ABoxHasTwelveEdges) {
+TEST(DebugView, BoxHasTwelveEdges) {
     Eigen::Isometry3d world_from_box = Eigen::Isometry3d::Identity();
     world_from_box.translate(Eigen::Vector3d(1, 2, 3));
     world_from_box.rotate(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()));
@@ -33,7 +33,7 @@ TEST(DebugView, ABoxHasTwelveEdges) {
                 EXPECT_EQ(num_ends_at(lines, world_from_box * Eigen::Vector3d(x, y, z)), 3U);
 }
 
-TEST(DebugView, AFrustumReachesFromTheCameraToTheCornersOfItsPicture) {
+TEST(DebugView, FrustumReachesFromTheCameraToItsPictureCorners) {
     geometry::CalibratedCamera camera;
     camera.name = "cam0";
     camera.intrinsics = {.width = 640, .height = 480, .fx = 500, .fy = 510, .cx = 310, .cy = 250};

@@ -28,7 +28,7 @@ Display make(const DisplayConfig& config) {
     return display ? *display : Display{};
 }
 
-TEST(Screen, IsSeenFromCornerToCornerByAnyEyeBeforeIt) {
+TEST(Screen, FillsTheViewOfAnyEyeInFrontOfIt) {
     std::mt19937 random(3);
     std::uniform_real_distribution<double> number(-1.0, 1.0);
     for (int round = 0; round < 200; ++round) {
@@ -49,13 +49,13 @@ TEST(Screen, IsSeenFromCornerToCornerByAnyEyeBeforeIt) {
         EXPECT_LT((ndc(eye, screen.lower_left_m) - Eigen::Vector2d(-1, -1)).norm(), 1e-9);
         EXPECT_LT((ndc(eye, screen.lower_right_m) - Eigen::Vector2d(1, -1)).norm(), 1e-9);
         EXPECT_LT((ndc(eye, screen.upper_left_m) - Eigen::Vector2d(-1, 1)).norm(), 1e-9);
-        // what is behind the screen on the ray through its corner is seen there as well
+        // a point behind the screen on the ray through its corner appears there as well
         const Eigen::Vector3d beyond = eye_m + 3.0 * (screen.lower_left_m - eye_m);
         EXPECT_LT((ndc(eye, beyond) - Eigen::Vector2d(-1, -1)).norm(), 1e-9);
     }
 }
 
-TEST(Screen, OfACameraShowsWhatTheCameraShows) {
+TEST(Screen, OfACameraShowsTheViewOfTheCamera) {
     const ViewCamera camera{.position_m = {2, -3, 1.7}, .target_m = {0.3, 0.2, 1.0}};
     const EyeView whole = renderer::eye_of(camera, 960, 540);
     const EyeView through = renderer::eye_through(renderer::screen_of(camera, 960.0 / 540.0, 2.5),
@@ -67,12 +67,13 @@ TEST(Screen, OfACameraShowsWhatTheCameraShows) {
     EXPECT_LT((whole.eye_world() - camera.position_m).norm(), 1e-12);
 }
 
-TEST(Display, ShowsOneEyeAllOfAMonitor) {
+TEST(Display, ShowsOneEyeOnAWholeMonitor) {
     const ViewCamera camera;
     const auto eyes = make({}).eyes(camera, 640, 360);
     ASSERT_EQ(eyes.size(), 1U);
     EXPECT_EQ(eyes[0].part_px, (image::PixelRect{0, 0, 640, 360}));
-    EXPECT_EQ(make({}).instant({1'000'000'000}), std::nullopt) << "the newest";
+    EXPECT_EQ(make({}).instant({1'000'000'000}), std::nullopt)
+        << "a single viewer must show the newest";
 }
 
 TEST(Display, GivesEachEyeItsPart) {
@@ -94,17 +95,17 @@ TEST(Display, GivesEachEyeItsPart) {
     EXPECT_EQ(eyes[1].writes, (std::array{false, true, true}));
 }
 
-TEST(Display, HasTheEyesApartAndTheTargetAtOnePlace) {
+TEST(Display, SeparatesTheEyesAndKeepsTheTarget) {
     const ViewCamera camera{.position_m = {0, -4, 1.5}, .target_m = {0, 0, 1.5}};
     for (const char* stereo : {"side_by_side", "top_bottom", "anaglyph", "quad_buffer"}) {
         const Display display = make({.stereo = stereo, .eye_distance_m = 0.07});
         const auto [width, height] = display.picture_size({800, 450});
         const auto eyes = display.eyes(camera, width, height);
-        EXPECT_NEAR(eyes[0].eye_world().x(), -0.035, 1e-12) << "the left eye first";
+        EXPECT_NEAR(eyes[0].eye_world().x(), -0.035, 1e-12) << "the left eye must come first";
         EXPECT_NEAR(eyes[1].eye_world().x(), 0.035, 1e-12);
         EXPECT_LT(ndc(eyes[0], camera.target_m).norm(), 1e-9);
         EXPECT_LT(ndc(eyes[1], camera.target_m).norm(), 1e-9);
-        // what is nearer stands before the screen: further right for the left eye
+        // a nearer point is in front of the screen: further right for the left eye
         const Eigen::Vector3d near(0, -2, 1.5);
         EXPECT_GT(ndc(eyes[0], near).x() - ndc(eyes[1], near).x(), 0.01);
         const Eigen::Vector3d far(0, 4, 1.5);
@@ -116,7 +117,7 @@ TEST(Display, HasTheEyesApartAndTheTargetAtOnePlace) {
     EXPECT_LT((ndc(eyes[0], at_2m) - ndc(eyes[1], at_2m)).norm(), 1e-9);
 }
 
-TEST(Display, FindsThePointerInThePictureThatItIsOver) {
+TEST(Display, FindsThePictureUnderThePointer) {
     const auto over = [](const char* stereo, double x, double y) {
         return make({.stereo = stereo})
             .over_one_eye({.at_px = {x, y}, .width_px = 800, .height_px = 400})
@@ -155,7 +156,7 @@ protected:
         std::filesystem::temp_directory_path() / ("atrium-wall-" + std::to_string(getpid()));
 };
 
-TEST_F(DisplayWall, IsOneWindowIntoTheWorldForAllItsTiles) {
+TEST_F(DisplayWall, IsOneWindowIntoTheWorldAcrossItsTiles) {
     const auto file =
         write("[wall]\nposition_m = [1, -2, 0]\nyaw_deg = 30\neye_m = [0.4, -1.5, 1.6]\n" +
               tile("left", -2.0, 0.0) + tile("right", 0.0, 2.0));
@@ -167,7 +168,7 @@ TEST_F(DisplayWall, IsOneWindowIntoTheWorldForAllItsTiles) {
                               -2.0 + 0.4 * std::sin(yaw_rad) - 1.5 * std::cos(yaw_rad),
                               1.6);
     EXPECT_LT((left.eye_world() - eye).norm(), 1e-9);
-    // a thing that leaves one tile at its edge comes into the other
+    // an object that leaves one tile at its edge enters the other
     std::mt19937 random(4);
     std::uniform_real_distribution<double> number(-1.0, 1.0);
     for (int round = 0; round < 100; ++round) {
@@ -178,7 +179,7 @@ TEST_F(DisplayWall, IsOneWindowIntoTheWorldForAllItsTiles) {
     }
 }
 
-TEST_F(DisplayWall, KnowsWhetherAPictureHasTheShapeOfItsTile) {
+TEST_F(DisplayWall, ChecksTheAspectRatioOfATile) {
     const auto file = write(tile("left", -2.0, 0.0));  // 2 m by 1.5 m
     for (const char* stereo : {"none", "side_by_side", "quad_buffer"}) {
         const Display display = make({.stereo = stereo, .wall = file, .tile = "left"});
@@ -188,7 +189,7 @@ TEST_F(DisplayWall, KnowsWhetherAPictureHasTheShapeOfItsTile) {
     EXPECT_EQ(make({}).pixel_aspect({1600, 600}), 1.0);
 }
 
-TEST_F(DisplayWall, ShowsTheSameMomentsOnAllTiles) {
+TEST_F(DisplayWall, ShowsTheSameInstantsOnAllTiles) {
     const auto file = write(tile("left", -2.0, 0.0));
     const Display display = make({.wall = file, .tile = "left", .delay_ms = 100.0});
     const Timestamp now{1'700'000'000'000'000'000};
@@ -201,7 +202,7 @@ TEST_F(DisplayWall, ShowsTheSameMomentsOnAllTiles) {
         EXPECT_LE((at - *shown).count(), 100'000'000 + 16'666'667);
         EXPECT_GE(shown->ns, before);
         before = shown->ns;
-        // whenever another program asks within the same sixtieth of a second
+        // the instant is the same for every program that asks within the same sixtieth of a second
         const auto left_ns = 16'666'665 - (at - *shown).count() + 100'000'000;
         EXPECT_EQ(display.instant(at + std::chrono::nanoseconds(std::max(left_ns, 0L))), shown);
     }
@@ -228,7 +229,7 @@ TEST_F(DisplayWall, IsRefusedWithAReason) {
     EXPECT_FALSE(Display::create({.wall = "no/such.toml", .tile = "left"}));
 }
 
-TEST_F(DisplayWall, TheDeliveredOneIsFine) {
+TEST_F(DisplayWall, AcceptsTheDeliveredFile) {
     for (const char* tile : {"left", "right"})
         EXPECT_TRUE(Display::create(
             {.wall = ATRIUM_SOURCE_DIR "/deploy/walls/two_projectors.toml", .tile = tile}));

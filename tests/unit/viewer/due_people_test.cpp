@@ -20,7 +20,7 @@ protected:
     void add(const std::string& site, PersonUpdate update) {
         people_.add(site, std::move(update), note_);
     }
-    // The capture times of what is to be shown: -1 where somebody is gone.
+    // The capture times of the due people, or -1 for a person who left.
     std::map<std::string, std::int64_t> take(std::int64_t instant_ns) {
         std::map<std::string, std::int64_t> shown;
         for (const auto& [site, update] : people_.take({instant_ns}, note_))
@@ -39,26 +39,26 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::Pair;
 
-TEST_F(DuePeopleTest, AreTheNewestOfEachSiteThatAreDue) {
+TEST_F(DuePeopleTest, AreTheNewestDueOnesOfEachSite) {
     for (const std::int64_t time : {10, 20, 30}) add("alice", person_of(time));
     add("bob", person_of(25));
     EXPECT_THAT(take(5), IsEmpty());
     EXPECT_THAT(take(20), ElementsAre(Pair("alice", 20)));
     EXPECT_THAT(skipped_, ElementsAre(10));
     EXPECT_THAT(take(29), ElementsAre(Pair("bob", 25)));
-    EXPECT_THAT(take(29), IsEmpty()) << "shown already";
+    EXPECT_THAT(take(29), IsEmpty()) << "a shown person must not come again";
     EXPECT_THAT(take(100), ElementsAre(Pair("alice", 30)));
 }
 
-TEST_F(DuePeopleTest, AreGoneAtOnce) {
+TEST_F(DuePeopleTest, DisappearAtOnce) {
     add("alice", person_of(10));
     add("alice", {});
     EXPECT_THAT(take(10), ElementsAre(Pair("alice", -1)));
     EXPECT_THAT(skipped_, ElementsAre(10));
 }
 
-// Two viewers that ask at other moments show the same at the same instant.
-TEST_F(DuePeopleTest, AreTheSameHoweverOftenOneAsks) {
+// Two viewers that ask at different times show the same for the same instant.
+TEST_F(DuePeopleTest, DoNotDependOnTheTimesOfCalls) {
     DuePeople other;
     std::int64_t shown = 0, shown_by_other = 0;
     for (std::int64_t now = 0; now < 1000; ++now) {
@@ -76,19 +76,20 @@ TEST_F(DuePeopleTest, AreTheSameHoweverOftenOneAsks) {
     EXPECT_GT(shown, 800);
 }
 
-TEST(PeopleView, FadesWhoIsSilentAndNobodyElse) {
+TEST(PeopleView, FadesOnlySilentPeople) {
     using std::chrono::milliseconds;
     EXPECT_EQ(opacity_after(milliseconds(0)), 1.0);
-    EXPECT_EQ(opacity_after(milliseconds(400)), 1.0) << "two lost of five a second";
+    EXPECT_EQ(opacity_after(milliseconds(400)), 1.0) << "two of five frames a second may be lost";
     double before = 1.0;
     for (int ms = 700; ms <= 1400; ms += 100) {
         EXPECT_LT(opacity_after(milliseconds(ms)), before);
         before = opacity_after(milliseconds(ms));
     }
-    EXPECT_GT(opacity_after(std::chrono::hours(1)), 0.2) << "still there, as the site is";
+    EXPECT_GT(opacity_after(std::chrono::hours(1)), 0.2)
+        << "a person must stay visible while the site exists";
 }
 
-TEST_F(DuePeopleTest, DoNotPileUpWhereNobodyAsks) {
+TEST_F(DuePeopleTest, DoNotPileUpWithoutCalls) {
     for (std::int64_t time = 0; time < 100; ++time) add("alice", person_of(time));
     EXPECT_EQ(skipped_.size(), 84U);
     EXPECT_EQ(skipped_.back(), 83);

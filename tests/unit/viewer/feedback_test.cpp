@@ -22,9 +22,9 @@ protected:
     Feedback feedback_;
 };
 
-TEST_F(FeedbackOfAViewer, IsNothingWhereNothingCame) { EXPECT_TRUE(report(kStart).empty()); }
+TEST_F(FeedbackOfAViewer, IsEmptyWithoutSamples) { EXPECT_TRUE(report(kStart).empty()); }
 
-TEST_F(FeedbackOfAViewer, CountsWhatArrivedSinceTheLastOne) {
+TEST_F(FeedbackOfAViewer, CountsArrivalsSinceTheLastReport) {
     report(kStart);
     // two frames of two samples each; the clock of the site is an hour ahead
     const auto ahead = std::chrono::hours(1);
@@ -49,13 +49,14 @@ TEST_F(FeedbackOfAViewer, CountsWhatArrivedSinceTheLastOne) {
     EXPECT_EQ(first.num_incomplete, 2u);
     EXPECT_EQ(first.num_late, 3u);
     EXPECT_EQ(first.num_samples, 4u);
-    // it began to count when the first sample came, 30 ms after the start
+    // counting began with the first sample, 30 ms after the start
     EXPECT_NEAR(first.payload_bytes_per_s, 8000 / 0.2, 1e-6);
-    EXPECT_NEAR(first.min_delay_ms, 26.0 - 3.6e6, 1e-6) << "since it was written";
+    EXPECT_NEAR(first.min_delay_ms, 26.0 - 3.6e6, 1e-6)
+        << "the delay must count from the time of writing";
     EXPECT_NEAR(first.median_delay_ms, 45.0 - 3.6e6, 1e-6);
 
     const auto next = report(kStart + milliseconds(430));
-    ASSERT_EQ(next.size(), 1u) << "a site from which nothing comes is reported all the same";
+    ASSERT_EQ(next.size(), 1u) << "a silent site must be reported too";
     EXPECT_EQ(next[0].newest_frame_id, 8u);
     EXPECT_EQ(next[0].num_complete + next[0].num_incomplete + next[0].num_late, 0u);
     EXPECT_EQ(next[0].num_samples, 0u);
@@ -65,11 +66,11 @@ TEST_F(FeedbackOfAViewer, CountsWhatArrivedSinceTheLastOne) {
     EXPECT_EQ(next[0].median_delay_ms, 0.0);
 }
 
-/// Frames of one sample each, 33 ms apart, that need 20 ms from writing to this host.
+/// Frames of one sample each, 33 ms apart, that take 20 ms from writing to this host.
 class FeedbackOfALateViewer : public FeedbackOfAViewer {
 protected:
     static constexpr int kWay_ms = 20;
-    /// Looks every 5 ms; from `stops_ms` to `goes_on_ms` it stands still.
+    /// Takes samples every 5 ms, but stands still from `stops_ms` to `goes_on_ms`.
     bus::StreamFeedback run(int stops_ms, int goes_on_ms, int queue_ms = 0) {
         std::vector<bus::StreamFeedback> reports;
         int next = 0;
@@ -88,7 +89,7 @@ protected:
     }
 };
 
-TEST_F(FeedbackOfALateViewer, IsSureOfAllWhereItIsOnTime) {
+TEST_F(FeedbackOfALateViewer, IsSureOfTheWholeDelayIfOnTime) {
     const bus::StreamFeedback report = run(0, 0);
     EXPECT_LE(report.longest_wait_ms, 5.0);
     EXPECT_GE(report.min_delay_ms, kWay_ms);
@@ -96,15 +97,15 @@ TEST_F(FeedbackOfALateViewer, IsSureOfAllWhereItIsOnTime) {
     EXPECT_EQ(report.sure_delay_ms, report.min_delay_ms);
 }
 
-TEST_F(FeedbackOfALateViewer, DoesNotTakeItsOwnWaitForTheNetworks) {
+TEST_F(FeedbackOfALateViewer, DoesNotBlameItsOwnWaitOnTheNetwork) {
     const bus::StreamFeedback report = run(5, 200);
     EXPECT_GE(report.longest_wait_ms, 190.0);
     EXPECT_GE(report.num_samples, 5U);
-    EXPECT_GT(report.min_delay_ms, kWay_ms) << "even the newest had to wait";
+    EXPECT_GT(report.min_delay_ms, kWay_ms) << "even the newest sample had to wait";
     EXPECT_LE(report.sure_delay_ms, kWay_ms);
 }
 
-TEST_F(FeedbackOfALateViewer, IsSureOfAQueueThatIsLongerThanItsWait) {
+TEST_F(FeedbackOfALateViewer, IsSureOfAQueueLongerThanItsWait) {
     const bus::StreamFeedback report = run(50, 120, 150);
     EXPECT_GE(report.longest_wait_ms, 70.0);
     EXPECT_GE(report.sure_delay_ms, kWay_ms + 150 - 75);
@@ -112,7 +113,7 @@ TEST_F(FeedbackOfALateViewer, IsSureOfAQueueThatIsLongerThanItsWait) {
     EXPECT_LE(report.sure_delay_ms, report.min_delay_ms);
 }
 
-TEST_F(FeedbackOfALateViewer, PutsItsReportOffWhileSomethingWaits) {
+TEST_F(FeedbackOfALateViewer, DelaysItsReportWhileSamplesWait) {
     feedback_.arrived("lab", kStart, kStart, 1, kStart);
     report(kStart);
     for (int ms = 5; ms < 300; ms += 5) {
@@ -126,7 +127,7 @@ TEST_F(FeedbackOfALateViewer, PutsItsReportOffWhileSomethingWaits) {
         EXPECT_TRUE(report(kStart + milliseconds(ms)).empty()) << ms;
     }
     feedback_.looked(kStart + milliseconds(700), false);
-    EXPECT_EQ(report(kStart + milliseconds(700)).size(), 1U) << "not for longer";
+    EXPECT_EQ(report(kStart + milliseconds(700)).size(), 1U) << "the delay of a report is limited";
 }
 
 TEST_F(FeedbackOfAViewer, ComesFiveTimesASecond) {
@@ -137,7 +138,7 @@ TEST_F(FeedbackOfAViewer, ComesFiveTimesASecond) {
     EXPECT_EQ(num_reports, 10);
 }
 
-TEST_F(FeedbackOfAViewer, GoesOnWhereTheClockIsSetBack) {
+TEST_F(FeedbackOfAViewer, ContinuesIfTheClockIsSetBack) {
     feedback_.arrived("lab", kStart, kStart, 1, kStart);
     EXPECT_EQ(report(kStart).size(), 1u);
     const Timestamp earlier = kStart + -std::chrono::hours(1);
@@ -148,7 +149,7 @@ TEST_F(FeedbackOfAViewer, GoesOnWhereTheClockIsSetBack) {
     EXPECT_GE(reports[0].payload_bytes_per_s, 0.0);
 }
 
-TEST_F(FeedbackOfAViewer, HasOneForEachSiteAndForgetsThoseThatAreGone) {
+TEST_F(FeedbackOfAViewer, ReportsEachSiteAndForgetsLostOnes) {
     feedback_.arrived("lab", kStart, kStart, 1, kStart);
     feedback_.arrived("hall", kStart, kStart, 1, kStart);
     EXPECT_EQ(report(kStart).size(), 2u);
@@ -159,7 +160,8 @@ TEST_F(FeedbackOfAViewer, HasOneForEachSiteAndForgetsThoseThatAreGone) {
     EXPECT_EQ(reports[0].site, "hall");
     for (int i = 0; i < 1000; ++i)
         feedback_.arrived("s" + std::to_string(i), kStart, kStart, 1, kStart);
-    EXPECT_EQ(report(kStart + milliseconds(400)).size(), 64u) << "a flood of sites";
+    EXPECT_EQ(report(kStart + milliseconds(400)).size(), 64u)
+        << "the number of sites must be bounded";
 }
 
 }  // namespace

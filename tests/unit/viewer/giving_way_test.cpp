@@ -18,7 +18,7 @@ Clock::duration seconds(double s) {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
 }
 
-/// A machine on which a picture takes as long as `busy_s` says.
+/// A simulated machine on which a picture takes `busy_s`.
 struct Machine {
     std::function<double(const PictureQuality&)> busy_s;
     double late_s = 0.0;
@@ -36,15 +36,15 @@ struct Machine {
     }
 };
 
-// What a picture costs in software: a part for each pixel, a part for the scene.
+// Cost of a picture drawn in software: one part per pixel, one part for the scene.
 double picture_s(const PictureQuality& quality, double full_s) {
     return full_s * ((quality.has_shadows ? 0.3 : 0.15) + 0.7 * quality.scale * quality.scale);
 }
 
-TEST(GivingWay, GivesWayInOrderRateThenResolutionThenShadows) {
+TEST(GivingWay, ReducesRateThenResolutionThenShadows) {
     GivingWay sut({.max_fps = 60.0});
     std::vector<PictureQuality> levels{sut.quality()};
-    // just too much for each level in turn
+    // slightly too expensive at each level in turn
     Machine machine{[](const PictureQuality& quality) { return 0.95 / quality.max_fps; }};
     while (sut.level() + 1 < sut.num_levels()) {
         const std::size_t before = sut.level();
@@ -60,10 +60,10 @@ TEST(GivingWay, GivesWayInOrderRateThenResolutionThenShadows) {
                                                {15.0, 0.5, false}};
     EXPECT_EQ(levels, expected);
     machine.run(sut, 60.0);
-    EXPECT_EQ(sut.level() + 1, sut.num_levels()) << "there is nothing more to give";
+    EXPECT_EQ(sut.level() + 1, sut.num_levels()) << "the last level must be reached";
 }
 
-TEST(GivingWay, FindsALevelWithRoomWithinSecondsAndStays) {
+TEST(GivingWay, FindsALevelWithHeadroomWithinSecondsAndStays) {
     for (double full_ms = 5.0; full_ms < 250.0; full_ms *= 1.13) {
         GivingWay sut({.max_fps = 30.0});
         Machine machine{[&](const PictureQuality& q) { return picture_s(q, 1e-3 * full_ms); }};
@@ -77,7 +77,7 @@ TEST(GivingWay, FindsALevelWithRoomWithinSecondsAndStays) {
     }
 }
 
-TEST(GivingWay, DoesNotOscillateWithNoiseOrWhereExpectationsFail) {
+TEST(GivingWay, DoesNotOscillateWithNoiseOrWrongPredictions) {
     std::mt19937 random(5);
     std::lognormal_distribution<double> noise(0.0, 0.35);
     for (const double full_ms : {12.0, 24.0, 30.0, 45.0, 60.0, 90.0}) {
@@ -87,18 +87,18 @@ TEST(GivingWay, DoesNotOscillateWithNoiseOrWhereExpectationsFail) {
         machine.run(sut, 600.0);
         EXPECT_LE(machine.num_changes, 14) << full_ms;
     }
-    // a cliff: pictures faster than 16/s cost everything, which nothing foretells
+    // a cliff: more than 16 pictures/s cost everything, which no measurement predicts
     GivingWay sut({.max_fps = 30.0});
     Machine cliff{[](const PictureQuality& q) { return q.max_fps > 16.0 ? 0.2 : 0.01; }};
     cliff.run(sut, 600.0);
-    // tried again after 2, 4, 8, ... 64 s
+    // it retries after 2, 4, 8, ... 64 s
     EXPECT_LE(cliff.num_changes, 2 * 15);
     cliff.num_changes = 0;
     cliff.run(sut, 600.0);
     EXPECT_LE(cliff.num_changes, 2 * 10);
 }
 
-TEST(GivingWay, ComesBackByItselfOnceThereIsRoom) {
+TEST(GivingWay, RecoversWhenThereIsHeadroom) {
     for (const double load_ms : {45.0, 90.0, 400.0}) {
         GivingWay sut({.max_fps = 30.0});
         double full_s = 1e-3 * load_ms;
@@ -113,7 +113,7 @@ TEST(GivingWay, ComesBackByItselfOnceThereIsRoom) {
     }
 }
 
-TEST(GivingWay, IsNotAlarmedByAFewLongPictures) {
+TEST(GivingWay, IgnoresAFewLongPictures) {
     GivingWay sut({.max_fps = 30.0});
     int num = 0;
     Machine machine{[&](const PictureQuality&) { return ++num % 4 == 0 ? 0.2 : 0.012; }};
@@ -121,13 +121,13 @@ TEST(GivingWay, IsNotAlarmedByAFewLongPictures) {
     EXPECT_EQ(machine.num_changes, 0);
 }
 
-TEST(GivingWay, LateDecodingTakesItsProcessorFromDrawing) {
+TEST(GivingWay, LateDecodingReducesDrawing) {
     GivingWay sut({.max_fps = 30.0});
     Machine machine{[](const PictureQuality&) { return 0.01; }, 0.2};
     machine.run(sut, 0.6);
     EXPECT_EQ(sut.level(), 1U);
     EXPECT_EQ(sut.reason(), "decoding");
-    machine.late_s = 0.08;  // neither late nor soon: it stays
+    machine.late_s = 0.08;  // neither late nor early: the level stays
     machine.run(sut, 1.0);
     machine.num_changes = 0;
     machine.run(sut, 60.0);

@@ -16,7 +16,7 @@ protected:
     HeldUp sut_;
     Timestamp now_ = kBegin;
 
-    // Frames that arrive in time, `delay` after their capture; the number that were held up.
+    // Feeds frames in time, each `delay` after its capture. Returns the number judged as held up.
     int stream(std::chrono::nanoseconds delay, std::chrono::nanoseconds length) {
         int num_held_up = 0;
         for (const Timestamp end = now_ + length; now_ < end; now_ = now_ + kPeriod)
@@ -25,7 +25,7 @@ protected:
     }
 };
 
-TEST_F(HeldUpTest, TakesEveryFrameOfAStreamWhateverTheClocksSay) {
+TEST_F(HeldUpTest, AcceptsEveryFrameWhateverTheClocks) {
     EXPECT_EQ(stream(milliseconds(20), seconds(5)), 0);
     HeldUp other;
     for (int i = 0; i < 100; ++i)
@@ -33,7 +33,7 @@ TEST_F(HeldUpTest, TakesEveryFrameOfAStreamWhateverTheClocksSay) {
             other.add("ahead", kBegin + seconds(3600) + i * kPeriod, kBegin + i * kPeriod));
 }
 
-TEST_F(HeldUpTest, FindsWhatLayInQueuesWhileAProgramWasStopped) {
+TEST_F(HeldUpTest, FindsFramesQueuedWhileAProgramWasStopped) {
     stream(milliseconds(20), seconds(5));
     const Timestamp stopped = now_;
     now_ = now_ + seconds(5);
@@ -41,21 +41,22 @@ TEST_F(HeldUpTest, FindsWhatLayInQueuesWhileAProgramWasStopped) {
     EXPECT_EQ(stream(milliseconds(20), seconds(1)), 0);
 }
 
-TEST_F(HeldUpTest, LetsAQueueOfLessThanASecondPass) {
+TEST_F(HeldUpTest, AcceptsAQueueBelowASecond) {
     stream(milliseconds(20), seconds(5));
     EXPECT_EQ(stream(milliseconds(900), seconds(2)), 0);
 }
 
-TEST_F(HeldUpTest, GetsUsedToAClockThatWasSetWithinHalfASecond) {
+TEST_F(HeldUpTest, AdaptsToAClockStepWithinHalfASecond) {
     stream(milliseconds(20), seconds(5));
     const int num = stream(seconds(10), seconds(5));
     EXPECT_GE(num, 14);
     EXPECT_LE(num, 17);
-    EXPECT_EQ(stream(seconds(-10), seconds(5)), 0);  // earlier than ever is never late
+    // a frame earlier than all others is never late
+    EXPECT_EQ(stream(seconds(-10), seconds(5)), 0);
     EXPECT_LE(stream(milliseconds(20), seconds(5)), 17);
 }
 
-TEST_F(HeldUpTest, IsNotFooledByOldFramesBetweenNewOnes) {
+TEST_F(HeldUpTest, RefusesOldFramesBetweenNewOnes) {
     stream(milliseconds(20), seconds(5));
     for (int i = 0; i < 100; ++i) {
         EXPECT_TRUE(sut_.add("site", now_ + seconds(-3), now_));
@@ -65,7 +66,7 @@ TEST_F(HeldUpTest, IsNotFooledByOldFramesBetweenNewOnes) {
 }
 
 // A drift of 50 ppm makes two seconds in eleven hours.
-TEST_F(HeldUpTest, FollowsClocksThatDriftApart) {
+TEST_F(HeldUpTest, FollowsClockDrift) {
     int num_held_up = 0;
     for (int minute = 0; minute < 660; ++minute) {
         for (int i = 0; i < 3; ++i) {
@@ -77,7 +78,7 @@ TEST_F(HeldUpTest, FollowsClocksThatDriftApart) {
     EXPECT_EQ(num_held_up, 0);
 }
 
-TEST_F(HeldUpTest, BeginsAnewWithASiteThatWasGone) {
+TEST_F(HeldUpTest, RestartsForASiteThatReturns) {
     stream(milliseconds(20), seconds(1));
     sut_.forget("site");
     EXPECT_EQ(stream(seconds(8), seconds(1)), 0);

@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A folder with a tetrahedron in it, and a file outside of it.
+// A folder with a tetrahedron, and a file outside the folder.
 class ModelLibraryTest : public testing::Test {
 protected:
     void SetUp() override {
@@ -34,7 +34,7 @@ protected:
         return object;
     }
 
-    // What a thing looks like once its model has been read.
+    // The look of an object once its model is loaded.
     template <typename Described, typename... Rest>
     auto look_in_the_end(const Described& described, Rest... rest) {
         library_.look_of(described, rest...);
@@ -46,9 +46,9 @@ protected:
     ModelLibrary library_{root_ / "models"};
 };
 
-TEST_F(ModelLibraryTest, GivesAnObjectItsModelInItsOwnColour) {
+TEST_F(ModelLibraryTest, GivesAnObjectItsModelInTheObjectsColour) {
     const auto before = library_.look_of(object("tetra.obj", 0.5), renderer::ShapeKind::kBox);
-    EXPECT_FALSE(before.model) << "who draws does not wait for a file";
+    EXPECT_FALSE(before.model) << "drawing must not wait for a file";
     const auto look = look_in_the_end(object("tetra.obj", 0.5), renderer::ShapeKind::kBox);
     ASSERT_TRUE(look.model);
     EXPECT_EQ(look.model->indices.size(), 12U);
@@ -59,16 +59,16 @@ TEST_F(ModelLibraryTest, GivesAnObjectItsModelInItsOwnColour) {
         EXPECT_NEAR(corner.normal_object.norm(), 1.0F, 1e-5F);
     }
     EXPECT_NEAR(largest, 0.5F, 1e-6F) << "as scaled";
-    // its edges are sharp: the bottom's corners point down, all three
+    // the edges are sharp: the bottom's corners point down, all three
     int num_down = 0;
     for (const auto& corner : look.model->corners)
         num_down += corner.normal_object.z() < -0.999F ? 1 : 0;
     EXPECT_EQ(num_down, 3);
     const auto again = library_.look_of(object("tetra.obj", 0.5), renderer::ShapeKind::kBox);
-    EXPECT_EQ(again.model, look.model) << "read once";
+    EXPECT_EQ(again.model, look.model) << "the model must be read only once";
 }
 
-TEST_F(ModelLibraryTest, TakesPlacesInAPictureFromTheFileOrElseFromAbove) {
+TEST_F(ModelLibraryTest, TakesTextureCoordinatesFromTheFileOrFromAbove) {
     bus::SceneObject thing = object("tetra.obj", 1.0);
     thing.texture = "wood.png";
     const auto plain = look_in_the_end(thing, renderer::ShapeKind::kBox);
@@ -91,8 +91,8 @@ TEST_F(ModelLibraryTest, TakesPlacesInAPictureFromTheFileOrElseFromAbove) {
     }
 }
 
-TEST_F(ModelLibraryTest, PutsABoxWhereThereIsNoModel) {
-    // the last one is read, or not, after all the others
+TEST_F(ModelLibraryTest, ReplacesAMissingModelByABox) {
+    // the library handles the last request after all others
     for (const char* missing : {"../outside.obj", "tetra.txt", "none.obj"})
         library_.look_of(object(missing, 1.0), renderer::ShapeKind::kBox);
     look_in_the_end(object("none.obj", 2.0), renderer::ShapeKind::kBox);
@@ -104,7 +104,7 @@ TEST_F(ModelLibraryTest, PutsABoxWhereThereIsNoModel) {
     }
 }
 
-TEST_F(ModelLibraryTest, GivesSceneryTheModelsParts) {
+TEST_F(ModelLibraryTest, GivesSceneryThePartsOfItsModel) {
     bus::Scenery scenery;
     scenery.name = "room";
     scenery.model = "tetra.obj";

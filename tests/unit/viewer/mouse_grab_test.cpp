@@ -32,7 +32,7 @@ bus::SceneObject thing(bus::Shape shape, double size_m) {
     return object;
 }
 
-TEST(RayThrough, IsTheInverseOfTheProjection) {
+TEST(RayThrough, InvertsTheProjection) {
     const renderer::ViewCamera camera{
         .position_m = {2, -3, 1.5}, .target_m = {-0.5, 0.3, 0.8}, .fov_deg = 63.0};
     for (const Eigen::Vector3d& p : {Eigen::Vector3d(0, 0, 1), {-1, 1, 0.2}, {1.2, -0.4, 2}}) {
@@ -70,7 +70,7 @@ TEST(Hit, IsWhereTheRayEnters) {
     EXPECT_FALSE(hit(ray, thing(bus::Shape::kSphere, 0.4), behind));
 }
 
-TEST(Hit, OfASoftThingIsOnItsFacesOrNearItsRope) {
+TEST(Hit, OfASoftObjectIsOnItsFacesOrNearItsRope) {
     const Ray ray{{0, -3, 1}, {0, 1, 0}};
     bus::SoftBody body;
     body.object = 9;
@@ -81,12 +81,13 @@ TEST(Hit, OfASoftThingIsOnItsFacesOrNearItsRope) {
     ASSERT_TRUE(face);
     EXPECT_EQ(face->object, 9U);
     EXPECT_NEAR(face->distance_m, 3.5, 1e-9);
-    EXPECT_TRUE(face->point_object.isApprox(Eigen::Vector3d(0, 0.5, 1), 1e-9)) << "in the world";
+    EXPECT_TRUE(face->point_object.isApprox(Eigen::Vector3d(0, 0.5, 1), 1e-9))
+        << "the point must be in world coordinates";
     body.triangles = {{0, 2, 1}};
-    EXPECT_TRUE(hit(ray, body, nodes)) << "from behind";
-    EXPECT_FALSE(hit({{0, -3, 3}, {0, 1, 0}}, body, nodes)) << "above it";
-    EXPECT_FALSE(hit({{0, 3, 1}, {0, 1, 0}}, body, nodes)) << "behind the eye";
-    EXPECT_FALSE(hit(ray, body, {nodes.data(), 2})) << "its nodes are not known yet";
+    EXPECT_TRUE(hit(ray, body, nodes)) << "a hit from behind must count";
+    EXPECT_FALSE(hit({{0, -3, 3}, {0, 1, 0}}, body, nodes)) << "a ray above the object";
+    EXPECT_FALSE(hit({{0, 3, 1}, {0, 1, 0}}, body, nodes)) << "an object behind the eye";
+    EXPECT_FALSE(hit(ray, body, {nodes.data(), 2})) << "an object whose nodes are unknown";
 
     body.triangles.clear();
     body.segments = {{0, 1}};  // 0.5 m below the ray
@@ -95,7 +96,7 @@ TEST(Hit, OfASoftThingIsOnItsFacesOrNearItsRope) {
     const auto rope = hit({{0.3, -3, 0.515}, {0, 1, 0}}, body, nodes);
     ASSERT_TRUE(rope);
     EXPECT_NEAR(rope->distance_m, 3.5, 1e-6);
-    EXPECT_FALSE(hit({{1.1, -3, 0.5}, {0, 1, 0}}, body, nodes)) << "beyond its end";
+    EXPECT_FALSE(hit({{1.1, -3, 0.5}, {0, 1, 0}}, body, nodes)) << "a ray beyond the rope's end";
 }
 
 class MouseGrabTest : public testing::Test {
@@ -117,8 +118,8 @@ protected:
     MouseGrab::Clock::time_point now_{};
 };
 
-TEST_F(MouseGrabTest, PullsInThePlaneThatFacesTheCameraAndLetsGo) {
-    const Eigen::Vector3d front(0.1, 0.0, 1.1);  // of the box, which the ray enters there
+TEST_F(MouseGrabTest, PullsInThePlaneFacingTheCameraAndReleases) {
+    const Eigen::Vector3d front(0.1, 0.0, 1.1);  // point of the box where the ray enters
     const auto pressed = update(front, true);
     ASSERT_EQ(pressed.size(), 1U);
     EXPECT_EQ(pressed[0].kind, bus::CommandKind::kGrab);
@@ -132,7 +133,8 @@ TEST_F(MouseGrabTest, PullsInThePlaneThatFacesTheCameraAndLetsGo) {
     const auto moved = update(there, true);
     ASSERT_EQ(moved.size(), 1U);
     EXPECT_EQ(moved[0].kind, bus::CommandKind::kMove);
-    EXPECT_TRUE(moved[0].goal_world.isApprox(there, 1e-9)) << "as far away as it was taken";
+    EXPECT_TRUE(moved[0].goal_world.isApprox(there, 1e-9))
+        << "the goal must keep the distance of the grab";
 
     const auto released = update(there, false);
     ASSERT_EQ(released.size(), 1U);
@@ -142,14 +144,14 @@ TEST_F(MouseGrabTest, PullsInThePlaneThatFacesTheCameraAndLetsGo) {
     EXPECT_TRUE(update(there, false).empty());
 }
 
-TEST_F(MouseGrabTest, LeavesTheRestToTheCamera) {
+TEST_F(MouseGrabTest, IgnoresDragsThatBeginBesideAnObject) {
     EXPECT_TRUE(update({2, 0, 1}, true).empty());
     EXPECT_FALSE(grab_.is_holding());
-    EXPECT_TRUE(update({0, 0, 1}, true).empty()) << "dragged over it, pressed beside it";
+    EXPECT_TRUE(update({0, 0, 1}, true).empty()) << "the button was pressed beside the box";
     EXPECT_FALSE(grab_.is_holding());
 }
 
-TEST_F(MouseGrabTest, SaysNowAndThenThatItStillHolds) {
+TEST_F(MouseGrabTest, RepeatsTheGrabWhileHolding) {
     ASSERT_EQ(update({0, 0, 1}, true).size(), 1U);
     int num_commands = 0;
     for (int i = 0; i < 100; ++i)  // 2 s without a motion
@@ -158,7 +160,7 @@ TEST_F(MouseGrabTest, SaysNowAndThenThatItStillHolds) {
     EXPECT_LE(num_commands, 5);
 }
 
-TEST_F(MouseGrabTest, IsNoFasterThanTheServerAllows) {
+TEST_F(MouseGrabTest, SendsNoFasterThanTheServerAllows) {
     int num_commands = 0;
     for (int i = 0; i < 1000; ++i) {  // a mouse of 1000 Hz for 1 s
         now_ -= 19ms;

@@ -12,7 +12,7 @@ using std::chrono::milliseconds;
 const NameTags::Clock::time_point kStart{std::chrono::hours(1)};
 const Eigen::Vector3d kEye(0, -3, 1.6);
 
-TEST(NameTags, StandOverTheHeadsOfAllButWhoseEyesOneHas) {
+TEST(NameTags, StandOverAllHeadsExceptTheEyesInUse) {
     NameTags tags;
     const std::map<std::string, NameTags::Person> people{{"alice", {{0, 0, 1.7}}},
                                                          {"bob", {{1, 0, 1.8}}}};
@@ -23,11 +23,11 @@ TEST(NameTags, StandOverTheHeadsOfAllButWhoseEyesOneHas) {
     EXPECT_EQ(both[0].opacity, 1.0);
     const auto one = tags.update(people, "alice", kEye, kStart);
     ASSERT_EQ(one.size(), 1U);
-    EXPECT_EQ(one[0].picture, both[1].picture) << "drawn once";
+    EXPECT_EQ(one[0].picture, both[1].picture) << "the picture must be drawn only once";
     EXPECT_TRUE(tags.update({}, "", kEye, kStart).empty());
 }
 
-TEST(NameTags, FadeWithThePersonAndWithTheDistance) {
+TEST(NameTags, FadeWithThePersonAndTheDistance) {
     NameTags tags;
     const auto opacity_at = [&](double distance_m, double opacity) {
         const auto labels =
@@ -41,7 +41,7 @@ TEST(NameTags, FadeWithThePersonAndWithTheDistance) {
     EXPECT_EQ(opacity_at(25, 1.0), 0.0);
 }
 
-TEST(NameTags, FollowAHeadWithoutItsFlicker) {
+TEST(NameTags, FollowAHeadWithoutFlicker) {
     NameTags tags;
     auto now = kStart;
     const auto height_m = [&](double top_m) {
@@ -57,18 +57,18 @@ TEST(NameTags, FollowAHeadWithoutItsFlicker) {
     }
     EXPECT_LT(most_m - least_m, 0.02);
     for (int i = 0; i < 100; ++i) height_m(1.2);
-    EXPECT_NEAR(height_m(1.2), 1.26, 0.01) << "who sits down";
-    EXPECT_NEAR(height_m(0.4), 0.46, 1e-9) << "who is elsewhere at once";
+    EXPECT_NEAR(height_m(1.2), 1.26, 0.01) << "the tag must follow a person who sits down";
+    EXPECT_NEAR(height_m(0.4), 0.46, 1e-9) << "the tag must follow a jump immediately";
 }
 
-TEST(TextPicture, HasWhiteLettersWithADarkRimOnNothing) {
+TEST(TextPicture, HasWhiteLettersWithADarkRim) {
     const auto picture = draw_text("alice");
     ASSERT_EQ(picture->rgba.size(), std::size_t{4} * 64 * static_cast<std::size_t>(picture->width));
     std::size_t num_white = 0;
     std::size_t num_dark = 0;
     std::size_t num_clear = 0;
     for (std::size_t i = 0; i < picture->rgba.size(); i += 4) {
-        ASSERT_LE(picture->rgba[i], picture->rgba[i + 3]) << "multiplied by alpha";
+        ASSERT_LE(picture->rgba[i], picture->rgba[i + 3]) << "colours must be multiplied by alpha";
         num_white += picture->rgba[i] > 200 ? 1 : 0;
         num_dark += picture->rgba[i] < 20 && picture->rgba[i + 3] > 120 ? 1 : 0;
         num_clear += picture->rgba[i + 3] == 0 ? 1 : 0;
@@ -77,10 +77,11 @@ TEST(TextPicture, HasWhiteLettersWithADarkRimOnNothing) {
     EXPECT_GT(num_dark, num_white);
     EXPECT_GT(num_clear, num_dark / 2);
     for (int x = 0; x < picture->width; ++x)
-        EXPECT_LT(picture->rgba[4 * static_cast<std::size_t>(x) + 3], 30) << "nothing is cut off";
+        EXPECT_LT(picture->rgba[4 * static_cast<std::size_t>(x) + 3], 30)
+            << "the text must not be cut off";
 }
 
-TEST(TextPicture, TakesAnyBytes) {
+TEST(TextPicture, AcceptsAnyBytes) {
     EXPECT_EQ(draw_text("a\x01\xff\n").get()->rgba, draw_text("a???").get()->rgba);
     EXPECT_EQ(draw_text(std::string(100'000, 'x'))->rgba, draw_text(std::string(63, 'x'))->rgba);
     EXPECT_GT(draw_text("")->width, 0);

@@ -39,7 +39,7 @@ bus::CameraTexture texture(const std::string& site,
     return t;
 }
 
-TEST(Pairing, HandsOutAFrameWhenItsLastPartHasCome) {
+TEST(Pairing, DeliversAFrameWhenItsLastPartArrives) {
     Pairing sut;
     EXPECT_FALSE(sut.add(texture("a", 1, 0)));
     EXPECT_FALSE(sut.add(mesh("a", 1, {0, 3})));
@@ -50,7 +50,7 @@ TEST(Pairing, HandsOutAFrameWhenItsLastPartHasCome) {
     EXPECT_EQ(sut.num_pending("a"), 0u);
 }
 
-TEST(Pairing, AMeshWithoutTexturesIsCompleteByItself) {
+TEST(Pairing, MeshWithoutTexturesIsComplete) {
     Pairing sut;
     EXPECT_TRUE(sut.add(mesh("a", 1, {})));
 }
@@ -62,7 +62,7 @@ TEST(Pairing, DoesNotMixSites) {
     EXPECT_TRUE(sut.add(texture("a", 1, 0)));
 }
 
-TEST(Pairing, DropsWhatIsOlderThanWhatWasHandedOut) {
+TEST(Pairing, DropsPartsOlderThanTheDeliveredFrame) {
     Pairing sut;
     EXPECT_FALSE(sut.add(mesh("a", 1, {0})));
     EXPECT_FALSE(sut.add(mesh("a", 2, {0})));
@@ -73,7 +73,7 @@ TEST(Pairing, DropsWhatIsOlderThanWhatWasHandedOut) {
     EXPECT_EQ(sut.num_late(), 2u);
 }
 
-TEST(Pairing, ASiteThatStartsAgainCountsFromZeroAndIsShown) {
+TEST(Pairing, ShowsARestartedSiteThatCountsFromZero) {
     Pairing sut;
     ASSERT_TRUE(sut.add(mesh("a", 900, {})));
     const std::int64_t later = kStartNs + 1000 * kPeriodNs;
@@ -81,7 +81,7 @@ TEST(Pairing, ASiteThatStartsAgainCountsFromZeroAndIsShown) {
     EXPECT_TRUE(sut.add(texture("a", 0, 0, later)));
 }
 
-TEST(Pairing, ForgettingASiteAcceptsAnyTimeAgain) {
+TEST(Pairing, AcceptsAnyTimeAfterForgettingASite) {
     Pairing sut;
     ASSERT_TRUE(sut.add(mesh("a", 30, {})));
     EXPECT_FALSE(sut.add(mesh("a", 1, {})));
@@ -89,13 +89,13 @@ TEST(Pairing, ForgettingASiteAcceptsAnyTimeAgain) {
     EXPECT_TRUE(sut.add(mesh("a", 1, {})));
 }
 
-TEST(Pairing, AClockSetBackDoesNotFreezeTheSite) {
+TEST(Pairing, ClockSetBackDoesNotFreezeTheSite) {
     Pairing sut;
     ASSERT_TRUE(sut.add(mesh("a", 30, {})));
     EXPECT_TRUE(sut.add(mesh("a", 31, {}, kStartNs - 3'600'000'000'000)));
 }
 
-TEST(Pairing, IgnoresSitesBeyondItsBound) {
+TEST(Pairing, IgnoresSitesBeyondItsLimit) {
     Pairing sut({.max_sites = 2});
     EXPECT_TRUE(sut.add(mesh("a", 1, {})));
     EXPECT_TRUE(sut.add(mesh("b", 1, {})));
@@ -103,10 +103,10 @@ TEST(Pairing, IgnoresSitesBeyondItsBound) {
     EXPECT_TRUE(sut.add(mesh("b", 2, {})));
 }
 
-// Random loss, duplication and disorder on two sites, many times over.
+// Random loss, duplication and reordering on two sites, many times.
 class PairingUnderFaults : public testing::TestWithParam<int> {};
 
-TEST_P(PairingUnderFaults, NeverMixesNeverGoesBackAndStaysBounded) {
+TEST_P(PairingUnderFaults, NeverMixesOrGoesBackAndStaysBounded) {
     std::mt19937 random(static_cast<unsigned>(GetParam()));
     const auto chance = [&](double p) { return std::bernoulli_distribution(p)(random); };
     const double loss = std::uniform_real_distribution<>(0.0, 0.3)(random);
@@ -160,12 +160,12 @@ TEST_P(PairingUnderFaults, NeverMixesNeverGoesBackAndStaysBounded) {
         }
         previous->second = m.capture_time.ns;
     }
-    // of seven parts, (1 - loss)^7 arrive complete: with 30 % still 8 % of 400 frames
+    // (1 - loss)^7 of the frames with seven parts arrive complete: with 30 % loss, 8 % of 400
     EXPECT_GT(num_pairs, 5u);
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, PairingUnderFaults, testing::Range(0, 40));
 
-TEST(Pairing, InOrderWithoutLossEveryFrameIsHandedOut) {
+TEST(Pairing, DeliversEveryFrameInOrderWithoutLoss) {
     Pairing sut;
     for (std::uint64_t frame = 0; frame < 50; ++frame) {
         EXPECT_FALSE(sut.add(mesh("a", frame, {0, 1})));

@@ -28,7 +28,7 @@ protected:
     }
 };
 
-TEST_F(PersonDecoderTest, BringsShapeAndColour) {
+TEST_F(PersonDecoderTest, DecodesShapeAndColour) {
     EXPECT_EQ(decode_error(), "");
     EXPECT_EQ(model_.cameras.size(), 4u);
     ASSERT_GT(model_.vertices_site.size(), 400u);
@@ -39,7 +39,7 @@ TEST_F(PersonDecoderTest, BringsShapeAndColour) {
 }
 
 TEST_F(PersonDecoderTest, DecodesOnlyWhatTheEyesNeed) {
-    // a colour that is no JPEG does not matter in a picture that nobody needs
+    // a colour stream that is no JPEG does not matter in a picture that no eye needs
     const bus::SiteDescription description = description_;
     const auto centre = [&](std::size_t camera) {
         return Eigen::Vector3f(description.cameras[camera].centre_site().cast<float>());
@@ -54,27 +54,27 @@ TEST_F(PersonDecoderTest, DecodesOnlyWhatTheEyesNeed) {
     EXPECT_EQ(decode_error(), "");
     const std::size_t num_needed = model_.cameras.size();
     EXPECT_GE(num_needed, 5U);
-    EXPECT_LT(num_needed, 8U) << "not the camera across";
+    EXPECT_LT(num_needed, 8U) << "the camera on the far side must not be needed";
     for (const auto& camera : model_.cameras)
         EXPECT_GT((camera.centre_site - centre(2)).norm(), 0.1F);
     pair_.textures[2].colour = {1, 2, 3};
-    EXPECT_EQ(decode_error(), "") << "what is not needed is not looked at";
+    EXPECT_EQ(decode_error(), "") << "unneeded textures must not be decoded";
     eyes_site_.clear();
     EXPECT_NE(decode_error(), "");
 }
 
-TEST_F(PersonDecoderTest, RefusesATextureOfACameraThatIsNotThere) {
+TEST_F(PersonDecoderTest, RefusesATextureOfAnUnknownCamera) {
     pair_.textures[2].camera = 4;
     EXPECT_THAT(decode_error(), testing::HasSubstr("camera 4"));
 }
 
-TEST_F(PersonDecoderTest, RefusesATextureThatIsNotOfItsCropsSize) {
+TEST_F(PersonDecoderTest, RefusesATextureThatDiffersFromItsCropsSize) {
     pair_.textures[1].crop_px.width += 2;
     EXPECT_THAT(decode_error(), testing::HasSubstr("crop"));
 }
 
-// Textures as large as the crops, as sites have them with codec.texture_resolution = "full".
-TEST_F(PersonDecoderTest, TakesTexturesAtFullResolution) {
+// Textures as large as the crops, as sites send them with codec.texture_resolution = "full".
+TEST_F(PersonDecoderTest, AcceptsTexturesAtFullResolution) {
     ASSERT_EQ(decode_error(), "");
     const renderer::PersonModel half = model_;
     for (bus::CameraTexture& texture : pair_.textures) {
@@ -94,7 +94,7 @@ TEST_F(PersonDecoderTest, TakesTexturesAtFullResolution) {
 TEST_F(PersonDecoderTest, RefusesMoreThanItsLimits) {
     EXPECT_THAT(decode_error({.max_layer_bytes = 1000}), testing::HasSubstr("too much"));
     EXPECT_NE(decode_error({.max_triangles = 100}), "");
-    EXPECT_EQ(decode_error(), "");  // the scratch is as good as new
+    EXPECT_EQ(decode_error(), "");  // the scratch still works
 }
 
 TEST_F(PersonDecoderTest, RefusesEveryTruncation) {

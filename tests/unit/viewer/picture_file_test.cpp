@@ -31,7 +31,7 @@ protected:
     }
 };
 
-TEST_F(FilesTest, PngHoldsThePictureInOrder) {
+TEST_F(FilesTest, PngHasThePictureUpright) {
     const auto file = folder_ / "new" / "p.png";
     const auto written = write_png(file, picture(200, 20));
     ASSERT_TRUE(written) << written.error().message;
@@ -41,7 +41,7 @@ TEST_F(FilesTest, PngHoldsThePictureInOrder) {
     EXPECT_EQ(read.at<cv::Vec3b>(0, 3), cv::Vec3b(20, 0, 200));
 }
 
-TEST_F(FilesTest, AFolderThatCannotBeMadeIsAnError) {
+TEST_F(FilesTest, ReportsAFolderThatCannotBeCreated) {
     const auto written = write_png("/proc/none/p.png", picture(0, 0));
     ASSERT_FALSE(written);
     EXPECT_THAT(written.error().message, testing::HasSubstr("/proc/none/p.png"));
@@ -57,7 +57,7 @@ std::vector<int> reds_of(const std::filesystem::path& file) {
     return reds;
 }
 
-TEST_F(FilesTest, VideoHoldsWhatWasShown) {
+TEST_F(FilesTest, VideoHasTheShownPictures) {
     const auto file = folder_ / "v.avi";
     {
         auto recorder =
@@ -81,7 +81,7 @@ TEST_F(FilesTest, VideoHoldsWhatWasShown) {
     EXPECT_NEAR(frame.at<cv::Vec3b>(24, 32)[0], 30, 6);
 }
 
-TEST_F(FilesTest, EveryKindOfVideoHoldsItsPicturesAtTheirRate) {
+TEST_F(FilesTest, EveryVideoFormatHasItsPicturesAtTheirRate) {
     for (const char* name : {"v.avi", "v.mkv", "v.mp4"}) {
         SCOPED_TRACE(name);
         const auto file = folder_ / name;
@@ -91,7 +91,7 @@ TEST_F(FilesTest, EveryKindOfVideoHoldsItsPicturesAtTheirRate) {
         for (int red = 10; red < 250; red += 10) {
             ASSERT_TRUE((*video)->set(picture(static_cast<std::uint8_t>(red), 0).rgba));
             ASSERT_TRUE((*video)->write());
-            ASSERT_TRUE((*video)->write());  // shown again
+            ASSERT_TRUE((*video)->write());  // repeats the picture
             expected.insert(expected.end(), 2, red);
         }
         ASSERT_TRUE((*video)->finish());
@@ -103,7 +103,7 @@ TEST_F(FilesTest, EveryKindOfVideoHoldsItsPicturesAtTheirRate) {
     }
 }
 
-TEST_F(FilesTest, AVideoThatCannotBeWrittenNamesItsFileAndTheReason) {
+TEST_F(FilesTest, UnwritableVideoNamesItsFileAndTheReason) {
     const auto video = create_video_file({folder_ / "none" / "a.avi", 10.0, 64, 48});
     ASSERT_FALSE(video);
     EXPECT_EQ(video.error().kind, ErrorKind::kUnavailable);
@@ -112,19 +112,19 @@ TEST_F(FilesTest, AVideoThatCannotBeWrittenNamesItsFileAndTheReason) {
         << video.error().message;
 }
 
-// However late the encoder is: times lie in the past, as of a drawing thread that goes ahead.
-TEST_F(FilesTest, EachPictureIsInItsSlotOfTheVideoAndGapsRepeatTheOneBefore) {
+// Independent of a slow encoder: the times lie in the past, as if the drawing thread ran ahead.
+TEST_F(FilesTest, VideoKeepsSlotsAndRepeatsPicturesInGaps) {
     const auto file = folder_ / "v.avi";
     auto recorder = VideoRecorder::create({.file = file, .fps = 0.5, .width = 64, .height = 48});
     ASSERT_TRUE(recorder) << recorder.error().message;
     const auto begin = Clock::now();
-    // slots of 2 s, which nothing real ends: 0, 1, 4, 5
+    // slots of 2 s, which no real time ends: 0, 1, 4, 5
     for (const auto& [slot, red] : {std::pair(0, 40), {1, 80}, {4, 160}, {5, 200}}) {
         const auto now = begin + std::chrono::seconds(2 * slot) + std::chrono::milliseconds(300);
         while (!(*recorder)->wants_picture(slot == 0 ? begin : now)) std::this_thread::yield();
         (*recorder)->offer(picture(static_cast<std::uint8_t>(red), 0), slot == 0 ? begin : now);
         EXPECT_FALSE((*recorder)->wants_picture(now + std::chrono::milliseconds(1000)))
-            << "the slot has its picture";
+            << "a slot takes only one picture";
     }
     ASSERT_TRUE((*recorder)->finish());
     const std::vector<int> expected{40, 80, 80, 80, 160, 200};
@@ -133,15 +133,15 @@ TEST_F(FilesTest, EachPictureIsInItsSlotOfTheVideoAndGapsRepeatTheOneBefore) {
     for (std::size_t i = 0; i < reds.size(); ++i) EXPECT_NEAR(reds[i], expected[i], 8) << i;
 }
 
-TEST_F(FilesTest, WhatTheEncoderIsTooSlowForIsCountedAndRepeated) {
+TEST_F(FilesTest, CountsAndRepeatsPicturesThatASlowEncoderMisses) {
     const auto file = folder_ / "v.avi";
     constexpr int kWidth = 1920;
     constexpr int kHeight = 1080;
     auto recorder =
         VideoRecorder::create({.file = file, .fps = 0.1, .width = kWidth, .height = kHeight});
     ASSERT_TRUE(recorder) << recorder.error().message;
-    // more large pictures than may wait, and slots of 10 s, which nothing real ends: offered at
-    // once they fill the queue, on any machine sooner or later
+    // More large pictures than the queue holds, in slots of 10 s, which no real time ends. Without
+    // pauses they fill the queue on any machine sooner or later.
     const auto large = [](std::uint64_t slot) {
         renderer::RenderedPicture picture{kWidth, kHeight, {}};
         picture.rgba.assign(std::size_t{4} * kWidth * kHeight,
@@ -154,7 +154,7 @@ TEST_F(FilesTest, WhatTheEncoderIsTooSlowForIsCountedAndRepeated) {
     const auto begin = Clock::now();
     std::uint64_t num_slots = 0;
     std::uint64_t num_offered = 0;
-    // until one is taken after others were not
+    // until the queue takes a picture after it refused others
     for (bool has_dropped = false, is_over = false; !is_over; ++num_slots) {
         const auto now = begin + std::chrono::seconds(10 * num_slots);
         const std::uint64_t num_written = (*recorder)->num_written();
@@ -177,7 +177,7 @@ TEST_F(FilesTest, WhatTheEncoderIsTooSlowForIsCountedAndRepeated) {
     EXPECT_EQ(reds_of(file).size(), num_slots);
 }
 
-TEST_F(FilesTest, AVideoThatIsCutOffBeforeItEndsIsAnError) {
+TEST_F(FilesTest, InterruptedVideoIsAnError) {
     const auto file = folder_ / "v.mp4";
     auto recorder = VideoRecorder::create({.file = file, .fps = 50.0, .width = 64, .height = 48});
     ASSERT_TRUE(recorder) << recorder.error().message;
@@ -189,7 +189,7 @@ TEST_F(FilesTest, AVideoThatIsCutOffBeforeItEndsIsAnError) {
     EXPECT_THAT(finished.error().message, testing::HasSubstr("v.mp4"));
 }
 
-TEST(VideoSize, KeepsTheShapeOfThePictureWhereOneSideIsGiven) {
+TEST(VideoSize, KeepsTheAspectRatioIfOneSideIsGiven) {
     const auto size = [](int width, int height, std::pair<int, int> picture) {
         VideoConfig video;
         video.width = width;
@@ -204,14 +204,14 @@ TEST(VideoSize, KeepsTheShapeOfThePictureWhereOneSideIsGiven) {
     EXPECT_EQ(size(0, 1, {10, 1000}), std::pair(2, 2));
 }
 
-TEST_F(FilesTest, AVideoThatCannotBeWrittenIsAnError) {
+TEST_F(FilesTest, UnwritableVideoIsAnError) {
     const auto made =
         VideoRecorder::create({.file = "/proc/none/v.avi", .fps = 10.0, .width = 64, .height = 48});
     ASSERT_FALSE(made);
     EXPECT_THAT(made.error().message, testing::HasSubstr("/proc/none/v.avi"));
 }
 
-TEST_F(FilesTest, PreparingLeavesNothingBehindAndWhatIsThereAlone) {
+TEST_F(FilesTest, PreparationLeavesNoFilesAndKeepsExistingOnes) {
     const auto file = folder_ / "deep" / "er" / "p.png";
     ASSERT_TRUE(prepare_file(file));
     EXPECT_FALSE(std::filesystem::exists(file));

@@ -19,12 +19,12 @@ double ms(Clock::duration d) { return std::chrono::duration<double, std::milli>(
 struct Site {
     Clock::duration period = kPeriod;
     Clock::duration phase{0};
-    Clock::duration jitter{0};  // each arrival is later by up to that
+    Clock::duration jitter{0};  // each arrival is later by up to this
 };
 
 struct Paced {
     std::vector<double> intervals_ms;
-    std::vector<double> waits_ms;  // of those that were drawn
+    std::vector<double> waits_ms;  // of the drawn people
     double mean_wait_ms() const {
         double sum = 0.0;
         for (const double wait : waits_ms) sum += wait;
@@ -38,7 +38,7 @@ struct Paced {
     }
 };
 
-// A drawing thread that needs no time; the first two seconds are left out.
+// A drawing thread that needs no time. The results omit the first two seconds.
 Paced run(const std::vector<Site>& sites, PicturePacer& pacer, std::chrono::seconds length = 20s) {
     std::mt19937 random(7);
     std::vector<std::pair<Clock::time_point, std::string>> arrivals;
@@ -56,7 +56,7 @@ Paced run(const std::vector<Site>& sites, PicturePacer& pacer, std::chrono::seco
     auto now = kBegin;
     auto last = now;
     while (now < kBegin + length) {
-        // as the drawing thread waits: until it is due, or somebody comes
+        // waits like the drawing thread: until a picture is due or a person arrives
         while (now < pacer.due()) {
             if (next == arrivals.end() || next->first > pacer.due()) {
                 now = pacer.due();
@@ -85,7 +85,7 @@ TEST(PicturePacer, KeepsAnEvenRateWithoutPeople) {
     EXPECT_EQ(result.shortest_ms(), ms(kPeriod));
 }
 
-TEST(PicturePacer, MovesItsPhaseToWhereAPersonHardlyWaits) {
+TEST(PicturePacer, MovesItsPhaseUntilAPersonHardlyWaits) {
     for (int phase_ms = 0; phase_ms < 33; phase_ms += 3) {
         PicturePacer sut(kPeriod, true);
         const Paced result =
@@ -96,17 +96,17 @@ TEST(PicturePacer, MovesItsPhaseToWhereAPersonHardlyWaits) {
     }
 }
 
-TEST(PicturePacer, OfTwoSitesNeitherWaitsAWholePicture) {
+TEST(PicturePacer, MakesNeitherOfTwoSitesWaitAWholePeriod) {
     for (const auto apart : {2ms, 8ms, 16ms, 25ms}) {
         PicturePacer sut(kPeriod, true);
         const Paced result = run({{.jitter = 3ms}, {.phase = apart, .jitter = 3ms}}, sut);
-        // at best the picture begins with the later one of the two that are nearer to each other
+        // at best the picture begins with the later of the two nearest arrivals
         const double between_ms = std::min(ms(apart), ms(kPeriod - apart));
         EXPECT_LT(result.mean_wait_ms(), 0.5 * between_ms + 5.0) << ms(apart);
     }
 }
 
-TEST(PicturePacer, IsNoFasterThanAllowedWhateverComes) {
+TEST(PicturePacer, IsNoFasterThanAllowed) {
     std::mt19937 random(3);
     for (int i = 0; i < 30; ++i) {
         std::vector<Site> sites(1 + random() % 6);
@@ -124,21 +124,21 @@ TEST(PicturePacer, IsNoFasterThanAllowedWhateverComes) {
     }
 }
 
-TEST(PicturePacer, ADisplayThatKeepsItsOwnTimeIsNotDisturbed) {
+TEST(PicturePacer, DoesNotDisturbADisplayWithItsOwnClock) {
     PicturePacer sut(kPeriod, false);
     const Paced result = run({{.phase = 10ms}}, sut);
     EXPECT_EQ(result.longest_ms(), ms(kPeriod));
     EXPECT_EQ(result.shortest_ms(), ms(kPeriod));
 }
 
-TEST(PicturePacer, WhatWasLateIsNotMadeUpForByARowOfPictures) {
+TEST(PicturePacer, DoesNotCatchUpWithABurstOfPictures) {
     PicturePacer sut(kPeriod, true);
     sut.began(kBegin);
     sut.began(kBegin + 10s);  // the machine stood still
     EXPECT_EQ(sut.due(), kBegin + 10s + kPeriod);
 }
 
-TEST(PicturePacer, BeginsEarlyOnceEverybodyIsThere) {
+TEST(PicturePacer, BeginsEarlyOnceEverybodyHasArrived) {
     PicturePacer sut(kPeriod, true);
     auto now = kBegin;
     sut.began(now);

@@ -24,7 +24,7 @@ bus::SceneObject object_of(bus::Shape shape, const Eigen::Vector3d& size_m) {
     return object;
 }
 
-// All ends in the object's frame.
+// All line ends, in the object's frame.
 std::vector<Eigen::Vector3d> ends_of(const bus::SceneObject& object) {
     Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
     world_from_object.translate(Eigen::Vector3d(1, 2, 3));
@@ -39,19 +39,19 @@ std::vector<Eigen::Vector3d> ends_of(const bus::SceneObject& object) {
     return ends;
 }
 
-TEST(ShapeWires, ASphereIsThreeCirclesOnIt) {
+TEST(ShapeWires, DrawASphereAsThreeCircles) {
     const auto ends = ends_of(object_of(bus::Shape::kSphere, {0.4, 0.4, 0.4}));
     EXPECT_EQ(ends.size(), 2U * 3U * 32U);
     Eigen::AlignedBox3d box;
     for (const Eigen::Vector3d& p : ends) {
         EXPECT_NEAR(p.norm(), 0.2, 1e-5);
-        EXPECT_LT(p.cwiseAbs().minCoeff(), 1e-5) << "in a plane of two axes";
+        EXPECT_LT(p.cwiseAbs().minCoeff(), 1e-5) << "a circle must lie in a plane of two axes";
         box.extend(p);
     }
     EXPECT_LT((box.sizes() - Eigen::Vector3d::Constant(0.4)).norm(), 1e-5);
 }
 
-TEST(ShapeWires, ACylinderHasItsRimsAtItsEnds) {
+TEST(ShapeWires, DrawTheRimsOfACylinder) {
     const auto ends = ends_of(object_of(bus::Shape::kCylinder, {0.2, 0.2, 0.6}));
     ASSERT_FALSE(ends.empty());
     for (const Eigen::Vector3d& p : ends) {
@@ -60,7 +60,7 @@ TEST(ShapeWires, ACylinderHasItsRimsAtItsEnds) {
     }
 }
 
-TEST(ShapeWires, ACapsuleIsRoundAtItsEndsWithinItsHeight) {
+TEST(ShapeWires, DrawRoundCapsuleEndsWithinTheHeight) {
     const auto ends = ends_of(object_of(bus::Shape::kCapsule, {0.2, 0.2, 0.6}));
     Eigen::AlignedBox3d box;
     for (const Eigen::Vector3d& p : ends) {
@@ -71,7 +71,7 @@ TEST(ShapeWires, ACapsuleIsRoundAtItsEndsWithinItsHeight) {
     EXPECT_LT((box.sizes() - Eigen::Vector3d(0.2, 0.2, 0.6)).norm(), 1e-5);
 }
 
-TEST(ShapeWires, APlaneIsWhatOfItIsDrawnAndItsNormal) {
+TEST(ShapeWires, DrawAPlanesOutlineAndNormal) {
     const auto ends = ends_of(object_of(bus::Shape::kPlane, {4, 2, 1}));
     double highest_m = 0.0;
     for (const Eigen::Vector3d& p : ends) {
@@ -82,7 +82,7 @@ TEST(ShapeWires, APlaneIsWhatOfItIsDrawnAndItsNormal) {
     EXPECT_NEAR(highest_m, 0.3, 1e-5);
 }
 
-TEST(ShapeWires, WhatIsSoftHasNone) {
+TEST(ShapeWires, AreEmptyForSoftObjects) {
     EXPECT_TRUE(ends_of(object_of(bus::Shape::kSoft, {1, 1, 1})).empty());
 }
 
@@ -103,7 +103,7 @@ bool is_line(const Line& line, const Eigen::Vector3f& from, const Eigen::Vector3
     return (line.from.at_world - from).norm() < 1e-4F && (line.to.at_world - to).norm() < 1e-4F;
 }
 
-TEST(ProxyView, DrawsEachSurfelAndItsWayInTheNextTenthOfASecond) {
+TEST(ProxyView, DrawsEachSurfelAndItsMotionOverATenthOfASecond) {
     ProxyView view;
     ProxyChanges changes;
     changes.people["alice"] = person();
@@ -111,7 +111,8 @@ TEST(ProxyView, DrawsEachSurfelAndItsWayInTheNextTenthOfASecond) {
     std::vector<Line> lines;
     view.append_people(lines);
     ASSERT_EQ(lines.size(), 3U);
-    EXPECT_TRUE(is_line(lines[0], {0, 0, 1}, {0, 0, 1.015F})) << "out of the surface";
+    EXPECT_TRUE(is_line(lines[0], {0, 0, 1}, {0, 0, 1.015F}))
+        << "the line must point out of the surface";
     EXPECT_TRUE(is_line(lines[1], {0.3F, 0, 1}, {0.315F, 0, 1}));
     EXPECT_TRUE(is_line(lines[2], {0.3F, 0, 1}, {0.3F, 0.2F, 1})) << "2 m/s";
     EXPECT_EQ(lines[0].from.colour, colour_of_speed(0.0));
@@ -131,11 +132,12 @@ TEST(ProxyView, MarksTouches) {
     for (std::size_t i = 3; i < 6; ++i) {
         const Eigen::Vector3f middle = 0.5F * (lines[i].from.at_world + lines[i].to.at_world);
         EXPECT_LT((middle - Eigen::Vector3f(1, 2, 3)).norm(), 1e-5F);
-        EXPECT_NE(lines[i].from.colour, colour_of_speed(0.0)) << "in a colour of their own";
+        EXPECT_NE(lines[i].from.colour, colour_of_speed(0.0))
+            << "touches must have their own colour";
     }
 }
 
-TEST(ProxyView, ForgetsWhoIsGoneAndOfWhomNothingComes) {
+TEST(ProxyView, ForgetsLostAndSilentPeople) {
     const auto num_lines = [](const ProxyView& view) {
         std::vector<Line> lines;
         view.append_people(lines);
@@ -156,7 +158,7 @@ TEST(ProxyView, ForgetsWhoIsGoneAndOfWhomNothingComes) {
     EXPECT_EQ(num_lines(view), 0U);
 }
 
-TEST(ProxyView, DrawsNoMoreThanAPictureTakesHoweverManyCome) {
+TEST(ProxyView, BoundsTheNumberOfLines) {
     bus::PersonProxy proxy = person();
     proxy.points.resize(2048);
     ProxyView view;
@@ -196,7 +198,7 @@ TEST(ProxyView, DrawsThePartsOfAModelInTheObjectsFrame) {
     EXPECT_EQ(lines[0].from.colour, kColour);
 }
 
-TEST(ColourOfSpeed, GoesFromBlueByWayOfGreenAndYellowToRed) {
+TEST(ColourOfSpeed, RunsFromBlueOverGreenAndYellowToRed) {
     const Eigen::Vector3f rest = colour_of_speed(0.0);
     EXPECT_GT(rest.z(), std::max(rest.x(), rest.y()));
     const Eigen::Vector3f slow = colour_of_speed(0.5);

@@ -42,17 +42,18 @@ TEST(ReadyPeople, HoldABoundedNumberOfArrivals) {
     for (int i = 0; i < 1000; ++i) sut.put("a", ready_at(ReadyPeople::Clock::time_point(1ns * i)));
     const auto arrivals = sut.take_arrivals();
     EXPECT_EQ(arrivals.size(), ReadyPeople::kMostArrivals);
-    EXPECT_EQ(arrivals.back().at, ReadyPeople::Clock::time_point(999ns)) << "the newest";
+    EXPECT_EQ(arrivals.back().at, ReadyPeople::Clock::time_point(999ns))
+        << "the newest arrival must stay";
 }
 
-TEST(ReadyPeople, AnArrivalEndsTheWaitAndSoDoesAStop) {
+TEST(ReadyPeople, ArrivalOrStopEndsTheWait) {
     ReadyPeople sut;
     const auto never = ReadyPeople::Clock::now() + 1h;
     {
         const std::jthread other([&] { sut.put("a", captured_at(1)); });
         sut.wait({}, never);
     }
-    sut.wait({}, never);  // it is still there to be taken
+    sut.wait({}, never);  // the arrival is still in the queue
     EXPECT_EQ(sut.take_arrivals().size(), 1U);
     std::stop_source source;
     const std::jthread stopper([&] { source.request_stop(); });

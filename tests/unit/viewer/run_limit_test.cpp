@@ -13,7 +13,7 @@ using Now = RunLimit::Now;
 
 const RunLimit::Clock::time_point kBegin{100s};
 
-TEST(Company, IsMissedOnceWhereNobodyCame) {
+TEST(Company, IsMissedOnceIfNobodyCame) {
     bus::Presence viewer;
     viewer.kind = bus::ProgramKind::kViewer;
     Company company("atrium");
@@ -29,10 +29,10 @@ TEST(Company, IsMissedOnceWhereNobodyCame) {
     bus::Presence site;
     site.kind = bus::ProgramKind::kSiteNode;
     EXPECT_FALSE(in_company.look({viewer, site}, kBegin, false));
-    EXPECT_FALSE(in_company.look({viewer}, kBegin + 60s, true)) << "it may leave";
+    EXPECT_FALSE(in_company.look({viewer}, kBegin + 60s, true)) << "people may leave again";
 }
 
-TEST(RunLimit, WithoutOneARunGoesOn) {
+TEST(RunLimit, IsOffByDefault) {
     RunLimit limit({}, kBegin);
     for (int i = 1; i < 1000; ++i) {
         EXPECT_EQ(limit.update(static_cast<std::uint64_t>(i), 0, kBegin + i * 20ms).value(),
@@ -50,7 +50,7 @@ TEST(RunLimit, CountsPicturesFromTheStart) {
     EXPECT_EQ(limit.update(3, 0, kBegin + 3s).value(), Now::kOver);
 }
 
-TEST(RunLimit, CountsPicturesAndSecondsFromWhenPeopleAreThere) {
+TEST(RunLimit, CountsPicturesAndSecondsFromTheFirstPeople) {
     ViewerConfig config;
     config.wait_people = 2;
     config.seconds = 5.0;
@@ -62,7 +62,7 @@ TEST(RunLimit, CountsPicturesAndSecondsFromWhenPeopleAreThere) {
     EXPECT_EQ(limit.update(99, 2, kBegin + 15s).value(), Now::kOver);
 }
 
-TEST(RunLimit, PeopleWhoDoNotComeAreAnError) {
+TEST(RunLimit, FailsIfNobodyComes) {
     ViewerConfig config;
     config.wait_people = 2;
     config.wait_timeout_s = 4.0;

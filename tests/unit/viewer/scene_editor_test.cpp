@@ -19,26 +19,28 @@ bus::SceneObject named(const std::string& name) {
     return object;
 }
 
-TEST(NewThing, StandsBeforeTheEyeAndNotInTheFloor) {
+TEST(NewThing, StandsInFrontOfTheEyeAboveTheFloor) {
     const renderer::EyeView eye = renderer::eye_of(kCamera, 640, 360);
     NewThing thing{.size_m = {0.4, 9, 9}, .name = "ball"};
     const bus::SceneObject ball = make_object(thing, eye);
     EXPECT_TRUE(bus::check(ball));
     EXPECT_EQ(ball.size_m, Eigen::Vector3d(0.4, 0.4, 0.4));
     const Eigen::Vector3d& at = ball.world_from_object.translation;
-    EXPECT_LT((at - Eigen::Vector3d(0, at.y(), 1.6)).norm(), 1e-9) << "where the eye looks";
+    EXPECT_LT((at - Eigen::Vector3d(0, at.y(), 1.6)).norm(), 1e-9)
+        << "the object must be where the eye looks";
     EXPECT_GT(at.y(), -1.6 - 1e-9);
     thing.shape = bus::Shape::kBox;
     thing.size_m = {0.2, 0.3, 1.0};
     const bus::SceneObject box = make_object(
         thing, renderer::eye_of({.position_m = {0, 0, 1}, .target_m = {0, 0, 0}}, 640, 360));
-    EXPECT_NEAR(box.world_from_object.translation.z(), 0.51, 1e-9) << "looking down";
+    EXPECT_NEAR(box.world_from_object.translation.z(), 0.51, 1e-9)
+        << "the object must lie on the floor when looking down";
 }
 
-TEST(NewThing, IsInThePictureWhenItHasFallen) {
+TEST(NewThing, IsInThePictureAfterItHasFallen) {
     const NewThing thing{.size_m = {0.3, 0.3, 0.3}, .name = "ball"};
     double before_m = 0.0;
-    // ever less steeply down
+    // less and less steeply down
     for (const double target_z_m : {-6.0, -2.0, 0.0, 0.8, 1.6}) {
         const renderer::ViewCamera camera{.position_m = {0, -3, 1.6},
                                           .target_m = {0, 0, target_z_m}};
@@ -49,23 +51,24 @@ TEST(NewThing, IsInThePictureWhenItHasFallen) {
         EXPECT_GT(lying.y(), 0.0);
         EXPECT_LT(lying.y(), 340.0);
         const double away_m = (at - camera.position_m).head<2>().norm();
-        EXPECT_GT(away_m, before_m) << "no further than it must";
+        EXPECT_GT(away_m, before_m) << "a flatter view must place the object farther away";
         before_m = away_m;
     }
-    // the sky: nothing that has fallen is there
+    // looking at the sky: no place on the floor is in the picture
     const renderer::EyeView up =
         renderer::eye_of({.position_m = {0, -3, 1.6}, .target_m = {0, 0, 5}}, 640, 360);
     const auto at = make_object(thing, up).world_from_object.translation;
     EXPECT_LT((at - up.eye_world()).norm(), 6.2);
 }
 
-TEST(NewThing, IsWhatTheWorldTakes) {
+TEST(NewThing, IsValidForTheWorld) {
     const renderer::EyeView eye = renderer::eye_of(kCamera, 640, 360);
     const bus::SceneObject capsule = make_object(
         {.shape = bus::Shape::kCapsule, .size_m = {0.3, 0.1, 0.2}, .name = "my capsule\n%s"}, eye);
     EXPECT_TRUE(bus::check(capsule));
     EXPECT_EQ(capsule.name, "my_capsule__s");
-    EXPECT_EQ(capsule.size_m, Eigen::Vector3d(0.3, 0.3, 0.3)) << "not lower than wide";
+    EXPECT_EQ(capsule.size_m, Eigen::Vector3d(0.3, 0.3, 0.3))
+        << "a capsule must not be lower than wide";
     const bus::SceneObject cylinder =
         make_object({.shape = bus::Shape::kCylinder, .size_m = {0.3, 0.1, 1e9}, .name = ""}, eye);
     EXPECT_TRUE(bus::check(cylinder));
@@ -74,18 +77,19 @@ TEST(NewThing, IsWhatTheWorldTakes) {
     EXPECT_TRUE(bus::check(make_object({.mass_kg = -1, .colour = {2, -1, 0}, .name = ""}, eye)));
 }
 
-TEST(SceneEditor, SaysWhatBecameOfIt) {
+TEST(SceneEditor, ReportsTheOutcomeOfEdits) {
     SceneEditor editor("me");
     SceneEditor::Objects objects{{3, named("ball")}};
     const bus::SceneCommand add = editor.add(named("ball"), objects, kStart);
     EXPECT_EQ(add.kind, bus::CommandKind::kAdd);
     EXPECT_EQ(add.sender, "me");
-    EXPECT_EQ(add.object.object, 0U) << "the server gives the number";
+    EXPECT_EQ(add.object.object, 0U) << "the server must assign the id";
     editor.add(named("ball"), objects, kStart);
-    EXPECT_TRUE(editor.outcomes(objects, kServer, kStart).empty()) << "that one was there";
+    EXPECT_TRUE(editor.outcomes(objects, kServer, kStart).empty())
+        << "an existing object is no outcome";
     objects[1000] = named("ball");
     const auto first = editor.outcomes(objects, kServer, kStart + milliseconds(50));
-    ASSERT_EQ(first.size(), 1U) << "the other one has not come";
+    ASSERT_EQ(first.size(), 1U) << "the second object has not appeared";
     EXPECT_TRUE(first[0].is_done);
     EXPECT_EQ(first[0].text, "ball was added");
     objects[1001] = named("ball");
@@ -102,7 +106,7 @@ TEST(SceneEditor, SaysWhatBecameOfIt) {
     EXPECT_TRUE(editor.outcomes(objects, kServer, kStart + milliseconds(9000)).empty());
 }
 
-TEST(SceneEditor, SaysWhyNothingCameOfIt) {
+TEST(SceneEditor, ReportsTheReasonOfAFailure) {
     SceneEditor editor("me");
     const SceneEditor::Objects objects{{3, named("floor")}};
     const auto after = [&](const SceneEditor::Servers& servers) {
@@ -121,7 +125,7 @@ TEST(SceneEditor, SaysWhyNothingCameOfIt) {
     EXPECT_EQ(kept[0].text, "floor was not removed: the world server refused it");
 }
 
-TEST(SceneEditor, RemembersABoundedNumberOfWishes) {
+TEST(SceneEditor, RemembersABoundedNumberOfEdits) {
     SceneEditor editor("me");
     for (int i = 0; i < 1000; ++i) editor.add(named("ball"), {}, kStart);
     EXPECT_LE(editor.outcomes({}, kServer, kStart + milliseconds(9000)).size(), 64U);

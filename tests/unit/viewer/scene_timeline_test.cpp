@@ -45,12 +45,12 @@ protected:
     }
 };
 
-TEST_F(SceneTimelineTest, IsEmptyUntilAStateHasCome) {
+TEST_F(SceneTimelineTest, IsEmptyUntilAStateArrives) {
     sut_.sample(begin_, objects_);
     EXPECT_TRUE(objects_.empty());
 }
 
-TEST_F(SceneTimelineTest, ShowsWhatWasOnePeriodAgo) {
+TEST_F(SceneTimelineTest, ShowsTheStateOfOnePeriodAgo) {
     feed(0, 10);
     for (int ms = 0; ms <= 20; ms += 4) {
         const auto now = begin_ + 10 * kPeriod + milliseconds(ms);
@@ -58,14 +58,14 @@ TEST_F(SceneTimelineTest, ShowsWhatWasOnePeriodAgo) {
     }
 }
 
-TEST_F(SceneTimelineTest, MovesOnWithTheLastVelocityAndThenStops) {
+TEST_F(SceneTimelineTest, ExtrapolatesBrieflyThenStops) {
     feed(0, 10);
     const auto last = begin_ + 10 * kPeriod;
     EXPECT_NEAR(x_at(last + kPeriod + milliseconds(30)), 0.40 + 0.06, 1e-6);
-    EXPECT_NEAR(x_at(last + kPeriod + milliseconds(500)), 0.40 + 0.10, 1e-6);  // 50 ms of 2 m/s
+    EXPECT_NEAR(x_at(last + kPeriod + milliseconds(500)), 0.40 + 0.10, 1e-6);  // 50 ms at 2 m/s
 }
 
-TEST_F(SceneTimelineTest, JitterOfTheArrivalsDoesNotShow) {
+TEST_F(SceneTimelineTest, HidesJitterOfArrivals) {
     const int jitter_ms[] = {0, 7, 2, 11, 0, 5, 9, 1, 3, 8, 0, 4};
     double previous = -1.0;
     for (int step = 0; step < 12; ++step) {
@@ -79,7 +79,7 @@ TEST_F(SceneTimelineTest, JitterOfTheArrivalsDoesNotShow) {
     }
 }
 
-TEST_F(SceneTimelineTest, AResetIsNotInterpolated) {
+TEST_F(SceneTimelineTest, DoesNotInterpolateAcrossAReset) {
     feed(0, 10);
     bus::SceneState reset = state_at(11);
     reset.objects[0].world_from_object.translation.x() = -5.0;
@@ -87,7 +87,7 @@ TEST_F(SceneTimelineTest, AResetIsNotInterpolated) {
     EXPECT_NEAR(x_at(begin_ + 11 * kPeriod + milliseconds(10)), -5.0, 1e-9);
 }
 
-TEST_F(SceneTimelineTest, AWorldThatStartsAgainIsFollowedAtOnce) {
+TEST_F(SceneTimelineTest, FollowsARestartedWorldAtOnce) {
     feed(500, 510);
     bus::SceneState fresh = state_at(0);
     fresh.time = Timestamp{2'000'000'000};
@@ -96,7 +96,7 @@ TEST_F(SceneTimelineTest, AWorldThatStartsAgainIsFollowedAtOnce) {
     EXPECT_NEAR(x_at(begin_ + 511 * kPeriod), 9.0, 1e-9);
 }
 
-TEST_F(SceneTimelineTest, ObjectsThatAppearAreShownWhereTheyAre) {
+TEST_F(SceneTimelineTest, ShowsNewObjectsAtTheirPlace) {
     feed(0, 3);
     bus::SceneState more = state_at(4);
     more.objects.push_back(more.objects[0]);
@@ -106,8 +106,8 @@ TEST_F(SceneTimelineTest, ObjectsThatAppearAreShownWhereTheyAre) {
     EXPECT_EQ(objects_.size(), 2u);
 }
 
-// Two viewers of one world, far from it and near it, on links that lose and delay states in their
-// own ways, with clocks of their own: for the same time stamp both show the same place within 5 mm.
+// Two viewers of one world, one far and one near. Their links lose and delay states differently,
+// and their clocks differ. For the same time stamp both show the same place within 5 mm.
 TEST(TwoViewers, ShowTheSamePlaceForTheSameTime) {
     std::mt19937 random(9);
     std::uniform_real_distribution<double> chance(0.0, 1.0);
@@ -142,12 +142,13 @@ TEST(TwoViewers, ShowTheSamePlaceForTheSameTime) {
         if (chance(random) > 0.05)
             far.add(make_state(step), far_clock + step * kSendPeriod + way(60.0, 8.0));
         if (step < 30) continue;
-        // what the far one shows now is the past for the near one, which has it too
+        // the time that the far viewer shows now is in the past of the near viewer, which still has
+        // it
         const auto time = far.shown_time(far_clock + step * kSendPeriod + way(62.0, 10.0));
         ASSERT_TRUE(time);
         const double phase_s =
             std::fmod((*time - Timestamp{1'000'000'000'000}).count() * 1e-9, 0.8);
-        if (phase_s < 0.06 || phase_s > 0.74) continue;  // the throw itself is between two states
+        if (phase_s < 0.06 || phase_s > 0.74) continue;  // the throw itself lies between two states
         near.sample_at(*time, seen_near);
         far.sample_at(*time, seen_far);
         ASSERT_EQ(seen_near.size(), 1U);

@@ -44,7 +44,7 @@ protected:
     void update(SceneChanges changes) {
         view_.update(std::move(changes), SceneTimeline::Clock::now(), std::nullopt, *renderer_);
     }
-    // The picture of what there is now, its middle.
+    // Colour in the middle of a picture of the current scene.
     renderer::RenderedPicture draw() {
         renderer_->draw(
             renderer::ViewCamera{.position_m = {0.0, -3.0, 0.3}, .target_m = {0.2, 0.0, 0.2}});
@@ -56,17 +56,17 @@ protected:
     const fs::path folder_ =
         fs::temp_directory_path() / ("atrium-scene-view-" + std::to_string(getpid()));
     std::optional<gl::OffscreenContext> context_;
-    std::optional<renderer::SceneRenderer> renderer_;  // goes before its context
+    std::optional<renderer::SceneRenderer> renderer_;  // destroyed before its context
     SceneView view_{folder_};
 };
 
-TEST_F(SceneViewTest, ShowsThousandsOfThingsOverSeveralPictures) {
+TEST_F(SceneViewTest, ShowsThousandsOfObjectsOverSeveralPictures) {
     constexpr std::uint32_t kNum = 3000;
     SceneChanges changes;
     for (std::uint32_t id = 1; id <= kNum; ++id) changes.objects[id] = ball(id);
     update(std::move(changes));
     EXPECT_GT(renderer_->num_objects(), 0U);
-    // what goes while it waits is never seen; the order in which they come is that of their numbers
+    // objects removed while they wait are never drawn; objects appear in the order of their ids
     SceneChanges later;
     later.objects[kNum] = std::nullopt;
     later.objects[1] = std::nullopt;
@@ -80,7 +80,7 @@ TEST_F(SceneViewTest, ShowsThousandsOfThingsOverSeveralPictures) {
     update({});
 }
 
-TEST_F(SceneViewTest, GivesThingsTheirModelsOnceTheyAreRead) {
+TEST_F(SceneViewTest, GivesObjectsTheirModelsOnceLoaded) {
     bus::SceneObject thing = ball(7);
     thing.shape = bus::Shape::kConvex;
     thing.model = "tetra.obj";
@@ -94,7 +94,7 @@ TEST_F(SceneViewTest, GivesThingsTheirModelsOnceTheyAreRead) {
     changes.scenery["stage"] = scenery;
     update(std::move(changes));
     const renderer::RenderedPicture before = draw();
-    // a box of 2 cm, and one of 1 m for the scenery, until the models have come
+    // until the models are loaded, a box of 2 cm, and one of 1 m for the scenery
     while (draw().rgba == before.rgba) {
         update({});
         std::this_thread::yield();

@@ -16,7 +16,7 @@ bus::SoftBodyState state_at(std::int64_t ms, float x) {
 }
 Timestamp at(std::int64_t ms) { return {1'000'000'000'000 + ms * 1'000'000}; }
 
-TEST(SoftTimeline, MovesNodesOnStraightLinesBetweenStates) {
+TEST(SoftTimeline, InterpolatesNodesLinearly) {
     SoftTimeline timeline;
     std::vector<Eigen::Vector3f> nodes;
     EXPECT_FALSE(timeline.sample(3, at(0), nodes));
@@ -38,7 +38,7 @@ TEST(SoftTimeline, MovesNodesOnStraightLinesBetweenStates) {
     EXPECT_FALSE(timeline.sample(3, at(0), nodes));
 }
 
-TEST(SoftTimeline, DropsWhatIsLateAndBeginsAnewWhereAClockWasSet) {
+TEST(SoftTimeline, DropsLateStatesAndRestartsAfterAClockStep) {
     SoftTimeline timeline;
     std::vector<Eigen::Vector3f> nodes;
     timeline.add(state_at(0, 0.0F));
@@ -51,7 +51,7 @@ TEST(SoftTimeline, DropsWhatIsLateAndBeginsAnewWhereAClockWasSet) {
     EXPECT_NEAR(nodes[0].x(), 7.0F, 1e-3F);
 }
 
-TEST(SoftTimeline, DoesNotMixObjectsOfDifferentNumbersOfNodes) {
+TEST(SoftTimeline, DoesNotMixStatesWithDifferentNodeCounts) {
     SoftTimeline timeline;
     std::vector<Eigen::Vector3f> nodes;
     timeline.add(state_at(0, 0.0F));

@@ -27,7 +27,7 @@ std::vector<std::string> texts(const std::vector<SiteLine>& lines) {
     return texts;
 }
 
-TEST(StatusLines, SayHowLongEachStageTakes) {
+TEST(StatusLines, ShowTheTimeOfEachStage) {
     StatusLines lines;
     lines.add("alice", site_status(0), kStart);
     bus::WorldStatus world;
@@ -55,7 +55,7 @@ TEST(StatusLines, SayHowLongEachStageTakes) {
 TEST(StatusLines, WarnWhileTheWorldIsGone) {
     StatusLines lines;
     lines.forget_silent(kStart);
-    EXPECT_TRUE(lines.warnings().empty()) << "there was none yet";
+    EXPECT_TRUE(lines.warnings().empty()) << "no world was there before";
     lines.add("lab", bus::WorldStatus(), kStart);
     lines.forget_silent(kStart);
     EXPECT_TRUE(lines.warnings().empty());
@@ -67,10 +67,10 @@ TEST(StatusLines, WarnWhileTheWorldIsGone) {
     EXPECT_TRUE(lines.warnings().empty());
 }
 
-TEST(StatusLines, WarnOfWhatWasLostSinceTheReportBefore) {
+TEST(StatusLines, WarnOfLossesSinceThePreviousReport) {
     StatusLines lines;
     lines.add("alice", site_status(100), kStart);
-    EXPECT_TRUE(lines.warnings().empty()) << "that was before";
+    EXPECT_TRUE(lines.warnings().empty()) << "losses before the first report must not warn";
     lines.add("alice", site_status(103), kStart + seconds(1));
     const auto warnings = lines.warnings();
     ASSERT_EQ(warnings.size(), 1U);
@@ -79,7 +79,7 @@ TEST(StatusLines, WarnOfWhatWasLostSinceTheReportBefore) {
     lines.add("alice", site_status(103), kStart + seconds(2));
     EXPECT_TRUE(lines.warnings().empty());
     lines.add("alice", site_status(2), kStart + seconds(3));
-    EXPECT_TRUE(lines.warnings().empty()) << "it started again";
+    EXPECT_TRUE(lines.warnings().empty()) << "a restart must not warn";
     bus::SiteStatus status = site_status(2);
     status.cameras.resize(3);
     status.cameras[1].connected = true;
@@ -87,7 +87,7 @@ TEST(StatusLines, WarnOfWhatWasLostSinceTheReportBefore) {
     EXPECT_THAT(texts(lines.warnings()), testing::ElementsAre("site bob: 2 cameras off"));
 }
 
-TEST(StatusLines, TellASlowMachineFromASlowNetwork) {
+TEST(StatusLines, DistinguishASlowMachineFromASlowNetwork) {
     StatusLines lines;
     bus::SiteStatus site;
     site.processor.is_waiting_known = true;
@@ -108,7 +108,7 @@ TEST(StatusLines, TellASlowMachineFromASlowNetwork) {
             "this viewer: machine too slow: waited 50 % of the time for a core"));
 }
 
-TEST(StatusLines, KnowWhetherAWorldServerIsThereAndWhatItRefused) {
+TEST(StatusLines, ShowTheWorldServerAndItsRefusals) {
     StatusLines lines;
     EXPECT_FALSE(lines.has_world());
     lines.add("alice", site_status(0), kStart);
@@ -121,10 +121,10 @@ TEST(StatusLines, KnowWhetherAWorldServerIsThereAndWhatItRefused) {
     EXPECT_EQ(lines.num_refused(), 5U);
     lines.forget_silent(kStart + seconds(5));
     EXPECT_FALSE(lines.has_world());
-    EXPECT_EQ(texts(lines.details()).size(), 4U) << "the site is still there";
+    EXPECT_EQ(texts(lines.details()).size(), 4U) << "the site must still be shown";
 }
 
-TEST(StatusLines, TakeABoundedNumberOfPrograms) {
+TEST(StatusLines, AreBounded) {
     StatusLines lines;
     for (int i = 0; i < 1000; ++i) lines.add("s" + std::to_string(i), site_status(0), kStart);
     EXPECT_LE(lines.details().size(), 4U * 128U);

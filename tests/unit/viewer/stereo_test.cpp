@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-// Where two eyes see a ball in the viewer's pictures, beside where geometry says.
+// Compares the places of a ball in the pictures of two eyes with geometry.
 namespace atrium::viewer {
 namespace {
 
@@ -21,11 +21,11 @@ using renderer::ViewCamera;
 
 constexpr double kEyeDistance_m = 0.064;
 constexpr double kConvergence_m = 2.5;
-// A centroid of 400 to 800 pixels whose outline is rounded to pixels is within 0.1 px; two of them
-// are subtracted.
+// The centroid of 400 to 800 pixels, with an outline rounded to pixels, is accurate to 0.1 px. The
+// test subtracts two of them.
 constexpr double kTolerance_px = 0.3;
-// Of one eye alone: the middle of a ball's outline is not the outline's middle off the axis, by
-// (radius / distance)^2 of the way from there: 0.2 px.
+// For one eye alone. Off the axis, the middle of a ball's outline differs from the image of its
+// middle by (radius / distance)^2 of the distance to the axis: 0.2 px.
 constexpr double kOffAxis_px = 0.2;
 constexpr double kRadiusOverDepth = 0.02;
 
@@ -53,7 +53,7 @@ protected:
     }
     void TearDown() override { renderer_.reset(); }
 
-    // A ball at x to the right, y up and z before the middle between the eyes.
+    // A ball at x to the right, y up and z in front of the middle between the eyes.
     void put_ball(const Eigen::Vector3d& at_m) {
         const Eigen::Vector3d forward = (camera_.target_m - camera_.position_m).normalized();
         const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
@@ -69,7 +69,7 @@ protected:
         renderer_->draw(eyes_);
         renderer_->read_pixels(picture_);
     }
-    // The middle of what is red in that eye's part, from the part's upper left corner [px].
+    // The middle of the red pixels in the eye's part, from the part's upper left corner [px].
     Eigen::Vector2d seen_at(std::size_t eye) const {
         const image::PixelRect& part = eyes_[eye].part_px;
         Eigen::Vector2d sum = Eigen::Vector2d::Zero();
@@ -79,7 +79,7 @@ protected:
                 const auto at = 4 * (static_cast<std::size_t>(part.y + y) *
                                          static_cast<std::size_t>(picture_.width) +
                                      static_cast<std::size_t>(part.x + x));
-                // its shadow, the floor and the sky are grey
+                // the shadow, the floor and the sky are grey
                 if (10 * picture_.rgba[at] < 12 * picture_.rgba[at + 1]) continue;
                 sum += Eigen::Vector2d(x, y);
                 num += 1.0;
@@ -105,7 +105,7 @@ protected:
     renderer::RenderedPicture picture_;
 };
 
-TEST_P(StereoPair, HasTheDisparityOfTheDistanceAndNoneUpwards) {
+TEST_P(StereoPair, HasTheRightHorizontalAndNoVerticalDisparity) {
     const Eigen::Vector2d focal = focal_px();
     for (const Eigen::Vector3d& at : {Eigen::Vector3d(0.0, 0.0, kConvergence_m),
                                       {0.0, 0.0, 1.2},
@@ -117,8 +117,8 @@ TEST_P(StereoPair, HasTheDisparityOfTheDistanceAndNoneUpwards) {
         SCOPED_TRACE(at.transpose());
         put_ball(at);
         const std::array<Eigen::Vector2d, 2> seen{seen_at(0), seen_at(1)};
-        // the screen stands across the view at the convergence: an eye that is `offset` to the
-        // right of the middle sees (x, z) at offset + (x - offset) * convergence / z on it
+        // The screen stands across the view at the convergence distance. An eye `offset` to the
+        // right of the middle sees (x, z) on it at offset + (x - offset) * convergence / z.
         const double disparity_px =
             focal.x() * kEyeDistance_m * (1.0 / at.z() - 1.0 / kConvergence_m);
         EXPECT_NEAR(seen[0].x() - seen[1].x(), disparity_px, kTolerance_px);

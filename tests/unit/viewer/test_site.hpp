@@ -6,7 +6,7 @@
 
 namespace atrium::viewer::test_site {
 
-/// A site whose person is a sphere of 0.4 m at (0, 0, 1.2), of one colour, seen by four cameras.
+/// A site with a person of one colour: a sphere of 0.4 m at (0, 0, 1.2), seen by four cameras.
 bus::SiteDescription description(const std::string& site);
 
 struct Frame {

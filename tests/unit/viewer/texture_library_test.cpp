@@ -46,7 +46,7 @@ protected:
         EXPECT_NE(picture.error().message.find(name), std::string::npos);
         return picture.error().kind;
     }
-    // Until `count` have come; the test's own time limit ends it otherwise.
+    // Waits until `count` pictures have arrived. Otherwise the test's time limit ends it.
     static std::map<std::string, renderer::TexturePicture> wait_for(TextureLibrary& library,
                                                                     std::size_t count) {
         std::map<std::string, renderer::TexturePicture> all;
@@ -81,7 +81,7 @@ TEST_F(TextureLibraryTest, ReadsPicturesAsRgbaFromTheTop) {
     EXPECT_NEAR(photo->rgba[4 * 23], 200, 30);
 }
 
-TEST_F(TextureLibraryTest, RefusesWhatIsMissingDamagedOrTooLarge) {
+TEST_F(TextureLibraryTest, RefusesMissingDamagedOrTooLargePictures) {
     EXPECT_EQ(failure_of("none.png"), ErrorKind::kNotFound);
     write("text.png", "not a picture");
     EXPECT_EQ(failure_of("text.png"), ErrorKind::kInvalidData);
@@ -90,7 +90,7 @@ TEST_F(TextureLibraryTest, RefusesWhatIsMissingDamagedOrTooLarge) {
     const std::string whole = read("rgb.png");
     write("cut.png", whole.substr(0, whole.size() / 2));
     EXPECT_EQ(failure_of("cut.png"), ErrorKind::kInvalidData);
-    // 60,000 x 60,000 pixels: said by the header, and refused before anything is decoded
+    // 60,000 x 60,000 pixels according to the header, refused before any decoding
     std::string huge = whole;
     huge.replace(16, 8, std::string("\0\0\xEA\x60\0\0\xEA\x60", 8));
     write("huge.png", huge);
@@ -123,14 +123,14 @@ TEST_F(TextureLibraryTest, SurvivesEveryTruncationAndChangedByte) {
     }
 }
 
-TEST_F(TextureLibraryTest, HandsOverEachPictureOnceAndLeavesItsFolderForNobody) {
+TEST_F(TextureLibraryTest, DeliversEachPictureOnceAndStaysInItsFolder) {
     TextureLibrary library(root_ / "in");
     for (const char* bad : {"none.png", "../outside.png", "/etc/hostname", "in/.././rgb.png"})
         library.want(bad);
     library.want("rgb.png");
     library.want("rgb.png");
     library.want("alpha.png");
-    // the thread reads in turn: when the last has come, so has all before it
+    // the thread reads in order: when the last has arrived, so have all others
     const auto all = wait_for(library, 2);
     EXPECT_TRUE(all.contains("rgb.png"));
     EXPECT_TRUE(all.contains("alpha.png"));
@@ -145,7 +145,7 @@ TEST_F(TextureLibraryTest, HoldsNoMorePixelsThanItsLimit) {
     ASSERT_TRUE(cv::imwrite((root_ / "in/tiny.png").string(), cv::Mat(1, 2, CV_8UC1, 7)));
     TextureLibrary library(root_ / "in", {.max_pixels = 50});
     for (const char* name : {"rgb.png", "alpha.png", "photo.jpg", "tiny.png"}) library.want(name);
-    // read in turn: the third of 24 pixels does not fit any more, what is smaller does
+    // read in order: the third of 24 pixels exceeds the limit, and smaller ones still fit
     const auto all = wait_for(library, 3);
     EXPECT_TRUE(all.contains("tiny.png"));
     EXPECT_FALSE(all.contains("photo.jpg"));

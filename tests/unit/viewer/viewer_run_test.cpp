@@ -22,7 +22,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// A headless viewer in a thread of its own, and a site and a world in this one.
+// A headless viewer on its own thread, with a site and a world on this one.
 class ViewerRun : public testing::Test {
 protected:
     void SetUp() override {
@@ -54,7 +54,7 @@ protected:
         thread_.request_stop();
         thread_.join();
     }
-    // Waits for what the other side does in its own time; bounded.
+    // Waits for the other side, for a limited time.
     static bool eventually(const std::function<bool()>& condition) {
         const auto deadline = std::chrono::steady_clock::now() + 20s;
         while (std::chrono::steady_clock::now() < deadline) {
@@ -69,7 +69,7 @@ protected:
         EXPECT_TRUE(created) << created.error().message;
         return std::move(*created);
     }
-    // alice's, which says what it is when it is made; each `send` is a frame.
+    // A source of the frames of alice. It announces itself when created; each `send` is a frame.
     class Site {
     public:
         explicit Site(ViewerRun& run)
@@ -90,7 +90,7 @@ protected:
         bus::Writer<bus::CameraTexture> textures_;
         std::uint64_t frame_id_ = 0;
     };
-    // Sends until that many more have been shown.
+    // Sends frames until that many more are shown.
     bool show(Site& site, std::uint64_t num) {
         const std::uint64_t until = viewer_->status().num_pairs_shown + num;
         return eventually([&] {
@@ -125,7 +125,7 @@ TEST_F(ViewerRun, ShowsAPersonAndForgetsItWithItsSite) {
         start();
         ASSERT_TRUE(show(alice, 1));
     }
-    // the writers are gone: what is shown at the end is the empty room
+    // the writers are gone: the last picture shows the empty room
     const auto frames = viewer_->status().num_frames;
     ASSERT_TRUE(eventually([&] { return viewer_->status().num_frames > frames + 60; }));
     finish();
@@ -133,7 +133,7 @@ TEST_F(ViewerRun, ShowsAPersonAndForgetsItWithItsSite) {
     EXPECT_GT(std::abs(centre_of_output()[2] - 230), 10);
 }
 
-TEST_F(ViewerRun, WritesNamesOverHeadsWhereAsked) {
+TEST_F(ViewerRun, WritesNamesOverHeadsOnRequest) {
     config_.view.position_m = "6,0,1.2";
     config_.view.width = 640;
     config_.view.height = 360;
@@ -148,18 +148,20 @@ TEST_F(ViewerRun, WritesNamesOverHeadsWhereAsked) {
     }
     cv::Mat difference;
     cv::absdiff(pictures[0], pictures[1], difference);
-    EXPECT_GT(cv::norm(difference.rowRange(0, 180), cv::NORM_INF), 100) << "without a window: none";
-    EXPECT_LT(cv::norm(difference.rowRange(180, 360), cv::NORM_INF), 20) << "over the head alone";
+    EXPECT_GT(cv::norm(difference.rowRange(0, 180), cv::NORM_INF), 100)
+        << "a run without a window must show no names";
+    EXPECT_LT(cv::norm(difference.rowRange(180, 360), cv::NORM_INF), 20)
+        << "only the part over the head may differ";
 }
 
-TEST_F(ViewerRun, ReadsProxiesOnlyBehindThePictureAndDrawsThem) {
+TEST_F(ViewerRun, ReadsAndDrawsProxiesOnlyForTheDebugView) {
     const std::vector<Eigen::Vector3f> places{{0, -0.3F, 0.9F}, {0, 0.3F, 1.5F}};
     const bus::Lattice lattice = bus::lattice_around(places);
     bus::PersonProxy proxy;
     proxy.site = "alice";
     proxy.origin_m = lattice.origin_m;
     proxy.step_m = lattice.step_m;
-    // a sheet of surfels that rush up, so that their ways cover the middle of the picture
+    // a sheet of surfels that move up fast: their lines cover the middle of the picture
     for (int i = 0; i < 2000; ++i) {
         const Eigen::Vector3f at(0, -0.3F + 3e-4F * static_cast<float>(i), 0.9F);
         proxy.points.push_back(bus::make_proxy_point(lattice, at, {0, 0, 6}, {1, 0, 0}));
@@ -185,18 +187,18 @@ TEST_F(ViewerRun, ReadsProxiesOnlyBehindThePictureAndDrawsThem) {
     finish();
     ASSERT_TRUE(result_) << result_.error().message;
     const cv::Vec3b with = centre_of_output();
-    EXPECT_GT(with[2], 2 * with[1]) << "red: it is fast";
+    EXPECT_GT(with[2], 2 * with[1]) << "a fast surfel must be red";
     EXPECT_GT(cv::norm(with, without), 60.0);
 }
 
-TEST_F(ViewerRun, AProxyInboxHasReadersOnlyWhileItIsWanted) {
+TEST_F(ViewerRun, ProxyInboxHasReadersOnlyWhileWanted) {
     auto people = writer<bus::PersonProxy>();
     auto objects = writer<bus::ObjectProxy>();
     bus::ObjectProxy chair;
     chair.object = 7;
     chair.vertices = {{0, 0, 0}, {1, 0, 0}};
     chair.edges = {{0, 1}};
-    ASSERT_TRUE(objects.write(chair));  // before anybody looks
+    ASSERT_TRUE(objects.write(chair));  // before any reader exists
     ProxyInbox inbox;
     const auto has_taken = [&] {
         EXPECT_EQ(inbox.receive(*participant_).num_rejected, 0U);
@@ -212,7 +214,7 @@ TEST_F(ViewerRun, AProxyInboxHasReadersOnlyWhileItIsWanted) {
         EXPECT_TRUE(eventually([&] { return people.num_readers() == 0; }));
         EXPECT_TRUE(inbox.take().people.empty());
         inbox.want(true);
-        EXPECT_TRUE(eventually(has_taken)) << "again where it was read before";
+        EXPECT_TRUE(eventually(has_taken)) << "objects must arrive again for a new reader";
         EXPECT_EQ(people.num_readers(), 1);
     }
     ASSERT_TRUE(objects.dispose(chair));
@@ -223,8 +225,8 @@ TEST_F(ViewerRun, AProxyInboxHasReadersOnlyWhileItIsWanted) {
     }));
 }
 
-// The site is there, but sends nothing any more.
-TEST_F(ViewerRun, APersonOfASiteThatStallsFades) {
+// The site exists, but no longer sends anything.
+TEST_F(ViewerRun, PersonOfAStalledSiteFades) {
     start();
     Site alice(*this);
     ASSERT_TRUE(show(alice, 3));
@@ -241,7 +243,7 @@ TEST_F(ViewerRun, APersonOfASiteThatStallsFades) {
     EXPECT_GT(cv::norm(stalled, empty), 10.0);
 }
 
-TEST_F(ViewerRun, ShowsObjectsWhereTheWorldPutsThem) {
+TEST_F(ViewerRun, ShowsObjectsAtTheirPlacesInTheWorld) {
     auto objects = writer<bus::SceneObject>();
     auto states = writer<bus::SceneState>();
     bus::SceneObject ball;
@@ -251,7 +253,7 @@ TEST_F(ViewerRun, ShowsObjectsWhereTheWorldPutsThem) {
     ball.size_m = {0.4, 0.4, 0.4};
     ball.colour = {0.9, 0.0, 0.0};
     ball.world_from_object.translation = {0.0, 5.0, 0.0};
-    ASSERT_TRUE(objects.write(ball));  // before the viewer is there
+    ASSERT_TRUE(objects.write(ball));  // before the viewer starts
     start();
     std::uint64_t tick = 0;
     ASSERT_TRUE(eventually([&] {
@@ -320,7 +322,7 @@ TEST_F(ViewerRun, ShowsSoftObjectsAndSceneryFromItsOwnFolder) {
     }
 }
 
-TEST_F(ViewerRun, EndsAfterTheFramesAskedFor) {
+TEST_F(ViewerRun, EndsAfterTheConfiguredFrames) {
     config_.frames = 5;
     config_.view.max_fps = 200.0;
     start();
@@ -330,7 +332,7 @@ TEST_F(ViewerRun, EndsAfterTheFramesAskedFor) {
     EXPECT_GT(centre_of_output()[0], 50);
 }
 
-TEST_F(ViewerRun, AVideoBeginsWithThePeopleWaitedFor) {
+TEST_F(ViewerRun, VideoBeginsWithTheAwaitedPeople) {
     config_.wait_people = 1;
     config_.wait_timeout_s = 60.0;
     config_.view.max_fps = 200.0;
@@ -349,7 +351,7 @@ TEST_F(ViewerRun, AVideoBeginsWithThePeopleWaitedFor) {
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(first.at<cv::Vec3b>(90, 160)[i], 230, 12);
 }
 
-TEST_F(ViewerRun, FilesThatCannotBeWrittenAreErrorsBeforeTheFirstPicture) {
+TEST_F(ViewerRun, ReportsUnwritableFilesBeforeTheFirstPicture) {
     const std::filesystem::path no_folder = folder_ / "file";
     std::ofstream(no_folder) << "not a folder";
     config_.output = no_folder / "last.png";
@@ -371,7 +373,7 @@ TEST_F(ViewerRun, FilesThatCannotBeWrittenAreErrorsBeforeTheFirstPicture) {
     EXPECT_THAT(misnamed.error().message, testing::HasSubstr("video.file: must end in"));
 }
 
-TEST_F(ViewerRun, AWindowForTwoEyesIsNotAskedForWithoutOne) {
+TEST_F(ViewerRun, RefusesTwoEyesWithoutAWindow) {
     config_.display.stereo = "quad_buffer";
     const auto viewer = Viewer::create(config_);
     ASSERT_FALSE(viewer);
@@ -379,7 +381,7 @@ TEST_F(ViewerRun, AWindowForTwoEyesIsNotAskedForWithoutOne) {
     EXPECT_THAT(viewer.error().message, testing::HasSubstr("quad_buffer needs a window"));
 }
 
-TEST_F(ViewerRun, PeopleWhoDoNotComeAreAnError) {
+TEST_F(ViewerRun, FailsIfNobodyComes) {
     config_.wait_people = 2;
     config_.frames = 1;
     config_.wait_timeout_s = 0.2;

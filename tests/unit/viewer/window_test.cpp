@@ -6,7 +6,7 @@
 
 #include <optional>
 
-// What is seen of the viewer's window, on a display of its own.
+// Shows the viewer's window on a private display and reads the display's pixels.
 namespace atrium::viewer {
 namespace {
 
@@ -35,12 +35,12 @@ protected:
         renderer_.emplace(std::move(*renderer));
     }
     void close() {
-        renderer_.reset();  // its context goes with the window
+        renderer_.reset();  // its context is destroyed with the window
         window_.reset();
     }
     void TearDown() override { close(); }
 
-    // As the viewer does for each picture.
+    // Draws and shows a picture as the viewer does.
     SurfaceEvents draw() {
         const SurfaceEvents events = window_->poll();
         const auto size = window_->size();
@@ -52,7 +52,8 @@ protected:
         return events;
     }
 
-    // What a click there makes of the mouse and of the menu: it is let go, and seen to be.
+    // The effects of a click at this place. It holds the button until the viewer has seen it, then
+    // releases it.
     SurfaceEvents click(int x, int y) {
         display_->point_at(kTitle, x, y);
         for (int i = 0; i < 3; ++i) draw();
@@ -71,7 +72,7 @@ protected:
         return all;
     }
 
-    // The picture as it was drawn, without what stands beside it.
+    // A pixel of the drawn picture, without the overlay.
     Colour drawn_at(int x, int y) const {
         renderer::RenderedPicture picture;
         renderer_->read_pixels(picture);
@@ -86,8 +87,8 @@ protected:
     std::optional<renderer::SceneRenderer> renderer_;
 };
 
-// At its right, where no figures stand: sky above, floor below.
-TEST_F(ViewerWindow, ShowsWhatIsDrawnAndFollowsItsSize) {
+// Points at the right edge, where no figures are drawn: sky above, floor below.
+TEST_F(ViewerWindow, ShowsThePictureAndFollowsResizes) {
     for (const Size& size : {Size{640, 360}, Size{1000, 700}}) {
         display_->resize(kTitle, size);
         EXPECT_TRUE(comes_true([&] {
@@ -102,7 +103,7 @@ TEST_F(ViewerWindow, ShowsWhatIsDrawnAndFollowsItsSize) {
     }
 }
 
-TEST_F(ViewerWindow, IsClosedByEscapeAndByItsFrame) {
+TEST_F(ViewerWindow, EscapeAndTheFrameCloseIt) {
     EXPECT_FALSE(draw().close);
     display_->press_escape(kTitle);
     EXPECT_TRUE(comes_true([&] { return draw().close; }));
@@ -114,7 +115,7 @@ TEST_F(ViewerWindow, IsClosedByEscapeAndByItsFrame) {
     EXPECT_TRUE(comes_true([&] { return draw().close; }));
 }
 
-TEST_F(ViewerWindow, TakesItsKeys) {
+TEST_F(ViewerWindow, ReportsItsKeys) {
     const auto gives = [&](const std::string& key, auto&& has) {
         display_->press(kTitle, key);
         return comes_true([&] { return has(draw()); });
@@ -132,8 +133,8 @@ TEST_F(ViewerWindow, TakesItsKeys) {
     EXPECT_TRUE(gives("g", [](const SurfaceEvents& e) { return !e.motion.walk; }));
 }
 
-// The list of all keys stands in the middle of the picture.
-TEST_F(ViewerWindow, ListsItsKeysWhenAsked) {
+// The list of all keys is in the middle of the picture.
+TEST_F(ViewerWindow, ListsItsKeysOnRequest) {
     const auto shows_list = [&] {
         draw();
         const auto [width, height] = window_->size();
@@ -151,15 +152,15 @@ TEST_F(ViewerWindow, ListsItsKeysWhenAsked) {
     EXPECT_TRUE(comes_true([&] { return !shows_list(); }));
 }
 
-// The menu stands at the right, 290 pixels wide; what is in it is found by trying.
-TEST_F(ViewerWindow, HasAMenuThatTakesTheMouseAndTheKeys) {
+// The menu is at the right, 290 pixels wide. The test finds its entries by clicking.
+TEST_F(ViewerWindow, MenuTakesTheMouseAndTheKeys) {
     display_->resize(kTitle, {640, 520});
     ASSERT_TRUE(comes_true([&] {
         draw();
         return window_->size() == Size{640, 520};
     }));
     const int x = 640 - 10 - 290 + 150;
-    EXPECT_TRUE(click(x, 120).pointer.is_down) << "the world's";
+    EXPECT_TRUE(click(x, 120).pointer.is_down) << "a click beside the menu must reach the world";
     display_->press(kTitle, "m");
     for (int i = 0; i < 20; ++i) draw();
     figures_.things = {{7, "ball (7)"}, {8, "box (8)"}};
@@ -169,7 +170,7 @@ TEST_F(ViewerWindow, HasAMenuThatTakesTheMouseAndTheKeys) {
     for (int y = 20; y < 340; y += 7) {
         const SurfaceEvents events = click(x, y);
         EXPECT_FALSE(events.pointer.is_down) << y;
-        EXPECT_FALSE(events.remove) << "nothing is chosen yet";
+        EXPECT_FALSE(events.remove) << "no object is selected yet";
         if (events.reset_scene && !reset_at) reset_at = y;
         if (events.add) {
             added = events.add;
@@ -187,19 +188,19 @@ TEST_F(ViewerWindow, HasAMenuThatTakesTheMouseAndTheKeys) {
     EXPECT_TRUE(reset_at);
     EXPECT_TRUE(name_at);
     ASSERT_TRUE(added);
-    EXPECT_LE(added->shape, bus::Shape::kCapsule) << "one of its buttons was met on the way";
+    EXPECT_LE(added->shape, bus::Shape::kCapsule) << "the clicks must have hit a shape button";
     EXPECT_GT(added->size_m.minCoeff(), 0.0);
-    EXPECT_EQ(added->name.substr(0, 3), "nb4") << "names have no question marks";
+    EXPECT_EQ(added->name.substr(0, 3), "nb4") << "names must have no question marks";
     std::optional<std::uint32_t> removed;
     for (int y = 220; y < 420 && !removed; y += 9) removed = click(x, y).remove;
     ASSERT_TRUE(removed);
     EXPECT_TRUE(*removed == 7 || *removed == 8);
     display_->press_escape(kTitle);
-    for (int i = 0; i < 20; ++i) EXPECT_FALSE(draw().close) << "closes the menu alone";
+    for (int i = 0; i < 20; ++i) EXPECT_FALSE(draw().close) << "Escape must close only the menu";
     EXPECT_TRUE(click(x, 120).pointer.is_down) << "it is closed";
 }
 
-TEST_F(ViewerWindow, FillsTheScreenAndComesBack) {
+TEST_F(ViewerWindow, TogglesFullScreen) {
     const Size before = window_->size();
     display_->press(kTitle, "F11");
     EXPECT_TRUE(comes_true([&] {
