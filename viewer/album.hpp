@@ -13,33 +13,32 @@
 
 namespace atrium::viewer {
 
-/// What is kept of the pictures: screenshots, videos and the last one. Of the drawing thread; a
-/// renderer's context has to be current.
+/// Writes screenshots, videos and the last picture. Drawing thread only; the renderer's context
+/// must be current.
 class Album {
 public:
     explicit Album(const ViewerConfig& config) : config_(config) {}
 
-    /// Makes the files ready that the configuration asks for; error kUnavailable where one cannot
-    /// be written.
+    /// Opens the files that the configuration names. Error kUnavailable if one cannot be written.
     Expected<void> open(const renderer::SceneRenderer& renderer);
-    /// Finishes the video; error kUnavailable where it is not whole.
+    /// Finishes the video. Error kUnavailable if the video is incomplete.
     Expected<void> close();
 
-    /// Offers the picture that was just drawn to the video; to the one that the configuration asks
-    /// for only if it `counts`, see RunLimit.
+    /// Offers the picture just drawn to the running video. The video of the configuration takes it
+    /// only if it `counts` (see RunLimit).
     void add(const renderer::SceneRenderer& renderer, bool counts);
-    /// How long the video is by now [s]; nothing: none is recorded.
+    /// Length of the running video [s]. Empty if none is recorded.
     std::optional<double> video_s() const;
-    /// Pictures that videos repeat the one before for, as encoding could not keep up.
+    /// Pictures that the encoder was too slow for. The videos repeat the picture before instead.
     std::uint64_t num_dropped() const {
         return num_dropped_before_ + (video_ ? video_->num_dropped() : 0);
     }
 
-    // For people who press keys: return what became of it, to be read.
+    // Handle key presses. Return a message for the user.
     std::string toggle_video(const renderer::SceneRenderer& renderer);
     std::string screenshot(const renderer::SceneRenderer& renderer);
 
-    /// The last picture, where the configuration asks for it.
+    /// Writes the current picture to the file that the configuration names, if it names one.
     Expected<void> write_output(const renderer::SceneRenderer& renderer);
 
 private:
@@ -50,8 +49,8 @@ private:
     const ViewerConfig& config_;
     std::unique_ptr<VideoRecorder> video_;
     std::filesystem::path video_file_;
-    bool is_asked_for_ = false;             // the video, by the configuration
-    std::uint64_t num_dropped_before_ = 0;  // by the videos before
+    bool is_asked_for_ = false;             // the configuration asked for this video
+    std::uint64_t num_dropped_before_ = 0;  // of earlier videos
     app::log::OncePerSecond drops_;
     renderer::RenderedPicture picture_;
     int num_files_ = 0;

@@ -14,7 +14,7 @@
 
 namespace atrium::viewer {
 
-/// What the viewer draws over people and things. Of the drawing thread.
+/// Draws name tags and debug lines over the scene. Drawing thread only.
 class Annotations {
 public:
     using Clock = std::chrono::steady_clock;
@@ -24,13 +24,13 @@ public:
           is_debug_(view.debug == "on") {}
 
     void toggle_names() { has_names_ = !has_names_; }
-    /// What is behind the picture: meshes as wires, and DebugView's lines.
+    /// Shows or hides the debug view: wireframe meshes and the lines of DebugView.
     void toggle_debug() { is_debug_ = !is_debug_; }
 
-    /// Asks for what they show, and takes what has come.
+    /// Subscribes to proxies while the debug view is on, and takes those that arrived.
     void take(ProxyInbox& proxies, Clock::time_point now);
 
-    /// `inside`: the person through whose eyes the viewer looks; empty: nobody.
+    /// `inside` names the person through whose eyes the viewer looks. Empty: nobody.
     void update(const SceneView& scene,
                 const PeopleView& people,
                 const std::string& inside,

@@ -15,8 +15,8 @@
 
 namespace atrium::viewer {
 
-/// Reads what is asked for, each once and in turn, on a thread of its own, so that who draws never
-/// waits for a disk. At most kAhead results wait to be taken: what is not wanted takes no memory.
+/// Reads values by key on its own thread, each once and in order of request, so the drawing thread
+/// never waits for a disk. At most kAhead results wait to be taken, which bounds the memory.
 template <typename Key, typename Value>
 class BackgroundReader {
 public:
@@ -24,11 +24,11 @@ public:
     using Result = std::pair<Key, Expected<Value>>;
     static constexpr std::size_t kAhead = 4;
 
-    /// `read` is called by the thread.
+    /// Calls `read` on the background thread.
     explicit BackgroundReader(Read read)
         : read_(std::move(read)), thread_([this](std::stop_token stop) { run(std::move(stop)); }) {}
 
-    /// Asks for something; again only after `forget`.
+    /// Requests `key`. Ignored if it was requested since the last `forget`.
     void want(const Key& key) {
         {
             const std::lock_guard lock(mutex_);
@@ -45,7 +45,7 @@ public:
         const std::lock_guard lock(mutex_);
         return wanted_.size();
     }
-    /// What has been read, or could not be, since the last call. Never waits.
+    /// Returns the results since the last call, failures included. Never blocks.
     std::vector<Result> take() {
         std::vector<Result> results;
         {
@@ -55,7 +55,7 @@ public:
         if (!results.empty()) changed_.notify_one();
         return results;
     }
-    /// All that was asked for: it may be asked for again.
+    /// Drops all requests and results. Keys may be requested again.
     void forget() {
         const std::lock_guard lock(mutex_);
         ++generation_;
@@ -80,13 +80,13 @@ private:
     }
 
     Read read_;
-    mutable std::mutex mutex_;  // of all that follows
+    mutable std::mutex mutex_;  // guards the members below
     std::condition_variable_any changed_;
-    std::set<Key> wanted_;     // ever
-    std::deque<Key> waiting_;  // of them, to be read
+    std::set<Key> wanted_;     // all requests since `forget`
+    std::deque<Key> waiting_;  // not read yet
     std::vector<Result> results_;
     std::size_t generation_ = 0;
-    std::jthread thread_;  // last: stops before the rest goes
+    std::jthread thread_;  // last: stops before the other members are destroyed
 };
 
 }  // namespace atrium::viewer

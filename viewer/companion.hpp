@@ -12,35 +12,37 @@
 
 namespace atrium::viewer {
 
-/// Where somebody is [m].
+/// Position and size of a person [m].
 struct PersonPlace {
-    Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // of the bounds
-    Eigen::Vector3d eyes = Eigen::Vector3d::Zero();    // in the middle of the head
-    Eigen::Vector3d top = Eigen::Vector3d::Zero();     // of the head
-    Eigen::Vector3d size = Eigen::Vector3d::Zero();    // of the bounds, along the site's axes
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // centre of the bounding box
+    Eigen::Vector3d eyes = Eigen::Vector3d::Zero();    // centre of the head
+    Eigen::Vector3d top = Eigen::Vector3d::Zero();     // top of the head
+    /// Extents of the bounding box along the site's axes.
+    Eigen::Vector3d size = Eigen::Vector3d::Zero();
 };
 
-/// Of a surface that is not empty; +Z is up. The head is what lies within 25 cm below the top.
+/// Computes the place of a person from the vertices of a mesh that is not empty; +Z is up. The head
+/// is the part within 25 cm below the top.
 PersonPlace place_of(std::span<const Eigen::Vector3f> vertices);
 
-/// Lets the viewpoint go with a person: follows her, or sees through her eyes. Nobody can tell from
-/// a hull where she looks: that stays with the mouse.
+/// Moves the viewpoint with a person: follows the person, or looks through the person's eyes. A
+/// hull does not show where the person looks, so the mouse chooses the direction.
 class Companion {
 public:
     using Clock = std::chrono::steady_clock;
-    using Places = std::map<std::string, PersonPlace>;  // of all people, in the world
+    using Places = std::map<std::string, PersonPlace>;  // all people, in the world frame
 
-    /// Follows the person nearest to the camera's target, or stops.
+    /// Follows the person nearest to the camera's target, or stops following.
     void toggle_follow(const renderer::ViewCamera& camera, const Places& places);
-    /// Through the eyes of the person of that number, counted from 1 in the order of the names; the
-    /// same number again, or one that nobody has, leaves her.
+    /// Looks through the eyes of person `number`, counted from 1 in the order of the names. The
+    /// same number again, or a number without a person, leaves the person.
     void toggle_eyes(std::size_t number, const Places& places);
     void leave() { name_.clear(); }
 
     bool has_own_eyes() const { return !name_.empty() && is_inside_; }
-    const std::string& name() const { return name_; }  // empty: of nobody
+    const std::string& name() const { return name_; }  // empty: nobody
 
-    /// The camera after the person has moved on. Leaves her where she is gone.
+    /// Returns the camera after the person has moved. Leaves a person who is gone.
     renderer::ViewCamera update(renderer::ViewCamera camera,
                                 const Places& places,
                                 Clock::time_point now);
@@ -48,7 +50,7 @@ public:
 private:
     std::string name_;
     bool is_inside_ = false;
-    std::optional<Eigen::Vector3d> at_;  // where the viewpoint has her: she is followed softly
+    std::optional<Eigen::Vector3d> at_;  // smoothed position that the camera follows
     Clock::time_point time_;
 };
 

@@ -11,8 +11,8 @@
 
 namespace atrium::viewer {
 
-/// Warns once where neither a world server nor a site has been in the world: its name may be
-/// misspelt, and the picture would only show an empty floor.
+/// Warns once if neither a world server nor a site has joined the world. The world's name may be
+/// misspelt; the picture would show an empty floor without a reason.
 class Company {
 public:
     using Clock = std::chrono::steady_clock;
@@ -20,7 +20,7 @@ public:
 
     explicit Company(std::string world) : world_(std::move(world)) {}
 
-    /// `present` are those who are there at `now`; `is_over`: there is no more time to come.
+    /// Checks the programs `present` at `now`. `is_over`: the run ends, so nobody else can come.
     /// Returns whether it warned.
     bool look(const std::vector<bus::Presence>& present, Clock::time_point now, bool is_over) {
         begin_ = std::min(begin_, now);
@@ -38,7 +38,7 @@ public:
 private:
     std::string world_;
     Clock::time_point begin_ = Clock::time_point::max();
-    bool is_known_ = false;  // that somebody is there, or that nobody is
+    bool is_known_ = false;  // somebody is there, or the warning was given
 };
 
 }  // namespace atrium::viewer

@@ -16,27 +16,27 @@
 
 namespace atrium::viewer {
 
-/// What the camera sees, up to `length_m` before it, without its lens distortion.
+/// Appends the frustum of `camera` up to `length_m` before it. Ignores the lens distortion.
 void append_frustum(const geometry::CalibratedCamera& camera,
                     const Eigen::Matrix4d& world_from_site,
                     double length_m,
                     const Eigen::Vector3f& colour,
                     std::vector<renderer::Line>& lines);
 
-/// What is behind the picture, as lines: the sites' spaces and cameras, the bounds of people, what
-/// the physics takes people and things for, and where they go. Of the drawing thread.
+/// Draws the internals of the scene as lines: spaces and cameras of the sites, bounding boxes of
+/// people, collision shapes of people and objects, and their velocities. Drawing thread only.
 class DebugView {
 public:
-    static constexpr double kFrustumM = 0.35;  // length of the cameras' frustums
+    static constexpr double kFrustumM = 0.35;  // length of the camera frustums [m]
 
-    /// Adds to `lines` and `labels` what is there now.
+    /// Appends the lines and labels of the current state.
     void append(const SceneView& scene,
                 const PeopleView& people,
                 const ProxyView& proxies,
                 const renderer::SceneRenderer& renderer,
                 std::vector<renderer::Line>& lines,
                 std::vector<renderer::Label>& labels);
-    /// Forgets the pictures of the cameras' names.
+    /// Drops the rendered camera names.
     void clear() { names_.clear(); }
 
 private:
@@ -46,7 +46,7 @@ private:
                      std::vector<renderer::Label>& labels);
 
     std::map<std::string, std::shared_ptr<const renderer::TexturePicture>> names_;
-    int num_new_names_ = 0;  // drawn for this picture
+    int num_new_names_ = 0;  // rendered for this picture
 };
 
 }  // namespace atrium::viewer

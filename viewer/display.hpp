@@ -21,8 +21,8 @@ namespace atrium::viewer {
 struct DisplayConfig {
     std::string stereo = "none";
     double eye_distance_m = 0.064;
-    double convergence_m = 0.0;    // 0: at the target
-    std::filesystem::path wall{};  // empty: a display by itself
+    double convergence_m = 0.0;    // 0: distance of the target
+    std::filesystem::path wall{};  // empty: a single display
     std::string tile{};
     double delay_ms = 120.0;
 };
@@ -30,40 +30,42 @@ struct DisplayConfig {
 /// Declares every option, with its unit, on `set`.
 void declare(DisplayConfig& config, config::OptionSet& set);
 
-/// How two pictures reach two eyes.
+/// How the pictures for the two eyes are combined.
 enum class Stereo : std::uint8_t {
     kNone,
-    kSideBySide,  // each squeezed to half of the width, the left eye's on the left
-    kTopBottom,   // each squeezed to half of the height, the left eye's on top
-    kAnaglyph,    // red is the left eye's, green and blue the right one's
-    kQuadBuffer   // side by side in the picture; the window hands them to the driver
+    kSideBySide,  // each at half the width, the left eye's on the left
+    kTopBottom,   // each at half the height, the left eye's on top
+    kAnaglyph,    // red for the left eye, green and blue for the right eye
+    /// Side by side in the picture; the window copies the halves to the driver's stereo buffers.
+    kQuadBuffer
 };
 
-/// What the eyes before a display see of the world: a monitor's, those of two eyes, or a
-/// projector's share of a wall.
+/// Computes the views that a display needs: one for a monitor, two for stereo, or the part of a
+/// wall that one projector shows.
 class Display {
 public:
-    /// Error kConfiguration where the wall cannot be read or has no such tile.
+    /// Error kConfiguration if the wall file cannot be read or has no such tile.
     static Expected<Display> create(const DisplayConfig& config);
 
-    /// Of the picture to draw for a surface of a size [px].
+    /// Size of the picture to draw for a surface of `surface_px` [px].
     std::array<int, 2> picture_size(std::array<int, 2> surface_px) const;
-    /// For a picture of that size. A tile of a wall shows its part of the world, whatever `camera`.
+    /// Views for a picture of that size. A tile of a wall ignores `camera`.
     std::vector<renderer::EyeView> eyes(const renderer::ViewCamera& camera,
                                         int width,
                                         int height) const;
-    /// Where a pointer on the surface is in the picture of the eye that it is over.
+    /// Maps a pointer on the surface to the picture of the eye under it.
     Pointer over_one_eye(Pointer pointer) const;
 
-    /// How many times as wide as high a pixel of such a surface is on the tile; 1 without a wall.
+    /// Width of a pixel over its height on the tile, for a surface of that size. 1 without a wall.
     double pixel_aspect(std::array<int, 2> surface_px) const;
 
     Stereo stereo() const { return stereo_; }
     bool is_tile() const { return tile_.has_value(); }
-    /// The moment to show at `now`: nothing where the newest is shown. All tiles of a wall show the
-    /// same moments, a while ago, so that each has what it needs; their clocks must agree.
+    /// Capture time to show at `now`. Empty: show the newest. All tiles of a wall show the same
+    /// moments, `delay` in the past, so the data of all have arrived. The clocks of their hosts
+    /// must agree.
     std::optional<Timestamp> instant(Timestamp now) const;
-    /// How long ago that was; 0 where the newest is shown.
+    /// Age of the moments shown. 0 if the newest is shown.
     std::chrono::nanoseconds delay() const { return delay_; }
 
 private:

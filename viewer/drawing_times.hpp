@@ -8,23 +8,23 @@
 
 namespace atrium::viewer {
 
-/// How long the drawing thread is busy. Not thread-safe.
+/// Measures what the drawing thread spends per picture. Not thread-safe.
 class DrawingTimes {
 public:
     using Duration = std::chrono::steady_clock::duration;
 
-    /// With what each of the people who are new in a picture cost it, before it was drawn.
+    /// Adds the time to upload one new person.
     void add_people(Duration duration) { people_.add(duration); }
-    /// With what is done for a picture before it is drawn.
+    /// Adds the time to prepare a picture before it is drawn.
     void add_preparation(Duration duration);
-    /// With a whole picture, but for waiting until it is due.
+    /// Adds the time of a whole picture without the wait for its due time.
     void add_picture(Duration duration);
-    /// With the way of somebody who is new in a picture: from the complete pair to the decoded
-    /// person, from there to the begin of the picture, and from the complete pair to its display.
+    /// Adds the latencies of a person who is new in a picture: complete pair to decoded person,
+    /// decoded person to begin of the picture, complete pair to display.
     void add_way(Duration decoding, Duration waiting, Duration to_display);
-    /// Forgets the pictures that were before, which did not count.
+    /// Drops the maxima of the pictures that do not count.
     void begin_pictures() { longest_ = longest_preparation_ = {}; }
-    /// "taking_in_ms=..." and more of the kind, for the log.
+    /// Returns the fields "taking_in_ms=..." and so on for the log.
     std::string text() const;
 
 private:

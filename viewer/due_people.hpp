@@ -11,8 +11,8 @@
 
 namespace atrium::viewer {
 
-/// People on their way to a display that shows what was a while ago: of each site, the newest that
-/// is due. Not thread-safe.
+/// Buffers people for delayed playback. Releases the newest due person of each site. Not
+/// thread-safe.
 class DuePeople {
 public:
     struct Item {
@@ -20,20 +20,20 @@ public:
         PersonUpdate update;
     };
 
-    /// `replaced` is handed what will never be shown, of which a newer one was due or which were
-    /// too many.
+    /// Adds an update. Passes updates that will never be shown to `replaced`, because a newer one
+    /// is due or the buffer is full.
     template <typename Replaced>
     void add(const std::string& site, PersonUpdate update, const Replaced& replaced);
-    /// What is to be shown from `instant` on, and was not taken yet. Nobody being there any more
-    /// is due at once.
+    /// Takes the updates to show from `instant` on, one per site at most. An update without a
+    /// person is due at once.
     template <typename Replaced>
     std::vector<Item> take(Timestamp instant, const Replaced& replaced);
     void clear() { waiting_.clear(); }
 
 private:
-    static constexpr std::size_t kMaxWaiting = 16;  // of a site: half a second
+    static constexpr std::size_t kMaxWaiting = 16;  // per site: half a second
 
-    std::map<std::string, std::deque<PersonUpdate>> waiting_;  // in the order of their arrival
+    std::map<std::string, std::deque<PersonUpdate>> waiting_;  // in order of arrival
 };
 
 template <typename Replaced>

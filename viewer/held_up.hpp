@@ -9,25 +9,25 @@
 
 namespace atrium::viewer {
 
-/// Finds frames that were held up on their way: those in queues when a site, a viewer or the link
-/// between them had stopped and goes on. A frame that comes more than `kMaxMore` later after its
-/// capture than the quickest of its site is such a one, unless all have been that late for
-/// `kGetsUsedTo`: then it is the stream that is slow, or a clock that was set. Clocks of two hosts
-/// need not agree. Not thread-safe.
+/// Detects frames that waited in a queue while a site, a viewer or the link between them had
+/// stopped. A frame is stale if its delay exceeds the shortest delay of its site by more than
+/// `kMaxMore`. If all frames are that late for `kGetsUsedTo`, the stream is slow or a clock was
+/// set, and the new delay becomes the reference. The clocks of two hosts need not agree. Not
+/// thread-safe.
 class HeldUp {
 public:
     static constexpr std::chrono::nanoseconds kMaxMore = std::chrono::seconds(1);
     static constexpr std::chrono::nanoseconds kGetsUsedTo = std::chrono::milliseconds(500);
 
-    /// A frame of the site that was captured at `capture_time`, on the site's clock, is complete at
-    /// `now`, on ours. True: it was held up.
+    /// Adds a frame of `site`, captured at `capture_time` on the site's clock and complete at `now`
+    /// on the local clock. Returns whether it is stale.
     bool add(const std::string& site, Timestamp capture_time, Timestamp now);
-    /// The site is gone: whatever comes from it next is new.
+    /// Forgets a site. Its next frame is a new start.
     void forget(const std::string& site) { sites_.erase(site); }
 
 private:
     struct Site {
-        std::chrono::nanoseconds best{0};  // shortest delay, creeping up with time
+        std::chrono::nanoseconds best{0};  // shortest delay; grows slowly with time
         Timestamp seen;
         std::optional<Timestamp> late_since;
     };

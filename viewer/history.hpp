@@ -6,8 +6,8 @@
 
 namespace atrium::viewer {
 
-/// A figure over the last 30 seconds, for a curve: the mean of each quarter of a second, 0 where
-/// there was none. Takes the same memory whatever comes.
+/// Keeps a value over the last 30 seconds for a curve: the mean of each quarter of a second, 0 for
+/// slots without values. Uses constant memory.
 class History {
 public:
     using Clock = std::chrono::steady_clock;
@@ -20,9 +20,9 @@ public:
         slot.sum += value;
         ++slot.num;
     }
-    /// Counts as well: the sum of each slot per second.
+    /// kPerSecond sums each slot and divides by its length, for counts.
     enum class Of { kMean, kPerSecond };
-    /// The oldest first; the slot that still goes on is left out.
+    /// Values, oldest first, without the slot that is still open.
     std::array<float, kLength - 1> values(Of of, Clock::time_point now) const {
         std::array<float, kLength - 1> values{};
         const std::size_t last = index_of(now);

@@ -4,11 +4,11 @@
 
 namespace atrium::viewer {
 
-/// Lays out the panel of figures, with how long sites and worlds take for what where
-/// `has_details`. Between ImGui's NewFrame and Render.
+/// Lays out the panel of statistics; `has_details` adds the stage times of sites and worlds. Call
+/// between ImGui's NewFrame and Render.
 void draw_hud(const HudFigures& figures, bool has_details);
 
-/// Lists all keys. Likewise.
+/// Lays out the list of keys. Call between ImGui's NewFrame and Render.
 void draw_keys();
 
 }  // namespace atrium::viewer

@@ -7,10 +7,11 @@
 
 namespace atrium::viewer {
 
-/// The menu: puts things into the world, takes them out, resets them. For mouse and keyboard.
+/// The menu that adds, removes and resets objects, for mouse and keyboard.
 class Menu {
 public:
-    /// Lays it out, and says in `events` what was chosen. Between ImGui's NewFrame and Render.
+    /// Lays out the menu and writes the user's choices to `events`. Call between ImGui's NewFrame
+    /// and Render.
     void draw(const HudFigures& figures, SurfaceEvents& events);
 
 private:
@@ -18,11 +19,11 @@ private:
     void draw_things(const HudFigures& figures, SurfaceEvents& events);
 
     int shape_ = 0;                                     // index into the menu's shapes
-    std::array<float, 3> size_m_{0.25f, 0.25f, 0.25f};  // as NewThing's
+    std::array<float, 3> size_m_{0.25f, 0.25f, 0.25f};  // as NewThing::size_m
     float mass_kg_ = 0.5f;
-    std::array<float, 3> colour_{0.85f, 0.35f, 0.15f};  // as it is seen (sRGB)
+    std::array<float, 3> colour_{0.85f, 0.35f, 0.15f};  // sRGB
     std::array<char, 64> name_{};
-    std::uint32_t chosen_ = 0;  // object; 0: none
+    std::uint32_t chosen_ = 0;  // selected object; 0: none
 };
 
 }  // namespace atrium::viewer

@@ -17,21 +17,20 @@
 
 namespace atrium::viewer {
 
-/// What models look like, from files of one folder, each read once and in the background. A box
-/// stands for a model that has not been read yet, or cannot be, which is said once in the log. Not
-/// thread-safe.
+/// Loads the models of one folder, each once and in the background. A box replaces a model that is
+/// not loaded yet or cannot be loaded; the log names each failure once. Not thread-safe.
 class ModelLibrary {
 public:
     explicit ModelLibrary(const std::filesystem::path& folder);
 
-    /// Of an object: its model as one, in its own colour, or a box of its size.
+    /// Look of an object: the whole model in the object's colour, or a box of the object's size.
     renderer::ObjectLook look_of(const bus::SceneObject& object, renderer::ShapeKind shape);
-    /// Of scenery: a part for each of the model's, in the model's colours, or a box of 1 m.
+    /// Looks of scenery: one per part of the model, in the model's colours, or a box of 1 m.
     std::vector<renderer::ObjectLook> look_of(const bus::Scenery& scenery);
-    /// The files that have been read since the last call: what has these models looks otherwise
-    /// now. Never waits.
+    /// Returns the files loaded since the last call; looks that use them have changed. Never
+    /// blocks.
     std::set<std::string> take();
-    /// All that was asked for: it may be asked for again.
+    /// Drops all requests and models. Files may be requested again.
     void forget();
 
 private:
@@ -47,7 +46,7 @@ private:
     static Model make(const std::vector<model::ModelPart>& parts);
     const Model& model(const std::string& file, double scale);
 
-    std::map<Key, Model> models_;  // nothing in it: cannot be had
+    std::map<Key, Model> models_;  // empty: cannot be loaded
     std::set<std::string> complained_;
     BackgroundReader<Key, Model> reader_;
 };

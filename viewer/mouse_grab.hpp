@@ -14,15 +14,15 @@
 
 namespace atrium::viewer {
 
-/// Where the mouse points, and whether its left button is down.
+/// Position of the mouse and state of its left button.
 struct Pointer {
     Eigen::Vector2d at_px = Eigen::Vector2d::Zero();  // y downwards
     bool is_down = false;
-    int width_px = 1;  // of the picture
+    int width_px = 1;  // size of the picture
     int height_px = 1;
 };
 
-/// Half a line in the world; `direction` has length 1.
+/// Ray in the world; `direction` has length 1.
 struct Ray {
     Eigen::Vector3d origin;
     Eigen::Vector3d direction;
@@ -30,26 +30,27 @@ struct Ray {
 
 Ray ray_through(const renderer::ViewCamera& camera, const Pointer& pointer);
 
-/// What a ray hits first.
+/// First hit of a ray.
 struct Hit {
     std::uint32_t object = 0;
     double distance_m = 0.0;
-    Eigen::Vector3d point_object = Eigen::Vector3d::Zero();  // of a soft one in the world
+    /// Object frame; world frame for a soft object.
+    Eigen::Vector3d point_object = Eigen::Vector3d::Zero();
 };
 
-/// Where the ray enters the object's box, or ball; nothing: it passes.
+/// Intersects the ray with the object's box, or ball. Empty if it misses.
 std::optional<Hit> hit(const Ray& ray,
                        const bus::SceneObject& object,
                        const geometry::RigidTransform& world_from_object);
 
-/// The same of a soft object whose nodes are at `nodes` [m, world]: its faces from both sides, and
-/// what is drawn as a rope with some room around it, as it is thin.
+/// Intersects the ray with a soft object whose nodes are at `nodes` [m, world]: its triangles from
+/// both sides, and its segments with some extra radius because ropes are thin.
 std::optional<Hit> hit(const Ray& ray,
                        const bus::SoftBody& body,
                        std::span<const Eigen::Vector3f> nodes);
 
-/// Takes hold of what the left button is pressed on, pulls it in the plane through that point that
-/// faces the camera, and lets go with the button.
+/// Grabs the object under the mouse when the left button is pressed, drags it in the plane through
+/// the grabbed point that faces the camera, and releases it with the button.
 class MouseGrab {
 public:
     using Clock = std::chrono::steady_clock;
@@ -57,8 +58,8 @@ public:
 
     explicit MouseGrab(std::string sender) : sender_(std::move(sender)) {}
 
-    /// What to tell the world server: at most a move every 15 ms, and one every half second even
-    /// where nothing moves, so that it knows that somebody still holds on.
+    /// Returns the commands for the world server: at most one move every 15 ms, and one every half
+    /// second without motion, as a sign of life.
     std::vector<bus::SceneCommand> update(const Pointer& pointer,
                                           const renderer::ViewCamera& camera,
                                           const Pick& pick,
@@ -70,7 +71,7 @@ private:
 
     std::string sender_;
     std::optional<Hit> held_;
-    double depth_m_ = 0.0;  // of the plane, along the camera's view
+    double depth_m_ = 0.0;  // depth of the plane along the camera's view
     Eigen::Vector3d sent_goal_ = Eigen::Vector3d::Zero();
     Clock::time_point sent_at_;
     bool was_down_ = false;

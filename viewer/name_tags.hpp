@@ -12,18 +12,19 @@
 
 namespace atrium::viewer {
 
-/// The names of people over their heads. Knows no renderer: it says what is where.
+/// Places the names of people over their heads. Knows no renderer.
 class NameTags {
 public:
     using Clock = std::chrono::steady_clock;
 
     struct Person {
-        Eigen::Vector3d top_world;  // of the head
-        double opacity = 1.0;       // how much is seen of her
+        Eigen::Vector3d top_world;  // top of the head
+        double opacity = 1.0;       // of the person, in [0, 1]
     };
 
-    /// One label for each person but `hidden`, who has the eye of the picture. The farther from the
-    /// eye, the fainter; they follow the heads without the flicker of a hull's top.
+    /// Returns one label per person except `hidden`, whose eye the picture is drawn from. Labels
+    /// fade with the distance to the eye, and follow the heads smoothly because the top of a hull
+    /// flickers.
     std::vector<renderer::Label> update(const std::map<std::string, Person>& people,
                                         const std::string& hidden,
                                         const Eigen::Vector3d& eye_world,

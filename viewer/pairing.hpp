@@ -14,28 +14,29 @@
 
 namespace atrium::viewer {
 
-/// A mesh and the pictures that belong to it, all of one metaframe.
+/// A mesh with its textures, all of one metaframe.
 struct FramePair {
     bus::SiteMesh mesh;
     std::vector<bus::CameraTexture> textures;  // one per camera in `mesh.textured_cameras`
 };
 
 struct PairingOptions {
-    /// Per site; the oldest gives way. More than the history of a stream (qos/profiles.xml): what
-    /// waited for a repair comes together, first all meshes, then all pictures of a camera.
+    /// Per site; the oldest is dropped. More than the history of a stream (qos/profiles.xml):
+    /// samples that waited for a retransmission arrive in a burst, first all meshes, then all
+    /// textures of one camera.
     std::size_t max_pending_frames = 10;
     std::size_t max_sites = 64;  // further sites are ignored
-    /// A sample this much older than the pair handed out last is not late: the site's clock was set
-    /// back, and the site begins anew.
+    /// A sample this much older than the last pair means that the site's clock was set back. The
+    /// site then starts over.
     std::chrono::nanoseconds max_disorder = std::chrono::seconds(2);
 };
 
-/// Puts meshes and textures of the same metaframe together, whatever order they come in.
+/// Matches meshes and textures of the same metaframe in any order of arrival.
 ///
-/// A pair is handed out once it is complete. Per site, the pairs handed out have rising capture
-/// times: what is older than the last one is dropped. A frame is identified by capture time and
-/// frame id together, so that a site that starts again, and counts its frames from 0 again, is
-/// neither mixed with what it was before nor taken for old. Not thread-safe.
+/// Returns each pair once it is complete. The pairs of one site have rising capture times: samples
+/// older than the last pair are dropped. Capture time and frame id together identify a frame, so a
+/// restarted site, which counts its frames from 0 again, is neither mixed with its former frames
+/// nor taken for late. Not thread-safe.
 class Pairing {
 public:
     explicit Pairing(const PairingOptions& options = {}) : options_(options) {}
@@ -43,12 +44,13 @@ public:
     std::optional<FramePair> add(bus::SiteMesh mesh);
     std::optional<FramePair> add(bus::CameraTexture texture);
 
-    /// The site is gone: whatever comes from it next is new.
+    /// Forgets a site. Its next sample is a new start.
     void forget(const std::string& site);
 
-    /// Frames of which a part was still missing when a newer one was complete, or that gave way.
+    /// Frames dropped incomplete, because a newer one was complete or because too many were
+    /// pending.
     std::uint64_t num_incomplete() const { return num_incomplete_; }
-    /// Samples of frames not newer than the last one handed out.
+    /// Samples of frames not newer than the last pair.
     std::uint64_t num_late() const { return num_late_; }
     std::size_t num_pending(const std::string& site) const;
 
@@ -63,7 +65,7 @@ private:
         std::map<std::uint32_t, bus::CameraTexture> textures;
     };
     struct Site {
-        std::optional<FrameKey> last;  // handed out
+        std::optional<FrameKey> last;  // last pair returned
         std::map<FrameKey, PendingFrame> pending;
     };
 

@@ -16,11 +16,11 @@
 
 namespace atrium::viewer {
 
-/// What is shown of a stranger at most.
+/// Limits on data from untrusted senders.
 struct PersonLimits {
     std::uint32_t max_triangles = 100'000;      // a person has about 10,000
-    int max_picture_side_px = 4096;             // of a texture
-    std::size_t max_layer_bytes = 256U << 20U;  // all pictures together, decoded
+    int max_picture_side_px = 4096;             // side of a texture
+    std::size_t max_layer_bytes = 256U << 20U;  // all textures together, decoded
 };
 
 struct PersonDecodeScratch {
@@ -28,15 +28,15 @@ struct PersonDecodeScratch {
     geometry::TriangleMesh mesh;
     codec::TextureDecoder textures;
     codec::DecodedTexture texture;
-    std::vector<Eigen::Vector3f> centres;  // of the cameras of all textures
+    std::vector<Eigen::Vector3f> centres;  // camera centres of all textures
     std::vector<renderer::CameraPicture> pictures;
     renderer::PersonModelScratch model;
 };
 
-/// Turns the coded bytes of a pair into a person to draw, in place in `out`. What came from the
-/// network is checked: on an error (kInvalidData) `out` holds nothing of use, but can be used
-/// again. `eyes_site`: from where she is looked at; only the pictures that such eyes need
-/// (renderer::needed_cameras) are decoded, without eyes all.
+/// Decodes a pair into a person to draw; `out` is reused. Checks the network data: on error
+/// kInvalidData the content of `out` is unspecified, but `out` can be reused. `eyes_site` are the
+/// eyes that look at the person: only the textures that these eyes need are decoded
+/// (renderer::needed_cameras), all if it is empty.
 Expected<void> decode_person(const FramePair& pair,
                              const bus::SiteDescription& description,
                              const PersonLimits& limits,

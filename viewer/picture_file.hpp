@@ -20,22 +20,21 @@
 
 namespace atrium::viewer {
 
-/// Makes its folder where that is missing and tries whether the file can be written, so that one
-/// learns of it before the pictures are there. Error kUnavailable.
+/// Creates the file's folder if missing and checks that the file can be written, so a wrong path is
+/// reported before any picture is drawn. Error kUnavailable.
 Expected<void> prepare_file(const std::filesystem::path& file);
 
-/// Writes through a file of another name, so that nobody sees half a picture.
+/// Writes a PNG through a temporary file, so readers never see half a picture. Error kUnavailable.
 Expected<void> write_png(const std::filesystem::path& file,
                          const renderer::RenderedPicture& picture);
 
-/// Writes a video of real time on a thread of its own.
+/// Records a video in real time on its own thread.
 ///
-/// The time since the first picture is cut into slots of 1 / `fps`; the video has one picture per
-/// slot. The first picture that is offered in a slot is its own; a slot without one repeats the
-/// picture before, so that the video is as long as what it shows. At most kMostWaiting pictures
-/// wait for the encoder. While it is that far behind no picture is taken, which counts as dropped.
-/// Ends by itself, with a file that can be played, where the disk is nearly full, and where a
-/// picture cannot be coded or written.
+/// Time since the first picture is divided into slots of 1 / `fps`, and the video has one picture
+/// per slot: the first one offered in the slot, or else the picture before again. So the video is
+/// as long as the time that it shows. At most kMostWaiting pictures wait for the encoder; while the
+/// queue is full, pictures are dropped and counted. The recording stops, with a playable file, when
+/// the disk is nearly full or a picture cannot be encoded or written.
 class VideoRecorder {
 public:
     using Clock = std::chrono::steady_clock;
@@ -44,16 +43,16 @@ public:
     static Expected<std::unique_ptr<VideoRecorder>> create(const VideoFormat& format);
     ~VideoRecorder();
 
-    /// Finishes the file, with all that was offered; once, and nothing else is called after it.
-    /// Error kUnavailable where not all that was shown is in it.
+    /// Finishes the file with all pictures offered. Call it once, as the last call. Error
+    /// kUnavailable if the video is incomplete.
     Expected<void> finish();
 
-    /// Whether the slot of `now` wants a picture: reading one back costs. Counts a dropped picture
-    /// where it does and the encoder is too far behind. On one thread, with `offer`.
+    /// Returns whether the slot of `now` needs a picture; reading one back is expensive. Counts a
+    /// dropped picture if it does but the queue is full. Same thread as `offer`.
     bool wants_picture(Clock::time_point now);
-    /// The picture of the slot of `now`, which wants one.
+    /// Takes the picture for the slot of `now`. Call it only after `wants_picture` returned true.
     void offer(renderer::RenderedPicture picture, Clock::time_point now);
-    /// A picture that was written, for its memory; an empty one where there is none.
+    /// Returns a written picture, to reuse its memory. Empty if there is none.
     renderer::RenderedPicture spent();
 
     std::uint64_t num_written() const { return num_written_; }
@@ -77,14 +76,14 @@ private:
     std::atomic<std::uint64_t> num_dropped_ = 0;
     std::atomic<bool> is_disk_full_ = false;
     std::atomic<bool> has_failed_ = false;
-    std::int64_t last_slot_ = -1;  // that had its picture, or dropped it; of the offering thread
+    std::int64_t last_slot_ = -1;  // last slot with a picture or a drop; offering thread only
 
-    std::mutex mutex_;  // of the next ones
+    std::mutex mutex_;  // guards the members below
     std::condition_variable_any offered_;
-    std::optional<Clock::time_point> begin_;  // when the first picture was offered
-    std::deque<Entry> waiting_;               // in the order of their slots
+    std::optional<Clock::time_point> begin_;  // time of the first picture
+    std::deque<Entry> waiting_;               // in order of slots
     std::vector<renderer::RenderedPicture> spent_;
-    std::jthread thread_;  // last: stops before the rest goes
+    std::jthread thread_;  // last: stops before the other members are destroyed
 };
 
 }  // namespace atrium::viewer

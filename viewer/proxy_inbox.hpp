@@ -12,21 +12,21 @@
 
 namespace atrium::viewer {
 
-/// What became of proxies since the last time that anybody asked.
+/// Changes of proxies since the last call of `take`.
 struct ProxyChanges {
     std::map<std::string, std::optional<bus::PersonProxy>> people;     // nullopt: gone
     std::map<std::uint32_t, std::optional<bus::ObjectProxy>> objects;  // nullopt: gone
 };
 
-/// What people and models are to the physics, on its way from the bus. Readers are there only while
-/// somebody wants it: so the world server sends it only then. The newest of each key counts.
+/// Receives the collision shapes of people and models. Readers exist only while they are wanted, so
+/// the world server publishes the proxies only then. The newest sample of each key counts.
 class ProxyInbox {
 public:
-    /// Any thread.
+    /// Any thread may call these.
     void want(bool is_wanted) { is_wanted_ = is_wanted; }
     ProxyChanges take();
 
-    /// The receiving thread, now and then: nobody waits for these.
+    /// Receiving thread only; low priority.
     bus::TakeReport receive(const bus::Participant& participant);
 
 private:
@@ -39,9 +39,9 @@ private:
     void keep(Map& map, const typename Map::key_type& key, std::optional<Message> message);
 
     std::atomic<bool> is_wanted_ = false;
-    std::optional<Readers> readers_;  // of the receiving thread, as is the next one
+    std::optional<Readers> readers_;  // receiving thread only, like `failures_`
     app::log::OncePerSecond failures_;
-    std::mutex mutex_;  // guards the rest
+    std::mutex mutex_;  // guards `changes_`
     ProxyChanges changes_;
 };
 

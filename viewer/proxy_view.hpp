@@ -13,21 +13,21 @@
 
 namespace atrium::viewer {
 
-/// What people and models are to the physics, as lines. Of the drawing thread.
+/// Draws the collision shapes of people and models as lines. Drawing thread only.
 class ProxyView {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// A person of whom nothing has come for a second is forgotten.
+    /// Applies the changes. Drops a person without an update for one second.
     void update(ProxyChanges changes, Clock::time_point now);
     void clear();
 
-    /// Each surfel as a short line out of the surface, and as another one its way in the next
-    /// 100 ms where it moves, both in the colour of its speed: blue at rest, then green, yellow and
-    /// red. Crosses where somebody touches something.
+    /// Appends each surfel as a short line along its normal, and a second line for its motion in
+    /// the next 100 ms if it moves. Both have the colour of the speed: blue at rest, then green,
+    /// yellow, red. Appends a cross for each contact.
     void append_people(std::vector<renderer::Line>& lines) const;
 
-    /// The edges of an object's parts; false: they are not known.
+    /// Appends the edges of an object's convex parts. Returns false if they are not known.
     bool append_edges(std::uint32_t object,
                       const Eigen::Matrix4d& world_from_object,
                       const Eigen::Vector3f& colour,
@@ -42,7 +42,7 @@ private:
     std::map<std::uint32_t, bus::ObjectProxy> objects_;
 };
 
-/// sRGB in [0, 1].
+/// Colour of a speed, sRGB in [0, 1].
 Eigen::Vector3f colour_of_speed(double speed_mps);
 
 }  // namespace atrium::viewer

@@ -15,18 +15,17 @@
 
 namespace atrium::viewer {
 
-/// The next state of the person of one site.
+/// New state of the person of one site.
 struct PersonUpdate {
     using Clock = std::chrono::steady_clock;
 
     std::optional<renderer::PersonModel> model;  // none: nobody is there any more
     Timestamp capture_time;
-    Clock::time_point complete{};  // when mesh and textures were there
-    Clock::time_point ready{};     // when the model was
+    Clock::time_point complete{};  // mesh and textures were there
+    Clock::time_point ready{};     // the model was ready
 };
 
-/// Decoded people on their way to the drawing thread: of each site the newest. Wakes the drawing
-/// thread. Safe for any number of threads.
+/// Hands decoded people to the drawing thread, the newest of each site, and wakes it. Thread-safe.
 class ReadyPeople {
 public:
     using Clock = PersonUpdate::Clock;
@@ -40,14 +39,14 @@ public:
     };
     static constexpr std::size_t kMostArrivals = 256;
 
-    /// Returns the update that it replaced, if any.
+    /// Stores the update of `site`. Returns the update that it replaced, if any.
     std::optional<PersonUpdate> put(const std::string& site, PersonUpdate update);
-    /// All that are there now; never waits.
+    /// Takes all updates. Never blocks.
     std::vector<Item> take_all();
-    /// Who became ready since the last call, also those that were replaced or taken meanwhile; at
-    /// most the newest kMostArrivals.
+    /// Returns who became ready since the last call, including updates that were replaced or taken
+    /// since. Keeps the newest kMostArrivals.
     std::vector<Arrival> take_arrivals();
-    /// Returns once there are arrivals to take, at `until`, or when a stop is requested.
+    /// Blocks until there are arrivals, until `until`, or until a stop is requested.
     void wait(const std::stop_token& stop, Clock::time_point until);
 
 private:

@@ -15,31 +15,31 @@
 
 namespace atrium::viewer {
 
-/// A thing that somebody wants in the world.
+/// An object that the user wants to add.
 struct NewThing {
     bus::Shape shape = bus::Shape::kSphere;    // box, sphere, cylinder or capsule
-    Eigen::Vector3d size_m{0.25, 0.25, 0.25};  // box: extents; else diameter, unused, height
+    Eigen::Vector3d size_m{0.25, 0.25, 0.25};  // box: extents; others: diameter, unused, height
     double mass_kg = 0.5;
     Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // linear RGB in [0, 1]
-    std::string name;  // what the bus does not take is replaced
+    std::string name;                                         // invalid characters are replaced
 };
 
-/// As the bus and the physics take it, before the eye and above the floor (z = 0): so far away that
-/// it is still in the picture when it has fallen, and at most 6 m.
+/// Builds an object that bus and physics accept. Places it before the eye, above the floor at z =
+/// 0, far enough that it stays visible when it falls, but at most 6 m away.
 bus::SceneObject make_object(const NewThing& thing, const renderer::EyeView& eye);
 
-/// Asks the world server to put things into the world and to take them out, and finds out what
-/// became of it: the server does not answer who asks, so that only the world can tell.
+/// Builds the commands that add and remove objects, and detects whether they took effect. The
+/// server does not reply, so the editor watches the objects of the world.
 class SceneEditor {
 public:
     using Clock = std::chrono::steady_clock;
-    using Objects = std::map<std::uint32_t, bus::SceneObject>;   // that are in the world
-    static constexpr std::chrono::milliseconds kPatience{2500};  // reports come once a second
+    using Objects = std::map<std::uint32_t, bus::SceneObject>;   // objects in the world
+    static constexpr std::chrono::milliseconds kPatience{2500};  // the server reports once a second
 
-    /// What world servers say of themselves.
+    /// Status of the world servers.
     struct Servers {
         bool are_there = false;
-        std::uint64_t num_refused = 0;  // commands, of all senders
+        std::uint64_t num_refused = 0;  // commands of all senders
     };
     struct Outcome {
         std::string text;
@@ -54,7 +54,8 @@ public:
                           Clock::time_point now);
     bus::SceneCommand remove(std::uint32_t object, const Objects& objects, Clock::time_point now);
 
-    /// Of what was done since the last call, or was not within kPatience.
+    /// Returns the commands that took effect since the last call, and those that did not within
+    /// kPatience.
     std::vector<Outcome> outcomes(const Objects& objects,
                                   const Servers& servers,
                                   Clock::time_point now);
@@ -63,9 +64,10 @@ private:
     struct Wish {
         std::string name;
         Clock::time_point since;
-        std::uint64_t num_refused = 0;      // by then
-        std::optional<std::uint32_t> gone;  // the object to go; none: one of that name is to come
-        std::set<std::uint32_t> before;     // of that name, when it was asked for
+        std::uint64_t num_refused = 0;  // at the time of the command
+        /// Object to remove; none: an object of this name is to appear.
+        std::optional<std::uint32_t> gone;
+        std::set<std::uint32_t> before;  // objects of that name at the time of the command
     };
     bus::SceneCommand command(bus::CommandKind kind) const;
     void remember(Wish wish);
@@ -73,8 +75,8 @@ private:
     bool is_fulfilled(const Wish& wish, const Objects& objects);
 
     std::string sender_;
-    std::uint64_t num_refused_ = 0;  // so far
-    std::vector<Wish> wishes_;       // the oldest first
+    std::uint64_t num_refused_ = 0;  // latest count
+    std::vector<Wish> wishes_;       // oldest first
 };
 
 }  // namespace atrium::viewer

@@ -15,13 +15,12 @@ struct SceneTimelineOptions {
     std::size_t max_states = 8;
 };
 
-/// Where the objects are at any moment between two SceneStates.
+/// Interpolates the poses of rigid objects between two SceneStates.
 ///
-/// What is shown lies one send period in the past, so that there is a state on either side to
-/// interpolate between; where the next one is late, objects move on with their last velocity for
-/// `max_extrapolation` at most. The world server's clock need not agree with ours: what counts is
-/// its distance to the arrivals, of which the shortest is taken for the way without a queue.
-/// Not thread-safe.
+/// The shown time lies one send period in the past, so a state exists on either side. If the next
+/// state is late, objects continue with their last velocity for at most `max_extrapolation`. The
+/// clocks of world server and viewer need not agree: the shortest difference between arrival and
+/// state time estimates the offset, as the transit without a queue. Not thread-safe.
 class SceneTimeline {
 public:
     using Clock = std::chrono::steady_clock;
@@ -29,19 +28,19 @@ public:
     explicit SceneTimeline(const SceneTimelineOptions& options = {}) : options_(options) {}
 
     void add(bus::SceneState state, Clock::time_point arrival);
-    /// The moment of the world's clock that is shown at `now`; nothing before the first state.
+    /// Time on the world's clock to show at `now`. Empty before the first state.
     std::optional<Timestamp> shown_time(Clock::time_point now) const;
-    /// Poses at that moment of the world's clock: the same in all viewers that have the states
-    /// around it.
+    /// Poses at `time` on the world's clock. All viewers with the states around it compute the
+    /// same.
     void sample_at(Timestamp time, std::vector<bus::ObjectState>& out) const;
-    /// Poses at `now`, of the objects in the newest state that is not ahead of them.
+    /// Poses at `now`, for the objects of the newest state that is not ahead of it.
     void sample(Clock::time_point now, std::vector<bus::ObjectState>& out) const;
     void clear();
 
 private:
     SceneTimelineOptions options_;
-    std::deque<bus::SceneState> states_;  // rising times, a few
-    double offset_ns_ = 0.0;              // our clock minus the world's, as it arrives here
+    std::deque<bus::SceneState> states_;  // rising times, at most max_states
+    double offset_ns_ = 0.0;  // arrival on the local clock minus time on the world's clock
     double period_ns_ = 0.0;
 };
 

@@ -16,34 +16,34 @@
 
 namespace atrium::viewer {
 
-/// The things of the world on their way from the bus to the picture: what they look like, and where
-/// they are at the moment that is shown. Of the drawing thread.
+/// Moves the objects of the world from the session to the renderer: their look, and their pose at
+/// the time shown. Drawing thread only.
 class SceneView {
 public:
-    /// `models`: the folder of models and textures that worlds name.
-    /// `delay`: how long ago the moments lie that it will be asked for.
+    /// `models`: folder of the models and textures that worlds name. `delay`: age of the moments
+    /// that `update` will be asked for.
     explicit SceneView(const std::filesystem::path& models, std::chrono::nanoseconds delay = {});
 
-    /// Shows the things as they were at `instant` of the world's clock; without one, as late as the
-    /// states allow. What is new of very many things is shown over several pictures.
+    /// Shows the objects at `instant` on the world's clock, or as late as the states allow. A large
+    /// number of changes is spread over several pictures.
     void update(SceneChanges changes,
                 SceneTimeline::Clock::time_point now,
                 const std::optional<Timestamp>& instant,
                 renderer::SceneRenderer& renderer);
-    /// The nearest thing that moves on a ray, as shown now.
+    /// Nearest movable object on a ray, as shown now.
     std::optional<Hit> pick(const Ray& ray) const;
-    /// What is in the world, soft things included.
+    /// All objects, soft ones included.
     const std::map<std::uint32_t, bus::SceneObject>& objects() const { return objects_; }
-    /// Where those that are rigid are, as shown now.
+    /// Poses of the rigid objects, as shown now.
     const std::vector<bus::ObjectState>& states() const { return states_; }
-    /// And the nodes of those that are soft.
+    /// Nodes of the soft objects, as shown now.
     const std::map<std::uint32_t, std::vector<Eigen::Vector3f>>& nodes() const { return nodes_; }
-    /// All sites that have described themselves, whether anybody is there or not.
+    /// All sites that have published a description, with or without a person.
     using Sites = std::map<std::string, std::shared_ptr<const bus::SiteDescription>>;
     const Sites& sites() const { return sites_; }
-    /// Grows whenever `objects` change.
+    /// Increases with every change of `objects`.
     std::uint64_t revision() const { return revision_; }
-    /// Of what is drawn, which ends with its renderer.
+    /// Drops everything; call it when the renderer is destroyed.
     void clear();
 
 private:
@@ -64,7 +64,7 @@ private:
     TextureLibrary textures_;
     SceneTimeline timeline_;
     SoftTimeline soft_timeline_;
-    SceneChanges waiting_;  // descriptions that this picture had no time for
+    SceneChanges waiting_;  // changes postponed to the next picture
     std::map<std::uint32_t, bus::SceneObject> objects_;
     std::uint64_t revision_ = 0;
     std::map<std::uint32_t, bus::SoftBody> soft_bodies_;

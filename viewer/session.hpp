@@ -27,7 +27,7 @@
 
 namespace atrium::viewer {
 
-/// What became of the scene since the last time that anybody asked.
+/// Changes of the scene since the last call of `take_scene`.
 struct SceneChanges {
     std::map<std::uint32_t, std::optional<bus::SceneObject>> objects;   // nullopt: removed
     std::map<std::uint32_t, std::optional<bus::SoftBody>> soft_bodies;  // nullopt: removed
@@ -38,56 +38,56 @@ struct SceneChanges {
     std::vector<std::pair<bus::SceneState, std::chrono::steady_clock::time_point>> states;
 };
 
-/// What programs reported of themselves since the last time that anybody asked.
+/// Status reports since the last call of `take_statuses`.
 struct StatusReports {
     std::map<std::string, bus::SiteStatus> sites;
     std::map<std::string, bus::WorldStatus> worlds;
 };
 
-/// The viewer's side of the bus. `receive` is the body of a thread that the owner starts;
-/// everything else may be called from another.
+/// Receives the world's topics and writes the viewer's own. `receive` is the body of a thread that
+/// the owner starts; other threads may call everything else.
 ///
-/// Hand-overs: a complete pair waits for a decoder, one per site, newest wins; a decoded person
-/// waits for the screen likewise. Pairs of one site are decoded in order and one at a time, those
-/// of different sites beside each other, on at most as many threads as the machine has.
+/// Queues: a complete pair waits for a decoder and a decoded person waits for the drawing thread,
+/// one per site, newest wins. Pairs of one site are decoded in order, one at a time; pairs of
+/// different sites in parallel, on at most as many threads as the machine has.
 class Session {
 public:
-    /// `viewer` is the name under which sites hear how their streams arrive.
+    /// Sites receive the stream feedback under the name `viewer`.
     static Expected<std::unique_ptr<Session>> create(const bus::BusOptions& options,
                                                      const std::string& viewer);
 
-    /// To be told of each frame once it is complete, by the thread that receives; before `receive`.
+    /// Calls `listener` on the receiving thread for each complete frame. Call it before `receive`.
     void on_complete(std::function<void(const FramePair&)> listener) {
         on_complete_ = std::move(listener);
     }
     void receive(std::stop_token stop);
-    /// From now on people are decoded; before `receive`. Without it complete pairs are skipped.
+    /// Starts the decoders. Call it before `receive`; without it, complete pairs are skipped.
     void start_decoding();
-    /// Waits for the pairs that are being decoded. After `receive`.
+    /// Waits for the running decoders. Call it after `receive` has returned.
     void stop_decoding();
-    /// How often people are drawn: a pair that a newer one would replace before the next picture is
-    /// skipped undecoded. 0, the default: all are decoded. Any thread.
+    /// Sets the period of the pictures: a pair that a newer one would replace before the next
+    /// picture is skipped before decoding. 0, the default: all are decoded. Any thread.
     void set_picture_period(std::chrono::nanoseconds period) {
         picture_period_ns_ = period.count();
     }
 
-    /// From where people are looked at, in the world: only the pictures that these eyes need are
-    /// decoded (renderer::needed_cameras). None, the default: all pictures are. Any thread.
+    /// Sets the eyes that look at people, in the world: only the textures that these eyes need are
+    /// decoded (renderer::needed_cameras). None, the default: all are decoded. Any thread.
     void set_eyes(std::vector<Eigen::Vector3d> eyes_world);
 
     std::vector<ReadyPeople::Item> take_people() { return people_.take_all(); }
     std::vector<ReadyPeople::Arrival> take_arrivals() { return people_.take_arrivals(); }
-    /// Returns once there are arrivals to take, at `until`, or when a stop is requested.
+    /// Blocks until there are arrivals, until `until`, or until a stop is requested.
     void wait_for_people(const std::stop_token& stop, ReadyPeople::Clock::time_point until) {
         people_.wait(stop, until);
     }
     SceneChanges take_scene();
     StatusReports take_statuses();
-    /// What people and models are to the physics, where somebody wants to know.
+    /// Collision shapes of people and models, received on demand.
     ProxyInbox& proxies() { return proxies_; }
-    /// Gives back a model that is no longer shown, whose memory the decoder uses again.
+    /// Returns a model that is no longer shown; the decoder reuses its memory.
     void recycle(renderer::PersonModel model);
-    /// The same for one that was taken, but will not be shown.
+    /// Returns a model that was taken but will not be shown, and counts it as skipped.
     void skip(renderer::PersonModel model) {
         ++num_pairs_skipped_;
         recycle(std::move(model));
@@ -99,15 +99,16 @@ public:
     }
 
     const bus::Participant& participant() const { return readers_.participant; }
-    /// Times that a site or the world was silent for longer than the QoS profile promises.
+    /// Deadlines of the QoS profile that a site or the world missed.
     std::uint64_t num_deadlines_missed() const {
         return readers_.meshes.num_deadlines_missed() + readers_.states.num_deadlines_missed();
     }
-    /// Complete, but replaced by a newer one before they were shown, held up, or of a site unknown.
+    /// Complete pairs that were not shown: replaced by a newer one, stale, too early for the next
+    /// picture, or of an unknown site.
     std::uint64_t num_pairs_skipped() const { return num_pairs_skipped_; }
     std::uint64_t num_incomplete() const { return num_incomplete_; }
     std::uint64_t num_rejected() const { return num_rejected_; }
-    /// Of meshes and pictures, as they came.
+    /// Received bytes of meshes and textures, as encoded.
     std::uint64_t num_bytes() const { return num_bytes_; }
 
 private:
@@ -161,29 +162,30 @@ private:
     std::string viewer_;
     std::function<void(const FramePair&)> on_complete_;
     Pairing pairing_;
-    Feedback feedback_;  // of the receiving thread alone
+    Feedback feedback_;  // receiving thread only
     ProxyInbox proxies_;
-    HeldUp held_up_;                                   // of the receiving thread alone
+    HeldUp held_up_;                                   // receiving thread only
     std::map<std::string, Description> descriptions_;  // of the receiving thread alone
-    std::map<std::string, geometry::RigidTransform> site_from_world_;  // of it alone, too
+    std::map<std::string, geometry::RigidTransform> site_from_world_;  // receiving thread only
     std::mutex eyes_mutex_;
-    std::vector<Eigen::Vector3d> eyes_world_;  // guarded by it
-    // when a pair of each site was handed to a decoder last; of the receiving thread alone
+    std::vector<Eigen::Vector3d> eyes_world_;  // guarded by eyes_mutex_
+    // when a pair of each site was last handed to a decoder; receiving thread only
     std::map<std::string, ReadyPeople::Clock::time_point> handed_;
     std::atomic<std::int64_t> picture_period_ns_ = 0;
     ReadyPeople people_;
     std::mutex spent_mutex_;
-    std::vector<renderer::PersonModel> spent_;  // guarded by it
+    std::vector<renderer::PersonModel> spent_;  // guarded by spent_mutex_
     std::mutex scene_mutex_;
     SceneChanges scene_;
-    StatusReports statuses_;  // guarded by the scene's mutex as well
+    StatusReports statuses_;  // also guarded by scene_mutex_
     app::log::OncePerSecond rejections_;
     std::atomic<std::uint64_t> num_pairs_skipped_ = 0;
     std::atomic<std::uint64_t> num_incomplete_ = 0;
     std::atomic<std::uint64_t> num_rejected_ = 0;
     std::atomic<std::uint64_t> num_bytes_ = 0;
-    std::vector<PersonDecodeScratch> scratch_;     // one per decoder
-    std::unique_ptr<KeyedWorkers<Job>> decoders_;  // last: their threads use the rest
+    std::vector<PersonDecodeScratch> scratch_;  // one per decoder
+    /// Last: the decoder threads use the other members.
+    std::unique_ptr<KeyedWorkers<Job>> decoders_;
 };
 
 }  // namespace atrium::viewer

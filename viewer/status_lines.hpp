@@ -12,8 +12,8 @@
 
 namespace atrium::viewer {
 
-/// What sites and worlds report of themselves, as lines for people to read. Reports come once a
-/// second; who has not reported for a while is forgotten.
+/// Formats the status reports of sites and worlds as HUD lines. Reports come once a second; a
+/// silent program is forgotten after a few seconds.
 class StatusLines {
 public:
     using Clock = std::chrono::steady_clock;
@@ -25,35 +25,35 @@ public:
         add("world " + name, status::figures_of(status), now);
         last_world_ = now;
     }
-    /// Of the viewer itself.
+    /// Adds the viewer's own status.
     void add_own(const bus::ViewerStatus& status, Clock::time_point now) {
         add("this viewer", status::figures_of(status), now);
     }
-    /// After all that came: forgets who fell silent. Says in the log when the last world does, and
-    /// when one is back.
+    /// Call after all `add`. Forgets silent programs. Logs when the last world goes silent and when
+    /// one is back.
     void forget_silent(Clock::time_point now);
 
-    /// One for each who lost something from its report before to its last one, and one where there
-    /// is no world any more.
+    /// One line for each program that lost something between its last two reports, one per
+    /// bottleneck, and one while no world reports.
     std::vector<SiteLine> warnings() const;
-    /// For each, how fast it is, and how long each of its stages takes.
+    /// Rate and stage times of each program.
     std::vector<SiteLine> details() const;
     /// Whether a world server reports.
     bool has_world() const;
-    /// Commands that worlds have refused so far, of whoever sent them.
+    /// Commands of any sender that worlds have refused so far.
     std::uint64_t num_refused() const;
 
 private:
     struct Program {
-        std::optional<status::Figures> before;  // of the same process
+        std::optional<status::Figures> before;  // same process
         status::Figures now;
         Clock::time_point at;
     };
     void add(const std::string& title, status::Figures figures, Clock::time_point now);
 
-    std::map<std::string, Program> programs_;      // by kind and name
-    std::optional<Clock::time_point> last_world_;  // last report of any
-    Clock::duration without_world_{};              // 0 while there is one, and before there was any
+    std::map<std::string, Program> programs_;      // key: kind and name
+    std::optional<Clock::time_point> last_world_;  // last report of any world
+    Clock::duration without_world_{};              // 0 while there is a world, and before the first
 };
 
 }  // namespace atrium::viewer

@@ -19,94 +19,94 @@
 
 namespace atrium::viewer {
 
-/// What the person in front of the screen wants.
+/// Input of the user.
 struct SurfaceEvents {
     Motion motion;
-    Pointer pointer;  // without a window: nothing is pressed
+    Pointer pointer;  // without a window nothing is pressed
     bool close = false;
     bool screenshot = false;
-    bool record = false;  // begin, or end, a video
-    bool names = false;   // show people's, or hide them
-    bool debug = false;   // show what is behind the picture, or hide it
+    bool record = false;  // start or stop a video
+    bool names = false;   // show or hide the names of people
+    bool debug = false;   // show or hide the debug view
     bool reset_view = false;
-    bool follow = false;     // somebody, or nobody any more
-    std::size_t person = 0;  // through whose eyes to look, from 1; 0: as before
+    bool follow = false;     // follow a person, or stop following
+    std::size_t person = 0;  // person whose eyes to look through, from 1; 0: no change
     bool reset_scene = false;
-    std::optional<NewThing> add;          // put that into the world, before the eye
-    std::optional<std::uint32_t> remove;  // take that object out of it
-    bool remove_pointed = false;          // and what the pointer is on
+    std::optional<NewThing> add;          // add this object before the eye
+    std::optional<std::uint32_t> remove;  // remove this object
+    bool remove_pointed = false;          // remove the object under the pointer
 };
 
-/// A thing of the world, to choose from a list.
+/// An object of the world as a list entry.
 struct ThingLine {
     std::uint32_t object = 0;
     std::string text;
 };
 
-/// What stands on the screen beside the picture.
+/// Statistics and messages shown beside the picture.
 struct HudFigures {
     double frames_per_s = 0.0;
     bus::LatencySummary capture_to_display;
     double bytes_per_s = 0.0;
-    std::uint64_t num_skipped = 0;     // pairs that a newer one replaced, or that came too late
-    std::uint64_t num_incomplete = 0;  // of which something was lost on the way
+    std::uint64_t num_skipped = 0;     // pairs replaced by a newer one, or too late
+    std::uint64_t num_incomplete = 0;  // pairs with lost samples
     std::uint64_t num_rejected = 0;
     std::vector<SiteLine> sites;
-    std::vector<SiteLine> warnings;  // about sites and worlds, of their own reports
-    std::vector<SiteLine> details;   // of how long they take for what
+    std::vector<SiteLine> warnings;  // from the status reports of sites and worlds
+    std::vector<SiteLine> details;   // stage times from the status reports
     std::size_t num_objects = 0;
-    std::vector<ThingLine> things;        // in the order of their numbers
-    std::optional<double> recording_s;    // of the video that is being recorded
-    std::uint64_t num_video_dropped = 0;  // pictures that are missing in videos
-    std::string quality;  // what is drawn, where the machine is too slow for all; empty: all is
-    std::string notice;   // what just happened; empty: nothing
-    std::array<float, History::kLength - 1> latency_ms{};  // of the last 30 s, see History
+    std::vector<ThingLine> things;        // ordered by number
+    std::optional<double> recording_s;    // length of the running video
+    std::uint64_t num_video_dropped = 0;  // pictures missing in videos
+    std::string quality;                  // reduced quality on a slow machine; empty: full quality
+    std::string notice;                   // message about the last event; empty: none
+    std::array<float, History::kLength - 1> latency_ms{};  // last 30 s, see History
     std::array<float, History::kLength - 1> pictures_per_s{};
 };
 
-/// Where the picture goes: it owns the GL context, which is current on the thread that made it.
+/// Target of the picture. Owns the GL context, which is current on the thread that created it.
 class Surface {
 public:
     virtual ~Surface() = default;
     virtual std::string description() const = 0;
     virtual bool is_window() const = 0;
-    /// Pictures per second that the display can show [Hz]; 0 where there is none.
+    /// Refresh rate of the display [Hz]. 0 without a display.
     virtual double display_hz() const = 0;
-    virtual std::array<int, 2> size() const = 0;  // of the picture [px]
+    virtual std::array<int, 2> size() const = 0;  // size of the picture [px]
     virtual SurfaceEvents poll() = 0;
-    /// Returns when the picture is finished.
+    /// Shows the picture. Returns when drawing has finished.
     virtual void show(const renderer::SceneRenderer& renderer, const HudFigures& figures) = 0;
-    /// How long the last `show` waited, with a finished picture, for the display's turn.
+    /// Time that the last `show` waited for the display after drawing had finished.
     virtual std::chrono::steady_clock::duration waited_for_display() const = 0;
 };
 
-/// Who draws the pictures.
+/// Kind of GL context.
 enum class ContextKind : std::uint8_t {
-    kAuto,    // what can be had first of a window, a GPU without one, and OSMesa
-    kWindow,  // and nothing else
-    kEgl,     // without a window; in software where there is no GPU
-    kOsmesa   // without a window, in software
+    kAuto,    // first available of: window, GPU without a window, OSMesa
+    kWindow,  // window only
+    kEgl,     // EGL without a window; in software if there is no GPU
+    kOsmesa   // OSMesa: in software, without a window
 };
 
 struct SurfaceOptions {
     int width = 960;
     int height = 540;
     ContextKind context = ContextKind::kAuto;
-    bool is_headless = false;      // no window even where there is a display
-    bool wait_for_display = true;  // a window's vertical synchronisation
-    bool has_two_buffers = false;  // a window's, one for each eye
+    bool is_headless = false;      // no window even if there is a display
+    bool wait_for_display = true;  // vertical synchronisation of a window
+    bool has_two_buffers = false;  // stereo window with one buffer per eye
 };
 
-/// A window. Error kUnavailable where there is no display or no OpenGL 3.3 on it. On the main
-/// thread, one at a time.
+/// Opens a window. Error kUnavailable if there is no display or it lacks OpenGL 3.3. Main thread
+/// only, one window at a time.
 Expected<std::unique_ptr<Surface>> open_window(const SurfaceOptions& options);
 
-/// Pictures without a display; any thread. Has no buffers for two eyes. kAuto: on a GPU through
-/// EGL, or with OSMesa where there is none, and the log says why.
+/// Opens a context without a display. Any thread. No stereo buffers. kAuto: EGL on a GPU, or OSMesa
+/// if there is none; the log gives the reason.
 Expected<std::unique_ptr<Surface>> open_headless(const SurfaceOptions& options);
 
-/// What the options ask for; where a window cannot be had and need not be, what draws without one,
-/// and the log says why.
+/// Opens the surface that the options ask for. Falls back to one without a window if a window is
+/// unavailable and not required; the log gives the reason.
 Expected<std::unique_ptr<Surface>> open_surface(const SurfaceOptions& options);
 
 }  // namespace atrium::viewer

@@ -16,29 +16,30 @@ namespace atrium::viewer {
 struct TextureLimits {
     std::uintmax_t max_file_bytes = std::uintmax_t{16} << 20U;
     int max_side_px = 4096;
-    std::size_t max_textures = 256;                   // asked for; names come from the network
-    std::size_t max_pixels = std::size_t{48} << 20U;  // of all together
+    std::size_t max_textures = 256;                   // requested; the names come from the network
+    std::size_t max_pixels = std::size_t{48} << 20U;  // all textures together
 };
 
-/// Reads a .png or .jpg as what it is from its first bytes. For files of anybody: nothing is
-/// decoded before its size is known. Errors name the file: kNotFound, or kInvalidData where it is
-/// damaged or beyond `limits`.
+/// Reads a PNG or JPEG file, recognised by its first bytes. Safe for untrusted files: checks the
+/// size before it decodes. Errors name the file: kNotFound, or kInvalidData if it is damaged or
+/// exceeds `limits`.
 Expected<renderer::TexturePicture> read_texture(const std::filesystem::path& file,
                                                 const TextureLimits& limits = {});
 
-/// The pictures that lie on things, from files of one folder, read in the background; what cannot
-/// be had is said once in the log. Not thread-safe.
+/// Loads the textures of one folder in the background. The log names each failure once. Not
+/// thread-safe.
 class TextureLibrary {
 public:
     using Loaded = std::pair<std::string, renderer::TexturePicture>;
 
     explicit TextureLibrary(const std::filesystem::path& folder, const TextureLimits& limits = {});
 
-    /// Asks for a file of the folder (bus::is_valid_model_file); again only after `forget`.
+    /// Requests a file of the folder (bus::is_valid_model_file). Ignored if it was requested since
+    /// the last `forget`.
     void want(const std::string& file);
-    /// What has been read since the last call. Never waits.
+    /// Returns the textures loaded since the last call. Never blocks.
     std::vector<Loaded> take();
-    /// All that was asked for: it may be asked for again.
+    /// Drops all requests. Files may be requested again.
     void forget();
 
 private:

@@ -16,24 +16,23 @@ struct VideoFormat {
     int height = 0;
 };
 
-/// Codes pictures of one size and writes them to a file. All errors are kUnavailable.
+/// Encodes pictures of one size and writes them to a file. All errors are kUnavailable.
 class VideoFile {
 public:
     virtual ~VideoFile() = default;
-    /// The picture that `write` writes from now on: width * height pixels of R, G, B, A, rows from
-    /// the top.
+    /// Sets the picture for `write`: width * height pixels of R, G, B, A, top row first.
     virtual Expected<void> set(std::span<const std::uint8_t> rgba) = 0;
-    /// Writes the last picture that was set; at least one was.
+    /// Writes the picture last set. Call `set` at least once before.
     virtual Expected<void> write() = 0;
-    /// Ends the file, once.
+    /// Finishes the file. Call it once.
     virtual Expected<void> finish() = 0;
 };
 
-/// Begins the file; its extension chooses what it is.
+/// Creates the file. Its extension selects the format.
 Expected<std::unique_ptr<VideoFile>> create_video_file(const VideoFormat& format);
 
-/// Motion JPEG, coded by turbojpeg and put into .avi or .mkv by libavformat: cheaper than OpenCV's
-/// writer, and a picture that is shown again is coded only once.
+/// Creates a motion JPEG video, encoded by turbojpeg and muxed into .avi or .mkv by libavformat.
+/// Cheaper than OpenCV's writer, and encodes a repeated picture only once.
 Expected<std::unique_ptr<VideoFile>> create_jpeg_video(const VideoFormat& format);
 
 }  // namespace atrium::viewer

@@ -12,25 +12,25 @@
 
 namespace atrium::viewer {
 
-/// What one projector lights of a wall.
+/// The part of a wall that one projector lights.
 struct Tile {
     std::string name;
     renderer::Screen screen_wall;
 };
 
-/// A wall of several projectors, each of which has a viewer of its own. Its frame: origin on the
-/// floor, +X to the right along the wall as one looks at it, +Y towards it, +Z up.
+/// A wall lit by several projectors, each with its own viewer. Frame: origin on the floor, +X to
+/// the right along the wall as seen by the audience, +Y towards the wall, +Z up.
 struct Wall {
     geometry::RigidTransform world_from_wall;
-    Eigen::Vector3d eye_wall_m = {0.0, -2.0, 1.6};  // of those who look at it
+    Eigen::Vector3d eye_wall_m = {0.0, -2.0, 1.6};  // eye of the audience
     std::vector<Tile> tiles;
 
     const Tile* find(const std::string& tile) const;
-    std::string tile_names() const;  // "left, right"
+    std::string tile_names() const;  // For example "left, right".
 };
 
-/// Reads a wall's file (docs/viewer.md, Displays). Error kConfiguration with file and line where it
-/// makes no sense: a tile whose corners are no rectangle, or that the eye is not before.
+/// Reads a wall file (docs/viewer.md, Displays). Error kConfiguration with file and line if it is
+/// invalid, for example if the corners of a tile form no rectangle or the eye is not before it.
 Expected<Wall> load_wall(const std::filesystem::path& file);
 
 }  // namespace atrium::viewer
