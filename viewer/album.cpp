@@ -56,7 +56,7 @@ void Album::add(const renderer::SceneRenderer& renderer, bool counts) {
     const std::uint64_t num_dropped = video_->num_dropped();
     if (!video_->wants_picture(now)) {
         if (video_->num_dropped() > num_dropped)
-            drops_.warn("video_dropped file=" + video_file_.string() + " encoding cannot keep up");
+            drops_.warn("video_dropped file=" + video_file_.string() + " the encoder is too slow");
         return;
     }
     renderer::RenderedPicture frame = video_->spent();

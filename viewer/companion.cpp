@@ -9,7 +9,7 @@ namespace atrium::viewer {
 namespace {
 
 constexpr float kHeadM = 0.25F;
-constexpr double kSoftS = 0.12;  // takes out the flicker of a hull's top
+constexpr double kSoftS = 0.12;  // smooths the flicker of a hull's top
 
 }  // namespace
 
@@ -74,7 +74,7 @@ renderer::ViewCamera Companion::update(renderer::ViewCamera camera,
     }
     const Eigen::Vector3d wanted = is_inside_ ? found->second.eyes : found->second.middle;
     if (!at_ && is_inside_) {
-        // level, the way that the camera looked
+        // look horizontally, in the camera's former direction
         Eigen::Vector3d ahead = camera.target_m - camera.position_m;
         ahead.z() = 0.0;
         if (ahead.norm() < 1e-6) ahead = Eigen::Vector3d::UnitY();

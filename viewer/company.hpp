@@ -30,8 +30,9 @@ public:
                     });
         if (is_known_ || (!is_over && now - begin_ < kPatience)) return false;
         is_known_ = true;
-        app::log::warn("nobody_there world={} no world server and no site yet; is that its name?",
-                       world_);
+        app::log::warn(
+            "nobody_there world={} no world server and no site yet; check the name of the world",
+            world_);
         return true;
     }
 

@@ -15,8 +15,8 @@ constexpr double kMinDistanceM = 0.2;
 constexpr double kMaxDistanceM = 50.0;
 constexpr double kFlySpeedMPerS = 1.8;
 constexpr double kWalkSpeedMPerS = 1.4;
-constexpr double kEyesM = 1.65;       // above the floor, of who walks
-constexpr double kPanPerPx = 0.0015;  // of the distance to the target
+constexpr double kEyesM = 1.65;       // eye height while walking
+constexpr double kPanPerPx = 0.0015;  // share of the distance to the target
 
 Eigen::Vector3d turned(const Eigen::Vector3d& arm, const Eigen::Vector2d& turn_px) {
     const double length = arm.norm();
@@ -33,7 +33,7 @@ Eigen::Vector3d turned(const Eigen::Vector3d& arm, const Eigen::Vector2d& turn_p
 renderer::ViewCamera walked(const Motion& motion, renderer::ViewCamera camera) {
     Eigen::Vector3d ahead = camera.target_m - camera.position_m;
     ahead.z() = 0.0;
-    ahead.normalize();  // the eye is never above or below the target
+    ahead.normalize();  // not zero: the eye is never above or below the target
     const Eigen::Vector3d right = ahead.cross(Eigen::Vector3d::UnitZ());
     Eigen::Vector3d shift =
         kWalkSpeedMPerS * motion.seconds * (motion.fly.x() * right + motion.fly.y() * ahead);

@@ -17,12 +17,14 @@ const Eigen::Vector3f kSpaceColour(0.55f, 0.55f, 0.6f);
 const Eigen::Vector3f kPersonColour(1.0f, 0.75f, 0.1f);
 const Eigen::Vector3f kThingColour(0.2f, 0.85f, 0.3f);
 const Eigen::Vector3f kVelocityColour(1.0f, 0.15f, 0.1f);
-constexpr double kVelocityS = 0.25;   // a line reaches where the thing will be after this
-constexpr double kSlowestMps = 0.02;  // of what is drawn a line for
+// a velocity line ends where the object will be after this time
+constexpr double kVelocityS = 0.25;
+constexpr double kSlowestMps = 0.02;  // slower objects get no velocity line
 constexpr std::size_t kMaxLines = 200'000;
-constexpr double kNameHeight = 0.035;   // of the picture's
-constexpr std::size_t kMaxNames = 128;  // 64 sites of 64 cameras would fill the memory with names
-constexpr int kMaxNewNames = 4;         // in one picture
+constexpr double kNameHeight = 0.035;  // share of the picture's height
+// bounds the memory: 64 sites with 64 cameras each may appear
+constexpr std::size_t kMaxNames = 128;
+constexpr int kMaxNewNames = 4;  // per picture
 
 void append_bounds(const std::vector<Eigen::Vector3f>& points,
                    const Eigen::Vector3f& colour,
@@ -45,7 +47,7 @@ void append_things(const SceneView& scene, const ProxyView& proxies, std::vector
         if (found == scene.objects().end()) continue;
         const bus::SceneObject& object = found->second;
         const Eigen::Matrix4d world_from_object = state.world_from_object.matrix();
-        const bool has_room = lines.size() < kMaxLines;  // for what anybody may have sent
+        const bool has_room = lines.size() < kMaxLines;  // the network may send any number of edges
         if (!has_room ||
             !proxies.append_edges(state.object, world_from_object, kThingColour, lines))
             append_shape(object, world_from_object, kThingColour, lines);

@@ -30,7 +30,7 @@ bool is_beside(Stereo stereo) {
     return stereo == Stereo::kSideBySide || stereo == Stereo::kQuadBuffer;
 }
 
-// The part of a picture that the left (0) or right (1) eye sees.
+// Returns the part of a picture that the left (0) or right (1) eye sees.
 image::PixelRect part_of(Stereo stereo, int eye, int width, int height) {
     if (is_beside(stereo)) {
         const int left = width / 2;
@@ -50,21 +50,22 @@ image::PixelRect part_of(Stereo stereo, int eye, int width, int height) {
 void declare(DisplayConfig& config, config::OptionSet& set) {
     set.add("display.stereo",
             config.stereo,
-            "how two pictures reach two eyes; quad_buffer needs a window whose driver has it",
+            "stereo mode; quad_buffer needs a window and a driver that supports it",
             {"none", "side_by_side", "top_bottom", "anaglyph", "quad_buffer"});
     set.add("display.eye_distance_m",
             config.eye_distance_m,
-            "between the two eyes [m]",
+            "distance between the eyes [m]",
             {.min = 0, .max = 1});
     set.add("display.convergence_m",
             config.convergence_m,
-            "distance of what both eyes see at the same place [m]; 0: of the target",
+            "distance of zero parallax [m]; 0: distance of the target",
             {.min = 0, .max = 100});
-    set.add("display.wall", config.wall, "description of a wall of projectors; empty: none");
-    set.add("display.tile", config.tile, "the projector of that wall that this viewer is for");
+    set.add(
+        "display.wall", config.wall, "TOML file that describes a wall of projectors; empty: none");
+    set.add("display.tile", config.tile, "tile of the wall that this viewer draws");
     set.add("display.delay_ms",
             config.delay_ms,
-            "a wall shows what was this long ago, so that all of it shows the same [ms]",
+            "playback delay of a wall, so all tiles show the same moment [ms]",
             {.min = 0, .max = 500});
 }
 
@@ -119,7 +120,7 @@ std::vector<EyeView> Display::eyes(const ViewCamera& camera, int width, int heig
         const double aspect = static_cast<double>(shown_width) / height;
         screen = renderer::screen_of(camera, aspect, distance_m);
     }
-    // a wall is looked at along its own frame, even by who stands before one tile of several
+    // the eyes lie side by side along the whole wall, not along one tile
     const Eigen::Vector3d across =
         tile_ ? Eigen::Vector3d(wall_->world_from_wall.rotation * Eigen::Vector3d::UnitX())
               : screen.right();

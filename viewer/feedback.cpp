@@ -6,15 +6,15 @@
 namespace atrium::viewer {
 namespace {
 
-// A sample that is this much older than the newest is of a site whose clock was set back.
+// A sample this much older than the newest means that the site's clock was set back.
 constexpr std::chrono::seconds kMaxDisorder{2};
-// Frames that may be late because a datagram of each was sent again.
+// Frames per report that may be late because a datagram of each was retransmitted.
 constexpr std::size_t kNumSentAgain = 2;
 
 }  // namespace
 
-// Of frames that came within one report: what the queue in the network made of the delay is about
-// the same for each, so that of the one of which least is sure says least.
+// Lower bound of the delay. The queue in the network delays all frames of one report by
+// about the same time, so the tightest bound of a frame holds for all, apart from retransmissions.
 double Feedback::sure_delay_ms(const Site& site) const {
     if (longest_wait_ms_ <= milliseconds(kOnTime)) return site.min_ms;
     if (site.sure_ms.empty()) return site.min_ms - longest_wait_ms_;
@@ -34,7 +34,7 @@ Feedback::Site* Feedback::find_or_add(const std::string& name, Timestamp now) {
     return &site;
 }
 
-// A clock that is set makes one wait wrong: a short one is on time, and a long one is not.
+// A step of the clock falsifies one wait: a short wait counts as on time, a long one does not.
 void Feedback::note_wait(Timestamp now) {
     if (taken_all_until_.ns == 0) return;
     longest_wait_ms_ = std::max(longest_wait_ms_, milliseconds(now - taken_all_until_));
@@ -62,7 +62,7 @@ void Feedback::arrived(const std::string& name,
         std::min(site->min_since_capture_ms, milliseconds(now - capture_time));
     const bool is_disorder =
         capture_time <= site->newest_capture && site->newest_capture - capture_time < kMaxDisorder;
-    if (is_disorder) return;  // it may have waited for the samples of its frame before it
+    if (is_disorder) return;  // it may have waited for earlier samples of its frame
     site->newest_capture = capture_time;
     const bool is_on_time = now >= taken_all_until_ && now - taken_all_until_ <= kOnTime;
     site->sure_ms.push_back(
@@ -101,7 +101,7 @@ void Feedback::begin_anew(Site& site, Timestamp now) {
 void Feedback::report(const std::string& viewer,
                       Timestamp now,
                       const std::function<void(const bus::StreamFeedback&)>& send) {
-    // a clock that was set back must not silence it
+    // the clock may have been set back
     const auto elapsed = now - last_report_;
     const bool may_wait = taken_all_until_ < last_look_ && elapsed < 2 * kPeriod;
     if (now >= last_report_ && (elapsed < kPeriod || may_wait)) return;

@@ -13,9 +13,9 @@ namespace {
 using Clock = GivingWay::Clock;
 
 constexpr double kTooBusy = 0.9;   // share of the period that drawing may take
-constexpr double kHasRoom = 0.7;   // share that it may be expected to take at a better level
-constexpr double kTooLateS = 0.1;  // for somebody to be decoded
-constexpr double kSoonS = 0.06;    // that leaves room
+constexpr double kHasRoom = 0.7;   // expected share that allows a better level
+constexpr double kTooLateS = 0.1;  // limit for decoding a person
+constexpr double kSoonS = 0.06;    // decoding time that allows a better level
 // A decision takes this many pictures and this long, whichever is more.
 constexpr std::size_t kPictures = 6;
 constexpr std::chrono::milliseconds kWindow{400};
@@ -25,7 +25,7 @@ constexpr std::chrono::seconds kTrial{10};
 
 constexpr std::array kRates{60.0, 30.0, 20.0, 15.0};
 constexpr std::array kScales{0.75, 0.5};
-constexpr double kShadowCost = 1.3;  // of a picture with them to one without
+constexpr double kShadowCost = 1.3;  // cost of a picture with shadows over one without
 
 double median(std::vector<double>& values) {
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -33,7 +33,7 @@ double median(std::vector<double>& values) {
     return *middle;
 }
 
-// How much longer a picture takes at most.
+// Upper bound of the ratio of drawing times.
 double cost_ratio(const PictureQuality& more, const PictureQuality& less) {
     const double side = more.scale / less.scale;
     return side * side * (more.has_shadows && !less.has_shadows ? kShadowCost : 1.0);
@@ -104,7 +104,7 @@ bool GivingWay::add(const Picture& picture) {
         room_for_ = Clock::duration(0);
         std::size_t next = level_ + 1;
         if (next >= levels_.size()) return false;
-        // a lower rate costs per picture what the higher one did: no need to try each
+        // a lower rate does not change the cost per picture, so skip rates that are still too high
         while (is_drawing_slow && next + 1 < levels_.size() &&
                levels_[next].scale == quality().scale &&
                busy_s * levels_[next].max_fps > kTooBusy &&

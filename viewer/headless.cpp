@@ -40,7 +40,7 @@ Expected<std::unique_ptr<Surface>> open_egl(gl::EglDevices devices, const Surfac
 }
 
 Expected<std::unique_ptr<Surface>> open_osmesa(const SurfaceOptions& options) {
-    // pictures are drawn into the renderer's own framebuffer: the context's stays small
+    // the renderer draws into its own framebuffer, so the context's can be small
     auto context = gl::OffscreenContext::create(16, 16);
     if (!context) return tl::unexpected(context.error());
     return std::make_unique<Headless<gl::OffscreenContext>>(std::move(*context), "OSMesa", options);

@@ -5,8 +5,7 @@
 namespace atrium::viewer {
 namespace {
 
-// How fast the shortest delay is forgotten, so that clocks may drift apart: 1 ms per second, ten
-// times what they do.
+// The shortest delay grows by 1 ms per second, ten times the usual clock drift.
 constexpr std::int64_t kCreep = 1000;
 
 }  // namespace

@@ -28,7 +28,7 @@ void draw_losses(const HudFigures& figures) {
                 static_cast<unsigned long long>(figures.num_rejected));
 }
 
-// Of a hundred sites, as many as leave the picture to be seen.
+// Limits the number of lines, so they do not cover the picture.
 void draw_lines(const std::vector<SiteLine>& lines) {
     constexpr std::size_t kMostLines = 16;
     for (std::size_t i = 0; i < std::min(lines.size(), kMostLines); ++i) {
@@ -63,7 +63,7 @@ void draw_hud(const HudFigures& figures, bool has_details) {
     draw_curve("capture to display, ms, 30 s", figures.latency_ms, 50.0f);
     draw_curve("pictures/s, 30 s", figures.pictures_per_s, 60.0f);
     if (figures.recording_s)
-        ImGui::TextColored(kWarning, "recording, %.1f s   F9: end", *figures.recording_s);
+        ImGui::TextColored(kWarning, "recording, %.1f s   F9: stop", *figures.recording_s);
     if (figures.num_video_dropped > 0)
         ImGui::TextColored(kWarning,
                            "pictures missing in videos: %llu",
@@ -75,25 +75,25 @@ void draw_hud(const HudFigures& figures, bool has_details) {
 
 void draw_keys() {
     constexpr std::array<std::pair<const char*, const char*>, 20> kKeys{{
-        {"drag left, on a thing", "pull it; letting go throws it"},
+        {"drag left, on an object", "pull it; release to throw it"},
         {"drag left elsewhere", "orbit around the target"},
         {"shift and drag left", "look around"},
         {"drag right, wheel", "pan, zoom"},
         {"W A S D, Q E", "fly; down, up"},
-        {"G", "walk on the floor, or fly again"},
-        {"1 ... 9", "through the eyes of that person; again: leave"},
-        {"F", "follow the nearest person, or stop"},
-        {"V", "back to the viewpoint of the start"},
-        {"N", "show people's names, or hide them"},
-        {"M", "menu: add things, remove them"},
-        {"Delete", "remove the thing under the mouse"},
-        {"B", "wires, silhouettes, what physics tests"},
-        {"R", "put all objects back"},
-        {"F11", "full screen, or a window again"},
+        {"G", "walk on the floor, or fly"},
+        {"1 ... 9", "look through the eyes of that person; again: leave"},
+        {"F", "follow the nearest person, or stop following"},
+        {"V", "return to the first viewpoint"},
+        {"N", "show or hide the names of people"},
+        {"M", "menu: add and remove objects"},
+        {"Delete", "remove the object under the mouse"},
+        {"B", "debug view: wireframe, silhouettes, collision shapes"},
+        {"R", "reset all objects"},
+        {"F11", "full screen on or off"},
         {"F12, P", "screenshot"},
-        {"F9", "begin, or end, a video"},
-        {"T", "how long sites and worlds take for what"},
-        {"H", "hide the figures"},
+        {"F9", "start or stop a video"},
+        {"T", "show or hide stage times of sites and worlds"},
+        {"H", "show or hide the statistics"},
         {"Esc", "close"},
     }};
     const ImVec2 size = ImGui::GetIO().DisplaySize;

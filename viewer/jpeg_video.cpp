@@ -61,24 +61,24 @@ private:
     std::string file_;
     int width_;
     int height_;
-    AVRational period_;  // of a picture [s]
+    AVRational period_;  // duration of a picture [s]
     std::unique_ptr<AVFormatContext, FormatDeleter> context_;
-    AVStream* stream_ = nullptr;  // of `context_`
+    AVStream* stream_ = nullptr;  // owned by `context_`
     std::unique_ptr<AVPacket, PacketDeleter> packet_{av_packet_alloc()};
     std::int64_t num_written_ = 0;
 
     codec::PictureEncoder encoder_;
-    std::span<const std::uint8_t> jpeg_;  // of `encoder_`
+    std::span<const std::uint8_t> jpeg_;  // owned by `encoder_`
 };
 
 Expected<void> JpegVideo::begin() {
-    if (packet_ == nullptr) return failed(file_, "begin", AVERROR(ENOMEM));
+    if (packet_ == nullptr) return failed(file_, "cannot allocate a packet", AVERROR(ENOMEM));
     AVFormatContext* context = nullptr;
     int code = avformat_alloc_output_context2(&context, nullptr, nullptr, file_.c_str());
-    if (code < 0) return failed(file_, "no container of that name", code);
+    if (code < 0) return failed(file_, "unknown file format", code);
     context_.reset(context);
     stream_ = avformat_new_stream(context, nullptr);
-    if (stream_ == nullptr) return failed(file_, "no stream", AVERROR(ENOMEM));
+    if (stream_ == nullptr) return failed(file_, "cannot add a stream", AVERROR(ENOMEM));
     AVCodecParameters& codec = *stream_->codecpar;
     codec.codec_type = AVMEDIA_TYPE_VIDEO;
     codec.codec_id = AV_CODEC_ID_MJPEG;
@@ -88,9 +88,9 @@ Expected<void> JpegVideo::begin() {
     stream_->time_base = period_;
     stream_->avg_frame_rate = {period_.den, period_.num};
     code = avio_open(&context->pb, file_.c_str(), AVIO_FLAG_WRITE);
-    if (code < 0) return failed(file_, "cannot be written", code);
+    if (code < 0) return failed(file_, "cannot open the file", code);
     code = avformat_write_header(context, nullptr);
-    if (code < 0) return failed(file_, "cannot be begun", code);
+    if (code < 0) return failed(file_, "cannot write the header", code);
     return {};
 }
 
@@ -99,7 +99,7 @@ Expected<void> JpegVideo::set(std::span<const std::uint8_t> rgba) {
     if (!jpeg) {
         return make_error(
             ErrorKind::kUnavailable,
-            fmt::format("video {}: a picture cannot be coded: {}", file_, jpeg.error().message));
+            fmt::format("video {}: cannot encode a picture: {}", file_, jpeg.error().message));
     }
     jpeg_ = *jpeg;
     return {};
@@ -107,7 +107,7 @@ Expected<void> JpegVideo::set(std::span<const std::uint8_t> rgba) {
 
 Expected<void> JpegVideo::write() {
     AVPacket& packet = *packet_;
-    packet.data = const_cast<std::uint8_t*>(jpeg_.data());  // is read only
+    packet.data = const_cast<std::uint8_t*>(jpeg_.data());  // only read
     packet.size = static_cast<int>(jpeg_.size());
     packet.pts = packet.dts = num_written_++;
     packet.duration = 1;
@@ -115,15 +115,15 @@ Expected<void> JpegVideo::write() {
     packet.flags = AV_PKT_FLAG_KEY;
     av_packet_rescale_ts(&packet, period_, stream_->time_base);
     const int code = av_write_frame(context_.get(), &packet);
-    if (code < 0) return failed(file_, "a picture cannot be written", code);
+    if (code < 0) return failed(file_, "cannot write a picture", code);
     return {};
 }
 
 Expected<void> JpegVideo::finish() {
     const int written = av_write_trailer(context_.get());
     const int closed = avio_closep(&context_->pb);
-    if (written < 0) return failed(file_, "cannot be ended", written);
-    if (closed < 0) return failed(file_, "cannot be ended", closed);
+    if (written < 0) return failed(file_, "cannot finish the file", written);
+    if (closed < 0) return failed(file_, "cannot finish the file", closed);
     return {};
 }
 

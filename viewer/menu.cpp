@@ -27,7 +27,7 @@ double linear_of(float encoded) {
     return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
 }
 
-// Names of the bus have no other characters.
+// Filters the characters that names on the bus may have.
 int allowed_in_names(ImGuiInputTextCallbackData* data) {
     const ImWchar c = data->EventChar;
     const bool is_allowed = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
@@ -67,7 +67,7 @@ void Menu::draw_new_thing(SurfaceEvents& events) {
                      name_.size(),
                      ImGuiInputTextFlags_CallbackCharFilter,
                      &allowed_in_names);
-    if (!ImGui::Button("add it before me", {-1.0f, 0.0f})) return;
+    if (!ImGui::Button("add it before the eye", {-1.0f, 0.0f})) return;
     NewThing thing;
     thing.shape = shape;
     for (int i = 0; i < 3; ++i) {
@@ -81,10 +81,10 @@ void Menu::draw_new_thing(SurfaceEvents& events) {
 
 void Menu::draw_things(const HudFigures& figures, SurfaceEvents& events) {
     const auto& things = figures.things;
-    ImGui::Text("%zu things", things.size());
+    ImGui::Text("%zu objects", things.size());
     const ThingLine* chosen = nullptr;
     if (ImGui::BeginListBox("##things", {-1.0f, kListHeight})) {
-        // of thousands, only those that are seen are laid out
+        // lay out only the visible ones of thousands
         ImGuiListClipper clipper;
         clipper.Begin(static_cast<int>(things.size()));
         while (clipper.Step()) {
@@ -102,19 +102,19 @@ void Menu::draw_things(const HudFigures& figures, SurfaceEvents& events) {
     }
     ImGui::BeginDisabled(chosen == nullptr);
     const std::string title =
-        (chosen == nullptr ? "remove the one chosen" : "remove " + chosen->text) + "###remove";
+        (chosen == nullptr ? "remove the selected object" : "remove " + chosen->text) + "###remove";
     if (ImGui::Button(title.c_str(), {-1.0f, 0.0f}) && chosen != nullptr) {
         events.remove = chosen_;
         chosen_ = 0;
     }
     ImGui::EndDisabled();
-    ImGui::TextUnformatted("Delete: removes what is under the mouse");
+    ImGui::TextUnformatted("Delete: remove the object under the mouse");
 }
 
 void Menu::draw(const HudFigures& figures, SurfaceEvents& events) {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos({size.x - 10.0f, 10.0f}, ImGuiCond_Always, {1.0f, 0.0f});
-    // as high as it needs; in a low window it scrolls
+    // as high as needed; scrolls in a low window
     ImGui::SetNextWindowSize({kWidth, 0.0f});
     ImGui::SetNextWindowSizeConstraints({kWidth, 0.0f}, {kWidth, size.y - 20.0f});
     ImGui::SetNextWindowBgAlpha(0.85f);
@@ -124,7 +124,7 @@ void Menu::draw(const HudFigures& figures, SurfaceEvents& events) {
                      ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoSavedSettings);
     ImGui::PushItemWidth(-80.0f);
-    if (ImGui::Button("put all things back", {-1.0f, 0.0f})) events.reset_scene = true;
+    if (ImGui::Button("reset all objects", {-1.0f, 0.0f})) events.reset_scene = true;
     ImGui::Separator();
     draw_new_thing(events);
     ImGui::Separator();

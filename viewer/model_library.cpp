@@ -13,11 +13,11 @@
 namespace atrium::viewer {
 namespace {
 
-constexpr float kSmoothCos = 0.77F;       // faces that meet at less than 40 degrees look round
-constexpr std::size_t kMaxModels = 1024;  // asked for; names come from the network
+constexpr float kSmoothCos = 0.77F;       // smooth normals where faces meet at less than 40 degrees
+constexpr std::size_t kMaxModels = 1024;  // requested; the names come from the network
 
-// Appends corners of their own for each triangle, with a normal that is smooth unless there is an
-// edge, and with the file's places in a picture where it has them.
+// Appends separate corners for each triangle, with a smooth normal unless there is an edge, and
+// with the file's texture coordinates if it has any.
 void append(const model::ModelPart& part, renderer::ShapeMesh& out) {
     const geometry::TriangleMesh& mesh = part.mesh;
     const bool has_places = part.texture_places.size() == mesh.vertices.size();
@@ -73,7 +73,7 @@ const ModelLibrary::Model& ModelLibrary::model(const std::string& file, double s
     const Key key(file, scale);
     const auto known = models_.find(key);
     if (known != models_.end()) return known->second;
-    // the bus has checked it; a folder is left by nobody
+    // the bus has checked the name; it cannot leave the folder
     if (bus::is_valid_model_file(file) && reader_.num_wanted() < kMaxModels) reader_.want(key);
     return kNone;
 }
@@ -82,7 +82,7 @@ std::set<std::string> ModelLibrary::take() {
     std::set<std::string> files;
     for (auto& [key, loaded] : reader_.take()) {
         if (!loaded && complained_.size() < kMaxModels && complained_.insert(key.first).second)
-            app::log::warn("model_missing {}; a box stands for it", loaded.error().message);
+            app::log::warn("model_missing {}; a box replaces it", loaded.error().message);
         models_[key] = loaded ? std::move(*loaded) : Model{};
         files.insert(key.first);
     }

@@ -12,13 +12,13 @@ namespace {
 
 constexpr std::chrono::milliseconds kMovePeriod{15};
 constexpr std::chrono::milliseconds kSignOfLife{500};
-constexpr double kRopeReachM = 0.02;  // beside a rope's middle, at least, that is still the rope
+constexpr double kRopeReachM = 0.02;  // minimum pick radius around a rope
 
 Eigen::Vector3d forward_of(const renderer::ViewCamera& camera) {
     return (camera.target_m - camera.position_m).normalized();
 }
 
-// Distance at which the ray enters; nothing where it passes or begins inside.
+// Distance at which the ray enters. Empty if it misses or starts inside.
 std::optional<double> enters_box(const Ray& ray, const Eigen::Vector3d& half_m) {
     double enter = 0.0;
     double leave = std::numeric_limits<double>::infinity();
@@ -39,8 +39,8 @@ std::optional<double> enters_ball(const Ray& ray, double radius_m) {
     return along - std::sqrt(inside);
 }
 
-// Distance at which the ray meets a triangle, from either side (Möller, Trumbore, "Fast, Minimum
-// Storage Ray/Triangle Intersection", 1997).
+// Distance at which the ray meets a triangle, from either side. After: Möller, Trumbore. Fast,
+// Minimum Storage Ray/Triangle Intersection. 1997.
 std::optional<double> meets_triangle(const Ray& ray,
                                      const Eigen::Vector3d& a,
                                      const Eigen::Vector3d& b,
@@ -57,7 +57,8 @@ std::optional<double> meets_triangle(const Ray& ray,
     return is_met ? std::optional(distance) : std::nullopt;
 }
 
-// Distance to where the ray is nearest to a line from a to b, where it is within `radius_m`.
+// Distance to the point of the ray nearest to the line from a to b. Empty if it is more than
+// `radius_m` away.
 std::optional<double> meets_line(const Ray& ray,
                                  const Eigen::Vector3d& a,
                                  const Eigen::Vector3d& b,

@@ -8,11 +8,11 @@
 namespace atrium::viewer {
 namespace {
 
-constexpr int kMaxNewTags = 4;  // in one picture: drawing a text takes some tenths of a millisecond
+constexpr int kMaxNewTags = 4;  // per picture: rendering a text takes some tenths of a millisecond
 constexpr double kAboveHeadM = 0.06;
-constexpr double kHeight = 0.05;  // of the picture's; letters have half of it
+constexpr double kHeight = 0.05;  // share of the picture's height; letters have half of it
 constexpr double kSoftS = 0.1;
-constexpr double kJumpM = 0.5;  // a head that is so far off did not move there
+constexpr double kJumpM = 0.5;  // a head that is farther away jumped
 constexpr double kFadesFromM = 8.0;
 constexpr double kGoneAtM = 20.0;
 

@@ -65,7 +65,7 @@ std::optional<FramePair> Pairing::hand_out_if_complete(const std::string& site,
 
     FramePair pair;
     for (const std::uint32_t camera : wanted) {
-        auto node = frame.textures.extract(camera);  // empty where a camera is named twice
+        auto node = frame.textures.extract(camera);  // empty if a camera is named twice
         if (!node.empty()) pair.textures.push_back(std::move(node.mapped()));
     }
     pair.mesh = std::move(*frame.mesh);

@@ -10,7 +10,7 @@
 namespace atrium::viewer {
 namespace {
 
-// Sites on narrow networks send five pictures a second.
+// Sites on narrow networks send five metaframes a second.
 constexpr auto kStalled = std::chrono::milliseconds(600);
 constexpr auto kFades = std::chrono::milliseconds(800);
 constexpr double kLeastOpacity = 0.35;

@@ -34,7 +34,7 @@ Expected<void> decode_picture(const bus::CameraTexture& texture,
     return {};
 }
 
-// Which of the pair's textures show what the eyes see.
+// Selects the textures that the eyes need.
 Expected<std::vector<bool>> needed_textures(const FramePair& pair,
                                             const bus::SiteDescription& description,
                                             const geometry::TriangleMesh& mesh_site,
@@ -44,7 +44,7 @@ Expected<std::vector<bool>> needed_textures(const FramePair& pair,
     for (const bus::CameraTexture& texture : pair.textures) {
         if (texture.camera >= description.cameras.size()) {
             return make_error(ErrorKind::kInvalidData,
-                              fmt::format("texture of camera {}, but there are {} cameras",
+                              fmt::format("texture of camera {}, but the site has {} cameras",
                                           texture.camera,
                                           description.cameras.size()));
         }
@@ -83,14 +83,14 @@ Expected<void> decode_person(const FramePair& pair,
             return ok;
         width = std::max(width, picture.width);
         height = std::max(height, picture.height);
-        // the layers of all cameras are as large as the largest one
+        // all layers have the size of the largest
         const std::size_t layer_bytes =
             4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
         if (std::max(width, height) > limits.max_picture_side_px ||
             layer_bytes * num_pictures > limits.max_layer_bytes) {
             return make_error(
                 ErrorKind::kInvalidData,
-                fmt::format("{} pictures of {}x{} are too much", num_pictures, width, height));
+                fmt::format("{} pictures of {}x{} exceed the limit", num_pictures, width, height));
         }
     }
     renderer::build_person_model(scratch.mesh, scratch.pictures, {}, scratch.model, out);

@@ -19,7 +19,7 @@
 namespace atrium::viewer {
 namespace {
 
-// Its own memory.
+// Refers to the picture's memory.
 cv::Mat rgba_of(const renderer::RenderedPicture& picture) {
     return {picture.height, picture.width, CV_8UC4, const_cast<std::uint8_t*>(picture.rgba.data())};
 }
@@ -30,7 +30,7 @@ cv::Mat bgr_of(const renderer::RenderedPicture& picture) {
     return bgr;
 }
 
-// What a video still needs to be finished: a picture, and an index of all of them.
+// Leaves room to finish the video: one picture and the index of all pictures.
 bool is_nearly_full(const std::filesystem::path& file) {
     constexpr std::uintmax_t kLeast = 8'000'000;
     std::error_code failure;
@@ -80,7 +80,7 @@ struct VideoRecorder::Impl {
     VideoFormat format;
     std::unique_ptr<VideoFile> file;
     cv::Mat resized;
-    Expected<void> written;  // the first error; of the video's thread until that has ended
+    Expected<void> written;  // the first error; owned by the recording thread until it ends
 };
 
 VideoRecorder::VideoRecorder(std::unique_ptr<Impl> impl)
@@ -108,15 +108,15 @@ Expected<void> VideoRecorder::finish() {
     }
     if (!impl_->written) return impl_->written;
     if (!ended) return ended;
-    // of .mp4 OpenCV tells of nothing that goes wrong as it writes; asked for no backend, it tries
-    // cameras too
+    // OpenCV reports no write errors for .mp4, so try to read the file; without a backend it would
+    // try cameras too
     if (num_written_ > 0 && !cv::VideoCapture(file, cv::CAP_FFMPEG).grab())
-        return make_error(ErrorKind::kUnavailable, "video " + file + " cannot be read again");
+        return make_error(ErrorKind::kUnavailable, "video " + file + " cannot be read back");
     return {};
 }
 
 Expected<std::unique_ptr<VideoRecorder>> VideoRecorder::create(const VideoFormat& format) {
-    // the libraries' own words for a file that cannot be written are many and name no reason
+    // check first: the libraries' messages for a file that cannot be written name no reason
     if (const auto ready = prepare_file(format.file); !ready) return tl::unexpected(ready.error());
     auto file = create_video_file(format);
     if (!file) return tl::unexpected(file.error());
@@ -163,7 +163,8 @@ renderer::RenderedPicture VideoRecorder::spent() {
     return picture;
 }
 
-// Repeats the last picture up to `slot`, then writes `picture` as the next one's; false: no more.
+// Repeats the last picture up to `slot`, then writes `picture` into it. Returns false if the
+// recording ends.
 bool VideoRecorder::write(const renderer::RenderedPicture& picture, std::int64_t slot) {
     const auto is_done = [this](Expected<void> done) {
         if (done) return true;
@@ -192,14 +193,14 @@ bool VideoRecorder::write(const renderer::RenderedPicture& picture, std::int64_t
     }
     if (!is_done(impl_->file->set({rgba.data, rgba.total() * rgba.elemSize()}))) return false;
     if (static_cast<std::int64_t>(num_written_) > slot) {
-        ++num_dropped_;  // its slot is over: the next one repeats it
+        ++num_dropped_;  // too late for its slot; the next slot repeats it
         return true;
     }
     return write_frame();
 }
 
 void VideoRecorder::record(std::stop_token stop) {
-    // drawing goes before it
+    // lower priority than drawing
     constexpr int kNicer = 5;
     const auto thread = static_cast<id_t>(gettid());
     static_cast<void>(
@@ -207,10 +208,10 @@ void VideoRecorder::record(std::stop_token stop) {
     std::unique_lock lock(mutex_);
     const auto is_offered = [this] { return !waiting_.empty(); };
     offered_.wait(lock, stop, is_offered);
-    std::optional<std::int64_t> end;  // the first slot that is not in the video any more
+    std::optional<std::int64_t> end;  // first slot after the end of the video
     while (begin_) {
         const auto next = static_cast<std::int64_t>(num_written_);
-        // the picture of a slot comes soon after its end, if at all: it has to be read back
+        // a picture may arrive shortly after the end of its slot, because it is read back first
         if (waiting_.empty() && !stop.stop_requested())
             offered_.wait_until(lock, stop, end_of(next) + period_, is_offered);
         if (!end && stop.stop_requested()) end = slot_of(Clock::now());

@@ -12,12 +12,14 @@ constexpr std::chrono::seconds kMemory{1};
 constexpr std::size_t kMostArrivals = 96;
 constexpr std::size_t kRegular = 4;  // arrivals within kMemory that make a site regular
 
-// of the period
-constexpr double kMostShift = 0.15;  // per picture, so that pictures look even
-constexpr double kLeastGain = 0.1;   // for less the phase stays
-constexpr double kMostEarly = 0.25;  // before the period is over
-constexpr double kStepBack = 0.1;    // that is made little by little, rather than a round forward
-constexpr double kMoreOften = 0.02;  // than the period, so that the phase can move both ways
+// shares of the period
+constexpr double kMostShift = 0.15;  // per picture; keeps the pictures even
+constexpr double kLeastGain = 0.1;   // smaller gains do not move the phase
+constexpr double kMostEarly = 0.25;  // earliest begin before the end of the period
+// backward step that is better than nearly a whole period forward
+constexpr double kStepBack = 0.1;
+// more pictures than the period allows, so the phase can move both ways
+constexpr double kMoreOften = 0.02;
 
 Clock::duration part(Clock::duration period, double share) {
     return std::chrono::duration_cast<Clock::duration>(share * period);
@@ -66,7 +68,7 @@ Clock::duration PicturePacer::shift(Clock::time_point begin) const {
     const bool is_regular =
         std::ranges::any_of(num_recent_, [](const auto& site) { return site.second >= kRegular; });
     if (!is_regular) return Clock::duration(0);
-    // how long each has waited for a picture that begins `phase` after `begin`, in whole periods
+    // mean wait for a picture that begins `phase` after `begin`, modulo the period
     const auto mean_wait = [&](Clock::duration phase) {
         double sum = 0.0;
         for (const Arrival& arrival : arrivals_) {
@@ -75,7 +77,7 @@ Clock::duration PicturePacer::shift(Clock::time_point begin) const {
         }
         return sum / static_cast<double>(arrivals_.size());
     };
-    // it is least at the phase of one of the arrivals
+    // the minimum lies at the phase of an arrival
     double least = std::numeric_limits<double>::infinity();
     Clock::duration best(0);
     for (const Arrival& arrival : arrivals_) {
@@ -88,7 +90,7 @@ Clock::duration PicturePacer::shift(Clock::time_point begin) const {
     }
     const double gain = mean_wait(Clock::duration(0)) - least;
     if (gain < kLeastGain * static_cast<double>(period_.count())) return Clock::duration(0);
-    // earlier is nearer, but takes long unless pictures were late before
+    // backward is shorter, but slow unless pictures were late before
     const Clock::duration back = period_ - best;
     if (back <= std::max(saved_, part(period_, kStepBack))) best = -back;
     return std::clamp(best, -part(period_, kMostShift), part(period_, kMostShift));
@@ -108,7 +110,7 @@ Clock::time_point PicturePacer::due() const {
     if (!has_begun_) return {};
     const Clock::duration early = std::min(saved_, part(period_, kMostEarly));
     const Clock::time_point earliest = began_ + period_ - early;
-    // on its way to a later phase it does not turn back for those who wait already
+    // while the phase moves later, people who wait do not pull it back
     if (shift_ <= Clock::duration(0) && is_everybody_ready()) return earliest;
     return std::max(began_ + period_ + shift_, earliest);
 }

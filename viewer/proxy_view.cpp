@@ -15,11 +15,11 @@ using renderer::Line;
 
 constexpr auto kSilent = std::chrono::seconds(1);
 constexpr std::size_t kMaxPeople = 64;      // sites of a world
-constexpr std::size_t kMaxPoints = 32'768;  // drawn in a picture, of all people
+constexpr std::size_t kMaxPoints = 32'768;  // drawn per picture, all people together
 constexpr double kTickM = 0.015;
-constexpr double kWayS = 0.1;         // a line reaches where the surfel will be after this
-constexpr double kSlowestMps = 0.05;  // of what such a line is drawn for
-constexpr double kCrossM = 0.02;      // half of a touch's
+constexpr double kWayS = 0.1;         // a motion line ends where the surfel will be after this time
+constexpr double kSlowestMps = 0.05;  // slower surfels get no motion line
+constexpr double kCrossM = 0.02;      // half the size of a contact's cross
 const Eigen::Vector3f kTouchColour(1.0f, 0.2f, 0.9f);
 
 template <typename Key, typename Message, typename Known, typename Make>

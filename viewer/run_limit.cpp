@@ -31,7 +31,7 @@ Expected<RunLimit::Now> RunLimit::update(std::uint64_t num_frames,
     if (!is_counting_) {
         if (now - since_ <= wait_timeout_) return Now::kGoesOn;
         return make_error(ErrorKind::kUnavailable,
-                          fmt::format("{} of {} people came within {} s",
+                          fmt::format("only {} of {} people came within {} s",
                                       num_people,
                                       wait_people_,
                                       std::chrono::duration<double>(wait_timeout_).count()));

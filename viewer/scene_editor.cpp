@@ -10,14 +10,15 @@
 namespace atrium::viewer {
 namespace {
 
-constexpr double kBeforeTheEyeM = 1.2;  // to the thing's nearest point, about
+constexpr double kBeforeTheEyeM = 1.2;  // to the nearest point of the object, roughly
 constexpr double kFarthestM = 6.0;
 constexpr double kStepM = 0.1;
-constexpr double kLowestInView = -0.8;  // of half the picture, below its middle
+constexpr double kLowestInView = -0.8;  // in half picture heights, below the middle
 constexpr double kOffTheFloorM = 0.01;
 constexpr double kMinSizeM = 0.02;
 constexpr double kMaxSizeM = 4.0;
-constexpr std::size_t kMaxWishes = 64;  // that are watched; the world takes 200 commands a second
+// pending commands watched; the world accepts 200 commands a second
+constexpr std::size_t kMaxWishes = 64;
 
 std::string valid_name(std::string name, bus::Shape shape) {
     name = name.substr(0, 63);
@@ -37,7 +38,7 @@ std::string valid_name(std::string name, bus::Shape shape) {
     }
 }
 
-// The sizes as each shape wants them.
+// Normalises the size for the shape.
 Eigen::Vector3d size_of(const NewThing& thing) {
     const Eigen::Vector3d size = thing.size_m.cwiseMax(kMinSizeM).cwiseMin(kMaxSizeM);
     if (thing.shape == bus::Shape::kSphere) return Eigen::Vector3d::Constant(size.x());
@@ -47,7 +48,7 @@ Eigen::Vector3d size_of(const NewThing& thing) {
     return size;
 }
 
-// Where the eye looks, no nearer than that what falls from there comes to lie in the picture.
+// Place on the view axis, far enough that the object is visible after it falls to the floor.
 Eigen::Vector3d place_before(const renderer::EyeView& eye, const Eigen::Vector3d& size_m) {
     const Eigen::Vector3d forward = -eye.view_from_world.row(2).head<3>().transpose();
     const Eigen::Matrix4d clip_from_world = eye.clip_from_world();
@@ -118,7 +119,7 @@ bool SceneEditor::is_fulfilled(const Wish& wish, const Objects& objects) {
         return there.second.name == wish.name && !wish.before.contains(there.first);
     });
     if (came == objects.end()) return false;
-    // who asked twice gets two
+    // two requests for one name need two objects
     for (Wish& other : wishes_) {
         if (!other.gone && other.name == wish.name) other.before.insert(came->first);
     }
@@ -126,10 +127,10 @@ bool SceneEditor::is_fulfilled(const Wish& wish, const Objects& objects) {
 }
 
 std::string SceneEditor::reason(const Wish& wish, const Servers& servers) const {
-    if (!servers.are_there) return "no world server is there";
-    // it counts what it refuses, without saying whose it was
+    if (!servers.are_there) return "no world server is running";
+    // the server counts refusals without naming the sender
     return servers.num_refused > wish.num_refused ? "the world server refused it"
-                                                  : "the world server did not do it";
+                                                  : "the world server did not react";
 }
 
 std::vector<SceneEditor::Outcome> SceneEditor::outcomes(const Objects& objects,

@@ -10,9 +10,9 @@ namespace atrium::viewer {
 namespace {
 
 constexpr double kPeriodSmoothing = 0.1;
-// how fast the offset may grow, so that it follows a drifting clock: 1 ms in 100 states
+// growth of the offset, which follows a drifting clock: 1 ms in 100 states
 constexpr double kOffsetCreepNs = 1e4;
-constexpr double kClockStepNs = 1e9;  // a larger disagreement means that a clock was set
+constexpr double kClockStepNs = 1e9;  // a larger difference means that a clock was set
 
 double ns_since_start(SceneTimeline::Clock::time_point t) {
     return static_cast<double>(
@@ -39,7 +39,7 @@ const bus::ObjectState* find(const bus::SceneState& state, std::uint32_t object)
 }
 
 bus::ObjectState between(const bus::ObjectState& a, const bus::ObjectState& b, double t) {
-    // farther than this in one step is no motion but a reset
+    // a longer way in one step is a reset, not a motion
     constexpr double kJumpM = 1.0;
     const Eigen::Vector3d way = b.world_from_object.translation - a.world_from_object.translation;
     if (way.squaredNorm() > kJumpM * kJumpM) return b;
@@ -56,7 +56,7 @@ void SceneTimeline::add(bus::SceneState state, Clock::time_point arrival) {
     const double offset = ns_since_start(arrival) - static_cast<double>(state.time.ns);
     if (!states_.empty()) {
         const auto step = static_cast<double>((state.time - states_.back().time).count());
-        // the world was started again, or a clock was set
+        // the world restarted, or a clock was set
         if (std::abs(offset - offset_ns_) > kClockStepNs || step < -kClockStepNs)
             clear();
         else if (step <= 0.0)

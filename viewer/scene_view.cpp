@@ -24,10 +24,10 @@ renderer::ShapeKind shape_kind(bus::Shape shape) {
     return renderer::ShapeKind::kBox;
 }
 
-constexpr auto kTimeForChanges = std::chrono::milliseconds(5);  // of a picture
-constexpr std::size_t kMaxSites = 64;                           // as of people
+constexpr auto kTimeForChanges = std::chrono::milliseconds(5);  // per picture
+constexpr std::size_t kMaxSites = 64;                           // as many as people
 
-// That are kept, of a world that sends at most 120 a second.
+// Number of states to keep from a world that sends at most 120 a second.
 std::size_t states_within(std::chrono::nanoseconds delay) {
     constexpr std::size_t kAround = 8;
     return kAround + static_cast<std::size_t>(120.0 * std::chrono::duration<double>(delay).count());
@@ -41,7 +41,7 @@ SceneView::SceneView(const std::filesystem::path& models, std::chrono::nanosecon
       timeline_({.max_states = states_within(delay)}),
       soft_timeline_(states_within(delay)) {}
 
-// An object that is soft is drawn once both its descriptions have come, in any order.
+// Draws a soft object once both its descriptions have arrived, in either order.
 void SceneView::show_soft(std::uint32_t object, renderer::SceneRenderer& renderer) {
     const auto body = soft_bodies_.find(object);
     const auto described = objects_.find(object);
@@ -98,8 +98,8 @@ void SceneView::change(const std::string& name,
     renderer.set_scenery(name, models_.look_of(*scenery));
 }
 
-// A world of thousands of things does not hold up the picture: at least one a picture, then as many
-// as there is time for.
+// Applies at least one change, then as many as there is time for: thousands of objects must not
+// delay the picture.
 void SceneView::take_changes(SceneTimeline::Clock::time_point until,
                              renderer::SceneRenderer& renderer) {
     const auto take_from = [&](auto& changes) {
@@ -113,7 +113,7 @@ void SceneView::take_changes(SceneTimeline::Clock::time_point until,
     if (take_from(waiting_.objects) && take_from(waiting_.soft_bodies)) take_from(waiting_.scenery);
 }
 
-// What has been read by now of what things look like: those of the models wait for their turn.
+// Shows newly loaded textures, and queues the objects whose models were loaded.
 void SceneView::show_new_files(renderer::SceneRenderer& renderer) {
     for (const auto& [name, picture] : textures_.take()) renderer.set_texture(name, picture);
     const std::set<std::string> models = models_.take();
@@ -131,7 +131,7 @@ void SceneView::update(SceneChanges changes,
                        const std::optional<Timestamp>& instant,
                        renderer::SceneRenderer& renderer) {
     const auto add = [](auto& waiting, auto& newer) {
-        newer.merge(waiting);  // what both have is as the newer one says
+        newer.merge(waiting);  // a newer change replaces a waiting one
         waiting.swap(newer);
     };
     add(waiting_.objects, changes.objects);

@@ -9,14 +9,15 @@ namespace atrium::viewer {
 namespace {
 
 constexpr std::chrono::milliseconds kLookAgain = Feedback::kOnTime / 2;
-constexpr std::size_t kMaxWaitingStates = 8;        // the renderer looks every few milliseconds
-constexpr std::size_t kMaxPlacements = 64;          // kept, as many as people are shown
-constexpr std::size_t kMaxStatuses = 64;            // of sites, and of worlds
-constexpr std::size_t kMaxWaitingSoftStates = 256;  // of all soft objects
-constexpr std::size_t kMaxSpentModels = 4;          // kept for their memory
+// the drawing thread takes them every few milliseconds
+constexpr std::size_t kMaxWaitingStates = 8;
+constexpr std::size_t kMaxPlacements = 64;          // as many as people shown
+constexpr std::size_t kMaxStatuses = 64;            // of sites and of worlds, each
+constexpr std::size_t kMaxWaitingSoftStates = 256;  // all soft objects together
+constexpr std::size_t kMaxSpentModels = 4;          // kept to reuse their memory
 constexpr std::size_t kMaxDecoders = 16;
-// Of the time between two pictures: a pair that follows sooner on one of its site is skipped.
-// Pairs of a rate below that of the pictures never do.
+// Share of the picture period: a pair that follows its predecessor sooner is skipped. Never affects
+// a site slower than the pictures.
 constexpr double kTooSoon = 0.6;
 
 template <typename T>
@@ -114,9 +115,9 @@ void Session::receive(std::stop_token stop) {
     auto last_round = std::chrono::steady_clock::now();
     auto all_here = last_round;
     while (!stop.stop_requested()) {
-        // Where a stream comes it looks again and again, so as to know that nothing waits. First
-        // the time, then whether all is in the readers, then what is in them: in this order nothing
-        // that had come by that time is left.
+        // While streams arrive, poll often to know when nothing waits. Order matters: read the
+        // clock, then check that the network threads sleep, then empty the readers. Then no sample
+        // from before that time is left.
         const bool has_samples =
             readers_.waiter.wait(feedback_.empty() ? Feedback::kPeriod : kLookAgain);
         const auto round = std::chrono::steady_clock::now();
@@ -139,7 +140,7 @@ void Session::receive(std::stop_token stop) {
 }
 
 void Session::take_sites() {
-    // descriptions first: a pair cannot be decoded without its cameras
+    // descriptions first: decoding a pair needs its cameras
     note(readers_.descriptions.take(
         [this](bus::SiteDescription&& description) {
             const std::string site = description.site;
@@ -172,7 +173,7 @@ void Session::take_sites() {
     }));
 }
 
-// Counts what arrives, and what became of it.
+// Counts a sample and the pair that it completes.
 template <typename Sample>
 void Session::receive_sample(Sample&& sample, Timestamp written, std::size_t num_bytes) {
     const std::string site = sample.site;
@@ -263,12 +264,12 @@ void Session::hand_to_decoder(std::optional<FramePair> pair) {
     if (!pair) return;
     const std::string site = pair->mesh.site;
     if (held_up_.add(site, pair->mesh.capture_time, Timestamp::now())) {
-        ++num_pairs_skipped_;  // from before somebody stopped: better nothing than the past
+        ++num_pairs_skipped_;  // stale: showing nothing is better than showing the past
         return;
     }
     const auto description = descriptions_.find(site);
     if (description == descriptions_.end()) {
-        ++num_pairs_skipped_;  // its cameras are not known yet
+        ++num_pairs_skipped_;  // its cameras are unknown
         return;
     }
     const auto now = ReadyPeople::Clock::now();
@@ -295,7 +296,7 @@ void Session::set_eyes(std::vector<Eigen::Vector3d> eyes_world) {
 }
 
 std::vector<Eigen::Vector3f> Session::eyes_in(const std::string& site) {
-    // a site without a placement is drawn where the world is
+    // the renderer also draws a site without placement at the world's origin
     const auto placement = site_from_world_.find(site);
     const geometry::RigidTransform site_from_world =
         placement == site_from_world_.end() ? geometry::RigidTransform{} : placement->second;
@@ -318,7 +319,7 @@ void Session::site_gone(const std::string& site) {
             rejections_.warn("feedback_failed " + gone.error().message);
     }
     if (decoders_ == nullptr) return;
-    // in its turn: nothing that was decoded before shows up again
+    // queued, so no person decoded before reappears
     const auto replaced = decoders_->put(site, {});
     if (replaced && replaced->pair) ++num_pairs_skipped_;
 }

@@ -12,7 +12,7 @@ namespace {
 using renderer::Line;
 
 constexpr int kCircleLines = 32;  // a multiple of four
-constexpr double kNormalM = 0.3;  // of a plane
+constexpr double kNormalM = 0.3;  // length of a plane's normal
 constexpr double kPi = std::numbers::pi;
 
 struct Pen {
@@ -26,7 +26,7 @@ struct Pen {
                     colour,
                     lines);
     }
-    /// From `centre + a` by way of `centre + b`, which are at a right angle.
+    /// Draws an arc from `centre + a` through `centre + b`; a and b are perpendicular.
     void arc(const Eigen::Vector3d& centre,
              const Eigen::Vector3d& a,
              const Eigen::Vector3d& b,
@@ -49,7 +49,8 @@ void append_sphere(double radius_m, const Pen& pen) {
     }
 }
 
-// Two rims `height_m` apart and four lines along it; round ends where it is a capsule.
+// Appends two rims `height_m` apart and four lines between them, with half circles at the ends of a
+// capsule.
 void append_round(double radius_m, double height_m, bool has_caps, const Pen& pen) {
     const Eigen::Vector3d x = radius_m * Eigen::Vector3d::UnitX();
     const Eigen::Vector3d y = radius_m * Eigen::Vector3d::UnitY();

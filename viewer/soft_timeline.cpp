@@ -9,7 +9,8 @@ namespace atrium::viewer {
 namespace {
 
 constexpr std::size_t kMaxObjects = 2048;
-constexpr std::int64_t kClockSetBackNs = 1'000'000'000;  // a larger step back: a clock was set
+// a larger step back means that a clock was set
+constexpr std::int64_t kClockSetBackNs = 1'000'000'000;
 
 }  // namespace
 
@@ -35,7 +36,7 @@ bool SoftTimeline::sample(std::uint32_t object,
     if (after == states.end()) --after;
     const auto before = after == states.begin() || after->time < time ? after : std::prev(after);
     const std::size_t num_nodes = after->nodes.size();
-    // another number of nodes is another object of the same number
+    // a different number of nodes means that the object was replaced
     const bool is_between = before != after && before->nodes.size() == num_nodes;
     const double share = is_between ? static_cast<double>((time - before->time).count()) /
                                           static_cast<double>((after->time - before->time).count())

@@ -19,10 +19,10 @@ constexpr std::chrono::seconds kForgotten{4};
 double seconds(StatusLines::Clock::duration duration) {
     return std::chrono::duration<double>(duration).count();
 }
-constexpr std::size_t kMaxPrograms = 128;  // 64 sites and as many worlds
+constexpr std::size_t kMaxPrograms = 128;  // 64 sites and 64 worlds
 
-// What a viewer has to be told of: the rest belongs to how sites work (phantoms), or is wanted
-// (metaframes left out for a narrow network).
+// Losses worth a warning. The others are normal for sites (phantoms) or intended (metaframes
+// dropped for a narrow network).
 constexpr std::array<std::string_view, 7> kWorthAWarning{"dropped_incomplete",
                                                          "dropped_late",
                                                          "failed",
@@ -52,7 +52,7 @@ void StatusLines::add(const std::string& title, status::Figures figures, Clock::
     }
     Program& program = found->second;
     program.before.reset();
-    // one that started again counts from 0: nothing can be said of what it lost
+    // a restarted program counts from 0 again, so its losses are unknown
     if (goes_on(program.now, figures)) program.before = std::move(program.now);
     program.now = std::move(figures);
     program.at = now;
@@ -104,7 +104,7 @@ std::vector<SiteLine> StatusLines::details() const {
         std::string stages;
         for (const status::Figures::Stage& stage : program.now.stages) {
             if (stage.latency.num_samples == 0) continue;
-            // what it takes as a whole has a line of its own
+            // the total latency gets its own line
             if (stage.name.starts_with("capture_to_")) {
                 if (!stages.empty()) lines.push_back({"  ms  " + std::exchange(stages, ""), false});
                 lines.push_back({"  ms  " + with_p99(stage), false});

@@ -17,8 +17,8 @@ Expected<std::unique_ptr<Surface>> open_surface(const SurfaceOptions& options) {
         return headless;
     }
     return make_error(ErrorKind::kUnavailable,
-                      "neither a window (" + why_no_window + ") nor software rendering (" +
-                          headless.error().message + ") can be had");
+                      "cannot open a window (" + why_no_window + ") or a context without one (" +
+                          headless.error().message + ")");
 }
 
 }  // namespace atrium::viewer

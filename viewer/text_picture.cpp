@@ -7,10 +7,10 @@
 namespace atrium::viewer {
 namespace {
 
-constexpr std::size_t kMaxLength = 63;  // as names of the bus
+constexpr std::size_t kMaxLength = 63;  // as names on the bus
 constexpr int kHeight_px = 64;
-constexpr int kBaseline_px = 46;  // from the top; what hangs below it is 14 px
-constexpr double kScale = 1.4;    // capitals are then 30 px high
+constexpr int kBaseline_px = 46;  // from the top; 14 px remain for descenders
+constexpr double kScale = 1.4;    // gives capitals of 30 px
 constexpr int kMargin_px = 8;
 constexpr int kStroke_px = 3;
 constexpr int kRim_px = 11;

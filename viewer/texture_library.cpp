@@ -30,7 +30,7 @@ std::uint32_t big_endian(Bytes bytes) {
     return value;
 }
 
-// From the header chunk that every PNG begins with.
+// Reads the size from the header chunk that every PNG begins with.
 std::optional<PictureSize> size_of_png(Bytes bytes) {
     constexpr std::uint8_t kSignature[] = {0x89, 'P', 'N', 'G', 0x0D, 0x0A, 0x1A, 0x0A};
     if (bytes.size() < 24 ||
@@ -39,7 +39,7 @@ std::optional<PictureSize> size_of_png(Bytes bytes) {
     return PictureSize{big_endian(bytes.subspan(16, 4)), big_endian(bytes.subspan(20, 4))};
 }
 
-// From the frame header: segments are passed over until there is one.
+// Reads the size from the frame header; skips the segments before it.
 std::optional<PictureSize> size_of_jpeg(Bytes bytes) {
     if (bytes.size() < 4 || bytes[0] != 0xFF || bytes[1] != 0xD8) return std::nullopt;
     std::size_t at = 2;
@@ -59,13 +59,13 @@ Expected<std::vector<std::uint8_t>> bytes_of(const std::filesystem::path& file,
                                              std::uintmax_t max_bytes) {
     std::error_code failure;
     if (!std::filesystem::is_regular_file(file, failure))
-        return make_error(ErrorKind::kNotFound,
-                          fmt::format("{}: there is no such file", file.string()));
+        return make_error(ErrorKind::kNotFound, fmt::format("{}: no such file", file.string()));
     const std::uintmax_t num_bytes = std::filesystem::file_size(file, failure);
     if (failure || num_bytes > max_bytes) {
         return make_error(
             ErrorKind::kInvalidData,
-            fmt::format("{}: a texture has at most {} bytes", file.string(), max_bytes));
+            fmt::format(
+                "{}: exceeds the limit of {} bytes for a texture", file.string(), max_bytes));
     }
     std::vector<std::uint8_t> bytes(num_bytes);
     std::ifstream stream(file, std::ios::binary);
@@ -85,7 +85,7 @@ cv::Mat decode(const std::vector<std::uint8_t>& bytes) {
         if (picture.type() == CV_8UC4) cv::cvtColor(picture, rgba, cv::COLOR_BGRA2RGBA);
         return rgba;
     } catch (const cv::Exception&) {
-        return {};  // damaged, as where nothing could be decoded
+        return {};  // damaged, as if nothing was decoded
     }
 }
 
@@ -103,7 +103,7 @@ Expected<renderer::TexturePicture> read_texture(const std::filesystem::path& fil
     if (!size) return invalid("is neither a PNG nor a JPEG picture");
     const auto max_px = static_cast<std::uint32_t>(limits.max_side_px);
     if (size->width < 1 || size->height < 1 || size->width > max_px || size->height > max_px) {
-        return invalid(fmt::format("has {} x {} pixels, a texture has 1 to {} each way",
+        return invalid(fmt::format("has {} x {} pixels; a texture needs 1 to {} pixels per side",
                                    size->width,
                                    size->height,
                                    max_px));
@@ -123,11 +123,11 @@ TextureLibrary::TextureLibrary(const std::filesystem::path& folder, const Textur
       }) {}
 
 void TextureLibrary::want(const std::string& file) {
-    // the bus has checked it; a folder is left by nobody
+    // the bus has checked the name; it cannot leave the folder
     if (!bus::is_valid_model_file(file) || reader_.is_wanted(file)) return;
     const std::size_t num_wanted = reader_.num_wanted();
     if (num_wanted >= limits_.max_textures)
-        return complain(file, fmt::format("{} are the most there can be", num_wanted));
+        return complain(file, fmt::format("the limit is {} textures", num_wanted));
     reader_.want(file);
 }
 
@@ -140,9 +140,9 @@ std::vector<TextureLibrary::Loaded> TextureLibrary::take() {
         }
         const std::size_t num_pixels = picture->rgba.size() / 4;
         if (num_pixels_ + num_pixels > limits_.max_pixels) {
-            complain(
-                file,
-                fmt::format("all textures together have more than {} pixels", limits_.max_pixels));
+            complain(file,
+                     fmt::format("all textures together exceed the limit of {} pixels",
+                                 limits_.max_pixels));
             continue;
         }
         num_pixels_ += num_pixels;
@@ -156,10 +156,10 @@ void TextureLibrary::forget() {
     num_pixels_ = 0;
 }
 
-// Once per file.
+// Warns once per file.
 void TextureLibrary::complain(const std::string& file, const std::string& why) {
     if (complained_.size() >= limits_.max_textures || !complained_.insert(file).second) return;
-    app::log::warn("texture_missing {}: {}; its plain colour is drawn", file, why);
+    app::log::warn("texture_missing {}: {}; drawn in its plain colour", file, why);
 }
 
 }  // namespace atrium::viewer

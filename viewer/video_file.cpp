@@ -30,7 +30,7 @@ public:
     }
     Expected<void> set(std::span<const std::uint8_t> rgba) override {
         const cv::Mat picture(
-            height_, width_, CV_8UC4, const_cast<std::uint8_t*>(rgba.data()));  // is read only
+            height_, width_, CV_8UC4, const_cast<std::uint8_t*>(rgba.data()));  // only read
         cv::cvtColor(picture, bgr_, cv::COLOR_RGBA2BGR);
         return {};
     }

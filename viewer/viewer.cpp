@@ -68,9 +68,9 @@ struct Viewer::Impl {
     Display display;
     std::unique_ptr<Session> session;
 
-    // of the drawing thread
+    // drawing thread only
     std::unique_ptr<Surface> surface;
-    std::optional<renderer::SceneRenderer> renderer;  // goes before `surface`, its context
+    std::optional<renderer::SceneRenderer> renderer;  // destroyed before its context, `surface`
     std::optional<Album> album;
     std::optional<SceneView> scene;
     PeopleView people;
@@ -79,22 +79,22 @@ struct Viewer::Impl {
     std::optional<SceneEditor> editor;
     StatusLines reports;
     atrium::status::OverloadLog overload{bus::ProgramKind::kViewer};
-    std::uint64_t listed_revision = 0;  // of the scene that hud.things are of
+    std::uint64_t listed_revision = 0;  // scene revision of hud.things
     Companion companion;
     LatencyWindow latency;
     DrawingTimes times;
-    std::vector<renderer::EyeView> eyes;  // of the last picture
+    std::vector<renderer::EyeView> eyes;  // eyes of the last picture
     std::optional<PicturePacer> pacer;
     std::optional<GivingWay> giving_way;
     RateMeter rate;
     RateMeter byte_rate;
-    History latencies_ms;  // of each picture that somebody new was in
+    History latencies_ms;  // one value per new person
     History pictures;
     HudFigures hud;
     app::log::OncePerSecond command_failures;
     Clock::time_point notice_until;
     std::uint64_t num_frames = 0;
-    double first_output_s = 0.0;  // 0: there was no picture yet
+    double first_output_s = 0.0;  // 0: no picture yet
     ProcessorMeter processor_meter;
     std::optional<RunLimit> limit;
     std::optional<Company> company;
@@ -102,9 +102,10 @@ struct Viewer::Impl {
     mutable std::mutex status_mutex;
     bus::ViewerStatus status;
 
-    std::mutex lost_mutex;  // guards the next one
+    std::mutex lost_mutex;  // guards `lost`
     std::optional<Error> lost;
-    std::unique_ptr<bus::Membership> membership;  // goes first: its thread uses the rest
+    // destroyed first: its thread uses the other members
+    std::unique_ptr<bus::Membership> membership;
 
     std::optional<Error> lost_name() {
         const std::lock_guard lock(lost_mutex);
@@ -126,7 +127,7 @@ struct Viewer::Impl {
     void list_things();
     Expected<void> draw(Clock::time_point begin);
     void tell_eyes();
-    void say(const std::string& notice);  // to who looks at the picture, and to the log
+    void say(const std::string& notice);  // shows it on screen and logs it
     void update_status(Clock::time_point now);
 };
 
@@ -161,8 +162,8 @@ Expected<void> Viewer::Impl::open() {
     const double aspect = display.pixel_aspect(surface->size());
     if (constexpr double kSeen = 0.02; std::abs(aspect - 1.0) > kSeen) {
         app::log::warn(
-            "tile_shape tile={} pixels on it are {:.2f} times as wide as high: is this "
-            "the projector's resolution?",
+            "tile_shape tile={} pixels on it are {:.2f} times as wide as high; check the "
+            "projector's resolution",
             config.display.tile,
             aspect);
     }
@@ -175,16 +176,17 @@ Expected<void> Viewer::Impl::open() {
     return {};
 }
 
-// Makes renderer, pacing and decoding follow the quality.
+// Applies the quality to renderer, pacing and decoding.
 Expected<void> Viewer::Impl::show_quality() {
     const PictureQuality& quality = giving_way->quality();
     const bool is_best = giving_way->level() == 0;
-    // a display that does not wait for its turn is not outrun; one that does keeps its own time
+    // stay below the rate of a display without vertical synchronisation; one with it sets the pace
+    // itself
     constexpr double kSlack = 1.05;
     const bool is_paced = is_best && is_paced_by_display(config.view, *surface);
     const Clock::duration period = seconds(1.0 / ((is_paced ? kSlack : 1.0) * quality.max_fps));
     pacer->set_period(period);
-    // a wall shows what was a while ago, and needs all of it
+    // a wall plays back with a delay and needs every pair
     session->set_picture_period(is_best || display.is_tile() ? Clock::duration(0) : period);
     hud.quality = is_best ? "" : to_string(quality);
     renderer->set_shadows(quality.has_shadows);
@@ -209,7 +211,7 @@ Expected<void> Viewer::Impl::give_way(Clock::duration busy, Clock::time_point no
     return show_quality();
 }
 
-// The last picture once more, as a machine that is fast enough would have shown it.
+// Draws the last picture again at the best quality.
 Expected<void> Viewer::Impl::draw_at_best() {
     if (giving_way->level() == 0 || eyes.empty()) return {};
     const PictureQuality best = best_quality(config.view, *surface);
@@ -224,7 +226,7 @@ void Viewer::Impl::note_arrivals() {
         pacer->ready(arrival.site, arrival.at);
 }
 
-// Returns whether there is to be one.
+// Returns false once a stop is requested.
 bool Viewer::Impl::wait_for_picture(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
         note_arrivals();
@@ -261,7 +263,7 @@ void Viewer::Impl::move_about(const SurfaceEvents& events) {
     for (const bus::SceneCommand& command : mouse->update(pointer, camera, pick, Clock::now()))
         send(command);
     Motion motion = events.motion;
-    if (mouse->is_holding()) motion.turn_px.setZero();  // the drag moves the thing
+    if (mouse->is_holding()) motion.turn_px.setZero();  // the drag moves the object
     const Companion::Places places = people.places(*renderer);
     if (events.follow) companion.toggle_follow(camera, places);
     if (events.person > 0) companion.toggle_eyes(events.person, places);
@@ -313,13 +315,13 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
     if (events.names) annotations->toggle_names();
     if (events.record) say(album->toggle_video(*renderer));
     edit(events);
-    // a window that is minimised has no size
+    // a minimised window has no size
     const auto [width, height] = display.picture_size(surface->size());
     if (width > 0 && height > 0) return renderer->resize(width, height);
     return {};
 }
 
-// Every camera's picture is needed where they are shown themselves.
+// The silhouettes of the debug view need the pictures of all cameras.
 void Viewer::Impl::tell_eyes() {
     std::vector<Eigen::Vector3d> eyes_world;
     if (!(renderer->overlay().silhouettes_m() > 0.0))
@@ -429,7 +431,7 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
         if (*run == RunLimit::Now::kOver) break;
         if (*run == RunLimit::Now::kBegan) {
             times.begin_pictures();
-            album->add(*renderer, true);  // this one shows them; the next may take long
+            album->add(*renderer, true);  // this picture shows the people; the next may take long
         }
         const Clock::time_point end = Clock::now();
         times.add_picture(end - picture_begin);
@@ -469,7 +471,7 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config,
     Expected<void> joined;
     Expected<void> opened;
     {
-        // a name takes most of a second to claim
+        // claiming a name takes most of a second
         const std::jthread joining([&] { joined = impl->join(stop); });
         if (surface_is == SurfaceIs::kOpenedNow) opened = impl->open();
     }
@@ -517,7 +519,7 @@ Expected<void> Viewer::run(std::stop_token stop) {
         impl_->times.text(),
         impl_->session->num_deadlines_missed(),
         atrium::status::process_fields(last.processor, last.first_output_s));
-    // however it ends: it shows who had come
+    // also after an error: the picture shows who was there
     auto written = impl_->draw_at_best();
     if (written) written = impl_->album->write_output(*impl_->renderer);
     const auto closed = impl_->close();

@@ -14,7 +14,7 @@ namespace {
 constexpr config::Range kPlaceM{-1000.0, 1000.0};
 constexpr double kLeastSideM = 0.01;
 constexpr double kLeastDistanceM = 0.05;
-constexpr double kRightAngle = 0.01;  // cosine up to which corners are those of a rectangle
+constexpr double kRightAngle = 0.01;  // largest cosine of a rectangle's corner
 
 Tile read_tile(config::TableReader& reader, const Eigen::Vector3d& eye_wall_m) {
     Tile tile;
@@ -71,7 +71,7 @@ Expected<Wall> load_wall(const std::filesystem::path& file) {
     for (config::TableReader& table : reader->tables("tile")) {
         Tile tile = read_tile(table, wall.eye_wall_m);
         if (wall.find(tile.name) != nullptr)
-            table.reject("name", "must not be that of another tile");
+            table.reject("name", "must differ from the other tiles");
         wall.tiles.push_back(std::move(tile));
     }
     if (auto read = reader->finish(); !read) return tl::unexpected(read.error());

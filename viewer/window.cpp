@@ -4,7 +4,7 @@
 #include "viewer/surface.hpp"
 
 #include <glad/gl.h>
-// after the loader, in place of GLFW's own GL header
+// after the loader, instead of GLFW's own GL header
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <imgui.h>
@@ -42,10 +42,10 @@ public:
             if (ImGui::GetIO().WantCaptureMouse) return;
             static_cast<Window*>(glfwGetWindowUserPointer(w))->events_.motion.zoom_steps += steps;
         });
-        // ImGui keeps its context in a global: one window at a time
+        // ImGui keeps its context in a global: only one window at a time
         ImGui::CreateContext();
         ImGui::GetIO().IniFilename = nullptr;
-        // it puts its own callbacks before those above, which it calls in turn
+        // ImGui chains its callbacks before those above
         ImGui_ImplGlfw_InitForOpenGL(window_, true);
         ImGui_ImplOpenGL3_Init("#version 330 core");
         last_time_s_ = glfwGetTime();
@@ -66,7 +66,7 @@ public:
     }
     bool is_window() const override { return true; }
     double display_hz() const override {
-        constexpr int kUsualHz = 60;  // of displays that do not tell, virtual ones for example
+        constexpr int kUsualHz = 60;  // for displays that report no rate, such as virtual ones
         const GLFWvidmode* mode = glfwGetVideoMode(glfwGetPrimaryMonitor());
         return mode != nullptr && mode->refreshRate > 0 ? mode->refreshRate : kUsualHz;
     }
@@ -89,7 +89,7 @@ public:
             renderer.present_halves();
         else
             renderer.present();
-        // also where nothing is laid out: so it knows that mouse and keys are not for it
+        // even if nothing is laid out: ImGui needs it to know that mouse and keys are not for it
         ImGui_ImplOpenGL3_NewFrame();
         ImGui_ImplGlfw_NewFrame();
         ImGui::NewFrame();
@@ -98,7 +98,7 @@ public:
         if (are_keys_shown_) draw_keys();
         ImGui::Render();
         ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
-        glFinish();  // so that drawing and waiting for the display can be told apart
+        glFinish();  // separates drawing from waiting for the display
         const auto finished = std::chrono::steady_clock::now();
         glfwSwapBuffers(window_);
         waited_ = std::chrono::steady_clock::now() - finished;
@@ -107,7 +107,7 @@ public:
 
 private:
     void pressed(int key) {
-        if (ImGui::GetIO().WantTextInput) return;  // somebody types a name
+        if (ImGui::GetIO().WantTextInput) return;  // the user types a name
         if (key == GLFW_KEY_F12 || key == GLFW_KEY_P) events_.screenshot = true;
         if (key == GLFW_KEY_R) events_.reset_scene = true;
         if (key == GLFW_KEY_V) events_.reset_view = true;
@@ -125,7 +125,7 @@ private:
         if (key == GLFW_KEY_DELETE) events_.remove_pointed = !ImGui::GetIO().WantCaptureMouse;
         if (key == GLFW_KEY_ESCAPE) close_what_is_open();
     }
-    // by the character: where ? is differs with the keyboard
+    // by character: the key of '?' differs between keyboards
     void typed(unsigned character) {
         if (character == '?' && !ImGui::GetIO().WantTextInput) are_keys_shown_ = !are_keys_shown_;
     }
@@ -152,13 +152,13 @@ private:
         glfwGetCursorPos(window_, &at.x(), &at.y());
         const Eigen::Vector2d way = at - last_cursor_;
         last_cursor_ = at;
-        // the cursor counts in units of the screen, the picture in pixels
+        // the cursor is in screen units, the picture in pixels
         std::array<int, 2> window{};
         glfwGetWindowSize(window_, &window[0], &window[1]);
         events_.pointer.at_px = at;
         events_.pointer.width_px = std::max(1, window[0]);
         events_.pointer.height_px = std::max(1, window[1]);
-        // what is done to the menu is not done to the world behind it
+        // the menu consumes its own input
         if (ImGui::GetIO().WantCaptureMouse) return;
         events_.pointer.is_down = glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
         if (events_.pointer.is_down) events_.motion.turn_px = way;
@@ -187,7 +187,7 @@ private:
     bool has_details_ = false;
     Menu menu_;
     bool walks_ = false;
-    std::array<int, 4> windowed_{};  // place and size, to come back to from the full screen
+    std::array<int, 4> windowed_{};  // position and size before full screen
     SurfaceEvents events_;
     Eigen::Vector2d last_cursor_ = Eigen::Vector2d::Zero();
     double last_time_s_ = 0.0;

@@ -113,8 +113,8 @@ TEST(SceneEditor, SaysWhyNothingCameOfIt) {
         return outcomes.size() == 1 && !outcomes[0].is_done ? outcomes[0].text : "";
     };
     EXPECT_EQ(after({true, 8}), "ball was not added: the world server refused it");
-    EXPECT_EQ(after(kServer), "ball was not added: the world server did not do it");
-    EXPECT_EQ(after({}), "ball was not added: no world server is there");
+    EXPECT_EQ(after(kServer), "ball was not added: the world server did not react");
+    EXPECT_EQ(after({}), "ball was not added: no world server is running");
     editor.remove(3, objects, kStart);
     const auto kept = editor.outcomes(objects, {true, 9}, kStart + SceneEditor::kPatience);
     ASSERT_EQ(kept.size(), 1U);
