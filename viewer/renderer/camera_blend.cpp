@@ -15,14 +15,14 @@
 namespace atrium::renderer {
 namespace {
 
-constexpr float kMaxPenalty = 40.0f;     // as of a camera opposite to the viewer of quality 0.08
-constexpr float kFullWeight = 9e-4f;     // sum of the weights from which on cameras alone colour
-constexpr float kLeastShare = 0.05f;     // of all weights: what has less is left to the others
-constexpr float kAngleFloor = 0.06f;     // [rad] keeps the weight of an aligned camera finite
-constexpr float kStretchPenalty = 0.4f;  // [rad] of a camera that sees half of what the eye sees
-constexpr float kLeastCos = 0.2f;        // beyond it, stretch grows no more
+constexpr float kMaxPenalty = 40.0f;  // that of a camera opposite to the viewer with quality 0.08
+constexpr float kFullWeight = 9e-4f;  // sum of weights above which the fallback colour has no share
+constexpr float kLeastShare = 0.05f;  // share of all weights; smaller ones go to the other cameras
+constexpr float kAngleFloor = 0.06f;  // [rad] keeps the weight of an aligned camera finite
+constexpr float kStretchPenalty = 0.4f;  // [rad] for a camera that sees half of what the eye sees
+constexpr float kLeastCos = 0.2f;        // stretch is limited below this cosine
 
-// Cameras that colour one triangle, in the order of their appearance.
+// Cameras of one triangle, in order of appearance.
 struct TriangleCameras {
     std::array<BlendSlot, 3 * kCamerasPerVertex> slots;
     std::array<float, 3 * kCamerasPerVertex> total;
@@ -49,7 +49,7 @@ struct TriangleCameras {
     }
 };
 
-// The loops are written once; the compiler makes vectors of them for each set of instructions.
+// The compiler vectorises these loops for each instruction set.
 
 ATRIUM_INLINE void look_from(const Eigen::Vector3f& eye, std::size_t size, BlendScratch& out) {
     const float ex = eye.x(), ey = eye.y(), ez = eye.z();
@@ -57,7 +57,7 @@ ATRIUM_INLINE void look_from(const Eigen::Vector3f& eye, std::size_t size, Blend
     const float *nx = out.normals.x.data(), *ny = out.normals.y.data(), *nz = out.normals.z.data();
     float *to_x = out.to_eye.x.data(), *to_y = out.to_eye.y.data(), *to_z = out.to_eye.z.data();
     float* cos_eye = out.cos_eye.data();
-    // no two arrays overlap
+    // the arrays do not overlap
 #pragma GCC ivdep
     for (std::size_t v = 0; v < size; ++v) {
         const float x = ex - px[v], y = ey - py[v], z = ez - pz[v];
@@ -69,7 +69,7 @@ ATRIUM_INLINE void look_from(const Eigen::Vector3f& eye, std::size_t size, Blend
     }
 }
 
-// Keeps the cameras of least penalty, in their order.
+// Inserts the camera into the sorted lists of smallest penalties.
 ATRIUM_INLINE void consider(const PersonModel::Camera& camera,
                             std::int32_t index,
                             std::size_t size,
@@ -124,7 +124,7 @@ ATRIUM_INLINE void weigh(std::size_t size, BlendScratch& out) {
     float* weights[] = {out.weights[0].data(), out.weights[1].data(), out.weights[2].data()};
 #pragma GCC ivdep
     for (std::size_t v = 0; v < size; ++v) {
-        // squared: the best camera prevails, so that what the others show elsewhere is no ghost
+        // squared: the best camera dominates, which suppresses ghosts of the others
         const auto of = [&](float penalty) {
             const float root =
                 (1.0f - std::min(penalty / threshold[v], 1.0f)) / std::max(penalty, 1e-9f);
@@ -136,7 +136,7 @@ ATRIUM_INLINE void weigh(std::size_t size, BlendScratch& out) {
         const float s0 = std::max(0.0f, w0 - least);
         const float s1 = std::max(0.0f, w1 - least);
         const float s2 = std::max(0.0f, w2 - least);
-        // not all of it where the last camera fades out: the fallback colour takes over there
+        // less than 1 where the last camera fades out; the fallback colour takes over
         const float scale = sum / std::max(sum, kFullWeight) / std::max(s0 + s1 + s2, 1e-12f);
         weights[0][v] = s0 * scale;
         weights[1][v] = s1 * scale;
@@ -257,9 +257,10 @@ void blend_for_view(const PersonModel& model,
         TriangleCameras used;
         for (std::size_t corner = 0; corner < 3; ++corner) {
             const VertexBlend& blend = scratch.vertices[triangle[corner]];
-            // the weights fall
+            // weights are in descending order
             for (std::size_t k = 0; k < kCamerasPerVertex && blend.weights[k] > 0.0f; ++k) {
-                // what a camera's own silhouette made is edge-on to it, whatever lies beside it
+                // the camera sees faces that its own silhouette cut edge-on, whatever it sees
+                // beside them
                 const float facing = facing_of[blend.cameras[k]][t];
                 if (facing > 0.0f) used.add(blend.cameras[k], corner, facing * blend.weights[k]);
             }

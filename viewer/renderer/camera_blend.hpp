@@ -14,27 +14,26 @@
 namespace atrium::renderer {
 
 inline constexpr std::size_t kCamerasPerVertex = 3;
-/// Triangles are grouped by how many cameras their three corners use together.
+/// Groups of triangles, by the number of cameras that their three corners use together.
 inline constexpr std::array<std::size_t, 5> kCamerasPerTriangle = {1, 2, 3, 4, 6};
 
-/// Which cameras colour one vertex, seen from one viewpoint.
+/// The cameras that colour one vertex, seen from one viewpoint.
 struct VertexBlend {
     std::array<std::uint8_t, kCamerasPerVertex> cameras{};
-    std::array<float, kCamerasPerVertex> weights{};  // sum 1; less where the last camera fades
-                                                     // out, 0 where none sees the vertex
+    /// Sum is 1, less where the last camera fades out, 0 where no camera sees the vertex.
+    std::array<float, kCamerasPerVertex> weights{};
 };
 
-/// The part of one camera in the colours of one triangle.
+/// Contribution of one camera to the colours of one triangle.
 struct BlendSlot {
     std::array<float, 3> weights{};  // at the corners
     std::uint8_t camera = 0;
 };
 
-/// Triangles that face the viewer and that up to n cameras colour.
+/// Triangles that face the viewer and use up to n cameras.
 struct BlendGroup {
     std::vector<std::uint32_t> triangles;
-    std::vector<BlendSlot> slots;  // n per triangle; of camera 0 and without weight where it has
-                                   // fewer
+    std::vector<BlendSlot> slots;  // n per triangle; unused slots have camera 0 and weight 0.
     std::size_t num_vertices() const { return 3 * triangles.size(); }
 };
 
@@ -46,44 +45,45 @@ struct BlendScratch {
     std::vector<VertexBlend> vertices;
     Axes points;
     Axes normals;
-    Axes to_eye;                 // per vertex, unit
-    std::vector<float> cos_eye;  // per vertex: between that and the normal
-    std::array<std::vector<float>, kCamerasPerVertex + 1> penalties;      // rising
-    std::array<std::vector<std::int32_t>, kCamerasPerVertex> candidates;  // of the first ones
+    Axes to_eye;                 // per vertex, length 1
+    std::vector<float> cos_eye;  // per vertex: cosine between `to_eye` and the normal
+    std::array<std::vector<float>, kCamerasPerVertex + 1> penalties;  // ascending
+    /// Cameras of the smallest penalties.
+    std::array<std::vector<std::int32_t>, kCamerasPerVertex> candidates;
     std::array<std::vector<float>, kCamerasPerVertex> weights;
 };
 
-/// Chooses for each vertex the three cameras whose direction is nearest to the viewer's.
+/// Chooses for each vertex the three cameras whose direction is closest to the viewer's.
 ///
-/// Penalty of a camera: angle between the directions to it and to the eye, over its quality at the
-/// vertex, and how much more the surface is foreshortened to it than to the eye. Weight:
-/// ((1 - penalty / threshold) / penalty)^2, the threshold being the fourth smallest penalty: it
-/// reaches 0 where another camera takes its place, so that nothing pops. A share of less than a
-/// twentieth is left to the others, fading out as well: nobody sees it, and most triangles need two
-/// cameras less.
+/// Penalty of a camera: angle between the directions to the camera and to the eye, divided by the
+/// camera's quality at the vertex, plus a term for a surface that the camera sees more
+/// foreshortened than the eye does. Weight: ((1 - penalty / threshold) / penalty)^2, where the
+/// threshold is the fourth smallest penalty. The weight reaches 0 where another camera takes over,
+/// which prevents popping. A share below one twentieth fades out and goes to the other cameras: it
+/// is invisible, and most triangles then need two cameras less.
 ///
 /// After: Buehler, Bosse, McMillan, Gortler, Cohen. Unstructured Lumigraph Rendering. SIGGRAPH
-/// 2001. We differ: visibility is in the quality, weights are squared, and the blending field is
-/// evaluated at the vertices of the surface instead of in the picture plane.
-/// All sets of instructions give the same bits.
+/// 2001. Differences: visibility is part of the quality, weights are squared, and the blending
+/// field is evaluated at the vertices instead of in the picture plane.
+/// All instruction sets give the same bits.
 void choose_cameras(const PersonModel& model,
                     const Eigen::Vector3f& eye_site,
                     BlendScratch& out,
                     image::RowCode code = image::best_row_code());
 
-/// `choose_cameras`, and sorts the triangles by how many cameras they are drawn with, each without
-/// the cameras to which it is edge-on. At most 255 cameras.
+/// Runs `choose_cameras` and groups the triangles by the number of their cameras. Drops cameras
+/// that see a triangle edge-on. At most 255 cameras.
 void blend_for_view(const PersonModel& model,
                     const Eigen::Vector3f& eye_site,
                     BlendScratch& scratch,
                     BlendedMesh& out);
 
-/// A vertex as floats: position[3], fallback colour[3], layers[n], then n times (s z, t z, z,
+/// Floats per vertex: position[3], fallback colour[3], layers[n], then n times (s z, t z, z,
 /// weight).
 constexpr std::size_t floats_per_vertex(std::size_t num_cameras) { return 6 + 5 * num_cameras; }
 
-/// Writes the three vertices of each triangle of group `group`, not indexed. `out` holds
-/// num_vertices() of them.
+/// Writes the three vertices of each triangle of group `group`, without indices. `out` has room for
+/// num_vertices() vertices.
 void lay_out(const PersonModel& model,
              const BlendedMesh& blended,
              std::size_t group,

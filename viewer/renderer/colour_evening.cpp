@@ -12,7 +12,7 @@ namespace atrium::renderer {
 namespace {
 
 constexpr float kNotSeen = std::numeric_limits<float>::infinity();
-// what is darker is noise, what is brighter may be clipped
+// darker is noise, brighter may be clipped
 constexpr float kDarkest = 16.0f;
 constexpr float kBrightest = 240.0f;
 
@@ -21,7 +21,8 @@ std::size_t layer_texels(const PersonModel& model) {
            static_cast<std::size_t>(model.layer_height);
 }
 
-// Mean of the 3 x 3 texels around the middle of a face, if all of them show the person.
+// Log of the mean of the 3 x 3 texels around the centre of a face. Not seen unless all show the
+// person.
 Eigen::Array3f colour_of(const PersonModel& model, std::size_t camera, std::size_t triangle) {
     const auto& [a, b, c] = model.triangles[triangle];
     const auto& st = model.cameras[camera].layer_coordinates;
@@ -57,7 +58,7 @@ bool is_well_seen(const PersonModel::Camera& camera,
     });
 }
 
-// Fills `log_colours`; returns the number of points.
+// Fills `log_colours`. Returns the number of points.
 std::size_t look_at_points(const ColourEveningOptions& options,
                            const PersonModel& model,
                            ColourEveningScratch& scratch) {
@@ -81,8 +82,7 @@ float median(std::vector<float>& values) {
     return *middle;
 }
 
-// What cameras i and j tell of each other: the median of the differences, weighed by how sure it
-// is.
+// Computes the ratio of cameras i and j: the median difference, weighted by its certainty.
 void compare(const ColourEveningOptions& options,
              std::size_t i,
              std::size_t j,
@@ -102,7 +102,7 @@ void compare(const ColourEveningOptions& options,
         scratch.deviations.clear();
         for (const float difference : scratch.differences)
             scratch.deviations.push_back(std::abs(difference - middle));
-        // of the median of as many normal deviates, from the median of their absolute values
+        // standard error of a median, from the median absolute deviation
         const double sigma = 1.4826 * 1.2533 * static_cast<double>(median(scratch.deviations));
         const double weight =
             1.0 / (options.doubt * options.doubt +
@@ -114,7 +114,7 @@ void compare(const ColourEveningOptions& options,
     }
 }
 
-// Least squares of (gain_j - gain_i - ratio_ij) and of gain_i against the prior.
+// Solves the least squares of (gain_j - gain_i - ratio_ij) and of the prior on gain_i.
 void solve(const ColourEveningOptions& options, ColourEveningScratch& scratch) {
     const std::size_t num_cameras = scratch.log_gains.size();
     const auto size = static_cast<Eigen::Index>(num_cameras);
@@ -137,7 +137,7 @@ void solve(const ColourEveningOptions& options, ColourEveningScratch& scratch) {
         for (std::size_t c = 0; c < num_cameras; ++c)
             scratch.log_gains[c][k] = scratch.solution[static_cast<Eigen::Index>(c)];
     }
-    // softly, so that a camera that drifts is not suddenly another one
+    // soft threshold: a camera that drifts does not jump
     for (Eigen::Array3d& gain : scratch.log_gains)
         gain = gain.sign() * (gain.abs() - options.dead_zone).max(0.0);
 }
@@ -148,7 +148,7 @@ void apply(const Eigen::Array3d& log_gain, std::size_t camera, PersonModel& mode
         const double gain = std::exp(log_gain[static_cast<Eigen::Index>(channel)]);
         factors[channel] = static_cast<std::uint32_t>(std::min(100.0, gain) * 65536.0 + 0.5);
     }
-    // nothing is below the camera's picture
+    // no gain below the noise of the camera's picture
     const float num_rows =
         model.cameras[camera].high_st.y() * static_cast<float>(model.layer_height) + 0.5f;
     const auto size =

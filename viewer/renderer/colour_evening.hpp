@@ -12,15 +12,16 @@ namespace atrium::renderer {
 struct PersonModel;
 
 struct ColourEveningOptions {
-    std::size_t max_points = 600;  // of the surface, where cameras are compared; 0: no evening
+    std::size_t max_points = 600;  // points of the surface to compare; 0: no compensation
     std::size_t min_shared = 16;   // cameras that share fewer points are not compared
-    double prior = 0.2;            // expected deviation of a camera's factors from 1, logarithm
-    double doubt = 0.02;           // of what two cameras tell of each other, however many points
-    double dead_zone = 0.01;       // of the logarithm: nobody sees that, and noise stays below it
+    double prior = 0.2;            // expected deviation of a gain from 1, as a logarithm
+    double doubt = 0.02;      // deviation of a comparison of two cameras with any number of points
+    double dead_zone = 0.01;  // as a logarithm; invisible, and above the noise
 };
 
 struct ColourEveningScratch {
-    std::vector<Eigen::Array3f> log_colours;  // [camera][point]; not finite where it does not see
+    /// [camera][point]; infinite if the camera does not see the point.
+    std::vector<Eigen::Array3f> log_colours;
     std::vector<float> differences;
     std::vector<float> deviations;
     std::vector<std::array<double, 3>> weights;  // [camera][camera]
@@ -28,17 +29,17 @@ struct ColourEveningScratch {
     Eigen::MatrixXd normal_matrix;
     Eigen::VectorXd solution;
     Eigen::LLT<Eigen::MatrixXd> solver;
-    /// Natural logarithm of the factors that were applied, per camera and channel.
+    /// Natural logarithm of the gains applied, per camera and channel.
     std::vector<Eigen::Array3d> log_gains;
 };
 
-/// Evens out what the cameras disagree about in their colours, by one factor per camera and
-/// channel on `model.layers`: no seam is left where one camera's colours meet another's.
+/// Removes colour differences between the cameras with one gain per camera and channel on
+/// `model.layers`, so no seam shows where the colours of two cameras meet.
 ///
-/// Points in the middle of faces that two cameras see well tell the ratio of the two, of which the
-/// median is taken; the factors are the least squares of these against a prior of 1, so that the
-/// person's colour as a whole stays. Cameras that agree to about 1 % are left alone, bit for bit.
-/// Needs the cameras' `quality` and `facing`. Deterministic.
+/// Compares each pair of cameras at the centres of faces that both see well and takes the median
+/// ratio. The gains are the least-squares solution of the ratios with a prior of 1, which keeps the
+/// overall colour. Leaves cameras that agree within about 1 % unchanged, bit for bit. Needs
+/// `quality` and `facing` of the cameras. Deterministic.
 void even_colours(const ColourEveningOptions& options,
                   ColourEveningScratch& scratch,
                   PersonModel& model);

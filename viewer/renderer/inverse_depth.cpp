@@ -13,7 +13,7 @@
 namespace atrium::renderer {
 namespace {
 
-// Pixels of a row that are drawn at once, in one register or in two.
+// Pixels of a row drawn at once, in one or two registers.
 constexpr int kLanes = 8;
 using Floats = float __attribute__((vector_size(4 * kLanes)));
 using Ints = std::int32_t __attribute__((vector_size(4 * kLanes)));
@@ -21,7 +21,7 @@ constexpr Ints kSteps = {0, 1, 2, 3, 4, 5, 6, 7};
 
 using Four = float __attribute__((vector_size(16)));
 
-// Eight triangles, one per lane. Vectors are passed by reference: by value they have no ABI.
+// Eight triangles, one per lane. Passed by reference, because vectors by value have no stable ABI.
 struct Corners {
     Floats x, y, z;
 };
@@ -33,7 +33,7 @@ ATRIUM_INLINE void load_two(const Eigen::Vector4f& low, const Eigen::Vector4f& h
     out = __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
 }
 
-// Corner `i` of eight triangles: a transposition, which leaves out what is unused.
+// Loads corner `i` of eight triangles: a transposition without the unused component.
 ATRIUM_INLINE void gather(std::span<const Eigen::Vector4f> corners,
                           const std::array<std::uint32_t, 3>* triangles,
                           std::size_t i,
@@ -52,8 +52,8 @@ ATRIUM_INLINE void gather(std::span<const Eigen::Vector4f> corners,
     out.z = __builtin_shufflevector(pq_high, rs_high, 0, 1, 8, 9, 4, 5, 12, 13);
 }
 
-// Pixels from the first one at or after the least of three numbers to the last one at or before the
-// largest.
+// Pixel range from the first one at or after the smallest of three numbers to the last one at or
+// before the largest.
 struct Range {
     Ints begin;
     Ints end;  // inclusive
@@ -73,16 +73,16 @@ ATRIUM_INLINE void pixels_between(
     high = high < last ? high : last;
     const Ints low_whole = __builtin_convertvector(low, Ints);
     const Ints high_whole = __builtin_convertvector(high, Ints);
-    // a comparison that holds is -1
+    // a true comparison is -1
     out.begin = low_whole - (low > __builtin_convertvector(low_whole, Floats));
     out.end = high_whole + (high < __builtin_convertvector(high_whole, Floats));
 }
 
-// What drawing takes of eight triangles: the barycentric coordinates and the inverse depth as
-// affine functions of the pixel.
+// Edge and depth functions of eight triangles: barycentric coordinates and inverse depth, affine in
+// the pixel.
 struct Affine {
-    Floats x, y;   // per column and per row
-    Floats first;  // at the first column and row
+    Floats x, y;   // gradients per column and per row
+    Floats first;  // values at the first column and row
 };
 struct Prepared {
     Ints is_drawn;
@@ -97,11 +97,11 @@ ATRIUM_INLINE void prepare(const Corners& a,
                            Prepared& out) {
     const Floats ab_x = b.x - a.x, ab_y = b.y - a.y;
     const Floats ac_x = c.x - a.x, ac_y = c.y - a.y;
-    // y points down in pictures: what is counter-clockwise from outside has negative area here
+    // y points down, so a triangle that is counter-clockwise from outside has negative area here
     const Floats area = ab_x * ac_y - ab_y * ac_x;
     pixels_between(a.x, b.x, c.x, picture.width, out.columns);
     pixels_between(a.y, b.y, c.y, picture.height, out.rows);
-    // most that face the camera are small and many lie between the centres of pixels
+    // most triangles are small, and many lie between pixel centres
     out.is_drawn = (area < 0.0f) & (a.z > 0.0f) & (b.z > 0.0f) & (c.z > 0.0f) &
                    (out.columns.begin <= out.columns.end) & (out.rows.begin <= out.rows.end);
     const Floats inverse_area = 1.0f / area;
@@ -123,14 +123,14 @@ ATRIUM_INLINE void prepare(const Corners& a,
     out.value.first = a.z + out.b.first * slope_b + out.c.first * slope_c;
 }
 
-// A lane in all lanes, straight from memory.
+// Broadcasts a lane from memory to all lanes.
 ATRIUM_INLINE void spread(const Floats& from, int lane, Floats& out) {
     float value = 0.0f;
     std::memcpy(&value, reinterpret_cast<const char*>(&from) + 4 * lane, sizeof value);
-    out = value - Floats{};  // which is exactly itself
+    out = value - Floats{};  // exactly `value`
 }
 
-// The function of triangle `i` at some columns of the first row.
+// Evaluates the function of triangle `i` at some columns of the first row.
 ATRIUM_INLINE void begin(const Affine& eight, int i, const Floats& columns, Floats& out) {
     Floats x, first;
     spread(eight.x, i, x);
@@ -138,7 +138,7 @@ ATRIUM_INLINE void begin(const Affine& eight, int i, const Floats& columns, Floa
     out = columns * x + first;
 }
 
-// Draws triangle `i` of eight; returns how many pixels it looked at.
+// Draws triangle `i` of eight. Returns the number of pixels visited.
 ATRIUM_INLINE std::int64_t draw_triangle(const Prepared& eight,
                                          int i,
                                          InverseDepthPicture& picture) {
@@ -167,7 +167,7 @@ ATRIUM_INLINE std::int64_t draw_triangle(const Prepared& eight,
             const Ints is_inside = (inside >= 0.0f) & is_column;
             const Floats drawn =
                 reinterpret_cast<Floats>(reinterpret_cast<Ints>(value) & is_inside);
-            // lanes beyond the triangle leave what they find, be it of the next row
+            // lanes beyond the triangle keep their value, even in the next row
             Floats found;
             std::memcpy(&found, at, sizeof found);
             found = found < drawn ? drawn : found;
@@ -184,14 +184,14 @@ ATRIUM_INLINE std::int64_t draw_triangle(const Prepared& eight,
 ATRIUM_INLINE void draw(std::span<const Eigen::Vector4f> corners,
                         std::span<const std::array<std::uint32_t, 3>> triangles,
                         InverseDepthPicture& picture) {
-    // a person takes three or four times the picture; what is no surface of anything ends here
+    // a person covers the picture three or four times; this stops nonsense meshes
     constexpr std::int64_t kMostTimes = 50;
     std::int64_t left = kMostTimes * picture.width * picture.height;
     std::array<std::array<std::uint32_t, 3>, kLanes> last{};
     for (std::size_t t = 0; t < triangles.size() && left > 0; t += kLanes) {
         const std::array<std::uint32_t, 3>* from = triangles.data() + t;
         if (t + kLanes > triangles.size()) {
-            // the rest, and triangles of no area
+            // padding lanes, and triangles without area
             std::copy(
                 triangles.begin() + static_cast<std::ptrdiff_t>(t), triangles.end(), last.begin());
             from = last.data();
@@ -214,7 +214,7 @@ struct Bounds {
     std::array<float, 2> high{-kNowhere, -kNowhere};
 };
 
-// Of the points before the camera, along one axis.
+// Range of the points before the camera along one axis.
 ATRIUM_INLINE void find_bounds(const std::vector<float>& values,
                                const std::vector<float>& inverse_depths,
                                float& least,
@@ -252,7 +252,7 @@ ATRIUM_INLINE void store_two(const Floats& from, Eigen::Vector4f& low, Eigen::Ve
     std::memcpy(high.data(), &upper, sizeof upper);
 }
 
-// (x, y) becomes ((x, y) - origin) * scale.
+// Maps (x, y) to ((x, y) - origin) * scale.
 ATRIUM_INLINE void place(const Axes& points,
                          const std::array<float, 2>& origin,
                          float scale,
@@ -316,7 +316,7 @@ float fit_inverse_depth(const Axes& points,
 #endif
         find_bounds(points, bounds);
     corners.resize(points.size());
-    if (bounds.low[0] > bounds.high[0]) {  // nothing is before the camera
+    if (bounds.low[0] > bounds.high[0]) {  // nothing before the camera
         picture.width = picture.height = 1;
         std::fill(corners.begin(), corners.end(), Eigen::Vector4f::Zero());
         return 1.0f;

@@ -14,18 +14,18 @@
 
 namespace atrium::renderer {
 
-/// What a camera sees of a mesh, coarsely: the inverse depth [1/m] of the nearest surface, 0 where
-/// there is none.
+/// A coarse depth picture of a mesh: the inverse depth [1/m] of the nearest surface, 0 where there
+/// is none.
 ///
-/// Inverse depth, because it is linear in the picture. Row-major, pixel centres at integers.
+/// Inverse depth is linear in the picture. Row-major, pixel centres at integers.
 struct InverseDepthPicture {
     int width = 0;
     int height = 0;
-    std::vector<float> values;  // some more than width x height
+    std::vector<float> values;  // slightly more than width x height
 
     float at(int x, int y) const { return values[place(x, y)]; }
-    /// The largest of the 3 x 3 around a pixel that is not at the border: an occluder then counts
-    /// up to a pixel beyond its outline, where pictures mix its colour with what lies behind.
+    /// Largest value of the 3 x 3 pixels around an inner pixel. It extends an occluder by one
+    /// pixel, where the camera pictures mix its colour with the background.
     float nearest_around(int x, int y) const {
         float nearest = 0.0f;
         for (int row = y - 1; row <= y + 1; ++row) {
@@ -44,20 +44,21 @@ private:
     }
 };
 
-/// Sizes the picture so that its long side is `long_side_px` and a border of a pixel, and fills
-/// `corners` with the points' places in it: x and y of `points` are any pixels, z is the inverse
-/// depth, and points with 1 / z <= 0 have no part in the size. Returns the picture's pixels per
-/// pixel of those. All sets of instructions give the same bits.
+/// Scales the points into a depth picture and sets its size: the long side is `long_side_px` plus a
+/// border of one pixel. Writes the points' positions in it to `corners`. x and y of `points` are
+/// pixels of any picture and z is the inverse depth; points with z <= 0 do not affect the size.
+/// Returns the scale, in pixels of the picture per pixel of `points`. All instruction sets give the
+/// same bits.
 float fit_inverse_depth(const Axes& points,
                         int long_side_px,
                         std::vector<Eigen::Vector4f>& corners,
                         InverseDepthPicture& picture,
                         image::RowCode code = image::best_row_code());
 
-/// Draws the triangles that face the camera. `corners` holds one (x, y, 1 / z, unused) per vertex,
-/// x and y in pixels of the picture; a triangle with a corner at 1 / z <= 0 (behind the camera) is
-/// left out, and so is the rest of a mesh whose triangles have filled the picture fifty times. All
-/// sets of instructions give the same bits.
+/// Rasterises the triangles that face the camera. `corners` has one (x, y, inverse depth, unused)
+/// per vertex, x and y in pixels of the picture. Skips triangles with a corner at inverse depth <=
+/// 0 (behind the camera), and the rest of the mesh once its triangles have covered the picture
+/// fifty times. All instruction sets give the same bits.
 void draw_inverse_depth(std::span<const Eigen::Vector4f> corners,
                         std::span<const std::array<std::uint32_t, 3>> triangles,
                         InverseDepthPicture& picture,

@@ -30,7 +30,7 @@ std::vector<bool> needed_cameras(std::span<const Eigen::Vector3f> centres_site,
     std::vector<std::size_t> order(num);
     for (const Eigen::Vector3f& eye : eyes_site) {
         for (std::size_t c = 0; c < num; ++c) {
-            // of the part of the person for which the angle is least
+            // smallest angle over centre and corners of the bounds
             cosines[c] =
                 cos_between(centres_site[c] - bounds_site.center(), eye - bounds_site.center());
             for (int i = 0; i < 8; ++i) {

@@ -8,19 +8,18 @@
 
 namespace atrium::renderer {
 
-/// Cameras whose pictures colour what is seen of a person. An eye sees surfaces that face it, and
-/// `choose_cameras` prefers the cameras next to the eye's direction: those on the far side of the
-/// person colour next to nothing, and what they saw need not be decoded.
+/// Limits for the cameras that colour the visible side of a person. An eye sees surfaces that face
+/// it, and `choose_cameras` prefers the cameras next to the eye's direction. Cameras on the far
+/// side contribute almost nothing, so their textures need not be decoded.
 struct NeededCamerasOptions {
-    /// Between the directions from the person to the camera and to the eye; a camera beyond it is
-    /// not needed.
+    /// Maximum angle between the directions from the person to the camera and to the eye.
     double max_angle_deg = 90.0;
-    /// The cameras next to an eye are needed wherever they are.
+    /// Number of cameras nearest to an eye that are always needed.
     std::size_t least_num = 4;
 };
 
-/// Which of the cameras, given by their centres, are needed for a person within `bounds_site` and
-/// eyes at these places: all of them without an eye, without bounds, or with an eye in the bounds.
+/// Returns which cameras are needed for a person within `bounds_site`, seen from the given eyes.
+/// All cameras without an eye, without bounds, or if an eye is inside the bounds.
 std::vector<bool> needed_cameras(std::span<const Eigen::Vector3f> centres_site,
                                  const Eigen::AlignedBox3f& bounds_site,
                                  std::span<const Eigen::Vector3f> eyes_site,

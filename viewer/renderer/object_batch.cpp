@@ -11,7 +11,7 @@
 namespace atrium::renderer {
 namespace {
 
-constexpr unsigned kFirstAttribute = 3;  // after those of the corners
+constexpr unsigned kFirstAttribute = 3;  // after those of the vertices
 
 auto key(const auto& entry) {
     return std::tie(entry.level, entry.mesh, entry.object->look.texture);
@@ -30,7 +30,7 @@ void ObjectBatch::add(const ObjectDrawing& object, double radius_px) {
     entries_.push_back({&mesh, ObjectMesh::level_of(radius_px), &object});
 }
 
-// Entries that are alike follow each other, and so do their instances.
+// Sorts the entries, so equal ones are adjacent, and fills the instances.
 void ObjectBatch::prepare() {
     std::sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {
         return key(a) < key(b);

@@ -10,20 +10,21 @@
 
 namespace atrium::renderer {
 
-/// Rigid things, drawn in one go for all that have the same mesh, texture and level of detail.
+/// Draws rigid objects, with one instanced call for those of equal mesh, texture and level of
+/// detail.
 class ObjectBatch {
 public:
     ObjectBatch();
 
-    /// The thing stays as it is until the batch was drawn.
+    /// The object must stay unchanged until the batch is drawn.
     void add(const ObjectDrawing& object, double radius_px);
-    /// Draws and forgets all of them, with shaders of kObjectVertex.
+    /// Draws and drops all objects, with shaders of kObjectVertex.
     void draw(const ObjectShaders& shaders, const Textures& textures);
-    /// Likewise with the shader in use, one of shadow_vertex.
+    /// Draws and drops all objects with the bound shader, one of shadow_vertex.
     void draw_shadows();
 
 private:
-    // as the shaders read it
+    // memory layout of the shaders
     struct Instance {
         Eigen::Matrix4f world_from_mesh;
         Eigen::Vector3f colour;

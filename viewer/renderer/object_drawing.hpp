@@ -10,13 +10,13 @@
 
 namespace atrium::renderer {
 
-/// One rigid thing to draw.
+/// One rigid object to draw.
 struct ObjectDrawing {
     ObjectDrawing(ObjectLook object_look, ObjectMeshes& meshes);
 
     ObjectLook look;
     ScaledMesh scaled;
-    double radius_m = 0.0;  // around its origin, of all that it is
+    double radius_m = 0.0;  // of a sphere around its origin that contains it
 
     Eigen::Matrix4f world_from_mesh() const;
     bool is_floor() const {
@@ -25,10 +25,10 @@ struct ObjectDrawing {
     }
 };
 
-/// A soft object in GL's memory; nothing is drawn before its nodes are known.
+/// A soft object in GL memory. Draws nothing before the first `move`.
 struct SoftDrawing {
     explicit SoftDrawing(SoftLook soft_look);
-    /// As many nodes as the look has.
+    /// `nodes_world` must have as many nodes as the look.
     void move(std::span<const Eigen::Vector3f> nodes_world);
     void draw() const;
 

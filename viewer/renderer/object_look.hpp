@@ -12,23 +12,22 @@
 
 namespace atrium::renderer {
 
-/// A picture that lies on things: 8-bit RGBA, sRGB, rows from the top. Where it is transparent, the
-/// thing's colour is seen.
+/// A texture: 8-bit RGBA, sRGB, top row first. Transparent texels show the object's colour.
 struct TexturePicture {
     int width = 0;
     int height = 0;
     std::vector<std::uint8_t> rgba;
 };
 
-/// A rigid object of the scene.
+/// Look and pose of a rigid object.
 struct ObjectLook {
-    /// What it looks like, in its own frame [m]; null: as `shape` and `size_m` say.
+    /// Mesh in the object's frame [m]. Null: `shape` and `size_m` define it.
     std::shared_ptr<const ShapeMesh> model = nullptr;
     ShapeKind shape = ShapeKind::kBox;
-    Eigen::Vector3d size_m = Eigen::Vector3d::Ones();         // as `make_shape` takes it
+    Eigen::Vector3d size_m = Eigen::Vector3d::Ones();         // as in `make_shape`
     Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // linear RGB in [0, 1]
-    /// Name of the picture on it (SceneRenderer::set_texture); while there is none of that name,
-    /// the plain colour is seen.
+    /// Name of the texture (SceneRenderer::set_texture). Drawn in the plain colour until that
+    /// texture exists.
     std::string texture = {};
     geometry::RigidTransform world_from_object = {};
 };

@@ -41,8 +41,8 @@ ObjectMesh upload(const ShapeMesh& mesh) {
     return drawn;
 }
 
-// Of the mesh that all of that kind are larger or smaller ones of; a capsule's caps stay round, and
-// a picture on a plane lies once per metre.
+// Size of the shared mesh that objects of this shape scale. Capsules keep round caps, and a texture
+// on a plane repeats once per metre, so those sizes are not normalised.
 Eigen::Vector3d own_size(const ObjectLook& look) {
     constexpr double kLongest = 1e6;
     if (look.shape == ShapeKind::kCapsule)
@@ -69,7 +69,7 @@ Eigen::Vector3d scale_of(const ObjectLook& look) {
 }  // namespace
 
 std::size_t ObjectMesh::level_of(double radius_px) {
-    // the outline of a circle of 32, 16 or 8 sides is within a quarter of a pixel there
+    // the outline of a circle of 32, 16 or 8 sides then is within a quarter of a pixel
     return radius_px > 12.0 ? 0 : radius_px > 3.0 ? 1 : 2;
 }
 

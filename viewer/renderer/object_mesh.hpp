@@ -11,7 +11,7 @@
 
 namespace atrium::renderer {
 
-/// A mesh in GL's memory, of all things that look like it.
+/// A mesh in GL memory, shared by all objects of that look.
 struct ObjectMesh {
     struct Level {
         std::size_t first = 0;  // in `indices`
@@ -21,24 +21,24 @@ struct ObjectMesh {
     gl::VertexArray layout;
     gl::Buffer corners;
     gl::Buffer indices;
-    std::array<Level, 3> levels;  // ever fewer triangles
+    std::array<Level, 3> levels;  // fewer triangles with each level
     Eigen::Vector3d half_extent = Eigen::Vector3d::Zero();
 
-    /// Number of the one with as many triangles as make no difference where it is `radius_px`
-    /// large.
+    /// Coarsest level without a visible difference at a radius of `radius_px`.
     static std::size_t level_of(double radius_px);
 };
 
-/// A mesh, and how much larger a thing is than it.
+/// A mesh and the scale of the object relative to it.
 struct ScaledMesh {
     std::shared_ptr<const ObjectMesh> mesh;
     Eigen::Vector3d scale = Eigen::Vector3d::Ones();
 };
 
-/// The corners of ShapeMesh, from the bound buffer for the bound vertex array: attributes 0 to 2.
+/// Sets attributes 0 to 2 of the bound vertex array to the vertices of ShapeMesh in the bound
+/// buffer.
 void read_corners();
 
-/// Meshes by what they show; kept as long as something looks like them.
+/// Caches meshes by look. A mesh lives as long as an object uses it.
 class ObjectMeshes {
 public:
     ScaledMesh of(const ObjectLook& look);

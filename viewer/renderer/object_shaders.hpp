@@ -9,13 +9,13 @@
 
 namespace atrium::renderer {
 
-/// Shaders of lit things, one per kind of surface.
+/// Shaders of lit objects, one per kind of surface.
 class ObjectShaders {
 public:
     /// `vertex` is kObjectVertex or kSoftVertex.
     static Expected<ObjectShaders> create(const char* name, const char* vertex);
 
-    /// Prepares all of them for pictures from `view`.
+    /// Sets the view of all shaders.
     void set_view(const View& view) const;
     const gl::ShaderProgram& of(shaders::Surface surface) const {
         return by_surface_[static_cast<std::size_t>(surface)];

@@ -28,9 +28,9 @@ void describe_group(std::size_t num_cameras) {
         gl::float_attribute(index++, 4, stride, offset);
 }
 
-// Software would clear, and the system hand out anew, all of a buffer that is made for each
-// picture: this one is only made anew when it is too small. Calls write(to) with memory for so many
-// numbers.
+// Calls write(to) with mapped memory for `num_floats` numbers. Reuses the buffer and enlarges it
+// only when it is too small: a software renderer would clear a new buffer for each picture, and the
+// system would map it anew.
 template <typename Write>
 void stream(std::size_t num_floats,
             const gl::Buffer& buffer,
@@ -47,7 +47,7 @@ void stream(std::size_t num_floats,
                                 0,
                                 static_cast<GLsizeiptr>(bytes),
                                 GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
-    // else out of memory: what was there is drawn
+    // out of memory: draws the former content
     if (to == nullptr) return;
     write(std::span<float>(static_cast<float*>(to), num_floats));
     glUnmapBuffer(GL_ARRAY_BUFFER);
@@ -171,8 +171,8 @@ void PersonDrawing::draw(const PersonShaders& shaders,
     }
 }
 
-// Of some six hundred pixels of the picture of the shadows, where the surface has ten times as many
-// triangles: the pixels are found here, once per model.
+// Finds the shadow pixels on the CPU, once per model: about six hundred pixels from ten times as
+// many triangles.
 void PersonDrawing::find_shadow() {
     const Eigen::Vector3d light = light_world().cast<double>();
     Eigen::Matrix<double, 2, 4> floor_from_world = Eigen::Matrix<double, 2, 4>::Zero();

@@ -15,22 +15,22 @@
 
 namespace atrium::renderer {
 
-/// The shaders that all people share: one per group of triangles.
+/// Shaders of all people, one per group of triangles.
 struct PersonShaders {
     std::array<gl::ShaderProgram, kCamerasPerTriangle.size()> by_group;
     static Expected<PersonShaders> create();
 };
 
-/// One person in GL's memory.
+/// One person in GL memory.
 class PersonDrawing {
 public:
     PersonDrawing();
 
-    /// Takes over what it draws from now on and uploads what does not depend on the viewpoint.
-    /// Hands back the former model, so that its memory can be used again.
+    /// Replaces the model and uploads what does not depend on the viewpoint. Returns the former
+    /// model for reuse.
     PersonModel set_model(PersonModel model);
     void set_pose(const Eigen::Matrix4d& world_from_site);
-    /// What it blends with, or makes its shadow of, is up to the caller.
+    /// Sets the opacity. Blending and shadow are up to the caller.
     void set_opacity(double opacity) { opacity_ = opacity; }
     double opacity() const { return opacity_; }
     bool is_solid() const { return opacity_ >= 1.0; }
@@ -38,13 +38,13 @@ public:
     const PersonModel& model() const { return model_; }
     const Eigen::Matrix4d& world_from_site() const { return world_from_site_; }
     Eigen::AlignedBox3d bounds_world() const;
-    /// Array, one layer for each of the model's cameras.
+    /// Texture array with one layer per camera of the model.
     const gl::Texture& pictures() const { return pictures_; }
 
     void draw(const PersonShaders& shaders,
               const Eigen::Matrix4d& clip_from_world,
               const Eigen::Vector3d& eye_world);
-    /// What the surface covers of the picture of the shadows (`Backdrop::add_shadow`).
+    /// Pixels of the shadow map that the person covers (`Backdrop::add_shadow`).
     std::span<const PixelRun> shadow() const { return shadow_scratch_.runs; }
 
 private:

@@ -17,15 +17,15 @@ struct PersonModelScratch::Parts {
     std::vector<Eigen::Vector4f> normal_sums;
     std::vector<Eigen::Vector4f> normals;
     Faces faces;
-    std::vector<float> cosines;  // per face: of its normal to the way to the camera
+    std::vector<float> cosines;  // per face: between its normal and the direction to the camera
     std::vector<std::array<std::uint32_t, 3>> facing;  // triangles that face the camera
     std::size_t num_facing = 0;
-    std::vector<float> most_facing;  // per vertex: cosine of the face that faces the camera most
+    std::vector<float> most_facing;  // per vertex: cosine of its face that faces the camera most
     Projected projected;
-    std::vector<Eigen::Vector4f> corners;  // for `depth`
+    std::vector<Eigen::Vector4f> corners;  // vertices in `depth`
     InverseDepthPicture depth;
     Seen seen;
-    std::vector<std::vector<std::int32_t>> texels;  // per camera and vertex: in its layer
+    std::vector<std::vector<std::int32_t>> texels;  // per camera and vertex: index in its layer
     std::vector<Eigen::Vector4f> colour_sums;       // per vertex
     std::vector<std::uint8_t> is_coloured;
     std::vector<std::uint32_t> partly_coloured;  // triangles
@@ -39,14 +39,14 @@ PersonModelScratch::~PersonModelScratch() = default;
 namespace {
 
 constexpr int kBorder = 1;             // texels of alpha 0 around each picture
-constexpr int kLayerGranularity = 16;  // so that the size of layers seldom changes
+constexpr int kLayerGranularity = 16;  // keeps the layer size stable
 
 bool is_usable(const CameraPicture& picture) {
     return picture.width > 0 && picture.height > 0 && !picture.crop_px.empty();
 }
 
-// Area-weighted normals, smoothed once over the neighbours: those of a hull jump from strip to
-// strip. With a fourth number that is 0, which makes vectors of registers.
+// Computes area-weighted normals, smoothed once over the neighbours: those of a hull jump from
+// strip to strip. The fourth component is 0 and lets the compiler use vector registers.
 void compute_normals(PersonModel& model, PersonModelScratch::Parts& scratch) {
     const std::size_t num_vertices = model.vertices_site.size();
     auto& points = scratch.points;
@@ -99,10 +99,10 @@ std::size_t layer_bytes(const PersonModel& model) {
            static_cast<std::size_t>(model.layer_height) * 4;
 }
 
-// Copies the picture with its colour multiplied by alpha: what lies outside the mask then has no
-// part in any filtered texel, and a weighted sum of texels divides out to a colour of the person
-// alone. A texel at the outline shows some of what is behind: it counts little beside those of
-// other cameras, and takes over only where there are none.
+// Copies the picture with its colour multiplied by alpha. Texels outside the mask then do not
+// contribute to filtered texels, and a weighted sum of texels, divided by its alpha, is a colour of
+// the person alone. Texels at the outline mix in some background: they count little beside those of
+// other cameras and dominate only where there are no others.
 void fill_layer(const CameraPicture& picture, const PersonModel& model, std::uint8_t* layer) {
     const image::RowCode code = image::best_row_code();
     const auto* from = reinterpret_cast<const std::uint32_t*>(picture.rgba.data());
@@ -124,11 +124,11 @@ void fill_layer(const CameraPicture& picture, const PersonModel& model, std::uin
     std::fill_n(to, static_cast<std::size_t>(num_below) * layer_width, 0U);
 }
 
-// How surely the mask covers the surroundings of a vertex, in [0, 1].
+// Coverage of the surroundings of a vertex by the mask, in [0, 1].
 float mask_near(const PersonModel& model,
                 const std::uint8_t* alpha,
                 const Eigen::Vector3f& layer_coordinates) {
-    // vertices of a hull lie on outlines: they count when the person is within two texels
+    // vertices of a hull lie on outlines; they count if the person is within two texels
     constexpr float kReach = 1.5f;
     const auto width = static_cast<float>(model.layer_width);
     const auto height = static_cast<float>(model.layer_height);
@@ -149,7 +149,7 @@ float mask_near(const PersonModel& model,
 
 struct CameraStage {
     const CameraPicture& picture;
-    std::size_t index;  // of the camera in the model
+    std::size_t index;  // index of the camera in the model
     const PersonModelOptions& options;
 };
 
@@ -196,7 +196,8 @@ Projection projection_of(const CameraPicture& picture, const PersonModel& model)
     return result;
 }
 
-// Per vertex: texture coordinates, and in `scratch.projected` undistorted pixels and inverse depth.
+// Computes the texture coordinates per vertex, and in `scratch.projected` undistorted pixels and
+// inverse depths.
 void project_vertices(const CameraStage& stage,
                       PersonModel& model,
                       PersonModelScratch::Parts& scratch) {
@@ -214,9 +215,9 @@ void project_vertices(const CameraStage& stage,
     std::swap(scratch.projected.texels, scratch.texels[stage.index]);
 }
 
-// The vertices of a hull lie on outlines: there the mean normal is across the view of the cameras
-// that made them, though a face beside them may be seen well. So each face is judged by itself, and
-// a vertex by the face of its own that the camera sees best.
+// Judges each face by itself, and a vertex by the face that the camera sees best. The vertices of a
+// hull lie on outlines: their mean normal is perpendicular to the view of the cameras that cut
+// them, although these cameras may see a neighbouring face well.
 Facing facing_limits(const PersonModelOptions& options) {
     return {static_cast<float>(options.cos_min), static_cast<float>(options.cos_full)};
 }
@@ -285,8 +286,8 @@ void judge_vertices(const CameraStage& stage,
     judge_seen(seeing, seen, camera.quality, image::best_row_code());
 }
 
-// Colours of the vertices: the mean of what the cameras see; where none does, what the nearest
-// vertices along the surface have.
+// Computes the fallback colours: the mean of what the cameras see, or else the colour of the
+// nearest vertices along the surface.
 void colour_vertices(PersonModel& model, PersonModelScratch::Parts& scratch) {
     constexpr float kLeastQuality = 0.02f;
     scratch.colour_sums.assign(model.vertices_site.size(), Eigen::Vector4f::Zero());
@@ -316,7 +317,7 @@ void colour_vertices(PersonModel& model, PersonModelScratch::Parts& scratch) {
     mean = num_coloured > 0 ? Eigen::Vector3f(mean / static_cast<float>(num_coloured))
                             : Eigen::Vector3f::Constant(0.5f);
 
-    constexpr int kMaxSteps = 24;  // edges; what lies farther away takes the mean colour
+    constexpr int kMaxSteps = 24;  // edges; vertices farther away get the mean colour
     const auto has_bare_corner = [&](std::uint32_t t) {
         const auto& [a, b, c] = model.triangles[t];
         return (scratch.is_coloured[a] & scratch.is_coloured[b] & scratch.is_coloured[c]) == 0;

@@ -16,60 +16,63 @@
 
 namespace atrium::renderer {
 
-/// What one camera saw of a person.
+/// Picture of a person from one camera.
 struct CameraPicture {
     geometry::CalibratedCamera camera;
     image::PixelRect crop_px;  // part of the camera's distorted picture that `rgba` shows
-    int width = 0;             // of `rgba`, at any resolution
+    int width = 0;             // size of `rgba`, at any resolution
     int height = 0;
-    std::vector<std::uint8_t> rgba;  // rows from the top; alpha 255 on the person, 0 elsewhere
+    std::vector<std::uint8_t> rgba;  // top row first; alpha 255 on the person, 0 elsewhere
 };
 
-/// A person ready to be textured from any viewpoint: all that does not depend on the viewpoint.
+/// A person ready to be textured from any viewpoint. Holds all that does not depend on the
+/// viewpoint.
 struct PersonModel {
     struct Camera {
-        /// Where what is in its layer was seen.
+        /// Calibration of the camera.
         geometry::PinholeCamera intrinsics;
         geometry::RigidTransform camera_from_site;
-        image::PixelRect crop_px;  // of the distorted picture; fills the layer from `low_st` on
-        Eigen::Vector2f low_st = Eigen::Vector2f::Zero();  // texture coordinates of its corners
+        /// Part of the distorted picture. It fills the layer from `low_st` to `high_st`.
+        image::PixelRect crop_px;
+        /// Texture coordinates of the corners of `crop_px`.
+        Eigen::Vector2f low_st = Eigen::Vector2f::Zero();
         Eigen::Vector2f high_st = Eigen::Vector2f::Ones();
 
         Eigen::Vector3f centre_site = Eigen::Vector3f::Zero();
         /// Per vertex (s z, t z, z): s, t are texture coordinates in the camera's layer, z is the
-        /// depth. Linear in the position (but for the lens distortion), so that the perspective
-        /// interpolation of triangles is right.
+        /// depth. Linear in the position except for the lens distortion, so perspective
+        /// interpolation over a triangle is correct.
         std::vector<Eigen::Vector3f> layer_coordinates;
-        /// Per vertex, in [0, 1]: 0 where the camera does not see it (no face there faces it,
-        /// hidden behind another part, outside the mask). Continuous.
+        /// Per vertex, in [0, 1]: 0 if the camera does not see it (no face there faces the camera,
+        /// hidden by another part, or outside the mask). Continuous.
         std::vector<float> quality;
-        /// Per triangle, in [0, 1]: 0 where it faces away or is edge-on, as the faces are that the
-        /// camera's own silhouette made; 1 where it does not graze.
+        /// Per triangle, in [0, 1]: 0 if it faces away or is edge-on, like the faces that the
+        /// camera's own silhouette cut. 1 if it is not at a grazing angle.
         std::vector<float> facing;
     };
 
     std::vector<Eigen::Vector3f> vertices_site;
     Eigen::AlignedBox3f bounds_site;       // of the vertices
-    std::vector<Eigen::Vector3f> normals;  // per vertex, unit, smoothed
+    std::vector<Eigen::Vector3f> normals;  // per vertex, length 1, smoothed
     std::vector<std::array<std::uint32_t, 3>> triangles;
     std::vector<Camera> cameras;
-    std::vector<Eigen::Vector3f> fallback;  // per vertex, in [0, 1]: for where no camera sees it
+    std::vector<Eigen::Vector3f> fallback;  // per vertex, in [0, 1]; used where no camera sees it
     int layer_width = 0;                    // one layer per camera, all of the same size
     int layer_height = 0;
-    std::vector<std::uint8_t> layers;  // RGBA, colour multiplied by alpha, which is small at
-                                       // the person's outline and 0 outside
+    /// RGBA, colour multiplied by alpha. Alpha is small at the person's outline and 0 outside.
+    std::vector<std::uint8_t> layers;
 };
 
 struct PersonModelOptions {
-    int depth_picture_px = 192;    // long side of the pictures that decide what hides what
-    double hidden_bias_m = 0.012;  // a surface this far behind another one is still not hidden
-    double hidden_soft_m = 0.02;   // over this further distance it fades out
-    double cos_min = 0.03;         // a camera that sees a face at a more grazing angle is not
-    double cos_full = 0.2;         // used; from here on fully
+    int depth_picture_px = 192;    // long side of the depth pictures for occlusion
+    double hidden_bias_m = 0.012;  // a surface this far behind another is still visible
+    double hidden_soft_m = 0.02;   // distance over which it then fades out
+    double cos_min = 0.03;         // below this cosine a camera does not see a face
+    double cos_full = 0.2;         // from this cosine on it sees the face fully
     ColourEveningOptions colour_evening;
 };
 
-/// Memory that `build_person_model` uses again.
+/// Reusable memory of `build_person_model`.
 struct PersonModelScratch {
     PersonModelScratch();
     PersonModelScratch(PersonModelScratch&&) noexcept;
@@ -81,8 +84,8 @@ struct PersonModelScratch {
     std::unique_ptr<Parts> parts;
 };
 
-/// Fills `out`, whose memory is used again. Pictures that are empty are left out. The mesh's
-/// indices must be valid.
+/// Builds the model in `out` and reuses its memory. Skips empty pictures. The indices of the mesh
+/// must be valid.
 void build_person_model(const geometry::TriangleMesh& mesh_site,
                         std::span<const CameraPicture> pictures,
                         const PersonModelOptions& options,

@@ -11,12 +11,12 @@
 namespace atrium::renderer {
 namespace {
 
-// The loops are written once; the compiler makes vectors of them for each set of instructions. None
-// has multiply-add in one, which would round otherwise.
+// The compiler vectorises these loops for each instruction set. None has fused multiply-add, which
+// would round differently.
 
 ATRIUM_INLINE void project(const Projection& camera, const Axes& points, Projected& out) {
-    constexpr float kNearest = 0.05f;  // [m] closer than this is as good as behind the camera
-    constexpr float kFar_px = 1e6f;    // beyond any picture
+    constexpr float kNearest = 0.05f;  // [m] nearer points count as behind the camera
+    constexpr float kFar_px = 1e6f;    // outside any picture
     const float r0 = camera.rotation[0], r1 = camera.rotation[1], r2 = camera.rotation[2];
     const float r3 = camera.rotation[3], r4 = camera.rotation[4], r5 = camera.rotation[5];
     const float r6 = camera.rotation[6], r7 = camera.rotation[7], r8 = camera.rotation[8];
@@ -41,7 +41,7 @@ ATRIUM_INLINE void project(const Projection& camera, const Axes& points, Project
     const int stride = camera.layer_size[0];
     const auto layer_width = static_cast<float>(camera.layer_size[0]);
     const auto layer_height = static_cast<float>(camera.layer_size[1]);
-    // no two arrays overlap
+    // the arrays do not overlap
 #pragma GCC ivdep
     for (std::size_t v = 0; v < size; ++v) {
         const float depth = r6 * px[v] + r7 * py[v] + r8 * pz[v] + tz;
@@ -50,7 +50,7 @@ ATRIUM_INLINE void project(const Projection& camera, const Axes& points, Project
         const float y = (r3 * px[v] + r4 * py[v] + r5 * pz[v] + ty) * inverse;
         const float u = fx * x + skew * y + cx;
         const float w = fy * y + cy;
-        // as PinholeCamera::distort
+        // as in PinholeCamera::distort
         const float xx = x * x, yy = y * y, xy = 2.0f * x * y;
         const float rr = xx + yy;
         const float radial = 1.0f + rr * (k1 + rr * (k2 + rr * k3));
@@ -58,7 +58,7 @@ ATRIUM_INLINE void project(const Projection& camera, const Axes& points, Project
         const float bent_y = y * radial + p1 * (rr + 2.0f * yy) + p2 * xy;
         const float bent_u = fx * bent_x + skew * bent_y + cx;
         const float bent_w = fy * bent_y + cy;
-        // not a number is not near either
+        // NaN fails these comparisons
         const bool is_near = (depth > kNearest) & (std::abs(u) < kFar_px) &
                              (std::abs(w) < kFar_px) & (std::abs(bent_u) < kFar_px) &
                              (std::abs(bent_w) < kFar_px);
@@ -129,7 +129,7 @@ ATRIUM_INLINE void judge(const Seeing& seeing, Seen& seen) {
         const float cosine = cosines[i];
         const float share = std::min(std::max((cosine - low) * per_cos, 0.0f), 1.0f);
         const float frontal = share * share * (3.0f - 2.0f * share);
-        // slope-scaled: over the 3 x 3 pixels looked at, a slanted surface comes nearer by itself
+        // slope-scaled bias: a slanted surface is nearer somewhere in the 3 x 3 pixels
         const float slope = std::sqrt(std::max(0.0f, 1.0f - cosine * cosine)) / cosine;
         const float depth = 1.0f / inverse_depths[i];
         const float bias = bias_m + bias_per_depth * depth * std::min(slope, 4.0f);
@@ -140,7 +140,7 @@ ATRIUM_INLINE void judge(const Seeing& seeing, Seen& seen) {
 }
 
 ATRIUM_INLINE std::uint32_t at_outline(std::uint32_t rgba) {
-    // two channels in one number; the quotient by 255 is exact below 65535
+    // two channels in one number; the division by 255 is exact below 65535
     const auto scaled = [](std::uint32_t two) {
         const std::uint32_t v = two * kOutlineAlpha + 0x007f007fU;
         return ((v + 0x00010001U + ((v >> 8U) & 0x00ff00ffU)) >> 8U) & 0x00ff00ffU;
@@ -150,7 +150,7 @@ ATRIUM_INLINE std::uint32_t at_outline(std::uint32_t rgba) {
     return red_blue | (green << 8U) | (kOutlineAlpha << 24U);
 }
 
-// All ones where the topmost bit of alpha is set.
+// All ones if the topmost bit of alpha is set.
 ATRIUM_INLINE std::uint32_t mask_of(std::uint32_t rgba) {
     return static_cast<std::uint32_t>(static_cast<std::int32_t>(rgba) >> 31);
 }

@@ -10,11 +10,10 @@
 #include <span>
 #include <vector>
 
-/// The inner loops of `build_person_model`, which handle several items at once. All sets of
-/// instructions give the same bits.
+/// Vectorised inner loops of `build_person_model`. All instruction sets give the same bits.
 namespace atrium::renderer {
 
-/// Three numbers per item, each in an array of its own.
+/// Structure of arrays of three-component vectors.
 struct Axes {
     std::vector<float> x, y, z;
 
@@ -32,41 +31,41 @@ inline void set(Axes& axes, std::size_t i, const Eigen::Vector3f& value) {
     axes.z[i] = value.z();
 }
 
-/// A camera with the picture that it gave.
+/// Projection of a camera and the mapping to its layer.
 struct Projection {
-    std::array<float, 9> rotation;  // camera from site, row by row
+    std::array<float, 9> rotation;  // camera_from_site, row by row
     std::array<float, 3> translation;
     float fx, fy, cx, cy, skew;
     std::array<float, 5> distortion;
     std::array<float, 2> st_per_px;  // texture coordinates from pixels of the distorted picture
     std::array<float, 2> st_offset;
-    std::array<int, 2> layer_size;  // texels that the coordinates span, wide and high
+    std::array<int, 2> layer_size;  // texels that the coordinates span, width and height
 };
 
 struct Projected {
-    Axes undistorted;  // pixel and inverse depth; 0 where there is none
-    Axes in_layer;     // texture coordinates times depth, and depth; (0, 0, 1) where there are none
-    std::vector<std::int32_t> texels;  // number in the layer; of its border for what lies outside
+    Axes undistorted;  // pixel and inverse depth; 0 without a projection
+    Axes in_layer;     // (s z, t z, z) as in PersonModel; (0, 0, 1) without a projection
+    std::vector<std::int32_t> texels;  // index in the layer, clamped to its border
 };
 
-/// Points behind the camera, and points farther than 1e6 pixels from the picture, have no place in
-/// it.
+/// Projects the points. Points behind the camera, or more than 1e6 pixels from the picture, have no
+/// projection.
 void project_points(const Projection& camera,
                     const Axes& points,
                     Projected& out,
                     image::RowCode code);
 
-/// Faces by a corner and a unit normal.
+/// One corner and unit normal per face.
 struct Faces {
     Axes corners;
     Axes normals;
 };
 
-/// Scales vectors to length 1; those of length 0 stay.
+/// Normalises vectors. Vectors of length 0 stay 0.
 void normalize(Axes& vectors, image::RowCode code);
 
-/// How faces are turned to a camera: the cosine between the normal and the way to it, and 0 to 1
-/// between the cosines `cos_min` and `cos_full`.
+/// Limits of the cosine between the normal and the direction to the camera. `judge_facing` returns
+/// that cosine, and a value that rises from 0 to 1 between `cos_min` and `cos_full`.
 struct Facing {
     float cos_min;
     float cos_full;
@@ -78,41 +77,42 @@ void judge_facing(const Faces& faces,
                   std::vector<float>& facing,
                   image::RowCode code);
 
-/// Vertices that a camera may see: the first `size` of each array.
+/// Vertices that a camera may see: the first `size` entries of each array.
 struct Seen {
     std::size_t size = 0;
     std::vector<std::uint32_t> vertices;
-    std::vector<float> cosines;         // of the face of theirs that it sees best
+    std::vector<float> cosines;         // of their face that the camera sees best
     std::vector<float> inverse_depths;  // [1/m]
-    std::vector<float> nearest;         // inverse depth of what is nearest around them
-    std::vector<float> masks;           // how surely the mask covers them, in [0, 1]
+    std::vector<float> nearest;         // largest inverse depth around them
+    std::vector<float> masks;           // coverage by the mask, in [0, 1]
 
     void reserve(std::size_t num_vertices);
 };
 
-/// How well they are seen: less at a grazing angle, and less behind what is nearer.
+/// Limits of the quality of vertices: it falls at grazing angles and behind nearer surfaces.
 struct Seeing {
     Facing facing;
-    float hidden_bias_m;  // nothing hides what is less far behind
-    float hidden_soft_m;  // over this further distance it fades out
-    float pixel_tangent;  // width of a pixel of the nearest depths at a depth of one metre
+    float hidden_bias_m;  // a surface this far behind is not hidden
+    float hidden_soft_m;  // distance over which it then fades out
+    float pixel_tangent;  // pixel width of the depth picture at a depth of one metre
 };
-/// Writes the qualities of PersonModel of these vertices, and takes `masks` as its memory.
+/// Writes the qualities of these vertices (PersonModel). Overwrites `masks`.
 void judge_seen(const Seeing& seeing, Seen& seen, std::vector<float>& quality, image::RowCode code);
 
 inline constexpr std::uint32_t kOutlineAlpha = 48;
 
-/// One row of a picture, RGBA, of which a pixel shows the person if its alpha is at least 128.
-/// Where its four neighbours show her as well the pixel is kept, with alpha 255. Elsewhere its
-/// colour is multiplied by kOutlineAlpha / 255, which becomes its alpha. Other pixels become 0. The
-/// first and the last pixel have no neighbours, and all pixels of a row without `above` or `below`.
+/// Multiplies one row of an RGBA picture by its mask. A pixel shows the person if its alpha is at
+/// least 128. Pixels whose four neighbours also show the person keep their colour, with alpha 255.
+/// Outline pixels are multiplied by kOutlineAlpha / 255, which becomes their alpha. Other pixels
+/// become 0. The first and last pixel, and all pixels of a row without `above` or `below`, count as
+/// outline.
 void multiply_by_mask(const std::uint32_t* above,
                       std::span<const std::uint32_t> row,
                       const std::uint32_t* below,
                       std::uint32_t* out,
                       image::RowCode code);
 
-/// Multiplies red, green and blue by factors of at most 100, given in 65536ths.
+/// Multiplies red, green and blue by gains of at most 100, in units of 1/65536.
 void multiply_colours(std::span<std::uint32_t> rgba,
                       const std::array<std::uint32_t, 3>& factors,
                       image::RowCode code);

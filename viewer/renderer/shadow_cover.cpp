@@ -23,7 +23,7 @@ void find_covered(std::span<const Eigen::Vector2f> corners_px,
                   int side_px,
                   CoverScratch& scratch,
                   std::vector<PixelRun>& out) {
-    // twice as fine as the grid that GL rounds corners to: neighbours leave no gap
+    // half of the grid to which GL snaps corners: adjacent triangles leave no gap
     constexpr float kSlack_px = 1.0f / 512.0f;
     using Corner = CoverScratch::Corner;
     out.clear();
@@ -36,19 +36,19 @@ void find_covered(std::span<const Eigen::Vector2f> corners_px,
         bounds.extend(cell);
     }
     if (bounds.isEmpty() || bounds.min() == bounds.max()) return;
-    // a column more on either side, for the slack
+    // one more column on either side, for the slack
     const int left = std::max(bounds.min().x() - 1, 0);
     const int right = std::min(bounds.max().x() + 1, side_px);
     const int top = bounds.min().y();
     const int bottom = bounds.max().y();
-    // per pixel, how many triangles begin there less how many ended before it
+    // per pixel: triangles that begin there minus triangles that ended before it
     const auto stride = static_cast<std::size_t>(right - left) + 1;
     scratch.changes.assign(stride * static_cast<std::size_t>(bottom - top), 0);
     for (const auto& [ia, ib, ic] : triangles) {
         const Corner& a = scratch.corners[ia];
         const Corner& b = scratch.corners[ib];
         const Corner& c = scratch.corners[ic];
-        // most triangles are smaller than a pixel and lie between its centre and the next one
+        // most triangles are smaller than a pixel and contain no pixel centre
         if (a.cell.y() == b.cell.y() && a.cell.y() == c.cell.y()) continue;
         if (a.cell.x() == b.cell.x() && a.cell.x() == c.cell.x()) continue;
         const int end = std::max(std::max(a.cell.y(), b.cell.y()), c.cell.y());

@@ -9,7 +9,7 @@
 
 namespace atrium::renderer {
 
-/// Pixels of one row of a picture: `begin` up to, but without, `end`.
+/// Pixels of one row: from `begin` up to, but not including, `end`.
 struct PixelRun {
     int row;
     int begin;
@@ -21,15 +21,14 @@ struct PixelRun {
 struct CoverScratch {
     struct Corner {
         Eigen::Vector2f px;
-        Eigen::Vector2i cell;  // the first pixel centre at or after it, in x and in y
+        Eigen::Vector2i cell;  // first pixel centre at or after it, in x and y
     };
     std::vector<Corner> corners;
     std::vector<std::int32_t> changes;
 };
 
-/// Finds the pixels of a square picture whose centres lie in any of the triangles, whichever way
-/// these face. `corners_px` has pixel centres at integers; what lies outside the picture is cut
-/// off.
+/// Finds the pixels of a square picture whose centres lie in any of the triangles, of either
+/// orientation. `corners_px` has pixel centres at integers. Clips at the border of the picture.
 void find_covered(std::span<const Eigen::Vector2f> corners_px,
                   std::span<const std::array<std::uint32_t, 3>> triangles,
                   int side_px,

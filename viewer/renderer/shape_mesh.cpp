@@ -10,9 +10,9 @@ namespace atrium::renderer {
 namespace {
 
 constexpr int kNumSectors = 32;
-constexpr int kNumRings = 8;  // of half a sphere
+constexpr int kNumRings = 8;  // per half of a sphere
 
-// `u` is to the right of the picture on it, `v` up.
+// `u` points to the right of the texture, `v` up.
 void add_quad(const Eigen::Vector3f& centre,
               const Eigen::Vector3f& u,
               const Eigen::Vector3f& v,
@@ -31,13 +31,13 @@ struct Ring {
     float z;
     float normal_radial;
     float normal_z;
-    float down;  // in the picture that lies around it, 0 to 1
+    float down;  // texture coordinate from top to bottom, 0 to 1
 };
 
-constexpr std::uint32_t kStride = kNumSectors + 1;  // corners of a ring
+constexpr std::uint32_t kStride = kNumSectors + 1;  // vertices per ring
 
-// Of a surface of revolution whose corners begin at `first`: every `step`th sector and, of the
-// halves of a sphere, ring.
+// Coarser indices of a surface of revolution whose vertices begin at `first`: every `step`th sector
+// and, in the halves of a sphere, every `step`th ring.
 void add_bands(std::size_t num_rings,
                std::uint32_t first,
                std::uint32_t step,
@@ -57,7 +57,7 @@ void add_bands(std::size_t num_rings,
     }
 }
 
-// `flat_radius`: of an end, which a picture lies across instead of around; 0 elsewhere.
+// `flat_radius`: radius of an end, which the texture covers flat instead of around; 0 elsewhere.
 void add_revolution(const std::vector<Ring>& rings, float flat_radius, ShapeMesh& mesh) {
     const auto first = static_cast<std::uint32_t>(mesh.corners.size());
     for (const Ring& ring : rings) {
@@ -81,10 +81,11 @@ void add_revolution(const std::vector<Ring>& rings, float flat_radius, ShapeMesh
     add_bands(rings.size(), first, 4, mesh.coarser[1]);
 }
 
-// From the south pole to the north pole; the halves `half_gap` away from the middle.
+// Rings from the south pole to the north pole; the halves are `half_gap` away from the centre.
 std::vector<Ring> sphere_rings(float radius, float half_gap) {
     std::vector<Ring> rings;
-    const float length = std::numbers::pi_v<float> * radius + 2.0f * half_gap;  // pole to pole
+    // arc length from pole to pole
+    const float length = std::numbers::pi_v<float> * radius + 2.0f * half_gap;
     for (int side = -1; side <= 1; side += 2) {
         for (int i = 0; i <= kNumRings; ++i) {
             const float t = static_cast<float>(side < 0 ? i - kNumRings : i) / kNumRings;

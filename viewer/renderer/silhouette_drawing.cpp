@@ -12,7 +12,8 @@ namespace atrium::renderer {
 namespace {
 
 const Eigen::Vector3f kOutlineColour(0.1f, 0.75f, 1.0f);
-constexpr int kCellsOfALens = 12;  // each way: a wide lens bends by less than a pixel within one
+// per axis: a wide lens bends by less than a pixel within one cell
+constexpr int kCellsOfALens = 12;
 
 }  // namespace
 
@@ -24,7 +25,7 @@ void append_silhouette(const PersonModel::Camera& camera,
     const auto knot = [&](int column, int row) -> std::optional<SilhouetteCorner> {
         const Eigen::Array2d share = Eigen::Array2d(column, row) / num_cells;
         const image::PixelRect& crop = camera.crop_px;
-        // the crop reaches half a pixel beyond the centres of its outer pixels
+        // the crop extends half a pixel beyond the centres of its outer pixels
         const Eigen::Vector2d px =
             Eigen::Array2d(crop.x, crop.y) - 0.5 + share * Eigen::Array2d(crop.width, crop.height);
         const auto straight = camera.intrinsics.undistort(px);

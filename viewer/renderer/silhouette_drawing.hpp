@@ -13,26 +13,27 @@
 
 namespace atrium::renderer {
 
-/// A place of a camera's picture in the site, and where that is in its layer.
+/// A vertex of a camera's picture in the site, with its texture coordinates.
 struct SilhouetteCorner {
     Eigen::Vector3f p_site;
     Eigen::Vector2f st;
 };
 
-/// The picture of `camera` as a net of triangles, each of three corners, in the plane `distance_m`
-/// before it. Lens distortion is undone at the net's knots; cells where it cannot be are left out.
+/// Appends the picture of `camera` as a grid of triangles, three vertices each, in the plane
+/// `distance_m` before it. Undoes the lens distortion at the grid points. Skips cells where that is
+/// impossible.
 void append_silhouette(const PersonModel::Camera& camera,
                        double distance_m,
                        std::vector<SilhouetteCorner>& corners);
 
-/// What each camera saw of its person, where it stands. Uses the pictures that the person is
-/// textured with.
+/// Draws each camera's picture of its person at the camera's pose. Reuses the pictures that texture
+/// the person.
 class SilhouetteDrawing {
 public:
     static Expected<SilhouetteDrawing> create();
 
-    /// With the eye's viewport and colours set. What is before it hides it; it hides nothing.
-    /// Nothing is drawn, and nothing done, for a distance of 0.
+    /// Draws with the eye's viewport and colour mask set. The scene hides the pictures, but they
+    /// hide nothing. Does nothing at a distance of 0.
     void draw(const std::map<std::string, PersonDrawing>& people,
               const Eigen::Matrix4d& clip_from_world,
               double distance_m);

@@ -7,7 +7,7 @@
 
 namespace atrium::renderer {
 
-/// Smooths the edges of a finished picture (FXAA), into another one.
+/// Anti-aliases a finished picture into another framebuffer (FXAA).
 class Smoothing {
 public:
     static Expected<Smoothing> create();

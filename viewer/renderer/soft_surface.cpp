@@ -20,7 +20,7 @@ void add_triangles(const SoftLook& look, std::span<const Eigen::Vector3f> nodes,
             out.corners[i].texture_place = look.texture_places[i];
     }
     for (const auto& [a, b, c] : look.triangles) {
-        // as long as twice the area: larger triangles count for more
+        // length is twice the area, which weights larger triangles more
         const Eigen::Vector3f normal = (nodes[b] - nodes[a]).cross(nodes[c] - nodes[a]);
         for (const std::uint32_t node : {a, b, c}) {
             out.corners[node].normal_object += normal;
@@ -57,9 +57,9 @@ void add_tube(const Eigen::Vector3f& from,
     }
 }
 
-// Of a cloth's squares in one row, plus one; 0 where the triangles are no cloth's.
+// Number of nodes in a row of a cloth. 0 if the triangles do not form one.
 std::uint32_t nodes_per_row(const SoftLook& look) {
-    // the nearest below the first one is where the second row begins
+    // the smallest neighbour of node 0 other than 1 begins the second row
     std::uint32_t columns = look.num_nodes;
     for (const auto& triangle : look.triangles) {
         if (std::find(triangle.begin(), triangle.end(), 0) == triangle.end()) continue;

@@ -12,26 +12,26 @@
 
 namespace atrium::renderer {
 
-/// A soft object: nodes that move, joined to triangles (seen from both sides) and segments.
+/// A soft object: moving nodes, joined to triangles (visible from both sides) and segments.
 struct SoftLook {
     std::uint32_t num_nodes = 0;
-    std::vector<std::array<std::uint16_t, 3>> triangles = {};  // nodes, each below num_nodes
+    std::vector<std::array<std::uint16_t, 3>> triangles = {};  // node indices, each below num_nodes
     std::vector<std::array<std::uint16_t, 2>> segments = {};
-    double thickness_m = 0.02;                                // diameter of segments
+    double thickness_m = 0.02;                                // diameter of the segments
     Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // linear RGB in [0, 1]
-    std::string texture = {};                                 // as ObjectLook has it
-    /// Per node, as ShapeMesh has them; empty: none.
+    std::string texture = {};                                 // as in ObjectLook
+    /// Texture coordinates per node, as in ShapeMesh. Empty: none.
     std::vector<Eigen::Vector2f> texture_places = {};
 };
 
-/// Where a picture lies on the nodes: once across a cloth, whose nodes and triangles are rows of
-/// squares from its left top; else once around the middle of the nodes, from top to bottom, as they
-/// are now. `nodes_world`: as many as `look` has.
+/// Computes texture coordinates of the nodes at `nodes_world`, as many as `look` has. A texture
+/// covers a cloth once; nodes and triangles of a cloth are rows of squares from its top left.
+/// Otherwise the texture wraps once around the centre of the nodes, from top to bottom.
 std::vector<Eigen::Vector2f> make_texture_places(const SoftLook& look,
                                                  std::span<const Eigen::Vector3f> nodes_world);
 
-/// Triangles with smooth normals, and a tube of six sides along each segment. `nodes_world`: as
-/// many as `look` has. Reuses the memory of `out`.
+/// Makes the surface: triangles with smooth normals, and a tube of six sides along each segment.
+/// `nodes_world`: as many as `look` has. Reuses the memory of `out`.
 void make_soft_surface(const SoftLook& look,
                        std::span<const Eigen::Vector3f> nodes_world,
                        ShapeMesh& out);

@@ -11,12 +11,12 @@
 namespace atrium::renderer {
 namespace {
 
-// Not powers of two, as those of people, for which drivers may have shaders of their own.
+// Not powers of two, like the sizes of real people, for which drivers may have separate shaders.
 constexpr int kLayerWidth = 5;
 constexpr int kLayerHeight = 3;
 
-// Whether a camera sees a corner of the triangle that `num` cameras colour: the first three see the
-// first corner, the last three the second, and the third corner is the first one's.
+// Whether a camera sees a corner of the triangle with `num` cameras. The first three cameras see
+// the first corner, the last three the second; the third corner equals the first.
 bool sees(std::size_t camera, std::size_t corner, std::size_t num) {
     const std::size_t first = corner == 1 && num > kCamerasPerVertex ? num - kCamerasPerVertex : 0;
     return camera >= first && camera < first + kCamerasPerVertex && camera < num;

@@ -8,9 +8,9 @@
 
 namespace atrium::renderer {
 
-/// A person of a few triangles, which face `eye_site` and lie around `target_site`, in the pictures
-/// of `num_cameras` cameras, at least 6: one triangle for each number of cameras that can colour a
-/// triangle (`kCamerasPerTriangle`). Whoever draws it uses every shader that people need.
+/// Makes a person of a few triangles that face `eye_site`, around `target_site`, with pictures of
+/// `num_cameras` cameras, at least 6. It has one triangle for each possible number of cameras per
+/// triangle (`kCamerasPerTriangle`), so drawing it uses every shader of people.
 PersonModel make_stand_in_person(const Eigen::Vector3f& eye_site,
                                  const Eigen::Vector3f& target_site,
                                  std::size_t num_cameras);

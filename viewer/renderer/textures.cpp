@@ -15,7 +15,7 @@ void Textures::set(const std::string& name, const TexturePicture& picture) {
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_2D, id);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    // sRGB: sampled, filtered and shrunk as light, which is what things are lit in
+    // sRGB format: sampling, filtering and mipmaps work in linear light, as the lighting does
     glTexImage2D(GL_TEXTURE_2D,
                  0,
                  GL_SRGB8_ALPHA8,

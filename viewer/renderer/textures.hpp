@@ -8,15 +8,15 @@
 
 namespace atrium::renderer {
 
-/// The pictures that lie on things, in GL's memory, by name.
+/// Textures of objects in GL memory, by name.
 class Textures {
 public:
-    /// Replaces the one of that name. Its width and height are at least 1.
+    /// Sets or replaces a texture. Width and height are at least 1.
     void set(const std::string& name, const TexturePicture& picture);
 
     void remove(const std::string& name) { textures_.erase(name); }
 
-    /// Binds the one of that name to a unit; false where there is none.
+    /// Binds a texture to a unit. Returns false if it does not exist.
     bool bind(const std::string& name, int unit) const;
 
 private:
