@@ -24,8 +24,8 @@ struct NewThing {
     std::string name;                                         // invalid characters are replaced
 };
 
-/// Builds an object that bus and physics accept. Places it before the eye, above the floor at z =
-/// 0, far enough that it stays visible when it falls, but at most 6 m away.
+/// Builds an object that bus and physics accept. Places it before the eye and above the floor
+/// (z=0), far enough that it stays visible when it falls, but at most 6 m away.
 bus::SceneObject make_object(const NewThing& thing, const renderer::EyeView& eye);
 
 /// Builds the commands that add and remove objects, and detects whether they took effect. The

@@ -56,9 +56,9 @@ float fit_inverse_depth(const Axes& points,
                         image::RowCode code = image::best_row_code());
 
 /// Rasterises the triangles that face the camera. `corners` has one (x, y, inverse depth, unused)
-/// per vertex, x and y in pixels of the picture. Skips triangles with a corner at inverse depth <=
-/// 0 (behind the camera), and the rest of the mesh once its triangles have covered the picture
-/// fifty times. All instruction sets give the same bits.
+/// per vertex, x and y in pixels of the picture. Skips triangles with a corner behind the camera
+/// (inverse depth <= 0), and the rest of the mesh once its triangles have covered the picture fifty
+/// times. All instruction sets give the same bits.
 void draw_inverse_depth(std::span<const Eigen::Vector4f> corners,
                         std::span<const std::array<std::uint32_t, 3>> triangles,
                         InverseDepthPicture& picture,

@@ -41,8 +41,8 @@ ObjectMesh upload(const ShapeMesh& mesh) {
     return drawn;
 }
 
-// Size of the shared mesh that objects of this shape scale. Capsules keep round caps, and a texture
-// on a plane repeats once per metre, so those sizes are not normalised.
+// Size of the shared mesh, which `scale_of` scales to the object. It depends on the object where a
+// scale would distort: a capsule keeps round caps, and a texture on a plane repeats once per metre.
 Eigen::Vector3d own_size(const ObjectLook& look) {
     constexpr double kLongest = 1e6;
     if (look.shape == ShapeKind::kCapsule)
