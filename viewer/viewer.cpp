@@ -7,13 +7,13 @@
 #include "core/base/statistics.hpp"
 #include "core/joining/join_world.hpp"
 #include "core/status/bottleneck.hpp"
-#include "viewer/album.hpp"
 #include "viewer/annotations.hpp"
 #include "viewer/company.hpp"
 #include "viewer/display.hpp"
 #include "viewer/drawing_times.hpp"
 #include "viewer/giving_way.hpp"
 #include "viewer/mouse_grab.hpp"
+#include "viewer/output_files.hpp"
 #include "viewer/people_view.hpp"
 #include "viewer/picture_pacer.hpp"
 #include "viewer/run_limit.hpp"
@@ -71,7 +71,7 @@ struct Viewer::Impl {
     // drawing thread only
     std::unique_ptr<Surface> surface;
     std::optional<renderer::SceneRenderer> renderer;  // destroyed before its context, `surface`
-    std::optional<Album> album;
+    std::optional<OutputFiles> output_files;
     std::optional<SceneView> scene;
     PeopleView people;
     std::optional<Annotations> annotations;
@@ -244,7 +244,7 @@ void Viewer::Impl::say(const std::string& notice) {
 }
 
 Expected<void> Viewer::Impl::close() {
-    auto closed = album->close();
+    auto closed = output_files->close();
     renderer.reset();
     surface.reset();
     people.clear();
@@ -308,12 +308,12 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
     if (!display.is_tile()) move_about(events);
     if (events.screenshot) {
         if (auto drawn = draw_at_best(); !drawn) return drawn;
-        say(album->screenshot(*renderer));
+        say(output_files->screenshot(*renderer));
         if (auto shown = show_quality(); !shown) return shown;
     }
     if (events.debug) annotations->toggle_debug();
     if (events.names) annotations->toggle_names();
-    if (events.record) say(album->toggle_video(*renderer));
+    if (events.record) say(output_files->toggle_video(*renderer));
     edit(events);
     // a minimised window has no size
     const auto [width, height] = display.picture_size(surface->size());
@@ -348,8 +348,8 @@ Expected<void> Viewer::Impl::draw(Clock::time_point begin) {
     renderer->draw(eyes);
     list_things();
     hud.num_objects = renderer->num_objects();
-    hud.recording_s = album->video_s();
-    hud.num_video_dropped = album->num_dropped();
+    hud.recording_s = output_files->video_s();
+    hud.num_video_dropped = output_files->num_dropped();
     if (now > notice_until) hud.notice.clear();
     surface->show(*renderer, hud);
     const Timestamp displayed = Timestamp::now();
@@ -362,7 +362,7 @@ Expected<void> Viewer::Impl::draw(Clock::time_point begin) {
     }
     if (num_frames == 0) first_output_s = app::seconds_since_start();
     ++num_frames;
-    album->add(*renderer, limit->is_counting());
+    output_files->add(*renderer, limit->is_counting());
     return {};
 }
 
@@ -393,7 +393,7 @@ void Viewer::Impl::update_status(Clock::time_point now) {
     next.max_frames_per_s = giving_way->quality().max_fps;
     next.scale = giving_way->quality().scale;
     next.has_shadows = giving_way->quality().has_shadows;
-    next.num_video_dropped = album->num_dropped();
+    next.num_video_dropped = output_files->num_dropped();
     const StatusReports came = session->take_statuses();
     for (const auto& [site, report] : came.sites) reports.add(site, report, now);
     for (const auto& [world, report] : came.worlds) reports.add(world, report, now);
@@ -431,7 +431,8 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
         if (*run == RunLimit::Now::kOver) break;
         if (*run == RunLimit::Now::kBegan) {
             times.begin_pictures();
-            album->add(*renderer, true);  // this picture shows the people; the next may take long
+            // this picture shows the people; the next may take long
+            output_files->add(*renderer, true);
         }
         const Clock::time_point end = Clock::now();
         times.add_picture(end - picture_begin);
@@ -464,7 +465,7 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config,
     impl->display = std::move(*display);
     impl->session = std::move(*session);
     impl->scene.emplace(config.models, impl->display.delay());
-    impl->album.emplace(impl->config);
+    impl->output_files.emplace(impl->config);
     impl->company.emplace(config.bus.world);
     impl->mouse.emplace(impl->config.view.name);
     impl->editor.emplace(impl->config.view.name);
@@ -486,7 +487,7 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config,
 Expected<void> Viewer::run(std::stop_token stop) {
     Expected<void> opened;
     if (!impl_->surface) opened = impl_->open();
-    if (opened) opened = impl_->album->open(*impl_->renderer);
+    if (opened) opened = impl_->output_files->open(*impl_->renderer);
     if (!opened) {
         static_cast<void>(impl_->close());
         return opened;
@@ -521,7 +522,7 @@ Expected<void> Viewer::run(std::stop_token stop) {
         atrium::status::process_fields(last.processor, last.first_output_s));
     // also after an error: the picture shows who was there
     auto written = impl_->draw_at_best();
-    if (written) written = impl_->album->write_output(*impl_->renderer);
+    if (written) written = impl_->output_files->write_output(*impl_->renderer);
     const auto closed = impl_->close();
     return !result ? result : !written ? written : closed;
 }

@@ -15,9 +15,9 @@ namespace atrium::viewer {
 
 /// Writes screenshots, videos and the last picture. Drawing thread only; the renderer's context
 /// must be current.
-class Album {
+class OutputFiles {
 public:
-    explicit Album(const ViewerConfig& config) : config_(config) {}
+    explicit OutputFiles(const ViewerConfig& config) : config_(config) {}
 
     /// Opens the files that the configuration names. Error kUnavailable if one cannot be written.
     Expected<void> open(const renderer::SceneRenderer& renderer);

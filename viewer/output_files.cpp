@@ -1,4 +1,4 @@
-#include "viewer/album.hpp"
+#include "viewer/output_files.hpp"
 
 #include "core/app/log.hpp"
 
@@ -9,13 +9,13 @@
 
 namespace atrium::viewer {
 
-std::filesystem::path Album::next_file(const std::string& extension) {
+std::filesystem::path OutputFiles::next_file(const std::string& extension) {
     return config_.screenshot_dir /
            fmt::format("atrium-{}-{:03}{}", getpid(), ++num_files_, extension);
 }
 
-Expected<void> Album::begin_video(const std::filesystem::path& file,
-                                  const renderer::SceneRenderer& renderer) {
+Expected<void> OutputFiles::begin_video(const std::filesystem::path& file,
+                                        const renderer::SceneRenderer& renderer) {
     const auto [width, height] = video_size(config_.video, {renderer.width(), renderer.height()});
     auto recorder = VideoRecorder::create(
         {.file = file, .fps = config_.video.fps, .width = width, .height = height});
@@ -25,7 +25,7 @@ Expected<void> Album::begin_video(const std::filesystem::path& file,
     return {};
 }
 
-Expected<void> Album::open(const renderer::SceneRenderer& renderer) {
+Expected<void> OutputFiles::open(const renderer::SceneRenderer& renderer) {
     if (!config_.output.empty()) {
         if (auto ready = prepare_file(config_.output); !ready) return ready;
     }
@@ -34,7 +34,7 @@ Expected<void> Album::open(const renderer::SceneRenderer& renderer) {
     return begin_video(config_.video.file, renderer);
 }
 
-Expected<void> Album::close() {
+Expected<void> OutputFiles::close() {
     if (!video_) return {};
     const auto finished = video_->finish();
     const double length_s = *video_s();
@@ -50,7 +50,7 @@ Expected<void> Album::close() {
     return {};
 }
 
-void Album::add(const renderer::SceneRenderer& renderer, bool counts) {
+void OutputFiles::add(const renderer::SceneRenderer& renderer, bool counts) {
     const auto now = VideoRecorder::Clock::now();
     if (!video_ || (is_asked_for_ && !counts)) return;
     const std::uint64_t num_dropped = video_->num_dropped();
@@ -64,12 +64,12 @@ void Album::add(const renderer::SceneRenderer& renderer, bool counts) {
     video_->offer(std::move(frame), now);
 }
 
-std::optional<double> Album::video_s() const {
+std::optional<double> OutputFiles::video_s() const {
     if (!video_) return std::nullopt;
     return static_cast<double>(video_->num_written()) / config_.video.fps;
 }
 
-std::string Album::toggle_video(const renderer::SceneRenderer& renderer) {
+std::string OutputFiles::toggle_video(const renderer::SceneRenderer& renderer) {
     if (video_) {
         const auto closed = close();
         return closed ? "video in " + video_file_.string() : closed.error().message;
@@ -78,14 +78,14 @@ std::string Album::toggle_video(const renderer::SceneRenderer& renderer) {
     return begun ? "recording into " + video_file_.string() : begun.error().message;
 }
 
-std::string Album::screenshot(const renderer::SceneRenderer& renderer) {
+std::string OutputFiles::screenshot(const renderer::SceneRenderer& renderer) {
     renderer.read_pixels(picture_);
     const auto file = next_file(".png");
     const auto written = write_png(file, picture_);
     return written ? "screenshot in " + file.string() : written.error().message;
 }
 
-Expected<void> Album::write_output(const renderer::SceneRenderer& renderer) {
+Expected<void> OutputFiles::write_output(const renderer::SceneRenderer& renderer) {
     if (config_.output.empty()) return {};
     renderer.read_pixels(picture_);
     auto written = write_png(config_.output, picture_);
