@@ -76,8 +76,8 @@ void PeopleView::update(Session& session,
         renderer.set_person_opacity(site, opacity_after(now - shown.since));
 }
 
-Companion::Places PeopleView::places(const renderer::SceneRenderer& renderer) const {
-    Companion::Places places;
+FollowCamera::Places PeopleView::places(const renderer::SceneRenderer& renderer) const {
+    FollowCamera::Places places;
     for (const auto& [site, shown] : shown_) {
         const Eigen::Isometry3d world_from_site(renderer.world_from_site(site));
         places[site] = {world_from_site * shown.place_site.middle,

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/base/statistics.hpp"
-#include "viewer/companion.hpp"
 #include "viewer/due_people.hpp"
+#include "viewer/follow_camera.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
 #include "viewer/session.hpp"
 
@@ -50,7 +50,7 @@ public:
     /// People new in the last `update`.
     const std::vector<JustShown>& just_shown() const { return just_shown_; }
     /// Positions in the world.
-    Companion::Places places(const renderer::SceneRenderer& renderer) const;
+    FollowCamera::Places places(const renderer::SceneRenderer& renderer) const;
     /// Opacity of a person who is shown, in [0, 1].
     double opacity(const std::string& site, Clock::time_point now) const {
         return opacity_after(now - shown_.at(site).since);

@@ -80,7 +80,7 @@ struct Viewer::Impl {
     StatusLines reports;
     atrium::status::OverloadLog overload{bus::ProgramKind::kViewer};
     std::uint64_t listed_revision = 0;  // scene revision of hud.things
-    Companion companion;
+    FollowCamera follow_camera;
     LatencyWindow latency;
     DrawingTimes times;
     std::vector<renderer::EyeView> eyes;  // eyes of the last picture
@@ -264,11 +264,11 @@ void Viewer::Impl::move_about(const SurfaceEvents& events) {
         send(command);
     Motion motion = events.motion;
     if (mouse->is_holding()) motion.turn_px.setZero();  // the drag moves the object
-    const Companion::Places places = people.places(*renderer);
-    if (events.follow) companion.toggle_follow(camera, places);
-    if (events.person > 0) companion.toggle_eyes(events.person, places);
-    if (events.reset_view) companion.leave();
-    if (companion.has_own_eyes()) {
+    const FollowCamera::Places places = people.places(*renderer);
+    if (events.follow) follow_camera.toggle_follow(camera, places);
+    if (events.person > 0) follow_camera.toggle_first_person(events.person, places);
+    if (events.reset_view) follow_camera.leave();
+    if (follow_camera.is_first_person()) {
         motion.look_around = true;
         motion.walk = false;
         motion.fly.setZero();
@@ -276,7 +276,7 @@ void Viewer::Impl::move_about(const SurfaceEvents& events) {
         motion.zoom_steps = 0.0;
     }
     camera = events.reset_view ? start_camera : apply(motion, camera);
-    camera = companion.update(camera, places, Clock::now());
+    camera = follow_camera.update(camera, places, Clock::now());
 }
 
 void Viewer::Impl::edit(const SurfaceEvents& events) {
@@ -341,7 +341,7 @@ Expected<void> Viewer::Impl::draw(Clock::time_point begin) {
         times.add_people((Clock::now() - now - scene_took) / num_new);
     eyes = display.eyes(camera, renderer->width(), renderer->height());
     tell_eyes();
-    const std::string inside = companion.has_own_eyes() ? companion.name() : "";
+    const std::string inside = follow_camera.is_first_person() ? follow_camera.name() : "";
     annotations->take(session->proxies(), now);
     annotations->update(*scene, people, inside, eyes, now, *renderer);
     times.add_preparation(Clock::now() - now);

@@ -27,7 +27,7 @@ PersonPlace place_of(std::span<const Eigen::Vector3f> vertices);
 
 /// Moves the viewpoint with a person: follows the person, or looks through the person's eyes. A
 /// hull does not show where the person looks, so the mouse chooses the direction.
-class Companion {
+class FollowCamera {
 public:
     using Clock = std::chrono::steady_clock;
     using Places = std::map<std::string, PersonPlace>;  // all people, in the world frame
@@ -36,10 +36,10 @@ public:
     void toggle_follow(const renderer::ViewCamera& camera, const Places& places);
     /// Looks through the eyes of person `number`, counted from 1 in the order of the names. The
     /// same number again, or a number without a person, leaves the person.
-    void toggle_eyes(std::size_t number, const Places& places);
+    void toggle_first_person(std::size_t number, const Places& places);
     void leave() { name_.clear(); }
 
-    bool has_own_eyes() const { return !name_.empty() && is_inside_; }
+    bool is_first_person() const { return !name_.empty() && is_inside_; }
     const std::string& name() const { return name_; }  // empty: nobody
 
     /// Returns the camera after the person has moved. Leaves a person who is gone.

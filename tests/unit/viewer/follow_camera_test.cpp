@@ -1,4 +1,4 @@
-#include "viewer/companion.hpp"
+#include "viewer/follow_camera.hpp"
 
 #include "viewer/history.hpp"
 
@@ -13,7 +13,7 @@ using renderer::ViewCamera;
 using std::chrono::milliseconds;
 
 const ViewCamera kCamera{.position_m = {3, 0, 2}, .target_m = {0, 0, 1}};
-const Companion::Clock::time_point kStart{std::chrono::hours(1)};
+const FollowCamera::Clock::time_point kStart{std::chrono::hours(1)};
 
 PersonPlace standing_at(double x, double y) { return {{x, y, 0.9}, {x, y, 1.65}, {x, y, 1.8}}; }
 
@@ -32,51 +32,51 @@ TEST(PersonPlace, HasTheEyesInTheHead) {
     EXPECT_NEAR(place.middle.z(), 0.85, 1e-3);
 }
 
-TEST(Companion, FollowsTheNearestUntilToldOtherwise) {
-    Companion companion;
-    Companion::Places places{{"alice", standing_at(-0.4, 0)}, {"bob", standing_at(2, 2)}};
-    companion.toggle_follow(kCamera, places);
-    EXPECT_EQ(companion.name(), "alice");
-    EXPECT_FALSE(companion.has_own_eyes());
+TEST(FollowCamera, FollowsTheNearestUntilToldOtherwise) {
+    FollowCamera follow_camera;
+    FollowCamera::Places places{{"alice", standing_at(-0.4, 0)}, {"bob", standing_at(2, 2)}};
+    follow_camera.toggle_follow(kCamera, places);
+    EXPECT_EQ(follow_camera.name(), "alice");
+    EXPECT_FALSE(follow_camera.is_first_person());
     ViewCamera camera = kCamera;
     auto now = kStart;
     for (int i = 0; i < 200; ++i) {
         places["alice"] = standing_at(-0.4 + 0.01 * std::min(i, 100), 0);
-        camera = companion.update(camera, places, now += milliseconds(16));
+        camera = follow_camera.update(camera, places, now += milliseconds(16));
     }
     EXPECT_LT((camera.target_m - places["alice"].middle).norm(), 0.01);
     EXPECT_LT(
         (camera.position_m - camera.target_m - (kCamera.position_m - kCamera.target_m)).norm(),
         1e-9)
         << "from the same side";
-    companion.toggle_follow(camera, places);
-    EXPECT_EQ(companion.name(), "");
+    follow_camera.toggle_follow(camera, places);
+    EXPECT_EQ(follow_camera.name(), "");
     places["alice"] = standing_at(-2, 0);
-    EXPECT_EQ(companion.update(camera, places, now += milliseconds(16)), camera);
+    EXPECT_EQ(follow_camera.update(camera, places, now += milliseconds(16)), camera);
 }
 
-TEST(Companion, KeepsTheViewOfWhoMovesItWhileFollowing) {
-    Companion companion;
-    const Companion::Places places{{"alice", standing_at(0, 0)}};
-    companion.toggle_follow(kCamera, places);
+TEST(FollowCamera, KeepsTheViewOfWhoMovesItWhileFollowing) {
+    FollowCamera follow_camera;
+    const FollowCamera::Places places{{"alice", standing_at(0, 0)}};
+    follow_camera.toggle_follow(kCamera, places);
     ViewCamera camera = kCamera;
     auto now = kStart;
     for (int i = 0; i < 200; ++i)
-        camera = companion.update(camera, places, now += milliseconds(16));
+        camera = follow_camera.update(camera, places, now += milliseconds(16));
     // orbiting moves the eye alone, and nothing takes it back
     camera.position_m += Eigen::Vector3d(0, 1, 0.2);
-    const ViewCamera moved = companion.update(camera, places, now += milliseconds(16));
+    const ViewCamera moved = follow_camera.update(camera, places, now += milliseconds(16));
     EXPECT_LT((moved.position_m - camera.position_m).norm(), 1e-6);
 }
 
-TEST(Companion, SeesThroughTheEyesOfWhoIsChosen) {
-    Companion companion;
-    Companion::Places places{{"alice", standing_at(-0.4, 0)}, {"bob", standing_at(2, 2)}};
-    companion.toggle_eyes(3, places);
-    EXPECT_FALSE(companion.has_own_eyes()) << "there are two";
-    companion.toggle_eyes(2, places);
-    EXPECT_TRUE(companion.has_own_eyes());
-    ViewCamera camera = companion.update(kCamera, places, kStart);
+TEST(FollowCamera, SeesThroughTheEyesOfWhoIsChosen) {
+    FollowCamera follow_camera;
+    FollowCamera::Places places{{"alice", standing_at(-0.4, 0)}, {"bob", standing_at(2, 2)}};
+    follow_camera.toggle_first_person(3, places);
+    EXPECT_FALSE(follow_camera.is_first_person()) << "there are two";
+    follow_camera.toggle_first_person(2, places);
+    EXPECT_TRUE(follow_camera.is_first_person());
+    ViewCamera camera = follow_camera.update(kCamera, places, kStart);
     EXPECT_LT((camera.position_m - places["bob"].eyes).norm(), 1e-12);
     EXPECT_NEAR(camera.target_m.z(), camera.position_m.z(), 1e-12) << "level";
     EXPECT_LT((camera.target_m - camera.position_m - Eigen::Vector3d(-1, 0, 0)).norm(), 1e-9);
@@ -85,18 +85,18 @@ TEST(Companion, SeesThroughTheEyesOfWhoIsChosen) {
     double shaken_m = 0.0;
     for (int i = 0; i < 100; ++i) {
         places["bob"].eyes.z() = 1.65 + (i % 2 == 0 ? 0.025 : -0.025);
-        const ViewCamera next = companion.update(camera, places, now += milliseconds(16));
+        const ViewCamera next = follow_camera.update(camera, places, now += milliseconds(16));
         shaken_m = std::max(shaken_m, (next.position_m - camera.position_m).norm());
         camera = next;
     }
     EXPECT_LT(shaken_m, 0.01);
-    companion.toggle_eyes(2, places);
-    EXPECT_FALSE(companion.has_own_eyes()) << "the same number again";
-    companion.toggle_eyes(1, places);
-    EXPECT_EQ(companion.name(), "alice");
+    follow_camera.toggle_first_person(2, places);
+    EXPECT_FALSE(follow_camera.is_first_person()) << "the same number again";
+    follow_camera.toggle_first_person(1, places);
+    EXPECT_EQ(follow_camera.name(), "alice");
     places.erase("alice");
-    EXPECT_EQ(companion.update(camera, places, now += milliseconds(16)), camera);
-    EXPECT_FALSE(companion.has_own_eyes()) << "she is gone";
+    EXPECT_EQ(follow_camera.update(camera, places, now += milliseconds(16)), camera);
+    EXPECT_FALSE(follow_camera.is_first_person()) << "she is gone";
 }
 
 TEST(History, HasTheMeansAndRatesOfTheLastHalfMinute) {

@@ -1,4 +1,4 @@
-#include "viewer/companion.hpp"
+#include "viewer/follow_camera.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -35,7 +35,7 @@ PersonPlace place_of(std::span<const Eigen::Vector3f> vertices) {
     return place;
 }
 
-void Companion::toggle_follow(const renderer::ViewCamera& camera, const Places& places) {
+void FollowCamera::toggle_follow(const renderer::ViewCamera& camera, const Places& places) {
     const bool was_following = !name_.empty() && !is_inside_;
     leave();
     at_.reset();
@@ -50,8 +50,8 @@ void Companion::toggle_follow(const renderer::ViewCamera& camera, const Places& 
     }
 }
 
-void Companion::toggle_eyes(std::size_t number, const Places& places) {
-    const std::string before = has_own_eyes() ? name_ : "";
+void FollowCamera::toggle_first_person(std::size_t number, const Places& places) {
+    const std::string before = is_first_person() ? name_ : "";
     leave();
     at_.reset();
     if (number < 1 || number > places.size()) return;
@@ -61,9 +61,9 @@ void Companion::toggle_eyes(std::size_t number, const Places& places) {
     is_inside_ = true;
 }
 
-renderer::ViewCamera Companion::update(renderer::ViewCamera camera,
-                                       const Places& places,
-                                       Clock::time_point now) {
+renderer::ViewCamera FollowCamera::update(renderer::ViewCamera camera,
+                                          const Places& places,
+                                          Clock::time_point now) {
     const double passed_s = std::chrono::duration<double>(now - time_).count();
     time_ = now;
     if (name_.empty()) return camera;
