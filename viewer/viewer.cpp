@@ -8,9 +8,9 @@
 #include "core/joining/join_world.hpp"
 #include "core/status/bottleneck.hpp"
 #include "viewer/annotations.hpp"
-#include "viewer/company.hpp"
 #include "viewer/display.hpp"
 #include "viewer/drawing_times.hpp"
+#include "viewer/empty_world_warning.hpp"
 #include "viewer/giving_way.hpp"
 #include "viewer/mouse_grab.hpp"
 #include "viewer/output_files.hpp"
@@ -97,7 +97,7 @@ struct Viewer::Impl {
     double first_output_s = 0.0;  // 0: no picture yet
     ProcessorMeter processor_meter;
     std::optional<RunLimit> limit;
-    std::optional<Company> company;
+    std::optional<EmptyWorldWarning> empty_world;
 
     mutable std::mutex status_mutex;
     bus::ViewerStatus status;
@@ -422,7 +422,7 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
         if (now >= status_due) {
             status_due = now + kStatusPeriod;
             update_status(now);
-            company->look(membership->present(), now, false);
+            empty_world->update(membership->present(), now, false);
             if (auto sent = session->publish(status); !sent)
                 app::log::warn("status_failed {}", sent.error().message);
         }
@@ -466,7 +466,7 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config,
     impl->session = std::move(*session);
     impl->scene.emplace(config.models, impl->display.delay());
     impl->output_files.emplace(impl->config);
-    impl->company.emplace(config.bus.world);
+    impl->empty_world.emplace(config.bus.world);
     impl->mouse.emplace(impl->config.view.name);
     impl->editor.emplace(impl->config.view.name);
     Expected<void> joined;
@@ -503,7 +503,7 @@ Expected<void> Viewer::run(std::stop_token stop) {
         session.stop_decoding();
     }
     impl_->update_status(Clock::now());
-    impl_->company->look(impl_->membership->present(), Clock::now(), true);
+    impl_->empty_world->update(impl_->membership->present(), Clock::now(), true);
     const bus::ViewerStatus last = status();
     app::log::info(
         "viewer_stopped frames={} frames_per_s={:.1f} pairs_shown={} pairs_skipped={} "

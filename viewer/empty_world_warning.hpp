@@ -13,16 +13,16 @@ namespace atrium::viewer {
 
 /// Warns once if neither a world server nor a site has joined the world. The world's name may be
 /// misspelt; the picture would show an empty floor without a reason.
-class Company {
+class EmptyWorldWarning {
 public:
     using Clock = std::chrono::steady_clock;
     static constexpr std::chrono::seconds kPatience{3};
 
-    explicit Company(std::string world) : world_(std::move(world)) {}
+    explicit EmptyWorldWarning(std::string world) : world_(std::move(world)) {}
 
     /// Checks the programs `present` at `now`. `is_over`: the run ends, so nobody else can come.
     /// Returns whether it warned.
-    bool look(const std::vector<bus::Presence>& present, Clock::time_point now, bool is_over) {
+    bool update(const std::vector<bus::Presence>& present, Clock::time_point now, bool is_over) {
         begin_ = std::min(begin_, now);
         is_known_ = is_known_ || std::ranges::any_of(present, [](const bus::Presence& member) {
                         return member.kind == bus::ProgramKind::kWorldServer ||
