@@ -263,7 +263,7 @@ void Session::take_soft_objects() {
 void Session::hand_to_decoder(std::optional<FramePair> pair) {
     if (!pair) return;
     const std::string site = pair->mesh.site;
-    if (held_up_.add(site, pair->mesh.capture_time, Timestamp::now())) {
+    if (stale_frames_.add(site, pair->mesh.capture_time, Timestamp::now())) {
         ++num_pairs_skipped_;  // stale: showing nothing is better than showing the past
         return;
     }
@@ -309,7 +309,7 @@ std::vector<Eigen::Vector3f> Session::eyes_in(const std::string& site) {
 
 void Session::site_gone(const std::string& site) {
     pairing_.forget(site);
-    held_up_.forget(site);
+    stale_frames_.forget(site);
     handed_.erase(site);
     if (feedback_.forget(site)) {
         bus::StreamFeedback key;

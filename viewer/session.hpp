@@ -5,12 +5,12 @@
 #include "core/base/keyed_workers.hpp"
 #include "core/bus/bus.hpp"
 #include "viewer/feedback.hpp"
-#include "viewer/held_up.hpp"
 #include "viewer/pairing.hpp"
 #include "viewer/person_decoder.hpp"
 #include "viewer/proxy_inbox.hpp"
 #include "viewer/ready_people.hpp"
 #include "viewer/renderer/person_model.hpp"
+#include "viewer/stale_frames.hpp"
 
 #include <atomic>
 #include <chrono>
@@ -164,7 +164,7 @@ private:
     Pairing pairing_;
     Feedback feedback_;  // receiving thread only
     ProxyInbox proxies_;
-    HeldUp held_up_;                                   // receiving thread only
+    StaleFrames stale_frames_;                         // receiving thread only
     std::map<std::string, Description> descriptions_;  // of the receiving thread alone
     std::map<std::string, geometry::RigidTransform> site_from_world_;  // receiving thread only
     std::mutex eyes_mutex_;

@@ -14,7 +14,7 @@ namespace atrium::viewer {
 /// `kMaxMore`. If all frames are that late for `kGetsUsedTo`, the stream is slow or a clock was
 /// set, and the new delay becomes the reference. The clocks of two hosts need not agree. Not
 /// thread-safe.
-class HeldUp {
+class StaleFrames {
 public:
     static constexpr std::chrono::nanoseconds kMaxMore = std::chrono::seconds(1);
     static constexpr std::chrono::nanoseconds kGetsUsedTo = std::chrono::milliseconds(500);

@@ -1,4 +1,4 @@
-#include "viewer/held_up.hpp"
+#include "viewer/stale_frames.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ const Timestamp kBegin{1'000'000'000'000'000'000};
 
 class HeldUpTest : public testing::Test {
 protected:
-    HeldUp sut_;
+    StaleFrames sut_;
     Timestamp now_ = kBegin;
 
     // Frames that arrive in time, `delay` after their capture; the number that were held up.
@@ -27,7 +27,7 @@ protected:
 
 TEST_F(HeldUpTest, TakesEveryFrameOfAStreamWhateverTheClocksSay) {
     EXPECT_EQ(stream(milliseconds(20), seconds(5)), 0);
-    HeldUp other;
+    StaleFrames other;
     for (int i = 0; i < 100; ++i)
         EXPECT_FALSE(
             other.add("ahead", kBegin + seconds(3600) + i * kPeriod, kBegin + i * kPeriod));

@@ -1,4 +1,4 @@
-#include "viewer/held_up.hpp"
+#include "viewer/stale_frames.hpp"
 
 #include <algorithm>
 
@@ -10,7 +10,7 @@ constexpr std::int64_t kCreep = 1000;
 
 }  // namespace
 
-bool HeldUp::add(const std::string& name, Timestamp capture_time, Timestamp now) {
+bool StaleFrames::add(const std::string& name, Timestamp capture_time, Timestamp now) {
     const std::chrono::nanoseconds delay = now - capture_time;
     const auto [found, is_new] = sites_.try_emplace(name, Site{delay, now, {}});
     Site& site = found->second;
