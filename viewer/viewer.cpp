@@ -7,11 +7,11 @@
 #include "core/base/statistics.hpp"
 #include "core/joining/join_world.hpp"
 #include "core/status/bottleneck.hpp"
+#include "viewer/adaptive_quality.hpp"
 #include "viewer/annotations.hpp"
 #include "viewer/display.hpp"
 #include "viewer/drawing_times.hpp"
 #include "viewer/empty_world_warning.hpp"
-#include "viewer/giving_way.hpp"
 #include "viewer/mouse_grab.hpp"
 #include "viewer/output_files.hpp"
 #include "viewer/people_view.hpp"
@@ -85,7 +85,7 @@ struct Viewer::Impl {
     DrawingTimes times;
     std::vector<renderer::EyeView> eyes;  // eyes of the last picture
     std::optional<PicturePacer> pacer;
-    std::optional<GivingWay> giving_way;
+    std::optional<AdaptiveQuality> adaptive_quality;
     RateMeter rate;
     RateMeter byte_rate;
     History latencies_ms;  // one value per new person
@@ -114,7 +114,7 @@ struct Viewer::Impl {
     Expected<void> join(std::stop_token stop);
     Expected<void> open();
     Expected<void> show_quality();
-    Expected<void> give_way(Clock::duration busy, Clock::time_point now);
+    Expected<void> adapt_quality(Clock::duration busy, Clock::time_point now);
     Expected<void> draw_at_best();
     void note_arrivals();
     bool wait_for_picture(const std::stop_token& stop);
@@ -168,7 +168,7 @@ Expected<void> Viewer::Impl::open() {
             aspect);
     }
     app::log::info("surface_open on=\"{}\" size={}x{}", surface->description(), width, height);
-    giving_way.emplace(best_quality(config.view, *surface));
+    adaptive_quality.emplace(best_quality(config.view, *surface));
     const bool keeps_own_time = display.is_tile() || is_paced_by_display(config.view, *surface);
     pacer.emplace(Clock::duration(0), !keeps_own_time);
     if (auto shown = show_quality(); !shown) return shown;
@@ -178,8 +178,8 @@ Expected<void> Viewer::Impl::open() {
 
 // Applies the quality to renderer, pacing and decoding.
 Expected<void> Viewer::Impl::show_quality() {
-    const PictureQuality& quality = giving_way->quality();
-    const bool is_best = giving_way->level() == 0;
+    const PictureQuality& quality = adaptive_quality->quality();
+    const bool is_best = adaptive_quality->level() == 0;
     // stay below the rate of a display without vertical synchronisation; one with it sets the pace
     // itself
     constexpr double kSlack = 1.05;
@@ -193,18 +193,18 @@ Expected<void> Viewer::Impl::show_quality() {
     return renderer->set_scale(quality.scale);
 }
 
-Expected<void> Viewer::Impl::give_way(Clock::duration busy, Clock::time_point now) {
+Expected<void> Viewer::Impl::adapt_quality(Clock::duration busy, Clock::time_point now) {
     if (config.view.adapt == "off") return {};
-    GivingWay::Picture picture{.ended = now, .busy = busy};
+    AdaptiveQuality::Picture picture{.ended = now, .busy = busy};
     for (const PeopleView::JustShown& shown : people.just_shown())
         picture.late_people = std::max(picture.late_people, shown.ready - shown.complete);
-    const std::size_t before = giving_way->level();
-    if (!giving_way->add(picture)) return {};
+    const std::size_t before = adaptive_quality->level();
+    if (!adaptive_quality->add(picture)) return {};
     const std::string line = fmt::format("{} reason={} picture_ms={:.1f}",
-                                         to_string(giving_way->quality()),
-                                         giving_way->reason(),
+                                         to_string(adaptive_quality->quality()),
+                                         adaptive_quality->reason(),
                                          milliseconds(busy));
-    if (giving_way->level() > before)
+    if (adaptive_quality->level() > before)
         app::log::warn("quality_reduced {}", line);
     else
         app::log::info("quality_raised {}", line);
@@ -213,7 +213,7 @@ Expected<void> Viewer::Impl::give_way(Clock::duration busy, Clock::time_point no
 
 // Draws the last picture again at the best quality.
 Expected<void> Viewer::Impl::draw_at_best() {
-    if (giving_way->level() == 0 || eyes.empty()) return {};
+    if (adaptive_quality->level() == 0 || eyes.empty()) return {};
     const PictureQuality best = best_quality(config.view, *surface);
     renderer->set_shadows(best.has_shadows);
     if (auto scaled = renderer->set_scale(best.scale); !scaled) return scaled;
@@ -390,9 +390,9 @@ void Viewer::Impl::update_status(Clock::time_point now) {
     next.resident_bytes = app::resident_bytes();
     next.processor = processor_meter.update(now);
     next.first_output_s = first_output_s;
-    next.max_frames_per_s = giving_way->quality().max_fps;
-    next.scale = giving_way->quality().scale;
-    next.has_shadows = giving_way->quality().has_shadows;
+    next.max_frames_per_s = adaptive_quality->quality().max_fps;
+    next.scale = adaptive_quality->quality().scale;
+    next.has_shadows = adaptive_quality->quality().has_shadows;
     next.num_video_dropped = output_files->num_dropped();
     const StatusReports came = session->take_statuses();
     for (const auto& [site, report] : came.sites) reports.add(site, report, now);
@@ -437,7 +437,7 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
         const Clock::time_point end = Clock::now();
         times.add_picture(end - picture_begin);
         const Clock::duration busy = end - picture_begin - surface->waited_for_display();
-        if (auto done = give_way(busy, end); !done) return done;
+        if (auto done = adapt_quality(busy, end); !done) return done;
     }
     return {};
 }

@@ -1,4 +1,4 @@
-#include "viewer/giving_way.hpp"
+#include "viewer/adaptive_quality.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@ namespace atrium::viewer {
 namespace {
 
 using namespace std::chrono_literals;
-using Clock = GivingWay::Clock;
+using Clock = AdaptiveQuality::Clock;
 
 const Clock::time_point kBegin{1000s};
 
@@ -25,7 +25,7 @@ struct Machine {
     Clock::time_point now = kBegin;
     int num_changes = 0;
 
-    void run(GivingWay& sut, double length_s) {
+    void run(AdaptiveQuality& sut, double length_s) {
         const Clock::time_point end = now + seconds(length_s);
         while (now < end) {
             const double busy = busy_s(sut.quality());
@@ -41,8 +41,8 @@ double picture_s(const PictureQuality& quality, double full_s) {
     return full_s * ((quality.has_shadows ? 0.3 : 0.15) + 0.7 * quality.scale * quality.scale);
 }
 
-TEST(GivingWay, GivesWayInOrderRateThenResolutionThenShadows) {
-    GivingWay sut({.max_fps = 60.0});
+TEST(AdaptiveQuality, GivesWayInOrderRateThenResolutionThenShadows) {
+    AdaptiveQuality sut({.max_fps = 60.0});
     std::vector<PictureQuality> levels{sut.quality()};
     // just too much for each level in turn
     Machine machine{[](const PictureQuality& quality) { return 0.95 / quality.max_fps; }};
@@ -63,9 +63,9 @@ TEST(GivingWay, GivesWayInOrderRateThenResolutionThenShadows) {
     EXPECT_EQ(sut.level() + 1, sut.num_levels()) << "there is nothing more to give";
 }
 
-TEST(GivingWay, FindsALevelWithRoomWithinSecondsAndStays) {
+TEST(AdaptiveQuality, FindsALevelWithRoomWithinSecondsAndStays) {
     for (double full_ms = 5.0; full_ms < 250.0; full_ms *= 1.13) {
-        GivingWay sut({.max_fps = 30.0});
+        AdaptiveQuality sut({.max_fps = 30.0});
         Machine machine{[&](const PictureQuality& q) { return picture_s(q, 1e-3 * full_ms); }};
         machine.run(sut, 12.0);
         const double load = machine.busy_s(sut.quality()) * sut.quality().max_fps;
@@ -77,18 +77,18 @@ TEST(GivingWay, FindsALevelWithRoomWithinSecondsAndStays) {
     }
 }
 
-TEST(GivingWay, DoesNotOscillateWithNoiseOrWhereExpectationsFail) {
+TEST(AdaptiveQuality, DoesNotOscillateWithNoiseOrWhereExpectationsFail) {
     std::mt19937 random(5);
     std::lognormal_distribution<double> noise(0.0, 0.35);
     for (const double full_ms : {12.0, 24.0, 30.0, 45.0, 60.0, 90.0}) {
-        GivingWay sut({.max_fps = 30.0});
+        AdaptiveQuality sut({.max_fps = 30.0});
         Machine machine{
             [&](const PictureQuality& q) { return noise(random) * picture_s(q, 1e-3 * full_ms); }};
         machine.run(sut, 600.0);
         EXPECT_LE(machine.num_changes, 14) << full_ms;
     }
     // a cliff: pictures faster than 16/s cost everything, which nothing foretells
-    GivingWay sut({.max_fps = 30.0});
+    AdaptiveQuality sut({.max_fps = 30.0});
     Machine cliff{[](const PictureQuality& q) { return q.max_fps > 16.0 ? 0.2 : 0.01; }};
     cliff.run(sut, 600.0);
     // tried again after 2, 4, 8, ... 64 s
@@ -98,9 +98,9 @@ TEST(GivingWay, DoesNotOscillateWithNoiseOrWhereExpectationsFail) {
     EXPECT_LE(cliff.num_changes, 2 * 10);
 }
 
-TEST(GivingWay, ComesBackByItselfOnceThereIsRoom) {
+TEST(AdaptiveQuality, ComesBackByItselfOnceThereIsRoom) {
     for (const double load_ms : {45.0, 90.0, 400.0}) {
-        GivingWay sut({.max_fps = 30.0});
+        AdaptiveQuality sut({.max_fps = 30.0});
         double full_s = 1e-3 * load_ms;
         Machine machine{[&](const PictureQuality& q) { return picture_s(q, full_s); }};
         machine.run(sut, 20.0);
@@ -113,16 +113,16 @@ TEST(GivingWay, ComesBackByItselfOnceThereIsRoom) {
     }
 }
 
-TEST(GivingWay, IsNotAlarmedByAFewLongPictures) {
-    GivingWay sut({.max_fps = 30.0});
+TEST(AdaptiveQuality, IsNotAlarmedByAFewLongPictures) {
+    AdaptiveQuality sut({.max_fps = 30.0});
     int num = 0;
     Machine machine{[&](const PictureQuality&) { return ++num % 4 == 0 ? 0.2 : 0.012; }};
     machine.run(sut, 60.0);
     EXPECT_EQ(machine.num_changes, 0);
 }
 
-TEST(GivingWay, LateDecodingTakesItsProcessorFromDrawing) {
-    GivingWay sut({.max_fps = 30.0});
+TEST(AdaptiveQuality, LateDecodingTakesItsProcessorFromDrawing) {
+    AdaptiveQuality sut({.max_fps = 30.0});
     Machine machine{[](const PictureQuality&) { return 0.01; }, 0.2};
     machine.run(sut, 0.6);
     EXPECT_EQ(sut.level(), 1U);
@@ -137,8 +137,8 @@ TEST(GivingWay, LateDecodingTakesItsProcessorFromDrawing) {
     EXPECT_EQ(sut.level(), 0U);
 }
 
-TEST(GivingWay, NeverExceedsTheBestQuality) {
-    GivingWay sut({.max_fps = 10.0, .scale = 0.6, .has_shadows = false});
+TEST(AdaptiveQuality, NeverExceedsTheBestQuality) {
+    AdaptiveQuality sut({.max_fps = 10.0, .scale = 0.6, .has_shadows = false});
     Machine machine{[](const PictureQuality&) { return 1.0; }};
     machine.run(sut, 60.0);
     EXPECT_EQ(sut.quality(), (PictureQuality{10.0, 0.5, false}));

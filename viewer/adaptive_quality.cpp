@@ -1,4 +1,4 @@
-#include "viewer/giving_way.hpp"
+#include "viewer/adaptive_quality.hpp"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 namespace atrium::viewer {
 namespace {
 
-using Clock = GivingWay::Clock;
+using Clock = AdaptiveQuality::Clock;
 
 constexpr double kTooBusy = 0.9;   // share of the period that drawing may take
 constexpr double kHasRoom = 0.7;   // expected share that allows a better level
@@ -41,7 +41,8 @@ double cost_ratio(const PictureQuality& more, const PictureQuality& less) {
 
 }  // namespace
 
-GivingWay::GivingWay(const PictureQuality& best) : levels_{best}, patience_(kLeastPatience) {
+AdaptiveQuality::AdaptiveQuality(const PictureQuality& best)
+    : levels_{best}, patience_(kLeastPatience) {
     assert(best.max_fps > 0.0 && best.scale > 0.0 && best.scale <= 1.0);
     PictureQuality level = best;
     for (const double rate : kRates) {
@@ -57,14 +58,14 @@ GivingWay::GivingWay(const PictureQuality& best) : levels_{best}, patience_(kLea
     if (std::exchange(level.has_shadows, false)) levels_.push_back(level);
 }
 
-void GivingWay::begin_window(Clock::time_point now) {
+void AdaptiveQuality::begin_window(Clock::time_point now) {
     busy_s_.clear();
     late_s_.clear();
     window_begin_ = now;
     has_window_ = true;
 }
 
-void GivingWay::change_to(std::size_t level, const char* reason, Clock::time_point now) {
+void AdaptiveQuality::change_to(std::size_t level, const char* reason, Clock::time_point now) {
     const bool is_better = level < level_;
     if (is_better) {
         raised_at_ = now;
@@ -78,13 +79,13 @@ void GivingWay::change_to(std::size_t level, const char* reason, Clock::time_poi
     room_for_ = Clock::duration(0);
 }
 
-bool GivingWay::has_room_above(double busy_s, double late_s) const {
+bool AdaptiveQuality::has_room_above(double busy_s, double late_s) const {
     if (level_ == 0 || late_s > kSoonS) return false;
     const PictureQuality& better = levels_[level_ - 1];
     return busy_s * cost_ratio(better, quality()) * better.max_fps < kHasRoom;
 }
 
-bool GivingWay::add(const Picture& picture) {
+bool AdaptiveQuality::add(const Picture& picture) {
     const auto seconds = [](Clock::duration d) { return std::chrono::duration<double>(d).count(); };
     if (!has_window_) begin_window(picture.ended - picture.busy);
     busy_s_.push_back(seconds(picture.busy));

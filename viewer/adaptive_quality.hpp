@@ -24,12 +24,12 @@ struct PictureQuality {
 /// once the next level would have had room for some seconds. If a higher level turns out too
 /// expensive, the next attempt comes after twice that time, which prevents oscillation. Has no
 /// clock: the caller passes all times. Not thread-safe.
-class GivingWay {
+class AdaptiveQuality {
 public:
     using Clock = std::chrono::steady_clock;
 
     /// `best` is level 0. Levels below 15 Hz or half the size are not used.
-    explicit GivingWay(const PictureQuality& best);
+    explicit AdaptiveQuality(const PictureQuality& best);
 
     struct Picture {
         Clock::time_point ended;
