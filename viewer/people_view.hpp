@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/base/statistics.hpp"
-#include "viewer/due_people.hpp"
+#include "viewer/delayed_people.hpp"
 #include "viewer/follow_camera.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
 #include "viewer/session.hpp"
@@ -65,7 +65,7 @@ private:
               Clock::time_point now,
               renderer::SceneRenderer& renderer);
 
-    DuePeople due_;
+    DelayedPeople due_;
     struct Shown {
         Clock::time_point since;  // last update
         std::uint64_t num_pairs = 0;

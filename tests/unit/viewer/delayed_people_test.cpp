@@ -1,4 +1,4 @@
-#include "viewer/due_people.hpp"
+#include "viewer/delayed_people.hpp"
 
 #include "viewer/people_view.hpp"
 
@@ -28,7 +28,7 @@ protected:
         return shown;
     }
 
-    DuePeople people_;
+    DelayedPeople people_;
     std::vector<std::int64_t> skipped_;
     std::function<void(PersonUpdate)> note_ = [this](PersonUpdate update) {
         skipped_.push_back(update.capture_time.ns);
@@ -59,7 +59,7 @@ TEST_F(DuePeopleTest, AreGoneAtOnce) {
 
 // Two viewers that ask at other moments show the same at the same instant.
 TEST_F(DuePeopleTest, AreTheSameHoweverOftenOneAsks) {
-    DuePeople other;
+    DelayedPeople other;
     std::int64_t shown = 0, shown_by_other = 0;
     for (std::int64_t now = 0; now < 1000; ++now) {
         if (now % 33 == 0) {

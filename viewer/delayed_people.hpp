@@ -13,7 +13,7 @@ namespace atrium::viewer {
 
 /// Buffers people for delayed playback. Releases the newest due person of each site. Not
 /// thread-safe.
-class DuePeople {
+class DelayedPeople {
 public:
     struct Item {
         std::string site;
@@ -37,7 +37,7 @@ private:
 };
 
 template <typename Replaced>
-void DuePeople::add(const std::string& site, PersonUpdate update, const Replaced& replaced) {
+void DelayedPeople::add(const std::string& site, PersonUpdate update, const Replaced& replaced) {
     std::deque<PersonUpdate>& waiting = waiting_[site];
     waiting.push_back(std::move(update));
     if (waiting.size() <= kMaxWaiting) return;
@@ -46,7 +46,7 @@ void DuePeople::add(const std::string& site, PersonUpdate update, const Replaced
 }
 
 template <typename Replaced>
-std::vector<DuePeople::Item> DuePeople::take(Timestamp instant, const Replaced& replaced) {
+std::vector<DelayedPeople::Item> DelayedPeople::take(Timestamp instant, const Replaced& replaced) {
     std::vector<Item> due;
     for (auto& [site, waiting] : waiting_) {
         std::optional<PersonUpdate> newest;
