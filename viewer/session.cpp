@@ -272,7 +272,7 @@ void Session::hand_to_decoder(std::optional<FramePair> pair) {
         ++num_pairs_skipped_;  // its cameras are unknown
         return;
     }
-    const auto now = ReadyPeople::Clock::now();
+    const auto now = DecodedPeople::Clock::now();
     if (decoders_ == nullptr || is_too_soon(site, now)) {
         ++num_pairs_skipped_;
         return;
@@ -282,7 +282,7 @@ void Session::hand_to_decoder(std::optional<FramePair> pair) {
     if (replaced && replaced->pair) ++num_pairs_skipped_;
 }
 
-bool Session::is_too_soon(const std::string& site, ReadyPeople::Clock::time_point now) {
+bool Session::is_too_soon(const std::string& site, DecodedPeople::Clock::time_point now) {
     const auto least = kTooSoon * std::chrono::nanoseconds(picture_period_ns_);
     const auto found = handed_.find(site);
     if (found != handed_.end() && now - found->second < least) return true;
@@ -362,7 +362,7 @@ void Session::decode(const std::string& site, Job job, PersonDecodeScratch& scra
             if (update.model->triangles.empty()) update.model.reset();
         }
     }
-    update.ready = ReadyPeople::Clock::now();
+    update.ready = DecodedPeople::Clock::now();
     auto replaced = people_.put(site, std::move(update));
     if (replaced && replaced->model) skip(std::move(*replaced->model));
 }

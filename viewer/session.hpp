@@ -4,11 +4,11 @@
 #include "core/base/expected.hpp"
 #include "core/base/keyed_workers.hpp"
 #include "core/bus/bus.hpp"
+#include "viewer/decoded_people.hpp"
 #include "viewer/feedback.hpp"
 #include "viewer/pairing.hpp"
 #include "viewer/person_decoder.hpp"
 #include "viewer/proxy_inbox.hpp"
-#include "viewer/ready_people.hpp"
 #include "viewer/renderer/person_model.hpp"
 #include "viewer/stale_frames.hpp"
 
@@ -75,10 +75,10 @@ public:
     /// decoded (renderer::needed_cameras). None, the default: all are decoded. Any thread.
     void set_eyes(std::vector<Eigen::Vector3d> eyes_world);
 
-    std::vector<ReadyPeople::Item> take_people() { return people_.take_all(); }
-    std::vector<ReadyPeople::Arrival> take_arrivals() { return people_.take_arrivals(); }
+    std::vector<DecodedPeople::Item> take_people() { return people_.take_all(); }
+    std::vector<DecodedPeople::Arrival> take_arrivals() { return people_.take_arrivals(); }
     /// Blocks until there are arrivals, until `until`, or until a stop is requested.
-    void wait_for_people(const std::stop_token& stop, ReadyPeople::Clock::time_point until) {
+    void wait_for_people(const std::stop_token& stop, DecodedPeople::Clock::time_point until) {
         people_.wait(stop, until);
     }
     SceneChanges take_scene();
@@ -131,7 +131,7 @@ private:
     struct Job {
         std::optional<FramePair> pair;  // none: the site is gone
         Description description;
-        ReadyPeople::Clock::time_point complete{};
+        DecodedPeople::Clock::time_point complete{};
         std::vector<Eigen::Vector3f> eyes_site;
     };
 
@@ -145,7 +145,7 @@ private:
     void take_soft_objects();
     void receive_statuses();
     void hand_to_decoder(std::optional<FramePair> pair);
-    bool is_too_soon(const std::string& site, ReadyPeople::Clock::time_point now);
+    bool is_too_soon(const std::string& site, DecodedPeople::Clock::time_point now);
     std::vector<Eigen::Vector3f> eyes_in(const std::string& site);
     void decode(const std::string& site, Job job, PersonDecodeScratch& scratch);
     renderer::PersonModel spent();
@@ -170,9 +170,9 @@ private:
     std::mutex eyes_mutex_;
     std::vector<Eigen::Vector3d> eyes_world_;  // guarded by eyes_mutex_
     // when a pair of each site was last handed to a decoder; receiving thread only
-    std::map<std::string, ReadyPeople::Clock::time_point> handed_;
+    std::map<std::string, DecodedPeople::Clock::time_point> handed_;
     std::atomic<std::int64_t> picture_period_ns_ = 0;
-    ReadyPeople people_;
+    DecodedPeople people_;
     std::mutex spent_mutex_;
     std::vector<renderer::PersonModel> spent_;  // guarded by spent_mutex_
     std::mutex scene_mutex_;

@@ -222,7 +222,7 @@ Expected<void> Viewer::Impl::draw_at_best() {
 }
 
 void Viewer::Impl::note_arrivals() {
-    for (const ReadyPeople::Arrival& arrival : session->take_arrivals())
+    for (const DecodedPeople::Arrival& arrival : session->take_arrivals())
         pacer->ready(arrival.site, arrival.at);
 }
 

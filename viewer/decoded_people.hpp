@@ -26,7 +26,7 @@ struct PersonUpdate {
 };
 
 /// Hands decoded people to the drawing thread, the newest of each site, and wakes it. Thread-safe.
-class ReadyPeople {
+class DecodedPeople {
 public:
     using Clock = PersonUpdate::Clock;
     struct Item {

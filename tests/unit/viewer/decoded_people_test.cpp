@@ -1,4 +1,4 @@
-#include "viewer/ready_people.hpp"
+#include "viewer/decoded_people.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,14 +15,14 @@ PersonUpdate captured_at(std::int64_t ns) {
     return update;
 }
 
-PersonUpdate ready_at(ReadyPeople::Clock::time_point at) {
+PersonUpdate ready_at(DecodedPeople::Clock::time_point at) {
     PersonUpdate update;
     update.ready = at;
     return update;
 }
 
-TEST(ReadyPeople, KeepTheNewestOfEachSiteAndEveryArrival) {
-    ReadyPeople sut;
+TEST(DecodedPeople, KeepTheNewestOfEachSiteAndEveryArrival) {
+    DecodedPeople sut;
     EXPECT_FALSE(sut.put("a", captured_at(1)));
     EXPECT_FALSE(sut.put("b", captured_at(10)));
     const auto replaced = sut.put("a", captured_at(2));
@@ -37,17 +37,18 @@ TEST(ReadyPeople, KeepTheNewestOfEachSiteAndEveryArrival) {
     EXPECT_TRUE(sut.take_arrivals().empty());
 }
 
-TEST(ReadyPeople, HoldABoundedNumberOfArrivals) {
-    ReadyPeople sut;
-    for (int i = 0; i < 1000; ++i) sut.put("a", ready_at(ReadyPeople::Clock::time_point(1ns * i)));
+TEST(DecodedPeople, HoldABoundedNumberOfArrivals) {
+    DecodedPeople sut;
+    for (int i = 0; i < 1000; ++i)
+        sut.put("a", ready_at(DecodedPeople::Clock::time_point(1ns * i)));
     const auto arrivals = sut.take_arrivals();
-    EXPECT_EQ(arrivals.size(), ReadyPeople::kMostArrivals);
-    EXPECT_EQ(arrivals.back().at, ReadyPeople::Clock::time_point(999ns)) << "the newest";
+    EXPECT_EQ(arrivals.size(), DecodedPeople::kMostArrivals);
+    EXPECT_EQ(arrivals.back().at, DecodedPeople::Clock::time_point(999ns)) << "the newest";
 }
 
-TEST(ReadyPeople, AnArrivalEndsTheWaitAndSoDoesAStop) {
-    ReadyPeople sut;
-    const auto never = ReadyPeople::Clock::now() + 1h;
+TEST(DecodedPeople, AnArrivalEndsTheWaitAndSoDoesAStop) {
+    DecodedPeople sut;
+    const auto never = DecodedPeople::Clock::now() + 1h;
     {
         const std::jthread other([&] { sut.put("a", captured_at(1)); });
         sut.wait({}, never);
@@ -57,7 +58,7 @@ TEST(ReadyPeople, AnArrivalEndsTheWaitAndSoDoesAStop) {
     std::stop_source source;
     const std::jthread stopper([&] { source.request_stop(); });
     sut.wait(source.get_token(), never);
-    sut.wait({}, ReadyPeople::Clock::now());
+    sut.wait({}, DecodedPeople::Clock::now());
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
-#include "viewer/ready_people.hpp"
+#include "viewer/decoded_people.hpp"
 
 #include <utility>
 
 namespace atrium::viewer {
 
-std::optional<PersonUpdate> ReadyPeople::put(const std::string& site, PersonUpdate update) {
+std::optional<PersonUpdate> DecodedPeople::put(const std::string& site, PersonUpdate update) {
     std::optional<PersonUpdate> replaced;
     {
         const std::lock_guard lock(mutex_);
@@ -20,7 +20,7 @@ std::optional<PersonUpdate> ReadyPeople::put(const std::string& site, PersonUpda
     return replaced;
 }
 
-std::vector<ReadyPeople::Item> ReadyPeople::take_all() {
+std::vector<DecodedPeople::Item> DecodedPeople::take_all() {
     std::map<std::string, PersonUpdate> taken;
     {
         const std::lock_guard lock(mutex_);
@@ -31,12 +31,12 @@ std::vector<ReadyPeople::Item> ReadyPeople::take_all() {
     return items;
 }
 
-std::vector<ReadyPeople::Arrival> ReadyPeople::take_arrivals() {
+std::vector<DecodedPeople::Arrival> DecodedPeople::take_arrivals() {
     const std::lock_guard lock(mutex_);
     return std::exchange(arrivals_, {});
 }
 
-void ReadyPeople::wait(const std::stop_token& stop, Clock::time_point until) {
+void DecodedPeople::wait(const std::stop_token& stop, Clock::time_point until) {
     std::unique_lock lock(mutex_);
     changed_.wait_until(lock, stop, until, [this] { return !arrivals_.empty(); });
 }
