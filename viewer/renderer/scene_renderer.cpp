@@ -10,8 +10,8 @@
 #include "viewer/renderer/shaders.hpp"
 #include "viewer/renderer/silhouette_drawing.hpp"
 #include "viewer/renderer/smoothing.hpp"
-#include "viewer/renderer/stand_in_person.hpp"
 #include "viewer/renderer/textures.hpp"
+#include "viewer/renderer/warm_up_person.hpp"
 
 #include <glad/gl.h>
 
@@ -301,7 +301,7 @@ void SceneRenderer::warm_up(const ViewCamera& camera) {
     for (const std::size_t num_cameras : {6U, 8U}) {
         set_person(
             painted,
-            make_stand_in_person(
+            make_warm_up_person(
                 camera.position_m.cast<float>(), camera.target_m.cast<float>(), num_cameras));
         for (const double less : {0.5 * scale, scale}) {
             static_cast<void>(set_scale(less));

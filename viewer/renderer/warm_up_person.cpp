@@ -1,4 +1,4 @@
-#include "viewer/renderer/stand_in_person.hpp"
+#include "viewer/renderer/warm_up_person.hpp"
 
 #include "viewer/renderer/camera_blend.hpp"
 
@@ -24,9 +24,9 @@ bool sees(std::size_t camera, std::size_t corner, std::size_t num) {
 
 }  // namespace
 
-PersonModel make_stand_in_person(const Eigen::Vector3f& eye_site,
-                                 const Eigen::Vector3f& target_site,
-                                 std::size_t num_cameras) {
+PersonModel make_warm_up_person(const Eigen::Vector3f& eye_site,
+                                const Eigen::Vector3f& target_site,
+                                std::size_t num_cameras) {
     assert(num_cameras >= kCamerasPerTriangle.back());
     const Eigen::Vector3f to_eye = (eye_site - target_site).normalized();
     const Eigen::Vector3f right = to_eye.unitOrthogonal();

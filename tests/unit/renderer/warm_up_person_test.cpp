@@ -1,4 +1,4 @@
-#include "viewer/renderer/stand_in_person.hpp"
+#include "viewer/renderer/warm_up_person.hpp"
 
 #include "viewer/renderer/camera_blend.hpp"
 
@@ -8,13 +8,13 @@ namespace atrium::renderer {
 namespace {
 
 // Else a shader would be compiled only when the first person is drawn.
-TEST(StandInPerson, NeedsEachShaderOfPeopleOnce) {
+TEST(WarmUpPerson, NeedsEachShaderOfPeopleOnce) {
     const Eigen::Vector3f target(0.2f, -0.1f, 1.0f);
     for (const Eigen::Vector3f& eye : {Eigen::Vector3f(3, -3, 1.7f),
                                        Eigen::Vector3f(0.2f, -0.1f, 4),
                                        Eigen::Vector3f(-2, 0.3f, 0.1f)}) {
         for (const std::size_t num_cameras : {6U, 8U, 255U}) {
-            const PersonModel person = make_stand_in_person(eye, target, num_cameras);
+            const PersonModel person = make_warm_up_person(eye, target, num_cameras);
             EXPECT_EQ(person.cameras.size(), num_cameras);
             BlendScratch scratch;
             BlendedMesh blended;
