@@ -392,7 +392,7 @@ void build_person_model(const geometry::TriangleMesh& mesh_site,
         judge_vertices(stage, depth_scale, scratch, out);
         ++index;
     }
-    even_colours(options.colour_evening, all_scratch.colour_evening, out);
+    compensate_gains(options.gain_compensation, all_scratch.gain_compensation, out);
     colour_vertices(out, scratch);
 }
 

@@ -3,7 +3,7 @@
 #include "core/geometry/pinhole_camera.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 #include "core/image/image.hpp"
-#include "viewer/renderer/colour_evening.hpp"
+#include "viewer/renderer/gain_compensation.hpp"
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -69,7 +69,7 @@ struct PersonModelOptions {
     double hidden_soft_m = 0.02;   // distance over which it then fades out
     double cos_min = 0.03;         // below this cosine a camera does not see a face
     double cos_full = 0.2;         // from this cosine on it sees the face fully
-    ColourEveningOptions colour_evening;
+    GainCompensationOptions gain_compensation;
 };
 
 /// Reusable memory of `build_person_model`.
@@ -79,7 +79,7 @@ struct PersonModelScratch {
     PersonModelScratch& operator=(PersonModelScratch&&) noexcept;
     ~PersonModelScratch();
 
-    ColourEveningScratch colour_evening;
+    GainCompensationScratch gain_compensation;
     struct Parts;
     std::unique_ptr<Parts> parts;
 };

@@ -1,4 +1,4 @@
-#include "viewer/renderer/colour_evening.hpp"
+#include "viewer/renderer/gain_compensation.hpp"
 
 #include "viewer/renderer/person_model.hpp"
 #include "viewer/renderer/person_rows.hpp"
@@ -59,9 +59,9 @@ bool is_well_seen(const PersonModel::Camera& camera,
 }
 
 // Fills `log_colours`. Returns the number of points.
-std::size_t look_at_points(const ColourEveningOptions& options,
+std::size_t look_at_points(const GainCompensationOptions& options,
                            const PersonModel& model,
-                           ColourEveningScratch& scratch) {
+                           GainCompensationScratch& scratch) {
     const std::size_t stride =
         std::max<std::size_t>(1, (model.triangles.size() - 1) / options.max_points + 1);
     const std::size_t num_points = (model.triangles.size() + stride - 1) / stride;
@@ -83,11 +83,11 @@ float median(std::vector<float>& values) {
 }
 
 // Computes the ratio of cameras i and j: the median difference, weighted by its certainty.
-void compare(const ColourEveningOptions& options,
+void compare(const GainCompensationOptions& options,
              std::size_t i,
              std::size_t j,
              std::size_t num_points,
-             ColourEveningScratch& scratch) {
+             GainCompensationScratch& scratch) {
     const std::size_t num_cameras = scratch.log_gains.size();
     const Eigen::Array3f* of_i = scratch.log_colours.data() + i * num_points;
     const Eigen::Array3f* of_j = scratch.log_colours.data() + j * num_points;
@@ -115,7 +115,7 @@ void compare(const ColourEveningOptions& options,
 }
 
 // Solves the least squares of (gain_j - gain_i - ratio_ij) and of the prior on gain_i.
-void solve(const ColourEveningOptions& options, ColourEveningScratch& scratch) {
+void solve(const GainCompensationOptions& options, GainCompensationScratch& scratch) {
     const std::size_t num_cameras = scratch.log_gains.size();
     const auto size = static_cast<Eigen::Index>(num_cameras);
     for (std::size_t channel = 0; channel < 3; ++channel) {
@@ -160,9 +160,9 @@ void apply(const Eigen::Array3d& log_gain, std::size_t camera, PersonModel& mode
 
 }  // namespace
 
-void even_colours(const ColourEveningOptions& options,
-                  ColourEveningScratch& scratch,
-                  PersonModel& model) {
+void compensate_gains(const GainCompensationOptions& options,
+                      GainCompensationScratch& scratch,
+                      PersonModel& model) {
     const std::size_t num_cameras = model.cameras.size();
     scratch.log_gains.assign(num_cameras, Eigen::Array3d::Zero());
     if (options.max_points == 0 || num_cameras < 2 || model.triangles.empty()) return;

@@ -11,7 +11,7 @@ namespace atrium::renderer {
 
 struct PersonModel;
 
-struct ColourEveningOptions {
+struct GainCompensationOptions {
     std::size_t max_points = 600;  // points of the surface to compare; 0: no compensation
     std::size_t min_shared = 16;   // cameras that share fewer points are not compared
     double prior = 0.2;            // expected deviation of a gain from 1, as a logarithm
@@ -19,7 +19,7 @@ struct ColourEveningOptions {
     double dead_zone = 0.01;  // as a logarithm; invisible, and above the noise
 };
 
-struct ColourEveningScratch {
+struct GainCompensationScratch {
     /// [camera][point]; infinite if the camera does not see the point.
     std::vector<Eigen::Array3f> log_colours;
     std::vector<float> differences;
@@ -40,8 +40,8 @@ struct ColourEveningScratch {
 /// ratio. The gains are the least-squares solution of the ratios with a prior of 1, which keeps the
 /// overall colour. Leaves cameras that agree within about 1 % unchanged, bit for bit. Needs
 /// `quality` and `facing` of the cameras. Deterministic.
-void even_colours(const ColourEveningOptions& options,
-                  ColourEveningScratch& scratch,
-                  PersonModel& model);
+void compensate_gains(const GainCompensationOptions& options,
+                      GainCompensationScratch& scratch,
+                      PersonModel& model);
 
 }  // namespace atrium::renderer

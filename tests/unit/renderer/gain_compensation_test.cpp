@@ -1,4 +1,4 @@
-#include "viewer/renderer/colour_evening.hpp"
+#include "viewer/renderer/gain_compensation.hpp"
 
 #include "tests/unit/renderer/synthetic_person.hpp"
 #include "viewer/renderer/person_model.hpp"
@@ -37,7 +37,7 @@ struct Built {
     std::vector<Eigen::Array3d> log_gains;
 };
 
-Built build(const Factors& factors, const ColourEveningOptions& options) {
+Built build(const Factors& factors, const GainCompensationOptions& options) {
     const auto cameras = synthetic::ring(8, kSphere.centre);
     std::vector<CameraPicture> pictures;
     for (std::size_t i = 0; i < cameras.size(); ++i) {
@@ -48,10 +48,10 @@ Built build(const Factors& factors, const ColourEveningOptions& options) {
     Built built;
     PersonModelScratch scratch;
     PersonModelOptions model_options;
-    model_options.colour_evening = options;
+    model_options.gain_compensation = options;
     build_person_model(
         synthetic::mesh_of({kSphere}, 24), pictures, model_options, scratch, built.model);
-    built.log_gains = scratch.colour_evening.log_gains;
+    built.log_gains = scratch.gain_compensation.log_gains;
     return built;
 }
 
@@ -86,7 +86,7 @@ double seam_contrast(const PersonModel& model) {
     return sum / num;
 }
 
-TEST(ColourEvening, SeamsBetweenCamerasOfDifferentColoursVanish) {
+TEST(GainCompensation, SeamsBetweenCamerasOfDifferentColoursVanish) {
     Factors equal;
     equal.fill(Eigen::Array3d::Ones());
     const double least = seam_contrast(build(equal, {.max_points = 0}).model);
@@ -97,7 +97,7 @@ TEST(ColourEvening, SeamsBetweenCamerasOfDifferentColoursVanish) {
     EXPECT_LT(after, least + 3.0);
 }
 
-TEST(ColourEvening, FindsTheFactorsOfTheCameras) {
+TEST(GainCompensation, FindsTheFactorsOfTheCameras) {
     const Factors factors = made_up();
     const Built built = build(factors, {});
     ASSERT_EQ(built.log_gains.size(), factors.size());
@@ -110,7 +110,7 @@ TEST(ColourEvening, FindsTheFactorsOfTheCameras) {
     }
 }
 
-TEST(ColourEvening, CamerasThatAgreeAreLeftAlone) {
+TEST(GainCompensation, CamerasThatAgreeAreLeftAlone) {
     Factors equal;
     equal.fill(Eigen::Array3d::Ones());
     const Built evened = build(equal, {});
@@ -119,14 +119,14 @@ TEST(ColourEvening, CamerasThatAgreeAreLeftAlone) {
         EXPECT_EQ(log_gain.abs().maxCoeff(), 0.0);
 }
 
-TEST(ColourEvening, TheColourOfThePersonAsAWholeStays) {
+TEST(GainCompensation, TheColourOfThePersonAsAWholeStays) {
     const Built built = build(made_up(), {});
     Eigen::Array3d sum = Eigen::Array3d::Zero();
     for (const Eigen::Array3d& log_gain : built.log_gains) sum += log_gain;
     EXPECT_LT(sum.abs().maxCoeff(), 0.04);  // four dead zones
 }
 
-TEST(ColourEvening, ACameraThatSharesNothingIsLeftAlone) {
+TEST(GainCompensation, ACameraThatSharesNothingIsLeftAlone) {
     const auto camera = synthetic::camera_at({3.0, 0.0, 1.0}, kSphere.centre);
     const auto opposite = synthetic::camera_at({-3.0, 0.0, 1.0}, kSphere.centre);
     const auto green = [](const auto&) { return Eigen::Vector3d(0.2, 0.7, 0.3); };
@@ -139,7 +139,7 @@ TEST(ColourEvening, ACameraThatSharesNothingIsLeftAlone) {
                        {},
                        scratch,
                        model);
-    for (const Eigen::Array3d& log_gain : scratch.colour_evening.log_gains)
+    for (const Eigen::Array3d& log_gain : scratch.gain_compensation.log_gains)
         EXPECT_EQ(log_gain.abs().maxCoeff(), 0.0);
 }
 
