@@ -3,13 +3,13 @@
 #include "core/gl/resources.hpp"
 #include "core/gl/shader_program.hpp"
 #include "viewer/renderer/backdrop.hpp"
+#include "viewer/renderer/fxaa.hpp"
 #include "viewer/renderer/object_batch.hpp"
 #include "viewer/renderer/object_drawing.hpp"
 #include "viewer/renderer/object_shaders.hpp"
 #include "viewer/renderer/person_drawing.hpp"
 #include "viewer/renderer/shaders.hpp"
 #include "viewer/renderer/silhouette_drawing.hpp"
-#include "viewer/renderer/smoothing.hpp"
 #include "viewer/renderer/textures.hpp"
 #include "viewer/renderer/warm_up_person.hpp"
 
@@ -36,9 +36,9 @@ struct SceneRenderer::Impl {
     ObjectShaders soft_shaders;
     double scale = 1.0;
     bool has_shadows = true;
-    gl::Framebuffer target;              // the scene, at `scale` of the picture's size
-    std::optional<Smoothing> smoothing;  // only with anti-aliasing, of the size of `target`
-    gl::Framebuffer enlarged;            // the picture if `scale` is not 1
+    gl::Framebuffer target;    // the scene, at `scale` of the picture's size
+    std::optional<Fxaa> fxaa;  // only with anti-aliasing, of the size of `target`
+    gl::Framebuffer enlarged;  // the picture if `scale` is not 1
     std::optional<Backdrop> backdrop;
     std::optional<Overlay> overlay;
     std::optional<SilhouetteDrawing> silhouettes;
@@ -67,7 +67,7 @@ struct SceneRenderer::Impl {
     void draw_faded(PersonDrawing& person, const EyeView& eye);
     void present(const image::PixelRect& part_px, unsigned buffer) const;
     // the scene before it is enlarged
-    const gl::Framebuffer& drawn() const { return smoothing ? smoothing->picture() : target; }
+    const gl::Framebuffer& drawn() const { return fxaa ? fxaa->picture() : target; }
     const gl::Framebuffer& finished() const { return scale < 1.0 ? enlarged : drawn(); }
 };
 
@@ -82,9 +82,9 @@ Expected<void> SceneRenderer::Impl::create_shaders() {
     if (!soft) return tl::unexpected(soft.error());
     soft_shaders = std::move(*soft);
     if (options.antialias == Antialias::kFxaa) {
-        auto created = Smoothing::create();
+        auto created = Fxaa::create();
         if (!created) return tl::unexpected(created.error());
-        smoothing = std::move(*created);
+        fxaa = std::move(*created);
     }
     auto behind = Backdrop::create();
     if (!behind) return tl::unexpected(behind.error());
@@ -108,8 +108,8 @@ Expected<void> SceneRenderer::Impl::create_targets(int width, int height) {
         if (!made) return tl::unexpected(made.error());
         full = std::move(*made);
     }
-    if (smoothing)
-        if (auto ok = smoothing->resize(part_px.width, part_px.height); !ok) return ok;
+    if (fxaa)
+        if (auto ok = fxaa->resize(part_px.width, part_px.height); !ok) return ok;
     target = std::move(*framebuffer);
     enlarged = std::move(full);
     options.width = width;
@@ -469,7 +469,7 @@ void SceneRenderer::draw(std::span<const EyeView> eyes) {
         impl.draw_eye(scaled, floors, has_backdrop);
     }
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-    if (impl.smoothing) impl.smoothing->draw(impl.target);
+    if (impl.fxaa) impl.fxaa->draw(impl.target);
     if (impl.scale < 1.0) impl.enlarge();
     impl.finished().bind();
     for (const EyeView& eye : eyes) {

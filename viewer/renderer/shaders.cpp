@@ -416,7 +416,7 @@ void main() {
 
 // After: Lottes. FXAA. 2009. In its shortest form: where the luma of the four diagonal neighbours
 // differs, average along the edge.
-const char* const kSmoothFragment = R"(#version 330 core
+const char* const kFxaaFragment = R"(#version 330 core
 in vec2 at;
 uniform sampler2D picture;
 uniform vec2 pixel;

@@ -60,6 +60,6 @@ extern const char* const kSilhouetteFragment;
 
 /// FXAA of the finished picture (`view.antialias = "fxaa"`).
 extern const char* const kScreenVertex;
-extern const char* const kSmoothFragment;
+extern const char* const kFxaaFragment;
 
 }  // namespace atrium::renderer::shaders

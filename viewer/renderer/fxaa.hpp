@@ -8,9 +8,9 @@
 namespace atrium::renderer {
 
 /// Anti-aliases a finished picture into another framebuffer (FXAA).
-class Smoothing {
+class Fxaa {
 public:
-    static Expected<Smoothing> create();
+    static Expected<Fxaa> create();
     Expected<void> resize(int width, int height);
     void draw(const gl::Framebuffer& from);
     const gl::Framebuffer& picture() const { return smoothed_; }

@@ -1,4 +1,4 @@
-#include "viewer/renderer/smoothing.hpp"
+#include "viewer/renderer/fxaa.hpp"
 
 #include "viewer/renderer/shaders.hpp"
 
@@ -9,23 +9,23 @@
 
 namespace atrium::renderer {
 
-Expected<Smoothing> Smoothing::create() {
+Expected<Fxaa> Fxaa::create() {
     auto shader =
-        gl::ShaderProgram::create("smooth", shaders::kScreenVertex, shaders::kSmoothFragment);
+        gl::ShaderProgram::create("smooth", shaders::kScreenVertex, shaders::kFxaaFragment);
     if (!shader) return tl::unexpected(shader.error());
-    Smoothing smoothing;
-    smoothing.shader_ = std::move(*shader);
-    return smoothing;
+    Fxaa fxaa;
+    fxaa.shader_ = std::move(*shader);
+    return fxaa;
 }
 
-Expected<void> Smoothing::resize(int width, int height) {
+Expected<void> Fxaa::resize(int width, int height) {
     auto framebuffer = gl::make_framebuffer(width, height);
     if (!framebuffer) return tl::unexpected(framebuffer.error());
     smoothed_ = std::move(*framebuffer);
     return {};
 }
 
-void Smoothing::draw(const gl::Framebuffer& from) {
+void Fxaa::draw(const gl::Framebuffer& from) {
     smoothed_.bind();
     glDisable(GL_DEPTH_TEST);
     shader_.use();
