@@ -6,8 +6,8 @@
 #include "viewer/renderer/floor_cells.hpp"
 #include "viewer/renderer/object_look.hpp"
 #include "viewer/renderer/screen_square.hpp"
-#include "viewer/renderer/shadow_cover.hpp"
 #include "viewer/renderer/textures.hpp"
+#include "viewer/renderer/triangle_coverage.hpp"
 #include "viewer/renderer/view_camera.hpp"
 
 #include <Eigen/Core>

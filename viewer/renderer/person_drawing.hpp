@@ -5,7 +5,7 @@
 #include "core/gl/shader_program.hpp"
 #include "viewer/renderer/camera_blend.hpp"
 #include "viewer/renderer/person_model.hpp"
-#include "viewer/renderer/shadow_cover.hpp"
+#include "viewer/renderer/triangle_coverage.hpp"
 
 #include <array>
 #include <cstddef>
@@ -59,7 +59,7 @@ private:
     };
     struct ShadowScratch {
         std::vector<Eigen::Vector2f> corners_px;
-        CoverScratch cover;
+        CoverageScratch cover;
         std::vector<PixelRun> runs;
     };
     PersonModel model_;

@@ -18,7 +18,7 @@ struct PixelRun {
     friend bool operator==(const PixelRun&, const PixelRun&) = default;
 };
 
-struct CoverScratch {
+struct CoverageScratch {
     struct Corner {
         Eigen::Vector2f px;
         Eigen::Vector2i cell;  // first pixel centre at or after it, in x and y
@@ -32,7 +32,7 @@ struct CoverScratch {
 void find_covered(std::span<const Eigen::Vector2f> corners_px,
                   std::span<const std::array<std::uint32_t, 3>> triangles,
                   int side_px,
-                  CoverScratch& scratch,
+                  CoverageScratch& scratch,
                   std::vector<PixelRun>& out);
 
 }  // namespace atrium::renderer

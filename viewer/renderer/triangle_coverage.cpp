@@ -1,4 +1,4 @@
-#include "viewer/renderer/shadow_cover.hpp"
+#include "viewer/renderer/triangle_coverage.hpp"
 
 #include <Eigen/Geometry>
 
@@ -21,11 +21,11 @@ int ceil_within(float value, int size) {
 void find_covered(std::span<const Eigen::Vector2f> corners_px,
                   std::span<const std::array<std::uint32_t, 3>> triangles,
                   int side_px,
-                  CoverScratch& scratch,
+                  CoverageScratch& scratch,
                   std::vector<PixelRun>& out) {
     // half of the grid to which GL snaps corners: adjacent triangles leave no gap
     constexpr float kSlack_px = 1.0f / 512.0f;
-    using Corner = CoverScratch::Corner;
+    using Corner = CoverageScratch::Corner;
     out.clear();
     Eigen::AlignedBox2i bounds;
     scratch.corners.resize(corners_px.size());

@@ -1,4 +1,4 @@
-#include "viewer/renderer/shadow_cover.hpp"
+#include "viewer/renderer/triangle_coverage.hpp"
 
 #include "viewer/renderer/floor_cells.hpp"
 
@@ -21,7 +21,7 @@ protected:
     static constexpr int kSide = 40;
     std::vector<Eigen::Vector2f> corners_;
     std::vector<std::array<std::uint32_t, 3>> triangles_;
-    CoverScratch scratch_;
+    CoverageScratch scratch_;
     std::vector<PixelRun> runs_;
 
     void find() { find_covered(corners_, triangles_, kSide, scratch_, runs_); }
