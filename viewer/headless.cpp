@@ -24,7 +24,7 @@ public:
     double display_hz() const override { return 0.0; }
     std::array<int, 2> size() const override { return size_; }
     SurfaceEvents poll() override { return {}; }
-    void show(const renderer::SceneRenderer&, const HudFigures&) override { glFinish(); }
+    void show(const renderer::SceneRenderer&, const HudContent&) override { glFinish(); }
     std::chrono::steady_clock::duration waited_for_display() const override { return {}; }
 
 private:

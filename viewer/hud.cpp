@@ -20,7 +20,7 @@ void draw_curve(const char* title, const std::array<float, Size>& values, float 
     ImGui::PlotLines("", values.data(), static_cast<int>(Size), 0, title, 0.0f, top, kCurve);
 }
 
-void draw_losses(const HudFigures& figures) {
+void draw_losses(const HudContent& figures) {
     if (figures.num_skipped + figures.num_incomplete + figures.num_rejected == 0) return;
     ImGui::Text("skipped %llu  incomplete %llu  rejected %llu",
                 static_cast<unsigned long long>(figures.num_skipped),
@@ -42,7 +42,7 @@ void draw_lines(const std::vector<SiteLine>& lines) {
 
 }  // namespace
 
-void draw_hud(const HudFigures& figures, bool has_details) {
+void draw_hud(const HudContent& figures, bool has_details) {
     ImGui::SetNextWindowPos({10.0f, 10.0f});
     ImGui::SetNextWindowBgAlpha(0.6f);
     ImGui::Begin("figures", nullptr, kFlags);

@@ -79,7 +79,7 @@ void Menu::draw_new_thing(SurfaceEvents& events) {
     events.add = thing;
 }
 
-void Menu::draw_things(const HudFigures& figures, SurfaceEvents& events) {
+void Menu::draw_things(const HudContent& figures, SurfaceEvents& events) {
     const auto& things = figures.things;
     ImGui::Text("%zu objects", things.size());
     const ThingLine* chosen = nullptr;
@@ -111,7 +111,7 @@ void Menu::draw_things(const HudFigures& figures, SurfaceEvents& events) {
     ImGui::TextUnformatted("Delete: remove the object under the mouse");
 }
 
-void Menu::draw(const HudFigures& figures, SurfaceEvents& events) {
+void Menu::draw(const HudContent& figures, SurfaceEvents& events) {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos({size.x - 10.0f, 10.0f}, ImGuiCond_Always, {1.0f, 0.0f});
     // as high as needed; scrolls in a low window

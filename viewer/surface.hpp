@@ -44,7 +44,7 @@ struct ThingLine {
 };
 
 /// Statistics and messages shown beside the picture.
-struct HudFigures {
+struct HudContent {
     double frames_per_s = 0.0;
     bus::LatencySummary capture_to_display;
     double bytes_per_s = 0.0;
@@ -75,7 +75,7 @@ public:
     virtual std::array<int, 2> size() const = 0;  // size of the picture [px]
     virtual SurfaceEvents poll() = 0;
     /// Shows the picture. Returns when drawing has finished.
-    virtual void show(const renderer::SceneRenderer& renderer, const HudFigures& figures) = 0;
+    virtual void show(const renderer::SceneRenderer& renderer, const HudContent& figures) = 0;
     /// Time that the last `show` waited for the display after drawing had finished.
     virtual std::chrono::steady_clock::duration waited_for_display() const = 0;
 };

@@ -90,7 +90,7 @@ struct Viewer::Impl {
     RateMeter byte_rate;
     History latencies_ms;  // one value per new person
     History pictures;
-    HudFigures hud;
+    HudContent hud;
     app::log::OncePerSecond command_failures;
     Clock::time_point notice_until;
     std::uint64_t num_frames = 0;

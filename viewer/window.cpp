@@ -84,7 +84,7 @@ public:
         return std::exchange(events_, {});
     }
 
-    void show(const renderer::SceneRenderer& renderer, const HudFigures& figures) override {
+    void show(const renderer::SceneRenderer& renderer, const HudContent& figures) override {
         if (has_two_buffers_)
             renderer.present_halves();
         else

@@ -82,7 +82,7 @@ protected:
 
     std::unique_ptr<VirtualDisplay> display_;
     std::unique_ptr<Surface> window_;
-    HudFigures figures_;
+    HudContent figures_;
     std::optional<renderer::SceneRenderer> renderer_;
 };
 
