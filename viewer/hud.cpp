@@ -29,7 +29,7 @@ void draw_losses(const HudContent& figures) {
 }
 
 // Limits the number of lines, so they do not cover the picture.
-void draw_lines(const std::vector<SiteLine>& lines) {
+void draw_lines(const std::vector<HudLine>& lines) {
     constexpr std::size_t kMostLines = 16;
     for (std::size_t i = 0; i < std::min(lines.size(), kMostLines); ++i) {
         if (lines[i].is_warning)

@@ -88,8 +88,8 @@ FollowCamera::Places PeopleView::places(const renderer::SceneRenderer& renderer)
     return places;
 }
 
-std::vector<SiteLine> PeopleView::lines(Clock::time_point now) {
-    std::vector<SiteLine> lines;
+std::vector<HudLine> PeopleView::lines(Clock::time_point now) {
+    std::vector<HudLine> lines;
     for (auto& [site, shown] : shown_) {
         const double per_s = shown.rate.update(shown.num_pairs, now);
         if (now - shown.since > kStalled) {

@@ -20,7 +20,7 @@ namespace atrium::viewer {
 double opacity_after(std::chrono::nanoseconds silence);
 
 /// A line of text for the HUD.
-struct SiteLine {
+struct HudLine {
     std::string text;
     bool is_warning = false;
 };
@@ -56,7 +56,7 @@ public:
         return opacity_after(now - shown_.at(site).since);
     }
     /// One line per person. Rates count from the last call.
-    std::vector<SiteLine> lines(Clock::time_point now);
+    std::vector<HudLine> lines(Clock::time_point now);
 
 private:
     void show(const std::string& site,

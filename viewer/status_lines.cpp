@@ -70,8 +70,8 @@ void StatusLines::forget_silent(Clock::time_point now) {
     }
 }
 
-std::vector<SiteLine> StatusLines::warnings() const {
-    std::vector<SiteLine> lines;
+std::vector<HudLine> StatusLines::warnings() const {
+    std::vector<HudLine> lines;
     if (without_world_ > Clock::duration::zero()) {
         const double silent_s = seconds(without_world_);
         lines.push_back({fmt::format("no world server for {:.0f} s", silent_s), true});
@@ -94,8 +94,8 @@ std::vector<SiteLine> StatusLines::warnings() const {
     return lines;
 }
 
-std::vector<SiteLine> StatusLines::details() const {
-    std::vector<SiteLine> lines;
+std::vector<HudLine> StatusLines::details() const {
+    std::vector<HudLine> lines;
     for (const auto& [title, program] : programs_) {
         lines.push_back(
             {fmt::format("{}: {:.1f} {}", title, program.now.rate, program.now.rate_unit), false});

@@ -35,9 +35,9 @@ public:
 
     /// One line for each program that lost something between its last two reports, one per
     /// bottleneck, and one while no world reports.
-    std::vector<SiteLine> warnings() const;
+    std::vector<HudLine> warnings() const;
     /// Rate and stage times of each program.
-    std::vector<SiteLine> details() const;
+    std::vector<HudLine> details() const;
     /// Whether a world server reports.
     bool has_world() const;
     /// Commands of any sender that worlds have refused so far.

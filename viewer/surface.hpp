@@ -51,9 +51,9 @@ struct HudContent {
     std::uint64_t num_skipped = 0;     // pairs replaced by a newer one, or too late
     std::uint64_t num_incomplete = 0;  // pairs with lost samples
     std::uint64_t num_rejected = 0;
-    std::vector<SiteLine> sites;
-    std::vector<SiteLine> warnings;  // from the status reports of sites and worlds
-    std::vector<SiteLine> details;   // stage times from the status reports
+    std::vector<HudLine> sites;
+    std::vector<HudLine> warnings;  // from the status reports of sites and worlds
+    std::vector<HudLine> details;   // stage times from the status reports
     std::size_t num_objects = 0;
     std::vector<ThingLine> things;        // ordered by number
     std::optional<double> recording_s;    // length of the running video
