@@ -126,8 +126,8 @@ struct Viewer::Impl {
     void edit(const SurfaceEvents& events);
     void list_things();
     Expected<void> draw(Clock::time_point begin);
-    void tell_eyes();
-    void say(const std::string& notice);  // shows it on screen and logs it
+    void set_decoder_eyes();
+    void notify_user(const std::string& notice);  // shows it on screen and logs it
     void update_status(Clock::time_point now);
 };
 
@@ -237,7 +237,7 @@ bool Viewer::Impl::wait_for_picture(const std::stop_token& stop) {
     return false;
 }
 
-void Viewer::Impl::say(const std::string& notice) {
+void Viewer::Impl::notify_user(const std::string& notice) {
     app::log::info("{}", notice);
     hud.notice = notice;
     notice_until = Clock::now() + kNoticePeriod;
@@ -294,7 +294,7 @@ void Viewer::Impl::edit(const SurfaceEvents& events) {
             send(editor->remove(hit->object, objects, now));
     }
     const SceneEditor::Servers servers{reports.has_world(), reports.num_refused()};
-    for (const auto& outcome : editor->outcomes(objects, servers, now)) say(outcome.text);
+    for (const auto& outcome : editor->outcomes(objects, servers, now)) notify_user(outcome.text);
 }
 
 void Viewer::Impl::list_things() {
@@ -308,12 +308,12 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
     if (!display.is_tile()) move_about(events);
     if (events.screenshot) {
         if (auto drawn = draw_at_best(); !drawn) return drawn;
-        say(output_files->screenshot(*renderer));
+        notify_user(output_files->screenshot(*renderer));
         if (auto shown = show_quality(); !shown) return shown;
     }
     if (events.debug) annotations->toggle_debug();
     if (events.names) annotations->toggle_names();
-    if (events.record) say(output_files->toggle_video(*renderer));
+    if (events.record) notify_user(output_files->toggle_video(*renderer));
     edit(events);
     // a minimised window has no size
     const auto [width, height] = display.picture_size(surface->size());
@@ -322,7 +322,7 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
 }
 
 // The silhouettes of the debug view need the pictures of all cameras.
-void Viewer::Impl::tell_eyes() {
+void Viewer::Impl::set_decoder_eyes() {
     std::vector<Eigen::Vector3d> eyes_world;
     if (!(renderer->overlay().silhouettes_m() > 0.0))
         for (const renderer::EyeView& eye : eyes) eyes_world.push_back(eye.eye_world());
@@ -340,7 +340,7 @@ Expected<void> Viewer::Impl::draw(Clock::time_point begin) {
     if (const std::size_t num_new = people.just_shown().size(); num_new > 0)
         times.add_people((Clock::now() - now - scene_took) / num_new);
     eyes = display.eyes(camera, renderer->width(), renderer->height());
-    tell_eyes();
+    set_decoder_eyes();
     const std::string inside = follow_camera.is_first_person() ? follow_camera.name() : "";
     annotations->take(session->proxies(), now);
     annotations->update(*scene, people, inside, eyes, now, *renderer);
@@ -457,7 +457,7 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config,
     if (!display) return tl::unexpected(display.error());
     auto impl = std::make_unique<Impl>();
     impl->config = config;
-    if (config.view.name.empty()) impl->config.view.name = name_of_its_own();
+    if (config.view.name.empty()) impl->config.view.name = make_unique_name();
     auto session = Session::create(config.bus, impl->config.view.name);
     if (!session) return tl::unexpected(session.error());
     impl->surface_options = *surface;

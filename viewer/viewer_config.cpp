@@ -168,7 +168,7 @@ Expected<renderer::ViewCamera> make_view_camera(const ViewConfig& config) {
         .position_m = *position, .target_m = *target, .fov_deg = config.fov_deg};
 }
 
-std::string name_of_its_own() {
+std::string make_unique_name() {
     static std::atomic<int> num_named{0};
     const std::string end = fmt::format("-{}-{}", getpid(), ++num_named);
     const std::string host = bus::host_name();

@@ -77,6 +77,6 @@ Expected<SurfaceOptions> surface_options(const ViewerConfig& config);
 Expected<renderer::ViewCamera> make_view_camera(const ViewConfig& config);
 
 /// Returns a name that is unique across hosts, processes and the viewers of this process.
-std::string name_of_its_own();
+std::string make_unique_name();
 
 }  // namespace atrium::viewer
