@@ -18,7 +18,7 @@ constexpr double kOffTheFloorM = 0.01;
 constexpr double kMinSizeM = 0.02;
 constexpr double kMaxSizeM = 4.0;
 // pending commands watched; the world accepts 200 commands a second
-constexpr std::size_t kMaxWishes = 64;
+constexpr std::size_t kMaxPending = 64;
 
 std::string valid_name(std::string name, bus::Shape shape) {
     name = name.substr(0, 63);
@@ -84,19 +84,19 @@ bus::SceneCommand SceneEditor::command(bus::CommandKind kind) const {
     return command;
 }
 
-void SceneEditor::remember(Wish wish) {
-    if (wishes_.size() >= kMaxWishes) wishes_.erase(wishes_.begin());
-    wishes_.push_back(std::move(wish));
+void SceneEditor::add_pending(PendingCommand pending) {
+    if (pending_.size() >= kMaxPending) pending_.erase(pending_.begin());
+    pending_.push_back(std::move(pending));
 }
 
 bus::SceneCommand SceneEditor::add(const bus::SceneObject& object,
                                    const Objects& objects,
                                    Clock::time_point now) {
-    Wish wish{object.name, now, num_refused_, std::nullopt, {}};
+    PendingCommand pending{object.name, now, num_refused_, std::nullopt, {}};
     for (const auto& [id, there] : objects) {
-        if (there.name == object.name) wish.before.insert(id);
+        if (there.name == object.name) pending.before.insert(id);
     }
-    remember(std::move(wish));
+    add_pending(std::move(pending));
     bus::SceneCommand add = command(bus::CommandKind::kAdd);
     add.object = object;
     return add;
@@ -107,30 +107,30 @@ bus::SceneCommand SceneEditor::remove(std::uint32_t object,
                                       Clock::time_point now) {
     const auto found = objects.find(object);
     const std::string name = found == objects.end() ? "it" : found->second.name;
-    remember({name, now, num_refused_, object, {}});
+    add_pending({name, now, num_refused_, object, {}});
     bus::SceneCommand remove = command(bus::CommandKind::kRemove);
     remove.target = object;
     return remove;
 }
 
-bool SceneEditor::is_fulfilled(const Wish& wish, const Objects& objects) {
-    if (wish.gone) return !objects.contains(*wish.gone);
+bool SceneEditor::took_effect(const PendingCommand& pending, const Objects& objects) {
+    if (pending.gone) return !objects.contains(*pending.gone);
     const auto came = std::find_if(objects.begin(), objects.end(), [&](const auto& there) {
-        return there.second.name == wish.name && !wish.before.contains(there.first);
+        return there.second.name == pending.name && !pending.before.contains(there.first);
     });
     if (came == objects.end()) return false;
     // two requests for one name need two objects
-    for (Wish& other : wishes_) {
-        if (!other.gone && other.name == wish.name) other.before.insert(came->first);
+    for (PendingCommand& other : pending_) {
+        if (!other.gone && other.name == pending.name) other.before.insert(came->first);
     }
     return true;
 }
 
-std::string SceneEditor::reason(const Wish& wish, const Servers& servers) const {
+std::string SceneEditor::reason(const PendingCommand& pending, const Servers& servers) const {
     if (!servers.are_there) return "no world server is running";
     // the server counts refusals without naming the sender
-    return servers.num_refused > wish.num_refused ? "the world server refused it"
-                                                  : "the world server did not react";
+    return servers.num_refused > pending.num_refused ? "the world server refused it"
+                                                     : "the world server did not react";
 }
 
 std::vector<SceneEditor::Outcome> SceneEditor::outcomes(const Objects& objects,
@@ -138,18 +138,19 @@ std::vector<SceneEditor::Outcome> SceneEditor::outcomes(const Objects& objects,
                                                         Clock::time_point now) {
     num_refused_ = servers.num_refused;
     std::vector<Outcome> outcomes;
-    for (auto wish = wishes_.begin(); wish != wishes_.end();) {
-        const bool is_done = is_fulfilled(*wish, objects);
-        if (!is_done && now - wish->since < kPatience) {
-            ++wish;
+    for (auto pending = pending_.begin(); pending != pending_.end();) {
+        const bool is_done = took_effect(*pending, objects);
+        if (!is_done && now - pending->since < kPatience) {
+            ++pending;
             continue;
         }
-        const std::string what = wish->gone ? "removed" : "added";
+        const std::string what = pending->gone ? "removed" : "added";
         outcomes.push_back(
-            {is_done ? fmt::format("{} was {}", wish->name, what)
-                     : fmt::format("{} was not {}: {}", wish->name, what, reason(*wish, servers)),
+            {is_done
+                 ? fmt::format("{} was {}", pending->name, what)
+                 : fmt::format("{} was not {}: {}", pending->name, what, reason(*pending, servers)),
              is_done});
-        wish = wishes_.erase(wish);
+        pending = pending_.erase(pending);
     }
     return outcomes;
 }

@@ -61,7 +61,7 @@ public:
                                   Clock::time_point now);
 
 private:
-    struct Wish {
+    struct PendingCommand {
         std::string name;
         Clock::time_point since;
         std::uint64_t num_refused = 0;  // at the time of the command
@@ -70,13 +70,13 @@ private:
         std::set<std::uint32_t> before;  // objects of that name at the time of the command
     };
     bus::SceneCommand command(bus::CommandKind kind) const;
-    void remember(Wish wish);
-    std::string reason(const Wish& wish, const Servers& servers) const;
-    bool is_fulfilled(const Wish& wish, const Objects& objects);
+    void add_pending(PendingCommand pending);
+    std::string reason(const PendingCommand& pending, const Servers& servers) const;
+    bool took_effect(const PendingCommand& pending, const Objects& objects);
 
     std::string sender_;
-    std::uint64_t num_refused_ = 0;  // latest count
-    std::vector<Wish> wishes_;       // oldest first
+    std::uint64_t num_refused_ = 0;        // latest count
+    std::vector<PendingCommand> pending_;  // oldest first
 };
 
 }  // namespace atrium::viewer

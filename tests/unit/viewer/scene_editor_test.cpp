@@ -121,7 +121,7 @@ TEST(SceneEditor, SaysWhyNothingCameOfIt) {
     EXPECT_EQ(kept[0].text, "floor was not removed: the world server refused it");
 }
 
-TEST(SceneEditor, RemembersABoundedNumberOfWishes) {
+TEST(SceneEditor, RemembersABoundedNumberOfCommands) {
     SceneEditor editor("me");
     for (int i = 0; i < 1000; ++i) editor.add(named("ball"), {}, kStart);
     EXPECT_LE(editor.outcomes({}, kServer, kStart + milliseconds(9000)).size(), 64U);
