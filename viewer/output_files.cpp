@@ -1,6 +1,7 @@
 #include "viewer/output_files.hpp"
 
 #include "core/app/log.hpp"
+#include "viewer/picture_file.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/app/log.hpp"
-#include "viewer/picture_file.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
+#include "viewer/video_recorder.hpp"
 #include "viewer/viewer_config.hpp"
 
 #include <cstdint>
