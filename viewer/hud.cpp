@@ -20,12 +20,12 @@ void draw_curve(const char* title, const std::array<float, Size>& values, float 
     ImGui::PlotLines("", values.data(), static_cast<int>(Size), 0, title, 0.0f, top, kCurve);
 }
 
-void draw_losses(const HudContent& figures) {
-    if (figures.num_skipped + figures.num_incomplete + figures.num_rejected == 0) return;
+void draw_losses(const HudContent& content) {
+    if (content.num_skipped + content.num_incomplete + content.num_rejected == 0) return;
     ImGui::Text("skipped %llu  incomplete %llu  rejected %llu",
-                static_cast<unsigned long long>(figures.num_skipped),
-                static_cast<unsigned long long>(figures.num_incomplete),
-                static_cast<unsigned long long>(figures.num_rejected));
+                static_cast<unsigned long long>(content.num_skipped),
+                static_cast<unsigned long long>(content.num_incomplete),
+                static_cast<unsigned long long>(content.num_rejected));
 }
 
 // Limits the number of lines, so they do not cover the picture.
@@ -42,33 +42,33 @@ void draw_lines(const std::vector<HudLine>& lines) {
 
 }  // namespace
 
-void draw_hud(const HudContent& figures, bool has_details) {
+void draw_hud(const HudContent& content, bool has_details) {
     ImGui::SetNextWindowPos({10.0f, 10.0f});
     ImGui::SetNextWindowBgAlpha(0.6f);
     ImGui::Begin("figures", nullptr, kFlags);
-    ImGui::Text("%.0f pictures/s", figures.frames_per_s);
-    if (!figures.quality.empty())
-        ImGui::TextColored(kWarning, "machine too slow: %s", figures.quality.c_str());
-    if (figures.capture_to_display.num_samples > 0) {
+    ImGui::Text("%.0f pictures/s", content.frames_per_s);
+    if (!content.quality.empty())
+        ImGui::TextColored(kWarning, "machine too slow: %s", content.quality.c_str());
+    if (content.capture_to_display.num_samples > 0) {
         ImGui::Text("capture to display %.0f ms (99 %%: %.0f ms)",
-                    figures.capture_to_display.median_ms,
-                    figures.capture_to_display.p99_ms);
+                    content.capture_to_display.median_ms,
+                    content.capture_to_display.p99_ms);
     }
-    ImGui::Text("%.2f MB/s   %zu objects", 1e-6 * figures.bytes_per_s, figures.num_objects);
-    draw_losses(figures);
-    draw_lines(figures.sites);
-    if (figures.sites.empty()) ImGui::TextUnformatted("nobody is here");
-    draw_lines(figures.warnings);
-    if (has_details) draw_lines(figures.details);
-    draw_curve("capture to display, ms, 30 s", figures.latency_ms, 50.0f);
-    draw_curve("pictures/s, 30 s", figures.pictures_per_s, 60.0f);
-    if (figures.recording_s)
-        ImGui::TextColored(kWarning, "recording, %.1f s   F9: stop", *figures.recording_s);
-    if (figures.num_video_dropped > 0)
+    ImGui::Text("%.2f MB/s   %zu objects", 1e-6 * content.bytes_per_s, content.num_objects);
+    draw_losses(content);
+    draw_lines(content.sites);
+    if (content.sites.empty()) ImGui::TextUnformatted("nobody is here");
+    draw_lines(content.warnings);
+    if (has_details) draw_lines(content.details);
+    draw_curve("capture to display, ms, 30 s", content.latency_ms, 50.0f);
+    draw_curve("pictures/s, 30 s", content.pictures_per_s, 60.0f);
+    if (content.recording_s)
+        ImGui::TextColored(kWarning, "recording, %.1f s   F9: stop", *content.recording_s);
+    if (content.num_video_dropped > 0)
         ImGui::TextColored(kWarning,
                            "pictures missing in videos: %llu",
-                           static_cast<unsigned long long>(figures.num_video_dropped));
-    if (!figures.notice.empty()) ImGui::TextUnformatted(figures.notice.c_str());
+                           static_cast<unsigned long long>(content.num_video_dropped));
+    if (!content.notice.empty()) ImGui::TextUnformatted(content.notice.c_str());
     ImGui::TextUnformatted("?: keys   M: menu   T: times   H: hide");
     ImGui::End();
 }

@@ -79,8 +79,8 @@ void Menu::draw_new_thing(SurfaceEvents& events) {
     events.add = thing;
 }
 
-void Menu::draw_things(const HudContent& figures, SurfaceEvents& events) {
-    const auto& things = figures.things;
+void Menu::draw_things(const HudContent& content, SurfaceEvents& events) {
+    const auto& things = content.things;
     ImGui::Text("%zu objects", things.size());
     const ThingLine* chosen = nullptr;
     if (ImGui::BeginListBox("##things", {-1.0f, kListHeight})) {
@@ -111,7 +111,7 @@ void Menu::draw_things(const HudContent& figures, SurfaceEvents& events) {
     ImGui::TextUnformatted("Delete: remove the object under the mouse");
 }
 
-void Menu::draw(const HudContent& figures, SurfaceEvents& events) {
+void Menu::draw(const HudContent& content, SurfaceEvents& events) {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos({size.x - 10.0f, 10.0f}, ImGuiCond_Always, {1.0f, 0.0f});
     // as high as needed; scrolls in a low window
@@ -128,8 +128,8 @@ void Menu::draw(const HudContent& figures, SurfaceEvents& events) {
     ImGui::Separator();
     draw_new_thing(events);
     ImGui::Separator();
-    draw_things(figures, events);
-    if (!figures.notice.empty()) ImGui::TextWrapped("%s", figures.notice.c_str());
+    draw_things(content, events);
+    if (!content.notice.empty()) ImGui::TextWrapped("%s", content.notice.c_str());
     ImGui::TextUnformatted("M: close the menu");
     ImGui::PopItemWidth();
     ImGui::End();

@@ -12,11 +12,11 @@ class Menu {
 public:
     /// Lays out the menu and writes the user's choices to `events`. Call between ImGui's NewFrame
     /// and Render.
-    void draw(const HudContent& figures, SurfaceEvents& events);
+    void draw(const HudContent& content, SurfaceEvents& events);
 
 private:
     void draw_new_thing(SurfaceEvents& events);
-    void draw_things(const HudContent& figures, SurfaceEvents& events);
+    void draw_things(const HudContent& content, SurfaceEvents& events);
 
     int shape_ = 0;                                     // index into the menu's shapes
     std::array<float, 3> size_m_{0.25f, 0.25f, 0.25f};  // as NewThing::size_m

@@ -75,7 +75,7 @@ public:
     virtual std::array<int, 2> size() const = 0;  // size of the picture [px]
     virtual SurfaceEvents poll() = 0;
     /// Shows the picture. Returns when drawing has finished.
-    virtual void show(const renderer::SceneRenderer& renderer, const HudContent& figures) = 0;
+    virtual void show(const renderer::SceneRenderer& renderer, const HudContent& content) = 0;
     /// Time that the last `show` waited for the display after drawing had finished.
     virtual std::chrono::steady_clock::duration waited_for_display() const = 0;
 };

@@ -84,7 +84,7 @@ public:
         return std::exchange(events_, {});
     }
 
-    void show(const renderer::SceneRenderer& renderer, const HudContent& figures) override {
+    void show(const renderer::SceneRenderer& renderer, const HudContent& content) override {
         if (has_two_buffers_)
             renderer.present_halves();
         else
@@ -93,8 +93,8 @@ public:
         ImGui_ImplOpenGL3_NewFrame();
         ImGui_ImplGlfw_NewFrame();
         ImGui::NewFrame();
-        if (is_hud_shown_) draw_hud(figures, has_details_);
-        if (is_menu_shown_) menu_.draw(figures, events_);
+        if (is_hud_shown_) draw_hud(content, has_details_);
+        if (is_menu_shown_) menu_.draw(content, events_);
         if (are_keys_shown_) draw_keys();
         ImGui::Render();
         ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
