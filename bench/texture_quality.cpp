@@ -9,8 +9,8 @@
 #include "tests/support/filmed_person.hpp"
 #include "tests/support/person_photographer.hpp"
 #include "tests/support/picture_error.hpp"
-#include "viewer/renderer/camera_blend.hpp"
-#include "viewer/renderer/needed_cameras.hpp"
+#include "viewer/renderer/person/camera_blend.hpp"
+#include "viewer/renderer/person/needed_cameras.hpp"
 
 #include <fmt/format.h>
 

@@ -4,10 +4,10 @@
 #include "core/base/expected.hpp"
 #include "core/bus/bus.hpp"
 #include "core/config/option_set.hpp"
-#include "viewer/display.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
 #include "viewer/renderer/view_camera.hpp"
-#include "viewer/surface.hpp"
+#include "viewer/ui/display.hpp"
+#include "viewer/ui/surface.hpp"
 
 #include <cstdint>
 #include <filesystem>

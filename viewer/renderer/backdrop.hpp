@@ -4,9 +4,9 @@
 #include "core/gl/resources.hpp"
 #include "core/gl/shader_program.hpp"
 #include "viewer/renderer/floor_cells.hpp"
-#include "viewer/renderer/object_look.hpp"
+#include "viewer/renderer/object/object_look.hpp"
+#include "viewer/renderer/object/textures.hpp"
 #include "viewer/renderer/screen_square.hpp"
-#include "viewer/renderer/textures.hpp"
 #include "viewer/renderer/triangle_coverage.hpp"
 #include "viewer/renderer/view_camera.hpp"
 

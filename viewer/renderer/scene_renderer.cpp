@@ -4,14 +4,14 @@
 #include "core/gl/shader_program.hpp"
 #include "viewer/renderer/backdrop.hpp"
 #include "viewer/renderer/fxaa.hpp"
-#include "viewer/renderer/object_batch.hpp"
-#include "viewer/renderer/object_drawing.hpp"
-#include "viewer/renderer/object_shaders.hpp"
-#include "viewer/renderer/person_drawing.hpp"
+#include "viewer/renderer/object/object_batch.hpp"
+#include "viewer/renderer/object/object_drawing.hpp"
+#include "viewer/renderer/object/object_shaders.hpp"
+#include "viewer/renderer/object/textures.hpp"
+#include "viewer/renderer/person/person_drawing.hpp"
+#include "viewer/renderer/person/silhouette_drawing.hpp"
+#include "viewer/renderer/person/warm_up_person.hpp"
 #include "viewer/renderer/shaders.hpp"
-#include "viewer/renderer/silhouette_drawing.hpp"
-#include "viewer/renderer/textures.hpp"
-#include "viewer/renderer/warm_up_person.hpp"
 
 #include <glad/gl.h>
 

@@ -2,10 +2,10 @@
 
 #include "core/base/expected.hpp"
 #include "core/geometry/rigid_transform.hpp"
-#include "viewer/renderer/object_look.hpp"
+#include "viewer/renderer/object/object_look.hpp"
+#include "viewer/renderer/object/soft_surface.hpp"
 #include "viewer/renderer/overlay.hpp"
-#include "viewer/renderer/person_model.hpp"
-#include "viewer/renderer/soft_surface.hpp"
+#include "viewer/renderer/person/person_model.hpp"
 #include "viewer/renderer/view_camera.hpp"
 
 #include <cstdint>

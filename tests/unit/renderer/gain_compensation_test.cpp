@@ -1,7 +1,7 @@
-#include "viewer/renderer/gain_compensation.hpp"
+#include "viewer/renderer/person/gain_compensation.hpp"
 
 #include "tests/unit/renderer/synthetic_person.hpp"
-#include "viewer/renderer/person_model.hpp"
+#include "viewer/renderer/person/person_model.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
-#include "viewer/renderer/warm_up_person.hpp"
+#include "viewer/renderer/person/warm_up_person.hpp"
 
-#include "viewer/renderer/camera_blend.hpp"
+#include "viewer/renderer/person/camera_blend.hpp"
 
 #include <gtest/gtest.h>
 

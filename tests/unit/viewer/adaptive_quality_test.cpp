@@ -1,4 +1,4 @@
-#include "viewer/adaptive_quality.hpp"
+#include "viewer/pacing/adaptive_quality.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "viewer/decoded_people.hpp"
+#include "viewer/receive/decoded_people.hpp"
 
 #include <gtest/gtest.h>
 

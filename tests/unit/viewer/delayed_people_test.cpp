@@ -1,6 +1,6 @@
-#include "viewer/delayed_people.hpp"
+#include "viewer/receive/delayed_people.hpp"
 
-#include "viewer/people_view.hpp"
+#include "viewer/scene/people_view.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
-#include "viewer/follow_camera.hpp"
+#include "viewer/control/follow_camera.hpp"
 
-#include "viewer/history.hpp"
+#include "viewer/ui/history.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "viewer/person_decoder.hpp"
+#include "viewer/receive/person_decoder.hpp"
 
 #include "tests/unit/viewer/test_site.hpp"
 

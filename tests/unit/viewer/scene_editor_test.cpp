@@ -1,4 +1,4 @@
-#include "viewer/scene_editor.hpp"
+#include "viewer/control/scene_editor.hpp"
 
 #include "core/bus/checks.hpp"
 

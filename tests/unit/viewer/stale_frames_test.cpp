@@ -1,4 +1,4 @@
-#include "viewer/stale_frames.hpp"
+#include "viewer/receive/stale_frames.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "viewer/status_lines.hpp"
+#include "viewer/ui/status_lines.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 #include "tests/support/virtual_display.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
-#include "viewer/surface.hpp"
+#include "viewer/ui/surface.hpp"
 
 #include <gtest/gtest.h>
 
