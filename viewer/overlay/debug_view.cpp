@@ -19,7 +19,7 @@ const Eigen::Vector3f kThingColour(0.2f, 0.85f, 0.3f);
 const Eigen::Vector3f kVelocityColour(1.0f, 0.15f, 0.1f);
 // a velocity line ends where the object will be after this time
 constexpr double kVelocityS = 0.25;
-constexpr double kSlowestMps = 0.02;  // slower objects get no velocity line
+constexpr double kSlowestObjectMps = 0.02;  // slower objects get no velocity line
 constexpr std::size_t kMaxLines = 200'000;
 constexpr double kNameHeight = 0.035;  // share of the picture's height
 // bounds the memory: 64 sites with 64 cameras each may appear
@@ -52,7 +52,7 @@ void append_things(const SceneView& scene, const ProxyView& proxies, std::vector
             !proxies.append_edges(state.object, world_from_object, kThingColour, lines))
             append_shape(object, world_from_object, kThingColour, lines);
         const Eigen::Vector3d& at = state.world_from_object.translation;
-        if (state.linear_velocity.norm() > kSlowestMps)
+        if (state.linear_velocity.norm() > kSlowestObjectMps)
             append_line(at, at + kVelocityS * state.linear_velocity, kVelocityColour, lines);
     }
     for (const auto& [id, nodes] : scene.nodes()) append_bounds(nodes, kThingColour, lines);

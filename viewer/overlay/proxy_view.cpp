@@ -17,9 +17,9 @@ constexpr auto kSilent = std::chrono::seconds(1);
 constexpr std::size_t kMaxPeople = 64;      // sites of a world
 constexpr std::size_t kMaxPoints = 32'768;  // drawn per picture, all people together
 constexpr double kTickM = 0.015;
-constexpr double kWayS = 0.1;         // a motion line ends where the surfel will be after this time
-constexpr double kSlowestMps = 0.05;  // slower surfels get no motion line
-constexpr double kCrossM = 0.02;      // half the size of a contact's cross
+constexpr double kWayS = 0.1;  // a motion line ends where the surfel will be after this time
+constexpr double kSlowestSurfelMps = 0.05;  // slower surfels get no motion line
+constexpr double kCrossM = 0.02;            // half the size of a contact's cross
 const Eigen::Vector3f kTouchColour(1.0f, 0.2f, 0.9f);
 
 template <typename Key, typename Message, typename Known, typename Make>
@@ -91,7 +91,8 @@ void ProxyView::append_people(std::vector<Line>& lines) const {
             const double speed_mps = velocity.norm();
             const Eigen::Vector3f colour = colour_of_speed(speed_mps);
             append_line(at, at + kTickM * bus::normal_of(proxy.points[i]), colour, lines);
-            if (speed_mps > kSlowestMps) append_line(at, at + kWayS * velocity, colour, lines);
+            if (speed_mps > kSlowestSurfelMps)
+                append_line(at, at + kWayS * velocity, colour, lines);
         }
         for (const bus::Touch& touch : proxy.touches) append_cross(touch.point_world, lines);
     }
