@@ -15,7 +15,7 @@ PersonUpdate person_of(std::int64_t capture_ns) {
     return update;
 }
 
-class DuePeopleTest : public testing::Test {
+class DelayedPeopleTest : public testing::Test {
 protected:
     void add(const std::string& site, PersonUpdate update) {
         people_.add(site, std::move(update), note_);
@@ -39,7 +39,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::Pair;
 
-TEST_F(DuePeopleTest, AreTheNewestOfEachSiteThatAreDue) {
+TEST_F(DelayedPeopleTest, AreTheNewestOfEachSiteThatAreDue) {
     for (const std::int64_t time : {10, 20, 30}) add("alice", person_of(time));
     add("bob", person_of(25));
     EXPECT_THAT(take(5), IsEmpty());
@@ -50,7 +50,7 @@ TEST_F(DuePeopleTest, AreTheNewestOfEachSiteThatAreDue) {
     EXPECT_THAT(take(100), ElementsAre(Pair("alice", 30)));
 }
 
-TEST_F(DuePeopleTest, AreGoneAtOnce) {
+TEST_F(DelayedPeopleTest, AreGoneAtOnce) {
     add("alice", person_of(10));
     add("alice", {});
     EXPECT_THAT(take(10), ElementsAre(Pair("alice", -1)));
@@ -58,7 +58,7 @@ TEST_F(DuePeopleTest, AreGoneAtOnce) {
 }
 
 // Two viewers that ask at other moments show the same at the same instant.
-TEST_F(DuePeopleTest, AreTheSameHoweverOftenOneAsks) {
+TEST_F(DelayedPeopleTest, AreTheSameHoweverOftenOneAsks) {
     DelayedPeople other;
     std::int64_t shown = 0, shown_by_other = 0;
     for (std::int64_t now = 0; now < 1000; ++now) {
@@ -88,7 +88,7 @@ TEST(PeopleView, FadesWhoIsSilentAndNobodyElse) {
     EXPECT_GT(opacity_after(std::chrono::hours(1)), 0.2) << "still there, as the site is";
 }
 
-TEST_F(DuePeopleTest, DoNotPileUpWhereNobodyAsks) {
+TEST_F(DelayedPeopleTest, DoNotPileUpWhereNobodyAsks) {
     for (std::int64_t time = 0; time < 100; ++time) add("alice", person_of(time));
     EXPECT_EQ(skipped_.size(), 84U);
     EXPECT_EQ(skipped_.back(), 83);

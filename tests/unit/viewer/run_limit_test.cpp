@@ -13,7 +13,7 @@ using Now = RunLimit::Now;
 
 const RunLimit::Clock::time_point kBegin{100s};
 
-TEST(EmptyWorldWarning, IsMissedOnceWhereNobodyCame) {
+TEST(EmptyWorldWarning, WarnsOnceIfNobodyComes) {
     bus::Presence viewer;
     viewer.kind = bus::ProgramKind::kViewer;
     EmptyWorldWarning empty_world("atrium");
@@ -23,13 +23,13 @@ TEST(EmptyWorldWarning, IsMissedOnceWhereNobodyCame) {
     EXPECT_FALSE(empty_world.update({viewer}, kBegin + 60s, true)) << "once";
 
     EmptyWorldWarning short_run("atrium");
-    EXPECT_TRUE(short_run.look({viewer}, kBegin, true));
+    EXPECT_TRUE(short_run.update({viewer}, kBegin, true));
 
     EmptyWorldWarning in_company("atrium");
     bus::Presence site;
     site.kind = bus::ProgramKind::kSiteNode;
-    EXPECT_FALSE(in_company.look({viewer, site}, kBegin, false));
-    EXPECT_FALSE(in_company.look({viewer}, kBegin + 60s, true)) << "it may leave";
+    EXPECT_FALSE(in_company.update({viewer, site}, kBegin, false));
+    EXPECT_FALSE(in_company.update({viewer}, kBegin + 60s, true)) << "it may leave";
 }
 
 TEST(RunLimit, WithoutOneARunGoesOn) {

@@ -11,7 +11,7 @@ using std::chrono::seconds;
 constexpr auto kPeriod = milliseconds(33);
 const Timestamp kBegin{1'000'000'000'000'000'000};
 
-class HeldUpTest : public testing::Test {
+class StaleFramesTest : public testing::Test {
 protected:
     StaleFrames sut_;
     Timestamp now_ = kBegin;
@@ -25,7 +25,7 @@ protected:
     }
 };
 
-TEST_F(HeldUpTest, TakesEveryFrameOfAStreamWhateverTheClocksSay) {
+TEST_F(StaleFramesTest, TakesEveryFrameOfAStreamWhateverTheClocksSay) {
     EXPECT_EQ(stream(milliseconds(20), seconds(5)), 0);
     StaleFrames other;
     for (int i = 0; i < 100; ++i)
@@ -33,7 +33,7 @@ TEST_F(HeldUpTest, TakesEveryFrameOfAStreamWhateverTheClocksSay) {
             other.add("ahead", kBegin + seconds(3600) + i * kPeriod, kBegin + i * kPeriod));
 }
 
-TEST_F(HeldUpTest, FindsWhatLayInQueuesWhileAProgramWasStopped) {
+TEST_F(StaleFramesTest, FindsWhatLayInQueuesWhileAProgramWasStopped) {
     stream(milliseconds(20), seconds(5));
     const Timestamp stopped = now_;
     now_ = now_ + seconds(5);
@@ -41,12 +41,12 @@ TEST_F(HeldUpTest, FindsWhatLayInQueuesWhileAProgramWasStopped) {
     EXPECT_EQ(stream(milliseconds(20), seconds(1)), 0);
 }
 
-TEST_F(HeldUpTest, LetsAQueueOfLessThanASecondPass) {
+TEST_F(StaleFramesTest, LetsAQueueOfLessThanASecondPass) {
     stream(milliseconds(20), seconds(5));
     EXPECT_EQ(stream(milliseconds(900), seconds(2)), 0);
 }
 
-TEST_F(HeldUpTest, GetsUsedToAClockThatWasSetWithinHalfASecond) {
+TEST_F(StaleFramesTest, GetsUsedToAClockThatWasSetWithinHalfASecond) {
     stream(milliseconds(20), seconds(5));
     const int num = stream(seconds(10), seconds(5));
     EXPECT_GE(num, 14);
@@ -55,7 +55,7 @@ TEST_F(HeldUpTest, GetsUsedToAClockThatWasSetWithinHalfASecond) {
     EXPECT_LE(stream(milliseconds(20), seconds(5)), 17);
 }
 
-TEST_F(HeldUpTest, IsNotFooledByOldFramesBetweenNewOnes) {
+TEST_F(StaleFramesTest, IsNotFooledByOldFramesBetweenNewOnes) {
     stream(milliseconds(20), seconds(5));
     for (int i = 0; i < 100; ++i) {
         EXPECT_TRUE(sut_.add("site", now_ + seconds(-3), now_));
@@ -65,7 +65,7 @@ TEST_F(HeldUpTest, IsNotFooledByOldFramesBetweenNewOnes) {
 }
 
 // A drift of 50 ppm makes two seconds in eleven hours.
-TEST_F(HeldUpTest, FollowsClocksThatDriftApart) {
+TEST_F(StaleFramesTest, FollowsClocksThatDriftApart) {
     int num_held_up = 0;
     for (int minute = 0; minute < 660; ++minute) {
         for (int i = 0; i < 3; ++i) {
@@ -77,7 +77,7 @@ TEST_F(HeldUpTest, FollowsClocksThatDriftApart) {
     EXPECT_EQ(num_held_up, 0);
 }
 
-TEST_F(HeldUpTest, BeginsAnewWithASiteThatWasGone) {
+TEST_F(StaleFramesTest, BeginsAnewWithASiteThatWasGone) {
     stream(milliseconds(20), seconds(1));
     sut_.forget("site");
     EXPECT_EQ(stream(seconds(8), seconds(1)), 0);
