@@ -43,7 +43,7 @@ struct VideoConfig {
 
 struct ViewerConfig {
     bus::BusOptions bus;
-    app::ProcessOptions process{.nice = 2};  // sites and world have priority
+    app::ProcessOptions process{.nice = 2};  // capture, sites and world have priority
     ViewConfig view;
     DisplayConfig display;
     VideoConfig video;

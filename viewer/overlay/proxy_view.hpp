@@ -13,7 +13,7 @@
 
 namespace atrium::viewer {
 
-/// Draws the collision shapes of people and models as lines. Drawing thread only.
+/// Draws the physics proxies of people and models as lines. Drawing thread only.
 class ProxyView {
 public:
     using Clock = std::chrono::steady_clock;

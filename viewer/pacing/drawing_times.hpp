@@ -8,7 +8,7 @@
 
 namespace atrium::viewer {
 
-/// Measures what the drawing thread spends per picture. Not thread-safe.
+/// Measures the time of the drawing thread per picture. Not thread-safe.
 class DrawingTimes {
 public:
     using Duration = std::chrono::steady_clock::duration;

@@ -43,7 +43,7 @@ public:
     std::optional<PersonUpdate> put(const std::string& site, PersonUpdate update);
     /// Takes all updates. Never blocks.
     std::vector<Item> take_all();
-    /// Returns who became ready since the last call, including updates that were replaced or taken
+    /// Returns the arrivals since the last call, including updates that were replaced or taken
     /// since. Keeps the newest kMostArrivals.
     std::vector<Arrival> take_arrivals();
     /// Blocks until there are arrivals, until `until`, or until a stop is requested.

@@ -18,8 +18,9 @@ struct ProxyChanges {
     std::map<std::uint32_t, std::optional<bus::ObjectProxy>> objects;  // nullopt: gone
 };
 
-/// Receives the collision shapes of people and models. Readers exist only while they are wanted, so
-/// the world server publishes the proxies only then. The newest sample of each key counts.
+/// Receives the physics proxies: surfels of people and convex parts of models. Readers exist only
+/// while they are wanted, so the world server publishes the proxies only then. The newest sample of
+/// each key counts.
 class ProxyInbox {
 public:
     /// Any thread may call these.

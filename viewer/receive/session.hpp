@@ -83,7 +83,7 @@ public:
     }
     SceneChanges take_scene();
     StatusReports take_statuses();
-    /// Collision shapes of people and models, received on demand.
+    /// Physics proxies of people and models, received on demand.
     ProxyInbox& proxies() { return proxies_; }
     /// Returns a model that is no longer shown; the decoder reuses its memory.
     void recycle(renderer::PersonModel model);
