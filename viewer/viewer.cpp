@@ -79,7 +79,7 @@ struct Viewer::Impl {
     std::optional<SceneEditor> editor;
     StatusLines reports;
     atrium::status::OverloadLog overload{bus::ProgramKind::kViewer};
-    std::uint64_t listed_revision = 0;  // scene revision of hud.things
+    std::uint64_t listed_revision = 0;  // scene revision of hud.objects
     FollowCamera follow_camera;
     LatencyWindow latency;
     DrawingTimes times;
@@ -124,7 +124,7 @@ struct Viewer::Impl {
     void move_about(const SurfaceEvents& events);
     Expected<void> react(const SurfaceEvents& events);
     void edit(const SurfaceEvents& events);
-    void list_things();
+    void list_objects();
     Expected<void> draw(Clock::time_point begin);
     void set_decoder_eyes();
     void notify_user(const std::string& notice);  // shows it on screen and logs it
@@ -297,11 +297,11 @@ void Viewer::Impl::edit(const SurfaceEvents& events) {
     for (const auto& outcome : editor->outcomes(objects, servers, now)) notify_user(outcome.text);
 }
 
-void Viewer::Impl::list_things() {
+void Viewer::Impl::list_objects() {
     if (std::exchange(listed_revision, scene->revision()) == scene->revision()) return;
-    hud.things.clear();
+    hud.objects.clear();
     for (const auto& [id, object] : scene->objects())
-        hud.things.push_back({id, fmt::format("{} ({})", object.name, id)});
+        hud.objects.push_back({id, fmt::format("{} ({})", object.name, id)});
 }
 
 Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
@@ -346,7 +346,7 @@ Expected<void> Viewer::Impl::draw(Clock::time_point begin) {
     annotations->update(*scene, people, inside, eyes, now, *renderer);
     times.add_preparation(Clock::now() - now);
     renderer->draw(eyes);
-    list_things();
+    list_objects();
     hud.num_objects = renderer->num_objects();
     hud.recording_s = output_files->video_s();
     hud.num_video_dropped = output_files->num_dropped();

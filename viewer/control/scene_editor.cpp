@@ -39,11 +39,11 @@ std::string valid_name(std::string name, bus::Shape shape) {
 }
 
 // Normalises the size for the shape.
-Eigen::Vector3d size_of(const NewThing& thing) {
-    const Eigen::Vector3d size = thing.size_m.cwiseMax(kMinSizeM).cwiseMin(kMaxSizeM);
-    if (thing.shape == bus::Shape::kSphere) return Eigen::Vector3d::Constant(size.x());
-    if (thing.shape == bus::Shape::kCylinder) return {size.x(), size.x(), size.z()};
-    if (thing.shape == bus::Shape::kCapsule)
+Eigen::Vector3d size_of(const NewObject& wanted) {
+    const Eigen::Vector3d size = wanted.size_m.cwiseMax(kMinSizeM).cwiseMin(kMaxSizeM);
+    if (wanted.shape == bus::Shape::kSphere) return Eigen::Vector3d::Constant(size.x());
+    if (wanted.shape == bus::Shape::kCylinder) return {size.x(), size.x(), size.z()};
+    if (wanted.shape == bus::Shape::kCapsule)
         return {size.x(), size.x(), std::max(size.x(), size.z())};
     return size;
 }
@@ -65,14 +65,14 @@ Eigen::Vector3d place_before(const renderer::EyeView& eye, const Eigen::Vector3d
 
 }  // namespace
 
-bus::SceneObject make_object(const NewThing& thing, const renderer::EyeView& eye) {
+bus::SceneObject make_object(const NewObject& wanted, const renderer::EyeView& eye) {
     bus::SceneObject object;
-    object.shape = thing.shape;
-    object.name = valid_name(thing.name, thing.shape);
-    object.size_m = size_of(thing);
-    object.mass_kg = std::clamp(thing.mass_kg, 0.01, 1000.0);
-    object.restitution = thing.shape == bus::Shape::kSphere ? 0.6 : 0.2;
-    object.colour = thing.colour.cwiseMax(0.0).cwiseMin(1.0);
+    object.shape = wanted.shape;
+    object.name = valid_name(wanted.name, wanted.shape);
+    object.size_m = size_of(wanted);
+    object.mass_kg = std::clamp(wanted.mass_kg, 0.01, 1000.0);
+    object.restitution = wanted.shape == bus::Shape::kSphere ? 0.6 : 0.2;
+    object.colour = wanted.colour.cwiseMax(0.0).cwiseMin(1.0);
     object.world_from_object.translation = place_before(eye, object.size_m);
     return object;
 }

@@ -16,7 +16,7 @@
 namespace atrium::viewer {
 
 /// An object that the user wants to add.
-struct NewThing {
+struct NewObject {
     bus::Shape shape = bus::Shape::kSphere;    // box, sphere, cylinder or capsule
     Eigen::Vector3d size_m{0.25, 0.25, 0.25};  // box: extents; others: diameter, unused, height
     double mass_kg = 0.5;
@@ -26,7 +26,7 @@ struct NewThing {
 
 /// Builds an object that bus and physics accept. Places it before the eye and above the floor
 /// (z=0), far enough that it stays visible when it falls, but at most 6 m away.
-bus::SceneObject make_object(const NewThing& thing, const renderer::EyeView& eye);
+bus::SceneObject make_object(const NewObject& wanted, const renderer::EyeView& eye);
 
 /// Builds the commands that add and remove objects, and detects whether they took effect. The
 /// server does not reply, so the editor watches the objects of the world.

@@ -15,7 +15,7 @@ using renderer::Line;
 const Eigen::Vector3f kCameraColour(0.15f, 0.55f, 1.0f);
 const Eigen::Vector3f kSpaceColour(0.55f, 0.55f, 0.6f);
 const Eigen::Vector3f kPersonColour(1.0f, 0.75f, 0.1f);
-const Eigen::Vector3f kThingColour(0.2f, 0.85f, 0.3f);
+const Eigen::Vector3f kObjectColour(0.2f, 0.85f, 0.3f);
 const Eigen::Vector3f kVelocityColour(1.0f, 0.15f, 0.1f);
 // a velocity line ends where the object will be after this time
 constexpr double kVelocityS = 0.25;
@@ -41,7 +41,7 @@ void append_bounds(const std::vector<Eigen::Vector3f>& points,
     append_box(world_from_box, (high - low).cast<double>(), colour, lines);
 }
 
-void append_things(const SceneView& scene, const ProxyView& proxies, std::vector<Line>& lines) {
+void append_objects(const SceneView& scene, const ProxyView& proxies, std::vector<Line>& lines) {
     for (const bus::ObjectState& state : scene.states()) {
         const auto found = scene.objects().find(state.object);
         if (found == scene.objects().end()) continue;
@@ -49,13 +49,13 @@ void append_things(const SceneView& scene, const ProxyView& proxies, std::vector
         const Eigen::Matrix4d world_from_object = state.world_from_object.matrix();
         const bool has_room = lines.size() < kMaxLines;  // the network may send any number of edges
         if (!has_room ||
-            !proxies.append_edges(state.object, world_from_object, kThingColour, lines))
-            append_shape(object, world_from_object, kThingColour, lines);
+            !proxies.append_edges(state.object, world_from_object, kObjectColour, lines))
+            append_shape(object, world_from_object, kObjectColour, lines);
         const Eigen::Vector3d& at = state.world_from_object.translation;
         if (state.linear_velocity.norm() > kSlowestObjectMps)
             append_line(at, at + kVelocityS * state.linear_velocity, kVelocityColour, lines);
     }
-    for (const auto& [id, nodes] : scene.nodes()) append_bounds(nodes, kThingColour, lines);
+    for (const auto& [id, nodes] : scene.nodes()) append_bounds(nodes, kObjectColour, lines);
 }
 
 }  // namespace
@@ -124,7 +124,7 @@ void DebugView::append(const SceneView& scene,
         world_from_box.topRightCorner<3, 1>() = place.middle;
         append_box(world_from_box, place.size, kPersonColour, lines);
     }
-    append_things(scene, proxies, lines);
+    append_objects(scene, proxies, lines);
     proxies.append_people(lines);
 }
 

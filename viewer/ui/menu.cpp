@@ -42,7 +42,7 @@ void size_slider(const char* title, float& value_m) {
 
 }  // namespace
 
-void Menu::draw_new_thing(SurfaceEvents& events) {
+void Menu::draw_new_object(SurfaceEvents& events) {
     for (int i = 0; i < static_cast<int>(kShapes.size()); ++i) {
         if (i > 0) ImGui::SameLine();
         ImGui::RadioButton(kShapes[static_cast<std::size_t>(i)].title, &shape_, i);
@@ -68,37 +68,37 @@ void Menu::draw_new_thing(SurfaceEvents& events) {
                      ImGuiInputTextFlags_CallbackCharFilter,
                      &allowed_in_names);
     if (!ImGui::Button("add it before the eye", {-1.0f, 0.0f})) return;
-    NewThing thing;
-    thing.shape = shape;
+    NewObject wanted;
+    wanted.shape = shape;
     for (int i = 0; i < 3; ++i) {
-        thing.size_m[i] = static_cast<double>(size_m_[static_cast<std::size_t>(i)]);
-        thing.colour[i] = linear_of(colour_[static_cast<std::size_t>(i)]);
+        wanted.size_m[i] = static_cast<double>(size_m_[static_cast<std::size_t>(i)]);
+        wanted.colour[i] = linear_of(colour_[static_cast<std::size_t>(i)]);
     }
-    thing.mass_kg = static_cast<double>(mass_kg_);
-    thing.name = name_.data();
-    events.add = thing;
+    wanted.mass_kg = static_cast<double>(mass_kg_);
+    wanted.name = name_.data();
+    events.add = wanted;
 }
 
-void Menu::draw_things(const HudContent& content, SurfaceEvents& events) {
-    const auto& things = content.things;
-    ImGui::Text("%zu objects", things.size());
-    const ThingLine* chosen = nullptr;
+void Menu::draw_object_list(const HudContent& content, SurfaceEvents& events) {
+    const auto& objects = content.objects;
+    ImGui::Text("%zu objects", objects.size());
+    const ObjectLine* chosen = nullptr;
     if (ImGui::BeginListBox("##things", {-1.0f, kListHeight})) {
         // lay out only the visible ones of thousands
         ImGuiListClipper clipper;
-        clipper.Begin(static_cast<int>(things.size()));
+        clipper.Begin(static_cast<int>(objects.size()));
         while (clipper.Step()) {
             for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
-                const ThingLine& thing = things[static_cast<std::size_t>(i)];
-                if (ImGui::Selectable(thing.text.c_str(), thing.object == chosen_))
-                    chosen_ = thing.object;
+                const ObjectLine& line = objects[static_cast<std::size_t>(i)];
+                if (ImGui::Selectable(line.text.c_str(), line.object == chosen_))
+                    chosen_ = line.object;
             }
         }
         clipper.End();
         ImGui::EndListBox();
     }
-    for (const ThingLine& thing : things) {
-        if (thing.object == chosen_) chosen = &thing;
+    for (const ObjectLine& line : objects) {
+        if (line.object == chosen_) chosen = &line;
     }
     ImGui::BeginDisabled(chosen == nullptr);
     const std::string title =
@@ -126,9 +126,9 @@ void Menu::draw(const HudContent& content, SurfaceEvents& events) {
     ImGui::PushItemWidth(-80.0f);
     if (ImGui::Button("reset all objects", {-1.0f, 0.0f})) events.reset_scene = true;
     ImGui::Separator();
-    draw_new_thing(events);
+    draw_new_object(events);
     ImGui::Separator();
-    draw_things(content, events);
+    draw_object_list(content, events);
     if (!content.notice.empty()) ImGui::TextWrapped("%s", content.notice.c_str());
     ImGui::TextUnformatted("M: close the menu");
     ImGui::PopItemWidth();

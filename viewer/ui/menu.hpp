@@ -15,11 +15,11 @@ public:
     void draw(const HudContent& content, SurfaceEvents& events);
 
 private:
-    void draw_new_thing(SurfaceEvents& events);
-    void draw_things(const HudContent& content, SurfaceEvents& events);
+    void draw_new_object(SurfaceEvents& events);
+    void draw_object_list(const HudContent& content, SurfaceEvents& events);
 
     int shape_ = 0;                                     // index into the menu's shapes
-    std::array<float, 3> size_m_{0.25f, 0.25f, 0.25f};  // as NewThing::size_m
+    std::array<float, 3> size_m_{0.25f, 0.25f, 0.25f};  // as NewObject::size_m
     float mass_kg_ = 0.5f;
     std::array<float, 3> colour_{0.85f, 0.35f, 0.15f};  // sRGB
     std::array<char, 64> name_{};

@@ -32,13 +32,13 @@ struct SurfaceEvents {
     bool follow = false;     // follow a person, or stop following
     std::size_t person = 0;  // person whose eyes to look through, from 1; 0: no change
     bool reset_scene = false;
-    std::optional<NewThing> add;          // add this object before the eye
+    std::optional<NewObject> add;         // add this object before the eye
     std::optional<std::uint32_t> remove;  // remove this object
     bool remove_pointed = false;          // remove the object under the pointer
 };
 
 /// An object of the world as a list entry.
-struct ThingLine {
+struct ObjectLine {
     std::uint32_t object = 0;
     std::string text;
 };
@@ -55,7 +55,7 @@ struct HudContent {
     std::vector<HudLine> warnings;  // from the status reports of sites and worlds
     std::vector<HudLine> details;   // stage times from the status reports
     std::size_t num_objects = 0;
-    std::vector<ThingLine> things;        // ordered by number
+    std::vector<ObjectLine> objects;      // ordered by number
     std::optional<double> recording_s;    // length of the running video
     std::uint64_t num_video_dropped = 0;  // pictures missing in videos
     std::string quality;                  // reduced quality on a slow machine; empty: full quality

@@ -162,10 +162,10 @@ TEST_F(ViewerWindow, HasAMenuThatTakesTheMouseAndTheKeys) {
     EXPECT_TRUE(click(x, 120).pointer.is_down) << "the world's";
     display_->press(kTitle, "m");
     for (int i = 0; i < 20; ++i) draw();
-    figures_.things = {{7, "ball (7)"}, {8, "box (8)"}};
+    figures_.objects = {{7, "ball (7)"}, {8, "box (8)"}};
     std::optional<int> reset_at;
     std::optional<int> name_at;
-    std::optional<NewThing> added;
+    std::optional<NewObject> added;
     for (int y = 20; y < 340; y += 7) {
         const SurfaceEvents events = click(x, y);
         EXPECT_FALSE(events.pointer.is_down) << y;
