@@ -118,7 +118,7 @@ void Backdrop::add_shadow(std::span<const PixelRun> runs, double darkness) {
     }
 }
 
-const gl::ShaderProgram& Backdrop::begin_thing_shadows() {
+const gl::ShaderProgram& Backdrop::begin_solid_shadows() {
     gl::upload_pixels(
         shadow_.colour, gl::PixelFormat::kR8, 0, 0, kShadowPx, kShadowPx, painted_.data());
     glDisable(GL_DEPTH_TEST);

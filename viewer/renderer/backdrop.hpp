@@ -39,8 +39,8 @@ public:
     void add_shadow(std::span<const PixelRun> runs, double darkness);
     /// Call after `add_shadow`. Returns the bound shader that draws solid shapes into the shadow
     /// map. Set "world_from_object" and "darkness"; 1 for a solid object.
-    const gl::ShaderProgram& begin_thing_shadows();
-    /// Call after `begin_thing_shadows`. Returns the shader for instances of rigid objects.
+    const gl::ShaderProgram& begin_solid_shadows();
+    /// Call after `begin_solid_shadows`. Returns the shader for instances of rigid objects.
     const gl::ShaderProgram& begin_object_shadows();
     /// Marks the floor that the shadow of this box may cover. The shadow map is sampled only there.
     void add_shadow_of(const Eigen::AlignedBox3d& box_world);

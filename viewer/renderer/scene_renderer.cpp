@@ -137,7 +137,7 @@ void SceneRenderer::Impl::draw_shadow() {
                 backdrop->add_shadow(person.shadow(), person.opacity());
         }
     }
-    const gl::ShaderProgram& shader = backdrop->begin_thing_shadows();
+    const gl::ShaderProgram& shader = backdrop->begin_solid_shadows();
     shader.set("darkness", 1.0f);
     shader.set("world_from_object", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
     for (const auto& [id, soft] : soft_objects) {
