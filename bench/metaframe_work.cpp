@@ -17,7 +17,7 @@
 #include "core/gl/offscreen_context.hpp"
 #include "site_node/camera_config.hpp"
 #include "site_node/open_source.hpp"
-#include "viewer/person_decoder.hpp"
+#include "viewer/receive/person_decoder.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
 #include "world_server/config.hpp"
 #include "world_server/simulation.hpp"

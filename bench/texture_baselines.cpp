@@ -1,6 +1,6 @@
 #include "bench/texture_baselines.hpp"
 
-#include "viewer/renderer/camera_blend.hpp"
+#include "viewer/renderer/person/camera_blend.hpp"
 #include "viewer/renderer/shaders.hpp"
 
 #include <Eigen/Geometry>

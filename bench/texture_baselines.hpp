@@ -2,7 +2,7 @@
 
 #include "core/gl/resources.hpp"
 #include "core/gl/shader_program.hpp"
-#include "viewer/renderer/person_model.hpp"
+#include "viewer/renderer/person/person_model.hpp"
 
 #include <Eigen/Core>
 

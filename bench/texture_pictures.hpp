@@ -2,7 +2,7 @@
 
 #include "tests/support/filmed_person.hpp"
 #include "tests/support/person_photographer.hpp"
-#include "viewer/renderer/person_model.hpp"
+#include "viewer/renderer/person/person_model.hpp"
 
 #include <filesystem>
 #include <vector>

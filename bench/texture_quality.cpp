@@ -9,8 +9,8 @@
 #include "tests/support/filmed_person.hpp"
 #include "tests/support/person_photographer.hpp"
 #include "tests/support/picture_error.hpp"
-#include "viewer/renderer/camera_blend.hpp"
-#include "viewer/renderer/needed_cameras.hpp"
+#include "viewer/renderer/person/camera_blend.hpp"
+#include "viewer/renderer/person/needed_cameras.hpp"
 
 #include <fmt/format.h>
 
@@ -71,7 +71,7 @@ double shortest_ms(std::uint64_t repeats, const Work& work) {
 
 renderer::PersonModelOptions model_options_of(const Options& options) {
     renderer::PersonModelOptions model_options;
-    if (!options.even_colours) model_options.colour_evening.max_points = 0;
+    if (!options.even_colours) model_options.gain_compensation.max_points = 0;
     return model_options;
 }
 

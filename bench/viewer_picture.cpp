@@ -3,7 +3,7 @@
 #include "bench/scale/coded_stream.hpp"
 #include "core/app/program.hpp"
 #include "core/gl/offscreen_context.hpp"
-#include "viewer/person_decoder.hpp"
+#include "viewer/receive/person_decoder.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
 
 #include <Eigen/Geometry>

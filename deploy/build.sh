@@ -1,6 +1,6 @@
 #!/bin/sh
-# Packages, configuration, build: `deploy/build.sh FOLDER [cmake options]`. What is done already is not done again.
-# TARGETS="a b" builds only these.
+# Installs packages, configures and builds: `deploy/build.sh FOLDER [cmake options]`. Skips finished steps.
+# TARGETS="a b" builds only these targets.
 set -eu
 cd "$(dirname "$0")/.."
 folder=$1

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs what Atrium is built with and runs on, from Debian 12's own archive. Does nothing where all of it is there.
+# Installs the packages that Atrium needs to build and run, from the archive of Debian 12. Does nothing if all are installed.
 set -eu
 
 packages="build-essential cmake ninja-build pkg-config ccache git python3 clang-format
@@ -13,14 +13,14 @@ for package in $packages; do
     [ "$state" = "install ok installed" ] || missing="$missing $package"
 done
 if [ -z "$missing" ]; then
-    echo "packages: all there"
+    echo "packages: all installed"
     exit 0
 fi
 
 as_root=""
 if [ "$(id -u)" -ne 0 ]; then
     if ! command -v sudo >/dev/null; then
-        echo "packages: these are missing and neither root nor sudo is there to install them:$missing" >&2
+        echo "packages: missing, and installing them needs root or sudo:$missing" >&2
         exit 1
     fi
     as_root="sudo"

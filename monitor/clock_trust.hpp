@@ -7,7 +7,7 @@
 
 namespace atrium::monitor {
 
-/// The clock of the host on which a program runs, as the program says.
+/// Clock of a program's host, as the program reports it.
 struct HostClock {
     std::string host;
     bool is_synchronised = false;
@@ -19,10 +19,10 @@ struct Comparison {
     double error_ms = 0.0;
 };
 
-/// What a time of one clock minus a time of the other is worth. Nothing: the host is not known.
+/// How far a difference of times of two clocks can be trusted. Empty: the host is unknown.
 Comparison compare(const std::optional<HostClock>& a, const std::optional<HostClock>& b);
 
-/// Of a figure that mixes both: the lesser trust, the larger error.
+/// For a value that mixes both: the lower trust and the larger error.
 Comparison worse(const Comparison& a, const Comparison& b);
 
 /// "clocks of A and B are not synchronised (B is not), latencies between them mean nothing".

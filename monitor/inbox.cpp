@@ -77,7 +77,7 @@ Expected<void> Inbox::subscribe_to_streams() {
 
 void Inbox::take(WorldModel& model) {
     const auto now = WorldModel::Clock::now();
-    // statuses first: the last one of a program that leaves comes before the word that it left
+    // statuses first: the last status of a program comes before its end
     model.rejected(sites_.take([&](bus::SiteStatus&& status) { model.see(status, now); },
                                [&](const bus::SiteStatus& key, bus::Ending how) {
                                    model.status_gone(ProgramKind::kSiteNode, key.site, how, now);
@@ -118,7 +118,7 @@ void Inbox::take_streams(WorldModel& model, WorldModel::Clock::time_point now) {
                        now);
     }),
                    now);
-    // of an object: its number, a pose and two velocities
+    // per object: number, pose and two velocities
     constexpr std::size_t kStateBytes = 4 + 13 * sizeof(double);
     model.rejected(streams_->states.take([&](bus::SceneState&& state) {
         model.measured("SceneState",

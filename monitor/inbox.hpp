@@ -8,18 +8,18 @@
 
 namespace atrium::monitor {
 
-/// What a monitor reads of its world. It writes nothing, and has no Presence: nobody waits for it,
-/// asks for its name, or sends it a stream that it does not measure.
+/// Reads the topics of a world for the monitor. Writes nothing and has no Presence, so no program
+/// waits for it, checks its name, or sends it a stream that it does not measure.
 class Inbox {
 public:
-    /// `measure`: reads the streams themselves as well, which every writer then sends here too.
+    /// `measure`: also subscribes to the streams; every writer then sends them to this host too.
     static Expected<Inbox> create(const bus::BusOptions& options, bool measure);
 
     const bus::Participant& participant() const { return participant_; }
-    /// Waits for something to read; false on the timeout and after a wake-up.
+    /// Waits for samples. Returns false after the timeout or `wake`.
     bool wait(std::chrono::milliseconds timeout) { return waiter_.wait(timeout); }
     void wake() { waiter_.wake(); }
-    /// Hands what has come to the model. Never waits.
+    /// Passes the new samples to the model. Never blocks.
     void take(WorldModel& model);
 
 private:

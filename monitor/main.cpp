@@ -10,13 +10,13 @@ int main(int argc, char** argv) {
     const app::ProgramInfo info{
         .name = "monitor",
         .summary =
-            "Shows who is in a world, how fast they are and what they lose, once a second. "
-            "It only listens: nobody in the world hears of it.",
+            "Shows the programs in a world, their rates and their losses, once a second. "
+            "It only listens: no other program notices it.",
         .examples =
             "  monitor\n"
             "  monitor --bus.world atrium --network lan --site alice\n"
             "  monitor --json --seconds 60 > world.jsonl\n"
-            "  monitor --once --wait 5      exit code 3 where nobody is there\n",
+            "  monitor --once --wait 5      exit code 3 if the world is empty\n",
         .only_prints = [] { return true; }};
     const app::Start start = app::start(info, options, argc, argv);
     if (!start.go_on) return start.exit_code;

@@ -55,7 +55,7 @@ private:
     Screen screen_;
 };
 
-// False once a stop is requested.
+// Takes samples until `until`. Returns false once a stop is requested.
 bool Monitor::listen(Clock::time_point until, std::stop_token stop) {
     while (!stop.stop_requested()) {
         const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
@@ -75,7 +75,8 @@ std::vector<std::string> Monitor::lines(const Report& report) const {
                                                  .height = screen_.height(),
                                                  .colour = screen_.has_colour(),
                                                  .sites = sites_});
-    if (!screen_.is_in_place() && !config_.once) text.emplace_back();  // between two reports
+    // empty line between two reports
+    if (!screen_.is_in_place() && !config_.once) text.emplace_back();
     return text;
 }
 
@@ -113,23 +114,22 @@ Expected<void> Monitor::run(std::stop_token stop) {
 }  // namespace
 
 void declare(MonitorConfig& config, config::OptionSet& options) {
-    options.add("json", config.json, "one JSON object per second and line (docs/monitor.md)");
+    options.add(
+        "json", config.json, "print one JSON object per second, one per line (docs/monitor.md)");
     options.add("once",
                 config.once,
-                "one report, and exit code 0, or 3 where nobody is there; comes after --wait");
+                "print one report after --wait and exit: code 0, or 3 if the world is empty");
     options.add(
-        "wait", config.wait_s, "listens so long before the report of --once [s]", {0.1, 3600});
-    options.add("seconds", config.seconds, "ends after so long [s]; 0: until Ctrl-C", {0, 1e9});
-    options.add("site",
-                config.sites,
-                "sites, \"a,b\", whose cameras are shown; empty: those of all where there is room");
+        "wait", config.wait_s, "time to listen before the report of --once [s]", {0.1, 3600});
+    options.add("seconds", config.seconds, "stop after this time [s]; 0: until Ctrl-C", {0, 1e9});
+    options.add(
+        "site", config.sites, "sites, \"a,b\", whose cameras are shown; empty: all that fit");
     options.add(
         "measure",
         config.measure,
-        "reads the streams to measure them: it subscribes to all meshes, textures and states, so "
-        "that sites send them here as to one more viewer. Without it a monitor costs the others "
-        "nothing, "
-        "and bytes per second are those that sites report");
+        "subscribe to all meshes, textures and states to measure them; sites then send them here "
+        "as to one more viewer. Without it a monitor costs the others nothing, and shows the "
+        "bytes per second that sites report");
     bus::declare(config.bus, options);
 }
 

@@ -13,16 +13,16 @@ struct MonitorConfig {
     bus::BusOptions bus;
     bool json = false;
     bool once = false;
-    double wait_s = 3.0;   // before the report of `once`
-    double seconds = 0.0;  // 0: until the stop
-    std::string sites;     // whose cameras are shown in any case, separated by commas
+    double wait_s = 3.0;   // time to listen before the report of `once` [s]
+    double seconds = 0.0;  // run time [s]; 0: until the stop
+    std::string sites;     // sites whose cameras are always shown, separated by commas
     bool measure = false;
 };
 
 void declare(MonitorConfig& config, config::OptionSet& options);
 
-/// Shows one report per second on standard output until the stop or the end of the time. With
-/// `once` one report; kNotFound where nobody is there then.
+/// Prints one report per second to standard output until the stop or the end of the time. With
+/// `once` prints one report; error kNotFound if the world is empty then.
 Expected<void> run_monitor(const MonitorConfig& config, std::stop_token stop);
 
 }  // namespace atrium::monitor

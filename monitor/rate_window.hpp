@@ -7,7 +7,7 @@
 
 namespace atrium::monitor {
 
-/// How fast something came during the last two seconds. Takes the same memory whatever comes.
+/// Measures a rate over the last two seconds. Uses constant memory.
 class RateWindow {
 public:
     using Clock = std::chrono::steady_clock;
@@ -20,7 +20,7 @@ public:
         bucket.amount += amount;
     }
 
-    /// Per second, over two seconds, or over the time since the first one where that is less.
+    /// Rate per second, over two seconds or since the first `add` if that is shorter.
     double per_s(Clock::time_point now) const {
         if (first_slot_ < 0) return 0.0;
         const std::int64_t last = slot_of(now);
@@ -34,7 +34,7 @@ public:
 
 private:
     static constexpr std::int64_t kNumSlots = 10;
-    static constexpr double kSlot_s = 0.2;  // as often as viewers report
+    static constexpr double kSlot_s = 0.2;  // period of the viewers' feedback
     static std::int64_t slot_of(Clock::time_point time) {
         return std::chrono::duration_cast<std::chrono::milliseconds>(time.time_since_epoch())
                    .count() /

@@ -160,7 +160,7 @@ std::string render_json(const Report& report) {
         out["programs"].push_back(program_json(program));
     out["streams"] = ordered_json::array();
     for (const StreamReport& stream : report.streams) out["streams"].push_back(stream_json(stream));
-    // whatever is no UTF-8 is replaced, not thrown at the user
+    // invalid UTF-8 is replaced, not thrown
     return out.dump(-1, ' ', /*ensure_ascii=*/true, ordered_json::error_handler_t::replace);
 }
 

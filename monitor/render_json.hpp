@@ -6,7 +6,8 @@
 
 namespace atrium::monitor {
 
-/// The report as one JSON object on one line, without the line's end. docs/monitor.md has the keys.
+/// Renders the report as one JSON object on one line, without line end. docs/monitor.md lists the
+/// keys.
 std::string render_json(const Report& report);
 
 }  // namespace atrium::monitor

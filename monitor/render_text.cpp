@@ -60,7 +60,7 @@ std::vector<std::string> latency_texts(const std::vector<Latency>& latencies) {
     return texts;
 }
 
-// Those that are not zero.
+// Skips losses of zero.
 std::vector<std::string> loss_texts(const std::vector<Count>& losses) {
     std::vector<std::string> texts;
     for (const Count& loss : losses) {
@@ -163,7 +163,7 @@ void add_stream(const StreamReport& stream, TextLines& lines) {
     std::vector<std::string> items{number_text(stream.complete.per_s) + " frames/s",
                                    bytes_text(stream.payload_bytes_per_s)};
     for (std::string& text : latency_texts(stream.delays)) items.push_back(std::move(text));
-    if (stream.is_silent) items = {"no word of it for some seconds"};
+    if (stream.is_silent) items = {"no feedback for some seconds"};
     std::vector<std::string> losses = loss_texts(stream.losses);
     if (!losses.empty()) losses.front() = "lost " + losses.front();
     items.insert(items.end(), losses.begin(), losses.end());
@@ -204,7 +204,7 @@ std::size_t num_of(const Report& report, ProgramKind kind) {
         }));
 }
 
-// A name given on the command line that no site has, as one that is misspelt.
+// Warns about names on the command line that no site has; they may be misspelt.
 void add_unknown_sites(const Report& report,
                        const std::vector<std::string>& names,
                        TextLines& lines) {
@@ -252,7 +252,7 @@ TextLines render(const Report& report, const TextOptions& options, bool with_all
 }  // namespace
 
 std::vector<std::string> render_text(const Report& report, const TextOptions& options) {
-    // with --site the others' cameras are not wanted
+    // with --site, cameras of other sites are not wanted
     TextLines lines = render(report, options, options.sites.empty());
     if (options.height > 0 && lines.size() > options.height) {
         lines = render(report, options, false);

@@ -18,12 +18,12 @@ Expected<void> put(const std::string& text) {
         std::fflush(stdout) == 0) {
         return {};
     }
-    return make_error(ErrorKind::kUnavailable, "standard output cannot be written");
+    return make_error(ErrorKind::kUnavailable, "cannot write to standard output");
 }
 
 constexpr char kLeaveInPlace[] = "\033[0m\033[?25h\033[?1049l";
 
-// For an end without destructors (a second Ctrl-C): a shell without a cursor is no use.
+// Restores the terminal at an exit without destructors, after a second Ctrl-C.
 std::atomic<bool> has_own_screen{false};
 void leave_in_place_at_quick_exit() {
     if (!has_own_screen) return;
@@ -37,7 +37,7 @@ winsize window_size() {
     return size;
 }
 
-// Colours by the convention of https://no-color.org: any value but an empty one forbids them.
+// Follows https://no-color.org: any value of NO_COLOR except an empty one disables colours.
 bool may_have_colour() {
     const char* forbidden = std::getenv("NO_COLOR");
     const char* terminal = std::getenv("TERM");
@@ -51,9 +51,9 @@ Screen::Screen(bool in_place)
     : in_place_(in_place && ::isatty(STDOUT_FILENO) != 0), has_colour_(may_have_colour()) {
     if (!in_place_) return;
     static const int registered = std::at_quick_exit(&leave_in_place_at_quick_exit);
-    static_cast<void>(registered);  // where there is no room for it, only that comfort is missing
+    static_cast<void>(registered);  // if it cannot be registered, only that restore is missing
     has_own_screen = true;
-    static_cast<void>(put("\033[?1049h\033[?25l"));  // other screen, no cursor
+    static_cast<void>(put("\033[?1049h\033[?25l"));  // alternate screen, no cursor
 }
 
 Screen::~Screen() { restore(); }
@@ -66,7 +66,7 @@ void Screen::restore() {
 }
 
 std::size_t Screen::width() const {
-    // not the last column: what is erased after it would be its own character
+    // leaves out the last column: erasing after it would erase its own character
     const winsize size = window_size();
     return size.ws_col > 1 ? size.ws_col - 1u : kNoLimit;
 }

@@ -8,11 +8,11 @@
 
 namespace atrium::monitor {
 
-/// Standard output: on a terminal a screen of its own that is drawn anew in place, elsewhere one
-/// report below the other. The terminal is as it was once this is gone.
+/// Standard output. On a terminal, redraws the report in place on the alternate screen; elsewhere
+/// prints one report after the other. The destructor restores the terminal.
 class Screen {
 public:
-    /// `in_place`: where it is a terminal.
+    /// `in_place`: redraw in place if standard output is a terminal.
     explicit Screen(bool in_place);
     ~Screen();
     Screen(const Screen&) = delete;
@@ -20,12 +20,12 @@ public:
 
     bool is_in_place() const { return in_place_; }
     bool has_colour() const { return has_colour_; }
-    std::size_t width() const;   // columns to be used; without a terminal no limit
-    std::size_t height() const;  // lines; 0: without limit
+    std::size_t width() const;   // usable columns; no limit without a terminal
+    std::size_t height() const;  // lines; 0: no limit
 
-    /// Fails where standard output cannot be written.
+    /// Shows the lines. Error kUnavailable if standard output cannot be written.
     Expected<void> show(const std::vector<std::string>& lines);
-    /// Leaves the screen of its own, if there is one, and prints below what was there before.
+    /// Leaves the alternate screen, if it is in use, and prints the lines on the normal one.
     Expected<void> leave(const std::vector<std::string>& lines);
 
 private:

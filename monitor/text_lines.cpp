@@ -77,7 +77,7 @@ void TextLines::cut(std::size_t height) {
     if (lines_.size() <= height || height == 0) return;
     const std::size_t num_hidden = lines_.size() - (height - 1);
     lines_.resize(height - 1);
-    add(fmt::format("... {} lines more, in a taller window", num_hidden), Look::kDim);
+    add(fmt::format("... {} more lines in a taller window", num_hidden), Look::kDim);
 }
 
 }  // namespace atrium::monitor

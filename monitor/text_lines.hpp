@@ -9,25 +9,25 @@ namespace atrium::monitor {
 
 enum class Look { kPlain, kTitle, kDim, kWarning, kBad };
 
-/// `text` with '?' for all that is not printable ASCII: nothing in it can command a terminal.
+/// Replaces everything but printable ASCII by '?', so no text can send commands to a terminal.
 std::string printable(std::string_view text);
 
-/// Lines of a limited width, made safe for a terminal.
+/// Builds lines of limited width that are safe for a terminal.
 class TextLines {
 public:
     TextLines(std::size_t width, bool colour) : width_(width), colour_(colour) {}
 
-    /// One line; what exceeds the width is cut off.
+    /// Adds one line, cut at the width.
     void add(std::string_view text, Look look = Look::kPlain);
-    /// `head`, then the items with two blanks between them, on as many lines as they need; lines
-    /// after the first are indented by the length of the head. Nothing where there are no items.
+    /// Adds `head` and the items, separated by two blanks, on as many lines as they need. Indents
+    /// further lines by the length of the head. Adds nothing without items.
     void add_items(std::string_view head,
                    const std::vector<std::string>& items,
                    Look look = Look::kPlain);
-    /// The same with the words of a sentence, and one blank.
+    /// Adds `head` and the words of a sentence, wrapped at the width.
     void add_words(std::string_view head, std::string_view text, Look look = Look::kPlain);
     std::size_t size() const { return lines_.size(); }
-    /// Keeps the first ones, and says of the others how many they are, so that there are `height`.
+    /// Cuts to `height` lines. The last line tells how many were cut.
     void cut(std::size_t height);
     std::vector<std::string> take() { return std::move(lines_); }
 

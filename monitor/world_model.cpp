@@ -7,9 +7,9 @@
 namespace atrium::monitor {
 namespace {
 
-// A site has two topics and a world server one; the rest would be a mistake here.
+// A site has two topics and a world server one; more would be an error here.
 constexpr std::size_t kMaxMeasuredTopics = 4;
-// A status may come just after the word that its writer has left.
+// A status may arrive just after the end of its writer was reported.
 constexpr std::chrono::seconds kLateStatus{3};
 
 }  // namespace
@@ -18,7 +18,7 @@ WorldModel::Program* WorldModel::row(const ProgramKey& key) {
     const auto found = programs_.find(key);
     if (found != programs_.end()) return &found->second;
     if (programs_.size() >= kMaxPrograms) {
-        // one that left makes room
+        // replace a program that left
         const auto gone = std::find_if(programs_.begin(), programs_.end(), [](const auto& entry) {
             return entry.second.gone_at.has_value();
         });
@@ -31,7 +31,7 @@ WorldModel::Program* WorldModel::row(const ProgramKey& key) {
     return &programs_[key];
 }
 
-// Who has the name; of several that say so, or only ask for it, the one that was here first.
+// Returns the process that holds the name. Of several equal claims, the earliest start wins.
 const bus::Presence* WorldModel::holder(const Program& program) {
     const bus::Presence* best = nullptr;
     for (const auto& [instance, presence] : program.instances) {
@@ -56,7 +56,7 @@ void WorldModel::see(const bus::Presence& presence, Clock::time_point now) {
     program->seen_at = now;
     const bus::Presence* has_name = holder(*program);
     if (program->instance && *program->instance != has_name->instance) {
-        // another process: what the one before it counted is not its
+        // another process: the former counters do not belong to it
         program->figures.reset();
         program->before.reset();
     }
@@ -153,7 +153,7 @@ void WorldModel::measured(const std::string& topic,
                           const std::string& writer,
                           std::size_t payload_bytes,
                           Clock::time_point now) {
-    // who is here is known from elsewhere
+    // measurements alone do not add a program
     const auto found = programs_.find({kind, writer});
     if (found == programs_.end() || found->second.gone_at) return;
     auto& topics = found->second.measured;
@@ -165,7 +165,7 @@ void WorldModel::measured(const std::string& topic,
 
 void WorldModel::rejected(const bus::TakeReport& report, Clock::time_point now) {
     if (report.num_rejected == 0) return;
-    notice("samples that came here were refused: " + report.first_rejection, now);
+    notice("rejected samples: " + report.first_rejection, now);
 }
 
 void WorldModel::notice(const std::string& line, Clock::time_point now) {
@@ -180,7 +180,7 @@ void WorldModel::forget_the_gone(Clock::time_point now) {
     std::erase_if(programs_, [&](const auto& entry) {
         const Program& program = entry.second;
         if (program.gone_at) return now - *program.gone_at >= kShowGone;
-        // one that nobody ever introduced, and that is silent, is taken for gone
+        // a silent program without a Presence counts as gone
         return program.instances.empty() && now - program.seen_at >= kShowGone;
     });
     std::erase_if(streams_,

@@ -17,18 +17,20 @@
 
 namespace atrium::monitor {
 
-/// What is known of one world: takes what was heard and when, gives a Report. No network and no
-/// clock of its own; one thread. Its memory is bounded whatever comes.
+/// Collects what is known of one world and makes a Report of it. Has no network and no clock. Not
+/// thread-safe. Its memory is bounded for any input.
 class WorldModel {
 public:
     using Clock = std::chrono::steady_clock;
 
-    static constexpr std::size_t kMaxPrograms = 256;      // of all kinds; more are counted
-    static constexpr std::size_t kMaxStreams = 1024;      // viewers times sites
-    static constexpr std::size_t kMaxInstances = 8;       // processes that claim one name
-    static constexpr std::size_t kMaxNotices = 8;         // of each sort
-    static constexpr std::chrono::seconds kShowGone{10};  // for so long after it left
-    static constexpr std::chrono::seconds kSilence{3};    // between statuses of one that is well
+    static constexpr std::size_t kMaxPrograms = 256;  // of all kinds; more are only counted
+    static constexpr std::size_t kMaxStreams = 1024;  // viewers times sites
+    static constexpr std::size_t kMaxInstances = 8;   // processes that claim one name
+    static constexpr std::size_t kMaxNotices = 8;     // of each kind
+    /// Time that a program stays listed after it left.
+    static constexpr std::chrono::seconds kShowGone{10};
+    /// Longest time between two statuses of a healthy program.
+    static constexpr std::chrono::seconds kSilence{3};
     static constexpr std::chrono::seconds kKeepNotice{60};
 
     explicit WorldModel(std::string world) : world_(std::move(world)) {}
@@ -39,7 +41,8 @@ public:
     void see(const bus::SiteStatus& status, Clock::time_point now);
     void see(const bus::WorldStatus& status, Clock::time_point now);
     void see(const bus::ViewerStatus& status, Clock::time_point now);
-    /// The writer of its statuses has left; where it is known to be here otherwise that is nothing.
+    /// The writer of the statuses has left. Ignored while a Presence shows that the program is
+    /// here.
     void status_gone(bus::ProgramKind kind,
                      const std::string& name,
                      bus::Ending how,
@@ -48,18 +51,18 @@ public:
     void see(const bus::StreamFeedback& feedback, Clock::time_point now);
     void gone(const bus::StreamFeedback& key);
 
-    /// One sample of `topic` was read here; `writer` is who wrote it.
+    /// Counts one sample of `topic`, read here and written by `writer`.
     void measured(const std::string& topic,
                   bus::ProgramKind kind,
                   const std::string& writer,
                   std::size_t payload_bytes,
                   Clock::time_point now);
-    /// Samples that were refused here.
+    /// Adds a notice about rejected samples.
     void rejected(const bus::TakeReport& report, Clock::time_point now);
-    /// Something that the user has to know; kept for a minute.
+    /// Adds a notice for the user. Kept for a minute.
     void notice(const std::string& line, Clock::time_point now);
 
-    /// `time` is that of this host's clock.
+    /// `time`: time of this host's clock.
     Report report(Clock::time_point now, Timestamp time);
 
 private:
@@ -70,15 +73,15 @@ private:
     };
     struct Program {
         std::map<std::uint64_t, bus::Presence> instances;
-        std::optional<std::uint64_t> instance;  // of which the figures are
+        std::optional<std::uint64_t> instance;  // process that the figures belong to
         std::optional<Figures> figures;
-        std::optional<Figures> before;  // of the same process
+        std::optional<Figures> before;  // same process
         Clock::time_point figures_at;
         Clock::time_point seen_at;
         std::map<std::string, Measured> measured;  // by topic
         std::optional<Clock::time_point> gone_at;
         std::string gone_reason;
-        std::optional<bus::Presence> last_presence;  // that held the name
+        std::optional<bus::Presence> last_presence;  // last holder of the name
     };
     struct Stream {
         bus::StreamFeedback newest;
@@ -115,7 +118,7 @@ private:
     std::map<ProgramKey, Program> programs_;
     std::map<std::pair<std::string, std::string>, Stream> streams_;  // viewer, site
     std::deque<std::pair<Clock::time_point, std::string>> notices_;
-    std::set<std::string> report_notices_;  // of the report that is being made
+    std::set<std::string> report_notices_;  // of the current report
     std::uint64_t num_left_out_ = 0;
 };
 

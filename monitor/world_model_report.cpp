@@ -13,7 +13,7 @@ double seconds(std::chrono::nanoseconds duration) {
     return std::chrono::duration<double>(duration).count();
 }
 
-// Rates need two statuses of one process, some time apart on its clock.
+// Rates need two statuses of one process, with some time between them on its clock.
 std::optional<double> seconds_between(const std::optional<Figures>& before, const Figures& now) {
     if (!before) return {};
     const double elapsed_s = seconds(now.time - before->time);
@@ -48,7 +48,7 @@ const char* kind_name(ProgramKind kind) {
     return kNames[std::min<std::size_t>(static_cast<std::size_t>(kind), 3)];
 }
 
-// A viewer that is short of processor may make a site believe in a slow network.
+// A viewer short of processor time can make a site assume a slow network. Names it as the cause.
 void blame_slow_viewers(std::vector<ProgramReport>& programs) {
     for (ProgramReport& site : programs) {
         if (site.kind != ProgramKind::kSiteNode || !site.stream) continue;
@@ -83,7 +83,7 @@ std::optional<HostClock> WorldModel::clock_of(ProgramKind kind, const std::strin
                      std::chrono::duration<double, std::milli>(presence.clock_max_error).count()};
 }
 
-// Says so, where that is not worth anything.
+// Compares the clocks of a site and a program. Adds a notice if the result means nothing.
 Comparison WorldModel::compare_with_site(const std::string& site,
                                          ProgramKind kind,
                                          const std::string& name) {
@@ -94,10 +94,10 @@ Comparison WorldModel::compare_with_site(const std::string& site,
     if (compared.trust == ClockTrust::kUnsynchronised)
         report_notices_.insert(unsynchronised_notice(*site_clock, *other_clock));
     if (compared.trust == ClockTrust::kUnknown) {
-        report_notices_.insert(fmt::format(
-            "on which host {} '{}' runs is not known, so latencies may compare two clocks",
-            kind_name(site_clock ? kind : ProgramKind::kSiteNode),
-            site_clock ? name : site));
+        report_notices_.insert(
+            fmt::format("the host of {} '{}' is unknown, so latencies may compare two clocks",
+                        kind_name(site_clock ? kind : ProgramKind::kSiteNode),
+                        site_clock ? name : site));
     }
     return compared;
 }
@@ -173,12 +173,12 @@ ProgramReport WorldModel::report_of(const ProgramKey& key,
         out.clock = ClockReport{
             presence.is_clock_synchronised,
             std::chrono::duration<double, std::milli>(presence.clock_max_error).count()};
-        // on its own clock, where it told the time
+        // on its own clock, if known
         const Timestamp its_time =
             program.figures ? program.figures->time + (now - program.figures_at) : time;
         out.uptime_s = std::max(0.0, seconds(its_time - presence.start_time));
         if (program.instances.size() > 1 && report_notices_.size() < kMaxNotices) {
-            report_notices_.insert(fmt::format("{} processes want the name of {} '{}'",
+            report_notices_.insert(fmt::format("{} processes claim the name of {} '{}'",
                                                program.instances.size(),
                                                kind_name(key.first),
                                                key.second));
@@ -243,7 +243,7 @@ Report WorldModel::report(Clock::time_point now, Timestamp time) {
     report.num_left_out = num_left_out_;
     if (num_left_out_ > 0) {
         report.notices.push_back(
-            fmt::format("there is no room for all: {} times one was left out", num_left_out_));
+            fmt::format("no room for all programs and streams: ignored {} times", num_left_out_));
     }
     return report;
 }

@@ -11,8 +11,8 @@ int main(int argc, char** argv) {
     viewer::declare(config, options);
     const app::Start start = app::start(
         {.name = "viewer",
-         .summary = "Shows the people and objects of a world from any viewpoint, in a window, or "
-                    "without one into pictures and videos.",
+         .summary = "Shows the people and objects of a world from any viewpoint, in a window or, "
+                    "without one, in pictures and videos.",
          .examples = "  viewer --config deploy/viewer.toml\n"
                      "  viewer --headless --wait_people 2 --frames 30 --output both.png\n"
                      "  viewer --headless --seconds 20 --video.file world.avi\n"},

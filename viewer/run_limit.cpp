@@ -5,7 +5,7 @@
 namespace atrium::viewer {
 namespace {
 
-RunLimit::Clock::duration seconds(double s) {
+RunLimit::Clock::duration duration_of(double s) {
     return std::chrono::duration_cast<RunLimit::Clock::duration>(std::chrono::duration<double>(s));
 }
 
@@ -13,9 +13,9 @@ RunLimit::Clock::duration seconds(double s) {
 
 RunLimit::RunLimit(const ViewerConfig& config, Clock::time_point begin)
     : wait_people_(config.wait_people),
-      wait_timeout_(seconds(config.wait_timeout_s)),
+      wait_timeout_(duration_of(config.wait_timeout_s)),
       frames_(config.frames),
-      length_(seconds(config.seconds)),
+      length_(duration_of(config.seconds)),
       since_(begin),
       is_counting_(config.wait_people == 0) {}
 
@@ -31,7 +31,7 @@ Expected<RunLimit::Now> RunLimit::update(std::uint64_t num_frames,
     if (!is_counting_) {
         if (now - since_ <= wait_timeout_) return Now::kGoesOn;
         return make_error(ErrorKind::kUnavailable,
-                          fmt::format("{} of {} people came within {} s",
+                          fmt::format("only {} of {} people came within {} s",
                                       num_people,
                                       wait_people_,
                                       std::chrono::duration<double>(wait_timeout_).count()));

@@ -9,29 +9,29 @@
 
 namespace atrium::viewer {
 
-/// From when on the pictures of a run count, and when it is over: `wait_people`, `frames` and
-/// `seconds` of the options.
+/// Decides when the pictures of a run start to count and when the run ends, from the options
+/// `wait_people`, `frames` and `seconds`.
 class RunLimit {
 public:
     using Clock = std::chrono::steady_clock;
 
     RunLimit(const ViewerConfig& config, Clock::time_point begin);
 
-    enum class Now { kGoesOn, kBegan, kOver };  // kBegan: what comes from now on counts
-    /// After every picture; `num_frames` of them so far. Error kUnavailable where people do not
-    /// come.
+    enum class Now { kGoesOn, kBegan, kOver };  // kBegan: pictures count from now on
+    /// Call after every picture; `num_frames` pictures so far. Error kUnavailable if the people do
+    /// not come in time.
     Expected<Now> update(std::uint64_t num_frames, std::size_t num_people, Clock::time_point now);
 
-    /// Whether pictures count by now.
+    /// Whether pictures count now.
     bool is_counting() const { return is_counting_; }
-    /// Of those that counted.
+    /// Rate of the pictures that counted.
     double frames_per_s() const { return frames_per_s_; }
 
 private:
     std::size_t wait_people_;
     Clock::duration wait_timeout_;
     std::uint64_t frames_;
-    Clock::duration length_;  // 0: no end
+    Clock::duration length_;  // 0: no limit
     Clock::time_point since_;
     std::uint64_t counted_from_ = 0;
     bool is_counting_;

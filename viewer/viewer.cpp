@@ -7,21 +7,21 @@
 #include "core/base/statistics.hpp"
 #include "core/presence/join_world.hpp"
 #include "core/status/bottleneck.hpp"
-#include "viewer/album.hpp"
-#include "viewer/annotations.hpp"
-#include "viewer/company.hpp"
-#include "viewer/display.hpp"
-#include "viewer/drawing_times.hpp"
-#include "viewer/giving_way.hpp"
-#include "viewer/mouse_grab.hpp"
-#include "viewer/people_view.hpp"
-#include "viewer/picture_pacer.hpp"
+#include "viewer/control/mouse_grab.hpp"
+#include "viewer/control/scene_editor.hpp"
+#include "viewer/empty_world_warning.hpp"
+#include "viewer/overlay/annotations.hpp"
+#include "viewer/pacing/adaptive_quality.hpp"
+#include "viewer/pacing/drawing_times.hpp"
+#include "viewer/pacing/picture_pacer.hpp"
+#include "viewer/receive/session.hpp"
+#include "viewer/record/output_files.hpp"
 #include "viewer/run_limit.hpp"
-#include "viewer/scene_editor.hpp"
-#include "viewer/scene_view.hpp"
-#include "viewer/session.hpp"
-#include "viewer/status_lines.hpp"
-#include "viewer/surface.hpp"
+#include "viewer/scene/people_view.hpp"
+#include "viewer/scene/scene_view.hpp"
+#include "viewer/ui/display.hpp"
+#include "viewer/ui/status_lines.hpp"
+#include "viewer/ui/surface.hpp"
 
 #include <fmt/format.h>
 
@@ -68,10 +68,10 @@ struct Viewer::Impl {
     Display display;
     std::unique_ptr<Session> session;
 
-    // of the drawing thread
+    // drawing thread only
     std::unique_ptr<Surface> surface;
-    std::optional<renderer::SceneRenderer> renderer;  // goes before `surface`, its context
-    std::optional<Album> album;
+    std::optional<renderer::SceneRenderer> renderer;  // destroyed before its context, `surface`
+    std::optional<OutputFiles> output_files;
     std::optional<SceneView> scene;
     PeopleView people;
     std::optional<Annotations> annotations;
@@ -79,32 +79,33 @@ struct Viewer::Impl {
     std::optional<SceneEditor> editor;
     StatusLines reports;
     atrium::status::OverloadLog overload{bus::ProgramKind::kViewer};
-    std::uint64_t listed_revision = 0;  // of the scene that hud.things are of
-    Companion companion;
+    std::uint64_t listed_revision = 0;  // scene revision of hud.objects
+    FollowCamera follow_camera;
     LatencyWindow latency;
     DrawingTimes times;
-    std::vector<renderer::EyeView> eyes;  // of the last picture
+    std::vector<renderer::EyeView> eyes;  // eyes of the last picture
     std::optional<PicturePacer> pacer;
-    std::optional<GivingWay> giving_way;
+    std::optional<AdaptiveQuality> adaptive_quality;
     RateMeter rate;
     RateMeter byte_rate;
-    History latencies_ms;  // of each picture that somebody new was in
+    History latencies_ms;  // one value per new person
     History pictures;
-    HudFigures hud;
+    HudContent hud;
     app::log::OncePerSecond command_failures;
     Clock::time_point notice_until;
     std::uint64_t num_frames = 0;
-    double first_output_s = 0.0;  // 0: there was no picture yet
+    double first_output_s = 0.0;  // 0: no picture yet
     ProcessorMeter processor_meter;
     std::optional<RunLimit> limit;
-    std::optional<Company> company;
+    std::optional<EmptyWorldWarning> empty_world;
 
     mutable std::mutex status_mutex;
     bus::ViewerStatus status;
 
-    std::mutex lost_mutex;  // guards the next one
+    std::mutex lost_mutex;  // guards `lost`
     std::optional<Error> lost;
-    std::unique_ptr<presence::Membership> membership;  // goes first: its thread uses the rest
+    // destroyed first: its thread uses the other members
+    std::unique_ptr<presence::Membership> membership;
 
     std::optional<Error> lost_name() {
         const std::lock_guard lock(lost_mutex);
@@ -113,7 +114,7 @@ struct Viewer::Impl {
     Expected<void> join(std::stop_token stop);
     Expected<void> open();
     Expected<void> show_quality();
-    Expected<void> give_way(Clock::duration busy, Clock::time_point now);
+    Expected<void> adapt_quality(Clock::duration busy, Clock::time_point now);
     Expected<void> draw_at_best();
     void note_arrivals();
     bool wait_for_picture(const std::stop_token& stop);
@@ -123,10 +124,10 @@ struct Viewer::Impl {
     void move_about(const SurfaceEvents& events);
     Expected<void> react(const SurfaceEvents& events);
     void edit(const SurfaceEvents& events);
-    void list_things();
+    void list_objects();
     Expected<void> draw(Clock::time_point begin);
-    void tell_eyes();
-    void say(const std::string& notice);  // to who looks at the picture, and to the log
+    void set_decoder_eyes();
+    void notify_user(const std::string& notice);  // shows it on screen and logs it
     void update_status(Clock::time_point now);
 };
 
@@ -161,13 +162,13 @@ Expected<void> Viewer::Impl::open() {
     const double aspect = display.pixel_aspect(surface->size());
     if (constexpr double kSeen = 0.02; std::abs(aspect - 1.0) > kSeen) {
         app::log::warn(
-            "tile_shape tile={} pixels on it are {:.2f} times as wide as high: is this "
-            "the projector's resolution?",
+            "tile_shape tile={} pixels on it are {:.2f} times as wide as high; check the "
+            "projector's resolution",
             config.display.tile,
             aspect);
     }
     app::log::info("surface_open on=\"{}\" size={}x{}", surface->description(), width, height);
-    giving_way.emplace(best_quality(config.view, *surface));
+    adaptive_quality.emplace(best_quality(config.view, *surface));
     const bool keeps_own_time = display.is_tile() || is_paced_by_display(config.view, *surface);
     pacer.emplace(Clock::duration(0), !keeps_own_time);
     if (auto shown = show_quality(); !shown) return shown;
@@ -175,43 +176,44 @@ Expected<void> Viewer::Impl::open() {
     return {};
 }
 
-// Makes renderer, pacing and decoding follow the quality.
+// Applies the quality to renderer, pacing and decoding.
 Expected<void> Viewer::Impl::show_quality() {
-    const PictureQuality& quality = giving_way->quality();
-    const bool is_best = giving_way->level() == 0;
-    // a display that does not wait for its turn is not outrun; one that does keeps its own time
+    const PictureQuality& quality = adaptive_quality->quality();
+    const bool is_best = adaptive_quality->level() == 0;
+    // stay below the rate of a display without vertical synchronisation; one with it sets the pace
+    // itself
     constexpr double kSlack = 1.05;
     const bool is_paced = is_best && is_paced_by_display(config.view, *surface);
     const Clock::duration period = seconds(1.0 / ((is_paced ? kSlack : 1.0) * quality.max_fps));
     pacer->set_period(period);
-    // a wall shows what was a while ago, and needs all of it
+    // a wall plays back with a delay and needs every pair
     session->set_picture_period(is_best || display.is_tile() ? Clock::duration(0) : period);
     hud.quality = is_best ? "" : to_string(quality);
     renderer->set_shadows(quality.has_shadows);
     return renderer->set_scale(quality.scale);
 }
 
-Expected<void> Viewer::Impl::give_way(Clock::duration busy, Clock::time_point now) {
+Expected<void> Viewer::Impl::adapt_quality(Clock::duration busy, Clock::time_point now) {
     if (config.view.adapt == "off") return {};
-    GivingWay::Picture picture{.ended = now, .busy = busy};
+    AdaptiveQuality::Picture picture{.ended = now, .busy = busy};
     for (const PeopleView::JustShown& shown : people.just_shown())
         picture.late_people = std::max(picture.late_people, shown.ready - shown.complete);
-    const std::size_t before = giving_way->level();
-    if (!giving_way->add(picture)) return {};
+    const std::size_t before = adaptive_quality->level();
+    if (!adaptive_quality->add(picture)) return {};
     const std::string line = fmt::format("{} reason={} picture_ms={:.1f}",
-                                         to_string(giving_way->quality()),
-                                         giving_way->reason(),
+                                         to_string(adaptive_quality->quality()),
+                                         adaptive_quality->reason(),
                                          milliseconds(busy));
-    if (giving_way->level() > before)
+    if (adaptive_quality->level() > before)
         app::log::warn("quality_reduced {}", line);
     else
         app::log::info("quality_raised {}", line);
     return show_quality();
 }
 
-// The last picture once more, as a machine that is fast enough would have shown it.
+// Draws the last picture again at the best quality.
 Expected<void> Viewer::Impl::draw_at_best() {
-    if (giving_way->level() == 0 || eyes.empty()) return {};
+    if (adaptive_quality->level() == 0 || eyes.empty()) return {};
     const PictureQuality best = best_quality(config.view, *surface);
     renderer->set_shadows(best.has_shadows);
     if (auto scaled = renderer->set_scale(best.scale); !scaled) return scaled;
@@ -220,11 +222,11 @@ Expected<void> Viewer::Impl::draw_at_best() {
 }
 
 void Viewer::Impl::note_arrivals() {
-    for (const ReadyPeople::Arrival& arrival : session->take_arrivals())
+    for (const DecodedPeople::Arrival& arrival : session->take_arrivals())
         pacer->ready(arrival.site, arrival.at);
 }
 
-// Returns whether there is to be one.
+// Returns false once a stop is requested.
 bool Viewer::Impl::wait_for_picture(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
         note_arrivals();
@@ -235,14 +237,14 @@ bool Viewer::Impl::wait_for_picture(const std::stop_token& stop) {
     return false;
 }
 
-void Viewer::Impl::say(const std::string& notice) {
+void Viewer::Impl::notify_user(const std::string& notice) {
     app::log::info("{}", notice);
     hud.notice = notice;
     notice_until = Clock::now() + kNoticePeriod;
 }
 
 Expected<void> Viewer::Impl::close() {
-    auto closed = album->close();
+    auto closed = output_files->close();
     renderer.reset();
     surface.reset();
     people.clear();
@@ -261,12 +263,12 @@ void Viewer::Impl::move_about(const SurfaceEvents& events) {
     for (const bus::SceneCommand& command : mouse->update(pointer, camera, pick, Clock::now()))
         send(command);
     Motion motion = events.motion;
-    if (mouse->is_holding()) motion.turn_px.setZero();  // the drag moves the thing
-    const Companion::Places places = people.places(*renderer);
-    if (events.follow) companion.toggle_follow(camera, places);
-    if (events.person > 0) companion.toggle_eyes(events.person, places);
-    if (events.reset_view) companion.leave();
-    if (companion.has_own_eyes()) {
+    if (mouse->is_holding()) motion.turn_px.setZero();  // the drag moves the object
+    const FollowCamera::Places places = people.places(*renderer);
+    if (events.follow) follow_camera.toggle_follow(camera, places);
+    if (events.person > 0) follow_camera.toggle_first_person(events.person, places);
+    if (events.reset_view) follow_camera.leave();
+    if (follow_camera.is_first_person()) {
         motion.look_around = true;
         motion.walk = false;
         motion.fly.setZero();
@@ -274,7 +276,7 @@ void Viewer::Impl::move_about(const SurfaceEvents& events) {
         motion.zoom_steps = 0.0;
     }
     camera = events.reset_view ? start_camera : apply(motion, camera);
-    camera = companion.update(camera, places, Clock::now());
+    camera = follow_camera.update(camera, places, Clock::now());
 }
 
 void Viewer::Impl::edit(const SurfaceEvents& events) {
@@ -292,35 +294,35 @@ void Viewer::Impl::edit(const SurfaceEvents& events) {
             send(editor->remove(hit->object, objects, now));
     }
     const SceneEditor::Servers servers{reports.has_world(), reports.num_refused()};
-    for (const auto& outcome : editor->outcomes(objects, servers, now)) say(outcome.text);
+    for (const auto& outcome : editor->outcomes(objects, servers, now)) notify_user(outcome.text);
 }
 
-void Viewer::Impl::list_things() {
+void Viewer::Impl::list_objects() {
     if (std::exchange(listed_revision, scene->revision()) == scene->revision()) return;
-    hud.things.clear();
+    hud.objects.clear();
     for (const auto& [id, object] : scene->objects())
-        hud.things.push_back({id, fmt::format("{} ({})", object.name, id)});
+        hud.objects.push_back({id, fmt::format("{} ({})", object.name, id)});
 }
 
 Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
     if (!display.is_tile()) move_about(events);
     if (events.screenshot) {
         if (auto drawn = draw_at_best(); !drawn) return drawn;
-        say(album->screenshot(*renderer));
+        notify_user(output_files->screenshot(*renderer));
         if (auto shown = show_quality(); !shown) return shown;
     }
     if (events.debug) annotations->toggle_debug();
     if (events.names) annotations->toggle_names();
-    if (events.record) say(album->toggle_video(*renderer));
+    if (events.record) notify_user(output_files->toggle_video(*renderer));
     edit(events);
-    // a window that is minimised has no size
+    // a minimised window has no size
     const auto [width, height] = display.picture_size(surface->size());
     if (width > 0 && height > 0) return renderer->resize(width, height);
     return {};
 }
 
-// Every camera's picture is needed where they are shown themselves.
-void Viewer::Impl::tell_eyes() {
+// The silhouettes of the debug view need the pictures of all cameras.
+void Viewer::Impl::set_decoder_eyes() {
     std::vector<Eigen::Vector3d> eyes_world;
     if (!(renderer->overlay().silhouettes_m() > 0.0))
         for (const renderer::EyeView& eye : eyes) eyes_world.push_back(eye.eye_world());
@@ -338,16 +340,16 @@ Expected<void> Viewer::Impl::draw(Clock::time_point begin) {
     if (const std::size_t num_new = people.just_shown().size(); num_new > 0)
         times.add_people((Clock::now() - now - scene_took) / num_new);
     eyes = display.eyes(camera, renderer->width(), renderer->height());
-    tell_eyes();
-    const std::string inside = companion.has_own_eyes() ? companion.name() : "";
+    set_decoder_eyes();
+    const std::string inside = follow_camera.is_first_person() ? follow_camera.name() : "";
     annotations->take(session->proxies(), now);
     annotations->update(*scene, people, inside, eyes, now, *renderer);
     times.add_preparation(Clock::now() - now);
     renderer->draw(eyes);
-    list_things();
+    list_objects();
     hud.num_objects = renderer->num_objects();
-    hud.recording_s = album->video_s();
-    hud.num_video_dropped = album->num_dropped();
+    hud.recording_s = output_files->video_s();
+    hud.num_video_dropped = output_files->num_dropped();
     if (now > notice_until) hud.notice.clear();
     surface->show(*renderer, hud);
     const Timestamp displayed = Timestamp::now();
@@ -360,7 +362,7 @@ Expected<void> Viewer::Impl::draw(Clock::time_point begin) {
     }
     if (num_frames == 0) first_output_s = app::seconds_since_start();
     ++num_frames;
-    album->add(*renderer, limit->is_counting());
+    output_files->add(*renderer, limit->is_counting());
     return {};
 }
 
@@ -388,10 +390,10 @@ void Viewer::Impl::update_status(Clock::time_point now) {
     next.resident_bytes = app::resident_bytes();
     next.processor = processor_meter.update(now);
     next.first_output_s = first_output_s;
-    next.max_frames_per_s = giving_way->quality().max_fps;
-    next.scale = giving_way->quality().scale;
-    next.has_shadows = giving_way->quality().has_shadows;
-    next.num_video_dropped = album->num_dropped();
+    next.max_frames_per_s = adaptive_quality->quality().max_fps;
+    next.scale = adaptive_quality->quality().scale;
+    next.has_shadows = adaptive_quality->quality().has_shadows;
+    next.num_video_dropped = output_files->num_dropped();
     const StatusReports came = session->take_statuses();
     for (const auto& [site, report] : came.sites) reports.add(site, report, now);
     for (const auto& [world, report] : came.worlds) reports.add(world, report, now);
@@ -420,7 +422,7 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
         if (now >= status_due) {
             status_due = now + kStatusPeriod;
             update_status(now);
-            company->look(membership->present(), now, false);
+            empty_world->update(membership->present(), now, false);
             if (auto sent = session->publish(status); !sent)
                 app::log::warn("status_failed {}", sent.error().message);
         }
@@ -429,12 +431,13 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
         if (*run == RunLimit::Now::kOver) break;
         if (*run == RunLimit::Now::kBegan) {
             times.begin_pictures();
-            album->add(*renderer, true);  // this one shows them; the next may take long
+            // this picture shows the people; the next may take long
+            output_files->add(*renderer, true);
         }
         const Clock::time_point end = Clock::now();
         times.add_picture(end - picture_begin);
         const Clock::duration busy = end - picture_begin - surface->waited_for_display();
-        if (auto done = give_way(busy, end); !done) return done;
+        if (auto done = adapt_quality(busy, end); !done) return done;
     }
     return {};
 }
@@ -454,7 +457,7 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config,
     if (!display) return tl::unexpected(display.error());
     auto impl = std::make_unique<Impl>();
     impl->config = config;
-    if (config.view.name.empty()) impl->config.view.name = name_of_its_own();
+    if (config.view.name.empty()) impl->config.view.name = make_unique_name();
     auto session = Session::create(config.bus, impl->config.view.name);
     if (!session) return tl::unexpected(session.error());
     impl->surface_options = *surface;
@@ -462,14 +465,14 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config,
     impl->display = std::move(*display);
     impl->session = std::move(*session);
     impl->scene.emplace(config.models, impl->display.delay());
-    impl->album.emplace(impl->config);
-    impl->company.emplace(config.bus.world);
+    impl->output_files.emplace(impl->config);
+    impl->empty_world.emplace(config.bus.world);
     impl->mouse.emplace(impl->config.view.name);
     impl->editor.emplace(impl->config.view.name);
     Expected<void> joined;
     Expected<void> opened;
     {
-        // a name takes most of a second to claim
+        // claiming a name takes most of a second
         const std::jthread joining([&] { joined = impl->join(stop); });
         if (surface_is == SurfaceIs::kOpenedNow) opened = impl->open();
     }
@@ -484,7 +487,7 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config,
 Expected<void> Viewer::run(std::stop_token stop) {
     Expected<void> opened;
     if (!impl_->surface) opened = impl_->open();
-    if (opened) opened = impl_->album->open(*impl_->renderer);
+    if (opened) opened = impl_->output_files->open(*impl_->renderer);
     if (!opened) {
         static_cast<void>(impl_->close());
         return opened;
@@ -500,7 +503,7 @@ Expected<void> Viewer::run(std::stop_token stop) {
         session.stop_decoding();
     }
     impl_->update_status(Clock::now());
-    impl_->company->look(impl_->membership->present(), Clock::now(), true);
+    impl_->empty_world->update(impl_->membership->present(), Clock::now(), true);
     const bus::ViewerStatus last = status();
     app::log::info(
         "viewer_stopped frames={} frames_per_s={:.1f} pairs_shown={} pairs_skipped={} "
@@ -517,9 +520,9 @@ Expected<void> Viewer::run(std::stop_token stop) {
         impl_->times.text(),
         impl_->session->num_deadlines_missed(),
         atrium::status::process_fields(last.processor, last.first_output_s));
-    // however it ends: it shows who had come
+    // also after an error: the picture shows who was there
     auto written = impl_->draw_at_best();
-    if (written) written = impl_->album->write_output(*impl_->renderer);
+    if (written) written = impl_->output_files->write_output(*impl_->renderer);
     const auto closed = impl_->close();
     return !result ? result : !written ? written : closed;
 }

@@ -9,11 +9,11 @@
 
 namespace atrium::viewer {
 
-/// A whole viewer: bus, decoding, drawing, files.
+/// The whole viewer: bus, decoding, drawing, files.
 class Viewer {
 public:
     /// When the surface is opened. A window or GL context belongs to one thread: kOpenedNow saves
-    /// time, but `create`, `run` and the destructor are called on the same thread then.
+    /// time, but then `create`, `run` and the destructor must be called on the same thread.
     enum class SurfaceIs { kOpenedNow, kOpenedByRun };
 
     /// Checks the configuration and joins the world.
@@ -22,12 +22,12 @@ public:
                                                     SurfaceIs surface_is = SurfaceIs::kOpenedByRun);
     ~Viewer();
 
-    /// Shows the world until `stop`, or until `frames` or `seconds` are over or the window is
-    /// closed; then writes `output` and finishes the video. The calling thread draws (with a
-    /// window: the main thread); others are started, see docs/architecture.md.
+    /// Shows the world until `stop`, until `frames` or `seconds` are over, or until the window is
+    /// closed. Then writes `output` and finishes the video. Draws on the calling thread (with a
+    /// window: the main thread) and starts the others, see docs/architecture.md.
     Expected<void> run(std::stop_token stop);
 
-    /// The figures as they are now; any thread.
+    /// Current status. Any thread.
     bus::ViewerStatus status() const;
 
 private:

@@ -18,74 +18,72 @@ void declare(ViewerConfig& config, config::OptionSet& set) {
     bus::declare(config.bus, set);
     app::declare(config.process, set);
     ViewConfig& view = config.view;
-    set.add("view.name", view.name, "name in status and commands; empty: one of its own");
+    set.add("view.name", view.name, "name in status and commands; empty: a unique name");
     set.add("view.width", view.width, "width of the picture [px]", {.min = 16, .max = 8192});
     set.add("view.height", view.height, "height of the picture [px]", {.min = 16, .max = 8192});
     set.add("view.max_fps",
             view.max_fps,
-            "pictures per second [Hz]; 0: 30 without a window, the display's rate with one",
+            "pictures per second [Hz]; 0: 30 without a window, else the display's rate",
             {.min = 0, .max = 1000});
-    set.add("view.position_m", view.position_m, "where the eye is in the world, \"x,y,z\" [m]");
-    set.add("view.target_m", view.target_m, "what it looks at, \"x,y,z\" [m]");
+    set.add("view.position_m", view.position_m, "position of the eye in the world, \"x,y,z\" [m]");
+    set.add("view.target_m", view.target_m, "point that the eye looks at, \"x,y,z\" [m]");
     set.add(
         "view.fov_deg", view.fov_deg, "vertical opening angle [degrees]", {.min = 5, .max = 150});
     set.add("view.antialias",
             view.antialias,
-            "smoothing of edges; fxaa costs about 12 ms of one core per picture in software",
+            "anti-aliasing; fxaa costs about 12 ms of one core per picture in software",
             {"none", "fxaa"});
     set.add("view.names",
             view.names,
-            "people's names over their heads; auto: in a window, not in pictures without one",
+            "names over the heads of people; auto: only in a window",
             {"auto", "on", "off"});
     set.add("view.context",
             view.context,
-            "who draws; auto: a window, else a GPU through EGL, else OSMesa in software; egl and "
+            "GL context; auto: a window, else a GPU through EGL, else OSMesa in software; egl and "
             "osmesa: without a window",
             {"auto", "window", "egl", "osmesa"});
     set.add("view.debug",
             view.debug,
-            "what is behind the picture: wires, cameras, silhouettes, proxies (B in a window)",
+            "debug view: wireframe, cameras, silhouettes, collision shapes (B in a window)",
             {"off", "on"});
+    set.add("view.adapt",
+            view.adapt,
+            "what a slow machine reduces; auto: drawing rate, then resolution, then shadows; off: "
+            "nothing, pictures come late and unevenly",
+            {"auto", "off"});
     set.add(
-        "view.adapt",
-        view.adapt,
-        "what gives way on a slow machine; auto: drawing rate, then resolution, then shadows; off: "
-        "nothing, pictures come late and unevenly",
-        {"auto", "off"});
-    set.add("view.scale",
-            view.scale,
-            "highest resolution of the scene, as a share of the picture's, to which it is enlarged",
-            {.min = 0.1, .max = 1});
+        "view.scale",
+        view.scale,
+        "maximum resolution of the scene, as a share of the picture's; scaled up to the picture",
+        {.min = 0.1, .max = 1});
     set.add("view.shadows", view.shadows, "shadows; view.adapt may switch them off", {"on", "off"});
     declare(config.display, set);
-    set.add("headless", config.headless, "draw without a window even where there is a display");
-    set.add("frames", config.frames, "end after this many pictures; 0: go on until stopped");
-    set.add("seconds",
-            config.seconds,
-            "end after this time [s]; 0: go on until stopped",
-            {.min = 0, .max = 1e9});
+    set.add("headless", config.headless, "draw without a window even if there is a display");
+    set.add("frames", config.frames, "stop after this many pictures; 0: no limit");
+    set.add(
+        "seconds", config.seconds, "stop after this time [s]; 0: no limit", {.min = 0, .max = 1e9});
     set.add("wait_people",
             config.wait_people,
-            "count `frames` and `seconds` only from when this many people are shown");
+            "start to count `frames` and `seconds` when this many people are shown");
     set.add("wait_timeout_s",
             config.wait_timeout_s,
-            "how long to wait for them before it is an error [s]",
+            "fail if they are not shown after this time [s]",
             {.min = 0, .max = 1e9});
     set.add("output", config.output, "PNG file for the last picture; empty: none");
     set.add("screenshot_dir", config.screenshot_dir, "folder for screenshots (F12 or P)");
-    set.add("viewer.models",
-            config.models,
-            "folder of the models that worlds name; each host has its own");
+    set.add("viewer.models", config.models, "local folder of the models that worlds name");
     set.add("video.file", config.video.file, "video to write: .avi, .mp4 or .mkv; empty: none");
-    set.add(
-        "video.fps", config.video.fps, "its pictures per second [Hz]", {.min = 0.1, .max = 120});
+    set.add("video.fps",
+            config.video.fps,
+            "pictures per second of the video [Hz]",
+            {.min = 0.1, .max = 120});
     set.add("video.width",
             config.video.width,
-            "its width [px], 0: as the view, or as its height wants",
+            "width of the video [px]; 0: from the view, or from its height",
             {.min = 0, .max = 8192});
     set.add("video.height",
             config.video.height,
-            "its height [px], 0: as the view, or as its width wants",
+            "height of the video [px]; 0: from the view, or from its width",
             {.min = 0, .max = 8192});
 }
 
@@ -146,13 +144,13 @@ Expected<SurfaceOptions> surface_options(const ViewerConfig& config) {
                                  .has_two_buffers = config.display.stereo == "quad_buffer"};
     if (options.context == ContextKind::kWindow && options.is_headless) {
         return make_error(ErrorKind::kConfiguration,
-                          "view.context: is \"window\", but headless is set");
+                          "view.context: \"window\" contradicts headless");
     }
     if (options.has_two_buffers && (options.is_headless || options.context == ContextKind::kEgl ||
                                     options.context == ContextKind::kOsmesa)) {
         return make_error(ErrorKind::kConfiguration,
-                          "display.stereo: quad_buffer needs a window, which headless or "
-                          "view.context rules out");
+                          "display.stereo: quad_buffer needs a window; remove headless and "
+                          "view.context");
     }
     return options;
 }
@@ -170,7 +168,7 @@ Expected<renderer::ViewCamera> make_view_camera(const ViewConfig& config) {
         .position_m = *position, .target_m = *target, .fov_deg = config.fov_deg};
 }
 
-std::string name_of_its_own() {
+std::string make_unique_name() {
     static std::atomic<int> num_named{0};
     const std::string end = fmt::format("-{}-{}", getpid(), ++num_named);
     const std::string host = presence::host_name();

@@ -4,10 +4,10 @@
 #include "core/base/expected.hpp"
 #include "core/bus/bus.hpp"
 #include "core/config/option_set.hpp"
-#include "viewer/display.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
 #include "viewer/renderer/view_camera.hpp"
-#include "viewer/surface.hpp"
+#include "viewer/ui/display.hpp"
+#include "viewer/ui/surface.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -17,19 +17,20 @@
 namespace atrium::viewer {
 
 struct ViewConfig {
-    std::string name;  // in ViewerStatus and SceneCommand; empty: viewer-<host>-<process id>-1
+    /// In ViewerStatus and SceneCommand; empty: viewer-<host>-<process id>-<number>.
+    std::string name;
     int width = 960;
     int height = 540;
-    double max_fps = 0.0;  // 0: 30 without a window, the display's rate with one
+    double max_fps = 0.0;  // 0: 30 without a window, else the display's rate
     std::string position_m = "2.6,-3.6,1.9";
     std::string target_m = "0,0,0.95";
     double fov_deg = 38.0;
     std::string antialias = "none";
-    std::string names = "auto";    // auto: in a window
-    std::string context = "auto";  // window, egl or osmesa: that one and no other
-    std::string debug = "off";     // whether it begins with what is behind the picture
-    std::string adapt = "auto";    // off: never draws less than asked for, however slow
-    double scale = 1.0;            // of the picture's sides, at best
+    std::string names = "auto";    // auto: only in a window
+    std::string context = "auto";  // window, egl, osmesa: only that one
+    std::string debug = "off";     // on: starts with the debug view
+    std::string adapt = "auto";    // off: never reduces the quality
+    double scale = 1.0;            // maximum share of the picture's width and height
     std::string shadows = "on";
 };
 
@@ -37,12 +38,12 @@ struct VideoConfig {
     std::filesystem::path file;  // empty: none
     double fps = 10.0;
     int width = 0;   // 0: as the view
-    int height = 0;  // where one is 0 and the other is not, it follows from the view's shape
+    int height = 0;  // if only one is 0, it follows from the view's aspect ratio
 };
 
 struct ViewerConfig {
     bus::BusOptions bus;
-    app::ProcessOptions process{.nice = 2};  // capture, sites and world go first
+    app::ProcessOptions process{.nice = 2};  // capture, sites and world have priority
     ViewConfig view;
     DisplayConfig display;
     VideoConfig video;
@@ -51,7 +52,7 @@ struct ViewerConfig {
     double seconds = 0.0;      // 0: until stopped
     std::uint64_t wait_people = 0;
     double wait_timeout_s = 30.0;
-    std::filesystem::path output;  // the last picture; empty: none
+    std::filesystem::path output;  // file of the last picture; empty: none
     std::filesystem::path screenshot_dir = ".";
     std::filesystem::path models = "deploy/worlds";  // folder of the worlds' models
 };
@@ -59,22 +60,23 @@ struct ViewerConfig {
 /// Declares every option, with its unit, on `set`.
 void declare(ViewerConfig& config, config::OptionSet& set);
 
-/// Error kConfiguration where the name of a file does not end as its format wants.
+/// Checks the extensions of the output files. Error kConfiguration if one does not match a format.
 Expected<void> check_file_names(const ViewerConfig& config);
 
-/// Width and height of a video of pictures of that size [px]: even, as its formats want.
+/// Size of the video for pictures of that size [px]. Even, as the formats require.
 std::pair<int, int> video_size(const VideoConfig& video, std::pair<int, int> picture);
 
-/// "x,y,z" as three numbers; error kConfiguration names `key`.
+/// Parses "x,y,z". Error kConfiguration names `key`.
 Expected<Eigen::Vector3d> parse_point(const std::string& key, const std::string& text);
 
-/// Who is to draw, and where to; an error where that has to be a window and may not.
+/// Surface options of the configuration. Error kConfiguration if it needs a window and rules one
+/// out.
 Expected<SurfaceOptions> surface_options(const ViewerConfig& config);
 
-/// The viewpoint that `config` describes; an error where it makes no sense.
+/// Viewpoint of the configuration. Error kConfiguration if it is invalid.
 Expected<renderer::ViewCamera> make_view_camera(const ViewConfig& config);
 
-/// That no other viewer has, not even one of another host, or of this process.
-std::string name_of_its_own();
+/// Returns a name that is unique across hosts, processes and the viewers of this process.
+std::string make_unique_name();
 
 }  // namespace atrium::viewer

@@ -3,7 +3,7 @@
 #include "core/app/program.hpp"
 #include "core/bus/bus_options.hpp"
 #include "core/presence/join_world.hpp"
-#include "viewer/session.hpp"
+#include "viewer/receive/session.hpp"
 
 #include <fmt/format.h>
 

@@ -19,20 +19,20 @@ namespace atrium::demo {
 namespace {
 
 [[noreturn]] void become(char* const* arguments, int log, pid_t parent) {
-    // only calls that are safe between fork and exec
+    // only async-signal-safe calls between fork and exec
     sigset_t none;
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, nullptr);
     prctl(PR_SET_PDEATHSIG, SIGTERM);
-    if (getppid() != parent) _exit(127);  // the parent went before prctl took hold
-    setpgid(0, 0);  // Ctrl-C reaches the demo alone, which then stops its children in order
+    if (getppid() != parent) _exit(127);  // the parent died before prctl took effect
+    setpgid(0, 0);  // Ctrl-C reaches only the demo, which stops its children in order
     dup2(log, STDOUT_FILENO);
     dup2(log, STDERR_FILENO);
     execv(arguments[0], arguments);
     _exit(127);
 }
 
-// Waits until the process has ended or the time is over; no polling.
+// Waits for the end of the process or the timeout, without polling.
 bool wait_for_end(pid_t pid, std::chrono::milliseconds patience) {
     const int handle = static_cast<int>(syscall(SYS_pidfd_open, pid, 0));
     if (handle < 0) return false;

@@ -12,8 +12,8 @@
 
 namespace atrium::demo {
 
-/// A program that was started and is stopped with this object, whatever happens; its output goes to
-/// a log file. The kernel also stops it should this process die.
+/// Runs a program as a child process and writes its output to a log file. The destructor stops it.
+/// The kernel stops it too if this process dies.
 class ChildProcess {
 public:
     static Expected<ChildProcess> start(const std::string& name,
@@ -26,13 +26,14 @@ public:
     const std::string& name() const { return name_; }
     const std::filesystem::path& log_file() const { return log_file_; }
 
-    /// The exit code once it has ended (128 + signal where a signal ended it); never waits.
+    /// Exit code after the end of the process, or 128 + signal if a signal ended it. Empty while it
+    /// runs. Never blocks.
     std::optional<int> exit_code();
 
-    /// Asks it to end (SIGTERM), and insists (SIGKILL) after `patience`. Returns the exit code.
+    /// Sends SIGTERM, then SIGKILL after `patience`. Returns the exit code.
     int stop(std::chrono::milliseconds patience);
 
-    /// Last line of the log, for telling what it is doing; empty while there is none.
+    /// Last line of the log, to show what the program does. Empty if there is none.
     std::string last_log_line() const;
 
 private:

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kStopPatience{
-    15};  // the viewer writes its picture and closes its video meanwhile
+    15};  // the viewer writes its picture and finishes its video
 
 std::vector<std::string> split(const std::string& list) {
     std::vector<std::string> parts;
@@ -35,7 +35,7 @@ std::vector<std::string> split(const std::string& list) {
     return parts;
 }
 
-// The demo ends as its program did: docs/conventions.md, "Configuration".
+// The demo returns the exit code of the program that failed: docs/conventions.md, "Configuration".
 ErrorKind kind_of_exit(int code) {
     if (code == 2) return ErrorKind::kConfiguration;
     if (code == 3) return ErrorKind::kUnavailable;
@@ -44,7 +44,7 @@ ErrorKind kind_of_exit(int code) {
 
 std::string how_it_ended(int code) {
     if (code <= 128) return fmt::format("ended with exit code {}", code);
-    return fmt::format("was ended by signal {} ({})", code - 128, strsignal(code - 128));
+    return fmt::format("was killed by signal {} ({})", code - 128, strsignal(code - 128));
 }
 
 /// Refreshes its lines in place on a terminal; elsewhere prints them one below the other.
@@ -52,7 +52,7 @@ class Display {
 public:
     void show(const std::vector<std::string>& lines) {
         if (in_place_ && num_shown_ > 0) fmt::print("\033[{}F\033[J", num_shown_);
-        // a line that wraps would take two rows, and the next refresh would miss by one
+        // a wrapped line would take two rows and misplace the next refresh
         winsize size{};
         const bool known =
             in_place_ && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1;
@@ -155,12 +155,12 @@ Expected<void> Demo::start_programs() {
         arguments.insert(arguments.end(), {"--view.target_m", config_.target});
     if (config_.fov_deg > 0.0)
         arguments.insert(arguments.end(), {"--view.fov_deg", fmt::format("{}", config_.fov_deg)});
-    // the video begins with everybody, without an empty room; it is the demo that loses patience
+    // the video begins when everybody is on; the demo itself applies the time limit
     arguments.insert(
         arguments.end(),
         {"--wait_people", std::to_string(sites.size()), "--wait_timeout_s", "1000000000"});
     if (!window) arguments.push_back("--headless");
-    // without a display it says so
+    // fails with a message if there is no display
     if (config_.window == "yes") arguments.insert(arguments.end(), {"--view.context", "window"});
     return start("viewer", "viewer", config_.viewer_nice, arguments);
 }
@@ -169,7 +169,7 @@ Expected<void> Demo::check_children() {
     for (ChildProcess& child : children_) {
         if (const auto code = child.exit_code()) {
             return make_error(kind_of_exit(*code),
-                              fmt::format("{} {}; the end of {}: {}",
+                              fmt::format("{} {}; last line of {}: {}",
                                           child.name(),
                                           how_it_ended(*code),
                                           child.log_file().string(),
@@ -187,14 +187,14 @@ std::map<std::string, std::string> Demo::preparing_notes() const {
                                                    : board_.site_publishes(child.name());
         if (on) continue;
         std::string line = child.last_log_line();
-        // after "time level program " comes what it does
+        // skip "time level program "
         for (int i = 0; i < 3; ++i) line = line.substr(std::min(line.size(), line.find(' ') + 1));
         notes[child.name()] = "preparing: " + line.substr(0, 68);
     }
     return notes;
 }
 
-// Takes status messages until then; false once a stop is requested.
+// Takes status messages until `until`. Returns false once a stop is requested.
 bool Demo::sleep(std::stop_token stop, Clock::time_point until) {
     const std::stop_callback wake(stop, [this] { waiter_.wake(); });
     while (!stop.stop_requested()) {
@@ -284,39 +284,43 @@ Expected<void> Demo::stop_programs() {
 void declare(DemoConfig& config, config::OptionSet& options) {
     options.add(
         "seconds", config.seconds, "length of the measured part [s]; 0: until Ctrl-C", {0, 1e6});
-    options.add(
-        "startup-seconds", config.startup_seconds, "patience until everybody is on [s]", {1, 1e5});
+    options.add("startup-seconds",
+                config.startup_seconds,
+                "time limit until everybody is on [s]",
+                {1, 1e5});
     options.add("reset-seconds",
                 config.reset_seconds,
-                "how often the world's objects are put back [s]; 0: never",
+                "period of resetting the world's objects [s]; 0: never",
                 {0, 1e6});
     options.add("window", config.window, "open a window", {"auto", "yes", "no"});
     options.add("output", config.output, "folder for picture, video, report and logs");
     options.add("programs",
                 config.programs,
-                "folder of site_node, world_server and viewer; none: this program's own");
+                "folder of site_node, world_server and viewer; empty: folder of this program");
     options.add("deploy", config.deploy, "folder that holds sites/NAME.toml");
     options.add("sites", config.sites, "names of the sites, separated by commas");
     options.add("motions",
                 config.motions,
-                "what those do who stand in the sites, in that order, separated by commas "
-                "(site_node's simulation.motion); none: as the sites' files say");
+                "motions of the people at the sites, in the same order, separated by commas "
+                "(simulation.motion of site_node); empty: from the site files");
     options.add("world", config.world, "world description");
     options.add("viewer", config.viewer, "viewer configuration");
     options.add("camera",
                 config.camera,
-                "from where the viewer looks, \"x,y,z\" in the world [m]; none: as its file says");
-    options.add("target", config.target, "where it looks to, likewise");
+                "position of the viewer's eye, \"x,y,z\" in the world [m]; empty: from its file");
+    options.add("target",
+                config.target,
+                "point that the eye looks at, \"x,y,z\" in the world [m]; empty: from its file");
     options.add("fov-deg",
                 config.fov_deg,
-                "its vertical angle of view [deg]; 0: as its file says",
+                "vertical angle of view [deg]; 0: from the viewer file",
                 {0, 120});
     options.add("site-nice",
                 config.site_nice,
-                "process.nice of the sites: -20 goes first, 19 last",
+                "process.nice of the sites: -20 highest priority, 19 lowest",
                 {-20, 19});
-    options.add("world-nice", config.world_nice, "of the world server", {-20, 19});
-    options.add("viewer-nice", config.viewer_nice, "of the viewer", {-20, 19});
+    options.add("world-nice", config.world_nice, "process.nice of the world server", {-20, 19});
+    options.add("viewer-nice", config.viewer_nice, "process.nice of the viewer", {-20, 19});
     options.add("domain", config.domain, "DDS domain", {0, 230});
 }
 
@@ -333,14 +337,14 @@ Expected<void> run_demo(const DemoConfig& given, std::stop_token stop) {
         if (site.find('/') == std::string::npos && !site.ends_with(".toml")) continue;
         return make_error(
             ErrorKind::kConfiguration,
-            fmt::format("sites: wants names of files in {}, such as alice, not paths; got '{}'",
+            fmt::format("sites: give names of files in {}, such as alice, not paths; got '{}'",
                         (config.deploy / "sites").string(),
                         site));
     }
     if (const std::size_t num_motions = split(config.motions).size();
         num_motions != 0 && num_motions != split(config.sites).size()) {
         return make_error(ErrorKind::kConfiguration,
-                          fmt::format("motions: name one for each of the {} sites, or none; got {}",
+                          fmt::format("motions: give one for each of the {} sites, or none; got {}",
                                       split(config.sites).size(),
                                       num_motions));
     }
@@ -348,12 +352,12 @@ Expected<void> run_demo(const DemoConfig& given, std::stop_token stop) {
     if (!fs::is_directory(config.output)) {
         return make_error(
             ErrorKind::kUnavailable,
-            fmt::format("output: the folder '{}' cannot be made", config.output.string()));
+            fmt::format("output: cannot create the folder '{}'", config.output.string()));
     }
     for (const char* file : {"view.png", "view.avi", "report.json"})
         fs::remove(config.output / file, failure);
 
-    // a world of its own: two demos on one host do not meet
+    // a unique world, so two demos on one host do not meet
     const std::string world = fmt::format("demo-{}", getpid());
     bus::BusOptions options;
     options.world = world;

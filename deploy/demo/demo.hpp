@@ -10,24 +10,24 @@
 namespace atrium::demo {
 
 struct DemoConfig {
-    double seconds = 20.0;  // measured, from the first picture with everybody on; 0: until Ctrl-C
-    double startup_seconds =
-        300;  // how long the rooms may take to be rendered and everybody to appear
-    double reset_seconds = 12.0;  // the world's objects are put back this often, so that there is
-                                  // something to push; 0: never
-    std::string window = "auto";  // auto: where a display is; yes; no
+    /// Length of the measured part, from the first picture with everybody on; 0: until Ctrl-C.
+    double seconds = 20.0;
+    double startup_seconds = 300;  // time limit for rendering the rooms and showing everybody
+    /// Period of resetting the world's objects, which leaves something to push; 0: never.
+    double reset_seconds = 12.0;
+    std::string window = "auto";  // auto: if there is a display; yes; no
     std::filesystem::path output = "out/demo";
     std::filesystem::path
-        programs;  // folder of site_node, world_server and viewer; empty: this program's own
+        programs;  // folder of site_node, world_server and viewer; empty: folder of this program
     std::filesystem::path deploy =
-        "deploy";                     // like the next two, relative to the repository's root
-    std::string sites = "alice,bob";  // deploy/sites/NAME.toml each
-    std::string motions;  // what they do there, in that order; empty: as their files say
+        "deploy";  // relative to the root of the repository, like `world` and `viewer`
+    std::string sites = "alice,bob";  // names of files deploy/sites/NAME.toml
+    std::string motions;  // motion at each site, in the same order; empty: from the site files
     std::filesystem::path world = "deploy/worlds/demo.toml";
     std::filesystem::path viewer = "deploy/viewer.toml";
-    std::string camera, target;  // "x,y,z" in the world [m]; empty: as the viewer's file says
-    double fov_deg = 0.0;        // vertical; 0: likewise
-    int site_nice = 0;           // process.nice of each program, as its own default
+    std::string camera, target;  // "x,y,z" in the world [m]; empty: from the viewer file
+    double fov_deg = 0.0;        // vertical; 0: from the viewer file
+    int site_nice = 0;           // process.nice of each program
     int world_nice = 0;
     int viewer_nice = 2;
     std::uint64_t domain = 0;
@@ -35,8 +35,8 @@ struct DemoConfig {
 
 void declare(DemoConfig& config, config::OptionSet& options);
 
-/// Starts the programs, shows the table, stops them, leaves view.png, view.avi and report.json in
-/// `output`.
+/// Starts the programs, shows the table, stops the programs, and leaves view.png, view.avi and
+/// report.json in `output`.
 Expected<void> run_demo(const DemoConfig& config, std::stop_token stop);
 
 }  // namespace atrium::demo

@@ -7,8 +7,8 @@ int main(int argc, char** argv) {
     config::OptionSet options;
     demo::declare(config, options);
     const app::ProgramInfo info{"demo",
-                                "Two simulated rooms, a world server and a viewer on this host, "
-                                "with a table of what they do once a second.",
+                                "Runs two simulated rooms, a world server and a viewer on this "
+                                "host and shows a table of their status once a second.",
                                 "Example: demo --seconds 60"};
     if (const app::Start start = app::start(info, options, argc, argv); !start.go_on)
         return start.exit_code;

@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// More than a day of samples is not kept: the oldest go.
+// Keeps samples of about one day and drops the oldest.
 constexpr std::size_t kMaxSamples = 100'000;
 constexpr std::size_t kTableWidth = 115;
 
@@ -31,8 +31,8 @@ auto difference(const std::vector<Status>& samples, Value value) {
     return samples.empty() ? 0 : value(samples.back()) - value(samples.front());
 }
 
-// Medians of the seconds' medians, and the worst second's 99th percentile: never better than it
-// was.
+// Median of the medians of each second, and the 99th percentile of the worst second: an upper
+// bound.
 template <typename Status, typename Latency>
 ordered_json latency_json(const std::vector<Status>& samples, Latency latency) {
     double worst = 0.0;
@@ -57,8 +57,8 @@ double mega(double v) { return v / 1e6; }
 
 double seconds(std::uint64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
-// What the program ran and waited between its first report and its last one; `done` is the number
-// of things that it made meanwhile.
+// Processor use between the first and the last report; `done` is the number of results in that
+// time.
 template <typename Status>
 ordered_json processor_json(const std::vector<Status>& samples,
                             const char* per_thing,
@@ -95,14 +95,14 @@ ordered_json first_output_json(const std::vector<Status>& samples) {
     return samples.back().first_output_s;
 }
 
-// "0.81  43%": cores used, and how much of the time the thread that waited longest waited.
+// "0.81  43%": cores used, and the share of time that the longest-waiting thread waited.
 std::string processor_text(const ProcessorUse& use) {
     const std::string waited =
         use.is_waiting_known ? fmt::format("{:.0f}%", 100.0 * use.longest_wait_per_s) : "?";
     return fmt::format("{:.2f} {:>4}", use.run_per_s, waited);
 }
 
-// What keeps the program back, in its last second.
+// Bottlenecks of the program in its last second.
 template <typename Status>
 void add_bottlenecks(const std::string& name,
                      const std::vector<Status>& samples,
@@ -288,7 +288,7 @@ std::string StatusBoard::report(const Run& run) const {
         const auto& samples = viewer_.samples;
         ordered_json& viewer = root["viewer"];
         viewer["frames_per_s"] = median(samples, [](const V& s) { return s.frames_per_s; });
-        // how far it gave way (docs/viewer.md, Giving way)
+        // how far it reduced its quality (docs/viewer.md, Giving way)
         viewer["max_frames_per_s"] = median(samples, [](const V& s) { return s.max_frames_per_s; });
         viewer["scale"] = median(samples, [](const V& s) { return s.scale; });
         viewer["shadows"] = median(samples, [](const V& s) { return s.has_shadows ? 1.0 : 0.0; });

@@ -10,19 +10,19 @@
 
 namespace atrium::demo {
 
-/// What all programs of one world say of themselves once a second: the newest for the table, all of
-/// it for the report. One thread.
+/// Collects the status that all programs of a world publish once a second: the newest for the
+/// table, the history for the report. Not thread-safe.
 class StatusBoard {
 public:
     static Expected<StatusBoard> create(const bus::Participant& participant);
 
-    /// Lets `waiter` wake up for what `update` takes.
+    /// Wakes `waiter` when `update` has something to take.
     void attach(bus::Waiter& waiter) const;
 
-    /// Takes what has come since. Returns whether anything did.
+    /// Takes the new samples. Returns whether there were any.
     bool update();
 
-    /// Forgets the history, so that a report leaves out the start-up.
+    /// Drops the history, so the report leaves out the start-up.
     void begin_report();
 
     bool has_world() const { return !world_.name.empty(); }
@@ -30,14 +30,14 @@ public:
     bool site_publishes(const std::string& site) const;
     std::uint64_t num_pairs_shown() const;
 
-    /// Lines of equal width, with a heading.
+    /// Table lines of equal width, with a heading.
     std::vector<std::string> table(const std::map<std::string, std::string>& notes) const;
 
     struct Run {
         double measured_s = 0.0;
         double until_everybody_was_on_s = 0.0;  // from the start of the first program
     };
-    /// Medians over the report's seconds, and totals, as JSON text.
+    /// Returns medians over the seconds of the report, and totals, as JSON text.
     std::string report(const Run& run) const;
 
 private:

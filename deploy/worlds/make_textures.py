@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 """Draws the textures of the delivered worlds: deploy/worlds/make_textures.py writes models/*.png beside itself.
 
-Where a texture is transparent the thing's own colour is seen, so that one picture serves things of many colours.
+Transparent texels show the object's colour, so one texture serves objects of many colours.
 """
 import math
 import pathlib
 import struct
 import zlib
 
-SAMPLES = 3  # each way per pixel
+SAMPLES = 3  # per axis and pixel
 
 
 def png(width, height, rgba):
@@ -21,7 +21,7 @@ def png(width, height, rgba):
 
 
 def draw(width, height, paint):
-    """`paint(u, v)` gives r, g, b, a in [0, 1] at a place; (0, 0) is the top left."""
+    """`paint(u, v)` returns r, g, b, a in [0, 1] at (u, v); (0, 0) is the top left."""
     out = bytearray()
     steps = [(i + 0.5) / SAMPLES for i in range(SAMPLES)]
     for y in range(height):

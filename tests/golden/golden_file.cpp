@@ -1,6 +1,6 @@
 #include "tests/golden/golden_file.hpp"
 
-#include "viewer/picture_file.hpp"
+#include "viewer/record/picture_file.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

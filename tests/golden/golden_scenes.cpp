@@ -1,11 +1,11 @@
 #include "tests/golden/golden_scenes.hpp"
 
 #include "tests/unit/renderer/synthetic_person.hpp"
-#include "viewer/debug_view.hpp"
-#include "viewer/display.hpp"
-#include "viewer/name_tags.hpp"
-#include "viewer/shape_wires.hpp"
-#include "viewer/text_picture.hpp"
+#include "viewer/overlay/debug_view.hpp"
+#include "viewer/overlay/name_tags.hpp"
+#include "viewer/overlay/shape_wires.hpp"
+#include "viewer/overlay/text_picture.hpp"
+#include "viewer/ui/display.hpp"
 
 #include <Eigen/Geometry>
 

@@ -1,7 +1,7 @@
 #include "tests/support/mesh_site.hpp"
 #include "tests/unit/physics/meshes.hpp"
-#include "viewer/scene_timeline.hpp"
-#include "viewer/session.hpp"
+#include "viewer/receive/session.hpp"
+#include "viewer/scene/scene_timeline.hpp"
 #include "world_server/world_server.hpp"
 
 #include <gtest/gtest.h>

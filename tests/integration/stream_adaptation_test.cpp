@@ -1,7 +1,7 @@
 // A site that adapts its stream to reports of viewers, over the real bus.
 #include "core/bus/bus.hpp"
 #include "site_node/site_node.hpp"
-#include "viewer/session.hpp"
+#include "viewer/receive/session.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

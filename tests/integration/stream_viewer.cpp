@@ -1,6 +1,6 @@
 #include "core/app/program.hpp"
 #include "core/bus/bus_options.hpp"
-#include "viewer/session.hpp"
+#include "viewer/receive/session.hpp"
 
 #include <fmt/format.h>
 

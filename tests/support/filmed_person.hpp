@@ -5,7 +5,7 @@
 #include "core/geometry/triangle_mesh.hpp"
 #include "core/image/image.hpp"
 #include "simulation/person.hpp"
-#include "viewer/renderer/person_model.hpp"
+#include "viewer/renderer/person/person_model.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -5,7 +5,7 @@
 #include "core/gl/offscreen_context.hpp"
 #include "core/gl/resources.hpp"
 #include "core/image/image.hpp"
-#include "viewer/renderer/person_drawing.hpp"
+#include "viewer/renderer/person/person_drawing.hpp"
 
 #include <Eigen/Core>
 

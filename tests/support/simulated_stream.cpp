@@ -1,6 +1,6 @@
 #include "tests/support/simulated_stream.hpp"
 
-#include "viewer/feedback.hpp"
+#include "viewer/receive/feedback.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ using Random = std::mt19937_64;
 constexpr double kDatagramBytes = 1344.0;
 const std::string kSite = "site";
 constexpr double kTick_s = 0.001;
-constexpr double kLookAgain_s = 0.005;  // as in viewer/session.cpp
+constexpr double kLookAgain_s = 0.005;  // as viewer/receive/session.cpp
 
 stream::Time at(double seconds) {
     return stream::Time{} + std::chrono::duration_cast<stream::Time::duration>(

@@ -14,17 +14,18 @@
 namespace atrium::renderer {
 namespace {
 
-// sRGB-encoded
+// sRGB
 const Eigen::Vector3f kHorizon(0.82f, 0.85f, 0.88f);
 const Eigen::Vector3f kZenith(0.45f, 0.54f, 0.66f);
 const Eigen::Vector3f kGroundColour(0.70f, 0.69f, 0.67f);
 constexpr double kGroundSizeM = 60.0;
-constexpr double kBlurM = 3.0 * Backdrop::kShadowExtentM / Backdrop::kShadowPx;  // and some more
+constexpr double kBlurM = 3.0 * Backdrop::kShadowExtentM / Backdrop::kShadowPx;  // with some margin
 constexpr float kFadeBegin = 5.0f * 5.0f;
 constexpr float kFadeEnd = 22.0f * 22.0f;
 // squared distances from the origin between which the floor fades into the horizon
 const Eigen::Vector2f kFade(kFadeBegin, 1.0f / (kFadeEnd - kFadeBegin));
-constexpr float kHorizonAbove = 0.1f;  // sine below the horizon from which the sky's colour rises
+// sine of the angle below the horizon where the sky gradient starts
+constexpr float kHorizonAbove = 0.1f;
 
 Eigen::Vector3f encode_srgb(const Eigen::Vector3d& linear) {
     return linear
@@ -103,7 +104,7 @@ void Backdrop::begin_shadows() {
     painted_.assign(std::size_t{kShadowPx} * kShadowPx, 0);
 }
 
-// Painted here: as triangles, each row would be two of them for software to set up.
+// Fills the map on the CPU: as triangles, each run would cost a software renderer two triangles.
 void Backdrop::add_shadow(std::span<const PixelRun> runs, double darkness) {
     const auto at = [](int x, int y) -> Eigen::Vector2d {
         return (Eigen::Array2d(x, y) - 0.5 * kShadowPx) * (kShadowExtentM / kShadowPx);
@@ -117,7 +118,7 @@ void Backdrop::add_shadow(std::span<const PixelRun> runs, double darkness) {
     }
 }
 
-const gl::ShaderProgram& Backdrop::begin_thing_shadows() {
+const gl::ShaderProgram& Backdrop::begin_solid_shadows() {
     gl::upload_pixels(
         shadow_.colour, gl::PixelFormat::kR8, 0, 0, kShadowPx, kShadowPx, painted_.data());
     glDisable(GL_DEPTH_TEST);
@@ -126,7 +127,7 @@ const gl::ShaderProgram& Backdrop::begin_thing_shadows() {
     return begin(shadow_shader_);
 }
 
-// Shadows cover few pixels of their own picture, the floor many of the viewer's.
+// Blurs here because the shadow map has far fewer pixels than the floor in the view.
 void Backdrop::end_shadows() {
     blurred_.bind();
     glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
@@ -184,7 +185,7 @@ void Backdrop::draw_plane(const View& view,
 
 namespace {
 
-// Around the floors and below them.
+// Returns the ground below and around the floors.
 ObjectLook ground_of(std::span<const ObjectLook* const> floors) {
     constexpr double kBelowM = 0.01;
     ObjectLook ground{.shape = ShapeKind::kPlane};
@@ -268,7 +269,7 @@ void Backdrop::draw_shadows(const View& view, std::span<const ObjectLook* const>
     floor_shadow_shader_.set("shadow_extent", kShadowExtentM);
     floor_shadow_shader_.set("shadow_strength", 0.30f);
     floor_shadow_shader_.set("fade", kFade);
-    // just before the floor, whose depth is another one by rounding
+    // offset towards the eye: rounding makes the depths of floor and shadow differ
     glEnable(GL_POLYGON_OFFSET_FILL);
     glPolygonOffset(0.0f, -4.0f);
     glDepthMask(GL_FALSE);
@@ -287,7 +288,7 @@ void Backdrop::draw_shadows(const View& view, std::span<const ObjectLook* const>
     glDisable(GL_POLYGON_OFFSET_FILL);
 }
 
-// Shadows are cast onto the ground; a shelf somewhere above has none.
+// Draws shadows only on floors at ground height, not on raised ones.
 void Backdrop::draw_shadow(const ObjectLook& look) {
     if (std::abs(look.world_from_object.translation.z()) >= 0.05) return;
     shadowed_.find_triangles(0.5 * look.size_m.head<2>(), look.world_from_object, triangles_);
@@ -295,7 +296,7 @@ void Backdrop::draw_shadow(const ObjectLook& look) {
 }
 
 void Backdrop::draw_sky(const EyeView& eye) {
-    // the sine of the elevation at the corners, where a ray of each leaves; linear enough between
+    // sine of the elevation along the rays through the corners; nearly linear in between
     const Eigen::Matrix4d world_from_clip = eye.clip_from_world().inverse();
     const auto sine_at = [&](double x, double y) {
         const Eigen::Vector4d far = world_from_clip * Eigen::Vector4d(x, y, 1.0, 1.0);

@@ -4,10 +4,10 @@
 #include "core/gl/resources.hpp"
 #include "core/gl/shader_program.hpp"
 #include "viewer/renderer/floor_cells.hpp"
-#include "viewer/renderer/object_look.hpp"
+#include "viewer/renderer/object/object_look.hpp"
+#include "viewer/renderer/object/textures.hpp"
 #include "viewer/renderer/screen_square.hpp"
-#include "viewer/renderer/shadow_cover.hpp"
-#include "viewer/renderer/textures.hpp"
+#include "viewer/renderer/triangle_coverage.hpp"
 #include "viewer/renderer/view_camera.hpp"
 
 #include <Eigen/Core>
@@ -21,50 +21,51 @@
 
 namespace atrium::renderer {
 
-/// Towards the light, of length 1, in the world.
+/// Direction towards the light, length 1, in the world.
 Eigen::Vector3f light_world();
 
-/// What things stand on and before: floors with shadows on them, the ground around, the sky.
+/// Draws floors with shadows, the ground around them and the sky.
 class Backdrop {
 public:
-    /// Side of the floor's square, around the origin, that shadows fall on.
+    /// Side of the square of floor around the origin that receives shadows [m].
     static constexpr float kShadowExtentM = 10.0f;
-    static constexpr int kShadowPx = 512;  // 2 cm a pixel
+    static constexpr int kShadowPx = 512;  // 2 cm per pixel
 
     static Expected<Backdrop> create();
 
-    /// Clears the one picture of all shadows on the floor.
+    /// Clears the shadow map of the floor.
     void begin_shadows();
-    /// Of what covers these pixels of it and is so dark, in [0, 1]; in place of what was there.
+    /// Sets the darkness in [0, 1] of these pixels of the shadow map.
     void add_shadow(std::span<const PixelRun> runs, double darkness);
-    /// After those: what is drawn with the shader returned, which is in use, from then on stands in
-    /// the light. It wants "world_from_object" and "darkness": 1 of what is solid.
-    const gl::ShaderProgram& begin_thing_shadows();
-    /// After it: the shader for instances of rigid things.
+    /// Call after `add_shadow`. Returns the bound shader that draws solid shapes into the shadow
+    /// map. Set "world_from_object" and "darkness"; 1 for a solid object.
+    const gl::ShaderProgram& begin_solid_shadows();
+    /// Call after `begin_solid_shadows`. Returns the shader for instances of rigid objects.
     const gl::ShaderProgram& begin_object_shadows();
-    /// Where the shadow of something in this box may fall: shadows are looked up nowhere else.
+    /// Marks the floor that the shadow of this box may cover. The shadow map is sampled only there.
     void add_shadow_of(const Eigen::AlignedBox3d& box_world);
-    /// When all shadows are drawn: blurs them.
+    /// Call after all shadows are drawn. Blurs the shadow map.
     void end_shadows();
 
-    /// Off: floors are lit everywhere, and the picture of the shadows is not used.
+    /// Off: no floor has shadows, and the shadow map is not used.
     void set_shadows(bool are_on) { are_shadows_on_ = are_on; }
 
-    /// Floors, planes with their normal up, the ground around and below them, to the horizon, and
-    /// the sky: after everything else, for what that hides is not drawn. Without shadows.
+    /// Draws floors (planes with their normal up), the ground below and around them to the horizon,
+    /// and the sky, without shadows. Call it after everything else, so hidden pixels are not
+    /// shaded.
     void draw(const EyeView& eye,
               std::span<const ObjectLook* const> floors,
               const Textures& textures);
-    /// The same, with its depth, for an eye that has all of `target`, and before everything else:
-    /// copied, which takes a fraction of the time, if that eye sees what it saw last time. Else
-    /// returns false and does nothing.
+    /// Copies the backdrop and its depth into `target`, for an eye that covers all of it. Call it
+    /// before everything else. Much faster than `draw`, but works only if the eye has not moved
+    /// since the last call; otherwise returns false without effect.
     bool copy(const EyeView& eye,
               std::span<const ObjectLook* const> floors,
               const Textures& textures,
               const gl::Framebuffer& target);
-    /// Floors or their textures are no longer what they were.
+    /// Call when floors or their textures change.
     void changed() { is_kept_ = false; }
-    /// After either, and all that stands on them.
+    /// Draws the shadows. Call after `draw` or `copy` and all objects on the floor.
     void draw_shadows(const View& view, std::span<const ObjectLook* const> floors);
 
 private:
@@ -82,19 +83,19 @@ private:
     gl::ShaderProgram shadow_shader_;
     gl::ShaderProgram object_shadow_shader_;
     gl::ShaderProgram blur_shader_;
-    std::vector<std::uint8_t> painted_;  // what `shadow_` begins with
-    gl::Framebuffer shadow_;   // white where something stands between the floor and the light
-    gl::Framebuffer blurred_;  // the same with soft edges
+    std::vector<std::uint8_t> painted_;  // initial content of `shadow_`
+    gl::Framebuffer shadow_;             // white where an object blocks the light
+    gl::Framebuffer blurred_;            // blurred `shadow_`
     bool are_shadows_on_ = true;
-    FloorCells shadowed_{kShadowExtentM};     // where `blurred_` may not be black
+    FloorCells shadowed_{kShadowExtentM};     // cells where `blurred_` may not be black
     std::vector<Eigen::Vector3f> triangles_;  // scratch
     gl::VertexArray triangles_layout_ = gl::make_vertex_array();
     gl::Buffer triangles_corners_ = gl::make_buffer();
     ScreenSquare square_;
 
-    gl::Framebuffer kept_;  // of `draw`
+    gl::Framebuffer kept_;  // result of `draw`
     std::optional<EyeView> last_eye_;
-    bool is_kept_ = false;  // as `last_eye_` sees it
+    bool is_kept_ = false;  // `kept_` is what `last_eye_` sees
 };
 
 }  // namespace atrium::renderer

@@ -9,7 +9,7 @@
 namespace atrium::renderer {
 namespace {
 
-// Cuts off what of a convex polygon lies where sign * p[axis] exceeds `limit`.
+// Clips off the part of a convex polygon where sign * p[axis] exceeds `limit`.
 void clip(std::vector<Eigen::Vector2d>& polygon,
           Eigen::Index axis,
           double sign,
@@ -59,8 +59,8 @@ Eigen::AlignedBox2d FloorCells::bounds() const {
     return bounds;
 }
 
-// Cells are not put together to larger rectangles: where a corner of one lay on an edge of another
-// one, rounding would leave pixels out, or have them twice.
+// Does not merge cells: where a corner of one rectangle lies on an edge of another, rounding would
+// leave out pixels or draw them twice.
 void FloorCells::find_triangles(const Eigen::Vector2d& half_size_m,
                                 const geometry::RigidTransform& world_from_plane,
                                 std::vector<Eigen::Vector3f>& out) const {

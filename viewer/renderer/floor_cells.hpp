@@ -11,8 +11,8 @@
 
 namespace atrium::renderer {
 
-/// Which cells of a square of floor around the origin shadows may fall on: the others need none
-/// looked up.
+/// The cells of a square of floor around the origin that may have shadows. The shadow map is
+/// sampled only there.
 class FloorCells {
 public:
     static constexpr int kSide = 32;
@@ -20,14 +20,15 @@ public:
     explicit FloorCells(double extent_m) : cell_m_(extent_m / kSide) {}
 
     void clear() { rows_.fill(0); }
-    /// What touches this part of the world; what lies beyond the square is left out.
+    /// Adds the cells that touch this part of the world. Ignores what lies outside the square.
     void add(const Eigen::AlignedBox2d& part_world);
     bool empty() const;
-    /// Bounds of all cells that were added, in the world.
+    /// Bounds of all cells added, in the world.
     Eigen::AlignedBox2d bounds() const;
 
-    /// What the cells cover of a plane, in whose frame the origin is its middle, as triangles in
-    /// the world. They meet without gaps and nowhere cover each other.
+    /// Writes the part of a rectangle that the cells cover, as triangles in the world.
+    /// `world_from_plane` has its origin at the centre of the rectangle. The triangles leave no
+    /// gaps and do not overlap.
     void find_triangles(const Eigen::Vector2d& half_size_m,
                         const geometry::RigidTransform& world_from_plane,
                         std::vector<Eigen::Vector3f>& out) const;
@@ -39,7 +40,7 @@ private:
     }
 
     double cell_m_;
-    std::array<std::uint32_t, kSide> rows_{};  // a bit per cell
+    std::array<std::uint32_t, kSide> rows_{};  // one bit per cell
 };
 
 }  // namespace atrium::renderer

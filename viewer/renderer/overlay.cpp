@@ -11,7 +11,7 @@
 namespace atrium::renderer {
 namespace {
 
-constexpr double kNearestM = 0.1;  // before the eye: nearer ones would fill the picture
+constexpr double kNearestM = 0.1;  // distance from the eye; nearer labels would fill the picture
 
 gl::Texture upload(const TexturePicture& picture) {
     assert(picture.rgba.size() ==
@@ -30,7 +30,7 @@ gl::Texture upload(const TexturePicture& picture) {
                  GL_RGBA,
                  GL_UNSIGNED_BYTE,
                  picture.rgba.data());
-    // drawn at half its size and less: smooth only from pictures that were shrunk before
+    // labels appear at half size or less, so mipmaps keep them smooth
     glGenerateMipmap(GL_TEXTURE_2D);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
@@ -83,7 +83,7 @@ void Overlay::set_lines(std::span<const Line> lines) {
 void Overlay::draw_label(const Label& label, const EyeView& eye) const {
     const double depth_m = depth_of(eye, label.at_world);
     if (depth_m < kNearestM || label.opacity <= 0.0) return;
-    // in the eye's own metres, so that a picture that the display stretches stretches it as well
+    // in view space, so the label stretches with the picture of the display
     const double half_height_m = label.height * depth_m / eye.clip_from_view(1, 1);
     const double aspect = static_cast<double>(label.picture->width) / label.picture->height;
     Eigen::Vector3d middle = (eye.view_from_world * label.at_world.homogeneous()).head<3>();
@@ -107,7 +107,7 @@ void Overlay::draw_lines(const EyeView& eye) const {
     glEnable(GL_BLEND);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     for (const bool is_hidden : {true, false}) {
-        // the depths stay those of the scene, so that lines do not hide each other
+        // does not write depths, so lines do not hide each other
         glDepthMask(GL_FALSE);
         glDepthFunc(is_hidden ? GL_GREATER : GL_LEQUAL);
         line_shader_.set("opacity", is_hidden ? kHiddenOpacity : 1.0f);
@@ -120,7 +120,7 @@ void Overlay::draw_lines(const EyeView& eye) const {
 
 void Overlay::draw_labels(const EyeView& eye) const {
     if (labels_.empty()) return;
-    // the nearest last, over the others
+    // back to front
     std::vector<const Label*> order;
     for (const Label& label : labels_) order.push_back(&label);
     std::sort(order.begin(), order.end(), [&](const Label* a, const Label* b) {

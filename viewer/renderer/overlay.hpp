@@ -3,7 +3,7 @@
 #include "core/base/expected.hpp"
 #include "core/gl/resources.hpp"
 #include "core/gl/shader_program.hpp"
-#include "viewer/renderer/object_look.hpp"
+#include "viewer/renderer/object/object_look.hpp"
 #include "viewer/renderer/screen_square.hpp"
 #include "viewer/renderer/view_camera.hpp"
 
@@ -16,16 +16,16 @@
 
 namespace atrium::renderer {
 
-/// A small picture at a place in the world that every eye sees upright, of one size however far it
-/// is, and before everything else.
+/// A small picture at a point in the world. It faces every eye, has a constant size in the picture,
+/// and is in front of everything.
 struct Label {
-    std::shared_ptr<const TexturePicture> picture;       // its colours multiplied by alpha
-    Eigen::Vector3d at_world = Eigen::Vector3d::Zero();  // the middle of its lower edge
-    double height = 0.04;                                // share of the height that the eye sees
+    std::shared_ptr<const TexturePicture> picture;       // colours multiplied by alpha
+    Eigen::Vector3d at_world = Eigen::Vector3d::Zero();  // centre of its lower edge
+    double height = 0.04;                                // share of the eye's picture height
     double opacity = 1.0;
 };
 
-/// A straight line in the world, one pixel wide; where something is before it, it is fainter.
+/// A straight line in the world, one pixel wide. Fainter where the scene hides it.
 struct Line {
     struct End {
         Eigen::Vector3f at_world;
@@ -35,30 +35,31 @@ struct Line {
     End to;
 };
 
-/// What is drawn over the scene, into each eye's part of the picture and in each eye's colours: so
-/// it is right on every display, and in screenshots and videos.
+/// Draws over the scene, into each eye's part of the picture and in each eye's colours. So it works
+/// on every display, and in screenshots and videos.
 class Overlay {
 public:
     static Expected<Overlay> create();
 
-    /// All labels from now on; pictures that none of them has any more are forgotten.
+    /// Replaces all labels. Drops pictures that no label uses any more.
     void set_labels(std::vector<Label> labels);
 
-    /// All lines from now on.
+    /// Replaces all lines.
     void set_lines(std::span<const Line> lines);
 
-    /// Whether people and things are drawn as the edges of their triangles.
+    /// Whether people and objects are drawn as wireframe.
     bool is_wireframe() const { return is_wireframe_; }
     void set_wireframe(bool is_wireframe) { is_wireframe_ = is_wireframe; }
 
-    /// How far before each camera its picture of the person is drawn [m]; 0: it is not.
+    /// Distance of the camera pictures of people from their cameras [m]. 0: not drawn.
     double silhouettes_m() const { return silhouettes_m_; }
     void set_silhouettes(double distance_m) { silhouettes_m_ = distance_m; }
 
-    /// Draws the lines with the scene's depths. The caller has set the eye's viewport and colours.
+    /// Draws the lines, tested against the depths of the scene. The caller has set the eye's
+    /// viewport and colour mask.
     void draw_lines(const EyeView& eye) const;
-    /// Draws the labels over everything; needs no depths. The caller has set the eye's viewport and
-    /// colours.
+    /// Draws the labels over everything, without depths. The caller has set the eye's viewport and
+    /// colour mask.
     void draw_labels(const EyeView& eye) const;
 
 private:

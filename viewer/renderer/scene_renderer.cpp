@@ -3,15 +3,15 @@
 #include "core/gl/resources.hpp"
 #include "core/gl/shader_program.hpp"
 #include "viewer/renderer/backdrop.hpp"
-#include "viewer/renderer/object_batch.hpp"
-#include "viewer/renderer/object_drawing.hpp"
-#include "viewer/renderer/object_shaders.hpp"
-#include "viewer/renderer/person_drawing.hpp"
+#include "viewer/renderer/fxaa.hpp"
+#include "viewer/renderer/object/object_batch.hpp"
+#include "viewer/renderer/object/object_drawing.hpp"
+#include "viewer/renderer/object/object_shaders.hpp"
+#include "viewer/renderer/object/textures.hpp"
+#include "viewer/renderer/person/person_drawing.hpp"
+#include "viewer/renderer/person/silhouette_drawing.hpp"
+#include "viewer/renderer/person/warm_up_person.hpp"
 #include "viewer/renderer/shaders.hpp"
-#include "viewer/renderer/silhouette_drawing.hpp"
-#include "viewer/renderer/smoothing.hpp"
-#include "viewer/renderer/stand_in_person.hpp"
-#include "viewer/renderer/textures.hpp"
 
 #include <glad/gl.h>
 
@@ -24,9 +24,9 @@
 
 namespace atrium::renderer {
 
-// The floor blurs its picture of the shadows over some three pixels.
+// The floor blurs its shadow map over about three pixels.
 constexpr double kShadowDetail_px_per_m = Backdrop::kShadowPx / Backdrop::kShadowExtentM / 3.0;
-// Scenery that reaches further from its origin is a room, whose roof would darken all of the floor.
+// Scenery that reaches farther from its origin is a room; its roof would darken the whole floor.
 constexpr double kRoomRadiusM = 3.5;
 
 struct SceneRenderer::Impl {
@@ -36,9 +36,9 @@ struct SceneRenderer::Impl {
     ObjectShaders soft_shaders;
     double scale = 1.0;
     bool has_shadows = true;
-    gl::Framebuffer target;              // of the scene, `scale` times as large as the picture
-    std::optional<Smoothing> smoothing;  // only with anti-aliasing, as large as `target`
-    gl::Framebuffer enlarged;            // the picture where `scale` is not 1
+    gl::Framebuffer target;    // the scene, at `scale` of the picture's size
+    std::optional<Fxaa> fxaa;  // only with anti-aliasing, of the size of `target`
+    gl::Framebuffer enlarged;  // the picture if `scale` is not 1
     std::optional<Backdrop> backdrop;
     std::optional<Overlay> overlay;
     std::optional<SilhouetteDrawing> silhouettes;
@@ -51,7 +51,7 @@ struct SceneRenderer::Impl {
     std::map<std::uint32_t, SoftDrawing> soft_objects;
     std::map<std::string, std::vector<ObjectDrawing>> scenery;
     bool is_shadow_current = false;
-    mutable std::vector<std::uint8_t> rows;  // of `read_pixels`, bottom row first
+    mutable std::vector<std::uint8_t> rows;  // scratch of `read_pixels`, bottom row first
 
     Expected<void> create_shaders();
     Expected<void> create_targets(int width, int height);
@@ -59,15 +59,15 @@ struct SceneRenderer::Impl {
     void draw_objects(const View& view);
     void add_object(const View& view, const ObjectDrawing& object);
     std::vector<const ObjectLook*> floors() const;
-    void floor_changes(std::uint32_t object);  // if it is one
+    void floor_changes(std::uint32_t object);  // if the object is a floor
     image::PixelRect scaled(const image::PixelRect& part_px) const;
     void draw_eye(const EyeView& eye, std::span<const ObjectLook* const> floors, bool has_backdrop);
     void begin_eye(const EyeView& eye, const gl::Framebuffer& on) const;
     void enlarge();
     void draw_faded(PersonDrawing& person, const EyeView& eye);
     void present(const image::PixelRect& part_px, unsigned buffer) const;
-    // what the scene becomes before it is enlarged
-    const gl::Framebuffer& drawn() const { return smoothing ? smoothing->picture() : target; }
+    // the scene before it is enlarged
+    const gl::Framebuffer& drawn() const { return fxaa ? fxaa->picture() : target; }
     const gl::Framebuffer& finished() const { return scale < 1.0 ? enlarged : drawn(); }
 };
 
@@ -82,9 +82,9 @@ Expected<void> SceneRenderer::Impl::create_shaders() {
     if (!soft) return tl::unexpected(soft.error());
     soft_shaders = std::move(*soft);
     if (options.antialias == Antialias::kFxaa) {
-        auto created = Smoothing::create();
+        auto created = Fxaa::create();
         if (!created) return tl::unexpected(created.error());
-        smoothing = std::move(*created);
+        fxaa = std::move(*created);
     }
     auto behind = Backdrop::create();
     if (!behind) return tl::unexpected(behind.error());
@@ -108,8 +108,8 @@ Expected<void> SceneRenderer::Impl::create_targets(int width, int height) {
         if (!made) return tl::unexpected(made.error());
         full = std::move(*made);
     }
-    if (smoothing)
-        if (auto ok = smoothing->resize(part_px.width, part_px.height); !ok) return ok;
+    if (fxaa)
+        if (auto ok = fxaa->resize(part_px.width, part_px.height); !ok) return ok;
     target = std::move(*framebuffer);
     enlarged = std::move(full);
     options.width = width;
@@ -117,7 +117,7 @@ Expected<void> SceneRenderer::Impl::create_targets(int width, int height) {
     return {};
 }
 
-// Parts that meet in the picture meet in the smaller one as well.
+// Scales a part. Adjacent parts stay adjacent.
 image::PixelRect SceneRenderer::Impl::scaled(const image::PixelRect& part_px) const {
     const auto at = [this](int px) { return static_cast<int>(std::lround(scale * px)); };
     image::PixelRect part{at(part_px.x), at(part_px.y), 0, 0};
@@ -130,14 +130,14 @@ void SceneRenderer::Impl::draw_shadow() {
     if (is_shadow_current) return;
     is_shadow_current = true;
     backdrop->begin_shadows();
-    // faded ones first: what is solid darkens all of its shadow
+    // faded people first: solid ones overwrite them
     for (const bool is_solid : {false, true}) {
         for (const auto& [site, person] : people) {
             if (person.is_solid() == is_solid && person.opacity() > 0.0)
                 backdrop->add_shadow(person.shadow(), person.opacity());
         }
     }
-    const gl::ShaderProgram& shader = backdrop->begin_thing_shadows();
+    const gl::ShaderProgram& shader = backdrop->begin_solid_shadows();
     shader.set("darkness", 1.0f);
     shader.set("world_from_object", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
     for (const auto& [id, soft] : soft_objects) {
@@ -167,7 +167,7 @@ void SceneRenderer::Impl::draw_shadow() {
 void SceneRenderer::Impl::add_object(const View& view, const ObjectDrawing& object) {
     const double radius_px =
         seen_radius_px(view, object.look.world_from_object.translation, object.radius_m);
-    // of a crowd of things each has fewer triangles, so that pictures take no longer than they may
+    // objects in a crowd get fewer triangles each, which bounds the cost of a picture
     constexpr double kMany = 300.0;
     const double detail = std::sqrt(kMany / std::max(kMany, static_cast<double>(objects.size())));
     if (radius_px > 0.0) batch.add(object, detail * radius_px);
@@ -185,7 +185,7 @@ void SceneRenderer::Impl::draw_objects(const View& view) {
         if (object.look.model == nullptr && !object.is_floor()) add_object(view, object);
     }
     batch.draw(object_shaders, textures);
-    // models need not be closed, and a cloth has no inside: both sides are drawn
+    // draw both sides: models may be open, and cloth has no inside
     glDisable(GL_CULL_FACE);
     for (const auto& [id, object] : objects) {
         if (object.look.model != nullptr) add_object(view, object);
@@ -226,7 +226,7 @@ void SceneRenderer::Impl::draw_eye(const EyeView& eye,
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     if (!has_backdrop) backdrop->draw(eye, floors, textures);
     backdrop->draw_shadows(view, floors);
-    // over what is seen through them
+    // after everything that is visible through them
     for (auto& [site, person] : people) {
         if (!person.is_solid()) draw_faded(person, eye);
     }
@@ -259,7 +259,7 @@ void SceneRenderer::Impl::enlarge() {
 
 void SceneRenderer::Impl::draw_faded(PersonDrawing& person, const EyeView& eye) {
     const View view = eye.view();
-    // depth alone first, so that an arm before the chest is not seen through
+    // depth pass first, so an arm does not show the chest behind it
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     person.draw(person_shaders, view.clip_from_world, view.eye_world);
     glColorMask(eye.writes[0], eye.writes[1], eye.writes[2], GL_TRUE);
@@ -297,16 +297,16 @@ void SceneRenderer::warm_up(const ViewCamera& camera) {
                         .world_from_object = {Eigen::Quaterniond::Identity(), camera.target_m}});
     }
     const double scale = impl_->scale;
-    // a driver may tell arrays of a power of two of pictures from others
+    // a driver may treat texture arrays with a power of two of layers differently
     for (const std::size_t num_cameras : {6U, 8U}) {
         set_person(
             painted,
-            make_stand_in_person(
+            make_warm_up_person(
                 camera.position_m.cast<float>(), camera.target_m.cast<float>(), num_cameras));
         for (const double less : {0.5 * scale, scale}) {
             static_cast<void>(set_scale(less));
             draw(camera);
-            draw(camera);  // and this one copies what the last one drew
+            draw(camera);  // the second draw uses Backdrop::copy
         }
     }
     glFinish();
@@ -452,7 +452,7 @@ void SceneRenderer::draw(std::span<const EyeView> eyes) {
     Impl& impl = *impl_;
     if (impl.has_shadows) impl.draw_shadow();
     impl.target.bind();
-    // the background covers what nothing else does: colour needs no clearing
+    // the backdrop covers all other pixels, so colour needs no clearing
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LEQUAL);
     glDisable(GL_BLEND);
@@ -463,13 +463,13 @@ void SceneRenderer::draw(std::span<const EyeView> eyes) {
         scaled.part_px = impl.scaled(eye.part_px);
         const bool has_backdrop =
             eyes.size() == 1 && impl.backdrop->copy(scaled, floors, impl.textures, impl.target);
-        // the depths of another eye in the same place are of no use
+        // drop the depths of another eye in the same part
         if (!has_backdrop) glClear(GL_DEPTH_BUFFER_BIT);
         impl.begin_eye(scaled, impl.target);
         impl.draw_eye(scaled, floors, has_backdrop);
     }
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-    if (impl.smoothing) impl.smoothing->draw(impl.target);
+    if (impl.fxaa) impl.fxaa->draw(impl.target);
     if (impl.scale < 1.0) impl.enlarge();
     impl.finished().bind();
     for (const EyeView& eye : eyes) {
@@ -505,7 +505,7 @@ void SceneRenderer::present_halves() const {
     const int half = width() / 2;
     impl_->present({0, 0, half, height()}, GL_BACK_LEFT);
     impl_->present({half, 0, half, height()}, GL_BACK_RIGHT);
-    glDrawBuffer(GL_BACK);  // of both
+    glDrawBuffer(GL_BACK);  // both
 }
 
 void SceneRenderer::read_pixels(RenderedPicture& out) const {

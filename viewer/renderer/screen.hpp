@@ -6,7 +6,7 @@
 
 namespace atrium::renderer {
 
-/// A flat rectangle that somebody looks through, by three of its corners [m].
+/// A flat rectangle that an eye looks through, by three of its corners [m].
 struct Screen {
     Eigen::Vector3d lower_left_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d lower_right_m = Eigen::Vector3d::Zero();
@@ -14,15 +14,15 @@ struct Screen {
 
     Eigen::Vector3d right() const { return (lower_right_m - lower_left_m).normalized(); }
     Eigen::Vector3d up() const { return (upper_left_m - lower_left_m).normalized(); }
-    /// Towards the side that it is looked at from.
+    /// Points to the side of the eye.
     Eigen::Vector3d normal() const { return right().cross(up()); }
 };
 
-/// The screen at `distance_m` that a camera looks through.
+/// Screen at `distance_m` that covers the view of a camera.
 Screen screen_of(const ViewCamera& camera, double aspect, double distance_m);
 
-/// What an eye sees through a screen: the frustum from the eye through the corners. The eye must be
-/// before the screen and the screen's sides at right angles.
+/// View of an eye through a screen: the frustum from the eye through the corners. The eye must be
+/// before the screen, and the sides of the screen perpendicular.
 ///
 /// After: Kooima. Generalized Perspective Projection. 2008.
 EyeView eye_through(const Screen& screen,

@@ -4,12 +4,12 @@
 
 namespace atrium::renderer {
 
-/// A square from (-1, -1) to (1, 1), as attribute 0 of two components: the whole picture, or a
-/// floor once a shader has stretched it.
+/// A square from (-1, -1) to (1, 1) as attribute 0 of two components. Covers the whole picture, or
+/// a floor after scaling by a shader.
 class ScreenSquare {
 public:
     ScreenSquare();
-    /// With the shader in use.
+    /// Draws with the bound shader.
     void draw() const;
 
 private:

@@ -6,7 +6,7 @@
 namespace atrium::renderer::shaders {
 namespace {
 
-// `line` for each camera slot, its number in place of every '#'.
+// Repeats `line` for each camera slot and replaces every '#' by the slot's number.
 std::string for_each_slot(std::size_t num_cameras, const std::string& line) {
     std::string text;
     for (std::size_t i = 0; i < num_cameras; ++i) {
@@ -21,7 +21,7 @@ std::string for_each_slot(std::size_t num_cameras, const std::string& line) {
     return text;
 }
 
-// GLSL's type of so many layers, as far as one attribute holds them.
+// GLSL type of the next layers, as many as fit one attribute.
 std::string layers_type(std::size_t num_layers) {
     return num_layers == 1 ? "float"
                            : "vec" + std::to_string(std::min(num_layers, kLayersPerAttribute));
@@ -62,8 +62,8 @@ std::string person_fragment(std::size_t num_cameras) {
         text +=
             "flat in " + layers_type(num_cameras - i) + " used_layers" + std::to_string(i) + ";\n";
     text += for_each_slot(num_cameras, "in vec4 in_picture#;");
-    // texels carry colour times mask, so that the sum divides out to a colour of the person alone;
-    // the fallback takes over, without an edge, where weights and masks leave next to nothing
+    // texels hold colour times mask, so the division gives a colour of the person alone; the
+    // fallback takes over smoothly where weights and masks are nearly 0
     text += "void main() {\n    vec4 sum = vec4(fallback_colour, 1.0) * 0.01;\n";
     for (std::size_t i = 0; i < num_cameras; ++i) {
         const std::string slot = std::to_string(i);
@@ -94,7 +94,7 @@ void main() {
     p_mesh = position;
     p_picture = place;
     p_world = p.xyz;
-    // where it is scaled, normals are so inversely
+    // normals scale inversely
     mat3 linear = mat3(world_from_mesh);
     vec3 scale2 = vec3(dot(linear[0], linear[0]), dot(linear[1], linear[1]), dot(linear[2], linear[2]));
     normal_world = linear * (normal / scale2);
@@ -125,8 +125,8 @@ void main() {
 
 namespace {
 
-// sRGB from linear light, to a tenth of a grey level: two roots in place of a power, which is a
-// logarithm and an exponential in software.
+// Encodes linear light as sRGB, to a tenth of a grey level. Two roots replace the power, which
+// costs a software renderer a logarithm and an exponential.
 constexpr const char* kEncode = R"(
 vec3 encode(vec3 linear) {
     vec3 root = sqrt(linear);
@@ -145,8 +145,8 @@ std::string with_defines(std::initializer_list<const char*> defines,
     return text;
 }
 
-// Software executes both sides of a branch for every pixel: each kind of surface has a shader of
-// its own.
+// One shader per kind of surface: a software renderer executes both sides of a branch for every
+// pixel.
 constexpr const char* kObjectFragment = R"(
 in vec3 p_mesh;
 in vec2 p_picture;
@@ -159,7 +159,7 @@ uniform vec3 eye;
 out vec4 fragment;
 void main() {
     vec3 n = normalize(normal_world);
-    // of what is seen from behind, the other side
+    // seen from behind: flip the normal
     if (!gl_FrontFacing) n = -n;
     vec3 base = colour;
 #ifdef TEXTURED
@@ -178,7 +178,7 @@ void main() {
     float shine = max(dot(n, normalize(to_eye + light)), 0.0);
     shine *= shine;
     shine *= shine;
-    shine *= shine;  // to the power of 8, and at last of 40
+    shine *= shine;  // power of 8; power of 40 at the end
     float shine_16 = shine * shine;
     shine *= shine_16 * shine_16 * 0.12;
     fragment = vec4(encode(clamp(base * (ambient + key) + shine, 0.0, 1.0)), 1.0);
@@ -210,8 +210,8 @@ void main() {
 
 namespace {
 
-// In encoded (sRGB) colours: darkening by a factor is, but for the ends of the curve, the same
-// there, and spares three powers per pixel of what covers half the picture.
+// Works in sRGB: darkening by a factor is the same there except at the ends of the curve, and it
+// saves three powers per pixel for half of the picture.
 constexpr const char* kFloorFragment = R"(
 in vec2 p_world;
 in vec2 p_floor;
@@ -249,7 +249,7 @@ out vec2 at;
 out float strength;
 void main() {
     at = position.xy / shadow_extent + 0.5;
-    // what is far is the horizon's colour and has less of a shadow
+    // far floor has the colour of the horizon and less shadow
     float far = clamp((dot(position.xy, position.xy) - fade.x) * fade.y, 0.0, 1.0);
     strength = shadow_strength * (1.0 - far);
     gl_Position = clip_from_world * vec4(position, 1.0);
@@ -314,7 +314,8 @@ void main() {
 }
 )";
 
-// Over some three pixels, turned against the grid so that edges along it become even.
+// Blurs over about three pixels. The samples are rotated against the grid, which smooths edges
+// along it.
 const char* const kBlurFragment = R"(#version 330 core
 in vec2 at;
 uniform sampler2D picture;
@@ -387,7 +388,7 @@ void main() {
 }
 )";
 
-// The outline is a pixel of the screen wide, around the person, however small she is there.
+// The outline is one screen pixel wide around the person, at any size of the person.
 const char* const kSilhouetteFragment = R"(#version 330 core
 in vec2 at;
 uniform sampler2DArray pictures;
@@ -395,7 +396,7 @@ uniform float layer;
 uniform float opacity;
 uniform vec3 outline;
 out vec4 fragment;
-const float kInside = 0.1;  // least alpha of the mask's texels, which is less at its edge
+const float kInside = 0.1;  // least alpha of texels inside the mask; at its edge alpha is lower
 void main() {
     vec4 here = texture(pictures, vec3(at, layer));
     vec2 right = dFdx(at);
@@ -413,9 +414,9 @@ void main() {
 }
 )";
 
-// After the idea of fast approximate anti-aliasing (Lottes 2009), in its shortest form: where the
-// luma of the four diagonal neighbours differs, average along the edge.
-const char* const kSmoothFragment = R"(#version 330 core
+// After: Lottes. FXAA. 2009. In its shortest form: where the luma of the four diagonal neighbours
+// differs, average along the edge.
+const char* const kFxaaFragment = R"(#version 330 core
 in vec2 at;
 uniform sampler2D picture;
 uniform vec2 pixel;

@@ -252,7 +252,7 @@ TEST_F(Model, UnknownHostIsNotTrusted) {
     model_.see(viewer_status(), now_);
     EXPECT_EQ(program("wall").latencies[0].trust, ClockTrust::kUnknown);
     EXPECT_FALSE(program("wall").is_known);
-    EXPECT_THAT(report().notices, ElementsAre(HasSubstr("not known")));
+    EXPECT_THAT(report().notices, ElementsAre(HasSubstr("unknown")));
 }
 
 TEST_F(Model, CountsStreamsAcrossReports) {

@@ -2,7 +2,7 @@
 // sight not at all.
 #include "tests/unit/renderer/scene_renderer_fixture.hpp"
 #include "viewer/renderer/backdrop.hpp"
-#include "viewer/renderer/person_drawing.hpp"
+#include "viewer/renderer/person/person_drawing.hpp"
 
 #include <Eigen/Geometry>
 

@@ -1,4 +1,4 @@
-#include "viewer/renderer/needed_cameras.hpp"
+#include "viewer/renderer/person/needed_cameras.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
-#include "viewer/renderer/person_model.hpp"
+#include "viewer/renderer/person/person_model.hpp"
 
 #include "tests/unit/renderer/synthetic_person.hpp"
-#include "viewer/renderer/camera_blend.hpp"
+#include "viewer/renderer/person/camera_blend.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

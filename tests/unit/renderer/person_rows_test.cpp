@@ -1,9 +1,9 @@
-#include "viewer/renderer/person_rows.hpp"
+#include "viewer/renderer/person/person_rows.hpp"
 
 #include "core/geometry/pinhole_camera.hpp"
 #include "tests/unit/renderer/synthetic_person.hpp"
-#include "viewer/renderer/camera_blend.hpp"
-#include "viewer/renderer/inverse_depth.hpp"
+#include "viewer/renderer/person/camera_blend.hpp"
+#include "viewer/renderer/person/inverse_depth.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

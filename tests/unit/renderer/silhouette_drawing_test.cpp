@@ -1,4 +1,4 @@
-#include "viewer/renderer/silhouette_drawing.hpp"
+#include "viewer/renderer/person/silhouette_drawing.hpp"
 
 #include "tests/unit/renderer/scene_renderer_fixture.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/geometry/triangle_mesh.hpp"
-#include "viewer/renderer/person_model.hpp"
+#include "viewer/renderer/person/person_model.hpp"
 
 #include <Eigen/Core>
 

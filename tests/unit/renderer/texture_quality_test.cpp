@@ -107,7 +107,7 @@ TEST_F(SimulatedRoom, EvensOutCamerasOfDifferentColours) {
     const auto person = receive_person(uneven, Publishing::kAsTheyWere);
     ASSERT_TRUE(person) << person.error().message;
     renderer::PersonModelOptions as_they_are;
-    as_they_are.colour_evening.max_points = 0;
+    as_they_are.gain_compensation.max_points = 0;
     const double uneven_db = mean_error(model_of(*person, as_they_are), free()).psnr_db;
     const double evened_db = mean_error(model_of(*person), free()).psnr_db;
     RecordProperty("uneven_psnr_db", std::to_string(uneven_db));
@@ -123,7 +123,7 @@ TEST_F(SimulatedRoom, DoesNotChangeCamerasOfEqualColours) {
     renderer::PersonModel model;
     renderer::build_person_model(person->mesh, person->pictures, {}, scratch, model);
     // the hull differs from the person, and cameras see different points at the same place
-    for (const Eigen::Array3d& log_gain : scratch.colour_evening.log_gains)
+    for (const Eigen::Array3d& log_gain : scratch.gain_compensation.log_gains)
         EXPECT_LT(log_gain.abs().maxCoeff(), 0.03) << log_gain.transpose();
 }
 

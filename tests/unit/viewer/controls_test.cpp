@@ -1,4 +1,4 @@
-#include "viewer/controls.hpp"
+#include "viewer/control/controls.hpp"
 
 #include "viewer/viewer_config.hpp"
 

@@ -1,6 +1,6 @@
-#include "viewer/debug_view.hpp"
+#include "viewer/overlay/debug_view.hpp"
 
-#include "viewer/shape_wires.hpp"
+#include "viewer/overlay/shape_wires.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>

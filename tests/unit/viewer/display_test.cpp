@@ -1,4 +1,4 @@
-#include "viewer/display.hpp"
+#include "viewer/ui/display.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>

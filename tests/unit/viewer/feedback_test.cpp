@@ -1,4 +1,4 @@
-#include "viewer/feedback.hpp"
+#include "viewer/receive/feedback.hpp"
 
 #include <gtest/gtest.h>
 

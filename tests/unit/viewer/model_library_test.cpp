@@ -1,4 +1,4 @@
-#include "viewer/model_library.hpp"
+#include "viewer/scene/model_library.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

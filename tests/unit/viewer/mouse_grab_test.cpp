@@ -1,4 +1,4 @@
-#include "viewer/mouse_grab.hpp"
+#include "viewer/control/mouse_grab.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>

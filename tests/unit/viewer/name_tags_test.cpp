@@ -1,6 +1,6 @@
-#include "viewer/name_tags.hpp"
+#include "viewer/overlay/name_tags.hpp"
 
-#include "viewer/text_picture.hpp"
+#include "viewer/overlay/text_picture.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "viewer/pairing.hpp"
+#include "viewer/receive/pairing.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

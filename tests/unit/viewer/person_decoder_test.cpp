@@ -1,4 +1,4 @@
-#include "viewer/person_decoder.hpp"
+#include "viewer/receive/person_decoder.hpp"
 
 #include "tests/unit/viewer/test_site.hpp"
 
@@ -92,7 +92,7 @@ TEST_F(PersonDecoderTest, AcceptsTexturesAtFullResolution) {
 }
 
 TEST_F(PersonDecoderTest, RefusesMoreThanItsLimits) {
-    EXPECT_THAT(decode_error({.max_layer_bytes = 1000}), testing::HasSubstr("too much"));
+    EXPECT_THAT(decode_error({.max_layer_bytes = 1000}), testing::HasSubstr("exceed the limit"));
     EXPECT_NE(decode_error({.max_triangles = 100}), "");
     EXPECT_EQ(decode_error(), "");  // the scratch still works
 }

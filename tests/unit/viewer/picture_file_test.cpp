@@ -1,6 +1,7 @@
-#include "viewer/picture_file.hpp"
+#include "viewer/record/picture_file.hpp"
 
-#include "viewer/video_file.hpp"
+#include "viewer/record/video_file.hpp"
+#include "viewer/record/video_recorder.hpp"
 #include "viewer/viewer_config.hpp"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "viewer/picture_pacer.hpp"
+#include "viewer/pacing/picture_pacer.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
-#include "viewer/proxy_view.hpp"
+#include "viewer/overlay/proxy_view.hpp"
 
 #include "core/bus/proxy_points.hpp"
-#include "viewer/shape_wires.hpp"
+#include "viewer/overlay/shape_wires.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 #include "viewer/run_limit.hpp"
 
-#include "viewer/company.hpp"
+#include "viewer/empty_world_warning.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,23 +13,23 @@ using Now = RunLimit::Now;
 
 const RunLimit::Clock::time_point kBegin{100s};
 
-TEST(Company, IsMissedOnceIfNobodyCame) {
+TEST(EmptyWorldWarning, WarnsOnceIfNobodyCame) {
     bus::Presence viewer;
     viewer.kind = bus::ProgramKind::kViewer;
-    Company company("atrium");
-    EXPECT_FALSE(company.look({viewer}, kBegin, false));
-    EXPECT_FALSE(company.look({viewer}, kBegin + Company::kPatience - 1ms, false));
-    EXPECT_TRUE(company.look({viewer}, kBegin + Company::kPatience, false));
-    EXPECT_FALSE(company.look({viewer}, kBegin + 60s, true)) << "once";
+    EmptyWorldWarning empty_world("atrium");
+    EXPECT_FALSE(empty_world.update({viewer}, kBegin, false));
+    EXPECT_FALSE(empty_world.update({viewer}, kBegin + EmptyWorldWarning::kPatience - 1ms, false));
+    EXPECT_TRUE(empty_world.update({viewer}, kBegin + EmptyWorldWarning::kPatience, false));
+    EXPECT_FALSE(empty_world.update({viewer}, kBegin + 60s, true)) << "once";
 
-    Company short_run("atrium");
-    EXPECT_TRUE(short_run.look({viewer}, kBegin, true));
+    EmptyWorldWarning short_run("atrium");
+    EXPECT_TRUE(short_run.update({viewer}, kBegin, true));
 
-    Company in_company("atrium");
+    EmptyWorldWarning in_company("atrium");
     bus::Presence site;
     site.kind = bus::ProgramKind::kSiteNode;
-    EXPECT_FALSE(in_company.look({viewer, site}, kBegin, false));
-    EXPECT_FALSE(in_company.look({viewer}, kBegin + 60s, true)) << "people may leave again";
+    EXPECT_FALSE(in_company.update({viewer, site}, kBegin, false));
+    EXPECT_FALSE(in_company.update({viewer}, kBegin + 60s, true)) << "people may leave again";
 }
 
 TEST(RunLimit, IsOffByDefault) {

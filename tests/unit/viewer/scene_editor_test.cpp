@@ -1,4 +1,4 @@
-#include "viewer/scene_editor.hpp"
+#include "viewer/control/scene_editor.hpp"
 
 #include "core/bus/checks.hpp"
 
@@ -19,33 +19,33 @@ bus::SceneObject named(const std::string& name) {
     return object;
 }
 
-TEST(NewThing, StandsInFrontOfTheEyeAboveTheFloor) {
+TEST(NewObject, StandsInFrontOfTheEyeAboveTheFloor) {
     const renderer::EyeView eye = renderer::eye_of(kCamera, 640, 360);
-    NewThing thing{.size_m = {0.4, 9, 9}, .name = "ball"};
-    const bus::SceneObject ball = make_object(thing, eye);
+    NewObject wanted{.size_m = {0.4, 9, 9}, .name = "ball"};
+    const bus::SceneObject ball = make_object(wanted, eye);
     EXPECT_TRUE(bus::check(ball));
     EXPECT_EQ(ball.size_m, Eigen::Vector3d(0.4, 0.4, 0.4));
     const Eigen::Vector3d& at = ball.world_from_object.translation;
     EXPECT_LT((at - Eigen::Vector3d(0, at.y(), 1.6)).norm(), 1e-9)
         << "the object must be where the eye looks";
     EXPECT_GT(at.y(), -1.6 - 1e-9);
-    thing.shape = bus::Shape::kBox;
-    thing.size_m = {0.2, 0.3, 1.0};
+    wanted.shape = bus::Shape::kBox;
+    wanted.size_m = {0.2, 0.3, 1.0};
     const bus::SceneObject box = make_object(
         thing, renderer::eye_of({.position_m = {0, 0, 1}, .target_m = {0, 0, 0}}, 640, 360));
     EXPECT_NEAR(box.world_from_object.translation.z(), 0.51, 1e-9)
         << "the object must lie on the floor when looking down";
 }
 
-TEST(NewThing, IsInThePictureAfterItHasFallen) {
-    const NewThing thing{.size_m = {0.3, 0.3, 0.3}, .name = "ball"};
+TEST(NewObject, IsInThePictureAfterItHasFallen) {
+    const NewObject thing{.size_m = {0.3, 0.3, 0.3}, .name = "ball"};
     double before_m = 0.0;
     // less and less steeply down
     for (const double target_z_m : {-6.0, -2.0, 0.0, 0.8, 1.6}) {
         const renderer::ViewCamera camera{.position_m = {0, -3, 1.6},
                                           .target_m = {0, 0, target_z_m}};
         const renderer::EyeView eye = renderer::eye_of(camera, 640, 360);
-        const auto at = make_object(thing, eye).world_from_object.translation;
+        const auto at = make_object(wanted, eye).world_from_object.translation;
         const Eigen::Vector2d lying =
             renderer::project_px(camera, {at.x(), at.y(), 0.15}, 640, 360);
         EXPECT_GT(lying.y(), 0.0);
@@ -57,11 +57,11 @@ TEST(NewThing, IsInThePictureAfterItHasFallen) {
     // looking at the sky: no place on the floor is in the picture
     const renderer::EyeView up =
         renderer::eye_of({.position_m = {0, -3, 1.6}, .target_m = {0, 0, 5}}, 640, 360);
-    const auto at = make_object(thing, up).world_from_object.translation;
+    const auto at = make_object(wanted, up).world_from_object.translation;
     EXPECT_LT((at - up.eye_world()).norm(), 6.2);
 }
 
-TEST(NewThing, IsValidForTheWorld) {
+TEST(NewObject, IsValidForTheWorld) {
     const renderer::EyeView eye = renderer::eye_of(kCamera, 640, 360);
     const bus::SceneObject capsule = make_object(
         {.shape = bus::Shape::kCapsule, .size_m = {0.3, 0.1, 0.2}, .name = "my capsule\n%s"}, eye);
@@ -117,8 +117,8 @@ TEST(SceneEditor, ReportsTheReasonOfAFailure) {
         return outcomes.size() == 1 && !outcomes[0].is_done ? outcomes[0].text : "";
     };
     EXPECT_EQ(after({true, 8}), "ball was not added: the world server refused it");
-    EXPECT_EQ(after(kServer), "ball was not added: the world server did not do it");
-    EXPECT_EQ(after({}), "ball was not added: no world server is there");
+    EXPECT_EQ(after(kServer), "ball was not added: the world server did not react");
+    EXPECT_EQ(after({}), "ball was not added: no world server is running");
     editor.remove(3, objects, kStart);
     const auto kept = editor.outcomes(objects, {true, 9}, kStart + SceneEditor::kPatience);
     ASSERT_EQ(kept.size(), 1U);

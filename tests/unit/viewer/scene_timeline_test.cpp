@@ -1,4 +1,4 @@
-#include "viewer/scene_timeline.hpp"
+#include "viewer/scene/scene_timeline.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "viewer/scene_view.hpp"
+#include "viewer/scene/scene_view.hpp"
 
 #include "core/gl/offscreen_context.hpp"
 

@@ -1,4 +1,4 @@
-#include "viewer/soft_timeline.hpp"
+#include "viewer/scene/soft_timeline.hpp"
 
 #include "core/bus/soft_nodes.hpp"
 

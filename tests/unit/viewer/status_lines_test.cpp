@@ -1,4 +1,4 @@
-#include "viewer/status_lines.hpp"
+#include "viewer/ui/status_lines.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,9 +21,9 @@ bus::SiteStatus site_status(std::uint64_t num_late) {
     return status;
 }
 
-std::vector<std::string> texts(const std::vector<SiteLine>& lines) {
+std::vector<std::string> texts(const std::vector<HudLine>& lines) {
     std::vector<std::string> texts;
-    for (const SiteLine& line : lines) texts.push_back(line.text);
+    for (const HudLine& line : lines) texts.push_back(line.text);
     return texts;
 }
 

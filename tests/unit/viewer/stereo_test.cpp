@@ -1,6 +1,6 @@
 #include "core/gl/offscreen_context.hpp"
-#include "viewer/display.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
+#include "viewer/ui/display.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>

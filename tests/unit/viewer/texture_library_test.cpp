@@ -1,4 +1,4 @@
-#include "viewer/texture_library.hpp"
+#include "viewer/scene/texture_library.hpp"
 
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>

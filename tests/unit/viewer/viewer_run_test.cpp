@@ -1,7 +1,7 @@
 #include "core/bus/proxy_points.hpp"
 #include "core/bus/soft_nodes.hpp"
 #include "tests/unit/viewer/test_site.hpp"
-#include "viewer/proxy_inbox.hpp"
+#include "viewer/receive/proxy_inbox.hpp"
 #include "viewer/renderer/view_camera.hpp"
 #include "viewer/viewer.hpp"
 

@@ -1,6 +1,6 @@
 #include "tests/support/virtual_display.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
-#include "viewer/surface.hpp"
+#include "viewer/ui/surface.hpp"
 
 #include <gtest/gtest.h>
 
@@ -83,7 +83,7 @@ protected:
 
     std::unique_ptr<VirtualDisplay> display_;
     std::unique_ptr<Surface> window_;
-    HudFigures figures_;
+    HudContent figures_;
     std::optional<renderer::SceneRenderer> renderer_;
 };
 
@@ -163,10 +163,10 @@ TEST_F(ViewerWindow, MenuTakesTheMouseAndTheKeys) {
     EXPECT_TRUE(click(x, 120).pointer.is_down) << "a click beside the menu must reach the world";
     display_->press(kTitle, "m");
     for (int i = 0; i < 20; ++i) draw();
-    figures_.things = {{7, "ball (7)"}, {8, "box (8)"}};
+    figures_.objects = {{7, "ball (7)"}, {8, "box (8)"}};
     std::optional<int> reset_at;
     std::optional<int> name_at;
-    std::optional<NewThing> added;
+    std::optional<NewObject> added;
     for (int y = 20; y < 340; y += 7) {
         const SurfaceEvents events = click(x, y);
         EXPECT_FALSE(events.pointer.is_down) << y;

@@ -1,0 +1,57 @@
+#pragma once
+
+#include "viewer/renderer/view_camera.hpp"
+
+#include <Eigen/Core>
+
+#include <chrono>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace atrium::viewer {
+
+/// Position and size of a person [m].
+struct PersonPlace {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // centre of the bounding box
+    Eigen::Vector3d eyes = Eigen::Vector3d::Zero();    // centre of the head
+    Eigen::Vector3d top = Eigen::Vector3d::Zero();     // top of the head
+    /// Extents of the bounding box along the site's axes.
+    Eigen::Vector3d size = Eigen::Vector3d::Zero();
+};
+
+/// Computes the place of a person from the vertices of a mesh that is not empty; +Z is up. The head
+/// is the part within 25 cm below the top.
+PersonPlace place_of(std::span<const Eigen::Vector3f> vertices);
+
+/// Moves the viewpoint with a person: follows the person, or looks through the person's eyes. A
+/// hull does not show where the person looks, so the mouse chooses the direction.
+class FollowCamera {
+public:
+    using Clock = std::chrono::steady_clock;
+    using Places = std::map<std::string, PersonPlace>;  // all people, in the world frame
+
+    /// Follows the person nearest to the camera's target, or stops following.
+    void toggle_follow(const renderer::ViewCamera& camera, const Places& places);
+    /// Looks through the eyes of person `number`, counted from 1 in the order of the names. The
+    /// same number again, or a number without a person, leaves the person.
+    void toggle_first_person(std::size_t number, const Places& places);
+    void leave() { name_.clear(); }
+
+    bool is_first_person() const { return !name_.empty() && is_inside_; }
+    const std::string& name() const { return name_; }  // empty: nobody
+
+    /// Returns the camera after the person has moved. Leaves a person who is gone.
+    renderer::ViewCamera update(renderer::ViewCamera camera,
+                                const Places& places,
+                                Clock::time_point now);
+
+private:
+    std::string name_;
+    bool is_inside_ = false;
+    std::optional<Eigen::Vector3d> at_;  // smoothed position that the camera follows
+    Clock::time_point time_;
+};
+
+}  // namespace atrium::viewer

@@ -1,0 +1,158 @@
+#include "viewer/control/scene_editor.hpp"
+
+#include "core/bus/checks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace atrium::viewer {
+namespace {
+
+constexpr double kBeforeTheEyeM = 1.2;  // to the nearest point of the object, roughly
+constexpr double kFarthestM = 6.0;
+constexpr double kStepM = 0.1;
+constexpr double kLowestInView = -0.8;  // in half picture heights, below the middle
+constexpr double kOffTheFloorM = 0.01;
+constexpr double kMinSizeM = 0.02;
+constexpr double kMaxSizeM = 4.0;
+// pending commands watched; the world accepts 200 commands a second
+constexpr std::size_t kMaxPending = 64;
+
+std::string valid_name(std::string name, bus::Shape shape) {
+    name = name.substr(0, 63);
+    for (char& c : name) {
+        if (!bus::is_valid_name({&c, 1})) c = '_';
+    }
+    if (!name.empty()) return name;
+    switch (shape) {
+        case bus::Shape::kSphere:
+            return "ball";
+        case bus::Shape::kCylinder:
+            return "cylinder";
+        case bus::Shape::kCapsule:
+            return "capsule";
+        default:
+            return "box";
+    }
+}
+
+// Normalises the size for the shape.
+Eigen::Vector3d size_of(const NewObject& wanted) {
+    const Eigen::Vector3d size = wanted.size_m.cwiseMax(kMinSizeM).cwiseMin(kMaxSizeM);
+    if (wanted.shape == bus::Shape::kSphere) return Eigen::Vector3d::Constant(size.x());
+    if (wanted.shape == bus::Shape::kCylinder) return {size.x(), size.x(), size.z()};
+    if (wanted.shape == bus::Shape::kCapsule)
+        return {size.x(), size.x(), std::max(size.x(), size.z())};
+    return size;
+}
+
+// Place on the view axis, far enough that the object is visible after it falls to the floor.
+Eigen::Vector3d place_before(const renderer::EyeView& eye, const Eigen::Vector3d& size_m) {
+    const Eigen::Vector3d forward = -eye.view_from_world.row(2).head<3>().transpose();
+    const Eigen::Matrix4d clip_from_world = eye.clip_from_world();
+    Eigen::Vector3d at;
+    for (double ahead_m = kBeforeTheEyeM + 0.5 * size_m.maxCoeff();; ahead_m += kStepM) {
+        at = eye.eye_world() + ahead_m * forward;
+        const Eigen::Vector4d lying =
+            clip_from_world * Eigen::Vector4d(at.x(), at.y(), 0.5 * size_m.z(), 1.0);
+        if (ahead_m > kFarthestM || lying.y() > kLowestInView * lying.w()) break;
+    }
+    at.z() = std::max(at.z(), 0.5 * size_m.z() + kOffTheFloorM);
+    return at;
+}
+
+}  // namespace
+
+bus::SceneObject make_object(const NewObject& wanted, const renderer::EyeView& eye) {
+    bus::SceneObject object;
+    object.shape = wanted.shape;
+    object.name = valid_name(wanted.name, wanted.shape);
+    object.size_m = size_of(wanted);
+    object.mass_kg = std::clamp(wanted.mass_kg, 0.01, 1000.0);
+    object.restitution = wanted.shape == bus::Shape::kSphere ? 0.6 : 0.2;
+    object.colour = wanted.colour.cwiseMax(0.0).cwiseMin(1.0);
+    object.world_from_object.translation = place_before(eye, object.size_m);
+    return object;
+}
+
+bus::SceneCommand SceneEditor::command(bus::CommandKind kind) const {
+    bus::SceneCommand command;
+    command.sender = sender_;
+    command.kind = kind;
+    return command;
+}
+
+void SceneEditor::add_pending(PendingCommand pending) {
+    if (pending_.size() >= kMaxPending) pending_.erase(pending_.begin());
+    pending_.push_back(std::move(pending));
+}
+
+bus::SceneCommand SceneEditor::add(const bus::SceneObject& object,
+                                   const Objects& objects,
+                                   Clock::time_point now) {
+    PendingCommand pending{object.name, now, num_refused_, std::nullopt, {}};
+    for (const auto& [id, there] : objects) {
+        if (there.name == object.name) pending.before.insert(id);
+    }
+    add_pending(std::move(pending));
+    bus::SceneCommand add = command(bus::CommandKind::kAdd);
+    add.object = object;
+    return add;
+}
+
+bus::SceneCommand SceneEditor::remove(std::uint32_t object,
+                                      const Objects& objects,
+                                      Clock::time_point now) {
+    const auto found = objects.find(object);
+    const std::string name = found == objects.end() ? "it" : found->second.name;
+    add_pending({name, now, num_refused_, object, {}});
+    bus::SceneCommand remove = command(bus::CommandKind::kRemove);
+    remove.target = object;
+    return remove;
+}
+
+bool SceneEditor::took_effect(const PendingCommand& pending, const Objects& objects) {
+    if (pending.gone) return !objects.contains(*pending.gone);
+    const auto came = std::find_if(objects.begin(), objects.end(), [&](const auto& there) {
+        return there.second.name == pending.name && !pending.before.contains(there.first);
+    });
+    if (came == objects.end()) return false;
+    // two requests for one name need two objects
+    for (PendingCommand& other : pending_) {
+        if (!other.gone && other.name == pending.name) other.before.insert(came->first);
+    }
+    return true;
+}
+
+std::string SceneEditor::reason(const PendingCommand& pending, const Servers& servers) const {
+    if (!servers.are_there) return "no world server is running";
+    // the server counts refusals without naming the sender
+    return servers.num_refused > pending.num_refused ? "the world server refused it"
+                                                     : "the world server did not react";
+}
+
+std::vector<SceneEditor::Outcome> SceneEditor::outcomes(const Objects& objects,
+                                                        const Servers& servers,
+                                                        Clock::time_point now) {
+    num_refused_ = servers.num_refused;
+    std::vector<Outcome> outcomes;
+    for (auto pending = pending_.begin(); pending != pending_.end();) {
+        const bool is_done = took_effect(*pending, objects);
+        if (!is_done && now - pending->since < kPatience) {
+            ++pending;
+            continue;
+        }
+        const std::string what = pending->gone ? "removed" : "added";
+        outcomes.push_back(
+            {is_done
+                 ? fmt::format("{} was {}", pending->name, what)
+                 : fmt::format("{} was not {}: {}", pending->name, what, reason(*pending, servers)),
+             is_done});
+        pending = pending_.erase(pending);
+    }
+    return outcomes;
+}
+
+}  // namespace atrium::viewer

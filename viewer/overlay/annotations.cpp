@@ -1,0 +1,39 @@
+#include "viewer/overlay/annotations.hpp"
+
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace atrium::viewer {
+
+void Annotations::take(ProxyInbox& proxies, Clock::time_point now) {
+    proxies.want(is_debug_);
+    proxies_.update(proxies.take(), now);
+    if (!is_debug_) proxies_.clear();
+}
+
+void Annotations::update(const SceneView& scene,
+                         const PeopleView& people,
+                         const std::string& inside,
+                         std::span<const renderer::EyeView> eyes,
+                         Clock::time_point now,
+                         renderer::SceneRenderer& renderer) {
+    std::vector<renderer::Label> labels;
+    if (has_names_ && !eyes.empty()) {
+        std::map<std::string, NameTags::Person> heads;
+        for (const auto& [name, place] : people.places(renderer))
+            heads[name] = {place.top, people.opacity(name, now)};
+        labels = names_.update(heads, inside, eyes.front().eye_world(), now);
+    }
+    lines_.clear();
+    if (is_debug_)
+        debug_.append(scene, people, proxies_, renderer, lines_, labels);
+    else
+        debug_.clear();
+    renderer.overlay().set_wireframe(is_debug_);
+    renderer.overlay().set_silhouettes(is_debug_ ? DebugView::kFrustumM : 0.0);
+    renderer.overlay().set_lines(lines_);
+    renderer.overlay().set_labels(std::move(labels));
+}
+
+}  // namespace atrium::viewer

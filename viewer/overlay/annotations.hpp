@@ -1,0 +1,50 @@
+#pragma once
+
+#include "viewer/overlay/debug_view.hpp"
+#include "viewer/overlay/name_tags.hpp"
+#include "viewer/overlay/proxy_view.hpp"
+#include "viewer/renderer/scene_renderer.hpp"
+#include "viewer/scene/people_view.hpp"
+#include "viewer/viewer_config.hpp"
+
+#include <chrono>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace atrium::viewer {
+
+/// Draws name tags and debug lines over the scene. Drawing thread only.
+class Annotations {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    Annotations(const ViewConfig& view, bool is_window)
+        : has_names_(view.names == "on" || (view.names == "auto" && is_window)),
+          is_debug_(view.debug == "on") {}
+
+    void toggle_names() { has_names_ = !has_names_; }
+    /// Shows or hides the debug view: wireframe meshes and the lines of DebugView.
+    void toggle_debug() { is_debug_ = !is_debug_; }
+
+    /// Subscribes to proxies while the debug view is on, and takes those that arrived.
+    void take(ProxyInbox& proxies, Clock::time_point now);
+
+    /// `inside` names the person through whose eyes the viewer looks. Empty: nobody.
+    void update(const SceneView& scene,
+                const PeopleView& people,
+                const std::string& inside,
+                std::span<const renderer::EyeView> eyes,
+                Clock::time_point now,
+                renderer::SceneRenderer& renderer);
+
+private:
+    bool has_names_;
+    NameTags names_;
+    bool is_debug_;
+    DebugView debug_;
+    ProxyView proxies_;
+    std::vector<renderer::Line> lines_;
+};
+
+}  // namespace atrium::viewer

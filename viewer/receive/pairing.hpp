@@ -1,0 +1,81 @@
+#pragma once
+
+#include "core/base/timestamp.hpp"
+#include "core/bus/messages.hpp"
+
+#include <chrono>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace atrium::viewer {
+
+/// A mesh with its textures, all of one metaframe.
+struct FramePair {
+    bus::SiteMesh mesh;
+    std::vector<bus::CameraTexture> textures;  // one per camera in `mesh.textured_cameras`
+};
+
+struct PairingOptions {
+    /// Per site; the oldest is dropped. More than the history of a stream (qos/profiles.xml):
+    /// samples that waited for a retransmission arrive in a burst, first all meshes, then all
+    /// textures of one camera.
+    std::size_t max_pending_frames = 10;
+    std::size_t max_sites = 64;  // further sites are ignored
+    /// A sample this much older than the last pair means that the site's clock was set back. The
+    /// site then starts over.
+    std::chrono::nanoseconds max_disorder = std::chrono::seconds(2);
+};
+
+/// Matches meshes and textures of the same metaframe in any order of arrival.
+///
+/// Returns each pair once it is complete. The pairs of one site have rising capture times: samples
+/// older than the last pair are dropped. Capture time and frame id together identify a frame, so a
+/// restarted site, which counts its frames from 0 again, is neither mixed with its former frames
+/// nor taken for late. Not thread-safe.
+class Pairing {
+public:
+    explicit Pairing(const PairingOptions& options = {}) : options_(options) {}
+
+    std::optional<FramePair> add(bus::SiteMesh mesh);
+    std::optional<FramePair> add(bus::CameraTexture texture);
+
+    /// Forgets a site. Its next sample is a new start.
+    void forget(const std::string& site);
+
+    /// Frames dropped incomplete, because a newer one was complete or because too many were
+    /// pending.
+    std::uint64_t num_incomplete() const { return num_incomplete_; }
+    /// Samples of frames not newer than the last pair.
+    std::uint64_t num_late() const { return num_late_; }
+    std::size_t num_pending(const std::string& site) const;
+
+private:
+    struct FrameKey {
+        Timestamp capture_time;
+        std::uint64_t frame_id = 0;
+        auto operator<=>(const FrameKey&) const = default;
+    };
+    struct PendingFrame {
+        std::optional<bus::SiteMesh> mesh;
+        std::map<std::uint32_t, bus::CameraTexture> textures;
+    };
+    struct Site {
+        std::optional<FrameKey> last;  // last pair returned
+        std::map<FrameKey, PendingFrame> pending;
+    };
+
+    PendingFrame* find_or_add(const std::string& site, const FrameKey& key);
+    std::optional<FramePair> hand_out_if_complete(const std::string& site, const FrameKey& key);
+
+    PairingOptions options_;
+    std::map<std::string, Site> sites_;
+    std::uint64_t num_incomplete_ = 0;
+    std::uint64_t num_late_ = 0;
+};
+
+}  // namespace atrium::viewer

@@ -1,0 +1,97 @@
+#include "viewer/record/output_files.hpp"
+
+#include "core/app/log.hpp"
+#include "viewer/record/picture_file.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <utility>
+
+namespace atrium::viewer {
+
+std::filesystem::path OutputFiles::next_file(const std::string& extension) {
+    return config_.screenshot_dir /
+           fmt::format("atrium-{}-{:03}{}", getpid(), ++num_files_, extension);
+}
+
+Expected<void> OutputFiles::begin_video(const std::filesystem::path& file,
+                                        const renderer::SceneRenderer& renderer) {
+    const auto [width, height] = video_size(config_.video, {renderer.width(), renderer.height()});
+    auto recorder = VideoRecorder::create(
+        {.file = file, .fps = config_.video.fps, .width = width, .height = height});
+    if (!recorder) return tl::unexpected(recorder.error());
+    video_ = std::move(*recorder);
+    video_file_ = file;
+    return {};
+}
+
+Expected<void> OutputFiles::open(const renderer::SceneRenderer& renderer) {
+    if (!config_.output.empty()) {
+        if (auto ready = prepare_file(config_.output); !ready) return ready;
+    }
+    if (config_.video.file.empty()) return {};
+    is_asked_for_ = true;
+    return begin_video(config_.video.file, renderer);
+}
+
+Expected<void> OutputFiles::close() {
+    if (!video_) return {};
+    const auto finished = video_->finish();
+    const double length_s = *video_s();
+    const std::uint64_t num_dropped = video_->num_dropped();
+    num_dropped_before_ += num_dropped;
+    video_.reset();
+    is_asked_for_ = false;
+    if (!finished) return finished;
+    app::log::info("video_written file={} length_s={:.1f} dropped={}",
+                   video_file_.string(),
+                   length_s,
+                   num_dropped);
+    return {};
+}
+
+void OutputFiles::add(const renderer::SceneRenderer& renderer, bool counts) {
+    const auto now = VideoRecorder::Clock::now();
+    if (!video_ || (is_asked_for_ && !counts)) return;
+    const std::uint64_t num_dropped = video_->num_dropped();
+    if (!video_->wants_picture(now)) {
+        if (video_->num_dropped() > num_dropped)
+            drops_.warn("video_dropped file=" + video_file_.string() + " the encoder is too slow");
+        return;
+    }
+    renderer::RenderedPicture frame = video_->spent();
+    renderer.read_pixels(frame);
+    video_->offer(std::move(frame), now);
+}
+
+std::optional<double> OutputFiles::video_s() const {
+    if (!video_) return std::nullopt;
+    return static_cast<double>(video_->num_written()) / config_.video.fps;
+}
+
+std::string OutputFiles::toggle_video(const renderer::SceneRenderer& renderer) {
+    if (video_) {
+        const auto closed = close();
+        return closed ? "video in " + video_file_.string() : closed.error().message;
+    }
+    const auto begun = begin_video(next_file(".avi"), renderer);
+    return begun ? "recording into " + video_file_.string() : begun.error().message;
+}
+
+std::string OutputFiles::screenshot(const renderer::SceneRenderer& renderer) {
+    renderer.read_pixels(picture_);
+    const auto file = next_file(".png");
+    const auto written = write_png(file, picture_);
+    return written ? "screenshot in " + file.string() : written.error().message;
+}
+
+Expected<void> OutputFiles::write_output(const renderer::SceneRenderer& renderer) {
+    if (config_.output.empty()) return {};
+    renderer.read_pixels(picture_);
+    auto written = write_png(config_.output, picture_);
+    if (written) app::log::info("picture_written file={}", config_.output.string());
+    return written;
+}
+
+}  // namespace atrium::viewer

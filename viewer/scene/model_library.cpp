@@ -1,0 +1,124 @@
+#include "viewer/scene/model_library.hpp"
+
+#include "core/app/log.hpp"
+#include "core/bus/checks.hpp"
+#include "core/model/model_file.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace atrium::viewer {
+namespace {
+
+constexpr float kSmoothCos = 0.77F;       // smooth normals where faces meet at less than 40 degrees
+constexpr std::size_t kMaxModels = 1024;  // requested; the names come from the network
+
+// Appends separate corners for each triangle, with a smooth normal unless there is an edge, and
+// with the file's texture coordinates if it has any.
+void append(const model::ModelPart& part, renderer::ShapeMesh& out) {
+    const geometry::TriangleMesh& mesh = part.mesh;
+    const bool has_places = part.texture_places.size() == mesh.vertices.size();
+    std::vector<Eigen::Vector3f> smooth(mesh.vertices.size(), Eigen::Vector3f::Zero());
+    const auto normal_of = [&](const auto& triangle) -> Eigen::Vector3f {
+        const Eigen::Vector3f a = mesh.vertices[triangle[0]].template cast<float>();
+        const Eigen::Vector3f b = mesh.vertices[triangle[1]].template cast<float>();
+        const Eigen::Vector3f c = mesh.vertices[triangle[2]].template cast<float>();
+        return (b - a).cross(c - a);
+    };
+    for (const auto& triangle : mesh.triangles) {
+        for (const auto vertex : triangle) smooth[vertex] += normal_of(triangle);
+    }
+    for (const auto& triangle : mesh.triangles) {
+        const Eigen::Vector3f normal = normal_of(triangle).normalized();
+        for (const auto vertex : triangle) {
+            const Eigen::Vector3f round = smooth[vertex].normalized();
+            const Eigen::Vector3f position = mesh.vertices[vertex].template cast<float>();
+            out.indices.push_back(static_cast<std::uint32_t>(out.corners.size()));
+            out.corners.push_back({position,
+                                   round.dot(normal) > kSmoothCos ? round : normal,
+                                   has_places ? part.texture_places[vertex]
+                                              : renderer::projected_place(position, normal)});
+        }
+    }
+}
+
+}  // namespace
+
+ModelLibrary::ModelLibrary(const std::filesystem::path& folder)
+    : reader_([folder](const Key& key) -> Expected<Model> {
+          const auto parts = model::load_model(folder / key.first, key.second);
+          if (!parts) return tl::unexpected(parts.error());
+          return make(*parts);
+      }) {}
+
+ModelLibrary::Model ModelLibrary::make(const std::vector<model::ModelPart>& parts) {
+    Model model;
+    renderer::ShapeMesh whole;
+    for (const model::ModelPart& part : parts) {
+        renderer::ShapeMesh mesh;
+        append(part, mesh);
+        append(part, whole);
+        model.parts.push_back(
+            {std::make_shared<const renderer::ShapeMesh>(std::move(mesh)), part.colour});
+    }
+    model.whole = std::make_shared<const renderer::ShapeMesh>(std::move(whole));
+    return model;
+}
+
+const ModelLibrary::Model& ModelLibrary::model(const std::string& file, double scale) {
+    static const Model kNone;
+    const Key key(file, scale);
+    const auto known = models_.find(key);
+    if (known != models_.end()) return known->second;
+    // the bus has checked the name; it cannot leave the folder
+    if (bus::is_valid_model_file(file) && reader_.num_wanted() < kMaxModels) reader_.want(key);
+    return kNone;
+}
+
+std::set<std::string> ModelLibrary::take() {
+    std::set<std::string> files;
+    for (auto& [key, loaded] : reader_.take()) {
+        if (!loaded && complained_.size() < kMaxModels && complained_.insert(key.first).second)
+            app::log::warn("model_missing {}; a box replaces it", loaded.error().message);
+        models_[key] = loaded ? std::move(*loaded) : Model{};
+        files.insert(key.first);
+    }
+    return files;
+}
+
+void ModelLibrary::forget() {
+    reader_.forget();
+    models_.clear();
+}
+
+renderer::ObjectLook ModelLibrary::look_of(const bus::SceneObject& object,
+                                           renderer::ShapeKind shape) {
+    renderer::ObjectLook look{.shape = shape,
+                              .size_m = object.size_m,
+                              .colour = object.colour,
+                              .texture = object.texture,
+                              .world_from_object = object.world_from_object};
+    if (!object.model.empty()) look.model = model(object.model, object.model_scale).whole;
+    return look;
+}
+
+std::vector<renderer::ObjectLook> ModelLibrary::look_of(const bus::Scenery& scenery) {
+    std::vector<renderer::ObjectLook> looks;
+    for (const Part& part : model(scenery.model, scenery.model_scale).parts) {
+        looks.push_back({.model = part.mesh,
+                         .colour = part.colour,
+                         .texture = scenery.texture,
+                         .world_from_object = scenery.world_from_model});
+    }
+    if (looks.empty()) {
+        looks.push_back({.colour = scenery.colour,
+                         .texture = scenery.texture,
+                         .world_from_object = scenery.world_from_model});
+    }
+    return looks;
+}
+
+}  // namespace atrium::viewer

@@ -1,0 +1,54 @@
+#pragma once
+
+#include "core/bus/messages.hpp"
+#include "core/model/model_file.hpp"
+#include "viewer/renderer/object/object_look.hpp"
+#include "viewer/scene/background_reader.hpp"
+
+#include <Eigen/Core>
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace atrium::viewer {
+
+/// Loads the models of one folder, each once and in the background. A box replaces a model that is
+/// not loaded yet or cannot be loaded; the log names each failure once. Not thread-safe.
+class ModelLibrary {
+public:
+    explicit ModelLibrary(const std::filesystem::path& folder);
+
+    /// Look of an object: the whole model in the object's colour, or a box of the object's size.
+    renderer::ObjectLook look_of(const bus::SceneObject& object, renderer::ShapeKind shape);
+    /// Looks of scenery: one per part of the model, in the model's colours, or a box of 1 m.
+    std::vector<renderer::ObjectLook> look_of(const bus::Scenery& scenery);
+    /// Returns the files loaded since the last call; looks that use them have changed. Never
+    /// blocks.
+    std::set<std::string> take();
+    /// Drops all requests and models. Files may be requested again.
+    void forget();
+
+private:
+    using Key = std::pair<std::string, double>;  // file, scale
+    struct Part {
+        std::shared_ptr<const renderer::ShapeMesh> mesh;  // in the model's frame [m]
+        Eigen::Vector3d colour;                           // linear RGB
+    };
+    struct Model {
+        std::vector<Part> parts;
+        std::shared_ptr<const renderer::ShapeMesh> whole;
+    };
+    static Model make(const std::vector<model::ModelPart>& parts);
+    const Model& model(const std::string& file, double scale);
+
+    std::map<Key, Model> models_;  // empty: cannot be loaded
+    std::set<std::string> complained_;
+    BackgroundReader<Key, Model> reader_;
+};
+
+}  // namespace atrium::viewer

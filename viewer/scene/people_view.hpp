@@ -1,0 +1,80 @@
+#pragma once
+
+#include "core/base/statistics.hpp"
+#include "viewer/control/follow_camera.hpp"
+#include "viewer/receive/delayed_people.hpp"
+#include "viewer/receive/session.hpp"
+#include "viewer/renderer/scene_renderer.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace atrium::viewer {
+
+/// Opacity of a person after a time without updates: 1 at first, then less, so the user does not
+/// mistake an old picture for a person who stands still.
+double opacity_after(std::chrono::nanoseconds silence);
+
+/// A line of text for the HUD.
+struct HudLine {
+    std::string text;
+    bool is_warning = false;
+};
+
+/// Moves people from the session to the renderer. Drawing thread only.
+class PeopleView {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    /// Shows the people of the session: the newest update of each site, or with `instant` the one
+    /// captured then. People fade while their site is silent.
+    void update(Session& session,
+                const std::optional<Timestamp>& instant,
+                Clock::time_point now,
+                renderer::SceneRenderer& renderer);
+    /// Drops everything; call it when the renderer is destroyed.
+    void clear();
+
+    std::size_t size() const { return shown_.size(); }
+    std::uint64_t num_pairs_shown() const { return num_pairs_shown_; }
+    /// Times of a person who is new in a picture.
+    struct JustShown {
+        Timestamp captured;
+        Clock::time_point complete;
+        Clock::time_point ready;
+    };
+    /// People new in the last `update`.
+    const std::vector<JustShown>& just_shown() const { return just_shown_; }
+    /// Positions in the world.
+    FollowCamera::Places places(const renderer::SceneRenderer& renderer) const;
+    /// Opacity of a person who is shown, in [0, 1].
+    double opacity(const std::string& site, Clock::time_point now) const {
+        return opacity_after(now - shown_.at(site).since);
+    }
+    /// One line per person. Rates count from the last call.
+    std::vector<HudLine> lines(Clock::time_point now);
+
+private:
+    void show(const std::string& site,
+              PersonUpdate update,
+              Session& session,
+              Clock::time_point now,
+              renderer::SceneRenderer& renderer);
+
+    DelayedPeople due_;
+    struct Shown {
+        Clock::time_point since;  // last update
+        std::uint64_t num_pairs = 0;
+        PersonPlace place_site;
+        RateMeter rate;
+    };
+    std::map<std::string, Shown> shown_;
+    std::vector<JustShown> just_shown_;
+    std::uint64_t num_pairs_shown_ = 0;
+};
+
+}  // namespace atrium::viewer

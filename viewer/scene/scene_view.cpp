@@ -1,0 +1,195 @@
+#include "viewer/scene/scene_view.hpp"
+
+#include <utility>
+
+namespace atrium::viewer {
+namespace {
+
+renderer::ShapeKind shape_kind(bus::Shape shape) {
+    switch (shape) {
+        case bus::Shape::kSphere:
+            return renderer::ShapeKind::kSphere;
+        case bus::Shape::kCylinder:
+            return renderer::ShapeKind::kCylinder;
+        case bus::Shape::kCapsule:
+            return renderer::ShapeKind::kCapsule;
+        case bus::Shape::kPlane:
+            return renderer::ShapeKind::kPlane;
+        case bus::Shape::kBox:
+        case bus::Shape::kConvex:
+        case bus::Shape::kCompound:
+        case bus::Shape::kSoft:
+            break;
+    }
+    return renderer::ShapeKind::kBox;
+}
+
+constexpr auto kTimeForChanges = std::chrono::milliseconds(5);  // per picture
+constexpr std::size_t kMaxSites = 64;                           // as many as people
+
+// Number of states to keep from a world that sends at most 120 a second.
+std::size_t states_within(std::chrono::nanoseconds delay) {
+    constexpr std::size_t kAround = 8;
+    return kAround + static_cast<std::size_t>(120.0 * std::chrono::duration<double>(delay).count());
+}
+
+}  // namespace
+
+SceneView::SceneView(const std::filesystem::path& models, std::chrono::nanoseconds delay)
+    : models_(models),
+      textures_(models),
+      timeline_({.max_states = states_within(delay)}),
+      soft_timeline_(states_within(delay)) {}
+
+// Draws a soft object once both its descriptions have arrived, in either order.
+void SceneView::show_soft(std::uint32_t object, renderer::SceneRenderer& renderer) {
+    const auto body = soft_bodies_.find(object);
+    const auto described = objects_.find(object);
+    if (body == soft_bodies_.end() || described == objects_.end() ||
+        described->second.shape != bus::Shape::kSoft) {
+        return renderer.remove_soft_object(object);
+    }
+    renderer.set_soft_object(object,
+                             {.num_nodes = body->second.num_nodes,
+                              .triangles = body->second.triangles,
+                              .segments = body->second.segments,
+                              .thickness_m = body->second.thickness_m,
+                              .colour = described->second.colour,
+                              .texture = described->second.texture});
+}
+
+void SceneView::change(std::uint32_t id,
+                       const std::optional<bus::SceneObject>& object,
+                       renderer::SceneRenderer& renderer) {
+    ++revision_;
+    renderer.remove_object(id);
+    if (object)
+        objects_.insert_or_assign(id, *object);
+    else
+        objects_.erase(id);
+    if (object && !object->texture.empty()) textures_.want(object->texture);
+    if (object && object->shape != bus::Shape::kSoft)
+        renderer.set_object(id, models_.look_of(*object, shape_kind(object->shape)));
+    show_soft(id, renderer);
+}
+
+void SceneView::change(std::uint32_t id,
+                       const std::optional<bus::SoftBody>& body,
+                       renderer::SceneRenderer& renderer) {
+    if (body)
+        soft_bodies_.insert_or_assign(id, *body);
+    else
+        soft_bodies_.erase(id);
+    if (!body) soft_timeline_.remove(id);
+    nodes_.erase(id);
+    show_soft(id, renderer);
+}
+
+void SceneView::change(const std::string& name,
+                       const std::optional<bus::Scenery>& scenery,
+                       renderer::SceneRenderer& renderer) {
+    if (!scenery) {
+        scenery_.erase(name);
+        renderer.set_scenery(name, {});
+        return;
+    }
+    if (!scenery->texture.empty()) textures_.want(scenery->texture);
+    scenery_.insert_or_assign(name, *scenery);
+    renderer.set_scenery(name, models_.look_of(*scenery));
+}
+
+// Applies at least one change, then as many as there is time for: thousands of objects must not
+// delay the picture.
+void SceneView::take_changes(SceneTimeline::Clock::time_point until,
+                             renderer::SceneRenderer& renderer) {
+    const auto take_from = [&](auto& changes) {
+        while (!changes.empty()) {
+            const auto next = changes.extract(changes.begin());
+            change(next.key(), next.mapped(), renderer);
+            if (SceneTimeline::Clock::now() >= until) return false;
+        }
+        return true;
+    };
+    if (take_from(waiting_.objects) && take_from(waiting_.soft_bodies)) take_from(waiting_.scenery);
+}
+
+// Shows newly loaded textures, and queues the objects whose models were loaded.
+void SceneView::show_new_files(renderer::SceneRenderer& renderer) {
+    for (const auto& [name, picture] : textures_.take()) renderer.set_texture(name, picture);
+    const std::set<std::string> models = models_.take();
+    if (models.empty()) return;
+    for (const auto& [id, object] : objects_) {
+        if (models.contains(object.model)) waiting_.objects.try_emplace(id, object);
+    }
+    for (const auto& [name, scenery] : scenery_) {
+        if (models.contains(scenery.model)) waiting_.scenery.try_emplace(name, scenery);
+    }
+}
+
+void SceneView::update(SceneChanges changes,
+                       SceneTimeline::Clock::time_point now,
+                       const std::optional<Timestamp>& instant,
+                       renderer::SceneRenderer& renderer) {
+    const auto add = [](auto& waiting, auto& newer) {
+        newer.merge(waiting);  // a newer change replaces a waiting one
+        waiting.swap(newer);
+    };
+    add(waiting_.objects, changes.objects);
+    add(waiting_.soft_bodies, changes.soft_bodies);
+    add(waiting_.scenery, changes.scenery);
+    show_new_files(renderer);
+    take_changes(SceneTimeline::Clock::now() + kTimeForChanges, renderer);
+    for (auto& [site, description] : changes.sites) {
+        if (description == nullptr)
+            sites_.erase(site);
+        else if (sites_.size() < kMaxSites || sites_.contains(site))
+            sites_.insert_or_assign(site, std::move(description));
+    }
+    for (const auto& [site, placement] : changes.placements)
+        renderer.set_site_pose(site, placement.world_from_site);
+    for (auto& state : changes.soft_states) soft_timeline_.add(std::move(state));
+    for (auto& [state, arrival] : changes.states) timeline_.add(std::move(state), arrival);
+    const auto newest = timeline_.shown_time(now);
+    if (!newest) return;
+    const Timestamp time = instant.value_or(*newest);
+    timeline_.sample_at(time, states_);
+    for (const bus::ObjectState& state : states_)
+        renderer.move_object(state.object, state.world_from_object);
+    for (const auto& [id, body] : soft_bodies_) {
+        std::vector<Eigen::Vector3f>& nodes = nodes_[id];
+        if (soft_timeline_.sample(id, time, nodes)) renderer.move_soft_object(id, nodes);
+    }
+}
+
+std::optional<Hit> SceneView::pick(const Ray& ray) const {
+    std::optional<Hit> nearest;
+    const auto consider = [&](const std::optional<Hit>& candidate) {
+        if (candidate && (!nearest || candidate->distance_m < nearest->distance_m))
+            nearest = candidate;
+    };
+    for (const bus::ObjectState& state : states_) {
+        const auto object = objects_.find(state.object);
+        if (object == objects_.end() || object->second.mass_kg == 0.0) continue;
+        consider(hit(ray, object->second, state.world_from_object));
+    }
+    for (const auto& [id, body] : soft_bodies_) {
+        const auto nodes = nodes_.find(id);
+        if (nodes != nodes_.end()) consider(hit(ray, body, nodes->second));
+    }
+    return nearest;
+}
+
+void SceneView::clear() {
+    timeline_.clear();
+    soft_timeline_.clear();
+    textures_.forget();
+    models_.forget();
+    waiting_ = {};
+    objects_.clear();
+    scenery_.clear();
+    soft_bodies_.clear();
+    nodes_.clear();
+    states_.clear();
+}
+
+}  // namespace atrium::viewer

@@ -1,0 +1,138 @@
+#include "viewer/ui/menu.hpp"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace atrium::viewer {
+namespace {
+
+struct ShapeChoice {
+    const char* title;
+    bus::Shape shape;
+};
+constexpr std::array<ShapeChoice, 4> kShapes{{{"ball", bus::Shape::kSphere},
+                                              {"box", bus::Shape::kBox},
+                                              {"cylinder", bus::Shape::kCylinder},
+                                              {"capsule", bus::Shape::kCapsule}}};
+constexpr float kWidth = 290.0f;
+constexpr float kListHeight = 120.0f;
+constexpr float kMinSizeM = 0.03f;
+constexpr float kMaxSizeM = 2.0f;
+
+double linear_of(float encoded) {
+    const double v = static_cast<double>(std::clamp(encoded, 0.0f, 1.0f));
+    return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+}
+
+// Filters the characters that names on the bus may have.
+int allowed_in_names(ImGuiInputTextCallbackData* data) {
+    const ImWchar c = data->EventChar;
+    const bool is_allowed = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                            (c >= '0' && c <= '9') || c == '_' || c == '.' || c == '-';
+    return is_allowed ? 0 : 1;
+}
+
+void size_slider(const char* title, float& value_m) {
+    ImGui::SliderFloat(
+        title, &value_m, kMinSizeM, kMaxSizeM, "%.2f m", ImGuiSliderFlags_AlwaysClamp);
+}
+
+}  // namespace
+
+void Menu::draw_new_object(SurfaceEvents& events) {
+    for (int i = 0; i < static_cast<int>(kShapes.size()); ++i) {
+        if (i > 0) ImGui::SameLine();
+        ImGui::RadioButton(kShapes[static_cast<std::size_t>(i)].title, &shape_, i);
+    }
+    const bus::Shape shape = kShapes[static_cast<std::size_t>(shape_)].shape;
+    if (shape == bus::Shape::kBox) {
+        size_slider("length", size_m_[0]);
+        size_slider("width", size_m_[1]);
+    } else {
+        size_slider("diameter", size_m_[0]);
+    }
+    if (shape != bus::Shape::kSphere) size_slider("height", size_m_[2]);
+    ImGui::SliderFloat("mass",
+                       &mass_kg_,
+                       0.05f,
+                       50.0f,
+                       "%.2f kg",
+                       ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic);
+    ImGui::ColorEdit3("colour", colour_.data(), ImGuiColorEditFlags_NoInputs);
+    ImGui::InputText("name",
+                     name_.data(),
+                     name_.size(),
+                     ImGuiInputTextFlags_CallbackCharFilter,
+                     &allowed_in_names);
+    if (!ImGui::Button("add it before the eye", {-1.0f, 0.0f})) return;
+    NewObject wanted;
+    wanted.shape = shape;
+    for (int i = 0; i < 3; ++i) {
+        wanted.size_m[i] = static_cast<double>(size_m_[static_cast<std::size_t>(i)]);
+        wanted.colour[i] = linear_of(colour_[static_cast<std::size_t>(i)]);
+    }
+    wanted.mass_kg = static_cast<double>(mass_kg_);
+    wanted.name = name_.data();
+    events.add = wanted;
+}
+
+void Menu::draw_object_list(const HudContent& content, SurfaceEvents& events) {
+    const auto& objects = content.objects;
+    ImGui::Text("%zu objects", objects.size());
+    const ObjectLine* chosen = nullptr;
+    if (ImGui::BeginListBox("##things", {-1.0f, kListHeight})) {
+        // lay out only the visible ones of thousands
+        ImGuiListClipper clipper;
+        clipper.Begin(static_cast<int>(objects.size()));
+        while (clipper.Step()) {
+            for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
+                const ObjectLine& line = objects[static_cast<std::size_t>(i)];
+                if (ImGui::Selectable(line.text.c_str(), line.object == chosen_))
+                    chosen_ = line.object;
+            }
+        }
+        clipper.End();
+        ImGui::EndListBox();
+    }
+    for (const ObjectLine& line : objects) {
+        if (line.object == chosen_) chosen = &line;
+    }
+    ImGui::BeginDisabled(chosen == nullptr);
+    const std::string title =
+        (chosen == nullptr ? "remove the selected object" : "remove " + chosen->text) + "###remove";
+    if (ImGui::Button(title.c_str(), {-1.0f, 0.0f}) && chosen != nullptr) {
+        events.remove = chosen_;
+        chosen_ = 0;
+    }
+    ImGui::EndDisabled();
+    ImGui::TextUnformatted("Delete: remove the object under the mouse");
+}
+
+void Menu::draw(const HudContent& content, SurfaceEvents& events) {
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos({size.x - 10.0f, 10.0f}, ImGuiCond_Always, {1.0f, 0.0f});
+    // as high as needed; scrolls in a low window
+    ImGui::SetNextWindowSize({kWidth, 0.0f});
+    ImGui::SetNextWindowSizeConstraints({kWidth, 0.0f}, {kWidth, size.y - 20.0f});
+    ImGui::SetNextWindowBgAlpha(0.85f);
+    ImGui::Begin("menu",
+                 nullptr,
+                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
+                     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_NoSavedSettings);
+    ImGui::PushItemWidth(-80.0f);
+    if (ImGui::Button("reset all objects", {-1.0f, 0.0f})) events.reset_scene = true;
+    ImGui::Separator();
+    draw_new_object(events);
+    ImGui::Separator();
+    draw_object_list(content, events);
+    if (!content.notice.empty()) ImGui::TextWrapped("%s", content.notice.c_str());
+    ImGui::TextUnformatted("M: close the menu");
+    ImGui::PopItemWidth();
+    ImGui::End();
+}
+
+}  // namespace atrium::viewer

@@ -1,0 +1,139 @@
+#include "viewer/ui/status_lines.hpp"
+
+#include "core/app/log.hpp"
+#include "core/status/bottleneck.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+namespace atrium::viewer {
+namespace {
+
+constexpr std::chrono::seconds kForgotten{4};
+
+double seconds(StatusLines::Clock::duration duration) {
+    return std::chrono::duration<double>(duration).count();
+}
+constexpr std::size_t kMaxPrograms = 128;  // 64 sites and 64 worlds
+
+// Losses worth a warning. The others are normal for sites (phantoms) or intended (metaframes
+// dropped for a narrow network).
+constexpr std::array<std::string_view, 7> kWorthAWarning{"dropped_incomplete",
+                                                         "dropped_late",
+                                                         "failed",
+                                                         "pictures_missing",
+                                                         "skipped_ticks",
+                                                         "refused_commands",
+                                                         "objects_put_back"};
+
+std::string spaced(std::string text) {
+    std::replace(text.begin(), text.end(), '_', ' ');
+    return text;
+}
+
+std::string with_p99(const status::Figures::Stage& stage) {
+    const std::string text = fmt::format("{} {:.1f}", spaced(stage.name), stage.latency.median_ms);
+    return stage.has_p99 ? fmt::format("{} (99 %: {:.1f})", text, stage.latency.p99_ms) : text;
+}
+
+}  // namespace
+
+void StatusLines::add(const std::string& title, status::Figures figures, Clock::time_point now) {
+    const auto found = programs_.find(title);
+    if (found == programs_.end()) {
+        if (programs_.size() < kMaxPrograms)
+            programs_.emplace(title, Program{std::nullopt, std::move(figures), now});
+        return;
+    }
+    Program& program = found->second;
+    program.before.reset();
+<<<<<<< HEAD:viewer/status_lines.cpp
+    // one that started again counts from 0: nothing can be said of what it lost
+    if (may_be_same_process(program.now, figures)) program.before = std::move(program.now);
+=======
+    // a restarted program counts from 0 again, so its losses are unknown
+    if (may_be_same_process(program.now, figures)) program.before = std::move(program.now);
+>>>>>>> work/viewer:viewer/ui/status_lines.cpp
+    program.now = std::move(figures);
+    program.at = now;
+}
+
+void StatusLines::forget_silent(Clock::time_point now) {
+    std::erase_if(programs_, [&](const auto& item) { return now - item.second.at > kForgotten; });
+    if (has_world()) {
+        if (without_world_ > Clock::duration::zero())
+            app::log::info("world_back after_s={:.1f}", seconds(without_world_));
+        without_world_ = {};
+    } else if (last_world_) {
+        if (without_world_ == Clock::duration::zero()) app::log::warn("world_gone");
+        without_world_ = now - *last_world_;
+    }
+}
+
+std::vector<HudLine> StatusLines::warnings() const {
+    std::vector<HudLine> lines;
+    if (without_world_ > Clock::duration::zero()) {
+        const double silent_s = seconds(without_world_);
+        lines.push_back({fmt::format("no world server for {:.0f} s", silent_s), true});
+    }
+    for (const auto& [title, program] : programs_) {
+        std::string lost;
+        for (std::size_t i = 0; program.before && i < program.now.losses.size(); ++i) {
+            const status::Counter& counter = program.now.losses[i];
+            const std::uint64_t more = counter.total - program.before->losses[i].total;
+            if (more == 0 || std::ranges::count(kWorthAWarning, counter.what) == 0) continue;
+            lost += fmt::format("{}{} {}", lost.empty() ? "" : ", ", spaced(counter.what), more);
+        }
+        const auto is_off = [](const auto& camera) { return !camera.status.connected; };
+        const auto num_off = std::ranges::count_if(program.now.cameras, is_off);
+        if (num_off > 0) lost += fmt::format("{}{} cameras off", lost.empty() ? "" : ", ", num_off);
+        if (!lost.empty()) lines.push_back({title + ": " + lost, true});
+        for (const status::Bottleneck& found : status::bottlenecks(program.before, program.now))
+            lines.push_back({title + ": " + found.text, true});
+    }
+    return lines;
+}
+
+std::vector<HudLine> StatusLines::details() const {
+    std::vector<HudLine> lines;
+    for (const auto& [title, program] : programs_) {
+        lines.push_back(
+            {fmt::format("{}: {:.1f} {}", title, program.now.rate, program.now.rate_unit), false});
+        const std::vector<std::string> items = status::processor_items(program.now.processor);
+        lines.push_back({fmt::format("  cpu  {}", fmt::join(items, "  ")), false});
+        std::string stages;
+        for (const status::Figures::Stage& stage : program.now.stages) {
+            if (stage.latency.num_samples == 0) continue;
+            // the total latency gets its own line
+            if (stage.name.starts_with("capture_to_")) {
+                if (!stages.empty()) lines.push_back({"  ms  " + std::exchange(stages, ""), false});
+                lines.push_back({"  ms  " + with_p99(stage), false});
+            } else {
+                stages += (stages.empty() ? "" : "  ") + with_p99(stage);
+            }
+        }
+        if (!stages.empty()) lines.push_back({"  ms  " + stages, false});
+    }
+    return lines;
+}
+
+bool StatusLines::has_world() const {
+    return std::ranges::any_of(programs_,
+                               [](const auto& item) { return item.first.starts_with("world "); });
+}
+
+std::uint64_t StatusLines::num_refused() const {
+    std::uint64_t num = 0;
+    for (const auto& [title, program] : programs_) {
+        for (const status::Counter& counter : program.now.losses)
+            if (counter.what == "refused_commands") num += counter.total;
+    }
+    return num;
+}
+
+}  // namespace atrium::viewer

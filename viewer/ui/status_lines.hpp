@@ -1,0 +1,59 @@
+#pragma once
+
+#include "core/status/figures.hpp"
+#include "viewer/scene/people_view.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace atrium::viewer {
+
+/// Formats the status reports of sites and worlds as HUD lines. Reports come once a second; a
+/// silent program is forgotten after a few seconds.
+class StatusLines {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    void add(const std::string& name, const bus::SiteStatus& status, Clock::time_point now) {
+        add("site " + name, status::figures_of(status), now);
+    }
+    void add(const std::string& name, const bus::WorldStatus& status, Clock::time_point now) {
+        add("world " + name, status::figures_of(status), now);
+        last_world_ = now;
+    }
+    /// Adds the viewer's own status.
+    void add_own(const bus::ViewerStatus& status, Clock::time_point now) {
+        add("this viewer", status::figures_of(status), now);
+    }
+    /// Call after all `add`. Forgets silent programs. Logs when the last world goes silent and when
+    /// one is back.
+    void forget_silent(Clock::time_point now);
+
+    /// One line for each program that lost something between its last two reports, one per
+    /// bottleneck, and one while no world reports.
+    std::vector<HudLine> warnings() const;
+    /// Rate and stage times of each program.
+    std::vector<HudLine> details() const;
+    /// Whether a world server reports.
+    bool has_world() const;
+    /// Commands of any sender that worlds have refused so far.
+    std::uint64_t num_refused() const;
+
+private:
+    struct Program {
+        std::optional<status::Figures> before;  // same process
+        status::Figures now;
+        Clock::time_point at;
+    };
+    void add(const std::string& title, status::Figures figures, Clock::time_point now);
+
+    std::map<std::string, Program> programs_;      // key: kind and name
+    std::optional<Clock::time_point> last_world_;  // last report of any world
+    Clock::duration without_world_{};              // 0 while there is a world, and before the first
+};
+
+}  // namespace atrium::viewer

@@ -1,0 +1,112 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/bus/messages.hpp"
+#include "viewer/control/controls.hpp"
+#include "viewer/control/mouse_grab.hpp"
+#include "viewer/control/scene_editor.hpp"
+#include "viewer/renderer/scene_renderer.hpp"
+#include "viewer/scene/people_view.hpp"
+#include "viewer/ui/history.hpp"
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace atrium::viewer {
+
+/// Input of the user.
+struct SurfaceEvents {
+    Motion motion;
+    Pointer pointer;  // without a window nothing is pressed
+    bool close = false;
+    bool screenshot = false;
+    bool record = false;  // start or stop a video
+    bool names = false;   // show or hide the names of people
+    bool debug = false;   // show or hide the debug view
+    bool reset_view = false;
+    bool follow = false;     // follow a person, or stop following
+    std::size_t person = 0;  // person whose eyes to look through, from 1; 0: no change
+    bool reset_scene = false;
+    std::optional<NewObject> add;         // add this object before the eye
+    std::optional<std::uint32_t> remove;  // remove this object
+    bool remove_pointed = false;          // remove the object under the pointer
+};
+
+/// An object of the world as a list entry.
+struct ObjectLine {
+    std::uint32_t object = 0;
+    std::string text;
+};
+
+/// Statistics and messages shown beside the picture.
+struct HudContent {
+    double frames_per_s = 0.0;
+    bus::LatencySummary capture_to_display;
+    double bytes_per_s = 0.0;
+    std::uint64_t num_skipped = 0;     // pairs replaced by a newer one, or too late
+    std::uint64_t num_incomplete = 0;  // pairs with lost samples
+    std::uint64_t num_rejected = 0;
+    std::vector<HudLine> sites;
+    std::vector<HudLine> warnings;  // from the status reports of sites and worlds
+    std::vector<HudLine> details;   // stage times from the status reports
+    std::size_t num_objects = 0;
+    std::vector<ObjectLine> objects;      // ordered by number
+    std::optional<double> recording_s;    // length of the running video
+    std::uint64_t num_video_dropped = 0;  // pictures missing in videos
+    std::string quality;                  // reduced quality on a slow machine; empty: full quality
+    std::string notice;                   // message about the last event; empty: none
+    std::array<float, History::kLength - 1> latency_ms{};  // last 30 s, see History
+    std::array<float, History::kLength - 1> pictures_per_s{};
+};
+
+/// Target of the picture. Owns the GL context, which is current on the thread that created it.
+class Surface {
+public:
+    virtual ~Surface() = default;
+    virtual std::string description() const = 0;
+    virtual bool is_window() const = 0;
+    /// Refresh rate of the display [Hz]. 0 without a display.
+    virtual double display_hz() const = 0;
+    virtual std::array<int, 2> size() const = 0;  // size of the picture [px]
+    virtual SurfaceEvents poll() = 0;
+    /// Shows the picture. Returns when drawing has finished.
+    virtual void show(const renderer::SceneRenderer& renderer, const HudContent& content) = 0;
+    /// Time that the last `show` waited for the display after drawing had finished.
+    virtual std::chrono::steady_clock::duration waited_for_display() const = 0;
+};
+
+/// Kind of GL context.
+enum class ContextKind : std::uint8_t {
+    kAuto,    // first available of: window, GPU without a window, OSMesa
+    kWindow,  // window only
+    kEgl,     // EGL without a window; in software if there is no GPU
+    kOsmesa   // OSMesa: in software, without a window
+};
+
+struct SurfaceOptions {
+    int width = 960;
+    int height = 540;
+    ContextKind context = ContextKind::kAuto;
+    bool is_headless = false;      // no window even if there is a display
+    bool wait_for_display = true;  // vertical synchronisation of a window
+    bool has_two_buffers = false;  // stereo window with one buffer per eye
+};
+
+/// Opens a window. Error kUnavailable if there is no display or it lacks OpenGL 3.3. Main thread
+/// only, one window at a time.
+Expected<std::unique_ptr<Surface>> open_window(const SurfaceOptions& options);
+
+/// Opens a context without a display. Any thread. No stereo buffers. kAuto: EGL on a GPU, or OSMesa
+/// if there is none; the log gives the reason.
+Expected<std::unique_ptr<Surface>> open_headless(const SurfaceOptions& options);
+
+/// Opens the surface that the options ask for. Falls back to one without a window if a window is
+/// unavailable and not required; the log gives the reason.
+Expected<std::unique_ptr<Surface>> open_surface(const SurfaceOptions& options);
+
+}  // namespace atrium::viewer
