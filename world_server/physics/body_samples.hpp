@@ -12,20 +12,21 @@ namespace atrium::physics {
 /// A point of a body's surface, in the body's frame.
 struct BodySample {
     Eigen::Vector3f point;
-    Eigen::Vector3f outwards;  // unit length: the normal, or at a tip the middle of those around it
+    // unit length: the normal; at a tip the mean of the normals around it
+    Eigen::Vector3f outwards;
 };
 
 struct BodySamplingOptions {
     double spacing_m = 0.025;
-    std::size_t max_samples = 3000;  // a larger surface is sampled more sparsely
+    std::size_t max_samples = 3000;  // larger surfaces are sampled more sparsely
 };
 
-/// The surface of a convex or compound shape: a lattice cast on it from six sides, and the tips,
-/// edges and corners that lattices miss. Deterministic.
+/// Samples the surface of a convex or compound shape. Casts a lattice of rays from six sides and
+/// adds the tips, edges and corners that the lattice misses. Deterministic.
 std::vector<BodySample> sample_body(const btCollisionShape& shape,
                                     const BodySamplingOptions& options);
 
-/// `num` unit vectors spread evenly over all directions.
+/// Returns `num` unit vectors that are spread evenly over the sphere.
 std::vector<Eigen::Vector3f> even_directions(std::size_t num);
 
 }  // namespace atrium::physics

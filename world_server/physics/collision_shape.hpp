@@ -12,27 +12,28 @@ class btCollisionShape;
 
 namespace atrium::physics {
 
-/// Bullet's shape of an object, about its centre of mass and along its principal axes: the frame in
-/// which Bullet knows a body.
+/// Holds Bullet's collision shape of an object. The body frame has its origin at the centre of mass
+/// and its axes along the principal axes of inertia. Bullet uses this frame.
 class CollisionShape {
 public:
-    /// `object` must have no problem.
+    /// `find_problem(object)` must be empty.
     explicit CollisionShape(const RigidObject& object);
     ~CollisionShape();
     CollisionShape(const CollisionShape&) = delete;
     CollisionShape& operator=(const CollisionShape&) = delete;
 
     btCollisionShape& shape() { return *shape_; }
-    /// Identity for shapes that are not made of parts.
+    /// Identity unless the shape is convex or compound.
     const geometry::RigidTransform& object_from_body() const { return object_from_body_; }
-    /// About the axes of the body [kg m^2]; zero where the object does not move.
+    /// Principal moments about the body's axes [kg m^2]. Zero if the object is static.
     const Eigen::Vector3d& inertia() const { return inertia_; }
-    /// Half of the smallest extent, of a compound that of its thinnest part [m].
+    /// Half of the smallest extent [m]; of a compound, half of the smallest extent of its thinnest
+    /// part.
     double inner_radius_m() const { return inner_radius_m_; }
 
 private:
     void make_parts(const RigidObject& object);
-    std::vector<std::unique_ptr<btCollisionShape>> parts_;  // of a compound
+    std::vector<std::unique_ptr<btCollisionShape>> parts_;  // parts of a compound; empty otherwise
     std::unique_ptr<btCollisionShape> shape_;
     geometry::RigidTransform object_from_body_;
     Eigen::Vector3d inertia_ = Eigen::Vector3d::Zero();

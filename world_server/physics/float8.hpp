@@ -7,8 +7,10 @@
 #include <cstdint>
 #include <cstring>
 
-/// Eight floats at once, in one register or in two: what is inlined into a function with
-/// ATRIUM_AVX2 is compiled for that, and gives the same bits as without.
+/// Processes eight floats at once, in one register or in two.
+///
+/// A function marked ATRIUM_AVX2 compiles everything inlined into it for AVX2. The results have the
+/// same bits without AVX2.
 #if defined(__x86_64__)
 #define ATRIUM_AVX2 __attribute__((target("avx2")))
 #endif
@@ -17,11 +19,11 @@
 namespace atrium::physics {
 
 using Float8 = float __attribute__((vector_size(32)));
-using Int8 = std::int32_t __attribute__((vector_size(32)));  // of a comparison: 0 or -1
+using Int8 = std::int32_t __attribute__((vector_size(32)));  // result of a comparison: 0 or -1
 
 inline constexpr std::size_t kFloat8Size = 8;
 
-// By reference: how such vectors are passed by value depends on the set of instructions.
+// By reference: passing these vectors by value depends on the instruction set.
 
 ATRIUM_INLINE void load8(const float* from, Float8& values) {
     std::memcpy(&values, from, sizeof values);
@@ -59,7 +61,7 @@ ATRIUM_INLINE std::int32_t min_of(const Int8& values) {
     return std::min(low[0], low[1]);
 }
 
-/// One bit for each lane where the mask is set.
+/// Returns one bit for each lane in which the mask is set.
 ATRIUM_INLINE unsigned bits_of8(const Int8& mask) {
     return bits_of(__builtin_shufflevector(mask, mask, 0, 1, 2, 3)) |
            bits_of(__builtin_shufflevector(mask, mask, 4, 5, 6, 7)) << 4U;

@@ -11,36 +11,37 @@
 
 namespace atrium::physics {
 
-/// Keeps what sticks to a person where it sticks.
+/// Corrects the drift of an object that sticks to a person.
 ///
-/// Friction carries an object along with the velocity of the surface, and of that velocity a few
-/// per cent, in places of it more, are wrong: over a metre an object would slide out of the hands
-/// that hold it. So the surface around it is remembered as it lies in the object's frame, and once
-/// a mesh registered with the surface as it is by then (point to plane, as Chen and Medioni 1992).
-/// What is between both is how far the object has been left behind; that is added to the velocity
-/// that friction carries it with. Friction still decides: what the hands let go of slips, and what
-/// has slipped is remembered anew.
+/// Friction moves an object with the velocity of the person's surface. That velocity is wrong by a
+/// few per cent, in places by more. Over a metre, an object would slide out of the hands that hold
+/// it. This class therefore remembers the surface around the object, in the object's frame. Once
+/// per mesh it registers the remembered surface with the current one (point to plane, Chen and
+/// Medioni 1992). The offset between both is the object's lag. A velocity that removes the lag is
+/// added to the velocity of the surface. Friction still decides: an object that the hands release
+/// slips, and after a slip the surface is remembered anew.
 class Hold {
 public:
-    /// Once a tick in which the object touches the person, before the contacts are used.
+    /// Call once per tick while the object touches the person, before the contacts are used.
+    /// `surface_turning` [rad/s] is the rotation of the surface near the object.
     void update(const ContactMotion& motion,
                 const PersonField& person,
                 std::span<const PersonContact> contacts,
                 const Eigen::Vector3f& surface_turning);
     void forget();
 
-    /// [m/s] and [rad/s], to be added to the motion of the surface.
+    /// Correction to add to the motion of the surface [m/s], at `offset` from the object's centre.
     Eigen::Vector3f velocity_at(const Eigen::Vector3f& offset) const {
         return velocity_ + turning_.cross(offset);
     }
     const Eigen::Vector3f& turning() const { return turning_; }
 
 private:
-    struct Kept {  // of the surface, in the object's frame
+    struct Kept {  // sample of the surface, in the object's frame
         Eigen::Vector3f position;
         Eigen::Vector3f normal;
     };
-    struct Offset {  // of the surface from where it was, about the object's centre, world's axes
+    struct Offset {  // drift of the surface about the object's centre, world axes
         Eigen::Vector3f shift = Eigen::Vector3f::Zero();  // [m]
         Eigen::Vector3f turn = Eigen::Vector3f::Zero();   // [rad]
         bool is_sure = false;
@@ -48,7 +49,7 @@ private:
     static bool sticks(const ContactMotion& motion,
                        std::span<const PersonContact> contacts,
                        const Eigen::Vector3f& surface_turning);
-    /// `behind`: what the object already lags.
+    /// `behind`: lag of the object that is already known.
     void remember(const ContactMotion& motion,
                   const PersonField& person,
                   std::span<const PersonContact> contacts,
@@ -57,7 +58,7 @@ private:
 
     std::vector<Kept> kept_;
     Offset last_;
-    std::size_t num_loose_ = 0;  // ticks in a row in which it did not stick
+    std::size_t num_loose_ = 0;  // consecutive ticks without sticking
     Eigen::Vector3f velocity_ = Eigen::Vector3f::Zero();
     Eigen::Vector3f turning_ = Eigen::Vector3f::Zero();
 };

@@ -10,7 +10,7 @@ class btDynamicsWorld;
 
 namespace atrium::physics {
 
-/// The joints of a world.
+/// Owns the joints of a world.
 class Joints {
 public:
     /// `world` and the objects outlive this.
@@ -19,21 +19,21 @@ public:
     Joints(const Joints&) = delete;
     Joints& operator=(const Joints&) = delete;
 
-    /// `joint` must have no problem; `b` is null for the world.
+    /// `find_problem(joint)` must be empty; `b` is null for the world.
     void add(const Joint& joint, ObjectBody& a, ObjectBody* b);
-    /// Those of an object that goes; wakes what they held.
+    /// Removes the joints of an object and wakes the objects that they connected.
     void remove_of(std::uint32_t object);
     void begin_tick();
 
     std::size_t size() const { return joints_.size(); }
     const std::vector<std::unique_ptr<JointBody>>& all() const { return joints_; }
-    /// The object and all that it is joined to, directly or not, sorted.
+    /// Returns the object and all objects connected to it by joints, directly or not. Sorted.
     std::vector<std::uint32_t> group_of(std::uint32_t object) const;
 
 private:
     btDynamicsWorld& world_;
     double tick_s_;
-    std::vector<std::unique_ptr<JointBody>> joints_;  // in the order of their addition
+    std::vector<std::unique_ptr<JointBody>> joints_;  // in the order of `add`
 };
 
 }  // namespace atrium::physics

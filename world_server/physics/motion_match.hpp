@@ -9,40 +9,41 @@
 #include <cstdint>
 #include <span>
 
-// What the parts of the motion estimate share.
+// Shared by the source files of the motion estimator.
 namespace atrium::physics::motion {
 
 inline constexpr float kSameFacing = 0.6F;  // cosine
-inline constexpr float kSearchM = 0.05F;    // around the place that a displacement gives
+inline constexpr float kSearchM = 0.05F;    // search radius around the displaced point
 inline constexpr float kExplainedM =
-    0.012F;  // along the normal: closer than this, rest explains a point
-inline constexpr float kAlikeM = 0.05F;  // difference of displacement of parts that move together
-inline constexpr std::size_t kTrialPoints = 24;  // of a region that a start is tried on
+    0.012F;  // a point is explained by rest if its distance along the normal is below this
+// largest difference of displacement between parts that move together
+inline constexpr float kAlikeM = 0.05F;
+inline constexpr std::size_t kTrialPoints = 24;  // points of a region on which a start is tried
 
 inline Eigen::Array3i cell_at(const Eigen::Vector3f& position, float cell_m) {
     return (position / cell_m).array().floor().cast<int>();
 }
 
-/// For each place the nearest sample that faces the same way, or SurfaceIndex::kNone.
+/// Finds for each place the nearest sample with a similar normal, or SurfaceIndex::kNone.
 inline void match(const SurfaceIndex& surface,
                   std::span<const SurfaceSample> places,
                   std::span<std::uint32_t> found) {
     surface.nearest(places, kSearchM, kSameFacing, found);
 }
 
-/// Of a place from the surface at a sample, along its normal [m].
+/// Signed distance of a place from the surface at a sample, along the sample's normal [m].
 inline float distance_along_normal(const SurfaceSample& sample, const Eigen::Vector3f& place) {
     return sample.normal.dot(place - sample.position);
 }
 
-/// 0: fits; 1: does not.
+/// Robust cost of a distance: 0 for a fit, towards 1 for a mismatch.
 inline float robust_cost(float distance_m) {
     constexpr float kScaleM = 0.012F;
     const float sq = distance_m * distance_m;
     return sq / (sq + kScaleM * kScaleM);
 }
 
-/// Whether rest explains a sample that was matched where it is.
+/// True if a sample, matched at its own position, can be explained without motion.
 inline bool is_explained_by(const SurfaceIndex& surface,
                             std::uint32_t matched,
                             const SurfaceSample& sample) {

@@ -13,33 +13,36 @@
 
 namespace atrium::physics {
 
-/// A triangle in the world that moves straight on for a tick.
+/// A triangle in the world that moves in a straight line during a tick.
 struct MovingFace {
-    btVector3 corners[3];  // [m] at the beginning of the tick; counter-clockwise from outside
-    btVector3 velocity;    // [m/s] of its middle
-    std::uint32_t nodes[3]{0, 0, 0};  // of the soft body that it is of; unused of others
-    bool is_skin = false;             // of a volume, which is behind it; else it has two sides
+    btVector3 corners[3];  // [m] at the start of the tick; counter-clockwise from outside
+    btVector3 velocity;    // [m/s] of the centroid
+    // node indices if the face belongs to a soft body; otherwise unused
+    std::uint32_t nodes[3]{0, 0, 0};
+    bool is_skin = false;  // true: boundary of a volume behind it; false: two-sided
 };
 
-/// Where a place meets a face in a tick.
+/// Contact of a point and a face within a tick.
 struct FaceMeeting {
-    btVector3 normal;       // unit length, of the face, to the side where the place belongs
-    btScalar distance = 0;  // [m] of the place along it when the tick began; < 0: behind the face
-    btScalar weights[3];    // of the corners, where it meets the face; add up to 1
-    btScalar way = 0;       // [m] until then and there: the least is the one that matters
+    btVector3 normal;  // unit length, of the face, on the point's side
+    // [m] of the point along the normal at the start of the tick; < 0: behind the face
+    btScalar distance = 0;
+    btScalar weights[3];  // barycentric weights of the contact point; add up to 1
+    btScalar way = 0;     // [m] path length to the contact; the smallest matters
 };
 
 struct MeetingLimits {
     btScalar tick_s = 0;
-    btScalar gap_m = 0;     // nearer than this is in touch
-    btScalar margin_m = 0;  // nearer than that and this is worth knowing of
-    btScalar depth_m = 0;   // behind a face by more than this is beyond it, or on another's side
+    btScalar gap_m = 0;     // a smaller distance is a contact
+    btScalar margin_m = 0;  // added to gap_m: contacts up to here are reported
+    btScalar depth_m = 0;   // a point further behind a face is not in contact with it
 };
 
-/// Whether a place comes to a face in the coming tick, or is behind it. `outward`, or null: unit
-/// length, where the skin of a volume faces at that place; it tells on which side of a face of two
-/// sides the place belongs, however deep the two are in each other. Without it that is the side
-/// where it is.
+/// Tests whether a point reaches a face in the coming tick or is behind it. Empty if not.
+///
+/// `outward` is null or the unit outward normal of the volume at the point. It decides on which
+/// side of a two-sided face the point belongs, at any depth. If it is null, the point belongs to
+/// the side where it is.
 std::optional<FaceMeeting> meet(const SampleMotion& place,
                                 const MovingFace& face,
                                 const btVector3* outward,
@@ -53,23 +56,25 @@ inline bool touch(const Box& a, const Box& b) {
     return TestAabbAgainstAabb2(a.low, a.high, b.low, b.high);
 }
 
-/// Where a place may meet faces: its way through a tick and, of a volume, what is behind its skin.
+/// Bounds of the contacts of a point: its path through a tick and, for a volume, the depth behind
+/// its boundary.
 Box box_of_way(const SampleMotion& place, const btVector3* outward, const MeetingLimits& limits);
-/// Where a face may be met.
+/// Bounds of the contacts of a face.
 Box box_of_way(const MovingFace& face, const MeetingLimits& limits);
 
-/// Faces by where they are in a tick. Deterministic; its memory is used again.
+/// Sorted index of faces by their bounds in a tick (sweep and prune along one axis). Deterministic.
+/// Reuses its memory.
 class FaceIndex {
 public:
     void clear() { entries_.clear(); }
     void add(const MovingFace& face, const MeetingLimits& limits) {
         entries_.push_back({box_of_way(face, limits), face});
     }
-    /// After the last `add`.
+    /// Call after the last `add`.
     void sort();
     bool empty() const { return entries_.empty(); }
 
-    /// Calls `visit(face)` for all faces whose box touches this one.
+    /// Calls `visit(face)` for each face whose box touches `box`.
     template <typename Visit>
     void visit_box(const Box& box, const Visit& visit) const {
         const auto begin =
@@ -88,9 +93,9 @@ private:
         MovingFace face;
     };
 
-    std::vector<Entry> entries_;  // rising by their low end along axis_
-    int axis_ = 0;                // along which they reach furthest
-    btScalar longest_ = 0;        // box, along it
+    std::vector<Entry> entries_;  // ascending by their lower end along axis_
+    int axis_ = 0;                // the axis with the largest total extent
+    btScalar longest_ = 0;        // longest box along axis_
 };
 
 }  // namespace atrium::physics

@@ -4,13 +4,13 @@
 
 namespace atrium::physics {
 
-/// An oriented sample of a person's surface on its way from one mesh to the next; world frame.
+/// An oriented sample of a person's surface that moves from one mesh to the next. World frame.
 struct MovingSurfel {
-    Eigen::Vector3f position;  // where the mesh was captured
+    Eigen::Vector3f position;  // at the capture time of the mesh
     Eigen::Vector3f normal;    // unit length, outwards
-    Eigen::Vector3f from;      // where it was when the mesh before was captured, on that surface
-    /// [m/s] of the part of the body that it belongs to. Smoother than (position - from) / period,
-    /// in which the flicker of the outline is.
+    Eigen::Vector3f from;      // on the previous mesh's surface, at the capture time of that mesh
+    /// [m/s] of the body part that the surfel belongs to. Smoother than (position - from) / period,
+    /// which contains the flicker of the outline.
     Eigen::Vector3f velocity;
 };
 

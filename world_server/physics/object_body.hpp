@@ -12,10 +12,10 @@ class btVector3;
 
 namespace atrium::physics {
 
-/// One object of the world with what Bullet knows of it.
+/// A rigid object in the Bullet world.
 class ObjectBody {
 public:
-    /// `object` must have no problem.
+    /// `find_problem(object)` must be empty.
     ObjectBody(const RigidObject& object, const WorldOptions& options);
     ~ObjectBody();
     ObjectBody(const ObjectBody&) = delete;
@@ -24,19 +24,20 @@ public:
     btRigidBody& body() { return *body_; }
     const RigidObject& object() const { return object_; }
     bool moves() const { return object_.mass_kg > 0.0; }
-    /// Half of the smallest extent, of a compound that of its thinnest part [m].
+    /// Half of the smallest extent [m]; of a compound, half of the smallest extent of its thinnest
+    /// part.
     double inner_radius_m() const { return shape_.inner_radius_m(); }
-    /// From the frame that Bullet knows, about the centre of mass, to that of the object.
+    /// Object frame from body frame. The body frame is centred at the centre of mass.
     const geometry::RigidTransform& object_from_body() const { return shape_.object_from_body(); }
-    /// Of mass, in the world [m].
+    /// Centre of mass in the world [m].
     Eigen::Vector3d centre() const;
     RigidState state() const;
-    /// Its id is not looked at; wakes the object.
+    /// Sets pose and velocities and wakes the object. Ignores `state.id`.
     void set_state(const RigidState& state);
-    /// Back to where it started, at rest and awake.
+    /// Returns the object to its start pose, at rest and awake.
     void put_back();
     bool is_finite() const;
-    /// Keeps the motion of the tick that has just been within its limits.
+    /// Limits the motion of the last tick: speed, spin and depenetration speed (`WorldOptions`).
     void limit_motion(const Eigen::Vector3d& centre_before, const WorldOptions& options);
 
 private:

@@ -16,80 +16,81 @@
 
 namespace atrium::physics {
 
-/// What a person's surface is near a point; world frame.
+/// A person's surface near a query point. World frame.
 struct SurfacePoint {
-    float distance_m = 0.0F;   // along the normal, of the point that was asked for; < 0: inside
+    float distance_m = 0.0F;   // signed distance of the query point along the normal; < 0: inside
     Eigen::Vector3f normal;    // unit length, outwards
     Eigen::Vector3f velocity;  // [m/s] of the surface
 };
 
-/// Who asks for the surface at a point.
+/// The object surface at a query point.
 struct Asker {
-    Eigen::Vector3f velocity = Eigen::Vector3f::Zero();  // [m/s] of what is at the point
-    /// Unit length: out of the asker's surface there; zero: it faces nowhere.
+    Eigen::Vector3f velocity = Eigen::Vector3f::Zero();  // [m/s] of the object at the point
+    /// Outward normal of the object at the point, unit length. Zero: no direction.
     Eigen::Vector3f outwards = Eigen::Vector3f::Zero();
 
-    /// Only surfaces that face the asker's count: what lies on a hand is not pushed down by the
-    /// back of it, however thin it is and however deep the thing is inside.
+    /// True if a surface with this normal faces the object. Other surfaces are ignored: the back of
+    /// a hand does not push down what lies on its palm, whatever the thickness and depth.
     bool faces(const Eigen::Vector3f& normal) const {
         return outwards.isZero() || normal.dot(outwards) < kFacing;
     }
-    /// In which octants normals can lie that face it.
+    /// Octants that contain normals which face the object.
     std::uint8_t facing_octants() const;
 
     static constexpr float kFacing = -0.25F;  // cosine
 };
 
-/// How far from a surface a point may be to be told of it.
+/// Largest distance from a surface at which `query` finds it.
 inline constexpr float kFieldReachM = 0.04F;
 
-/// One person as she is at the beginning of a tick.
+/// One person's surface at the start of a tick.
 class PersonField {
 public:
-    /// The newest shape takes the place of the one before. Copies nothing.
+    /// Replaces the shape. Copies no surfels.
     void set_shape(const PersonShape& shape);
-    /// Where the surfels are at the beginning of a tick of `tick_s`, and the velocities that carry
-    /// them through it; time goes on by one tick.
+    /// Places the surfels at the start of a tick of `tick_s`, with the velocities that carry them
+    /// through it, and advances the time by one tick.
     void begin_tick(double tick_s);
 
-    /// Nothing within reach that the asker faces, or moving out of the person there: nullopt.
+    /// Finds the surface near a point. Empty if no facing surface is within reach, or if the object
+    /// there moves out of the person.
     std::optional<SurfacePoint> query(const Eigen::Vector3f& point, const Asker& asker) const;
 
-    /// The nearest surfel within `radius_m` for which `accept(surfel)` holds; null: none. Slower
-    /// than `query`, for what is deep inside.
+    /// Finds the nearest surfel within `radius_m` for which `accept(surfel)` holds. Null if there
+    /// is none. Slower than `query`, but works deep inside a person.
     template <typename Accept>
     const PlacedSurfel* nearest(const Eigen::Vector3f& point,
                                 float radius_m,
                                 const Accept& accept) const;
 
-    /// False: `query` would find nothing. Quick.
+    /// False if `query` would find nothing. Fast.
     bool may_find(const Eigen::Vector3f& point, const Asker& asker) const {
         return (grid_.octants_near(point) & asker.facing_octants()) != 0;
     }
 
-    /// True in one tick of each mesh's way: the moment to compare it with others.
+    /// True in one tick per mesh, halfway between two meshes: the time to compare surfaces.
     bool is_half_way() const { return is_half_way_; }
 
-    /// The newest shape, and how much of its way is still to go: 1 at its start, 0 where it was
-    /// captured.
+    /// The newest shape.
     const std::shared_ptr<const std::vector<MovingSurfel>>& shape() const { return shape_; }
+    /// Remaining share of the shape's motion: 1 at its start, 0 at the captured positions.
     float share_to_go() const {
         return static_cast<float>(period_s_ > 0.0 ? time_to_go_s_ / period_s_ : 0.0);
     }
     Timestamp capture_time() const { return capture_time_; }
 
     const SurfelGrid& surfels() const { return grid_; }
-    float max_speed_mps() const { return max_speed_mps_; }  // of the surfels, in this tick
+    float max_speed_mps() const { return max_speed_mps_; }  // fastest surfel in this tick
     std::size_t num_surfels() const { return shape_ ? shape_->size() : 0; }
 
 private:
     std::shared_ptr<const std::vector<MovingSurfel>> shape_;
     Timestamp capture_time_;
     double period_s_ = 0.0;
-    double time_to_go_s_ = 0.0;  // until the surfels are where the mesh was captured
+    double time_to_go_s_ = 0.0;  // until the surfels reach the captured positions
     double tick_s_ = 0.0;
     bool is_half_way_ = false;
-    bool is_placed_ = false;  // nothing moves any more and the grid holds what there is
+    bool is_placed_ = false;  // at rest and already in the grid
     float shape_max_mps_ = 0.0F;
     float max_speed_mps_ = 0.0F;
     SurfelGrid grid_;
@@ -114,16 +115,16 @@ const PlacedSurfel* PersonField::nearest(const Eigen::Vector3f& point,
     }
 }
 
-/// All people of a world as moving volumes. Deterministic; not thread-safe.
+/// Holds the moving surfaces of all people in a world. Deterministic. Not thread-safe.
 class PeopleField {
 public:
     void set_person(const std::string& name, const PersonShape& shape);
-    bool remove_person(const std::string& name);  // false: not there
+    bool remove_person(const std::string& name);  // false if the name is unknown
     void begin_tick(double tick_s);
 
-    /// The surface, of whichever person, that is nearest to the point or that the point is deepest
-    /// inside of; nullopt: nothing within `kFieldReachM`. Surfaces that the asker moves out of
-    /// quickly do not count, so that a thin hand that has swept past the point within a tick still
+    /// Finds the surface of any person that is nearest to the point, or that the point is deepest
+    /// inside. Empty if there is none within `kFieldReachM`. Ignores surfaces that the object
+    /// leaves quickly. A thin hand that has swept past the point within a tick therefore still
     /// pushes forwards.
     std::optional<SurfacePoint> query(const Eigen::Vector3f& p_world, const Asker& asker) const;
 

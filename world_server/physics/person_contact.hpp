@@ -15,47 +15,48 @@ class btRigidBody;
 
 namespace atrium::physics {
 
-/// Where an object touches a person, or will within this tick; world frame.
+/// A contact of an object and a person, now or within this tick. World frame.
 struct PersonContact {
     Eigen::Vector3f point;     // on the object
-    Eigen::Vector3f normal;    // of the person's surface, unit length, outwards
+    Eigen::Vector3f normal;    // of the person's surface, unit length, outward
     Eigen::Vector3f velocity;  // [m/s] of the person's surface
     float distance_m = 0.0F;   // < 0: the point is inside the person
-    float after_m = 0.0F;      // what the distance would be after the tick if nothing acted
-    bool is_at_edge = false;   // of a sphere with what may be an edge of the surface
+    float after_m = 0.0F;      // predicted distance at the end of the tick without contact forces
+    bool is_at_edge = false;   // sphere touching a possible edge of the surface
 };
 
-/// An object's surface as the contact search sees it.
+/// Surface of an object for the contact search.
 struct ContactBody {
     bool is_sphere = false;
-    float radius_m = 0.0F;            // of a sphere
+    float radius_m = 0.0F;            // spheres only
     float size_m = 0.0F;              // largest extent
-    std::vector<BodySample> samples;  // of a sphere: relative to its centre, world's axes
+    std::vector<BodySample> samples;  // sphere: relative to the centre, world axes
 };
 
-/// The object's motion at the beginning of a tick; world frame.
+/// Motion of an object at the start of a tick. World frame.
 struct ContactMotion {
     Eigen::Isometry3f world_from_body;
     Eigen::Vector3f linear_velocity;   // [m/s]
     Eigen::Vector3f angular_velocity;  // [rad/s]
-    Eigen::Vector3f low;               // of the object's bounds
+    Eigen::Vector3f low;               // bounds of the object
     Eigen::Vector3f high;
 };
 
-inline constexpr std::size_t kMaxContacts = 12;  // of one object and one person
+inline constexpr std::size_t kMaxContacts = 12;  // per object and person
 
-/// Finds where objects touch people. Reuses its memory; not thread-safe.
+/// Finds contacts between objects and people. Reuses its memory. Not thread-safe.
 class ContactFinder {
 public:
-    /// At most `kMaxContacts`, those first that would be deepest after the tick; valid until the
-    /// next call. `num_near`: how many surfels were looked at; 0: nothing of the person is near.
+    /// Returns at most `kMaxContacts` contacts, those first that would be deepest after the tick.
+    /// Valid until the next call.
     std::span<const PersonContact> find(const ContactBody& body,
                                         const ContactMotion& motion,
                                         const PersonField& person,
                                         double tick_s);
+    /// Number of surfels that the last `find` examined; 0: no part of the person is near.
     std::size_t num_near() const { return near_.size(); }
-    /// [rad/s], world frame, of what is near as if it were one piece; of the last call that found
-    /// contacts.
+    /// Rotation of the nearby surface as one rigid piece [rad/s], world frame. Belongs to the last
+    /// call that found contacts.
     const Eigen::Vector3f& turning() const { return turning_; }
 
 private:
@@ -77,7 +78,7 @@ private:
     std::vector<const PlacedSurfel*> near_;
     Eigen::Vector3f near_low_;
     Eigen::Vector3f near_high_;
-    // Of what is near and so fast that the field's reach does not do.
+    // Velocity bounds of nearby surfels that are too fast for the field's reach.
     bool has_fast_ = false;
     Eigen::Vector3f fast_low_mps_;
     Eigen::Vector3f fast_high_mps_;
