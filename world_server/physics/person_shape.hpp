@@ -17,28 +17,28 @@ namespace atrium::physics {
 struct PersonShapeOptions {
     SamplingOptions sampling{};
     MotionOptions motion{};
-    double max_speed_mps = 10.0;   // faster surfaces are slowed to this
-    double rest_speed_mps = 0.06;  // below this, motion is taken for the flicker of the outline
-    double max_period_s = 0.15;    // meshes further apart are two people, not one who moved
+    double max_speed_mps = 10.0;   // limit; faster surfaces are slowed to this
+    double rest_speed_mps = 0.06;  // slower motion counts as flicker of the outline
+    double max_period_s = 0.15;    // longer gaps: the next mesh is treated as a new person
 };
 
-/// What one mesh of one person is to the physics: a closed surface in samples that move.
+/// The surface of one mesh of a person, as samples that move.
 struct PersonShape {
     std::shared_ptr<const std::vector<MovingSurfel>> surfels;  // never null
-    double period_s = 0.0;  // since the mesh before; 0: there was none, and nothing moves
+    double period_s = 0.0;  // time since the previous mesh; 0: no previous mesh, nothing moves
     Timestamp capture_time;
 };
 
-/// Turns the meshes of one person, which have nothing in common but the person, into surfels that
-/// move from the surface of one mesh to that of the next.
+/// Converts successive meshes of one person into surfels that move from each surface to the next.
+/// The meshes need no common vertices.
 class PersonShaper {
 public:
     explicit PersonShaper(const PersonShapeOptions& options);
 
-    /// `mesh_world`: finite vertices, indices in range. Not thread-safe.
+    /// `mesh_world` must have finite vertices and valid indices. Not thread-safe.
     PersonShape shape(const geometry::TriangleMesh& mesh_world, Timestamp capture_time);
 
-    /// The next mesh is of a person who was not there before.
+    /// Treats the next mesh as that of a new person.
     void forget();
 
 private:

@@ -9,14 +9,15 @@ class btCollisionShape;
 namespace atrium::physics {
 
 struct ShapePoint {
-    btScalar distance = 0;  // [m] < 0: inside
-    btVector3 normal;       // unit length, outwards, of the shape's frame
+    btScalar distance = 0;  // signed [m]; < 0: inside
+    btVector3 normal;       // unit length, outward, in the shape's frame
 };
 
-/// How far `point`, in the shape's frame, is from the shape's surface: exact for spheres, boxes,
-/// capsules, cylinders along z and planes, by Bullet's GJK for other convex shapes, and the least
-/// of all parts for compounds. Nothing for other shapes, and nothing where it would be more than
-/// `reach_m` away, as far as that is cheap to see.
+/// Computes the signed distance from `point` (shape frame) to the shape's surface.
+///
+/// Exact for spheres, boxes, capsules, cylinders along z and planes. Uses Bullet's GJK for other
+/// convex shapes and the smallest distance of all parts for compounds. Empty for all other shapes,
+/// and where a cheap test shows that the distance exceeds `reach_m`.
 std::optional<ShapePoint> distance_to_shape(const btCollisionShape& shape,
                                             const btVector3& point,
                                             btScalar reach_m);

@@ -20,10 +20,10 @@ namespace atrium::physics {
 
 class PeopleField;
 
-/// The soft objects of a Bullet world.
+/// Owns the soft objects of a Bullet world.
 ///
-/// `solver` is given to the world when that is made, which then has the soft bodies stepped at the
-/// end of each of its steps, in the order of their ids.
+/// Pass `solver()` to the world's constructor. The world then steps the soft bodies at the end of
+/// each of its steps, in ascending order of their ids.
 class SoftBodies {
 public:
     explicit SoftBodies(const WorldOptions& options);
@@ -33,29 +33,29 @@ public:
 
     btSoftBodySolver* solver();
 
-    /// kInvalid: see `find_problem`, or tied to an object that `find` does not know. kWorldFull:
-    /// more nodes than `kMaxSoftNodesTotal`.
+    /// kInvalid: `find_problem` is not empty, or a pin names an object that `find` does not know.
+    /// kWorldFull: more than `kMaxSoftNodesTotal` nodes in total.
     AddResult add(const SoftObject& object,
                   btSoftRigidDynamicsWorld& world,
                   const std::function<btRigidBody*(std::uint32_t id)>& find);
-    bool remove(std::uint32_t id, btSoftRigidDynamicsWorld& world);  // false: not there
+    bool remove(std::uint32_t id, btSoftRigidDynamicsWorld& world);  // false if the id is unknown
     void clear(btSoftRigidDynamicsWorld& world);
     void untie(const btRigidBody& body);
     void reset();
-    /// As `World::push`.
+    /// See `World::push`.
     bool push(std::uint32_t id, const Eigen::Vector3d& impulse_ns);
 
-    /// To be called before each step of the world. `people` is as at the beginning of the tick and
-    /// stays so until the step is over, as do the rigid bodies that the caller puts into the list
-    /// that is returned, empty.
+    /// Call before each step of the world. Returns an empty list; add the rigid bodies near the
+    /// soft bodies to it. `people` must be in its state at the start of the tick. It and the listed
+    /// bodies must stay unchanged until the step is over.
     std::vector<btRigidBody*>& begin_tick(const PeopleField& people);
-    /// To be called after each step of the world: puts back what is not a number, what is torn and
-    /// what has left the world, counts it and says so. Returns those that are to be removed
-    /// instead.
+    /// Call after each step of the world. Resets objects that are not finite or torn, handles
+    /// objects that have left the world, counts and records these incidents. Returns the ids to
+    /// remove.
     const std::vector<std::uint32_t>& end_tick(
         WorldCounters& counters, const std::function<void(const Incident& incident)>& record);
 
-    bool is_touched() const;  // any of them, by a person, in the last tick
+    bool is_touched() const;  // any soft object, by a person, in the last tick
     bool contains(std::uint32_t id) const { return bodies_.contains(id); }
     const std::map<std::uint32_t, std::unique_ptr<SoftBody>>& bodies() const { return bodies_; }
     SoftBody* find(std::uint32_t id) const;

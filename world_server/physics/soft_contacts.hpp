@@ -17,70 +17,71 @@ namespace atrium::physics {
 
 class PeopleField;
 
-/// A place on a soft body with the plane that it must stay in front of, which moves.
+/// A contact constraint: keeps a point of a soft body in front of a moving plane.
 struct SoftContact {
     SoftSample sample;
     btVector3 normal;    // unit length, towards the soft body
-    btVector3 point;     // [m] of the plane, at the end of the tick
-    btVector3 velocity;  // [m/s] of the plane, when the contact was found
-    btScalar depth = 0;  // [m] inside by this at the beginning of the tick
+    btVector3 point;     // [m] point of the plane at the end of the tick
+    btVector3 velocity;  // [m/s] of the plane when the contact was found
+    btScalar depth = 0;  // [m] penetration at the start of the tick
     btScalar friction = 0;
-    btRigidBody* body = nullptr;  // that moves and feels it, or null
+    btRigidBody* body = nullptr;  // dynamic body that receives the reaction, or null
     btVector3 arm;                // from the body's centre of mass to the point
-    btScalar body_share = 0;      // inverse of the body's mass as felt along the normal
-    // while it is solved
-    btScalar shift = 0;    // [m] how far the impulses of the parts before have moved the plane
-    btScalar pressed = 0;  // [kg m] sum of the corrections along the normal in this part
-    btVector3 held;        // [kg m] the same of friction
+    btScalar body_share = 0;      // inverse effective mass of the body along the normal
+    // solver state
+    btScalar shift = 0;    // [m] motion of the plane by impulses of earlier substeps
+    btScalar pressed = 0;  // [kg m] sum of normal corrections in this substep
+    btVector3 held;        // [kg m] sum of friction corrections in this substep
 };
 
 struct SoftContactOptions {
     btScalar tick_s = 0;
-    btScalar thickness_m = 0;  // that the soft body has on either side of its nodes
-    btScalar friction = 0;     // of the soft body; that of a pair is the geometric mean
+    btScalar thickness_m = 0;  // thickness of the soft body on each side of its nodes
+    btScalar friction = 0;     // of the soft body; pairs use the geometric mean
     btScalar person_friction = 0;
-    btScalar margin_m = btScalar(0.004);    // surfaces nearer than this are kept in view
-    btScalar recovery_mps = btScalar(0.6);  // at which what is inside comes out
+    btScalar margin_m = btScalar(0.004);    // contacts are kept up to this gap
+    btScalar recovery_mps = btScalar(0.6);  // speed at which penetrations are resolved
 };
 
-/// Where a soft body touches what is around it.
+/// The surface of a soft body for contact detection.
 struct SoftSkin {
     std::span<const SoftSample> samples{};
-    /// Of a volume, per node, unit length: where it faces by the shape at rest; else empty. A
-    /// surface that faces the same way has come up inside the volume, and the skin must not hook on
-    /// to it.
+    /// Volumes only, per node: outward unit normal of the rest shape. A surface that faces the same
+    /// way has come up inside the volume. It makes no contact, else the skin would hook on to it.
     std::span<const btVector3> outward{};
-    btScalar depth_m = 0;  // of a volume: how deep a face of scenery may get into it
-    std::span<const std::uint8_t> loose{};  // per node; not 0: stretched so far that people cannot
-                                            // hold it any more
+    btScalar depth_m = 0;  // volumes only: depth that scenery faces may reach
+    // per node; not 0: stretched too far for people to hold it
+    std::span<const std::uint8_t> loose{};
 };
 
-/// What may touch a soft body in a tick.
+/// The objects that can touch a soft body in a tick.
 struct SoftSurroundings {
-    const PeopleField* people = nullptr;  // at the beginning of the tick
-    std::vector<btRigidBody*> bodies;     // at the end of the tick; meshes among them never move
+    const PeopleField* people = nullptr;  // at the start of the tick
+    // at the end of the tick; triangle meshes among them are static
+    std::vector<btRigidBody*> bodies;
 };
 
-/// The contacts of one soft body for one tick. Samples on their way are tested against the moving
-/// surfaces once, and what is found are planes that also hold back what would get there within the
-/// tick; so nothing has to be inside before it is stopped.
+/// Contacts of one soft body with people, rigid bodies and scenery, for one tick. The paths of all
+/// samples are tested against the moving surfaces once. The contacts also stop samples that would
+/// reach a surface within the tick, before they penetrate.
 class SoftContacts {
 public:
-    /// `people`, or null, is as at the beginning of the tick, `bodies` as at its end.
+    /// Detects contacts. `people` (or null) is at the start of the tick, `bodies` are at its end.
     void find(btSoftBody& soft,
               const SoftSkin& skin,
               const PeopleField* people,
               const std::vector<btRigidBody*>& bodies,
               const SoftContactOptions& options);
-    // The tick goes by in equal parts, each of these: begin, solve as often as wanted, end.
+    // For each equal substep of the tick: begin_part, solve any number of times, end_part.
     void begin_part();
-    /// Moves the nodes out of what they are in. `left_s`: from the end of this part to the end of
-    /// the tick.
+    /// Moves the nodes out of penetrated surfaces. `left_s`: from the end of this substep to the
+    /// end of the tick.
     void solve(btSoftBody& soft,
                btScalar part_s,
                btScalar left_s,
                const SoftContactOptions& options);
-    /// When the part's velocities are known: takes away the speed of coming out of something.
+    /// Call when the velocities of the substep are known. Removes the speed that resolving a
+    /// penetration has added.
     void end_part(btSoftBody& soft, btScalar part_s, const SoftContactOptions& options);
 
     std::size_t num_person_contacts() const { return num_person_contacts_; }
@@ -96,7 +97,7 @@ private:
                         const SoftContactOptions& options);
 
     std::vector<SoftContact> contacts_;
-    std::vector<SampleMotion> ways_;  // of the samples
+    std::vector<SampleMotion> ways_;  // one per sample
     FaceIndex faces_;                 // scratch
     std::size_t num_person_contacts_ = 0;
 };

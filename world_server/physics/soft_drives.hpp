@@ -10,19 +10,19 @@ namespace atrium::physics {
 
 class PeopleField;
 
-/// How people move a soft volume whose middle they are near or around: as a whole, whatever its few
-/// nodes in touch achieve.
+/// Pushes a soft volume as a whole when a person's surface is near its centre or around it. The few
+/// nodes in contact could not do this.
 class SoftDrives {
 public:
-    /// For one tick. `inner_radius_m`: half of the volume's smallest extent; `escape_mps`: at which
-    /// what is inside a person is led out. False: it is being led out, and must have no contacts
-    /// with people.
+    /// Finds the pushes of one tick. `inner_radius_m`: half of the volume's smallest extent.
+    /// `escape_mps`: speed at which a volume inside a person is moved out. Returns false while it
+    /// is moved out; then the volume must have no contacts with people.
     bool find(const btSoftBody& soft,
               btScalar inner_radius_m,
               btScalar escape_mps,
               const PeopleField& people);
     void clear() { drives_.clear(); }
-    /// Gives every node that moves at least the speeds found.
+    /// Raises the velocity of every free node to at least the speeds found.
     void apply(btSoftBody& soft) const;
 
 private:

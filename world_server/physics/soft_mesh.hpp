@@ -10,27 +10,27 @@
 
 namespace atrium::physics {
 
-/// Two nodes that keep their distance.
+/// A distance constraint between two nodes.
 struct SoftLink {
     std::array<std::uint32_t, 2> nodes;
-    bool bends = false;  // resists bending only, and is weak
+    bool bends = false;  // weak; only resists bending
 };
 
-/// A soft object at rest, in its own frame, as nodes and what joins them.
+/// A soft object at rest, in its own frame: nodes and links.
 struct SoftMesh {
     std::vector<Eigen::Vector3d> nodes;  // [m]
-    std::vector<double> shares;          // of the mass, one per node; they add up to 1
-    std::vector<SoftLink> links;         // those that bend last
+    std::vector<double> shares;          // share of the mass per node; they add up to 1
+    std::vector<SoftLink> links;         // bending links come last
     SoftTopology topology;
 };
 
-/// How many nodes `make_soft_mesh` would make.
+/// Returns the number of nodes that `make_soft_mesh` would create.
 std::size_t count_soft_nodes(const SoftObject& object);
 
-/// `object` must have no problem. Deterministic.
+/// Creates the nodes and links. `find_problem(object)` must be empty. Deterministic.
 SoftMesh make_soft_mesh(const SoftObject& object);
 
-/// Indices into `mesh.nodes`, ascending.
+/// Returns the nodes of a pin as ascending indices into `mesh.nodes`.
 std::vector<std::uint32_t> nodes_at(const SoftMesh& mesh,
                                     const SoftObject& object,
                                     const SoftPin& pin);

@@ -16,48 +16,49 @@ namespace atrium::physics {
 
 enum class SoftShape : std::uint8_t { kCloth, kRope, kBall, kBox, kModel };
 
-/// Which nodes a pin holds. Of a cloth: its edges and corners, top is +z, right is +x. Of a rope:
-/// left is its start, right its end. Of anything: the node nearest to a point.
+/// Selects the nodes of a pin. Cloth: edges and corners, top is +z, right is +x. Rope: left is the
+/// start, right the end. kPoint: the nearest node, for any shape.
 enum class PinPlace : std::uint8_t { kTop, kBottom, kLeft, kRight, kTopCorners, kCorners, kPoint };
 
 struct SoftPin {
     PinPlace place = PinPlace::kTop;
-    Eigen::Vector3d point = Eigen::Vector3d::Zero();  // [m] in the object's frame; of kPoint
-    /// 0: the nodes stay where they start. Else the rigid object that they are tied to: what pulls
-    /// at one pulls at the other. When it is removed they are free.
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();  // [m] in the object's frame; for kPoint
+    /// 0: the nodes are fixed in the world. Otherwise the rigid object to which the nodes are
+    /// anchored; forces act on both. Removing that object frees the nodes.
     std::uint32_t object_id = 0;
 };
 
-inline constexpr std::size_t kMaxSoftNodes = 1500;       // of one soft object
-inline constexpr std::size_t kMaxSoftNodesTotal = 4000;  // of a world
+inline constexpr std::size_t kMaxSoftNodes = 1500;       // per object
+inline constexpr std::size_t kMaxSoftNodesTotal = 4000;  // per world
 
 struct SoftObject {
     std::uint32_t id = 0;
     SoftShape shape = SoftShape::kCloth;
     /// [m] cloth: width along local x, height along z, thickness; rope: length, diameter, distance
-    /// of its ends where it starts (it lies along local x and hangs towards -z); ball: diameters;
+    /// between its ends at the start (it lies along local x and hangs towards -z); ball: diameters;
     /// box: full extents; model: unused.
     Eigen::Vector3d size_m{1.0, 1.0, 0.01};
-    /// kModel: closed and oriented outwards, one node per vertex; else unused.
+    /// kModel only: closed, oriented outwards; one node per vertex.
     geometry::TriangleMesh model;
-    double spacing_m = 0.05;  // of neighbouring nodes, about; unused of a model
+    double spacing_m = 0.05;  // approximate distance of neighbouring nodes; unused for a model
     double mass_kg = 0.3;
-    double stiffness = 0.5;   // 0: as soft as it can be, 1: as stiff
-    double damping_hz = 0.5;  // share of the velocity that is lost in a second
+    double stiffness = 0.5;   // 0: softest, 1: stiffest
+    double damping_hz = 0.5;  // decay rate of the velocity [1/s]
     double friction = 0.6;
     std::vector<SoftPin> pins;
-    geometry::RigidTransform world_from_object{};  // where it starts, and where `reset` puts it
+    geometry::RigidTransform world_from_object{};  // start pose; `reset` returns the object to it
 };
 
-/// Of the thing at rest, filled; of a cloth and a rope with its thickness.
+/// Returns the filled volume at rest; for cloth and rope with their thickness.
 double volume_m3(const SoftObject& object);
 
-/// A number is not finite or out of range (sizes 1 cm to 20 m, spacings 1 cm to 1 m, masses 1 g to
-/// 100 kg), there would be more than `kMaxSoftNodes` nodes, a pin does not fit the shape, or the
-/// model is not closed or less than 1 cm across.
+/// Returns the first problem: a number that is not finite or out of range (sizes 1 cm to 20 m,
+/// spacings 1 cm to 1 m, masses 1 g to 100 kg), more than `kMaxSoftNodes` nodes, a pin that does
+/// not fit the shape, or a model that is not closed or less than 1 cm across. Empty if the object
+/// is valid.
 std::optional<ObjectProblem> find_problem(const SoftObject& object);
 
-/// What of a soft object never changes.
+/// The constant part of a soft object.
 struct SoftTopology {
     std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise from outside
     std::vector<std::array<std::uint32_t, 2>> segments;   // of a rope

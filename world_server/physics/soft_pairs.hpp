@@ -14,46 +14,48 @@ class btSoftBody;
 
 namespace atrium::physics {
 
-/// What others touch of a soft body. Its bounds are those of its way through the coming tick.
+/// Surface of a soft body for contacts with other soft bodies. The body's bounds must cover its
+/// path through the coming tick.
 struct SoftSurface {
     btSoftBody* body = nullptr;
     const SoftTopology* topology = nullptr;
-    std::span<const SoftSample> samples;  // that are tested against others' faces
-    std::span<const btVector3> outward;   // of a volume, per node: see SoftVolume; else empty
-    btScalar depth_m = 0;                 // of a volume: how deep a thing may get into it
-    btScalar thickness_m = 0;             // on either side of its nodes
+    std::span<const SoftSample> samples;  // points tested against the faces of others
+    std::span<const btVector3> outward;   // volumes only, per node: see SoftVolume::outward
+    btScalar depth_m = 0;                 // volumes only: depth that another object may reach
+    btScalar thickness_m = 0;             // on each side of its nodes
     btScalar friction = 0;
 };
 
-/// The contacts of soft bodies with each other for one tick: places of the one with faces of the
-/// other, found once on their way. Both sides move. A rope has no faces, so two ropes pass through
-/// each other, and a thing does through itself.
+/// Contacts between soft bodies, for one tick. Points of one body are tested against faces of the
+/// other along their paths, once. Both bodies move. Ropes have no faces: two ropes pass through
+/// each other. Self-contacts are not detected.
 class SoftPairs {
 public:
-    /// `surfaces`: in an order that is the same each time; what they point to stays until the tick
-    /// is over.
+    /// Detects contacts. The order of `surfaces` must be the same in every tick. The data they
+    /// point to must exist until the end of the tick.
     void find(std::span<const SoftSurface> surfaces, btScalar tick_s);
-    // The tick goes by in equal parts, each of these: begin, solve as often as wanted, end.
+    // For each equal substep of the tick: begin_part, solve any number of times, end_part.
     void begin_part();
-    /// `left_s`: from the end of this part to the end of the tick.
+    /// `left_s`: from the end of this substep to the end of the tick.
     void solve(btScalar left_s);
-    /// When the part's velocities are known: takes away the speed of coming out of something.
+    /// Call when the velocities of the substep are known. Removes the speed that resolving a
+    /// penetration has added.
     void end_part();
 
     std::size_t num_contacts() const { return contacts_.size(); }
 
 private:
     struct Contact {
-        btSoftBody* body[2]{};  // the one whose sample it is, and the one with the face
+        btSoftBody* body[2]{};  // body of the sample, body of the face
         SoftSample place[2];
-        btVector3 normal;      // unit length, towards the first
-        btScalar gap_m = 0;    // that they keep along it
-        btScalar depth_m = 0;  // what of it is missing at the beginning of the tick
+        btVector3 normal;      // unit length, towards the first body
+        btScalar gap_m = 0;    // required distance along the normal
+        btScalar depth_m = 0;  // missing part of gap_m at the start of the tick
         btScalar friction = 0;
-        btScalar share[2]{};  // inverse masses as felt at the places
-        // while it is solved
-        btScalar pressed = 0;  // [kg m] sum of the corrections along the normal in this part
-        btVector3 held;        // [kg m] the same of friction
+        btScalar share[2]{};  // inverse effective masses
+        // solver state
+        btScalar pressed = 0;  // [kg m] sum of normal corrections in this substep
+        btVector3 held;        // [kg m] sum of friction corrections in this substep
     };
 
     void find_with(const SoftSurface& sampled, const SoftSurface& faced, btScalar tick_s);

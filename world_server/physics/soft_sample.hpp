@@ -9,25 +9,25 @@ class btSoftBody;
 
 namespace atrium::physics {
 
-/// A place on a soft body: a node, the middle of a face, or any other place between three nodes.
+/// A point of a soft body: a node, the centre of a face, or any other weighted mean of three nodes.
 struct SoftSample {
     std::uint32_t nodes[3];
     btScalar weights[3];  // add up to 1
 };
 
-/// How a place moves that is free to.
+/// Motion and inverse effective mass of a point.
 struct SampleMotion {
     btVector3 position;  // [m] world
     btVector3 velocity;  // [m/s]
-    btScalar share;      // inverse of the mass that it is felt with; 0: does not move
+    btScalar share;      // inverse effective mass; 0: fixed
 };
 
 SampleMotion motion_of(const btSoftBody& soft, const SoftSample& sample);
 
-/// Moves the nodes of the sample as `impulse` [kg m] at that place does.
+/// Moves the nodes of the sample as `impulse` [kg m] at that point would.
 void move(btSoftBody& soft, const SoftSample& sample, const btVector3& impulse);
 
-/// Mean of all nodes [m].
+/// Returns the mean of all nodes [m].
 Eigen::Vector3d centre_of(const btSoftBody& soft);
 
 }  // namespace atrium::physics

@@ -14,12 +14,15 @@ class btSoftBody;
 
 namespace atrium::physics {
 
-/// The rigid bodies that soft things hold on to. When these are solved, the bodies have already
-/// gone their way through the tick: what they gain is to move them all the same, or else they would
-/// lag behind what holds them by a tick and swing themselves up.
+/// The rigid bodies to which soft bodies are anchored.
+///
+/// The soft solver runs after the rigid bodies have completed their tick. The velocity that they
+/// gain from anchors must still move them in this tick. Otherwise they would lag behind their
+/// anchors by one tick and start to oscillate.
 class TiedBodies {
 public:
-    // The tick goes by in parts: begin, add each once or more, end each part, end.
+    // Order of calls in a tick: begin_tick; add for each body, once or more; end_part after each
+    // substep; end_tick.
     void begin_tick() { bodies_.clear(); }
     void add(btRigidBody& body);
     void end_part(btScalar part_s);
@@ -28,30 +31,30 @@ public:
 private:
     struct Body {
         btRigidBody* body = nullptr;
-        btVector3 velocity, spin;  // when the tick began
-        btVector3 moved, turned;   // [m, rad] by what it has gained since
+        btVector3 velocity, spin;  // at the start of the tick
+        btVector3 moved, turned;   // [m, rad] motion by the velocity gained since
     };
     std::vector<Body> bodies_;
 };
 
-/// The nodes of one soft body that hold on to rigid bodies: what pulls at one pulls at the other.
+/// Anchors nodes of one soft body to rigid bodies. Forces act on both.
 class SoftTies {
 public:
-    /// Where the node and the body are now; they keep that place to each other. Both outlive this,
-    /// or the body until `untie`.
+    /// Anchors a node at its current place in the body's frame. Both must outlive this, or the body
+    /// must exist until `untie`.
     void tie(const btSoftBody& soft, std::uint32_t node, btRigidBody& body);
-    /// The body is about to go.
+    /// Removes the anchors of a body that is about to be removed.
     void untie(const btRigidBody& body);
-    /// Whether any node does so.
+    /// True if any node is anchored to `body`.
     bool hold(const btRigidBody& body) const;
 
-    // The tick goes by in equal parts, each of these: solve as often as wanted, end.
+    // For each equal substep of the tick: solve any number of times, then end_part.
     void begin_tick(TiedBodies& bodies);
-    /// `left_s`: from the end of this part to the end of the tick.
+    /// `left_s`: from the end of this substep to the end of the tick.
     void solve(btSoftBody& soft, btScalar part_s, btScalar left_s);
     void end_part(btScalar part_s);
-    /// In the end: what hangs on nodes that are marked, one mark per node, has become no faster in
-    /// this tick than that, unless it was.
+    /// Call at the end of the tick. Limits the speed of the bodies anchored to marked nodes (one
+    /// mark per node) to `most_mps`, or to the speed at the start of the tick if that was higher.
     void limit(std::span<const std::uint8_t> marks, btScalar most_mps);
 
 private:
@@ -59,8 +62,8 @@ private:
         std::uint32_t node = 0;
         btRigidBody* body = nullptr;
         btVector3 place;     // in the body's frame
-        btVector3 velocity;  // of that place when the tick began
-        btVector3 shift;     // [m] by what it has gained since
+        btVector3 velocity;  // of that place at the start of the tick
+        btVector3 shift;     // [m] motion by the velocity gained since
     };
     std::vector<Tie> ties_;
 };

@@ -10,24 +10,25 @@ class btSoftBody;
 
 namespace atrium::physics {
 
-/// What makes a closed surface of nodes a body: it is drawn back to its shape at rest, its volume
-/// is kept, and what moves otherwise than the whole is slowed.
+/// Makes a closed surface of nodes behave like a body: matches its rest shape, preserves its
+/// volume, and damps motion relative to the whole.
 class SoftVolume {
 public:
-    /// Of `body` as it is at rest, with its bounds found; both must outlive this. `match_share`: of
-    /// the way to where the shape at rest would have it, what a node goes in a part of a tick.
+    /// `body` must be at rest with valid bounds; it and `topology` must outlive this.
+    /// `match_share`: share of the way to its place in the rest shape that a node moves per
+    /// substep.
     SoftVolume(btSoftBody& body, const SoftTopology& topology, btScalar match_share);
 
-    /// Finds how the body is turned.
+    /// Finds the rotation of the body.
     void begin_tick();
-    // in each part of a tick
+    // in each substep
     void match_shape();
     void keep_volume();
-    /// Of the velocities at the end of a tick; fall and spin stay.
+    /// Damps velocities at the end of a tick. Keeps linear and angular motion of the whole.
     void damp_inside(btScalar seconds);
 
-    /// Per node, unit length: the direction in which it faces by the shape at rest, turned as the
-    /// body was when the tick began.
+    /// Per node: outward unit normal of the rest shape, with the body's rotation at the start of
+    /// the tick.
     const std::vector<btVector3>& outward() const { return outward_; }
     btScalar inner_radius_m() const { return inner_radius_; }  // half of the smallest extent
 
@@ -37,8 +38,8 @@ private:
     btSoftBody& body_;
     const SoftTopology& topology_;
     btScalar match_share_;
-    std::vector<btVector3> gradients_;     // per node, of the volume
-    std::vector<btVector3> rest_outward_;  // per node, unit length, of the shape at rest
+    std::vector<btVector3> gradients_;     // per node: gradient of the volume
+    std::vector<btVector3> rest_outward_;  // per node: unit normals of the rest shape
     std::vector<btVector3> outward_;
     btScalar rest_volume_ = 0;
     btScalar inner_radius_ = 1;

@@ -6,11 +6,12 @@
 #include <cstddef>
 #include <cstdint>
 
-// What the parts of SurfaceIndex share: samples by coordinate, x, y, z of position, then of normal.
+// Shared by the source files of SurfaceIndex: samples by coordinate, x, y, z of position, then of
+// normal.
 namespace atrium::physics {
 
-inline constexpr float kFarM = 1e6F;  // from every sample
-// A search reads at least as many samples: seldom more are beside a place.
+inline constexpr float kFarM = 1e6F;  // distance from every sample
+// A search reads at least this many samples. Places seldom have more beside them.
 inline constexpr std::uint32_t kSearchedAtLeast = 3 * kFloat8Size;
 
 template <typename Columns>
@@ -23,7 +24,7 @@ auto pointers(Columns& columns) {
                       columns[5].data()};
 }
 
-/// Eight samples from `at` on.
+/// Loads eight samples from index `at`.
 ATRIUM_INLINE void load_samples(const std::array<const float*, 6>& from,
                                 std::size_t at,
                                 Float8& x,

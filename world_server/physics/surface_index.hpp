@@ -15,19 +15,19 @@
 
 namespace atrium::physics {
 
-/// A point of a surface with its unit normal, outwards.
+/// A point of a surface with its outward unit normal.
 struct SurfaceSample {
     Eigen::Vector3f position;
     Eigen::Vector3f normal;
 };
 
 struct SamplingOptions {
-    double spacing_m = 0.02;         // one sample per square of this side
-    std::size_t max_samples = 6000;  // of one mesh; a larger surface is sampled more sparsely
+    double spacing_m = 0.02;         // one sample per square of this side length
+    std::size_t max_samples = 6000;  // per mesh; larger surfaces are sampled more sparsely
 };
 
-/// Points evenly spread over a mesh, found by nearness. Immutable after `assign` and then safe to
-/// share between threads. All sets of instructions give the same bits.
+/// Samples a mesh evenly and finds the nearest samples of places. Immutable after `assign`; then
+/// safe to share between threads. Every instruction set gives the same bits.
 class SurfaceIndex {
 public:
     static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -37,25 +37,25 @@ public:
         assign(mesh, options);
     }
 
-    /// Samples another mesh and reuses the memory. Vertices must be finite. Deterministic.
+    /// Samples another mesh. Reuses the memory. Vertices must be finite. Deterministic.
     void assign(const geometry::TriangleMesh& mesh, const SamplingOptions& options);
 
     std::span<const SurfaceSample> samples() const { return samples_; }  // ordered by cell
     const geometry::Aabb& bounds() const { return bounds_; }
 
-    /// For each of `places` the nearest sample within `radius_m` of it whose normal has a cosine
-    /// above `min_cosine` with the place's; kNone: there is none. Many at once take less time than
-    /// one after the other. `found` has the length of `places`.
+    /// Finds for each of `places` the nearest sample within `radius_m` whose normal has a cosine
+    /// above `min_cosine` with the place's normal; kNone if there is none. One call with many
+    /// places is faster than many calls. `found` must have the length of `places`.
     void nearest(std::span<const SurfaceSample> places,
                  float radius_m,
                  float min_cosine,
                  std::span<std::uint32_t> found) const;
 
-    /// For tests: takes the code for processors without AVX2.
+    /// For tests: uses the code without AVX2.
     void forbid_avx2() { may_use_avx2_ = false; }
 
 private:
-    struct Search;  // what is compiled for several sets of instructions
+    struct Search;  // compiled for several instruction sets
     struct Smoothing;
     using Columns = std::array<std::vector<float>, 6>;  // x, y, z of position, then of normal
 
@@ -68,24 +68,24 @@ private:
     std::size_t cell_index(int x, int y, int z) const {
         return static_cast<std::size_t>((z * dims_.y() + y) * dims_.x() + x);
     }
-    Int4 cell_at(const Eigen::Vector3f& position) const;  // the nearest there is
+    Int4 cell_at(const Eigen::Vector3f& position) const;  // clamped to the grid
 
     geometry::Aabb bounds_;
     std::vector<SurfaceSample> samples_;     // ordered by cell
     std::vector<std::uint32_t> cell_begin_;  // samples of cell i: [cell_begin_[i], [i + 1])
-    // The rows of cells along x once more, four side by side to a bundle, so that each place has
-    // one in which all is that is near it: bundle (y, z) has the rows y - 1 and y of z - 1 and z.
-    Columns bundled_;  // ordered by bundle, then by x; with some at the end far from everything
+    // The rows of cells along x again, four side by side in a bundle. Each place thus has one
+    // bundle with everything near it: bundle (y, z) holds the rows y - 1 and y of z - 1 and z.
+    Columns bundled_;  // ordered by bundle, then by x; padded with far samples
     std::vector<std::uint32_t> bundled_sample_;
-    std::vector<std::uint32_t> bundle_begin_;  // of cell x of a bundle, as cell_begin_
+    std::vector<std::uint32_t> bundle_begin_;  // per cell x of a bundle, like cell_begin_
     Eigen::Array3i dims_ = Eigen::Array3i::Zero();
     Float4 origin_{};     // x, y, z, x
-    Float4 last_cell_{};  // the same of the greatest cell
+    Float4 last_cell_{};  // x, y, z, x of the last cell
     float cell_m_ = 1.0F;
     float cells_per_m_ = 1.0F;
     bool may_use_avx2_ = true;
     // Scratch of `assign`.
-    Columns columns_;  // of samples_, with some at the end far from everything
+    Columns columns_;  // of samples_; padded with far samples
     Columns around_;
     std::vector<double> doubled_areas_;
     std::vector<std::uint32_t> cell_of_sample_;

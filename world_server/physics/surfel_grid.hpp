@@ -14,31 +14,31 @@
 
 namespace atrium::physics {
 
-/// A surfel as it is at one instant; world frame.
+/// A surfel at one instant. World frame.
 struct PlacedSurfel {
     Eigen::Vector3f position;
-    Eigen::Vector3f normal;    // unit length, outwards
+    Eigen::Vector3f normal;    // unit length, outward
     Eigen::Vector3f velocity;  // [m/s]
 };
 
-/// Surfels sorted into cells, made anew every tick in memory that is reused. Deterministic.
+/// Surfels sorted into cells. Rebuilt every tick in memory that is reused. Deterministic.
 class SurfelGrid {
 public:
-    /// Surfels that have `share_to_go` of their way still before them, with `share_of_velocity` of
-    /// their velocities. All values must be finite.
+    /// Places the surfels with `share_to_go` of their motion remaining and scales their velocities
+    /// by `share_of_velocity`. All values must be finite.
     void assign(std::span<const MovingSurfel> surfels, float share_to_go, float share_of_velocity);
 
     bool empty() const { return surfels_.empty(); }
     std::span<const PlacedSurfel> surfels() const { return surfels_; }  // ordered by cell
-    const Eigen::Vector3f& low() const { return low_; }                 // of the surfels' bounds
+    const Eigen::Vector3f& low() const { return low_; }                 // bounds of the surfels
     const Eigen::Vector3f& high() const { return high_; }
     bool is_near(const Eigen::Vector3f& low, const Eigen::Vector3f& high) const {
         return !empty() && (high.array() >= low_.array()).all() &&
                (low.array() <= high_.array()).all();
     }
 
-    /// The octants of the normals of all surfels within `kOctantReachM` of a point, and perhaps of
-    /// some that are further off.
+    /// Returns the octants of the normals of all surfels within `kOctantReachM` of a point, and
+    /// perhaps of some surfels further away.
     std::uint8_t octants_near(const Eigen::Vector3f& p) const {
         if (empty()) return 0;
         const Eigen::Array3i cell = cell_of(p);
@@ -48,8 +48,8 @@ public:
     }
     static constexpr float kOctantReachM = 0.04F;
 
-    /// Calls `visit(surfel)` for all surfels in the cells that the box touches; some of them lie
-    /// outside it.
+    /// Calls `visit(surfel)` for all surfels in the cells that the box touches. Some of them lie
+    /// outside the box.
     template <typename Visit>
     void visit_box(const Eigen::Vector3f& low,
                    const Eigen::Vector3f& high,
@@ -66,9 +66,9 @@ public:
         }
     }
 
-    /// Calls `visit(surfel)` for all surfels within `radius_m` of a point that are in the cells
-    /// that the box of `reach_m` around it touches, in the order of `visit_box`; some are further
-    /// off.
+    /// Calls `visit(surfel)` for all surfels within `radius_m` of a point, limited to the cells
+    /// that the box of half size `reach_m` around it touches. Same order as `visit_box`. Some
+    /// surfels lie further away.
     template <typename Visit>
     void visit_ball(const Eigen::Vector3f& centre,
                     float radius_m,
@@ -99,9 +99,9 @@ public:
     }
 
 private:
-    static constexpr float kCellSlack = 1e-3F;  // of a cell, for rounding
+    static constexpr float kCellSlack = 1e-3F;  // in cells, for rounding
     static float square(float x) { return x * x; }
-    // How far a coordinate is from the nearer side of a cell, in cells; 0 within it.
+    // Distance of a coordinate from the nearer side of a cell, in cells; 0 inside it.
     static float beside_cell(float at, int cell) {
         const auto side = static_cast<float>(cell);
         return std::max({0.0F, side - at, at - side - 1.0F});
@@ -118,9 +118,9 @@ private:
 
     std::vector<PlacedSurfel> surfels_;
     std::vector<std::uint32_t> cell_begin_;  // surfels of cell i: [cell_begin_[i], [i + 1])
-    std::vector<Float4> places_;  // of the surfels as they were given; the fourth is anything
+    std::vector<Float4> places_;  // positions in input order; the fourth lane is undefined
     std::vector<std::uint32_t> cell_of_surfel_;
-    std::vector<std::uint8_t> octants_near_;  // of normals in a cell and those beside it
+    std::vector<std::uint8_t> octants_near_;  // octants of the normals in a cell and its neighbours
     std::vector<std::uint8_t> spreading_;
     Eigen::Array3i dims_ = Eigen::Array3i::Zero();
     Eigen::Vector3f low_ = Eigen::Vector3f::Zero();

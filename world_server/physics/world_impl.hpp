@@ -24,8 +24,7 @@ namespace atrium::physics {
 /// Collision groups of the Bullet world, one bit each.
 enum CollisionGroup : int { kStillGroup = 1, kObjectGroup = 2 };
 
-/// What a world consists of. The parts of `World` share it: world.cpp, world_guard.cpp and
-/// world_saving.cpp.
+/// Parts of a world, shared by world.cpp, world_guard.cpp and world_saving.cpp.
 struct World::Impl {
     explicit Impl(const WorldOptions& world_options);
     ~Impl();
@@ -49,7 +48,7 @@ struct World::Impl {
     PeopleField people;
     PeopleContacts contacts;
     Grabs grabs;
-    std::map<std::uint32_t, Eigen::Vector3d> centres_before;  // of the objects that move
+    std::map<std::uint32_t, Eigen::Vector3d> centres_before;  // dynamic objects only
     Surroundings surroundings{world, kStillGroup, kObjectGroup};
     Joints joints{world, options.tick_s};
     std::vector<Incident> found;         // in this tick; scratch
