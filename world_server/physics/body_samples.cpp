@@ -12,12 +12,12 @@
 namespace atrium::physics {
 namespace {
 
-constexpr float kInsetM = 0.0005F;     // rays along the very edge of a shape would miss it
-constexpr float kFacing = 0.5F;        // cosine; what is steeper is cast on from another side
+constexpr float kInsetM = 0.0005F;     // rays exactly along an edge would miss the shape
+constexpr float kFacing = 0.5F;        // cosine; steeper surfaces are sampled from another side
 constexpr std::size_t kNumTips = 42;   // directions in which extreme points are added
-constexpr float kSamePointM = 0.004F;  // closer than this to another, a tip adds nothing
+constexpr float kSamePointM = 0.004F;  // a tip closer than this to a sample adds nothing
 
-// Where the ray meets the shape and what it faces there.
+// Casts rays at a shape and records the hit points with their normals.
 struct Caster {
     explicit Caster(const btCollisionShape& collision_shape) : shape(collision_shape) {
         object.setCollisionShape(const_cast<btCollisionShape*>(&shape));
@@ -71,7 +71,7 @@ void cast_lattice(const btCollisionShape& shape,
     }
 }
 
-// `tip` lies furthest in `direction`. `tips` are those found before.
+// Adds the extreme point `tip` of `direction`. `tips` holds the tips found before.
 void add_tip(const Eigen::Vector3f& tip,
              const Eigen::Vector3f& direction,
              const std::vector<BodySample>& samples,

@@ -15,8 +15,8 @@
 namespace atrium::physics {
 namespace {
 
-// Bullet rounds the edges of a hull by its margin, which is added around the hull: the hull is made
-// smaller by as much.
+// Bullet adds its margin around a hull and rounds the edges by it. The hull is shrunk by the same
+// amount.
 constexpr double kMarginM = 0.004;
 constexpr double kMarginPerRadius = 0.2;
 
@@ -46,14 +46,14 @@ double inner_radius(const geometry::TriangleMesh& part) {
     return 0.5 * geometry::bounds(part).size().minCoeff();
 }
 
-// A part in the frame of the body.
+// Makes one hull in the body frame.
 std::unique_ptr<btConvexHullShape> make_hull(const geometry::TriangleMesh& part,
                                              const geometry::RigidTransform& body_from_object) {
     std::vector<Eigen::Vector3d> points;
     for (const Eigen::Vector3d& v : part.vertices) points.push_back(body_from_object * v);
     const double margin = std::min(kMarginM, kMarginPerRadius * inner_radius(part));
     btConvexHullComputer computer;
-    // at most a quarter of the way to the middle: a thin wedge stays a wedge
+    // shrinks by at most a quarter of the inner radius: a thin wedge stays a wedge
     const btScalar shrunk_by = computer.compute(points.front().data(),
                                                 static_cast<int>(sizeof(Eigen::Vector3d)),
                                                 static_cast<int>(points.size()),
@@ -72,7 +72,8 @@ std::unique_ptr<btConvexHullShape> make_hull(const geometry::TriangleMesh& part,
     return hull;
 }
 
-// The rotation from principal axes; none where the frame's own axes are that already, as for a box.
+// Returns the rotation from the principal axes. Identity if the frame's own axes are principal, as
+// for a box.
 Eigen::Quaterniond principal_axes(const Eigen::Matrix3d& inertia, Eigen::Vector3d& moments) {
     const double size = inertia.diagonal().maxCoeff();
     const Eigen::Matrix3d off = inertia - Eigen::Matrix3d(inertia.diagonal().asDiagonal());

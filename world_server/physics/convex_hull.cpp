@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kMinVolumeM3 = 1e-9;
 
-// Of the whole hull, however many vertices it has.
+// Computes the full hull without a limit on its vertices.
 geometry::TriangleMesh full_hull(const std::vector<Eigen::Vector3d>& points) {
     geometry::TriangleMesh hull;
     if (points.size() < 4) return hull;
@@ -30,7 +30,7 @@ geometry::TriangleMesh full_hull(const std::vector<Eigen::Vector3d>& points) {
             points.at(static_cast<std::size_t>(computer.original_vertex_index[v])));
     }
     for (int f = 0; f < computer.faces.size(); ++f) {
-        // a face of many corners, as a fan around the first
+        // triangulate the face as a fan around its first corner
         const btConvexHullComputer::Edge* first = &computer.edges[computer.faces[f]];
         const auto corner = static_cast<std::uint32_t>(first->getSourceVertex());
         const btConvexHullComputer::Edge* edge = first->getNextEdgeOfFace();

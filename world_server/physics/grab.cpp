@@ -19,7 +19,7 @@ Eigen::Vector3d limited(const Eigen::Vector3d& v, double max) {
     return length > max ? (v * (max / length)).eval() : v;
 }
 
-// The matrix that turns an impulse at `arm` from the centre of mass into that point's velocity.
+// Maps an impulse at `arm` from the centre of mass to the velocity of that point.
 Eigen::Matrix3d inverse_mass_at(const btRigidBody& body, const Eigen::Vector3d& arm) {
     Eigen::Matrix3d cross;
     cross << 0, -arm.z(), arm.y(), arm.z(), 0, -arm.x(), -arm.y(), arm.x(), 0;
@@ -117,8 +117,8 @@ double Grabs::max_force_n(double mass_kg) const {
     return std::min(options_.max_force_n, mass_kg * options_.max_acceleration);
 }
 
-// Of the held point, `way` [m] from its goal: no faster than what the force can bring to rest until
-// there, gravity or not.
+// Wanted velocity of the held point, `way` [m] from its goal: no faster than the force can stop
+// within that distance, against gravity too.
 Eigen::Vector3d Grabs::wanted_velocity(const Eigen::Vector3d& way,
                                        double mass_kg,
                                        double gravity) const {
@@ -144,7 +144,7 @@ void Grabs::pull(const Grab& grab, btRigidBody& body) const {
     const double mass_kg = 1.0 / body.getInvMass();
     const Eigen::Vector3d wanted =
         wanted_velocity(grab.goal_world - place, mass_kg, from_bullet(body.getGravity()).norm());
-    // gravity is applied after this and before the tick's motion
+    // Bullet applies gravity later in this tick
     const Eigen::Vector3d missing =
         wanted - velocity - options_.tick_s * from_bullet(body.getGravity());
     const Eigen::Vector3d impulse = limited(inverse_mass_at(body, arm).inverse() * missing,

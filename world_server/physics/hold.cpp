@@ -8,19 +8,20 @@
 namespace atrium::physics {
 namespace {
 
-constexpr float kStickMps = 0.25F;   // of surface and object past each other
-constexpr float kStickRadps = 2.0F;  // a ball that rolls along an arm is not held
+constexpr float kStickMps = 0.25F;   // largest mean sliding speed of a contact that sticks
+constexpr float kStickRadps = 2.0F;  // a ball that rolls along an arm does not stick
 constexpr std::size_t kLooseTicks = 10;
-constexpr float kAroundM = 0.10F;     // a contact, up to which the surface is kept: a hand's length
-constexpr std::size_t kMinKept = 24;  // fewer do not tell how they lie
+// radius around contacts in which the surface is remembered: a hand's length
+constexpr float kAroundM = 0.10F;
+constexpr std::size_t kMinKept = 24;  // fewer do not determine a pose
 constexpr std::size_t kMaxKept = 250;
 constexpr int kRounds = 3;
 constexpr float kSearchM = 0.025F;
 constexpr float kSameFacing = 0.6F;  // cosine
-constexpr float kScaleM = 0.008F;    // off by this, a point counts half
-constexpr float kMinShare = 0.5F;    // of the points that fit
-constexpr float kDamping = 0.02F;    // per point: a direction that nothing tells stays as it is
-constexpr float kLeverM = 0.1F;      // compares turns with shifts
+constexpr float kScaleM = 0.008F;    // a point this far off counts half
+constexpr float kMinShare = 0.5F;    // smallest share of points that fit
+constexpr float kDamping = 0.02F;    // per point: keeps undetermined directions unchanged
+constexpr float kLeverM = 0.1F;      // converts rotations to distances
 constexpr float kSlippedM = 0.03F;
 constexpr float kSlippedRad = 0.3F;
 constexpr float kCatchUpS = 0.1F;
@@ -67,7 +68,7 @@ void Hold::update(const ContactMotion& motion,
     if (kept_.empty()) return remember(motion, person, contacts, {});
     const Offset offset = find_offset(motion, person);
     if (!offset.is_sure) {
-        // its look has changed, as that of a hull does that turns before the cameras
+        // the surface looks different, like a hull that turns in front of the cameras
         return remember(motion, person, contacts, last_);
     }
     if (offset.shift.norm() > kSlippedM || offset.turn.norm() > kSlippedRad) {
@@ -103,7 +104,7 @@ void Hold::remember(const ContactMotion& motion,
         kept_.push_back({body_from_world * place, body_from_world.linear() * s.normal});
     });
     if (kept_.size() < kMinKept) kept_.clear();
-    if (kept_.size() > kMaxKept) {  // evenly less of it
+    if (kept_.size() > kMaxKept) {  // thin out evenly
         for (std::size_t i = 0; i < kMaxKept; ++i) kept_[i] = kept_[i * kept_.size() / kMaxKept];
         kept_.resize(kMaxKept);
     }

@@ -14,12 +14,11 @@ namespace atrium::physics {
 namespace {
 
 constexpr double kMaxCoordinateM = 1000.0;
-// Joints take more rounds of the solver than contacts: a chain of a dozen bodies needs them, and
-// they cost little.
+// Solver iterations for joints: a chain of a dozen bodies needs more than contacts do, at low cost.
 constexpr int kNumIterations = 40;
 
-// A spring acts by impulses before the step; as a constraint it has no rows, and only tells Bullet
-// which objects sleep and wake together.
+// A constraint without rows. Springs act by impulses before the step; this only tells Bullet which
+// objects sleep and wake together.
 class NoConstraint : public btTypedConstraint {
 public:
     NoConstraint(btRigidBody& a, btRigidBody& b) : btTypedConstraint(MAX_CONSTRAINT_TYPE, a, b) {}
@@ -34,7 +33,7 @@ public:
 
 Eigen::Vector3d normal_to(const Eigen::Vector3d& axis) { return axis.unitOrthogonal(); }
 
-// The frame at the anchor whose axis number `along` (0 for x, 2 for z) is the joint's.
+// Frame at the anchor. Its axis number `along` (0 for x, 2 for z) is the joint's axis.
 geometry::RigidTransform frame_of(const Joint& joint, int along) {
     const Eigen::Vector3d axis = joint.axis.normalized();
     const Eigen::Vector3d second = normal_to(axis);
@@ -60,7 +59,7 @@ Eigen::Vector3d spin_of(ObjectBody* object) {
                              : from_bullet(object->body().getAngularVelocity());
 }
 
-// Of a body's matter at a place in the world.
+// Velocity of a body's material at a place in the world.
 Eigen::Vector3d velocity_at(ObjectBody* object, const Eigen::Vector3d& place) {
     if (object == nullptr) return Eigen::Vector3d::Zero();
     return from_bullet(
@@ -72,7 +71,7 @@ Eigen::Vector3d gravity_of(ObjectBody* object) {
     return from_bullet(object->body().getGravity());
 }
 
-// What an impulse along `direction` at `place` changes the velocity there by, along it [1/kg].
+// Change of the velocity along `direction` at `place` per impulse [1/kg].
 double yield_at(ObjectBody* object,
                 const Eigen::Vector3d& place,
                 const Eigen::Vector3d& direction) {
@@ -104,7 +103,7 @@ std::unique_ptr<btTypedConstraint> make_hinge(const Joint& joint,
     const btTransform in_b = to_bullet(body_from_world_at_start(b) * frame);
     btRigidBody& body_b = b != nullptr ? b->body() : btTypedConstraint::getFixedBody();
     auto hinge = std::make_unique<btHingeConstraint>(a.body(), body_b, in_a, in_b);
-    // no bounce at the limits; without limits the lower one is above the upper
+    // no bounce at the limits; a lower limit above the upper one means free
     if (joint.limits) {
         hinge->setLimit(btScalar((*joint.limits)[0]),
                         btScalar((*joint.limits)[1]),
@@ -121,7 +120,7 @@ std::unique_ptr<btTypedConstraint> make_hinge(const Joint& joint,
     return hinge;
 }
 
-// Bullet counts `b` against `a` here, so ours are swapped. Its axis is x.
+// Bullet measures `b` relative to `a` here, so a and b are swapped. The axis is x.
 std::unique_ptr<btGeneric6DofSpring2Constraint> make_general(const Joint& joint,
                                                              ObjectBody& a,
                                                              ObjectBody* b) {
@@ -137,7 +136,7 @@ std::unique_ptr<btTypedConstraint> make_ball(const Joint& joint, ObjectBody& a, 
     const btVector3 zero(0, 0, 0);
     ball->setLinearLowerLimit(zero);
     ball->setLinearUpperLimit(zero);
-    // a lower limit above the upper one: free
+    // free if the lower limit is above the upper one
     const auto limit = [&](int axis, const std::optional<double>& angle_rad) {
         ball->setLimit(3 + axis,
                        btScalar(angle_rad ? -*angle_rad : 1.0),
@@ -160,7 +159,7 @@ std::unique_ptr<btTypedConstraint> make_slider(const Joint& joint, ObjectBody& a
                      btScalar(joint.limits ? (*joint.limits)[1] : -1.0));
     if (joint.motor_max > 0.0) {
         slider->enableMotor(0, true);
-        slider->setTargetVelocity(0, btScalar(-joint.motor_speed));  // Bullet's counts backwards
+        slider->setTargetVelocity(0, btScalar(-joint.motor_speed));  // Bullet's sign is opposite
         slider->setMaxMotorForce(0, btScalar(joint.motor_max));
     }
     return slider;
@@ -189,7 +188,7 @@ std::unique_ptr<btTypedConstraint> make_constraint(const Joint& joint,
 std::optional<JointProblem> find_problem(const Joint& joint) {
     using std::numbers::pi;
     const auto is_within = [](double value, double low, double high) {
-        return value >= low && value <= high;  // NaN is not
+        return value >= low && value <= high;  // false for NaN
     };
     if (joint.a == 0) return JointProblem{"a", "must be an object"};
     if (joint.a == joint.b) return JointProblem{"b", "must be another object than a"};
@@ -249,8 +248,8 @@ void JointBody::begin_tick() {
     damp_turning();
 }
 
-// The impulse that the spring will have given by the end of the tick, with the motion that it then
-// causes: implicit, so no spring is too stiff for the step.
+// Applies the spring's impulse at the end of the tick, including the motion that it causes.
+// Implicit: stable for any stiffness.
 void JointBody::pull() {
     const Eigen::Vector3d end_a = world_from_body(&a_) * anchor_in_a_;
     const Eigen::Vector3d end_b = world_from_body(b_) * anchor_in_b_;
@@ -258,7 +257,7 @@ void JointBody::pull() {
     if (length < 1e-6) return;
     const Eigen::Vector3d along = (end_a - end_b) / length;
     const double excess = length - joint_.rest_length_m;
-    // gravity acts within this tick too: without it a spring would stretch too little
+    // gravity acts within this tick too; without it a spring would stretch too little
     const double speed = along.dot(velocity_at(&a_, end_a) - velocity_at(b_, end_b) +
                                    tick_s_ * (gravity_of(&a_) - gravity_of(b_)));
     const double yield = yield_at(&a_, end_a, along) + yield_at(b_, end_b, along);

@@ -24,10 +24,10 @@ void Joints::add(const Joint& joint, ObjectBody& a, ObjectBody* b) {
                          /*disableCollisionsBetweenLinkedBodies=*/!joint.collides);
     for (ObjectBody* object : {&a, b}) {
         if (object == nullptr) continue;
-        // Bullet stops a fast body in mid-tick where it would hit something, which tears a joint
+        // continuous collision stops a fast body in mid-tick, which would tear the joint
         object->body().setCcdMotionThreshold(0);
-        // what lies in a heap, held by joints and floor, twitches: a foot of a puppet by 2 rad/s
-        // now and then, which would keep all of it awake
+        // a heap of jointed bodies on the floor twitches: a puppet's foot now and then turns at 2
+        // rad/s, which would keep everything awake
         object->body().setSleepingThresholds(kSleepMps, kSleepRadPerS);
     }
 }

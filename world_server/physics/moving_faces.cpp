@@ -12,8 +12,8 @@ void include(const btVector3& p, Box& box) {
     box.high.setMax(p);
 }
 
-// Weights of the corners at the triangle's point that is nearest (Ericson, "Real-Time Collision
-// Detection", 2005, section 5.1.5).
+// Barycentric weights of the nearest point on a triangle (Ericson, "Real-Time Collision Detection",
+// 2005, section 5.1.5).
 btVector3 nearest_on(const btVector3 (&corners)[3], const btVector3& point) {
     const btVector3 ab = corners[1] - corners[0], ac = corners[2] - corners[0];
     const btVector3 ap = point - corners[0];
@@ -53,7 +53,7 @@ std::optional<FaceMeeting> meet(const SampleMotion& place,
     btVector3& normal = meeting.normal;
     normal = (face.corners[1] - face.corners[0]).cross(face.corners[2] - face.corners[0]);
     const btScalar length = normal.length();
-    if (!(length > btScalar(1e-9))) return std::nullopt;  // [m^2], of no area
+    if (!(length > btScalar(1e-9))) return std::nullopt;  // [m^2]: degenerate
     normal /= length;
     btScalar& distance = meeting.distance;
     distance = normal.dot(place.position - face.corners[0]);
@@ -62,7 +62,7 @@ std::optional<FaceMeeting> meet(const SampleMotion& place,
         normal = -normal;
         distance = -distance;
     }
-    // two skins, or skin and cloth, that touch face each other
+    // a contact needs opposed normals: skin on skin, or skin on cloth
     if (outward != nullptr &&
         (face.is_skin ? facing < -kFromInside : std::abs(facing) < kFromInside))
         return std::nullopt;

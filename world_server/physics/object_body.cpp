@@ -22,7 +22,7 @@ ObjectBody::ObjectBody(const RigidObject& object, const WorldOptions& options)
     body_ = std::make_unique<btRigidBody>(info);
     body_->setUserPointer(this);
     if (moves()) {
-        // sweep what moves further than half its radius in one tick
+        // continuous collision for motion of more than half the radius per tick
         const auto radius = btScalar(inner_radius_m());
         body_->setCcdMotionThreshold(btScalar(0.5) * radius);
         body_->setCcdSweptSphereRadius(btScalar(0.5) * radius);
@@ -36,7 +36,7 @@ btTransform ObjectBody::start() const {
     return to_bullet(object_.world_from_object * shape_.object_from_body());
 }
 
-// Where the object is follows from where the body is, and its velocity is that of its origin.
+// Derives the object's pose from the body's. The velocity is that of the object's origin.
 RigidState ObjectBody::state() const {
     const geometry::RigidTransform world_from_body = from_bullet(body_->getWorldTransform());
     RigidState state;
@@ -83,7 +83,7 @@ void ObjectBody::move_to(const btTransform& world_from_body,
 }
 
 bool ObjectBody::is_finite() const {
-    // Bullet's NaN are not Eigen's: a rotation of NaN must not be made a quaternion first
+    // check Bullet's matrix: the conversion to a quaternion can hide NaN
     const btTransform& t = body_->getWorldTransform();
     Eigen::Matrix<double, 18, 1> all;
     for (int i = 0; i < 3; ++i) {
@@ -106,7 +106,7 @@ void ObjectBody::limit_motion(const Eigen::Vector3d& centre_before, const WorldO
     body_->setLinearVelocity(to_bullet(velocity));
     body_->setAngularVelocity(to_bullet(spin));
 
-    // what a body moved beyond its velocity is Bullet's way of separating bodies that overlap
+    // motion beyond the velocity is Bullet's depenetration
     const Eigen::Vector3d flight = options.tick_s * velocity;
     const Eigen::Vector3d correction = centre() - centre_before - flight;
     const double max_correction_m = options.tick_s * options.max_depenetration_mps;

@@ -14,39 +14,41 @@
 namespace atrium::physics {
 namespace {
 
-constexpr btScalar kAroundM = 0.002F;     // of a surface in an object: less is a touch
+constexpr btScalar kAroundM = 0.002F;     // depth of a surface in an object; less is a touch
 constexpr float kContactM = 0.005F;       // gap up to which a person counts as touching an object
-constexpr float kSphereSpacingM = 0.02F;  // of a sphere's samples
+constexpr float kSphereSpacingM = 0.02F;  // spacing of a sphere's samples
 constexpr std::size_t kMinSphereSamples = 26;
 constexpr std::size_t kMaxSphereSamples = 600;
 
-// A hand gives way around what it holds: an overlap pushes like a spring, damped so that it creeps
-// apart instead of throwing what lies on a hand into the air whenever the hull is a little larger
-// than the one before. Between two palms the springs come to rest in the middle, where velocities
-// that contradict each other would fight. Per mass of the object, shared by its contacts.
+// Contacts act like damped springs, because a hand yields around what it holds. The damping lets an
+// overlap relax slowly. Otherwise an object on a hand would be thrown into the air whenever the
+// hull is slightly larger than the previous one. Between two palms the springs settle in the
+// middle, where contradicting velocities would fight. Per mass of the object, shared by its
+// contacts.
 constexpr float kStiffness = 6400.0F;  // [1/s^2]
 constexpr float kDamping = 600.0F;     // [1/s]
 
-// The depth that Bullet is told; below its threshold for shifting bodies instead. What the real one
-// does is set by the contact's error reduction.
+// Depth reported to Bullet, below its threshold for shifting bodies. The effect of the real depth
+// is set by the contact's error reduction.
 constexpr float kToldDepthM = 0.001F;
 
-// A hit: Bullet would let the gap close in this tick and, depending on how wide it was, have little
-// or nothing left to bounce off in the next. It is told that the gap is closed already.
+// Closing speed of a hit. Bullet would close the gap in this tick and, depending on its width, have
+// little or no speed left for the bounce in the next. Bullet therefore gets a gap of zero.
 constexpr float kHitMps = 0.7F;
 
-// Resistance to rolling on skin and cloth, as a lever in radii of the object: the slope on which a
-// ball stays. A hand gives way around what it holds and cups it, which no hull shows.
+// Rolling resistance on skin and cloth, as a lever in radii of the object: the slope on which a
+// ball stays. A hand yields and cups what it holds, which no hull shows.
 constexpr float kRollingLever = 1.5F;
 constexpr float kSpinningLever = 0.3F;
-constexpr std::size_t kNumRolling = 3;  // of an object's contacts that resist rolling
+constexpr std::size_t kNumRolling = 3;  // contacts per object that resist rolling
 
-// An object that is deeper inside than this, in radii, is checked for being inside altogether.
+// Depth, in radii, from which an object is tested for being inside a person altogether.
 constexpr float kDeepRadii = 0.6F;
 constexpr float kEscapeSearchM = 0.5F;
-constexpr std::uint64_t kTicksPerCheck = 8;  // of objects within a person's bounds for that
+// interval of that test for objects within a person's bounds
+constexpr std::uint64_t kTicksPerCheck = 8;
 
-// Carriers are in no world, but the solver and its sorting ask them for their places in one.
+// Carriers are in no world, but the solver and its sorting need a world index.
 constexpr int kFirstCarrierIndex = 1 << 16;
 
 ContactMotion motion_of(const btRigidBody& body) {
@@ -102,7 +104,7 @@ struct PeopleContacts::Carrier {
 
 PeopleContacts::Carrier::Carrier(int index) : body(0.0F, nullptr, &shape) {
     body.setCollisionFlags(body.getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
-    // an active kinematic body wakes every sleeping object that it touches
+    // an active kinematic body wakes all sleeping objects that it touches
     body.setActivationState(DISABLE_DEACTIVATION);
     body.setWorldArrayIndex(index);
     proxy.m_clientObject = &body;
@@ -115,17 +117,17 @@ struct PeopleContacts::Tracked {
     btRigidBody* body = nullptr;
     ContactBody surface;
     float inner_radius_m = 0.0F;  // half of the smallest extent
-    std::string escaping_from;    // the person whom it is being led out of; empty: none
-    bool is_put = false;          // and has not been apart from all people since
+    std::string escaping_from;    // the person out of whom it is moved; empty: none
+    bool is_put = false;          // teleported, and not yet apart from all people
     std::map<std::string, Hold> holds;
 };
 
-// What the contacts of an object with a person have in common.
+// Shared data of the contacts of one object with one person.
 struct PeopleContacts::Surface {
     Eigen::Vector3f turning;  // [rad/s]
     const Hold& hold;
-    float share = 1.0F;            // of a contact in the object's mass
-    bool resists_rolling = false;  // the next one does
+    float share = 1.0F;            // a contact's share of the object's mass
+    bool resists_rolling = false;  // applies to the next contact
 };
 
 PeopleContacts::PeopleContacts(btDispatcher& dispatcher, const PeopleContactOptions& options)
@@ -206,7 +208,7 @@ void PeopleContacts::begin_body(Tracked& tracked, const PeopleField& people, dou
             tracked.escaping_from = name;
             ++num_escapes_;
             is_touched_ = true;
-            // not held by anybody while it is led out
+            // nobody holds it while it is moved out
             while (num_used_ > num_before) {
                 dispatcher_.releaseManifold(carriers_[--num_used_]->manifold);
             }
@@ -237,7 +239,7 @@ bool PeopleContacts::is_inside(const Tracked& tracked, const PersonField& person
     const PlacedSurfel* nearest =
         person.nearest(centre, kEscapeSearchM, [](const PlacedSurfel&) { return true; });
     if (nearest == nullptr) return false;
-    // of all about as near, most must have the centre behind them
+    // most surfels at about this distance must face away from the centre
     const float within_m = 1.3F * (nearest->position - centre).norm() + 0.01F;
     const Eigen::Vector3f reach = Eigen::Vector3f::Constant(within_m);
     int num = 0;
@@ -251,7 +253,7 @@ bool PeopleContacts::is_inside(const Tracked& tracked, const PersonField& person
     return num >= 3 && 4 * num_behind >= 3 * num;
 }
 
-// Whether some of a person's surface is deep in the object.
+// True if part of a person's surface is deep in the object.
 bool PeopleContacts::is_around(const Tracked& tracked, const PersonField& person) const {
     btVector3 low, high;
     tracked.body->getAabb(low, high);
@@ -267,8 +269,7 @@ bool PeopleContacts::is_around(const Tracked& tracked, const PersonField& person
     return is_around;
 }
 
-// Gives an object inside a person a velocity towards the nearest place on the person's surface;
-// false: it is out.
+// Moves an object inside a person towards the nearest surface. Returns false when it is out.
 bool PeopleContacts::lead_out(Tracked& tracked, const PeopleField& people) {
     const auto person = people.people().find(tracked.escaping_from);
     const Eigen::Vector3f centre =
@@ -294,7 +295,6 @@ bool PeopleContacts::lead_out(Tracked& tracked, const PeopleField& people) {
     return true;
 }
 
-// In memory that is used again.
 void PeopleContacts::note_touch(const std::string& person,
                                 const Tracked& tracked,
                                 const PersonContact& at) {
@@ -320,14 +320,14 @@ bool PeopleContacts::insert(Tracked& tracked,
     btTransform place = btTransform::getIdentity();
     place.setOrigin(on_person);
     carrier.body.setWorldTransform(place);
-    // along the surface only: how deep it is, the spring knows
+    // along the surface only: the spring handles the depth
     const Eigen::Vector3f centre =
         floats_from_bullet(tracked.body->getWorldTransform().getOrigin());
     Eigen::Vector3f behind = surface.hold.velocity_at(contact.point - centre);
     behind -= contact.normal * contact.normal.dot(behind);
     carrier.body.setLinearVelocity(to_bullet((contact.velocity + behind).eval()));
     carrier.body.setAngularVelocity(to_bullet(surface.turning));
-    carrier.body.setCompanionId(-1);  // what the solver remembered of the tick before
+    carrier.body.setCompanionId(-1);  // clears what the solver cached in the previous tick
     carrier.manifold = dispatcher_.getNewManifold(tracked.body, &carrier.body);
 
     const btVector3 on_object = to_bullet(contact.point);
@@ -359,7 +359,7 @@ bool PeopleContacts::insert(Tracked& tracked,
         point.m_contactERP = depth_m > 0.0F ? kStiffness / rate * depth_m * tick / -told_m : 0.0F;
     }
     carrier.manifold->addManifoldPoint(point);
-    // one that would be inside after the tick is stopped, or driven, within it
+    // a contact that would penetrate within this tick is stopped or driven within it
     const bool is_touch = contact.distance_m <= kContactM || contact.after_m < 0.0F;
     is_touched_ = is_touched_ || is_touch;
     return is_touch;

@@ -6,32 +6,35 @@
 namespace atrium::physics {
 namespace {
 
-// Beside a surfel, up to which the surface goes on: surfels are 2 cm apart on average, with gaps.
+// Extent of the surface around a surfel: surfels are 2 cm apart on average, with gaps.
 constexpr float kMaxBesideM = 0.022F;
-// Distance along a surface counts half of that along the normal when the surface that a point
-// belongs to is chosen: near an edge the sparse samples would otherwise take the wrong side's part.
+// Weight of squared distance along a surface, relative to distance along its normal, in the choice
+// of the surface. Distances along the surface thus count half. Near an edge, sparse samples would
+// otherwise favour the wrong side.
 constexpr float kBesideWeight = 0.25F;
-constexpr float kLeavingMps = 0.5F;  // a point that moves out faster than this is not touched
-constexpr float kEnteredM = 0.005F;  // this deep one tick ago: it has come in through this side
-constexpr float kSmoothM = 0.035F;   // radius of the plane's support around the foot point
+constexpr float kLeavingMps = 0.5F;  // a point that leaves faster is not touched
+// a point less deep than this one tick ago has entered through this side
+constexpr float kEnteredM = 0.005F;
+constexpr float kSmoothM = 0.035F;   // support radius of the plane around the foot point
 constexpr float kSameFacing = 0.7F;  // cosine
-constexpr float kFarther = 1.001F;   // than what is asked for, for rounding
-constexpr int kMinSupport = 2;       // a surfel on its own is a mistake of the motion estimate
+constexpr float kFarther = 1.001F;   // factor for rounding
+constexpr int kMinSupport = 2;       // a single surfel is an error of the motion estimate
 
-// The surfel to whose side of the person a point belongs.
+// The surfel on whose side of the person a point is.
 struct Side {
     const PlacedSurfel* surfel = nullptr;
     float cost = 0.0F;
     float distance_m = 0.0F;
 };
 
-// The side of least cost for which `accept(surfel, distance)` holds; none: no surfel.
+// Finds the side of least cost for which `accept(surfel, distance)` holds. `surfel` is null if
+// there is none.
 template <typename Accept>
 Side find_side(const SurfelGrid& grid, const Eigen::Vector3f& point, const Accept& accept) {
     constexpr float kMaxBesideSq = kMaxBesideM * kMaxBesideM;
     Side best;
     best.cost = kFieldReachM * kFieldReachM;
-    // most surfels of the cells are further off than any of less cost can be
+    // most surfels in these cells are further away than any with a lower cost
     float within_sq = kFarther * (best.cost + (1.0F - kBesideWeight) * kMaxBesideSq);
     grid.visit_ball(point, std::sqrt(within_sq), kFieldReachM, [&](const PlacedSurfel& s) {
         const Eigen::Vector3f offset = point - s.position;
@@ -56,7 +59,7 @@ std::uint8_t Asker::facing_octants() const {
     const Eigen::Array3f sq = outwards.array().square();
     int octants = 0;
     for (int octant = 0; octant < 8; ++octant) {
-        // of all directions in it, the one that is most opposed has only these components
+        // in each octant, only these components are opposed in the most opposed direction
         float opposed_sq = 0.0F;
         for (int axis = 0; axis < 3; ++axis) {
             const bool is_negative = (octant >> axis & 1) != 0;
@@ -100,8 +103,8 @@ std::optional<SurfacePoint> PersonField::query(const Eigen::Vector3f& point,
     if (nearest.surfel == nullptr) return std::nullopt;
     const PlacedSurfel* side = nearest.surfel;
     if (side->normal.dot(asker.velocity - side->velocity) > kLeavingMps) {
-        // in front of the surface and off; or inside, having come through another side: the
-        // nearest that the point does not move out of, and was before a tick ago
+        // In front and leaving: no contact. Inside: it entered through another side. Take the
+        // nearest side that the point does not leave and that it had not passed one tick ago.
         if (nearest.distance_m >= 0.0F) return std::nullopt;
         const auto tick_s = static_cast<float>(tick_s_);
         const Side entered = find_side(grid_, point, [&](const PlacedSurfel& s, float distance_m) {
@@ -113,7 +116,7 @@ std::optional<SurfacePoint> PersonField::query(const Eigen::Vector3f& point,
         side = entered.surfel;
     }
 
-    // moving least squares over what faces the same way around the foot point
+    // moving least squares over surfels that face the same way around the foot point
     const Eigen::Vector3f foot = point - side->normal * side->normal.dot(point - side->position);
     int num = 0;
     float weights = 0.0F;

@@ -8,17 +8,17 @@
 namespace atrium::physics {
 namespace {
 
-constexpr float kTouchM = 0.004F;  // gap from which on a contact is kept
-constexpr float kFastM = 0.015F;   // relative motion in a tick from which paths are followed
+constexpr float kTouchM = 0.004F;  // largest gap of a contact
+constexpr float kFastM = 0.015F;   // relative motion per tick above which paths are followed
 constexpr float kSlackM = 0.001F;  // of bounds, for rounding
-constexpr float kDiscM = 0.02F;    // radius of what a surfel stands for
-// Cosines between a sphere's sample and the person's normal: below the first, the plane there is
-// what the sphere touches; up to the second, it may be an edge that the sample has come over.
+constexpr float kDiscM = 0.02F;    // radius of a surfel's disc
+// Cosines between a sphere's sample and the person's normal. Below the first, the sphere touches
+// the plane at the sample. Up to the second, the sample may have passed an edge.
 constexpr float kFacingPlane = -0.8F;
 constexpr float kFacingEdge = -0.3F;
 constexpr float kSameSide = 0.3F;    // cosine
 constexpr float kSameNormal = 0.9F;  // cosine
-constexpr float kTurningM = 0.01F;   // what is smaller than this hardly tells how it turns
+constexpr float kTurningM = 0.01F;   // smaller extents hardly determine a rotation
 constexpr float kMinApartM = 0.012F;
 
 }  // namespace
@@ -38,7 +38,8 @@ std::span<const PersonContact> ContactFinder::find(const ContactBody& body,
     return selected_;
 }
 
-// Lists what could touch the object within the tick, and bounds the velocities of the fast part.
+// Lists the surfels that could touch the object within the tick, and the velocity bounds of the
+// fast ones.
 void ContactFinder::gather(const ContactMotion& motion, const PersonField& person, float tick_s) {
     has_fast_ = false;
     near_.clear();
@@ -47,7 +48,7 @@ void ContactFinder::gather(const ContactMotion& motion, const PersonField& perso
     const Eigen::Vector3f reach = Eigen::Vector3f::Constant(reach_m);
     near_low_ = motion.high;
     near_high_ = motion.low;
-    // what turning adds to the velocity of any place of the object
+    // speed that rotation adds at any point of the object
     const float turning_mps = motion.angular_velocity.norm() * (motion.high - motion.low).norm();
     const Eigen::Vector3f disc = Eigen::Vector3f::Constant(kDiscM + tick_s * turning_mps + kSlackM);
     person.surfels().visit_box(motion.low - reach, motion.high + reach, [&](const PlacedSurfel& s) {
@@ -56,7 +57,7 @@ void ContactFinder::gather(const ContactMotion& motion, const PersonField& perso
         near_high_ = near_high_.cwiseMax(s.position);
         const Eigen::Vector3f way = tick_s * (motion.linear_velocity - s.velocity);
         if (way.squaredNorm() <= kFastM * kFastM) return;
-        // no place of the object can meet what it moves away from, or what is beside its way
+        // the object cannot meet a surface that it leaves or that is beside its path
         if (s.normal.dot(way) > tick_s * turning_mps + kSlackM) return;
         const Eigen::Vector3f low = motion.low + way.cwiseMin(0.0F) - disc;
         const Eigen::Vector3f high = motion.high + way.cwiseMax(0.0F) + disc;
@@ -71,7 +72,7 @@ void ContactFinder::gather(const ContactMotion& motion, const PersonField& perso
     near_high_ += reach;
 }
 
-// The rigid motion that comes closest to that of all surfels near the object.
+// Fits a rigid motion to the velocities of all surfels near the object.
 void ContactFinder::find_turning() {
     turning_.setZero();
     Eigen::Vector3f centre = Eigen::Vector3f::Zero();
@@ -93,8 +94,8 @@ void ContactFinder::find_turning() {
     turning_ = inertia.ldlt().solve(momentum);
 }
 
-// The surfel whose disc the point meets first from the front within the tick, of those that move so
-// fast past the object that the field's reach does not do.
+// Finds the surfel whose disc the point meets first from the front within the tick. Only surfels
+// that are too fast for the field's reach.
 const PlacedSurfel* ContactFinder::first_on_path(const Eigen::Vector3f& point,
                                                  const Asker& asker,
                                                  const ContactMotion& motion,
@@ -156,7 +157,7 @@ void ContactFinder::test(const ContactBody& body,
         const float facing = contact.normal.dot(offset) / body.radius_m;
         if (facing > kFacingEdge) return;
         if (facing < kFacingPlane) {
-            // the sample tells the plane, and the plane where the sphere is nearest to it
+            // move the contact to the sphere's point nearest to the plane
             contact.point = centre - body.radius_m * contact.normal;
             contact.distance_m -= body.radius_m * (1.0F + facing);
         } else {
@@ -173,8 +174,8 @@ void ContactFinder::test(const ContactBody& body,
     candidates_.push_back(contact);
 }
 
-// The deepest first (those at edges only where there is no plane on their side), then whatever is
-// far from those taken in place or faces another way.
+// Selects the deepest contacts first. Edge contacts count only if no plane is on their side.
+// Further contacts must be far from the selected ones or face another way.
 void ContactFinder::select(float size_m) {
     const auto before = [](const PersonContact& a, const PersonContact& b) {
         return a.is_at_edge != b.is_at_edge ? b.is_at_edge : a.after_m < b.after_m;

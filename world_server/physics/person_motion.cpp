@@ -22,13 +22,13 @@ using motion::kAlikeM;
 using motion::match;
 using motion::robust_cost;
 
-constexpr float kMovingShare = 0.12F;  // of an octant's points that rest does not explain
-constexpr float kTouchM = 0.06F;       // between points of regions that are neighbours
-constexpr float kMismatch = 0.6F;      // cost above which a sample is not of its region
-// Where all that is beside a region moves by no more than this otherwise, it does not matter which
-// of them a sample is counted to.
+constexpr float kMovingShare = 0.12F;  // share of an octant's points that rest does not explain
+constexpr float kTouchM = 0.06F;       // distance between points of neighbouring regions
+constexpr float kMismatch = 0.6F;      // cost above which a sample does not belong to its region
+// Below this difference between adjacent motions, it does not matter to which region a sample
+// belongs.
 constexpr float kIndifferentM = 0.01F;
-constexpr float kNearSq = 0.1F * 0.1F;       // [m^2] of neighbours that matter most
+constexpr float kNearSq = 0.1F * 0.1F;       // [m^2] distance of neighbours with the most weight
 constexpr std::size_t kMaxCells = 1U << 20;  // of a lattice
 
 float unlike(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
@@ -36,12 +36,13 @@ float unlike(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
     return 1.0F + ratio * ratio;
 }
 
-// x becomes e^x, for x <= 0, to 2e-6 of its value; below -80 it is that of -80.
+// Replaces x by e^x, for x <= 0, with a relative error of 2e-6. Below -80 the result is that of
+// -80.
 ATRIUM_INLINE void exp8(Float8& x) {
     const Float8 least = Float8{} - 80.0F;
     x = x > least ? x : least;
     const Float8 halvings = x * 1.44269504F;
-    // cuts off towards zero: between 0 and -1 is left
+    // truncation leaves a rest between 0 and -1
     const Int8 whole = __builtin_convertvector(halvings, Int8);
     const Float8 rest = (halvings - __builtin_convertvector(whole, Float8)) * 0.693147181F;
     Float8 power = rest * (1.0F / 720.0F) + (1.0F / 120.0F);
@@ -57,7 +58,7 @@ ATRIUM_INLINE void twice(const Float4& four, Float8& eight) {
     eight = __builtin_shufflevector(four, four, 0, 1, 2, 3, 0, 1, 2, 3);
 }
 
-// Eight places, x, y and z, become the displacements there; the fourth of them takes the weights.
+// Eight places (x, y, z) on input, displacements and weights (fourth row) on output.
 using Eight = std::array<std::array<float, kFloat8Size>, 4>;
 
 template <typename Blend>
@@ -159,14 +160,14 @@ void MotionEstimator::estimate(const SurfaceIndex& now,
     }
 }
 
-// Regions are the lattice's cells, cut in two where only a part of a cell has left its place: the
-// octants of which rest leaves a good part unexplained are a region of their own.
+// Regions are the cells of the lattice. A cell is cut in two if only part of it has left its place:
+// the octants that rest largely does not explain form a separate region.
 void MotionEstimator::make_regions() {
     const auto samples = now_->samples();
     octant_lattice_.fit(now_->bounds(), 0.5 * options_.region_m);
     region_lattice_.fit(now_->bounds(), 2.0 * static_cast<double>(octant_lattice_.cell_m));
     octants_.assign(octant_lattice_.num_cells, {});
-    // samples lie ordered by place, so that every n-th of them still covers every region
+    // samples are ordered by place: every n-th sample still covers every region
     const std::size_t stride = 1 + samples.size() / options_.max_points;
     places_.clear();
     for (std::size_t i = 0; i < samples.size(); i += stride) places_.push_back(samples[i]);
@@ -222,8 +223,8 @@ void MotionEstimator::sort_points_by_region() {
     for (Region& region : regions_) region.centre /= static_cast<float>(region.num);
 }
 
-// Regions are neighbours where points of them lie side by side, and the more so the more such pairs
-// there are: a hand before the chest is no neighbour of it.
+// Two regions are neighbours if they have adjacent points; more pairs couple them more strongly. A
+// hand in front of the chest is not a neighbour of it.
 void MotionEstimator::link_regions() {
     count_pairs();
     neighbours_.clear();
@@ -264,7 +265,7 @@ void MotionEstimator::count_pairs() {
     placed_.resize(points_.size());
     for (std::vector<float>& column : placed_at_) column.resize(points_.size() + kFloat4Size);
     placed_region_.resize(points_.size() + kFloat4Size);
-    // the points lie in the order of their regions
+    // the points are in the order of their regions
     for (std::size_t p = points_.size(); p-- > 0;) {
         const Placed& placed = placed_unsorted_[p];
         const std::uint32_t at = --touch_begin_[static_cast<std::size_t>(placed.cell[3])];
@@ -285,7 +286,7 @@ void MotionEstimator::count_pairs() {
         for (std::uint32_t l = first_link_[a]; l != kNoRegion; l = links_[l].next) {
             if (links_[l].to != b) continue;
             ++links_[l].num_pairs;
-            ++links_[l ^ 1U].num_pairs;  // the way back
+            ++links_[l ^ 1U].num_pairs;  // the reverse link
             return;
         }
         link(a, b);
@@ -294,8 +295,8 @@ void MotionEstimator::count_pairs() {
     const Eigen::Array3i& dims = touch_lattice_.dims;
     constexpr std::array<std::array<int, 2>, 5> kRowsAfter{
         {{0, 0}, {1, 0}, {-1, 1}, {0, 1}, {1, 1}}};
-    // each pair once: of the rows of cells around a point those that come after its own, and of its
-    // own row the points that come after it
+    // each pair once: of the rows of cells around a point, those after its own; in its own row, the
+    // points after it
     for (std::uint32_t i = 0; i < placed_.size(); ++i) {
         const Placed& own = placed_[i];
         const Float4 x = all4(placed_at_[0][i]);
@@ -318,11 +319,11 @@ void MotionEstimator::count_pairs() {
                 const Float4 off_z = load4(placed_at_[2].data() + j) - z;
                 Int4 regions;
                 std::memcpy(&regions, placed_region_.data() + j, sizeof regions);
-                // most points lie beside those of their own region
+                // most points are beside points of their own region
                 unsigned bits =
                     bits_of((off_x * off_x + off_y * off_y + off_z * off_z < kTouchM * kTouchM) &
                             (regions != own_region));
-                // beyond the end of the row come points of others
+                // beyond the end of the row are points of other rows
                 if (row_end - j < kFloat4Size) bits &= (1U << (row_end - j)) - 1U;
                 for (; bits != 0; bits &= bits - 1) {
                     const auto lane = static_cast<std::uint32_t>(std::countr_zero(bits));
@@ -343,8 +344,8 @@ float MotionEstimator::mismatch(const SurfaceSample& sample,
                : robust_cost(distance_along_normal(before_->samples()[found], place.position));
 }
 
-// What `blend` needs of each region: the motions of itself and its neighbours, each as a
-// turn and a constant.
+// Prepares `blend`: for each region the motion of itself and its neighbours, as a rotation and a
+// constant.
 void MotionEstimator::blend_regions() {
     blends_.clear();
     first_blend_.clear();
@@ -379,7 +380,7 @@ void MotionEstimator::blend_regions() {
     first_blend_.push_back(static_cast<std::uint32_t>(blends_.size()));
 }
 
-// Of samples of one region, each blended over into what moves alike beside it.
+// Blends the motion of a region's samples with adjacent regions that move alike.
 void MotionEstimator::blend(std::uint32_t region,
                             std::span<const std::uint32_t> samples,
                             std::vector<Eigen::Vector3f>& displacements) const {
@@ -409,7 +410,7 @@ void MotionEstimator::blend(std::uint32_t region,
     }
 }
 
-// The same for a sample of the cell of `own` that moves as `region` does.
+// Like `blend`, for one sample in the cell of `own` that moves with `region`.
 Eigen::Vector3f MotionEstimator::blended_as(const Region& own,
                                             const Region& region,
                                             const Eigen::Vector3f& position) const {
@@ -436,7 +437,7 @@ std::uint32_t MotionEstimator::region_of(const Eigen::Vector3f& position) const 
     if (region != kNoRegion) return region;
     const std::uint32_t sibling = region_at_[slot + (moves ? 0 : 1)];
     if (sibling != kNoRegion) return sibling;
-    // none of the points looked up is in its cell
+    // the cell contains no matched point
     const auto nearest =
         std::min_element(regions_.begin(), regions_.end(), [&](const Region& a, const Region& b) {
             return (a.centre - position).squaredNorm() < (b.centre - position).squaredNorm();
@@ -470,8 +471,8 @@ void MotionEstimator::displace(std::vector<Eigen::Vector3f>& displacements) {
     }
 }
 
-// A sample that its region does not explain, as where two parts meet, may be of another; what none
-// explains moves with its region.
+// A sample that its region does not explain, as where two parts meet, may belong to another region.
+// A sample that no region explains keeps its region's motion.
 std::optional<Eigen::Vector3f> MotionEstimator::displacement_of_another(
     const Region& own, const SurfaceSample& sample) const {
     if (mismatch(sample, own.displacement) <= kMismatch) return std::nullopt;

@@ -16,20 +16,22 @@ using motion::distance_along_normal;
 using motion::kTrialPoints;
 using motion::robust_cost;
 
-constexpr int kRounds = 3;          // of finding correspondences and solving
-constexpr int kSweeps = 30;         // of Gauss and Seidel's method, at most
-constexpr float kLeast = 0.05F;     // weight of a point that fits badly: it may yet pull a little
-constexpr float kDamping = 0.02F;   // pull towards the start, in points' worth per point
-constexpr float kHold = 0.002F;     // the same in the end, where neighbours give hold
-constexpr float kPull = 0.05F;      // towards what the place did before, in points' worth per point
-constexpr float kCoupling = 0.1F;   // in points' worth per pair of points that lie side by side
-constexpr float kLetGoM = 0.02F;    // apart by this, couplings and the pull have lost a good part
-constexpr float kTurnM = 0.07F;     // a region's radius: compares turns with displacements
-constexpr float kTurnAlike = 1.0F;  // of a coupling, on the turns themselves
+constexpr int kRounds = 3;         // of matching and solving
+constexpr int kSweeps = 30;        // Gauss-Seidel sweeps, at most
+constexpr float kLeast = 0.05F;    // weight of a point that fits badly; it still pulls a little
+constexpr float kDamping = 0.02F;  // pull towards the start, in points per point
+constexpr float kHold = 0.002F;  // like kDamping in the joint solution, where neighbours stabilise
+constexpr float kPull = 0.05F;   // towards the previous motion, in points per point
+constexpr float kCoupling = 0.1F;  // in points per pair of adjacent points
+// at this difference, couplings and the pull have lost a good part
+constexpr float kLetGoM = 0.02F;
+constexpr float kTurnM = 0.07F;     // a region's radius: converts rotations to displacements
+constexpr float kTurnAlike = 1.0F;  // weight of a coupling on the rotations themselves
 constexpr float kMaxTurn = 0.5F;    // [rad]
-constexpr float kSamePlaceM = 0.1F;  // between where a region was headed and one of the next mesh
-// A region that moves by less than this is not told to its neighbours, and by less than that keeps
-// its correspondences; turns count at the region's radius.
+// between a region's predicted place and a region of the next mesh
+constexpr float kSamePlaceM = 0.1F;
+// A region that moves by less than kSettledM does not notify its neighbours; below kSameMatchesM it
+// keeps its matches. Rotations count at the region's radius.
 constexpr float kSettledM = 3e-5F;
 constexpr float kSameMatchesM = 3e-4F;
 
@@ -47,8 +49,7 @@ Eigen::Vector3f shortened(const Eigen::Vector3f& v, float max_norm) {
     return norm > max_norm ? (v * (max_norm / norm)).eval() : v;
 }
 
-// By blocks of 3 x 3, whose inverses have a closed form. Only the lower left block is read, not the
-// upper right one.
+// Inverts by blocks of 3 x 3 in closed form. Reads the lower left block, not the upper right one.
 Eigen::Matrix<float, 6, 6> inverse_of_symmetric(const Eigen::Matrix<float, 6, 6>& m) {
     const Eigen::Matrix3f upper = m.topLeftCorner<3, 3>().inverse();
     const Eigen::Matrix3f lower_left = m.bottomLeftCorner<3, 3>();
@@ -62,7 +63,7 @@ Eigen::Matrix<float, 6, 6> inverse_of_symmetric(const Eigen::Matrix<float, 6, 6>
     return inverse;
 }
 
-// [m^2] that a region's state has changed by.
+// Squared change of a region's state [m^2].
 template <typename Twist>
 float moved_sq(const Twist& a, const Twist& b) {
     const Float4 way = a.displacement - b.displacement;
@@ -115,9 +116,9 @@ Eigen::Vector3f MotionEstimator::refine(const Region& region,
     return displacement;
 }
 
-// What the part of the body that is at a region's place did before.
+// Predicts each region from the previous motion of the body part at its place.
 void MotionEstimator::predict() {
-    constexpr float kFarM = 1e6F;  // from every place
+    constexpr float kFarM = 1e6F;  // distance from every place
     const std::size_t num_groups = (previous_.size() + kFloat4Size - 1) / kFloat4Size;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         headed_[axis].assign(num_groups * kFloat4Size, kFarM);
@@ -149,10 +150,10 @@ void MotionEstimator::predict() {
     }
 }
 
-// What the region's points and its past say. The state is that of the whole displacement (3) and
-// turn (3), not of a step.
+// Builds the equations of the region's points and previous motion. The state is the whole
+// displacement (3) and rotation (3), not a step.
 void MotionEstimator::linearise(const Region& region, Equations& equations) {
-    // columns of the left side, and in the place after each of them its row of the right one
+    // columns of the left side; each is followed by its entry of the right side
     std::array<std::array<Float4, 2>, 6> columns{};
     float weights = 0.0F;
     const bool is_at_rest = region.displacement.isZero(0.0F) && region.turn.isZero(0.0F);
@@ -210,7 +211,8 @@ void MotionEstimator::linearise(const Region& region, Equations& equations) {
     equations.linearised_at = equations.state;
 }
 
-// A coupling is the sum of what each side expects of the other, were they one piece.
+// Adds the couplings. Each one sums what both sides expect of the other if they were one rigid
+// piece.
 void MotionEstimator::couple(std::size_t index) {
     const Region& region = regions_[index];
     Equations& equations = equations_[index];
@@ -218,7 +220,7 @@ void MotionEstimator::couple(std::size_t index) {
     const Float4 centre = to_float4(region.centre);
     float weights = 0.0F;
     Float4 arms{};
-    std::array<Float4, 3> products{};  // of arms with themselves, by rows
+    std::array<Float4, 3> products{};  // outer products of the arms, by rows
     for (std::uint32_t n = 0; n < region.num_neighbours; ++n) {
         const Neighbour& neighbour = neighbours_[region.first_neighbour + n];
         const Twist& other = equations_[neighbour.region].state;
@@ -253,13 +255,13 @@ void MotionEstimator::couple(std::size_t index) {
     }
 }
 
-// Gauss and Seidel's step of one region. True: its neighbours have to know.
+// One Gauss-Seidel step of one region. Returns true if its neighbours must update.
 bool MotionEstimator::relax(std::size_t index) {
     const Region& region = regions_[index];
     Equations& own = equations_[index];
     Float4 displacements{};
     Float4 turns{};
-    // cross products but for their last rotation, see `cross4`
+    // cross products before their last rotation; see `cross4`
     Float4 turn_by_arm{};
     Float4 arm_by_displacement{};
     for (std::uint32_t n = region.first_neighbour;

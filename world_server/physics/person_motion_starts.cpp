@@ -1,4 +1,4 @@
-// Where the search for a region's motion starts: rest, what was before, votes, neighbours.
+// Start values for a region's motion: rest, previous motion, votes, neighbours.
 #include "world_server/physics/motion_match.hpp"
 #include "world_server/physics/person_motion.hpp"
 
@@ -14,17 +14,19 @@ using motion::kAlikeM;
 using motion::kSameFacing;
 using motion::kTrialPoints;
 
-constexpr float kSlidesM = 0.004F;   // less is not worth a start of its own
-constexpr float kNoWorse = 0.05F;    // cost by which what goes on as before may fit worse than rest
-constexpr float kHardCost = 0.08F;   // above, a region is not explained
+constexpr float kSlidesM = 0.004F;   // smaller predictions are not worth a start
+constexpr float kNoWorse = 0.05F;    // cost by which the previous motion may fit worse than rest
+constexpr float kHardCost = 0.08F;   // above this, a region is not explained
 constexpr float kAgreement = 0.15F;  // cost of disagreeing with all neighbours
 constexpr float kFewPoints = 15.0F;
-// Cost of moving by kSurpriseM otherwise than expected, as much again for each kFurtherM.
+// Cost of a motion that differs by kSurpriseM from the expected one; the same again for each
+// further kFurtherM.
 constexpr float kSurprise = 0.13F;
 constexpr float kSurpriseM = 0.1F;
 constexpr float kFurtherM = 0.2F;
-constexpr float kPreviousM = 0.15F;  // off where it was headed, a place is another
-constexpr float kBinM = 0.04F;       // of the votes
+// a place further than this from its prediction is a different one
+constexpr float kPreviousM = 0.15F;
+constexpr float kBinM = 0.04F;  // bin size of the votes
 constexpr std::size_t kMaxVoters = 200;
 
 float surprise(float off_m, std::size_t num_points) {
@@ -50,11 +52,11 @@ void MotionEstimator::start_from_rest(Region& region) {
     region.from_rest = region.displacement;
 }
 
-// What lies where a region of the mesh before was headed may go on as that did.
+// A region at the predicted place of a previous region may continue its motion.
 void MotionEstimator::start_from_before() {
     for (Region& region : regions_) {
         if (!region.moves) {
-            // a palm that slides along itself is explained by rest as well
+            // rest also explains a palm that slides along itself
             if (!region.predicted || region.predicted->norm() < kSlidesM) continue;
             const float cost = correspond(region, *region.predicted, kTrialPoints).cost;
             const float at_rest = correspond(region, region.displacement, kTrialPoints).cost;
@@ -78,7 +80,7 @@ void MotionEstimator::start_from_before() {
     }
 }
 
-// Regions that nothing explains yet vote together where they touch.
+// Adjacent unexplained regions vote together.
 void MotionEstimator::start_from_votes() {
     vanished_.clear();
     std::vector<bool> is_done(regions_.size(), false);
@@ -123,7 +125,7 @@ void MotionEstimator::vote(std::span<const std::uint32_t> group) {
     const std::size_t stride = 1 + num_points / kMaxVoters;
     const std::size_t vanished_stride = 1 + vanished_.size() / (2 * kMaxVoters);
     std::size_t count = 0;
-    Eigen::Array3i low = Eigen::Array3i::Constant(side);  // of the bins with votes
+    Eigen::Array3i low = Eigen::Array3i::Constant(side);  // range of bins with votes
     Eigen::Array3i high = Eigen::Array3i::Constant(-1);
     for (const std::uint32_t r : group) {
         for (std::size_t i = 0; i < regions_[r].num; ++i) {
@@ -147,7 +149,7 @@ void MotionEstimator::vote(std::span<const std::uint32_t> group) {
     low = (low - 1).max(0);
     high = high.min(side - 2);
     for (std::size_t peak = 0; peak < kNumPeaks; ++peak) {
-        // blocks of two bins a side, so that no true peak is cut by a border
+        // blocks of two bins per side: no peak is cut by a bin border
         int best = 0;
         Eigen::Array3i best_bin = Eigen::Array3i::Zero();
         for (int z = low.z(); z <= high.z(); ++z) {
@@ -177,9 +179,9 @@ void MotionEstimator::vote(std::span<const std::uint32_t> group) {
     }
 }
 
-// Of the starts from the `first` on. One from votes must explain more than what is to be expected,
-// the more so the further off it is, as two hands look alike; and for a leap the more so the fewer
-// points it explains, as for a speck of surface that was not there before some place always fits.
+// Chooses among the starts from index `first`. A start from votes must explain more than an
+// expected one: the more, the further away it is, because two hands look alike. A leap must explain
+// more the fewer points it covers: some place always fits a newly visible speck of surface.
 void MotionEstimator::choose_start(Region& region, std::size_t first) {
     float least = region.cost;
     for (std::size_t i = first; i < region.num_starts; ++i) {
@@ -201,10 +203,10 @@ void MotionEstimator::choose_start(Region& region, std::size_t first) {
     }
 }
 
-// Where several displacements explain a region about as well (a forearm along itself, a flat part),
-// its neighbours decide.
+// Lets neighbours decide where several displacements explain a region about equally well (a forearm
+// along itself, a flat part).
 void MotionEstimator::choose_with_neighbours() {
-    // weighs the more the fewer points a region has to tell otherwise
+    // weighs more the fewer points a region has
     const auto disagreement = [&](const Region& region, const Eigen::Vector3f& displacement) {
         float sum = 0.0F;
         float weights = 0.0F;

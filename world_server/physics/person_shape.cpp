@@ -11,8 +11,8 @@ namespace atrium::physics {
 namespace {
 
 constexpr float kSameFacing = 0.5F;  // cosine: normals at most 60 degrees apart
-constexpr float kSearchM = 0.05F;    // around the place that the motion gives
-constexpr float kMaxOffM = 0.03F;    // that a surfel is brought onto the surface before
+constexpr float kSearchM = 0.05F;    // around the place given by the motion
+constexpr float kMaxOffM = 0.03F;    // largest correction of a surfel onto the previous surface
 
 }  // namespace
 
@@ -41,7 +41,7 @@ std::vector<MovingSurfel> PersonShaper::moving_surfels(const SurfaceIndex& surfa
         Eigen::Vector3f displacement = displacements_[i];
         const float step_m = displacement.norm();
         if (step_m > max_m) displacement *= max_m / step_m;
-        // a smooth step at the rest speed: a hard one would make slow hands stutter
+        // smooth transition at the rest speed: a hard one would make slow hands stutter
         const float step_sq = step_m * step_m;
         surfel.velocity =
             displacement * (step_sq / ((step_sq + rest_m * rest_m) * static_cast<float>(period_s)));
@@ -51,7 +51,7 @@ std::vector<MovingSurfel> PersonShaper::moving_surfels(const SurfaceIndex& surfa
     return surfels;
 }
 
-// Along its normal: no gap and no pop from mesh to mesh.
+// Moves start points along the normal onto the previous surface: no gap and no jump between meshes.
 void PersonShaper::put_onto_previous(std::span<MovingSurfel> surfels) const {
     std::array<SurfaceSample, 64> places;
     std::array<std::uint32_t, places.size()> found;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kMinSizeM = 0.01;
 constexpr double kMaxSizeM = 20.0;
-constexpr double kMinPartM = 0.004;  // of the thinnest part of a compound
+constexpr double kMinPartM = 0.004;  // smallest extent of a part
 constexpr double kMaxMassKg = 10'000.0;
 constexpr double kMinDensity = 1.0;       // [kg/m^3] a balloon
 constexpr double kMaxDensity = 30'000.0;  // [kg/m^3] denser than any metal in use

@@ -11,7 +11,7 @@ namespace {
 
 ShapePoint from_centre(const btVector3& offset, btScalar radius) {
     const btScalar length = offset.length();
-    const btVector3 up(0, 0, 1);  // any direction does at the very centre
+    const btVector3 up(0, 0, 1);  // any direction is correct at the centre
     return {length - radius, length > btScalar(1e-6) ? offset / length : up};
 }
 
@@ -31,12 +31,12 @@ ShapePoint from_box(const btVector3& half, const btVector3& p) {
     return {length, out * sign / length};
 }
 
-// As a box whose x is the distance from the axis.
+// Treats the cylinder as a box in (distance from the axis, z).
 ShapePoint from_cylinder(btScalar radius, btScalar half_height, const btVector3& p) {
     const btScalar around = std::hypot(p.x(), p.y());
     const btVector3 radial =
         around > btScalar(1e-6) ? btVector3(p.x(), p.y(), 0) / around : btVector3(1, 0, 0);
-    // half of a box of no depth: y is left out by making it thick
+    // y must not matter: make the box thick along y
     const ShapePoint flat =
         from_box(btVector3(radius, radius + half_height, half_height), btVector3(around, 0, p.z()));
     return {flat.distance, radial * flat.normal.x() + btVector3(0, 0, flat.normal.z())};
@@ -67,7 +67,7 @@ std::optional<ShapePoint> from_convex(const btConvexShape& shape,
     btGjkEpaSolver2::sResults results;
     const btScalar distance = btGjkEpaSolver2::SignedDistance(
         point, /*margin=*/btScalar(0), &shape, btTransform::getIdentity(), results);
-    // it answers with a huge number where it does not converge
+    // without convergence it returns a huge number
     if (!(std::abs(distance) < btScalar(100)) || results.normal.length2() < btScalar(0.25)) {
         return std::nullopt;
     }

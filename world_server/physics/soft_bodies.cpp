@@ -17,8 +17,8 @@ constexpr int kMaxParts = 16;
 
 }  // namespace
 
-// What Bullet's world asks of whoever solves its soft bodies. Nothing is predicted before the rigid
-// bodies move: a soft body's step is one whole, after them.
+// Adapts `SoftBodies` to Bullet's solver interface. Predicts nothing before the rigid bodies move:
+// a soft body makes its whole step after them.
 class SoftBodies::Solver final : public btSoftBodySolver {
 public:
     explicit Solver(SoftBodies& owner) : owner_(owner) {}
@@ -50,7 +50,7 @@ AddResult SoftBodies::add(const SoftObject& object,
     if (num_nodes_ + count_soft_nodes(object) > kMaxSoftNodesTotal) return AddResult::kWorldFull;
     auto body = std::make_unique<SoftBody>(object, world.getWorldInfo(), options_);
     if (!body->tie(find)) return AddResult::kInvalid;
-    // no group and no mask: contacts are the soft body's own affair
+    // no group and no mask: the soft body finds its contacts itself
     world.addSoftBody(&body->body(), 0, 0);
     num_nodes_ += body->num_nodes();
     bodies_.emplace(object.id, std::move(body));
@@ -97,7 +97,7 @@ std::vector<btRigidBody*>& SoftBodies::begin_tick(const PeopleField& people) {
     return surroundings_.bodies;
 }
 
-// All soft bodies go through a tick together, part by part, so that they can push each other.
+// Steps all soft bodies together, substep by substep: they can push each other.
 void SoftBodies::step() {
     surfaces_.clear();
     tied_.begin_tick();

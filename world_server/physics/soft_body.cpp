@@ -11,29 +11,30 @@
 namespace atrium::physics {
 namespace {
 
-constexpr int kRopeRounds = 6;            // a rope has few links, and may carry much: in a pass
-constexpr btScalar kLooseStretch = 1.6F;  // times its length: a link that slips out of hands
-// A link that was pulled longer than this snaps back without becoming faster than that: cloth and
-// rope hardly stretch, and lose what they store.
+// solver rounds per iteration for a rope: few links, possibly a heavy load
+constexpr int kRopeRounds = 6;
+constexpr btScalar kLooseStretch = 1.6F;  // relative length at which a link slips out of hands
+// A link stretched beyond this snaps back, at no more than kSnapMps: cloth and rope hardly stretch
+// and lose the stored energy.
 constexpr btScalar kTautStretch = 1.2F;
 constexpr btScalar kSnapMps = 4;
-constexpr std::uint8_t kSnapTicks = 12;  // that it takes
-constexpr btScalar kOpen = 0.5F;  // square of the share of its length: below, a link is folded
+constexpr std::uint8_t kSnapTicks = 12;  // duration of the snap
+constexpr btScalar kOpen = 0.5F;  // square of the relative length below which a link is folded
 constexpr btScalar kFoldStiffness = 0.3F;
-constexpr btScalar kTornExtents = 2.5F;  // times its size at rest: what is no more to be believed
-// Nodes further apart than about two fingers let them through: there the middles of faces count
+constexpr btScalar kTornExtents = 2.5F;  // relative size above which the state is not plausible
+// Nodes further apart than about two fingers let fingers through. Then face centres are samples
 // too.
 constexpr double kFingersM = 0.025;
-constexpr btScalar kLinkDampingHz = 15;  // at which the ends of a link stop moving apart
-constexpr btScalar kCalmMps = 0.02F;     // what moves slower, on average, is coming to rest
+constexpr btScalar kLinkDampingHz = 15;  // damping of motion along a link
+constexpr btScalar kCalmMps = 0.02F;     // below this mean speed, an object comes to rest
 constexpr btScalar kCalmDampingHz = 4;
 
 bool has_volume(const SoftObject& object) {
     return object.shape != SoftShape::kCloth && object.shape != SoftShape::kRope;
 }
 
-// From the 0..1 of a description to what a pass of the solver undoes of an error: the ear and the
-// hand judge stiffness by its logarithm.
+// Maps the 0..1 of a description to the share of an error that a solver iteration corrects.
+// Logarithmic, because people judge stiffness that way.
 double between(double softest, double stiffest, double stiffness) {
     return softest * std::pow(stiffest / softest, stiffness);
 }
@@ -172,7 +173,7 @@ SoftSurface SoftBody::surface() {
     surface.body = body_.get();
     surface.topology = &mesh_.topology;
     surface.samples = samples_;
-    // two things with faces meet with the nodes of each
+    // between two bodies with faces, the nodes of both suffice
     if (!mesh_.topology.triangles.empty()) surface.samples = surface.samples.first(num_nodes());
     if (volume_) {
         surface.outward = volume_->outward();
@@ -220,7 +221,7 @@ void SoftBody::end_tick() {
     pulls_.end_tick();
     calm_down(contact_options_.tick_s);
     ties_.limit(taut_, kSnapMps);
-    // each of a link's ends may have been given what the other had
+    // each end of a link can have gained the other's speed
     limit_speeds();
     const btScalar extent = (body_->m_bounds[1] - body_->m_bounds[0]).length();
     num_torn_ticks_ = extent > kTornExtents * rest_extent_ ? num_torn_ticks_ + 1 : 0;
@@ -240,19 +241,19 @@ void SoftBody::find_stretched() {
             if (length >= kLooseStretch * link.m_rl) loose_[node] = 1;
         }
     }
-    // what slips out of hands takes the rest along
+    // when one link slips out of hands, the whole object snaps back
     const auto is_loose = [](std::uint8_t node) { return node != 0; };
     if (std::any_of(loose_.begin(), loose_.end(), is_loose))
         std::fill(taut_.begin(), taut_.end(), kSnapTicks);
 }
 
-// Bends as sharp as the nodes' spacing would stay for ever, as nothing but the bending links opens
-// them: these become stiffer the shorter they are.
+// Only the bending links open a fold as sharp as the node spacing, and they would never manage it.
+// They become stiffer the shorter they are.
 void SoftBody::resist_folds() {
     for (std::size_t i = first_bend_; i < mesh_.links.size(); ++i) {
         btSoftBody::Link& link = body_->m_links[static_cast<int>(i)];
         const btScalar length_sq = (link.m_n[0]->m_x - link.m_n[1]->m_x).length2();
-        const btScalar open = length_sq / link.m_c1;  // the square of its share
+        const btScalar open = length_sq / link.m_c1;  // square of the relative length
         const btScalar fold = std::clamp((kOpen - open) / kOpen, btScalar(0), btScalar(1));
         const btScalar least = link.m_material->m_kLST;
         const btScalar stiffness = least + std::max(btScalar(0), kFoldStiffness - least) * fold;
@@ -260,7 +261,7 @@ void SoftBody::resist_folds() {
     }
 }
 
-// Of the way through the coming tick, with what it may be in touch with.
+// Bounds of the path through the coming tick, including the contact distance.
 void SoftBody::find_bounds() {
     const btScalar reach = contact_options_.thickness_m + contact_options_.margin_m;
     btVector3 low = start_[0], high = start_[0];
@@ -293,7 +294,7 @@ void SoftBody::move_freely(btScalar part_s) {
     }
 }
 
-// Slows the ends of links against each other, along the links.
+// Damps relative motion of link ends along the link.
 void SoftBody::damp_links(btScalar seconds) {
     const btScalar lost = 1 - std::exp(-kLinkDampingHz * seconds);
     for (int i = 0; i < body_->m_links.size(); ++i) {
@@ -308,7 +309,7 @@ void SoftBody::damp_links(btScalar seconds) {
     }
 }
 
-// What hardly moves comes to rest; else it would roll and sway for minutes.
+// Brings slow objects to rest. Otherwise they would roll and sway for minutes.
 void SoftBody::calm_down(btScalar seconds) {
     btScalar mass = 0, energy = 0;
     for (int i = 0; i < body_->m_nodes.size(); ++i) {
@@ -345,7 +346,7 @@ Eigen::Vector3d SoftBody::centre() const { return centre_of(*body_); }
 bool SoftBody::is_finite() const {
     for (int i = 0; i < body_->m_nodes.size(); ++i) {
         const btSoftBody::Node& node = body_->m_nodes[i];
-        // a sum of what is not finite is not finite
+        // a sum with a non-finite term is not finite
         const btScalar sum = node.m_x.dot(node.m_x) + node.m_v.dot(node.m_v);
         if (!std::isfinite(sum)) return false;
     }

@@ -15,7 +15,7 @@
 namespace atrium::physics {
 namespace {
 
-// A sample that moves further than this against a surface in a tick is followed on its way.
+// Step along the path of a sample that moves further than this against a surface in a tick.
 constexpr btScalar kStepM = btScalar(0.01);
 constexpr int kMaxSteps = 24;
 constexpr btScalar kFromInside = btScalar(0.1);  // cosine
@@ -29,7 +29,7 @@ btScalar share_of_body(const btRigidBody& body, const btVector3& arm, const btVe
     return body.getInvMass() + turn.dot(body.getInvInertiaTensorWorld() * turn);
 }
 
-// Nothing where the soft body is no volume.
+// Empty if the soft body is not a volume.
 std::optional<btVector3> outward_at(const SoftSample& sample, std::span<const btVector3> outward) {
     if (outward.empty()) return std::nullopt;
     btVector3 out(0, 0, 0);
@@ -42,13 +42,13 @@ bool is_from_inside(const SoftContact& contact, const SoftSample& sample, const 
     return out && contact.normal.dot(*out) > kFromInside;
 }
 
-// Of the surface, with what the body has been given since the contact was found.
+// Velocity of the surface, including impulses on the body since the contact was found.
 btVector3 velocity_of(const SoftContact& c) {
     return c.body != nullptr ? c.body->getVelocityInLocalPoint(c.arm) : c.velocity;
 }
 
-// The first place on the sample's way, as the body sees it, that is inside `thickness` of it; where
-// there is none, the end of the way.
+// Finds the first point on the sample's path, relative to the body, that is within `thickness_m` of
+// it. If there is none, uses the end of the path.
 std::optional<SoftContact> meet_on_way(const btRigidBody& body,
                                        const SampleMotion& sample,
                                        const SoftContactOptions& options) {
@@ -57,7 +57,7 @@ std::optional<SoftContact> meet_on_way(const btRigidBody& body,
     const btVector3 arm = sample.position - pose.getOrigin();
     const btVector3 velocity = body.getVelocityInLocalPoint(arm);
     const btVector3 way = (sample.velocity - velocity) * options.tick_s;
-    // where the body now is, at the end of the tick
+    // relative to the body's pose, which is that at the end of the tick
     const btVector3 start = sample.position + velocity * options.tick_s;
     const btScalar length = way.length();
     const btScalar reach = thickness_m + options.margin_m;
@@ -100,7 +100,7 @@ std::optional<SoftContact> meet_person(const PeopleField& people,
     return contact;
 }
 
-// Takes over the triangles that Bullet's tree names.
+// Collects the triangles that Bullet's tree reports.
 class FaceTaker final : public btTriangleCallback {
 public:
     FaceTaker(const btTransform& world_from_mesh, const MeetingLimits& limits, FaceIndex& faces)
@@ -118,7 +118,7 @@ private:
     FaceIndex& faces_;
 };
 
-// Of what a place meets, the first of each way that faces go, three at most.
+// Keeps the nearest meeting for each face direction, three at most.
 class NearestOfEachWay {
 public:
     void add(const FaceMeeting& meeting) {
@@ -170,7 +170,7 @@ void SoftContacts::find(btSoftBody& soft,
     }
 }
 
-// Of one rigid body, which mostly is out of reach as a whole.
+// Contacts with one rigid body. Most bodies are out of reach as a whole.
 void SoftContacts::find_with(const btSoftBody& soft,
                              btRigidBody& body,
                              const SoftSkin& skin,
@@ -204,8 +204,8 @@ void SoftContacts::find_with(const btSoftBody& soft,
     }
 }
 
-// Of one still mesh, whose faces have two sides. A place may meet several that face differently, in
-// a corner.
+// Contacts with one static mesh of two-sided faces. In a corner, a sample can meet several faces
+// with different normals.
 void SoftContacts::find_with_mesh(const btSoftBody& soft,
                                   const btRigidBody& body,
                                   const SoftSkin& skin,
@@ -278,7 +278,7 @@ void SoftContacts::solve(btSoftBody& soft,
         if (c.pressed <= 0) continue;
         btVector3 slip = x + impulse * own_share - q - velocity * part_s;
         slip -= c.normal * c.normal.dot(slip);
-        // all of a part's friction together is bounded by all of its pressure
+        // bounds the friction of a substep by its total pressure
         const btVector3 wanted = c.held - slip / (own_share + c.body_share);
         const btScalar most = c.friction * c.pressed;
         const btScalar size = wanted.length();

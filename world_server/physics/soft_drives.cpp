@@ -11,17 +11,18 @@
 namespace atrium::physics {
 namespace {
 
-// A person's surface nearer to the middle of a volume than this, in radii, moves it as a whole.
+// A surface of a person that is closer to the centre of a volume than this, in radii, pushes all of
+// it.
 constexpr float kKeepOffRadii = 0.7F;
 constexpr btScalar kKeepOffMps = 0.5F;
-constexpr float kLeavingMps = 0.5F;  // a surface that moves away faster is not one that pushes
+constexpr float kLeavingMps = 0.5F;  // a surface that recedes faster does not push
 constexpr float kBuriedSearchM = 0.5F;
 
 }  // namespace
 
-// A surface that has come near the middle of a volume drives all of it before itself. A volume
-// whose middle is inside a person has that person all around or through it, where no contact leads
-// out: it goes to the nearest surface, without contacts.
+// A surface near the centre of a volume drives the whole volume. If the centre is inside a person,
+// the person surrounds the volume and no contact leads out. The volume then moves to the nearest
+// surface, without contacts.
 bool SoftDrives::find(const btSoftBody& soft,
                       btScalar inner_radius_m,
                       btScalar escape_mps,

@@ -17,8 +17,8 @@ Index num_cuts(double extent_m, double spacing_m) {
     return static_cast<Index>(std::max(1L, std::lround(extent_m / spacing_m)));
 }
 
-// The cuts of an icosahedron's edges that leave nodes about `spacing_m` apart: an edge is 1.05
-// radii long, and 1.1 on the way out to the sphere.
+// Subdivisions of an icosahedron's edge for nodes about `spacing_m` apart. An edge is 1.05 radii
+// long and grows by 1.1 when projected onto the sphere.
 Index ball_cuts(const SoftObject& object) {
     const double radius_m = object.size_m.mean() / 2.0;
     return static_cast<Index>(std::max(2L, std::lround(1.15 * radius_m / object.spacing_m)));
@@ -43,14 +43,14 @@ void make_cloth(const SoftObject& object, SoftMesh& mesh) {
                                     object.size_m.y() * (0.5 - double(z) / nz));
         }
     }
-    // from the top down, so that one pass over the links carries a pull at the top to the hem
+    // from the top down: one pass over the links carries a pull at the top to the hem
     for (Index z = 0; z <= nz; ++z) {
         for (Index x = 0; x <= nx; ++x) {
             if (x < nx) mesh.links.push_back({{node(x, z), node(x + 1, z)}});
             if (z == nz) continue;
             mesh.links.push_back({{node(x, z), node(x, z + 1)}});
             if (x == nx) continue;
-            const bool falls = (x + z) % 2 == 0;  // the diagonal of this square
+            const bool falls = (x + z) % 2 == 0;  // direction of this square's diagonal
             const Index a = node(x, z), b = node(x + 1, z), c = node(x, z + 1),
                         d = node(x + 1, z + 1);
             if (falls) {
@@ -72,8 +72,8 @@ void make_cloth(const SoftObject& object, SoftMesh& mesh) {
     }
 }
 
-// A rope hangs along a parabola of its length: the end points are `span` apart, and the sag is
-// found by halving.
+// Length of a parabola with end points `span_m` apart. A rope hangs along it; the sag is found by
+// bisection.
 double parabola_length(double span_m, double sag_m) {
     const int steps = 200;
     double length_m = 0.0;
@@ -93,7 +93,7 @@ void make_rope(const SoftObject& object, SoftMesh& mesh) {
         const double sag = 0.5 * (low + high);
         (parabola_length(span_m, sag) < length_m ? low : high) = sag;
     }
-    // walk along a fine polyline of the parabola and set a node every length / n
+    // walk along a fine polyline of the parabola and place a node every length / n
     const int steps = 100 * static_cast<int>(n);
     const auto at = [&](double t) {
         return Eigen::Vector3d(span_m * (t - 0.5), 0.0, -4.0 * low * t * (1.0 - t));
@@ -115,7 +115,7 @@ void make_rope(const SoftObject& object, SoftMesh& mesh) {
     mesh.topology.radius_m = object.size_m.y() / 2.0;
 }
 
-// Icosahedron with its corners, counter-clockwise from outside.
+// Unit icosahedron, faces counter-clockwise from outside.
 struct Icosahedron {
     std::array<Eigen::Vector3d, 12> corners;
     std::vector<Triangle> faces;
@@ -132,7 +132,7 @@ Icosahedron make_icosahedron() {
             ico.corners[i++] = Eigen::Vector3d(b, 0, a).normalized();
         }
     }
-    // three corners that are each other's nearest are a face
+    // three mutually nearest corners form a face
     const double edge_sq = 2.0 * 2.0 / (g * g + 1.0) * 1.0;
     const auto is_edge = [&](Index a, Index b) {
         return (ico.corners[a] - ico.corners[b]).squaredNorm() < edge_sq * 1.01;
@@ -155,7 +155,7 @@ Icosahedron make_icosahedron() {
     return ico;
 }
 
-// Hands out one node per place, whichever face asks for it.
+// Returns one node per place, for all faces that share it.
 class NodeAt {
 public:
     explicit NodeAt(SoftMesh& mesh) : mesh_(mesh) {}
@@ -238,7 +238,7 @@ void link_edges(SoftMesh& mesh) {
     for (const auto& edge : edges) mesh.links.push_back({edge});
 }
 
-// By the area or length around each node.
+// Distributes the mass by the area or length around each node.
 void share_mass(SoftMesh& mesh) {
     mesh.shares.assign(mesh.nodes.size(), 0.0);
     const auto& p = mesh.nodes;
@@ -251,7 +251,7 @@ void share_mass(SoftMesh& mesh) {
     }
     double sum = 0.0;
     for (const double share : mesh.shares) sum += share;
-    // no node so light that contacts throw it about
+    // very light nodes would be thrown about by contacts
     const double least = 0.2 * sum / static_cast<double>(mesh.nodes.size());
     sum = 0.0;
     for (double& share : mesh.shares) sum += share = std::max(share, least);
@@ -336,7 +336,7 @@ std::vector<std::uint32_t> nodes_at(const SoftMesh& mesh,
             (pin.place == PinPlace::kCorners && (top || bottom) && (left || right));
         if (holds) found.push_back(i);
     }
-    // where a rope hangs lower than its ends are apart, its ends are still its first and last
+    // a rope may extend beyond its ends; its ends are its first and last node
     if (is_rope && pin.place == PinPlace::kLeft) found = {0};
     if (is_rope && pin.place == PinPlace::kRight) found = {std::uint32_t(mesh.nodes.size() - 1)};
     return found;

@@ -33,7 +33,7 @@ std::optional<ObjectProblem> find_size_problem(const SoftObject& object) {
         }
         return std::nullopt;
     }
-    // the thickness of a cloth, and of a rope, may be less
+    // cloth and rope may be thinner
     const bool is_flat = object.shape == SoftShape::kCloth;
     const bool is_rope = object.shape == SoftShape::kRope;
     const double least_y = is_rope ? 0.002 : kMinSizeM;
@@ -95,7 +95,7 @@ std::optional<ObjectProblem> find_problem(const SoftObject& object) {
     const geometry::RigidTransform& pose = object.world_from_object;
     if (!object.size_m.allFinite()) return ObjectProblem{"size_m", "must be finite"};
     if (!pose.translation.allFinite()) return ObjectProblem{"position_m", "must be finite"};
-    // written so that NaN fails, as all of these
+    // written to reject NaN, like all checks here
     if (!(std::abs(pose.rotation.norm() - 1.0) <= 1e-3)) {
         return ObjectProblem{"rotation", "must be a quaternion of length 1"};
     }

@@ -8,8 +8,8 @@
 namespace atrium::physics {
 namespace {
 
-constexpr btScalar kMarginM = btScalar(0.004);    // surfaces nearer than this are kept in view
-constexpr btScalar kRecoveryMps = btScalar(0.6);  // at which what is inside comes out
+constexpr btScalar kMarginM = btScalar(0.004);    // contacts are kept up to this gap
+constexpr btScalar kRecoveryMps = btScalar(0.6);  // speed at which penetrations are resolved
 
 MovingFace face_of(const btSoftBody& soft, const std::array<std::uint32_t, 3>& triangle) {
     MovingFace face;
@@ -23,7 +23,7 @@ MovingFace face_of(const btSoftBody& soft, const std::array<std::uint32_t, 3>& t
     return face;
 }
 
-// Where a sample is now, and where it was before the part.
+// Position of a sample, now and before the substep.
 struct Place {
     btVector3 now{0, 0, 0};
     btVector3 before{0, 0, 0};
@@ -65,7 +65,7 @@ void SoftPairs::find(std::span<const SoftSurface> surfaces, btScalar tick_s) {
 
 void SoftPairs::find_with(const SoftSurface& sampled, const SoftSurface& faced, btScalar tick_s) {
     if (faced.topology->triangles.empty()) return;
-    // only where both are
+    // only in the overlap of the bounds
     Box common{sampled.body->m_bounds[0], sampled.body->m_bounds[1]};
     common.low.setMax(faced.body->m_bounds[0]);
     common.high.setMin(faced.body->m_bounds[1]);
@@ -73,7 +73,7 @@ void SoftPairs::find_with(const SoftSurface& sampled, const SoftSurface& faced, 
     limits.tick_s = tick_s;
     limits.gap_m = sampled.thickness_m + faced.thickness_m;
     limits.margin_m = kMarginM;
-    // one that is no volume is behind a face only where that hides in a volume of its own
+    // a cloth or rope counts as behind a face only if the face belongs to a volume that can hold it
     limits.depth_m = faced.outward.empty() ? sampled.depth_m : faced.depth_m;
 
     faces_.clear();
@@ -142,7 +142,7 @@ void SoftPairs::solve(btScalar left_s) {
         if (c.pressed <= 0) continue;
         btVector3 slip = a.now - a.before - (b.now - b.before);
         slip -= c.normal * c.normal.dot(slip);
-        // all of a part's friction together is bounded by all of its pressure
+        // bounds the friction of a substep by its total pressure
         const btVector3 wanted = c.held - slip / both;
         const btScalar most = c.friction * c.pressed;
         const btScalar size = wanted.length();

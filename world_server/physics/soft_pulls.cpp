@@ -7,7 +7,7 @@
 namespace atrium::physics {
 namespace {
 
-constexpr btScalar kHandM = btScalar(0.06);  // what is nearer than this to the point is held
+constexpr btScalar kHandM = btScalar(0.06);  // nodes within this distance of the point are held
 constexpr btScalar kSwingDampingHz = 4;
 
 const btSoftBody::Node& node_at(const btSoftBody& soft, std::uint32_t i) {
@@ -73,7 +73,7 @@ void SoftPulls::solve(btSoftBody& soft, btScalar part_s, btScalar done_s) {
         }
         if (!(share > 0)) continue;
         const btVector3 missing = pull.start + pull.velocity * done_s - place_of(soft, handle);
-        // all of a part together is what the force can do in it
+        // bounds the sum over all iterations of a substep by the force
         btVector3 given = pull.given + missing / share;
         const btScalar most = pull.max_force_n * part_s * part_s;
         const btScalar size = given.length();

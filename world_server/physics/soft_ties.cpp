@@ -66,7 +66,7 @@ void SoftTies::solve(btSoftBody& soft, btScalar part_s, btScalar left_s) {
         const btVector3 gained = tie.body->getVelocityInLocalPoint(arm) - tie.velocity;
         const btVector3 place =
             pose.getOrigin() + arm - tie.velocity * left_s + tie.shift + gained * part_s;
-        // how far node and place move apart under an impulse
+        // motion of node and place against each other per impulse
         const btScalar share = node.m_im + tie.body->getInvMass();
         btMatrix3x3 cross;
         arm.getSkewSymmetricMatrix(&cross[0], &cross[1], &cross[2]);

@@ -8,10 +8,10 @@
 namespace atrium::physics {
 namespace {
 
-constexpr btScalar kInnerDampingHz = 4;     // at which what moves against the whole is slowed
-constexpr btScalar kMaxVolumeStep = 0.02F;  // share of the volume that is set right in one part
-// How far from where its shape would have it, in radii, a node begins to be pulled back harder;
-// over what range, and to what share of the way in each part.
+constexpr btScalar kInnerDampingHz = 4;     // damping of motion relative to the whole
+constexpr btScalar kMaxVolumeStep = 0.02F;  // largest relative volume correction per substep
+// Shape matching gets stronger when a node is further from its place in the rest shape: distance at
+// which this begins and its range, both in radii, and the largest share of the way per substep.
 constexpr btScalar kDentStart = 0.15F;
 constexpr btScalar kDentRange = 0.35F;
 constexpr btScalar kDentShare = 0.15F;
@@ -25,7 +25,7 @@ SoftVolume::SoftVolume(btSoftBody& body, const SoftTopology& topology, btScalar 
     body_.setPose(/*bvolume=*/false, /*bframe=*/true);
     gradients_.assign(static_cast<std::size_t>(body_.m_nodes.size()), btVector3(0, 0, 0));
     rest_volume_ = find_gradients() / 6;
-    // the gradient of the volume is along the normal
+    // the gradient of the volume points along the normal
     rest_outward_ = gradients_;
     for (btVector3& out : rest_outward_) {
         if (out.length2() > 0) out.normalize();
@@ -42,10 +42,10 @@ void SoftVolume::begin_tick() {
     }
 }
 
-// Each node goes a part of its way to where it would be in the shape at rest, moved and turned to
-// where the nodes now are (Müller et al., "Meshless Deformations Based on Shape Matching", 2005).
-// The further a node is out of shape the larger the part: else a few nodes with a fist behind them
-// would go through the whole body before they move it.
+// Moves each node a share of the way to its place in the rest shape, which is first fitted to the
+// nodes (Müller et al., "Meshless Deformations Based on Shape Matching", 2005). The share grows
+// with the distance. Otherwise a few nodes pushed by a fist would pass through the whole body
+// before it moves.
 void SoftVolume::match_shape() {
     body_.updatePose();
     const btSoftBody::Pose& pose = body_.m_pose;
@@ -62,7 +62,7 @@ void SoftVolume::match_shape() {
         moved += step / node.m_im;
         mass += 1 / node.m_im;
     }
-    // unequal parts would move the whole: what one side gives the other must take
+    // unequal shares shift the centre of mass: undo the shift
     const btVector3 back = moved / mass;
     for (int i = 0; i < body_.m_nodes.size(); ++i) {
         btSoftBody::Node& node = body_.m_nodes[i];
@@ -70,7 +70,7 @@ void SoftVolume::match_shape() {
     }
 }
 
-// Six times the volume, and six times its gradient by the place of each node.
+// Computes six times the volume and six times its gradient with respect to each node.
 btScalar SoftVolume::find_gradients() {
     std::fill(gradients_.begin(), gradients_.end(), btVector3(0, 0, 0));
     const btVector3 origin = body_.m_pose.m_com;
@@ -88,7 +88,7 @@ btScalar SoftVolume::find_gradients() {
     return volume;
 }
 
-// Moves the nodes along the gradient of the volume, the lighter the further.
+// Moves the nodes along the gradient of the volume, in proportion to their inverse mass.
 void SoftVolume::keep_volume() {
     const btScalar volume = find_gradients();
     btScalar weight = 0;
@@ -104,13 +104,13 @@ void SoftVolume::keep_volume() {
     }
 }
 
-// Slows what moves otherwise than a rigid body would; fall and spin stay.
+// Damps motion that is not rigid. Linear and angular motion of the whole stay.
 void SoftVolume::damp_inside(btScalar seconds) {
     btVector3 centre(0, 0, 0), momentum(0, 0, 0), spin(0, 0, 0);
     btScalar mass = 0;
     for (int i = 0; i < body_.m_nodes.size(); ++i) {
         const btSoftBody::Node& node = body_.m_nodes[i];
-        if (!(node.m_im > 0)) return;  // a pinned one neither falls nor spins freely
+        if (!(node.m_im > 0)) return;  // a pinned body does not move freely
         mass += 1 / node.m_im;
         centre += node.m_x / node.m_im;
         momentum += node.m_v / node.m_im;

@@ -14,9 +14,9 @@ namespace atrium::physics {
 namespace {
 
 constexpr double kMinCellM = 0.04;  // about two sample spacings: a handful of samples per cell
-constexpr int kMaxCells = 1 << 18;  // a mesh that claims to be huge gets larger cells, not more
+constexpr int kMaxCells = 1 << 18;  // very large meshes get larger cells, not more
 
-// Spreads the samples of one large triangle: the R2 low-discrepancy sequence, folded into it.
+// Spreads the samples over one large triangle: the R2 low-discrepancy sequence, folded into it.
 Eigen::Vector3d barycentric(std::size_t i) {
     constexpr double kStepU = 0.7548776662466927;
     constexpr double kStepV = 0.5698402909980532;
@@ -104,7 +104,7 @@ void SurfaceIndex::sort_into_cells() {
     while (dims_for(cell_m).prod() > kMaxCells) cell_m *= 1.5;
     cell_m_ = static_cast<float>(cell_m);
     cells_per_m_ = static_cast<float>(1.0 / cell_m);
-    dims_ = dims_for(cell_m).cast<int>() + 1;  // one more for the rounding to float
+    dims_ = dims_for(cell_m).cast<int>() + 1;  // one more for rounding to float
     const Eigen::Vector3f low = bounds_.min.cast<float>();
     const Eigen::Array3f last = (dims_ - 1).cast<float>();
     origin_ = Float4{low.x(), low.y(), low.z(), low.x()};
@@ -123,7 +123,7 @@ void SurfaceIndex::sort_into_cells() {
     for (std::uint32_t& begin : cell_begin_) begin = end += begin;
     std::swap(samples_, unsorted_);
     samples_.resize(unsorted_.size());
-    // backwards, each cell's end counts down to its begin
+    // backwards: each cell's end counts down to its begin
     for (std::size_t i = unsorted_.size(); i-- > 0;)
         samples_[--cell_begin_[cell_of_sample_[i]]] = unsorted_[i];
 }
@@ -176,7 +176,7 @@ void SurfaceIndex::bundle() {
             for (std::size_t x = 0; x < num_x; ++x) {
                 *begin++ = at;
                 for (std::size_t r = 0; r < num_rows; ++r) {
-                    // four at a time: what is too much, the next ones are written over
+                    // four at a time: the next ones overwrite the excess
                     const std::uint32_t end = rows[r][x + 1];
                     for (std::uint32_t i = rows[r][x]; i < end; i += kFloat4Size) {
                         for (std::size_t c = 0; c < to.size(); ++c)

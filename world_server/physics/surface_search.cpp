@@ -1,4 +1,4 @@
-// The nearest samples of a surface.
+// Finds the nearest samples of a surface.
 #include "world_server/physics/float8.hpp"
 #include "world_server/physics/surface_columns.hpp"
 #include "world_server/physics/surface_index.hpp"
@@ -29,23 +29,24 @@ ATRIUM_INLINE void clamp8(std::int32_t least, std::int32_t most, Int8& x) {
 }  // namespace
 
 struct SurfaceIndex::Search {
-    static constexpr float kSlack = 1e-3F;  // of a cell, for rounding
-    static constexpr float kBeside = 0.5F;  // of a cell: what is no further off is in one bundle
+    static constexpr float kSlack = 1e-3F;  // in cells, for rounding
+    // in cells; everything up to this distance is in one bundle
+    static constexpr float kBeside = 0.5F;
 
     struct Limits {
         float radius_m = 0.0F;
         float min_cosine = 0.0F;
     };
-    // Where in the bundles all is that is beside each of eight places.
+    // Range of bundled samples near each of eight places.
     struct Runs {
-        alignas(32) std::int32_t is_within[kFloat8Size];  // 0: nothing is in reach
+        alignas(32) std::int32_t is_within[kFloat8Size];  // 0: nothing in reach
         alignas(32) std::int32_t has_bundle[kFloat8Size];
-        alignas(32) std::int32_t first[kFloat8Size];  // of bundle_begin_
+        alignas(32) std::int32_t first[kFloat8Size];  // index in bundle_begin_
         alignas(32) std::int32_t last[kFloat8Size];
     };
     struct Found {
         float distance_sq = 0.0F;
-        std::int32_t at = -1;  // in the bundles; -1: nothing
+        std::int32_t at = -1;  // index in the bundles; -1: nothing
     };
     using Bundles = std::array<const float*, 6>;
 
@@ -68,7 +69,7 @@ struct SurfaceIndex::Search {
             at[axis] = (at[axis] - self.origin_[axis]) * self.cells_per_m_;
             is_within &= (at[axis] >= -reach) & (at[axis] <= self.last_cell_[axis] + reach + 1.0F);
         }
-        // what is not within may be no number that fits into an integer
+        // outside places may not fit into an integer
         for (Float8& x : at)
             x = reinterpret_cast<Float8>(is_within & reinterpret_cast<Int8>(x)) + kBeside;
         Int8 from, to, y, z;
@@ -90,9 +91,9 @@ struct SurfaceIndex::Search {
         std::memcpy(runs.last, &last, sizeof last);
     }
 
-    // Of the samples [begin, end) of the bundles. Mostly without a branch: neither which of them is
-    // nearer than those before nor their number is to be foreseen. Beyond the end come other
-    // samples, which do no harm.
+    // Searches the bundled samples [begin, end). Almost without branches: neither the nearest
+    // sample nor the number of samples is predictable. Samples beyond the end are read too, which
+    // is harmless.
     ATRIUM_INLINE static void search(const Bundles& from,
                                      std::uint32_t begin,
                                      std::uint32_t end,
@@ -122,7 +123,7 @@ struct SurfaceIndex::Search {
         best = {least, min_of(least_sq == least ? nearest : none)};
     }
 
-    // Of all bundles in reach.
+    // Searches all bundles in reach.
     ATRIUM_INLINE static void search_around(const SurfaceIndex& self,
                                             const Bundles& bundles,
                                             const SurfaceSample& place,
@@ -174,7 +175,7 @@ struct SurfaceIndex::Search {
         }
     }
 
-    // out of line, so that choosing is all that is done in between
+    // not inlined: the caller only chooses
     __attribute__((noinline)) static void nearest_plain(const SurfaceIndex& self,
                                                         std::span<const SurfaceSample> places,
                                                         const Limits& limits,

@@ -1,4 +1,4 @@
-// The normals of a surface's samples, smoothed.
+// Smooths the normals of a surface's samples.
 #include "world_server/physics/float8.hpp"
 #include "world_server/physics/surface_columns.hpp"
 #include "world_server/physics/surface_index.hpp"
@@ -13,9 +13,9 @@
 namespace atrium::physics {
 namespace {
 
-constexpr float kSmoothM = 0.03F;  // around a sample, of what its normal is a mean of
+constexpr float kSmoothM = 0.03F;  // radius around a sample over which its normal is averaged
 
-// Of each mask of eight lanes, where its lanes come from if they close up.
+// For each mask of eight lanes: source lanes that move the set lanes to the front.
 struct ClosedUp {
     ClosedUp() {
         for (unsigned mask = 0; mask < 256; ++mask) {
@@ -31,7 +31,8 @@ const ClosedUp kClosedUp;
 }  // namespace
 
 struct SurfaceIndex::Smoothing {
-    // Samples that may be near those of [begin, end), which are all of one cell; into around_.
+    // Collects in around_ the samples that may be near those of [begin, end), which are all in one
+    // cell.
     ATRIUM_INLINE static std::size_t gather_around(SurfaceIndex& self,
                                                    std::uint32_t begin,
                                                    std::uint32_t end) {
@@ -61,7 +62,7 @@ struct SurfaceIndex::Smoothing {
                                            (y_values <= high[1]) & (z_values >= low[2]) &
                                            (z_values <= high[2]);
                     unsigned bits = bits_of8(is_around);
-                    // beyond the end of the row come samples of others
+                    // beyond the end of the row are samples of other rows
                     if (row_end - i < kFloat8Size) bits &= (1U << (row_end - i)) - 1U;
                     if (bits == 0) continue;
                     Int8 lanes;
@@ -86,7 +87,7 @@ struct SurfaceIndex::Smoothing {
         for (std::vector<float>& column : self.around_)
             column.resize(num_samples + 2 * kFloat8Size);
         const auto around = pointers(std::as_const(self.around_));
-        // cell by cell: its samples share what lies around them
+        // cell by cell: the samples of a cell share their surroundings
         for (std::uint32_t begin = 0; begin < num_samples;) {
             const Int4 cell = self.cell_at(self.samples_[begin].position);
             const std::uint32_t end =
@@ -94,7 +95,8 @@ struct SurfaceIndex::Smoothing {
             const std::size_t num = gather_around(self, begin, end);
             for (std::uint32_t i = begin; i < end; ++i) {
                 const Eigen::Vector3f& at = self.samples_[i].position;
-                Eigen::Vector3f& normal = self.samples_[i].normal;  // columns_ has those before
+                // columns_ keeps the original normals
+                Eigen::Vector3f& normal = self.samples_[i].normal;
                 Float8 x{}, y{}, z{};
                 for (std::size_t n = 0; n < num; n += kFloat8Size) {
                     Float8 dx, dy, dz, nx, ny, nz;
@@ -110,7 +112,7 @@ struct SurfaceIndex::Smoothing {
                     y += counted * ny;
                     z += counted * nz;
                 }
-                // its own normal is part of it
+                // includes its own normal
                 normal = Eigen::Vector3f(sum_of(x), sum_of(y), sum_of(z)).normalized();
             }
             begin = end;
@@ -122,8 +124,8 @@ struct SurfaceIndex::Smoothing {
 #endif
 };
 
-// A facet of a hull is some pixels of one outline, and tilts with their noise. Where regions of a
-// surface slide along themselves, such tilts would tell a motion that is not there.
+// A facet of a hull is a few pixels of one outline and tilts with their noise. Where a surface
+// slides along itself, these tilts would look like motion.
 void SurfaceIndex::smooth_normals() {
 #ifdef ATRIUM_AVX2
     if (uses_avx2()) {

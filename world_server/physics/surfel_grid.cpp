@@ -8,10 +8,10 @@
 namespace atrium::physics {
 namespace {
 
-constexpr float kCellM = 0.04F;    // about two spacings of surfels: a handful in each cell
-constexpr float kMaxCells = 3e5F;  // surfels that are far apart get larger cells, not more
+constexpr float kCellM = 0.04F;    // about two surfel spacings: a handful per cell
+constexpr float kMaxCells = 3e5F;  // widely spread surfels get larger cells, not more
 
-// Surfels are read and written four floats at a time, of which the last is the next member's.
+// Surfels are read and written four floats at a time. The fourth belongs to the next member.
 constexpr std::size_t kNormalAt = 3;
 constexpr std::size_t kFromAt = 6;
 constexpr std::size_t kVelocityAt = 9;
@@ -29,7 +29,7 @@ const float* floats_of(const MovingSurfel& surfel) {
 
 float* floats_of(PlacedSurfel& surfel) { return reinterpret_cast<float*>(&surfel); }
 
-// One bit of eight: the octant that a direction lies in.
+// Returns the octant of a direction as one bit of eight.
 std::uint8_t octant_of(Float4 direction) {
     return static_cast<std::uint8_t>(1U << (bits_of(direction < 0.0F) & 7U));
 }
@@ -76,7 +76,7 @@ void SurfelGrid::assign(std::span<const MovingSurfel> surfels,
     const Float4 low{low_.x(), low_.y(), low_.z(), 0.0F};
     const Float4 per_m = all4(inverse_cell_);
     const Int4 dims{dims_.x(), dims_.y(), dims_.z(), 0};
-    // kept here, as the stores below could change them anywhere else
+    // local copies: the compiler must assume that the stores below change the members
     const std::size_t num = surfels.size();
     const MovingSurfel* const from = surfels.data();
     const Float4* const places = places_.data();
@@ -84,7 +84,7 @@ void SurfelGrid::assign(std::span<const MovingSurfel> surfels,
     std::uint32_t* const begin = cell_begin_.data();
     std::uint8_t* const octants = octants_near_.data();
     for (std::size_t i = 0; i < num; ++i) {
-        // none is below `low_`: cutting off rounds down
+        // no place is below `low_`: truncation rounds down
         const Int4 cell = __builtin_convertvector((places[i] - low) * per_m, Int4);
         const auto index =
             static_cast<std::uint32_t>((cell[2] * dims[1] + cell[1]) * dims[0] + cell[0]);
@@ -94,7 +94,7 @@ void SurfelGrid::assign(std::span<const MovingSurfel> surfels,
     }
     std::uint32_t end = 0;
     for (std::size_t cell = 0; cell <= num_cells; ++cell) begin[cell] = end += begin[cell];
-    // backwards, each cell's end counts down to its begin
+    // backwards: each cell's end counts down to its begin
     PlacedSurfel* const to = surfels_.data();
     for (std::size_t i = num; i-- > 0;) {
         float* values = floats_of(to[--begin[cells[i]]]);
@@ -107,7 +107,7 @@ void SurfelGrid::assign(std::span<const MovingSurfel> surfels,
     spread_octants();
 }
 
-// By one cell each way, one axis after the other.
+// Spreads octants by one cell in each direction, axis by axis.
 void SurfelGrid::spread_octants() {
     static_assert(kOctantReachM <= kCellM);
     const std::size_t num = octants_near_.size();
@@ -115,7 +115,7 @@ void SurfelGrid::spread_octants() {
     for (const int axis_step : {1, dims_.x(), dims_.x() * dims_.y()}) {
         const std::size_t step = std::min(static_cast<std::size_t>(axis_step), num);
         std::swap(octants_near_, spreading_);
-        // beyond the end of a row it goes on at the next: a cell more is no harm
+        // steps across the end of a row add a cell too many, which is harmless
         const std::uint8_t* from = spreading_.data();
         std::uint8_t* to = octants_near_.data();
         std::copy(from, from + num, to);

@@ -14,9 +14,9 @@ constexpr double kWallRestitution = 0.5;
 
 }  // namespace
 
-// In the order in which Bullet needs them to go, backwards.
+// Members are destroyed in reverse order, as Bullet requires.
 struct Surroundings::Piece {
-    std::vector<float> vertices;  // x, y, z of each; read by Bullet for as long as the shape lives
+    std::vector<float> vertices;  // x, y, z of each; the shape reads them for its lifetime
     std::vector<int> triangles;
     std::unique_ptr<btTriangleIndexVertexArray> mesh;
     std::unique_ptr<btCollisionShape> shape;

@@ -25,14 +25,13 @@ World::Impl::Impl(const WorldOptions& world_options)
       grabs({.tick_s = world_options.tick_s}) {
     assert(options.tick_s > 0.0 && options.max_speed_mps > 0.0);
     world.setGravity(to_bullet(options.gravity));
-    // else what is put down on a plane, or pressed onto it, stands on one corner for the first
-    // ticks
+    // without this, an object put or pressed onto a plane stands on one corner for the first ticks
     configuration.setPlaneConvexMultipointIterations(4, 4);
     world.getSolverInfo().m_splitImpulsePenetrationThreshold = -kPlainContactM;
-    // what is clasped between two palms needs force from both
+    // an object clasped between two palms needs force from both
     world.getSolverInfo().m_numIterations = kSolverIterations;
-    // and its friction beside each contact's own force. (Two friction directions hold it as well,
-    // but a cylinder that lands on its flat end tips over with them.)
+    // solve friction next to each contact's normal force. (Two friction directions hold the object
+    // as well, but then a cylinder that lands on its flat end tips over.)
     world.getSolverInfo().m_solverMode |= SOLVER_INTERLEAVE_CONTACT_AND_FRICTION_CONSTRAINTS;
     world.getDispatchInfo().m_deterministicOverlappingPairs = true;
     world.setInternalTickCallback(&Impl::begin_tick, this, /*isPreTick=*/true);
@@ -110,7 +109,7 @@ bool World::Impl::remove(std::uint32_t id) {
         return false;
     }
     grabs.forget(id);
-    // what rested on it must not go on sleeping in the air
+    // wake objects that may have rested on it
     for (auto& [other, object] : objects) {
         if (object->moves()) object->body().activate();
     }
@@ -198,7 +197,7 @@ void World::remove_person(const std::string& name) {
     if (!impl_->people.remove_person(name)) return;
     impl_->contacts.forget_person(name);
     for (auto& [id, object] : impl_->objects) {
-        if (object->moves()) object->body().activate();  // what lay on the person falls
+        if (object->moves()) object->body().activate();  // objects that lay on the person fall
     }
 }
 

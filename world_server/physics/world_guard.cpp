@@ -1,11 +1,11 @@
-// What the world does on its own to objects whose state is no more to be believed.
+// Resets or removes objects whose state is not plausible.
 #include "world_server/physics/bullet_types.hpp"
 #include "world_server/physics/world_impl.hpp"
 
 namespace atrium::physics {
 namespace {
 
-// Nothing gains more in a tick than a few times what it may have at all.
+// No cause adds more than a few times the speed limit in one tick.
 constexpr double kRunawayFactor = 4.0;
 constexpr double kTornM = 0.25;
 constexpr double kBehindWallM = 0.5;
@@ -13,7 +13,7 @@ constexpr std::size_t kMaxIncidents = 256;
 
 }  // namespace
 
-// What is wrong with an object after a tick; limits its motion where nothing is.
+// Returns the problem of an object after a tick. Limits its motion if there is none.
 std::optional<IncidentKind> World::Impl::guard(ObjectBody& object) {
     if (!object.is_finite()) return IncidentKind::kNotFinite;
     const double speed = from_bullet(object.body().getLinearVelocity()).norm();
@@ -41,7 +41,7 @@ void World::Impl::guard_all() {
         if (!(joint->gap_m() <= kTornM)) found.push_back({joint->joint().a, IncidentKind::kTorn});
     }
     for (const Incident& incident : found) {
-        // what is joined is put back together, once
+        // joined objects are reset together, once
         if (!dealt_with.contains(incident.object)) act_on(incident);
     }
 }

@@ -1,4 +1,4 @@
-// Where everything in a world is: told, put back, and as one number.
+// Reads, restores and hashes the state of a world.
 #include "core/base/fnv1a.hpp"
 #include "world_server/physics/world_impl.hpp"
 
@@ -26,7 +26,7 @@ bool World::set_state(const WorldState& state) {
         set_motion(motion, *impl_->objects.at(motion.id));
     }
     for (const SoftState& motion : state.soft) restore_soft(motion);
-    // after all motion is set: what is put in has its place in the broad phase from that alone
+    // after all motion is set: it decides the order in the broad phase
     std::vector<btRigidBody*> bodies;
     for (auto& [id, object] : impl_->objects) bodies.push_back(&object->body());
     forget_history(impl_->world, bodies);
