@@ -114,7 +114,7 @@ void add_tips(const btCollisionShape& shape,
 std::vector<Eigen::Vector3f> even_directions(std::size_t num) {
     std::vector<Eigen::Vector3f> directions;
     directions.reserve(num);
-    const double turn = std::numbers::pi * (3.0 - std::sqrt(5.0));  // the golden angle
+    const double turn = std::numbers::pi * (3.0 - std::sqrt(5.0));  // golden angle
     for (std::size_t i = 0; i < num; ++i) {
         const double z = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / static_cast<double>(num);
         const double radius = std::sqrt(std::max(0.0, 1.0 - z * z));

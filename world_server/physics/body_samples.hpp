@@ -9,7 +9,7 @@ class btCollisionShape;
 
 namespace atrium::physics {
 
-/// A point of a body's surface, in the body's frame.
+/// A point on a body's surface, in the body frame.
 struct BodySample {
     Eigen::Vector3f point;
     // unit length: the normal; at a tip the mean of the normals around it

@@ -207,7 +207,7 @@ std::optional<JointProblem> find_problem(const Joint& joint) {
                             : JointProblem{"limits_m", "must be [-1000 to 0, 0 to 1000]"};
         }
     }
-    // further out two of Euler's angles are one
+    // beyond 80 degrees, two of the Euler angles coincide
     if (joint.swing_rad && !is_within(*joint.swing_rad, 0.0, 80.001 * pi / 180.0))
         return JointProblem{"swing_deg", "must be 0 to 80"};
     if (joint.twist_rad && !is_within(*joint.twist_rad, 0.0, 170.001 * pi / 180.0))

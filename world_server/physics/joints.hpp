@@ -13,7 +13,7 @@ namespace atrium::physics {
 /// Owns the joints of a world.
 class Joints {
 public:
-    /// `world` and the objects outlive this.
+    /// `world` and the objects must outlive this.
     Joints(btDynamicsWorld& world, double tick_s) : world_(world), tick_s_(tick_s) {}
     ~Joints();
     Joints(const Joints&) = delete;

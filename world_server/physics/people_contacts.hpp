@@ -64,7 +64,7 @@ public:
     bool is_touched() const { return is_touched_; }  // any contact in this tick
     /// Touches of the last tick. Contacts that were only near are not included.
     std::span<const PersonTouch> touches() const { return {touches_.data(), num_touches_}; }
-    std::uint64_t num_escapes() const { return num_escapes_; }  // since the construction
+    std::uint64_t num_escapes() const { return num_escapes_; }  // since construction
 
 private:
     struct Carrier;

@@ -1,4 +1,4 @@
-// How regions move: one by itself from a start, and all together.
+// Solves for the motion of regions: one alone from a start, and all together.
 #include "world_server/physics/motion_match.hpp"
 #include "world_server/physics/person_motion.hpp"
 

@@ -14,7 +14,7 @@ constexpr double kMinSizeM = 0.01;
 constexpr double kMaxSizeM = 20.0;
 constexpr double kMinPartM = 0.004;  // smallest extent of a part
 constexpr double kMaxMassKg = 10'000.0;
-constexpr double kMinDensity = 1.0;       // [kg/m^3] a balloon
+constexpr double kMinDensity = 1.0;       // [kg/m^3] about a balloon
 constexpr double kMaxDensity = 30'000.0;  // [kg/m^3] denser than any metal in use
 
 bool has_parts(ObjectShape shape) {
@@ -31,7 +31,7 @@ std::optional<ObjectProblem> find_parts_problem(const RigidObject& object) {
     for (const geometry::TriangleMesh& part : parts) {
         if (part.vertices.size() > kMaxHullVertices)
             return ObjectProblem{"model", "must have at most 64 vertices in each part"};
-        // written so that NaN fails
+        // written to reject NaN
         for (const Eigen::Vector3d& v : part.vertices) {
             if (!(v.cwiseAbs().maxCoeff() <= kMaxSizeM))
                 return ObjectProblem{"model", "must be within 20 m of its origin"};
@@ -69,7 +69,7 @@ std::optional<ObjectProblem> find_number_problem(const RigidObject& object) {
     const geometry::RigidTransform& pose = object.world_from_object;
     if (!object.size_m.allFinite()) return ObjectProblem{"size_m", "must be finite"};
     if (!pose.translation.allFinite()) return ObjectProblem{"position_m", "must be finite"};
-    // written so that NaN fails
+    // written to reject NaN
     if (!(std::abs(pose.rotation.norm() - 1.0) <= 1e-3)) {
         return ObjectProblem{"rotation", "must be a quaternion of length 1"};
     }

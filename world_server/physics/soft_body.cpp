@@ -159,7 +159,7 @@ void SoftBody::begin_tick(const SoftSurroundings& surroundings, TiedBodies& tied
         skin.outward = volume_->outward();
         skin.depth_m = volume_->inner_radius_m();
     }
-    // what it holds on to lies at its nodes: to keep that off as well would be a fight
+    // bodies anchored to its nodes touch them: contacts with them would fight the anchors
     loose_bodies_.clear();
     for (btRigidBody* body : surroundings.bodies)
         if (!ties_.hold(*body)) loose_bodies_.push_back(body);

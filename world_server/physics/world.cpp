@@ -9,8 +9,8 @@
 namespace atrium::physics {
 namespace {
 
-// Overlap above which Bullet separates without adding velocity; its default of 4 cm makes whatever
-// is pressed by a hand pop away.
+// Overlap above which Bullet separates without adding velocity. Bullet's default of 4 cm makes an
+// object pressed by a hand pop away.
 constexpr float kPlainContactM = 0.002F;
 constexpr int kSolverIterations = 20;
 

@@ -129,7 +129,7 @@ public:
     /// Returns false and adds nothing if the joint has a problem (`find_problem`), an object is
     /// missing, or both objects are static.
     bool add_joint(const Joint& joint);
-    /// See `Surroundings::add`.
+    /// Adds static scenery; see `Surroundings::add`.
     bool add_still(const StillMesh& mesh);
     /// Sets pose and velocities of an object and wakes it. False if the id is unknown, the object
     /// is static, or a number is not finite.
