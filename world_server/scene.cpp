@@ -16,7 +16,7 @@
 namespace atrium::world_server {
 namespace {
 
-constexpr double kLeastExtentM = 0.001;  // of a cloth across
+constexpr double kLeastExtentM = 0.001;  // smallest extent, across a flat cloth
 
 tl::unexpected<Error> refuse(std::string why) {
     return make_error(ErrorKind::kInvalidData, std::move(why));
@@ -92,7 +92,7 @@ Expected<void> Scene::add_soft(const WorldSoftObject& soft) {
     return {};
 }
 
-// Of what a state depends on: a new colour in the world's file does no harm.
+// Hashes the part of the description that a state depends on. Colours, for example, may change.
 std::uint64_t Scene::hash_description() const {
     std::string text = fmt::format("{} {} {} {} {}",
                                    world_->num_joints(),
@@ -235,7 +235,7 @@ Expected<std::vector<SceneChange>> Scene::push(const bus::SceneCommand& command)
 Expected<std::vector<SceneChange>> Scene::hold(const bus::SceneCommand& command) {
     const std::uint32_t target = command.target;
     if (command.kind == bus::CommandKind::kRelease) {
-        // what it let go of already, or what is gone, is no fault of the sender's
+        // releasing a released or removed object is not an error
         world_->release(command.sender, target);
     } else if (command.kind == bus::CommandKind::kMove) {
         if (!world_->move_grab(command.sender, target, command.goal_world)) {
@@ -279,11 +279,11 @@ std::vector<SceneChange> Scene::all() const {
     return changes;
 }
 
-// With what of a soft object, or of one with a model, does not change.
+// Adds the constant data of soft objects and of objects with a model.
 SceneChange Scene::described(const bus::SceneObject& object) const {
     SceneChange change{.object = object};
     const auto parts = parts_.find(object.object);
-    // a removed one's id may be an added one's, which has none
+    // an added object without parts may reuse the id of a removed one
     const bool is_model =
         object.shape == bus::Shape::kConvex || object.shape == bus::Shape::kCompound;
     if (is_model && parts != parts_.end())

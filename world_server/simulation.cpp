@@ -14,10 +14,10 @@ namespace atrium::world_server {
 namespace {
 
 using Clock = Pace::Clock;
-constexpr int kMaxCatchUpTicks = 4;  // what a tick of 120 Hz may be late by is one mesh period
+constexpr int kMaxCatchUpTicks = 4;  // at 120 Hz, the allowed delay is one mesh period
 constexpr double kHashPeriodS = 10.0;
-constexpr double kPeopleHz = 10.0;  // who looks behind the picture needs no more
-constexpr double kRounding = 1e-9;  // of a sum of parts that make a whole
+constexpr double kPeopleHz = 10.0;  // enough for a debug view
+constexpr double kRounding = 1e-9;  // rounding of a sum of shares
 
 }  // namespace
 
@@ -68,8 +68,8 @@ void Simulation::save() {
     saver_.put(std::move(saved));
 }
 
-// On the simulating thread, which waits for the disk: nothing else may happen to the world
-// meanwhile. People come back with their next mesh.
+// Runs on the simulating thread, which waits for the disk: the world must not change meanwhile.
+// People return with their next mesh.
 void Simulation::restore() {
     auto restored = load_scene(config_);
     if (!restored) return app::log::error("restore_failed {}", restored.error().message);
@@ -101,7 +101,7 @@ void Simulation::send_state(Timestamp due) {
     outbox_.put(moved_);
 }
 
-// Surfels are shared, not copied: it costs the tick next to nothing.
+// Surfels are shared, not copied, which costs a tick almost nothing.
 void Simulation::send_people() {
     if (!wants_people_) return;
     people_credit_ += kPeopleHz / config_.tick_hz;
@@ -123,10 +123,10 @@ void Simulation::hash_now_and_then(double tick_s) {
     figures_.state_hash = hash;
 }
 
-// What the world did on its own, the hash now and then, and the file.
+// Reports incidents, computes the hash and saves, each at its period.
 void Simulation::look_after() {
     const double tick_s = 1.0 / config_.tick_hz;
-    std::map<std::uint32_t, std::string> names;  // of those that are gone
+    std::map<std::uint32_t, std::string> names;  // names of removed objects
     for (const SceneChange& change : scene_.take_removed(incidents_)) {
         names[change.object.object] = change.object.name;
         outbox_.put(change);
@@ -162,8 +162,7 @@ void Simulation::step(Timestamp due) {
     const std::uint64_t num_contacts = scene_.world().counters().num_contact_ticks;
     scene_.world().tick();
     const bool is_touched = scene_.world().counters().num_contact_ticks > num_contacts;
-    // somebody has come to touch something: viewers are told by this tick, not by the next that is
-    // due to be sent
+    // a touch has begun: send this tick's state at once
     if (is_touched && !was_touched_) send_credit_ = std::max(send_credit_, 1.0 - credit_of_tick());
     was_touched_ = is_touched;
     send_state(due);
@@ -181,7 +180,7 @@ void Simulation::run(std::stop_token stop) {
         sleep_until(pace.next(), stop);
         const Clock::time_point now = Clock::now();
         for (int i = pace.num_due(now); i > 0 && !stop.stop_requested(); --i) {
-            // when it was due, on the clock that states are stamped with
+            // scheduled time on the clock of the state's time stamps
             const std::chrono::nanoseconds ahead = pace.next() - i * tick - Clock::now();
             step(Timestamp::now() + ahead);
         }

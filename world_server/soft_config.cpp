@@ -16,8 +16,8 @@ using physics::PinPlace;
 using physics::SoftObject;
 using physics::SoftShape;
 
-// One mesh of all parts, whose vertices at one place are one vertex: model files have several
-// there, for normals and texture places of their own.
+// Joins all parts to one mesh and merges vertices at the same place. Model files repeat vertices
+// for different normals and texture coordinates.
 geometry::TriangleMesh weld(const std::vector<model::ModelPart>& parts) {
     constexpr double kPerM = 1e6;
     geometry::TriangleMesh welded;
@@ -25,7 +25,7 @@ geometry::TriangleMesh weld(const std::vector<model::ModelPart>& parts) {
     for (const model::ModelPart& part : parts) {
         std::vector<std::uint32_t> new_index;
         for (const Eigen::Vector3d& v : part.mesh.vertices) {
-            const Eigen::Vector3d at = (v * kPerM).array().round() + 0.0;  // no negative zero
+            const Eigen::Vector3d at = (v * kPerM).array().round() + 0.0;  // removes negative zeros
             const auto [entry, is_new] =
                 index.try_emplace({at.x(), at.y(), at.z()}, welded.vertices.size());
             if (is_new) welded.vertices.push_back(v);
@@ -68,7 +68,7 @@ void read_size(config::TableReader& table, SoftObject& object, const std::string
     Eigen::Vector3d& size = object.size_m;
     if (shape == "cloth") {
         object.shape = SoftShape::kCloth;
-        object.damping_hz = 1.5;  // it has much air to move
+        object.damping_hz = 1.5;  // air drag of a large surface
         table.require("size_m");
         table.read("size_m", size.data(), 2, kSizeRange);
         table.read("thickness_m", size.z(), kSizeRange);
@@ -93,7 +93,7 @@ void read_size(config::TableReader& table, SoftObject& object, const std::string
     }
 }
 
-// `pins` hold still, `tied` hold on to the rigid object `tied_to`.
+// Reads `pins` (fixed in the world) or `tied` (attached to the rigid object `tied_to`).
 void read_pins(config::TableReader& table,
                const std::string& key,
                std::uint32_t object_id,
@@ -134,7 +134,7 @@ WorldSoftObject read_soft_object(
     read_size(table, object, shape);
     if (object.shape != SoftShape::kModel) table.read("spacing_m", object.spacing_m, kSizeRange);
     const bool has_model = object.shape == SoftShape::kModel;
-    if (has_model && object.model.empty()) return soft;  // said already
+    if (has_model && object.model.empty()) return soft;  // already rejected
     const Material material = read_material(table, materials);
     object.friction = material.friction;
     soft.colour = material.colour;

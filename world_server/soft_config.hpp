@@ -14,17 +14,16 @@
 
 namespace atrium::world_server {
 
-/// One soft object of the world as the file describes it.
+/// A soft object as described in the world file.
 struct WorldSoftObject {
     std::string name;
     Eigen::Vector3d colour{0.7, 0.7, 0.7};  // linear RGB, 0..1
-    std::string texture = {};               // as bus::SceneObject has it
+    std::string texture = {};               // see bus::SceneObject
     physics::SoftObject object;
 };
 
-/// Reads all `[[soft]]`. Ids go on from `first_id`, in the order of the file. `id_of` knows the
-/// rigid objects by name, for `tied_to`. Problems are kept by `reader`. A material's texture and
-/// bounce are not for soft things.
+/// Reads all `[[soft]]` tables. Ids start at `first_id`, in file order. `id_of` finds rigid objects
+/// by name, for `tied_to`. Ignores texture and bounce of materials. Problems go to `reader`.
 std::vector<WorldSoftObject> read_soft_objects(
     config::TableReader& reader,
     const Materials& materials,

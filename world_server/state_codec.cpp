@@ -10,9 +10,9 @@
 #include <cstring>
 #include <string_view>
 
-// A header of 28 bytes: magic (8), version (4), length of the rest (8), its FNV-1a hash (8). The
-// rest: description, tick, next id; then three lists, each with its length: objects, soft objects,
-// added objects. All numbers are little endian, IEEE 754.
+// Header of 28 bytes: magic (8), version (4), length of the rest (8), FNV-1a hash of the rest (8).
+// The rest: description, tick, next id, then three lists, each preceded by its length: objects,
+// soft objects, added objects. All numbers are little endian, IEEE 754.
 namespace atrium::world_server {
 namespace {
 
@@ -43,7 +43,7 @@ public:
     std::vector<std::uint8_t> bytes;
 };
 
-// Reads zeros behind the end, and remembers that.
+// Reads zeros beyond the end and records this as a failure.
 class ByteReader {
 public:
     explicit ByteReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -69,7 +69,8 @@ public:
         const auto bytes = take(size);
         return {bytes.begin(), bytes.end()};
     }
-    /// The length of a list whose elements have at least so many bytes.
+    /// Reads the length of a list. Fails if it exceeds `max`, or if the rest is too short for
+    /// elements of `element_bytes` or more.
     std::size_t count(std::size_t max, std::size_t element_bytes) {
         const auto count = integer<std::uint32_t>();
         if (count > max || count * element_bytes > bytes_.size()) {
@@ -163,7 +164,7 @@ void put(const bus::SceneObject& object, ByteWriter& out) {
     out.numbers(object.world_from_object.rotation.coeffs());
     out.numbers(object.world_from_object.translation);
 }
-constexpr std::size_t kAddedBytes = 4 + 4 + 1 + 24 + 24 + 24 + 4 + 8 + 4 + 56;  // without texts
+constexpr std::size_t kAddedBytes = 4 + 4 + 1 + 24 + 24 + 24 + 4 + 8 + 4 + 56;  // without strings
 
 bus::SceneObject get_object(ByteReader& in) {
     bus::SceneObject object;

@@ -40,7 +40,7 @@ void read_axis(config::TableReader& reader, physics::Joint& joint, bool is_requi
     reader.read("axis", joint.axis.data(), 3, {-1.0, 1.0});
 }
 
-// `[lower, upper]`, in units of `unit`.
+// Reads `[lower, upper]` in units of `unit`.
 void read_limits(config::TableReader& reader,
                  const std::string& key,
                  double unit,

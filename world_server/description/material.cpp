@@ -8,8 +8,8 @@
 namespace atrium::world_server {
 
 const Materials& built_in_materials() {
-    // densities and bounce as handbooks have them; friction is that with others of the kind, and
-    // the rolling lever what brings a hand-sized ball to rest within metres
+    // densities and bounce from handbooks; friction against the same material; the rolling lever
+    // brings a hand-sized ball to rest within metres
     static const Materials kMaterials{
         {"wood", {600.0, 0.5, 0.3, 0.0005, {0.42, 0.26, 0.13}}},
         {"rubber", {1100.0, 0.9, 0.7, 0.002, {0.08, 0.08, 0.09}}},

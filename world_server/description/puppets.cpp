@@ -9,7 +9,7 @@
 namespace atrium::world_server {
 namespace {
 
-constexpr std::size_t kMaxPuppetName = 48;  // what stands after it is up to 15 characters
+constexpr std::size_t kMaxPuppetName = 48;  // the part's name adds up to 15 characters
 
 bool is_taken(const std::vector<WorldObject>& objects, const std::string& name) {
     return std::any_of(objects.begin(), objects.end(), [&](const WorldObject& object) {

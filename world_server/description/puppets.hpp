@@ -9,7 +9,7 @@
 
 namespace atrium::world_server {
 
-/// Reads `[[puppet]]`; their parts get the ids after those of `objects`. Problems are kept by
+/// Reads all `[[puppet]]` tables. Parts get the ids after those of `objects`. Problems go to
 /// `reader`.
 void read_puppets(config::TableReader& reader,
                   const Materials& materials,

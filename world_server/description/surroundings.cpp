@@ -22,8 +22,8 @@ void append(geometry::TriangleMesh& sum,
         sum.triangles.push_back({first + t[0], first + t[1], first + t[2]});
 }
 
-// Also of what is only looked at: whoever writes the file hears of a wrong model before the
-// viewers.
+// Loads the model even if it is not solid: the author of the file gets the error before the viewers
+// do.
 void read_scenery_model(config::TableReader& reader, WorldScenery& scenery) {
     bus::Scenery& scene = scenery.scene;
     if (!read_model_name(reader, scene.model, scene.model_scale)) return;
