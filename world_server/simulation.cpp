@@ -44,7 +44,8 @@ void Simulation::apply(const bus::SceneCommand& command) {
     const bool is_of_file =
         command.kind == bus::CommandKind::kSave || command.kind == bus::CommandKind::kRestore;
     if (is_of_file && !saver_.is_on()) {
-        return refuse(command, fmt::format("{}: the world has no file", to_string(command.kind)));
+        return refuse(command,
+                      fmt::format("{}: the world has no state file", to_string(command.kind)));
     }
     if (command.kind == bus::CommandKind::kSave) return save();
     if (command.kind == bus::CommandKind::kRestore) return restore();

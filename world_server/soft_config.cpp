@@ -51,7 +51,7 @@ void read_model(config::TableReader& table, SoftObject& object) {
     geometry::TriangleMesh mesh = weld(*parts);
     if (mesh.vertices.size() > physics::kMaxSoftNodes) {
         return table.reject("model",
-                            fmt::format("must have vertices at {} places at most, {} has {}",
+                            fmt::format("must have at most {} distinct vertices, {} has {}",
                                         physics::kMaxSoftNodes,
                                         file,
                                         mesh.vertices.size()));
@@ -112,7 +112,7 @@ void read_pins(config::TableReader& table,
         const auto place = kPlaces.find(name);
         if (place == kPlaces.end()) {
             table.reject(key,
-                         "must be of top, bottom, left, right, top corners, corners (a cloth), "
+                         "must be one of top, bottom, left, right, top corners, corners (a cloth), "
                          "start, end (a rope), got '" +
                              name + "'");
             return;

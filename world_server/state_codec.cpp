@@ -185,13 +185,13 @@ bus::SceneObject get_object(ByteReader& in) {
 }
 
 tl::unexpected<Error> wrong(std::string why) {
-    return make_error(ErrorKind::kInvalidData, "state of a world: " + std::move(why));
+    return make_error(ErrorKind::kInvalidData, "world state: " + std::move(why));
 }
 
 Expected<void> check(const SavedWorld& world) {
     std::uint32_t last_id = 0;
     for (const auto& motion : world.state.objects) {
-        if (motion.id <= last_id) return wrong("ids of objects do not rise");
+        if (motion.id <= last_id) return wrong("object ids are not ascending");
         if (!physics::is_valid(motion)) {
             return wrong(fmt::format("object {}: a number is out of range", motion.id));
         }
@@ -235,20 +235,20 @@ std::vector<std::uint8_t> encode(const SavedWorld& world) {
 Expected<SavedWorld> decode(std::span<const std::uint8_t> bytes) {
     if (bytes.size() < kHeaderBytes ||
         std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) != 0) {
-        return wrong("this is not one");
+        return wrong("not a state file");
     }
     ByteReader header(bytes.subspan(kMagic.size(), kHeaderBytes - kMagic.size()));
     const auto version = header.integer<std::uint32_t>();
     if (version != kVersion) {
-        return wrong(fmt::format("has version {}, this program knows {}", version, kVersion));
+        return wrong(fmt::format("has version {}, this program supports {}", version, kVersion));
     }
     const auto size = header.integer<std::uint64_t>();
     const auto body = bytes.subspan(kHeaderBytes);
     if (size != body.size()) {
-        return wrong(fmt::format("{} bytes are there, {} were written", body.size(), size));
+        return wrong(fmt::format("has {} bytes, expected {}", body.size(), size));
     }
     if (header.integer<std::uint64_t>() != fnv1a<std::uint8_t>(body)) {
-        return wrong("its checksum does not fit: it was damaged");
+        return wrong("checksum mismatch, the file is damaged");
     }
 
     ByteReader in(body);
@@ -265,7 +265,7 @@ Expected<SavedWorld> decode(std::span<const std::uint8_t> bytes) {
     for (std::size_t n = in.count(kMaxObjects, kAddedBytes); n > 0 && in.is_good(); --n) {
         world.added.push_back(get_object(in));
     }
-    if (!in.is_at_end()) return wrong("its parts do not fit its length");
+    if (!in.is_at_end()) return wrong("its parts do not match its length");
     if (const auto valid = check(world); !valid) return tl::unexpected(valid.error());
     return world;
 }

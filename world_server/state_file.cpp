@@ -90,12 +90,13 @@ Expected<std::vector<std::uint8_t>> read_file(const fs::path& file) {
     std::error_code error;
     const std::uintmax_t size = fs::file_size(file, error);
     if (error == std::errc::no_such_file_or_directory) {
-        return make_error(ErrorKind::kNotFound, file.string() + ": is not there");
+        return make_error(ErrorKind::kNotFound, file.string() + ": does not exist");
     }
     if (error) return tl::unexpected(failed("read", file, error.value()));
     if (size > kMaxBytes) {
-        return make_error(ErrorKind::kInvalidData,
-                          fmt::format("{}: {} bytes are more than any state", file.string(), size));
+        return make_error(
+            ErrorKind::kInvalidData,
+            fmt::format("{}: {} bytes is larger than any state", file.string(), size));
     }
     std::vector<std::uint8_t> bytes(size);
     std::ifstream in(file, std::ios::binary);
@@ -116,7 +117,7 @@ Expected<fs::path> put_aside(const fs::path& file) {
     }
     return make_error(
         ErrorKind::kUnavailable,
-        fmt::format("{}: {} damaged ones were kept already", file.string(), kMaxKept));
+        fmt::format("{}: {} damaged files are already kept, delete some", file.string(), kMaxKept));
 }
 
 }  // namespace atrium::world_server

@@ -32,7 +32,7 @@ void read_ends(config::TableReader& reader,
     joint.b = object_b == nullptr ? 0 : object_b->scene.object;
     const bool b_moves = object_b != nullptr && object_b->scene.mass_kg > 0.0;
     if (object_a->scene.mass_kg == 0.0 && !b_moves)
-        reader.reject("a", "must have a mass, or what it is joined to must");
+        reader.reject("a", "must have a mass if b has none");
 }
 
 void read_axis(config::TableReader& reader, physics::Joint& joint, bool is_required) {

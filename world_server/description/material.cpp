@@ -62,10 +62,11 @@ void read_mass(config::TableReader& reader,
     const bool has_density = reader.has("density_kg_per_m3");
     reader.read("mass_kg", mass_kg, {0.0, 1e4});
     if (has_mass && !has_density) return;
-    if (has_mass) return reader.reject("density_kg_per_m3", "must not stand beside mass_kg");
+    if (has_mass)
+        return reader.reject("density_kg_per_m3", "must not be set together with mass_kg");
     if (!has_density && !material.density_kg_per_m3) {
         return reader.reject("mass_kg",
-                             "is missing, or density_kg_per_m3, or a material that has a density");
+                             "is missing: set it, density_kg_per_m3, or a material with a density");
     }
     double density = material.density_kg_per_m3.value_or(0.0);
     reader.read("density_kg_per_m3", density, {1.0, 30'000.0});

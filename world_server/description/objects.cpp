@@ -147,7 +147,7 @@ void read_objects(config::TableReader& reader,
         const auto id = static_cast<std::uint32_t>(objects.size() + 1);
         objects.push_back(read_object(table, id, materials, known));
         const std::string& name = objects.back().scene.name;
-        if (name == "world") table.reject("name", "must not be 'world', which joints name");
+        if (name == "world") table.reject("name", "must not be 'world', which joints use");
         if (!names.insert(name).second) table.reject("name", "must be unique among the objects");
     }
 }

@@ -52,7 +52,7 @@ void read_texture(config::TableReader& reader, std::string& texture) {
     std::error_code failure;
     const std::filesystem::path path = reader.folder() / file;
     if (!std::filesystem::is_regular_file(path, failure))
-        return reader.reject("texture", fmt::format("there is no file {}", path.string()));
+        return reader.reject("texture", fmt::format("file {} does not exist", path.string()));
     texture = file;
 }
 

@@ -191,7 +191,7 @@ std::optional<JointProblem> find_problem(const Joint& joint) {
         return value >= low && value <= high;  // false for NaN
     };
     if (joint.a == 0) return JointProblem{"a", "must be an object"};
-    if (joint.a == joint.b) return JointProblem{"b", "must be another object than a"};
+    if (joint.a == joint.b) return JointProblem{"b", "must differ from a"};
     if (!is_within(joint.anchor_m.cwiseAbs().maxCoeff(), 0.0, kMaxCoordinateM) ||
         !is_within(joint.anchor_b_m.cwiseAbs().maxCoeff(), 0.0, kMaxCoordinateM)) {
         return JointProblem{"anchor_m", "must be within 1000 m"};

@@ -57,7 +57,7 @@ std::optional<ObjectProblem> find_size_problem(const RigidObject& object) {
         return ObjectProblem{"size_m", "must have one diameter: the first two are equal"};
     }
     if (object.shape == ObjectShape::kSphere && std::abs(s.x() - s.z()) > tolerance_m) {
-        return ObjectProblem{"size_m", "must be the diameter thrice for a sphere"};
+        return ObjectProblem{"size_m", "must be three equal diameters for a sphere"};
     }
     if (object.shape == ObjectShape::kCapsule && s.z() < s.x()) {
         return ObjectProblem{"size_m", "must be at least as high as wide for a capsule"};

@@ -55,7 +55,7 @@ std::optional<ObjectProblem> find_size_problem(const SoftObject& object) {
         return ObjectProblem{"spacing_m", "must be 0.01 m to 1 m"};
     }
     if (count_soft_nodes(object) > kMaxSoftNodes) {
-        return ObjectProblem{"spacing_m", "must be so large that there are at most 1500 nodes"};
+        return ObjectProblem{"spacing_m", "must be large enough for at most 1500 nodes"};
     }
     return std::nullopt;
 }

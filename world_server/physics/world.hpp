@@ -77,7 +77,7 @@ enum class IncidentKind : std::uint8_t {
     kLeft,       // left the world's box: returned to its start
     kRemoved     // left the world's box: removed
 };
-/// Returns a predicate for log lines, such as "left the world, and was removed".
+/// Returns a predicate for log lines, such as "left the world and was removed".
 std::string_view describe(IncidentKind kind);
 
 struct Incident {

@@ -66,7 +66,7 @@ TEST_F(SceneCommands, AddGivesAnIdWhereTheSenderHasNone) {
 }
 
 TEST_F(SceneCommands, AddRefusesDuplicatesNonsenseAndAFullWorld) {
-    EXPECT_THAT(add(ball(2)).error().message, HasSubstr("there already"));
+    EXPECT_THAT(add(ball(2)).error().message, HasSubstr("already exists"));
     bus::SceneObject bad = ball(9);
     bad.size_m.setConstant(std::numeric_limits<double>::quiet_NaN());
     EXPECT_FALSE(add(bad));
@@ -82,7 +82,7 @@ TEST_F(SceneCommands, AddRefusesDuplicatesNonsenseAndAFullWorld) {
 
     ASSERT_TRUE(add(ball(10, 1.0)));
     ASSERT_TRUE(add(ball(11, 2.0)));
-    EXPECT_THAT(add(ball(12, 3.0)).error().message, HasSubstr("has its 4 objects"));
+    EXPECT_THAT(add(ball(12, 3.0)).error().message, HasSubstr("has 4 objects"));
 }
 
 TEST_F(SceneCommands, RemoveTakesWhatMovesAndLeavesTheFloor) {

@@ -131,7 +131,7 @@ TEST_F(SoftModelFile, IsRefusedByFileLineAndKey) {
     expect_error("model = \"none.obj\"\n", "5: ", "no such file");
     expect_error("model = \"open.obj\"\n", "5: ", "must be closed");
     expect_error("model = \"inside_out.obj\"\n", "5: ", "face outwards");
-    expect_error("model = \"many.obj\"\n", "5: ", "1500 places at most, many.obj has 1601");
+    expect_error("model = \"many.obj\"\n", "5: ", "1500 distinct vertices, many.obj has 1601");
     expect_error("model = \"wedge.obj\"\nscale = 0.001\n", "6: ", "scale");
     expect_error("", "1: ", "model");
 }

@@ -309,7 +309,7 @@ TEST(SavedScene, ThatNamesAnObjectWhichIsNotThereIsRefusedAsAWhole) {
     saved.added.push_back(config.objects[1].scene);  // id 2, which the description has
     EXPECT_FALSE(Scene::restore(config, saved));
     std::ofstream(config.state_file) << "this is no state";
-    EXPECT_THAT(load_scene(config).error().message, HasSubstr("this is not one"));
+    EXPECT_THAT(load_scene(config).error().message, HasSubstr("not a state file"));
 }
 
 }  // namespace
