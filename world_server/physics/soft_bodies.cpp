@@ -12,8 +12,8 @@
 namespace atrium::physics {
 namespace {
 
-constexpr double kPartS = 1.0 / 480.0;
-constexpr int kMaxParts = 16;
+constexpr double kSubstepS = 1.0 / 480.0;
+constexpr int kMaxSubsteps = 16;
 
 }  // namespace
 
@@ -106,20 +106,20 @@ void SoftBodies::step() {
         surfaces_.push_back(body->surface());
     }
     pairs_.find(surfaces_, btScalar(options_.tick_s));
-    const int num_parts =
-        std::clamp(static_cast<int>(std::lround(options_.tick_s / kPartS)), 1, kMaxParts);
-    const btScalar part_s = btScalar(options_.tick_s) / btScalar(num_parts);
-    for (int i = 1; i <= num_parts; ++i) {
-        const SoftPart part{part_s, part_s * btScalar(num_parts - i)};
-        for (auto& [id, body] : bodies_) body->begin_part(part);
-        pairs_.begin_part();
-        for (int pass = 0; pass < kSoftPasses; ++pass) {
-            for (auto& [id, body] : bodies_) body->solve(part, pass);
-            pairs_.solve(part.left_s);
+    const int num_substeps =
+        std::clamp(static_cast<int>(std::lround(options_.tick_s / kSubstepS)), 1, kMaxSubsteps);
+    const btScalar substep_s = btScalar(options_.tick_s) / btScalar(num_substeps);
+    for (int i = 1; i <= num_substeps; ++i) {
+        const SoftSubstep substep{substep_s, substep_s * btScalar(num_substeps - i)};
+        for (auto& [id, body] : bodies_) body->begin_substep(substep);
+        pairs_.begin_substep();
+        for (int iteration = 0; iteration < kSoftIterations; ++iteration) {
+            for (auto& [id, body] : bodies_) body->solve(substep, iteration);
+            pairs_.solve(substep.left_s);
         }
-        for (auto& [id, body] : bodies_) body->end_part(part);
-        pairs_.end_part();
-        tied_.end_part(part_s);
+        for (auto& [id, body] : bodies_) body->end_substep(substep);
+        pairs_.end_substep();
+        tied_.end_substep(substep_s);
     }
     tied_.end_tick();
     for (auto& [id, body] : bodies_) body->end_tick();

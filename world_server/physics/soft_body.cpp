@@ -184,35 +184,35 @@ SoftSurface SoftBody::surface() {
     return surface;
 }
 
-void SoftBody::begin_part(const SoftPart& part) {
+void SoftBody::begin_substep(const SoftSubstep& substep) {
     drives_.apply(*body_);
-    move_freely(part.part_s);
-    contacts_.begin_part();
-    pulls_.begin_part();
+    move_freely(substep.substep_s);
+    contacts_.begin_substep();
+    pulls_.begin_substep();
     if (volume_) volume_->match_shape();
 }
 
-void SoftBody::solve(const SoftPart& part, int pass) {
+void SoftBody::solve(const SoftSubstep& substep, int iteration) {
     const int num_rounds = object_.shape == SoftShape::kRope ? kRopeRounds : 1;
     for (int round = 0; round < num_rounds; ++round) {
         btSoftBody::PSolve_Links(body_.get(), 1, 0);
-        if (volume_ && pass == 0) volume_->keep_volume();
-        ties_.solve(*body_, part.part_s, part.left_s);
-        pulls_.solve(*body_, part.part_s, contact_options_.tick_s - part.left_s);
-        contacts_.solve(*body_, part.part_s, part.left_s, contact_options_);
+        if (volume_ && iteration == 0) volume_->keep_volume();
+        ties_.solve(*body_, substep.substep_s, substep.left_s);
+        pulls_.solve(*body_, substep.substep_s, contact_options_.tick_s - substep.left_s);
+        contacts_.solve(*body_, substep.substep_s, substep.left_s, contact_options_);
     }
 }
 
-void SoftBody::end_part(const SoftPart& part) {
+void SoftBody::end_substep(const SoftSubstep& substep) {
     const btScalar max_speed = btScalar(options_.max_speed_mps);
     for (int i = 0; i < body_->m_nodes.size(); ++i) {
         btSoftBody::Node& node = body_->m_nodes[i];
         const bool is_taut = taut_[static_cast<std::size_t>(i)] != 0;
         const btScalar most = is_taut ? std::max(kSnapMps, node.m_v.length()) : max_speed;
-        node.m_v = slowed((node.m_x - node.m_q) / part.part_s, std::min(most, max_speed));
+        node.m_v = slowed((node.m_x - node.m_q) / substep.substep_s, std::min(most, max_speed));
     }
-    contacts_.end_part(*body_, part.part_s, contact_options_);
-    ties_.end_part(part.part_s);
+    contacts_.end_substep(*body_, substep.substep_s, contact_options_);
+    ties_.end_substep(substep.substep_s);
 }
 
 void SoftBody::end_tick() {
@@ -278,9 +278,9 @@ void SoftBody::find_bounds() {
     body_->m_bounds[1] = high + btVector3(reach, reach, reach);
 }
 
-void SoftBody::move_freely(btScalar part_s) {
-    const btVector3 fall = to_bullet(options_.gravity) * part_s;
-    const btScalar kept = std::exp(-btScalar(object_.damping_hz) * part_s);
+void SoftBody::move_freely(btScalar substep_s) {
+    const btVector3 fall = to_bullet(options_.gravity) * substep_s;
+    const btScalar kept = std::exp(-btScalar(object_.damping_hz) * substep_s);
     const btScalar max_speed = btScalar(options_.max_speed_mps);
     for (int i = 0; i < body_->m_nodes.size(); ++i) {
         btSoftBody::Node& node = body_->m_nodes[i];
@@ -290,7 +290,7 @@ void SoftBody::move_freely(btScalar part_s) {
             continue;
         }
         node.m_v = slowed((node.m_v + fall) * kept, max_speed);
-        node.m_x += node.m_v * part_s;
+        node.m_x += node.m_v * substep_s;
     }
 }
 

@@ -27,13 +27,13 @@ struct btSoftBodyWorldInfo;
 namespace atrium::physics {
 
 /// A substep of a tick.
-struct SoftPart {
-    btScalar part_s = 0;  // length
-    btScalar left_s = 0;  // from the end of the substep to the end of the tick
+struct SoftSubstep {
+    btScalar substep_s = 0;  // length
+    btScalar left_s = 0;     // from the end of the substep to the end of the tick
 };
 
 /// Solver iterations per substep.
-inline constexpr int kSoftPasses = 2;
+inline constexpr int kSoftIterations = 2;
 
 /// One soft object of the world.
 ///
@@ -71,11 +71,11 @@ public:
     }
 
     // Order of calls in a tick, after the tick of the rigid bodies: begin_tick; for each substep
-    // begin_part, kSoftPasses times solve, end_part; then end_tick.
+    // begin_substep, kSoftIterations times solve, end_substep; then end_tick.
     void begin_tick(const SoftSurroundings& surroundings, TiedBodies& tied);
-    void begin_part(const SoftPart& part);
-    void solve(const SoftPart& part, int pass);
-    void end_part(const SoftPart& part);
+    void begin_substep(const SoftSubstep& substep);
+    void solve(const SoftSubstep& substep, int iteration);
+    void end_substep(const SoftSubstep& substep);
     void end_tick();
 
     /// Surface for contacts with other soft bodies in this tick. Call after begin_tick.
@@ -102,7 +102,7 @@ private:
     void find_stretched();
     void resist_folds();
     void find_bounds();
-    void move_freely(btScalar part_s);
+    void move_freely(btScalar substep_s);
     void damp_links(btScalar seconds);
     void calm_down(btScalar seconds);
     void limit_speeds();

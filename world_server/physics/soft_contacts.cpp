@@ -243,7 +243,7 @@ void SoftContacts::find_with_mesh(const btSoftBody& soft,
     }
 }
 
-void SoftContacts::begin_part() {
+void SoftContacts::begin_substep() {
     for (SoftContact& c : contacts_) {
         c.pressed = 0;
         c.held.setZero();
@@ -251,7 +251,7 @@ void SoftContacts::begin_part() {
 }
 
 void SoftContacts::solve(btSoftBody& soft,
-                         btScalar part_s,
+                         btScalar substep_s,
                          btScalar left_s,
                          const SoftContactOptions& options) {
     const btScalar done_s = options.tick_s - left_s;
@@ -268,7 +268,7 @@ void SoftContacts::solve(btSoftBody& soft,
         const btScalar allowed = -std::max(btScalar(0), c.depth - options.recovery_mps * done_s);
         const btVector3 velocity = velocity_of(c);
         const btScalar height = c.normal.dot(x - c.point + c.velocity * left_s) - c.shift -
-                                c.normal.dot(velocity - c.velocity) * part_s;
+                                c.normal.dot(velocity - c.velocity) * substep_s;
         btVector3 impulse(0, 0, 0);
         if (height < allowed) {
             const btScalar push = (allowed - height) / (own_share + c.body_share);
@@ -276,7 +276,7 @@ void SoftContacts::solve(btSoftBody& soft,
             impulse = c.normal * push;
         }
         if (c.pressed <= 0) continue;
-        btVector3 slip = x + impulse * own_share - q - velocity * part_s;
+        btVector3 slip = x + impulse * own_share - q - velocity * substep_s;
         slip -= c.normal * c.normal.dot(slip);
         // bounds the friction of a substep by its total pressure
         const btVector3 wanted = c.held - slip / (own_share + c.body_share);
@@ -286,14 +286,16 @@ void SoftContacts::solve(btSoftBody& soft,
         impulse += held - c.held;
         c.held = held;
         move(soft, c.sample, impulse);
-        if (c.body != nullptr) c.body->applyImpulse(-impulse / part_s, c.arm);
+        if (c.body != nullptr) c.body->applyImpulse(-impulse / substep_s, c.arm);
     }
 }
 
-void SoftContacts::end_part(btSoftBody& soft, btScalar part_s, const SoftContactOptions& options) {
+void SoftContacts::end_substep(btSoftBody& soft,
+                               btScalar substep_s,
+                               const SoftContactOptions& options) {
     for (SoftContact& c : contacts_) {
         const btVector3 velocity = velocity_of(c);
-        c.shift += c.normal.dot(velocity - c.velocity) * part_s;
+        c.shift += c.normal.dot(velocity - c.velocity) * substep_s;
         if (c.pressed <= 0) continue;
         if (c.body != nullptr) c.body->activate();
         if (c.depth <= 0) continue;

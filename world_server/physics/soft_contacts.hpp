@@ -72,17 +72,17 @@ public:
               const PeopleField* people,
               const std::vector<btRigidBody*>& bodies,
               const SoftContactOptions& options);
-    // For each equal substep of the tick: begin_part, solve any number of times, end_part.
-    void begin_part();
+    // For each equal substep of the tick: begin_substep, solve any number of times, end_substep.
+    void begin_substep();
     /// Moves the nodes out of penetrated surfaces. `left_s`: from the end of this substep to the
     /// end of the tick.
     void solve(btSoftBody& soft,
-               btScalar part_s,
+               btScalar substep_s,
                btScalar left_s,
                const SoftContactOptions& options);
     /// Call when the velocities of the substep are known. Removes the speed that resolving a
     /// penetration has added.
-    void end_part(btSoftBody& soft, btScalar part_s, const SoftContactOptions& options);
+    void end_substep(btSoftBody& soft, btScalar substep_s, const SoftContactOptions& options);
 
     std::size_t num_person_contacts() const { return num_person_contacts_; }
 

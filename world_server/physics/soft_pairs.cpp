@@ -119,7 +119,7 @@ void SoftPairs::find_with(const SoftSurface& sampled, const SoftSurface& faced, 
     }
 }
 
-void SoftPairs::begin_part() {
+void SoftPairs::begin_substep() {
     for (Contact& c : contacts_) {
         c.pressed = 0;
         c.held.setZero();
@@ -154,7 +154,7 @@ void SoftPairs::solve(btScalar left_s) {
     }
 }
 
-void SoftPairs::end_part() {
+void SoftPairs::end_substep() {
     for (const Contact& c : contacts_) {
         if (c.pressed <= 0 || c.depth_m <= 0) continue;
         const btScalar out = c.normal.dot(motion_of(*c.body[0], c.place[0]).velocity -

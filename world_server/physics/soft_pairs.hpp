@@ -34,13 +34,13 @@ public:
     /// Detects contacts. The order of `surfaces` must be the same in every tick. The data they
     /// point to must exist until the end of the tick.
     void find(std::span<const SoftSurface> surfaces, btScalar tick_s);
-    // For each equal substep of the tick: begin_part, solve any number of times, end_part.
-    void begin_part();
+    // For each equal substep of the tick: begin_substep, solve any number of times, end_substep.
+    void begin_substep();
     /// `left_s`: from the end of this substep to the end of the tick.
     void solve(btScalar left_s);
     /// Call when the velocities of the substep are known. Removes the speed that resolving a
     /// penetration has added.
-    void end_part();
+    void end_substep();
 
     std::size_t num_contacts() const { return contacts_.size(); }
 

@@ -60,11 +60,11 @@ void SoftPulls::begin_tick(const btSoftBody& soft) {
     for (Pull& pull : pulls_) pull.start = place_of(soft, pull.handle);
 }
 
-void SoftPulls::begin_part() {
+void SoftPulls::begin_substep() {
     for (Pull& pull : pulls_) pull.given.setZero();
 }
 
-void SoftPulls::solve(btSoftBody& soft, btScalar part_s, btScalar done_s) {
+void SoftPulls::solve(btSoftBody& soft, btScalar substep_s, btScalar done_s) {
     for (Pull& pull : pulls_) {
         const SoftHandle& handle = pull.handle;
         btScalar share = 0;
@@ -75,7 +75,7 @@ void SoftPulls::solve(btSoftBody& soft, btScalar part_s, btScalar done_s) {
         const btVector3 missing = pull.start + pull.velocity * done_s - place_of(soft, handle);
         // bounds the sum over all iterations of a substep by the force
         btVector3 given = pull.given + missing / share;
-        const btScalar most = pull.max_force_n * part_s * part_s;
+        const btScalar most = pull.max_force_n * substep_s * substep_s;
         const btScalar size = given.length();
         if (size > most) given *= most / size;
         const btVector3 impulse = given - pull.given;

@@ -29,11 +29,11 @@ public:
     void add(const SoftHandle& handle, const btVector3& velocity, btScalar max_force_n);
     bool empty() const { return pulls_.empty(); }
 
-    // For each equal substep of the tick: begin_part, then solve any number of times. `done_s`:
+    // For each equal substep of the tick: begin_substep, then solve any number of times. `done_s`:
     // from the start of the tick to the end of the substep.
     void begin_tick(const btSoftBody& soft);
-    void begin_part();
-    void solve(btSoftBody& soft, btScalar part_s, btScalar done_s);
+    void begin_substep();
+    void solve(btSoftBody& soft, btScalar substep_s, btScalar done_s);
     /// Call after the last substep. Damps motion relative to the handle: what hangs from it comes
     /// to rest.
     void damp_swing(btSoftBody& soft, btScalar tick_s) const;

@@ -14,10 +14,10 @@ void TiedBodies::add(btRigidBody& body) {
     bodies_.push_back({&body, body.getLinearVelocity(), body.getAngularVelocity(), none, none});
 }
 
-void TiedBodies::end_part(btScalar part_s) {
+void TiedBodies::end_substep(btScalar substep_s) {
     for (Body& b : bodies_) {
-        b.moved += (b.body->getLinearVelocity() - b.velocity) * part_s;
-        b.turned += (b.body->getAngularVelocity() - b.spin) * part_s;
+        b.moved += (b.body->getLinearVelocity() - b.velocity) * substep_s;
+        b.turned += (b.body->getAngularVelocity() - b.spin) * substep_s;
     }
 }
 
@@ -58,14 +58,14 @@ void SoftTies::begin_tick(TiedBodies& bodies) {
     }
 }
 
-void SoftTies::solve(btSoftBody& soft, btScalar part_s, btScalar left_s) {
+void SoftTies::solve(btSoftBody& soft, btScalar substep_s, btScalar left_s) {
     for (Tie& tie : ties_) {
         btSoftBody::Node& node = soft.m_nodes[static_cast<int>(tie.node)];
         const btTransform& pose = tie.body->getWorldTransform();
         const btVector3 arm = pose.getBasis() * tie.place;
         const btVector3 gained = tie.body->getVelocityInLocalPoint(arm) - tie.velocity;
         const btVector3 place =
-            pose.getOrigin() + arm - tie.velocity * left_s + tie.shift + gained * part_s;
+            pose.getOrigin() + arm - tie.velocity * left_s + tie.shift + gained * substep_s;
         // motion of node and place against each other per impulse
         const btScalar share = node.m_im + tie.body->getInvMass();
         btMatrix3x3 cross;
@@ -77,16 +77,16 @@ void SoftTies::solve(btSoftBody& soft, btScalar part_s, btScalar left_s) {
         const btVector3 impulse = apart.inverse() * (place - node.m_x);
         node.m_x += impulse * node.m_im;
         if (tie.body->getInvMass() > 0) {
-            tie.body->applyImpulse(-impulse / part_s, arm);
+            tie.body->applyImpulse(-impulse / substep_s, arm);
             tie.body->activate();
         }
     }
 }
 
-void SoftTies::end_part(btScalar part_s) {
+void SoftTies::end_substep(btScalar substep_s) {
     for (Tie& tie : ties_) {
         const btVector3 arm = tie.body->getWorldTransform().getBasis() * tie.place;
-        tie.shift += (tie.body->getVelocityInLocalPoint(arm) - tie.velocity) * part_s;
+        tie.shift += (tie.body->getVelocityInLocalPoint(arm) - tie.velocity) * substep_s;
     }
 }
 

@@ -21,11 +21,11 @@ namespace atrium::physics {
 /// anchors by one tick and start to oscillate.
 class TiedBodies {
 public:
-    // Order of calls in a tick: begin_tick; add for each body, once or more; end_part after each
+    // Order of calls in a tick: begin_tick; add for each body, once or more; end_substep after each
     // substep; end_tick.
     void begin_tick() { bodies_.clear(); }
     void add(btRigidBody& body);
-    void end_part(btScalar part_s);
+    void end_substep(btScalar substep_s);
     void end_tick();
 
 private:
@@ -48,11 +48,11 @@ public:
     /// True if any node is anchored to `body`.
     bool hold(const btRigidBody& body) const;
 
-    // For each equal substep of the tick: solve any number of times, then end_part.
+    // For each equal substep of the tick: solve any number of times, then end_substep.
     void begin_tick(TiedBodies& bodies);
     /// `left_s`: from the end of this substep to the end of the tick.
-    void solve(btSoftBody& soft, btScalar part_s, btScalar left_s);
-    void end_part(btScalar part_s);
+    void solve(btSoftBody& soft, btScalar substep_s, btScalar left_s);
+    void end_substep(btScalar substep_s);
     /// Call at the end of the tick. Limits the speed of the bodies anchored to marked nodes (one
     /// mark per node) to `most_mps`, or to the speed at the start of the tick if that was higher.
     void limit(std::span<const std::uint8_t> marks, btScalar most_mps);
