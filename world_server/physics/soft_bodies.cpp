@@ -49,7 +49,7 @@ AddResult SoftBodies::add(const SoftObject& object,
     if (contains(object.id)) return AddResult::kIdInUse;
     if (num_nodes_ + count_soft_nodes(object) > kMaxSoftNodesTotal) return AddResult::kWorldFull;
     auto body = std::make_unique<SoftBody>(object, world.getWorldInfo(), options_);
-    if (!body->tie(find)) return AddResult::kInvalid;
+    if (!body->attach(find)) return AddResult::kInvalid;
     // no group and no mask: the soft body finds its contacts itself
     world.addSoftBody(&body->body(), 0, 0);
     num_nodes_ += body->num_nodes();
@@ -72,8 +72,8 @@ void SoftBodies::clear(btSoftRigidDynamicsWorld& world) {
     num_nodes_ = 0;
 }
 
-void SoftBodies::untie(const btRigidBody& body) {
-    for (auto& [id, soft] : bodies_) soft->untie(body);
+void SoftBodies::detach(const btRigidBody& body) {
+    for (auto& [id, soft] : bodies_) soft->detach(body);
 }
 
 void SoftBodies::reset() {
@@ -100,9 +100,9 @@ std::vector<btRigidBody*>& SoftBodies::begin_tick(const PeopleField& people) {
 // Steps all soft bodies together, substep by substep: they can push each other.
 void SoftBodies::step() {
     surfaces_.clear();
-    tied_.begin_tick();
+    anchored_.begin_tick();
     for (auto& [id, body] : bodies_) {
-        body->begin_tick(surroundings_, tied_);
+        body->begin_tick(surroundings_, anchored_);
         surfaces_.push_back(body->surface());
     }
     pairs_.find(surfaces_, btScalar(options_.tick_s));
@@ -119,9 +119,9 @@ void SoftBodies::step() {
         }
         for (auto& [id, body] : bodies_) body->end_substep(substep);
         pairs_.end_substep();
-        tied_.end_substep(substep_s);
+        anchored_.end_substep(substep_s);
     }
-    tied_.end_tick();
+    anchored_.end_tick();
     for (auto& [id, body] : bodies_) body->end_tick();
 }
 

@@ -40,7 +40,7 @@ public:
                   const std::function<btRigidBody*(std::uint32_t id)>& find);
     bool remove(std::uint32_t id, btSoftRigidDynamicsWorld& world);  // false if the id is unknown
     void clear(btSoftRigidDynamicsWorld& world);
-    void untie(const btRigidBody& body);
+    void detach(const btRigidBody& body);
     void reset();
     /// See `World::push`.
     bool push(std::uint32_t id, const Eigen::Vector3d& impulse_ns);
@@ -68,7 +68,7 @@ private:
     std::map<std::uint32_t, std::unique_ptr<SoftBody>> bodies_;
     SoftSurroundings surroundings_;
     SoftPairs pairs_;
-    TiedBodies tied_;
+    AnchoredBodies anchored_;
     std::vector<std::uint32_t> left_;    // scratch
     std::vector<SoftSurface> surfaces_;  // scratch
     std::size_t num_nodes_ = 0;

@@ -125,23 +125,23 @@ void SoftBody::make_samples() {
     }
 }
 
-bool SoftBody::tie(const std::function<btRigidBody*(std::uint32_t id)>& find) {
-    SoftTies ties;
+bool SoftBody::attach(const std::function<btRigidBody*(std::uint32_t id)>& find) {
+    SoftAnchors anchors;
     for (const SoftPin& pin : object_.pins) {
         if (pin.object_id == 0) continue;
         btRigidBody* body = find(pin.object_id);
         if (body == nullptr) return false;
         for (const std::uint32_t node : nodes_at(mesh_, object_, pin)) {
-            ties.tie(*body_, node, *body);
+            anchors.attach(*body_, node, *body);
         }
     }
-    ties_ = std::move(ties);
+    anchors_ = std::move(anchors);
     return true;
 }
 
-void SoftBody::untie(const btRigidBody& body) { ties_.untie(body); }
+void SoftBody::detach(const btRigidBody& body) { anchors_.detach(body); }
 
-void SoftBody::begin_tick(const SoftSurroundings& surroundings, TiedBodies& tied) {
+void SoftBody::begin_tick(const SoftSurroundings& surroundings, AnchoredBodies& anchored) {
     find_stretched();
     resist_folds();
     find_bounds();
@@ -162,9 +162,9 @@ void SoftBody::begin_tick(const SoftSurroundings& surroundings, TiedBodies& tied
     // bodies anchored to its nodes touch them: contacts with them would fight the anchors
     loose_bodies_.clear();
     for (btRigidBody* body : surroundings.bodies)
-        if (!ties_.hold(*body)) loose_bodies_.push_back(body);
+        if (!anchors_.is_attached_to(*body)) loose_bodies_.push_back(body);
     contacts_.find(*body_, skin, people, loose_bodies_, contact_options_);
-    ties_.begin_tick(tied);
+    anchors_.begin_tick(anchored);
     pulls_.begin_tick(*body_);
 }
 
@@ -197,7 +197,7 @@ void SoftBody::solve(const SoftSubstep& substep, int iteration) {
     for (int round = 0; round < num_rounds; ++round) {
         btSoftBody::PSolve_Links(body_.get(), 1, 0);
         if (volume_ && iteration == 0) volume_->keep_volume();
-        ties_.solve(*body_, substep.substep_s, substep.left_s);
+        anchors_.solve(*body_, substep.substep_s, substep.left_s);
         pulls_.solve(*body_, substep.substep_s, contact_options_.tick_s - substep.left_s);
         contacts_.solve(*body_, substep.substep_s, substep.left_s, contact_options_);
     }
@@ -212,7 +212,7 @@ void SoftBody::end_substep(const SoftSubstep& substep) {
         node.m_v = slowed((node.m_x - node.m_q) / substep.substep_s, std::min(most, max_speed));
     }
     contacts_.end_substep(*body_, substep.substep_s, contact_options_);
-    ties_.end_substep(substep.substep_s);
+    anchors_.end_substep(substep.substep_s);
 }
 
 void SoftBody::end_tick() {
@@ -220,7 +220,7 @@ void SoftBody::end_tick() {
     if (volume_) pulls_.damp_swing(*body_, contact_options_.tick_s);
     pulls_.end_tick();
     calm_down(contact_options_.tick_s);
-    ties_.limit(taut_, kSnapMps);
+    anchors_.limit(taut_, kSnapMps);
     // each end of a link can have gained the other's speed
     limit_speeds();
     const btScalar extent = (body_->m_bounds[1] - body_->m_bounds[0]).length();

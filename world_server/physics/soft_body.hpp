@@ -1,12 +1,12 @@
 #pragma once
 
+#include "world_server/physics/soft_anchors.hpp"
 #include "world_server/physics/soft_contacts.hpp"
 #include "world_server/physics/soft_drives.hpp"
 #include "world_server/physics/soft_mesh.hpp"
 #include "world_server/physics/soft_object.hpp"
 #include "world_server/physics/soft_pairs.hpp"
 #include "world_server/physics/soft_pulls.hpp"
-#include "world_server/physics/soft_ties.hpp"
 #include "world_server/physics/soft_volume.hpp"
 #include "world_server/physics/world.hpp"
 
@@ -61,9 +61,9 @@ public:
 
     /// Attaches the nodes of all pins that name an object. If `find` does not know an object,
     /// returns false and attaches nothing.
-    bool tie(const std::function<btRigidBody*(std::uint32_t id)>& find);
+    bool attach(const std::function<btRigidBody*(std::uint32_t id)>& find);
     /// Detaches from a body that is about to be removed.
-    void untie(const btRigidBody& body);
+    void detach(const btRigidBody& body);
 
     /// Drives a handle in the coming tick; see `SoftPulls::add`.
     void pull(const SoftHandle& handle, const btVector3& velocity, btScalar max_force_n) {
@@ -72,7 +72,7 @@ public:
 
     // Order of calls in a tick, after the tick of the rigid bodies: begin_tick; for each substep
     // begin_substep, kSoftIterations times solve, end_substep; then end_tick.
-    void begin_tick(const SoftSurroundings& surroundings, TiedBodies& tied);
+    void begin_tick(const SoftSurroundings& surroundings, AnchoredBodies& anchored);
     void begin_substep(const SoftSubstep& substep);
     void solve(const SoftSubstep& substep, int iteration);
     void end_substep(const SoftSubstep& substep);
@@ -115,7 +115,7 @@ private:
     std::optional<SoftVolume> volume_;  // empty for cloth and rope
     std::vector<btVector3> start_;      // one per node
     std::vector<SoftSample> samples_;
-    SoftTies ties_;
+    SoftAnchors anchors_;
     SoftPulls pulls_;
     SoftContacts contacts_;
     std::vector<btRigidBody*> loose_bodies_;  // scratch: bodies without an anchor of this object

@@ -99,7 +99,7 @@ bool World::Impl::remove(std::uint32_t id) {
     const auto found_at = objects.find(id);
     if (found_at != objects.end()) {
         btRigidBody& body = found_at->second->body();
-        soft.untie(body);
+        soft.detach(body);
         joints.remove_of(id);
         contacts.remove(id);
         world.removeRigidBody(&body);

@@ -19,7 +19,7 @@ namespace atrium::physics {
 /// The soft solver runs after the rigid bodies have completed their tick. The velocity that they
 /// gain from anchors must still move them in this tick. Otherwise they would lag behind their
 /// anchors by one tick and start to oscillate.
-class TiedBodies {
+class AnchoredBodies {
 public:
     // Order of calls in a tick: begin_tick; add for each body, once or more; end_substep after each
     // substep; end_tick.
@@ -38,18 +38,18 @@ private:
 };
 
 /// Anchors nodes of one soft body to rigid bodies. Forces act on both.
-class SoftTies {
+class SoftAnchors {
 public:
     /// Anchors a node at its current place in the body's frame. Both must outlive this, or the body
-    /// must exist until `untie`.
-    void tie(const btSoftBody& soft, std::uint32_t node, btRigidBody& body);
+    /// must exist until `detach`.
+    void attach(const btSoftBody& soft, std::uint32_t node, btRigidBody& body);
     /// Removes the anchors of a body that is about to be removed.
-    void untie(const btRigidBody& body);
+    void detach(const btRigidBody& body);
     /// True if any node is anchored to `body`.
-    bool hold(const btRigidBody& body) const;
+    bool is_attached_to(const btRigidBody& body) const;
 
     // For each equal substep of the tick: solve any number of times, then end_substep.
-    void begin_tick(TiedBodies& bodies);
+    void begin_tick(AnchoredBodies& bodies);
     /// `left_s`: from the end of this substep to the end of the tick.
     void solve(btSoftBody& soft, btScalar substep_s, btScalar left_s);
     void end_substep(btScalar substep_s);
@@ -58,14 +58,14 @@ public:
     void limit(std::span<const std::uint8_t> marks, btScalar most_mps);
 
 private:
-    struct Tie {
+    struct Anchor {
         std::uint32_t node = 0;
         btRigidBody* body = nullptr;
         btVector3 place;     // in the body's frame
         btVector3 velocity;  // of that place at the start of the tick
         btVector3 shift;     // [m] motion by the velocity gained since
     };
-    std::vector<Tie> ties_;
+    std::vector<Anchor> anchors_;
 };
 
 }  // namespace atrium::physics

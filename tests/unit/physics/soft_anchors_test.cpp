@@ -39,7 +39,7 @@ double fastest_within(Stage& stage, double seconds) {
     return fastest;
 }
 
-TEST(SoftTies, AWeightOnARopeComesToRest) {
+TEST(SoftAnchors, AWeightOnARopeComesToRest) {
     for (const double mass_kg : {0.05, 0.4, 7.0}) {
         for (const Eigen::Vector2d& at : {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(0.5, 1.3)}) {
             Stage stage;
@@ -60,7 +60,7 @@ TEST(SoftTies, AWeightOnARopeComesToRest) {
     }
 }
 
-TEST(SoftTies, APendulumDoesNotSwingItselfUp) {
+TEST(SoftAnchors, APendulumDoesNotSwingItselfUp) {
     for (const double mass_kg : {0.05, 0.4, 7.0}) {
         for (const double slant_rad : {0.2, 0.52, 1.2}) {
             Stage stage;
@@ -87,7 +87,7 @@ TEST(SoftTies, APendulumDoesNotSwingItselfUp) {
     }
 }
 
-TEST(SoftTies, ABarAtTheFootOfAClothComesToRest) {
+TEST(SoftAnchors, ABarAtTheFootOfAClothComesToRest) {
     for (const double mass_kg : {0.1, 0.5, 3.0}) {
         Stage stage;
         SoftObject cloth = curtain_at({0.4, -0.3, 1.5});
@@ -107,7 +107,7 @@ TEST(SoftTies, ABarAtTheFootOfAClothComesToRest) {
 }
 
 // As where somebody takes the weight of a swing along until it slips out of her hands.
-TEST(SoftTies, DoNotFlingWhatHangsOnARope) {
+TEST(SoftAnchors, DoNotFlingWhatHangsOnARope) {
     Stage stage;
     add_pendulum(stage, {0, 0, 2.2}, 0.4, 0.0);
     stage.run(1.0);
