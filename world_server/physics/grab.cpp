@@ -133,7 +133,7 @@ void Grabs::pull(const Grab& grab, SoftBody& soft, double gravity) const {
     const Eigen::Vector3d place = from_bullet(place_of(soft.body(), grab.handle));
     const Eigen::Vector3d wanted = wanted_velocity(grab.goal_world - place, mass_kg, gravity);
     if (!wanted.allFinite()) return;
-    soft.pull(grab.handle, to_bullet(wanted), btScalar(max_force_n(mass_kg)));
+    soft.drive(grab.handle, to_bullet(wanted), btScalar(max_force_n(mass_kg)));
 }
 
 void Grabs::pull(const Grab& grab, btRigidBody& body) const {

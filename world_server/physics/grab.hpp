@@ -1,6 +1,6 @@
 #pragma once
 
-#include "world_server/physics/soft_pulls.hpp"
+#include "world_server/physics/soft_motors.hpp"
 
 #include <Eigen/Core>
 

@@ -165,7 +165,7 @@ void SoftBody::begin_tick(const SoftSurroundings& surroundings, AnchoredBodies& 
         if (!anchors_.is_attached_to(*body)) loose_bodies_.push_back(body);
     contacts_.find(*body_, skin, people, loose_bodies_, contact_options_);
     anchors_.begin_tick(anchored);
-    pulls_.begin_tick(*body_);
+    motors_.begin_tick(*body_);
 }
 
 SoftSurface SoftBody::surface() {
@@ -188,7 +188,7 @@ void SoftBody::begin_substep(const SoftSubstep& substep) {
     drives_.apply(*body_);
     move_freely(substep.substep_s);
     contacts_.begin_substep();
-    pulls_.begin_substep();
+    motors_.begin_substep();
     if (volume_) volume_->match_shape();
 }
 
@@ -198,7 +198,7 @@ void SoftBody::solve(const SoftSubstep& substep, int iteration) {
         btSoftBody::PSolve_Links(body_.get(), 1, 0);
         if (volume_ && iteration == 0) volume_->keep_volume();
         anchors_.solve(*body_, substep.substep_s, substep.left_s);
-        pulls_.solve(*body_, substep.substep_s, contact_options_.tick_s - substep.left_s);
+        motors_.solve(*body_, substep.substep_s, contact_options_.tick_s - substep.left_s);
         contacts_.solve(*body_, substep.substep_s, substep.left_s, contact_options_);
     }
 }
@@ -217,8 +217,8 @@ void SoftBody::end_substep(const SoftSubstep& substep) {
 
 void SoftBody::end_tick() {
     volume_ ? volume_->damp_inside(contact_options_.tick_s) : damp_links(contact_options_.tick_s);
-    if (volume_) pulls_.damp_swing(*body_, contact_options_.tick_s);
-    pulls_.end_tick();
+    if (volume_) motors_.damp_swing(*body_, contact_options_.tick_s);
+    motors_.end_tick();
     calm_down(contact_options_.tick_s);
     anchors_.limit(taut_, kSnapMps);
     // each end of a link can have gained the other's speed

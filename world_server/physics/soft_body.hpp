@@ -4,9 +4,9 @@
 #include "world_server/physics/soft_contacts.hpp"
 #include "world_server/physics/soft_drives.hpp"
 #include "world_server/physics/soft_mesh.hpp"
+#include "world_server/physics/soft_motors.hpp"
 #include "world_server/physics/soft_object.hpp"
 #include "world_server/physics/soft_pairs.hpp"
-#include "world_server/physics/soft_pulls.hpp"
 #include "world_server/physics/soft_volume.hpp"
 #include "world_server/physics/world.hpp"
 
@@ -65,9 +65,9 @@ public:
     /// Detaches from a body that is about to be removed.
     void detach(const btRigidBody& body);
 
-    /// Drives a handle in the coming tick; see `SoftPulls::add`.
-    void pull(const SoftHandle& handle, const btVector3& velocity, btScalar max_force_n) {
-        pulls_.add(handle, velocity, max_force_n);
+    /// Drives a handle in the coming tick; see `SoftMotors::add`.
+    void drive(const SoftHandle& handle, const btVector3& velocity, btScalar max_force_n) {
+        motors_.add(handle, velocity, max_force_n);
     }
 
     // Order of calls in a tick, after the tick of the rigid bodies: begin_tick; for each substep
@@ -116,7 +116,7 @@ private:
     std::vector<btVector3> start_;      // one per node
     std::vector<SoftSample> samples_;
     SoftAnchors anchors_;
-    SoftPulls pulls_;
+    SoftMotors motors_;
     SoftContacts contacts_;
     std::vector<btRigidBody*> loose_bodies_;  // scratch: bodies without an anchor of this object
     SoftDrives drives_;  // pushes of people whose surface is inside the volume, for this tick

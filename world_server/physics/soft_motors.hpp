@@ -23,11 +23,11 @@ SoftHandle handle_at(const btSoftBody& soft, const btVector3& point);
 btVector3 place_of(const btSoftBody& soft, const SoftHandle& handle);
 
 /// Velocity motors: drive each handle of one soft body to a velocity with a bounded force.
-class SoftPulls {
+class SoftMotors {
 public:
     /// Adds a motor for the coming tick. `velocity` [m/s]: target velocity of the held point.
     void add(const SoftHandle& handle, const btVector3& velocity, btScalar max_force_n);
-    bool empty() const { return pulls_.empty(); }
+    bool empty() const { return motors_.empty(); }
 
     // For each equal substep of the tick: begin_substep, then solve any number of times. `done_s`:
     // from the start of the tick to the end of the substep.
@@ -37,17 +37,17 @@ public:
     /// Call after the last substep. Damps motion relative to the handle: what hangs from it comes
     /// to rest.
     void damp_swing(btSoftBody& soft, btScalar tick_s) const;
-    void end_tick() { pulls_.clear(); }
+    void end_tick() { motors_.clear(); }
 
 private:
-    struct Pull {
+    struct Motor {
         SoftHandle handle;
         btVector3 velocity;
         btScalar max_force_n = 0;
         btVector3 start{0, 0, 0};  // [m] held point at the start of the tick
         btVector3 given{0, 0, 0};  // [kg m] given in this substep
     };
-    std::vector<Pull> pulls_;
+    std::vector<Motor> motors_;
 };
 
 }  // namespace atrium::physics

@@ -1,4 +1,4 @@
-#include "world_server/physics/soft_pulls.hpp"
+#include "world_server/physics/soft_motors.hpp"
 
 #include <BulletSoftBody/btSoftBody.h>
 
@@ -52,34 +52,34 @@ btVector3 place_of(const btSoftBody& soft, const SoftHandle& handle) {
     return place;
 }
 
-void SoftPulls::add(const SoftHandle& handle, const btVector3& velocity, btScalar max_force_n) {
-    pulls_.push_back({handle, velocity, max_force_n});
+void SoftMotors::add(const SoftHandle& handle, const btVector3& velocity, btScalar max_force_n) {
+    motors_.push_back({handle, velocity, max_force_n});
 }
 
-void SoftPulls::begin_tick(const btSoftBody& soft) {
-    for (Pull& pull : pulls_) pull.start = place_of(soft, pull.handle);
+void SoftMotors::begin_tick(const btSoftBody& soft) {
+    for (Motor& motor : motors_) motor.start = place_of(soft, motor.handle);
 }
 
-void SoftPulls::begin_substep() {
-    for (Pull& pull : pulls_) pull.given.setZero();
+void SoftMotors::begin_substep() {
+    for (Motor& motor : motors_) motor.given.setZero();
 }
 
-void SoftPulls::solve(btSoftBody& soft, btScalar substep_s, btScalar done_s) {
-    for (Pull& pull : pulls_) {
-        const SoftHandle& handle = pull.handle;
+void SoftMotors::solve(btSoftBody& soft, btScalar substep_s, btScalar done_s) {
+    for (Motor& motor : motors_) {
+        const SoftHandle& handle = motor.handle;
         btScalar share = 0;
         for (std::size_t i = 0; i < handle.nodes.size(); ++i) {
             share += handle.weights[i] * handle.weights[i] * node_at(soft, handle.nodes[i]).m_im;
         }
         if (!(share > 0)) continue;
-        const btVector3 missing = pull.start + pull.velocity * done_s - place_of(soft, handle);
+        const btVector3 missing = motor.start + motor.velocity * done_s - place_of(soft, handle);
         // bounds the sum over all iterations of a substep by the force
-        btVector3 given = pull.given + missing / share;
-        const btScalar most = pull.max_force_n * substep_s * substep_s;
+        btVector3 given = motor.given + missing / share;
+        const btScalar most = motor.max_force_n * substep_s * substep_s;
         const btScalar size = given.length();
         if (size > most) given *= most / size;
-        const btVector3 impulse = given - pull.given;
-        pull.given = given;
+        const btVector3 impulse = given - motor.given;
+        motor.given = given;
         for (std::size_t i = 0; i < handle.nodes.size(); ++i) {
             btSoftBody::Node& node = soft.m_nodes[static_cast<int>(handle.nodes[i])];
             node.m_x += impulse * (handle.weights[i] * node.m_im);
@@ -87,12 +87,12 @@ void SoftPulls::solve(btSoftBody& soft, btScalar substep_s, btScalar done_s) {
     }
 }
 
-void SoftPulls::damp_swing(btSoftBody& soft, btScalar tick_s) const {
+void SoftMotors::damp_swing(btSoftBody& soft, btScalar tick_s) const {
     const btScalar lost = 1 - std::exp(-kSwingDampingHz * tick_s);
-    for (const Pull& pull : pulls_) {
+    for (const Motor& motor : motors_) {
         btVector3 velocity(0, 0, 0);
-        for (std::size_t i = 0; i < pull.handle.nodes.size(); ++i)
-            velocity += pull.handle.weights[i] * node_at(soft, pull.handle.nodes[i]).m_v;
+        for (std::size_t i = 0; i < motor.handle.nodes.size(); ++i)
+            velocity += motor.handle.weights[i] * node_at(soft, motor.handle.nodes[i]).m_v;
         for (int i = 0; i < soft.m_nodes.size(); ++i) {
             btSoftBody::Node& node = soft.m_nodes[i];
             if (node.m_im > 0) node.m_v += lost * (velocity - node.m_v);
