@@ -148,10 +148,11 @@ void SoftBody::begin_tick(const SoftSurroundings& surroundings, AnchoredBodies& 
     const PeopleField* people = surroundings.people;
     if (volume_) {
         volume_->begin_tick();
-        drives_.clear();
+        depenetration_.clear();
         const bool meets =
             people != nullptr &&
-            drives_.find(*body_, volume_->inner_radius_m(), btScalar(options_.escape_mps), *people);
+            depenetration_.find(
+                *body_, volume_->inner_radius_m(), btScalar(options_.escape_mps), *people);
         if (!meets) people = nullptr;
     }
     SoftSkin skin{.samples = samples_, .loose = loose_};
@@ -185,7 +186,7 @@ SoftSurface SoftBody::surface() {
 }
 
 void SoftBody::begin_substep(const SoftSubstep& substep) {
-    drives_.apply(*body_);
+    depenetration_.apply(*body_);
     move_freely(substep.substep_s);
     contacts_.begin_substep();
     motors_.begin_substep();

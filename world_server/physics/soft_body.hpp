@@ -2,7 +2,7 @@
 
 #include "world_server/physics/soft_anchors.hpp"
 #include "world_server/physics/soft_contacts.hpp"
-#include "world_server/physics/soft_drives.hpp"
+#include "world_server/physics/soft_depenetration.hpp"
 #include "world_server/physics/soft_mesh.hpp"
 #include "world_server/physics/soft_motors.hpp"
 #include "world_server/physics/soft_object.hpp"
@@ -119,7 +119,8 @@ private:
     SoftMotors motors_;
     SoftContacts contacts_;
     std::vector<btRigidBody*> loose_bodies_;  // scratch: bodies without an anchor of this object
-    SoftDrives drives_;  // pushes of people whose surface is inside the volume, for this tick
+    SoftDepenetration
+        depenetration_;  // pushes of people whose surface is inside the volume, for this tick
     std::vector<std::uint8_t> loose_;  // per node; see SoftSkin::loose
     std::vector<std::uint8_t> taut_;   // per node: ticks left in which it snaps back
     std::size_t first_bend_ = 0;       // index of the first bending link; these come last

@@ -12,7 +12,7 @@ class PeopleField;
 
 /// Pushes a soft volume as a whole when a person's surface is near its centre or around it. The few
 /// nodes in contact could not do this.
-class SoftDrives {
+class SoftDepenetration {
 public:
     /// Finds the pushes of one tick. `inner_radius_m`: half of the volume's smallest extent.
     /// `escape_mps`: speed at which a volume inside a person is moved out. Returns false while it
@@ -21,16 +21,16 @@ public:
               btScalar inner_radius_m,
               btScalar escape_mps,
               const PeopleField& people);
-    void clear() { drives_.clear(); }
+    void clear() { pushes_.clear(); }
     /// Raises the velocity of every free node to at least the speeds found.
     void apply(btSoftBody& soft) const;
 
 private:
-    struct Drive {
+    struct Push {
         btVector3 out;       // unit length
         btScalar speed = 0;  // [m/s] along it
     };
-    std::vector<Drive> drives_;
+    std::vector<Push> pushes_;
 };
 
 }  // namespace atrium::physics

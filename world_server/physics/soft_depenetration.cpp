@@ -1,4 +1,4 @@
-#include "world_server/physics/soft_drives.hpp"
+#include "world_server/physics/soft_depenetration.hpp"
 
 #include "world_server/physics/bullet_types.hpp"
 #include "world_server/physics/people_field.hpp"
@@ -23,11 +23,11 @@ constexpr float kBuriedSearchM = 0.5F;
 // A surface near the centre of a volume drives the whole volume. If the centre is inside a person,
 // the person surrounds the volume and no contact leads out. The volume then moves to the nearest
 // surface, without contacts.
-bool SoftDrives::find(const btSoftBody& soft,
-                      btScalar inner_radius_m,
-                      btScalar escape_mps,
-                      const PeopleField& people) {
-    drives_.clear();
+bool SoftDepenetration::find(const btSoftBody& soft,
+                             btScalar inner_radius_m,
+                             btScalar escape_mps,
+                             const PeopleField& people) {
+    pushes_.clear();
     const Eigen::Vector3f at = centre_of(soft).cast<float>();
     btVector3 sum(0, 0, 0);
     for (int i = 0; i < soft.m_nodes.size(); ++i) sum += soft.m_nodes[i].m_v;
@@ -48,24 +48,24 @@ bool SoftDrives::find(const btSoftBody& soft,
         if (nearest != nullptr && nearest->normal.dot(at - nearest->position) >= 0.0F) {
             const btVector3 out(nearest->normal.x(), nearest->normal.y(), nearest->normal.z());
             const btScalar near = 1 - std::sqrt(nearest_sq) / reach;
-            drives_.push_back({out, nearest->normal.dot(nearest->velocity) + kKeepOffMps * near});
+            pushes_.push_back({out, nearest->normal.dot(nearest->velocity) + kKeepOffMps * near});
             continue;
         }
         const PlacedSurfel* side = person.nearest(
             at, kBuriedSearchM, [](const PlacedSurfel& s) { return s.normal.z() > -0.5F; });
         if (side == nullptr || side->normal.dot(at - side->position) > 0.0F) continue;
-        drives_.push_back({to_bullet(side->normal), escape_mps});
+        pushes_.push_back({to_bullet(side->normal), escape_mps});
         return false;
     }
     return true;
 }
 
-void SoftDrives::apply(btSoftBody& soft) const {
-    for (const Drive& drive : drives_) {
+void SoftDepenetration::apply(btSoftBody& soft) const {
+    for (const Push& push : pushes_) {
         for (int i = 0; i < soft.m_nodes.size(); ++i) {
             btSoftBody::Node& node = soft.m_nodes[i];
-            const btScalar missing = drive.speed - node.m_v.dot(drive.out);
-            if (node.m_im > 0 && missing > 0) node.m_v += drive.out * missing;
+            const btScalar missing = push.speed - node.m_v.dot(push.out);
+            if (node.m_im > 0 && missing > 0) node.m_v += push.out * missing;
         }
     }
 }
