@@ -105,20 +105,20 @@ void SoftBodies::step() {
         body->begin_tick(surroundings_, anchored_);
         surfaces_.push_back(body->surface());
     }
-    pairs_.find(surfaces_, btScalar(options_.tick_s));
+    contacts_.find(surfaces_, btScalar(options_.tick_s));
     const int num_substeps =
         std::clamp(static_cast<int>(std::lround(options_.tick_s / kSubstepS)), 1, kMaxSubsteps);
     const btScalar substep_s = btScalar(options_.tick_s) / btScalar(num_substeps);
     for (int i = 1; i <= num_substeps; ++i) {
         const SoftSubstep substep{substep_s, substep_s * btScalar(num_substeps - i)};
         for (auto& [id, body] : bodies_) body->begin_substep(substep);
-        pairs_.begin_substep();
+        contacts_.begin_substep();
         for (int iteration = 0; iteration < kSoftIterations; ++iteration) {
             for (auto& [id, body] : bodies_) body->solve(substep, iteration);
-            pairs_.solve(substep.left_s);
+            contacts_.solve(substep.left_s);
         }
         for (auto& [id, body] : bodies_) body->end_substep(substep);
-        pairs_.end_substep();
+        contacts_.end_substep();
         anchored_.end_substep(substep_s);
     }
     anchored_.end_tick();

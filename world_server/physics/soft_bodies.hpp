@@ -2,7 +2,7 @@
 
 #include "world_server/physics/soft_body.hpp"
 #include "world_server/physics/soft_object.hpp"
-#include "world_server/physics/soft_pairs.hpp"
+#include "world_server/physics/soft_soft_contacts.hpp"
 #include "world_server/physics/world.hpp"
 
 #include <cstddef>
@@ -67,7 +67,7 @@ private:
     std::unique_ptr<Solver> solver_;
     std::map<std::uint32_t, std::unique_ptr<SoftBody>> bodies_;
     SoftSurroundings surroundings_;
-    SoftPairs pairs_;
+    SoftSoftContacts contacts_;
     AnchoredBodies anchored_;
     std::vector<std::uint32_t> left_;    // scratch
     std::vector<SoftSurface> surfaces_;  // scratch

@@ -6,7 +6,7 @@
 #include "world_server/physics/soft_mesh.hpp"
 #include "world_server/physics/soft_motors.hpp"
 #include "world_server/physics/soft_object.hpp"
-#include "world_server/physics/soft_pairs.hpp"
+#include "world_server/physics/soft_soft_contacts.hpp"
 #include "world_server/physics/soft_volume.hpp"
 #include "world_server/physics/world.hpp"
 

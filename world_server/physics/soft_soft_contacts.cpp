@@ -1,4 +1,4 @@
-#include "world_server/physics/soft_pairs.hpp"
+#include "world_server/physics/soft_soft_contacts.hpp"
 
 #include <BulletSoftBody/btSoftBody.h>
 
@@ -48,7 +48,7 @@ void push(btSoftBody& soft, const SoftSample& sample, const btVector3& impulse_n
 
 }  // namespace
 
-void SoftPairs::find(std::span<const SoftSurface> surfaces, btScalar tick_s) {
+void SoftSoftContacts::find(std::span<const SoftSurface> surfaces, btScalar tick_s) {
     contacts_.clear();
     tick_s_ = tick_s;
     for (std::size_t i = 0; i < surfaces.size(); ++i) {
@@ -63,7 +63,9 @@ void SoftPairs::find(std::span<const SoftSurface> surfaces, btScalar tick_s) {
     }
 }
 
-void SoftPairs::find_with(const SoftSurface& sampled, const SoftSurface& faced, btScalar tick_s) {
+void SoftSoftContacts::find_with(const SoftSurface& sampled,
+                                 const SoftSurface& faced,
+                                 btScalar tick_s) {
     if (faced.topology->triangles.empty()) return;
     // only in the overlap of the bounds
     Box common{sampled.body->m_bounds[0], sampled.body->m_bounds[1]};
@@ -119,14 +121,14 @@ void SoftPairs::find_with(const SoftSurface& sampled, const SoftSurface& faced, 
     }
 }
 
-void SoftPairs::begin_substep() {
+void SoftSoftContacts::begin_substep() {
     for (Contact& c : contacts_) {
         c.pressed = 0;
         c.held.setZero();
     }
 }
 
-void SoftPairs::solve(btScalar left_s) {
+void SoftSoftContacts::solve(btScalar left_s) {
     const btScalar done_s = tick_s_ - left_s;
     for (Contact& c : contacts_) {
         const Place a = place_of(*c.body[0], c.place[0]), b = place_of(*c.body[1], c.place[1]);
@@ -154,7 +156,7 @@ void SoftPairs::solve(btScalar left_s) {
     }
 }
 
-void SoftPairs::end_substep() {
+void SoftSoftContacts::end_substep() {
     for (const Contact& c : contacts_) {
         if (c.pressed <= 0 || c.depth_m <= 0) continue;
         const btScalar out = c.normal.dot(motion_of(*c.body[0], c.place[0]).velocity -

@@ -87,7 +87,7 @@ TEST_P(SoftBallThrown, PushesAHangingClothAndDoesNotPassThroughIt) {
 }
 INSTANTIATE_TEST_SUITE_P(Speeds, SoftBallThrown, testing::Values(2.0, 4.0, 8.0));
 
-TEST(SoftPairs, ExchangeMomentumAndMakeNone) {
+TEST(SoftSoftContacts, ExchangeMomentumAndMakeNone) {
     Stage stage(weightless());
     SoftObject left = ball_at({-0.3, 0, 1});
     SoftObject right = ball_at({0.3, 0.05, 1});
@@ -109,7 +109,7 @@ TEST(SoftPairs, ExchangeMomentumAndMakeNone) {
     EXPECT_EQ(num_inside(stage, 50, 51) + num_inside(stage, 51, 50), 0U);
 }
 
-TEST(SoftPairs, ASheetCarriesASoftBall) {
+TEST(SoftSoftContacts, ASheetCarriesASoftBall) {
     Stage stage;
     ASSERT_EQ(stage.world.add_soft(stretched_sheet(1.0)), AddResult::kAdded);
     ASSERT_EQ(stage.world.add_soft(ball_at({0.03, 0.02, 1.4})), AddResult::kAdded);
@@ -119,7 +119,7 @@ TEST(SoftPairs, ASheetCarriesASoftBall) {
     EXPECT_LT(stage.mean_square_speed(), 0.1 * 0.1);
 }
 
-TEST(SoftPairs, AClothDrapesOverASoftBox) {
+TEST(SoftSoftContacts, AClothDrapesOverASoftBox) {
     Stage stage;
     SoftObject box = ball_at({0, 0, 0.15});
     box.shape = SoftShape::kBox;
@@ -139,7 +139,7 @@ TEST(SoftPairs, AClothDrapesOverASoftBox) {
     EXPECT_LT(stage.mean_square_speed(kCloth), 0.1 * 0.1);
 }
 
-TEST(SoftPairs, ARopeLiesOnASheet) {
+TEST(SoftSoftContacts, ARopeLiesOnASheet) {
     Stage stage;
     SoftObject rope = rope_at({0, 0, 1.5});
     rope.size_m = {0.6, 0.02, 0.6};
@@ -158,7 +158,7 @@ void begin_contact(Stage& stage) {
     stage.throw_soft(kSoft, {4, 0, 0.5});
 }
 
-TEST(SoftPairs, AreTheSameEachTime) {
+TEST(SoftSoftContacts, AreTheSameEachTime) {
     const auto hashes = [] {
         Stage stage;
         begin_contact(stage);
@@ -169,7 +169,7 @@ TEST(SoftPairs, AreTheSameEachTime) {
     EXPECT_EQ(hashes(), hashes());
 }
 
-TEST(SoftPairs, GoOnFromAStateThatWasSavedWhileTheyTouched) {
+TEST(SoftSoftContacts, GoOnFromAStateThatWasSavedWhileTheyTouched) {
     Stage once;
     begin_contact(once);
     once.run(0.15);

@@ -29,7 +29,7 @@ struct SoftSurface {
 /// Contacts between soft bodies, for one tick. Points of one body are tested against faces of the
 /// other along their paths, once. Both bodies move. Ropes have no faces: two ropes pass through
 /// each other. Self-contacts are not detected.
-class SoftPairs {
+class SoftSoftContacts {
 public:
     /// Detects contacts. The order of `surfaces` must be the same in every tick. The data they
     /// point to must exist until the end of the tick.
