@@ -68,11 +68,11 @@ void SoftAnchors::solve(btSoftBody& soft, btScalar substep_s, btScalar left_s) {
         const btVector3 place =
             pose.getOrigin() + arm - anchor.velocity * left_s + anchor.shift + gained * substep_s;
         // motion of node and place against each other per impulse
-        const btScalar share = node.m_im + anchor.body->getInvMass();
+        const btScalar inverse_mass = node.m_im + anchor.body->getInvMass();
         btMatrix3x3 cross;
         arm.getSkewSymmetricMatrix(&cross[0], &cross[1], &cross[2]);
         btMatrix3x3 apart = cross * anchor.body->getInvInertiaTensorWorld() * cross;
-        apart = btMatrix3x3(share, 0, 0, 0, share, 0, 0, 0, share) - apart;
+        apart = btMatrix3x3(inverse_mass, 0, 0, 0, inverse_mass, 0, 0, 0, inverse_mass) - apart;
         const btScalar determinant = apart.determinant();
         if (!(determinant > 0)) continue;
         const btVector3 impulse = apart.inverse() * (place - node.m_x);

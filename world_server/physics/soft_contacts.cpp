@@ -24,7 +24,9 @@ bool is_any_loose(const SoftSample& sample, std::span<const std::uint8_t> loose)
     return (loose[sample.nodes[0]] | loose[sample.nodes[1]] | loose[sample.nodes[2]]) != 0;
 }
 
-btScalar share_of_body(const btRigidBody& body, const btVector3& arm, const btVector3& direction) {
+btScalar inverse_mass_of(const btRigidBody& body,
+                         const btVector3& arm,
+                         const btVector3& direction) {
     const btVector3 turn = arm.cross(direction);
     return body.getInvMass() + turn.dot(body.getInvInertiaTensorWorld() * turn);
 }
@@ -154,7 +156,7 @@ void SoftContacts::find(btSoftBody& soft,
     if (people != nullptr && !people->people().empty()) {
         for (std::size_t i = 0; i < skin.samples.size(); ++i) {
             const SoftSample& sample = skin.samples[i];
-            if (!(ways_[i].share > 0) || is_any_loose(sample, skin.loose)) continue;
+            if (!(ways_[i].inverse_mass > 0) || is_any_loose(sample, skin.loose)) continue;
             const auto contact = meet_person(*people, ways_[i], options);
             if (!contact || is_from_inside(*contact, sample, skin)) continue;
             contacts_.push_back(*contact);
@@ -184,7 +186,7 @@ void SoftContacts::find_with(const btSoftBody& soft,
     high += travel;
     if (!TestAabbAgainstAabb2(low, high, soft.m_bounds[0], soft.m_bounds[1])) return;
     for (std::size_t i = 0; i < skin.samples.size(); ++i) {
-        if (!(ways_[i].share > 0)) continue;
+        if (!(ways_[i].inverse_mass > 0)) continue;
         const btVector3& start = ways_[i].position;
         const btVector3 end = start + ways_[i].velocity * options.tick_s;
         btVector3 way_low = start, way_high = start;
@@ -198,7 +200,7 @@ void SoftContacts::find_with(const btSoftBody& soft,
         if (body.getInvMass() > 0) {
             contact->body = &body;
             contact->arm = contact->point - body.getCenterOfMassPosition();
-            contact->body_share = share_of_body(body, contact->arm, contact->normal);
+            contact->body_inverse_mass = inverse_mass_of(body, contact->arm, contact->normal);
         }
         contacts_.push_back(*contact);
     }
@@ -221,7 +223,7 @@ void SoftContacts::find_with_mesh(const btSoftBody& soft,
     if (faces_.empty()) return;
     faces_.sort();
     for (std::size_t i = 0; i < skin.samples.size(); ++i) {
-        if (!(ways_[i].share > 0)) continue;
+        if (!(ways_[i].inverse_mass > 0)) continue;
         const auto outward = outward_at(skin.samples[i], skin.outward);
         const btVector3* out = outward ? &*outward : nullptr;
         NearestOfEachWay nearest;
@@ -245,8 +247,8 @@ void SoftContacts::find_with_mesh(const btSoftBody& soft,
 
 void SoftContacts::begin_substep() {
     for (SoftContact& c : contacts_) {
-        c.pressed = 0;
-        c.held.setZero();
+        c.normal_correction = 0;
+        c.friction_correction.setZero();
     }
 }
 
@@ -257,13 +259,13 @@ void SoftContacts::solve(btSoftBody& soft,
     const btScalar done_s = options.tick_s - left_s;
     for (SoftContact& c : contacts_) {
         btVector3 x(0, 0, 0), q(0, 0, 0);
-        btScalar own_share = 0;
+        btScalar own_inverse_mass = 0;
         for (int i = 0; i < 3; ++i) {
             const btSoftBody::Node& node = soft.m_nodes[static_cast<int>(c.sample.nodes[i])];
             const btScalar w = c.sample.weights[i];
             x += w * node.m_x;
             q += w * node.m_q;
-            own_share += w * w * node.m_im;
+            own_inverse_mass += w * w * node.m_im;
         }
         const btScalar allowed = -std::max(btScalar(0), c.depth - options.recovery_mps * done_s);
         const btVector3 velocity = velocity_of(c);
@@ -271,20 +273,21 @@ void SoftContacts::solve(btSoftBody& soft,
                                 c.normal.dot(velocity - c.velocity) * substep_s;
         btVector3 impulse(0, 0, 0);
         if (height < allowed) {
-            const btScalar push = (allowed - height) / (own_share + c.body_share);
-            c.pressed += push;
+            const btScalar push = (allowed - height) / (own_inverse_mass + c.body_inverse_mass);
+            c.normal_correction += push;
             impulse = c.normal * push;
         }
-        if (c.pressed <= 0) continue;
-        btVector3 slip = x + impulse * own_share - q - velocity * substep_s;
+        if (c.normal_correction <= 0) continue;
+        btVector3 slip = x + impulse * own_inverse_mass - q - velocity * substep_s;
         slip -= c.normal * c.normal.dot(slip);
         // bounds the friction of a substep by its total pressure
-        const btVector3 wanted = c.held - slip / (own_share + c.body_share);
-        const btScalar most = c.friction * c.pressed;
+        const btVector3 wanted =
+            c.friction_correction - slip / (own_inverse_mass + c.body_inverse_mass);
+        const btScalar most = c.friction * c.normal_correction;
         const btScalar size = wanted.length();
         const btVector3 held = size > most ? wanted * (most / size) : wanted;
-        impulse += held - c.held;
-        c.held = held;
+        impulse += held - c.friction_correction;
+        c.friction_correction = held;
         move(soft, c.sample, impulse);
         if (c.body != nullptr) c.body->applyImpulse(-impulse / substep_s, c.arm);
     }
@@ -296,7 +299,7 @@ void SoftContacts::end_substep(btSoftBody& soft,
     for (SoftContact& c : contacts_) {
         const btVector3 velocity = velocity_of(c);
         c.shift += c.normal.dot(velocity - c.velocity) * substep_s;
-        if (c.pressed <= 0) continue;
+        if (c.normal_correction <= 0) continue;
         if (c.body != nullptr) c.body->activate();
         if (c.depth <= 0) continue;
         for (int i = 0; i < 3; ++i) {

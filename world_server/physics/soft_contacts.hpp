@@ -25,13 +25,13 @@ struct SoftContact {
     btVector3 velocity;  // [m/s] of the plane when the contact was found
     btScalar depth = 0;  // [m] penetration at the start of the tick
     btScalar friction = 0;
-    btRigidBody* body = nullptr;  // dynamic body that receives the reaction, or null
-    btVector3 arm;                // from the body's centre of mass to the point
-    btScalar body_share = 0;      // inverse effective mass of the body along the normal
+    btRigidBody* body = nullptr;     // dynamic body that receives the reaction, or null
+    btVector3 arm;                   // from the body's centre of mass to the point
+    btScalar body_inverse_mass = 0;  // inverse effective mass of the body along the normal
     // solver state
-    btScalar shift = 0;    // [m] motion of the plane by impulses of earlier substeps
-    btScalar pressed = 0;  // [kg m] sum of normal corrections in this substep
-    btVector3 held;        // [kg m] sum of friction corrections in this substep
+    btScalar shift = 0;              // [m] motion of the plane by impulses of earlier substeps
+    btScalar normal_correction = 0;  // [kg m] sum of normal corrections in this substep
+    btVector3 friction_correction;   // [kg m] sum of friction corrections in this substep
 };
 
 struct SoftContactOptions {

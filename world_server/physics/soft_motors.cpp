@@ -67,14 +67,15 @@ void SoftMotors::begin_substep() {
 void SoftMotors::solve(btSoftBody& soft, btScalar substep_s, btScalar done_s) {
     for (Motor& motor : motors_) {
         const SoftHandle& handle = motor.handle;
-        btScalar share = 0;
+        btScalar inverse_mass = 0;
         for (std::size_t i = 0; i < handle.nodes.size(); ++i) {
-            share += handle.weights[i] * handle.weights[i] * node_at(soft, handle.nodes[i]).m_im;
+            inverse_mass +=
+                handle.weights[i] * handle.weights[i] * node_at(soft, handle.nodes[i]).m_im;
         }
-        if (!(share > 0)) continue;
+        if (!(inverse_mass > 0)) continue;
         const btVector3 missing = motor.start + motor.velocity * done_s - place_of(soft, handle);
         // bounds the sum over all iterations of a substep by the force
-        btVector3 given = motor.given + missing / share;
+        btVector3 given = motor.given + missing / inverse_mass;
         const btScalar most = motor.max_force_n * substep_s * substep_s;
         const btScalar size = given.length();
         if (size > most) given *= most / size;

@@ -13,7 +13,7 @@ SampleMotion motion_of(const btSoftBody& soft, const SoftSample& sample) {
         const btScalar w = sample.weights[i];
         m.position += w * node.m_x;
         m.velocity += w * node.m_v;
-        m.share += w * w * node.m_im;
+        m.inverse_mass += w * w * node.m_im;
     }
     return m;
 }

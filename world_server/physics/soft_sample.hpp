@@ -17,9 +17,9 @@ struct SoftSample {
 
 /// Motion and inverse effective mass of a point.
 struct SampleMotion {
-    btVector3 position;  // [m] world
-    btVector3 velocity;  // [m/s]
-    btScalar share;      // inverse effective mass; 0: fixed
+    btVector3 position;     // [m] world
+    btVector3 velocity;     // [m/s]
+    btScalar inverse_mass;  // inverse effective mass; 0: fixed
 };
 
 SampleMotion motion_of(const btSoftBody& soft, const SoftSample& sample);

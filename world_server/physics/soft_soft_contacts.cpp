@@ -115,16 +115,16 @@ void SoftSoftContacts::find_with(const SoftSurface& sampled,
         contact.gap_m = limits.gap_m;
         contact.depth_m = std::max(btScalar(0), limits.gap_m - first->distance);
         contact.friction = friction;
-        contact.share[0] = motion.share;
-        contact.share[1] = motion_of(*faced.body, contact.place[1]).share;
-        if (contact.share[0] + contact.share[1] > 0) contacts_.push_back(contact);
+        contact.inverse_mass[0] = motion.inverse_mass;
+        contact.inverse_mass[1] = motion_of(*faced.body, contact.place[1]).inverse_mass;
+        if (contact.inverse_mass[0] + contact.inverse_mass[1] > 0) contacts_.push_back(contact);
     }
 }
 
 void SoftSoftContacts::begin_substep() {
     for (Contact& c : contacts_) {
-        c.pressed = 0;
-        c.held.setZero();
+        c.normal_correction = 0;
+        c.friction_correction.setZero();
     }
 }
 
@@ -132,25 +132,25 @@ void SoftSoftContacts::solve(btScalar left_s) {
     const btScalar done_s = tick_s_ - left_s;
     for (Contact& c : contacts_) {
         const Place a = place_of(*c.body[0], c.place[0]), b = place_of(*c.body[1], c.place[1]);
-        const btScalar both = c.share[0] + c.share[1];
+        const btScalar both = c.inverse_mass[0] + c.inverse_mass[1];
         const btScalar allowed = -std::max(btScalar(0), c.depth_m - kRecoveryMps * done_s);
         const btScalar height = c.normal.dot(a.now - b.now) - c.gap_m;
         btVector3 impulse(0, 0, 0);
         if (height < allowed) {
             const btScalar press = (allowed - height) / both;
-            c.pressed += press;
+            c.normal_correction += press;
             impulse = c.normal * press;
         }
-        if (c.pressed <= 0) continue;
+        if (c.normal_correction <= 0) continue;
         btVector3 slip = a.now - a.before - (b.now - b.before);
         slip -= c.normal * c.normal.dot(slip);
         // bounds the friction of a substep by its total pressure
-        const btVector3 wanted = c.held - slip / both;
-        const btScalar most = c.friction * c.pressed;
+        const btVector3 wanted = c.friction_correction - slip / both;
+        const btScalar most = c.friction * c.normal_correction;
         const btScalar size = wanted.length();
         const btVector3 held = size > most ? wanted * (most / size) : wanted;
-        impulse += held - c.held;
-        c.held = held;
+        impulse += held - c.friction_correction;
+        c.friction_correction = held;
         move(*c.body[0], c.place[0], impulse);
         move(*c.body[1], c.place[1], -impulse);
     }
@@ -158,12 +158,12 @@ void SoftSoftContacts::solve(btScalar left_s) {
 
 void SoftSoftContacts::end_substep() {
     for (const Contact& c : contacts_) {
-        if (c.pressed <= 0 || c.depth_m <= 0) continue;
+        if (c.normal_correction <= 0 || c.depth_m <= 0) continue;
         const btScalar out = c.normal.dot(motion_of(*c.body[0], c.place[0]).velocity -
                                           motion_of(*c.body[1], c.place[1]).velocity);
         if (!(out > 0)) continue;
         const btVector3 impulse_ns =
-            c.normal * (std::min(out, kRecoveryMps) / (c.share[0] + c.share[1]));
+            c.normal * (std::min(out, kRecoveryMps) / (c.inverse_mass[0] + c.inverse_mass[1]));
         push(*c.body[0], c.place[0], -impulse_ns);
         push(*c.body[1], c.place[1], impulse_ns);
     }

@@ -52,10 +52,10 @@ private:
         btScalar gap_m = 0;    // required distance along the normal
         btScalar depth_m = 0;  // missing part of gap_m at the start of the tick
         btScalar friction = 0;
-        btScalar share[2]{};  // inverse effective masses
+        btScalar inverse_mass[2]{};  // inverse effective masses
         // solver state
-        btScalar pressed = 0;  // [kg m] sum of normal corrections in this substep
-        btVector3 held;        // [kg m] sum of friction corrections in this substep
+        btScalar normal_correction = 0;  // [kg m] sum of normal corrections in this substep
+        btVector3 friction_correction;   // [kg m] sum of friction corrections in this substep
     };
 
     void find_with(const SoftSurface& sampled, const SoftSurface& faced, btScalar tick_s);
