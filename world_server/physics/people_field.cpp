@@ -53,7 +53,7 @@ Side find_side(const SurfelGrid& grid, const Eigen::Vector3f& point, const Accep
 
 }  // namespace
 
-std::uint8_t Asker::facing_octants() const {
+std::uint8_t SurfaceProbe::facing_octants() const {
     static_assert(kFieldReachM <= SurfelGrid::kOctantReachM);
     if (outwards.isZero()) return 0xFF;
     const Eigen::Array3f sq = outwards.array().square();
@@ -97,19 +97,19 @@ void PersonField::begin_tick(double tick_s) {
 }
 
 std::optional<SurfacePoint> PersonField::query(const Eigen::Vector3f& point,
-                                               const Asker& asker) const {
+                                               const SurfaceProbe& probe) const {
     const Side nearest = find_side(
-        grid_, point, [&](const PlacedSurfel& s, float) { return asker.faces(s.normal); });
+        grid_, point, [&](const PlacedSurfel& s, float) { return probe.faces(s.normal); });
     if (nearest.surfel == nullptr) return std::nullopt;
     const PlacedSurfel* side = nearest.surfel;
-    if (side->normal.dot(asker.velocity - side->velocity) > kLeavingMps) {
+    if (side->normal.dot(probe.velocity - side->velocity) > kLeavingMps) {
         // In front and leaving: no contact. Inside: it entered through another side. Take the
         // nearest side that the point does not leave and that it had not passed one tick ago.
         if (nearest.distance_m >= 0.0F) return std::nullopt;
         const auto tick_s = static_cast<float>(tick_s_);
         const Side entered = find_side(grid_, point, [&](const PlacedSurfel& s, float distance_m) {
-            if (distance_m > 0.0F || !asker.faces(s.normal)) return false;
-            const float leaving_mps = s.normal.dot(asker.velocity - s.velocity);
+            if (distance_m > 0.0F || !probe.faces(s.normal)) return false;
+            const float leaving_mps = s.normal.dot(probe.velocity - s.velocity);
             return leaving_mps <= kLeavingMps && distance_m - leaving_mps * tick_s >= -kEnteredM;
         });
         if (entered.surfel == nullptr) return std::nullopt;
@@ -150,10 +150,10 @@ void PeopleField::begin_tick(double tick_s) {
 }
 
 std::optional<SurfacePoint> PeopleField::query(const Eigen::Vector3f& p_world,
-                                               const Asker& asker) const {
+                                               const SurfaceProbe& probe) const {
     std::optional<SurfacePoint> deepest;
     for (const auto& [name, person] : people_) {
-        const auto found = person.query(p_world, asker);
+        const auto found = person.query(p_world, probe);
         if (found && (!deepest || found->distance_m < deepest->distance_m)) deepest = found;
     }
     return deepest;

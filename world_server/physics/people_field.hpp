@@ -24,7 +24,7 @@ struct SurfacePoint {
 };
 
 /// The object surface at a query point.
-struct Asker {
+struct SurfaceProbe {
     Eigen::Vector3f velocity = Eigen::Vector3f::Zero();  // [m/s] of the object at the point
     /// Outward normal of the object at the point, unit length. Zero: no direction.
     Eigen::Vector3f outwards = Eigen::Vector3f::Zero();
@@ -54,7 +54,8 @@ public:
 
     /// Finds the surface near a point. Empty if no facing surface is within reach, or if the object
     /// there moves out of the person.
-    std::optional<SurfacePoint> query(const Eigen::Vector3f& point, const Asker& asker) const;
+    std::optional<SurfacePoint> query(const Eigen::Vector3f& point,
+                                      const SurfaceProbe& probe) const;
 
     /// Finds the nearest surfel within `radius_m` for which `accept(surfel)` holds. Null if there
     /// is none. Slower than `query`, but works deep inside a person.
@@ -64,8 +65,8 @@ public:
                                 const Accept& accept) const;
 
     /// False if `query` would find nothing. Fast.
-    bool may_find(const Eigen::Vector3f& point, const Asker& asker) const {
-        return (grid_.octants_near(point) & asker.facing_octants()) != 0;
+    bool may_find(const Eigen::Vector3f& point, const SurfaceProbe& probe) const {
+        return (grid_.octants_near(point) & probe.facing_octants()) != 0;
     }
 
     /// True in one tick per mesh, halfway between two meshes: the time to compare surfaces.
@@ -126,7 +127,8 @@ public:
     /// inside. Empty if there is none within `kFieldReachM`. Ignores surfaces that the object
     /// leaves quickly. A thin hand that has swept past the point within a tick therefore still
     /// pushes forwards.
-    std::optional<SurfacePoint> query(const Eigen::Vector3f& p_world, const Asker& asker) const;
+    std::optional<SurfacePoint> query(const Eigen::Vector3f& p_world,
+                                      const SurfaceProbe& probe) const;
 
     const std::map<std::string, PersonField>& people() const { return people_; }
 

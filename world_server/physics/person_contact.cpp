@@ -97,13 +97,13 @@ void ContactFinder::find_turning() {
 // Finds the surfel whose disc the point meets first from the front within the tick. Only surfels
 // that are too fast for the field's reach.
 const PlacedSurfel* ContactFinder::first_on_path(const Eigen::Vector3f& point,
-                                                 const Asker& asker,
+                                                 const SurfaceProbe& probe,
                                                  const ContactMotion& motion,
                                                  const PersonField& person,
                                                  float tick_s) const {
     const Eigen::Vector3f disc = Eigen::Vector3f::Constant(kDiscM + kSlackM);
-    const Eigen::Vector3f low = tick_s * (asker.velocity - fast_high_mps_);
-    const Eigen::Vector3f high = tick_s * (asker.velocity - fast_low_mps_);
+    const Eigen::Vector3f low = tick_s * (probe.velocity - fast_high_mps_);
+    const Eigen::Vector3f high = tick_s * (probe.velocity - fast_low_mps_);
     const PlacedSurfel* first = nullptr;
     float first_s = tick_s;
     person.surfels().visit_box(
@@ -112,8 +112,8 @@ const PlacedSurfel* ContactFinder::first_on_path(const Eigen::Vector3f& point,
         [&](const PlacedSurfel& s) {
             const Eigen::Vector3f offset = point - s.position;
             const float distance_m = s.normal.dot(offset);
-            if (distance_m < 0.0F || !asker.faces(s.normal)) return;
-            const Eigen::Vector3f relative = asker.velocity - s.velocity;
+            if (distance_m < 0.0F || !probe.faces(s.normal)) return;
+            const Eigen::Vector3f relative = probe.velocity - s.velocity;
             const float closing_mps = -s.normal.dot(relative);
             if (distance_m >= closing_mps * first_s) return;
             const float meeting_s = distance_m / closing_mps;
@@ -140,14 +140,14 @@ void ContactFinder::test(const ContactBody& body,
     if ((point.array() < near_low_.array()).any() || (point.array() > near_high_.array()).any()) {
         return;
     }
-    const Asker asker{motion.linear_velocity + motion.angular_velocity.cross(offset),
-                      in_world(sample.outwards)};
+    const SurfaceProbe probe{motion.linear_velocity + motion.angular_velocity.cross(offset),
+                             in_world(sample.outwards)};
     PersonContact contact;
-    const auto found = person.may_find(point, asker) ? person.query(point, asker) : std::nullopt;
+    const auto found = person.may_find(point, probe) ? person.query(point, probe) : std::nullopt;
     if (found) {
         contact = {point, found->normal, found->velocity, found->distance_m};
     } else if (const PlacedSurfel* surfel =
-                   has_fast_ ? first_on_path(point, asker, motion, person, tick_s) : nullptr) {
+                   has_fast_ ? first_on_path(point, probe, motion, person, tick_s) : nullptr) {
         contact = {
             point, surfel->normal, surfel->velocity, surfel->normal.dot(point - surfel->position)};
     } else {

@@ -68,7 +68,7 @@ private:
               const PersonField& person,
               float tick_s);
     const PlacedSurfel* first_on_path(const Eigen::Vector3f& point,
-                                      const Asker& asker,
+                                      const SurfaceProbe& probe,
                                       const ContactMotion& motion,
                                       const PersonField& person,
                                       float tick_s) const;
