@@ -2,7 +2,7 @@
 
 #include "world_server/physics/body_samples.hpp"
 #include "world_server/physics/bullet_types.hpp"
-#include "world_server/physics/hold.hpp"
+#include "world_server/physics/grip_correction.hpp"
 #include "world_server/physics/shape_distance.hpp"
 
 #include <btBulletDynamicsCommon.h>
@@ -20,7 +20,7 @@ constexpr float kSphereSpacingM = 0.02F;  // spacing of a sphere's samples
 constexpr std::size_t kMinSphereSamples = 26;
 constexpr std::size_t kMaxSphereSamples = 600;
 
-// Contacts act like damped springs, because a hand yields around what it holds. The damping lets an
+// Contacts act like damped springs, because a hand yields around what it grips. The damping lets an
 // overlap relax slowly. Otherwise an object on a hand would be thrown into the air whenever the
 // hull is slightly larger than the previous one. Between two palms the springs settle in the
 // middle, where contradicting velocities would fight. Per mass of the object, shared by its
@@ -37,7 +37,7 @@ constexpr float kToldDepthM = 0.001F;
 constexpr float kHitMps = 0.7F;
 
 // Rolling resistance on skin and cloth, as a lever in radii of the object: the slope on which a
-// ball stays. A hand yields and cups what it holds, which no hull shows.
+// ball stays. A hand yields and cups what it grips, which no hull shows.
 constexpr float kRollingLever = 1.5F;
 constexpr float kSpinningLever = 0.3F;
 constexpr std::size_t kNumRolling = 3;  // contacts per object that resist rolling
@@ -119,13 +119,13 @@ struct PeopleContacts::Tracked {
     float inner_radius_m = 0.0F;  // half of the smallest extent
     std::string escaping_from;    // the person out of whom it is moved; empty: none
     bool is_put = false;          // teleported, and not yet apart from all people
-    std::map<std::string, Hold> holds;
+    std::map<std::string, GripCorrection> grips;
 };
 
 // Shared data of the contacts of one object with one person.
 struct PeopleContacts::Surface {
     Eigen::Vector3f turning;  // [rad/s]
-    const Hold& hold;
+    const GripCorrection& grip;
     float share = 1.0F;            // a contact's share of the object's mass
     bool resists_rolling = false;  // applies to the next contact
 };
@@ -154,13 +154,13 @@ void PeopleContacts::put(std::uint32_t id) {
     if (found == bodies_.end()) return;
     found->second->is_put = true;
     found->second->escaping_from.clear();
-    found->second->holds.clear();
+    found->second->grips.clear();
 }
 
 void PeopleContacts::forget_person(const std::string& name) {
     for (auto& [id, tracked] : bodies_) {
         if (tracked->escaping_from == name) tracked->escaping_from.clear();
-        tracked->holds.erase(name);
+        tracked->grips.erase(name);
     }
 }
 
@@ -195,7 +195,7 @@ void PeopleContacts::begin_body(Tracked& tracked, const PeopleField& people, dou
     for (const auto& [name, person] : people.people()) {
         if (!person.surfels().is_near(motion.low, motion.high) && person.max_speed_mps() == 0.0F &&
             motion.linear_velocity.isZero()) {
-            tracked.holds.erase(name);
+            tracked.grips.erase(name);
             continue;
         }
         const auto contacts = finder_.find(tracked.surface, motion, person, tick_s);
@@ -208,7 +208,7 @@ void PeopleContacts::begin_body(Tracked& tracked, const PeopleField& people, dou
             tracked.escaping_from = name;
             ++num_escapes_;
             is_touched_ = true;
-            // nobody holds it while it is moved out
+            // nobody grips it while it is moved out
             while (num_used_ > num_before) {
                 dispatcher_.releaseManifold(carriers_[--num_used_]->manifold);
             }
@@ -217,12 +217,12 @@ void PeopleContacts::begin_body(Tracked& tracked, const PeopleField& people, dou
             return;
         }
         if (contacts.empty()) {
-            tracked.holds.erase(name);
+            tracked.grips.erase(name);
             continue;
         }
-        Hold& hold = tracked.holds[name];
-        hold.update(motion, person, contacts, finder_.turning());
-        Surface surface{finder_.turning() + hold.turning(), hold};
+        GripCorrection& grip = tracked.grips[name];
+        grip.update(motion, person, contacts, finder_.turning());
+        Surface surface{finder_.turning() + grip.turning(), grip};
         surface.share = 1.0F / static_cast<float>(contacts.size());
         for (const PersonContact& c : contacts) {
             surface.resists_rolling = num_resisting++ < kNumRolling;
@@ -323,7 +323,7 @@ bool PeopleContacts::insert(Tracked& tracked,
     // along the surface only: the spring handles the depth
     const Eigen::Vector3f centre =
         floats_from_bullet(tracked.body->getWorldTransform().getOrigin());
-    Eigen::Vector3f behind = surface.hold.velocity_at(contact.point - centre);
+    Eigen::Vector3f behind = surface.grip.velocity_at(contact.point - centre);
     behind -= contact.normal * contact.normal.dot(behind);
     carrier.body.setLinearVelocity(to_bullet((contact.velocity + behind).eval()));
     carrier.body.setAngularVelocity(to_bullet(surface.turning));

@@ -20,7 +20,7 @@ namespace atrium::physics {
 /// Medioni 1992). The offset between both is the object's lag. A velocity that removes the lag is
 /// added to the velocity of the surface. Friction still decides: an object that the hands release
 /// slips, and after a slip the surface is remembered anew.
-class Hold {
+class GripCorrection {
 public:
     /// Call once per tick while the object touches the person, before the contacts are used.
     /// `surface_turning` [rad/s] is the rotation of the surface near the object.

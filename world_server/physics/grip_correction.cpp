@@ -1,4 +1,4 @@
-#include "world_server/physics/hold.hpp"
+#include "world_server/physics/grip_correction.hpp"
 
 #include <Eigen/Cholesky>
 
@@ -35,7 +35,7 @@ Eigen::Vector3f shortened(const Eigen::Vector3f& v, float max_norm) {
 
 }  // namespace
 
-void Hold::forget() {
+void GripCorrection::forget() {
     kept_.clear();
     last_ = {};
     num_loose_ = 0;
@@ -43,9 +43,9 @@ void Hold::forget() {
     turning_.setZero();
 }
 
-bool Hold::sticks(const ContactMotion& motion,
-                  std::span<const PersonContact> contacts,
-                  const Eigen::Vector3f& surface_turning) {
+bool GripCorrection::sticks(const ContactMotion& motion,
+                            std::span<const PersonContact> contacts,
+                            const Eigen::Vector3f& surface_turning) {
     if (contacts.empty() || (motion.angular_velocity - surface_turning).norm() > kStickRadps) {
         return false;
     }
@@ -58,10 +58,10 @@ bool Hold::sticks(const ContactMotion& motion,
     return sum_mps < kStickMps * static_cast<float>(contacts.size());
 }
 
-void Hold::update(const ContactMotion& motion,
-                  const PersonField& person,
-                  std::span<const PersonContact> contacts,
-                  const Eigen::Vector3f& surface_turning) {
+void GripCorrection::update(const ContactMotion& motion,
+                            const PersonField& person,
+                            std::span<const PersonContact> contacts,
+                            const Eigen::Vector3f& surface_turning) {
     num_loose_ = sticks(motion, contacts, surface_turning) ? 0 : num_loose_ + 1;
     if (num_loose_ > kLooseTicks) return forget();
     if (!person.is_half_way()) return;
@@ -80,10 +80,10 @@ void Hold::update(const ContactMotion& motion,
     turning_ = shortened(offset.turn / kCatchUpS, kMaxRadps);
 }
 
-void Hold::remember(const ContactMotion& motion,
-                    const PersonField& person,
-                    std::span<const PersonContact> contacts,
-                    const Offset& behind) {
+void GripCorrection::remember(const ContactMotion& motion,
+                              const PersonField& person,
+                              std::span<const PersonContact> contacts,
+                              const Offset& behind) {
     kept_.clear();
     if (num_loose_ > 0) return;
     const Eigen::Vector3f around = Eigen::Vector3f::Constant(kAroundM);
@@ -110,7 +110,8 @@ void Hold::remember(const ContactMotion& motion,
     }
 }
 
-Hold::Offset Hold::find_offset(const ContactMotion& motion, const PersonField& person) const {
+GripCorrection::Offset GripCorrection::find_offset(const ContactMotion& motion,
+                                                   const PersonField& person) const {
     using Matrix6 = Eigen::Matrix<float, 6, 6>;
     using Vector6 = Eigen::Matrix<float, 6, 1>;
     const Eigen::Vector3f search = Eigen::Vector3f::Constant(kSearchM);
