@@ -33,13 +33,13 @@ public:
         bool has_state = false;
         MovedState state;  // left over from an earlier call if `has_state` is false
         bool has_people = false;
-        std::vector<physics::PersonNow> people;  // left over if `has_people` is false
+        std::vector<physics::PersonSnapshot> people;  // left over if `has_people` is false
     };
 
     /// Swaps `state` with an older or empty one.
     void put(MovedState& state);
     /// Like the above, for all people in the world.
-    void put(std::vector<physics::PersonNow>& people);
+    void put(std::vector<physics::PersonSnapshot>& people);
     void put(const bus::Scenery& scenery);
     void put(const SceneChange& change);
     void put(const bus::SitePlacement& placement);
@@ -60,7 +60,7 @@ private:
     bool has_state_ = false;
     MovedState state_;
     bool has_people_ = false;
-    std::vector<physics::PersonNow> people_;
+    std::vector<physics::PersonSnapshot> people_;
     std::vector<bus::Scenery> scenery_;
     std::map<std::uint32_t, SceneChange> changes_;
     std::map<std::string, bus::SitePlacement> placements_;

@@ -39,7 +39,7 @@ std::vector<Edge> sharp_edges(const geometry::TriangleMesh& part) {
 
 }  // namespace
 
-void fill_proxy(const physics::PersonNow& person,
+void fill_proxy(const physics::PersonSnapshot& person,
                 std::vector<Eigen::Vector3f>& places,
                 bus::PersonProxy& proxy) {
     const std::vector<physics::MovingSurfel>& surfels = *person.surfels;

@@ -14,7 +14,7 @@ namespace atrium::world_server {
 
 /// Fills `proxy`. Reuses its memory and that of `places`. If there are more surfels than a message
 /// holds, takes every n-th. Surfels are ordered by place, hence the selection is evenly spread.
-void fill_proxy(const physics::PersonNow& person,
+void fill_proxy(const physics::PersonSnapshot& person,
                 std::vector<Eigen::Vector3f>& places,
                 bus::PersonProxy& proxy);
 

@@ -28,7 +28,7 @@ public:
 
 private:
     void send(const SceneChange& change);
-    void send(std::span<const physics::PersonNow> people);
+    void send(std::span<const physics::PersonSnapshot> people);
     template <typename Message>
     void write(bus::Writer<Message>& writer, const Message& message) {
         note(writer.write(message));
@@ -38,7 +38,7 @@ private:
         if (const auto gone = writer.dispose(key); !gone)
             log_.warn("publish_failed " + gone.error().message);
     }
-    void forget_all_but(std::span<const physics::PersonNow> people);
+    void forget_all_but(std::span<const physics::PersonSnapshot> people);
     void note(const Expected<std::size_t>& written);
 
     Endpoints& endpoints_;

@@ -108,8 +108,8 @@ void Simulation::send_people() {
     people_credit_ += kPeopleHz / config_.tick_hz;
     if (people_credit_ < 1.0 - kRounding) return;
     people_credit_ = 0.0;
-    scene_.world().get_people(people_now_);
-    outbox_.put(people_now_);
+    scene_.world().get_people(people_snapshots_);
+    outbox_.put(people_snapshots_);
 }
 
 void Simulation::hash_now_and_then(double tick_s) {

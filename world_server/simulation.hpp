@@ -79,7 +79,7 @@ private:
     double people_credit_ = 0.0;  // person messages due but not yet sent
     std::atomic<bool> wants_people_ = false;
     MovedState moved_;  // scratch, like the next two
-    std::vector<physics::PersonNow> people_now_;
+    std::vector<physics::PersonSnapshot> people_snapshots_;
     std::vector<physics::Incident> incidents_;
     app::log::OncePerSecond incidents_log_;
     app::log::OncePerSecond commands_log_;  // additions and removals by commands

@@ -52,7 +52,7 @@ struct WorldOptions {
 };
 
 /// State of a person in the physics at one moment.
-struct PersonNow {
+struct PersonSnapshot {
     std::string name;
     std::shared_ptr<const std::vector<MovingSurfel>> surfels;
     float share_to_go = 0.0F;  // remaining share of each surfel's way from `from` to `position`
@@ -166,7 +166,7 @@ public:
 
     /// Writes all people in the order of their names. Copies no surfels. Reuses the memory of
     /// `people`.
-    void get_people(std::vector<PersonNow>& people) const;
+    void get_people(std::vector<PersonSnapshot>& people) const;
 
     /// Advances the world by `tick_s`.
     void tick();

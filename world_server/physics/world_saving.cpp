@@ -52,11 +52,11 @@ bool World::get_soft_nodes(std::uint32_t id, std::vector<Eigen::Vector3f>& nodes
     return true;
 }
 
-void World::get_people(std::vector<PersonNow>& people) const {
+void World::get_people(std::vector<PersonSnapshot>& people) const {
     people.resize(impl_->people.people().size());
     std::size_t i = 0;
     for (const auto& [name, field] : impl_->people.people()) {
-        PersonNow& person = people[i++];
+        PersonSnapshot& person = people[i++];
         person.name = name;
         person.surfels = field.shape();
         person.share_to_go = field.share_to_go();

@@ -14,13 +14,13 @@
 namespace atrium::world_server {
 namespace {
 
-physics::PersonNow person_of(std::size_t num_surfels) {
+physics::PersonSnapshot person_of(std::size_t num_surfels) {
     std::vector<physics::MovingSurfel> surfels;
     for (std::size_t i = 0; i < num_surfels; ++i) {
         const float x_m = 1e-3F * static_cast<float>(i);
         surfels.push_back({{x_m, 2, 1}, {0, 0.6F, 0.8F}, {x_m - 0.2F, 2, 1}, {2, -0.5F, 40}});
     }
-    physics::PersonNow person;
+    physics::PersonSnapshot person;
     person.name = "alice";
     person.surfels = std::make_shared<const std::vector<physics::MovingSurfel>>(surfels);
     person.share_to_go = 0.25F;
@@ -62,7 +62,7 @@ TEST(PersonProxy, IsAnEvenChoiceOfManySurfels) {
 }
 
 TEST(PersonProxy, SaysWhatIsTouchedUpToALimit) {
-    physics::PersonNow person = person_of(1);
+    physics::PersonSnapshot person = person_of(1);
     for (std::uint32_t i = 0; i < 300; ++i) person.touches.push_back({i, {0.5F, 1, 2}});
     std::vector<Eigen::Vector3f> places;
     bus::PersonProxy proxy;
@@ -86,7 +86,7 @@ physics::PersonShape hand_at(double x_m) {
 TEST(WorldPeople, AreWhatThePhysicsHasAndWhatTheyTouchNow) {
     Scene scene = Scene::create(floor_and_ball()).value();
     physics::World& world = scene.world();
-    std::vector<physics::PersonNow> people;
+    std::vector<physics::PersonSnapshot> people;
     world.get_people(people);
     EXPECT_TRUE(people.empty());
     world.set_person("bob", hand_at(3.0));
