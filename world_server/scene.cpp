@@ -52,9 +52,9 @@ Expected<Scene> Scene::create(const WorldServerConfig& config) {
         }
     }
     for (const WorldScenery& scenery : config.scenery) {
-        if (scenery.is_solid && !scene.world_->add_still({.mesh = scenery.mesh,
-                                                          .friction = scenery.friction,
-                                                          .restitution = scenery.restitution})) {
+        if (scenery.is_solid && !scene.world_->add_static({.mesh = scenery.mesh,
+                                                           .friction = scenery.friction,
+                                                           .restitution = scenery.restitution})) {
             return make_error(ErrorKind::kConfiguration,
                               fmt::format("scenery '{}': cannot be solid", scenery.scene.name));
         }

@@ -32,10 +32,10 @@ void read_scenery_model(config::TableReader& reader, WorldScenery& scenery) {
     if (!scenery.is_solid) return;
     for (const model::ModelPart& part : *model)
         append(scenery.mesh, part.mesh, scene.world_from_model);
-    if (scenery.mesh.triangles.size() > physics::kMaxStillTriangles) {
+    if (scenery.mesh.triangles.size() > physics::kMaxStaticTriangles) {
         reader.reject("model",
                       fmt::format("must have at most {} triangles to be solid, has {}",
-                                  physics::kMaxStillTriangles,
+                                  physics::kMaxStaticTriangles,
                                   scenery.mesh.triangles.size()));
     }
 }

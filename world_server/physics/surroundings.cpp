@@ -30,9 +30,9 @@ Surroundings::~Surroundings() {
     for (const auto& piece : pieces_) world_.removeRigidBody(piece->body.get());
 }
 
-bool Surroundings::add(const StillMesh& still) {
+bool Surroundings::add(const StaticMesh& still) {
     const geometry::TriangleMesh& mesh = still.mesh;
-    if (mesh.triangles.empty() || mesh.triangles.size() > kMaxStillTriangles) return false;
+    if (mesh.triangles.empty() || mesh.triangles.size() > kMaxStaticTriangles) return false;
     auto piece = std::make_unique<Piece>();
     for (const Eigen::Vector3d& v : mesh.vertices) {
         if (!v.allFinite()) return false;

@@ -12,10 +12,10 @@ class btRigidBody;
 
 namespace atrium::physics {
 
-inline constexpr std::size_t kMaxStillTriangles = 100'000;
+inline constexpr std::size_t kMaxStaticTriangles = 100'000;
 
 /// A piece of solid scenery: static, and not an object.
-struct StillMesh {
+struct StaticMesh {
     geometry::TriangleMesh mesh;  // in the world [m]; any triangles, solid on both sides
     double friction = 0.6;
     double restitution = 0.2;
@@ -32,8 +32,8 @@ public:
     Surroundings& operator=(const Surroundings&) = delete;
 
     /// Adds a mesh. Returns false and adds nothing if it has no triangles, more than
-    /// kMaxStillTriangles, or a vertex that is not finite.
-    bool add(const StillMesh& mesh);
+    /// kMaxStaticTriangles, or a vertex that is not finite.
+    bool add(const StaticMesh& mesh);
     /// Adds six planes that keep everything inside `box`.
     void add_walls(const geometry::Aabb& box);
     /// All bodies; all are static.

@@ -77,8 +77,8 @@ AddResult World::add(const RigidObject& object) {
     }
     if (impl_->objects.size() >= impl_->options.max_objects) return AddResult::kWorldFull;
     auto body = std::make_unique<ObjectBody>(object, impl_->options);
-    const int group = body->moves() ? kObjectGroup : kStillGroup;
-    const int mask = body->moves() ? kStillGroup | kObjectGroup : kObjectGroup;
+    const int group = body->moves() ? kObjectGroup : kStaticGroup;
+    const int mask = body->moves() ? kStaticGroup | kObjectGroup : kObjectGroup;
     impl_->world.addRigidBody(&body->body(), group, mask);
     if (body->moves()) impl_->contacts.add(object.id, body->body());
     impl_->objects.emplace(object.id, std::move(body));
@@ -127,7 +127,7 @@ bool World::add_joint(const Joint& joint) {
     return true;
 }
 
-bool World::add_still(const StillMesh& mesh) { return impl_->surroundings.add(mesh); }
+bool World::add_static(const StaticMesh& mesh) { return impl_->surroundings.add(mesh); }
 
 void World::reset() {
     btOverlappingPairCache& pairs = *impl_->broadphase.getOverlappingPairCache();

@@ -130,7 +130,7 @@ public:
     /// missing, or both objects are static.
     bool add_joint(const Joint& joint);
     /// Adds static scenery; see `Surroundings::add`.
-    bool add_still(const StillMesh& mesh);
+    bool add_static(const StaticMesh& mesh);
     /// Sets pose and velocities of an object and wakes it. False if the id is unknown, the object
     /// is static, or a number is not finite.
     bool set_state(const RigidState& state);

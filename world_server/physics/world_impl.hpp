@@ -22,7 +22,7 @@
 namespace atrium::physics {
 
 /// Collision groups of the Bullet world, one bit each.
-enum CollisionGroup : int { kStillGroup = 1, kObjectGroup = 2 };
+enum CollisionGroup : int { kStaticGroup = 1, kObjectGroup = 2 };
 
 /// Parts of a world, shared by world.cpp, world_guard.cpp and world_saving.cpp.
 struct World::Impl {
@@ -49,7 +49,7 @@ struct World::Impl {
     PeopleContacts contacts;
     Grabs grabs;
     std::map<std::uint32_t, Eigen::Vector3d> centres_before;  // dynamic objects only
-    Surroundings surroundings{world, kStillGroup, kObjectGroup};
+    Surroundings surroundings{world, kStaticGroup, kObjectGroup};
     Joints joints{world, options.tick_s};
     std::vector<Incident> found;         // in this tick; scratch
     std::set<std::uint32_t> dealt_with;  // in this tick; scratch
