@@ -30,7 +30,7 @@ constexpr float kDamping = 600.0F;     // [1/s]
 
 // Depth reported to Bullet, below its threshold for shifting bodies. The effect of the real depth
 // is set by the contact's error reduction.
-constexpr float kToldDepthM = 0.001F;
+constexpr float kReportedDepthM = 0.001F;
 
 // Closing speed of a hit. Bullet would close the gap in this tick and, depending on its width, have
 // little or no speed left for the bounce in the next. Bullet therefore gets a gap of zero.
@@ -334,11 +334,11 @@ bool PeopleContacts::insert(Tracked& tracked,
     const float depth_m = -contact.distance_m;
     const float closing_mps = (contact.distance_m - contact.after_m) / static_cast<float>(tick_s);
     const bool is_hit = closing_mps > kHitMps && contact.after_m < 0.0F;
-    const float told_m = std::clamp(contact.distance_m, -kToldDepthM, is_hit ? 0.0F : 1.0F);
+    const float reported_m = std::clamp(contact.distance_m, -kReportedDepthM, is_hit ? 0.0F : 1.0F);
     btManifoldPoint point(tracked.body->getWorldTransform().invXform(on_object),
                           btVector3(0, 0, 0),
                           to_bullet(contact.normal),
-                          told_m);
+                          reported_m);
     point.m_positionWorldOnA = on_object;
     point.m_positionWorldOnB = on_person;
     const auto friction = static_cast<float>(options_.friction);
@@ -356,7 +356,8 @@ bool PeopleContacts::insert(Tracked& tracked,
         point.m_contactPointFlags |=
             BT_CONTACT_FLAG_HAS_CONTACT_CFM | BT_CONTACT_FLAG_HAS_CONTACT_ERP;
         point.m_contactCFM = 1.0F / (mass_kg * rate);
-        point.m_contactERP = depth_m > 0.0F ? kStiffness / rate * depth_m * tick / -told_m : 0.0F;
+        point.m_contactERP =
+            depth_m > 0.0F ? kStiffness / rate * depth_m * tick / -reported_m : 0.0F;
     }
     carrier.manifold->addManifoldPoint(point);
     // a contact that would penetrate within this tick is stopped or driven within it

@@ -120,9 +120,9 @@ private:
         std::array<Twist, 6> inverse{};  // columns; includes all couplings
         Twist state;
         Twist linearised_at;
-        Twist told;            // the state that its neighbours already use
-        bool is_stale = true;  // moved since the equations were built
-        bool is_due = true;    // a neighbour has moved
+        Twist seen_by_neighbours;  // the state that its neighbours already use
+        bool is_stale = true;      // moved since the equations were built
+        bool is_due = true;        // a neighbour has moved
     };
     struct Moved {  // motion of a region in the previous call
         Eigen::Vector3f centre = Eigen::Vector3f::Zero();

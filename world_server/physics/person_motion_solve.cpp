@@ -286,8 +286,8 @@ bool MotionEstimator::relax(std::size_t index) {
     }
     if (!is_finite(state.displacement) || !is_finite(state.turn)) return false;
     own.state = state;
-    if (moved_sq(state, own.told) <= kSettledM * kSettledM) return false;
-    own.told = state;
+    if (moved_sq(state, own.seen_by_neighbours) <= kSettledM * kSettledM) return false;
+    own.seen_by_neighbours = state;
     return true;
 }
 
@@ -310,7 +310,7 @@ void MotionEstimator::solve_together() {
     const auto max_step_m = static_cast<float>(options_.max_step_m);
     for (std::size_t i = 0; i < regions_.size(); ++i) {
         equations_[i].state = {to_float4(regions_[i].displacement), to_float4(regions_[i].turn)};
-        equations_[i].told = equations_[i].state;
+        equations_[i].seen_by_neighbours = equations_[i].state;
     }
     for (int round = 0; round < kRounds; ++round) {
         for (std::size_t i = 0; i < regions_.size(); ++i)
@@ -333,7 +333,7 @@ void MotionEstimator::solve_together() {
             region.displacement = shortened(to_vector(own.state.displacement), max_step_m);
             region.turn = shortened(to_vector(own.state.turn), kMaxTurn);
             own.state = {to_float4(region.displacement), to_float4(region.turn)};
-            own.told = own.state;
+            own.seen_by_neighbours = own.state;
             own.is_stale = moved_sq(own.state, own.linearised_at) > kSameMatchesM * kSameMatchesM;
         }
     }
