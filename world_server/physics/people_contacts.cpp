@@ -118,7 +118,7 @@ struct PeopleContacts::Tracked {
     ContactBody surface;
     float inner_radius_m = 0.0F;  // half of the smallest extent
     std::string escaping_from;    // the person out of whom it is moved; empty: none
-    bool is_put = false;          // teleported, and not yet apart from all people
+    bool is_teleported = false;   // teleported, and not yet apart from all people
     std::map<std::string, GripCorrection> grips;
 };
 
@@ -149,10 +149,10 @@ void PeopleContacts::add(std::uint32_t id, btRigidBody& body) {
 
 void PeopleContacts::remove(std::uint32_t id) { bodies_.erase(id); }
 
-void PeopleContacts::put(std::uint32_t id) {
+void PeopleContacts::mark_teleported(std::uint32_t id) {
     const auto found = bodies_.find(id);
     if (found == bodies_.end()) return;
-    found->second->is_put = true;
+    found->second->is_teleported = true;
     found->second->escaping_from.clear();
     found->second->grips.clear();
 }
@@ -181,13 +181,13 @@ void PeopleContacts::begin_body(Tracked& tracked, const PeopleField& people, dou
     if (!tracked.escaping_from.empty() && lead_out(tracked, people)) return;
     const ContactMotion motion = motion_of(*tracked.body);
     if (!motion.world_from_body.matrix().allFinite()) return;
-    if (tracked.is_put) {
+    if (tracked.is_teleported) {
         const auto is_around_one = [&](const auto& person) {
             return is_around(tracked, person.second) && !is_inside(tracked, person.second);
         };
         const auto& all = people.people();
-        tracked.is_put = std::any_of(all.begin(), all.end(), is_around_one);
-        if (tracked.is_put) return;
+        tracked.is_teleported = std::any_of(all.begin(), all.end(), is_around_one);
+        if (tracked.is_teleported) return;
     }
     std::size_t num_resisting = 0;
     const std::size_t num_before = num_used_;

@@ -52,7 +52,7 @@ public:
     void remove(std::uint32_t id);  // no effect if the id is unknown
     /// Marks an object as teleported. A person who is inside it at that moment does not touch it
     /// until they have separated. Otherwise the object would stick to a hand.
-    void put(std::uint32_t id);
+    void mark_teleported(std::uint32_t id);
 
     /// Call in the pre-tick callback, after `PeopleField::begin_tick`.
     void begin_tick(const PeopleField& people, double tick_s);

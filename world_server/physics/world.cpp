@@ -134,7 +134,7 @@ void World::reset() {
     for (auto& [id, object] : impl_->objects) {
         pairs.cleanProxyFromPairs(object->body().getBroadphaseHandle(), &impl_->dispatcher);
         object->put_back();
-        impl_->contacts.put(id);
+        impl_->contacts.mark_teleported(id);
     }
     impl_->soft.reset();
 }

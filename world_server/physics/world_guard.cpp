@@ -71,7 +71,7 @@ void World::Impl::act_on(const Incident& incident) {
         if (member == objects.end() || !member->second->moves()) continue;
         if (!removes) {
             member->second->put_back();
-            contacts.put(id);
+            contacts.mark_teleported(id);
         } else if (remove(id)) {
             record({id, IncidentKind::kRemoved});
         }
