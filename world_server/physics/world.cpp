@@ -210,7 +210,7 @@ void World::tick() {
     const auto record = [&](const Incident& incident) { impl_->record(incident); };
     for (const std::uint32_t id : impl_->soft.end_tick(impl_->counters, record)) impl_->remove(id);
     impl_->contacts.end_tick();
-    impl_->guard_all();
+    impl_->handle_incidents();
     const bool is_soft_touched = impl_->soft.is_touched();
     if (impl_->contacts.is_touched() || is_soft_touched) ++impl_->counters.num_contact_ticks;
     if (is_soft_touched) ++impl_->counters.num_soft_contact_ticks;

@@ -24,14 +24,14 @@ namespace atrium::physics {
 /// Collision groups of the Bullet world, one bit each.
 enum CollisionGroup : int { kStaticGroup = 1, kObjectGroup = 2 };
 
-/// Parts of a world, shared by world.cpp, world_guard.cpp and world_saving.cpp.
+/// Parts of a world, shared by world.cpp, world_incidents.cpp and world_snapshot.cpp.
 struct World::Impl {
     explicit Impl(const WorldOptions& world_options);
     ~Impl();
     static void begin_tick(btDynamicsWorld* world, btScalar tick_s);
     ObjectBody* find_moving(std::uint32_t id);
-    std::optional<IncidentKind> guard(ObjectBody& object);
-    void guard_all();
+    std::optional<IncidentKind> find_incident(ObjectBody& object);
+    void handle_incidents();
     void act_on(const Incident& incident);
     void record(const Incident& incident);
     bool remove(std::uint32_t id);

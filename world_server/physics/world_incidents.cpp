@@ -14,7 +14,7 @@ constexpr std::size_t kMaxIncidents = 256;
 }  // namespace
 
 // Returns the problem of an object after a tick. Limits its motion if there is none.
-std::optional<IncidentKind> World::Impl::guard(ObjectBody& object) {
+std::optional<IncidentKind> World::Impl::find_incident(ObjectBody& object) {
     if (!object.is_finite()) return IncidentKind::kNotFinite;
     const double speed = from_bullet(object.body().getLinearVelocity()).norm();
     if (speed > kRunawayFactor * options.max_speed_mps) return IncidentKind::kRunaway;
@@ -30,12 +30,12 @@ std::optional<IncidentKind> World::Impl::guard(ObjectBody& object) {
     return std::nullopt;
 }
 
-void World::Impl::guard_all() {
+void World::Impl::handle_incidents() {
     found.clear();
     dealt_with.clear();
     for (auto& [id, object] : objects) {
         if (!object->moves()) continue;
-        if (const auto kind = guard(*object)) found.push_back({id, *kind});
+        if (const auto kind = find_incident(*object)) found.push_back({id, *kind});
     }
     for (const auto& joint : joints.all()) {
         if (!(joint->gap_m() <= kTornM)) found.push_back({joint->joint().a, IncidentKind::kTorn});
