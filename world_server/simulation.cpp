@@ -112,7 +112,7 @@ void Simulation::send_people() {
     outbox_.put(people_snapshots_);
 }
 
-void Simulation::hash_now_and_then(double tick_s) {
+void Simulation::hash_periodically(double tick_s) {
     hash_credit_s_ += tick_s;
     if (hash_credit_s_ < kHashPeriodS) return;
     hash_credit_s_ = 0.0;
@@ -125,7 +125,7 @@ void Simulation::hash_now_and_then(double tick_s) {
 }
 
 // Reports incidents, computes the hash and saves, each at its period.
-void Simulation::look_after() {
+void Simulation::report_and_save() {
     const double tick_s = 1.0 / config_.tick_hz;
     std::map<std::uint32_t, std::string> names;  // names of removed objects
     for (const SceneChange& change : scene_.take_removed(incidents_)) {
@@ -140,7 +140,7 @@ void Simulation::look_after() {
                         gone == names.end() ? scene_.name_of(incident.object) : gone->second,
                         physics::describe(incident.kind)));
     }
-    hash_now_and_then(tick_s);
+    hash_periodically(tick_s);
     save_credit_s_ += tick_s;
     if (saver_.is_on() && config_.save_every_s > 0.0 && save_credit_s_ >= config_.save_every_s)
         save();
@@ -168,7 +168,7 @@ void Simulation::step(Timestamp due) {
     was_touched_ = is_touched;
     send_state(due);
     send_people();
-    look_after();
+    report_and_save();
     const std::lock_guard lock(status_mutex_);
     step_times_.add(Clock::now() - begin);
 }

@@ -62,8 +62,8 @@ private:
     double credit_of_tick() const { return config_.send_hz / config_.tick_hz; }
     void send_state(Timestamp due);
     void send_people();
-    void look_after();
-    void hash_now_and_then(double tick_s);
+    void report_and_save();
+    void hash_periodically(double tick_s);
 
     const WorldServerConfig config_;
     Scene scene_;
