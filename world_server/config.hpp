@@ -5,12 +5,12 @@
 #include "core/bus/bus.hpp"
 #include "core/config/option_set.hpp"
 #include "core/config/table_reader.hpp"
+#include "world_server/description/soft_objects.hpp"
 #include "world_server/description/world_object.hpp"
 #include "world_server/physics/person_shape.hpp"
 #include "world_server/physics/world.hpp"
 #include "world_server/placement.hpp"
 #include "world_server/rights.hpp"
-#include "world_server/soft_config.hpp"
 
 #include <filesystem>
 #include <string>

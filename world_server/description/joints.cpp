@@ -1,6 +1,6 @@
 #include "world_server/description/joints.hpp"
 
-#include "world_server/description/reading.hpp"
+#include "world_server/description/shared_entries.hpp"
 
 #include <algorithm>
 #include <string>

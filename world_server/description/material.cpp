@@ -1,6 +1,6 @@
 #include "world_server/description/material.hpp"
 
-#include "world_server/description/reading.hpp"
+#include "world_server/description/shared_entries.hpp"
 
 #include <set>
 #include <vector>

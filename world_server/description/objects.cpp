@@ -1,7 +1,7 @@
 #include "world_server/description/objects.hpp"
 
 #include "core/model/model_file.hpp"
-#include "world_server/description/reading.hpp"
+#include "world_server/description/shared_entries.hpp"
 #include "world_server/physics/convex_hull.hpp"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #include "world_server/description/puppets.hpp"
 
-#include "world_server/description/reading.hpp"
+#include "world_server/description/shared_entries.hpp"
 #include "world_server/puppet.hpp"
 
 #include <algorithm>

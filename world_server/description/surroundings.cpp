@@ -1,7 +1,7 @@
 #include "world_server/description/surroundings.hpp"
 
 #include "core/model/model_file.hpp"
-#include "world_server/description/reading.hpp"
+#include "world_server/description/shared_entries.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // The [[soft]] tables of a world file.
-#include "world_server/soft_config.hpp"
+#include "world_server/description/soft_objects.hpp"
 
 #include "world_server/config.hpp"
 #include "world_server/scene.hpp"

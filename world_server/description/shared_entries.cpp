@@ -1,4 +1,4 @@
-#include "world_server/description/reading.hpp"
+#include "world_server/description/shared_entries.hpp"
 
 #include "core/bus/checks.hpp"
 #include "core/bus/limits.hpp"
