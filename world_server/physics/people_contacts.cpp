@@ -20,7 +20,7 @@ constexpr float kSphereSpacingM = 0.02F;  // spacing of a sphere's samples
 constexpr std::size_t kMinSphereSamples = 26;
 constexpr std::size_t kMaxSphereSamples = 600;
 
-// Contacts act like damped springs, because a hand yields around what it grips. The damping lets an
+// Contacts act like damped springs, because a hand yields around what it holds. The damping lets an
 // overlap relax slowly. Otherwise an object on a hand would be thrown into the air whenever the
 // hull is slightly larger than the previous one. Between two palms the springs settle in the
 // middle, where contradicting velocities would fight. Per mass of the object, shared by its
@@ -37,7 +37,7 @@ constexpr float kReportedDepthM = 0.001F;
 constexpr float kHitMps = 0.7F;
 
 // Rolling resistance on skin and cloth, as a lever in radii of the object: the slope on which a
-// ball stays. A hand yields and cups what it grips, which no hull shows.
+// ball stays. A hand yields and cups what it holds, which no hull shows.
 constexpr float kRollingLever = 1.5F;
 constexpr float kSpinningLever = 0.3F;
 constexpr std::size_t kNumRolling = 3;  // contacts per object that resist rolling
@@ -208,7 +208,7 @@ void PeopleContacts::begin_body(Tracked& tracked, const PeopleField& people, dou
             tracked.escaping_from = name;
             ++num_escapes_;
             is_touched_ = true;
-            // nobody grips it while it is moved out
+            // nobody holds it while it is moved out
             while (num_used_ > num_before) {
                 dispatcher_.releaseManifold(carriers_[--num_used_]->manifold);
             }
