@@ -7,7 +7,7 @@
 #include "core/config/table_reader.hpp"
 #include "world_server/description/soft_objects.hpp"
 #include "world_server/description/world_object.hpp"
-#include "world_server/physics/person_shape.hpp"
+#include "world_server/physics/people/person_shape.hpp"
 #include "world_server/physics/world.hpp"
 #include "world_server/placement.hpp"
 #include "world_server/rights.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "world_server/physics/person_shape.hpp"
+#include "world_server/physics/people/person_shape.hpp"
 
 #include <functional>
 #include <map>

@@ -2,7 +2,7 @@
 
 #include "core/geometry/rigid_transform.hpp"
 #include "world_server/description/world_object.hpp"
-#include "world_server/physics/joint.hpp"
+#include "world_server/physics/rigid/joint.hpp"
 
 #include <Eigen/Core>
 

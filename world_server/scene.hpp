@@ -3,7 +3,7 @@
 #include "core/base/expected.hpp"
 #include "core/bus/messages.hpp"
 #include "world_server/config.hpp"
-#include "world_server/physics/soft_object.hpp"
+#include "world_server/physics/soft/soft_object.hpp"
 #include "world_server/physics/world.hpp"
 #include "world_server/state_file.hpp"
 

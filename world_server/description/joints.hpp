@@ -2,7 +2,7 @@
 
 #include "core/config/table_reader.hpp"
 #include "world_server/description/world_object.hpp"
-#include "world_server/physics/joint.hpp"
+#include "world_server/physics/rigid/joint.hpp"
 
 #include <vector>
 

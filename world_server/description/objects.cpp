@@ -2,7 +2,7 @@
 
 #include "core/model/model_file.hpp"
 #include "world_server/description/shared_entries.hpp"
-#include "world_server/physics/convex_hull.hpp"
+#include "world_server/physics/rigid/convex_hull.hpp"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 #include "core/config/table_reader.hpp"
 #include "world_server/description/material.hpp"
 #include "world_server/description/world_object.hpp"
-#include "world_server/physics/joint.hpp"
+#include "world_server/physics/rigid/joint.hpp"
 
 #include <vector>
 

@@ -2,7 +2,7 @@
 
 #include "core/config/table_reader.hpp"
 #include "world_server/description/material.hpp"
-#include "world_server/physics/soft_object.hpp"
+#include "world_server/physics/soft/soft_object.hpp"
 
 #include <Eigen/Core>
 

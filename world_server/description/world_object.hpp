@@ -2,7 +2,7 @@
 
 #include "core/bus/messages.hpp"
 #include "core/geometry/triangle_mesh.hpp"
-#include "world_server/physics/rigid_object.hpp"
+#include "world_server/physics/rigid/rigid_object.hpp"
 
 #include <memory>
 #include <vector>

@@ -1,7 +1,7 @@
 #include "world_server/physics/grab.hpp"
 
 #include "world_server/physics/bullet_types.hpp"
-#include "world_server/physics/soft_body.hpp"
+#include "world_server/physics/soft/soft_body.hpp"
 
 #include <Eigen/LU>
 #include <btBulletDynamicsCommon.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "world_server/physics/soft_motors.hpp"
+#include "world_server/physics/soft/soft_motors.hpp"
 
 #include <Eigen/Core>
 

@@ -2,9 +2,9 @@
 
 #include "core/geometry/aabb.hpp"
 #include "core/geometry/rigid_transform.hpp"
-#include "world_server/physics/joint.hpp"
-#include "world_server/physics/person_shape.hpp"
-#include "world_server/physics/rigid_object.hpp"
+#include "world_server/physics/people/person_shape.hpp"
+#include "world_server/physics/rigid/joint.hpp"
+#include "world_server/physics/rigid/rigid_object.hpp"
 #include "world_server/physics/surroundings.hpp"
 #include "world_server/physics/world_state.hpp"
 

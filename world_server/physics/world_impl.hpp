@@ -1,11 +1,11 @@
 #pragma once
 
 #include "world_server/physics/grab.hpp"
-#include "world_server/physics/joints.hpp"
-#include "world_server/physics/object_body.hpp"
-#include "world_server/physics/people_contacts.hpp"
-#include "world_server/physics/people_field.hpp"
-#include "world_server/physics/soft_bodies.hpp"
+#include "world_server/physics/people/people_contacts.hpp"
+#include "world_server/physics/people/people_field.hpp"
+#include "world_server/physics/rigid/joints.hpp"
+#include "world_server/physics/rigid/object_body.hpp"
+#include "world_server/physics/soft/soft_bodies.hpp"
 #include "world_server/physics/surroundings.hpp"
 #include "world_server/physics/world.hpp"
 

@@ -1,6 +1,6 @@
 #include "world_server/physics/world_state.hpp"
 
-#include "world_server/physics/object_body.hpp"
+#include "world_server/physics/rigid/object_body.hpp"
 
 #include <BulletSoftBody/btSoftBody.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>

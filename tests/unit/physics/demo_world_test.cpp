@@ -2,7 +2,7 @@
 #include "deploy/demo/demo.hpp"
 #include "simulation/person.hpp"
 #include "world_server/config.hpp"
-#include "world_server/physics/person_shape.hpp"
+#include "world_server/physics/people/person_shape.hpp"
 #include "world_server/scene.hpp"
 
 #include <gtest/gtest.h>

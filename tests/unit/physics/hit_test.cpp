@@ -1,7 +1,7 @@
 // A hand, beside a still torso in the same mesh, that starts at full speed into a small ball.
 #include "meshes.hpp"
-#include "world_server/physics/body_samples.hpp"
-#include "world_server/physics/person_shape.hpp"
+#include "world_server/physics/people/person_shape.hpp"
+#include "world_server/physics/rigid/body_samples.hpp"
 #include "world_server/physics/world.hpp"
 
 #include <gtest/gtest.h>

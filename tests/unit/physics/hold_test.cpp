@@ -1,7 +1,7 @@
 // What people carry, clasp and throw: hands with the noise and the ever new triangles of
 // visual hulls.
 #include "meshes.hpp"
-#include "world_server/physics/person_shape.hpp"
+#include "world_server/physics/people/person_shape.hpp"
 #include "world_server/physics/world.hpp"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // How people hold things, with surfaces whose velocities are given instead of found.
 #include "meshes.hpp"
-#include "world_server/physics/people_field.hpp"
-#include "world_server/physics/surface_index.hpp"
+#include "world_server/physics/people/people_field.hpp"
+#include "world_server/physics/people/surface_index.hpp"
 #include "world_server/physics/world.hpp"
 
 #include <Eigen/Geometry>

@@ -1,6 +1,6 @@
 // What people do to objects: meshes at 30 Hz without any common topology, ticks at 120 Hz.
 #include "meshes.hpp"
-#include "world_server/physics/person_shape.hpp"
+#include "world_server/physics/people/person_shape.hpp"
 #include "world_server/physics/world.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 #include "tests/unit/physics/things.hpp"
-#include "world_server/physics/collision_shape.hpp"
-#include "world_server/physics/convex_hull.hpp"
+#include "world_server/physics/rigid/collision_shape.hpp"
+#include "world_server/physics/rigid/convex_hull.hpp"
 
 #include <random>
 
