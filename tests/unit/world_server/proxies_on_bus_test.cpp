@@ -2,8 +2,8 @@
 #include "core/bus/bus.hpp"
 #include "core/bus/proxy_points.hpp"
 #include "core/codec/mesh_codec.hpp"
-#include "meshes.hpp"
 #include "simulation_stage.hpp"
+#include "tests/unit/physics/meshes.hpp"
 #include "world_server/world_server.hpp"
 
 #include <gtest/gtest.h>

@@ -3,8 +3,8 @@
 
 #include "core/bus/bus.hpp"
 #include "core/codec/mesh_codec.hpp"
-#include "meshes.hpp"
 #include "simulation_stage.hpp"
+#include "tests/unit/physics/meshes.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,7 +1,7 @@
 // By itself, for operator new is replaced.
-#include "meshes.hpp"
 #include "simulation_stage.hpp"
 #include "tests/support/allocation_counter.hpp"
+#include "tests/unit/physics/meshes.hpp"
 
 #include <gtest/gtest.h>
 

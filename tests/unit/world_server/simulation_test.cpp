@@ -1,7 +1,7 @@
 #include "world_server/simulation.hpp"
 
-#include "meshes.hpp"
 #include "simulation_stage.hpp"
+#include "tests/unit/physics/meshes.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@
 #include "core/bus/checks.hpp"
 #include "core/bus/limits.hpp"
 #include "core/bus/proxy_points.hpp"
-#include "meshes.hpp"
 #include "simulation_stage.hpp"
+#include "tests/unit/physics/meshes.hpp"
 
 #include <gtest/gtest.h>
 

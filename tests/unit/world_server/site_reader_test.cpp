@@ -1,7 +1,7 @@
 #include "world_server/site_reader.hpp"
 
 #include "core/codec/mesh_codec.hpp"
-#include "meshes.hpp"
+#include "tests/unit/physics/meshes.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
