@@ -40,13 +40,13 @@ Grabs::Grab* Grabs::find(const std::string& holder, std::uint32_t object) {
     return nullptr;
 }
 
-int Grabs::patience() const {
-    return std::max(1, static_cast<int>(std::lround(options_.patience_s / options_.tick_s)));
+int Grabs::timeout_ticks() const {
+    return std::max(1, static_cast<int>(std::lround(options_.timeout_s / options_.tick_s)));
 }
 
 bool Grabs::hold(Grab grab) {
     assert(grab.goal_world.allFinite());
-    grab.ticks_left = patience();
+    grab.ticks_left = timeout_ticks();
     if (Grab* held = find(grab.holder, grab.object)) {
         *held = std::move(grab);
         return true;
@@ -95,7 +95,7 @@ bool Grabs::move(const std::string& holder,
     Grab* held = find(holder, object);
     if (held == nullptr) return false;
     held->goal_world = goal_world;
-    held->ticks_left = patience();
+    held->ticks_left = timeout_ticks();
     return true;
 }
 

@@ -23,7 +23,7 @@ struct GrabOptions {
     double max_force_n = 500.0;      // limit on the force of one grab
     double max_acceleration = 80.0;  // [m/s^2] limit on what one grab does to the object
     double spin_damping_hz = 4.0;    // damps the spin: a hanging object comes to rest
-    double patience_s = 2.0;         // a grab ends if its holder sends nothing for this long
+    double timeout_s = 2.0;          // a grab ends if its holder sends nothing for this long
     std::size_t max_grabs = 64;      // in the world
     std::size_t max_per_holder = 4;  // of one holder
 };
@@ -90,7 +90,7 @@ private:
     Eigen::Vector3d wanted_velocity(const Eigen::Vector3d& way,
                                     double mass_kg,
                                     double gravity) const;
-    int patience() const;
+    int timeout_ticks() const;
 
     GrabOptions options_;
     std::vector<Grab> grabs_;  // in the order of the calls to `hold`

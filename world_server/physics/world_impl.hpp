@@ -51,8 +51,8 @@ struct World::Impl {
     std::map<std::uint32_t, Eigen::Vector3d> centres_before;  // dynamic objects only
     Surroundings surroundings{world, kStaticGroup, kObjectGroup};
     Joints joints{world, options.tick_s};
-    std::vector<Incident> found;         // in this tick; scratch
-    std::set<std::uint32_t> dealt_with;  // in this tick; scratch
+    std::vector<Incident> found;      // in this tick; scratch
+    std::set<std::uint32_t> handled;  // in this tick; scratch
     std::vector<Incident> incidents;
     WorldCounters counters;
 };

@@ -32,7 +32,7 @@ std::optional<IncidentKind> World::Impl::find_incident(ObjectBody& object) {
 
 void World::Impl::handle_incidents() {
     found.clear();
-    dealt_with.clear();
+    handled.clear();
     for (auto& [id, object] : objects) {
         if (!object->moves()) continue;
         if (const auto kind = find_incident(*object)) found.push_back({id, *kind});
@@ -42,7 +42,7 @@ void World::Impl::handle_incidents() {
     }
     for (const Incident& incident : found) {
         // joined objects are reset together, once
-        if (!dealt_with.contains(incident.object)) act_on(incident);
+        if (!handled.contains(incident.object)) act_on(incident);
     }
 }
 
@@ -66,7 +66,7 @@ void World::Impl::act_on(const Incident& incident) {
         incident.kind == IncidentKind::kLeft && options.leaving == LeavePolicy::kRemove;
     if (!removes) record(incident);
     for (const std::uint32_t id : joints.group_of(incident.object)) {
-        dealt_with.insert(id);
+        handled.insert(id);
         const auto member = objects.find(id);
         if (member == objects.end() || !member->second->moves()) continue;
         if (!removes) {

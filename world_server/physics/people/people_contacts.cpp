@@ -178,7 +178,7 @@ void PeopleContacts::end_tick() {
 }
 
 void PeopleContacts::begin_body(Tracked& tracked, const PeopleField& people, double tick_s) {
-    if (!tracked.escaping_from.empty() && lead_out(tracked, people)) return;
+    if (!tracked.escaping_from.empty() && move_out(tracked, people)) return;
     const ContactMotion motion = motion_of(*tracked.body);
     if (!motion.world_from_body.matrix().allFinite()) return;
     if (tracked.is_teleported) {
@@ -213,7 +213,7 @@ void PeopleContacts::begin_body(Tracked& tracked, const PeopleField& people, dou
                 dispatcher_.releaseManifold(carriers_[--num_used_]->manifold);
             }
             num_touches_ = num_touches_before;
-            lead_out(tracked, people);
+            move_out(tracked, people);
             return;
         }
         if (contacts.empty()) {
@@ -270,7 +270,7 @@ bool PeopleContacts::is_around(const Tracked& tracked, const PersonField& person
 }
 
 // Moves an object inside a person towards the nearest surface. Returns false when it is out.
-bool PeopleContacts::lead_out(Tracked& tracked, const PeopleField& people) {
+bool PeopleContacts::move_out(Tracked& tracked, const PeopleField& people) {
     const auto person = people.people().find(tracked.escaping_from);
     const Eigen::Vector3f centre =
         floats_from_bullet(tracked.body->getWorldTransform().getOrigin());

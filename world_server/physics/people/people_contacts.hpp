@@ -72,7 +72,7 @@ private:
     struct Surface;
     void note_touch(const std::string& person, const Tracked& tracked, const PersonContact& at);
     void begin_body(Tracked& tracked, const PeopleField& people, double tick_s);
-    bool lead_out(Tracked& tracked, const PeopleField& people);
+    bool move_out(Tracked& tracked, const PeopleField& people);
     bool is_inside(const Tracked& tracked, const PersonField& person) const;
     bool is_around(const Tracked& tracked, const PersonField& person) const;
     // Returns true if object and person touch.
