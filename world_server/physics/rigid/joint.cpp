@@ -72,14 +72,14 @@ Eigen::Vector3d gravity_of(ObjectBody* object) {
 }
 
 // Change of the velocity along `direction` at `place` per impulse [1/kg].
-double yield_at(ObjectBody* object,
-                const Eigen::Vector3d& place,
-                const Eigen::Vector3d& direction) {
+double inverse_mass_along(ObjectBody* object,
+                          const Eigen::Vector3d& place,
+                          const Eigen::Vector3d& direction) {
     if (object == nullptr || !object->moves()) return 0.0;
     return object->body().computeImpulseDenominator(to_bullet(place), to_bullet(direction));
 }
 
-double turning_yield(ObjectBody* object, const Eigen::Vector3d& axis) {
+double inverse_inertia_about(ObjectBody* object, const Eigen::Vector3d& axis) {
     if (object == nullptr || !object->moves()) return 0.0;
     return object->body().computeAngularImpulseDenominator(to_bullet(axis));
 }
@@ -260,13 +260,15 @@ void JointBody::pull() {
     // gravity acts within this tick too; without it a spring would stretch too little
     const double speed = along.dot(velocity_at(&a_, end_a) - velocity_at(b_, end_b) +
                                    tick_s_ * (gravity_of(&a_) - gravity_of(b_)));
-    const double yield = yield_at(&a_, end_a, along) + yield_at(b_, end_b, along);
+    const double inverse_mass =
+        inverse_mass_along(&a_, end_a, along) + inverse_mass_along(b_, end_b, along);
     const auto impulse_of = [&](double force, double per_speed) {
-        return -tick_s_ * (force + per_speed * speed) / (1.0 + tick_s_ * per_speed * yield);
+        return -tick_s_ * (force + per_speed * speed) / (1.0 + tick_s_ * per_speed * inverse_mass);
     };
     double impulse =
         impulse_of(joint_.stiffness_npm * excess, joint_.stiffness_npm * tick_s_ + joint_.damping);
-    const double force = joint_.stiffness_npm * (excess + tick_s_ * (speed + yield * impulse));
+    const double force =
+        joint_.stiffness_npm * (excess + tick_s_ * (speed + inverse_mass * impulse));
     if (joint_.force_max > 0.0 && std::abs(force) > joint_.force_max)
         impulse = impulse_of(std::copysign(joint_.force_max, force), joint_.damping);
     if (joint_.pulls_only && (excess <= 0.0 || impulse >= 0.0)) return;
@@ -283,9 +285,10 @@ void JointBody::damp_turning() {
     const double speed = spin.norm();
     if (speed < 1e-9) return;
     const Eigen::Vector3d axis = spin / speed;
-    const double yield = turning_yield(&a_, axis) + turning_yield(b_, axis);
+    const double inverse_inertia =
+        inverse_inertia_about(&a_, axis) + inverse_inertia_about(b_, axis);
     const double given = tick_s_ * joint_.damping;
-    const Eigen::Vector3d impulse = -given * speed / (1.0 + given * yield) * axis;
+    const Eigen::Vector3d impulse = -given * speed / (1.0 + given * inverse_inertia) * axis;
     turn(&a_, impulse);
     turn(b_, -impulse);
 }
@@ -294,9 +297,10 @@ void JointBody::damp_sliding() {
     const Eigen::Vector3d axis = world_from_body(b_).rotation * axis_in_b_;
     const Eigen::Vector3d place = world_from_body(&a_) * anchor_in_a_;
     const double speed = axis.dot(velocity_at(&a_, place) - velocity_at(b_, place));
-    const double yield = yield_at(&a_, place, axis) + yield_at(b_, place, axis);
+    const double inverse_mass =
+        inverse_mass_along(&a_, place, axis) + inverse_mass_along(b_, place, axis);
     const double given = tick_s_ * joint_.damping;
-    const Eigen::Vector3d impulse = -given * speed / (1.0 + given * yield) * axis;
+    const Eigen::Vector3d impulse = -given * speed / (1.0 + given * inverse_mass) * axis;
     push_at(&a_, place, impulse);
     push_at(b_, place, -impulse);
 }
