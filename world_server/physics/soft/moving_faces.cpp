@@ -45,17 +45,17 @@ btVector3 nearest_on(const btVector3 (&corners)[3], const btVector3& point) {
 
 }  // namespace
 
-std::optional<FaceMeeting> meet(const SampleMotion& place,
-                                const MovingFace& face,
-                                const btVector3* outward,
-                                const MeetingLimits& limits) {
-    FaceMeeting meeting;
-    btVector3& normal = meeting.normal;
+std::optional<FaceContact> find_contact(const SampleMotion& place,
+                                        const MovingFace& face,
+                                        const btVector3* outward,
+                                        const ContactLimits& limits) {
+    FaceContact contact;
+    btVector3& normal = contact.normal;
     normal = (face.corners[1] - face.corners[0]).cross(face.corners[2] - face.corners[0]);
     const btScalar length = normal.length();
     if (!(length > btScalar(1e-9))) return std::nullopt;  // [m^2]: degenerate
     normal /= length;
-    btScalar& distance = meeting.distance;
+    btScalar& distance = contact.distance;
     distance = normal.dot(place.position - face.corners[0]);
     const btScalar facing = outward != nullptr ? -normal.dot(*outward) : 0;
     if (!face.is_skin && (outward != nullptr ? facing < 0 : distance < 0)) {
@@ -77,24 +77,24 @@ std::optional<FaceMeeting> meet(const SampleMotion& place,
     const btVector3 weights = nearest_on(face.corners, at);
     btVector3 beside = at;
     for (int i = 0; i < 3; ++i) {
-        meeting.weights[i] = weights[i];
+        contact.weights[i] = weights[i];
         beside -= face.corners[i] * weights[i];
     }
     beside -= normal * normal.dot(beside);
     const btScalar off = beside.length();
     if (off > limits.gap_m) return std::nullopt;
-    meeting.way = way.length() * share + std::abs(distance - closing * share) + off;
-    return meeting;
+    contact.way = way.length() * share + std::abs(distance - closing * share) + off;
+    return contact;
 }
 
-Box box_of_way(const SampleMotion& place, const btVector3* outward, const MeetingLimits& limits) {
+Box swept_bounds(const SampleMotion& place, const btVector3* outward, const ContactLimits& limits) {
     Box box{place.position, place.position};
     include(place.position + place.velocity * limits.tick_s, box);
     if (outward != nullptr) include(place.position - *outward * limits.depth_m, box);
     return box;
 }
 
-Box box_of_way(const MovingFace& face, const MeetingLimits& limits) {
+Box swept_bounds(const MovingFace& face, const ContactLimits& limits) {
     Box box{face.corners[0], face.corners[0]};
     btVector3 behind(0, 0, 0);
     if (face.is_skin) {

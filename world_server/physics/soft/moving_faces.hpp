@@ -23,7 +23,7 @@ struct MovingFace {
 };
 
 /// Contact of a point and a face within a tick.
-struct FaceMeeting {
+struct FaceContact {
     btVector3 normal;  // unit length, of the face, on the point's side
     // [m] of the point along the normal at the start of the tick; < 0: behind the face
     btScalar distance = 0;
@@ -31,7 +31,7 @@ struct FaceMeeting {
     btScalar way = 0;     // [m] path length to the contact; the smallest matters
 };
 
-struct MeetingLimits {
+struct ContactLimits {
     btScalar tick_s = 0;
     btScalar gap_m = 0;     // a smaller distance is a contact
     btScalar margin_m = 0;  // added to gap_m: contacts up to here are reported
@@ -43,10 +43,10 @@ struct MeetingLimits {
 /// `outward` is null or the unit outward normal of the volume at the point. It decides on which
 /// side of a two-sided face the point belongs, at any depth. If it is null, the point belongs to
 /// the side where it is.
-std::optional<FaceMeeting> meet(const SampleMotion& place,
-                                const MovingFace& face,
-                                const btVector3* outward,
-                                const MeetingLimits& limits);
+std::optional<FaceContact> find_contact(const SampleMotion& place,
+                                        const MovingFace& face,
+                                        const btVector3* outward,
+                                        const ContactLimits& limits);
 
 struct Box {
     btVector3 low, high;  // [m]
@@ -58,17 +58,17 @@ inline bool touch(const Box& a, const Box& b) {
 
 /// Bounds of the contacts of a point: its path through a tick and, for a volume, the depth behind
 /// its boundary.
-Box box_of_way(const SampleMotion& place, const btVector3* outward, const MeetingLimits& limits);
+Box swept_bounds(const SampleMotion& place, const btVector3* outward, const ContactLimits& limits);
 /// Bounds of the contacts of a face.
-Box box_of_way(const MovingFace& face, const MeetingLimits& limits);
+Box swept_bounds(const MovingFace& face, const ContactLimits& limits);
 
 /// Sorted index of faces by their bounds in a tick (sweep and prune along one axis). Deterministic.
 /// Reuses its memory.
 class FaceIndex {
 public:
     void clear() { entries_.clear(); }
-    void add(const MovingFace& face, const MeetingLimits& limits) {
-        entries_.push_back({box_of_way(face, limits), face});
+    void add(const MovingFace& face, const ContactLimits& limits) {
+        entries_.push_back({swept_bounds(face, limits), face});
     }
     /// Call after the last `add`.
     void sort();

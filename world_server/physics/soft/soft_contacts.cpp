@@ -51,9 +51,9 @@ btVector3 velocity_of(const SoftContact& c) {
 
 // Finds the first point on the sample's path, relative to the body, that is within `thickness_m` of
 // it. If there is none, uses the end of the path.
-std::optional<SoftContact> meet_on_way(const btRigidBody& body,
-                                       const SampleMotion& sample,
-                                       const SoftContactOptions& options) {
+std::optional<SoftContact> find_contact_on_path(const btRigidBody& body,
+                                                const SampleMotion& sample,
+                                                const SoftContactOptions& options) {
     const btScalar thickness_m = options.thickness_m;
     const btTransform& pose = body.getWorldTransform();
     const btVector3 arm = sample.position - pose.getOrigin();
@@ -83,9 +83,9 @@ std::optional<SoftContact> meet_on_way(const btRigidBody& body,
     return contact;
 }
 
-std::optional<SoftContact> meet_person(const PeopleField& people,
-                                       const SampleMotion& sample,
-                                       const SoftContactOptions& options) {
+std::optional<SoftContact> find_person_contact(const PeopleField& people,
+                                               const SampleMotion& sample,
+                                               const SoftContactOptions& options) {
     const btVector3& x = sample.position;
     const btVector3& v = sample.velocity;
     const auto found = people.query({x.x(), x.y(), x.z()}, {.velocity = {v.x(), v.y(), v.z()}});
@@ -103,9 +103,9 @@ std::optional<SoftContact> meet_person(const PeopleField& people,
 }
 
 // Collects the triangles that Bullet's tree reports.
-class FaceTaker final : public btTriangleCallback {
+class FaceCollector final : public btTriangleCallback {
 public:
-    FaceTaker(const btTransform& world_from_mesh, const MeetingLimits& limits, FaceIndex& faces)
+    FaceCollector(const btTransform& world_from_mesh, const ContactLimits& limits, FaceIndex& faces)
         : world_from_mesh_(world_from_mesh), limits_(limits), faces_(faces) {}
     void processTriangle(btVector3* corners, int /*part*/, int /*triangle*/) override {
         MovingFace face;
@@ -116,29 +116,29 @@ public:
 
 private:
     const btTransform& world_from_mesh_;
-    const MeetingLimits& limits_;
+    const ContactLimits& limits_;
     FaceIndex& faces_;
 };
 
-// Keeps the nearest meeting for each face direction, three at most.
-class NearestOfEachWay {
+// Keeps the nearest contact for each face direction, three at most.
+class NearestPerNormal {
 public:
-    void add(const FaceMeeting& meeting) {
-        FaceMeeting* const end = kept_.data() + num_kept_;
-        FaceMeeting* const same = std::find_if(kept_.data(), end, [&](const FaceMeeting& kept) {
-            return kept.normal.dot(meeting.normal) > kSameWay;
+    void add(const FaceContact& face_contact) {
+        FaceContact* const end = kept_.data() + num_kept_;
+        FaceContact* const same = std::find_if(kept_.data(), end, [&](const FaceContact& kept) {
+            return kept.normal.dot(face_contact.normal) > kSameNormal;
         });
         if (same != end) {
-            if (meeting.way < same->way) *same = meeting;
+            if (face_contact.way < same->way) *same = face_contact;
         } else if (num_kept_ < kept_.size()) {
-            kept_[num_kept_++] = meeting;
+            kept_[num_kept_++] = face_contact;
         }
     }
-    std::span<const FaceMeeting> all() const { return {kept_.data(), num_kept_}; }
+    std::span<const FaceContact> all() const { return {kept_.data(), num_kept_}; }
 
 private:
-    static constexpr btScalar kSameWay = btScalar(0.9);  // cosine
-    std::array<FaceMeeting, 3> kept_{};
+    static constexpr btScalar kSameNormal = btScalar(0.9);  // cosine
+    std::array<FaceContact, 3> kept_{};
     std::size_t num_kept_ = 0;
 };
 
@@ -157,7 +157,7 @@ void SoftContacts::find(btSoftBody& soft,
         for (std::size_t i = 0; i < skin.samples.size(); ++i) {
             const SoftSample& sample = skin.samples[i];
             if (!(ways_[i].inverse_mass > 0) || is_any_loose(sample, skin.loose)) continue;
-            const auto contact = meet_person(*people, ways_[i], options);
+            const auto contact = find_person_contact(*people, ways_[i], options);
             if (!contact || is_from_inside(*contact, sample, skin)) continue;
             contacts_.push_back(*contact);
             contacts_.back().sample = sample;
@@ -193,7 +193,7 @@ void SoftContacts::find_with(const btSoftBody& soft,
         way_low.setMin(end);
         way_high.setMax(end);
         if (!TestAabbAgainstAabb2(low, high, way_low, way_high)) continue;
-        auto contact = meet_on_way(body, ways_[i], options);
+        auto contact = find_contact_on_path(body, ways_[i], options);
         if (!contact) continue;
         contact->sample = skin.samples[i];
         contact->friction = std::sqrt(options.friction * body.getFriction());
@@ -212,9 +212,9 @@ void SoftContacts::find_with_mesh(const btSoftBody& soft,
                                   const btRigidBody& body,
                                   const SoftSkin& skin,
                                   const SoftContactOptions& options) {
-    const MeetingLimits limits{options.tick_s, options.thickness_m, options.margin_m, skin.depth_m};
+    const ContactLimits limits{options.tick_s, options.thickness_m, options.margin_m, skin.depth_m};
     const auto& mesh = static_cast<const btBvhTriangleMeshShape&>(*body.getCollisionShape());
-    FaceTaker taker(body.getWorldTransform(), limits, faces_);
+    FaceCollector taker(body.getWorldTransform(), limits, faces_);
     const btTransform mesh_from_world = body.getWorldTransform().inverse();
     btVector3 low, high;
     btTransformAabb(soft.m_bounds[0], soft.m_bounds[1], 0, mesh_from_world, low, high);
@@ -226,17 +226,18 @@ void SoftContacts::find_with_mesh(const btSoftBody& soft,
         if (!(ways_[i].inverse_mass > 0)) continue;
         const auto outward = outward_at(skin.samples[i], skin.outward);
         const btVector3* out = outward ? &*outward : nullptr;
-        NearestOfEachWay nearest;
-        const Box box = box_of_way(ways_[i], out, limits);
+        NearestPerNormal nearest;
+        const Box box = swept_bounds(ways_[i], out, limits);
         faces_.visit_box(box, [&](const MovingFace& face) {
-            if (const auto meeting = meet(ways_[i], face, out, limits)) nearest.add(*meeting);
+            if (const auto face_contact = find_contact(ways_[i], face, out, limits))
+                nearest.add(*face_contact);
         });
-        for (const FaceMeeting& meeting : nearest.all()) {
+        for (const FaceContact& face_contact : nearest.all()) {
             SoftContact contact;
             contact.sample = skin.samples[i];
-            contact.normal = meeting.normal;
-            const btScalar gap = meeting.distance - options.thickness_m;
-            contact.point = ways_[i].position - meeting.normal * gap;
+            contact.normal = face_contact.normal;
+            const btScalar gap = face_contact.distance - options.thickness_m;
+            contact.point = ways_[i].position - face_contact.normal * gap;
             contact.velocity.setZero();
             contact.depth = std::max(btScalar(0), -gap);
             contact.friction = std::sqrt(options.friction * body.getFriction());

@@ -71,7 +71,7 @@ void SoftSoftContacts::find_with(const SoftSurface& sampled,
     Box common{sampled.body->m_bounds[0], sampled.body->m_bounds[1]};
     common.low.setMax(faced.body->m_bounds[0]);
     common.high.setMin(faced.body->m_bounds[1]);
-    MeetingLimits limits;
+    ContactLimits limits;
     limits.tick_s = tick_s;
     limits.gap_m = sampled.thickness_m + faced.thickness_m;
     limits.margin_m = kMarginM;
@@ -82,7 +82,7 @@ void SoftSoftContacts::find_with(const SoftSurface& sampled,
     for (const auto& triangle : faced.topology->triangles) {
         MovingFace face = face_of(*faced.body, triangle);
         face.is_skin = !faced.outward.empty();
-        if (touch(common, box_of_way(face, limits))) faces_.add(face, limits);
+        if (touch(common, swept_bounds(face, limits))) faces_.add(face, limits);
     }
     if (faces_.empty()) return;
     faces_.sort();
@@ -92,14 +92,14 @@ void SoftSoftContacts::find_with(const SoftSurface& sampled,
         const SampleMotion motion = motion_of(*sampled.body, sample);
         const btVector3* outward =
             sampled.outward.empty() ? nullptr : &sampled.outward[sample.nodes[0]];
-        const Box box = box_of_way(motion, outward, limits);
+        const Box box = swept_bounds(motion, outward, limits);
         if (!touch(common, box)) continue;
-        std::optional<FaceMeeting> first;
+        std::optional<FaceContact> first;
         const MovingFace* face = nullptr;
         faces_.visit_box(box, [&](const MovingFace& candidate) {
-            const auto meeting = meet(motion, candidate, outward, limits);
-            if (!meeting || (first && first->way <= meeting->way)) return;
-            first = meeting;
+            const auto face_contact = find_contact(motion, candidate, outward, limits);
+            if (!face_contact || (first && first->way <= face_contact->way)) return;
+            first = face_contact;
             face = &candidate;
         });
         if (!first) continue;
