@@ -23,17 +23,19 @@ struct MotionOptions {
 
 /// Estimates how each part of a surface has moved between two meshes without common vertices.
 ///
-/// 1. The later surface is cut into regions along a lattice. 2. Iterated closest points finds the
-/// displacement of each region, from the later surface back to the earlier one. Each point is
-/// matched with the nearest sample that faces the same way at the displaced position. 3. This needs
-/// a start close to the truth. Candidates are: rest, the previous motion at that place, the motion
-/// of neighbours, and votes. Votes serve regions that nothing else explains: the displacements
-/// shared by most pairs of an appeared point and a vanished sample. The candidate wins that
-/// explains most points and agrees with the neighbours. 4. All regions are solved together. Each
-/// has a displacement and a rotation. Neighbours move as one piece unless their points disagree
-/// (as-rigid-as-possible, Sorkine and Alexa 2007, here for small rotations and with couplings that
-/// let go). Directions that a region's normals do not determine, such as a forearm along itself,
-/// therefore come from its neighbours. A weak pull towards the previous motion removes flicker.
+/// 1. The later surface is cut into regions along a lattice.
+/// 2. Iterated closest points finds the displacement of each region, from the later surface back to
+///    the earlier one. Each point is matched with the nearest sample that faces the same way at the
+///    displaced position.
+/// 3. This needs a start close to the truth. Candidates are rest, the previous motion at that
+///    place, the motion of neighbours, and votes. Votes serve regions that nothing else explains:
+///    the displacements shared by most pairs of an appeared point and a vanished sample. The
+///    candidate wins that explains most points and agrees with the neighbours.
+/// 4. All regions are solved together. Each has a displacement and a rotation. Neighbours move as
+///    one piece unless their points disagree (as-rigid-as-possible, Sorkine and Alexa 2007, here
+///    for small rotations and with couplings that let go). Directions that a region's normals do
+///    not determine, such as a forearm along itself, therefore come from its neighbours. A weak
+///    pull towards the previous motion removes flicker.
 class MotionEstimator {
 public:
     explicit MotionEstimator(const MotionOptions& options);
