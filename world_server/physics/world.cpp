@@ -133,7 +133,7 @@ void World::reset() {
     btOverlappingPairCache& pairs = *impl_->broadphase.getOverlappingPairCache();
     for (auto& [id, object] : impl_->objects) {
         pairs.cleanProxyFromPairs(object->body().getBroadphaseHandle(), &impl_->dispatcher);
-        object->put_back();
+        object->reset_to_start();
         impl_->contacts.mark_teleported(id);
     }
     impl_->soft.reset();

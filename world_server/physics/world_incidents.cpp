@@ -70,7 +70,7 @@ void World::Impl::act_on(const Incident& incident) {
         const auto member = objects.find(id);
         if (member == objects.end() || !member->second->moves()) continue;
         if (!removes) {
-            member->second->put_back();
+            member->second->reset_to_start();
             contacts.mark_teleported(id);
         } else if (remove(id)) {
             record({id, IncidentKind::kRemoved});

@@ -59,7 +59,7 @@ bool is_valid(const SoftState& motion) {
 }
 
 void set_motion(const ObjectMotion& motion, ObjectBody& object) {
-    object.put_back();  // clears forces and interpolation state
+    object.reset_to_start();  // clears forces and interpolation state
     btRigidBody& body = object.body();
     btTransform transform;
     transform.setOrigin(to_btv(motion.position_m));

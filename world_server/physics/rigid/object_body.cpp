@@ -64,7 +64,7 @@ Eigen::Vector3d ObjectBody::centre() const {
     return from_bullet(body_->getWorldTransform().getOrigin());
 }
 
-void ObjectBody::put_back() {
+void ObjectBody::reset_to_start() {
     const btVector3 zero(0, 0, 0);
     move_to(start(), zero, zero);
 }

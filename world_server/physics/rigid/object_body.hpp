@@ -35,7 +35,7 @@ public:
     /// Sets pose and velocities and wakes the object. Ignores `state.id`.
     void set_state(const RigidState& state);
     /// Returns the object to its start pose, at rest and awake.
-    void put_back();
+    void reset_to_start();
     bool is_finite() const;
     /// Limits the motion of the last tick: speed, spin and depenetration speed (`WorldOptions`).
     void limit_motion(const Eigen::Vector3d& centre_before, const WorldOptions& options);

@@ -77,7 +77,7 @@ void SoftBodies::detach(const btRigidBody& body) {
 }
 
 void SoftBodies::reset() {
-    for (auto& [id, soft] : bodies_) soft->put_back();
+    for (auto& [id, soft] : bodies_) soft->reset_to_start();
 }
 
 bool SoftBodies::push(std::uint32_t id, const Eigen::Vector3d& impulse_ns) {
@@ -134,7 +134,7 @@ const std::vector<std::uint32_t>& SoftBodies::end_tick(
         if (!is_finite || soft->is_torn()) {
             ++(is_finite ? counters.num_torn : counters.num_not_finite);
             record({id, is_finite ? IncidentKind::kTorn : IncidentKind::kNotFinite});
-            soft->put_back();
+            soft->reset_to_start();
         } else if (!box.contains(soft->centre())) {
             ++counters.num_strays;
             const bool is_removed = options_.leaving == LeavePolicy::kRemove;
@@ -142,7 +142,7 @@ const std::vector<std::uint32_t>& SoftBodies::end_tick(
             if (is_removed)
                 left_.push_back(id);
             else
-                soft->put_back();
+                soft->reset_to_start();
         }
     }
     return left_;

@@ -332,7 +332,7 @@ void SoftBody::limit_speeds() {
     }
 }
 
-void SoftBody::put_back() {
+void SoftBody::reset_to_start() {
     for (int i = 0; i < body_->m_nodes.size(); ++i) {
         btSoftBody::Node& node = body_->m_nodes[i];
         node.m_x = node.m_q = start_[static_cast<std::size_t>(i)];

@@ -82,7 +82,7 @@ public:
     SoftSurface surface();
 
     /// Returns the object to its start pose, at rest.
-    void put_back();
+    void reset_to_start();
     bool is_finite() const;
     /// Mean of all nodes [m].
     Eigen::Vector3d centre() const;
@@ -119,8 +119,8 @@ private:
     SoftMotors motors_;
     SoftContacts contacts_;
     std::vector<btRigidBody*> loose_bodies_;  // scratch: bodies without an anchor of this object
-    SoftDepenetration
-        depenetration_;  // pushes of people whose surface is inside the volume, for this tick
+    // pushes of people whose surface is inside the volume, for this tick
+    SoftDepenetration depenetration_;
     std::vector<std::uint8_t> loose_;  // per node; see SoftSkin::loose
     std::vector<std::uint8_t> taut_;   // per node: ticks left in which it snaps back
     std::size_t first_bend_ = 0;       // index of the first bending link; these come last
