@@ -6,7 +6,7 @@
 #include "core/config/rig.hpp"
 #include "tests/support/acts.hpp"
 #include "tests/support/hull_film.hpp"
-#include "world_server/physics/person_shape.hpp"
+#include "world_server/physics/people/person_shape.hpp"
 
 #include <fmt/format.h>
 

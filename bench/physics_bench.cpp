@@ -1,7 +1,7 @@
 // Cost of a person in the world server: one mesh (sample it, measure its motion) and one tick among
 // objects. Single-threaded. The mesh is a closed figure of spheres and boxes.
 #include "tests/unit/physics/meshes.hpp"
-#include "world_server/physics/person_shape.hpp"
+#include "world_server/physics/people/person_shape.hpp"
 #include "world_server/physics/world.hpp"
 
 #include <benchmark/benchmark.h>

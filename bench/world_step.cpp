@@ -5,7 +5,7 @@
 #include "bench/thread_time.hpp"
 #include "tests/unit/physics/meshes.hpp"
 #include "world_server/config.hpp"
-#include "world_server/physics/person_shape.hpp"
+#include "world_server/physics/people/person_shape.hpp"
 #include "world_server/puppet.hpp"
 #include "world_server/scene.hpp"
 

@@ -7,15 +7,15 @@
 namespace atrium::world_server {
 namespace {
 
-constexpr std::size_t kMaxCommands = 256;  // that wait for the next tick
-constexpr std::size_t kMaxLeft = 1024;     // as many senders as have a budget
+constexpr std::size_t kMaxCommands = 256;  // queued for the next tick
+constexpr std::size_t kMaxLeft = 1024;     // equals the number of senders with a budget
 
 }  // namespace
 
 std::optional<std::string> CommandInbox::put(bus::SceneCommand&& command,
                                              CommandRates::Clock::time_point now) {
     const std::lock_guard lock(mutex_);
-    // counted before it is looked at, so that what is not allowed costs its sender as much
+    // count first: a command that is not allowed costs its sender as much
     if (!rates_.admit(command.sender, now)) {
         return fmt::format("more than {:g} commands a second", rights_.max_per_s);
     }

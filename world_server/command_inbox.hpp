@@ -11,19 +11,20 @@
 
 namespace atrium::world_server {
 
-/// The commands that wait for the next tick, in the order of their arrival, from the thread that
-/// receives to the one that simulates: at most 256; what is more, or not allowed, is refused.
-/// Thread-safe.
+/// Queues commands from the receiving thread until the next tick of the simulating thread.
+///
+/// Holds at most 256 commands in the order of arrival. Refuses further ones, and those that the
+/// rights do not allow. Thread-safe.
 class CommandInbox {
 public:
     struct Content {
         std::vector<bus::SceneCommand> commands;
-        std::set<std::string> left;  // senders that are gone, after their last command
+        std::set<std::string> left;  // senders that have left, after their last command
     };
 
     explicit CommandInbox(const Rights& rights) : rights_(rights), rates_(rights.max_per_s) {}
 
-    /// Why it was refused; nothing where it waits.
+    /// Queues a command. Returns the reason if it was refused.
     std::optional<std::string> put(bus::SceneCommand&& command,
                                    CommandRates::Clock::time_point now);
     void leave(const std::string& sender);

@@ -8,26 +8,30 @@ namespace atrium::world_server {
 void declare(WorldServerConfig& config, config::OptionSet& set) {
     set.add("world.tick_hz", config.tick_hz, "steps of the simulation per second [Hz]", {30, 1000});
     set.add("world.send_hz", config.send_hz, "states published per second [Hz]", {1, 1000});
-    set.add("world.seconds", config.seconds, "how long to run [s]; 0: until Ctrl-C", {0, 1e9});
-    set.add(
-        "world.max_objects", config.max_objects, "objects at most, added ones included", {1, 2048});
+    set.add("world.seconds", config.seconds, "run time [s]; 0: until Ctrl-C", {0, 1e9});
+    set.add("world.max_objects",
+            config.max_objects,
+            "maximum number of objects, including added ones",
+            {1, 2048});
     set.add("world.state_file",
             config.state_file,
-            "file for the state of the world, saved at the end and restored at the start; empty: "
-            "none");
+            "state file: saved at the end, restored at the start; empty: none");
     set.add("world.save_every_s",
             config.save_every_s,
             "time between saves [s]; 0: only at the end and on command",
             {0, 86400});
-    set.add("world.max_sites", config.max_sites, "sites at most; later ones are refused", {1, 64});
+    set.add("world.max_sites",
+            config.max_sites,
+            "maximum number of sites; further ones are refused",
+            {1, 64});
     physics::WorldOptions& world = config.world;
     set.add("world.half_extent_m",
             world.half_extent_m,
-            "an object further out than this along x, y or z is put back [m]",
+            "distance from the origin along x, y or z beyond which an object is reset [m]",
             {1, 1000});
     set.add("world.lowest_z_m",
             world.lowest_z_m,
-            "an object lower than this is put back [m]",
+            "height below which an object is reset [m]",
             {-1000, 0});
     set.add(
         "physics.max_speed_mps", world.max_speed_mps, "speed limit of objects [m/s]", {0.1, 100});
@@ -36,7 +40,7 @@ void declare(WorldServerConfig& config, config::OptionSet& set) {
     physics::PersonShapeOptions& person = config.person;
     set.add("physics.region_m",
             person.motion.region_m,
-            "side of the parts of a person that move as one [m]",
+            "size of the regions of a person that move as one [m]",
             {0.05, 1});
     set.add("physics.person_max_speed_mps",
             person.max_speed_mps,
@@ -44,7 +48,7 @@ void declare(WorldServerConfig& config, config::OptionSet& set) {
             {0.1, 50});
     set.add("physics.person_rest_speed_mps",
             person.rest_speed_mps,
-            "slower surfaces count as flickering outlines at rest [m/s]",
+            "surfaces slower than this count as at rest, with a flickering outline [m/s]",
             {0.001, 1});
     bus::declare(config.bus, set);
     app::declare(config.process, set);

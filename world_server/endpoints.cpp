@@ -5,7 +5,7 @@
 namespace atrium::world_server {
 namespace {
 
-// The first of several errors, if there is one.
+// Returns the first error, or null.
 template <typename... Results>
 const Error* first_error(const Results&... results) {
     const Error* first = nullptr;

@@ -5,7 +5,7 @@
 
 namespace atrium::world_server {
 
-/// The topics that a world server reads and writes.
+/// Readers and writers of all topics of a world server.
 struct Endpoints {
     bus::Participant participant;
     bus::Reader<bus::SiteDescription> descriptions;

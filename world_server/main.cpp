@@ -13,8 +13,8 @@ int main(int argc, char** argv) {
     const app::ProgramInfo info{
         .name = "world_server",
         .summary =
-            "Puts the people of all sites into one physical world, and publishes where its "
-            "objects are.",
+            "Simulates one physical world with the people of all sites and publishes the state of "
+            "its objects.",
         .examples =
             "world_server --config deploy/worlds/demo.toml\n"
             "world_server --config deploy/worlds/playroom.toml --network lan"};

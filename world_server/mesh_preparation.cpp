@@ -39,8 +39,8 @@ void MeshPreparation::put(bus::SiteMesh message) {
         workers_.put(site, {found->second.person, std::move(message), Clock::now()});
     if (!replaced || replaced->person != found->second.person) return;
     ++num_dropped_;
-    // a sample that came out of order must not replace a newer one: that goes back, and is refused
-    // if the older one has been prepared meanwhile
+    // a late sample must not replace a newer one: put the newer one back; the reader refuses the
+    // late one if it has already been prepared
     if (is_out_of_order(capture, replaced->message.capture_time))
         workers_.put(site, std::move(*replaced));
 }

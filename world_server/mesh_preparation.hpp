@@ -20,21 +20,21 @@
 namespace atrium::world_server {
 
 /// Decodes and prepares the sites' meshes on worker threads and puts the results into the inbox of
-/// the step.
+/// the simulation.
 ///
-/// The meshes of one site are prepared in order and never two at once. A mesh that still waits is
-/// dropped and counted when a newer one of its site comes. Once `lose` or `leave` returns, no
-/// earlier mesh of the site reaches the inbox. `arrive`, `put`, `lose` and `leave` are for one
-/// thread; they never wait for a preparation.
+/// Prepares the meshes of one site in order, never two at once. A newer mesh of a site replaces one
+/// that still waits; the dropped one is counted. After `lose` or `leave` returns, no earlier mesh
+/// of the site reaches the inbox. Call `arrive`, `put`, `lose` and `leave` from one thread; they
+/// never wait for a preparation.
 class MeshPreparation {
 public:
     using Result = Expected<std::optional<physics::PersonShape>>;
     /// Reads the meshes of one person of one site. Called by one thread at a time.
     using Reader = std::function<Result(const bus::SiteMesh&)>;
-    /// Makes a reader without a past; called by the thread that calls `arrive` and `lose`.
+    /// Creates a reader without history. Called by the thread that calls `arrive` and `lose`.
     using MakeReader = std::function<Reader()>;
 
-    /// `reject` is told by a worker why a mesh was refused.
+    /// A worker calls `reject` with the reason when it refuses a mesh.
     MeshPreparation(PeopleInbox& inbox,
                     std::size_t max_threads,
                     std::function<void(const std::string& why)> reject);
@@ -42,29 +42,28 @@ public:
     MeshPreparation(const MeshPreparation&) = delete;
     MeshPreparation& operator=(const MeshPreparation&) = delete;
 
-    /// One thread for each core, at most four.
+    /// Returns one thread per core, at most four.
     static std::size_t threads_for_machine();
 
     void arrive(const std::string& site, MakeReader make_reader);
-    /// The site must have arrived.
+    /// `arrive` must have been called for the site.
     void put(bus::SiteMesh message);
-    /// Nobody is in the site any more; its next mesh is of a new person.
+    /// The person has left the site. Its next mesh is of a new person.
     void lose(const std::string& site);
     void leave(const std::string& site);
 
-    /// Waits for the preparations that run; nothing reaches the inbox afterwards.
+    /// Waits for running preparations. Nothing reaches the inbox afterwards.
     void stop() { workers_.stop(); }
 
-    /// Meshes that a newer one of their site replaced before they were prepared. Thread-safe, as is
-    /// the next one.
+    /// Number of meshes that were replaced before their preparation. Thread-safe.
     std::uint64_t num_dropped() const { return num_dropped_; }
-    /// From `put` to the inbox.
+    /// Times from `put` to the inbox. Thread-safe.
     Quantiles times() const;
 
 private:
     using Clock = std::chrono::steady_clock;
-    struct Person {   // from the arrival of a site, or its loss of a person, to the next loss
-        Reader read;  // of one worker at a time
+    struct Person {   // from the site's arrival, or the loss of its last person, to the next loss
+        Reader read;  // used by one worker at a time
         bool is_current = true;  // guarded by delivery_mutex_
     };
     struct Job {
@@ -82,12 +81,12 @@ private:
 
     PeopleInbox& inbox_;
     const std::function<void(const std::string& why)> reject_;
-    std::map<std::string, Site> sites_;  // of the thread that puts
+    std::map<std::string, Site> sites_;  // used only by the thread that calls `put`
     std::atomic<std::uint64_t> num_dropped_{0};
-    std::mutex delivery_mutex_;       // orders the end of a person after her last mesh
-    mutable std::mutex times_mutex_;  // guards the next one
+    std::mutex delivery_mutex_;       // makes the end of a person follow their last mesh
+    mutable std::mutex times_mutex_;  // guards times_
     LatencyWindow times_;
-    KeyedWorkers<Job> workers_;  // last: they use all of the above
+    KeyedWorkers<Job> workers_;  // last member: the workers use all of the above
 };
 
 }  // namespace atrium::world_server

@@ -13,7 +13,7 @@ void Outbox::put(MovedState& state) {
     changed_.notify_one();
 }
 
-void Outbox::put(std::vector<physics::PersonNow>& people) {
+void Outbox::put(std::vector<physics::PersonSnapshot>& people) {
     {
         const std::lock_guard lock(mutex_);
         std::swap(people_, people);

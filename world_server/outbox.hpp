@@ -13,15 +13,17 @@
 
 namespace atrium::world_server {
 
-/// Where everything that moves is, at one moment.
+/// The state of everything that moves, at one moment.
 struct MovedState {
     bus::SceneState rigid;
     std::vector<bus::SoftBodyState> soft;
 };
 
-/// What waits to be published. The newest state replaces an unsent one; the newest change of an
-/// object, or placement of a site, replaces the one before. Thread-safe; never blocks a writer.
-/// States go round in memory that is used again: who puts one gets an older one's for the next.
+/// Hands data from the simulating to the publishing thread.
+///
+/// The newest state replaces an unsent one. The newest change of an object and the newest placement
+/// of a site replace the previous one. Thread-safe. Never blocks a writer for long. State memory
+/// circulates: `put` returns an older state's memory for the next one.
 class Outbox {
 public:
     struct Content {
@@ -29,21 +31,20 @@ public:
         std::vector<bus::SitePlacement> placements;
         std::vector<bus::Scenery> scenery;
         bool has_state = false;
-        MovedState state;  // of before where `has_state` is false
+        MovedState state;  // left over from an earlier call if `has_state` is false
         bool has_people = false;
-        std::vector<physics::PersonNow> people;  // likewise
+        std::vector<physics::PersonSnapshot> people;  // left over if `has_people` is false
     };
 
-    /// Leaves an older state, or an empty one, in the place of `state`.
+    /// Swaps `state` with an older or empty one.
     void put(MovedState& state);
-    /// Likewise: everybody who is there.
-    void put(std::vector<physics::PersonNow>& people);
+    /// Like the above, for all people in the world.
+    void put(std::vector<physics::PersonSnapshot>& people);
     void put(const bus::Scenery& scenery);
     void put(const SceneChange& change);
     void put(const bus::SitePlacement& placement);
 
-    /// Waits until there is something, until `deadline`, or until a stop is requested. What was in
-    /// `content` is lost, but for its memory.
+    /// Waits for content, `deadline` or a stop request. Overwrites `content` and reuses its memory.
     void take(Content& content,
               std::stop_token stop,
               std::chrono::steady_clock::time_point deadline);
@@ -59,7 +60,7 @@ private:
     bool has_state_ = false;
     MovedState state_;
     bool has_people_ = false;
-    std::vector<physics::PersonNow> people_;
+    std::vector<physics::PersonSnapshot> people_;
     std::vector<bus::Scenery> scenery_;
     std::map<std::uint32_t, SceneChange> changes_;
     std::map<std::string, bus::SitePlacement> placements_;

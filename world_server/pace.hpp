@@ -8,17 +8,17 @@
 
 namespace atrium::world_server {
 
-/// Says how many ticks of a real-time simulation are due.
+/// Computes how many ticks of a real-time simulation are due.
 ///
-/// After a stall at most `max_catch_up` ticks are made up; the rest of the lost time is skipped and
-/// counted, so that a machine that is too slow runs in slow motion instead of ever further behind.
+/// After a stall, makes up at most `max_catch_up` ticks. Skips and counts the rest. A machine that
+/// is too slow thus runs in slow motion and does not fall further behind.
 class Pace {
 public:
     using Clock = std::chrono::steady_clock;
 
     Pace(std::chrono::nanoseconds tick, int max_catch_up, Clock::time_point start);
 
-    /// Ticks due at `now`: 0 .. max_catch_up.
+    /// Returns the number of ticks due at `now`: 0 to max_catch_up.
     int num_due(Clock::time_point now);
     Clock::time_point next() const { return next_; }
     std::uint64_t num_skipped() const { return num_skipped_; }

@@ -5,7 +5,7 @@
 namespace atrium::world_server {
 
 void PeopleInbox::put(const std::string& site, std::optional<physics::PersonShape> shape) {
-    // what it replaces is freed after the lock is released
+    // the replaced shape is freed after the lock is released
     const std::lock_guard lock(mutex_);
     std::swap(news_[site], shape);
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "world_server/physics/person_shape.hpp"
+#include "world_server/physics/people/person_shape.hpp"
 
 #include <functional>
 #include <map>
@@ -10,14 +10,14 @@
 
 namespace atrium::world_server {
 
-/// The newest news of each site, from the thread that receives to the one that simulates: newest
-/// wins, per site. Thread-safe; holds one shape per site.
+/// Hands the newest shape of each site from the receiving to the simulating thread. A newer shape
+/// of a site replaces the older one. Holds one shape per site. Thread-safe.
 class PeopleInbox {
 public:
-    /// `shape`: nullopt when nobody is in the site.
+    /// `shape`: nullopt if the site has no person.
     void put(const std::string& site, std::optional<physics::PersonShape> shape);
 
-    /// Calls `visit` for each site of which something is new. Never waits for long.
+    /// Calls `visit` for each site with news. Never waits for long.
     void take_all(const std::function<void(const std::string& site,
                                            std::optional<physics::PersonShape>&& shape)>& visit);
 

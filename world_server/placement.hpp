@@ -15,17 +15,17 @@ struct NamedPlacement {
     geometry::RigidTransform world_from_site;
 };
 
-/// Decides where in the world each site stands.
+/// Assigns each site its place in the world.
 ///
-/// A site that the world file names stands where the file says. Any other gets the next free place
-/// on a ring around the world's origin and faces it (its +X points there): radius 1.8 m at 90, 270,
-/// 45, 135, 225, 315, 0 and 180 degrees from +X, then the same at 3.6 m, and so on. A site keeps
-/// its place when it leaves, and has it again when it returns.
+/// A site named in the world file gets the place stated there. Any other site gets the next free
+/// place on a ring around the world's origin and faces the origin (its +X points there): radius 1.8
+/// m at 90, 270, 45, 135, 225, 315, 0 and 180 degrees from +X, then the same angles at 3.6 m, and
+/// so on. A site that leaves and returns gets the same place.
 class SitePlacer {
 public:
     SitePlacer(const std::vector<NamedPlacement>& named, std::size_t max_sites);
 
-    /// nullopt: the world has its largest number of sites.
+    /// Returns the site's place; nullopt if the world is full.
     std::optional<geometry::RigidTransform> place(const std::string& site);
 
 private:

@@ -13,13 +13,13 @@
 namespace atrium::world_server {
 namespace {
 
-constexpr double kSamePlane = 0.9999;  // cosine: less than a degree between them
+constexpr double kSamePlane = 0.9999;  // cosine; less than a degree apart
 
 using Edge = std::array<std::uint16_t, 2>;
 
-// Those where the part's surface bends.
+// Returns the edges at which the part's surface bends.
 std::vector<Edge> sharp_edges(const geometry::TriangleMesh& part) {
-    std::map<Edge, std::vector<Eigen::Vector3d>> normals;  // of the triangles at each edge
+    std::map<Edge, std::vector<Eigen::Vector3d>> normals;  // normals of the triangles at each edge
     for (const auto& triangle : part.triangles) {
         const Eigen::Vector3d& a = part.vertices[triangle[0]];
         const Eigen::Vector3d normal =
@@ -39,7 +39,7 @@ std::vector<Edge> sharp_edges(const geometry::TriangleMesh& part) {
 
 }  // namespace
 
-void fill_proxy(const physics::PersonNow& person,
+void fill_proxy(const physics::PersonSnapshot& person,
                 std::vector<Eigen::Vector3f>& places,
                 bus::PersonProxy& proxy) {
     const std::vector<physics::MovingSurfel>& surfels = *person.surfels;

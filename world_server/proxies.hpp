@@ -9,17 +9,17 @@
 #include <cstdint>
 #include <vector>
 
-/// What the physics takes people and models for, in the words of the bus.
+/// Converts the collision shapes of people and models to bus messages (proxies).
 namespace atrium::world_server {
 
-/// Fills all of `proxy`, whose memory is used again, as is that of `places`. Of more surfels than a
-/// message takes every n-th counts; they are ordered by place, so that these are spread evenly.
-void fill_proxy(const physics::PersonNow& person,
+/// Fills `proxy`. Reuses its memory and that of `places`. If there are more surfels than a message
+/// holds, takes every n-th. Surfels are ordered by place, hence the selection is evenly spread.
+void fill_proxy(const physics::PersonSnapshot& person,
                 std::vector<Eigen::Vector3f>& places,
                 bus::PersonProxy& proxy);
 
-/// The edges of convex parts in the object's frame, without those between triangles of one plane.
-/// Parts beyond what a message takes are left out.
+/// Returns the edges of convex parts in the object's frame, without edges between coplanar
+/// triangles. Leaves out parts that exceed the message's limits.
 bus::ObjectProxy make_object_proxy(std::uint32_t object,
                                    const std::vector<geometry::TriangleMesh>& parts);
 

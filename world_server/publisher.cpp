@@ -36,7 +36,7 @@ void Publisher::send(const SceneChange& change) {
     dispose(endpoints_.soft_states, state);
 }
 
-void Publisher::forget_all_but(std::span<const physics::PersonNow> people) {
+void Publisher::forget_all_but(std::span<const physics::PersonSnapshot> people) {
     std::erase_if(proxied_, [&](const std::string& site) {
         const bool is_there = std::any_of(
             people.begin(), people.end(), [&](const auto& person) { return person.name == site; });
@@ -54,9 +54,9 @@ bool Publisher::has_proxy_readers() {
     return has_some;
 }
 
-void Publisher::send(std::span<const physics::PersonNow> people) {
+void Publisher::send(std::span<const physics::PersonSnapshot> people) {
     forget_all_but(people);
-    for (const physics::PersonNow& person : people) {
+    for (const physics::PersonSnapshot& person : people) {
         fill_proxy(person, places_, proxy_);
         proxied_.insert(person.name);
         write(endpoints_.person_proxies, proxy_);

@@ -10,18 +10,18 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-// A limb that swings freely comes to rest within about this.
+// A freely swinging limb comes to rest within about this time.
 constexpr double kSettle_s = 0.25;
-// Light and clothed, it swings on its strings for seconds, not for minutes.
+// Air drag of a light, clothed figure: it swings on its strings for seconds, not for minutes.
 constexpr double kDrag_per_s = 0.2;
-// By which a string stretches under the weight of the whole puppet.
+// Stretch of a string under the weight of the whole puppet.
 constexpr double kStringStretch_m = 0.01;
-// A string gives where somebody pulls the puppet away: else it would fling a forearm like a
-// catapult once that slips out of her hands. A puppet that swings overhead weighs three times as
+// Largest force of a string, in puppet weights. A string that pulled harder would fling a forearm
+// like a catapult when it slips out of a hand. A puppet that swings overhead weighs three times as
 // much as at rest.
 constexpr double kStringMaxWeights = 3.0;
 
-// All lengths below are in heights of the puppet, all places in its frame.
+// All lengths below are in puppet heights, all places in the puppet's frame.
 class Builder {
 public:
     Builder(const PuppetDescription& description, std::uint32_t first_id)
@@ -77,7 +77,7 @@ private:
         hinge(foot, shin, {0, y, 0.03}, Vector3d::UnitY(), -35, 35);
     }
 
-    // Strings from the head and both hands straight up.
+    // Adds strings that lead straight up from the head and both hands.
     void hang() {
         double mass_kg = 0.0;
         for (const WorldObject& part : puppet_.parts) mass_kg += part.scene.mass_kg;

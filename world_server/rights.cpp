@@ -8,7 +8,7 @@
 namespace atrium::world_server {
 namespace {
 
-// Senders come and go with any name they like; what is kept of them is bounded.
+// Bounds the memory: senders can come and go with any name.
 constexpr std::size_t kMaxSenders = 1024;
 
 void read_right(config::TableReader& reader, const std::string& key, Right& right) {

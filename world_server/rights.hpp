@@ -11,40 +11,41 @@
 
 namespace atrium::world_server {
 
-/// Who may ask for something.
+/// The senders that may use a command.
 struct Right {
     bool everyone = true;
-    std::vector<std::string> names;  // where not everyone: these; none: nobody
+    std::vector<std::string> names;  // used if not everyone; empty: nobody
 
     bool allows(const std::string& sender) const;
 };
 
-/// What the world's file allows to whom. A sender is who it says it is: its name is unique in the
-/// world, but nobody proves it.
+/// Rights of senders according to the world file. Senders are not authenticated: their names are
+/// unique in the world, but unproven.
 struct Rights {
     Right add;
     Right remove;
     Right reset;
     Right push;
-    Right grab;                                  // and to move and release what one holds
-    Right save{.everyone = false, .names = {}};  // and to restore
-    double max_per_s = 200.0;  // commands of one sender: a mouse that drags sends 60
+    Right grab;                                  // includes moving and releasing held objects
+    Right save{.everyone = false, .names = {}};  // includes restoring
+    double max_per_s = 200.0;                    // commands per sender; a dragging mouse sends 60
 
     const Right& of(bus::CommandKind kind) const;
 };
 
 const char* to_string(bus::CommandKind kind);
 
-/// Reads `[rights]`: each key is "everyone", "nobody" or a list of names.
+/// Reads `[rights]`. Each key is "everyone", "nobody" or a list of names.
 void read_rights(config::TableReader& reader, Rights& rights);
 
-/// Holds every sender to so many commands a second, in bursts of half of that. Not thread-safe.
+/// Limits the commands per second of each sender, with bursts of half of that number. Not
+/// thread-safe.
 class CommandRates {
 public:
     using Clock = std::chrono::steady_clock;
 
     explicit CommandRates(double max_per_s) : max_per_s_(max_per_s) {}
-    /// False: this one is too many.
+    /// Counts a command. False if it exceeds the limit.
     bool admit(const std::string& sender, Clock::time_point now);
     void forget(const std::string& sender) { budgets_.erase(sender); }
     std::size_t num_senders() const { return budgets_.size(); }

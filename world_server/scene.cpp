@@ -16,7 +16,7 @@
 namespace atrium::world_server {
 namespace {
 
-constexpr double kLeastExtentM = 0.001;  // of a cloth across
+constexpr double kLeastExtentM = 0.001;  // smallest extent, across a flat cloth
 
 tl::unexpected<Error> refuse(std::string why) {
     return make_error(ErrorKind::kInvalidData, std::move(why));
@@ -36,8 +36,8 @@ Expected<Scene> Scene::create(const WorldServerConfig& config) {
         if (scene.world_->add(to_rigid(object)) != physics::AddResult::kAdded) {
             return make_error(
                 ErrorKind::kConfiguration,
-                fmt::format("object '{}': has no place in the world: its id {} is in use, or a "
-                            "number is out of range",
+                fmt::format("object '{}': cannot be added: id {} is in use, or a number is "
+                            "out of range",
                             object.scene.name,
                             object.scene.object));
         }
@@ -48,13 +48,13 @@ Expected<Scene> Scene::create(const WorldServerConfig& config) {
         if (!scene.world_->add_joint(joint)) {
             return make_error(
                 ErrorKind::kConfiguration,
-                fmt::format("joint of objects {} and {}: cannot be made", joint.a, joint.b));
+                fmt::format("joint of objects {} and {}: cannot be created", joint.a, joint.b));
         }
     }
     for (const WorldScenery& scenery : config.scenery) {
-        if (scenery.is_solid && !scene.world_->add_still({.mesh = scenery.mesh,
-                                                          .friction = scenery.friction,
-                                                          .restitution = scenery.restitution})) {
+        if (scenery.is_solid && !scene.world_->add_static({.mesh = scenery.mesh,
+                                                           .friction = scenery.friction,
+                                                           .restitution = scenery.restitution})) {
             return make_error(ErrorKind::kConfiguration,
                               fmt::format("scenery '{}': cannot be solid", scenery.scene.name));
         }
@@ -71,8 +71,8 @@ Expected<void> Scene::add_soft(const WorldSoftObject& soft) {
     const physics::SoftObject& described = soft.object;
     if (world_->add_soft(described) != physics::AddResult::kAdded) {
         return make_error(ErrorKind::kConfiguration,
-                          fmt::format("soft object '{}': has no place in the world: all soft "
-                                      "objects together have more than {} nodes",
+                          fmt::format("soft object '{}': cannot be added: all soft objects "
+                                      "together have more than {} nodes",
                                       soft.name,
                                       physics::kMaxSoftNodesTotal));
     }
@@ -92,7 +92,7 @@ Expected<void> Scene::add_soft(const WorldSoftObject& soft) {
     return {};
 }
 
-// Of what a state depends on: a new colour in the world's file does no harm.
+// Hashes the part of the description that a state depends on. Colours, for example, may change.
 std::uint64_t Scene::hash_description() const {
     std::string text = fmt::format("{} {} {} {} {}",
                                    world_->num_joints(),
@@ -131,7 +131,7 @@ Expected<Scene> Scene::restore(const WorldServerConfig& config, const SavedWorld
     auto scene = create(config);
     if (!scene) return scene;
     if (saved.description != scene->description_) {
-        return refuse("state of a world: it belongs to a world of another description");
+        return refuse("world state: belongs to another description of the world");
     }
     std::set<std::uint32_t> kept;
     for (const auto& motion : saved.state.objects) kept.insert(motion.id);
@@ -143,13 +143,13 @@ Expected<Scene> Scene::restore(const WorldServerConfig& config, const SavedWorld
     }
     for (const bus::SceneObject& object : saved.added) {
         if (object.object <= scene->num_described_) {
-            return refuse("state of a world: an object that was added has a described one's id");
+            return refuse("world state: an added object has the id of a described one");
         }
         if (const auto added = scene->add(object); !added) return tl::unexpected(added.error());
     }
     scene->next_id_ = std::max(scene->next_id_, saved.next_id);
     if (!scene->world_->set_state(saved.state)) {
-        return refuse("state of a world: an object that moved is not in the world");
+        return refuse("world state: names an object that is not in the world");
     }
     return scene;
 }
@@ -197,9 +197,10 @@ Expected<std::vector<SceneChange>> Scene::add(const bus::SceneObject& object) {
             objects_[added.scene.object] = added.scene;
             return std::vector<SceneChange>{{added.scene, false}};
         case physics::AddResult::kIdInUse:
-            return refuse(fmt::format("add: object {} is there already", added.scene.object));
+            return refuse(fmt::format("add: object {} already exists", added.scene.object));
         case physics::AddResult::kWorldFull:
-            return refuse(fmt::format("add: the world has its {} objects", options_.max_objects));
+            return refuse(
+                fmt::format("add: the world is full, it has {} objects", options_.max_objects));
         case physics::AddResult::kInvalid:
             break;
     }
@@ -221,7 +222,7 @@ Expected<std::vector<SceneChange>> Scene::remove(std::uint32_t id) {
 Expected<std::vector<SceneChange>> Scene::push(const bus::SceneCommand& command) {
     const auto found = objects_.find(command.target);
     if (found == objects_.end() || found->second.mass_kg == 0.0) {
-        return refuse(fmt::format("push: there is no object {} that moves", command.target));
+        return refuse(fmt::format("push: object {} does not exist or is static", command.target));
     }
     const double limit_ns = found->second.mass_kg * options_.max_speed_mps;
     if (!(command.impulse_ns.norm() <= limit_ns)) {
@@ -235,7 +236,7 @@ Expected<std::vector<SceneChange>> Scene::push(const bus::SceneCommand& command)
 Expected<std::vector<SceneChange>> Scene::hold(const bus::SceneCommand& command) {
     const std::uint32_t target = command.target;
     if (command.kind == bus::CommandKind::kRelease) {
-        // what it let go of already, or what is gone, is no fault of the sender's
+        // releasing a released or removed object is not an error
         world_->release(command.sender, target);
     } else if (command.kind == bus::CommandKind::kMove) {
         if (!world_->move_grab(command.sender, target, command.goal_world)) {
@@ -243,7 +244,7 @@ Expected<std::vector<SceneChange>> Scene::hold(const bus::SceneCommand& command)
         }
     } else if (!world_->grab(command.sender, target, command.point_object, command.goal_world)) {
         return refuse(fmt::format(
-            "grab: there is no object {} that moves, or too much is held already", target));
+            "grab: object {} does not exist or is static, or too many objects are held", target));
     }
     return std::vector<SceneChange>{};
 }
@@ -279,11 +280,11 @@ std::vector<SceneChange> Scene::all() const {
     return changes;
 }
 
-// With what of a soft object, or of one with a model, does not change.
+// Adds the constant data of soft objects and of objects with a model.
 SceneChange Scene::described(const bus::SceneObject& object) const {
     SceneChange change{.object = object};
     const auto parts = parts_.find(object.object);
-    // a removed one's id may be an added one's, which has none
+    // an added object without parts may reuse the id of a removed one
     const bool is_model =
         object.shape == bus::Shape::kConvex || object.shape == bus::Shape::kCompound;
     if (is_model && parts != parts_.end())

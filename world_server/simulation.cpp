@@ -14,10 +14,10 @@ namespace atrium::world_server {
 namespace {
 
 using Clock = Pace::Clock;
-constexpr int kMaxCatchUpTicks = 4;  // what a tick of 120 Hz may be late by is one mesh period
+constexpr int kMaxCatchUpTicks = 4;  // at 120 Hz, the allowed delay is one mesh period
 constexpr double kHashPeriodS = 10.0;
-constexpr double kPeopleHz = 10.0;  // who looks behind the picture needs no more
-constexpr double kRounding = 1e-9;  // of a sum of parts that make a whole
+constexpr double kPeopleHz = 10.0;  // enough for a debug view
+constexpr double kRounding = 1e-9;  // rounding of a sum of shares
 
 }  // namespace
 
@@ -44,7 +44,8 @@ void Simulation::apply(const bus::SceneCommand& command) {
     const bool is_of_file =
         command.kind == bus::CommandKind::kSave || command.kind == bus::CommandKind::kRestore;
     if (is_of_file && !saver_.is_on()) {
-        return refuse(command, fmt::format("{}: the world has no file", to_string(command.kind)));
+        return refuse(command,
+                      fmt::format("{}: the world has no state file", to_string(command.kind)));
     }
     if (command.kind == bus::CommandKind::kSave) return save();
     if (command.kind == bus::CommandKind::kRestore) return restore();
@@ -68,8 +69,8 @@ void Simulation::save() {
     saver_.put(std::move(saved));
 }
 
-// On the simulating thread, which waits for the disk: nothing else may happen to the world
-// meanwhile. People come back with their next mesh.
+// Runs on the simulating thread, which waits for the disk: the world must not change meanwhile.
+// People return with their next mesh.
 void Simulation::restore() {
     auto restored = load_scene(config_);
     if (!restored) return app::log::error("restore_failed {}", restored.error().message);
@@ -101,17 +102,17 @@ void Simulation::send_state(Timestamp due) {
     outbox_.put(moved_);
 }
 
-// Surfels are shared, not copied: it costs the tick next to nothing.
+// Surfels are shared, not copied, which costs a tick almost nothing.
 void Simulation::send_people() {
     if (!wants_people_) return;
     people_credit_ += kPeopleHz / config_.tick_hz;
     if (people_credit_ < 1.0 - kRounding) return;
     people_credit_ = 0.0;
-    scene_.world().get_people(people_now_);
-    outbox_.put(people_now_);
+    scene_.world().get_people(people_snapshots_);
+    outbox_.put(people_snapshots_);
 }
 
-void Simulation::hash_now_and_then(double tick_s) {
+void Simulation::hash_periodically(double tick_s) {
     hash_credit_s_ += tick_s;
     if (hash_credit_s_ < kHashPeriodS) return;
     hash_credit_s_ = 0.0;
@@ -123,10 +124,10 @@ void Simulation::hash_now_and_then(double tick_s) {
     figures_.state_hash = hash;
 }
 
-// What the world did on its own, the hash now and then, and the file.
-void Simulation::look_after() {
+// Reports incidents, computes the hash and saves, each at its period.
+void Simulation::report_and_save() {
     const double tick_s = 1.0 / config_.tick_hz;
-    std::map<std::uint32_t, std::string> names;  // of those that are gone
+    std::map<std::uint32_t, std::string> names;  // names of removed objects
     for (const SceneChange& change : scene_.take_removed(incidents_)) {
         names[change.object.object] = change.object.name;
         outbox_.put(change);
@@ -139,7 +140,7 @@ void Simulation::look_after() {
                         gone == names.end() ? scene_.name_of(incident.object) : gone->second,
                         physics::describe(incident.kind)));
     }
-    hash_now_and_then(tick_s);
+    hash_periodically(tick_s);
     save_credit_s_ += tick_s;
     if (saver_.is_on() && config_.save_every_s > 0.0 && save_credit_s_ >= config_.save_every_s)
         save();
@@ -162,13 +163,12 @@ void Simulation::step(Timestamp due) {
     const std::uint64_t num_contacts = scene_.world().counters().num_contact_ticks;
     scene_.world().tick();
     const bool is_touched = scene_.world().counters().num_contact_ticks > num_contacts;
-    // somebody has come to touch something: viewers are told by this tick, not by the next that is
-    // due to be sent
+    // a touch has begun: send this tick's state at once
     if (is_touched && !was_touched_) send_credit_ = std::max(send_credit_, 1.0 - credit_of_tick());
     was_touched_ = is_touched;
     send_state(due);
     send_people();
-    look_after();
+    report_and_save();
     const std::lock_guard lock(status_mutex_);
     step_times_.add(Clock::now() - begin);
 }
@@ -181,7 +181,7 @@ void Simulation::run(std::stop_token stop) {
         sleep_until(pace.next(), stop);
         const Clock::time_point now = Clock::now();
         for (int i = pace.num_due(now); i > 0 && !stop.stop_requested(); --i) {
-            // when it was due, on the clock that states are stamped with
+            // scheduled time on the clock of the state's time stamps
             const std::chrono::nanoseconds ahead = pace.next() - i * tick - Clock::now();
             step(Timestamp::now() + ahead);
         }

@@ -23,11 +23,12 @@ inline bus::LatencySummary to_summary(const Quantiles& quantiles) {
     return {quantiles.median_ms, quantiles.p99_ms, quantiles.num_samples};
 }
 
-/// The world in real time: takes people and commands from their inboxes before each tick, and puts
-/// what came of it into the outbox. Of one thread, but for `want_people` and `fill`.
+/// Runs the world in real time. Before each tick it takes people and commands from their inboxes.
+/// After each tick it puts the results into the outbox. Used by one thread only, except for
+/// `want_people` and `fill`.
 class Simulation {
 public:
-    /// `reject` is told why a command was refused, by the simulating thread.
+    /// The simulating thread calls `reject` with the reason when it refuses a command.
     Simulation(const WorldServerConfig& config,
                Scene scene,
                std::function<void(const std::string& why)> reject);
@@ -37,18 +38,18 @@ public:
     Outbox& outbox() { return outbox_; }
     StateSaver& saver() { return saver_; }
 
-    /// Whether somebody wants to know what people are to the physics; then it puts that into the
-    /// outbox ten times a second. Thread-safe.
+    /// Enables person proxies: the collision shapes of people go to the outbox ten times a second.
+    /// Thread-safe.
     void want_people(bool is_wanted) { wants_people_ = is_wanted; }
 
-    /// Until a stop is requested or `config.seconds` have passed.
+    /// Runs until a stop is requested or `config.seconds` have passed.
     void run(std::stop_token stop);
-    /// One tick with all that belongs to it, for who keeps the time himself: `due` is when it was.
-    /// Allocates nothing as long as no object comes or goes and nothing is saved.
+    /// Runs one complete step without pacing; `due` is its scheduled time. Allocates nothing as
+    /// long as no object is added or removed and nothing is saved.
     void step(Timestamp due);
-    /// The state as it is now, to the file, if there is one.
+    /// Saves the current state to the state file, if there is one.
     Expected<void> save_last();
-    /// The figures that it knows, as of now. Thread-safe.
+    /// Fills in the status fields known here. Thread-safe.
     void fill(bus::WorldStatus& status) const;
 
 private:
@@ -61,8 +62,8 @@ private:
     double credit_of_tick() const { return config_.send_hz / config_.tick_hz; }
     void send_state(Timestamp due);
     void send_people();
-    void look_after();
-    void hash_now_and_then(double tick_s);
+    void report_and_save();
+    void hash_periodically(double tick_s);
 
     const WorldServerConfig config_;
     Scene scene_;
@@ -71,20 +72,20 @@ private:
     CommandInbox commands_;
     Outbox outbox_;
     StateSaver saver_;
-    bool was_touched_ = false;    // somebody touched something in the last tick
-    double send_credit_ = 0.0;    // states that should have been sent by now,
-    double save_credit_s_ = 0.0;  // and simulated time since the last save,
-    double hash_credit_s_ = 0.0;  // and the last hash
-    double people_credit_ = 0.0;  // people that should have been sent by now
+    bool was_touched_ = false;    // a person touched an object in the last tick
+    double send_credit_ = 0.0;    // states due but not yet sent
+    double save_credit_s_ = 0.0;  // simulated time since the last save
+    double hash_credit_s_ = 0.0;  // simulated time since the last hash
+    double people_credit_ = 0.0;  // person messages due but not yet sent
     std::atomic<bool> wants_people_ = false;
-    MovedState moved_;  // scratch, as are the next two
-    std::vector<physics::PersonNow> people_now_;
+    MovedState moved_;  // scratch, like the next two
+    std::vector<physics::PersonSnapshot> people_snapshots_;
     std::vector<physics::Incident> incidents_;
     app::log::OncePerSecond incidents_log_;
-    app::log::OncePerSecond commands_log_;  // what came and went by them
+    app::log::OncePerSecond commands_log_;  // additions and removals by commands
 
-    mutable std::mutex status_mutex_;  // guards the rest
-    bus::WorldStatus figures_;         // those that no other member has
+    mutable std::mutex status_mutex_;  // guards the members below
+    bus::WorldStatus figures_;         // the fields without another source
     LatencyWindow capture_to_collision_;
     LatencyWindow step_times_;
 };

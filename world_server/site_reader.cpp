@@ -7,11 +7,11 @@
 namespace atrium::world_server {
 namespace {
 
-// Ten times a person as the sites make them; a room is smaller than 15 m around its origin.
+// Ten times the size of a usual person mesh. A room reaches less than 15 m from its origin.
 constexpr codec::MeshLimits kLimits{
     .max_triangles = 100'000, .max_vertices = 60'000, .max_coordinate_m = 15.0};
-// A capture time that lies back by more than this is a site that was started again with another
-// clock, such as a recording that is played once more; by less, a sample out of order.
+// A capture time that is further back than this means that the site was restarted with another
+// clock, such as a recording that is played again. A smaller step back is an out-of-order sample.
 constexpr std::chrono::seconds kRestart{1};
 
 }  // namespace

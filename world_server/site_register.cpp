@@ -9,7 +9,7 @@ Expected<std::optional<bus::SitePlacement>> SiteRegister::arrive(const std::stri
     const auto place = placer_.place(site);
     if (!place) {
         return make_error(ErrorKind::kUnavailable,
-                          fmt::format("site {}: the world has its largest number of sites", site));
+                          fmt::format("site {}: the world is full (world.max_sites)", site));
     }
     sites_.insert(site);
     return bus::SitePlacement{site, *place};

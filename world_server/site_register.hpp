@@ -12,16 +12,16 @@
 
 namespace atrium::world_server {
 
-/// The sites that are there, and where they stand. Not thread-safe; no network.
+/// Registers the sites that are present, with their places. No network. Not thread-safe.
 class SiteRegister {
 public:
     SiteRegister(const std::vector<NamedPlacement>& named, std::size_t max_sites)
         : placer_(named, max_sites) {}
 
-    /// The site is there. Returns its placement when it was not there before. Fails with
-    /// kUnavailable when the world has its largest number of sites.
+    /// Registers a site. Returns its placement if it was not present before. Fails with
+    /// kUnavailable if the world is full.
     Expected<std::optional<bus::SitePlacement>> arrive(const std::string& site);
-    bool leave(const std::string& site);  // false: it was not there
+    bool leave(const std::string& site);  // false if it was not present
 
     std::size_t num_present() const { return sites_.size(); }
 

@@ -10,9 +10,9 @@
 #include <cstring>
 #include <string_view>
 
-// A header of 28 bytes: magic (8), version (4), length of the rest (8), its FNV-1a hash (8). The
-// rest: description, tick, next id; then three lists, each with its length: objects, soft objects,
-// added objects. All numbers are little endian, IEEE 754.
+// Header of 28 bytes: magic (8), version (4), length of the rest (8), FNV-1a hash of the rest (8).
+// The rest: description, tick, next id, then three lists, each preceded by its length: objects,
+// soft objects, added objects. All numbers are little endian, IEEE 754.
 namespace atrium::world_server {
 namespace {
 
@@ -43,7 +43,7 @@ public:
     std::vector<std::uint8_t> bytes;
 };
 
-// Reads zeros behind the end, and remembers that.
+// Reads zeros beyond the end and records this as a failure.
 class ByteReader {
 public:
     explicit ByteReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -69,7 +69,8 @@ public:
         const auto bytes = take(size);
         return {bytes.begin(), bytes.end()};
     }
-    /// The length of a list whose elements have at least so many bytes.
+    /// Reads the length of a list. Fails if it exceeds `max`, or if the rest is too short for
+    /// elements of `element_bytes` or more.
     std::size_t count(std::size_t max, std::size_t element_bytes) {
         const auto count = integer<std::uint32_t>();
         if (count > max || count * element_bytes > bytes_.size()) {
@@ -163,7 +164,7 @@ void put(const bus::SceneObject& object, ByteWriter& out) {
     out.numbers(object.world_from_object.rotation.coeffs());
     out.numbers(object.world_from_object.translation);
 }
-constexpr std::size_t kAddedBytes = 4 + 4 + 1 + 24 + 24 + 24 + 4 + 8 + 4 + 56;  // without texts
+constexpr std::size_t kAddedBytes = 4 + 4 + 1 + 24 + 24 + 24 + 4 + 8 + 4 + 56;  // without strings
 
 bus::SceneObject get_object(ByteReader& in) {
     bus::SceneObject object;
@@ -184,13 +185,13 @@ bus::SceneObject get_object(ByteReader& in) {
 }
 
 tl::unexpected<Error> wrong(std::string why) {
-    return make_error(ErrorKind::kInvalidData, "state of a world: " + std::move(why));
+    return make_error(ErrorKind::kInvalidData, "world state: " + std::move(why));
 }
 
 Expected<void> check(const SavedWorld& world) {
     std::uint32_t last_id = 0;
     for (const auto& motion : world.state.objects) {
-        if (motion.id <= last_id) return wrong("ids of objects do not rise");
+        if (motion.id <= last_id) return wrong("object ids are not ascending");
         if (!physics::is_valid(motion)) {
             return wrong(fmt::format("object {}: a number is out of range", motion.id));
         }
@@ -234,20 +235,20 @@ std::vector<std::uint8_t> encode(const SavedWorld& world) {
 Expected<SavedWorld> decode(std::span<const std::uint8_t> bytes) {
     if (bytes.size() < kHeaderBytes ||
         std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) != 0) {
-        return wrong("this is not one");
+        return wrong("not a state file");
     }
     ByteReader header(bytes.subspan(kMagic.size(), kHeaderBytes - kMagic.size()));
     const auto version = header.integer<std::uint32_t>();
     if (version != kVersion) {
-        return wrong(fmt::format("has version {}, this program knows {}", version, kVersion));
+        return wrong(fmt::format("has version {}, this program supports {}", version, kVersion));
     }
     const auto size = header.integer<std::uint64_t>();
     const auto body = bytes.subspan(kHeaderBytes);
     if (size != body.size()) {
-        return wrong(fmt::format("{} bytes are there, {} were written", body.size(), size));
+        return wrong(fmt::format("has {} bytes, expected {}", body.size(), size));
     }
     if (header.integer<std::uint64_t>() != fnv1a<std::uint8_t>(body)) {
-        return wrong("its checksum does not fit: it was damaged");
+        return wrong("checksum mismatch, the file is damaged");
     }
 
     ByteReader in(body);
@@ -264,7 +265,7 @@ Expected<SavedWorld> decode(std::span<const std::uint8_t> bytes) {
     for (std::size_t n = in.count(kMaxObjects, kAddedBytes); n > 0 && in.is_good(); --n) {
         world.added.push_back(get_object(in));
     }
-    if (!in.is_at_end()) return wrong("its parts do not fit its length");
+    if (!in.is_at_end()) return wrong("its parts do not match its length");
     if (const auto valid = check(world); !valid) return tl::unexpected(valid.error());
     return world;
 }

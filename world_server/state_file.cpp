@@ -12,7 +12,7 @@ namespace atrium::world_server {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::uintmax_t kMaxBytes = std::uintmax_t{64} << 20U;  // 2048 objects have 0.5 MB
+constexpr std::uintmax_t kMaxBytes = std::uintmax_t{64} << 20U;  // 2048 objects need 0.5 MB
 constexpr int kMaxKept = 1000;
 
 Error failed(const char* what, const fs::path& file, int number) {
@@ -20,7 +20,7 @@ Error failed(const char* what, const fs::path& file, int number) {
             fmt::format("{}: cannot {}: {}", file.string(), what, std::strerror(number))};
 }
 
-// Closes once.
+// Owns a file descriptor.
 class Descriptor {
 public:
     explicit Descriptor(int number) : number_(number) {}
@@ -68,7 +68,7 @@ Expected<void> write_atomically(const fs::path& file, std::span<const std::uint8
     if (::rename(temporary.c_str(), file.c_str()) != 0) {
         return tl::unexpected(failed("replace", file, errno));
     }
-    // the new name is on the disk only once its folder is
+    // the new name is durable only when its folder is written
     const Descriptor folder(::open(folder_of(file).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     if (folder.get() < 0 || ::fsync(folder.get()) != 0) {
         return tl::unexpected(failed("write the folder of", file, errno));
@@ -90,12 +90,13 @@ Expected<std::vector<std::uint8_t>> read_file(const fs::path& file) {
     std::error_code error;
     const std::uintmax_t size = fs::file_size(file, error);
     if (error == std::errc::no_such_file_or_directory) {
-        return make_error(ErrorKind::kNotFound, file.string() + ": is not there");
+        return make_error(ErrorKind::kNotFound, file.string() + ": does not exist");
     }
     if (error) return tl::unexpected(failed("read", file, error.value()));
     if (size > kMaxBytes) {
-        return make_error(ErrorKind::kInvalidData,
-                          fmt::format("{}: {} bytes are more than any state", file.string(), size));
+        return make_error(
+            ErrorKind::kInvalidData,
+            fmt::format("{}: {} bytes is larger than any state", file.string(), size));
     }
     std::vector<std::uint8_t> bytes(size);
     std::ifstream in(file, std::ios::binary);
@@ -107,7 +108,7 @@ Expected<std::vector<std::uint8_t>> read_file(const fs::path& file) {
 Expected<fs::path> put_aside(const fs::path& file) {
     for (int number = 1; number <= kMaxKept; ++number) {
         const fs::path aside = fmt::format("{}.bad-{}", file.string(), number);
-        // a link fails where the name is taken, which a rename does not
+        // a link fails if the name is taken; a rename does not
         if (::link(file.c_str(), aside.c_str()) == 0) {
             if (::unlink(file.c_str()) != 0) return tl::unexpected(failed("rename", file, errno));
             return aside;
@@ -116,7 +117,7 @@ Expected<fs::path> put_aside(const fs::path& file) {
     }
     return make_error(
         ErrorKind::kUnavailable,
-        fmt::format("{}: {} damaged ones were kept already", file.string(), kMaxKept));
+        fmt::format("{}: {} damaged files are already kept, delete some", file.string(), kMaxKept));
 }
 
 }  // namespace atrium::world_server

@@ -7,7 +7,8 @@
 namespace atrium::world_server {
 
 void StateSaver::run(std::stop_token stop) {
-    while (const auto world = slot_.take(stop)) static_cast<void>(save(*world));  // tried again
+    // the next save tries again
+    while (const auto world = slot_.take(stop)) static_cast<void>(save(*world));
 }
 
 Expected<void> StateSaver::save(const SavedWorld& world) {

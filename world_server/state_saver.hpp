@@ -12,18 +12,18 @@
 
 namespace atrium::world_server {
 
-/// Writes states to the world's file on a thread of its own; a newer state replaces one that waits.
-/// Thread-safe but for `run`.
+/// Writes states to the state file on its own thread. A newer state replaces one that waits.
+/// Thread-safe, except for `run`.
 class StateSaver {
 public:
     explicit StateSaver(std::filesystem::path file) : file_(std::move(file)) {}
 
-    /// Whether the world has a file at all.
+    /// True if the world has a state file.
     bool is_on() const { return !file_.empty(); }
     void put(SavedWorld world) { slot_.put(std::move(world)); }
-    /// The body of the thread.
+    /// Body of the saving thread.
     void run(std::stop_token stop);
-    /// Writes at once; logs what came of it.
+    /// Writes immediately and logs the result.
     Expected<void> save(const SavedWorld& world);
     std::uint64_t num_saves() const { return num_saves_; }
 
@@ -33,12 +33,12 @@ private:
     std::atomic<std::uint64_t> num_saves_{0};
 };
 
-/// The scene that `config.state_file` holds. Nothing where the file is not there; one that is
-/// damaged, or of another world or version, is put aside, which is an error that says where.
+/// Loads the scene from `config.state_file`. Empty if there is no file. A file that is damaged, or
+/// belongs to another world or version, is renamed; the error names the new file.
 Expected<std::optional<Scene>> load_scene(const WorldServerConfig& config);
 
-/// As it was saved, or else, with the reason in the log, as it is `described`. Fails where the file
-/// could not be written (kUnavailable).
+/// Returns the saved scene, or `described` if there is none. If the saved one is not usable, logs
+/// the reason and returns `described`. Fails with kUnavailable if the file cannot be written.
 Expected<Scene> start_scene(const WorldServerConfig& config, Scene described);
 
 }  // namespace atrium::world_server

@@ -26,9 +26,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kStatusPeriod{1000};
 
-// Why this process has to end though nobody asked it to.
+// The reason to end the process without a stop request.
 struct Loss {
-    std::mutex mutex;  // guards the next one
+    std::mutex mutex;  // guards error
     std::optional<Error> error;
     std::stop_source end;
 };
@@ -42,7 +42,7 @@ struct WorldServer::Impl {
          std::unique_ptr<presence::Membership> server_membership,
          Scene server_scene);
 
-    // the receiving thread, which never decodes
+    // receiving thread; never decodes
     void receive(std::stop_token stop);
     void take_descriptions();
     void take_meshes();
@@ -52,38 +52,38 @@ struct WorldServer::Impl {
     void count_rejected(const bus::TakeReport& report);
     void reject(const std::string& why);
 
-    // the publishing thread
+    // publishing thread
     void publish(std::stop_token stop);
 
     bus::WorldStatus status() const;
 
     const WorldServerConfig config;
     Endpoints endpoints;
-    SiteRegister sites;  // of the receiving thread, as are the next two
+    SiteRegister sites;  // receiving thread only, like the next two
     std::set<std::string> described_sites;
-    // Sites whose description is gone and that were not heard of since, but whose last meshes may
-    // still wait to be taken.
+    // Sites whose description was disposed and that have not been heard since. Their last meshes
+    // may still wait to be taken.
     std::set<std::string> ended_sites;
     Publisher publisher{endpoints};  // of the publishing thread
     app::log::OncePerSecond rejections_log;
     Simulation simulation;
 
     std::atomic<std::uint64_t> num_meshes{0};
-    std::atomic<std::uint64_t> num_superseded{0};  // meshes that came together with a newer one
+    std::atomic<std::uint64_t> num_superseded{0};  // meshes taken together with a newer one
     std::atomic<std::uint64_t> num_rejected{0};
-    std::atomic<std::uint64_t> num_refused{0};  // before they waited for the simulation
+    std::atomic<std::uint64_t> num_refused{0};  // refused before they were queued
     std::atomic<std::uint64_t> num_sites{0};
     std::atomic<double> steps_per_s{0.0};
     std::atomic<double> bytes_per_s{0.0};
-    std::atomic<double> first_output_s{0.0};  // 0: no state is published yet
+    std::atomic<double> first_output_s{0.0};  // 0: no state published yet
     ProcessorMeter processor_meter;           // of the publishing thread
-    mutable std::mutex processor_mutex;       // guards the next one
-    ProcessorUse processor;                   // as measured last
+    mutable std::mutex processor_mutex;       // guards processor
+    ProcessorUse processor;                   // last measurement
 
     MeshPreparation preparation;  // fed by the receiving thread
 
     std::shared_ptr<Loss> loss;
-    std::unique_ptr<presence::Membership> membership;  // goes first: it uses the endpoints
+    std::unique_ptr<presence::Membership> membership;  // destroyed first: it uses the endpoints
 };
 
 WorldServer::Impl::Impl(const WorldServerConfig& server_config,
@@ -142,7 +142,7 @@ bool WorldServer::Impl::arrive(const std::string& site) {
 }
 
 void WorldServer::Impl::leave(const std::string& site) {
-    if (!sites.leave(site)) return;  // the end of its description and of its meshes are two
+    if (!sites.leave(site)) return;  // description and meshes end separately
     preparation.leave(site);
     num_sites = sites.num_present();
     app::log::info("site_left site={}", site);
@@ -162,8 +162,8 @@ void WorldServer::Impl::take_descriptions() {
         }));
 }
 
-// Only takes the samples. Of each site the newest: several come at once where one of them had to be
-// sent again.
+// Takes the samples and keeps the newest of each site. Several arrive together if one was
+// retransmitted.
 void WorldServer::Impl::take_meshes() {
     std::map<std::string, bus::SiteMesh> newest;
     count_rejected(endpoints.meshes.take(
@@ -285,7 +285,7 @@ Expected<std::unique_ptr<WorldServer>> WorldServer::create(const WorldServerConf
         },
         stop);
     if (!member) return tl::unexpected(member.error());
-    // only now: the file is that of the server that has the name
+    // only now: the state file belongs to the server that holds the name
     auto scene = start_scene(config, std::move(*described));
     if (!scene) return tl::unexpected(scene.error());
     return std::unique_ptr<WorldServer>(new WorldServer(std::make_unique<Impl>(

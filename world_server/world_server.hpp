@@ -9,28 +9,28 @@
 
 namespace atrium::world_server {
 
-/// One shared world: takes the people of all sites and everybody's commands from the bus, simulates
-/// in real time, and publishes where things are.
+/// Runs one shared world: receives the people of all sites and all commands from the bus, simulates
+/// in real time, and publishes the state.
 ///
-/// `run` uses four threads: one receives, one (the caller's) simulates, one publishes, one writes
-/// the world's file. Up to four workers, started when they are needed, decode and prepare meshes.
-/// Every hand-over keeps the newest of each site, object or state; only commands queue up, a
-/// bounded number of them.
+/// `run` uses four threads: receiving, simulating (the caller's), publishing, and writing the state
+/// file. Up to four workers, started on demand, decode and prepare meshes. Every hand-over between
+/// threads keeps only the newest item of each site, object or state. Only commands queue up, in
+/// bounded number.
 class WorldServer {
 public:
-    /// Builds the world, as its file has it where there is one, and joins the bus; fails where the
-    /// world has a server. The world is heard from once `run` is called.
+    /// Builds the world, restored from its state file if there is one, and joins the bus. Fails if
+    /// the world already has a server. Publishes nothing before `run`.
     static Expected<std::unique_ptr<WorldServer>> create(const WorldServerConfig& config,
                                                          std::stop_token stop = {});
     ~WorldServer();
     WorldServer(const WorldServer&) = delete;
     WorldServer& operator=(const WorldServer&) = delete;
 
-    /// Until a stop is requested, `config.seconds` have passed, or an older server of the same
-    /// world is found, which is an error. Call once.
+    /// Runs until a stop is requested or `config.seconds` have passed. Ends with an error if an
+    /// older server of the same world is found. Call once.
     Expected<void> run(std::stop_token stop);
 
-    /// As last published, but of now. Thread-safe.
+    /// Returns the current status, as it would be published. Thread-safe.
     bus::WorldStatus status() const;
 
 private:

@@ -52,13 +52,8 @@ void StatusLines::add(const std::string& title, status::Figures figures, Clock::
     }
     Program& program = found->second;
     program.before.reset();
-<<<<<<< HEAD:viewer/status_lines.cpp
-    // one that started again counts from 0: nothing can be said of what it lost
-    if (may_be_same_process(program.now, figures)) program.before = std::move(program.now);
-=======
     // a restarted program counts from 0 again, so its losses are unknown
     if (may_be_same_process(program.now, figures)) program.before = std::move(program.now);
->>>>>>> work/viewer:viewer/ui/status_lines.cpp
     program.now = std::move(figures);
     program.at = now;
 }

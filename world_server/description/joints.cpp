@@ -1,6 +1,6 @@
 #include "world_server/description/joints.hpp"
 
-#include "world_server/description/reading.hpp"
+#include "world_server/description/shared_entries.hpp"
 
 #include <algorithm>
 #include <string>
@@ -32,7 +32,7 @@ void read_ends(config::TableReader& reader,
     joint.b = object_b == nullptr ? 0 : object_b->scene.object;
     const bool b_moves = object_b != nullptr && object_b->scene.mass_kg > 0.0;
     if (object_a->scene.mass_kg == 0.0 && !b_moves)
-        reader.reject("a", "must have a mass, or what it is joined to must");
+        reader.reject("a", "must have a mass if b has none");
 }
 
 void read_axis(config::TableReader& reader, physics::Joint& joint, bool is_required) {
@@ -40,7 +40,7 @@ void read_axis(config::TableReader& reader, physics::Joint& joint, bool is_requi
     reader.read("axis", joint.axis.data(), 3, {-1.0, 1.0});
 }
 
-// `[lower, upper]`, in units of `unit`.
+// Reads `[lower, upper]` in units of `unit`.
 void read_limits(config::TableReader& reader,
                  const std::string& key,
                  double unit,

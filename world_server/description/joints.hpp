@@ -2,14 +2,14 @@
 
 #include "core/config/table_reader.hpp"
 #include "world_server/description/world_object.hpp"
-#include "world_server/physics/joint.hpp"
+#include "world_server/physics/rigid/joint.hpp"
 
 #include <vector>
 
 namespace atrium::world_server {
 
-/// Reads `[[joint]]`, which joins `objects` (parts of puppets among them) by their names. Problems
-/// are kept by `reader`.
+/// Reads all `[[joint]]` tables. They refer to `objects`, including parts of puppets, by name.
+/// Problems go to `reader`.
 void read_joints(config::TableReader& reader,
                  const std::vector<WorldObject>& objects,
                  std::vector<physics::Joint>& joints);

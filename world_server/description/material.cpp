@@ -1,6 +1,6 @@
 #include "world_server/description/material.hpp"
 
-#include "world_server/description/reading.hpp"
+#include "world_server/description/shared_entries.hpp"
 
 #include <set>
 #include <vector>
@@ -8,8 +8,8 @@
 namespace atrium::world_server {
 
 const Materials& built_in_materials() {
-    // densities and bounce as handbooks have them; friction is that with others of the kind, and
-    // the rolling lever what brings a hand-sized ball to rest within metres
+    // densities and bounce from handbooks; friction against the same material; the rolling lever
+    // brings a hand-sized ball to rest within metres
     static const Materials kMaterials{
         {"wood", {600.0, 0.5, 0.3, 0.0005, {0.42, 0.26, 0.13}}},
         {"rubber", {1100.0, 0.9, 0.7, 0.002, {0.08, 0.08, 0.09}}},
@@ -62,10 +62,11 @@ void read_mass(config::TableReader& reader,
     const bool has_density = reader.has("density_kg_per_m3");
     reader.read("mass_kg", mass_kg, {0.0, 1e4});
     if (has_mass && !has_density) return;
-    if (has_mass) return reader.reject("density_kg_per_m3", "must not stand beside mass_kg");
+    if (has_mass)
+        return reader.reject("density_kg_per_m3", "must not be set together with mass_kg");
     if (!has_density && !material.density_kg_per_m3) {
         return reader.reject("mass_kg",
-                             "is missing, or density_kg_per_m3, or a material that has a density");
+                             "is missing: set it, density_kg_per_m3, or a material with a density");
     }
     double density = material.density_kg_per_m3.value_or(0.0);
     reader.read("density_kg_per_m3", density, {1.0, 30'000.0});

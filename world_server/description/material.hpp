@@ -10,30 +10,30 @@
 
 namespace atrium::world_server {
 
-/// What a thing is made of: what an object has where its own table does not say otherwise.
+/// Default properties of an object, used where its own table has no entry.
 struct Material {
     std::optional<double> density_kg_per_m3{};
     double friction = 0.6;
     double restitution = 0.2;
     double rolling_friction_m = 0.0005;
     Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // linear RGB in [0, 1]
-    std::string texture{};                                    // a file; empty: none
+    std::string texture{};                                    // file; empty: none
 };
 
 using Materials = std::map<std::string, Material>;
 
-/// wood, rubber, plastic, foam, cardboard, steel, stone.
+/// Returns wood, rubber, plastic, foam, cardboard, steel and stone.
 const Materials& built_in_materials();
 
-/// The built-in materials and those of `[[material]]`, which may replace them. Problems are kept by
-/// `reader`.
+/// Returns the built-in materials and those of `[[material]]`, which may replace built-in ones.
+/// Problems go to `reader`.
 Materials read_materials(config::TableReader& reader);
 
-/// What `material` names in a table; the default where it names none.
+/// Returns the material named by `material` in a table, or the default.
 Material read_material(config::TableReader& reader, const Materials& materials);
 
-/// `mass_kg`, or what `density_kg_per_m3` or the material makes of a volume. One of the three must
-/// be there.
+/// Reads `mass_kg`, or computes the mass of the volume from `density_kg_per_m3` or the material.
+/// One of the three is required.
 void read_mass(config::TableReader& reader,
                const Material& material,
                double volume_m3,

@@ -1,8 +1,8 @@
 #include "world_server/description/objects.hpp"
 
 #include "core/model/model_file.hpp"
-#include "world_server/description/reading.hpp"
-#include "world_server/physics/convex_hull.hpp"
+#include "world_server/description/shared_entries.hpp"
+#include "world_server/physics/rigid/convex_hull.hpp"
 
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 using Parts = std::vector<geometry::TriangleMesh>;
 
-// Of the models in a world file, so that ten chairs are one in memory.
+// Hulls of the models in a world file: ten equal chairs share one set.
 using KnownParts =
     std::map<std::tuple<std::string, double, bus::Shape>, std::shared_ptr<const Parts>>;
 
@@ -24,7 +24,7 @@ void append(std::vector<Eigen::Vector3d>& points, const geometry::TriangleMesh& 
     points.insert(points.end(), mesh.vertices.begin(), mesh.vertices.end());
 }
 
-// Convex: one hull around all; compound: one around each part of the file.
+// Creates the hulls. Convex: one hull around everything; compound: one hull per part of the file.
 Expected<Parts> make_parts(const std::vector<model::ModelPart>& model, bus::Shape shape) {
     Parts parts;
     std::vector<Eigen::Vector3d> points;
@@ -123,7 +123,7 @@ WorldObject read_object(config::TableReader& reader,
     reader.read("restitution", scene.restitution, {0.0, 1.0});
     reader.read("rolling_friction_m", object.rolling_friction_m, {0.0, 1.0});
 
-    if (has_model && !object.parts) return object;  // said already
+    if (has_model && !object.parts) return object;  // already rejected
     if (const auto problem = physics::find_problem(to_rigid(object))) {
         std::string key(problem->field);
         if (key == "size_m" && !reader.has(key)) {
@@ -147,7 +147,7 @@ void read_objects(config::TableReader& reader,
         const auto id = static_cast<std::uint32_t>(objects.size() + 1);
         objects.push_back(read_object(table, id, materials, known));
         const std::string& name = objects.back().scene.name;
-        if (name == "world") table.reject("name", "must not be 'world', which joints name");
+        if (name == "world") table.reject("name", "must not be 'world', which joints use");
         if (!names.insert(name).second) table.reject("name", "must be unique among the objects");
     }
 }

@@ -8,7 +8,7 @@
 
 namespace atrium::world_server {
 
-/// Reads `[[object]]`, models included. Problems are kept by `reader`.
+/// Reads all `[[object]]` tables, including their models. Problems go to `reader`.
 void read_objects(config::TableReader& reader,
                   const Materials& materials,
                   std::vector<WorldObject>& objects);

@@ -1,6 +1,6 @@
 #include "world_server/description/puppets.hpp"
 
-#include "world_server/description/reading.hpp"
+#include "world_server/description/shared_entries.hpp"
 #include "world_server/puppet.hpp"
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 namespace atrium::world_server {
 namespace {
 
-constexpr std::size_t kMaxPuppetName = 48;  // what stands after it is up to 15 characters
+constexpr std::size_t kMaxPuppetName = 48;  // the part's name adds up to 15 characters
 
 bool is_taken(const std::vector<WorldObject>& objects, const std::string& name) {
     return std::any_of(objects.begin(), objects.end(), [&](const WorldObject& object) {

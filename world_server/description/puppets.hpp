@@ -3,13 +3,13 @@
 #include "core/config/table_reader.hpp"
 #include "world_server/description/material.hpp"
 #include "world_server/description/world_object.hpp"
-#include "world_server/physics/joint.hpp"
+#include "world_server/physics/rigid/joint.hpp"
 
 #include <vector>
 
 namespace atrium::world_server {
 
-/// Reads `[[puppet]]`; their parts get the ids after those of `objects`. Problems are kept by
+/// Reads all `[[puppet]]` tables. Parts get the ids after those of `objects`. Problems go to
 /// `reader`.
 void read_puppets(config::TableReader& reader,
                   const Materials& materials,

@@ -1,7 +1,7 @@
 #include "world_server/description/surroundings.hpp"
 
 #include "core/model/model_file.hpp"
-#include "world_server/description/reading.hpp"
+#include "world_server/description/shared_entries.hpp"
 
 #include <fmt/format.h>
 
@@ -22,8 +22,8 @@ void append(geometry::TriangleMesh& sum,
         sum.triangles.push_back({first + t[0], first + t[1], first + t[2]});
 }
 
-// Also of what is only looked at: whoever writes the file hears of a wrong model before the
-// viewers.
+// Loads the model even if it is not solid: the author of the file gets the error before the viewers
+// do.
 void read_scenery_model(config::TableReader& reader, WorldScenery& scenery) {
     bus::Scenery& scene = scenery.scene;
     if (!read_model_name(reader, scene.model, scene.model_scale)) return;
@@ -32,10 +32,10 @@ void read_scenery_model(config::TableReader& reader, WorldScenery& scenery) {
     if (!scenery.is_solid) return;
     for (const model::ModelPart& part : *model)
         append(scenery.mesh, part.mesh, scene.world_from_model);
-    if (scenery.mesh.triangles.size() > physics::kMaxStillTriangles) {
+    if (scenery.mesh.triangles.size() > physics::kMaxStaticTriangles) {
         reader.reject("model",
                       fmt::format("must have at most {} triangles to be solid, has {}",
-                                  physics::kMaxStillTriangles,
+                                  physics::kMaxStaticTriangles,
                                   scenery.mesh.triangles.size()));
     }
 }

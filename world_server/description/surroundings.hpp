@@ -9,11 +9,11 @@
 
 namespace atrium::world_server {
 
-/// Reads `[bounds]`, which takes the place of world.half_extent_m and world.lowest_z_m. Problems
-/// are kept by `reader`.
+/// Reads `[bounds]`, which replaces world.half_extent_m and world.lowest_z_m. Problems go to
+/// `reader`.
 void read_bounds(config::TableReader& reader, physics::WorldOptions& world);
 
-/// Reads `[[scenery]]`, with the models of what is solid. Problems are kept by `reader`.
+/// Reads all `[[scenery]]` tables, with the models of solid scenery. Problems go to `reader`.
 void read_scenery(config::TableReader& reader,
                   const Materials& materials,
                   std::vector<WorldScenery>& scenery);

@@ -3,7 +3,7 @@
 #include "world_server/description/material.hpp"
 #include "world_server/description/objects.hpp"
 #include "world_server/description/puppets.hpp"
-#include "world_server/description/reading.hpp"
+#include "world_server/description/shared_entries.hpp"
 #include "world_server/description/surroundings.hpp"
 
 #include <optional>

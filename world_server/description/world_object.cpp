@@ -18,7 +18,7 @@ physics::ObjectShape to_rigid(bus::Shape shape) {
         case bus::Shape::kCompound:
             return physics::ObjectShape::kCompound;
         case bus::Shape::kBox:
-        case bus::Shape::kSoft:  // no rigid object
+        case bus::Shape::kSoft:  // not a rigid object
             break;
     }
     return physics::ObjectShape::kBox;
@@ -28,7 +28,7 @@ physics::ObjectShape to_rigid(bus::Shape shape) {
 
 physics::RigidObject to_rigid(const WorldObject& object) {
     physics::ObjectShape shape = to_rigid(object.scene.shape);
-    // a compound of one part is that part
+    // a compound of one part is convex
     if (object.parts && object.parts->size() == 1) shape = physics::ObjectShape::kConvex;
     return {.id = object.scene.object,
             .shape = shape,

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <LinearMath/btTransform.h>
 
-/// Between Eigen's numbers and Bullet's floats.
+/// Converts between Eigen's types and Bullet's single-precision types.
 namespace atrium::physics {
 
 inline btVector3 to_bullet(const Eigen::Vector3d& v) {

@@ -1,7 +1,7 @@
 #include "world_server/physics/grab.hpp"
 
 #include "world_server/physics/bullet_types.hpp"
-#include "world_server/physics/soft_body.hpp"
+#include "world_server/physics/soft/soft_body.hpp"
 
 #include <Eigen/LU>
 #include <btBulletDynamicsCommon.h>
@@ -19,7 +19,7 @@ Eigen::Vector3d limited(const Eigen::Vector3d& v, double max) {
     return length > max ? (v * (max / length)).eval() : v;
 }
 
-// The matrix that turns an impulse at `arm` from the centre of mass into that point's velocity.
+// Maps an impulse at `arm` from the centre of mass to the velocity of that point.
 Eigen::Matrix3d inverse_mass_at(const btRigidBody& body, const Eigen::Vector3d& arm) {
     Eigen::Matrix3d cross;
     cross << 0, -arm.z(), arm.y(), arm.z(), 0, -arm.x(), -arm.y(), arm.x(), 0;
@@ -40,13 +40,13 @@ Grabs::Grab* Grabs::find(const std::string& holder, std::uint32_t object) {
     return nullptr;
 }
 
-int Grabs::patience() const {
-    return std::max(1, static_cast<int>(std::lround(options_.patience_s / options_.tick_s)));
+int Grabs::timeout_ticks() const {
+    return std::max(1, static_cast<int>(std::lround(options_.timeout_s / options_.tick_s)));
 }
 
 bool Grabs::hold(Grab grab) {
     assert(grab.goal_world.allFinite());
-    grab.ticks_left = patience();
+    grab.ticks_left = timeout_ticks();
     if (Grab* held = find(grab.holder, grab.object)) {
         *held = std::move(grab);
         return true;
@@ -95,7 +95,7 @@ bool Grabs::move(const std::string& holder,
     Grab* held = find(holder, object);
     if (held == nullptr) return false;
     held->goal_world = goal_world;
-    held->ticks_left = patience();
+    held->ticks_left = timeout_ticks();
     return true;
 }
 
@@ -117,8 +117,8 @@ double Grabs::max_force_n(double mass_kg) const {
     return std::min(options_.max_force_n, mass_kg * options_.max_acceleration);
 }
 
-// Of the held point, `way` [m] from its goal: no faster than what the force can bring to rest until
-// there, gravity or not.
+// Wanted velocity of the held point, `way` [m] from its goal: no faster than the force can stop
+// within that distance, against gravity too.
 Eigen::Vector3d Grabs::wanted_velocity(const Eigen::Vector3d& way,
                                        double mass_kg,
                                        double gravity) const {
@@ -133,7 +133,7 @@ void Grabs::pull(const Grab& grab, SoftBody& soft, double gravity) const {
     const Eigen::Vector3d place = from_bullet(place_of(soft.body(), grab.handle));
     const Eigen::Vector3d wanted = wanted_velocity(grab.goal_world - place, mass_kg, gravity);
     if (!wanted.allFinite()) return;
-    soft.pull(grab.handle, to_bullet(wanted), btScalar(max_force_n(mass_kg)));
+    soft.drive(grab.handle, to_bullet(wanted), btScalar(max_force_n(mass_kg)));
 }
 
 void Grabs::pull(const Grab& grab, btRigidBody& body) const {
@@ -144,7 +144,7 @@ void Grabs::pull(const Grab& grab, btRigidBody& body) const {
     const double mass_kg = 1.0 / body.getInvMass();
     const Eigen::Vector3d wanted =
         wanted_velocity(grab.goal_world - place, mass_kg, from_bullet(body.getGravity()).norm());
-    // gravity is applied after this and before the tick's motion
+    // Bullet applies gravity later in this tick
     const Eigen::Vector3d missing =
         wanted - velocity - options_.tick_s * from_bullet(body.getGravity());
     const Eigen::Vector3d impulse = limited(inverse_mass_at(body, arm).inverse() * missing,

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "world_server/physics/soft_pulls.hpp"
+#include "world_server/physics/soft/soft_motors.hpp"
 
 #include <Eigen/Core>
 
@@ -18,55 +18,56 @@ class SoftBody;
 
 struct GrabOptions {
     double tick_s = 1.0 / 120.0;
-    double follow_hz = 15.0;         // share of its distance that the point makes good in a second
-    double max_speed_mps = 8.0;      // at which the point follows
-    double max_force_n = 500.0;      // of one grab,
-    double max_acceleration = 80.0;  // [m/s^2] and what it does to the object at most
-    double spin_damping_hz = 4.0;    // so that what hangs from a point comes to rest
-    double patience_s = 2.0;         // after which a holder of whom nothing is heard lets go
-    std::size_t max_grabs = 64;      // in the world,
-    std::size_t max_per_holder = 4;  // and of one holder
+    double follow_hz = 15.0;         // gain: wanted speed per distance to the goal [1/s]
+    double max_speed_mps = 8.0;      // limit on the speed of the held point
+    double max_force_n = 500.0;      // limit on the force of one grab
+    double max_acceleration = 80.0;  // [m/s^2] limit on what one grab does to the object
+    double spin_damping_hz = 4.0;    // damps the spin: a hanging object comes to rest
+    double timeout_s = 2.0;          // a grab ends if its holder sends nothing for this long
+    std::size_t max_grabs = 64;      // in the world
+    std::size_t max_per_holder = 4;  // of one holder
 };
 
-/// The objects that viewers hold, each at a point that is pulled towards a goal.
+/// Pulls held objects towards goals. Each grab holds one object at one point.
 ///
-/// Before each tick every grab gives its object the impulse that brings its point to the velocity
-/// wanted there: towards the goal, slower the nearer it is, so that it arrives without swinging.
-/// The impulse is bounded, so a grab cannot push through what is in the way. What lets go changes
+/// Before each tick, a grab gives its object the impulse that brings the held point to the wanted
+/// velocity. That velocity points to the goal and falls with the distance, which avoids overshoot.
+/// The impulse is bounded, so a grab cannot push an object through an obstacle. Releasing changes
 /// no velocity: the object flies on.
 ///
-/// A soft thing is held by a handful of its nodes, with the same limits; its points are the
-/// world's when it is taken.
+/// A grab holds a soft object by a group of its nodes (`SoftHandle`), with the same limits. The
+/// held point of a soft object is given in the world frame at the moment of the grab.
 ///
-/// Points are in the frame of the body, the world's in metres. Not thread-safe; deterministic: what
-/// it does depends on the calls and their order alone.
+/// Points are in the object's body frame, goals in the world frame [m]. Deterministic: results
+/// depend only on the calls and their order. Not thread-safe.
 class Grabs {
 public:
     explicit Grabs(const GrabOptions& options) : options_(options) {}
 
-    /// Takes hold; where the holder holds the object already, of the new point. False: too many.
+    /// Starts a grab. If the holder already holds the object, moves the grab to the new point.
+    /// False if there are too many grabs.
     bool hold(const std::string& holder,
               std::uint32_t object,
               const Eigen::Vector3d& point_object,
               const Eigen::Vector3d& goal_world);
-    /// The same of a handful of a soft object.
+    /// Like the above, for a soft object.
     bool hold(const std::string& holder,
               std::uint32_t object,
               const SoftHandle& handle,
               const Eigen::Vector3d& goal_world);
-    /// False: the holder does not hold the object.
+    /// False if the holder does not hold the object.
     bool move(const std::string& holder, std::uint32_t object, const Eigen::Vector3d& goal_world);
     bool release(const std::string& holder, std::uint32_t object);
     void release_all(const std::string& holder);
-    /// The object is gone.
+    /// Ends all grabs of an object that is about to be removed.
     void forget(std::uint32_t object);
 
-    /// What is at the other end of a grab: one of the two, or none, and it is let go.
+    /// The held object: rigid or soft. If both are null, the grab ends.
     struct Held {
-        btRigidBody* body = nullptr;  // that moves
+        btRigidBody* body = nullptr;  // not static
         SoftBody* soft = nullptr;
     };
-    /// One tick's impulses. `gravity` [m/s^2] is that of soft things.
+    /// Applies the impulses of one tick. `gravity` [m/s^2] is used for soft objects.
     void begin_tick(const std::function<Held(std::uint32_t object)>& find,
                     const Eigen::Vector3d& gravity);
 
@@ -77,7 +78,7 @@ private:
         std::string holder;
         std::uint32_t object = 0;
         Eigen::Vector3d point_object;
-        SoftHandle handle;  // of a soft object, instead
+        SoftHandle handle;  // replaces point_object for a soft object
         Eigen::Vector3d goal_world;
         int ticks_left = 0;
     };
@@ -89,10 +90,10 @@ private:
     Eigen::Vector3d wanted_velocity(const Eigen::Vector3d& way,
                                     double mass_kg,
                                     double gravity) const;
-    int patience() const;
+    int timeout_ticks() const;
 
     GrabOptions options_;
-    std::vector<Grab> grabs_;  // in the order in which they were taken
+    std::vector<Grab> grabs_;  // in the order of the calls to `hold`
 };
 
 }  // namespace atrium::physics

@@ -14,9 +14,9 @@ constexpr double kWallRestitution = 0.5;
 
 }  // namespace
 
-// In the order in which Bullet needs them to go, backwards.
+// Members are destroyed in reverse order, as Bullet requires.
 struct Surroundings::Piece {
-    std::vector<float> vertices;  // x, y, z of each; read by Bullet for as long as the shape lives
+    std::vector<float> vertices;  // x, y, z of each; the shape reads them for its lifetime
     std::vector<int> triangles;
     std::unique_ptr<btTriangleIndexVertexArray> mesh;
     std::unique_ptr<btCollisionShape> shape;
@@ -30,9 +30,9 @@ Surroundings::~Surroundings() {
     for (const auto& piece : pieces_) world_.removeRigidBody(piece->body.get());
 }
 
-bool Surroundings::add(const StillMesh& still) {
+bool Surroundings::add(const StaticMesh& still) {
     const geometry::TriangleMesh& mesh = still.mesh;
-    if (mesh.triangles.empty() || mesh.triangles.size() > kMaxStillTriangles) return false;
+    if (mesh.triangles.empty() || mesh.triangles.size() > kMaxStaticTriangles) return false;
     auto piece = std::make_unique<Piece>();
     for (const Eigen::Vector3d& v : mesh.vertices) {
         if (!v.allFinite()) return false;

@@ -12,31 +12,31 @@ class btRigidBody;
 
 namespace atrium::physics {
 
-inline constexpr std::size_t kMaxStillTriangles = 100'000;
+inline constexpr std::size_t kMaxStaticTriangles = 100'000;
 
-/// What never moves and is no object: solid scenery.
-struct StillMesh {
-    geometry::TriangleMesh mesh;  // in the world [m]; any triangles, solid from both sides
+/// A piece of solid scenery: static, and not an object.
+struct StaticMesh {
+    geometry::TriangleMesh mesh;  // in the world [m]; any triangles, solid on both sides
     double friction = 0.6;
     double restitution = 0.2;
 };
 
-/// Of a world: meshes and the walls of its bounds.
+/// Owns the static parts of a world: meshes and the walls of its bounds.
 class Surroundings {
 public:
-    /// `world` outlives this. All is of collision group `group` and collides with the groups of
-    /// `mask`.
+    /// `world` must outlive this. All bodies get the collision group `group` and collide with the
+    /// groups in `mask`.
     Surroundings(btDynamicsWorld& world, int group, int mask);
     ~Surroundings();
     Surroundings(const Surroundings&) = delete;
     Surroundings& operator=(const Surroundings&) = delete;
 
-    /// False, and nothing added, where it has no triangles or more than kMaxStillTriangles, or
-    /// where a vertex is not a finite number.
-    bool add(const StillMesh& mesh);
-    /// Six planes that keep everything inside.
+    /// Adds a mesh. Returns false and adds nothing if it has no triangles, more than
+    /// kMaxStaticTriangles, or a vertex that is not finite.
+    bool add(const StaticMesh& mesh);
+    /// Adds six planes that keep everything inside `box`.
     void add_walls(const geometry::Aabb& box);
-    /// All of it, none of which moves.
+    /// All bodies; all are static.
     const std::vector<btRigidBody*>& bodies() const { return bodies_; }
 
 private:
@@ -45,7 +45,7 @@ private:
     btDynamicsWorld& world_;
     int group_, mask_;
     std::vector<std::unique_ptr<Piece>> pieces_;
-    std::vector<btRigidBody*> bodies_;  // theirs
+    std::vector<btRigidBody*> bodies_;  // bodies of pieces_
 };
 
 }  // namespace atrium::physics

@@ -9,8 +9,8 @@
 namespace atrium::physics {
 namespace {
 
-// Overlap above which Bullet separates without adding velocity; its default of 4 cm makes whatever
-// is pressed by a hand pop away.
+// Overlap above which Bullet separates without adding velocity. Bullet's default of 4 cm makes an
+// object pressed by a hand pop away.
 constexpr float kPlainContactM = 0.002F;
 constexpr int kSolverIterations = 20;
 
@@ -25,14 +25,13 @@ World::Impl::Impl(const WorldOptions& world_options)
       grabs({.tick_s = world_options.tick_s}) {
     assert(options.tick_s > 0.0 && options.max_speed_mps > 0.0);
     world.setGravity(to_bullet(options.gravity));
-    // else what is put down on a plane, or pressed onto it, stands on one corner for the first
-    // ticks
+    // without this, an object put or pressed onto a plane stands on one corner for the first ticks
     configuration.setPlaneConvexMultipointIterations(4, 4);
     world.getSolverInfo().m_splitImpulsePenetrationThreshold = -kPlainContactM;
-    // what is clasped between two palms needs force from both
+    // an object clasped between two palms needs force from both
     world.getSolverInfo().m_numIterations = kSolverIterations;
-    // and its friction beside each contact's own force. (Two friction directions hold it as well,
-    // but a cylinder that lands on its flat end tips over with them.)
+    // solve friction next to each contact's normal force. (Two friction directions hold the object
+    // as well, but then a cylinder that lands on its flat end tips over.)
     world.getSolverInfo().m_solverMode |= SOLVER_INTERLEAVE_CONTACT_AND_FRICTION_CONSTRAINTS;
     world.getDispatchInfo().m_deterministicOverlappingPairs = true;
     world.setInternalTickCallback(&Impl::begin_tick, this, /*isPreTick=*/true);
@@ -78,8 +77,8 @@ AddResult World::add(const RigidObject& object) {
     }
     if (impl_->objects.size() >= impl_->options.max_objects) return AddResult::kWorldFull;
     auto body = std::make_unique<ObjectBody>(object, impl_->options);
-    const int group = body->moves() ? kObjectGroup : kStillGroup;
-    const int mask = body->moves() ? kStillGroup | kObjectGroup : kObjectGroup;
+    const int group = body->moves() ? kObjectGroup : kStaticGroup;
+    const int mask = body->moves() ? kStaticGroup | kObjectGroup : kObjectGroup;
     impl_->world.addRigidBody(&body->body(), group, mask);
     if (body->moves()) impl_->contacts.add(object.id, body->body());
     impl_->objects.emplace(object.id, std::move(body));
@@ -100,7 +99,7 @@ bool World::Impl::remove(std::uint32_t id) {
     const auto found_at = objects.find(id);
     if (found_at != objects.end()) {
         btRigidBody& body = found_at->second->body();
-        soft.untie(body);
+        soft.detach(body);
         joints.remove_of(id);
         contacts.remove(id);
         world.removeRigidBody(&body);
@@ -110,7 +109,7 @@ bool World::Impl::remove(std::uint32_t id) {
         return false;
     }
     grabs.forget(id);
-    // what rested on it must not go on sleeping in the air
+    // wake objects that may have rested on it
     for (auto& [other, object] : objects) {
         if (object->moves()) object->body().activate();
     }
@@ -128,14 +127,14 @@ bool World::add_joint(const Joint& joint) {
     return true;
 }
 
-bool World::add_still(const StillMesh& mesh) { return impl_->surroundings.add(mesh); }
+bool World::add_static(const StaticMesh& mesh) { return impl_->surroundings.add(mesh); }
 
 void World::reset() {
     btOverlappingPairCache& pairs = *impl_->broadphase.getOverlappingPairCache();
     for (auto& [id, object] : impl_->objects) {
         pairs.cleanProxyFromPairs(object->body().getBroadphaseHandle(), &impl_->dispatcher);
-        object->put_back();
-        impl_->contacts.put(id);
+        object->reset_to_start();
+        impl_->contacts.mark_teleported(id);
     }
     impl_->soft.reset();
 }
@@ -198,7 +197,7 @@ void World::remove_person(const std::string& name) {
     if (!impl_->people.remove_person(name)) return;
     impl_->contacts.forget_person(name);
     for (auto& [id, object] : impl_->objects) {
-        if (object->moves()) object->body().activate();  // what lay on the person falls
+        if (object->moves()) object->body().activate();  // objects that lay on the person fall
     }
 }
 
@@ -211,7 +210,7 @@ void World::tick() {
     const auto record = [&](const Incident& incident) { impl_->record(incident); };
     for (const std::uint32_t id : impl_->soft.end_tick(impl_->counters, record)) impl_->remove(id);
     impl_->contacts.end_tick();
-    impl_->guard_all();
+    impl_->handle_incidents();
     const bool is_soft_touched = impl_->soft.is_touched();
     if (impl_->contacts.is_touched() || is_soft_touched) ++impl_->counters.num_contact_ticks;
     if (is_soft_touched) ++impl_->counters.num_soft_contact_ticks;

@@ -2,9 +2,9 @@
 
 #include "core/geometry/aabb.hpp"
 #include "core/geometry/rigid_transform.hpp"
-#include "world_server/physics/joint.hpp"
-#include "world_server/physics/person_shape.hpp"
-#include "world_server/physics/rigid_object.hpp"
+#include "world_server/physics/people/person_shape.hpp"
+#include "world_server/physics/rigid/joint.hpp"
+#include "world_server/physics/rigid/rigid_object.hpp"
 #include "world_server/physics/surroundings.hpp"
 #include "world_server/physics/world_state.hpp"
 
@@ -27,40 +27,41 @@ struct RigidState {
     Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // [rad/s] world
 };
 
-/// What becomes of an object whose centre of mass leaves the world's box.
+/// Action for an object whose centre of mass leaves the world's box.
 enum class LeavePolicy : std::uint8_t {
-    kReset,   // back to where it started
-    kRemove,  // it is gone
-    kBounce   // it cannot: the box has walls; what gets through one is put back
+    kReset,   // returns to its start pose
+    kRemove,  // is removed
+    // cannot leave: the box has walls; an object that gets through one returns to its start
+    kBounce
 };
 
 struct WorldOptions {
     double tick_s = 1.0 / 120.0;
     Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // [m/s^2]
     std::size_t max_objects = 256;
-    double half_extent_m = 20.0;          // the world's box: as far as this from the origin,
-    double lowest_z_m = -1.0;             // but no lower than this;
-    std::optional<geometry::Aabb> box{};  // or this one in place of the two
+    double half_extent_m = 20.0;          // half size of the world's box around the origin
+    double lowest_z_m = -1.0;             // lower end of the box
+    std::optional<geometry::Aabb> box{};  // replaces the two above
     LeavePolicy leaving = LeavePolicy::kReset;
     double max_speed_mps = 15.0;         // of an object
     double max_spin_rad_s = 60.0;        // of an object
-    double max_depenetration_mps = 3.0;  // at which objects that overlap are moved apart
-    double escape_mps = 1.5;             // at which an object inside a person is led out
+    double max_depenetration_mps = 3.0;  // speed at which overlapping objects separate
+    double escape_mps = 1.5;             // speed at which an object inside a person is moved out
     double person_friction = 2.0;        // see PeopleContactOptions
     double person_restitution = 0.2;
 };
 
-/// What a person is to the physics at one moment.
-struct PersonNow {
+/// State of a person in the physics at one moment.
+struct PersonSnapshot {
     std::string name;
     std::shared_ptr<const std::vector<MovingSurfel>> surfels;
-    float share_to_go = 0.0F;  // of the way of each surfel from `from` to `position`
-    Timestamp capture_time;    // when it was at `position`
+    float share_to_go = 0.0F;  // remaining share of each surfel's way from `from` to `position`
+    Timestamp capture_time;    // time at which the surfels are at `position`
     struct Touch {
         std::uint32_t object = 0;
         Eigen::Vector3f point;  // [m] world, on the person
     };
-    std::vector<Touch> touches;  // in the last tick, with rigid objects
+    std::vector<Touch> touches;  // touches with rigid objects in the last tick
 };
 
 struct SoftObject;
@@ -68,15 +69,15 @@ struct SoftTopology;
 
 geometry::Aabb box_of(const WorldOptions& options);
 
-/// What the world did to an object on its own.
+/// Correction that the world made to an object.
 enum class IncidentKind : std::uint8_t {
-    kNotFinite,  // its state was not a number: put back
-    kRunaway,    // in one tick it became faster than anything makes it: put back
-    kTorn,       // it came off what it is joined to: put back
-    kLeft,       // it left the world's box: put back
-    kRemoved     // it left the world's box: removed
+    kNotFinite,  // state not finite: returned to its start
+    kRunaway,    // faster than any cause explains within one tick: returned to its start
+    kTorn,       // separated at a joint: returned to its start
+    kLeft,       // left the world's box: returned to its start
+    kRemoved     // left the world's box: removed
 };
-/// "was not a number, and was put back"
+/// Returns a predicate for log lines, such as "left the world and was removed".
 std::string_view describe(IncidentKind kind);
 
 struct Incident {
@@ -86,31 +87,31 @@ struct Incident {
 
 enum class AddResult : std::uint8_t { kAdded, kIdInUse, kWorldFull, kInvalid };
 
-/// Running counts since the construction.
+/// Counts since construction.
 struct WorldCounters {
     std::uint64_t num_ticks = 0;
-    std::uint64_t num_contact_ticks = 0;  // with at least one contact of a person and an object
-    std::uint64_t num_soft_contact_ticks = 0;  // of these, of a person and a soft object
+    // with at least one contact between a person and an object
+    std::uint64_t num_contact_ticks = 0;
+    std::uint64_t num_soft_contact_ticks = 0;  // of these, with a soft object
     std::uint64_t num_strays = 0;              // objects that left the world's box
-    std::uint64_t num_not_finite = 0;          // objects whose state was not a number, put back
-    std::uint64_t num_runaways = 0;            // objects of an absurd speed, put back
-    std::uint64_t num_torn = 0;     // objects torn from what they are joined to, or soft ones
-                                    // out of all shape, put back
-    std::uint64_t num_escapes = 0;  // objects that were found inside a person
+    std::uint64_t num_not_finite = 0;          // objects with a state that was not finite
+    std::uint64_t num_runaways = 0;            // objects that became far too fast
+    std::uint64_t num_torn = 0;     // objects separated at a joint, or soft objects out of shape
+    std::uint64_t num_escapes = 0;  // objects found inside a person
 };
 
-/// Objects, a still surrounding, and people, in Bullet.
+/// Simulates rigid and soft objects, static scenery and people with Bullet.
 ///
 /// A person is a volume whose surface is sampled by moving surfels (see `PeopleField`). When a
-/// shape arrives, each surfel is set back to where the mesh before had it and then moves forward
-/// for the shape's period, so that surfaces sweep from mesh to mesh without a gap and stop where
-/// the mesh was captured, unless the next one has come by then. A person thus lags by one mesh
-/// period, never overshoots, and yields to nothing.
+/// shape arrives, each surfel returns to its place on the previous mesh and then moves forward for
+/// the shape's period. Surfaces thus sweep from mesh to mesh without gaps. They stop at the
+/// captured place if the next mesh is late. A person therefore lags by one mesh period, never
+/// overshoots, and yields to nothing.
 ///
-/// An object whose state is not a number, or that became absurdly fast, is put back to where it
-/// started, and with it all that it is joined to; the rest of the world goes on.
+/// An object with a state that is not finite or with an absurd speed returns to its start pose,
+/// together with everything joined to it. The rest of the world continues.
 ///
-/// Deterministic: equal calls give equal states. Not thread-safe; creates no threads.
+/// Deterministic: equal calls give equal states. Not thread-safe. Creates no threads.
 class World {
 public:
     explicit World(const WorldOptions& options);
@@ -118,77 +119,81 @@ public:
     World(const World&) = delete;
     World& operator=(const World&) = delete;
 
-    /// kInvalid: see `find_problem`.
+    /// kInvalid: `find_problem` is not empty.
     AddResult add(const RigidObject& object);
-    /// Ids are those of all objects, rigid and soft. See soft_object.hpp; kWorldFull: nodes.
+    /// See soft_object.hpp. Rigid and soft objects share one set of ids. kWorldFull: too many
+    /// nodes.
     AddResult add_soft(const SoftObject& object);
-    /// With its joints. False: not there.
+    /// Removes an object and its joints. False if the id is unknown.
     bool remove(std::uint32_t id);
-    /// False, and nothing added, where it has a problem (`find_problem`), its objects are not
-    /// there, or neither of them moves.
+    /// Returns false and adds nothing if the joint has a problem (`find_problem`), an object is
+    /// missing, or both objects are static.
     bool add_joint(const Joint& joint);
-    /// See `Surroundings::add`.
-    bool add_still(const StillMesh& mesh);
-    /// Wakes it. False: not there, it does not move, or a number is not finite.
+    /// Adds static scenery; see `Surroundings::add`.
+    bool add_static(const StaticMesh& mesh);
+    /// Sets pose and velocities of an object and wakes it. False if the id is unknown, the object
+    /// is static, or a number is not finite.
     bool set_state(const RigidState& state);
-    /// Puts every object back to where it started, at rest.
+    /// Returns every object to its start pose, at rest.
     void reset();
-    /// `impulse_ns` [N s] acts at the centre of mass. False: not there, or it does not move.
+    /// Applies `impulse_ns` [N s] at the centre of mass. False if the id is unknown or the object
+    /// is static.
     bool push(std::uint32_t id, const Eigen::Vector3d& impulse_ns);
 
-    /// Lets `holder` hold an object at a point of it [m, in its frame; of a soft one in the world]
-    /// and pull that towards a goal [m, world] (grab.hpp). False: no such object that moves, or too
-    /// many are held.
+    /// Starts a grab (grab.hpp): `holder` holds an object at a point [m; rigid: object frame, soft:
+    /// world] and pulls that point towards a goal [m, world]. False if there is no such dynamic
+    /// object or there are too many grabs.
     bool grab(const std::string& holder,
               std::uint32_t id,
               const Eigen::Vector3d& point_object,
               const Eigen::Vector3d& goal_world);
-    /// False: the holder does not hold it.
+    /// False if the holder does not hold the object.
     bool move_grab(const std::string& holder, std::uint32_t id, const Eigen::Vector3d& goal_world);
     bool release(const std::string& holder, std::uint32_t id);
     void release_all(const std::string& holder);
     std::size_t num_grabs() const;
 
     void get_state(WorldState& state) const;
-    /// Goes on from `state`: equal states and equal calls from there on give equal states, whatever
-    /// was before, provided that nobody is in the world and nothing held at that moment. Objects
-    /// that `state` does not name stay where they are. False, and nothing is changed, where it
-    /// names one that is not there, or a number is out of range.
+    /// Continues from `state`. Equal states and equal later calls give equal states, whatever
+    /// happened before, provided that at this moment no person is in the world and nothing is
+    /// grabbed. Objects without an entry keep their place. Returns false and changes nothing if an
+    /// id is unknown or a number is out of range.
     bool set_state(const WorldState& state);
 
-    /// The newest shape of a person takes the place of the one before.
+    /// Replaces the shape of a person.
     void set_person(const std::string& name, const PersonShape& shape);
     void remove_person(const std::string& name);
 
-    /// Everybody who is there, in the order of their names. Copies no surfels, and uses the memory
-    /// of `people` again.
-    void get_people(std::vector<PersonNow>& people) const;
+    /// Writes all people in the order of their names. Copies no surfels. Reuses the memory of
+    /// `people`.
+    void get_people(std::vector<PersonSnapshot>& people) const;
 
-    /// One step of `tick_s`.
+    /// Advances the world by `tick_s`.
     void tick();
 
-    /// What the world did on its own since the last call, oldest first; at most 256 are kept.
+    /// Takes the incidents since the last call, oldest first. At most 256 are kept.
     void take_incidents(std::vector<Incident>& incidents);
 
-    /// Of all objects, in the order of their ids.
+    /// Writes the states of all rigid objects in the order of their ids.
     void get_states(std::vector<RigidState>& states) const;
-    /// The places of a soft object's nodes [m, world], in memory that is used again. False: no such
-    /// soft object.
+    /// Writes the node positions of a soft object [m, world]. Reuses the memory. False if there is
+    /// no such soft object.
     bool get_soft_nodes(std::uint32_t id, std::vector<Eigen::Vector3f>& nodes) const;
-    /// Of all soft objects, in the order of their ids: what `restore_soft` takes. The vectors'
-    /// memory is used again.
+    /// Writes the states of all soft objects in the order of their ids, as input for
+    /// `restore_soft`. Reuses the memory of the vectors.
     void get_soft_states(std::vector<SoftState>& states) const;
-    /// False, and nothing is changed: no such soft object, not its number of nodes, or not finite.
+    /// Returns false and changes nothing if there is no such soft object, the number of nodes
+    /// differs, or a number is not finite.
     bool restore_soft(const SoftState& state);
-    /// Null: no such soft object. Valid until it is removed.
+    /// Null if there is no such soft object. Valid until its removal.
     const SoftTopology* soft_topology(std::uint32_t id) const;
-    std::size_t num_soft_nodes(std::uint32_t id) const;  // 0: no such soft object
+    std::size_t num_soft_nodes(std::uint32_t id) const;  // 0 if there is no such soft object
     const WorldCounters& counters() const;
     std::size_t num_objects() const;
     std::size_t num_joints() const;
     std::size_t num_people() const;
     std::size_t num_surfels() const;  // of all people
-    /// Of every object's pose and velocities, and every soft node's, bit by bit.
+    /// Returns a hash over the bits of all poses and velocities of objects and soft nodes.
     std::uint64_t state_hash() const;
 
 private:

@@ -1,11 +1,11 @@
 #pragma once
 
 #include "world_server/physics/grab.hpp"
-#include "world_server/physics/joints.hpp"
-#include "world_server/physics/object_body.hpp"
-#include "world_server/physics/people_contacts.hpp"
-#include "world_server/physics/people_field.hpp"
-#include "world_server/physics/soft_bodies.hpp"
+#include "world_server/physics/people/people_contacts.hpp"
+#include "world_server/physics/people/people_field.hpp"
+#include "world_server/physics/rigid/joints.hpp"
+#include "world_server/physics/rigid/object_body.hpp"
+#include "world_server/physics/soft/soft_bodies.hpp"
 #include "world_server/physics/surroundings.hpp"
 #include "world_server/physics/world.hpp"
 
@@ -22,17 +22,16 @@
 namespace atrium::physics {
 
 /// Collision groups of the Bullet world, one bit each.
-enum CollisionGroup : int { kStillGroup = 1, kObjectGroup = 2 };
+enum CollisionGroup : int { kStaticGroup = 1, kObjectGroup = 2 };
 
-/// What a world consists of. The parts of `World` share it: world.cpp, world_guard.cpp and
-/// world_saving.cpp.
+/// Parts of a world, shared by world.cpp, world_incidents.cpp and world_snapshot.cpp.
 struct World::Impl {
     explicit Impl(const WorldOptions& world_options);
     ~Impl();
     static void begin_tick(btDynamicsWorld* world, btScalar tick_s);
     ObjectBody* find_moving(std::uint32_t id);
-    std::optional<IncidentKind> guard(ObjectBody& object);
-    void guard_all();
+    std::optional<IncidentKind> find_incident(ObjectBody& object);
+    void handle_incidents();
     void act_on(const Incident& incident);
     void record(const Incident& incident);
     bool remove(std::uint32_t id);
@@ -49,11 +48,11 @@ struct World::Impl {
     PeopleField people;
     PeopleContacts contacts;
     Grabs grabs;
-    std::map<std::uint32_t, Eigen::Vector3d> centres_before;  // of the objects that move
-    Surroundings surroundings{world, kStillGroup, kObjectGroup};
+    std::map<std::uint32_t, Eigen::Vector3d> centres_before;  // dynamic objects only
+    Surroundings surroundings{world, kStaticGroup, kObjectGroup};
     Joints joints{world, options.tick_s};
-    std::vector<Incident> found;         // in this tick; scratch
-    std::set<std::uint32_t> dealt_with;  // in this tick; scratch
+    std::vector<Incident> found;      // in this tick; scratch
+    std::set<std::uint32_t> handled;  // in this tick; scratch
     std::vector<Incident> incidents;
     WorldCounters counters;
 };

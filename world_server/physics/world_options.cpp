@@ -11,17 +11,17 @@ geometry::Aabb box_of(const WorldOptions& options) {
 std::string_view describe(IncidentKind kind) {
     switch (kind) {
         case IncidentKind::kNotFinite:
-            return "had a state that was not a number, and was put back";
+            return "had a state that was not finite and was reset";
         case IncidentKind::kRunaway:
-            return "became absurdly fast, and was put back";
+            return "became far too fast and was reset";
         case IncidentKind::kTorn:
-            return "was torn from what it is joined to, and was put back";
+            return "was torn and was reset";
         case IncidentKind::kRemoved:
-            return "left the world, and was removed";
+            return "left the world and was removed";
         case IncidentKind::kLeft:
             break;
     }
-    return "left the world, and was put back";
+    return "left the world and was reset";
 }
 
 }  // namespace atrium::physics

@@ -1,6 +1,6 @@
 #include "world_server/physics/world_state.hpp"
 
-#include "world_server/physics/object_body.hpp"
+#include "world_server/physics/rigid/object_body.hpp"
 
 #include <BulletSoftBody/btSoftBody.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
@@ -13,7 +13,7 @@
 namespace atrium::physics {
 namespace {
 
-// Bullet keeps rotations orthonormal to rounding; what is off by more was not written by it.
+// Bullet keeps rotations orthonormal up to rounding. A larger error has another source.
 constexpr float kRotationTolerance = 1e-3F;
 
 Eigen::Vector3f to_eigen(const btVector3& v) { return {float(v.x()), float(v.y()), float(v.z())}; }
@@ -59,7 +59,7 @@ bool is_valid(const SoftState& motion) {
 }
 
 void set_motion(const ObjectMotion& motion, ObjectBody& object) {
-    object.put_back();  // forces, and what is remembered besides
+    object.reset_to_start();  // clears forces and interpolation state
     btRigidBody& body = object.body();
     btTransform transform;
     transform.setOrigin(to_btv(motion.position_m));
@@ -81,13 +81,13 @@ void forget_history(btSoftRigidDynamicsWorld& world, const std::vector<btRigidBo
         int mask;
         int activation;
         btScalar idle_s;
-        std::pair<std::size_t, int> place;  // in the order that they come back in
+        std::pair<std::size_t, int> place;  // position in the order of re-adding
     };
     std::vector<Member> members;
     for (int i = 0; i < world.getNumCollisionObjects(); ++i) {
         btCollisionObject* object = world.getCollisionObjectArray()[i];
         const btBroadphaseProxy& proxy = *object->getBroadphaseHandle();
-        // what is not in the list keeps its order: numbers of proxies rise
+        // bodies outside the list keep their order: proxy ids ascend
         const auto found = std::find(bodies.begin(), bodies.end(), object);
         const std::size_t place =
             found == bodies.end() ? 0 : 1 + static_cast<std::size_t>(found - bodies.begin());

@@ -1,7 +1,7 @@
 // A hand starts at full speed into a small ball, beside a still torso in the same mesh.
 #include "meshes.hpp"
-#include "world_server/physics/body_samples.hpp"
-#include "world_server/physics/person_shape.hpp"
+#include "world_server/physics/people/person_shape.hpp"
+#include "world_server/physics/rigid/body_samples.hpp"
 #include "world_server/physics/world.hpp"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // People carry, clasp and throw objects. The hands have the noise and the changing triangulation of
 // visual hulls.
 #include "meshes.hpp"
-#include "world_server/physics/person_shape.hpp"
+#include "world_server/physics/people/person_shape.hpp"
 #include "world_server/physics/world.hpp"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // How people hold objects. The test sets the velocities of the surfaces instead of estimating them.
 #include "meshes.hpp"
-#include "world_server/physics/people_field.hpp"
-#include "world_server/physics/surface_index.hpp"
+#include "world_server/physics/people/people_field.hpp"
+#include "world_server/physics/people/surface_index.hpp"
 #include "world_server/physics/world.hpp"
 
 #include <Eigen/Geometry>
@@ -218,10 +218,10 @@ TEST(PersonField, RulesOutOnlyPlacesWithoutASurface) {
         field.begin_tick(kTickS);
         for (int i = 0; i < 2000; ++i) {
             const Eigen::Vector3f point = 0.3F * any();
-            const Asker asker{Eigen::Vector3f::Zero(), any().normalized()};
-            const bool finds = field.query(point, asker).has_value();
+            const SurfaceProbe probe{Eigen::Vector3f::Zero(), any().normalized()};
+            const bool finds = field.query(point, probe).has_value();
             num_found += finds ? 1 : 0;
-            if (field.may_find(point, asker)) continue;
+            if (field.may_find(point, probe)) continue;
             ++num_ruled_out;
             EXPECT_FALSE(finds);
         }

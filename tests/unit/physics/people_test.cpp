@@ -1,6 +1,6 @@
 // How people move objects: meshes at 30 Hz without a common topology, ticks at 120 Hz.
 #include "meshes.hpp"
-#include "world_server/physics/person_shape.hpp"
+#include "world_server/physics/people/person_shape.hpp"
 #include "world_server/physics/world.hpp"
 
 #include <gtest/gtest.h>

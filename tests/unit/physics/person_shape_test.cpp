@@ -1,4 +1,4 @@
-#include "world_server/physics/person_shape.hpp"
+#include "world_server/physics/people/person_shape.hpp"
 
 #include "meshes.hpp"
 

@@ -1,6 +1,6 @@
 #include "tests/unit/physics/things.hpp"
-#include "world_server/physics/collision_shape.hpp"
-#include "world_server/physics/convex_hull.hpp"
+#include "world_server/physics/rigid/collision_shape.hpp"
+#include "world_server/physics/rigid/convex_hull.hpp"
 
 #include <random>
 
@@ -158,15 +158,15 @@ TEST(Shapes, RefuseBadParts) {
 
 TEST(Shapes, RestOnSolidScenery) {
     World world({});
-    StillMesh table{.mesh = box_hull({0, 0, 0.5}, {2, 2, 1}), .friction = 0.6, .restitution = 0.1};
-    ASSERT_TRUE(world.add_still(table));
+    StaticMesh table{.mesh = box_hull({0, 0, 0.5}, {2, 2, 1}), .friction = 0.6, .restitution = 0.1};
+    ASSERT_TRUE(world.add_static(table));
     ASSERT_EQ(world.add(box_at(2, {0.1, 0.2, 1.3})), AddResult::kAdded);
     run(world, 3.0);
     EXPECT_NEAR(state_of(world, 2).world_from_object.translation.z(), 1.1, 0.008);
     EXPECT_EQ(world.num_objects(), 1U) << "scenery must not count as an object";
-    EXPECT_FALSE(world.add_still({})) << "without triangles";
+    EXPECT_FALSE(world.add_static({})) << "without triangles";
     table.mesh.triangles[0][1] = 1000;
-    EXPECT_FALSE(world.add_still(table)) << "an index beyond the vertices";
+    EXPECT_FALSE(world.add_static(table)) << "an index beyond the vertices";
 }
 
 }  // namespace

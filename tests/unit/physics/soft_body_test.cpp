@@ -175,7 +175,7 @@ geometry::TriangleMesh terrain(double height_m, int num_cuts) {
 TEST(SoftWorld, RestsOnSolidScenery) {
     for (const int num_cuts : {1, 20}) {
         Stage stage;
-        ASSERT_TRUE(stage.world.add_still({.mesh = terrain(0.5, num_cuts)}));
+        ASSERT_TRUE(stage.world.add_static({.mesh = terrain(0.5, num_cuts)}));
         ASSERT_EQ(stage.world.add_soft(ball_at({-0.4, 0.1, 1.2})), AddResult::kAdded);
         SoftObject sheet = curtain_at({0.4, 0, 0.9});
         sheet.id = 51;

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "meshes.hpp"
-#include "world_server/physics/person_shape.hpp"
-#include "world_server/physics/soft_object.hpp"
+#include "world_server/physics/people/person_shape.hpp"
+#include "world_server/physics/soft/soft_object.hpp"
 #include "world_server/physics/world.hpp"
 
 #include <gtest/gtest.h>

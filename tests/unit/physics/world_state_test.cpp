@@ -1,7 +1,7 @@
 #include "world_server/physics/world_state.hpp"
 
 #include "meshes.hpp"
-#include "world_server/physics/soft_object.hpp"
+#include "world_server/physics/soft/soft_object.hpp"
 #include "world_server/physics/world.hpp"
 
 #include <Eigen/Geometry>

@@ -1,0 +1,77 @@
+#include "world_server/description/shared_entries.hpp"
+
+#include "core/bus/checks.hpp"
+#include "core/bus/limits.hpp"
+#include "core/model/model_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <system_error>
+
+namespace atrium::world_server {
+namespace {
+
+constexpr const char* kFileNames =
+    "must be at most 127 characters of A-Z a-z 0-9 _ . - / and lie in the folder of this file";
+
+bool is_picture_name(const std::filesystem::path& file) {
+    std::string ending = file.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) {
+        return static_cast<char>(std::tolower(c));
+    });
+    return ending == ".png" || ending == ".jpg" || ending == ".jpeg";
+}
+
+}  // namespace
+
+void read_name(config::TableReader& reader, std::string& name) {
+    reader.require("name");
+    reader.read("name", name);
+    if (!bus::is_valid_name(name))
+        reader.reject("name", "must be 1 to 63 characters of A-Z a-z 0-9 _ . -");
+}
+
+void read_pose(config::TableReader& reader, geometry::RigidTransform& world_from_object) {
+    reader.read("position_m", world_from_object.translation.data(), 3, kPositionRange);
+    Eigen::Vector3d angles_deg = Eigen::Vector3d::Zero();
+    reader.read("roll_pitch_yaw_deg", angles_deg.data(), 3, {-360.0, 360.0});
+    const Eigen::Vector3d angles = kRadPerDeg * angles_deg;
+    world_from_object.rotation = Eigen::AngleAxisd(angles.z(), Eigen::Vector3d::UnitZ()) *
+                                 Eigen::AngleAxisd(angles.y(), Eigen::Vector3d::UnitY()) *
+                                 Eigen::AngleAxisd(angles.x(), Eigen::Vector3d::UnitX());
+}
+
+void read_texture(config::TableReader& reader, std::string& texture) {
+    std::string file;
+    reader.read("texture", file);
+    if (file.empty()) return;
+    if (!bus::is_valid_model_file(file)) return reader.reject("texture", kFileNames);
+    if (!is_picture_name(file)) return reader.reject("texture", "must be a .png, .jpg or .jpeg");
+    std::error_code failure;
+    const std::filesystem::path path = reader.folder() / file;
+    if (!std::filesystem::is_regular_file(path, failure))
+        return reader.reject("texture", fmt::format("file {} does not exist", path.string()));
+    texture = file;
+}
+
+bool read_model_name(config::TableReader& reader, std::string& model, double& scale) {
+    reader.require("model");
+    std::string file;
+    reader.read("model", file);
+    reader.read("scale", scale, {1e-4, bus::kMaxModelScale});
+    if (file.empty()) return false;
+    if (!bus::is_valid_model_file(file)) {
+        reader.reject("model", kFileNames);
+        return false;
+    }
+    if (!model::is_model_name(file)) {
+        reader.reject("model", fmt::format("must be a {} file", model::model_endings()));
+        return false;
+    }
+    model = file;
+    return true;
+}
+
+}  // namespace atrium::world_server

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "core/config/table_reader.hpp"
+#include "core/geometry/rigid_transform.hpp"
+
+#include <filesystem>
+#include <numbers>
+#include <string>
+
+/// Reads the entries that several tables of a world file share. Problems go to `reader`.
+namespace atrium::world_server {
+
+inline constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+inline constexpr config::Range kPositionRange{-1000.0, 1000.0};  // [m]
+inline constexpr config::Range kSizeRange{0.0, 1000.0};          // [m]; the physics allows less
+
+/// Reads `name`; required.
+void read_name(config::TableReader& reader, std::string& name);
+/// Reads `position_m` and `roll_pitch_yaw_deg`: rotations about x, then y, then z of the world.
+void read_pose(config::TableReader& reader, geometry::RigidTransform& world_from_object);
+/// Reads `texture`: an existing picture in the world file's folder (bus::is_valid_model_file).
+void read_texture(config::TableReader& reader, std::string& texture);
+/// Reads `model`, required, and `scale`: a model in the world file's folder. False if the name is
+/// not valid.
+bool read_model_name(config::TableReader& reader, std::string& model, double& scale);
+
+}  // namespace atrium::world_server

@@ -1,0 +1,191 @@
+#include "world_server/description/soft_objects.hpp"
+
+#include "core/model/model_file.hpp"
+#include "world_server/description/shared_entries.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <map>
+#include <set>
+
+namespace atrium::world_server {
+namespace {
+
+using physics::PinPlace;
+using physics::SoftObject;
+using physics::SoftShape;
+
+// Joins all parts to one mesh and merges vertices at the same place. Model files repeat vertices
+// for different normals and texture coordinates.
+geometry::TriangleMesh weld(const std::vector<model::ModelPart>& parts) {
+    constexpr double kPerM = 1e6;
+    geometry::TriangleMesh welded;
+    std::map<std::array<double, 3>, std::uint32_t> index;
+    for (const model::ModelPart& part : parts) {
+        std::vector<std::uint32_t> new_index;
+        for (const Eigen::Vector3d& v : part.mesh.vertices) {
+            const Eigen::Vector3d at = (v * kPerM).array().round() + 0.0;  // removes negative zeros
+            const auto [entry, is_new] =
+                index.try_emplace({at.x(), at.y(), at.z()}, welded.vertices.size());
+            if (is_new) welded.vertices.push_back(v);
+            new_index.push_back(entry->second);
+        }
+        for (const auto& t : part.mesh.triangles) {
+            const std::array<std::uint32_t, 3> corners{
+                new_index[t[0]], new_index[t[1]], new_index[t[2]]};
+            if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0])
+                continue;
+            welded.triangles.push_back(corners);
+        }
+    }
+    return welded;
+}
+
+void read_model(config::TableReader& table, SoftObject& object) {
+    std::string file;
+    double scale = 1.0;
+    if (!read_model_name(table, file, scale)) return;
+    const auto parts = model::load_model(table.folder() / file, scale);
+    if (!parts) return table.reject("model", parts.error().message);
+    geometry::TriangleMesh mesh = weld(*parts);
+    if (mesh.vertices.size() > physics::kMaxSoftNodes) {
+        return table.reject("model",
+                            fmt::format("must have at most {} distinct vertices, {} has {}",
+                                        physics::kMaxSoftNodes,
+                                        file,
+                                        mesh.vertices.size()));
+    }
+    object.model = std::move(mesh);
+}
+
+void read_length(config::TableReader& table, const std::string& key, double& value) {
+    table.require(key);
+    table.read(key, value, kSizeRange);
+}
+
+void read_size(config::TableReader& table, SoftObject& object, const std::string& shape) {
+    Eigen::Vector3d& size = object.size_m;
+    if (shape == "cloth") {
+        object.shape = SoftShape::kCloth;
+        object.damping_hz = 1.5;  // air drag of a large surface
+        table.require("size_m");
+        table.read("size_m", size.data(), 2, kSizeRange);
+        table.read("thickness_m", size.z(), kSizeRange);
+    } else if (shape == "rope") {
+        object.shape = SoftShape::kRope;
+        read_length(table, "length_m", size.x());
+        read_length(table, "diameter_m", size.y());
+        size.z() = size.x();
+        table.read("span_m", size.z(), kSizeRange);
+    } else if (shape == "ball") {
+        object.shape = SoftShape::kBall;
+        double diameter_m = 0.0;
+        read_length(table, "diameter_m", diameter_m);
+        size.setConstant(diameter_m);
+    } else if (shape == "model") {
+        object.shape = SoftShape::kModel;
+        read_model(table, object);
+    } else {
+        object.shape = SoftShape::kBox;
+        table.require("size_m");
+        table.read("size_m", size.data(), 3, kSizeRange);
+    }
+}
+
+// Reads `pins` (fixed in the world) or `tied` (attached to the rigid object `tied_to`).
+void read_pins(config::TableReader& table,
+               const std::string& key,
+               std::uint32_t object_id,
+               SoftObject& object) {
+    static const std::map<std::string, PinPlace> kPlaces{{"top", PinPlace::kTop},
+                                                         {"bottom", PinPlace::kBottom},
+                                                         {"left", PinPlace::kLeft},
+                                                         {"right", PinPlace::kRight},
+                                                         {"top corners", PinPlace::kTopCorners},
+                                                         {"corners", PinPlace::kCorners},
+                                                         {"start", PinPlace::kLeft},
+                                                         {"end", PinPlace::kRight}};
+    std::vector<std::string> names;
+    table.read(key, names);
+    for (const std::string& name : names) {
+        const auto place = kPlaces.find(name);
+        if (place == kPlaces.end()) {
+            table.reject(key,
+                         "must be one of top, bottom, left, right, top corners, corners (a cloth), "
+                         "start, end (a rope), got '" +
+                             name + "'");
+            return;
+        }
+        object.pins.push_back({.place = place->second, .object_id = object_id});
+    }
+}
+
+WorldSoftObject read_soft_object(
+    config::TableReader& table,
+    const Materials& materials,
+    const std::function<std::optional<std::uint32_t>(const std::string& name)>& id_of) {
+    WorldSoftObject soft;
+    SoftObject& object = soft.object;
+    read_name(table, soft.name);
+    std::string shape;
+    table.require("shape");
+    table.read("shape", shape, {"cloth", "rope", "ball", "box", "model"});
+    read_size(table, object, shape);
+    if (object.shape != SoftShape::kModel) table.read("spacing_m", object.spacing_m, kSizeRange);
+    const bool has_model = object.shape == SoftShape::kModel;
+    if (has_model && object.model.empty()) return soft;  // already rejected
+    const Material material = read_material(table, materials);
+    object.friction = material.friction;
+    soft.colour = material.colour;
+    read_mass(table, material, physics::volume_m3(object), object.mass_kg);
+    table.read("stiffness", object.stiffness, {0.0, 1.0});
+    table.read("damping_hz", object.damping_hz, {0.0, 100.0});
+    table.read("friction", object.friction, {0.0, 10.0});
+    table.read("colour", soft.colour.data(), 3, {0.0, 1.0});
+    read_texture(table, soft.texture);
+    read_pose(table, object.world_from_object);
+    read_pins(table, "pins", 0, object);
+    if (table.has("tied") && !table.has("tied_to")) table.reject("tied", "needs tied_to");
+    if (table.has("tied_to")) {
+        std::string name;
+        table.read("tied_to", name);
+        const auto id = id_of(name);
+        if (!id) table.reject("tied_to", "must be the name of an [[object]]");
+        table.require("tied");
+        read_pins(table, "tied", id.value_or(0), object);
+    }
+
+    if (const auto problem = physics::find_problem(object)) {
+        std::string key(problem->field);
+        if (key == "mass_kg" && !table.has(key))
+            key = table.has("density_kg_per_m3") ? "density_kg_per_m3" : "material";
+        for (const char* instead : {"diameter_m", "length_m"}) {
+            if (key == "size_m" && !table.has(key) && table.has(instead)) key = instead;
+        }
+        table.reject(key, std::string(problem->allowed));
+    }
+    return soft;
+}
+
+}  // namespace
+
+std::vector<WorldSoftObject> read_soft_objects(
+    config::TableReader& reader,
+    const Materials& materials,
+    std::uint32_t first_id,
+    const std::function<std::optional<std::uint32_t>(const std::string& name)>& id_of) {
+    std::vector<WorldSoftObject> objects;
+    std::set<std::string> names;
+    for (config::TableReader& table : reader.tables("soft")) {
+        objects.push_back(read_soft_object(table, materials, id_of));
+        WorldSoftObject& soft = objects.back();
+        soft.object.id = first_id + static_cast<std::uint32_t>(objects.size()) - 1;
+        if (!names.insert(soft.name).second || id_of(soft.name)) {
+            table.reject("name", "must be unique among the objects");
+        }
+    }
+    return objects;
+}
+
+}  // namespace atrium::world_server

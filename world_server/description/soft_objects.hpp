@@ -1,0 +1,33 @@
+#pragma once
+
+#include "core/config/table_reader.hpp"
+#include "world_server/description/material.hpp"
+#include "world_server/physics/soft/soft_object.hpp"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace atrium::world_server {
+
+/// A soft object as described in the world file.
+struct WorldSoftObject {
+    std::string name;
+    Eigen::Vector3d colour{0.7, 0.7, 0.7};  // linear RGB, 0..1
+    std::string texture = {};               // see bus::SceneObject
+    physics::SoftObject object;
+};
+
+/// Reads all `[[soft]]` tables. Ids start at `first_id`, in file order. `id_of` finds rigid objects
+/// by name, for `tied_to`. Ignores texture and bounce of materials. Problems go to `reader`.
+std::vector<WorldSoftObject> read_soft_objects(
+    config::TableReader& reader,
+    const Materials& materials,
+    std::uint32_t first_id,
+    const std::function<std::optional<std::uint32_t>(const std::string& name)>& id_of);
+
+}  // namespace atrium::world_server

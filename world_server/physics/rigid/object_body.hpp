@@ -1,0 +1,54 @@
+#pragma once
+
+#include "core/geometry/rigid_transform.hpp"
+#include "world_server/physics/rigid/collision_shape.hpp"
+#include "world_server/physics/world.hpp"
+
+#include <memory>
+
+class btRigidBody;
+class btTransform;
+class btVector3;
+
+namespace atrium::physics {
+
+/// A rigid object in the Bullet world.
+class ObjectBody {
+public:
+    /// `find_problem(object)` must be empty.
+    ObjectBody(const RigidObject& object, const WorldOptions& options);
+    ~ObjectBody();
+    ObjectBody(const ObjectBody&) = delete;
+    ObjectBody& operator=(const ObjectBody&) = delete;
+
+    btRigidBody& body() { return *body_; }
+    const RigidObject& object() const { return object_; }
+    bool moves() const { return object_.mass_kg > 0.0; }
+    /// Half of the smallest extent [m]; of a compound, half of the smallest extent of its thinnest
+    /// part.
+    double inner_radius_m() const { return shape_.inner_radius_m(); }
+    /// Object frame from body frame. The body frame is centred at the centre of mass.
+    const geometry::RigidTransform& object_from_body() const { return shape_.object_from_body(); }
+    /// Centre of mass in the world [m].
+    Eigen::Vector3d centre() const;
+    RigidState state() const;
+    /// Sets pose and velocities and wakes the object. Ignores `state.id`.
+    void set_state(const RigidState& state);
+    /// Returns the object to its start pose, at rest and awake.
+    void reset_to_start();
+    bool is_finite() const;
+    /// Limits the motion of the last tick: speed, spin and depenetration speed (`WorldOptions`).
+    void limit_motion(const Eigen::Vector3d& centre_before, const WorldOptions& options);
+
+private:
+    btTransform start() const;
+    void move_to(const btTransform& world_from_body,
+                 const btVector3& linear_velocity,
+                 const btVector3& angular_velocity);
+
+    RigidObject object_;
+    CollisionShape shape_;
+    std::unique_ptr<btRigidBody> body_;
+};
+
+}  // namespace atrium::physics

@@ -1,0 +1,162 @@
+#include "world_server/physics/soft/soft_bodies.hpp"
+
+#include "world_server/physics/bullet_types.hpp"
+
+#include <BulletSoftBody/btSoftBody.h>
+#include <BulletSoftBody/btSoftBodySolvers.h>
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace atrium::physics {
+namespace {
+
+constexpr double kSubstepS = 1.0 / 480.0;
+constexpr int kMaxSubsteps = 16;
+
+}  // namespace
+
+// Adapts `SoftBodies` to Bullet's solver interface. Predicts nothing before the rigid bodies move:
+// a soft body makes its whole step after them.
+class SoftBodies::Solver final : public btSoftBodySolver {
+public:
+    explicit Solver(SoftBodies& owner) : owner_(owner) {}
+    SolverTypes getSolverType() const override { return DEFAULT_SOLVER; }
+    bool checkInitialized() override { return true; }
+    void optimize(btAlignedObjectArray<btSoftBody*>&, bool) override {}
+    void copyBackToSoftBodies(bool) override {}
+    void predictMotion(btScalar) override {}
+    void solveConstraints(btScalar) override { owner_.step(); }
+    void updateSoftBodies() override {}
+    void processCollision(btSoftBody*, const btCollisionObjectWrapper*) override {}
+    void processCollision(btSoftBody*, btSoftBody*) override {}
+
+private:
+    SoftBodies& owner_;
+};
+
+SoftBodies::SoftBodies(const WorldOptions& options)
+    : options_(options), solver_(std::make_unique<Solver>(*this)) {}
+SoftBodies::~SoftBodies() = default;
+
+btSoftBodySolver* SoftBodies::solver() { return solver_.get(); }
+
+AddResult SoftBodies::add(const SoftObject& object,
+                          btSoftRigidDynamicsWorld& world,
+                          const std::function<btRigidBody*(std::uint32_t id)>& find) {
+    if (find_problem(object)) return AddResult::kInvalid;
+    if (contains(object.id)) return AddResult::kIdInUse;
+    if (num_nodes_ + count_soft_nodes(object) > kMaxSoftNodesTotal) return AddResult::kWorldFull;
+    auto body = std::make_unique<SoftBody>(object, world.getWorldInfo(), options_);
+    if (!body->attach(find)) return AddResult::kInvalid;
+    // no group and no mask: the soft body finds its contacts itself
+    world.addSoftBody(&body->body(), 0, 0);
+    num_nodes_ += body->num_nodes();
+    bodies_.emplace(object.id, std::move(body));
+    return AddResult::kAdded;
+}
+
+bool SoftBodies::remove(std::uint32_t id, btSoftRigidDynamicsWorld& world) {
+    const auto found = bodies_.find(id);
+    if (found == bodies_.end()) return false;
+    world.removeSoftBody(&found->second->body());
+    num_nodes_ -= found->second->num_nodes();
+    bodies_.erase(found);
+    return true;
+}
+
+void SoftBodies::clear(btSoftRigidDynamicsWorld& world) {
+    for (auto& [id, body] : bodies_) world.removeSoftBody(&body->body());
+    bodies_.clear();
+    num_nodes_ = 0;
+}
+
+void SoftBodies::detach(const btRigidBody& body) {
+    for (auto& [id, soft] : bodies_) soft->detach(body);
+}
+
+void SoftBodies::reset() {
+    for (auto& [id, soft] : bodies_) soft->reset_to_start();
+}
+
+bool SoftBodies::push(std::uint32_t id, const Eigen::Vector3d& impulse_ns) {
+    SoftBody* soft = find(id);
+    if (soft == nullptr || !impulse_ns.allFinite()) return false;
+    const btVector3 gain = to_bullet(impulse_ns) / btScalar(soft->object().mass_kg);
+    for (int i = 0; i < soft->body().m_nodes.size(); ++i) {
+        btSoftBody::Node& node = soft->body().m_nodes[i];
+        if (node.m_im > 0) node.m_v += gain;
+    }
+    return true;
+}
+
+std::vector<btRigidBody*>& SoftBodies::begin_tick(const PeopleField& people) {
+    surroundings_.people = &people;
+    surroundings_.bodies.clear();
+    return surroundings_.bodies;
+}
+
+// Steps all soft bodies together, substep by substep: they can push each other.
+void SoftBodies::step() {
+    surfaces_.clear();
+    anchored_.begin_tick();
+    for (auto& [id, body] : bodies_) {
+        body->begin_tick(surroundings_, anchored_);
+        surfaces_.push_back(body->surface());
+    }
+    contacts_.find(surfaces_, btScalar(options_.tick_s));
+    const int num_substeps =
+        std::clamp(static_cast<int>(std::lround(options_.tick_s / kSubstepS)), 1, kMaxSubsteps);
+    const btScalar substep_s = btScalar(options_.tick_s) / btScalar(num_substeps);
+    for (int i = 1; i <= num_substeps; ++i) {
+        const SoftSubstep substep{substep_s, substep_s * btScalar(num_substeps - i)};
+        for (auto& [id, body] : bodies_) body->begin_substep(substep);
+        contacts_.begin_substep();
+        for (int iteration = 0; iteration < kSoftIterations; ++iteration) {
+            for (auto& [id, body] : bodies_) body->solve(substep, iteration);
+            contacts_.solve(substep.left_s);
+        }
+        for (auto& [id, body] : bodies_) body->end_substep(substep);
+        contacts_.end_substep();
+        anchored_.end_substep(substep_s);
+    }
+    anchored_.end_tick();
+    for (auto& [id, body] : bodies_) body->end_tick();
+}
+
+const std::vector<std::uint32_t>& SoftBodies::end_tick(
+    WorldCounters& counters, const std::function<void(const Incident& incident)>& record) {
+    const geometry::Aabb box = box_of(options_);
+    left_.clear();
+    for (auto& [id, soft] : bodies_) {
+        const bool is_finite = soft->is_finite();
+        if (!is_finite || soft->is_torn()) {
+            ++(is_finite ? counters.num_torn : counters.num_not_finite);
+            record({id, is_finite ? IncidentKind::kTorn : IncidentKind::kNotFinite});
+            soft->reset_to_start();
+        } else if (!box.contains(soft->centre())) {
+            ++counters.num_strays;
+            const bool is_removed = options_.leaving == LeavePolicy::kRemove;
+            record({id, is_removed ? IncidentKind::kRemoved : IncidentKind::kLeft});
+            if (is_removed)
+                left_.push_back(id);
+            else
+                soft->reset_to_start();
+        }
+    }
+    return left_;
+}
+
+bool SoftBodies::is_touched() const {
+    return std::any_of(bodies_.begin(), bodies_.end(), [](const auto& entry) {
+        return entry.second->touches_person();
+    });
+}
+
+SoftBody* SoftBodies::find(std::uint32_t id) const {
+    const auto found = bodies_.find(id);
+    return found == bodies_.end() ? nullptr : found->second.get();
+}
+
+}  // namespace atrium::physics

@@ -1,0 +1,315 @@
+#include "world_server/physics/soft/soft_contacts.hpp"
+
+#include "world_server/physics/people/people_field.hpp"
+#include "world_server/physics/rigid/shape_distance.hpp"
+
+#include <BulletSoftBody/btSoftBody.h>
+#include <LinearMath/btAabbUtil2.h>
+#include <btBulletCollisionCommon.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace atrium::physics {
+namespace {
+
+// Step along the path of a sample that moves further than this against a surface in a tick.
+constexpr btScalar kStepM = btScalar(0.01);
+constexpr int kMaxSteps = 24;
+constexpr btScalar kFromInside = btScalar(0.1);  // cosine
+
+bool is_any_loose(const SoftSample& sample, std::span<const std::uint8_t> loose) {
+    return (loose[sample.nodes[0]] | loose[sample.nodes[1]] | loose[sample.nodes[2]]) != 0;
+}
+
+btScalar inverse_mass_of(const btRigidBody& body,
+                         const btVector3& arm,
+                         const btVector3& direction) {
+    const btVector3 turn = arm.cross(direction);
+    return body.getInvMass() + turn.dot(body.getInvInertiaTensorWorld() * turn);
+}
+
+// Empty if the soft body is not a volume.
+std::optional<btVector3> outward_at(const SoftSample& sample, std::span<const btVector3> outward) {
+    if (outward.empty()) return std::nullopt;
+    btVector3 out(0, 0, 0);
+    for (int i = 0; i < 3; ++i) out += sample.weights[i] * outward[sample.nodes[i]];
+    return out;
+}
+
+bool is_from_inside(const SoftContact& contact, const SoftSample& sample, const SoftSkin& skin) {
+    const auto out = outward_at(sample, skin.outward);
+    return out && contact.normal.dot(*out) > kFromInside;
+}
+
+// Velocity of the surface, including impulses on the body since the contact was found.
+btVector3 velocity_of(const SoftContact& c) {
+    return c.body != nullptr ? c.body->getVelocityInLocalPoint(c.arm) : c.velocity;
+}
+
+// Finds the first point on the sample's path, relative to the body, that is within `thickness_m` of
+// it. If there is none, uses the end of the path.
+std::optional<SoftContact> find_contact_on_path(const btRigidBody& body,
+                                                const SampleMotion& sample,
+                                                const SoftContactOptions& options) {
+    const btScalar thickness_m = options.thickness_m;
+    const btTransform& pose = body.getWorldTransform();
+    const btVector3 arm = sample.position - pose.getOrigin();
+    const btVector3 velocity = body.getVelocityInLocalPoint(arm);
+    const btVector3 way = (sample.velocity - velocity) * options.tick_s;
+    // relative to the body's pose, which is that at the end of the tick
+    const btVector3 start = sample.position + velocity * options.tick_s;
+    const btScalar length = way.length();
+    const btScalar reach = thickness_m + options.margin_m;
+    std::optional<ShapePoint> found;
+    btVector3 at;
+    btScalar walked = 0;
+    for (int step = 0; step < kMaxSteps; ++step) {
+        at = start + (length > 0 ? way * (walked / length) : btVector3(0, 0, 0));
+        found = distance_to_shape(
+            *body.getCollisionShape(), pose.invXform(at), reach + length - walked);
+        if (!found) return std::nullopt;
+        if (found->distance <= thickness_m || walked >= length) break;
+        walked = std::min(length, walked + std::max(found->distance - thickness_m, kStepM));
+    }
+    if (found->distance > reach) return std::nullopt;
+    SoftContact contact;
+    contact.normal = pose.getBasis() * found->normal;
+    contact.point = at - contact.normal * (found->distance - thickness_m);
+    contact.velocity = velocity;
+    contact.depth = std::max(btScalar(0), -contact.normal.dot(start - contact.point));
+    return contact;
+}
+
+std::optional<SoftContact> find_person_contact(const PeopleField& people,
+                                               const SampleMotion& sample,
+                                               const SoftContactOptions& options) {
+    const btVector3& x = sample.position;
+    const btVector3& v = sample.velocity;
+    const auto found = people.query({x.x(), x.y(), x.z()}, {.velocity = {v.x(), v.y(), v.z()}});
+    if (!found) return std::nullopt;
+    SoftContact contact;
+    contact.normal = btVector3(found->normal.x(), found->normal.y(), found->normal.z());
+    contact.velocity = btVector3(found->velocity.x(), found->velocity.y(), found->velocity.z());
+    const btScalar gap = found->distance_m - options.thickness_m;
+    const btScalar closing = contact.normal.dot(contact.velocity - v) * options.tick_s;
+    if (gap - std::max(closing, btScalar(0)) > options.margin_m) return std::nullopt;
+    contact.point = x - contact.normal * gap + contact.velocity * options.tick_s;
+    contact.depth = std::max(btScalar(0), -gap);
+    contact.friction = std::sqrt(options.friction * options.person_friction);
+    return contact;
+}
+
+// Collects the triangles that Bullet's tree reports.
+class FaceCollector final : public btTriangleCallback {
+public:
+    FaceCollector(const btTransform& world_from_mesh, const ContactLimits& limits, FaceIndex& faces)
+        : world_from_mesh_(world_from_mesh), limits_(limits), faces_(faces) {}
+    void processTriangle(btVector3* corners, int /*part*/, int /*triangle*/) override {
+        MovingFace face;
+        face.velocity.setZero();
+        for (int i = 0; i < 3; ++i) face.corners[i] = world_from_mesh_ * corners[i];
+        faces_.add(face, limits_);
+    }
+
+private:
+    const btTransform& world_from_mesh_;
+    const ContactLimits& limits_;
+    FaceIndex& faces_;
+};
+
+// Keeps the nearest contact for each face direction, three at most.
+class NearestPerNormal {
+public:
+    void add(const FaceContact& face_contact) {
+        FaceContact* const end = kept_.data() + num_kept_;
+        FaceContact* const same = std::find_if(kept_.data(), end, [&](const FaceContact& kept) {
+            return kept.normal.dot(face_contact.normal) > kSameNormal;
+        });
+        if (same != end) {
+            if (face_contact.way < same->way) *same = face_contact;
+        } else if (num_kept_ < kept_.size()) {
+            kept_[num_kept_++] = face_contact;
+        }
+    }
+    std::span<const FaceContact> all() const { return {kept_.data(), num_kept_}; }
+
+private:
+    static constexpr btScalar kSameNormal = btScalar(0.9);  // cosine
+    std::array<FaceContact, 3> kept_{};
+    std::size_t num_kept_ = 0;
+};
+
+}  // namespace
+
+void SoftContacts::find(btSoftBody& soft,
+                        const SoftSkin& skin,
+                        const PeopleField* people,
+                        const std::vector<btRigidBody*>& bodies,
+                        const SoftContactOptions& options) {
+    contacts_.clear();
+    num_person_contacts_ = 0;
+    ways_.clear();
+    for (const SoftSample& sample : skin.samples) ways_.push_back(motion_of(soft, sample));
+    if (people != nullptr && !people->people().empty()) {
+        for (std::size_t i = 0; i < skin.samples.size(); ++i) {
+            const SoftSample& sample = skin.samples[i];
+            if (!(ways_[i].inverse_mass > 0) || is_any_loose(sample, skin.loose)) continue;
+            const auto contact = find_person_contact(*people, ways_[i], options);
+            if (!contact || is_from_inside(*contact, sample, skin)) continue;
+            contacts_.push_back(*contact);
+            contacts_.back().sample = sample;
+            ++num_person_contacts_;
+        }
+    }
+    for (btRigidBody* body : bodies) {
+        if (body->getCollisionShape()->getShapeType() == TRIANGLE_MESH_SHAPE_PROXYTYPE)
+            find_with_mesh(soft, *body, skin, options);
+        else
+            find_with(soft, *body, skin, options);
+    }
+}
+
+// Contacts with one rigid body. Most bodies are out of reach as a whole.
+void SoftContacts::find_with(const btSoftBody& soft,
+                             btRigidBody& body,
+                             const SoftSkin& skin,
+                             const SoftContactOptions& options) {
+    btVector3 low, high;
+    body.getAabb(low, high);
+    const btScalar reach = options.thickness_m + options.margin_m;
+    const btVector3 travel =
+        body.getLinearVelocity().absolute() * options.tick_s + btVector3(reach, reach, reach);
+    low -= travel;
+    high += travel;
+    if (!TestAabbAgainstAabb2(low, high, soft.m_bounds[0], soft.m_bounds[1])) return;
+    for (std::size_t i = 0; i < skin.samples.size(); ++i) {
+        if (!(ways_[i].inverse_mass > 0)) continue;
+        const btVector3& start = ways_[i].position;
+        const btVector3 end = start + ways_[i].velocity * options.tick_s;
+        btVector3 way_low = start, way_high = start;
+        way_low.setMin(end);
+        way_high.setMax(end);
+        if (!TestAabbAgainstAabb2(low, high, way_low, way_high)) continue;
+        auto contact = find_contact_on_path(body, ways_[i], options);
+        if (!contact) continue;
+        contact->sample = skin.samples[i];
+        contact->friction = std::sqrt(options.friction * body.getFriction());
+        if (body.getInvMass() > 0) {
+            contact->body = &body;
+            contact->arm = contact->point - body.getCenterOfMassPosition();
+            contact->body_inverse_mass = inverse_mass_of(body, contact->arm, contact->normal);
+        }
+        contacts_.push_back(*contact);
+    }
+}
+
+// Contacts with one static mesh of two-sided faces. In a corner, a sample can meet several faces
+// with different normals.
+void SoftContacts::find_with_mesh(const btSoftBody& soft,
+                                  const btRigidBody& body,
+                                  const SoftSkin& skin,
+                                  const SoftContactOptions& options) {
+    const ContactLimits limits{options.tick_s, options.thickness_m, options.margin_m, skin.depth_m};
+    const auto& mesh = static_cast<const btBvhTriangleMeshShape&>(*body.getCollisionShape());
+    FaceCollector taker(body.getWorldTransform(), limits, faces_);
+    const btTransform mesh_from_world = body.getWorldTransform().inverse();
+    btVector3 low, high;
+    btTransformAabb(soft.m_bounds[0], soft.m_bounds[1], 0, mesh_from_world, low, high);
+    faces_.clear();
+    mesh.processAllTriangles(&taker, low, high);
+    if (faces_.empty()) return;
+    faces_.sort();
+    for (std::size_t i = 0; i < skin.samples.size(); ++i) {
+        if (!(ways_[i].inverse_mass > 0)) continue;
+        const auto outward = outward_at(skin.samples[i], skin.outward);
+        const btVector3* out = outward ? &*outward : nullptr;
+        NearestPerNormal nearest;
+        const Box box = swept_bounds(ways_[i], out, limits);
+        faces_.visit_box(box, [&](const MovingFace& face) {
+            if (const auto face_contact = find_contact(ways_[i], face, out, limits))
+                nearest.add(*face_contact);
+        });
+        for (const FaceContact& face_contact : nearest.all()) {
+            SoftContact contact;
+            contact.sample = skin.samples[i];
+            contact.normal = face_contact.normal;
+            const btScalar gap = face_contact.distance - options.thickness_m;
+            contact.point = ways_[i].position - face_contact.normal * gap;
+            contact.velocity.setZero();
+            contact.depth = std::max(btScalar(0), -gap);
+            contact.friction = std::sqrt(options.friction * body.getFriction());
+            contacts_.push_back(contact);
+        }
+    }
+}
+
+void SoftContacts::begin_substep() {
+    for (SoftContact& c : contacts_) {
+        c.normal_correction = 0;
+        c.friction_correction.setZero();
+    }
+}
+
+void SoftContacts::solve(btSoftBody& soft,
+                         btScalar substep_s,
+                         btScalar left_s,
+                         const SoftContactOptions& options) {
+    const btScalar done_s = options.tick_s - left_s;
+    for (SoftContact& c : contacts_) {
+        btVector3 x(0, 0, 0), q(0, 0, 0);
+        btScalar own_inverse_mass = 0;
+        for (int i = 0; i < 3; ++i) {
+            const btSoftBody::Node& node = soft.m_nodes[static_cast<int>(c.sample.nodes[i])];
+            const btScalar w = c.sample.weights[i];
+            x += w * node.m_x;
+            q += w * node.m_q;
+            own_inverse_mass += w * w * node.m_im;
+        }
+        const btScalar allowed = -std::max(btScalar(0), c.depth - options.recovery_mps * done_s);
+        const btVector3 velocity = velocity_of(c);
+        const btScalar height = c.normal.dot(x - c.point + c.velocity * left_s) - c.shift -
+                                c.normal.dot(velocity - c.velocity) * substep_s;
+        btVector3 impulse(0, 0, 0);
+        if (height < allowed) {
+            const btScalar push = (allowed - height) / (own_inverse_mass + c.body_inverse_mass);
+            c.normal_correction += push;
+            impulse = c.normal * push;
+        }
+        if (c.normal_correction <= 0) continue;
+        btVector3 slip = x + impulse * own_inverse_mass - q - velocity * substep_s;
+        slip -= c.normal * c.normal.dot(slip);
+        // bounds the friction of a substep by its total pressure
+        const btVector3 wanted =
+            c.friction_correction - slip / (own_inverse_mass + c.body_inverse_mass);
+        const btScalar most = c.friction * c.normal_correction;
+        const btScalar size = wanted.length();
+        const btVector3 held = size > most ? wanted * (most / size) : wanted;
+        impulse += held - c.friction_correction;
+        c.friction_correction = held;
+        move(soft, c.sample, impulse);
+        if (c.body != nullptr) c.body->applyImpulse(-impulse / substep_s, c.arm);
+    }
+}
+
+void SoftContacts::end_substep(btSoftBody& soft,
+                               btScalar substep_s,
+                               const SoftContactOptions& options) {
+    for (SoftContact& c : contacts_) {
+        const btVector3 velocity = velocity_of(c);
+        c.shift += c.normal.dot(velocity - c.velocity) * substep_s;
+        if (c.normal_correction <= 0) continue;
+        if (c.body != nullptr) c.body->activate();
+        if (c.depth <= 0) continue;
+        for (int i = 0; i < 3; ++i) {
+            if (c.sample.weights[i] <= 0) continue;
+            btSoftBody::Node& node = soft.m_nodes[static_cast<int>(c.sample.nodes[i])];
+            const btScalar out = c.normal.dot(node.m_v - velocity);
+            if (out > 0) node.m_v -= c.normal * std::min(out, options.recovery_mps);
+        }
+    }
+}
+
+}  // namespace atrium::physics

@@ -1,0 +1,105 @@
+#pragma once
+
+#include "world_server/physics/soft/moving_faces.hpp"
+#include "world_server/physics/soft/soft_sample.hpp"
+
+#include <LinearMath/btVector3.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+class btRigidBody;
+class btSoftBody;
+
+namespace atrium::physics {
+
+class PeopleField;
+
+/// A contact constraint: keeps a point of a soft body in front of a moving plane.
+struct SoftContact {
+    SoftSample sample;
+    btVector3 normal;    // unit length, towards the soft body
+    btVector3 point;     // [m] point of the plane at the end of the tick
+    btVector3 velocity;  // [m/s] of the plane when the contact was found
+    btScalar depth = 0;  // [m] penetration at the start of the tick
+    btScalar friction = 0;
+    btRigidBody* body = nullptr;     // dynamic body that receives the reaction, or null
+    btVector3 arm;                   // from the body's centre of mass to the point
+    btScalar body_inverse_mass = 0;  // inverse effective mass of the body along the normal
+    // solver state
+    btScalar shift = 0;              // [m] motion of the plane by impulses of earlier substeps
+    btScalar normal_correction = 0;  // [kg m] sum of normal corrections in this substep
+    btVector3 friction_correction;   // [kg m] sum of friction corrections in this substep
+};
+
+struct SoftContactOptions {
+    btScalar tick_s = 0;
+    btScalar thickness_m = 0;  // thickness of the soft body on each side of its nodes
+    btScalar friction = 0;     // of the soft body; pairs use the geometric mean
+    btScalar person_friction = 0;
+    btScalar margin_m = btScalar(0.004);    // contacts are kept up to this gap
+    btScalar recovery_mps = btScalar(0.6);  // speed at which penetrations are resolved
+};
+
+/// The surface of a soft body for contact detection.
+struct SoftSkin {
+    std::span<const SoftSample> samples{};
+    /// Volumes only, per node: outward unit normal of the rest shape. A surface that faces the same
+    /// way has come up inside the volume. It makes no contact, else the skin would hook on to it.
+    std::span<const btVector3> outward{};
+    btScalar depth_m = 0;  // volumes only: depth that scenery faces may reach
+    // per node; not 0: stretched too far for people to hold it
+    std::span<const std::uint8_t> loose{};
+};
+
+/// The objects that can touch a soft body in a tick.
+struct SoftSurroundings {
+    const PeopleField* people = nullptr;  // at the start of the tick
+    // at the end of the tick; triangle meshes among them are static
+    std::vector<btRigidBody*> bodies;
+};
+
+/// Contacts of one soft body with people, rigid bodies and scenery, for one tick. The paths of all
+/// samples are tested against the moving surfaces once. The contacts also stop samples that would
+/// reach a surface within the tick, before they penetrate.
+class SoftContacts {
+public:
+    /// Detects contacts. `people` (or null) is at the start of the tick, `bodies` are at its end.
+    void find(btSoftBody& soft,
+              const SoftSkin& skin,
+              const PeopleField* people,
+              const std::vector<btRigidBody*>& bodies,
+              const SoftContactOptions& options);
+    // For each equal substep of the tick: begin_substep, solve any number of times, end_substep.
+    void begin_substep();
+    /// Moves the nodes out of penetrated surfaces. `left_s`: from the end of this substep to the
+    /// end of the tick.
+    void solve(btSoftBody& soft,
+               btScalar substep_s,
+               btScalar left_s,
+               const SoftContactOptions& options);
+    /// Call when the velocities of the substep are known. Removes the speed that resolving a
+    /// penetration has added.
+    void end_substep(btSoftBody& soft, btScalar substep_s, const SoftContactOptions& options);
+
+    std::size_t num_person_contacts() const { return num_person_contacts_; }
+
+private:
+    void find_with(const btSoftBody& soft,
+                   btRigidBody& body,
+                   const SoftSkin& skin,
+                   const SoftContactOptions& options);
+    void find_with_mesh(const btSoftBody& soft,
+                        const btRigidBody& body,
+                        const SoftSkin& skin,
+                        const SoftContactOptions& options);
+
+    std::vector<SoftContact> contacts_;
+    std::vector<SampleMotion> ways_;  // one per sample
+    FaceIndex faces_;                 // scratch
+    std::size_t num_person_contacts_ = 0;
+};
+
+}  // namespace atrium::physics

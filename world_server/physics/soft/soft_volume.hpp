@@ -1,0 +1,48 @@
+#pragma once
+
+#include "world_server/physics/soft/soft_object.hpp"
+
+#include <LinearMath/btVector3.h>
+
+#include <vector>
+
+class btSoftBody;
+
+namespace atrium::physics {
+
+/// Makes a closed surface of nodes behave like a body: matches its rest shape, preserves its
+/// volume, and damps motion relative to the whole.
+class SoftVolume {
+public:
+    /// `body` must be at rest with valid bounds; it and `topology` must outlive this.
+    /// `match_share`: share of the way to its place in the rest shape that a node moves per
+    /// substep.
+    SoftVolume(btSoftBody& body, const SoftTopology& topology, btScalar match_share);
+
+    /// Finds the rotation of the body.
+    void begin_tick();
+    // in each substep
+    void match_shape();
+    void keep_volume();
+    /// Damps velocities at the end of a tick. Keeps linear and angular motion of the whole.
+    void damp_inside(btScalar seconds);
+
+    /// Per node: outward unit normal of the rest shape, with the body's rotation at the start of
+    /// the tick.
+    const std::vector<btVector3>& outward() const { return outward_; }
+    btScalar inner_radius_m() const { return inner_radius_; }  // half of the smallest extent
+
+private:
+    btScalar find_gradients();
+
+    btSoftBody& body_;
+    const SoftTopology& topology_;
+    btScalar match_share_;
+    std::vector<btVector3> gradients_;     // per node: gradient of the volume
+    std::vector<btVector3> rest_outward_;  // per node: unit normals of the rest shape
+    std::vector<btVector3> outward_;
+    btScalar rest_volume_ = 0;
+    btScalar inner_radius_ = 1;
+};
+
+}  // namespace atrium::physics
