@@ -1,6 +1,6 @@
 #!/bin/sh
 # Measures the hull: `bench/hull_curves.sh [BUILD] [REPETITIONS]`. Keeps tables with machine and date in bench/results/,
-# draws docs/figures/hull_curves.svg, prints all tables and renews those of docs/hull.md. BUILD has to be configured with -DATRIUM_BENCH=ON.
+# draws docs/figures/hull_curves.svg, prints all tables and renews those of docs/measurements/hull.md. BUILD has to be configured with -DATRIUM_BENCH=ON.
 # The machine should have nothing else to do. What needs ../shared/data is left out where that is not there.
 set -eu
 case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
@@ -17,5 +17,5 @@ for table in segments views threads sets masks; do
     { echo "$comment"; "$build"/bin/hull_curves "$table" "$repetitions"; } > "$prefix-$table.csv"
 done
 { echo "$comment"; "$build"/bin/hull_memory; } > "$prefix-memory.csv"
-python3 bench/hull_curves.py "$prefix" docs/figures/hull_curves.svg docs/hull.md
+python3 bench/hull_curves.py "$prefix" docs/figures/hull_curves.svg docs/measurements/hull.md
 echo "kept in $prefix-*.csv"
