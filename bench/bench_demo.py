@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Measures the demo on a quiet machine: waits until the machine is idle, runs build/bin/demo (two simulated rooms, world server, viewer
 that records a video), keeps all figures with date, commit, machine and its score in bench/results/DATE-MACHINE-demo.json and renews
-the tables of README.md and docs/measurements/README.md. `make bench-demo` builds and runs it. Ctrl-C ends it without a result and leaves no process.
+the tables of README.md and docs/measurements/README.md. `make bench-demo` builds and runs it. Ctrl-C ends it without a result and leaves
+no process.
 """
 
 import argparse
