@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Measures the demo on a quiet machine. Waits until the machine is idle, runs build/bin/demo (two simulated rooms, world server, viewer
-that records a video), keeps all figures with date, commit, machine and its score in bench/results/DATE-MACHINE-demo.json, and renews
-README's table from that file. `make bench-demo` builds and runs it. Ctrl-C ends it without a result and leaves no process.
+"""Measures the demo on a quiet machine: waits until the machine is idle, runs build/bin/demo (two simulated rooms, world server, viewer
+that records a video), keeps all figures with date, commit, machine and its score in bench/results/DATE-MACHINE-demo.json and renews
+the tables of README.md and docs/measurements/README.md. `make bench-demo` builds and runs it. Ctrl-C ends it without a result and leaves
+no process.
 """
 
 import argparse
@@ -23,8 +24,8 @@ def arguments():
     parser.add_argument("--runs", type=int, default=1, help="number of runs; the figures are their medians (default: %(default)s)")
     parser.add_argument("--patience", type=float, default=120.0,
                         help="how long to wait for an idle machine before each run [s]; after that it runs anyway and marks the result (default: %(default)s)")
-    parser.add_argument("--output", help="file of the result (default: bench/results/DATE-MACHINE-demo.json)")
-    parser.add_argument("--no-readme", action="store_true", help="do not change README.md")
+    parser.add_argument("--output", help="the result's file (default: bench/results/DATE-MACHINE-demo.json)")
+    parser.add_argument("--no-readme", action="store_true", help="leave the tables of README.md and docs/measurements alone")
     given = parser.parse_args()
     if given.seconds < 3 or given.runs < 1:
         parser.error("at least 3 seconds and one run")
@@ -87,7 +88,7 @@ def main():
         stream.write("\n")
     print(readme_table.demo_table(rounded(kept)))
     if not given.no_readme:
-        readme_table.renew_readme(file)
+        readme_table.renew_pages(file)
     say(f"kept in {os.path.relpath(file)}" + ("" if kept["quiet"] else ": NOT QUIET, others used more than "
                                               f"{machine.QUIET_SHARE:.0%} of the machine"))
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws docs/figures/hull_curves.svg from the tables of hull_curves.sh, prints them, and renews those of docs/hull.md.
+"""Draws docs/figures/hull_curves.svg from the tables of hull_curves.sh, prints them, and renews those of docs/measurements/hull.md.
 
 usage: hull_curves.py PREFIX PICTURE PAGE    reads PREFIX-segments.csv and so on; tables go between <!-- name --> and <!-- /name -->
 """

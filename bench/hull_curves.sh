@@ -1,7 +1,7 @@
 #!/bin/sh
-# Measures the hull: `bench/hull_curves.sh [BUILD] [REPETITIONS]`. Keeps tables with machine and date in bench/results/, draws
-# docs/figures/hull_curves.svg, prints all tables and renews those of docs/hull.md. Configure BUILD with -DATRIUM_BENCH=ON. The machine
-# should be idle. Skips everything that needs ../shared/data if it is missing.
+# Measures the hull: `bench/hull_curves.sh [BUILD] [REPETITIONS]`. Keeps tables with machine and date in bench/results/,
+# draws docs/figures/hull_curves.svg, prints all tables and renews those of docs/measurements/hull.md. Configure BUILD with -DATRIUM_BENCH=ON.
+# The machine should be idle. Skips everything that needs ../shared/data if it is missing.
 set -eu
 case "${1:-}" in -h | --help) exec sed -n '2,/^set/s/^# *//p' "$0" ;; esac
 cd "$(dirname "$0")/.."
@@ -17,5 +17,5 @@ for table in segments views threads sets masks; do
     { echo "$comment"; "$build"/bin/hull_curves "$table" "$repetitions"; } > "$prefix-$table.csv"
 done
 { echo "$comment"; "$build"/bin/hull_memory; } > "$prefix-memory.csv"
-python3 bench/hull_curves.py "$prefix" docs/figures/hull_curves.svg docs/hull.md
+python3 bench/hull_curves.py "$prefix" docs/figures/hull_curves.svg docs/measurements/hull.md
 echo "kept in $prefix-*.csv"

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Makes README's tables from the newest committed files of bench/results: the demo between <!-- demo --> and <!-- /demo -->, its parts
-between <!-- parts --> and <!-- /parts -->, recordings between <!-- recordings --> and <!-- /recordings -->.
+"""Makes tables from the newest committed files of bench/results: "demo" in README.md, "parts" and "recordings" in
+docs/measurements/README.md. Each table goes between <!-- NAME --> and <!-- /NAME -->.
 
-usage: readme_table.py            renews README.md
-       readme_table.py --check    fails if README.md differs from the newest committed files; changes nothing
+usage: readme_table.py            renews the tables of both pages
+       readme_table.py --check    fails if a table differs from what the newest committed files give; changes nothing
 """
 
 import glob
@@ -16,6 +16,7 @@ import machine
 from page_table import between, read_rows, renew
 
 README = os.path.join(machine.ROOT, "README.md")
+OVERVIEW = os.path.join(machine.ROOT, "docs", "measurements", "README.md")
 
 
 def results_files(kind="demo.json"):
@@ -182,22 +183,22 @@ def recordings_table():
 
 
 def tables(demo_file):
-    """{marker: text} of all tables in README."""
-    return {"demo": demo_table(load(demo_file)), "parts": parts_table(), "recordings": recordings_table()}
+    """[(page, marker, text)] of all tables."""
+    return [(README, "demo", demo_table(load(demo_file))), (OVERVIEW, "parts", parts_table()), (OVERVIEW, "recordings", recordings_table())]
 
 
-def renew_readme(demo_file):
-    for name, text in tables(demo_file).items():
-        renew(README, name, text)
+def renew_pages(demo_file):
+    for page, name, text in tables(demo_file):
+        renew(page, name, text)
 
 
 def check():
     file = newest(results_files())
     if file is None:
         return "no bench/results/*-demo.json found; run make bench-demo"
-    wrong = [name for name, text in tables(file).items() if between(README, name) != text]
+    wrong = [f"{name} in {os.path.relpath(page, machine.ROOT)}" for page, name, text in tables(file) if between(page, name) != text]
     if wrong:
-        return (f"README.md is not what the newest committed results give: {', '.join(wrong)} (the demo's: {os.path.relpath(file, machine.ROOT)}). "
+        return (f"tables differ from the newest committed results: {', '.join(wrong)} (the demo's: {os.path.relpath(file, machine.ROOT)}). "
                 "`git add` newer results, or renew the tables: bench/readme_table.py")
     return None
 
@@ -207,12 +208,12 @@ def main(arguments):
         wrong = check()
         if wrong:
             sys.exit(f"readme_table: {wrong}")
-        print("README.md's tables are those of the newest committed results")
+        print("the tables of README.md and docs/measurements/README.md are those of the newest committed results")
     elif not arguments:
         file = newest(results_files())
         if file is None:
             sys.exit("readme_table: no bench/results/*-demo.json found; run make bench-demo")
-        renew_readme(file)
+        renew_pages(file)
     else:
         sys.exit(__doc__)
 

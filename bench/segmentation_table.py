@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renews the table of docs/segmentation.md from the results of segmentation_quality.sh.
+"""Renews the table of docs/measurements/segmentation.md from what segmentation_quality.sh keeps.
 
 usage: segmentation_table.py TABLE PAGE    the table goes between <!-- quality --> and <!-- /quality -->
 """

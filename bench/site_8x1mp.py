@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renews the table of docs/site_node.md from the results of site_8x1mp.sh.
+"""Renews the table of docs/measurements/site.md from what site_8x1mp.sh keeps.
 
 usage: site_8x1mp.py CSV PAGE    the table goes between <!-- site_8x1mp --> and <!-- /site_8x1mp -->
 """

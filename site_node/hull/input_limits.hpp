@@ -5,7 +5,7 @@
 namespace atrium::hull {
 
 /// What `compute_visual_hull` takes, besides `kMaxViews` and the limits in HullOptions
-/// (docs/hull.md, "Limits"): for whoever wants to say beforehand what is beyond them.
+/// (docs/design/hull.md, "Limits"): for whoever wants to say beforehand what is beyond them.
 
 inline constexpr std::size_t kViewsOfBounds = 2;  // as so many views HullOptions::bounds count
 inline constexpr double kMinFocal_px = 1e-3;      // rays stay far from what doubles can hold,

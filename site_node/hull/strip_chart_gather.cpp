@@ -124,7 +124,7 @@ void StripChart::bound_events() {
         // the sign is the side of the strip's plane on which the other centre is
         const double scale = bundle.is_rising == (view_ < bundle.view) ? own.inverse_baseline
                                                                        : -own.inverse_baseline;
-        const double u_spread = spread_scale_ * own.inverse_baseline;  // see docs/hull.md
+        const double u_spread = spread_scale_ * own.inverse_baseline;  // see docs/design/hull.md
         std::uint32_t position = bundle.position;
         Node* node = bundle.strip_nodes() + bundle.num_at_start;
         for (std::uint32_t left = bundle.num_events; left > 0; position = 0) {

@@ -120,7 +120,7 @@ private:
 /// Silhouettes are moved by 1e-6 px at random, but repeatably, so that degenerate input has a
 /// definite answer, and put on a grid of integers. What is decided about these is decided without
 /// rounding (`exact_predicates.hpp`), so that decisions cannot contradict each other; only the
-/// positions of the vertices are rounded. docs/hull.md explains it.
+/// positions of the vertices are rounded. docs/design/hull.md explains it.
 ///
 /// The order of views and contours, their starts and orientations do not change a bit of the
 /// result, nor does the number of workers. Allocates only while `scratch` and

@@ -215,7 +215,7 @@ class ReadmeTable(unittest.TestCase):
 
     def test_check_fails_if_a_table_differs_from_the_newest_files(self):
         with tempfile.TemporaryDirectory() as folder:
-            readme = os.path.join(folder, "README.md")
+            readme, overview = os.path.join(folder, "README.md"), os.path.join(folder, "overview.md")
             files = []
             for i, date in enumerate(("2026-11-23T15:00Z", "2026-11-24T09:00Z")):
                 kept = copy.deepcopy(result(date))
@@ -224,13 +224,15 @@ class ReadmeTable(unittest.TestCase):
                 with open(files[-1], "w", encoding="utf-8") as file:
                     json.dump(kept, file)
             with open(readme, "w", encoding="utf-8") as file:
-                file.write("head\n<!-- demo -->\n<!-- /demo -->\n<!-- parts --><!-- /parts -->\n<!-- recordings --><!-- /recordings -->\nrest\n")
-            with mock.patch.object(readme_table, "README", readme), \
+                file.write("head\n<!-- demo -->\n<!-- /demo -->\nrest\n")
+            with open(overview, "w", encoding="utf-8") as file:
+                file.write("<!-- parts --><!-- /parts -->\n<!-- recordings --><!-- /recordings -->\n")
+            with mock.patch.object(readme_table, "README", readme), mock.patch.object(readme_table, "OVERVIEW", overview), \
                     mock.patch.object(readme_table, "results_files", side_effect=lambda kind="demo.json": files if kind == "demo.json" else []):
                 self.assertIsNotNone(readme_table.check())
-                readme_table.renew_readme(files[0])
+                readme_table.renew_pages(files[0])
                 self.assertIsNotNone(readme_table.check())
-                readme_table.renew_readme(files[1])
+                readme_table.renew_pages(files[1])
                 self.assertIsNone(readme_table.check())
                 with open(readme, encoding="utf-8") as file:
                     text = file.read()
