@@ -164,7 +164,7 @@ bool BetterDiagonals::on_one_line(std::uint32_t a, std::uint32_t b) const {
     if (lines_.empty()) return false;
     const Lines& l = lines_[a];
     const Lines& m = lines_[b];
-    return l[0] == m[0] || l[0] == m[1] || l[1] == m[0] || l[1] == m[1];
+    return (l[0] == m[0]) | (l[0] == m[1]) | (l[1] == m[0]) | (l[1] == m[1]);  // no branch
 }
 
 // The triangles (a, b, c) and (b, a, d) on the two sides of `e`: the quadrilateral a d b c has to

@@ -177,25 +177,29 @@ void StripSweep::find_meeting(std::size_t p) {
     constexpr double kNever = std::numeric_limits<double>::infinity();
     if (p == 0) return;  // the centre is above everything
     Line& line = lines_[p];
-    line.meets_at = kNever;
     const Line* const next = &line + 1;
-    if (next == lines_.data() + lines_.size()) return;
+    if (next == lines_.data() + lines_.size()) {
+        line.meets_at = kNever;
+        return;
+    }
     const StripChart::Piece& upper = chart_.piece(line.piece);
     const StripChart::Piece& lower = chart_.piece(next->piece);
     const double from = upper.at_from - lower.at_from;
     const double turn = lower.slope - upper.slope;
     const double error = upper.error + lower.error;
     const bool may_be_certain = !cones_->only_exact;
-    // all of it, and then one choice: branches here are hard to foretell
+    // no branch: all of this is hard to foretell
     const bool end_together =
         (upper.end_event == lower.end_event) & (upper.end_event != StripChart::kNone);
     const bool begin_together =
         (upper.start_event == lower.start_event) & (upper.start_event != StripChart::kNone);
     const bool is_above_at_end = (from - turn > error) & may_be_certain;
-    if (end_together | begin_together | is_above_at_end) return;
     // an error that is not small says nothing about itself
     const bool is_known = (4.0 * error < 1e-3 * turn) & may_be_certain;
-    line.meets_at = is_known ? (from - 4.0 * error) / turn : -kNever;
+    const bool never_meet = end_together | begin_together | is_above_at_end;
+    static constexpr double kEnds[] = {-kNever, kNever};
+    line.meets_at =
+        std::max(kEnds[never_meet], std::min(kEnds[is_known], (from - 4.0 * error) / turn));
     next_meeting_ = std::min(next_meeting_, line.meets_at);
 }
 

@@ -70,7 +70,7 @@ void StripSweep::finish_triangles() {
 bool StripSweep::are_on_one_line(std::uint32_t a, std::uint32_t b) const {
     const auto& [a0, a1] = corner_lines_[a];
     const auto& [b0, b1] = corner_lines_[b];
-    return a0 == b0 || a0 == b1 || a1 == b0 || a1 == b1;
+    return (a0 == b0) | (a0 == b1) | (a1 == b0) | (a1 == b1);  // no branch: it is chance
 }
 
 // `line` bounds a face from the given side up to `vertex`. Faces lie left of their edges seen from
