@@ -75,10 +75,10 @@ ModelRig two_bones() {
     ModelNode upper;
     upper.parent = 0;
     upper.parent_from_node.translation() = Eigen::Vector3f(0, 1, 0);
-    upper.turns = {{0.0, Eigen::Quaternionf::Identity()},
-                   {1.0,
-                    Eigen::Quaternionf(Eigen::AngleAxisf(std::numbers::pi_v<float> / 2,
-                                                         Eigen::Vector3f::UnitZ()))}};
+    upper.rotations = {{0.0, Eigen::Quaternionf::Identity()},
+                       {1.0,
+                        Eigen::Quaternionf(Eigen::AngleAxisf(std::numbers::pi_v<float> / 2,
+                                                             Eigen::Vector3f::UnitZ()))}};
     rig.nodes = {ModelNode{}, upper};
     ModelBone lower_bone;
     ModelBone upper_bone{.node = 1, .node_from_mesh = Eigen::Affine3f::Identity()};

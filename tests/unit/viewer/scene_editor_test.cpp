@@ -32,13 +32,13 @@ TEST(NewObject, StandsInFrontOfTheEyeAboveTheFloor) {
     wanted.shape = bus::Shape::kBox;
     wanted.size_m = {0.2, 0.3, 1.0};
     const bus::SceneObject box = make_object(
-        thing, renderer::eye_of({.position_m = {0, 0, 1}, .target_m = {0, 0, 0}}, 640, 360));
+        wanted, renderer::eye_of({.position_m = {0, 0, 1}, .target_m = {0, 0, 0}}, 640, 360));
     EXPECT_NEAR(box.world_from_object.translation.z(), 0.51, 1e-9)
         << "the object must lie on the floor when looking down";
 }
 
 TEST(NewObject, IsInThePictureAfterItHasFallen) {
-    const NewObject thing{.size_m = {0.3, 0.3, 0.3}, .name = "ball"};
+    const NewObject wanted{.size_m = {0.3, 0.3, 0.3}, .name = "ball"};
     double before_m = 0.0;
     // less and less steeply down
     for (const double target_z_m : {-6.0, -2.0, 0.0, 0.8, 1.6}) {
