@@ -78,10 +78,10 @@ Look look_of_losses(const std::vector<Count>& losses) {
 }
 
 void add_title(const ProgramReport& program, TextLines& lines) {
-    constexpr const char* kKinds[] = {"site", "world server", "viewer", "program"};
+    constexpr const char* kKindNames[] = {"site", "world server", "viewer", "program"};
     std::string text =
         fmt::format("{} {}",
-                    kKinds[std::min<std::size_t>(static_cast<std::size_t>(program.kind), 3)],
+                    kKindNames[std::min<std::size_t>(static_cast<std::size_t>(program.kind), 3)],
                     program.name);
     if (program.is_known)
         text += fmt::format("  on {} pid {}, {}", program.host, program.pid, program.version);

@@ -25,8 +25,8 @@ struct RoomOptions {
     double noise_lsb = 2.0;       // standard deviation of the noise of each colour channel
     std::uint64_t seed = 1;       // of the noise
     Eigen::Vector3d position_m{0.0, 0.0, 0.0};  // of the person or the table's centre, site frame
-    double heading_rad = 0.0;   // 0 faces +Y, positive turns left
-    int num_empty_frames = 16;  // pictures of the empty room per camera
+    double heading_rad = 0.0;                   // 0 faces +Y, positive turns left
+    int num_empty_frames = 16;                  // pictures of the empty room per camera
 
     /// Number of instants in a loop; the loop lasts exactly this many picture intervals.
     int num_frames() const;

@@ -72,10 +72,7 @@ void declare(CameraConfig& config, config::OptionSet& set) {
             common.exposure_us,
             "exposure [us]; 0: the camera's own",
             kExposure_us);
-    set.add("capture.cameras.gain_db",
-            common.gain_db,
-            "gain [dB]; -1: the camera's own",
-            kGain_db);
+    set.add("capture.cameras.gain_db", common.gain_db, "gain [dB]; -1: the camera's own", kGain_db);
     set.add("capture.cameras.white_balance",
             common.white_balance,
             "off, auto-once, or red and blue gains, as in 1.8,1.4; empty: the camera's own");

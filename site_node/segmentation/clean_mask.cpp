@@ -211,11 +211,8 @@ namespace {
 
 // Calls `flip(y, run, is_background)` for each run of a part that is too small.
 template <typename Flip>
-void find_small_runs(std::size_t height,
-                     int min_area_px,
-                     int max_hole_px,
-                     CleanScratch& scratch,
-                     Flip&& flip) {
+void find_small_runs(
+    std::size_t height, int min_area_px, int max_hole_px, CleanScratch& scratch, Flip&& flip) {
     for (std::size_t y = 1; y < height; ++y) join_with_row_above(scratch, y);
     const std::array<std::uint32_t, 2> least{static_cast<std::uint32_t>(std::max(max_hole_px, 0)),
                                              static_cast<std::uint32_t>(std::max(min_area_px, 0))};

@@ -15,8 +15,8 @@ struct CleanScratch {
         std::int32_t begin;
         std::int32_t end;
         std::uint32_t
-            component;  // index of another run of the component; the first points at itself
-        std::uint32_t area;       // of the component, in its first run
+            component;       // index of another run of the component; the first points at itself
+        std::uint32_t area;  // of the component, in its first run
     };
     std::vector<Run> runs;
     std::vector<std::uint32_t> first_run_of_row;

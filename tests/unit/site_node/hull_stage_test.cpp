@@ -35,7 +35,7 @@ TEST(HullStage, NamesTheKeyThatDoesNotFitTheRig) {
     options.regions = {{"stage", kRoom, {"cam0", "cam7"}}};
     EXPECT_THAT(error_of(cameras, options),
                 testing::AllOf(HasSubstr("hull.region[0].cameras"),
-                               HasSubstr("no camera 'cam7'"),
+                               HasSubstr("no camera is named 'cam7'"),
                                HasSubstr("cam0, cam1, cam2, cam3")));
     options.regions[0].cameras = {"cam0", "cam0"};
     EXPECT_THAT(error_of(cameras, options), HasSubstr("'cam0' is named twice"));
