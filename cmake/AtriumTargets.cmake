@@ -17,9 +17,9 @@ set(ATRIUM_TEST_PCH_HEADERS <gtest/gtest.h> <gmock/gmock.h>)
 # Optimisation of test sources only; the tested libraries keep theirs. With sanitizers, -O1 compiles a third longer than -Og.
 set(ATRIUM_TEST_OPTIMISATION $<$<CONFIG:RelWithDebInfo>:-O1> $<$<CONFIG:Sanitize>:-Og>)
 
-# Compiling a library's sources together makes a clean build faster and a rebuild after a change slower: for CI's sanitizer builds.
-# Sources still include what they use, and their file-local names must differ.
-option(ATRIUM_UNITY "Compile the sources of each library together" OFF)
+# Compiling a library's sources together, eight at a time, makes a build from nothing faster and a rebuild after one change slower: turn it off
+# while you work on one library. Sources include what they use, and their file-local names differ, so both ways build.
+option(ATRIUM_UNITY "Compile the sources of each library together" ON)
 
 # _atrium_pch(target code|test): reuses the PCH of this kind. The first call creates the target that builds it.
 function(_atrium_pch target kind)
@@ -85,6 +85,7 @@ endfunction()
 # atrium_test(name LABELS unit ... SOURCES a_test.cpp ... LINK lib ... [TIMEOUT seconds])
 # One executable and one ctest entry per module; labels: unit property golden fuzz integration gl dds threads.
 # `threads` marks the tests of the ThreadSanitizer run. `integration` and `dds` tests depend on timing and run alone.
+# `slow` tests take more than some seconds: `make test` leaves them out.
 function(atrium_test name)
     cmake_parse_arguments(ARG "" "TIMEOUT" "LABELS;SOURCES;LINK" ${ARGN})
     add_executable(${name} ${ARG_SOURCES})

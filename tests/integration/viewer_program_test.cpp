@@ -86,6 +86,7 @@ protected:
         command << ATRIUM_BIN_DIR "/viewer --bus.world viewer-program-test --bus.domain " << kDomain
                 << " --view.width " << kSize.width << " --view.height " << kSize.height
                 << " --view.position_m 3,0,1 --view.target_m 0,0,1 --video.fps " << kVideoHz
+                << " --view.adapt off"  // a busy machine must not change the picture
                 << " --screenshot_dir " << folder_.string() << " > " << log_file().string();
         return command.str();
     }
