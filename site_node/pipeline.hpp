@@ -29,7 +29,7 @@ struct PipelineOptions {
     /// With position_bits 0, codec::position_bits_for chooses them.
     codec::MeshCodecOptions mesh{.position_bits = 0};
     texture::TextureOptions texture;
-    int jpeg_quality = 86;  // chosen from the table in docs/streams.md
+    int jpeg_quality = 86;  // chosen from the table in docs/measurements/codecs.md
 };
 
 /// How to code the colours of one metaframe.

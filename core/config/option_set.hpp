@@ -11,8 +11,8 @@
 
 namespace atrium::config {
 
-/// Declares the options of a program once, for three uses: keys of its TOML file (`hull.threads`),
-/// options of its command line (`--hull.threads 2`) and lines of its `--help` with unit and
+/// Declares the options of a program once, for three uses: keys of its TOML file (`site.threads`),
+/// options of its command line (`--site.threads 2`) and lines of its `--help` with unit and
 /// default.
 ///
 /// `target` holds the default when it is added, and must outlive the set.

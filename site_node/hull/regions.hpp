@@ -34,7 +34,7 @@ struct RegionScratch {
 /// `views[i]` may be null: that camera delivered nothing, and the others go on. `options.bounds` is
 /// replaced by each region's. Status: kOk if any region has somebody, else a failure if any region
 /// failed, else kEmptyIntersection. A region that fails beside others that do not is left out and
-/// counted in `num_regions_failed`; so is one with fewer than `min_views` cameras that are there
+/// counted in `num_regions_failed`; so is a region with fewer than `min_views` cameras present
 /// (kTooFewViews).
 ///
 /// Errors: kInvalidInput for a region that names a view that is not there.

@@ -14,7 +14,7 @@ struct SegmentationOptions {
     /// Smallest fraction of its luma that a surface keeps in shadow; it keeps its hue.
     double darkest_shadow = 0.6;
     /// Like `darkest_shadow`, for surfaces whose colour is strong enough for the hue to distinguish
-    /// a shadow from a dark object in front; at most `darkest_shadow`.
+    /// a shadow from a dark object in front. A value above `darkest_shadow` acts as that.
     double darkest_coloured_shadow = 0.45;
     /// Largest fraction of its luma by which a surface may brighten.
     double max_highlight = 0.1;
