@@ -76,6 +76,15 @@ TEST_F(CommandLine, EveryProgramPrintsHelpAndVersion) {
     }
 }
 
+TEST_F(CommandLine, FrontCommandRunsEveryTool) {
+    for (const std::string command : {"demo", "monitor", "cameras", "hull"}) {
+        const Outcome help = run("atrium help " + command);
+        EXPECT_EQ(help.exit_code, 0) << command;
+        EXPECT_THAT(help.output, HasSubstr("--version")) << command;
+        EXPECT_EQ(run("atrium " + command + " --no-such-option").exit_code, 2) << command;
+    }
+}
+
 TEST_F(CommandLine, UnknownKeysAreNamedWithFileAndLine) {
     const std::string config = file("site.toml", "[site]\nname = \"lab\"\n[capture]\nrate = 30\n");
     const Outcome outcome = run("site_node --config " + config);

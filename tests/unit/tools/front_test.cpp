@@ -121,14 +121,5 @@ TEST_F(Front, ExplainsItself) {
     EXPECT_EQ(run("monitor").exit_code, 3);
 }
 
-TEST_F(Front, RunsEveryShippedTool) {
-    for (const Command& command : shipped_commands()) {
-        const Outcome outcome =
-            test_support::run_program(ATRIUM_BIN_DIR "/atrium help " + command.name, 60);
-        EXPECT_EQ(outcome.exit_code, 0) << command.name;
-        EXPECT_THAT(outcome.output, HasSubstr("--version")) << command.name;
-    }
-}
-
 }  // namespace
 }  // namespace atrium::front
