@@ -90,4 +90,9 @@ double seconds_since_start() {
     return std::max(0.0, now_s - static_cast<double>(*ticks) / static_cast<double>(ticks_per_s));
 }
 
+std::filesystem::path program_folder() {
+    std::error_code unknown;
+    return std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path();
+}
+
 }  // namespace atrium::app

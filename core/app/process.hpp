@@ -3,6 +3,7 @@
 #include "core/config/option_set.hpp"
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string_view>
 
@@ -29,5 +30,8 @@ double seconds_since_start();
 /// Parses field 22 of /proc/PID/stat: clock ticks from the boot of the host to the start of the
 /// process. Returns nullopt if the line is malformed.
 std::optional<std::uint64_t> parse_start_ticks(std::string_view stat);
+
+/// Returns the folder of this process's executable, links resolved. Empty if /proc does not tell.
+std::filesystem::path program_folder();
 
 }  // namespace atrium::app

@@ -1,5 +1,6 @@
 #include "deploy/demo/demo.hpp"
 
+#include "core/app/process.hpp"
 #include "core/bus/bus.hpp"
 #include "deploy/demo/child_process.hpp"
 #include "deploy/demo/status_board.hpp"
@@ -326,9 +327,7 @@ void declare(DemoConfig& config, config::OptionSet& options) {
 
 Expected<void> run_demo(const DemoConfig& given, std::stop_token stop) {
     DemoConfig config = given;
-    std::error_code failure;
-    if (config.programs.empty())
-        config.programs = fs::read_symlink("/proc/self/exe", failure).parent_path();
+    if (config.programs.empty()) config.programs = app::program_folder();
     if (split(config.sites).empty()) {
         return make_error(ErrorKind::kConfiguration,
                           "sites: name at least one, for example alice,bob");
@@ -348,6 +347,7 @@ Expected<void> run_demo(const DemoConfig& given, std::stop_token stop) {
                                       split(config.sites).size(),
                                       num_motions));
     }
+    std::error_code failure;
     fs::create_directories(config.output, failure);
     if (!fs::is_directory(config.output)) {
         return make_error(

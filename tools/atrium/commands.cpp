@@ -59,9 +59,10 @@ std::vector<Command> installed_commands(const fs::path& folder) {
     }
     const auto num_shipped = static_cast<std::ptrdiff_t>(installed.size());
     std::error_code error;
-    for (const auto& entry : fs::directory_iterator(folder, error)) {
-        const std::string file = entry.path().filename();
-        if (!file.starts_with(kPrefix) || !is_program(entry.path())) continue;
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+         entry.increment(error)) {
+        const std::string file = entry->path().filename();
+        if (!file.starts_with(kPrefix) || !is_program(entry->path())) continue;
         const std::string name = file.substr(std::string(kPrefix).size());
         if (is_name(name) && !is_shipped(name)) installed.push_back({name, ""});
     }

@@ -1,3 +1,4 @@
+#include "core/app/process.hpp"
 #include "core/app/program.hpp"
 #include "tools/atrium/commands.hpp"
 
@@ -10,7 +11,7 @@
 int main(int argc, char** argv) {
     using namespace atrium;
     const std::vector<std::string> words(argv + 1, argv + argc);
-    const auto folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+    const auto folder = app::program_folder();
     const bool is_alone = words.size() == 1;
     if (words.empty() ||
         (is_alone && (words[0] == "help" || words[0] == "--help" || words[0] == "-h"))) {

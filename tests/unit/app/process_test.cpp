@@ -102,5 +102,9 @@ TEST(Niceness, StaysUnchangedWithAWarningIfNegativeValuesAreRefused) {
     }));
 }
 
+TEST(ProgramFolder, HoldsTheRunningExecutable) {
+    EXPECT_TRUE(std::filesystem::equivalent(program_folder() / "app_test", "/proc/self/exe"));
+}
+
 }  // namespace
 }  // namespace atrium::app
