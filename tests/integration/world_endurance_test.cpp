@@ -1,5 +1,5 @@
 #include "tests/support/endurance.hpp"
-#include "world_server/config.hpp"
+#include "tests/support/load_world.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,18 +16,6 @@ constexpr double kSeconds = 6.0;
 constexpr double kRateHz = 30.0;
 constexpr int kTicksPerPicture = 4;
 
-Expected<world_server::WorldServerConfig> load(const std::filesystem::path& file) {
-    auto reader = config::TableReader::load(file);
-    if (!reader) return tl::unexpected(reader.error());
-    world_server::WorldServerConfig config;
-    config::OptionSet set;
-    declare(config, set);
-    set.read_file(*reader);
-    read_world(*reader, config);
-    if (const auto read = reader->finish(); !read) return tl::unexpected(read.error());
-    return config;
-}
-
 struct Walked {
     std::string name;
     std::unique_ptr<world_server::Scene> scene;
@@ -39,7 +27,7 @@ std::vector<Walked> delivered_worlds(const EnduranceBounds& bounds) {
     for (const auto& entry :
          std::filesystem::directory_iterator(ATRIUM_SOURCE_DIR "/deploy/worlds")) {
         if (entry.path().extension() != ".toml") continue;
-        const auto config = load(entry.path());
+        const auto config = test_support::load_world(entry.path());
         if (!config) ADD_FAILURE() << config.error().message;
         if (!config) continue;
         EXPECT_EQ(config->tick_hz, kRateHz * kTicksPerPicture) << entry.path();

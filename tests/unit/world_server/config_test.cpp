@@ -1,5 +1,6 @@
 #include "world_server/config.hpp"
 
+#include "tests/support/load_world.hpp"
 #include "world_server/scene.hpp"
 
 #include <gmock/gmock.h>
@@ -117,17 +118,9 @@ TEST(WorldConfig, OfEveryDeliveredWorldIsValid) {
          std::filesystem::directory_iterator(ATRIUM_SOURCE_DIR "/deploy/worlds")) {
         if (entry.path().extension() != ".toml") continue;
         ++num_worlds;
-        auto reader = config::TableReader::load(entry.path());
-        ASSERT_TRUE(reader) << reader.error().message;
-        WorldServerConfig config;
-        config::OptionSet set;
-        declare(config, set);
-        set.read_file(*reader);
-        read_world(*reader, config);
-        const auto read = reader->finish();
-        ASSERT_TRUE(read) << read.error().message;
-        ASSERT_TRUE(check(config));
-        auto scene = Scene::create(config);
+        const auto config = test_support::load_world(entry.path());
+        ASSERT_TRUE(config) << config.error().message;
+        auto scene = Scene::create(*config);
         ASSERT_TRUE(scene) << scene.error().message;
 
         // untouched objects stay in the world and come to rest, or nearly so

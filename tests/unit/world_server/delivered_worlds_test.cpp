@@ -1,4 +1,4 @@
-#include "world_server/config.hpp"
+#include "tests/support/load_world.hpp"
 #include "world_server/scene.hpp"
 
 #include <gtest/gtest.h>
@@ -11,19 +11,6 @@
 // Every delivered world loads, and stays calm until somebody touches it.
 namespace atrium::world_server {
 namespace {
-
-Expected<WorldServerConfig> load(const std::filesystem::path& file) {
-    auto reader = config::TableReader::load(file);
-    if (!reader) return tl::unexpected(reader.error());
-    WorldServerConfig config;
-    config::OptionSet set;
-    declare(config, set);
-    set.read_file(*reader);
-    read_world(*reader, config);
-    if (const auto read = reader->finish(); !read) return tl::unexpected(read.error());
-    if (const auto valid = check(config); !valid) return tl::unexpected(valid.error());
-    return config;
-}
 
 std::filesystem::path world_file(const std::string& name) {
     return std::filesystem::path(ATRIUM_SOURCE_DIR) / "deploy/worlds" / name;
@@ -48,7 +35,7 @@ double lean(const bus::SceneObject& object, const physics::RigidState& state) {
 class DeliveredWorld : public testing::TestWithParam<std::string> {};
 
 TEST_P(DeliveredWorld, LoadsAndComesToRest) {
-    const auto config = load(world_file(GetParam()));
+    const auto config = test_support::load_world(world_file(GetParam()));
     ASSERT_TRUE(config) << config.error().message;
     auto scene = Scene::create(*config);
     ASSERT_TRUE(scene) << scene.error().message;
@@ -90,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(Worlds,
                          });
 
 TEST(BallPit, KeepsItsBallsBehindItsWalls) {
-    const auto config = load(world_file("ballpit.toml"));
+    const auto config = test_support::load_world(world_file("ballpit.toml"));
     ASSERT_TRUE(config) << config.error().message;
     auto scene = Scene::create(*config);
     ASSERT_TRUE(scene);
@@ -130,7 +117,7 @@ int num_fallen(Scene& scene, const Row& row) {
 }
 
 TEST(Dominoes, StandUntilTheFirstIsPushedThenAllFall) {
-    const auto config = load(world_file("dominoes.toml"));
+    const auto config = test_support::load_world(world_file("dominoes.toml"));
     ASSERT_TRUE(config) << config.error().message;
     auto scene = Scene::create(*config);
     ASSERT_TRUE(scene);
@@ -153,7 +140,7 @@ TEST(Dominoes, StandUntilTheFirstIsPushedThenAllFall) {
 }
 
 TEST(Dominoes, TheBallOnTheRampKnocksThemOver) {
-    const auto config = load(world_file("dominoes.toml"));
+    const auto config = test_support::load_world(world_file("dominoes.toml"));
     ASSERT_TRUE(config) << config.error().message;
     auto scene = Scene::create(*config);
     ASSERT_TRUE(scene);

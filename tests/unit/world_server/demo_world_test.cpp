@@ -1,6 +1,7 @@
 // The demo's worlds with the demo's people, without cameras or network.
 #include "deploy/demo/demo.hpp"
 #include "simulation/person.hpp"
+#include "tests/support/load_world.hpp"
 #include "world_server/config.hpp"
 #include "world_server/physics/people/person_shape.hpp"
 #include "world_server/scene.hpp"
@@ -19,18 +20,6 @@ namespace {
 
 constexpr int kTicksPerMesh = 6;  // 20 Hz
 const std::filesystem::path kSource = ATRIUM_SOURCE_DIR;
-
-Expected<WorldServerConfig> load_world(const std::filesystem::path& file) {
-    auto reader = config::TableReader::load(file);
-    if (!reader) return tl::unexpected(reader.error());
-    WorldServerConfig config;
-    config::OptionSet set;
-    declare(config, set);
-    set.read_file(*reader);
-    read_world(*reader, config);
-    if (const auto read = reader->finish(); !read) return tl::unexpected(read.error());
-    return config;
-}
 
 // Path of a file in deploy/demos.
 Expected<demo::DemoConfig> load_demo(const std::string& name) {
@@ -109,7 +98,7 @@ protected:
     void open(const std::string& name) {
         const auto demo = load_demo(name);
         ASSERT_TRUE(demo) << demo.error().message;
-        auto config = load_world(demo->world);
+        auto config = test_support::load_world(demo->world);
         ASSERT_TRUE(config) << config.error().message;
         config_ = std::move(*config);
         ASSERT_EQ(config_.placements.size(), 2U);
@@ -128,7 +117,7 @@ protected:
 };
 
 TEST_F(DemoWorld, HasObjectsThatPeoplePushToTheFloor) {
-    const auto config = load_world(kSource / "deploy/worlds/demo.toml");
+    const auto config = test_support::load_world(kSource / "deploy/worlds/demo.toml");
     ASSERT_TRUE(config) << config.error().message;
     ASSERT_EQ(config->placements.size(), 2U);
     Play play(*config, {"push", "wave"});

@@ -1,3 +1,4 @@
+#include "tests/support/load_world.hpp"
 #include "world_server/config.hpp"
 #include "world_server/scene.hpp"
 
@@ -44,16 +45,7 @@ protected:
 
     Expected<WorldServerConfig> read(const std::string& text) {
         put("world.toml", text);
-        auto reader = config::TableReader::load(folder_ / "world.toml");
-        if (!reader) return tl::unexpected(reader.error());
-        WorldServerConfig config;
-        config::OptionSet set;
-        declare(config, set);
-        set.read_file(*reader);
-        read_world(*reader, config);
-        if (const auto done = reader->finish(); !done) return tl::unexpected(done.error());
-        if (const auto valid = check(config); !valid) return tl::unexpected(valid.error());
-        return config;
+        return test_support::load_world(folder_ / "world.toml");
     }
 
     std::string error_of(const std::string& text) {
