@@ -1,6 +1,6 @@
 #include "core/base/thread_pool.hpp"
 #include "site_node/hull/visual_hull.hpp"
-#include "site_node/hull_tool/views_file.hpp"
+#include "site_node/views/views_file.hpp"
 #include "tests/support/rig_maker.hpp"
 #include "tests/support/silhouette_maker.hpp"
 
@@ -42,7 +42,7 @@ const std::vector<SilhouetteView>& scene(const std::string& name) {
     if (!views.empty()) return views;
     const std::filesystem::path file = kSets / (name + ".json");
     if (std::filesystem::exists(file)) {
-        const auto loaded = hull_tool::load_views_file(file);
+        const auto loaded = views::load_views_file(file);
         if (loaded) {
             for (const auto& view : *loaded) views.push_back(view.view);
             return views;

@@ -1,8 +1,8 @@
 #include "bench/hull_scenes.hpp"
 #include "core/base/thread_pool.hpp"
 #include "core/geometry/triangle_mesh.hpp"
-#include "site_node/hull_tool/coverage.hpp"
-#include "site_node/hull_tool/recording_views.hpp"
+#include "tools/visual_hull/coverage.hpp"
+#include "tools/visual_hull/recording_views.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -135,7 +135,7 @@ void run_sets(int repetitions) {
 }
 
 // Evenly spaced cameras of a ring, as far as their number allows.
-std::vector<hull::SilhouetteView> choose(const std::vector<hull_tool::NamedView>& all,
+std::vector<hull::SilhouetteView> choose(const std::vector<views::NamedView>& all,
                                          std::size_t count) {
     std::vector<hull::SilhouetteView> chosen;
     for (std::size_t i = 0; i < count; ++i) chosen.push_back(all[i * all.size() / count].view);

@@ -4,9 +4,9 @@
 #include "core/gl/resources.hpp"
 #include "core/gl/shader_program.hpp"
 #include "simulation/room_renderer.hpp"
-#include "site_node/hull_tool/recording_views.hpp"
 #include "site_node/silhouette/silhouette.hpp"
 #include "tests/support/rig_maker.hpp"
+#include "tools/visual_hull/recording_views.hpp"
 #include "viewer/renderer/view_camera.hpp"
 
 #include <Eigen/Geometry>

@@ -1,6 +1,6 @@
 #include "bench/hull_scenes.hpp"
 
-#include "site_node/hull_tool/views_file.hpp"
+#include "site_node/views/views_file.hpp"
 #include "tests/support/rig_maker.hpp"
 #include "tests/support/scene_maker.hpp"
 #include "tests/support/union_outline.hpp"
@@ -43,10 +43,10 @@ std::vector<hull::SilhouetteView> person_views(int num_views, int segments_per_v
 }
 
 std::optional<std::vector<hull::SilhouetteView>> shared_set(const std::string& name) {
-    const auto loaded = hull_tool::load_views_file(kData / "hulls" / (name + ".json"));
+    const auto loaded = views::load_views_file(kData / "hulls" / (name + ".json"));
     if (!loaded) return std::nullopt;
     std::vector<hull::SilhouetteView> views;
-    for (const hull_tool::NamedView& view : *loaded) views.push_back(view.view);
+    for (const views::NamedView& view : *loaded) views.push_back(view.view);
     return views;
 }
 

@@ -1,8 +1,8 @@
 // The whole site pipeline, from pictures to coded mesh and textures, on a simulated room.
 
 #include "core/base/thread_pool.hpp"
-#include "site_node/capture/simulated_source.hpp"
 #include "site_node/pipeline.hpp"
+#include "site_node/simulated_room/simulated_source.hpp"
 
 #include <benchmark/benchmark.h>
 
@@ -29,7 +29,7 @@ config::Rig scaled_rig(int width) {
 }
 
 struct Room {
-    std::unique_ptr<capture::SimulatedSource> source;
+    std::unique_ptr<simulated_room::SimulatedSource> source;
     std::vector<capture::Metaframe> metaframes;
 };
 
@@ -39,7 +39,7 @@ Room make_room(int width) {
     options.loop_s = 1.0;
     options.rate_hz = 8.0;
     const config::Rig rig = scaled_rig(width);
-    auto source = capture::SimulatedSource::create(rig, options, {}, {}, {});
+    auto source = simulated_room::SimulatedSource::create(rig, options, {}, {}, {});
     if (!source) throw std::runtime_error(source.error().message);
     Room room{std::move(*source), {}};
     std::stop_source stop;

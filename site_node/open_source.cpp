@@ -3,7 +3,7 @@
 #include "core/app/log.hpp"
 #include "site_node/capture/aravis_source.hpp"
 #include "site_node/capture/recording_source.hpp"
-#include "site_node/capture/simulated_source.hpp"
+#include "site_node/simulated_room/open_room.hpp"
 
 namespace atrium::site_node {
 namespace {
@@ -42,23 +42,9 @@ Source open_cameras(const SiteNodeConfig& config, std::stop_token stop) {
 }
 
 Source open_simulated_room(const SiteNodeConfig& config, std::stop_token stop) {
-    auto rig = load_rig(config.capture);
+    const auto rig = load_rig(config.capture);
     if (!rig) return tl::unexpected(rig.error());
-    const simulation::RoomOptions room = simulation::room_options(config.simulation, rig->rate_hz);
-    int last_percent = -1;
-    const auto report = [&](std::size_t done, std::size_t total) {
-        const int percent = total == 0 ? 100 : static_cast<int>(done * 100 / total);
-        if (percent / 5 == last_percent / 5 && percent != 100) return;
-        last_percent = percent;
-        app::log::info("rendering the simulated room {} %", percent);
-    };
-    auto source =
-        capture::SimulatedSource::create(*rig, room, config.simulation.cache, report, stop);
-    if (!source) return tl::unexpected(source.error());
-    if (const std::string& problem = (*source)->cache_problem(); !problem.empty()) {
-        app::log::warn("the rendered room cannot be cached reason=\"{}\"", problem);
-    }
-    return std::unique_ptr<capture::FrameSource>(std::move(*source));
+    return simulated_room::open_room(*rig, config.simulation, stop);
 }
 
 }  // namespace

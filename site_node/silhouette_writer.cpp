@@ -5,9 +5,9 @@
 #include "site_node/backgrounds.hpp"
 #include "site_node/capture/mask_file.hpp"
 #include "site_node/capture/recording_source.hpp"
-#include "site_node/hull_tool/views_file.hpp"
 #include "site_node/segmentation/segmentation.hpp"
 #include "site_node/silhouette/silhouette.hpp"
+#include "site_node/views/views_file.hpp"
 
 #include <fmt/format.h>
 
@@ -51,15 +51,14 @@ public:
           folder_(std::move(folder)) {}
 
     /// The view has no contours if the camera sees nobody.
-    Expected<hull_tool::NamedView> write(const capture::CameraFrame& frame, std::size_t number) {
+    Expected<views::NamedView> write(const capture::CameraFrame& frame, std::size_t number) {
         const image::YuvView picture = image::working_view(frame.image, buffer_);
         if (auto done = segmenter_.segment(picture, mask_); !done)
             return tl::unexpected(done.error());
         if (auto done = capture::write_mask(mask_, capture::numbered_png(folder_, number)); !done)
             return tl::unexpected(done.error());
         silhouette::extract_silhouette(mask_, camera_.intrinsics, options_, scratch_, polygons_);
-        hull_tool::NamedView view{camera_.name,
-                                  {camera_.intrinsics, camera_.camera_from_site, {}, {}}};
+        views::NamedView view{camera_.name, {camera_.intrinsics, camera_.camera_from_site, {}, {}}};
         for (const auto& polygon : polygons_) view.view.contours.push_back(polygon.vertices_px);
         return view;
     }
@@ -108,7 +107,7 @@ Expected<std::size_t> write_metaframe(capture::RecordingSource& source,
                                       std::size_t index,
                                       std::vector<std::unique_ptr<CameraWriter>>& writers,
                                       const fs::path& views_folder) {
-    std::vector<hull_tool::NamedView> views;
+    std::vector<views::NamedView> views;
     for (std::size_t i = 0; i < writers.size(); ++i) {
         const auto frame = source.read_picture(i, index);
         if (!frame) continue;
@@ -118,7 +117,7 @@ Expected<std::size_t> write_metaframe(capture::RecordingSource& source,
     }
     if (views.empty()) return std::size_t{0};
     const fs::path file = views_folder / fmt::format("{:06d}.json", index);
-    if (auto saved = hull_tool::save_views_file(views, file); !saved)
+    if (auto saved = views::save_views_file(views, file); !saved)
         return tl::unexpected(saved.error());
     return views.size();
 }

@@ -2,8 +2,8 @@
 
 #include "core/bus/qos_profiles.hpp"
 #include "core/config/rig.hpp"
-#include "site_node/hull_tool/views_file.hpp"
 #include "site_node/segmentation/background_file.hpp"
+#include "site_node/views/views_file.hpp"
 
 #include <stdlib.h>
 #include <unistd.h>
@@ -73,7 +73,7 @@ bool is_sound(const geometry::CalibratedCamera& camera) {
            camera.camera_from_site.translation.allFinite();
 }
 
-bool same(const hull_tool::NamedView& a, const hull_tool::NamedView& b) {
+bool same(const views::NamedView& a, const views::NamedView& b) {
     const geometry::PinholeCamera& p = a.view.intrinsics;
     const geometry::PinholeCamera& q = b.view.intrinsics;
     return a.name == b.name && p.width == q.width && p.height == q.height && p.fx == q.fx &&
@@ -109,10 +109,10 @@ std::string check_rig_bytes(std::span<const std::uint8_t> bytes, bool& was_accep
 }
 
 std::string check_views_bytes(std::span<const std::uint8_t> bytes, bool& was_accepted) {
-    const auto views = hull_tool::load_views_file(folder().write("views.json", bytes));
+    const auto views = views::load_views_file(folder().write("views.json", bytes));
     was_accepted = views.has_value();
     if (!views) return refusal(views.error(), ErrorKind::kConfiguration, "views.json");
-    for (const hull_tool::NamedView& named : *views) {
+    for (const views::NamedView& named : *views) {
         if (!(std::abs(named.view.camera_from_site.rotation.norm() - 1.0) < 1e-12))
             return "a rotation";
         for (const auto& contour : named.view.contours) {
@@ -123,8 +123,8 @@ std::string check_views_bytes(std::span<const std::uint8_t> bytes, bool& was_acc
         }
     }
     const fs::path copy = folder().path() / "copy.json";
-    if (!hull_tool::save_views_file(*views, copy)) return "cannot be written again";
-    const auto again = hull_tool::load_views_file(copy);
+    if (!views::save_views_file(*views, copy)) return "cannot be written again";
+    const auto again = views::load_views_file(copy);
     if (!again) return "refuses what it accepted: " + again.error().message;
     return std::equal(views->begin(), views->end(), again->begin(), again->end(), same)
                ? ""

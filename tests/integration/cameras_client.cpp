@@ -10,11 +10,11 @@
 #include "core/base/latest_slot.hpp"
 #include "core/base/statistics.hpp"
 #include "core/base/thread_pool.hpp"
-#include "simulation/simulated_cameras/camera_server.hpp"
 #include "site_node/capture/aravis_source.hpp"
 #include "site_node/capture/metaframe_assembler.hpp"
 #include "site_node/pipeline.hpp"
 #include "tests/integration/cameras_watch.hpp"
+#include "tools/simulated_cameras/camera_server.hpp"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/app/log.hpp"
-#include "simulation/simulated_cameras/stamp.hpp"
 #include "site_node/capture/metaframe.hpp"
+#include "tools/simulated_cameras/stamp.hpp"
 
 #include <fmt/format.h>
 

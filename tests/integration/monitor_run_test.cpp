@@ -1,8 +1,8 @@
 #include "core/bus/bus.hpp"
 #include "core/presence/membership.hpp"
-#include "monitor/inbox.hpp"
-#include "monitor/screen.hpp"
 #include "tests/support/run_program.hpp"
+#include "tools/monitor/inbox.hpp"
+#include "tools/monitor/screen.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

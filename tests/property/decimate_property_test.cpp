@@ -2,8 +2,8 @@
 #include "core/geometry/decimate.hpp"
 #include "simulation/room_renderer.hpp"
 #include "site_node/hull/visual_hull.hpp"
-#include "site_node/hull_tool/views_file.hpp"
 #include "site_node/silhouette/silhouette.hpp"
+#include "site_node/views/views_file.hpp"
 #include "tests/support/rig_maker.hpp"
 #include "tests/support/silhouette_maker.hpp"
 #include "tests/support/surface_distance.hpp"
@@ -132,7 +132,7 @@ TEST(DecimatedPerson, StaysWithinItsBound) {
 TEST(DecimatedPerson, OfTheSetHasASixthOfItsTrianglesAt5Mm) {
     const std::filesystem::path file = ATRIUM_SOURCE_DIR "/../shared/data/hulls/person_10k.json";
     if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
-    const auto loaded = hull_tool::load_views_file(file);
+    const auto loaded = views::load_views_file(file);
     ASSERT_TRUE(loaded) << loaded.error().message;
     std::vector<hull::SilhouetteView> views;
     for (const auto& view : *loaded) views.push_back(view.view);

@@ -1,7 +1,7 @@
 #include "core/base/thread_pool.hpp"
 #include "site_node/hull/visual_hull.hpp"
-#include "site_node/hull_tool/coverage.hpp"
 #include "tests/support/scene_maker.hpp"
+#include "tools/visual_hull/coverage.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 #include "core/codec/edgebreaker_writer.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "site_node/hull/visual_hull.hpp"
-#include "site_node/hull_tool/views_file.hpp"
+#include "site_node/views/views_file.hpp"
 #include "tests/support/closed_meshes.hpp"
 #include "tests/support/hull_checks.hpp"
 #include "tests/support/random.hpp"
@@ -285,7 +285,7 @@ TEST_F(MeshStream, EqualsDracosForHullsOfRealOutlines) {
     const std::filesystem::path folder = ATRIUM_SOURCE_DIR "/../shared/data/hulls";
     if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here";
     for (const char* set : {"person_1px", "person_10k", "person_24views", "torus", "spheres"}) {
-        const auto loaded = hull_tool::load_views_file(folder / (std::string(set) + ".json"));
+        const auto loaded = views::load_views_file(folder / (std::string(set) + ".json"));
         ASSERT_TRUE(loaded) << loaded.error().message;
         std::vector<hull::SilhouetteView> views;
         for (const auto& view : *loaded) views.push_back(view.view);

@@ -1,7 +1,7 @@
 #include "core/geometry/triangle_mesh.hpp"
 #include "site_node/hull/visual_hull.hpp"
-#include "site_node/hull_tool/coverage.hpp"
-#include "site_node/hull_tool/views_file.hpp"
+#include "site_node/views/views_file.hpp"
+#include "tools/visual_hull/coverage.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -21,7 +21,7 @@ protected:
         if (!std::filesystem::exists(kFolder / "expected.json"))
             GTEST_SKIP() << kFolder << " is not here";
         expected_ = nlohmann::json::parse(std::ifstream(kFolder / "expected.json")).at(GetParam());
-        auto views = hull_tool::load_views_file(kFolder / (GetParam() + ".json"));
+        auto views = views::load_views_file(kFolder / (GetParam() + ".json"));
         ASSERT_TRUE(views) << views.error().message;
         for (const auto& view : *views) views_.push_back(view.view);
         HullOptions options;

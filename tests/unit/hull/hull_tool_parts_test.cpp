@@ -1,7 +1,7 @@
 // Tests the parts of the tool that need no views file.
-#include "site_node/hull_tool/coverage.hpp"
-#include "site_node/hull_tool/limits.hpp"
-#include "site_node/hull_tool/tool.hpp"
+#include "tools/visual_hull/coverage.hpp"
+#include "tools/visual_hull/limits.hpp"
+#include "tools/visual_hull/tool.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -118,11 +118,12 @@ TEST(Coverage, CountsPixelCentres) {
 class Limits : public testing::Test {
 protected:
     // Returns the tool's error, or "". Checks that the hull agrees with the tool.
-    static std::string error_of(const std::vector<NamedView>& views, bool has_bounds = false) {
+    static std::string error_of(const std::vector<views::NamedView>& views,
+                                bool has_bounds = false) {
         hull::HullOptions options;
         if (has_bounds) options.bounds = geometry::Aabb{{-1, -1, -1}, {1, 1, 1}};
         std::vector<hull::SilhouetteView> silhouettes;
-        for (const NamedView& view : views) silhouettes.push_back(view.view);
+        for (const views::NamedView& view : views) silhouettes.push_back(view.view);
         hull::HullScratch scratch;
         const hull::HullStatus status =
             hull::compute_visual_hull(silhouettes, options, scratch).status;
@@ -136,8 +137,8 @@ protected:
 
     // Contours that repeat one point. The hull counts the points, then sees nothing and returns
     // immediately.
-    static std::vector<NamedView> views_of(std::size_t num_views, std::size_t num_points) {
-        std::vector<NamedView> views(num_views);
+    static std::vector<views::NamedView> views_of(std::size_t num_views, std::size_t num_points) {
+        std::vector<views::NamedView> views(num_views);
         for (std::size_t i = 0; i < num_views; ++i) {
             views[i].name = "v" + std::to_string(i);
             views[i].view.intrinsics = {64, 48, 60.0, 60.0, 31.5, 23.5};
@@ -158,7 +159,7 @@ TEST_F(Limits, OfViews) {
 }
 
 TEST_F(Limits, OfFocalLengths) {
-    std::vector<NamedView> views = views_of(3, 3);
+    std::vector<views::NamedView> views = views_of(3, 3);
     views[1].view.intrinsics.fx = 1e-3;
     views[2].view.intrinsics.fy = 1e7;
     EXPECT_EQ(error_of(views), "");
@@ -170,21 +171,21 @@ TEST_F(Limits, OfFocalLengths) {
 }
 
 TEST_F(Limits, OfPoints) {
-    std::vector<NamedView> few = views_of(4, 50'000);
+    std::vector<views::NamedView> few = views_of(4, 50'000);
     EXPECT_EQ(error_of(few), "");
     few[2].view.contours[0].emplace_back(20.0, 20.0);
     EXPECT_THAT(error_of(few),
                 testing::AllOf(testing::HasSubstr("200001 points"),
                                testing::HasSubstr("4 views may have at most 200000"),
                                testing::HasSubstr("\"v2\": 50001")));
-    std::vector<NamedView> many = views_of(40, 2'500);
+    std::vector<views::NamedView> many = views_of(40, 2'500);
     EXPECT_EQ(error_of(many), "");
     many[39].view.contours[0].emplace_back(20.0, 20.0);
     EXPECT_THAT(error_of(many), testing::HasSubstr("40 views may have at most 100000"));
 }
 
 TEST_F(Limits, OfContoursAreExplainedAfterwards) {
-    std::vector<NamedView> views = views_of(2, 3);
+    std::vector<views::NamedView> views = views_of(2, 3);
     EXPECT_THAT(explain_too_complex(views), testing::HasSubstr("steps"));
     views[1].view.contours.resize(2001);
     EXPECT_EQ(explain_too_complex(views),

@@ -1,5 +1,5 @@
-#include "site_node/hull_tool/tool.hpp"
-#include "site_node/hull_tool/views_file.hpp"
+#include "site_node/views/views_file.hpp"
+#include "tools/visual_hull/tool.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "site_node/hull_tool/tool.hpp"
+#include "tools/visual_hull/tool.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
-#include "monitor/render_json.hpp"
-#include "monitor/render_text.hpp"
+#include "tools/monitor/render_json.hpp"
+#include "tools/monitor/render_text.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "monitor/world_model.hpp"
+#include "tools/monitor/world_model.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

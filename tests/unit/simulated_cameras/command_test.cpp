@@ -1,4 +1,4 @@
-#include "simulation/simulated_cameras/command.hpp"
+#include "tools/simulated_cameras/command.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

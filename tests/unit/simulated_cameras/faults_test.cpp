@@ -1,4 +1,4 @@
-#include "simulation/simulated_cameras/faults.hpp"
+#include "tools/simulated_cameras/faults.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "simulation/simulated_cameras/sensor.hpp"
+#include "tools/simulated_cameras/sensor.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

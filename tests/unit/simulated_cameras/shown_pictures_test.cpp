@@ -1,4 +1,4 @@
-#include "simulation/simulated_cameras/shown_pictures.hpp"
+#include "tools/simulated_cameras/shown_pictures.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "simulation/simulated_cameras/stamp.hpp"
+#include "tools/simulated_cameras/stamp.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 #include "site_node/silhouette_writer.hpp"
 
 #include "site_node/capture/mask_file.hpp"
-#include "site_node/hull_tool/views_file.hpp"
 #include "site_node/segmentation/background_file.hpp"
 #include "site_node/site_node.hpp"
+#include "site_node/views/views_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -87,10 +87,10 @@ TEST_F(SilhouetteWriter, WritesMasksAndPolygonsOfEveryPicture) {
     }
     for (const int i : {0, 1, 2}) {
         const auto views =
-            hull_tool::load_views_file(folder_ / "out/views" / cv::format("%06d.json", i));
+            views::load_views_file(folder_ / "out/views" / cv::format("%06d.json", i));
         ASSERT_TRUE(views) << views.error().message;
         ASSERT_EQ(views->size(), i == 1 ? 1u : 2u);
-        const hull_tool::NamedView& view = views->back();
+        const views::NamedView& view = views->back();
         EXPECT_EQ(view.name, i == 1 ? "a" : "b");
         EXPECT_EQ(view.view.intrinsics.fx, 100.0);
         EXPECT_EQ(view.view.camera_from_site.translation.x(), i == 1 ? 0.0 : 0.3);

@@ -1,7 +1,7 @@
 // The demo's worlds with the demo's people, without cameras or network.
-#include "deploy/demo/demo.hpp"
 #include "simulation/person.hpp"
 #include "tests/support/load_world.hpp"
+#include "tools/demo/demo.hpp"
 #include "world_server/config.hpp"
 #include "world_server/physics/people/person_shape.hpp"
 #include "world_server/scene.hpp"

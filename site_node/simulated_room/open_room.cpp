@@ -1,0 +1,27 @@
+#include "site_node/simulated_room/open_room.hpp"
+
+#include "core/app/log.hpp"
+#include "site_node/simulated_room/simulated_source.hpp"
+
+namespace atrium::simulated_room {
+
+Expected<std::unique_ptr<capture::FrameSource>> open_room(const config::Rig& rig,
+                                                          const simulation::RoomConfig& config,
+                                                          std::stop_token stop) {
+    const simulation::RoomOptions room = simulation::room_options(config, rig.rate_hz);
+    int last_percent = -1;
+    const auto report = [&](std::size_t done, std::size_t total) {
+        const int percent = total == 0 ? 100 : static_cast<int>(done * 100 / total);
+        if (percent / 5 == last_percent / 5 && percent != 100) return;
+        last_percent = percent;
+        app::log::info("rendering the simulated room {} %", percent);
+    };
+    auto source = SimulatedSource::create(rig, room, config.cache, report, stop);
+    if (!source) return tl::unexpected(source.error());
+    if (const std::string& problem = (*source)->cache_problem(); !problem.empty()) {
+        app::log::warn("the rendered room cannot be cached reason=\"{}\"", problem);
+    }
+    return std::unique_ptr<capture::FrameSource>(std::move(*source));
+}
+
+}  // namespace atrium::simulated_room

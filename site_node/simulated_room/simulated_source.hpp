@@ -1,0 +1,45 @@
+#pragma once
+
+#include "simulation/simulated_loop.hpp"
+#include "site_node/capture/frame_source.hpp"
+
+#include <filesystem>
+#include <memory>
+
+namespace atrium::simulated_room {
+
+/// Plays a simulated room in real time. Its loop is rendered once or read from the cache, which
+/// keeps the renderer out of all measurements.
+class SimulatedSource final : public capture::FrameSource {
+public:
+    /// `room.rate_hz` is the rate of the source. An empty `cache` keeps nothing.
+    static Expected<std::unique_ptr<SimulatedSource>> create(
+        const config::Rig& rig,
+        const simulation::RoomOptions& room,
+        const std::filesystem::path& cache,
+        const simulation::LoopProgress& progress,
+        std::stop_token stop);
+
+    const config::Rig& rig() const override { return rig_; }
+    bool has_silhouettes() const override { return false; }
+    std::vector<Expected<void>> show_background(const std::vector<std::size_t>& cameras,
+                                                const BackgroundSink& sink,
+                                                std::stop_token stop) override;
+    Expected<void> run(std::stop_token stop, const Sink& sink) override;
+    /// Counts delivered pictures as received.
+    std::vector<capture::CameraCounters> camera_counters() const override {
+        return counters_.counters();
+    }
+
+    /// Reason why the loop is not cached; empty if it is.
+    const std::string& cache_problem() const { return cache_problem_; }
+
+private:
+    explicit SimulatedSource(config::Rig rig);
+    config::Rig rig_;
+    capture::DeliveryCounters counters_;
+    simulation::SimulatedLoop loop_;
+    std::string cache_problem_;
+};
+
+}  // namespace atrium::simulated_room

@@ -1,0 +1,25 @@
+#include "core/app/program.hpp"
+#include "tools/monitor/monitor.hpp"
+
+int main(int argc, char** argv) {
+    using namespace atrium;
+    const app::StopOnSignal stop;
+    monitor::MonitorConfig config;
+    config::OptionSet options;
+    monitor::declare(config, options);
+    const app::ProgramInfo info{
+        .name = "monitor",
+        .summary =
+            "Shows the programs in a world, their rates and their losses, once a second. "
+            "It only listens: no other program notices it.",
+        .examples =
+            "  monitor\n"
+            "  monitor --bus.world atrium --network lan --site alice\n"
+            "  monitor --json --seconds 60 > world.jsonl\n"
+            "  monitor --once --wait 5      exit code 3 if the world is empty\n",
+        .only_prints = [] { return true; }};
+    const app::Start start = app::start(info, options, argc, argv);
+    if (!start.go_on) return start.exit_code;
+    const auto done = monitor::run_monitor(config, stop.token());
+    return done ? 0 : app::fail(done.error());
+}
