@@ -1,6 +1,7 @@
 """Reads results of benchmarks, and puts tables into pages. Shared by the scripts here."""
 
 import csv
+import os
 import sys
 
 
@@ -10,6 +11,28 @@ def read_rows(path):
         lines = file.read().splitlines()
     comment = " ".join(line[1:].strip() for line in lines if line.startswith("#"))
     return list(csv.DictReader(line for line in lines if not line.startswith("#"))), comment
+
+
+def read_numbers(path):
+    """Like `read_rows`, with numbers as floats; nothing if the file is missing."""
+    if not os.path.exists(path):
+        return [], ""
+    rows, comment = read_rows(path)
+    for row in rows:
+        for key, value in row.items():
+            try:
+                row[key] = float(value)
+            except ValueError:
+                pass
+    return rows, comment
+
+
+def table(title, header, rows):
+    """Prints a table below its title; returns the table."""
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    lines += ["| " + " | ".join(row) + " |" for row in rows]
+    print(f"\n{title}\n\n" + "\n".join(lines))
+    return "\n".join(lines)
 
 
 def renew(page, name, text):

@@ -148,24 +148,24 @@ def parts_table():
     if row:
         lines.append(f"| site: 8 cameras of 1 MP at 60/s, raw pictures to coded bytes, 2 cores | {float(row['rate_hz']):.1f}/s; median "
                      f"{float(row['median_ms']):.1f}, 99th percentile {float(row['p99_ms']):.1f} ms; {float(row['core_ms']):.1f} ms of a core and "
-                     f"{float(row['kilobytes']):.0f} kB per metaframe | {where} | `bench/site_8x1mp.sh` |")
+                     f"{float(row['kilobytes']):.0f} kB per metaframe | {where} | `bench/site/site_8x1mp.sh` |")
     rows, where = newest_rows("hull-sets.csv")
     for name, text in (("person_10k", "8 views"), ("person_24views", "24 views")):
         one, two = only(rows, set=name, threads="1"), only(rows, set=name, threads="2")
         if one and two:
             lines.append(f"| hull of {int(one['triangles']):,} triangles, {text}, 1 and 2 threads | {float(one['total_ms']):.1f} and "
-                         f"{float(two['total_ms']):.1f} ms | {where} | `bench/hull_curves.sh` |")
+                         f"{float(two['total_ms']):.1f} ms | {where} | `bench/hull/hull_curves.sh` |")
     rows, where = newest_rows("world-step.csv")
     row = only(rows, sweep="standard")
     if row:
         lines.append(f"| world server: a person's mesh of {int(row['triangles']):,} triangles for the physics; a step with {row['people']} people and "
-                     f"{row['bodies']} bodies | {float(row['shape_ms']):.1f}; {float(row['median_ms']):.1f} ms of a core | {where} | `bench/world_step.sh` |")
+                     f"{row['bodies']} bodies | {float(row['shape_ms']):.1f}; {float(row['median_ms']):.1f} ms of a core | {where} | `bench/world/world_step.sh` |")
     rows, where = newest_rows("viewer-speed.csv")
     row = only(rows, case="two people of 8 cameras come ready made")
     if row:
         triangles = " and ".join(f"{int(n):,}" for n in row["triangles"].split())
         lines.append(f"| viewer: two people of {triangles} triangles, {row['width']}x{row['height']}, in software | {row['frames_per_s']} pictures/s | {where} "
-                     f"| `bench/viewer_speed.sh` |")
+                     f"| `bench/viewer/viewer_speed.sh` |")
     return "\n".join(lines)
 
 
@@ -179,7 +179,7 @@ def recordings_table():
         lines.append(f"| {name} | {views} | {float(one['volume_l']):.1f} litres, {int(one['triangles']):,} triangles | "
                      f"{float(one['coverage_mean_percent']):.1f} %, {float(one['coverage_worst_percent']):.1f} % | "
                      f"{float(one['total_ms']):.1f} and {float(two['total_ms']):.1f} ms |")
-    return "\n".join(lines + ["", f"{where}, by `bench/hull_curves.sh`."])
+    return "\n".join(lines + ["", f"{where}, by `bench/hull/hull_curves.sh`."])
 
 
 def tables(demo_file):

@@ -17,5 +17,5 @@ out="bench/results/$(date +%Y-%m-%d)-$(lscpu | sed -n 's/^Model name: *//p' | tr
     done
 } 2>&1 | tee "$out"
 echo "kept in $out"
-bench/hull_curves.sh "$build"
-bench/site_8x1mp.sh "$build"
+bench/hull/hull_curves.sh "$build"
+bench/site/site_8x1mp.sh "$build"

@@ -12,7 +12,7 @@
 #include <thread>
 
 // A whole site and a viewer over a link with faults, with the options that users would give.
-// bench/stream_faults measures more faults. docs/measurements/streams.md has the table.
+// bench/stream/stream_faults measures more faults. docs/measurements/streams.md has the table.
 namespace atrium::test {
 namespace {
 

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <memory>
 
-// Some seconds of what bench/world_endurance does for minutes. Two people walk through every
+// Some seconds of what bench/world/world_endurance does for minutes. Two people walk through every
 // delivered world, act, and nothing explodes. Their surfaces do not come from cameras here.
 namespace atrium::test {
 namespace {

@@ -1,4 +1,4 @@
-// Compares drawn people with the pictures of cameras, at a small size. bench/texture_quality
+// Compares drawn people with the pictures of cameras, at a small size. bench/viewer/texture_quality
 // measures the same at full size.
 #include "core/config/rig.hpp"
 #include "tests/support/camera_orbit.hpp"

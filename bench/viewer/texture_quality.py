@@ -1,0 +1,61 @@
+#!/usr/bin/env python3
+"""Renews the tables of docs/measurements/viewer.md from the results of texture_quality.sh.
+
+usage: texture_quality.py TABLE PAGE    the tables go between <!-- texture-quality --> and <!-- /texture-quality -->
+"""
+
+import os
+import sys
+
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+from page_table import put_table, read_rows
+
+SCENES = {"ring20": "ring20: 10 cameras give textures, shown where the other 10 stood",
+          "room": "simulated room: 8 cameras, shown at 20 free viewpoints",
+          "ring20 own": "ring20, at the poses of the cameras that gave the textures",
+          "room own": "simulated room, likewise",
+          "ring20 own half": "ring20, likewise, at the textures' resolution",
+          "room own half": "simulated room, likewise",
+          "ring20 full": "ring20 with textures at full resolution, where the other 10 stood",
+          "room full": "simulated room likewise, at 20 free viewpoints",
+          "ring20 full own": "ring20 with textures at full resolution, at the poses of the cameras that gave them",
+          "room full own": "simulated room, likewise"}
+WAYS = {"viewer": "viewer", "nearest camera": "nearest camera alone", "equal": "all that face it, equally", "its texture": "the texture itself"}
+
+
+def mean(rows, column):
+    return sum(float(row[column]) for row in rows) / len(rows)
+
+
+def quality(rows):
+    """Mean PSNR, mean PSNR of the inside, and mean SSIM of one scene and method."""
+    if not rows:
+        return ""
+    return f"{mean(rows, 'psnr_db'):.1f} ({mean(rows, 'inner_psnr_db'):.1f}) dB, {mean(rows, 'ssim'):.3f}"
+
+
+def main(table, page):
+    rows, comment = read_rows(table)
+    out = ["| shown | " + " | ".join(WAYS.values()) + " | not covered |", "|---" * (2 + len(WAYS)) + "|"]
+    for scene, what in SCENES.items():
+        own = [row for row in rows if row["scene"] == scene]
+        if not own:
+            continue
+        by_way = {way: [row for row in own if row["way"] == way] for way in WAYS}
+        cells = [quality(by_way[way]) for way in WAYS]
+        out.append(f"| {what} | " + " | ".join(cells) + f" | {100 * mean(by_way['viewer'], 'bare'):.1f} % |")
+    orbit = {row["way"]: row for row in rows if row["scene"] == "orbit"}
+    if orbit:
+        shown, true = orbit["viewer"], orbit["truth"]
+        # columns of orbits: largest change of a picture, of a block, and the mean change
+        out += ["", "| around the simulated person in 360 steps: change from picture to picture, grey levels | viewer | true surface | ratio |",
+                "|---|---|---|---|"]
+        for column, what in {"psnr_db": "largest, mean over the picture", "inner_psnr_db": "largest, mean over a block of 16 x 16 pixels",
+                             "ssim": "mean of all"}.items():
+            a, b = float(shown[column]), float(true[column])
+            out.append(f"| {what} | {a:.2f} | {b:.2f} | {a / b:.2f} |")
+    put_table(page, "texture-quality", out, comment)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
