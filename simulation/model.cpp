@@ -132,6 +132,5 @@ void Model::pose(double time_s, PosedSkin& out) const {
 }
 
 const ModelSurface& Model::surface() const { return impl_->parts.surface; }
-double Model::duration_s() const { return impl_->parts.rig.duration_s; }
 
 }  // namespace atrium::simulation

@@ -59,9 +59,6 @@ public:
 
     const ModelSurface& surface() const;
 
-    /// Length of the animation in the file [s]; 0 without one.
-    double duration_s() const;
-
 private:
     struct Impl;
     explicit Model(std::unique_ptr<Impl> impl);

@@ -105,10 +105,4 @@ void Person::pose(double time_s, PosedSkin& out) const {
         });
 }
 
-geometry::TriangleMesh person_mesh(const RoomOptions& options, double time_s) {
-    const auto person = Person::create(options);
-    assert(person);
-    return person->mesh(time_s);
-}
-
 }  // namespace atrium::simulation

@@ -69,8 +69,4 @@ private:
     Skin skin_;
 };
 
-/// Returns `Person::mesh` for one instant. Builds the whole person: create a `Person` for more than
-/// one instant. `options` must be valid.
-geometry::TriangleMesh person_mesh(const RoomOptions& options, double time_s);
-
 }  // namespace atrium::simulation

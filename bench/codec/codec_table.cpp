@@ -2,50 +2,24 @@
 // several texture qualities. Writes comma-separated values, which codec_table.sh keeps.
 
 #include "bench/codec/codec_frames.hpp"
+#include "bench/median_ms.hpp"
+#include "bench/value_of.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "site_node/texture/texture.hpp"
+#include "tests/support/decode_mesh.hpp"
 #include "tests/support/texture_error.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
-#include <functional>
 #include <limits>
 
 namespace atrium::bench {
 namespace {
 
-constexpr int kRepetitions = 25;
+constexpr std::size_t kRepetitions = 25;
 constexpr int kQualities[] = {50, 60, 70, 75, 80, 82, 84, 85, 86, 87, 88, 90, 92, 95};
-
-template <typename T>
-T value_of(Expected<T> result) {
-    if (result) return std::move(*result);
-    fmt::print(stderr, "{}\n", result.error().message);
-    std::exit(1);
-}
-
-void require(const Expected<void>& result) {
-    if (result) return;
-    fmt::print(stderr, "{}\n", result.error().message);
-    std::exit(1);
-}
-
-// The median: other programs disturb single frames.
-double median_ms(const std::function<void()>& work) {
-    std::vector<double> ms;
-    for (int i = 0; i < kRepetitions; ++i) {
-        const auto begin = std::chrono::steady_clock::now();
-        work();
-        ms.push_back(
-            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin)
-                .count());
-    }
-    std::nth_element(ms.begin(), ms.begin() + kRepetitions / 2, ms.end());
-    return ms[kRepetitions / 2];
-}
 
 /// Over all frames of a scene: sums, and the worst camera.
 struct Row {
@@ -72,12 +46,12 @@ void measure_mesh(const CodecFrame& frame, Row& row) {
     std::vector<std::uint8_t> bytes;
     std::vector<geometry::CalibratedCamera> cameras;
     for (const CodecView& view : frame.views) cameras.push_back(view.camera);
-    row.encode_mesh_ms += median_ms([&] {
+    row.encode_mesh_ms += median_ms(kRepetitions, [&] {
         const int bits = codec::position_bits_for(frame.mesh, cameras);
         value_of(encoder.encode(frame.mesh, {.position_bits = bits}, bytes));
     });
     row.position_bits += codec::position_bits_for(frame.mesh, cameras);
-    row.decode_mesh_ms += median_ms([&] { value_of(codec::decode_mesh(bytes)); });
+    row.decode_mesh_ms += median_ms(kRepetitions, [&] { value_of(test::decode_mesh(bytes)); });
     row.triangles += static_cast<double>(frame.mesh.triangles.size());
     row.mesh_kb += 1e-3 * static_cast<double>(bytes.size());
 }
@@ -89,18 +63,18 @@ void measure_textures(const CodecFrame& frame, int quality, Row& row) {
     std::vector<codec::DecodedTexture> shown(frame.views.size());
     texture::TextureScratch scratch;
     codec::TextureCrop crop;
-    row.crop_ms += median_ms([&] {
+    row.crop_ms += median_ms(kRepetitions, [&] {
         for (const CodecView& view : frame.views) {
             if (!texture::crop_texture(
                     view.picture, view.mask, view.crop.crop_px, {.padding_px = 0}, scratch, crop))
                 std::abort();
         }
     });
-    row.encode_textures_ms += median_ms([&] {
+    row.encode_textures_ms += median_ms(kRepetitions, [&] {
         for (std::size_t i = 0; i < coded.size(); ++i)
             require(encoder.encode(frame.views[i].crop, quality, coded[i]));
     });
-    row.decode_textures_ms += median_ms([&] {
+    row.decode_textures_ms += median_ms(kRepetitions, [&] {
         for (std::size_t i = 0; i < coded.size(); ++i)
             require(decoder.decode(coded[i].colour, coded[i].mask, shown[i]));
     });

@@ -1,6 +1,7 @@
 #include "bench/latency/push_watch.hpp"
 
 #include "core/codec/mesh_codec.hpp"
+#include "tests/support/decode_mesh.hpp"
 #include "tests/support/surface_distance.hpp"
 
 #include <chrono>
@@ -63,7 +64,7 @@ std::optional<bus::SceneCommand> PushWatch::see(const bus::SiteMesh& mesh, Times
     // the measured programs share the same two cores: skip work on meshes without a push
     const bool tells_little = phase_ == Phase::kDone || phase_ == Phase::kPut;
     if (tells_little && mesh.frame_id % 4 != 0) return std::nullopt;
-    const auto decoded = codec::decode_mesh(mesh.draco);
+    const auto decoded = test::decode_mesh(mesh.draco);
     if (!decoded || decoded->empty()) return std::nullopt;
     const bool is_there = phase_ != Phase::kDone;
     const Eigen::Vector3d place =

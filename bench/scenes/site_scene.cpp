@@ -2,6 +2,7 @@
 
 #include "simulation/sensor_noise.hpp"
 #include "simulation/simulated_loop.hpp"
+#include "tests/support/bgr_from_yuv.hpp"
 
 #include <cstdint>
 
@@ -34,7 +35,7 @@ public:
     image::RawImage expose(const image::YuvView& scene) {
         const int width = scene.width();
         const int height = scene.height();
-        const std::vector<std::uint8_t> bgr = image::bgr_from_yuv(scene);
+        const std::vector<std::uint8_t> bgr = test::bgr_from_yuv(scene);
         const std::size_t row_bytes = image::row_bytes(format_, width);
         auto memory = std::make_shared<std::vector<std::uint8_t>>(row_bytes *
                                                                   static_cast<std::size_t>(height));

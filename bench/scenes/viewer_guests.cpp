@@ -1,6 +1,7 @@
 #include "bench/scenes/viewer_guests.hpp"
 
 #include "core/codec/mesh_codec.hpp"
+#include "tests/support/decode_mesh.hpp"
 
 #include <fmt/format.h>
 
@@ -20,8 +21,8 @@ Expected<void> change_meshes(CodedStream& stream, const Change& change) {
     codec::MeshEncoder encoder;
     std::size_t number = 0;
     for (auto& frame : stream.frames) {
-        auto mesh = codec::decode_mesh(frame.mesh.draco,
-                                       {.max_triangles = 1U << 20U, .max_vertices = 1U << 20U});
+        auto mesh = test::decode_mesh(frame.mesh.draco,
+                                      {.max_triangles = 1U << 20U, .max_vertices = 1U << 20U});
         if (!mesh) return tl::unexpected(mesh.error());
         change(number++, *mesh);
         auto size = encoder.encode(*mesh, {.position_bits = 16}, frame.mesh.draco);

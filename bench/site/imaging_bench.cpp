@@ -7,6 +7,8 @@
 #include "site_node/segmentation/segmentation.hpp"
 #include "site_node/silhouette/silhouette.hpp"
 #include "site_node/texture/texture.hpp"
+#include "tests/support/bgr_from_yuv.hpp"
+#include "tests/support/whole_mask.hpp"
 #include "tests/unit/silhouette/test_masks.hpp"
 
 #include <benchmark/benchmark.h>
@@ -69,7 +71,7 @@ void pixel_test(benchmark::State& state) {
     const auto instructions = static_cast<segmentation::InstructionSet>(state.range(0));
     const auto gain = static_cast<std::int16_t>(segmentation::kUnitGain * 100 / state.range(1));
     for (auto _ : state)
-        segmentation::test_rows(frame, model, gain, instructions, {0, 1000}, out.data.data());
+        segmentation::test::test_rows(frame, model, gain, instructions, {0, 1000}, out.data.data());
 }
 BENCHMARK(pixel_test)
     ->ArgNames({"avx2", "light_percent"})
@@ -80,7 +82,7 @@ void majority(benchmark::State& state) {
     const image::Mask raw = rough_person();
     segmentation::CleanScratch scratch;
     image::Mask out(1000, 1000);
-    for (auto _ : state) segmentation::majority_3x3(raw, scratch, out);
+    for (auto _ : state) segmentation::test::majority_3x3(raw, scratch, out);
 }
 BENCHMARK(majority)->Unit(benchmark::kMillisecond);
 
@@ -88,9 +90,9 @@ void remove_small_parts(benchmark::State& state) {
     const image::Mask raw = rough_person();
     segmentation::CleanScratch scratch;
     image::Mask cleaned;
-    segmentation::majority_3x3(raw, scratch, cleaned);
+    segmentation::test::majority_3x3(raw, scratch, cleaned);
     // only the first run removes parts, all runs search for them
-    for (auto _ : state) segmentation::remove_small_parts(cleaned, 100, 100, scratch);
+    for (auto _ : state) segmentation::test::remove_small_parts(cleaned, 100, 100, scratch);
 }
 BENCHMARK(remove_small_parts)->Unit(benchmark::kMillisecond);
 
@@ -127,7 +129,7 @@ void raw_to_mask(benchmark::State& state) {
     raw.format = static_cast<image::PixelFormat>(state.range(0));
     raw.width = raw.height = 1000;
     const auto pictures = [&](const image::Mask& mask) {
-        std::vector<std::uint8_t> bgr = image::bgr_from_yuv(frame_with(mask, 9));
+        std::vector<std::uint8_t> bgr = test::bgr_from_yuv(frame_with(mask, 9));
         if (raw.format == image::PixelFormat::kBgr) return bgr;
         std::vector<std::uint8_t> bayer(1000 * 1000);
         for (std::size_t i = 0; i < bayer.size(); ++i) {

@@ -4,8 +4,10 @@
 // (blue) pixels into FOLDER. bench/site/segmentation_quality.sh keeps the tables.
 
 #include "bench/site/segmentation_scenes.hpp"
+#include "bench/value_of.hpp"
 #include "core/image/raw_image.hpp"
 #include "site_node/segmentation/segmentation.hpp"
+#include "tests/support/whole_mask.hpp"
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/video/background_segm.hpp>
@@ -13,7 +15,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 
 namespace atrium::bench {
@@ -47,12 +48,6 @@ double least_ms(int repetitions, Work&& work) {
                          std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
     }
     return least;
-}
-
-void require(const Expected<void>& result) {
-    if (result) return;
-    std::fprintf(stderr, "%s\n", result.error().message.c_str());
-    std::exit(1);
 }
 
 image::RawImage raw(const cv::Mat& bgr) {
@@ -103,9 +98,9 @@ cv::Mat cleaned(const cv::Mat& bgr_mask) {
         std::copy(binary.ptr(y), binary.ptr(y) + binary.cols, in.row(y));
     image::Mask out;
     segmentation::CleanScratch scratch;
-    segmentation::majority_3x3(in, scratch, out);
+    segmentation::test::majority_3x3(in, scratch, out);
     const segmentation::SegmentationOptions options;
-    segmentation::remove_small_parts(out, options.min_area_px, options.max_hole_px, scratch);
+    segmentation::test::remove_small_parts(out, options.min_area_px, options.max_hole_px, scratch);
     return as_mat(out);
 }
 

@@ -2,6 +2,7 @@
 
 #include "core/config/rig.hpp"
 #include "simulation/room_renderer.hpp"
+#include "tests/support/bgr_from_yuv.hpp"
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -88,7 +89,7 @@ struct Light {
 };
 
 cv::Mat picture_of(const image::YuvImage& yuv, double light) {
-    const std::vector<std::uint8_t> bytes = image::bgr_from_yuv(yuv);
+    const std::vector<std::uint8_t> bytes = test::bgr_from_yuv(yuv);
     cv::Mat bgr(yuv.height(), yuv.width(), CV_8UC3);
     std::copy(bytes.begin(), bytes.end(), bgr.data);
     bgr.convertTo(bgr, -1, light);

@@ -1,6 +1,7 @@
 // Compares drawn people with the pictures of real cameras, and with simpler ways to texture them.
 // Writes rows of comma-separated values, one per picture and method. texture_quality.sh keeps them
 // and makes the table of docs/measurements/viewer.md.
+#include "bench/value_of.hpp"
 #include "bench/viewer/texture_baselines.hpp"
 #include "bench/viewer/texture_pictures.hpp"
 #include "core/app/program.hpp"
@@ -16,7 +17,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <span>
@@ -44,13 +44,6 @@ struct Options {
     bool needed_only = true;
     std::uint64_t repeats = 1;
 };
-
-template <typename T>
-T value_of(Expected<T> result) {
-    if (result) return std::move(*result);
-    fmt::print(stderr, "{}\n", result.error().message);
-    std::exit(1);
-}
 
 const std::vector<std::string> kWays = {
     "viewer", "nearest camera", "nearest that sees", "equal", "its texture"};

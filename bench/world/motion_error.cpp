@@ -1,10 +1,12 @@
 // Error of the motion that physics estimates for a person's surface, with hulls from the cameras of
 // a rig. Writes rows of comma-separated values, one per act, over all surfels within 15 cm of the
 // held object or the hitting hand.
+#include "bench/value_of.hpp"
 #include "bench/world/trial_options.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "core/config/rig.hpp"
 #include "tests/support/acts.hpp"
+#include "tests/support/decode_mesh.hpp"
 #include "tests/support/hull_film.hpp"
 #include "world_server/physics/people/person_shape.hpp"
 
@@ -13,7 +15,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <functional>
 #include <map>
 #include <string>
@@ -25,13 +26,6 @@ namespace {
 constexpr double kNearM = 0.15;    // of the grip
 constexpr double kMaxOffM = 0.04;  // a surfel farther from the true surface has no true motion
 constexpr double kSettleS = 0.2;   // the first meshes have no predecessor
-
-template <typename T>
-T value_of(Expected<T> result) {
-    if (result) return std::move(*result);
-    fmt::print(stderr, "{}\n", result.error().message);
-    std::exit(1);
-}
 
 struct Errors {
     std::vector<double> all;  // [m/s]
@@ -80,7 +74,7 @@ Errors measure(const test::Act& act,
     double before_s = 0.0;
     for (const auto& frame : film.frames) {
         if (frame.draco.empty()) continue;
-        const auto mesh = value_of(codec::decode_mesh(frame.draco));
+        const auto mesh = value_of(test::decode_mesh(frame.draco));
         const auto start = std::chrono::steady_clock::now();
         const auto shape =
             shaper.shape(mesh, Timestamp{static_cast<std::int64_t>(1e9 * (1.0 + frame.capture_s))});

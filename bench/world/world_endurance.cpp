@@ -6,6 +6,7 @@
 #include "core/base/thread_pool.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "core/config/rig.hpp"
+#include "tests/support/decode_mesh.hpp"
 #include "tests/support/endurance.hpp"
 #include "tests/support/hull_film.hpp"
 #include "world_server/config.hpp"
@@ -61,7 +62,7 @@ public:
         const double time_s = static_cast<double>(picture) / kRateHz;
         const auto frame = static_cast<std::size_t>(picture + std::lround(start_s_ * kRateHz)) %
                            film_.frames.size();
-        auto mesh = value_of(codec::decode_mesh(film_.frames[frame].draco));
+        auto mesh = value_of(test::decode_mesh(film_.frames[frame].draco));
         const geometry::RigidTransform world_from_feet = test::wander_place(time_s, phase_rad_);
         for (Eigen::Vector3d& vertex : mesh.vertices) vertex = world_from_feet * vertex;
         return shaper_.shape(mesh, {1'000'000'000 + std::llround(1e9 * time_s)});

@@ -3,16 +3,17 @@
 // simulated room. The work is the same in every run, and its instructions can be counted (valgrind
 // --tool=callgrind).
 #include "bench/thread_time.hpp"
+#include "bench/value_of.hpp"
 #include "bench/world/trial_options.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "core/config/rig.hpp"
 #include "tests/support/acts.hpp"
+#include "tests/support/decode_mesh.hpp"
 #include "tests/support/hull_film.hpp"
 #include "world_server/physics/people/person_shape.hpp"
 
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <map>
@@ -22,13 +23,6 @@
 
 namespace atrium::bench {
 namespace {
-
-template <typename T>
-T value_of(Expected<T> result) {
-    if (result) return std::move(*result);
-    fmt::print(stderr, "{}\n", result.error().message);
-    std::exit(1);
-}
 
 void measure(const std::string& name, const test::HullFilm& film, std::size_t max_meshes) {
     physics::PersonShaper shaper(physics::PersonShapeOptions{});
@@ -42,7 +36,7 @@ void measure(const std::string& name, const test::HullFilm& film, std::size_t ma
         if (frame.draco.empty()) continue;
         if (all_ms.size() == max_meshes) break;
         const double begin = thread_ms();
-        const auto mesh = value_of(codec::decode_mesh(frame.draco));
+        const auto mesh = value_of(test::decode_mesh(frame.draco));
         const double decoded = thread_ms();
         const auto shape =
             shaper.shape(mesh, Timestamp{static_cast<std::int64_t>(1e9 * (1.0 + frame.capture_s))});

@@ -2,13 +2,13 @@
 // rows of comma-separated values, one per trial. world_trials.sh keeps them and makes the table.
 #include "tests/support/world_trials.hpp"
 
+#include "bench/value_of.hpp"
 #include "bench/world/trial_options.hpp"
 #include "core/config/rig.hpp"
 
 #include <fmt/format.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <functional>
 #include <iostream>
 #include <map>
@@ -21,13 +21,6 @@ namespace {
 using test::Thing;
 using test::TrialResult;
 using test::TrialSetting;
-
-template <typename T>
-T value_of(Expected<T> result) {
-    if (result) return std::move(*result);
-    fmt::print(stderr, "{}\n", result.error().message);
-    std::exit(1);
-}
 
 using Trial = std::function<TrialResult(const TrialSetting&, std::uint64_t)>;
 

@@ -52,7 +52,6 @@ public:
             if (is_stopped_) return value;
             Entry& entry = entries_[key];
             replaced = std::exchange(entry.waiting, std::move(value));
-            if (replaced) ++num_replaced_;
             if (replaced || entry.is_busy) return replaced;
             ready_.push_back(key);
             if (num_idle_ < ready_.size() && threads_.size() < max_threads_) start_thread();
@@ -77,10 +76,6 @@ public:
         ready_.clear();
     }
 
-    std::uint64_t num_replaced() const {
-        const std::lock_guard lock(mutex_);
-        return num_replaced_;
-    }
     std::size_t num_threads() const {
         const std::lock_guard lock(mutex_);
         return threads_.size();
@@ -137,7 +132,6 @@ private:
     std::map<std::string, Entry> entries_;  // keys that wait or are busy
     std::deque<std::string> ready_;         // keys that wait and are not busy, oldest first
     std::size_t num_idle_ = 0;              // threads that wait for a key
-    std::uint64_t num_replaced_ = 0;
     bool is_stopped_ = false;
     std::vector<std::jthread> threads_;
 };

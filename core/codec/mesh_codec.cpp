@@ -83,15 +83,6 @@ draco::Status encode_with_draco(const TriangleMesh& mesh,
     return encoder.EncodeMeshToBuffer(draco_mesh, &out);
 }
 
-}  // namespace
-
-double quantisation_step_m(const TriangleMesh& mesh, const MeshCodecOptions& options) {
-    if (mesh.vertices.empty()) return 0.0;
-    return step_m(geometry::bounds(mesh).size().maxCoeff(), options.position_bits);
-}
-
-namespace {
-
 /// Square of the largest motion in the picture per metre of motion of any vertex [px^2 / m^2].
 double most_motion_sq(const TriangleMesh& mesh, const geometry::CalibratedCamera& camera) {
     const Eigen::Matrix3d rotation = camera.camera_from_site.rotation.toRotationMatrix();
@@ -246,12 +237,6 @@ Expected<std::size_t> MeshEncoder::encode(const TriangleMesh& mesh,
     }
 }
 
-Expected<std::size_t> encode_mesh(const TriangleMesh& mesh,
-                                  const MeshCodecOptions& options,
-                                  std::vector<std::uint8_t>& out) {
-    return MeshEncoder().encode(mesh, options, out);
-}
-
 struct MeshDecoder::State {
     EdgebreakerReader reader;
 };
@@ -274,13 +259,6 @@ Expected<void> MeshDecoder::decode(std::span<const std::uint8_t> bytes,
     } catch (const std::exception& error) {
         return invalid_mesh(error.what());
     }
-}
-
-Expected<TriangleMesh> decode_mesh(std::span<const std::uint8_t> bytes, const MeshLimits& limits) {
-    TriangleMesh mesh;
-    if (auto ok = MeshDecoder().decode(bytes, limits, mesh); !ok)
-        return tl::unexpected(std::move(ok.error()));
-    return mesh;
 }
 
 }  // namespace atrium::codec

@@ -14,8 +14,9 @@
 namespace atrium::codec {
 
 struct MeshCodecOptions {
-    /// Bits per coordinate, 8..20. Positions are rounded to a cubic grid of `quantisation_step_m`:
-    /// 14 bits and a longest side of 2 m give a step of 0.122 mm. See position_bits_for.
+    /// Bits per coordinate, 8..20. Positions are rounded to a cubic grid, whose step is the
+    /// longest side of the mesh by 2^bits - 1: 14 bits and 2 m give 0.122 mm. See
+    /// position_bits_for.
     int position_bits = 14;
     int speed = 7;  // Draco's: 0 smallest and slowest, 10 fastest; 7 measured as the best trade-off
 };
@@ -26,9 +27,6 @@ struct MeshLimits {
     std::uint32_t max_vertices = 200'004;
     double max_coordinate_m = 1000.0;  // of |x|, |y|, |z|
 };
-
-/// Returns the grid step of positions [m]; the longest side of the mesh determines it for all axes.
-double quantisation_step_m(const geometry::TriangleMesh& mesh, const MeshCodecOptions& options);
 
 /// Longest step that position_bits_for allows, in texture pixels. Textures have half as many pixels
 /// per side as the pictures that a camera delivers.
@@ -79,11 +77,6 @@ private:
     std::unique_ptr<State> state_;
 };
 
-/// Like MeshEncoder::encode, with temporary memory.
-Expected<std::size_t> encode_mesh(const geometry::TriangleMesh& mesh,
-                                  const MeshCodecOptions& options,
-                                  std::vector<std::uint8_t>& out);
-
 /// Decodes the streams of MeshEncoder. Reuses its memory from mesh to mesh; use one per thread.
 class MeshDecoder {
 public:
@@ -108,9 +101,5 @@ private:
     struct State;
     std::unique_ptr<State> state_;
 };
-
-/// Like MeshDecoder::decode, with temporary memory.
-Expected<geometry::TriangleMesh> decode_mesh(std::span<const std::uint8_t> bytes,
-                                             const MeshLimits& limits = {});
 
 }  // namespace atrium::codec

@@ -9,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <numeric>
 
 namespace atrium::geometry {
@@ -96,22 +95,6 @@ std::vector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh) {
                                   : Eigen::Vector3f::Zero();
     }
     return normals;
-}
-
-double winding_number(const TriangleMesh& mesh, const Eigen::Vector3d& p) {
-    double solid_angle = 0.0;
-    for (const auto& [ia, ib, ic] : mesh.triangles) {
-        const Eigen::Vector3d a = mesh.vertices[ia] - p;
-        const Eigen::Vector3d b = mesh.vertices[ib] - p;
-        const Eigen::Vector3d c = mesh.vertices[ic] - p;
-        const double la = a.norm();
-        const double lb = b.norm();
-        const double lc = c.norm();
-        const double numerator = a.dot(b.cross(c));
-        const double denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-        solid_angle += 2.0 * std::atan2(numerator, denominator);
-    }
-    return solid_angle / (4.0 * std::numbers::pi);
 }
 
 }  // namespace atrium::geometry

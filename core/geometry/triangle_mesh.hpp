@@ -49,8 +49,4 @@ Aabb bounds(const TriangleMesh& mesh);
 /// rounding determines their normal are left out.
 std::vector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh);
 
-/// Computes the winding number of `mesh` around `p` from solid angles (van Oosterom, Strackee
-/// 1983): 1 inside, 0 outside a closed mesh. O(triangles).
-double winding_number(const TriangleMesh& mesh, const Eigen::Vector3d& p);
-
 }  // namespace atrium::geometry

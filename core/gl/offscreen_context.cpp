@@ -82,16 +82,4 @@ Expected<void> OffscreenContext::make_current() {
 
 void OffscreenContext::release() { OSMesaMakeCurrent(nullptr, nullptr, 0, 0, 0); }
 
-Expected<void> OffscreenContext::resize(int width, int height) {
-    assert(width > 0 && height > 0);
-    std::vector<std::uint8_t> former = std::exchange(impl_->default_framebuffer, {});
-    impl_->default_framebuffer.resize(num_bytes(width, height));
-    impl_->width = width;
-    impl_->height = height;
-    return make_current();  // destroys `former` only after the context has released it
-}
-
-int OffscreenContext::width() const { return impl_->width; }
-int OffscreenContext::height() const { return impl_->height; }
-
 }  // namespace atrium::gl

@@ -27,12 +27,6 @@ public:
     /// Leaves the calling thread without a current context; another thread may then use this one.
     void release();
 
-    /// Resizes the default framebuffer and discards its contents. The context becomes current.
-    Expected<void> resize(int width, int height);
-
-    int width() const;
-    int height() const;
-
 private:
     struct Impl;
     explicit OffscreenContext(std::unique_ptr<Impl> impl);

@@ -142,23 +142,6 @@ Expected<Framebuffer> make_framebuffer(int width, int height, PixelFormat colour
     return result;
 }
 
-Expected<Framebuffer> make_depth_framebuffer(int width, int height) {
-    Framebuffer result{
-        .name = make_framebuffer_name(),
-        .colour = {},
-        .depth = make_texture(width, height, {.format = PixelFormat::kDepth24, .linear = false}),
-        .width = width,
-        .height = height};
-    result.bind();
-    glFramebufferTexture2D(
-        GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, result.depth.id(), 0);
-    glDrawBuffer(GL_NONE);
-    glReadBuffer(GL_NONE);
-    if (auto complete = check_bound_framebuffer(width, height); !complete)
-        return tl::unexpected(complete.error());
-    return result;
-}
-
 void read_rgba(int width, int height, std::span<std::uint8_t> out) {
     assert(out.size() >= static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 4);
     glPixelStorei(GL_PACK_ALIGNMENT, 1);

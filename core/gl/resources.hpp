@@ -103,7 +103,6 @@ struct Framebuffer {
 Expected<Framebuffer> make_framebuffer(int width,
                                        int height,
                                        PixelFormat colour_format = PixelFormat::kRgba8);
-Expected<Framebuffer> make_depth_framebuffer(int width, int height);
 
 /// Reads `width` by `height` colour pixels of the bound framebuffer into `out`, bottom row first as
 /// in GL, without padding. `out` holds at least 4 * width * height bytes.

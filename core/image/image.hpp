@@ -115,12 +115,4 @@ struct PixelRect {
 void yuv_from_bgr(
     const std::uint8_t* bgr, int width, int height, std::size_t stride_bytes, YuvImage& out);
 
-/// Like yuv_from_bgr, for packed RGB.
-void yuv_from_rgb(
-    const std::uint8_t* rgb, int width, int height, std::size_t stride_bytes, YuvImage& out);
-
-/// Converts a picture to packed BGR for display, 3 * width * height bytes. Each block of a mosaic
-/// becomes one colour.
-std::vector<std::uint8_t> bgr_from_yuv(const YuvView& image);
-
 }  // namespace atrium::image

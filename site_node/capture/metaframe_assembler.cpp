@@ -128,11 +128,6 @@ std::optional<Metaframe> MetaframeAssembler::add(CameraFrame frame,
     return take_ready();
 }
 
-std::optional<Metaframe> MetaframeAssembler::expire(std::chrono::steady_clock::time_point now) {
-    retire_all([&](const Pending& p) { return now - p.first_arrival > options_.deadline; });
-    return take_ready();
-}
-
 std::optional<Metaframe> MetaframeAssembler::finish() {
     retire_all([](const Pending&) { return true; });
     return take_ready();

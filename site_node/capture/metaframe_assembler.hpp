@@ -39,9 +39,6 @@ public:
     /// metaframes: newest wins. `arrival` drives the deadlines and must not decrease.
     std::optional<Metaframe> add(CameraFrame frame, std::chrono::steady_clock::time_point arrival);
 
-    /// Like `add`, but only checks the deadlines.
-    std::optional<Metaframe> expire(std::chrono::steady_clock::time_point now);
-
     /// Ends the input: every pending metaframe counts as past its deadline.
     std::optional<Metaframe> finish();
 

@@ -118,12 +118,6 @@ void update_light(BackgroundModel& model,
                   const image::PixelRect& part,
                   InstructionSet instructions = best_instruction_set());
 
-/// Returns the luma difference that noise alone can cause at this pixel, in 1/256.
-inline std::int32_t luma_noise(const BackgroundModel& model, std::size_t pixel) {
-    const std::int32_t noise = model.room.luma_sigma[pixel] * model.luma_distance;
-    return noise > model.min_luma_noise ? noise : model.min_luma_noise;
-}
-
 /// Learns the background from pictures of the empty room.
 class BackgroundLearner {
 public:

@@ -135,21 +135,6 @@ void majority_3x3(const ThreeRows& in,
     majority_baseline(in, scratch.column_votes.data(), out);
 }
 
-void majority_3x3(const image::Mask& in, CleanScratch& scratch, image::Mask& out) {
-    if (out.width != in.width || out.height != in.height) out = image::Mask(in.width, in.height);
-    if (in.data.empty()) return;
-    const InstructionSet instructions = best_instruction_set();
-    for (int y = 0; y < in.height; ++y) {
-        majority_3x3({in.row(std::max(y - 1, 0)),
-                      in.row(y),
-                      in.row(std::min(y + 1, in.height - 1)),
-                      in.width},
-                     instructions,
-                     scratch,
-                     out.row(y));
-    }
-}
-
 void start_runs(CleanScratch& scratch) {
     scratch.runs.clear();
     scratch.first_run_of_row.assign(1, 0);
@@ -157,10 +142,6 @@ void start_runs(CleanScratch& scratch) {
 
 // Runs alternate, and the first is background and may be empty: the parity within the row gives the
 // value. Each run ends where a pixel differs from the previous one.
-void add_runs(const std::uint8_t* row, int width, CleanScratch& scratch) {
-    add_runs(row, width, {0, width}, scratch);
-}
-
 void add_runs(const std::uint8_t* row,
               int width,
               const image::PixelSpan& span,
@@ -197,16 +178,6 @@ void add_runs(const std::uint8_t* row,
     scratch.first_run_of_row.push_back(index);
 }
 
-void remove_small_parts(image::Mask& mask,
-                        int min_area_px,
-                        int max_hole_px,
-                        CleanScratch& scratch) {
-    if (min_area_px <= 1 && max_hole_px <= 1) return;
-    start_runs(scratch);
-    for (int y = 0; y < mask.height; ++y) add_runs(mask.row(y), mask.width, scratch);
-    remove_small_runs(mask, min_area_px, max_hole_px, scratch);
-}
-
 namespace {
 
 // Calls `flip(y, run, is_background)` for each run of a part that is too small.
@@ -228,22 +199,7 @@ void find_small_runs(
     }
 }
 
-void fill(image::Mask& mask, std::size_t y, const Run& run, bool is_background) {
-    std::uint8_t* const row = mask.row(static_cast<int>(y));
-    std::fill(row + run.begin, row + run.end, is_background ? 255 : 0);
-}
-
 }  // namespace
-
-void remove_small_runs(image::Mask& mask, int min_area_px, int max_hole_px, CleanScratch& scratch) {
-    find_small_runs(static_cast<std::size_t>(mask.height),
-                    min_area_px,
-                    max_hole_px,
-                    scratch,
-                    [&](std::size_t y, const Run& run, bool is_background) {
-                        fill(mask, y, run, is_background);
-                    });
-}
 
 void remove_small_runs(image::SparseMask& mask,
                        int min_area_px,
@@ -255,7 +211,8 @@ void remove_small_runs(image::SparseMask& mask,
                     scratch,
                     [&](std::size_t y, const Run& run, bool is_background) {
                         if (run.begin == run.end) return;
-                        fill(mask.mask, y, run, is_background);
+                        std::uint8_t* const row = mask.mask.row(static_cast<int>(y));
+                        std::fill(row + run.begin, row + run.end, is_background ? 255 : 0);
                         if (!is_background) return;
                         image::PixelSpan& span = mask.rows[y];
                         if (span.begin == span.end) span = {run.begin, run.end};

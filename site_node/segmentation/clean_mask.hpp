@@ -37,26 +37,18 @@ void majority_3x3(const ThreeRows& in,
                   CleanScratch& scratch,
                   std::uint8_t* out);
 
-/// Applies the majority to a whole mask; border rows repeat above and below it. `out` must be
-/// another mask and is resized.
-void majority_3x3(const image::Mask& in, CleanScratch& scratch, image::Mask& out);
-
 /// Inverts each connected part of foreground (4-connected) with fewer than `min_area_px` pixels,
 /// and of background (8-connected) with fewer than `max_hole_px`. Measures all parts before it
 /// changes any: a speck inside a hole that is itself too small becomes background.
-void remove_small_parts(image::Mask& mask, int min_area_px, int max_hole_px, CleanScratch& scratch);
-
-/// Like remove_small_parts, in steps, to read rows while they are in the cache: `start_runs`,
-/// `add_runs` for each row from the top, then `remove_small_runs`.
+///
+/// In steps, to read rows while they are in the cache: `start_runs`, `add_runs` for each row from
+/// the top, then `remove_small_runs`. A row is background outside `span`. Widens the row spans of
+/// `mask` where it fills holes outside them.
 void start_runs(CleanScratch& scratch);
-void add_runs(const std::uint8_t* row, int width, CleanScratch& scratch);
-/// Adds a row that is background outside `span`.
 void add_runs(const std::uint8_t* row,
               int width,
               const image::PixelSpan& span,
               CleanScratch& scratch);
-void remove_small_runs(image::Mask& mask, int min_area_px, int max_hole_px, CleanScratch& scratch);
-/// Widens the row spans of `mask` where it fills holes outside them.
 void remove_small_runs(image::SparseMask& mask,
                        int min_area_px,
                        int max_hole_px,

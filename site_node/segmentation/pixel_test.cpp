@@ -324,23 +324,6 @@ InstructionSet best_instruction_set() {
     return InstructionSet::kBaseline;
 }
 
-void test_rows(const image::YuvView& frame,
-               const BackgroundModel& model,
-               std::int16_t inverse_gain,
-               InstructionSet instructions,
-               RowRange rows,
-               std::uint8_t* out) {
-    assert(frame.width() == model.width() && frame.height() == model.height());
-    assert(rows.first % 2 == 0 && rows.end % 2 == 0 && rows.end <= model.height());
-    assert(inverse_gain >= 0);
-    for (int y = rows.first; y < rows.end; y += 2) {
-        std::uint8_t* const bottom = out + model.width();
-        test_part(
-            frame, model, inverse_gain, instructions, {0, y, model.width(), 2}, {out, bottom});
-        out = bottom + model.width();
-    }
-}
-
 void test_part(const image::YuvView& frame,
                const BackgroundModel& model,
                std::int16_t inverse_gain,
@@ -349,6 +332,8 @@ void test_part(const image::YuvView& frame,
                const TestedRows& out) {
     assert((part.x | part.y | part.width) % 2 == 0 && part.height == 2);
     assert(part.x >= 0 && part.x + part.width <= model.width());
+    assert(frame.width() == model.width() && frame.height() == model.height());
+    assert(inverse_gain >= 0);
     const Limits limits{model.max_distance_sq, model.min_colour_luma, inverse_gain};
     const BlockRow row = block_row(frame, model, part.y / 2, out);
     const int first = part.x / 2;

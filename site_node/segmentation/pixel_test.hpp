@@ -11,15 +11,20 @@ namespace atrium::segmentation {
 /// `inverse_gain` of a picture as bright as the learned room.
 constexpr std::int16_t kUnitGain = 1 << 14;
 
-/// Rows [first, end) of a picture; both even.
-struct RowRange {
-    int first = 0;
-    int end = 0;
+/// Width of the cells in which test_part reports foreground [px].
+constexpr int kTestCell = 32;
+
+/// Output of test_part for two whole rows y and y + 1.
+struct TestedRows {
+    std::uint8_t* top;
+    std::uint8_t* bottom;
+    // per cell from the left of the part: 1 if one of the rows has foreground; null: not needed
+    std::uint8_t* cells = nullptr;
 };
 
-/// Writes 255 for each pixel that cannot be background, else 0: the given rows to `out`, without
-/// padding. The sizes of frame and model must agree. `inverse_gain` (0 to below 2, in 1/16384)
-/// multiplies luma before the comparison.
+/// Writes 255 for each pixel that cannot be background, else 0, in a part of two rows: `part` is
+/// {x, y, width, 2}, all numbers even. The sizes of frame and model must agree. `inverse_gain` (0
+/// to below 2, in 1/16384) multiplies luma before the comparison.
 ///
 /// In a mosaic each sample is tested as luma, against the learned sample at the same place.
 ///
@@ -33,25 +38,6 @@ struct RowRange {
 /// Approach for Real-time Robust Background Subtraction (1999): the brightness ratio. We differ:
 /// integers only, chroma once per 2x2 block, no division; the darkest accepted shadow depends on
 /// how well the hue of the surface distinguishes it from a dark object.
-void test_rows(const image::YuvView& frame,
-               const BackgroundModel& model,
-               std::int16_t inverse_gain,
-               InstructionSet instructions,
-               RowRange rows,
-               std::uint8_t* out);
-
-/// Width of the cells in which test_part reports foreground [px].
-constexpr int kTestCell = 32;
-
-/// Output of test_part for two whole rows y and y + 1.
-struct TestedRows {
-    std::uint8_t* top;
-    std::uint8_t* bottom;
-    // per cell from the left of the part: 1 if one of the rows has foreground; null: not needed
-    std::uint8_t* cells = nullptr;
-};
-
-/// Like test_rows for a part of two rows: `part` is {x, y, width, 2}, all numbers even.
 void test_part(const image::YuvView& frame,
                const BackgroundModel& model,
                std::int16_t inverse_gain,

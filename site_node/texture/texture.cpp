@@ -169,24 +169,6 @@ void copy_full(const image::YuvView& frame,
 
 }  // namespace
 
-image::PixelRect bounding_rect(const image::Mask& mask) {
-    int left = mask.width;
-    int right = 0;
-    int top = mask.height;
-    int bottom = 0;
-    for (int y = 0; y < mask.height; ++y) {
-        const std::uint8_t* row = mask.row(y);
-        const int first = first_foreground(row, mask.width);
-        if (first == mask.width) continue;
-        left = std::min(left, first);
-        right = last_foreground(row, std::max(right, first), mask.width);
-        top = std::min(top, y);
-        bottom = y + 1;
-    }
-    if (bottom == 0) return {};
-    return {left, top, right - left, bottom - top};
-}
-
 bool crop_texture(const image::YuvView& frame,
                   const image::Mask& mask,
                   const image::PixelRect& subject,

@@ -47,8 +47,4 @@ struct TextureScratch {
                                 codec::TextureCrop& out,
                                 image::RowCode code = image::best_row_code());
 
-/// Returns the smallest rectangle with all foreground; empty without any. Reads the whole mask;
-/// silhouette::bounding_rect is cheaper if the contours are known.
-image::PixelRect bounding_rect(const image::Mask& mask);
-
 }  // namespace atrium::texture

@@ -5,6 +5,7 @@
 #include "core/codec/mask_codec.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "core/codec/texture_codec.hpp"
+#include "tests/support/decode_mesh.hpp"
 
 #include <algorithm>
 
@@ -30,7 +31,7 @@ std::string check_own_reader(std::span<const std::uint8_t> bytes) {
 std::string check_mesh_bytes(std::span<const std::uint8_t> bytes, bool& was_accepted) {
     const codec::MeshLimits& limits = kMeshLimits;
     if (std::string wrong = check_own_reader(bytes); !wrong.empty()) return wrong;
-    const auto mesh = codec::decode_mesh(bytes, limits);
+    const auto mesh = test::decode_mesh(bytes, limits);
     was_accepted = mesh.has_value();
     if (!mesh) return mesh.error().kind == ErrorKind::kInvalidData ? "" : "another kind of error";
     if (mesh->vertices.size() > limits.max_vertices ||

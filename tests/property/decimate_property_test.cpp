@@ -7,6 +7,7 @@
 #include "tests/support/rig_maker.hpp"
 #include "tests/support/silhouette_maker.hpp"
 #include "tests/support/surface_distance.hpp"
+#include "tests/support/winding_number.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -40,8 +41,8 @@ void expect_same_inside(const TriangleMesh& in, const TriangleMesh& out, double 
         for (int c = 0; c < 3; ++c)
             p[c] = std::uniform_real_distribution<double>(box.min[c], box.max[c])(random);
         if (to_in.distance_m(p) <= bound_m) continue;
-        const double before = geometry::winding_number(in, p);
-        EXPECT_NEAR(geometry::winding_number(out, p), before, 1e-6) << p.transpose();
+        const double before = test::winding_number(in, p);
+        EXPECT_NEAR(test::winding_number(out, p), before, 1e-6) << p.transpose();
         num_inside += before > 0.5 ? 1 : 0;
     }
     EXPECT_GT(num_inside, 0);

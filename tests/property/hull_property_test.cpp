@@ -3,6 +3,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/rig_maker.hpp"
 #include "tests/support/silhouette_maker.hpp"
+#include "tests/support/winding_number.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -91,7 +92,7 @@ TEST_P(RandomScene, ContainsExactlyThePointsInAllSilhouettes) {
         const test::Membership truth = test::membership(p, views_);
         if (truth.margin_px < kMargin_px) continue;
         num_inside += truth.inside ? 1 : 0;
-        EXPECT_NEAR(geometry::winding_number(hull_.mesh, p), truth.inside ? 1.0 : 0.0, 1e-3)
+        EXPECT_NEAR(test::winding_number(hull_.mesh, p), truth.inside ? 1.0 : 0.0, 1e-3)
             << p.transpose();
     }
     EXPECT_GT(num_inside, 0);

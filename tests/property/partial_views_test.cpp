@@ -3,6 +3,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/rig_maker.hpp"
 #include "tests/support/silhouette_maker.hpp"
+#include "tests/support/winding_number.hpp"
 
 #include <gtest/gtest.h>
 
@@ -135,7 +136,7 @@ TEST_P(PartialViews, ContainExactlyTheUncarvedSpaceThatEnoughSee) {
         const Eigen::Vector3d p = random_point(random, hull);
         const Truth truth = truth_of(p, scene_);
         if (!truth.is_clear) continue;
-        const double winding = hull.mesh.empty() ? 0.0 : geometry::winding_number(hull.mesh, p);
+        const double winding = hull.mesh.empty() ? 0.0 : test::winding_number(hull.mesh, p);
         EXPECT_NEAR(winding, truth.inside ? 1.0 : 0.0, 1e-3) << p.transpose();
     }
 }

@@ -4,6 +4,7 @@
 #include "site_node/hull/visual_hull.hpp"
 #include "site_node/segmentation/segmentation.hpp"
 #include "site_node/silhouette/silhouette.hpp"
+#include "tests/support/winding_number.hpp"
 
 #include <gtest/gtest.h>
 
@@ -85,8 +86,8 @@ protected:
         for (std::size_t i = 0; i < truth_.vertices.size(); i += kStride) {
             const Eigen::Vector3d& p = truth_.vertices[i];
             ++num_tried;
-            num_contained += geometry::winding_number(mesh, p) > 0.5 ||
-                             distance(mesh, p) <= slack_px * pixel_at(p);
+            num_contained +=
+                test::winding_number(mesh, p) > 0.5 || distance(mesh, p) <= slack_px * pixel_at(p);
         }
         return static_cast<double>(num_contained) / static_cast<double>(num_tried);
     }

@@ -6,6 +6,8 @@
 #include "site_node/hull/visual_hull.hpp"
 #include "site_node/silhouette/silhouette.hpp"
 #include "site_node/texture/texture.hpp"
+#include "tests/support/bgr_from_yuv.hpp"
+#include "tests/support/bounding_rect.hpp"
 
 #include <utility>
 
@@ -22,7 +24,7 @@ Expected<TruePicture> true_picture(const geometry::CalibratedCamera& camera,
     out.camera = camera;
     image::YuvImage buffer;
     const image::YuvView view = image::working_view(frame.image, buffer);
-    out.bgr = image::bgr_from_yuv(view);
+    out.bgr = test::bgr_from_yuv(view);
     image::yuv_from_bgr(out.bgr.data(),
                         view.width(),
                         view.height(),
@@ -77,7 +79,7 @@ Expected<std::vector<TruePicture>> film_room(const std::vector<geometry::Calibra
         TruePicture& picture = pictures[i];
         picture.camera = cameras[i];
         room->render(time_s, i, simulation::Scene::kPerson, 0, picture.yuv, &picture.mask);
-        picture.bgr = image::bgr_from_yuv(picture.yuv);
+        picture.bgr = test::bgr_from_yuv(picture.yuv);
     }
     return pictures;
 }
@@ -108,7 +110,7 @@ Expected<ReceivedPerson> receive_person(std::span<const TruePicture> pictures,
         hull::SilhouetteView view{camera.intrinsics, camera.camera_from_site, {}, {}};
         for (const auto& polygon : polygons) view.contours.push_back(polygon.vertices_px);
         views.push_back(std::move(view));
-        const image::PixelRect subject = texture::bounding_rect(picture.mask);
+        const image::PixelRect subject = bounding_rect(picture.mask);
         if (publishing == Publishing::kAsTheyWere) {
             person.pictures.push_back(whole_picture(picture, subject));
             continue;

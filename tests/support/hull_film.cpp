@@ -42,7 +42,8 @@ public:
         if (hull.status != hull::HullStatus::kOk)
             return make_error(ErrorKind::kInvalidData, hull::to_string(hull.status));
         const int bits = codec::position_bits_for(hull.mesh, options_.cameras);
-        if (auto coded = codec::encode_mesh(hull.mesh, {.position_bits = bits}, bytes); !coded)
+        if (auto coded = codec::MeshEncoder().encode(hull.mesh, {.position_bits = bits}, bytes);
+            !coded)
             return tl::unexpected(coded.error());
         return bytes;
     }

@@ -60,7 +60,7 @@ void MeshSite::run(std::stop_token stop) {
         ++mesh.frame_id;
         mesh.draco.clear();
         const auto shape = mesh_at_(mesh.capture_time);
-        if (!shape.empty() && !codec::encode_mesh(shape, {}, mesh.draco)) ++num_failed_;
+        if (!shape.empty() && !codec::MeshEncoder().encode(shape, {}, mesh.draco)) ++num_failed_;
         if (!wait_until(capture + site_.work, stop)) break;
         publish(mesh);
         do capture += period;

@@ -1,8 +1,10 @@
 #include "tests/support/world_trials.hpp"
 
 #include "core/codec/mesh_codec.hpp"
+#include "tests/support/decode_mesh.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/surface_distance.hpp"
+#include "tests/support/winding_number.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ostream.h>
@@ -118,7 +120,7 @@ public:
     explicit SignedDistance(const geometry::TriangleMesh& mesh) : mesh_(mesh), distance_(mesh) {}
     double at(const Vector3d& p) const {
         const double distance = distance_.distance_m(p);
-        return geometry::winding_number(mesh_, p) > 0.5 ? -distance : distance;
+        return test::winding_number(mesh_, p) > 0.5 ? -distance : distance;
     }
     /// Direction in which the distance grows, over a centimetre. The facets of a hull differ from
     /// the true surface.
@@ -372,7 +374,7 @@ Expected<StrikeResult> try_strike(const TrialSetting& setting, const StrikeAct& 
         for (const auto& next : hulls->frames) {
             if (next.capture_s <= time_s - options.tick_s) frame = &next;
         }
-        const auto mesh = codec::decode_mesh(frame->draco);
+        const auto mesh = test::decode_mesh(frame->draco);
         if (!mesh || mesh->empty()) return;
         const Vector3d back =
             act.act.site_from_grip(frame->capture_s).translation - shown.translation;

@@ -4,6 +4,7 @@
 #include "core/bus/topics.hpp"
 #include "core/bus/wire.hpp"
 #include "core/codec/mesh_codec.hpp"
+#include "tests/support/decode_mesh.hpp"
 #include "tests/support/shortest_of.hpp"
 #include "tests/unit/bus/bus_support.hpp"
 
@@ -211,7 +212,7 @@ TEST(BusFaults, GarbageInCodedBytesIsRefusedByTheCodec) {
         to_wire(mesh, scratch, wire);
         ASSERT_TRUE(raw.write(wire));
         ASSERT_TRUE(listener.await([&] { return listener.samples.size() == frame; }));
-        EXPECT_FALSE(codec::decode_mesh(listener.samples.back().draco).has_value());
+        EXPECT_FALSE(test::decode_mesh(listener.samples.back().draco).has_value());
     }
 }
 

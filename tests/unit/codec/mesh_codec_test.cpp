@@ -1,6 +1,7 @@
 #include "core/codec/mesh_codec.hpp"
 
 #include "tests/support/closed_meshes.hpp"
+#include "tests/support/decode_mesh.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -29,22 +30,27 @@ double number(Random& random, double low, double high) {
 
 std::vector<std::uint8_t> encode(const TriangleMesh& mesh, const MeshCodecOptions& options = {}) {
     std::vector<std::uint8_t> bytes;
-    const auto size = encode_mesh(mesh, options, bytes);
+    const auto size = MeshEncoder().encode(mesh, options, bytes);
     EXPECT_TRUE(size.has_value()) << size.error().message;
     return bytes;
 }
 
 TriangleMesh there_and_back(const TriangleMesh& mesh, const MeshCodecOptions& options = {}) {
-    auto decoded = decode_mesh(encode(mesh, options));
+    auto decoded = test::decode_mesh(encode(mesh, options));
     EXPECT_TRUE(decoded.has_value()) << decoded.error().message;
     return decoded ? *decoded : TriangleMesh{};
+}
+
+/// Step of the grid.
+double step_m(const TriangleMesh& mesh, const MeshCodecOptions& options) {
+    return geometry::bounds(mesh).size().maxCoeff() / ((1 << options.position_bits) - 1);
 }
 
 /// Half a step on each axis plus the rounding of the conversion to float.
 double allowed_error_m(const TriangleMesh& mesh, const MeshCodecOptions& options) {
     const geometry::Aabb box = geometry::bounds(mesh);
     const double largest_m = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
-    return 0.5 * quantisation_step_m(mesh, options) + 4.0 * 6e-8 * largest_m;
+    return 0.5 * step_m(mesh, options) + 4.0 * 6e-8 * largest_m;
 }
 
 /// Index of the vertex of `mesh` nearest to `p` in the maximum norm.
@@ -100,20 +106,13 @@ void expect_same_topology(const TriangleMesh& mesh, const MeshCodecOptions& opti
 
 TEST(MeshCodec, EmptyMeshIsZeroBytesBothWays) {
     std::vector<std::uint8_t> bytes{1, 2, 3};
-    const auto size = encode_mesh({}, {}, bytes);
+    const auto size = MeshEncoder().encode({}, {}, bytes);
     ASSERT_TRUE(size.has_value());
     EXPECT_EQ(*size, 0U);
     EXPECT_TRUE(bytes.empty());
-    const auto mesh = decode_mesh(bytes);
+    const auto mesh = test::decode_mesh(bytes);
     ASSERT_TRUE(mesh.has_value());
     EXPECT_TRUE(mesh->empty());
-}
-
-TEST(MeshCodec, StepOfATwoMetreBoxIsBelowAQuarterMillimetre) {
-    TriangleMesh box;
-    box.vertices = {{0, 0, 0}, {1, 0.5, 2}};
-    EXPECT_NEAR(quantisation_step_m(box, {}), 2.0 / 16383.0, 1e-12);
-    EXPECT_LT(quantisation_step_m(box, {}), 0.25e-3);
 }
 
 TEST(MeshCodec, MovesCoordinatesByAtMostHalfAStepAndKeepsTriangles) {
@@ -206,7 +205,7 @@ TEST(MeshCodec, AutomaticBitsAreTheFewestWithShortEnoughSteps) {
         }
         const int bits = position_bits_for(mesh, cameras);
         const auto step_px = [&](int num_bits) {
-            return most_px_per_m * quantisation_step_m(mesh, {.position_bits = num_bits});
+            return most_px_per_m * step_m(mesh, {.position_bits = num_bits});
         };
         if (bits < 16) {
             EXPECT_LE(step_px(bits), 2.0 * kStepInTexturePixels);
@@ -284,36 +283,38 @@ TEST(MeshCodec, RefusesToEncodeBadMeshes) {
     std::vector<std::uint8_t> bytes;
     TriangleMesh mesh = make_octahedron({0, 0, 0}, 1.0);
     mesh.triangles[3][1] = 6;
-    EXPECT_THAT(encode_mesh(mesh, {}, bytes).error().message, HasSubstr("index"));
+    EXPECT_THAT(MeshEncoder().encode(mesh, {}, bytes).error().message, HasSubstr("index"));
     mesh = make_octahedron({0, 0, 0}, 1.0);
     mesh.vertices[2].y() = std::nan("");
-    EXPECT_THAT(encode_mesh(mesh, {}, bytes).error().message, HasSubstr("finite"));
+    EXPECT_THAT(MeshEncoder().encode(mesh, {}, bytes).error().message, HasSubstr("finite"));
     mesh.vertices[2].y() = 1e300;  // exceeds float
-    EXPECT_FALSE(encode_mesh(mesh, {}, bytes).has_value());
+    EXPECT_FALSE(MeshEncoder().encode(mesh, {}, bytes).has_value());
     mesh = make_octahedron({0, 0, 0}, 1.0);
     for (auto& triangle : mesh.triangles) triangle = {1, 1, 2};
-    EXPECT_FALSE(encode_mesh(mesh, {}, bytes).has_value())
+    EXPECT_FALSE(MeshEncoder().encode(mesh, {}, bytes).has_value())
         << "a mesh without any remaining triangle was encoded";
     EXPECT_TRUE(bytes.empty());
 }
 
 TEST(MeshCodec, RefusesCoordinatesAndCountsBeyondTheLimits) {
     const auto bytes = encode(make_torus(20, 10));  // 400 triangles, 200 vertices
-    EXPECT_THAT(decode_mesh(bytes, {.max_triangles = 399}).error().message, HasSubstr("triangles"));
-    EXPECT_THAT(decode_mesh(bytes, {.max_vertices = 199}).error().message, HasSubstr("vertices"));
-    EXPECT_THAT(decode_mesh(bytes, {.max_coordinate_m = 0.9}).error().message,
+    EXPECT_THAT(test::decode_mesh(bytes, {.max_triangles = 399}).error().message,
+                HasSubstr("triangles"));
+    EXPECT_THAT(test::decode_mesh(bytes, {.max_vertices = 199}).error().message,
+                HasSubstr("vertices"));
+    EXPECT_THAT(test::decode_mesh(bytes, {.max_coordinate_m = 0.9}).error().message,
                 HasSubstr("coordinate"));
-    EXPECT_TRUE(decode_mesh(bytes, {400, 200, 1.1}).has_value());
+    EXPECT_TRUE(test::decode_mesh(bytes, {400, 200, 1.1}).has_value());
 }
 
 TEST(MeshCodec, RefusesEveryTruncation) {
     const auto bytes = encode(make_torus(20, 10));
     for (std::size_t size = 1; size < bytes.size(); ++size)
-        EXPECT_FALSE(decode_mesh(std::span(bytes).first(size)).has_value()) << size;
+        EXPECT_FALSE(test::decode_mesh(std::span(bytes).first(size)).has_value()) << size;
 }
 
 void expect_harmless(std::span<const std::uint8_t> bytes, const MeshLimits& limits) {
-    const auto mesh = decode_mesh(bytes, limits);
+    const auto mesh = test::decode_mesh(bytes, limits);
     if (!mesh) {
         EXPECT_EQ(mesh.error().kind, ErrorKind::kInvalidData);
         return;
@@ -361,7 +362,7 @@ TEST(MeshCodec, OneDecoderReadsGoodMeshesAfterDamagedOrEmptyOnes) {
     for (std::size_t round = 0; round < 30; ++round) {
         const auto& good = streams[round % streams.size()];
         ASSERT_TRUE(decoder.decode(good, {}, mesh).has_value());
-        const auto expected = decode_mesh(good);
+        const auto expected = test::decode_mesh(good);
         EXPECT_EQ(mesh.vertices, expected->vertices);
         EXPECT_EQ(mesh.triangles, expected->triangles);
         auto bad = good;
@@ -379,7 +380,7 @@ TEST(MeshCodec, RefusesAStreamOfAnotherForm) {
     for (const std::size_t position : {5U, 6U, 7U, 8U, 9U, 10U, 11U}) {
         auto bytes = good;
         bytes[position] ^= 1U;
-        const auto mesh = decode_mesh(bytes);
+        const auto mesh = test::decode_mesh(bytes);
         ASSERT_FALSE(mesh.has_value());
         EXPECT_THAT(mesh.error().message, HasSubstr("Draco 2.2 edgebreaker"));
     }

@@ -1,5 +1,7 @@
 #include "core/geometry/triangle_mesh.hpp"
 
+#include "tests/support/winding_number.hpp"
+
 #include <gtest/gtest.h>
 
 namespace atrium::geometry {
@@ -86,8 +88,8 @@ TEST(InspectMesh, SurvivesIndicesOutOfRange) {
 
 TEST(WindingNumber, IsOneInsideAndZeroOutside) {
     const TriangleMesh mesh = box({0, 0, 0}, {1, 1, 1});
-    EXPECT_NEAR(winding_number(mesh, {0.3, 0.4, 0.9}), 1.0, 1e-9);
-    EXPECT_NEAR(winding_number(mesh, {1.3, 0.4, 0.9}), 0.0, 1e-9);
+    EXPECT_NEAR(test::winding_number(mesh, {0.3, 0.4, 0.9}), 1.0, 1e-9);
+    EXPECT_NEAR(test::winding_number(mesh, {1.3, 0.4, 0.9}), 0.0, 1e-9);
 }
 
 TEST(VertexNormals, PointOutOfABox) {

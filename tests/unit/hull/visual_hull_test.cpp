@@ -5,6 +5,7 @@
 #include "tests/support/hull_checks.hpp"
 #include "tests/support/rig_maker.hpp"
 #include "tests/support/silhouette_maker.hpp"
+#include "tests/support/winding_number.hpp"
 #include "tests/unit/hull/hull_of_a_sphere.hpp"
 
 #include <gtest/gtest.h>
@@ -121,7 +122,7 @@ TEST(VisualHull, ContainsTheSphereAndShrinksWithMoreCameras) {
         for (const Eigen::Vector3d& direction : kAxes) {
             for (const double sign : {-0.999, 0.999}) {
                 const Eigen::Vector3d p = sphere.centre_site + sign * sphere.radius_m * direction;
-                EXPECT_NEAR(geometry::winding_number(hull.mesh, p), 1.0, 1e-6);
+                EXPECT_NEAR(test::winding_number(hull.mesh, p), 1.0, 1e-6);
             }
         }
     }
@@ -147,7 +148,7 @@ TEST(VisualHull, OfABoxSeenAlongItsEdgesIsTheBox) {
     for (const Eigen::Vector3d& corner : corners) {
         const Eigen::Vector3d inside =
             Eigen::Vector3d(0.0, 0.0, 0.9) + 0.999 * (corner - Eigen::Vector3d(0.0, 0.0, 0.9));
-        EXPECT_NEAR(geometry::winding_number(hull.mesh, inside), 1.0, 1e-6);
+        EXPECT_NEAR(test::winding_number(hull.mesh, inside), 1.0, 1e-6);
     }
 }
 
@@ -292,7 +293,7 @@ TEST(VisualHull, DropsPhantomsUnlessKept) {
                 geometry::volume_m3(exact.mesh),
                 1e-12);
     for (const test::Sphere& sphere : {a, b}) {
-        EXPECT_NEAR(geometry::winding_number(cleaned.mesh, sphere.centre_site), 1.0, 1e-6);
+        EXPECT_NEAR(test::winding_number(cleaned.mesh, sphere.centre_site), 1.0, 1e-6);
     }
 }
 

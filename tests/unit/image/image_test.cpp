@@ -1,5 +1,7 @@
 #include "core/image/image.hpp"
 
+#include "tests/support/bgr_from_yuv.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -45,7 +47,7 @@ TEST(YuvImage, RoundTripOfPlainColoursIsWithinTwoLevels) {
                             static_cast<std::uint8_t>(byte(random)),
                             static_cast<std::uint8_t>(byte(random))};
         yuv_from_bgr(plain(colour, 6, 4).data(), 6, 4, 18, image);
-        const std::vector<std::uint8_t> back = bgr_from_yuv(image);
+        const std::vector<std::uint8_t> back = test::bgr_from_yuv(image);
         for (std::size_t k = 0; k < back.size(); ++k)
             EXPECT_LE(std::abs(back[k] - colour[k % 3]), 2);
     }

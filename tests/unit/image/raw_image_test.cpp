@@ -1,5 +1,7 @@
 #include "core/image/raw_image.hpp"
 
+#include "tests/support/bgr_from_yuv.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -122,7 +124,7 @@ TEST(WorkingView, EveryColourFormatShowsTheSameColours) {
             ASSERT_EQ(view.width(), kWidth - 1);
             ASSERT_EQ(view.height(), kHeight - 1);
             ASSERT_EQ(view.mosaic, mosaic_of(format));
-            const std::vector<std::uint8_t> bgr = bgr_from_yuv(view);
+            const std::vector<std::uint8_t> bgr = test::bgr_from_yuv(view);
             for (int y = 0; y < view.height(); ++y) {
                 for (int x = 0; x < view.width(); ++x) {
                     const Rgb& c = scene.at(x, y);

@@ -1,5 +1,6 @@
 // Soft objects that touch each other.
 #include "soft_stage.hpp"
+#include "tests/support/winding_number.hpp"
 
 #include <gtest/gtest.h>
 
@@ -54,7 +55,7 @@ std::size_t num_inside(Stage& stage, std::uint32_t volume, std::uint32_t other) 
     const std::vector<Eigen::Vector3f> nodes = stage.soft(other).positions;
     return static_cast<std::size_t>(
         std::count_if(nodes.begin(), nodes.end(), [&](const Eigen::Vector3f& p) {
-            return geometry::winding_number(surface, p.cast<double>()) > 0.5;
+            return test::winding_number(surface, p.cast<double>()) > 0.5;
         }));
 }
 

@@ -1,5 +1,7 @@
 #include "site_node/segmentation/clean_mask.hpp"
 
+#include "tests/support/whole_mask.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -54,7 +56,7 @@ TEST(CleanMask, MajorityCountsNinePixelsWithRepeatedBorders) {
     image::Mask out;
     for (unsigned seed = 0; seed < 8; ++seed) {
         const image::Mask in = noise(37 - static_cast<int>(seed) * 4, 19, 0.5, seed);
-        majority_3x3(in, scratch, out);
+        test::majority_3x3(in, scratch, out);
         for (int y = 0; y < in.height; ++y) {
             for (int x = 0; x < in.width; ++x) {
                 int votes = 0;
@@ -93,7 +95,7 @@ TEST(CleanMask, RemovesSmallPartsLikeFloodFill) {
         for (const int min_area_px : {0, 2, 7, 40}) {
             for (const int max_hole_px : {0, 3, 25}) {
                 image::Mask mask = in;
-                remove_small_parts(mask, min_area_px, max_hole_px, scratch);
+                test::remove_small_parts(mask, min_area_px, max_hole_px, scratch);
                 EXPECT_EQ(mask.data, without_small_parts(in, min_area_px, max_hole_px).data)
                     << seed << ", " << min_area_px << ", " << max_hole_px;
             }
@@ -105,7 +107,7 @@ TEST(CleanMask, KeepsPlainMasks) {
     CleanScratch scratch;
     for (const std::uint8_t value : {std::uint8_t{0}, std::uint8_t{255}}) {
         image::Mask mask(20, 10, value);
-        remove_small_parts(mask, 50, 50, scratch);
+        test::remove_small_parts(mask, 50, 50, scratch);
         EXPECT_EQ(mask.data, image::Mask(20, 10, value).data);
     }
 }

@@ -1,5 +1,7 @@
 #include "site_node/segmentation/pixel_test.hpp"
 
+#include "tests/support/whole_mask.hpp"
+
 #include <gtest/gtest.h>
 
 #include <random>
@@ -100,8 +102,9 @@ TEST(PixelTest, GivesTheSameBitsForAllInstructionSets) {
             static_cast<std::int16_t>(round % 4 == 0 ? kUnitGain : random.in(0, 32767));
         std::vector<std::uint8_t> baseline(frame.y.data.size(), 1);
         std::vector<std::uint8_t> avx2(frame.y.data.size(), 2);
-        test_rows(frame, model, gain, InstructionSet::kBaseline, {0, height}, baseline.data());
-        test_rows(frame, model, gain, InstructionSet::kAvx2, {0, height}, avx2.data());
+        test::test_rows(
+            frame, model, gain, InstructionSet::kBaseline, {0, height}, baseline.data());
+        test::test_rows(frame, model, gain, InstructionSet::kAvx2, {0, height}, avx2.data());
         ASSERT_EQ(baseline, avx2) << width << "x" << height << ", gain " << gain;
         for (const std::uint8_t value : baseline)
             (value == 255 ? num_foreground : num_background) += 1;
@@ -123,8 +126,9 @@ TEST(PixelTest, GivesTheSameBitsWhereChromaDecides) {
         set_ratios(model, random, 3000);
         std::vector<std::uint8_t> baseline(frame.y.data.size(), 1);
         std::vector<std::uint8_t> avx2(frame.y.data.size(), 2);
-        test_rows(frame, model, kUnitGain, InstructionSet::kBaseline, {0, 4}, baseline.data());
-        test_rows(frame, model, kUnitGain, InstructionSet::kAvx2, {0, 4}, avx2.data());
+        test::test_rows(
+            frame, model, kUnitGain, InstructionSet::kBaseline, {0, 4}, baseline.data());
+        test::test_rows(frame, model, kUnitGain, InstructionSet::kAvx2, {0, 4}, avx2.data());
         ASSERT_EQ(baseline, avx2) << width;
     }
 }
@@ -154,8 +158,9 @@ TEST(PixelTest, GivesTheSameBitsAtTheChromaLimit) {
         random.fill(frame.v.data, frame.v.data.size(), 128 - reach, 128 + reach);
         std::vector<std::uint8_t> baseline(frame.y.data.size(), 1);
         std::vector<std::uint8_t> avx2(frame.y.data.size(), 2);
-        test_rows(frame, model, kUnitGain, InstructionSet::kBaseline, {0, 4}, baseline.data());
-        test_rows(frame, model, kUnitGain, InstructionSet::kAvx2, {0, 4}, avx2.data());
+        test::test_rows(
+            frame, model, kUnitGain, InstructionSet::kBaseline, {0, 4}, baseline.data());
+        test::test_rows(frame, model, kUnitGain, InstructionSet::kAvx2, {0, 4}, avx2.data());
         ASSERT_EQ(baseline, avx2) << width << ", round " << round;
         for (const std::uint8_t value : baseline)
             (value == 255 ? num_foreground : num_background) += 1;
@@ -199,8 +204,8 @@ TEST(PixelTest, TestsRowsIndependently) {
     const BackgroundModel model = any_model(50, 12, random);
     std::vector<std::uint8_t> all(50 * 12);
     std::vector<std::uint8_t> part(50 * 4);
-    test_rows(frame, model, kUnitGain, best_instruction_set(), {0, 12}, all.data());
-    test_rows(frame, model, kUnitGain, best_instruction_set(), {6, 10}, part.data());
+    test::test_rows(frame, model, kUnitGain, best_instruction_set(), {0, 12}, all.data());
+    test::test_rows(frame, model, kUnitGain, best_instruction_set(), {6, 10}, part.data());
     EXPECT_TRUE(std::equal(part.begin(), part.end(), all.begin() + 50 * 6));
 }
 

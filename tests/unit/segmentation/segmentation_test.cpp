@@ -1,5 +1,6 @@
 #include "site_node/segmentation/segmentation.hpp"
 
+#include "tests/support/whole_mask.hpp"
 #include "tests/unit/segmentation/test_room.hpp"
 
 #include <gmock/gmock.h>
@@ -224,12 +225,12 @@ TEST(Segmentation, FindsTheSameAsATestOfEveryPixel) {
             }
             add_noise(frame, 2.0, 1.0, random);
             image::Mask raw(width, height);
-            test_rows(
+            test::test_rows(
                 frame, model, kUnitGain, InstructionSet::kBaseline, {0, height}, raw.data.data());
             CleanScratch scratch;
             image::Mask expected;
-            majority_3x3(raw, scratch, expected);
-            remove_small_parts(expected, options.min_area_px, options.max_hole_px, scratch);
+            test::majority_3x3(raw, scratch, expected);
+            test::remove_small_parts(expected, options.min_area_px, options.max_hole_px, scratch);
             image::WorkingPicture picture(frame);
             ASSERT_TRUE(segmenter.segment(picture, sparse).has_value());
             EXPECT_EQ(sparse.mask.data, expected.data) << width << "x" << height << ", " << round;

@@ -15,10 +15,10 @@ constexpr int kSide = 16;
 
 // A picture of one colour, as the site sees it.
 image::YuvImage uniform(std::uint8_t red, std::uint8_t green, std::uint8_t blue) {
-    std::vector<std::uint8_t> rgb;
-    for (int i = 0; i < kSide * kSide; ++i) rgb.insert(rgb.end(), {red, green, blue});
+    std::vector<std::uint8_t> bgr;
+    for (int i = 0; i < kSide * kSide; ++i) bgr.insert(bgr.end(), {blue, green, red});
     image::YuvImage picture;
-    image::yuv_from_rgb(rgb.data(), kSide, kSide, 3 * kSide, picture);
+    image::yuv_from_bgr(bgr.data(), kSide, kSide, 3 * kSide, picture);
     return picture;
 }
 

@@ -70,21 +70,6 @@ TEST(OffscreenContext, ReadsAFramebufferBackBottomRowFirst) {
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
 }
 
-TEST(OffscreenContext, SurvivesAResizeAndAMove) {
-    auto created = OffscreenContext::create(8, 8);
-    ASSERT_TRUE(created) << created.error().message;
-    OffscreenContext context = std::move(*created);
-    ASSERT_TRUE(context.resize(40, 30));
-    EXPECT_EQ(context.width(), 40);
-    glClearColor(0.0f, 1.0f, 0.0f, 1.0f);
-    glBindFramebuffer(GL_FRAMEBUFFER, 0);
-    glClear(GL_COLOR_BUFFER_BIT);
-    std::vector<std::uint8_t> rgba(40 * 30 * 4);
-    read_rgba(40, 30, rgba);
-    EXPECT_EQ(rgba[rgba.size() - 3], 255);
-    EXPECT_EQ(rgba[rgba.size() - 4], 0);
-}
-
 TEST(OffscreenContext, DrawsIndependentPicturesOnSeveralThreads) {
     constexpr std::size_t kNumThreads = 4;
     std::array<Pixel, kNumThreads> seen{};

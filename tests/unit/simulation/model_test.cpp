@@ -191,7 +191,6 @@ TEST_F(Walker, WalksOnTheSpotInAClosedLoop) {
     const RoomOptions options = options_of(kWalker);
     const auto model = Model::load(options);
     ASSERT_TRUE(model) << model.error().message;
-    EXPECT_NEAR(model->duration_s(), 2.0, 0.1);
     PosedSkin first, skin, former;
     model->pose(0.0, first);
     former = first;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <random>
 
 namespace atrium::site_node::test {
@@ -93,22 +92,6 @@ std::vector<Eigen::Vector3d> points_inside(std::span<const Capsule> body,
                              direction.normalized());
     }
     return points;
-}
-
-int winding_number(const geometry::TriangleMesh& mesh, const Eigen::Vector3d& p) {
-    double solid_angle = 0.0;
-    for (const auto& triangle : mesh.triangles) {
-        const Eigen::Vector3d a = mesh.vertices[triangle[0]] - p;
-        const Eigen::Vector3d b = mesh.vertices[triangle[1]] - p;
-        const Eigen::Vector3d c = mesh.vertices[triangle[2]] - p;
-        const double la = a.norm();
-        const double lb = b.norm();
-        const double lc = c.norm();
-        solid_angle +=
-            2.0 * std::atan2(a.dot(b.cross(c)),
-                             la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-    }
-    return static_cast<int>(std::lround(solid_angle / (4.0 * std::numbers::pi)));
 }
 
 }  // namespace atrium::site_node::test

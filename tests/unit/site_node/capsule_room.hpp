@@ -48,7 +48,4 @@ std::vector<Eigen::Vector3d> points_inside(std::span<const Capsule> body,
                                            double margin_m,
                                            std::size_t count);
 
-/// Winding number of a closed mesh around `p`, rounded: 1 inside, 0 outside.
-int winding_number(const geometry::TriangleMesh& mesh, const Eigen::Vector3d& p);
-
 }  // namespace atrium::site_node::test

@@ -2,6 +2,7 @@
 
 #include "core/base/thread_pool.hpp"
 #include "tests/support/rig_maker.hpp"
+#include "tests/support/winding_number.hpp"
 #include "tests/unit/site_node/capsule_room.hpp"
 
 #include <gmock/gmock.h>
@@ -62,7 +63,7 @@ protected:
     std::size_t num_outside(const std::vector<Eigen::Vector3d>& points) const {
         return static_cast<std::size_t>(
             std::count_if(points.begin(), points.end(), [&](const Eigen::Vector3d& p) {
-                return test::winding_number(frame_.hull.mesh, p) != 1;
+                return std::lround(atrium::test::winding_number(frame_.hull.mesh, p)) != 1;
             }));
     }
     std::vector<std::uint32_t> textured() const {

@@ -1,5 +1,7 @@
 #include "site_node/texture/texture.hpp"
 
+#include "tests/support/bounding_rect.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,27 +27,6 @@ void fill(image::Plane& plane, const image::PixelRect& r, std::uint8_t value) {
     for (int y = r.y; y < r.y + r.height; ++y) std::fill_n(plane.row(y) + r.x, r.width, value);
 }
 
-TEST(BoundingRect, IsTheSmallestAroundTheForeground) {
-    std::mt19937 random(1);
-    std::uniform_int_distribution<int> column(0, 60);
-    std::uniform_int_distribution<int> row(0, 40);
-    EXPECT_TRUE(bounding_rect(image::Mask(61, 41)).empty());
-    for (int i = 0; i < 200; ++i) {
-        image::Mask mask(61, 41);
-        int left = 61, right = 0, top = 41, bottom = 0;
-        for (int point = 0; point <= i % 4; ++point) {
-            const int x = column(random);
-            const int y = row(random);
-            mask.row(y)[x] = 255;
-            left = std::min(left, x);
-            right = std::max(right, x + 1);
-            top = std::min(top, y);
-            bottom = std::max(bottom, y + 1);
-        }
-        EXPECT_EQ(bounding_rect(mask), (image::PixelRect{left, top, right - left, bottom - top}));
-    }
-}
-
 TEST(CropTexture, IsEmptyForAnEmptySubject) {
     TextureScratch scratch;
     codec::TextureCrop crop;
@@ -59,13 +40,13 @@ TEST(CropTexture, RectangleIsPaddedEvenAndInsideThePicture) {
     image::Mask mask(64, 48);
     fill(mask, {21, 13, 10, 9}, 255);
     ASSERT_TRUE(crop_texture(
-        noise_frame(64, 48, 1), mask, bounding_rect(mask), {.padding_px = 4}, scratch, crop));
+        noise_frame(64, 48, 1), mask, test::bounding_rect(mask), {.padding_px = 4}, scratch, crop));
     EXPECT_EQ(crop.crop_px, (image::PixelRect{16, 8, 20, 18}));
     EXPECT_EQ(crop.width(), 10);
     EXPECT_EQ(crop.height(), 9);
     mask = image::Mask(64, 48, 255);
     ASSERT_TRUE(crop_texture(
-        noise_frame(64, 48, 1), mask, bounding_rect(mask), {.padding_px = 4}, scratch, crop));
+        noise_frame(64, 48, 1), mask, test::bounding_rect(mask), {.padding_px = 4}, scratch, crop));
     EXPECT_EQ(crop.crop_px, (image::PixelRect{0, 0, 64, 48}));
 }
 
@@ -79,7 +60,7 @@ TEST(CropTexture, ForegroundKeepsItsColoursAndTheMaskIsTheMajorityOfFour) {
     for (int y = 20; y < 80; ++y) {
         for (int x = 30; x < 110; ++x) mask.row(y)[x] = on(random) ? 255 : 0;
     }
-    ASSERT_TRUE(crop_texture(frame, mask, bounding_rect(mask), {}, scratch, crop));
+    ASSERT_TRUE(crop_texture(frame, mask, test::bounding_rect(mask), {}, scratch, crop));
     int num_foreground = 0;
     for (int y = 0; y < crop.height(); ++y) {
         for (int x = 0; x < crop.width(); ++x) {
@@ -127,7 +108,8 @@ TEST(CropTexture, NoBackgroundColourIsLeft) {
     }
     TextureScratch scratch;
     codec::TextureCrop crop;
-    ASSERT_TRUE(crop_texture(frame, mask, bounding_rect(mask), {.padding_px = 30}, scratch, crop));
+    ASSERT_TRUE(
+        crop_texture(frame, mask, test::bounding_rect(mask), {.padding_px = 30}, scratch, crop));
     const auto [y_low, y_high] = std::minmax_element(crop.y.data.begin(), crop.y.data.end());
     EXPECT_GE(*y_low, 100);
     EXPECT_LE(*y_high, 120);
@@ -182,7 +164,8 @@ TEST(CropTexture, IsGreyIfTheForegroundVanishesAtHalfResolution) {
     mask.row(9)[9] = 255;
     TextureScratch scratch;
     codec::TextureCrop crop;
-    ASSERT_TRUE(crop_texture(noise_frame(32, 32, 4), mask, bounding_rect(mask), {}, scratch, crop));
+    ASSERT_TRUE(
+        crop_texture(noise_frame(32, 32, 4), mask, test::bounding_rect(mask), {}, scratch, crop));
     EXPECT_EQ(std::count(crop.mask.data.begin(), crop.mask.data.end(), 255), 0);
     EXPECT_EQ(std::count(crop.y.data.begin(), crop.y.data.end(), 128), std::ssize(crop.y.data));
 }
@@ -193,9 +176,10 @@ TEST(CropTexture, OddMasksOfOddPicturesLoseTheirLastColumnAndRow) {
     codec::TextureCrop crop;
     mask.row(30)[32] = 255;
     EXPECT_FALSE(crop_texture(
-        noise_frame(32, 30, 5), mask, bounding_rect(mask), {.padding_px = 0}, scratch, crop));
+        noise_frame(32, 30, 5), mask, test::bounding_rect(mask), {.padding_px = 0}, scratch, crop));
     fill(mask, {20, 20, 13, 11}, 255);
-    ASSERT_TRUE(crop_texture(noise_frame(32, 30, 5), mask, bounding_rect(mask), {}, scratch, crop));
+    ASSERT_TRUE(
+        crop_texture(noise_frame(32, 30, 5), mask, test::bounding_rect(mask), {}, scratch, crop));
     EXPECT_EQ(crop.crop_px, (image::PixelRect{16, 16, 16, 14}));
 }
 
@@ -207,7 +191,7 @@ TEST(CropTexture, AtFullResolutionLumaAndMaskAreUnchanged) {
     image::Mask mask(128, 96);
     fill(mask, {31, 21, 50, 40}, 255);
     ASSERT_TRUE(crop_texture(
-        frame, mask, bounding_rect(mask), {.resolution = Resolution::kFull}, scratch, crop));
+        frame, mask, test::bounding_rect(mask), {.resolution = Resolution::kFull}, scratch, crop));
     EXPECT_EQ(crop.crop_px, (image::PixelRect{26, 16, 60, 50}));
     ASSERT_EQ(crop.width(), 60);
     ASSERT_EQ(crop.height(), 50);
@@ -278,7 +262,7 @@ TEST(CropTexture, StaysAtHalfIfTooLargeForFullResolution) {
     const image::Mask mask(1100, 1000, 255);
     ASSERT_TRUE(crop_texture(noise_frame(1100, 1000, 9),
                              mask,
-                             bounding_rect(mask),
+                             test::bounding_rect(mask),
                              {.resolution = Resolution::kFull},
                              scratch,
                              crop));

@@ -30,7 +30,7 @@ Frame frame(const std::string& site, std::uint64_t frame_id, std::uint8_t luma) 
     result.mesh.site = site;
     result.mesh.frame_id = frame_id;
     result.mesh.capture_time = Timestamp::now();
-    if (!codec::encode_mesh(synthetic::mesh_of({kPerson}, 16), {}, result.mesh.draco))
+    if (!codec::MeshEncoder().encode(synthetic::mesh_of({kPerson}, 16), {}, result.mesh.draco))
         throw std::runtime_error("the mesh cannot be coded");
     const bus::SiteDescription site_description = description(site);
     codec::TextureEncoder encoder;

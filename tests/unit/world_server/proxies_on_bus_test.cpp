@@ -66,7 +66,7 @@ protected:
         mesh_.capture_time = Timestamp::now();
         ++mesh_.frame_id;
         const auto shape = physics_test::make_person_mesh({x_at(mesh_.capture_time), 0, 0}, 0.3, 8);
-        ASSERT_TRUE(codec::encode_mesh(shape, {}, mesh_.draco));
+        ASSERT_TRUE(codec::MeshEncoder().encode(shape, {}, mesh_.draco));
         ASSERT_TRUE(meshes_->write(mesh_));
     }
     // Returns true once `holds()`. The person moves meanwhile, with 30 meshes a second.

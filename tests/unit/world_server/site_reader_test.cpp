@@ -17,7 +17,7 @@ bus::SiteMesh mesh_message(const geometry::TriangleMesh& mesh, std::int64_t capt
     bus::SiteMesh message;
     message.site = "alice";
     message.capture_time = {capture_ms * 1'000'000};
-    EXPECT_TRUE(codec::encode_mesh(mesh, {}, message.draco));
+    EXPECT_TRUE(codec::MeshEncoder().encode(mesh, {}, message.draco));
     return message;
 }
 

@@ -125,7 +125,7 @@ TEST(WorldServer, ServesASiteAndAViewerFromArrivalToLeave) {
         const double seconds = std::chrono::duration<double>(now - start).count();
         const geometry::RigidTransform pose{Eigen::Quaterniond::Identity(),
                                             {0.5 + std::min(0.6, 0.8 * seconds), 0, 0.15}};
-        ASSERT_TRUE(codec::encode_mesh(
+        ASSERT_TRUE(codec::MeshEncoder().encode(
             physics_test::make_box_mesh({0.1, 0.2, 0.3}, pose, 3), {}, mesh.draco));
         mesh.capture_time = now;
         ++mesh.frame_id;
@@ -180,11 +180,11 @@ TEST(WorldServer, LateMeshOfAnEndedSiteIsNoNewArrival) {
     description.bounds_site.add({2, 1, 2});
     bus::SiteMesh mesh;
     mesh.site = "alice";
-    ASSERT_TRUE(
-        codec::encode_mesh(physics_test::make_box_mesh(
-                               {0.1, 0.2, 0.3}, {Eigen::Quaterniond::Identity(), {0, 0, 1}}, 3),
-                           {},
-                           mesh.draco));
+    ASSERT_TRUE(codec::MeshEncoder().encode(
+        physics_test::make_box_mesh(
+            {0.1, 0.2, 0.3}, {Eigen::Quaterniond::Identity(), {0, 0, 1}}, 3),
+        {},
+        mesh.draco));
     const auto send_mesh = [&] {
         mesh.capture_time = Timestamp::now();
         ++mesh.frame_id;
