@@ -8,6 +8,7 @@
 #include "site_node/silhouette/silhouette.hpp"
 #include "site_node/texture/texture.hpp"
 #include "tests/support/bgr_from_yuv.hpp"
+#include "tests/support/bounding_rect.hpp"
 #include "tests/support/whole_mask.hpp"
 #include "tests/unit/silhouette/test_masks.hpp"
 
@@ -197,7 +198,7 @@ void crop_texture(benchmark::State& state) {
     const image::YuvImage frame = frame_with(mask, 9);
     texture::TextureScratch scratch;
     codec::TextureCrop crop;
-    const image::PixelRect subject = texture::bounding_rect(mask);
+    const image::PixelRect subject = test::bounding_rect(mask);
     for (auto _ : state)
         benchmark::DoNotOptimize(texture::crop_texture(frame, mask, subject, {}, scratch, crop));
 }
@@ -207,7 +208,7 @@ codec::TextureCrop person_crop() {
     const image::Mask mask = rough_person();
     texture::TextureScratch scratch;
     codec::TextureCrop crop;
-    const image::PixelRect subject = texture::bounding_rect(mask);
+    const image::PixelRect subject = test::bounding_rect(mask);
     if (!texture::crop_texture(frame_with(mask, 9), mask, subject, {}, scratch, crop)) std::abort();
     return crop;
 }
