@@ -1,5 +1,6 @@
 // How people move objects: meshes at 30 Hz without a common topology, ticks at 120 Hz.
 #include "meshes.hpp"
+#include "ticks.hpp"
 #include "world_server/physics/people/person_shape.hpp"
 #include "world_server/physics/world.hpp"
 
@@ -15,13 +16,12 @@ namespace {
 using physics_test::make_box_mesh;
 using physics_test::make_sphere_mesh;
 
-constexpr int kTicksPerMesh = 4;
 constexpr double kMeshPeriodS = 1.0 / 30.0;
 
 // A world with a floor that receives a person's meshes at 30 Hz.
-class Stage {
+class PeopleStage {
 public:
-    Stage() { world.add({.id = 1, .shape = ObjectShape::kPlane, .size_m = {10, 10, 0}}); }
+    PeopleStage() { world.add({.id = 1, .shape = ObjectShape::kPlane, .size_m = {10, 10, 0}}); }
 
     void add_ball(const Eigen::Vector3d& position, double diameter_m = 0.1) {
         ASSERT_EQ(world.add({.id = 2,
@@ -104,7 +104,7 @@ double share_moved(double speed_mps, bool use_box, int num_trials) {
         const auto uniform = [&](double low, double high) {
             return std::uniform_real_distribution<double>(low, high)(random);
         };
-        Stage stage;
+        PeopleStage stage;
         stage.add_table(0.95);
         if (use_box) {
             stage.add_box({0, 0, 1.0}, 0.1);
@@ -142,7 +142,7 @@ TEST_P(SlabAtSpeed, PushesABoxAndNeverPassesThroughIt) {
 INSTANTIATE_TEST_SUITE_P(MetresPerSecond, SlabAtSpeed, testing::Values(1.0, 2.0, 4.0));
 
 TEST(Person, GivesABallAboutTheHandsSpeed) {
-    Stage stage;
+    PeopleStage stage;
     stage.add_table(0.95);
     stage.add_ball({0, 0, 1.0});
     const Swing swing{
@@ -160,7 +160,7 @@ TEST(Person, GivesABallAboutTheHandsSpeed) {
 }
 
 TEST(Person, WakesASleepingObject) {
-    Stage stage;
+    PeopleStage stage;
     stage.add_ball({0, 0, 0.05});
     const auto nobody = [](double) { return geometry::TriangleMesh{}; };
     stage.play(4.0, nobody);
@@ -173,7 +173,7 @@ TEST(Person, WakesASleepingObject) {
 
 TEST(Person, IsAWallWhenStill) {
     for (const double speed_mps : {1.0, 4.0, 8.0}) {
-        Stage stage;
+        PeopleStage stage;
         stage.add_ball({1.0, 0, 1.2});
         stage.world.push(2, {-0.3 * speed_mps, 0, 0});
         double nearest = 1.0;
@@ -195,7 +195,7 @@ TEST(Person, HoldsABallOnAStillHandOrLetsItRollOff) {
     std::mt19937 random(17);
     std::uniform_real_distribution<double> offset(-0.05, 0.05);
     for (int trial = 0; trial < 8; ++trial) {
-        Stage stage;
+        PeopleStage stage;
         stage.add_ball({0.4 + offset(random), 0.17 + offset(random), 1.6});
         int ticks_inside = 0;
         int num_cuts = 8;
@@ -217,7 +217,7 @@ TEST(Person, HoldsABallOnAStillHandOrLetsItRollOff) {
 }
 
 TEST(Person, CarriesABoxOnAFlatHandUpwards) {
-    Stage stage;
+    PeopleStage stage;
     stage.add_box({0, 0, 1.08}, 0.12);
     stage.play(3.0, [&](double t) {
         const double height = 1.0 + 0.2 * std::clamp(t - 1.0, 0.0, 1.5);
@@ -229,7 +229,7 @@ TEST(Person, CarriesABoxOnAFlatHandUpwards) {
 
 TEST(Person, ReleasesEnclosedObjectsWhenItAppears) {
     for (const double diameter_m : {0.06, 0.1, 0.2}) {
-        Stage stage;
+        PeopleStage stage;
         stage.add_ball({0.03, 0.01, 1.0}, diameter_m);
         const auto torso = [&](double) {
             return make_box_mesh(
@@ -249,7 +249,7 @@ TEST(Person, ReleasesEnclosedObjectsWhenItAppears) {
 }
 
 TEST(Person, SqueezingAgainstAWallDoesNotEjectAnObject) {
-    Stage stage;
+    PeopleStage stage;
     ASSERT_EQ(
         stage.world.add({.id = 4,
                          .size_m = {0.2, 2.0, 2.0},
@@ -275,7 +275,7 @@ TEST(Person, SqueezingAgainstAWallDoesNotEjectAnObject) {
 }
 
 TEST(Person, StopsWithoutMeshesAndVanishesWhenRemoved) {
-    Stage stage;
+    PeopleStage stage;
     const auto hand_at = [&](double x) {
         return make_box_mesh({0.04, 0.1, 0.18}, {Eigen::Quaterniond::Identity(), {x, 0, 1.0}}, 3);
     };
@@ -295,7 +295,7 @@ TEST(Person, StopsWithoutMeshesAndVanishesWhenRemoved) {
 }
 
 TEST(Person, DropsObjectsOnItWhenItLeaves) {
-    Stage stage;
+    PeopleStage stage;
     stage.add_box({0, 0, 1.08}, 0.12);
     const auto tray = [&](double) {
         return make_box_mesh({0.3, 0.3, 0.04}, {Eigen::Quaterniond::Identity(), {0, 0, 1.0}}, 4);
@@ -309,7 +309,7 @@ TEST(Person, DropsObjectsOnItWhenItLeaves) {
 
 TEST(Person, RepeatsBitByBit) {
     const auto play = [] {
-        Stage stage;
+        PeopleStage stage;
         stage.add_table(0.95);
         stage.add_ball({0, 0, 1.0});
         const Swing swing{.speed_mps = 3.0,

@@ -8,7 +8,7 @@ namespace {
 
 using std::chrono::seconds;
 
-const StatusLines::Clock::time_point kStart{std::chrono::hours(1)};
+const StatusLines::Clock::time_point kFirstLine{std::chrono::hours(1)};
 
 bus::SiteStatus site_status(std::uint64_t num_late) {
     bus::SiteStatus status;
@@ -29,7 +29,7 @@ std::vector<std::string> texts(const std::vector<HudLine>& lines) {
 
 TEST(StatusLines, ShowTheTimeOfEachStage) {
     StatusLines lines;
-    lines.add("alice", site_status(0), kStart);
+    lines.add("alice", site_status(0), kFirstLine);
     bus::WorldStatus world;
     world.steps_per_s = 119.0;
     world.step = {0.8, 2.1, 512};
@@ -39,7 +39,7 @@ TEST(StatusLines, ShowTheTimeOfEachStage) {
                        .longest_wait_per_s = 0.08,
                        .is_waiting_known = true,
                        .nice = 3};
-    lines.add("lab", world, kStart);
+    lines.add("lab", world, kFirstLine);
     EXPECT_THAT(texts(lines.details()),
                 testing::ElementsAre("site alice: 13.0 metaframes/s",
                                      "  cpu  0.00 cores  waited ?  nice 0",
@@ -54,36 +54,36 @@ TEST(StatusLines, ShowTheTimeOfEachStage) {
 
 TEST(StatusLines, WarnWhileTheWorldIsGone) {
     StatusLines lines;
-    lines.forget_silent(kStart);
+    lines.forget_silent(kFirstLine);
     EXPECT_TRUE(lines.warnings().empty()) << "no world was there before";
-    lines.add("lab", bus::WorldStatus(), kStart);
-    lines.forget_silent(kStart);
+    lines.add("lab", bus::WorldStatus(), kFirstLine);
+    lines.forget_silent(kFirstLine);
     EXPECT_TRUE(lines.warnings().empty());
-    lines.forget_silent(kStart + seconds(6));
-    lines.forget_silent(kStart + seconds(9));
+    lines.forget_silent(kFirstLine + seconds(6));
+    lines.forget_silent(kFirstLine + seconds(9));
     EXPECT_THAT(texts(lines.warnings()), testing::ElementsAre("no world server for 9 s"));
-    lines.add("lab", bus::WorldStatus(), kStart + seconds(10));
-    lines.forget_silent(kStart + seconds(10));
+    lines.add("lab", bus::WorldStatus(), kFirstLine + seconds(10));
+    lines.forget_silent(kFirstLine + seconds(10));
     EXPECT_TRUE(lines.warnings().empty());
 }
 
 TEST(StatusLines, WarnOfLossesSinceThePreviousReport) {
     StatusLines lines;
-    lines.add("alice", site_status(100), kStart);
+    lines.add("alice", site_status(100), kFirstLine);
     EXPECT_TRUE(lines.warnings().empty()) << "losses before the first report must not warn";
-    lines.add("alice", site_status(103), kStart + seconds(1));
+    lines.add("alice", site_status(103), kFirstLine + seconds(1));
     const auto warnings = lines.warnings();
     ASSERT_EQ(warnings.size(), 1U);
     EXPECT_TRUE(warnings[0].is_warning);
     EXPECT_EQ(warnings[0].text, "site alice: dropped late 3") << "phantoms are the site's affair";
-    lines.add("alice", site_status(103), kStart + seconds(2));
+    lines.add("alice", site_status(103), kFirstLine + seconds(2));
     EXPECT_TRUE(lines.warnings().empty());
-    lines.add("alice", site_status(2), kStart + seconds(3));
+    lines.add("alice", site_status(2), kFirstLine + seconds(3));
     EXPECT_TRUE(lines.warnings().empty()) << "a restart must not warn";
     bus::SiteStatus status = site_status(2);
     status.cameras.resize(3);
     status.cameras[1].connected = true;
-    lines.add("bob", status, kStart);
+    lines.add("bob", status, kFirstLine);
     EXPECT_THAT(texts(lines.warnings()), testing::ElementsAre("site bob: 2 cameras off"));
 }
 
@@ -91,16 +91,16 @@ TEST(StatusLines, DistinguishASlowMachineFromASlowNetwork) {
     StatusLines lines;
     bus::SiteStatus site;
     site.processor.is_waiting_known = true;
-    lines.add("alice", site, kStart);
+    lines.add("alice", site, kFirstLine);
     site.num_metaframes_captured = 30;
     site.stream.num_dropped_for_rate = 15;
     site.stream.cap_set_by = "wall";
     site.stream.cap_bit_per_s = 4.2e6;
-    lines.add("alice", site, kStart + seconds(1));
+    lines.add("alice", site, kFirstLine + seconds(1));
     bus::ViewerStatus own;
     own.processor.is_waiting_known = true;
     own.processor.longest_wait_per_s = 0.5;
-    lines.add_own(own, kStart + seconds(1));
+    lines.add_own(own, kFirstLine + seconds(1));
     EXPECT_THAT(
         texts(lines.warnings()),
         testing::ElementsAre(
@@ -111,22 +111,22 @@ TEST(StatusLines, DistinguishASlowMachineFromASlowNetwork) {
 TEST(StatusLines, ShowTheWorldServerAndItsRefusals) {
     StatusLines lines;
     EXPECT_FALSE(lines.has_world());
-    lines.add("alice", site_status(0), kStart);
+    lines.add("alice", site_status(0), kFirstLine);
     EXPECT_FALSE(lines.has_world());
     bus::WorldStatus world;
     world.num_refused = 5;
-    lines.add("lab", world, kStart);
-    lines.add("alice", site_status(0), kStart + seconds(3));
+    lines.add("lab", world, kFirstLine);
+    lines.add("alice", site_status(0), kFirstLine + seconds(3));
     EXPECT_TRUE(lines.has_world());
     EXPECT_EQ(lines.num_refused(), 5U);
-    lines.forget_silent(kStart + seconds(5));
+    lines.forget_silent(kFirstLine + seconds(5));
     EXPECT_FALSE(lines.has_world());
     EXPECT_EQ(texts(lines.details()).size(), 4U) << "the site must still be shown";
 }
 
 TEST(StatusLines, AreBounded) {
     StatusLines lines;
-    for (int i = 0; i < 1000; ++i) lines.add("s" + std::to_string(i), site_status(0), kStart);
+    for (int i = 0; i < 1000; ++i) lines.add("s" + std::to_string(i), site_status(0), kFirstLine);
     EXPECT_LE(lines.details().size(), 4U * 128U);
 }
 
