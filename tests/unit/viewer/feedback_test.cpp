@@ -9,7 +9,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr Timestamp kStart{1'000'000'000'000'000'000};
+constexpr Timestamp kFirstReport{1'000'000'000'000'000'000};
 
 class FeedbackOfAViewer : public testing::Test {
 protected:
@@ -22,15 +22,15 @@ protected:
     Feedback feedback_;
 };
 
-TEST_F(FeedbackOfAViewer, IsEmptyWithoutSamples) { EXPECT_TRUE(report(kStart).empty()); }
+TEST_F(FeedbackOfAViewer, IsEmptyWithoutSamples) { EXPECT_TRUE(report(kFirstReport).empty()); }
 
 TEST_F(FeedbackOfAViewer, CountsArrivalsSinceTheLastReport) {
-    report(kStart);
+    report(kFirstReport);
     // two frames of two samples each; the clock of the site is an hour ahead
     const auto ahead = std::chrono::hours(1);
     for (const int frame : {0, 1}) {
-        const Timestamp captured = kStart + milliseconds(50 * frame) + ahead;
-        const Timestamp arrival = kStart + milliseconds(50 * frame + 30 + 5 * frame);
+        const Timestamp captured = kFirstReport + milliseconds(50 * frame) + ahead;
+        const Timestamp arrival = kFirstReport + milliseconds(50 * frame + 30 + 5 * frame);
         feedback_.arrived("lab", captured + milliseconds(4), captured, 1000, arrival);
         feedback_.looked(arrival, true);
         feedback_.arrived(
@@ -39,7 +39,7 @@ TEST_F(FeedbackOfAViewer, CountsArrivalsSinceTheLastReport) {
             "lab", 7u + static_cast<std::uint64_t>(frame), captured, arrival + milliseconds(10));
     }
     feedback_.lost("lab", 2, 3);
-    const auto reports = report(kStart + milliseconds(230));
+    const auto reports = report(kFirstReport + milliseconds(230));
     ASSERT_EQ(reports.size(), 1u);
     const bus::StreamFeedback& first = reports[0];
     EXPECT_EQ(first.viewer, "v1");
@@ -55,7 +55,7 @@ TEST_F(FeedbackOfAViewer, CountsArrivalsSinceTheLastReport) {
         << "the delay must count from the time of writing";
     EXPECT_NEAR(first.median_delay_ms, 45.0 - 3.6e6, 1e-6);
 
-    const auto next = report(kStart + milliseconds(430));
+    const auto next = report(kFirstReport + milliseconds(430));
     ASSERT_EQ(next.size(), 1u) << "a silent site must be reported too";
     EXPECT_EQ(next[0].newest_frame_id, 8u);
     EXPECT_EQ(next[0].num_complete + next[0].num_incomplete + next[0].num_late, 0u);
@@ -74,12 +74,12 @@ protected:
     bus::StreamFeedback run(int stops_ms, int goes_on_ms, int queue_ms = 0) {
         std::vector<bus::StreamFeedback> reports;
         int next = 0;
-        report(kStart);
+        report(kFirstReport);
         for (int ms = 0; reports.empty(); ms += 5) {
             if (ms >= stops_ms && ms < goes_on_ms) continue;
-            const Timestamp now = kStart + milliseconds(ms);
+            const Timestamp now = kFirstReport + milliseconds(ms);
             for (; 33 * next + kWay_ms + queue_ms <= ms; ++next) {
-                const Timestamp written = kStart + milliseconds(33 * next);
+                const Timestamp written = kFirstReport + milliseconds(33 * next);
                 feedback_.arrived("lab", written, written, 1000, now);
             }
             feedback_.looked(now, true);
@@ -114,34 +114,35 @@ TEST_F(FeedbackOfALateViewer, IsSureOfAQueueLongerThanItsWait) {
 }
 
 TEST_F(FeedbackOfALateViewer, DelaysItsReportWhileSamplesWait) {
-    feedback_.arrived("lab", kStart, kStart, 1, kStart);
-    report(kStart);
+    feedback_.arrived("lab", kFirstReport, kFirstReport, 1, kFirstReport);
+    report(kFirstReport);
     for (int ms = 5; ms < 300; ms += 5) {
-        feedback_.looked(kStart + milliseconds(ms), false);
-        EXPECT_TRUE(report(kStart + milliseconds(ms)).empty()) << ms;
+        feedback_.looked(kFirstReport + milliseconds(ms), false);
+        EXPECT_TRUE(report(kFirstReport + milliseconds(ms)).empty()) << ms;
     }
-    feedback_.looked(kStart + milliseconds(300), true);
-    EXPECT_EQ(report(kStart + milliseconds(300)).size(), 1U);
+    feedback_.looked(kFirstReport + milliseconds(300), true);
+    EXPECT_EQ(report(kFirstReport + milliseconds(300)).size(), 1U);
     for (int ms = 305; ms < 700; ms += 5) {
-        feedback_.looked(kStart + milliseconds(ms), false);
-        EXPECT_TRUE(report(kStart + milliseconds(ms)).empty()) << ms;
+        feedback_.looked(kFirstReport + milliseconds(ms), false);
+        EXPECT_TRUE(report(kFirstReport + milliseconds(ms)).empty()) << ms;
     }
-    feedback_.looked(kStart + milliseconds(700), false);
-    EXPECT_EQ(report(kStart + milliseconds(700)).size(), 1U) << "the delay of a report is limited";
+    feedback_.looked(kFirstReport + milliseconds(700), false);
+    EXPECT_EQ(report(kFirstReport + milliseconds(700)).size(), 1U)
+        << "the delay of a report is limited";
 }
 
 TEST_F(FeedbackOfAViewer, ComesFiveTimesASecond) {
-    feedback_.arrived("lab", kStart, kStart, 1, kStart);
+    feedback_.arrived("lab", kFirstReport, kFirstReport, 1, kFirstReport);
     int num_reports = 0;
     for (int ms = 0; ms < 2000; ++ms)
-        num_reports += static_cast<int>(report(kStart + milliseconds(ms)).size());
+        num_reports += static_cast<int>(report(kFirstReport + milliseconds(ms)).size());
     EXPECT_EQ(num_reports, 10);
 }
 
 TEST_F(FeedbackOfAViewer, ContinuesIfTheClockIsSetBack) {
-    feedback_.arrived("lab", kStart, kStart, 1, kStart);
-    EXPECT_EQ(report(kStart).size(), 1u);
-    const Timestamp earlier = kStart + -std::chrono::hours(1);
+    feedback_.arrived("lab", kFirstReport, kFirstReport, 1, kFirstReport);
+    EXPECT_EQ(report(kFirstReport).size(), 1u);
+    const Timestamp earlier = kFirstReport + -std::chrono::hours(1);
     EXPECT_EQ(report(earlier).size(), 1u);
     EXPECT_EQ(report(earlier + milliseconds(100)).size(), 0u);
     const auto reports = report(earlier + milliseconds(200));
@@ -150,17 +151,17 @@ TEST_F(FeedbackOfAViewer, ContinuesIfTheClockIsSetBack) {
 }
 
 TEST_F(FeedbackOfAViewer, ReportsEachSiteAndForgetsLostOnes) {
-    feedback_.arrived("lab", kStart, kStart, 1, kStart);
-    feedback_.arrived("hall", kStart, kStart, 1, kStart);
-    EXPECT_EQ(report(kStart).size(), 2u);
+    feedback_.arrived("lab", kFirstReport, kFirstReport, 1, kFirstReport);
+    feedback_.arrived("hall", kFirstReport, kFirstReport, 1, kFirstReport);
+    EXPECT_EQ(report(kFirstReport).size(), 2u);
     EXPECT_TRUE(feedback_.forget("lab"));
     EXPECT_FALSE(feedback_.forget("lab"));
-    const auto reports = report(kStart + milliseconds(200));
+    const auto reports = report(kFirstReport + milliseconds(200));
     ASSERT_EQ(reports.size(), 1u);
     EXPECT_EQ(reports[0].site, "hall");
     for (int i = 0; i < 1000; ++i)
-        feedback_.arrived("s" + std::to_string(i), kStart, kStart, 1, kStart);
-    EXPECT_EQ(report(kStart + milliseconds(400)).size(), 64u)
+        feedback_.arrived("s" + std::to_string(i), kFirstReport, kFirstReport, 1, kFirstReport);
+    EXPECT_EQ(report(kFirstReport + milliseconds(400)).size(), 64u)
         << "the number of sites must be bounded";
 }
 

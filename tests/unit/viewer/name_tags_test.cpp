@@ -9,29 +9,29 @@ namespace {
 
 using std::chrono::milliseconds;
 
-const NameTags::Clock::time_point kStart{std::chrono::hours(1)};
+const NameTags::Clock::time_point kFirstTag{std::chrono::hours(1)};
 const Eigen::Vector3d kEye(0, -3, 1.6);
 
 TEST(NameTags, StandOverAllHeadsExceptTheEyesInUse) {
     NameTags tags;
     const std::map<std::string, NameTags::Person> people{{"alice", {{0, 0, 1.7}}},
                                                          {"bob", {{1, 0, 1.8}}}};
-    const auto both = tags.update(people, "", kEye, kStart);
+    const auto both = tags.update(people, "", kEye, kFirstTag);
     ASSERT_EQ(both.size(), 2U);
     EXPECT_NEAR(both[0].at_world.z(), 1.76, 1e-9);
     EXPECT_EQ(both[1].at_world.x(), 1.0);
     EXPECT_EQ(both[0].opacity, 1.0);
-    const auto one = tags.update(people, "alice", kEye, kStart);
+    const auto one = tags.update(people, "alice", kEye, kFirstTag);
     ASSERT_EQ(one.size(), 1U);
     EXPECT_EQ(one[0].picture, both[1].picture) << "the picture must be drawn only once";
-    EXPECT_TRUE(tags.update({}, "", kEye, kStart).empty());
+    EXPECT_TRUE(tags.update({}, "", kEye, kFirstTag).empty());
 }
 
 TEST(NameTags, FadeWithThePersonAndTheDistance) {
     NameTags tags;
     const auto opacity_at = [&](double distance_m, double opacity) {
         const auto labels =
-            tags.update({{"alice", {{0, 0, 1.7}, opacity}}}, "", {0, -distance_m, 1.7}, kStart);
+            tags.update({{"alice", {{0, 0, 1.7}, opacity}}}, "", {0, -distance_m, 1.7}, kFirstTag);
         return labels.empty() ? 0.0 : labels[0].opacity;
     };
     EXPECT_EQ(opacity_at(2, 1.0), 1.0);
@@ -43,7 +43,7 @@ TEST(NameTags, FadeWithThePersonAndTheDistance) {
 
 TEST(NameTags, FollowAHeadWithoutFlicker) {
     NameTags tags;
-    auto now = kStart;
+    auto now = kFirstTag;
     const auto height_m = [&](double top_m) {
         now += milliseconds(16);
         return tags.update({{"alice", {{0, 0, top_m}}}}, "", kEye, now).at(0).at_world.z();
