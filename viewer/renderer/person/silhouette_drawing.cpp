@@ -1,7 +1,5 @@
 #include "viewer/renderer/person/silhouette_drawing.hpp"
 
-#include "viewer/renderer/shaders.hpp"
-
 #include <glad/gl.h>
 
 #include <array>
@@ -14,6 +12,43 @@ namespace {
 const Eigen::Vector3f kOutlineColour(0.1f, 0.75f, 1.0f);
 // per axis: a wide lens bends by less than a pixel within one cell
 constexpr int kCellsOfALens = 12;
+
+constexpr const char* kSilhouetteVertex = R"(#version 330 core
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec2 place;
+uniform mat4 clip_from_site;
+out vec2 at;
+void main() {
+    at = place;
+    gl_Position = clip_from_site * vec4(position, 1.0);
+}
+)";
+
+// The outline is one screen pixel wide around the person, at any size of the person.
+constexpr const char* kSilhouetteFragment = R"(#version 330 core
+in vec2 at;
+uniform sampler2DArray pictures;
+uniform float layer;
+uniform float opacity;
+uniform vec3 outline;
+out vec4 fragment;
+const float kInside = 0.1;  // least alpha of texels inside the mask; at its edge alpha is lower
+void main() {
+    vec4 here = texture(pictures, vec3(at, layer));
+    vec2 right = dFdx(at);
+    vec2 up = dFdy(at);
+    vec2 beside = max(vec2(texture(pictures, vec3(at - right, layer)).a,
+                           texture(pictures, vec3(at - up, layer)).a),
+                      vec2(texture(pictures, vec3(at + right, layer)).a,
+                           texture(pictures, vec3(at + up, layer)).a));
+    vec4 colour = vec4(outline, 0.12);
+    if (here.a >= kInside)
+        colour = vec4(here.rgb / here.a, 0.95);
+    else if (max(beside.x, beside.y) >= kInside)
+        colour.a = 1.0;
+    fragment = vec4(colour.rgb * colour.a, colour.a) * opacity;
+}
+)";
 
 }  // namespace
 
@@ -48,8 +83,7 @@ void append_silhouette(const PersonModel::Camera& camera,
 }
 
 Expected<SilhouetteDrawing> SilhouetteDrawing::create() {
-    auto shader = gl::ShaderProgram::create(
-        "silhouette", shaders::kSilhouetteVertex, shaders::kSilhouetteFragment);
+    auto shader = gl::ShaderProgram::create("silhouette", kSilhouetteVertex, kSilhouetteFragment);
     if (!shader) return tl::unexpected(shader.error());
     SilhouetteDrawing made;
     made.shader_ = std::move(*shader);
