@@ -1,6 +1,7 @@
 #include "viewer/renderer/overlay.hpp"
 
 #include "viewer/renderer/object/textures.hpp"
+#include "viewer/renderer/shaders.hpp"
 
 #include <glad/gl.h>
 
@@ -36,17 +37,6 @@ out vec4 fragment;
 void main() { fragment = opacity * texture(picture, at); }
 )";
 
-constexpr const char* kLineVertex = R"(#version 330 core
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec3 colour;
-uniform mat4 clip_from_world;
-out vec3 line_colour;
-void main() {
-    line_colour = colour;
-    gl_Position = clip_from_world * vec4(position, 1.0);
-}
-)";
-
 constexpr const char* kLineFragment = R"(#version 330 core
 in vec3 line_colour;
 uniform float opacity;
@@ -59,7 +49,8 @@ void main() { fragment = vec4(line_colour, opacity); }
 Expected<Overlay> Overlay::create() {
     auto label = gl::ShaderProgram::create("label", kLabelVertex, kLabelFragment);
     if (!label) return tl::unexpected(label.error());
-    auto line = gl::ShaderProgram::create("line", kLineVertex, kLineFragment);
+    auto line = gl::ShaderProgram::create(
+        "line", shaders::passing_vertex("vec3", "line_colour"), kLineFragment);
     if (!line) return tl::unexpected(line.error());
     Overlay made;
     made.label_shader_ = std::move(*label);
@@ -115,7 +106,7 @@ void Overlay::draw_lines(const EyeView& eye) const {
     if (num_lines_ == 0) return;
     constexpr float kHiddenOpacity = 0.3f;
     line_shader_.use();
-    line_shader_.set("clip_from_world", Eigen::Matrix4f(eye.clip_from_world().cast<float>()));
+    line_shader_.set("clip_from_model", Eigen::Matrix4f(eye.clip_from_world().cast<float>()));
     glBindVertexArray(line_layout_.id());
     glEnable(GL_BLEND);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);

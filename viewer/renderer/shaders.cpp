@@ -231,6 +231,13 @@ out vec4 fragment;
 void main() { fragment = vec4(darkness); }
 )";
 
+std::string passing_vertex(const std::string& type, const std::string& name) {
+    return "#version 330 core\nlayout(location = 0) in vec3 position;\nlayout(location = 1) in " +
+           type + " passed;\nuniform mat4 clip_from_model;\nout " + type + " " + name +
+           ";\nvoid main() {\n    " + name +
+           " = passed;\n    gl_Position = clip_from_model * vec4(position, 1.0);\n}\n";
+}
+
 const char* const kBlurVertex = R"(#version 330 core
 layout(location = 0) in vec3 position;
 uniform float shadow_extent;

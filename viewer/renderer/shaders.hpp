@@ -35,6 +35,10 @@ enum class Placed : std::uint8_t { kAllAlike, kEachInstance };  // world_from_ob
 std::string shadow_vertex(Placed placed);
 extern const char* const kShadowFragment;
 
+/// Transforms attribute 0 by the uniform `clip_from_model` and passes attribute 1, of the GLSL type
+/// `type`, to the fragments as `name`.
+std::string passing_vertex(const std::string& type, const std::string& name);
+
 /// Blurs the part of the shadow map given by triangles in the world.
 extern const char* const kBlurVertex;
 extern const char* const kBlurFragment;

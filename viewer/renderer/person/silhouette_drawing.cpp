@@ -1,5 +1,7 @@
 #include "viewer/renderer/person/silhouette_drawing.hpp"
 
+#include "viewer/renderer/shaders.hpp"
+
 #include <glad/gl.h>
 
 #include <array>
@@ -12,17 +14,6 @@ namespace {
 const Eigen::Vector3f kOutlineColour(0.1f, 0.75f, 1.0f);
 // per axis: a wide lens bends by less than a pixel within one cell
 constexpr int kCellsOfALens = 12;
-
-constexpr const char* kSilhouetteVertex = R"(#version 330 core
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec2 place;
-uniform mat4 clip_from_site;
-out vec2 at;
-void main() {
-    at = place;
-    gl_Position = clip_from_site * vec4(position, 1.0);
-}
-)";
 
 // The outline is one screen pixel wide around the person, at any size of the person.
 constexpr const char* kSilhouetteFragment = R"(#version 330 core
@@ -83,7 +74,8 @@ void append_silhouette(const PersonModel::Camera& camera,
 }
 
 Expected<SilhouetteDrawing> SilhouetteDrawing::create() {
-    auto shader = gl::ShaderProgram::create("silhouette", kSilhouetteVertex, kSilhouetteFragment);
+    auto shader = gl::ShaderProgram::create(
+        "silhouette", shaders::passing_vertex("vec2", "at"), kSilhouetteFragment);
     if (!shader) return tl::unexpected(shader.error());
     SilhouetteDrawing made;
     made.shader_ = std::move(*shader);
@@ -104,7 +96,7 @@ void SilhouetteDrawing::draw(const PersonDrawing& person,
                              double distance_m) {
     if (!person.pictures() || person.model().triangles.empty()) return;
     shader_.use();
-    shader_.set("clip_from_site",
+    shader_.set("clip_from_model",
                 Eigen::Matrix4f((clip_from_world * person.world_from_site()).cast<float>()));
     shader_.set("pictures", 0);
     shader_.set("outline", kOutlineColour);
