@@ -14,10 +14,9 @@
 
 namespace atrium::viewer {
 
-void declare(ViewerConfig& config, config::OptionSet& set) {
-    bus::declare(config.bus, set);
-    app::declare(config.process, set);
-    ViewConfig& view = config.view;
+namespace {
+
+void declare(ViewConfig& view, config::OptionSet& set) {
     set.add("view.name", view.name, "name in status and commands; empty: a unique name");
     set.add("view.width", view.width, "width of the picture [px]", {.min = 16, .max = 8192});
     set.add("view.height", view.height, "height of the picture [px]", {.min = 16, .max = 8192});
@@ -57,6 +56,36 @@ void declare(ViewerConfig& config, config::OptionSet& set) {
         "maximum resolution of the scene, as a share of the picture's; scaled up to the picture",
         {.min = 0.1, .max = 1});
     set.add("view.shadows", view.shadows, "shadows; view.adapt may switch them off", {"on", "off"});
+}
+
+void declare(DisplayConfig& display, config::OptionSet& set) {
+    set.add("display.stereo",
+            display.stereo,
+            "stereo mode; quad_buffer needs a window and a driver that supports it",
+            {"none", "side_by_side", "top_bottom", "anaglyph", "quad_buffer"});
+    set.add("display.eye_distance_m",
+            display.eye_distance_m,
+            "distance between the eyes [m]",
+            {.min = 0, .max = 1});
+    set.add("display.convergence_m",
+            display.convergence_m,
+            "distance of zero parallax [m]; 0: distance of the target",
+            {.min = 0, .max = 100});
+    set.add(
+        "display.wall", display.wall, "TOML file that describes a wall of projectors; empty: none");
+    set.add("display.tile", display.tile, "tile of the wall that this viewer draws");
+    set.add("display.delay_ms",
+            display.delay_ms,
+            "playback delay of a wall, so all tiles show the same moment [ms]",
+            {.min = 0, .max = 500});
+}
+
+}  // namespace
+
+void declare(ViewerConfig& config, config::OptionSet& set) {
+    bus::declare(config.bus, set);
+    app::declare(config.process, set);
+    declare(config.view, set);
     declare(config.display, set);
     set.add("headless", config.headless, "draw without a window even if there is a display");
     set.add("frames", config.frames, "stop after this many pictures; 0: no limit");

@@ -6,6 +6,7 @@
 #include "viewer/renderer/object/soft_surface.hpp"
 #include "viewer/renderer/overlay.hpp"
 #include "viewer/renderer/person/person_model.hpp"
+#include "viewer/renderer/rendered_picture.hpp"
 #include "viewer/renderer/view_camera.hpp"
 
 #include <cstdint>
@@ -15,15 +16,6 @@
 #include <vector>
 
 namespace atrium::renderer {
-
-/// 8-bit RGBA, top row first.
-struct RenderedPicture {
-    int width = 0;
-    int height = 0;
-    std::vector<std::uint8_t> rgba;
-};
-
-enum class Antialias : std::uint8_t { kNone, kFxaa };
 
 struct RendererOptions {
     int width = 960;

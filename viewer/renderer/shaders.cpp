@@ -1,81 +1,8 @@
 #include "viewer/renderer/shaders.hpp"
 
-#include <algorithm>
 #include <initializer_list>
 
 namespace atrium::renderer::shaders {
-namespace {
-
-// Repeats `line` for each camera slot and replaces every '#' by the slot's number.
-std::string for_each_slot(std::size_t num_cameras, const std::string& line) {
-    std::string text;
-    for (std::size_t i = 0; i < num_cameras; ++i) {
-        for (const char c : line) {
-            if (c == '#')
-                text += std::to_string(i);
-            else
-                text += c;
-        }
-        text += '\n';
-    }
-    return text;
-}
-
-// GLSL type of the next layers, as many as fit one attribute.
-std::string layers_type(std::size_t num_layers) {
-    return num_layers == 1 ? "float"
-                           : "vec" + std::to_string(std::min(num_layers, kLayersPerAttribute));
-}
-
-}  // namespace
-
-std::string person_vertex(std::size_t num_cameras) {
-    // attributes 0, 1: position, fallback colour; 2..: layers in fours; then one vec4 per camera
-    std::string text =
-        "#version 330 core\nlayout(location = 0) in vec3 position;\n"
-        "layout(location = 1) in vec3 fallback;\n"
-        "uniform mat4 clip_from_site;\nout vec3 fallback_colour;\n";
-    unsigned location = 2;
-    std::string copies;
-    for (std::size_t i = 0; i < num_cameras; i += kLayersPerAttribute) {
-        const std::string slot = std::to_string(i);
-        const std::string type = layers_type(num_cameras - i);
-        text += "layout(location = " + std::to_string(location++) + ") in " + type + " layers" +
-                slot + ";\nflat out " + type + " used_layers" + slot + ";\n";
-        copies += "    used_layers" + slot + " = layers" + slot + ";\n";
-    }
-    for (std::size_t i = 0; i < num_cameras; ++i) {
-        text += "layout(location = " + std::to_string(location++) + ") in vec4 picture" +
-                std::to_string(i) + ";\nout vec4 in_picture" + std::to_string(i) + ";\n";
-    }
-    text +=
-        "void main() {\n    gl_Position = clip_from_site * vec4(position, 1.0);\n"
-        "    fallback_colour = fallback;\n";
-    return text + copies + for_each_slot(num_cameras, "    in_picture# = picture#;") + "}\n";
-}
-
-std::string person_fragment(std::size_t num_cameras) {
-    std::string text =
-        "#version 330 core\nuniform sampler2DArray pictures;\n"
-        "in vec3 fallback_colour;\nout vec4 fragment;\n";
-    for (std::size_t i = 0; i < num_cameras; i += kLayersPerAttribute)
-        text +=
-            "flat in " + layers_type(num_cameras - i) + " used_layers" + std::to_string(i) + ";\n";
-    text += for_each_slot(num_cameras, "in vec4 in_picture#;");
-    // texels hold colour times mask, so the division gives a colour of the person alone; the
-    // fallback takes over smoothly where weights and masks are nearly 0
-    text += "void main() {\n    vec4 sum = vec4(fallback_colour, 1.0) * 0.01;\n";
-    for (std::size_t i = 0; i < num_cameras; ++i) {
-        const std::string slot = std::to_string(i);
-        const std::size_t first = i - i % kLayersPerAttribute;
-        const std::string layer =
-            "used_layers" + std::to_string(first) +
-            (num_cameras - first == 1 ? "" : "[" + std::to_string(i - first) + "]");
-        text += "    sum += in_picture" + slot + ".w * texture(pictures, vec3(in_picture" + slot +
-                ".xy / in_picture" + slot + ".z, " + layer + "));\n";
-    }
-    return text + "    fragment = vec4(sum.rgb / sum.a, 1.0);\n}\n";
-}
 
 const char* const kObjectVertex = R"(#version 330 core
 layout(location = 0) in vec3 position;
@@ -304,6 +231,13 @@ out vec4 fragment;
 void main() { fragment = vec4(darkness); }
 )";
 
+std::string passing_vertex(const std::string& type, const std::string& name) {
+    return "#version 330 core\nlayout(location = 0) in vec3 position;\nlayout(location = 1) in " +
+           type + " passed;\nuniform mat4 clip_from_model;\nout " + type + " " + name +
+           ";\nvoid main() {\n    " + name +
+           " = passed;\n    gl_Position = clip_from_model * vec4(position, 1.0);\n}\n";
+}
+
 const char* const kBlurVertex = R"(#version 330 core
 layout(location = 0) in vec3 position;
 uniform float shadow_extent;
@@ -327,120 +261,6 @@ void main() {
               + texture(picture, at + vec2(-reach.y, reach.x)).r
               + texture(picture, at + vec2(reach.y, -reach.x)).r;
     fragment = vec4(0.25 * sum);
-}
-)";
-
-const char* const kScreenVertex = R"(#version 330 core
-layout(location = 0) in vec2 corner;
-out vec2 at;
-void main() {
-    at = corner * 0.5 + 0.5;
-    gl_Position = vec4(corner, 0.0, 1.0);
-}
-)";
-
-const char* const kLabelVertex = R"(#version 330 core
-layout(location = 0) in vec2 corner;
-uniform mat4 clip_from_view;
-uniform vec3 middle;
-uniform vec2 half_size;
-out vec2 at;
-void main() {
-    at = vec2(0.5 + 0.5 * corner.x, 0.5 - 0.5 * corner.y);
-    gl_Position = clip_from_view * vec4(middle + vec3(corner * half_size, 0.0), 1.0);
-}
-)";
-
-const char* const kLabelFragment = R"(#version 330 core
-in vec2 at;
-uniform sampler2D picture;
-uniform float opacity;
-out vec4 fragment;
-void main() { fragment = opacity * texture(picture, at); }
-)";
-
-const char* const kLineVertex = R"(#version 330 core
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec3 colour;
-uniform mat4 clip_from_world;
-out vec3 line_colour;
-void main() {
-    line_colour = colour;
-    gl_Position = clip_from_world * vec4(position, 1.0);
-}
-)";
-
-const char* const kLineFragment = R"(#version 330 core
-in vec3 line_colour;
-uniform float opacity;
-out vec4 fragment;
-void main() { fragment = vec4(line_colour, opacity); }
-)";
-
-const char* const kSilhouetteVertex = R"(#version 330 core
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec2 place;
-uniform mat4 clip_from_site;
-out vec2 at;
-void main() {
-    at = place;
-    gl_Position = clip_from_site * vec4(position, 1.0);
-}
-)";
-
-// The outline is one screen pixel wide around the person, at any size of the person.
-const char* const kSilhouetteFragment = R"(#version 330 core
-in vec2 at;
-uniform sampler2DArray pictures;
-uniform float layer;
-uniform float opacity;
-uniform vec3 outline;
-out vec4 fragment;
-const float kInside = 0.1;  // least alpha of texels inside the mask; at its edge alpha is lower
-void main() {
-    vec4 here = texture(pictures, vec3(at, layer));
-    vec2 right = dFdx(at);
-    vec2 up = dFdy(at);
-    vec2 beside = max(vec2(texture(pictures, vec3(at - right, layer)).a,
-                           texture(pictures, vec3(at - up, layer)).a),
-                      vec2(texture(pictures, vec3(at + right, layer)).a,
-                           texture(pictures, vec3(at + up, layer)).a));
-    vec4 colour = vec4(outline, 0.12);
-    if (here.a >= kInside)
-        colour = vec4(here.rgb / here.a, 0.95);
-    else if (max(beside.x, beside.y) >= kInside)
-        colour.a = 1.0;
-    fragment = vec4(colour.rgb * colour.a, colour.a) * opacity;
-}
-)";
-
-// After: Lottes. FXAA. 2009. In its shortest form: where the luma of the four diagonal neighbours
-// differs, average along the edge.
-const char* const kFxaaFragment = R"(#version 330 core
-in vec2 at;
-uniform sampler2D picture;
-uniform vec2 pixel;
-out vec4 fragment;
-void main() {
-    const vec3 luma = vec3(0.299, 0.587, 0.114);
-    vec3 centre = texture(picture, at).rgb;
-    float nw = dot(texture(picture, at + vec2(-0.5, 0.5) * pixel).rgb, luma);
-    float ne = dot(texture(picture, at + vec2(0.5, 0.5) * pixel).rgb, luma);
-    float sw = dot(texture(picture, at + vec2(-0.5, -0.5) * pixel).rgb, luma);
-    float se = dot(texture(picture, at + vec2(0.5, -0.5) * pixel).rgb, luma);
-    float low = min(min(nw, ne), min(sw, se));
-    float high = max(max(nw, ne), max(sw, se));
-    if (high - low < max(0.03, 0.12 * high)) {
-        fragment = vec4(centre, 1.0);
-        return;
-    }
-    vec2 along = vec2(sw + se - nw - ne, nw + sw - ne - se);
-    along = vec2(nw + ne - sw - se, nw + sw - ne - se) * vec2(-1.0, 1.0);
-    float least = min(abs(along.x), abs(along.y)) + 0.02;
-    along = clamp(along / least, -4.0, 4.0) * pixel;
-    vec3 near = 0.5 * (texture(picture, at + along * (1.0 / 3.0 - 0.5)).rgb
-                     + texture(picture, at + along * (2.0 / 3.0 - 0.5)).rgb);
-    fragment = vec4(near, 1.0);
 }
 )";
 

@@ -4,15 +4,9 @@
 #include <cstdint>
 #include <string>
 
-/// GLSL sources. Colours of people are sRGB from the cameras and pass unchanged. Lighting is
-/// computed in linear light and encoded at the end.
+/// GLSL sources of objects, floor and sky. Lighting is computed in linear light and encoded at the
+/// end.
 namespace atrium::renderer::shaders {
-
-/// Triangles of a person that blend up to `num_cameras` pictures (see camera_blend.hpp). The layers
-/// of the cameras are packed in attributes of up to four components.
-inline constexpr std::size_t kLayersPerAttribute = 4;
-std::string person_vertex(std::size_t num_cameras);
-std::string person_fragment(std::size_t num_cameras);
 
 /// Rigid objects, one instance each, with world_from_mesh and colour as ObjectBatch lays them out.
 extern const char* const kObjectVertex;
@@ -41,25 +35,12 @@ enum class Placed : std::uint8_t { kAllAlike, kEachInstance };  // world_from_ob
 std::string shadow_vertex(Placed placed);
 extern const char* const kShadowFragment;
 
+/// Transforms attribute 0 by the uniform `clip_from_model` and passes attribute 1, of the GLSL type
+/// `type`, to the fragments as `name`.
+std::string passing_vertex(const std::string& type, const std::string& name);
+
 /// Blurs the part of the shadow map given by triangles in the world.
 extern const char* const kBlurVertex;
 extern const char* const kBlurFragment;
-
-/// A label: a picture before the eye, colours multiplied by alpha.
-extern const char* const kLabelVertex;
-extern const char* const kLabelFragment;
-
-/// A line of two colours.
-extern const char* const kLineVertex;
-extern const char* const kLineFragment;
-
-/// A camera's picture of a person in the world: the colours, the outline, and a tint around the
-/// person.
-extern const char* const kSilhouetteVertex;
-extern const char* const kSilhouetteFragment;
-
-/// FXAA of the finished picture (`view.antialias = "fxaa"`).
-extern const char* const kScreenVertex;
-extern const char* const kFxaaFragment;
 
 }  // namespace atrium::renderer::shaders

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/base/expected.hpp"
-#include "core/config/option_set.hpp"
 #include "viewer/control/mouse_grab.hpp"
 #include "viewer/renderer/view_camera.hpp"
 #include "viewer/ui/wall.hpp"
@@ -26,9 +25,6 @@ struct DisplayConfig {
     std::string tile{};
     double delay_ms = 120.0;
 };
-
-/// Declares every option, with its unit, on `set`.
-void declare(DisplayConfig& config, config::OptionSet& set);
 
 /// How the pictures for the two eyes are combined.
 enum class Stereo : std::uint8_t {

@@ -1,7 +1,5 @@
 #include "viewer/run_limit.hpp"
 
-#include "viewer/empty_world_warning.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,25 +10,6 @@ using namespace std::chrono_literals;
 using Now = RunLimit::Now;
 
 const RunLimit::Clock::time_point kBegin{100s};
-
-TEST(EmptyWorldWarning, WarnsOnceIfNobodyCame) {
-    bus::Presence viewer;
-    viewer.kind = bus::ProgramKind::kViewer;
-    EmptyWorldWarning empty_world("atrium");
-    EXPECT_FALSE(empty_world.update({viewer}, kBegin, false));
-    EXPECT_FALSE(empty_world.update({viewer}, kBegin + EmptyWorldWarning::kPatience - 1ms, false));
-    EXPECT_TRUE(empty_world.update({viewer}, kBegin + EmptyWorldWarning::kPatience, false));
-    EXPECT_FALSE(empty_world.update({viewer}, kBegin + 60s, true)) << "once";
-
-    EmptyWorldWarning short_run("atrium");
-    EXPECT_TRUE(short_run.update({viewer}, kBegin, true));
-
-    EmptyWorldWarning in_company("atrium");
-    bus::Presence site;
-    site.kind = bus::ProgramKind::kSiteNode;
-    EXPECT_FALSE(in_company.update({viewer, site}, kBegin, false));
-    EXPECT_FALSE(in_company.update({viewer}, kBegin + 60s, true)) << "people may leave again";
-}
 
 TEST(RunLimit, IsOffByDefault) {
     RunLimit limit({}, kBegin);

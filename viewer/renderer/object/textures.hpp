@@ -3,10 +3,23 @@
 #include "core/gl/resources.hpp"
 #include "viewer/renderer/object/object_look.hpp"
 
+#include <cstdint>
 #include <map>
 #include <string>
 
 namespace atrium::renderer {
+
+/// How shaders use a picture.
+enum class PictureUse : std::uint8_t {
+    /// Painted on objects. Repeats. sRGB: sampling, filtering and mipmaps work in linear light, as
+    /// the lighting does.
+    kPainted,
+    /// Shown as it is, up to its edge.
+    kLabel
+};
+
+/// Uploads a picture with mipmaps. Width and height are at least 1.
+gl::Texture upload_picture(const TexturePicture& picture, PictureUse use);
 
 /// Textures of objects in GL memory, by name.
 class Textures {

@@ -2,7 +2,6 @@
 
 #include "viewer/record/video_file.hpp"
 #include "viewer/record/video_recorder.hpp"
-#include "viewer/viewer_config.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -188,21 +187,6 @@ TEST_F(FilesTest, InterruptedVideoIsAnError) {
     const auto finished = (*recorder)->finish();
     ASSERT_FALSE(finished);
     EXPECT_THAT(finished.error().message, testing::HasSubstr("v.mp4"));
-}
-
-TEST(VideoSize, KeepsTheAspectRatioIfOneSideIsGiven) {
-    const auto size = [](int width, int height, std::pair<int, int> picture) {
-        VideoConfig video;
-        video.width = width;
-        video.height = height;
-        return video_size(video, picture);
-    };
-    EXPECT_EQ(size(0, 0, {960, 540}), std::pair(960, 540));
-    EXPECT_EQ(size(320, 0, {960, 540}), std::pair(320, 180));
-    EXPECT_EQ(size(0, 270, {960, 540}), std::pair(480, 270));
-    EXPECT_EQ(size(100, 300, {960, 540}), std::pair(100, 300));
-    EXPECT_EQ(size(333, 0, {961, 541}), std::pair(332, 186)) << "even";
-    EXPECT_EQ(size(0, 1, {10, 1000}), std::pair(2, 2));
 }
 
 TEST_F(FilesTest, UnwritableVideoIsAnError) {

@@ -1,7 +1,5 @@
 #include "viewer/control/controls.hpp"
 
-#include "viewer/viewer_config.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -85,28 +83,6 @@ TEST(Controls, NeverTipTheEyeOver) {
         ASSERT_TRUE(view.allFinite());
         ASSERT_LT(std::abs(view.z()), 0.9999);
     }
-}
-
-TEST(ViewerConfig, ReadsPoints) {
-    const auto p = parse_point("view.position_m", "1, -2.5,3e-1");
-    ASSERT_TRUE(p) << p.error().message;
-    EXPECT_EQ(*p, Eigen::Vector3d(1.0, -2.5, 0.3));
-}
-
-TEST(ViewerConfig, NamesTheKeyOfABadPoint) {
-    for (const char* text : {"", "1,2", "1,2,3,4", "1 2 3", "a,b,c", "1,2,nan", "1,2,3x"}) {
-        const auto p = parse_point("view.target_m", text);
-        ASSERT_FALSE(p) << text;
-        EXPECT_EQ(p.error().kind, ErrorKind::kConfiguration);
-        EXPECT_THAT(p.error().message, testing::HasSubstr("view.target_m"));
-    }
-}
-
-TEST(ViewerConfig, RefusesATargetAtTheEye) {
-    ViewConfig config;
-    config.position_m = config.target_m = "1,1,1";
-    EXPECT_FALSE(make_view_camera(config));
-    EXPECT_TRUE(make_view_camera({}));
 }
 
 }  // namespace
