@@ -9,7 +9,7 @@ using renderer::ViewCamera;
 using std::chrono::milliseconds;
 
 const ViewCamera kCamera{.position_m = {3, 0, 2}, .target_m = {0, 0, 1}};
-const FollowCamera::Clock::time_point kFirstPicture{std::chrono::hours(1)};
+const FollowCamera::Clock::time_point kFirstMesh{std::chrono::hours(1)};
 
 PersonPlace standing_at(double x, double y) { return {{x, y, 0.9}, {x, y, 1.65}, {x, y, 1.8}}; }
 
@@ -35,7 +35,7 @@ TEST(FollowCamera, FollowsTheNearestUntilToggled) {
     EXPECT_EQ(follow_camera.name(), "alice");
     EXPECT_FALSE(follow_camera.is_first_person());
     ViewCamera camera = kCamera;
-    auto now = kFirstPicture;
+    auto now = kFirstMesh;
     for (int i = 0; i < 200; ++i) {
         places["alice"] = standing_at(-0.4 + 0.01 * std::min(i, 100), 0);
         camera = follow_camera.update(camera, places, now += milliseconds(16));
@@ -56,7 +56,7 @@ TEST(FollowCamera, KeepsAViewThatTheUserMovesWhileFollowing) {
     const FollowCamera::Places places{{"alice", standing_at(0, 0)}};
     follow_camera.toggle_follow(kCamera, places);
     ViewCamera camera = kCamera;
-    auto now = kFirstPicture;
+    auto now = kFirstMesh;
     for (int i = 0; i < 200; ++i)
         camera = follow_camera.update(camera, places, now += milliseconds(16));
     // orbiting moves only the eye, and the follow_camera must not undo it
@@ -72,12 +72,12 @@ TEST(FollowCamera, SeesThroughTheEyesOfTheChosenPerson) {
     EXPECT_FALSE(follow_camera.is_first_person()) << "there are only two people";
     follow_camera.toggle_first_person(2, places);
     EXPECT_TRUE(follow_camera.is_first_person());
-    ViewCamera camera = follow_camera.update(kCamera, places, kFirstPicture);
+    ViewCamera camera = follow_camera.update(kCamera, places, kFirstMesh);
     EXPECT_LT((camera.position_m - places["bob"].eyes).norm(), 1e-12);
     EXPECT_NEAR(camera.target_m.z(), camera.position_m.z(), 1e-12) << "level";
     EXPECT_LT((camera.target_m - camera.position_m - Eigen::Vector3d(-1, 0, 0)).norm(), 1e-9);
     // a head that flickers by 5 cm between pictures hardly moves the view
-    auto now = kFirstPicture;
+    auto now = kFirstMesh;
     double shaken_m = 0.0;
     for (int i = 0; i < 100; ++i) {
         places["bob"].eyes.z() = 1.65 + (i % 2 == 0 ? 0.025 : -0.025);

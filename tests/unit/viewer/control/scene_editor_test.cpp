@@ -10,7 +10,7 @@ namespace {
 using std::chrono::milliseconds;
 
 const SceneEditor::Clock::time_point kStart{std::chrono::hours(1)};
-const renderer::ViewCamera kCamera{.position_m = {0, -3, 1.6}, .target_m = {0, 0, 1.6}};
+const renderer::ViewCamera kEditorView{.position_m = {0, -3, 1.6}, .target_m = {0, 0, 1.6}};
 const SceneEditor::Servers kServer{.are_there = true, .num_refused = 7};
 
 bus::SceneObject named(const std::string& name) {
@@ -20,7 +20,7 @@ bus::SceneObject named(const std::string& name) {
 }
 
 TEST(NewObject, StandsInFrontOfTheEyeAboveTheFloor) {
-    const renderer::EyeView eye = renderer::eye_of(kCamera, 640, 360);
+    const renderer::EyeView eye = renderer::eye_of(kEditorView, 640, 360);
     NewObject wanted{.size_m = {0.4, 9, 9}, .name = "ball"};
     const bus::SceneObject ball = make_object(wanted, eye);
     EXPECT_TRUE(bus::check(ball));
@@ -62,7 +62,7 @@ TEST(NewObject, IsInThePictureAfterItHasFallen) {
 }
 
 TEST(NewObject, IsValidForTheWorld) {
-    const renderer::EyeView eye = renderer::eye_of(kCamera, 640, 360);
+    const renderer::EyeView eye = renderer::eye_of(kEditorView, 640, 360);
     const bus::SceneObject capsule = make_object(
         {.shape = bus::Shape::kCapsule, .size_m = {0.3, 0.1, 0.2}, .name = "my capsule\n%s"}, eye);
     EXPECT_TRUE(bus::check(capsule));

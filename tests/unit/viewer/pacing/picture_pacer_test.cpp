@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 using Clock = PicturePacer::Clock;
 
 constexpr Clock::duration kPeriod = 33'333us;
-const Clock::time_point kBegin{1000s};
+const Clock::time_point kFirstPicture{1000s};
 
 double ms(Clock::duration d) { return std::chrono::duration<double, std::milli>(d).count(); }
 
@@ -44,7 +44,7 @@ Paced run(const std::vector<Site>& sites, PicturePacer& pacer, std::chrono::seco
     std::vector<std::pair<Clock::time_point, std::string>> arrivals;
     for (std::size_t i = 0; i < sites.size(); ++i) {
         const Site& site = sites[i];
-        for (auto at = kBegin + site.phase; at < kBegin + length; at += site.period) {
+        for (auto at = kFirstPicture + site.phase; at < kFirstPicture + length; at += site.period) {
             const auto late = site.jitter.count() > 0 ? random() % site.jitter.count() : 0;
             arrivals.emplace_back(at + Clock::duration(late), "site " + std::to_string(i));
         }
@@ -53,9 +53,9 @@ Paced run(const std::vector<Site>& sites, PicturePacer& pacer, std::chrono::seco
     Paced result;
     std::map<std::string, Clock::time_point> waiting;
     auto next = arrivals.begin();
-    auto now = kBegin;
+    auto now = kFirstPicture;
     auto last = now;
-    while (now < kBegin + length) {
+    while (now < kFirstPicture + length) {
         // waits like the drawing thread: until a picture is due or a person arrives
         while (now < pacer.due()) {
             if (next == arrivals.end() || next->first > pacer.due()) {
@@ -68,7 +68,7 @@ Paced run(const std::vector<Site>& sites, PicturePacer& pacer, std::chrono::seco
             ++next;
         }
         pacer.began(now);
-        if (now > kBegin + 2s) {
+        if (now > kFirstPicture + 2s) {
             result.intervals_ms.push_back(ms(now - last));
             for (const auto& [site, since] : waiting) result.waits_ms.push_back(ms(now - since));
         }
@@ -133,14 +133,14 @@ TEST(PicturePacer, DoesNotDisturbADisplayWithItsOwnClock) {
 
 TEST(PicturePacer, DoesNotCatchUpWithABurstOfPictures) {
     PicturePacer sut(kPeriod, true);
-    sut.began(kBegin);
-    sut.began(kBegin + 10s);  // the machine stood still
-    EXPECT_EQ(sut.due(), kBegin + 10s + kPeriod);
+    sut.began(kFirstPicture);
+    sut.began(kFirstPicture + 10s);  // the machine stood still
+    EXPECT_EQ(sut.due(), kFirstPicture + 10s + kPeriod);
 }
 
 TEST(PicturePacer, BeginsEarlyOnceEverybodyHasArrived) {
     PicturePacer sut(kPeriod, true);
-    auto now = kBegin;
+    auto now = kFirstPicture;
     sut.began(now);
     for (int i = 0; i < 10; ++i) {
         now += kPeriod + 2ms;  // a little late each time

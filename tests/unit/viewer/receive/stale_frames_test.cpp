@@ -7,7 +7,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr auto kPeriod = milliseconds(33);
+constexpr auto kFramePeriod = milliseconds(33);
 const Timestamp kFirstCapture{1'000'000'000'000'000'000};
 
 class StaleFramesTest : public testing::Test {
@@ -18,7 +18,7 @@ protected:
     // Feeds frames in time, each `delay` after its capture. Returns the number judged as held up.
     int stream(std::chrono::nanoseconds delay, std::chrono::nanoseconds length) {
         int num_held_up = 0;
-        for (const Timestamp end = now_ + length; now_ < end; now_ = now_ + kPeriod)
+        for (const Timestamp end = now_ + length; now_ < end; now_ = now_ + kFramePeriod)
             num_held_up += sut_.add("site", now_ + -delay, now_);
         return num_held_up;
     }
@@ -29,15 +29,15 @@ TEST_F(StaleFramesTest, AcceptsEveryFrameWhateverTheClocks) {
     StaleFrames other;
     for (int i = 0; i < 100; ++i)
         EXPECT_FALSE(other.add("ahead",
-                               kFirstCapture + std::chrono::seconds(3600) + i * kPeriod,
-                               kFirstCapture + i * kPeriod));
+                               kFirstCapture + std::chrono::seconds(3600) + i * kFramePeriod,
+                               kFirstCapture + i * kFramePeriod));
 }
 
 TEST_F(StaleFramesTest, FindsFramesQueuedWhileAProgramWasStopped) {
     stream(milliseconds(20), std::chrono::seconds(5));
     const Timestamp stopped = now_;
     now_ = now_ + std::chrono::seconds(5);
-    for (int i = 0; i < 5; ++i) EXPECT_TRUE(sut_.add("site", stopped + i * kPeriod, now_));
+    for (int i = 0; i < 5; ++i) EXPECT_TRUE(sut_.add("site", stopped + i * kFramePeriod, now_));
     EXPECT_EQ(stream(milliseconds(20), std::chrono::seconds(1)), 0);
 }
 
@@ -61,7 +61,7 @@ TEST_F(StaleFramesTest, RefusesOldFramesBetweenNewOnes) {
     for (int i = 0; i < 100; ++i) {
         EXPECT_TRUE(sut_.add("site", now_ + std::chrono::seconds(-3), now_));
         EXPECT_FALSE(sut_.add("site", now_ + milliseconds(-20), now_));
-        now_ = now_ + kPeriod;
+        now_ = now_ + kFramePeriod;
     }
 }
 
