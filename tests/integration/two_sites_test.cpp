@@ -1,6 +1,6 @@
 #include "core/bus/bus.hpp"
 #include "site_node/site_node.hpp"
-#include "viewer/renderer/view_camera.hpp"
+#include "viewer/renderer/drawing/view_camera.hpp"
 #include "viewer/viewer.hpp"
 #include "world_server/world_server.hpp"
 

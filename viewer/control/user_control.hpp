@@ -5,7 +5,7 @@
 #include "viewer/control/mouse_grab.hpp"
 #include "viewer/control/scene_editor.hpp"
 #include "viewer/control/surface_events.hpp"
-#include "viewer/renderer/view_camera.hpp"
+#include "viewer/renderer/drawing/view_camera.hpp"
 
 #include <chrono>
 #include <string>

@@ -1,11 +1,11 @@
 #pragma once
 
 #include "core/base/expected.hpp"
+#include "viewer/config/viewer_config.hpp"
 #include "viewer/pacing/adaptive_quality.hpp"
 #include "viewer/pacing/picture_pacer.hpp"
 #include "viewer/receive/session.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
-#include "viewer/viewer_config.hpp"
 
 #include <chrono>
 #include <span>

@@ -1,7 +1,7 @@
 #include "viewer/renderer/overlay.hpp"
 
-#include "viewer/renderer/object/textures.hpp"
-#include "viewer/renderer/shaders.hpp"
+#include "viewer/renderer/drawing/shaders.hpp"
+#include "viewer/renderer/drawing/textures.hpp"
 
 #include <glad/gl.h>
 

@@ -2,9 +2,9 @@
 
 #include "core/base/expected.hpp"
 #include "core/gl/resources.hpp"
+#include "viewer/renderer/drawing/view_camera.hpp"
 #include "viewer/renderer/fxaa.hpp"
 #include "viewer/renderer/rendered_picture.hpp"
-#include "viewer/renderer/view_camera.hpp"
 
 #include <cstdint>
 #include <optional>

@@ -1,6 +1,6 @@
 #include "viewer/renderer/scene_renderer.hpp"
 
-#include "viewer/renderer/backdrop.hpp"
+#include "viewer/renderer/backdrop/backdrop.hpp"
 #include "viewer/renderer/object/object_scene.hpp"
 #include "viewer/renderer/person/person_drawing.hpp"
 #include "viewer/renderer/person/silhouette_drawing.hpp"

@@ -2,12 +2,12 @@
 
 #include "core/base/expected.hpp"
 #include "core/geometry/rigid_transform.hpp"
-#include "viewer/renderer/object/object_look.hpp"
+#include "viewer/renderer/drawing/object_look.hpp"
+#include "viewer/renderer/drawing/view_camera.hpp"
 #include "viewer/renderer/object/soft_surface.hpp"
 #include "viewer/renderer/overlay.hpp"
 #include "viewer/renderer/person/person_model.hpp"
 #include "viewer/renderer/rendered_picture.hpp"
-#include "viewer/renderer/view_camera.hpp"
 
 #include <cstdint>
 #include <memory>

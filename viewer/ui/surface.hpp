@@ -2,6 +2,7 @@
 
 #include "core/base/expected.hpp"
 #include "core/bus/messages.hpp"
+#include "viewer/config/viewer_config.hpp"
 #include "viewer/control/surface_events.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
 #include "viewer/scene/people_view.hpp"
@@ -76,6 +77,10 @@ struct SurfaceOptions {
     bool wait_for_display = true;  // vertical synchronisation of a window
     bool has_two_buffers = false;  // stereo window with one buffer per eye
 };
+
+/// Surface options of the configuration. Error kConfiguration if it needs a window and rules one
+/// out.
+Expected<SurfaceOptions> surface_options(const ViewerConfig& config);
 
 /// Opens a window. Error kUnavailable if there is no display or it lacks OpenGL 3.3. Main thread
 /// only, one window at a time.

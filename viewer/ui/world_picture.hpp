@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/expected.hpp"
+#include "viewer/config/viewer_config.hpp"
 #include "viewer/overlay/annotations.hpp"
 #include "viewer/pacing/drawing_times.hpp"
 #include "viewer/receive/session.hpp"
@@ -9,7 +10,6 @@
 #include "viewer/scene/scene_view.hpp"
 #include "viewer/ui/display.hpp"
 #include "viewer/ui/surface.hpp"
-#include "viewer/viewer_config.hpp"
 
 #include <chrono>
 #include <memory>

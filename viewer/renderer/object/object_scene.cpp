@@ -1,7 +1,7 @@
 #include "viewer/renderer/object/object_scene.hpp"
 
 #include "core/gl/shader_program.hpp"
-#include "viewer/renderer/shaders.hpp"
+#include "viewer/renderer/drawing/shaders.hpp"
 
 #include <glad/gl.h>
 

@@ -2,13 +2,13 @@
 
 #include "core/base/expected.hpp"
 #include "core/geometry/rigid_transform.hpp"
-#include "viewer/renderer/backdrop.hpp"
+#include "viewer/renderer/backdrop/backdrop.hpp"
+#include "viewer/renderer/drawing/textures.hpp"
+#include "viewer/renderer/drawing/view_camera.hpp"
 #include "viewer/renderer/object/object_batch.hpp"
 #include "viewer/renderer/object/object_drawing.hpp"
 #include "viewer/renderer/object/object_mesh.hpp"
 #include "viewer/renderer/object/object_shaders.hpp"
-#include "viewer/renderer/object/textures.hpp"
-#include "viewer/renderer/view_camera.hpp"
 
 #include <cstdint>
 #include <map>

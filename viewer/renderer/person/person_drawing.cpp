@@ -1,6 +1,6 @@
 #include "viewer/renderer/person/person_drawing.hpp"
 
-#include "viewer/renderer/backdrop.hpp"
+#include "viewer/renderer/backdrop/backdrop.hpp"
 #include "viewer/renderer/person/person_shader_text.hpp"
 
 #include <Eigen/LU>

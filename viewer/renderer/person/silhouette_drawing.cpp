@@ -1,6 +1,6 @@
 #include "viewer/renderer/person/silhouette_drawing.hpp"
 
-#include "viewer/renderer/shaders.hpp"
+#include "viewer/renderer/drawing/shaders.hpp"
 
 #include <glad/gl.h>
 

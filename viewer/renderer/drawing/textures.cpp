@@ -1,4 +1,4 @@
-#include "viewer/renderer/object/textures.hpp"
+#include "viewer/renderer/drawing/textures.hpp"
 
 #include <glad/gl.h>
 

@@ -1,4 +1,4 @@
-#include "viewer/viewer_config.hpp"
+#include "viewer/config/viewer_config.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

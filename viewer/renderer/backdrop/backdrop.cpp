@@ -1,6 +1,6 @@
-#include "viewer/renderer/backdrop.hpp"
+#include "viewer/renderer/backdrop/backdrop.hpp"
 
-#include "viewer/renderer/shaders.hpp"
+#include "viewer/renderer/drawing/shaders.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

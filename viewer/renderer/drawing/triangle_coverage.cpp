@@ -1,4 +1,4 @@
-#include "viewer/renderer/triangle_coverage.hpp"
+#include "viewer/renderer/drawing/triangle_coverage.hpp"
 
 #include <Eigen/Geometry>
 

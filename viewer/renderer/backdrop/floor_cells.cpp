@@ -1,4 +1,4 @@
-#include "viewer/renderer/floor_cells.hpp"
+#include "viewer/renderer/backdrop/floor_cells.hpp"
 
 #include <algorithm>
 #include <bit>

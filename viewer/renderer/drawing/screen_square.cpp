@@ -1,4 +1,4 @@
-#include "viewer/renderer/screen_square.hpp"
+#include "viewer/renderer/drawing/screen_square.hpp"
 
 #include <glad/gl.h>
 

@@ -1,4 +1,4 @@
-#include "viewer/viewer_config.hpp"
+#include "viewer/config/viewer_config.hpp"
 
 #include "core/bus/bus_options.hpp"
 #include "core/presence/membership.hpp"
@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <map>
 #include <sstream>
 
 namespace atrium::viewer {
@@ -158,30 +157,6 @@ Expected<Eigen::Vector3d> parse_point(const std::string& key, const std::string&
             key + ": expected three numbers \"x,y,z\" in metres, got \"" + text + "\"");
     }
     return p;
-}
-
-Expected<SurfaceOptions> surface_options(const ViewerConfig& config) {
-    static const std::map<std::string, ContextKind> kContexts{{"auto", ContextKind::kAuto},
-                                                              {"window", ContextKind::kWindow},
-                                                              {"egl", ContextKind::kEgl},
-                                                              {"osmesa", ContextKind::kOsmesa}};
-    const SurfaceOptions options{.width = config.view.width,
-                                 .height = config.view.height,
-                                 .context = kContexts.at(config.view.context),
-                                 .is_headless = config.headless,
-                                 .wait_for_display = config.view.max_fps == 0.0,
-                                 .has_two_buffers = config.display.stereo == "quad_buffer"};
-    if (options.context == ContextKind::kWindow && options.is_headless) {
-        return make_error(ErrorKind::kConfiguration,
-                          "view.context: \"window\" contradicts headless");
-    }
-    if (options.has_two_buffers && (options.is_headless || options.context == ContextKind::kEgl ||
-                                    options.context == ContextKind::kOsmesa)) {
-        return make_error(ErrorKind::kConfiguration,
-                          "display.stereo: quad_buffer needs a window; remove headless and "
-                          "view.context");
-    }
-    return options;
 }
 
 Expected<renderer::ViewCamera> make_view_camera(const ViewConfig& config) {

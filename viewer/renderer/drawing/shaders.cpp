@@ -1,4 +1,4 @@
-#include "viewer/renderer/shaders.hpp"
+#include "viewer/renderer/drawing/shaders.hpp"
 
 #include <initializer_list>
 

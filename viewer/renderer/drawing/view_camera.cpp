@@ -1,4 +1,4 @@
-#include "viewer/renderer/view_camera.hpp"
+#include "viewer/renderer/drawing/view_camera.hpp"
 
 #include <Eigen/Geometry>
 

@@ -4,10 +4,8 @@
 #include "core/base/expected.hpp"
 #include "core/bus/bus.hpp"
 #include "core/config/option_set.hpp"
+#include "viewer/renderer/drawing/view_camera.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
-#include "viewer/renderer/view_camera.hpp"
-#include "viewer/ui/display.hpp"
-#include "viewer/ui/surface.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -32,6 +30,15 @@ struct ViewConfig {
     std::string adapt = "auto";    // off: never reduces the quality
     double scale = 1.0;            // maximum share of the picture's width and height
     std::string shadows = "on";
+};
+
+struct DisplayConfig {
+    std::string stereo = "none";
+    double eye_distance_m = 0.064;
+    double convergence_m = 0.0;    // 0: distance of the target
+    std::filesystem::path wall{};  // empty: a single display
+    std::string tile{};
+    double delay_ms = 120.0;
 };
 
 struct VideoConfig {
@@ -68,10 +75,6 @@ std::pair<int, int> video_size(const VideoConfig& video, std::pair<int, int> pic
 
 /// Parses "x,y,z". Error kConfiguration names `key`.
 Expected<Eigen::Vector3d> parse_point(const std::string& key, const std::string& text);
-
-/// Surface options of the configuration. Error kConfiguration if it needs a window and rules one
-/// out.
-Expected<SurfaceOptions> surface_options(const ViewerConfig& config);
 
 /// Viewpoint of the configuration. Error kConfiguration if it is invalid.
 Expected<renderer::ViewCamera> make_view_camera(const ViewConfig& config);

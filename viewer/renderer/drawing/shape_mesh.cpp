@@ -1,4 +1,4 @@
-#include "viewer/renderer/object/shape_mesh.hpp"
+#include "viewer/renderer/drawing/shape_mesh.hpp"
 
 #include <Eigen/Geometry>
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/geometry/rigid_transform.hpp"
-#include "viewer/renderer/object/shape_mesh.hpp"
+#include "viewer/renderer/drawing/shape_mesh.hpp"
 
 #include <Eigen/Core>
 
