@@ -80,7 +80,7 @@ void StripSweep::end_edges(const Turn& turn, const Sectors& face, std::uint32_t 
     }
 }
 
-// Passes the point to a face that does not include both the sector above and the sector below the
+// Adds the corner to a face that does not include both the sector above and the sector below the
 // point.
 void StripSweep::pass_face(Turn& turn, const Sectors& face, const Corner& corner) {
     RegionId region = -1;
@@ -101,8 +101,8 @@ void StripSweep::pass_face(Turn& turn, const Sectors& face, const Corner& corner
     }
 }
 
-// Passes the point to a face that includes the sectors above and below it: a gap inside the face
-// begins or ends there.
+// Adds the corner to a face that includes the sectors above and below the point: a gap inside the
+// face begins or ends there.
 void StripSweep::part_face(Turn& turn, const Corner& corner) {
     const std::size_t first_leaving = turn.num_arriving + 1;  // sector
     bool begins = turn.num_arriving < turn.num_lines;

@@ -39,7 +39,7 @@ struct HullScratch::Data {
     std::vector<RunFaces> faces;     // one per run
     std::vector<StripSweep> sweeps;  // one per worker
     MeshAssembly assembly;
-    std::uint64_t steps_left = 0;            // left for this computation
+    std::uint64_t steps_left = 0;            // for the remaining attempts
     std::uint32_t num_dropped_at_first = 0;  // contours dropped by the first attempt
 };
 
