@@ -136,7 +136,7 @@ TEST_P(RandomScene, MovesWithTheRig) {
     const VisualHull hull = test::exact_hull_of(moved);
     ASSERT_EQ(hull.status, HullStatus::kOk);
     EXPECT_EQ(hull.mesh.vertices.size(), hull_.mesh.vertices.size());
-    // another pose has another jitter: the surface may move by that of 1e-6 px at 4 m
+    // another pose has another jitter: the surface may move by what 1e-6 px are at 4 m
     double area_m2 = 0.0;
     for (const auto& [a, b, c] : hull_.mesh.triangles) {
         const auto& p = hull_.mesh.vertices;
@@ -162,8 +162,8 @@ TEST_P(RandomScene, ShrinksWithOneMoreCamera) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomScene, testing::Range(0, 60));
 
-// Input that no camera delivers. Any status is fine, but an OK must come with a sound mesh, and the
-// result must come soon.
+// Input that no camera delivers. Any status is fine, but kOk requires a sound mesh, and the result
+// must come soon.
 class HostileScene : public testing::TestWithParam<int> {};
 
 Contour hostile_contour(Random& random) {
