@@ -2,9 +2,12 @@
 
 #include "core/geometry/aabb.hpp"
 #include "core/geometry/rigid_transform.hpp"
+#include "world_server/physics/people/people_options.hpp"
 #include "world_server/physics/people/person_shape.hpp"
 #include "world_server/physics/rigid/joint.hpp"
 #include "world_server/physics/rigid/rigid_object.hpp"
+#include "world_server/physics/rigid/rigid_options.hpp"
+#include "world_server/physics/soft/soft_options.hpp"
 #include "world_server/physics/surroundings.hpp"
 #include "world_server/physics/world_state.hpp"
 
@@ -35,6 +38,8 @@ enum class LeavePolicy : std::uint8_t {
     kBounce
 };
 
+/// Options and tuned constants of a world. Those of people, rigid and soft objects are beside their
+/// code.
 struct WorldOptions {
     double tick_s = 1.0 / 120.0;
     Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // [m/s^2]
@@ -46,9 +51,20 @@ struct WorldOptions {
     double max_speed_mps = 15.0;         // of an object
     double max_spin_rad_s = 60.0;        // of an object
     double max_depenetration_mps = 3.0;  // speed at which overlapping objects separate
-    double escape_mps = 1.5;             // speed at which an object inside a person is moved out
-    double person_friction = 2.0;        // see PeopleContactOptions
-    double person_restitution = 0.2;
+    // Overlap above which Bullet separates without adding velocity. Bullet's default of 4 cm makes
+    // an object pressed by a hand pop away.
+    float plain_contact_m = 0.002F;
+    int solver_iterations = 20;  // an object clasped between two palms needs force from both
+    double wall_friction = 0.5;  // of the box, for LeavePolicy::kBounce
+    double wall_restitution = 0.5;
+    // An object beyond these limits returns to its start. No cause adds more than a few times
+    // max_speed_mps in one tick.
+    double runaway_factor = 4.0;  // speed, in max_speed_mps
+    double torn_m = 0.25;         // gap of a joint
+    double behind_wall_m = 0.5;   // LeavePolicy::kBounce: distance outside the box
+    PeopleOptions people{};
+    RigidOptions rigid{};
+    SoftOptions soft{};
 };
 
 /// State of a person in the physics at one moment.

@@ -9,7 +9,7 @@
 namespace atrium::physics {
 
 ObjectBody::ObjectBody(const RigidObject& object, const WorldOptions& options)
-    : object_(object), shape_(object) {
+    : object_(object), shape_(object, options.rigid.hull) {
     btRigidBody::btRigidBodyConstructionInfo info(
         btScalar(object.mass_kg), nullptr, &shape_.shape(), to_bullet(shape_.inertia()));
     info.m_startWorldTransform = start();

@@ -67,7 +67,7 @@ private:
     std::unique_ptr<Solver> solver_;
     std::map<std::uint32_t, std::unique_ptr<SoftBody>> bodies_;
     SoftSurroundings surroundings_;
-    SoftSoftContacts contacts_;
+    SoftSoftContacts contacts_{options_.soft.contacts};
     AnchoredBodies anchored_;
     std::vector<std::uint32_t> left_;    // scratch
     std::vector<SoftSurface> surfaces_;  // scratch
