@@ -1,6 +1,6 @@
 #include "world_server/physics/world.hpp"
 
-#include "world_server/physics/bullet_types.hpp"
+#include "world_server/physics/rigid/bullet_types.hpp"
 #include "world_server/physics/world_impl.hpp"
 
 #include <cassert>

@@ -1,5 +1,5 @@
 // Resets or removes objects whose state is not plausible.
-#include "world_server/physics/bullet_types.hpp"
+#include "world_server/physics/rigid/bullet_types.hpp"
 #include "world_server/physics/world_impl.hpp"
 
 namespace atrium::physics {

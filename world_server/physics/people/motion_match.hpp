@@ -1,6 +1,6 @@
 #pragma once
 
-#include "world_server/physics/people/people_options.hpp"
+#include "world_server/physics/options/people_options.hpp"
 #include "world_server/physics/people/surface_index.hpp"
 
 #include <Eigen/Core>

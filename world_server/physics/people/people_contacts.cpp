@@ -1,8 +1,8 @@
 #include "world_server/physics/people/people_contacts.hpp"
 
-#include "world_server/physics/bullet_types.hpp"
 #include "world_server/physics/people/grip_correction.hpp"
 #include "world_server/physics/rigid/body_samples.hpp"
+#include "world_server/physics/rigid/bullet_types.hpp"
 #include "world_server/physics/rigid/shape_distance.hpp"
 
 #include <btBulletDynamicsCommon.h>

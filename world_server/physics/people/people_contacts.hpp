@@ -1,7 +1,7 @@
 #pragma once
 
+#include "world_server/physics/options/people_options.hpp"
 #include "world_server/physics/people/people_field.hpp"
-#include "world_server/physics/people/people_options.hpp"
 #include "world_server/physics/people/person_contact.hpp"
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "world_server/physics/options/people_options.hpp"
 #include "world_server/physics/people/float4.hpp"
-#include "world_server/physics/people/people_options.hpp"
 #include "world_server/physics/people/surface_index.hpp"
 
 #include <Eigen/Core>

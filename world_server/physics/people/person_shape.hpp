@@ -2,8 +2,8 @@
 
 #include "core/base/timestamp.hpp"
 #include "core/geometry/triangle_mesh.hpp"
+#include "world_server/physics/options/people_options.hpp"
 #include "world_server/physics/people/moving_surfel.hpp"
-#include "world_server/physics/people/people_options.hpp"
 #include "world_server/physics/people/person_motion.hpp"
 #include "world_server/physics/people/surface_index.hpp"
 

@@ -2,8 +2,8 @@
 
 #include "core/geometry/aabb.hpp"
 #include "core/geometry/triangle_mesh.hpp"
+#include "world_server/physics/options/people_options.hpp"
 #include "world_server/physics/people/float4.hpp"
-#include "world_server/physics/people/people_options.hpp"
 
 #include <Eigen/Core>
 

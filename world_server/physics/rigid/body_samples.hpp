@@ -1,6 +1,6 @@
 #pragma once
 
-#include "world_server/physics/rigid/rigid_options.hpp"
+#include "world_server/physics/options/rigid_options.hpp"
 
 #include <Eigen/Core>
 

@@ -1,7 +1,7 @@
 #include "world_server/physics/rigid/collision_shape.hpp"
 
 #include "core/geometry/aabb.hpp"
-#include "world_server/physics/bullet_types.hpp"
+#include "world_server/physics/rigid/bullet_types.hpp"
 #include "world_server/physics/rigid/convex_hull.hpp"
 
 #include <Eigen/Eigenvalues>

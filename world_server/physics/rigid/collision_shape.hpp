@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/geometry/rigid_transform.hpp"
+#include "world_server/physics/options/rigid_options.hpp"
 #include "world_server/physics/rigid/rigid_object.hpp"
-#include "world_server/physics/rigid/rigid_options.hpp"
 
 #include <Eigen/Core>
 

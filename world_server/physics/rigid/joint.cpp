@@ -1,6 +1,6 @@
 #include "world_server/physics/rigid/joint.hpp"
 
-#include "world_server/physics/bullet_types.hpp"
+#include "world_server/physics/rigid/bullet_types.hpp"
 #include "world_server/physics/rigid/object_body.hpp"
 
 #include <btBulletDynamicsCommon.h>

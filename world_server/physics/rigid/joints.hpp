@@ -1,7 +1,7 @@
 #pragma once
 
+#include "world_server/physics/options/rigid_options.hpp"
 #include "world_server/physics/rigid/joint.hpp"
-#include "world_server/physics/rigid/rigid_options.hpp"
 
 #include <cstdint>
 #include <memory>

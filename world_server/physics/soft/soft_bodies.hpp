@@ -1,9 +1,10 @@
 #pragma once
 
+#include "world_server/physics/options/world_options.hpp"
 #include "world_server/physics/soft/soft_body.hpp"
 #include "world_server/physics/soft/soft_object.hpp"
 #include "world_server/physics/soft/soft_soft_contacts.hpp"
-#include "world_server/physics/world.hpp"
+#include "world_server/physics/state/world_events.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "world_server/physics/options/world_options.hpp"
 #include "world_server/physics/soft/soft_anchors.hpp"
 #include "world_server/physics/soft/soft_contacts.hpp"
 #include "world_server/physics/soft/soft_depenetration.hpp"
@@ -8,7 +9,7 @@
 #include "world_server/physics/soft/soft_object.hpp"
 #include "world_server/physics/soft/soft_soft_contacts.hpp"
 #include "world_server/physics/soft/soft_volume.hpp"
-#include "world_server/physics/world.hpp"
+#include "world_server/physics/state/world_state.hpp"
 
 #include <Eigen/Core>
 #include <LinearMath/btVector3.h>

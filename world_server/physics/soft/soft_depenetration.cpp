@@ -1,7 +1,7 @@
 #include "world_server/physics/soft/soft_depenetration.hpp"
 
-#include "world_server/physics/bullet_types.hpp"
 #include "world_server/physics/people/people_field.hpp"
+#include "world_server/physics/rigid/bullet_types.hpp"
 #include "world_server/physics/soft/soft_sample.hpp"
 
 #include <BulletSoftBody/btSoftBody.h>

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "world_server/physics/options/soft_options.hpp"
 #include "world_server/physics/soft/moving_faces.hpp"
 #include "world_server/physics/soft/soft_object.hpp"
-#include "world_server/physics/soft/soft_options.hpp"
 #include "world_server/physics/soft/soft_sample.hpp"
 
 #include <LinearMath/btVector3.h>

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "world_server/physics/options/soft_options.hpp"
 #include "world_server/physics/soft/soft_object.hpp"
-#include "world_server/physics/soft/soft_options.hpp"
 
 #include <LinearMath/btVector3.h>
 

@@ -1,12 +1,6 @@
-#include "world_server/physics/world.hpp"
+#include "world_server/physics/state/world_events.hpp"
 
 namespace atrium::physics {
-
-geometry::Aabb box_of(const WorldOptions& options) {
-    if (options.box) return *options.box;
-    const double far = options.half_extent_m;
-    return {.min = {-far, -far, options.lowest_z_m}, .max = Eigen::Vector3d::Constant(far)};
-}
 
 std::string_view describe(IncidentKind kind) {
     switch (kind) {

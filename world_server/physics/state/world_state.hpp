@@ -1,16 +1,20 @@
 #pragma once
 
+#include "core/geometry/rigid_transform.hpp"
+
 #include <Eigen/Core>
 
 #include <cstdint>
 #include <vector>
 
-class btRigidBody;
-class btSoftRigidDynamicsWorld;
-
 namespace atrium::physics {
 
-class ObjectBody;
+struct RigidState {
+    std::uint32_t id = 0;
+    geometry::RigidTransform world_from_object;
+    Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();   // [m/s] world
+    Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // [rad/s] world
+};
 
 /// Variable state of a rigid object, in Bullet's precision: saving and restoring loses nothing.
 struct ObjectMotion {
@@ -44,18 +48,9 @@ struct WorldState {
     bool operator==(const WorldState&) const = default;
 };
 
-ObjectMotion motion_of(ObjectBody& body);
 /// True if all numbers are finite, the rotation is orthonormal, and the activation state is one of
 /// Bullet's.
 bool is_valid(const ObjectMotion& motion);
 /// True if all numbers are finite and there are as many velocities as positions.
 bool is_valid(const SoftState& motion);
-void set_motion(const ObjectMotion& motion, ObjectBody& body);
-
-/// Removes everything that collides from the world and adds it again, `bodies` last and in the
-/// given order. Later results then depend only on motion, not on Bullet's cache of contacts and
-/// pairs or on the order of earlier additions. Costs the accumulated impulses of resting contacts,
-/// which build up again within some ticks.
-void forget_history(btSoftRigidDynamicsWorld& world, const std::vector<btRigidBody*>& bodies);
-
 }  // namespace atrium::physics

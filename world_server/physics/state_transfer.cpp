@@ -1,10 +1,9 @@
-#include "world_server/physics/world_state.hpp"
+#include "world_server/physics/state_transfer.hpp"
 
 #include "world_server/physics/rigid/object_body.hpp"
 
 #include <BulletSoftBody/btSoftBody.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
-#include <Eigen/LU>
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
@@ -12,9 +11,6 @@
 
 namespace atrium::physics {
 namespace {
-
-// Bullet keeps rotations orthonormal up to rounding. A larger error has another source.
-constexpr float kRotationTolerance = 1e-3F;
 
 Eigen::Vector3f to_eigen(const btVector3& v) { return {float(v.x()), float(v.y()), float(v.z())}; }
 btVector3 to_btv(const Eigen::Vector3f& v) {
@@ -37,25 +33,6 @@ ObjectMotion motion_of(ObjectBody& object) {
     motion.activation = body.getActivationState();
     motion.idle_s = float(body.getDeactivationTime());
     return motion;
-}
-
-bool is_valid(const ObjectMotion& motion) {
-    const bool is_finite = motion.position_m.allFinite() && motion.rotation.allFinite() &&
-                           motion.linear_velocity.allFinite() &&
-                           motion.angular_velocity.allFinite() && std::isfinite(motion.idle_s);
-    if (!is_finite || motion.activation < ACTIVE_TAG || motion.activation > WANTS_DEACTIVATION) {
-        return false;
-    }
-    const Eigen::Matrix3f product = motion.rotation * motion.rotation.transpose();
-    return product.isApprox(Eigen::Matrix3f::Identity(), kRotationTolerance) &&
-           motion.rotation.determinant() > 0.0F;
-}
-
-bool is_valid(const SoftState& motion) {
-    const auto is_finite = [](const Eigen::Vector3f& v) { return v.allFinite(); };
-    return motion.positions.size() == motion.velocities.size() &&
-           std::all_of(motion.positions.begin(), motion.positions.end(), is_finite) &&
-           std::all_of(motion.velocities.begin(), motion.velocities.end(), is_finite);
 }
 
 void set_motion(const ObjectMotion& motion, ObjectBody& object) {
