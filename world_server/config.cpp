@@ -75,10 +75,10 @@ Expected<void> check(const WorldServerConfig& config) {
     }
     const geometry::Aabb box = box_of(config.world);
     for (const WorldObject& object : config.objects) {
-        const bus::SceneObject& scene = object.scene;
-        if (scene.mass_kg > 0.0 && !box.contains(scene.world_from_object.translation)) {
+        const physics::RigidObject& rigid = object.rigid;
+        if (rigid.mass_kg > 0.0 && !box.contains(rigid.world_from_object.translation)) {
             return wrong(
-                fmt::format("object '{}': must start inside the world's bounds", scene.name));
+                fmt::format("object '{}': must start inside the world's bounds", object.name));
         }
     }
     for (const WorldSoftObject& soft : config.soft) {

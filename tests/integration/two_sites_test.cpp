@@ -48,12 +48,12 @@ site_node::SiteNodeConfig site_config(const std::string& name, const std::string
 
 world_server::WorldObject ball(std::uint32_t id, const Eigen::Vector3d& position_m) {
     world_server::WorldObject object;
-    object.scene.object = id;
-    object.scene.name = id == kBallOverTheHand ? "over_the_hand" : "in_the_open";
-    object.scene.shape = bus::Shape::kSphere;
-    object.scene.size_m = Eigen::Vector3d::Constant(0.2);
-    object.scene.mass_kg = 0.3;
-    object.scene.world_from_object.translation = position_m;
+    object.rigid.id = id;
+    object.name = id == kBallOverTheHand ? "over_the_hand" : "in_the_open";
+    object.rigid.shape = physics::ObjectShape::kSphere;
+    object.rigid.size_m = Eigen::Vector3d::Constant(0.2);
+    object.rigid.mass_kg = 0.3;
+    object.rigid.world_from_object.translation = position_m;
     return object;
 }
 
@@ -62,10 +62,10 @@ world_server::WorldServerConfig world_config() {
     world_server::WorldServerConfig config;
     config.bus = bus_options();
     world_server::WorldObject floor;
-    floor.scene.object = 3;
-    floor.scene.name = "floor";
-    floor.scene.shape = bus::Shape::kPlane;
-    floor.scene.size_m = {6, 6, 1};
+    floor.rigid.id = 3;
+    floor.name = "floor";
+    floor.rigid.shape = physics::ObjectShape::kPlane;
+    floor.rigid.size_m = {6, 6, 1};
     config.objects = {
         ball(kBallOverTheHand, {-0.45, -0.17, 1.9}), ball(kBallInTheOpen, {0.0, 1.5, 1.9}), floor};
     world_server::NamedPlacement alice{"alice", {}};

@@ -33,7 +33,7 @@ protected:
     void SetUp() override {
         config_ = floor_and_ball();
         // out of the person's way
-        config_.objects[1].scene.world_from_object.translation = {3, 3, 0.1};
+        config_.objects[1].rigid.world_from_object.translation = {3, 3, 0.1};
         config_.bus.world = "proxies-test-" + std::to_string(getpid());
         config_.bus.domain = 77;
         config_.placements = {{"alice", {Eigen::Quaterniond::Identity(), {-1, 0, 0}}}};

@@ -1,15 +1,15 @@
-#include "world_server/puppet.hpp"
+#include "world_server/description/puppet.hpp"
 
-#include <algorithm>
+#include "world_server/description/shared_entries.hpp"
+
 #include <cmath>
-#include <numbers>
 
 namespace atrium::world_server {
 namespace {
 
 using Eigen::Vector3d;
+using physics::ObjectShape;
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 // A freely swinging limb comes to rest within about this time.
 constexpr double kSettle_s = 0.25;
 // Air drag of a light, clothed figure: it swings on its strings for seconds, not for minutes.
@@ -39,10 +39,10 @@ public:
 
 private:
     void build_trunk() {
-        pelvis_ = add("pelvis", bus::Shape::kBox, {0.10, 0.16, 0.10}, {0, 0, 0.52}, d_.colour);
-        chest_ = add("chest", bus::Shape::kBox, {0.11, 0.20, 0.20}, {0, 0, 0.69}, d_.colour);
+        pelvis_ = add("pelvis", ObjectShape::kBox, {0.10, 0.16, 0.10}, {0, 0, 0.52}, d_.colour);
+        chest_ = add("chest", ObjectShape::kBox, {0.11, 0.20, 0.20}, {0, 0, 0.69}, d_.colour);
         ball(chest_, pelvis_, {0, 0, 0.58}, Vector3d::UnitZ(), 35, 30);
-        head_ = add("head", bus::Shape::kSphere, {0.16, 0.16, 0.16}, {0, 0, 0.92}, d_.head_colour);
+        head_ = add("head", ObjectShape::kSphere, {0.16, 0.16, 0.16}, {0, 0, 0.92}, d_.head_colour);
         ball(head_, chest_, {0, 0, 0.815}, Vector3d::UnitZ(), 40, 60);
     }
 
@@ -70,7 +70,7 @@ private:
         // the shin bends backwards
         hinge(shin, thigh, {0, y, 0.24}, Vector3d::UnitY(), -3, 130);
         const std::uint32_t foot = add("foot_" + side,
-                                       bus::Shape::kBox,
+                                       ObjectShape::kBox,
                                        {0.13, 0.065, 0.03},
                                        {0.025, y, 0.015},
                                        d_.limb_colour);
@@ -80,7 +80,7 @@ private:
     // Adds strings that lead straight up from the head and both hands.
     void hang() {
         double mass_kg = 0.0;
-        for (const WorldObject& part : puppet_.parts) mass_kg += part.scene.mass_kg;
+        for (const WorldObject& part : puppet_.parts) mass_kg += part.rigid.mass_kg;
         string(head_, {0, 0, 1.0}, mass_kg);
         for (const auto& [hand, place] : hands_) string(hand, place, mass_kg);
     }
@@ -104,7 +104,7 @@ private:
                        const Vector3d& centre,
                        const Vector3d& along) {
         return add(part,
-                   bus::Shape::kCapsule,
+                   ObjectShape::kCapsule,
                    size,
                    centre,
                    d_.limb_colour,
@@ -112,32 +112,32 @@ private:
     }
 
     std::uint32_t add(const std::string& part,
-                      bus::Shape shape,
+                      ObjectShape shape,
                       const Vector3d& size,
                       const Vector3d& centre,
                       const Vector3d& colour,
                       const Eigen::Quaterniond& turn = Eigen::Quaterniond::Identity()) {
         WorldObject object;
-        object.scene.object = next_id_++;
-        object.scene.name = d_.name + "." + part;
-        object.scene.shape = shape;
-        object.scene.size_m = d_.height_m * size;
-        object.scene.colour = colour;
-        object.scene.world_from_object =
+        object.rigid.id = next_id_++;
+        object.name = d_.name + "." + part;
+        object.rigid.shape = shape;
+        object.rigid.size_m = d_.height_m * size;
+        object.look.colour = colour;
+        object.rigid.world_from_object =
             d_.world_from_puppet * geometry::RigidTransform{turn, d_.height_m * centre};
-        object.scene.friction = d_.friction;
-        object.scene.restitution = 0.1;
-        object.drag_per_s = kDrag_per_s;
-        object.scene.mass_kg = d_.density_kg_per_m3 * physics::volume_m3(to_rigid(object));
+        object.rigid.friction = d_.friction;
+        object.rigid.restitution = 0.1;
+        object.rigid.drag_per_s = kDrag_per_s;
+        object.rigid.mass_kg = d_.density_kg_per_m3 * physics::volume_m3(to_rigid(object));
         puppet_.parts.push_back(object);
-        return object.scene.object;
+        return object.rigid.id;
     }
 
     physics::Joint joint_of(std::uint32_t a,
                             std::uint32_t b,
                             const Vector3d& place,
                             const Vector3d& axis) const {
-        const bus::SceneObject& part = puppet_.parts[a - puppet_.parts.front().scene.object].scene;
+        const physics::RigidObject& part = puppet_.parts[a - puppet_.parts.front().rigid.id].rigid;
         physics::Joint joint;
         joint.a = a;
         joint.b = b;
