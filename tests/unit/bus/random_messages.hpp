@@ -133,12 +133,12 @@ private:
 
 template <typename Message>
 Message random_message(Random& random) {
-    Message message;
-    do {
+    while (true) {
+        Message message;
         RandomFiller filler(random);
         fields(filler, message, kNoWire<WireOf<Message>>);
-    } while (!check(message));
-    return message;
+        if (check(message)) return message;
+    }
 }
 
 /// The bytes of all fields, without padding.

@@ -50,7 +50,7 @@ private:
         name = field_;
     }
     template <typename T>
-    void set_each(T& value, std::initializer_list<T> bad) {
+    void set_each(T& value, std::initializer_list<std::type_identity_t<T>> bad) {
         for (const T replacement : bad) may([&] { value = replacement; });
     }
 
