@@ -52,6 +52,8 @@ template <typename Enumerator>
 struct Last {
     Enumerator last;
 };
+template <typename Enumerator>
+Last(Enumerator) -> Last<Enumerator>;  // clang 14 does not deduce it
 enum class Text { kName, kNameOrNone, kModelFile, kModelFileOrNone };
 
 /// Forwards the entries of a list to `field`. A visitor defines it as
