@@ -1,4 +1,5 @@
 #include "tests/integration/stream_over_link.hpp"
+#include "tests/support/skips.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -51,7 +52,7 @@ class ImpairedBus : public testing::Test {
 protected:
     void SetUp() override {
         auto network = ImpairedNetwork::create(2, 7);
-        if (!network) GTEST_SKIP() << network.error().message;
+        if (!network) GTEST_SKIP() << atrium::test::skip::kNoNetwork << network.error().message;
         network_ = std::move(*network);
         settings_.network_file =
             testing::TempDir() + "impaired_bus_" + std::to_string(getpid()) + ".xml";

@@ -1,4 +1,5 @@
 #include "tests/integration/site_over_link.hpp"
+#include "tests/support/skips.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -31,7 +32,7 @@ protected:
     /// Impairs both directions of the link.
     void start_over(const Impairment& impairment) {
         auto network = ImpairedNetwork::create(2, 11);
-        if (!network) GTEST_SKIP() << network.error().message;
+        if (!network) GTEST_SKIP() << atrium::test::skip::kNoNetwork << network.error().message;
         network_ = std::move(*network);
         for (const int host : {0, 1}) network_->set(host, Way::kUp, impairment);
         start();

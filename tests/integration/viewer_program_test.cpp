@@ -1,5 +1,6 @@
 #include "core/bus/bus.hpp"
 #include "tests/support/run_program.hpp"
+#include "tests/support/skips.hpp"
 #include "tests/support/virtual_display.hpp"
 
 #include <gmock/gmock.h>
@@ -42,7 +43,7 @@ class ViewerProgram : public testing::Test {
 protected:
     void SetUp() override {
         auto started = VirtualDisplay::start(1280, 800);
-        if (!started) GTEST_SKIP() << started.error().message;
+        if (!started) GTEST_SKIP() << atrium::test::skip::kNoDisplay << started.error().message;
         display_ = std::move(*started);
         fs::create_directories(folder_);
         put_a_red_box();
@@ -260,7 +261,7 @@ TEST_F(ViewerContext, DrawsWithOsmesaOrEglOnRequest) {
     EXPECT_EQ(osmesa.exit_code, 0) << osmesa.output;
     EXPECT_THAT(osmesa.output, HasSubstr("surface_open on=\"OSMesa, llvmpipe"));
     const Outcome egl = run("--view.context egl");
-    if (egl.exit_code == 3) GTEST_SKIP() << egl.output;
+    if (egl.exit_code == 3) GTEST_SKIP() << atrium::test::skip::kNoEgl << egl.output;
     EXPECT_EQ(egl.exit_code, 0) << egl.output;
     EXPECT_THAT(egl.output, HasSubstr("surface_open on=\"EGL, "));
 }
