@@ -1,4 +1,5 @@
 #include "core/bus/bus.hpp"
+#include "tests/support/comes_true.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/skips.hpp"
 #include "tests/support/virtual_display.hpp"

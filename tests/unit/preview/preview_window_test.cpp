@@ -1,6 +1,7 @@
 #include "site_node/preview/preview_window.hpp"
 
 #include "site_node/preview/preview.hpp"
+#include "tests/support/comes_true.hpp"
 #include "tests/support/skips.hpp"
 #include "tests/support/virtual_display.hpp"
 

@@ -1,3 +1,4 @@
+#include "tests/support/comes_true.hpp"
 #include "tests/support/skips.hpp"
 #include "tests/support/virtual_display.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
