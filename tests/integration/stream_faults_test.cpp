@@ -136,8 +136,10 @@ TEST_F(StreamFaults, StoppedViewerDoesNotSlowTheSite) {
     const std::int64_t begin_ns = from_.now_ns;
     from_ = stopped;
     const SiteReport report = finish();
+    // Other programs change the rate by a third. A write that waits for the reader takes 50 ms, the
+    // nine of a frame leave a fifteenth of it.
     EXPECT_GT(report.published_per_s(stopped.now_ns, woken.now_ns),
-              0.8 * report.published_per_s(begin_ns, stopped.now_ns));
+              0.5 * report.published_per_s(begin_ns, stopped.now_ns));
     EXPECT_EQ(report.output_of_site.find("not published"), std::string::npos);
     std::printf("back after %.0f ms\n", report.recovery_ms(woken.now_ns));
     EXPECT_LT(report.recovery_ms(woken.now_ns), 2000.0);
