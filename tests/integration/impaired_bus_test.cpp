@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <regex>
 #include <string>
 #include <thread>
 
@@ -29,10 +30,12 @@ constexpr const char* kFastRepair =
     "<MaxQueuedRexmitBytes>1MB</MaxQueuedRexmitBytes>"
     "<DefragReliableMaxSamples>256</DefragReliableMaxSamples>";
 
-// The profiles of meshes and textures with other history depths.
+// The profiles of meshes and textures with other history depths, and with samples that no delay of
+// a busy machine can let expire.
 void write_profiles(int writer_depth, int reader_depth, const std::filesystem::path& file) {
     std::ifstream stream(ATRIUM_SOURCE_DIR "/qos/profiles.xml");
     std::string all(std::istreambuf_iterator<char>(stream), {});
+    all = std::regex_replace(all, std::regex("<lifespan>.*</lifespan>"), "");
     const auto deepen = [&](const std::string& profile, const char* endpoint, int depth) {
         const std::size_t begin =
             all.find(endpoint, all.find("<qos_profile name=\"" + profile + "\">"));

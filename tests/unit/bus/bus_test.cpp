@@ -1,5 +1,6 @@
 #include "core/bus/bus.hpp"
 
+#include "tests/unit/bus/all_messages.hpp"
 #include "tests/unit/bus/bus_support.hpp"
 #include "tests/unit/bus/random_messages.hpp"
 
@@ -47,24 +48,7 @@ std::filesystem::path profiles_without_lifespan() {
 
 template <typename Message>
 class EveryTopic : public ::testing::Test {};
-using Messages = ::testing::Types<SiteDescription,
-                                  SiteMesh,
-                                  CameraTexture,
-                                  SitePlacement,
-                                  SceneObject,
-                                  SoftBody,
-                                  SoftBodyState,
-                                  Scenery,
-                                  SceneState,
-                                  PersonProxy,
-                                  ObjectProxy,
-                                  SceneCommand,
-                                  SiteStatus,
-                                  WorldStatus,
-                                  ViewerStatus,
-                                  StreamFeedback,
-                                  Presence>;
-TYPED_TEST_SUITE(EveryTopic, Messages);
+TYPED_TEST_SUITE(EveryTopic, testing::AllMessages);
 
 TYPED_TEST(EveryTopic, CarriesAMessageUnchanged) {
     const BusOptions options = own_world("every");
