@@ -273,7 +273,7 @@ TEST_F(MeshStream, EqualsDracosForHulls) {
         for (const auto& camera : test::make_ring_rig({.num_cameras = 3 + round % 4}))
             views.push_back(test::make_view(camera, test::random_stars(random, 30)));
         const hull::VisualHull hull = test::exact_hull_of(views);
-        if (hull.status != hull::HullStatus::kOk) continue;
+        ASSERT_EQ(hull.status, hull::HullStatus::kOk) << round;
         const geometry::MeshReport report = geometry::inspect(hull.mesh);
         num_handles += static_cast<int>(report.num_components) -
                        static_cast<int>(report.euler_characteristic / 2);
