@@ -81,7 +81,7 @@ TEST_F(StreamFaults, LosesNoFrameAtOnePercentLossOnAShortLink) {
     start_over({.delay = 2ms, .loss = 0.01});
     if (run_ == nullptr) return;
     const std::uint64_t before = network_->counters(0, Way::kUp).lost;
-    ASSERT_TRUE(comes_true([&] { return network_->counters(0, Way::kUp).lost > before + 50; }));
+    ASSERT_TRUE(comes_true([&] { return network_->counters(0, Way::kUp).lost > before + 20; }));
     const SiteReport report = finish();
     EXPECT_EQ(report.num_complete, report.num_published);
 }
