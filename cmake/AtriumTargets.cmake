@@ -93,10 +93,11 @@ endfunction()
 # One executable and one ctest entry per module; labels: unit property golden fuzz integration gl dds threads.
 # `threads` marks the tests of the ThreadSanitizer run. `integration` and `dds` tests depend on timing and run alone.
 # `slow` tests take more than some seconds: `make test` leaves them out.
+# A test that is skipped for a reason outside tests/support/skips.hpp fails.
 function(atrium_test name)
     cmake_parse_arguments(ARG "" "TIMEOUT" "LABELS;SOURCES;LINK" ${ARGN})
     add_executable(${name} ${ARG_SOURCES})
-    target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
+    target_link_libraries(${name} PRIVATE atrium_skips ${ARG_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
     target_compile_definitions(${name} PRIVATE ATRIUM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
     _atrium_options(${name})
     target_compile_options(${name} PRIVATE ${ATRIUM_TEST_OPTIMISATION})

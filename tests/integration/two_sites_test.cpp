@@ -187,6 +187,7 @@ TEST_F(TwoSites, BothPeopleAppearAndAHandMovesABall) {
     const auto give_up = Clock::now() + kPatience;
     std::uint64_t last_reset_tick = 0;
     BallTracks tracks;
+    int num_resets = 0;
     while (tracks.hand_sideways_m < 0.1 && Clock::now() < give_up) {
         waiter->wait(std::chrono::milliseconds(500));
         states->take([&](bus::SceneState&& state) {
@@ -197,6 +198,7 @@ TEST_F(TwoSites, BothPeopleAppearAndAHandMovesABall) {
                 bus::SceneCommand reset;
                 reset.sender = "test";
                 EXPECT_TRUE(commands->write(reset));
+                ++num_resets;
                 return;
             }
             for (const bus::ObjectState& object : state.objects) {
@@ -211,6 +213,8 @@ TEST_F(TwoSites, BothPeopleAppearAndAHandMovesABall) {
         });
     }
     EXPECT_GE(tracks.hand_sideways_m, 0.1);
+    // usually the first; the push repeats every 2 s, and a busy machine shifts it against the fall
+    EXPECT_LE(num_resets, 4);
     EXPECT_LT(tracks.open_sideways_m, 0.02);  // nobody is near it: it falls straight
     EXPECT_GT(world_->status().num_contacts, 0u);
 

@@ -96,8 +96,8 @@ struct Swing {
     }
 };
 
-// The fraction of seeded trials in which the slab carries or throws the object forward.
-double share_moved(double speed_mps, bool use_box, int num_trials) {
+// Number of seeded trials in which the slab carries or throws the object forward.
+int count_moved(double speed_mps, bool use_box, int num_trials) {
     int num_moved = 0;
     for (int trial = 0; trial < num_trials; ++trial) {
         std::mt19937 random(1000 + trial);
@@ -128,16 +128,16 @@ double share_moved(double speed_mps, bool use_box, int num_trials) {
         if (furthest > 0.15) ++num_moved;
         EXPECT_EQ(stage.world.counters().num_not_finite, 0U);
     }
-    return static_cast<double>(num_moved) / num_trials;
+    return num_moved;
 }
 
 class SlabAtSpeed : public testing::TestWithParam<double> {};
 
 TEST_P(SlabAtSpeed, PushesABallAndNeverPassesThroughIt) {
-    EXPECT_GE(share_moved(GetParam(), false, 40), 0.95);
+    EXPECT_EQ(count_moved(GetParam(), false, 40), 40);
 }
 TEST_P(SlabAtSpeed, PushesABoxAndNeverPassesThroughIt) {
-    EXPECT_GE(share_moved(GetParam(), true, 40), 0.95);
+    EXPECT_EQ(count_moved(GetParam(), true, 40), 40);
 }
 INSTANTIATE_TEST_SUITE_P(MetresPerSecond, SlabAtSpeed, testing::Values(1.0, 2.0, 4.0));
 
@@ -154,8 +154,8 @@ TEST(Person, GivesABallAboutTheHandsSpeed) {
             return make_box_mesh({0.04, 0.10, 0.18}, swing.pose(t), 3);
         },
         [&] { fastest = std::max(fastest, stage.object().linear_velocity.x()); });
-    EXPECT_GT(fastest, 1.7);
     // restitution of the two: 4 %; error of the measured speed: 8 %
+    EXPECT_GT(fastest, 2.0 * 0.92);
     EXPECT_LT(fastest, 2.0 * 1.2 * 1.1);
 }
 
@@ -191,7 +191,7 @@ TEST(Person, IsAWallWhenStill) {
     }
 }
 
-TEST(Person, HoldsABallOnAStillHandOrLetsItRollOff) {
+TEST(Person, HoldsABallOnAStillHand) {
     std::mt19937 random(17);
     std::uniform_real_distribution<double> offset(-0.05, 0.05);
     for (int trial = 0; trial < 8; ++trial) {
@@ -210,9 +210,8 @@ TEST(Person, HoldsABallOnAStillHandOrLetsItRollOff) {
                                     std::abs(p.y() - 0.17) < 0.045 && std::abs(p.z() - 1.3) < 0.045;
                 ticks_inside += inside ? 1 : 0;
             });
-        EXPECT_LE(ticks_inside, 6) << "trial " << trial;
-        const double height = stage.position().z();
-        EXPECT_TRUE(height < 0.3 || std::abs(height - 1.395) < 0.03) << height;
+        EXPECT_EQ(ticks_inside, 0) << "trial " << trial;
+        EXPECT_NEAR(stage.position().z(), 1.395, 0.01) << "trial " << trial;
     }
 }
 

@@ -1,5 +1,7 @@
 #include "site_node/segmentation/clean_mask.hpp"
 
+#include "tests/support/skips.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -72,7 +74,7 @@ TEST(CleanMask, MajorityCountsNinePixelsWithRepeatedBorders) {
 
 TEST(CleanMask, MajorityIsEqualForAllInstructionSets) {
     if (best_instruction_set() == InstructionSet::kBaseline)
-        GTEST_SKIP() << "this processor has no AVX2";
+        GTEST_SKIP() << atrium::test::skip::kNoAvx2;
     CleanScratch scratch;
     for (unsigned seed = 0; seed < 60; ++seed) {
         const int width = 1 + 3 * static_cast<int>(seed);

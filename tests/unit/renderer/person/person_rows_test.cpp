@@ -1,6 +1,7 @@
 #include "viewer/renderer/person/person_rows.hpp"
 
 #include "core/geometry/pinhole_camera.hpp"
+#include "tests/support/skips.hpp"
 #include "tests/unit/renderer/synthetic_person.hpp"
 #include "viewer/renderer/person/camera_blend.hpp"
 #include "viewer/renderer/person/inverse_depth.hpp"
@@ -354,7 +355,7 @@ TEST(InverseDepth, IsTheNearestFacingTriangleForAllInstructionSets) {
 }
 
 TEST(ChooseCameras, GivesTheSameBitsForAllInstructionSets) {
-    if (!is_there(RowCode::kAvx2)) GTEST_SKIP() << "no AVX2 here";
+    if (!is_there(RowCode::kAvx2)) GTEST_SKIP() << atrium::test::skip::kNoAvx2;
     const std::vector<synthetic::Sphere> body{{{0.0, 0.0, 1.0}, 0.5}};
     std::vector<CameraPicture> pictures;
     for (const auto& camera : synthetic::ring(7, body.front().centre))

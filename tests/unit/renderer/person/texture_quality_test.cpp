@@ -5,6 +5,7 @@
 #include "tests/support/filmed_person.hpp"
 #include "tests/support/person_photographer.hpp"
 #include "tests/support/picture_error.hpp"
+#include "tests/support/skips.hpp"
 
 #include <gtest/gtest.h>
 
@@ -146,7 +147,8 @@ TEST_F(SimulatedRoom, HasNoPoppingOnAPathAround) {
 
 TEST(RecordedPerson, MatchesCamerasThatWereLeftOut) {
     const std::filesystem::path folder = ATRIUM_SOURCE_DIR "/../shared/data/recordings/ring20";
-    if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here";
+    if (!std::filesystem::exists(folder))
+        GTEST_SKIP() << atrium::test::skip::kNoSharedData << folder;
     const auto pictures = load_pictures(folder);
     ASSERT_TRUE(pictures) << pictures.error().message;
     std::vector<TruePicture> texturing;

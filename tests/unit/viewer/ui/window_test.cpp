@@ -1,3 +1,5 @@
+#include "tests/support/comes_true.hpp"
+#include "tests/support/skips.hpp"
 #include "tests/support/virtual_display.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
 #include "viewer/ui/surface.hpp"
@@ -21,7 +23,7 @@ class ViewerWindow : public testing::Test {
 protected:
     void SetUp() override {
         auto started = VirtualDisplay::start(1280, 800);
-        if (!started) GTEST_SKIP() << started.error().message;
+        if (!started) GTEST_SKIP() << atrium::test::skip::kNoDisplay << started.error().message;
         display_ = std::move(*started);
         open();
     }
