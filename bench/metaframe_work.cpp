@@ -261,26 +261,26 @@ void put_things(const world_server::WorldServerConfig& config, renderer::SceneRe
     using renderer::ShapeKind;
     for (const world_server::WorldObject& object : config.objects) {
         renderer::ObjectLook look;
-        switch (object.scene.shape) {
-            case bus::Shape::kSphere:
+        switch (object.rigid.shape) {
+            case physics::ObjectShape::kSphere:
                 look.shape = ShapeKind::kSphere;
                 break;
-            case bus::Shape::kCylinder:
+            case physics::ObjectShape::kCylinder:
                 look.shape = ShapeKind::kCylinder;
                 break;
-            case bus::Shape::kCapsule:
+            case physics::ObjectShape::kCapsule:
                 look.shape = ShapeKind::kCapsule;
                 break;
-            case bus::Shape::kPlane:
+            case physics::ObjectShape::kPlane:
                 look.shape = ShapeKind::kPlane;
                 break;
             default:
                 look.shape = ShapeKind::kBox;
         }
-        look.size_m = object.scene.size_m;
-        look.colour = object.scene.colour;
-        look.world_from_object = object.scene.world_from_object;
-        scene.set_object(object.scene.object, look);
+        look.size_m = object.rigid.size_m;
+        look.colour = object.look.colour;
+        look.world_from_object = object.rigid.world_from_object;
+        scene.set_object(object.rigid.id, look);
     }
 }
 

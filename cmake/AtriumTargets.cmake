@@ -6,6 +6,12 @@ if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
     set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
 endif()
 
+# gold, of the same package as the default linker, takes a quarter of its time.
+find_program(GOLD_PROGRAM ld.gold)
+if(GOLD_PROGRAM)
+    add_link_options($<$<LINK_LANG_AND_ID:CXX,GNU>:-fuse-ld=gold>)
+endif()
+
 # Precompile the headers that nearly every source includes: they are a large part of a clean build. Sources still include what they
 # use; -DATRIUM_PCH=OFF builds without. The PCH needs the flags of the sources: all targets link fmt, which sets a flag.
 option(ATRIUM_PCH "Precompile the common headers" ON)
@@ -17,9 +23,10 @@ set(ATRIUM_TEST_PCH_HEADERS <gtest/gtest.h> <gmock/gmock.h>)
 # Optimisation of test sources only; the tested libraries keep theirs. With sanitizers, -O1 compiles a third longer than -Og.
 set(ATRIUM_TEST_OPTIMISATION $<$<CONFIG:RelWithDebInfo>:-O1> $<$<CONFIG:Sanitize>:-Og>)
 
-# Compiling a library's sources together, eight at a time, makes a build from nothing faster and a rebuild after one change slower: turn it off
-# while you work on one library. Sources include what they use, and their file-local names differ, so both ways build.
-option(ATRIUM_UNITY "Compile the sources of each library together" ON)
+# Compiling the sources of a library or a test together, eight at a time, makes a build from nothing faster and a rebuild after one
+# change slower: turn it off while you work on one library. Sources include what they use, and their file-local names differ within
+# a target, so both ways build.
+option(ATRIUM_UNITY "Compile the sources of each library and each test together" ON)
 
 # _atrium_pch(target code|test): reuses the PCH of this kind. The first call creates the target that builds it.
 function(_atrium_pch target kind)
@@ -86,13 +93,15 @@ endfunction()
 # One executable and one ctest entry per module; labels: unit property golden fuzz integration gl dds threads.
 # `threads` marks the tests of the ThreadSanitizer run. `integration` and `dds` tests depend on timing and run alone.
 # `slow` tests take more than some seconds: `make test` leaves them out.
+# A test that is skipped for a reason outside tests/support/skips.hpp fails.
 function(atrium_test name)
     cmake_parse_arguments(ARG "" "TIMEOUT" "LABELS;SOURCES;LINK" ${ARGN})
     add_executable(${name} ${ARG_SOURCES})
-    target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
+    target_link_libraries(${name} PRIVATE atrium_skips ${ARG_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
     target_compile_definitions(${name} PRIVATE ATRIUM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
     _atrium_options(${name})
     target_compile_options(${name} PRIVATE ${ATRIUM_TEST_OPTIMISATION})
+    set_target_properties(${name} PROPERTIES UNITY_BUILD ${ATRIUM_UNITY})
     _atrium_pch(${name} test)
     add_test(NAME ${name} COMMAND ${name})
     if(NOT ARG_TIMEOUT)

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/base/expected.hpp"
-#include "viewer/viewer_config.hpp"
+#include "viewer/config/viewer_config.hpp"
 
 #include <chrono>
 #include <cstddef>

@@ -2,7 +2,7 @@
 
 #include "core/base/expected.hpp"
 #include "core/bus/messages.hpp"
-#include "viewer/viewer_config.hpp"
+#include "viewer/config/viewer_config.hpp"
 
 #include <memory>
 #include <stop_token>

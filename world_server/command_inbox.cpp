@@ -19,7 +19,7 @@ std::optional<std::string> CommandInbox::put(bus::SceneCommand&& command,
     if (!rates_.admit(command.sender, now)) {
         return fmt::format("more than {:g} commands a second", rights_.max_per_s);
     }
-    if (!rights_.of(command.kind).allows(command.sender)) {
+    if (!right_to(rights_, command.kind).allows(command.sender)) {
         return fmt::format("{}: not allowed to this sender", to_string(command.kind));
     }
     if (content_.commands.size() >= kMaxCommands) return "too many commands at once";

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/bus/messages.hpp"
-#include "world_server/rights.hpp"
+#include "world_server/command_rights.hpp"
 
 #include <mutex>
 #include <optional>

@@ -35,8 +35,12 @@ void declare(WorldServerConfig& config, config::OptionSet& set) {
             {-1000, 0});
     set.add(
         "physics.max_speed_mps", world.max_speed_mps, "speed limit of objects [m/s]", {0.1, 100});
-    set.add("physics.person_friction", world.person_friction, "friction of people", {0, 10});
-    set.add("physics.person_restitution", world.person_restitution, "bounce of people", {0, 1});
+    set.add(
+        "physics.person_friction", world.people.contacts.friction, "friction of people", {0, 10});
+    set.add("physics.person_restitution",
+            world.people.contacts.restitution,
+            "bounce of people",
+            {0, 1});
     physics::PersonShapeOptions& person = config.person;
     set.add("physics.region_m",
             person.motion.region_m,
@@ -71,10 +75,10 @@ Expected<void> check(const WorldServerConfig& config) {
     }
     const geometry::Aabb box = box_of(config.world);
     for (const WorldObject& object : config.objects) {
-        const bus::SceneObject& scene = object.scene;
-        if (scene.mass_kg > 0.0 && !box.contains(scene.world_from_object.translation)) {
+        const physics::RigidObject& rigid = object.rigid;
+        if (rigid.mass_kg > 0.0 && !box.contains(rigid.world_from_object.translation)) {
             return wrong(
-                fmt::format("object '{}': must start inside the world's bounds", scene.name));
+                fmt::format("object '{}': must start inside the world's bounds", object.name));
         }
     }
     for (const WorldSoftObject& soft : config.soft) {

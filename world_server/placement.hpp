@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/geometry/rigid_transform.hpp"
+#include "world_server/description/site_placements.hpp"
 
 #include <cstddef>
 #include <map>
@@ -9,11 +10,6 @@
 #include <vector>
 
 namespace atrium::world_server {
-
-struct NamedPlacement {
-    std::string site;
-    geometry::RigidTransform world_from_site;
-};
 
 /// Assigns each site its place in the world.
 ///

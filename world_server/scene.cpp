@@ -5,6 +5,7 @@
 #include "core/bus/soft_nodes.hpp"
 #include "core/geometry/aabb.hpp"
 #include "world_server/proxies.hpp"
+#include "world_server/scene_messages.hpp"
 
 #include <fmt/format.h>
 
@@ -38,11 +39,11 @@ Expected<Scene> Scene::create(const WorldServerConfig& config) {
                 ErrorKind::kConfiguration,
                 fmt::format("object '{}': cannot be added: id {} is in use, or a number is "
                             "out of range",
-                            object.scene.name,
-                            object.scene.object));
+                            object.name,
+                            object.rigid.id));
         }
-        scene.objects_[object.scene.object] = object.scene;
-        if (object.parts) scene.parts_[object.scene.object] = object.parts;
+        scene.objects_[object.rigid.id] = to_message(object);
+        if (object.rigid.parts) scene.parts_[object.rigid.id] = object.rigid.parts;
     }
     for (const physics::Joint& joint : config.joints) {
         if (!scene.world_->add_joint(joint)) {
@@ -56,7 +57,7 @@ Expected<Scene> Scene::create(const WorldServerConfig& config) {
                                                            .friction = scenery.friction,
                                                            .restitution = scenery.restitution})) {
             return make_error(ErrorKind::kConfiguration,
-                              fmt::format("scenery '{}': cannot be solid", scenery.scene.name));
+                              fmt::format("scenery '{}': cannot be solid", scenery.name));
         }
     }
     for (const WorldSoftObject& soft : config.soft) {
@@ -76,19 +77,10 @@ Expected<void> Scene::add_soft(const WorldSoftObject& soft) {
                                       soft.name,
                                       physics::kMaxSoftNodesTotal));
     }
-    bus::SceneObject& known = objects_[described.id];
-    known.object = described.id;
-    known.name = soft.name;
-    known.shape = bus::Shape::kSoft;
-    known.mass_kg = described.mass_kg;
-    known.friction = described.friction;
-    known.colour = soft.colour;
-    known.texture = soft.texture;
-    known.world_from_object = described.world_from_object;
     world_->get_soft_nodes(described.id, nodes_);
     geometry::Aabb extent;
     for (const Eigen::Vector3f& node : nodes_) extent.add(node.cast<double>());
-    known.size_m = extent.size().cwiseMax(kLeastExtentM);
+    objects_[described.id] = to_message(soft, extent.size().cwiseMax(kLeastExtentM));
     return {};
 }
 
@@ -181,10 +173,10 @@ Expected<std::vector<SceneChange>> Scene::add(const bus::SceneObject& object) {
     if (object.shape > bus::Shape::kPlane) {
         return refuse("add: must be a box, sphere, cylinder, capsule or plane");
     }
-    WorldObject added{.scene = object};
+    bus::SceneObject added = object;
     if (object.object == 0) {
         while (objects_.contains(next_id_)) ++next_id_;
-        added.scene.object = next_id_++;
+        added.object = next_id_++;
     }
     if (const auto problem = physics::find_problem(to_rigid(added))) {
         return refuse(fmt::format("add: {} {}", problem->field, problem->allowed));
@@ -194,10 +186,10 @@ Expected<std::vector<SceneChange>> Scene::add(const bus::SceneObject& object) {
     }
     switch (world_->add(to_rigid(added))) {
         case physics::AddResult::kAdded:
-            objects_[added.scene.object] = added.scene;
-            return std::vector<SceneChange>{{added.scene, false}};
+            objects_[added.object] = added;
+            return std::vector<SceneChange>{{added, false}};
         case physics::AddResult::kIdInUse:
-            return refuse(fmt::format("add: object {} already exists", added.scene.object));
+            return refuse(fmt::format("add: object {} already exists", added.object));
         case physics::AddResult::kWorldFull:
             return refuse(
                 fmt::format("add: the world is full, it has {} objects", options_.max_objects));

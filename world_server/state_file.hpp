@@ -2,7 +2,7 @@
 
 #include "core/base/expected.hpp"
 #include "core/bus/messages.hpp"
-#include "world_server/physics/world_state.hpp"
+#include "world_server/physics/state/world_state.hpp"
 
 #include <cstdint>
 #include <filesystem>

@@ -10,6 +10,7 @@
 #include "world_server/endpoints.hpp"
 #include "world_server/mesh_preparation.hpp"
 #include "world_server/publisher.hpp"
+#include "world_server/scene_messages.hpp"
 #include "world_server/simulation.hpp"
 #include "world_server/site_reader.hpp"
 #include "world_server/site_register.hpp"
@@ -100,7 +101,7 @@ WorldServer::Impl::Impl(const WorldServerConfig& server_config,
                   [this](const std::string& why) { reject(why); }),
       loss(std::move(server_loss)),
       membership(std::move(server_membership)) {
-    for (const WorldScenery& scenery : config.scenery) simulation.outbox().put(scenery.scene);
+    for (const WorldScenery& scenery : config.scenery) simulation.outbox().put(to_message(scenery));
     for (const NamedPlacement& placement : config.placements) {
         simulation.outbox().put(bus::SitePlacement{placement.site, placement.world_from_site});
     }

@@ -7,7 +7,7 @@
 #include "site_node/silhouette/silhouette.hpp"
 #include "tests/support/rig_maker.hpp"
 #include "tools/visual_hull/recording_views.hpp"
-#include "viewer/renderer/view_camera.hpp"
+#include "viewer/renderer/drawing/view_camera.hpp"
 
 #include <Eigen/Geometry>
 #include <glad/gl.h>

@@ -1,7 +1,7 @@
 #include "bench/viewer/texture_baselines.hpp"
 
 #include "viewer/renderer/person/camera_blend.hpp"
-#include "viewer/renderer/shaders.hpp"
+#include "viewer/renderer/person/person_shader_text.hpp"
 
 #include <Eigen/Geometry>
 #include <glad/gl.h>

@@ -5,8 +5,8 @@
 #include "bench/thread_time.hpp"
 #include "tests/unit/physics/meshes.hpp"
 #include "world_server/config.hpp"
+#include "world_server/description/puppet.hpp"
 #include "world_server/physics/people/person_shape.hpp"
-#include "world_server/puppet.hpp"
 #include "world_server/scene.hpp"
 
 #include <fmt/format.h>
@@ -78,10 +78,10 @@ std::vector<physics::PersonShape> walk(int person, int triangles, std::vector<do
 
 void add_floor(world_server::WorldServerConfig& config) {
     world_server::WorldObject floor;
-    floor.scene.object = 1;
-    floor.scene.name = "floor";
-    floor.scene.shape = bus::Shape::kPlane;
-    floor.scene.size_m = {8.0, 8.0, 0.001};
+    floor.rigid.id = 1;
+    floor.name = "floor";
+    floor.rigid.shape = physics::ObjectShape::kPlane;
+    floor.rigid.size_m = {8.0, 8.0, 0.001};
     config.objects.push_back(floor);
 }
 
@@ -89,12 +89,12 @@ void add_floor(world_server::WorldServerConfig& config) {
 void add_bodies(world_server::WorldServerConfig& config, int num) {
     for (int i = 0; i < num; ++i) {
         world_server::WorldObject body;
-        body.scene.object = static_cast<std::uint32_t>(config.objects.size() + 1);
-        body.scene.name = fmt::format("body-{}", i);
-        body.scene.shape = i % 2 == 0 ? bus::Shape::kSphere : bus::Shape::kBox;
-        body.scene.size_m = Eigen::Vector3d::Constant(0.2);
-        body.scene.mass_kg = 0.5;
-        body.scene.world_from_object.translation = {
+        body.rigid.id = static_cast<std::uint32_t>(config.objects.size() + 1);
+        body.name = fmt::format("body-{}", i);
+        body.rigid.shape = i % 2 == 0 ? physics::ObjectShape::kSphere : physics::ObjectShape::kBox;
+        body.rigid.size_m = Eigen::Vector3d::Constant(0.2);
+        body.rigid.mass_kg = 0.5;
+        body.rigid.world_from_object.translation = {
             0.3 * (i % 5) - 0.6, 0.3 * (i / 5 % 5) - 0.9, 0.8 + 0.3 * (i / 25)};
         config.objects.push_back(body);
     }

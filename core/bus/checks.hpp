@@ -3,35 +3,12 @@
 #include "core/base/expected.hpp"
 #include "core/bus/messages.hpp"
 
-#include <string_view>
-
 /// Checks messages: writers before they send, readers after they receive. limits.hpp has the
 /// bounds. Errors are kInvalidData and name the field and the allowed values.
 namespace atrium::bus {
 
-/// True for 1..63 characters of [A-Za-z0-9_.-].
-bool is_valid_name(std::string_view name);
-
-/// True for a relative path of 1..127 characters of [A-Za-z0-9_.-/] without a component that is
-/// empty or begins with a dot. The path cannot leave the folder that it is appended to.
-bool is_valid_model_file(std::string_view file);
-
-Expected<void> check(const SiteDescription& message);
-Expected<void> check(const SiteMesh& message);
-Expected<void> check(const CameraTexture& message);
-Expected<void> check(const SitePlacement& message);
-Expected<void> check(const SceneObject& message);
-Expected<void> check(const SoftBody& message);
-Expected<void> check(const SoftBodyState& message);
-Expected<void> check(const Scenery& message);
-Expected<void> check(const SceneState& message);
-Expected<void> check(const PersonProxy& message);
-Expected<void> check(const ObjectProxy& message);
-Expected<void> check(const SceneCommand& message);
-Expected<void> check(const SiteStatus& message);
-Expected<void> check(const WorldStatus& message);
-Expected<void> check(const ViewerStatus& message);
-Expected<void> check(const StreamFeedback& message);
-Expected<void> check(const Presence& message);
+/// For each message of messages.hpp.
+template <typename Message>
+Expected<void> check(const Message& message);
 
 }  // namespace atrium::bus

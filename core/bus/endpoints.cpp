@@ -114,7 +114,8 @@ Expected<void> Writer<Message>::dispose(const Message& key_holder) {
     const std::lock_guard lock(impl_->mutex);
     typename Topic<Message>::Wire key{};
     key_to_wire(key_holder, key);
-    if (const auto valid = key_from_wire(key); !valid) return tl::unexpected(valid.error());
+    if (const auto valid = key_from_wire<Message>(key); !valid)
+        return tl::unexpected(valid.error());
     // Dispose tells the readers; unregister frees the instance in the writer.
     dds_return_t result = dds_dispose(impl_->writer.get(), &key);
     if (result >= 0) result = dds_unregister_instance(impl_->writer.get(), &key);
@@ -197,7 +198,7 @@ TakeReport Reader<Message>::take_written(
             // Without valid data the sample has only the key and reports a change of state.
             if (info.valid_data) {
                 impl_->deadlines->heard(info.instance_handle, now);
-                if (auto message = from_wire(wire)) {
+                if (auto message = from_wire<Message>(wire)) {
                     ++report.num_taken;
                     if (on_sample) on_sample(std::move(*message), when_written(info));
                 } else {
@@ -209,7 +210,7 @@ TakeReport Reader<Message>::take_written(
             // batch.
             if (info.instance_state == DDS_ALIVE_INSTANCE_STATE || info.sample_rank != 0) continue;
             impl_->deadlines->gone(info.instance_handle);
-            if (const auto key = key_from_wire(wire)) {
+            if (const auto key = key_from_wire<Message>(wire)) {
                 const bool is_disposed =
                     info.instance_state == DDS_NOT_ALIVE_DISPOSED_INSTANCE_STATE;
                 if (on_gone) on_gone(*key, is_disposed ? Ending::kDisposed : Ending::kLost);

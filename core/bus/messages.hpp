@@ -83,7 +83,7 @@ struct SceneObject {
     double restitution = 0.2;
     Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // linear RGB in [0, 1]
     /// Model of a convex or compound object, in the object's frame: a file in the model folder of
-    /// each host (checks.hpp, is_valid_model_file). Empty: none.
+    /// each host (names.hpp, is_valid_model_file). Empty: none.
     std::string model;
     double model_scale = 1.0;                    // [m] per unit of the model
     std::string texture;                         // a picture in that folder; empty: none

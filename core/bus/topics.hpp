@@ -22,99 +22,88 @@ inline constexpr std::string_view kCommand = "command";
 inline constexpr std::string_view kStatus = "status";
 inline constexpr std::array kProfileNames{kDescription, kStream, kTexture, kCommand, kStatus};
 
-template <typename WireType, const dds_topic_descriptor_t& kTypeDescriptor>
+template <typename WireType,
+          const dds_topic_descriptor_t& kTypeDescriptor,
+          const std::string_view& kQosProfile>
 struct WireTopic {
     using Wire = WireType;
     static constexpr const dds_topic_descriptor_t& kDescriptor = kTypeDescriptor;
+    static constexpr std::string_view kProfile = kQosProfile;
 };
 
 template <typename Message>
 struct Topic;
 
 template <>
-struct Topic<SiteDescription> : WireTopic<atrium_SiteDescription, atrium_SiteDescription_desc> {
+struct Topic<SiteDescription>
+    : WireTopic<atrium_SiteDescription, atrium_SiteDescription_desc, kDescription> {
     static constexpr const char* kName = "SiteDescription";
-    static constexpr std::string_view kProfile = kDescription;
 };
 template <>
-struct Topic<SiteMesh> : WireTopic<atrium_SiteMesh, atrium_SiteMesh_desc> {
+struct Topic<SiteMesh> : WireTopic<atrium_SiteMesh, atrium_SiteMesh_desc, kStream> {
     static constexpr const char* kName = "SiteMesh";
-    static constexpr std::string_view kProfile = kStream;
 };
 template <>
-struct Topic<CameraTexture> : WireTopic<atrium_CameraTexture, atrium_CameraTexture_desc> {
+struct Topic<CameraTexture> : WireTopic<atrium_CameraTexture, atrium_CameraTexture_desc, kTexture> {
     static constexpr const char* kName = "CameraTexture";
-    static constexpr std::string_view kProfile = kTexture;
 };
 template <>
-struct Topic<SitePlacement> : WireTopic<atrium_SitePlacement, atrium_SitePlacement_desc> {
+struct Topic<SitePlacement>
+    : WireTopic<atrium_SitePlacement, atrium_SitePlacement_desc, kDescription> {
     static constexpr const char* kName = "SitePlacement";
-    static constexpr std::string_view kProfile = kDescription;
 };
 template <>
-struct Topic<SceneObject> : WireTopic<atrium_SceneObject, atrium_SceneObject_desc> {
+struct Topic<SceneObject> : WireTopic<atrium_SceneObject, atrium_SceneObject_desc, kDescription> {
     static constexpr const char* kName = "SceneObject";
-    static constexpr std::string_view kProfile = kDescription;
 };
 template <>
-struct Topic<SoftBody> : WireTopic<atrium_SoftBody, atrium_SoftBody_desc> {
+struct Topic<SoftBody> : WireTopic<atrium_SoftBody, atrium_SoftBody_desc, kDescription> {
     static constexpr const char* kName = "SoftBody";
-    static constexpr std::string_view kProfile = kDescription;
 };
 template <>
-struct Topic<SoftBodyState> : WireTopic<atrium_SoftBodyState, atrium_SoftBodyState_desc> {
+struct Topic<SoftBodyState> : WireTopic<atrium_SoftBodyState, atrium_SoftBodyState_desc, kStream> {
     static constexpr const char* kName = "SoftBodyState";
-    static constexpr std::string_view kProfile = kStream;
 };
 template <>
-struct Topic<Scenery> : WireTopic<atrium_Scenery, atrium_Scenery_desc> {
+struct Topic<Scenery> : WireTopic<atrium_Scenery, atrium_Scenery_desc, kDescription> {
     static constexpr const char* kName = "Scenery";
-    static constexpr std::string_view kProfile = kDescription;
 };
 template <>
-struct Topic<SceneState> : WireTopic<atrium_SceneState, atrium_SceneState_desc> {
+struct Topic<SceneState> : WireTopic<atrium_SceneState, atrium_SceneState_desc, kStream> {
     static constexpr const char* kName = "SceneState";
-    static constexpr std::string_view kProfile = kStream;
 };
 template <>
-struct Topic<PersonProxy> : WireTopic<atrium_PersonProxy, atrium_PersonProxy_desc> {
+struct Topic<PersonProxy> : WireTopic<atrium_PersonProxy, atrium_PersonProxy_desc, kTexture> {
     static constexpr const char* kName = "PersonProxy";
-    static constexpr std::string_view kProfile = kTexture;
 };
 template <>
-struct Topic<ObjectProxy> : WireTopic<atrium_ObjectProxy, atrium_ObjectProxy_desc> {
+struct Topic<ObjectProxy> : WireTopic<atrium_ObjectProxy, atrium_ObjectProxy_desc, kDescription> {
     static constexpr const char* kName = "ObjectProxy";
-    static constexpr std::string_view kProfile = kDescription;
 };
 template <>
-struct Topic<SceneCommand> : WireTopic<atrium_SceneCommand, atrium_SceneCommand_desc> {
+struct Topic<SceneCommand> : WireTopic<atrium_SceneCommand, atrium_SceneCommand_desc, kCommand> {
     static constexpr const char* kName = "SceneCommand";
-    static constexpr std::string_view kProfile = kCommand;
 };
 template <>
-struct Topic<SiteStatus> : WireTopic<atrium_SiteStatus, atrium_SiteStatus_desc> {
+struct Topic<SiteStatus> : WireTopic<atrium_SiteStatus, atrium_SiteStatus_desc, kStatus> {
     static constexpr const char* kName = "SiteStatus";
-    static constexpr std::string_view kProfile = kStatus;
 };
 template <>
-struct Topic<WorldStatus> : WireTopic<atrium_WorldStatus, atrium_WorldStatus_desc> {
+struct Topic<WorldStatus> : WireTopic<atrium_WorldStatus, atrium_WorldStatus_desc, kStatus> {
     static constexpr const char* kName = "WorldStatus";
-    static constexpr std::string_view kProfile = kStatus;
 };
 template <>
-struct Topic<ViewerStatus> : WireTopic<atrium_ViewerStatus, atrium_ViewerStatus_desc> {
+struct Topic<ViewerStatus> : WireTopic<atrium_ViewerStatus, atrium_ViewerStatus_desc, kStatus> {
     static constexpr const char* kName = "ViewerStatus";
-    static constexpr std::string_view kProfile = kStatus;
 };
 template <>
-struct Topic<StreamFeedback> : WireTopic<atrium_StreamFeedback, atrium_StreamFeedback_desc> {
+struct Topic<StreamFeedback>
+    : WireTopic<atrium_StreamFeedback, atrium_StreamFeedback_desc, kStatus> {
     static constexpr const char* kName = "StreamFeedback";
-    static constexpr std::string_view kProfile = kStatus;
 };
 template <>
-struct Topic<Presence> : WireTopic<atrium_Presence, atrium_Presence_desc> {
+struct Topic<Presence> : WireTopic<atrium_Presence, atrium_Presence_desc, kDescription> {
     static constexpr const char* kName = "Presence";
-    static constexpr std::string_view kProfile = kDescription;
 };
 
 }  // namespace atrium::bus

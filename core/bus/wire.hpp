@@ -1,124 +1,207 @@
 #pragma once
 
 #include "core/base/expected.hpp"
-#include "core/bus/messages.hpp"
-
-#include <feedback.h>
-#include <presence.h>
-#include <proxy.h>
-#include <site.h>
-#include <status.h>
-#include <world.h>
+#include "core/bus/checks.hpp"
+#include "core/bus/fields.hpp"
+#include "core/bus/topics.hpp"
+#include "core/bus/wire_values.hpp"
 
 #include <cstddef>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
-/// Converts messages to and from the structs that idlc generates from idl/. Private to core/bus and
-/// its tests.
-///
-/// `to_wire` points the sequences of `out` into the message and into `scratch`, which must outlive
-/// `out`. `from_wire` copies, and is safe for untrusted input: its result has passed `check`, and
-/// quaternions within the tolerance are normalised. `key_to_wire` and `key_from_wire` convert only
-/// the key fields. `payload_bytes` counts names, numbers and coded bytes, without the padding and
-/// headers of the protocol.
+/// Converts messages to and from the structs that idlc generates from idl/, by the lists of
+/// fields.hpp. Private to core/bus and its tests.
 namespace atrium::bus {
 
-struct WireScratch {
-    std::vector<atrium_Camera> cameras;
-    std::vector<atrium_ObjectState> objects;
-    std::vector<atrium_CameraStatus> camera_statuses;
-    std::vector<atrium_ProxyPoint> proxy_points;
-    std::vector<atrium_Touch> touches;
+template <typename Message>
+using WireOf = typename Topic<Message>::Wire;
+
+/// Memory for the elements of wire sequences.
+using WireScratch = std::tuple<std::vector<atrium_Camera>,
+                               std::vector<atrium_ObjectState>,
+                               std::vector<atrium_CameraStatus>,
+                               std::vector<atrium_ProxyPoint>,
+                               std::vector<atrium_Touch>>;
+
+/// Stands for the wire struct when only the message is visited.
+template <typename Wire>
+inline const Wire kNoWire{};
+
+class WireWriter : public FieldVisitor<WireWriter> {
+public:
+    static constexpr bool kWithUnused = true;
+
+    explicit WireWriter(WireScratch& scratch) : scratch_(scratch) {}
+
+    template <typename Member, typename Wire, typename Limits>
+    void field(std::string_view /*name*/, const Member& member, Wire& wire, const Limits&) {
+        if constexpr (!kIsVector<Member>) {
+            put(member, wire);
+        } else if constexpr (std::is_same_v<typename Member::value_type, ElementOf<Wire>>) {
+            lend(member.data(), member.size(), wire);
+        } else if constexpr (kGroupSize<typename Member::value_type> > 0) {
+            using Group = typename Member::value_type;
+            static_assert(sizeof(Group) == kGroupSize<Group> * sizeof(ElementOf<Wire>));
+            lend(member.empty() ? nullptr : member.front().data(),
+                 kGroupSize<Group> * member.size(),
+                 wire);
+        } else {
+            auto& elements = std::get<std::vector<ElementOf<Wire>>>(scratch_);
+            elements.resize(member.size());
+            for (std::size_t i = 0; i < member.size(); ++i) fields(*this, member[i], elements[i]);
+            lend(elements.data(), elements.size(), wire);
+        }
+    }
+
+private:
+    WireScratch& scratch_;
 };
 
-void to_wire(const SiteDescription& message, WireScratch& scratch, atrium_SiteDescription& out);
-void to_wire(const SiteMesh& message, WireScratch& scratch, atrium_SiteMesh& out);
-void to_wire(const CameraTexture& message, WireScratch& scratch, atrium_CameraTexture& out);
-void to_wire(const SitePlacement& message, WireScratch& scratch, atrium_SitePlacement& out);
-void to_wire(const SceneObject& message, WireScratch& scratch, atrium_SceneObject& out);
-void to_wire(const SoftBody& message, WireScratch& scratch, atrium_SoftBody& out);
-void to_wire(const SoftBodyState& message, WireScratch& scratch, atrium_SoftBodyState& out);
-void to_wire(const Scenery& message, WireScratch& scratch, atrium_Scenery& out);
-void to_wire(const SceneState& message, WireScratch& scratch, atrium_SceneState& out);
-void to_wire(const PersonProxy& message, WireScratch& scratch, atrium_PersonProxy& out);
-void to_wire(const ObjectProxy& message, WireScratch& scratch, atrium_ObjectProxy& out);
-void to_wire(const SceneCommand& message, WireScratch& scratch, atrium_SceneCommand& out);
-void to_wire(const SiteStatus& message, WireScratch& scratch, atrium_SiteStatus& out);
-void to_wire(const WorldStatus& message, WireScratch& scratch, atrium_WorldStatus& out);
-void to_wire(const ViewerStatus& message, WireScratch& scratch, atrium_ViewerStatus& out);
-void to_wire(const StreamFeedback& message, WireScratch& scratch, atrium_StreamFeedback& out);
-void to_wire(const Presence& message, WireScratch& scratch, atrium_Presence& out);
+/// Copies all fields before their limits are checked, but no sequence with too many elements.
+class WireReader : public FieldVisitor<WireReader> {
+public:
+    template <typename Member, typename Wire, typename Limits>
+    void field(std::string_view name, Member& member, const Wire& wire, const Limits& limits) {
+        if constexpr (kIsVector<Member>) {
+            read_sequence(name, member, wire, limits.max);
+        } else {
+            if constexpr (std::is_same_v<Member, bool> && !std::is_same_v<Wire, bool>) {
+                if (wire > 1) fail(name, "must be 0 or 1");
+            }
+            get(wire, member);
+        }
+    }
+    const std::string& fault() const { return fault_; }
 
-Expected<SiteDescription> from_wire(const atrium_SiteDescription& wire);
-Expected<SiteMesh> from_wire(const atrium_SiteMesh& wire);
-Expected<CameraTexture> from_wire(const atrium_CameraTexture& wire);
-Expected<SitePlacement> from_wire(const atrium_SitePlacement& wire);
-Expected<SceneObject> from_wire(const atrium_SceneObject& wire);
-Expected<SoftBody> from_wire(const atrium_SoftBody& wire);
-Expected<SoftBodyState> from_wire(const atrium_SoftBodyState& wire);
-Expected<Scenery> from_wire(const atrium_Scenery& wire);
-Expected<SceneState> from_wire(const atrium_SceneState& wire);
-Expected<PersonProxy> from_wire(const atrium_PersonProxy& wire);
-Expected<ObjectProxy> from_wire(const atrium_ObjectProxy& wire);
-Expected<SceneCommand> from_wire(const atrium_SceneCommand& wire);
-Expected<SiteStatus> from_wire(const atrium_SiteStatus& wire);
-Expected<WorldStatus> from_wire(const atrium_WorldStatus& wire);
-Expected<ViewerStatus> from_wire(const atrium_ViewerStatus& wire);
-Expected<StreamFeedback> from_wire(const atrium_StreamFeedback& wire);
-Expected<Presence> from_wire(const atrium_Presence& wire);
+private:
+    template <typename Element, typename Sequence>
+    void read_sequence(std::string_view name,
+                       std::vector<Element>& out,
+                       const Sequence& wire,
+                       std::size_t max) {
+        constexpr std::size_t kGroup = kGroupSize<Element>;
+        constexpr std::size_t kPerElement = kGroup > 0 ? kGroup : 1;
+        if (wire._length > kPerElement * max) return fail(name, "too many elements");
+        if (wire._length % kPerElement != 0) return fail(name, "its last element is incomplete");
+        if constexpr (std::is_same_v<Element, ElementOf<Sequence>>) {
+            out.assign(wire._buffer, wire._buffer + wire._length);
+        } else {
+            out.resize(wire._length / kPerElement);
+            for (std::size_t i = 0; i < out.size(); ++i) {
+                if constexpr (kGroup > 0)
+                    std::copy_n(wire._buffer + kGroup * i, kGroup, out[i].data());
+                else
+                    fields(*this, out[i], wire._buffer[i]);
+            }
+        }
+    }
+    void fail(std::string_view name, std::string_view why) {
+        if (fault_.empty()) fault_.append(name).append(": ").append(why);
+    }
 
-void key_to_wire(const SiteDescription& message, atrium_SiteDescription& out);
-void key_to_wire(const SiteMesh& message, atrium_SiteMesh& out);
-void key_to_wire(const CameraTexture& message, atrium_CameraTexture& out);
-void key_to_wire(const SitePlacement& message, atrium_SitePlacement& out);
-void key_to_wire(const SceneObject& message, atrium_SceneObject& out);
-void key_to_wire(const SoftBody& message, atrium_SoftBody& out);
-void key_to_wire(const SoftBodyState& message, atrium_SoftBodyState& out);
-void key_to_wire(const Scenery& message, atrium_Scenery& out);
-void key_to_wire(const SceneState& message, atrium_SceneState& out);
-void key_to_wire(const PersonProxy& message, atrium_PersonProxy& out);
-void key_to_wire(const ObjectProxy& message, atrium_ObjectProxy& out);
-void key_to_wire(const SceneCommand& message, atrium_SceneCommand& out);
-void key_to_wire(const SiteStatus& message, atrium_SiteStatus& out);
-void key_to_wire(const WorldStatus& message, atrium_WorldStatus& out);
-void key_to_wire(const ViewerStatus& message, atrium_ViewerStatus& out);
-void key_to_wire(const StreamFeedback& message, atrium_StreamFeedback& out);
-void key_to_wire(const Presence& message, atrium_Presence& out);
+    std::string fault_;
+};
 
-Expected<SiteDescription> key_from_wire(const atrium_SiteDescription& wire);
-Expected<SiteMesh> key_from_wire(const atrium_SiteMesh& wire);
-Expected<CameraTexture> key_from_wire(const atrium_CameraTexture& wire);
-Expected<SitePlacement> key_from_wire(const atrium_SitePlacement& wire);
-Expected<SceneObject> key_from_wire(const atrium_SceneObject& wire);
-Expected<SoftBody> key_from_wire(const atrium_SoftBody& wire);
-Expected<SoftBodyState> key_from_wire(const atrium_SoftBodyState& wire);
-Expected<Scenery> key_from_wire(const atrium_Scenery& wire);
-Expected<SceneState> key_from_wire(const atrium_SceneState& wire);
-Expected<PersonProxy> key_from_wire(const atrium_PersonProxy& wire);
-Expected<ObjectProxy> key_from_wire(const atrium_ObjectProxy& wire);
-Expected<SceneCommand> key_from_wire(const atrium_SceneCommand& wire);
-Expected<SiteStatus> key_from_wire(const atrium_SiteStatus& wire);
-Expected<WorldStatus> key_from_wire(const atrium_WorldStatus& wire);
-Expected<ViewerStatus> key_from_wire(const atrium_ViewerStatus& wire);
-Expected<StreamFeedback> key_from_wire(const atrium_StreamFeedback& wire);
-Expected<Presence> key_from_wire(const atrium_Presence& wire);
+class KeyWriter : public FieldVisitor<KeyWriter> {
+public:
+    void field(auto&&...) {}
+    void part(auto&&...) {}
+    void key(std::string_view /*name*/, const auto& member, auto& wire, const auto&... /*limits*/) {
+        put(member, wire);
+    }
+};
 
-std::size_t payload_bytes(const SiteDescription& message);
-std::size_t payload_bytes(const SiteMesh& message);
-std::size_t payload_bytes(const CameraTexture& message);
-std::size_t payload_bytes(const SitePlacement& message);
-std::size_t payload_bytes(const SceneObject& message);
-std::size_t payload_bytes(const SoftBody& message);
-std::size_t payload_bytes(const SoftBodyState& message);
-std::size_t payload_bytes(const Scenery& message);
-std::size_t payload_bytes(const SceneState& message);
-std::size_t payload_bytes(const PersonProxy& message);
-std::size_t payload_bytes(const ObjectProxy& message);
-std::size_t payload_bytes(const SceneCommand& message);
-std::size_t payload_bytes(const SiteStatus& message);
-std::size_t payload_bytes(const WorldStatus& message);
-std::size_t payload_bytes(const ViewerStatus& message);
-std::size_t payload_bytes(const StreamFeedback& message);
-std::size_t payload_bytes(const Presence& message);
+class KeyReader : public FieldVisitor<KeyReader> {
+public:
+    void field(auto&&...) {}
+    void part(auto&&...) {}
+    void key(std::string_view /*name*/, auto& member, const auto& wire) { get(wire, member); }
+    void key(std::string_view /*name*/, std::string& member, const auto& wire, Text /*kind*/) {
+        get(wire, member);
+        if (!is_valid_name(member)) fault_ = "key: invalid name";
+    }
+    void key(std::string_view /*name*/, std::uint32_t& camera, const auto& wire, Range range) {
+        get(wire, camera);
+        if (camera > range.high) fault_ = "key: camera index out of range";
+    }
+    template <typename Kind>
+    void key(std::string_view /*name*/, Kind& member, const auto& wire, Last<Kind> limit) {
+        get(wire, member);
+        if (member > limit.last) fault_ = "key: unknown program kind";
+    }
+    const std::string& fault() const { return fault_; }
+
+private:
+    std::string fault_;
+};
+
+class PayloadCounter : public FieldVisitor<PayloadCounter> {
+public:
+    static constexpr bool kWithUnused = true;
+
+    template <typename Member, typename Wire, typename Limits>
+    void field(std::string_view /*name*/, const Member& member, const Wire&, const Limits&) {
+        if constexpr (std::is_same_v<Member, std::string>) {
+            bytes += member.size();
+        } else if constexpr (!kIsVector<Member>) {
+            bytes += sizeof(Wire);
+        } else if constexpr (std::is_same_v<typename Member::value_type, ElementOf<Wire>> ||
+                             (kGroupSize<typename Member::value_type> > 0)) {
+            bytes += member.size() * sizeof(typename Member::value_type);
+        } else {
+            for (const auto& element : member) fields(*this, element, kNoWire<ElementOf<Wire>>);
+        }
+    }
+
+    std::size_t bytes = 0;
+};
+
+/// Points the sequences of `out` into the message and into `scratch`, which must outlive `out`.
+template <typename Message>
+void to_wire(const Message& message, WireScratch& scratch, WireOf<Message>& out) {
+    WireWriter writer(scratch);
+    fields(writer, message, out);
+}
+
+/// Copies. Safe for untrusted input: the result has passed `check`, and quaternions within the
+/// tolerance are normalised.
+template <typename Message>
+Expected<Message> from_wire(const WireOf<Message>& wire) {
+    Expected<Message> message;
+    WireReader reader;
+    fields(reader, *message, wire);
+    if (!reader.fault().empty()) return make_error(ErrorKind::kInvalidData, reader.fault());
+    if (auto result = check(*message); !result) return tl::unexpected(std::move(result.error()));
+    return message;
+}
+
+/// Converts only the key fields.
+template <typename Message>
+void key_to_wire(const Message& message, WireOf<Message>& out) {
+    KeyWriter writer;
+    fields(writer, message, out);
+}
+
+template <typename Message>
+Expected<Message> key_from_wire(const WireOf<Message>& wire) {
+    Expected<Message> key;
+    KeyReader reader;
+    fields(reader, *key, wire);
+    if (!reader.fault().empty()) return make_error(ErrorKind::kInvalidData, reader.fault());
+    return key;
+}
+
+/// Counts names, numbers and coded bytes, without the padding and headers of the protocol.
+template <typename Message>
+std::size_t payload_bytes(const Message& message) {
+    PayloadCounter counter;
+    fields(counter, message, kNoWire<WireOf<Message>>);
+    return counter.bytes;
+}
 
 }  // namespace atrium::bus

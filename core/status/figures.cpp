@@ -7,6 +7,10 @@
 namespace atrium::status {
 namespace {
 
+// Marks losses that are neither normal (phantoms of a site) nor intended (metaframes dropped for a
+// narrow network).
+constexpr bool kAlarming = true;
+
 // A stage whose status has only the median; 0 means none.
 Figures::Stage stage(const char* name, double median_ms) {
     return {name, {median_ms, median_ms, median_ms > 0.0 ? 1U : 0U}, /*has_p99=*/false};
@@ -22,6 +26,19 @@ Figures::Camera figures_of(const bus::CameraStatus& camera) {
              {"reconnects", camera.num_reconnects}}};
 }
 
+// The part that all statuses have.
+template <typename Status>
+Figures process_figures(const Status& status, const char* rate_unit, double rate) {
+    Figures figures;
+    figures.time = status.time;
+    figures.rate_unit = rate_unit;
+    figures.rate = rate;
+    figures.resident_bytes = status.resident_bytes;
+    figures.processor = status.processor;
+    figures.first_output_s = status.first_output_s;
+    return figures;
+}
+
 // True if no counter decreased. Lists of one kind of program have the same names in the same order.
 bool none_went_back(const std::vector<Counter>& before, const std::vector<Counter>& now) {
     return std::equal(before.begin(),
@@ -34,20 +51,17 @@ bool none_went_back(const std::vector<Counter>& before, const std::vector<Counte
 }  // namespace
 
 Figures figures_of(const bus::SiteStatus& status) {
-    Figures figures;
-    figures.time = status.time;
-    figures.rate_unit = "metaframes/s";
-    figures.rate = status.metaframes_per_s;
+    Figures figures = process_figures(status, "metaframes/s", status.metaframes_per_s);
     figures.work = {{"metaframes_captured", status.num_metaframes_captured},
                     {"metaframes_published", status.num_metaframes_published},
                     {"bytes_published", status.num_bytes_published},
                     {"incomplete_used", status.num_incomplete_used},
                     {"contours_repaired", status.left_out.num_contours_repaired}};
-    figures.losses = {{"dropped_incomplete", status.num_dropped_incomplete},
-                      {"dropped_late", status.num_dropped_late},
+    figures.losses = {{"dropped_incomplete", status.num_dropped_incomplete, kAlarming},
+                      {"dropped_late", status.num_dropped_late, kAlarming},
                       {"dropped_for_rate", status.stream.num_dropped_for_rate},
-                      {"failed", status.num_failed},
-                      {"pictures_missing", status.left_out.num_cameras},
+                      {"failed", status.num_failed, kAlarming},
+                      {"pictures_missing", status.left_out.num_cameras, kAlarming},
                       {"phantoms", status.left_out.num_phantoms},
                       {"fragments", status.left_out.num_fragments},
                       {"contours_dropped", status.left_out.num_contours_dropped},
@@ -62,27 +76,21 @@ Figures figures_of(const bus::SiteStatus& status) {
     for (const bus::CameraStatus& camera : status.cameras)
         figures.cameras.push_back(figures_of(camera));
     figures.stream = status.stream;
-    figures.resident_bytes = status.resident_bytes;
-    figures.processor = status.processor;
-    figures.first_output_s = status.first_output_s;
     return figures;
 }
 
 Figures figures_of(const bus::WorldStatus& status) {
-    Figures figures;
-    figures.time = status.time;
-    figures.rate_unit = "steps/s";
-    figures.rate = status.steps_per_s;
+    Figures figures = process_figures(status, "steps/s", status.steps_per_s);
     figures.work = {{"steps", status.num_steps},
                     {"meshes_received", status.num_meshes_received},
                     {"steps_with_contact", status.num_contacts},
                     {"bytes_published", status.num_bytes_published},
                     {"states_saved", status.num_saves}};
     figures.losses = {{"rejected_samples", status.num_rejected},
-                      {"refused_commands", status.num_refused},
+                      {"refused_commands", status.num_refused, kAlarming},
                       {"meshes_dropped", status.num_meshes_dropped},
-                      {"skipped_ticks", status.num_skipped_ticks},
-                      {"objects_put_back", status.num_resets}};
+                      {"skipped_ticks", status.num_skipped_ticks, kAlarming},
+                      {"objects_put_back", status.num_resets, kAlarming}};
     figures.stages = {
         {"prepare", status.prepare},
         {"step", status.step},
@@ -96,23 +104,16 @@ Figures figures_of(const bus::WorldStatus& status) {
         figures.notes.push_back(
             {"state", fmt::format("{:016x} at tick {}", status.state_hash, status.state_tick)});
     }
-    figures.resident_bytes = status.resident_bytes;
-    figures.processor = status.processor;
-    figures.first_output_s = status.first_output_s;
     return figures;
 }
 
 Figures figures_of(const bus::ViewerStatus& status) {
-    Figures figures;
-    figures.time = status.time;
-    figures.rate_unit = "frames/s";
-    figures.rate = status.frames_per_s;
+    Figures figures = process_figures(status, "frames/s", status.frames_per_s);
     figures.work = {{"frames", status.num_frames}, {"pairs_shown", status.num_pairs_shown}};
     figures.losses = {{"pairs_skipped", status.num_pairs_skipped},
                       {"incomplete_pairs", status.num_incomplete},
                       {"rejected_samples", status.num_rejected}};
     figures.stages = {{"capture_to_display", status.capture_to_display, true, /*elsewhere=*/true}};
-    figures.resident_bytes = status.resident_bytes;
     if (status.max_frames_per_s > 0.0) {
         figures.notes.push_back({"quality",
                                  fmt::format("{:.0f} frames/s at most, scale {:.2g}, {} shadows",
@@ -122,9 +123,16 @@ Figures figures_of(const bus::ViewerStatus& status) {
     }
     if (status.num_video_dropped > 0)
         figures.notes.push_back({"video_dropped", fmt::format("{}", status.num_video_dropped)});
-    figures.processor = status.processor;
-    figures.first_output_s = status.first_output_s;
     return figures;
+}
+
+std::string spaced(std::string name) {
+    std::replace(name.begin(), name.end(), '_', ' ');
+    return name;
+}
+
+std::string rate_text(double rate, const std::string& unit) {
+    return fmt::format("{:.1f} {}", rate, unit);
 }
 
 bool may_be_same_process(const Figures& before, const Figures& now) {

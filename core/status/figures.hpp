@@ -12,9 +12,12 @@ namespace atrium::status {
 struct Counter {
     std::string what;
     std::uint64_t total = 0;
+    bool is_alarming = false;  // growth deserves a warning to the user of a viewer
 };
 
 /// The contents of a status as named counters, stages and notes, the same for each kind of program.
+/// The monitor, the viewer and the demo show these: a new counter is one line in figures.cpp.
+/// The monitor shows `losses` as text, and all in its JSON.
 struct Figures {
     struct Stage {
         std::string name;
@@ -54,6 +57,11 @@ struct Figures {
 Figures figures_of(const bus::SiteStatus& status);
 Figures figures_of(const bus::WorldStatus& status);
 Figures figures_of(const bus::ViewerStatus& status);
+
+/// The name of a figure for people: "dropped late" for "dropped_late".
+std::string spaced(std::string name);
+/// "29.9 metaframes/s".
+std::string rate_text(double rate, const std::string& unit);
 
 /// True if `now` can be of the same process as `before`: neither time nor any counter decreased.
 bool may_be_same_process(const Figures& before, const Figures& now);

@@ -6,21 +6,21 @@
 namespace atrium::hull {
 namespace {
 
-// Share of a product's size that has to be left of a difference of such products: 1000 times what
-// rounding can do, so that no two exchanges undo each other.
+// The sine of an angle counts as nonzero if it exceeds this fraction of the product of the legs:
+// 1000 times the rounding error, so no two exchanges undo each other.
 constexpr double kMargin = 1e-12;
 
-// Exchanges per triangle. Faces of people need about one; this ends a dispute that rounding of
-// absurd coordinates may start.
+// Limit on exchanges per triangle. Faces of people need about one. The limit ends the endless loop
+// that rounding of extreme coordinates could cause.
 constexpr std::size_t kMaxExchanges = 16;
 
-/// The angle at `apex` from `a` to `b`, times the lengths of both legs.
+/// The angle at `apex` from `a` to `b`, with sine and cosine scaled by the product of the legs.
 struct Angle {
     Angle(const Eigen::Vector2d& apex, const Eigen::Vector2d& a, const Eigen::Vector2d& b)
         : to_a(a - apex), to_b(b - apex) {}
     double sine() const { return to_a.x() * to_b.y() - to_a.y() * to_b.x(); }
     double cosine() const { return to_a.x() * to_b.x() + to_a.y() * to_b.y(); }
-    /// 1 to 2 times the product of the lengths.
+    /// The product of the legs, in another norm: 1 to 2 times the Euclidean one.
     double size() const {
         return (std::abs(to_a.x()) + std::abs(to_a.y())) *
                (std::abs(to_b.x()) + std::abs(to_b.y()));
@@ -62,7 +62,7 @@ void BetterDiagonals::improve(std::span<const Eigen::Vector2d> corners_m,
         std::copy_n(&first_corner_[4 * t], 3, triangles[t].begin());
 }
 
-// Takes the triangles over, with their orientation. False if they cannot be improved.
+// Copies the triangles and finds their orientation. False if they cannot be improved.
 bool BetterDiagonals::copy(std::span<const std::array<std::uint32_t, 3>> triangles) {
     first_corner_.resize(4 * triangles.size());
     twin_.resize(4 * triangles.size());
@@ -82,7 +82,7 @@ bool BetterDiagonals::copy(std::span<const std::array<std::uint32_t, 3>> triangl
     return std::abs(twice_area) > 0.0;
 }
 
-// False if two edges run from one corner to the same other one.
+// False if two half-edges join the same two corners in the same direction.
 bool BetterDiagonals::find_twins_of_few() {
     const auto num_edges = static_cast<Edge>(first_corner_.size());
     std::uint8_t* const table = few_.data();
@@ -133,7 +133,8 @@ void BetterDiagonals::find_twins() {
         twin_[static_cast<std::size_t>(twin)] = e;
     }
     if (is_sound) return;
-    // an edge that more than two triangles share, or two in the same direction, has to stay
+    // a non-manifold edge, with more than two triangles or two half-edges in one direction, has to
+    // stay
     for (Edge e = 0; e < num_edges; e = in_list_after(e)) {
         const Edge twin = only_edge(to(e), from(e));
         const bool is_pair = twin != kNone && only_edge(from(e), to(e)) == e;
@@ -141,7 +142,7 @@ void BetterDiagonals::find_twins() {
     }
 }
 
-// kNone also where there are several.
+// Returns the half-edge from a to b; kNone if there is none or more than one.
 BetterDiagonals::Edge BetterDiagonals::only_edge(std::uint32_t a, std::uint32_t b) {
     Edge found = kNone;
     for (Edge e = first_at_[a]; e != kNone; e = next_at_[static_cast<std::size_t>(e)]) {
@@ -167,11 +168,11 @@ bool BetterDiagonals::on_one_line(std::uint32_t a, std::uint32_t b) const {
     return (l[0] == m[0]) | (l[0] == m[1]) | (l[1] == m[0]) | (l[1] == m[1]);  // no branch
 }
 
-// The triangles (a, b, c) and (b, a, d) on the two sides of `e`: the quadrilateral a d b c has to
-// be convex at a and b, and the angles at c and d together larger than two right ones.
+// With the triangles (a, b, c) and (b, a, d) on the two sides of `e`: the quadrilateral a d b c has
+// to be convex at a and b, and the angles at c and d have to sum to more than 180 degrees.
 bool BetterDiagonals::exchange_helps(Edge e) {
     const Edge twin = twin_[static_cast<std::size_t>(e)];
-    if (twin == kNone) return false;  // an exchange has made it a boundary since it was listed
+    if (twin == kNone) return false;  // on the boundary since an earlier exchange
     const std::uint32_t ic = from(before(e));
     const std::uint32_t id = from(before(twin));
     const Eigen::Vector2d* const corners_m = corners_m_.data();
@@ -222,7 +223,7 @@ void BetterDiagonals::exchange(Edge e) {
     }
 }
 
-// Lets `e` begin at another corner.
+// Changes the first corner of `e`.
 void BetterDiagonals::move(Edge e, std::uint32_t corner) {
     if (are_few_) {
         from(e) = corner;

@@ -10,29 +10,33 @@
 
 namespace atrium::hull {
 
-/// Makes the triangles of planar faces less thin by exchanging diagonals, until the triangulation
-/// is the constrained Delaunay one (Lawson 1977): of all triangulations of the same faces without
-/// new vertices it has the largest smallest angle.
+/// Turns the triangulation of planar faces into the constrained Delaunay triangulation by
+/// exchanging diagonals (Lawson 1977). Of all triangulations of the same faces without new
+/// vertices, it has the largest smallest angle.
 ///
-/// Edges with one triangle are the faces' boundary and stay. Numbers only decide whether a diagonal
-/// is exchanged: for any rounding the result has the same boundary, the same number of triangles
-/// and no edge with more than two of them. Reuse one object; it allocates only while it grows.
+/// Edges with one triangle are the boundary of the faces and stay. Rounding only affects which
+/// diagonals are exchanged: the result always has the same boundary, the same number of triangles
+/// and no edge with more than two triangles. Differs from Lawson: an exchange needs a margin of
+/// 1e-12 against rounding, and the number of exchanges is limited to 16 per triangle. Reuse one
+/// object; it allocates only while it grows. Not thread-safe.
 class BetterDiagonals {
 public:
-    /// The two lines in the plane, other than through the faces, that meet in a corner.
+    /// The two boundary lines that meet in a corner.
     using Lines = std::array<std::uint32_t, 2>;
 
-    /// `corners_m`: positions in an orthonormal frame of the plane [m]; `triangles`: indices into
-    /// it, all with the same orientation, changed in place. `lines`, if not empty: one per corner;
-    /// corners of the same line are never joined by a new diagonal, since it could only lie along
-    /// the boundary. Triangles may be empty or turned over by rounding. Triangles with a corner
-    /// twice, or without any area together, are left as they are.
+    /// Improves `triangles` in place.
+    ///
+    /// `corners_m`: positions in an orthonormal frame of the plane [m]. `triangles`: indices into
+    /// it, all of the same orientation; rounding may have made some of them empty or inverted.
+    /// `lines`: empty, or one entry per corner. Two corners on a common line are never joined by a
+    /// new diagonal, which would lie along the boundary. If a triangle has a corner twice, an index
+    /// is out of range, or the total area is zero, nothing changes.
     void improve(std::span<const Eigen::Vector2d> corners_m,
                  std::span<std::array<std::uint32_t, 3>> triangles,
                  std::span<const Lines> lines = {});
 
 private:
-    // An edge of a triangle is 4 * triangle + the place of its first corner.
+    // Half-edge: 4 * triangle + position of its first corner in the triangle.
     using Edge = std::int32_t;
     static constexpr Edge kNone = -1;
 
@@ -55,16 +59,16 @@ private:
 
     std::span<const Eigen::Vector2d> corners_m_;
     std::span<const Lines> lines_;
-    // edges of few corners are in a table, others are listed by corner
+    // few corners: half-edges in a table; otherwise in a list per corner
     static constexpr std::size_t kFewCorners = 32;
     static constexpr std::size_t kFewEdges = 252;
     bool are_few_ = false;
-    std::array<std::uint8_t, kFewCorners * kFewCorners> few_{};  // edge + 1, by its two corners
+    std::array<std::uint8_t, kFewCorners * kFewCorners> few_{};  // half-edge + 1, by corners
     double orientation_ = 1.0;                                   // -1: the triangles are clockwise
-    std::vector<std::uint32_t> first_corner_;  // per edge: the triangles, four entries for each
-    std::vector<Edge> twin_;                   // per edge; kNone on the boundary
-    std::vector<Edge> first_at_;               // per corner: one edge from it,
-    std::vector<Edge> next_at_;                // per edge: another one from the same corner
+    std::vector<std::uint32_t> first_corner_;  // per half-edge, four entries per triangle
+    std::vector<Edge> twin_;                   // per half-edge; kNone on the boundary
+    std::vector<Edge> first_at_;               // per corner: a half-edge that leaves it,
+    std::vector<Edge> next_at_;                // per half-edge: the next one that leaves its corner
     std::vector<Edge> to_check_;
 };
 

@@ -14,11 +14,11 @@ namespace atrium::hull {
 namespace {
 
 constexpr double kMaxCoordinate_px =
-    1e6;  // no silhouette is larger; beyond, pixels lose their meaning in double
+    1e6;  // larger than any silhouette; doubles hold no useful fraction of a pixel beyond it
 constexpr double kMaxDistance_m = 1e6;         // of a camera from the origin
-constexpr std::size_t kMaxFieldPoints = 1000;  // contact with itself is tested pairwise
+constexpr std::size_t kMaxFieldPoints = 1000;  // self-contact is tested for all pairs of edges
 constexpr double kBoundsMargin_px = 1.0;       // far more than any jitter
-constexpr double kMinBounds_m = 1e-3;          // thinner ones hold nobody
+constexpr double kMinBounds_m = 1e-3;          // a thinner box holds no person
 
 bool is_valid(const SilhouetteView& view) {
     const geometry::PinholeCamera& c = view.intrinsics;
@@ -70,8 +70,8 @@ std::uint64_t content_hash(const SilhouetteView& view, const Outlines& outlines)
     return h;
 }
 
-// The part of the picture that shows the bounds, with room for the jitter; nullopt where some of
-// them are behind the camera.
+// Bounding box of the projected bounds [px], enlarged by kBoundsMargin_px to leave room for the
+// jitter. nullopt if a corner lies behind the camera.
 std::optional<Eigen::AlignedBox2d> project(const geometry::Aabb& bounds,
                                            const SilhouetteView& view) {
     Eigen::AlignedBox2d box;

@@ -10,7 +10,7 @@
 
 namespace atrium::hull {
 
-/// The input in canonical form, checked, before any jitter.
+/// The checked input in canonical form, before jitter.
 struct CleanViews {
     struct View {
         const SilhouetteView* source = nullptr;
@@ -19,13 +19,17 @@ struct CleanViews {
         OutlineCounts counts;
         HullStatus status = HullStatus::kOk;
     };
-    std::vector<View> views;  // sorted by content
+    std::vector<View> views;  // sorted by content, no two equal
     std::vector<Outlines> outlines;
     OutlineCounts counts;
-    std::vector<OutlineScratch> scratch;  // one per worker
+    std::vector<OutlineScratch> scratch;  // one per worker of the executor
 };
 
-/// Once per frame. kOk, or what is wrong with the input.
+/// Checks `views` and brings them into canonical form, once per frame: cleans the contours, drops
+/// those outside `options.bounds`, sorts the views by content and merges equal ones.
+///
+/// Adds to `hull.num_views_merged`; counts of contours are in `clean`. Runs on `executor`, one task
+/// per view. Errors: kInvalidInput, kTooComplex, kTooFewViews (see `HullStatus`).
 HullStatus clean_views(std::span<const SilhouetteView* const> views,
                        const HullOptions& options,
                        Executor& executor,

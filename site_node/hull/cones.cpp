@@ -7,22 +7,22 @@
 namespace atrium::hull {
 namespace {
 
-constexpr double kFirstJitter_px = 1e-6;   // moves a surface 3 m away by 3 nm
-constexpr double kFirstJitter_rad = 1e-8;  // the same for the edges of the bounds
+constexpr double kFirstJitter_px = 1e-6;   // 3 nm on a surface 3 m away
+constexpr double kFirstJitter_rad = 1e-8;  // for the edges of the bounds
 constexpr double kJitterGrowth = 10.0;     // per attempt
-constexpr double kMinExtent_m = 1e-3;   // a rig of cameras in one place is spread to a part of this
-constexpr double kSameCentre_m = 1e-6;  // two centres nearer than this span no usable baseline
+constexpr double kMinExtent_m = 1e-3;      // extent assumed for a rig with all cameras in one place
+constexpr double kSameCentre_m = 1e-6;     // centres nearer than this have no usable baseline
 constexpr std::uint64_t kTestsPerSegment =
-    2000;  // of the search for crossings: reached only by scribbles
+    2000;  // limit of the search for crossings; only scribbles reach it
 
-// Of silhouette points; never less than some steps of the grid on which rays end.
+// Jitter of silhouette points [px]: at least four steps of the grid of the rays.
 double jitter_px(const SilhouetteView& view, std::uint32_t attempt) {
     const double grid_px = 2.0 / exact::kMaxRay * std::max(view.intrinsics.fx, view.intrinsics.fy);
     return std::max(kFirstJitter_px, 4.0 * grid_px) * std::pow(kJitterGrowth, attempt);
 }
 
-// Coinciding centres (one camera's two silhouettes) leave the pencil without an axis: move one of
-// them a little.
+// Moves coinciding centres (two silhouettes of one camera) slightly apart: their pencil would have
+// no axis.
 void separate_centres(double distance_m, std::vector<Cones::View>& views) {
     for (std::size_t i = 1; i < views.size(); ++i) {
         for (std::size_t k = 0; k < i; ++k) {
@@ -31,12 +31,12 @@ void separate_centres(double distance_m, std::vector<Cones::View>& views) {
             views[i].centre +=
                 3.0 * distance_m *
                 Eigen::Vector3d(std::sin(n), std::cos(2.0 * n), std::sin(3.0 * n + 1.0));
-            k = static_cast<std::size_t>(-1);  // again, against all
+            k = static_cast<std::size_t>(-1);  // restart: compare with all others again
         }
     }
 }
 
-// Largest power of two by which `largest` stays below `limit`.
+// Returns the largest power of two p with p * largest <= limit.
 double grid_scale(double largest, double limit) {
     return std::exp2(std::floor(std::log2(limit / std::max(largest, 1e-300))));
 }
@@ -51,12 +51,13 @@ Eigen::Vector3d from_grid(const exact::Vector& v, double scale) {
            scale;
 }
 
-// Any rotation that is far from all that rooms and rigs are aligned to.
+// A fixed rotation far from all alignments of rooms and rigs.
 Eigen::Matrix3d skew_rotation() {
     return Eigen::Quaterniond(0.7346, 0.3181, -0.2367, 0.5502).normalized().toRotationMatrix();
 }
 
-// A box is the intersection of two cones: the octants at two opposite corners, in this order.
+// A box is the intersection of two cones, the octants at two opposite corners. Signs of their
+// directions, in the order of the views.
 constexpr std::array<double, 2> kOctants{1.0, -1.0};
 
 void add_bounds(const geometry::Aabb& bounds, Cones& cones) {
@@ -93,7 +94,7 @@ void place_views(const CleanViews& clean, const HullOptions& options, Cones& con
         view.centre = cones.grid_from_site * (view.centre - cones.origin);
         largest = std::max(largest, view.centre.cwiseAbs().maxCoeff());
     }
-    // half of the range is left for centres that have to be separated
+    // the other half of the range is for centres that have to be moved apart
     const double scale = grid_scale(largest, 0.5 * exact::kMaxCentre);
     cones.centre_unit_m = 1.0 / scale;
     separate_centres(std::max(kSameCentre_m, 64.0 * cones.centre_unit_m), cones.views);
@@ -103,7 +104,7 @@ void place_views(const CleanViews& clean, const HullOptions& options, Cones& con
     }
 }
 
-// The rays of view v onto their grid; rays of one view share the scale.
+// Rounds the rays of view v to their grid; all rays of a view share its scale.
 void place_rays(std::span<const Eigen::Vector3d> rays, std::size_t v, Cones& cones) {
     Cones::View& view = cones.views[v];
     double largest = 0.0;
@@ -125,8 +126,8 @@ Cones::Strip make_strip(const Cones& cones, std::size_t v, SegmentKind kind) {
     strip.kind = kind;
     const bool counts = cones.views[v].is_partial && cones.min_seen > 0;
     strip.min_seen = cones.min_seen;
-    if (counts && kind != SegmentKind::kOutside) strip.min_seen -= 1;  // its own view sees
-    // on both sides nobody carves: the view's own sight has to decide
+    if (counts && kind != SegmentKind::kOutside) strip.min_seen -= 1;  // the view sees on one side
+    // the view carves on neither side, so only the number of views that see decides
     if (kind == SegmentKind::kUnseen) strip.max_seen = strip.min_seen;
     return strip;
 }
@@ -145,7 +146,7 @@ void place_strips(const ConeScratch::View& prepared, std::size_t v, Cones& cones
         Cones::Strip strip = make_strip(cones, v, segment.kind);
         strip.from = view.first_ray + segment.from;
         strip.to = view.first_ray + segment.to;
-        // kNoLoop wraps to some number that nobody asks for
+        // kNoLoop wraps around; that number is never read
         strip.foreground_loop = prepared.first_loop + segment.foreground_loop;
         strip.background_loop = prepared.first_loop + segment.background_loop;
         for (const std::uint32_t ray : {strip.from, strip.to}) {
@@ -153,7 +154,7 @@ void place_strips(const ConeScratch::View& prepared, std::size_t v, Cones& cones
             if (at.count < at.strips.size()) at.strips[at.count] = id;
             ++at.count;
         }
-        // the difference is exact, a product of the rays would not be
+        // the difference of two rays is exact, their product would not be
         const Eigen::Vector3d along = cones.ray[strip.to] - cones.ray[strip.from];
         cones.normal[id] = along.cross(cones.ray[strip.from]);
         cones.normal_bound[id] = along.norm() * cones.ray_length[strip.from];
@@ -162,7 +163,7 @@ void place_strips(const ConeScratch::View& prepared, std::size_t v, Cones& cones
     }
 }
 
-// Numbers rays, strips and loops through all views.
+// Numbers rays, strips and loops through all views, and sizes their arrays.
 void number(ConeScratch& scratch, Cones& cones) {
     std::uint32_t num_rays = 0;
     std::uint32_t num_strips = 0;
@@ -193,7 +194,7 @@ void number(ConeScratch& scratch, Cones& cones) {
     cones.normal_bound.resize(num_strips);
 }
 
-// What the outlines of a view and its field say about directions.
+// Labels the segments of one view. False if its outlines and field contradict each other.
 bool label(const SilhouetteView& source,
            std::uint32_t attempt,
            std::uint64_t hash,
@@ -239,7 +240,7 @@ void prepare_camera(const CleanViews& clean,
     out.sees_nobody = outlines.num_contours() == 0 && !cones.views[v].is_partial;
 }
 
-// Three rays along the edges that leave one corner of the bounds.
+// The view of one corner of the bounds: three rays along the edges that leave the corner.
 void prepare_bounds(double sign,
                     std::uint32_t attempt,
                     const Cones& cones,
@@ -260,7 +261,7 @@ void prepare_bounds(double sign,
         ray[(axis + 2) % 3] = nudge.y();
         out.rays.push_back(cones.grid_from_site * ray);
     }
-    // the mirrored corner sees its edges the other way round
+    // the opposite corner sees its edges in mirrored order
     if (sign < 0.0) std::swap(out.rays[1], out.rays[2]);
     scratch.outlines.clear();
     scratch.outlines.append(zeros);

@@ -5,7 +5,7 @@
 namespace atrium::hull::exact {
 namespace {
 
-// Fixed width: nothing is allocated.
+// 512 bits, fixed: never allocates.
 using Wide = boost::multiprecision::number<
     boost::multiprecision::cpp_int_backend<512,
                                            512,
@@ -55,7 +55,7 @@ Place place_of(const Vector& ray,
 }
 
 int compare_phi(const Place& l, const Place& r) {
-    // l.w_to / (l.w_from + l.w_to) grows with l.w_to / l.w_from
+    // phi is monotone in w_to / w_from
     return sign(Wide(Wide(l.w_to) * r.w_from - Wide(r.w_to) * l.w_from));
 }
 
@@ -71,7 +71,8 @@ int compare_slope(const Line& l, const Line& r) {
 }
 
 int compare_crossings(const Line& l1, const Line& l2, const Line& r1, const Line& r2) {
-    // where p + phi (q - p) = 0 for the difference of the two lines: phi / (1 - phi) = -p / q
+    // p and q are the difference of the two lines at phi = 0 and 1: phi / (1 - phi) = -p / q at the
+    // crossing
     const auto difference = [](const Line& a, const Line& b, Wide& p, Wide& q) {
         p = Wide(a.at_from) * b.offset - Wide(b.at_from) * a.offset;
         q = Wide(a.at_to) * b.offset - Wide(b.at_to) * a.offset;

@@ -5,11 +5,11 @@
 namespace atrium::hull {
 namespace {
 
-// > 0: the way a -> b -> c turns left in the chart
+// > 0 if a -> b -> c turns left in the chart
 double turn(const FaceTriangulator::Corner& a,
             const FaceTriangulator::Corner& b,
             const FaceTriangulator::Corner& c) {
-    if (std::isinf(a.u)) return c.phi - b.phi;  // coming down from straight above
+    if (std::isinf(a.u)) return c.phi - b.phi;  // a is at infinity, straight above b
     return (b.phi - a.phi) * (c.u - b.u) - (b.u - a.u) * (c.phi - b.phi);
 }
 
@@ -50,7 +50,7 @@ void FaceTriangulator::extend(Chain& chain, const Corner& v, Side side) {
     }
     if (side != chain.side) {
         fan(chain, v);
-        // the newest vertex stays open: the diagonal from it to v bounds what is left
+        // the newest vertex stays open: its diagonal to v bounds the rest
         const std::int32_t kept = push(nodes_[static_cast<std::size_t>(chain.head)].corner, -1);
         chain = {push(v, kept), side};
         return;
@@ -79,7 +79,8 @@ FaceTriangulator::RegionId FaceTriangulator::open(const Corner& top, const Corne
 
 void FaceTriangulator::add(RegionId id, const Corner& v, Side side) {
     Region& region = regions_[static_cast<std::size_t>(id)];
-    if (region.has_lower) {  // the diagonal from the merge to v finishes the part on v's side
+    if (region.has_lower) {
+        // the diagonal from the merge vertex to v completes the part on v's side
         region.has_lower = false;
         if (side == Side::kTop) {
             fan(region.chain, v);
@@ -100,7 +101,7 @@ FaceTriangulator::RegionId FaceTriangulator::split(RegionId id, const Corner& v)
         extend(region.chain, v, Side::kBottom);
         region.has_lower = false;
     } else {
-        // the newest vertex is the rightmost one, so nothing lies between it and v
+        // the newest vertex is the rightmost one, so no boundary lies between it and v
         const Chain old = region.chain;
         const Corner newest = nodes_[static_cast<std::size_t>(old.head)].corner;
         if (old.side == Side::kTop) {

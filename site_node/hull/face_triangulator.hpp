@@ -6,13 +6,13 @@
 
 namespace atrium::hull {
 
-/// Triangulates the faces on one strip while a sweep from left to right finds them, without new
-/// vertices.
+/// Triangulates the faces on one strip during its sweep, as a sweep-line triangulation of monotone
+/// polygons, without new vertices.
 ///
-/// A *region* is the part of a face between two neighbouring boundary lines at the sweep's
-/// position. Faces may be non-convex and have holes: a region splits where a hole or notch begins
-/// and merges where one ends. Decisions by coordinates only choose among triangulations; the result
-/// is closed and has as many triangles for any rounding.
+/// A *region* is the part of a face between two neighbouring boundary lines at the sweep line.
+/// Faces may be non-convex and may have holes: a region splits where a hole or notch begins and
+/// merges where it ends. Coordinates only choose among triangulations; for any rounding the result
+/// is closed and has the same number of triangles.
 ///
 /// Chart: phi to the right, u up. Triangles are emitted clockwise in the chart, which is
 /// counter-clockwise seen from outside the hull.
@@ -22,39 +22,40 @@ public:
     struct Corner {
         std::uint32_t vertex = 0;
         double phi = 0.0;
-        double u = 0.0;  // infinite: the vertex is straight above everything
+        double u = 0.0;  // infinite: the camera's centre, straight above every other corner
     };
     using RegionId = std::int32_t;
 
-    /// Starts with a strip; `triangles` receives what the strip emits.
+    /// Starts a strip. Later calls append their triangles to `triangles`, which must outlive them.
     void reset(std::vector<std::array<std::uint32_t, 3>>& triangles);
 
-    /// A region that opens in one vertex, or on the left edge of the strip between two.
+    /// Opens a region in one vertex, or on the left edge of the strip between two vertices.
     RegionId open(const Corner& v);
     RegionId open(const Corner& top, const Corner& bottom);
 
-    /// The next vertex of the region's upper or lower boundary.
+    /// Adds the next vertex of the upper or lower boundary of `region`.
     void add(RegionId region, const Corner& v, Side side);
 
-    /// `v` begins a gap inside of the region, which becomes the part above it; the part below is
-    /// returned.
+    /// Begins a gap inside `region` at `v`. `region` continues as the part above the gap; the part
+    /// below is returned.
     RegionId split(RegionId region, const Corner& v);
 
-    /// `v` ends the gap between two regions; `upper` continues as both.
+    /// Ends the gap between two regions at `v`. `upper` continues as the merged region; `lower` is
+    /// no longer valid.
     void merge(RegionId upper, RegionId lower, const Corner& v);
 
-    /// `v` is the region's last vertex.
+    /// Closes the region in its last vertex `v`.
     void close(RegionId region, const Corner& v);
 
 private:
-    // Vertices that wait for a later one to form triangles with; all but the oldest lie on `side`.
+    // Vertices whose triangles need a later vertex; all but the oldest lie on `side`.
     struct Chain {
         std::int32_t head = -1;  // the newest
         Side side = Side::kTop;
     };
     struct Region {
         Chain chain;
-        Chain lower;  // only after a merge: below the diagonal that the next vertex will make
+        Chain lower;  // only after a merge: the part below the diagonal to the next vertex
         bool has_lower = false;
     };
     struct Node {

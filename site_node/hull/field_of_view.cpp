@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-// Clipping in the manner of Weiler and Atherton: the border's pieces between two crossings
-// alternate between foreground and background, and loops go from arcs to border pieces and back.
+// Polygon clipping after Weiler and Atherton (1977). Pieces of the border between two crossings
+// alternate between foreground and background. Loops alternate between arcs of contours and pieces
+// of the border.
 namespace atrium::hull {
 namespace {
 
@@ -77,7 +78,8 @@ void cross_border(const Outlines& outlines,
               });
 }
 
-// Pairs the ends of the arcs inside of the field. False if a contour enters it twice in succession.
+// Pairs the ends of the arcs inside the field. False if a contour enters the field twice in
+// succession.
 bool pair_crossings(std::uint32_t begin, bool starts_inside, std::vector<Crossing>& crossings) {
     const auto end = static_cast<std::uint32_t>(crossings.size());
     bool inside = starts_inside;
@@ -110,8 +112,9 @@ bool find_crossings(const Outlines& outlines, FieldScratch& scratch) {
     return true;
 }
 
-// Foreground lies left of the contours, so that along the border it comes before those that enter
-// and after those that leave, and no two arcs change places.
+// Checks that entering and leaving crossings alternate along the border, that no two arcs cross,
+// and that the foreground along the border agrees with the contours. Foreground lies left of the
+// contours: along the border it ends where a contour enters and begins where one leaves.
 bool is_consistent(const Outlines& outlines, FieldScratch& scratch) {
     const std::vector<Crossing>& crossings = scratch.crossings;
     for (const std::uint32_t x : scratch.around) {
@@ -148,8 +151,9 @@ void order_along_border(FieldScratch& scratch) {
     }
 }
 
-// A foreground cell's boundary follows the border from where its arc leaves the field to the next
-// crossing, a background cell's to the one before.
+// Numbers the loops of the arc that begins at `enter`. From the end of an arc, the boundary of a
+// foreground cell follows the border to the next crossing, that of a background cell to the
+// previous one.
 void number_loops(std::uint32_t enter, std::vector<Crossing>& crossings, LabelledOutlines& out) {
     if (crossings[enter].foreground_loop == kNone) {
         for (std::uint32_t x = enter; crossings[x].foreground_loop == kNone;
@@ -242,7 +246,7 @@ void add_arc(const Outlines& outlines,
     const std::uint32_t begin = outlines.begin_of(contour);
     const std::uint32_t n = outlines.ends[contour] - begin;
     std::uint32_t num_passed = (to.contour_edge + n - from.contour_edge) % n;
-    // on one edge, but in the other order: all the way round
+    // both on one edge in reverse order: the arc runs all the way around the contour
     if (num_passed == 0 && to.along_contour < from.along_contour) num_passed = n;
     for (std::uint32_t i = 1; i <= num_passed; ++i)
         chain.pass(outlines.points[begin + (from.contour_edge - begin + i) % n]);
@@ -260,7 +264,8 @@ void add_silhouette(const Outlines& outlines, FieldScratch& scratch, LabelledOut
     }
 }
 
-// From one crossing counter-clockwise to the next; background pieces run the other way.
+// Adds the piece of the border from one crossing counter-clockwise to the next. Pieces beside
+// background are written in reverse direction.
 void add_border_piece(std::size_t index,
                       bool keep_unseen,
                       const FieldScratch& scratch,

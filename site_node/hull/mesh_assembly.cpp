@@ -33,10 +33,10 @@ bool MeshAssembly::assemble(const Cones& cones,
     clear_result(hull);
     if (!join(runs)) return false;
     bool is_sound = false;
-    const auto finish = [&](std::size_t task, std::size_t) {  // neither needs the other
+    const auto finish = [&](std::size_t task, std::size_t) {  // two independent tasks
         if (task == 0) {
             extract(cones, options, hull);
-        } else if (cones.min_seen > 0) {  // then more than three faces meet in some vertices
+        } else if (cones.min_seen > 0) {  // more than three faces may meet in a vertex
             is_sound = surface_.assign(joined_).has_value();
         } else {
             is_sound = has_three_faces_everywhere(runs);
@@ -47,7 +47,7 @@ bool MeshAssembly::assemble(const Cones& cones,
     return is_sound;
 }
 
-// A new key is put at the end of `keys_`.
+// Returns the number of `key`; appends a new key to `keys_`.
 std::uint32_t MeshAssembly::index_of(VertexKey key) {
     const std::size_t mask = slots_.size() - 1;
     std::size_t at = slot_of(key);
@@ -67,7 +67,7 @@ bool MeshAssembly::join(std::span<const RunFaces> runs) {
         num_corners += run.vertices.size();
         num_triangles += run.triangles.size();
     }
-    // each vertex of a sound mesh comes three times
+    // a sound mesh names each vertex three times, so the table is at most a third full
     slots_.assign(std::bit_ceil(num_corners + 16), Slot{});
     keys_.clear();
     global_.resize(num_corners);
@@ -89,7 +89,7 @@ bool MeshAssembly::join(std::span<const RunFaces> runs) {
     return place(runs);
 }
 
-// The vertices that runs own. False if there is one that nobody owns.
+// Takes the position of each vertex from its owner. False if a vertex has no owner.
 bool MeshAssembly::place(std::span<const RunFaces> runs) {
     joined_.vertices.resize(keys_.size());
     is_placed_.assign(keys_.size(), 0);
@@ -130,7 +130,7 @@ bool MeshAssembly::has_three_faces_everywhere(std::span<const RunFaces> runs) {
         num_edges += runs[r].edges.size();
         num_along_edges += runs[r].num_sides_on_lines;
     }
-    // any other side on a line would be the diagonal of two faces
+    // any other side on a line would be a diagonal that two faces share
     if (num_along_edges != num_edges) return false;
     for (std::size_t v = 0; v < keys_.size(); ++v) {
         if ((keys_[v] & kCentreBit) != 0) continue;
@@ -157,13 +157,13 @@ void MeshAssembly::measure_components() {
         const std::uint32_t least = std::min({roots[0], roots[1], roots[2]});
         for (const std::uint32_t v : {roots[0], roots[1], roots[2], a, b, c}) parent[v] = least;
     }
-    // parents are less than their children: from here on each vertex's is its root
+    // a parent has a smaller number than its child, so one pass leads every vertex to its root
     for (std::uint32_t v = 0; v < parent_.size(); ++v) parent[v] = parent[parent[v]];
     const std::vector<Eigen::Vector3d>& p = joined_.vertices;
     components_.assign(keys_.size(), Component{});
     for (const auto& [a, b, c] : joined_.triangles) {
         const std::uint32_t root = parent[a];
-        const Eigen::Vector3d& from = p[root];  // near by: less cancellation
+        const Eigen::Vector3d& from = p[root];  // a vertex near by reduces cancellation
         components_[root].six_volumes += (p[a] - from).dot((p[b] - from).cross(p[c] - from));
     }
     for (std::uint32_t v = 0; v < keys_.size(); ++v) {

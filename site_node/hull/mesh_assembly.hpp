@@ -13,12 +13,15 @@
 
 namespace atrium::hull {
 
-/// Joins the faces of all runs into one mesh, by vertex identity only.
+/// Joins the faces of all runs into one mesh, by the identity of vertices only. Reuse one object;
+/// it allocates only while it grows. Not thread-safe.
 class MeshAssembly {
 public:
-    /// Writes the chosen components in the site frame, and the counts of components, over what
-    /// `hull` had of both before. False, with neither in `hull`, unless the joined faces are a
-    /// closed 2-manifold. Combinatorial; positions are not looked at.
+    /// Writes the kept components as a mesh (site frame [m]) and the counts of components to
+    /// `hull`, replacing what was there.
+    ///
+    /// Returns false, with an empty mesh and zero counts, unless the joined faces form a closed
+    /// 2-manifold. This check is combinatorial; positions play no role.
     bool assemble(const Cones& cones,
                   std::span<const RunFaces> runs,
                   const HullOptions& options,
@@ -27,7 +30,7 @@ public:
 
 private:
     struct Slot {
-        VertexKey key = 0;  // 0: free; no vertex has strip 0 three times
+        VertexKey key = 0;  // 0: free slot; no vertex has the key 0, which is strip 0 three times
         std::uint32_t index = 0;
     };
     struct Corners {  // neighbours of a vertex along the boundaries of its three faces
@@ -46,11 +49,11 @@ private:
         return static_cast<std::size_t>((key * 0x9e3779b97f4a7c15ULL) >> 20) & (slots_.size() - 1);
     }
     std::uint32_t index_of(VertexKey key);
-    // Numbers the vertices of all runs. False if a vertex was named but never placed.
+    // Numbers the vertices of all runs. False if a vertex has no position.
     bool join(std::span<const RunFaces> runs);
     bool place(std::span<const RunFaces> runs);
-    // Enough for a closed 2-manifold, and faster than looking at triangles: every vertex has three
-    // faces, every edge has its twin, and no two faces use the same diagonal.
+    // Sufficient for a closed 2-manifold, and faster than a check of the triangles: every vertex
+    // has three faces, every edge has its twin, and no two faces share a diagonal.
     bool has_three_faces_everywhere(std::span<const RunFaces> runs);
     void extract(const Cones& cones, const HullOptions& options, VisualHull& hull);
     std::uint32_t find_root(std::uint32_t v);
@@ -58,8 +61,8 @@ private:
     void choose_components(const HullOptions& options, VisualHull& hull);
 
     std::vector<Slot> slots_;
-    std::vector<std::uint32_t> global_;     // of the vertices of all runs, one after the other
-    std::vector<std::uint32_t> run_begin_;  // first entry of each run in `global_`
+    std::vector<std::uint32_t> global_;     // mesh index of each vertex, run after run
+    std::vector<std::uint32_t> run_begin_;  // per run: its first entry in `global_`
     geometry::TriangleMesh joined_;         // all components; grid frame
     std::vector<VertexKey> keys_;
     std::vector<std::uint8_t> is_placed_;

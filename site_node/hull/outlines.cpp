@@ -12,7 +12,7 @@ namespace {
 
 using Point = Eigen::Vector2d;
 
-// A spike goes out and comes back the same way: the middle point bounds nothing.
+// Whether `tip` is a spike, where the outline returns along the same way. The tip encloses no area.
 bool is_spike(const Point& before, const Point& tip, const Point& after) {
     const Point in = tip - before;
     const Point out = after - tip;
@@ -41,7 +41,9 @@ void copy_clean(const std::vector<Point>& contour, std::vector<Point>& loop) {
     loop.erase(loop.begin(), loop.begin() + static_cast<std::ptrdiff_t>(first));
 }
 
-// Where the rotation of `loop` starts that comes first in the order of its points (less_yx).
+// Returns the start of the rotation of `loop` that is least in lexicographical order of its points
+// (less_yx). Unless the least point is unique, this uses the two-pointer algorithm for the minimal
+// rotation, in O(n).
 std::size_t least_rotation(std::span<const Point> loop) {
     const std::size_t n = loop.size();
     std::size_t least = 0;
@@ -51,10 +53,10 @@ std::size_t least_rotation(std::span<const Point> loop) {
         is_only_one = less_yx(loop[p], loop[least]);
         least = p;
     }
-    if (is_only_one) return least;  // as a rule
+    if (is_only_one) return least;  // the usual case
     std::size_t i = 0;
     std::size_t j = 1;
-    std::size_t same = 0;  // so many points from i on equal those from j on
+    std::size_t same = 0;  // length of the common run that starts at i and at j
     while (i < n && j < n && same < n) {
         const Point& a = loop[(i + same) % n];
         const Point& b = loop[(j + same) % n];
@@ -78,7 +80,7 @@ bool is_before(std::span<const Point> a, std::span<const Point> b) {
     return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(), less_yx);
 }
 
-// One of the 2n ways to write a loop down, the same one for all of them.
+// Replaces `loop` by the least of its 2n equivalent forms (n rotations, two directions).
 void make_canonical(std::vector<Point>& loop, std::vector<Point>& reversed) {
     reversed.assign(loop.rbegin(), loop.rend());
     rotate_to_least(loop);
@@ -86,7 +88,7 @@ void make_canonical(std::vector<Point>& loop, std::vector<Point>& reversed) {
     if (is_before(reversed, loop)) std::swap(loop, reversed);
 }
 
-std::uint64_t mix(std::uint64_t x) {  // splitmix64's finaliser
+std::uint64_t mix(std::uint64_t x) {  // the finaliser of splitmix64
     x ^= x >> 30;
     x *= 0xbf58476d1ce4e5b9ULL;
     x ^= x >> 27;
@@ -117,14 +119,14 @@ void copy_canonical(const std::vector<std::vector<Point>>& contours,
     Outlines& loops = scratch.other;
     loops.clear();
     for (const std::vector<Point>& contour : contours) {
-        // cleaning goes round from the first point, so that must not be chance either
+        // the result of cleaning depends on its start, so the start has to be canonical too
         std::vector<Point>& raw = scratch.raw;
         raw.clear();
         for (const Point& p : contour) raw.emplace_back(p.x() + 0.0, p.y() + 0.0);  // no -0
         make_canonical(raw, scratch.loop);
         std::vector<Point>& loop = scratch.loop;
         copy_clean(raw, loop);
-        // not the area: a loop that crosses itself may have none before it is split
+        // not the signed area: a loop that crosses itself may have none before it is split
         if (loop.size() < 3 || !(swept_area_px2(loop) >= min_area_px2)) {
             ++counts.dropped;
             continue;

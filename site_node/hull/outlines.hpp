@@ -11,7 +11,7 @@
 
 namespace atrium::hull {
 
-/// All contours of one view in one array, as closed loops.
+/// All contours of one view in one array, as closed loops. The first point is not repeated.
 struct Outlines {
     std::vector<Eigen::Vector2d> points;  // [px]
     std::vector<std::uint32_t> ends;      // contour c is points[ends[c-1], ends[c])
@@ -38,8 +38,8 @@ struct OutlineCounts {
 
 struct OutlineScratch {
     struct Edge {
-        double low, high, left, right;  // its box [px]
-        std::uint32_t from, to;         // points
+        double low, high, left, right;  // bounding box [px]
+        std::uint32_t from, to;         // indices of points
         std::uint32_t contour;
     };
     struct Crossing {
@@ -47,7 +47,7 @@ struct OutlineScratch {
         Eigen::Vector2d at;  // [px]
         Eigen::Vector2d bisector;
     };
-    struct Cut {  // one crossing's place on one of its two edges
+    struct Cut {  // a crossing on one of its two edges
         std::uint32_t edge;
         double parameter;
         std::uint32_t crossing;
@@ -59,56 +59,59 @@ struct OutlineScratch {
     std::vector<Edge> edges;
     std::vector<Crossing> crossings;
     std::vector<Cut> cuts;
-    // of the points and then of both copies of each crossing
+    // one per node: the points, then both copies of each crossing
     std::vector<std::uint32_t> next;
     std::vector<Eigen::Vector2d> place;
     std::vector<double> room;  // [px]
     std::vector<std::uint8_t> is_done;
-    std::vector<std::uint8_t> is_crossing;  // of the points of `loop`
-    // of the contours
+    std::vector<std::uint8_t> is_crossing;  // one per point of `loop`
+    // one per contour
     std::vector<double> area;
     std::vector<std::uint8_t> is_dropped;
 };
 
-/// Positive for loops that run counter-clockwise as seen with +Y up, that is, clockwise numbers in
-/// image axes; see `orient_by_nesting`.
+/// Returns the signed area. Positive for loops that run counter-clockwise in axes with +Y up; these
+/// appear clockwise in an image, whose +Y points down. See `orient_by_nesting`.
 double signed_area_px2(std::span<const Eigen::Vector2d> loop);
 
-/// Sum of the triangles of the fan from the first point, all taken positive: no loop bounds more.
+/// Returns the sum of the absolute areas of the triangle fan from the first point, an upper bound
+/// of the enclosed area.
 double swept_area_px2(std::span<const Eigen::Vector2d> loop);
 
-/// Copies `contours` without repeated points and spikes into a form that does not depend on order,
-/// start or orientation. Loops with less than `min_area_px2` are left out and counted.
+/// Copies `contours` [px] into canonical form, without repeated points and spikes. The result does
+/// not depend on the order of contours, their starting points or orientations. Leaves out loops
+/// with `swept_area_px2` below `min_area_px2` and counts them in `counts.dropped`.
 void copy_canonical(const std::vector<std::vector<Eigen::Vector2d>>& contours,
                     double min_area_px2,
                     OutlineScratch& scratch,
                     Outlines& out,
                     OutlineCounts& counts);
 
-/// Moves every point by at most `amplitude_px` in x and y; a pure function of `seed`, position and
-/// index.
+/// Moves every point by at most `amplitude_px` in x and in y. The offset is a pure function of
+/// `seed`, position and index.
 void jitter(Outlines& outlines, double amplitude_px, std::uint64_t seed);
 
-/// Makes all loops simple and free of each other without changing what they enclose by the even-odd
-/// rule (up to 1e-3 px): a loop that crosses itself is split there, two that cross are joined to
-/// one. Where that takes more than a thousand repairs, of loops that still cross the smallest are
-/// dropped and counted. False if all that needs more than `max_tests` segment tests. Degenerate
-/// contacts have to be jittered away before.
+/// Makes all loops simple and disjoint. Keeps the even-odd interior, up to 1e-3 px. A loop that
+/// crosses itself is split at the crossing; two loops that cross are joined into one.
+///
+/// After 1000 repairs, contours that still cross are dropped, smallest first, and counted; so are
+/// loops below `min_area_px2`. Touching or collinear loops have to be jittered apart before.
+/// Returns false if the search needs more than `max_tests` segment tests.
 bool make_simple(Outlines& outlines,
                  double min_area_px2,
                  std::uint64_t max_tests,
                  OutlineScratch& scratch,
                  OutlineCounts& counts);
 
-/// Reverses loops so that the foreground lies left of each one, outer contours and holes alike.
+/// Orients all loops: the foreground lies left of each one (+Y up), outer contours and holes alike.
 void orient_by_nesting(Outlines& outlines);
 
-/// Even-odd rule.
+/// Returns whether `p_px` is inside by the even-odd rule.
 bool contains(std::span<const Eigen::Vector2d> loop, const Eigen::Vector2d& p_px);
 bool contains(const Outlines& outlines, const Eigen::Vector2d& p_px);
 
-/// Removes the contours whose bounding boxes do not meet `box` [px] and returns their number.
-/// Inside of the box the even-odd rule gives the same as before.
+/// Removes the contours whose bounding boxes do not meet `box` [px]. Returns their number. Inside
+/// the box the even-odd interior stays the same.
 std::uint32_t drop_outside(Outlines& outlines, const Eigen::AlignedBox2d& box);
 
 }  // namespace atrium::hull

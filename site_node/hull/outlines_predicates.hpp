@@ -2,10 +2,10 @@
 
 #include <Eigen/Core>
 
-// What the files of the outlines share: signs that all of them have to decide by the same formula.
+// Predicates that the outline files share, so all of them decide by the same formula.
 namespace atrium::hull {
 
-/// Points closer than this are one: far below any picture's resolution, far above the jitter.
+/// Points closer than this are one: far below the resolution of a picture, far above the jitter.
 inline constexpr double kSamePoint_px = 1e-4;
 
 inline bool less_yx(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -16,7 +16,7 @@ inline double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
     return a.x() * b.y() - a.y() * b.x();
 }
 
-/// > 0: c lies left of a -> b in x-right, y-up axes
+/// > 0: c lies left of a -> b, in axes with x right and y up
 inline double side(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
     return cross(b - a, c - a);
 }
@@ -29,7 +29,7 @@ inline bool segments_cross(const Eigen::Vector2d& a,
            (side(c, d, a) > 0.0) != (side(c, d, b) > 0.0);
 }
 
-/// Where a -> b crosses the line through c and d: 0 in a, 1 in b.
+/// Returns where a -> b crosses the line through c and d: 0 at a, 1 at b.
 inline double crossing_parameter(const Eigen::Vector2d& a,
                                  const Eigen::Vector2d& b,
                                  const Eigen::Vector2d& c,

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <limits>
 
-// All crossings are found in one sweep and resolved together: where two edges cross, each strand
-// goes on along the other one. Strands keep their directions and touch afterwards where they
-// crossed, so no order of the repairs matters, and the even-odd rule encloses the same as before.
-// Then both copies of the crossing draw back from each other. That can make a strand that passes
-// very close cross one of them, so the sweep is repeated with ever smaller distances.
+// One sweep finds all crossings, and they are resolved together: where two edges cross, each strand
+// continues along the other one. Strands keep their directions and touch afterwards where they
+// crossed, so the order of repairs does not matter and the even-odd interior stays the same. Then
+// the two copies of a crossing move apart. This can make a copy cross a strand that passes very
+// close, so the sweep repeats with ever smaller distances.
 namespace atrium::hull {
 namespace {
 
@@ -18,13 +18,12 @@ using Edge = OutlineScratch::Edge;
 using Crossing = OutlineScratch::Crossing;
 using Cut = OutlineScratch::Cut;
 
-// Per view and frame. A real contour crosses itself a few times at most; what does it more often is
-// a scribble.
+// Per view and frame. A real contour crosses itself a few times at most; only scribbles need more.
 constexpr std::size_t kMaxRepairs = 1000;
 
 constexpr int kMaxRounds = 12;
 constexpr double kDrawBack_px = 10.0 * kSamePoint_px;  // in the first round
-constexpr double kSmallestFactor = 1e-6;               // 1e-9 px is still seen by doubles
+constexpr double kSmallestFactor = 1e-6;               // doubles still resolve 1e-9 px
 
 void list_edges(const Outlines& outlines, OutlineScratch& scratch) {
     scratch.edges.clear();
@@ -49,9 +48,9 @@ void list_edges(const Outlines& outlines, OutlineScratch& scratch) {
     });
 }
 
-// Calls `on_crossing(edge, edge)` until it returns false. Edges are taken by rising y so that only
-// those that overlap in y meet; what belongs to dropped contours is passed over. False if more than
-// `max_tests` pairs met.
+// Calls `on_crossing(edge, edge)` for every crossing until it returns false. Takes edges by rising
+// y, so only edges that overlap in y are paired. Skips dropped contours. Returns false if it needs
+// more than `max_tests` pairs.
 template <typename OnCrossing>
 bool sweep(const Outlines& outlines,
            OutlineScratch& scratch,
@@ -95,8 +94,8 @@ void add_crossing(const Outlines& outlines, const Edge& p, const Edge& q, Outlin
     scratch.cuts.push_back({q.from, at_q, index, false});
 }
 
-// A node is a point or one of the two copies of a crossing: the first one comes along p and leaves
-// along q, the second one the other way round.
+// Links the nodes to loops. A node is a point or one of the two copies of a crossing: the first
+// copy comes along p and leaves along q, the second one the other way round.
 void link_nodes(const Outlines& outlines, OutlineScratch& scratch) {
     const auto n = static_cast<std::uint32_t>(outlines.points.size());
     const std::size_t num_nodes = n + 2 * scratch.crossings.size();
@@ -130,7 +129,7 @@ void link_nodes(const Outlines& outlines, OutlineScratch& scratch) {
     }
 }
 
-// Into the copy's own corner, but not so far that its edges fold.
+// Moves each copy into its own corner, but not so far that its edges fold.
 void draw_copies_back(std::size_t num_points, double distance_px, OutlineScratch& scratch) {
     for (std::size_t k = 0; k < scratch.crossings.size(); ++k) {
         const std::size_t first = num_points + 2 * k;
@@ -141,7 +140,8 @@ void draw_copies_back(std::size_t num_points, double distance_px, OutlineScratch
     }
 }
 
-// The loop through node `start` without copies of crossings closer than `same_px` to a neighbour.
+// Writes the loop through node `start`, without copies of crossings closer than `same_px` to a
+// neighbour.
 void collect_loop(std::uint32_t start,
                   std::size_t num_points,
                   double same_px,
@@ -184,7 +184,7 @@ void splice(Outlines& outlines,
     for (std::uint32_t node = 0; node < scratch.next.size(); ++node) {
         if (scratch.is_done[node]) continue;
         collect_loop(node, n, draw_back_px * (kSamePoint_px / kDrawBack_px), scratch);
-        // not its area: it may still cross itself
+        // not the signed area: it may still cross itself
         if (scratch.loop.size() < 3 || swept_area_px2(scratch.loop) < min_area_px2) {
             ++counts.dropped;
         } else {

@@ -15,7 +15,8 @@ using Entry = Pencils::Entry;
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
-// Antipodal directions differ by exactly 2, a full turn is 4; grows with the angle.
+// Returns a monotone function of the angle of `v`, in [-2, 2]: opposite directions differ by
+// exactly 2, a full turn is 4.
 double pseudo_angle(const Eigen::Vector2d& v) {
     const double sum = std::abs(v.x()) + std::abs(v.y());
     if (sum == 0.0) return 0.0;
@@ -23,8 +24,9 @@ double pseudo_angle(const Eigen::Vector2d& v) {
     return v.y() < 0.0 ? p - 1.0 : 1.0 - p;
 }
 
-// Orders rays of the two cameras of a pair by their angle around the baseline, in (-pi, pi] from a
-// coordinate axis across it.
+// Orders the rays of both cameras of a pair by angle around the baseline, in (-pi, pi] from a
+// coordinate axis across it. A floating-point filter decides where its error bound allows, exact
+// predicates elsewhere. Error bounds: docs/design/hull.md, "The filter".
 class AngularOrder {
 public:
     AngularOrder(const Cones& cones, std::uint32_t i, std::uint32_t k)
@@ -61,7 +63,7 @@ public:
     bool is_degenerate() const { return is_degenerate_; }
 
 private:
-    // 0: at the start of the interval, below; 1: on the zero axis or above
+    // 0: below the zero axis, the first half of the interval; 1: above it. On it: degenerate.
     int half(const exact::Vector& ray) {
         const int side = exact::sign_of_determinant(exact_baseline_, zero_, ray);
         is_degenerate_ |= side == 0;
@@ -88,11 +90,11 @@ private:
     bool is_degenerate_ = false;
 };
 
-// An entry as one number, for sorting by angle: the angle in steps of 4.5e-13, then the place in
-// the list of entries.
+// An entry packed into one number, for sorting by angle: the angle in steps of 4.5e-13, then the
+// index in the list of entries.
 constexpr unsigned kPlaceBits = 20;
 constexpr std::uint64_t kPlaceMask = (std::uint64_t{1} << kPlaceBits) - 1;
-constexpr double kStepsPerUnit = 2199023255552.0;  // 2^41: a full turn of 4 and 20 bits fit in
+constexpr double kStepsPerUnit = 2199023255552.0;  // 2^41: a turn of 4 and 20 index bits fit
 static_assert(kMaxStrips < (1u << kPlaceBits));
 
 std::uint64_t sort_key(double angle, std::uint32_t place) {
@@ -100,15 +102,15 @@ std::uint64_t sort_key(double angle, std::uint32_t place) {
     return static_cast<std::uint64_t>(steps) << kPlaceBits | place;
 }
 
-// The difference of two keys from which on `AngularOrder::is_before` would be certain of the order
-// of the keys, for angles within the errors of both lists. The lists are sorted.
+// Returns the difference of two keys above which their order is certain, for angles within the
+// error bounds of both sorted lists.
 std::uint64_t certain_gap(const Cones& cones,
                           const Pencils::Sorting& first,
                           const Pencils::Sorting& second) {
     constexpr auto kNever = std::numeric_limits<std::uint64_t>::max();
     const double error = first.largest_error + second.largest_error;
     if (cones.only_exact || !(error < 0.5)) return kNever;
-    // keys are cut off and rounded by less than three steps together
+    // truncation and rounding of the keys amount to less than three steps together
     const std::uint64_t steps = sort_key(error - 2.0, 0) + (std::uint64_t{3} << kPlaceBits);
     // near the ends of the interval a rounded angle may have come out at the other end
     const std::uint64_t greatest = sort_key(2.0, 0) - steps;
@@ -118,7 +120,7 @@ std::uint64_t certain_gap(const Cones& cones,
     return steps;
 }
 
-// Merges [begin, middle) and [middle, end). No branch depends on the keys.
+// Merges [begin, middle) and [middle, end) without a branch on the keys.
 void merge(const std::uint64_t* begin,
            const std::uint64_t* middle,
            const std::uint64_t* end,
@@ -135,8 +137,8 @@ void merge(const std::uint64_t* begin,
     std::copy(r, end, to);
 }
 
-// Along an outline the angle rises or falls for a while, so keys come in few runs, which are
-// merged.
+// Sorts keys by merging their runs. Along an outline the angle rises or falls for a while, so there
+// are few runs.
 void sort_runs(std::vector<std::uint64_t>& keys, Pencils::SortBuffers& buffers) {
     std::vector<std::uint32_t>& ends = buffers.run_ends;
     ends.clear();
@@ -213,7 +215,7 @@ void sort_rays(const Cones& cones,
         sorting.largest_error = std::max(sorting.largest_error, entry.error);
     }
     sort_runs(sorting.keys, buffers);
-    // the order is almost right; insertion makes it so
+    // the keys are almost in order; insertion sort completes it exactly
     const std::uint64_t gap = certain_gap(cones, sorting, sorting);
     std::uint64_t* const keys = sorting.keys.data();
     for (std::size_t at = 1; at < n; ++at) {
@@ -233,7 +235,7 @@ void sort_rays(const Cones& cones,
     put_in_order(cones, view, side);
 }
 
-// Ranks of both sides by one merge.
+// Finds the ranks of both sides by one merge.
 void merge_ranks(const Cones& cones,
                  AngularOrder& order,
                  const Pencils::Sorting& first_sorting,
@@ -267,8 +269,9 @@ void merge_ranks(const Cones& cones,
     for (; b < num_second; ++b) second.rank[second_keys[b] & kPlaceMask] = a;
 }
 
-// `baseline`: from this centre to the other. `sense`: 1 if angles grow the right-handed way around
-// it, -1 if the left-handed. False: a strip's plane contains the baseline.
+// Places the strips among the sorted rays. `baseline`: from this centre to the other. `sense`: 1 if
+// angles grow in the right-handed sense around it, -1 if in the left-handed. False if the plane of
+// a strip contains the baseline.
 bool place_strips(const Cones& cones,
                   const Cones::View& view,
                   const Eigen::Vector3d& baseline,
@@ -295,7 +298,7 @@ bool place_strips(const Cones& cones,
                           is_certain ? 1.0 / (std::abs(offset) - error) : kUnbounded,
                           error,
                           10.0 * kRounding * cones.normal_bound[strip]};
-        // normal = to x from, so baseline . (from x to) is the offset's negative
+        // normal = to x from, so baseline . (from x to) is the negative of offset
         int turn = offset > 0.0 ? -1 : 1;
         if (!is_certain || cones.only_exact) {
             turn = exact::sign_of_determinant(
@@ -346,7 +349,7 @@ bool build_pencils(const Cones& cones, Executor& executor, Pencils& pencils) {
         sort_rays(cones, first, order, first_sorting, buffers, first_side);
         sort_rays(cones, second, order, second_sorting, buffers, second_side);
         merge_ranks(cones, order, first_sorting, first_side, second_sorting, second_side);
-        // both sides measure angles around the baseline from the first to the second camera
+        // both sides measure angles around the baseline from the first camera to the second
         const bool is_placed =
             place_strips(cones, first, order.baseline(), order.exact_baseline(), 1, first_side) &&
             place_strips(

@@ -3,7 +3,7 @@
 namespace atrium::hull {
 namespace {
 
-// False: the region names a view that is not there.
+// False if the region names a view that does not exist.
 bool choose_views(std::span<const SilhouetteView* const> views,
                   const Region& region,
                   std::vector<const SilhouetteView*>& chosen) {

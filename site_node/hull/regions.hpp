@@ -11,15 +11,15 @@
 
 namespace atrium::hull {
 
-/// A part of a large space with the cameras that watch it. One hull is computed in each region,
-/// from its own cameras and with silhouettes outside of it left out, so that people in different
-/// regions neither multiply each other's cost nor make phantoms with each other: the paper's "3D
+/// A part of a large space, with the cameras that watch it. Each region gets its own hull, computed
+/// from its own cameras without the silhouettes outside it. People in different regions then
+/// neither multiply each other's cost nor form phantoms together. Source: Petit et al. (2010), "3D
 /// models computed per subsets of cameras".
 struct Region {
     std::string name;
     geometry::Aabb bounds;             // site frame [m]; regions should not overlap
     std::vector<std::uint32_t> views;  // indices of its cameras; empty: all
-    std::uint32_t min_views = 1;       // a hull needs at least so many of its cameras
+    std::uint32_t min_views = 1;       // least number of its cameras for a hull
 };
 
 struct RegionScratch {
@@ -28,16 +28,16 @@ struct RegionScratch {
     std::vector<const SilhouetteView*> views;
 };
 
-/// The hulls of all regions as one mesh; a body that stands across the border of two regions is cut
-/// there. Counts and times are sums.
+/// Computes the hulls of all regions and joins them into one mesh. A body across the border of two
+/// regions is cut there. Counts and times are sums.
 ///
-/// `views[i]` may be null: that camera delivered nothing, and the others go on. `options.bounds` is
-/// replaced by each region's. Status: kOk if any region has somebody, else a failure if any region
-/// failed, else kEmptyIntersection. A region that fails beside others that do not is left out and
-/// counted in `num_regions_failed`; so is a region with fewer than `min_views` cameras present
-/// (kTooFewViews).
+/// `views[i]` may be null: the camera has delivered nothing, and the others are used.
+/// `options.bounds` is replaced by the bounds of each region. A region that fails beside successful
+/// ones is left out and counted in `num_regions_failed`; so is a region with fewer than `min_views`
+/// cameras present (kTooFewViews).
 ///
-/// Errors: kInvalidInput for a region that names a view that is not there.
+/// Status: kOk if any region has a hull; otherwise the last failure of a region; otherwise
+/// kEmptyIntersection. kInvalidInput if a region names a view that does not exist.
 void compute_region_hulls(std::span<const SilhouetteView* const> views,
                           std::span<const Region> regions,
                           const HullOptions& options,

@@ -6,8 +6,8 @@
 
 namespace atrium::hull {
 
-/// Sorts lists that are short as a rule, and often almost in order: by insertion, which is fastest
-/// then. Long ones are left to std::sort. Equal elements end in no particular order.
+/// Sorts a list that is usually short and almost in order: up to 64 elements by insertion, longer
+/// lists by std::sort. Not stable.
 template <typename Element, typename Before>
 void sort_few(std::span<Element> list, const Before& before) {
     constexpr std::size_t kFew = 64;

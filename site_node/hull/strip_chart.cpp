@@ -33,7 +33,7 @@ void StripChart::go_on(std::uint32_t strip) {
     spread_scale_ = 16.0 * kRounding * cones_->normal_bound[strip_] / phi_error_scale_;
 }
 
-// The lines that meet `ray`, and what the cameras say about this camera's own place.
+// Finds the lines that meet `ray`, and the verdict at this camera's centre.
 void StripChart::find_active(std::uint32_t ray) {
     const std::uint32_t local_ray = ray - cones_->views[view_].first_ray;
     verdict_at_centre_ = {};
@@ -57,8 +57,8 @@ void StripChart::find_active(std::uint32_t ray) {
         Verdict crossed;
         for (std::uint32_t s = 0; s < view.last_strip - view.first_strip; ++s) {
             const auto [from, to] = ends[s];
-            // the arc (from, to] of sorted positions holds the ray's rank, maybe across the end of
-            // the circle
+            // the arc (from, to] of sorted positions contains the rank of the ray; it may wrap
+            // around
             const unsigned is_after = from < rank ? 1 : 0;
             const unsigned is_before = rank <= to ? 1 : 0;
             const unsigned wraps = from < to ? 0 : 1;
@@ -74,8 +74,9 @@ void StripChart::find_active(std::uint32_t ray) {
             crossed ^= cones_->toggles[strip].of(k);
         }
         num_steps_ += (view.last_strip - view.first_strip) / 16;
-        // Of the two ways along the baseline one is behind the other camera, where it sees nothing.
-        // All its strips that meet the half-plane of `ray` are between the two ways.
+        // Seen from the other camera, the half-plane of `ray` spans the directions from one end of
+        // the baseline to the other. One end points behind that camera, where it sees nothing. All
+        // its strips that meet the half-plane lie between the two ends.
         verdict_at_centre_ ^= cones_->verdict_beyond(k);
         if (view.axis.dot(cones_->views[view_].centre - view.centre) > 0.0)
             verdict_at_centre_ ^= crossed;
@@ -87,7 +88,7 @@ bool StripChart::collect() {
     if (!gather()) return false;
     if (num_steps_ > max_steps_) return true;
     find_limits();
-    // faces end at infinity, u = 0
+    // faces end at u = 0, infinity
     const bool may_reach_infinity = limits_.low <= 0.0;
     limits_.low = std::max(limits_.low, 0.0);
     if (!may_have_faces()) return true;
@@ -102,7 +103,7 @@ void StripChart::sort_events() {
     num_steps_ += num_events_;
     const auto before = [this](const Entry& l, const Entry& r) { return is_before(l, r); };
     const std::span<Entry> entries(entries_.data(), num_events_);
-    // each camera's events are in order already: insertion is the fastest merge of few
+    // the events of each camera are in order already: for a few, insertion is the fastest merge
     constexpr std::uint32_t kFew = 32;
     if (num_events_ <= kFew) {
         sort_few(entries, before);
@@ -112,7 +113,7 @@ void StripChart::sort_events() {
     for (std::uint32_t i = 0; i < num_events_; ++i) order_[i] = entries_[i].event;
 }
 
-// Merges the lists of two neighbouring cameras until there is one list.
+// Merges the lists of neighbouring cameras pairwise until one list is left.
 template <typename Before>
 void StripChart::merge_events(const Before& before) {
     list_ends_.clear();

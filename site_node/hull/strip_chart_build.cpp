@@ -6,7 +6,7 @@
 
 namespace atrium::hull {
 
-// Builds the pieces that reach between the limits, and their events.
+// Builds the pieces that reach between the limits, with their events.
 void StripChart::build() {
     std::size_t most_pieces = 1;
     std::size_t most_events = 0;
@@ -31,7 +31,7 @@ void StripChart::build() {
     }
 }
 
-// True: all chains are above the limits or below; those above are crossed.
+// Returns true if each chain is wholly above or wholly below the limits. Then crosses those above.
 bool StripChart::pass_chains(const Bundle& bundle) {
     unsigned num_above = 0;
     for (const Active& chain : bundle.active) {
@@ -39,16 +39,16 @@ bool StripChart::pass_chains(const Bundle& bundle) {
         if (!(low(chain.bounds) > limits_.high)) return false;
         ++num_above;
     }
-    // where all carve, all strips of a camera toggle the same
+    // where all carve, all strips of a camera toggle the same bit
     const Cones::Toggles carved{static_cast<std::uint8_t>(num_above & 1u)};
     verdict_above_ ^= carved.of(bundle.view);
     return true;
 }
 
-// Finds the visible spans, and counts them in their nodes. False: there are none.
+// Finds the visible spans and counts them at their nodes. False if there are none.
 bool StripChart::find_visible(const Bundle& bundle) {
     const Bounds limits(limits_.high, -limits_.low);
-    if (bundle.bounds.y() > limits.y()) return false;  // all below
+    if (bundle.bounds.y() > limits.y()) return false;  // all are below
     if (all_carve_ && bundle.has_only_chains && pass_chains(bundle)) return false;
     const Node* const nodes = bundle.strip_nodes();
     const Span* const spans = bundle.spans.data();
@@ -58,7 +58,7 @@ bool StripChart::find_visible(const Bundle& bundle) {
     std::uint32_t num_seen = 0;
     const Cones::Toggles* const toggles = cones_->toggles.data();
     unsigned above = 0;
-    for (std::uint32_t s = 0; s < num_spans; ++s) {  // no branch: they are hard to foretell
+    for (std::uint32_t s = 0; s < num_spans; ++s) {  // no branch: unpredictable
         const Span& span = spans[s];
         const Bounds bounds = nodes[span.from].bounds.min(nodes[span.to].bounds);
         const unsigned is_above = bounds.x() > limits.x() ? 1 : 0;
@@ -94,7 +94,7 @@ void StripChart::build_events(const Bundle& bundle) {
         std::uint32_t position = bundle.position + at;
         if (position >= bundle.num_rays) position -= bundle.num_rays;
         const PencilSide::InOrder& ray = bundle.other->in_order[position];
-        // the order around the baseline is what counts; phi only has to follow it
+        // the order around the baseline is exact; phi must only not contradict it
         const double inverse = node.error;
         const double error = phi_error_scale_ * ray.length * inverse;
         if (error < 1.0) {
@@ -154,7 +154,7 @@ void StripChart::build_pieces(const Bundle& bundle) {
     }
 }
 
-// u = 0 all along.
+// Adds the piece u = 0 over the whole strip.
 void StripChart::build_infinity() {
     visible_at_start_[num_visible_at_start_++] = num_pieces_;
     Piece& infinity = pieces_[num_pieces_++] = {};
@@ -162,7 +162,8 @@ void StripChart::build_infinity() {
     infinity.view = static_cast<std::uint8_t>(view_);
 }
 
-// As the strips meet in the ray: the first one places the vertex.
+// Sorts arriving pieces in the order of the strips at the ray: the first strip gives the vertex its
+// position.
 void StripChart::order_arriving(Event& event) const {
     const auto& strips = cones_->incidence[event.ray].strips;
     const auto place = [&](std::uint32_t p) {

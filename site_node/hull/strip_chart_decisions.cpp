@@ -6,7 +6,7 @@
 namespace atrium::hull {
 namespace {
 
-// Beyond this the doubles are too rough for a vertex.
+// Relative error above which doubles are too inaccurate for a vertex.
 constexpr double kGoodEnough = 1e-10;
 
 }  // namespace
@@ -25,7 +25,7 @@ bool StripChart::is_exactly_above(std::uint32_t upper, std::uint32_t lower, cons
 
 bool StripChart::is_steeper(std::uint32_t l, std::uint32_t r) {
     const double difference = pieces_[l].slope - pieces_[r].slope;
-    // the error of u holds at both rays
+    // the error bound of u holds at both rays
     if (is_certain(difference, 2.0 * (pieces_[l].error + pieces_[r].error)))
         return difference > 0.0;
     const int order = exact::compare_slope(exact_line(l), exact_line(r));
@@ -47,7 +47,7 @@ bool StripChart::crosses_before(std::uint32_t l1,
     double r_error = 0.0;
     const double l = phi_with_error(l1, l2, l_error);
     const double r = phi_with_error(r1, r2, r_error);
-    // an error that is not small says nothing about itself
+    // the bound is of first order, so it is valid only if it is small
     if (l_error < 1e-3 && r_error < 1e-3 && is_certain(l - r, l_error + r_error)) return l < r;
     const int order =
         exact::compare_crossings(exact_line(l1), exact_line(l2), exact_line(r1), exact_line(r2));

@@ -8,13 +8,13 @@
 namespace atrium::hull {
 namespace {
 
-// Of the error of phi: beyond this, that of u in an event is not bounded.
+// Error of phi above which the error of u in an event has no bound.
 constexpr double kRoughPhi = 0.25;
 
 }  // namespace
 
-// Finds where the lines of all cameras end or bend. Moves the active lines on to the strip's second
-// ray. Step by step for all cameras: each of them has a few lines and events only.
+// Finds where the lines of all cameras end or bend, and moves the active lines on to the strip's
+// second ray. Each step runs over all cameras, because each camera has only a few lines and events.
 bool StripChart::gather() {
     find_events();
     if (num_steps_ > max_steps_) return true;
@@ -25,14 +25,14 @@ bool StripChart::gather() {
     return true;
 }
 
-// The rays of each camera that pierce the strip.
+// Finds the rays of each camera that pierce the strip.
 void StripChart::find_events() {
     const Cones::View& own_view = cones_->views[view_];
     const std::uint32_t from_ray = own_.from - own_view.first_ray;
     const std::uint32_t to_ray = own_.to - own_view.first_ray;
     const std::uint32_t strip = strip_ - own_view.first_strip;
     for (Bundle& bundle : bundles()) {
-        bundle.first += bundle.first_end();  // nodes on the ray between both strips
+        bundle.first += bundle.first_end();  // skip to the nodes on the ray that both strips share
         bundle.num_at_start = static_cast<std::uint32_t>(bundle.active.size());
         bundle.num_events = 0;
         if (bundle.num_rays == 0) continue;
@@ -40,11 +40,11 @@ void StripChart::find_events() {
         const bool is_rising = own.rises[strip] != 0;
         const std::uint32_t from = own.rank[from_ray];
         const std::uint32_t to = own.rank[to_ray];
-        // the ranks alone do not tell no ray from all rays: the arc may cross the end of the circle
+        // equal ranks mean no ray or all rays: positions tell whether the arc wraps around
         const bool wraps = (own.position[to_ray] < own.position[from_ray]) == is_rising;
         const std::uint32_t least = is_rising ? from : to;
         const std::uint32_t least_position = least == bundle.num_rays ? 0 : least;
-        // soon read: each camera has its own lists, and each strip takes few entries of them
+        // needed soon; each camera has separate lists, and each strip reads few entries of them
         __builtin_prefetch(&own.across[to_ray]);
         const PencilSide::InOrder* const rays = &bundle.other->in_order[least_position];
         for (std::size_t i = 0; i <= PencilSide::kSpareRays; ++i) __builtin_prefetch(rays + i);
@@ -55,11 +55,13 @@ void StripChart::find_events() {
     }
 }
 
-// Lines at the strip's first ray: their nodes are those at the end of the strip before.
+// Starts the lines at the strip's first ray. Their nodes are those at the end of the previous
+// strip.
 void StripChart::start_lines() {
     for (Bundle& bundle : bundles()) {
         const std::uint32_t num_active = bundle.num_at_start;
-        // up to three lines begin in an event; four events are written at least, and two at a time
+        // up to three lines begin in an event; `bound_events` writes at least four events, two at a
+        // time
         const std::uint32_t most_nodes = 2 * num_active + 4 * bundle.num_events + 4;
         const std::uint32_t most_spans = num_active + 3 * bundle.num_events;
         if (bundle.first + most_nodes > bundle.room_for_nodes || most_spans > bundle.room_for_spans)
@@ -91,7 +93,7 @@ void StripChart::make_room(Bundle& bundle, std::uint32_t num_nodes, std::uint32_
     bundle.room_for_spans = static_cast<std::uint32_t>(bundle.spans.size());
 }
 
-// By falling u. Chains keep their order from strip to strip, so this is not often needed.
+// Sorts lines by falling u. Chains keep their order from strip to strip, so this is rarely needed.
 void StripChart::sort_lines(Bundle& bundle) {
     Node* const nodes = bundle.strip_nodes();
     lines_.clear();
@@ -106,13 +108,14 @@ void StripChart::sort_lines(Bundle& bundle) {
     }
 }
 
-// Bounds of u in the rays of other cameras that pierce this strip.
+// Bounds u in the events, the rays of other cameras that pierce this strip.
 //
-// Such a ray lies in one half-plane of the pencil with the point of the strip that it pierces. With
-// w_from, w_to, its cross products with the strip's rays across the baseline b,
-// phi = w_to / (w_from + w_to) and u = (normal . ray) / (|b| (w_from + w_to)), up to its sign.
+// Such a ray and the point of the strip that it pierces lie in one half-plane of the pencil. Let
+// w_from and w_to be the cross products of the ray with the strip's two rays, across the baseline
+// b. Then phi = w_to / (w_from + w_to) and, up to its sign, u = (normal . ray) / (|b| (w_from +
+// w_to)).
 void StripChart::bound_events() {
-    using Two = Eigen::Array2d;  // of two neighbours
+    using Two = Eigen::Array2d;  // values of two neighbouring events
     const std::uint32_t from_ray = own_.from - cones_->views[view_].first_ray;
     const std::uint32_t to_ray = own_.to - cones_->views[view_].first_ray;
     const Eigen::Vector3d normal = cones_->normal[strip_];
@@ -121,7 +124,7 @@ void StripChart::bound_events() {
         const PencilSide& own = *bundle.own;
         const Eigen::Vector2d a0 = own.across[from_ray];
         const Eigen::Vector2d a1 = own.across[to_ray];
-        // the sign is the side of the strip's plane on which the other centre is
+        // the sign tells on which side of the strip's plane the other centre lies
         const double scale = bundle.is_rising == (view_ < bundle.view) ? own.inverse_baseline
                                                                        : -own.inverse_baseline;
         const double u_spread = spread_scale_ * own.inverse_baseline;  // see docs/design/hull.md
@@ -151,7 +154,7 @@ void StripChart::bound_events() {
                 node[i] = {{low.x(), minus_high.x()}, w_to.x(), inverse.x()};
                 node[i + 1] = {{low.y(), minus_high.y()}, w_to.y(), inverse.y()};
             };
-            // mostly there are up to four, and how many is hard to foretell
+            // usually at most four; how many is unpredictable
             bound_two(0);
             bound_two(2);
             for (std::uint32_t i = 4; i < count; i += 2) bound_two(i);
@@ -167,7 +170,7 @@ void StripChart::bound_events() {
     }
 }
 
-// Ends spans in the cameras' rays, and begins others.
+// Ends and begins spans in the rays of other cameras. False if the pencils contradict each other.
 bool StripChart::pass_events() {
     std::uint32_t* const place_of = place_of_.data();
     const Eigen::Vector3d* const normals = cones_->normal.data();
@@ -191,7 +194,7 @@ bool StripChart::pass_events() {
             bounds = bounds.min(at);
             const std::uint32_t ends = rays[position].through[ending];
             if (ends != kNoStrip) {
-                // the usual event: one line goes on as another
+                // the usual event: one line continues as another
                 const std::uint32_t begins = rays[position].through[1 - ending];
                 const std::uint32_t place = place_of[ends];
                 if (place >= num_active) return false;
@@ -202,7 +205,7 @@ bool StripChart::pass_events() {
                 line.strip = begins;
                 line.from = node;
                 place_of[begins] = place;
-                // `end_lines` reads them
+                // for `end_lines`
                 __builtin_prefetch(&normals[begins]);
                 __builtin_prefetch(&offsets[begins - bundle.first_strip]);
             } else {
@@ -221,7 +224,8 @@ bool StripChart::pass_events() {
     return true;
 }
 
-// The strips that meet in a ray end or begin here, seen along this strip.
+// Passes any other event: ends the lines of strips that end in its ray and begins the others, as
+// seen along this strip.
 bool StripChart::pass_event(Bundle& bundle, std::uint32_t node, std::uint32_t position) {
     bundle.has_only_chains = false;
     const std::uint32_t local = bundle.other->sorted[position];
@@ -249,7 +253,7 @@ bool StripChart::pass_event(Bundle& bundle, std::uint32_t node, std::uint32_t po
     return true;
 }
 
-// Lines at the strip's second ray.
+// Ends all spans on the strip's second ray.
 void StripChart::end_lines() {
     const Eigen::Vector3d* const normals = cones_->normal.data();
     const Eigen::Vector3d ray = cones_->ray[own_.to];

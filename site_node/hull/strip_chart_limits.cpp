@@ -11,7 +11,7 @@ void StripChart::find_limits() {
                              : Range{faces_.back().low, faces_.front().high};
 }
 
-// Where camera `bundle.view` may see somebody, and where faces can be after that.
+// Intersects `faces_` with the ranges in which camera `bundle.view` may see somebody.
 void StripChart::find_ranges(const Bundle& bundle) {
     const std::uint32_t num_at_start = bundle.num_at_start;
     const bool carves_near = (verdict_at_centre_.carved >> bundle.view & 1) != 0;
@@ -38,16 +38,17 @@ void StripChart::find_ranges(const Bundle& bundle) {
         restrict_faces();
         return;
     }
-    Range& faces = faces_.front();  // as a rule
+    Range& faces = faces_.front();  // the usual case
     faces.low = std::max(faces.low, range.low);
     faces.high = std::min(faces.high, range.high);
     if (!(faces.low <= faces.high)) faces_.clear();
 }
 
-// Chains of one camera keep their order: its outlines do not cross. It carves every other gap
-// between them. False: their order is not certain.
+// Finds the ranges between chains. Chains of one camera keep their order, because its outlines do
+// not cross, and it carves every other gap between them. False if the order of chains is not
+// certain.
 bool StripChart::find_ranges_between_chains(const Bundle& bundle, bool carves_near) {
-    const Node* const at_start = bundle.strip_nodes();  // as `start_lines` has sorted them
+    const Node* const at_start = bundle.strip_nodes();  // sorted by `start_lines`
     const std::vector<Active>& chains = bundle.active;
     for (std::size_t i = 1; i < chains.size(); ++i) {
         if (!(low(at_start[i - 1].bounds) > high(at_start[i].bounds))) return false;
@@ -64,7 +65,7 @@ bool StripChart::find_ranges_between_chains(const Bundle& bundle, bool carves_ne
     return true;
 }
 
-// Over those pieces only at which this camera begins or ends to carve.
+// Returns the range of u of the pieces at which this camera begins or ends to carve.
 StripChart::Range StripChart::carving_range(const Bundle& bundle) const {
     const Node* const nodes = bundle.strip_nodes();
     Bounds bounds = Bounds::Constant(kInfinity);
@@ -76,8 +77,8 @@ StripChart::Range StripChart::carving_range(const Bundle& bundle) const {
     return {low(bounds), high(bounds)};
 }
 
-// Leaves of `faces_` what `allowed_` contains. The ranges of either list fall, and those of
-// `allowed_` may overlap.
+// Intersects `faces_` with `allowed_`. Both lists are sorted by falling u; ranges in `allowed_` may
+// overlap.
 void StripChart::restrict_faces() {
     less_faces_.clear();
     for (const Range& range : faces_) {

@@ -57,7 +57,7 @@ void StripSweep::sweep_strip() {
     finish_triangles();
 }
 
-// All visible lines at the strip's first ray, in order.
+// Starts the list with all visible lines at the strip's first ray.
 void StripSweep::enter_lines() {
     const std::span<const std::uint32_t> visible = chart_.visible_at_start();
     entering_.clear();
@@ -86,7 +86,7 @@ void StripSweep::enter_lines() {
     for (std::size_t p = 1; p < lines_.size(); ++p) find_meeting(p);
 }
 
-// The line that ends the face below line `top`; 0 if none does.
+// Returns the line that bounds the face below line `top` from below; 0 if none does.
 std::size_t StripSweep::end_of_face(std::size_t top) const {
     for (std::size_t p = top + 1; p < lines_.size(); ++p) {
         if (!lines_[p].face_below) return p;
@@ -94,7 +94,8 @@ std::size_t StripSweep::end_of_face(std::size_t top) const {
     return 0;
 }
 
-// Inside of a face, on a ray of three strips: whether faces on the other two begin or end here.
+// For a line inside a face, on a ray of three strips: returns whether faces on the other two strips
+// begin or end here.
 bool StripSweep::is_ray_vertex(const Line& line, const Line& above) const {
     if (own_.kind != SegmentKind::kSilhouette) return false;
     const int seen_above = std::popcount(above.below.seen);
@@ -103,7 +104,7 @@ bool StripSweep::is_ray_vertex(const Line& line, const Line& above) const {
     return seen_above != seen_below && std::min(seen_above, seen_below) == least;
 }
 
-// Calls `visit(top, bottom)` for the lines that bound each face at the place of the sweep.
+// Calls `visit(top, bottom)` with the two lines that bound each face at the sweep line.
 template <typename Visit>
 void StripSweep::for_each_face(const Visit& visit) {
     for (std::size_t top = 0; top < lines_.size(); ++top) {
@@ -148,7 +149,7 @@ void StripSweep::end_faces() {
     const bool has_three = cones_->incidence[ray].count == 3;
     for_each_face([&](std::size_t top, std::size_t bottom) {
         const RegionId region = lines_[top].region_below;
-        std::uint32_t last = lines_[top].edge_start;  // the centre stays where it is
+        std::uint32_t last = lines_[top].edge_start;  // the centre is one vertex for both rays
         if (top > 0) {
             last = ray_vertex(ray, lines_[top]);
             ray_vertices_.emplace_back(lines_[top].strip, last);
@@ -172,10 +173,11 @@ void StripSweep::end_faces() {
     });
 }
 
-// Two lines meet at most once, so this holds until one of them gets another neighbour.
+// Finds a phi before which line p and the line below it do not meet. It holds until one of them
+// gets another neighbour, because two lines meet at most once.
 void StripSweep::find_meeting(std::size_t p) {
     constexpr double kNever = std::numeric_limits<double>::infinity();
-    if (p == 0) return;  // the centre is above everything
+    if (p == 0) return;  // the centre is above all lines
     Line& line = lines_[p];
     const Line* const next = &line + 1;
     if (next == lines_.data() + lines_.size()) {
@@ -188,13 +190,13 @@ void StripSweep::find_meeting(std::size_t p) {
     const double turn = lower.slope - upper.slope;
     const double error = upper.error + lower.error;
     const bool may_be_certain = !cones_->only_exact;
-    // no branch: all of this is hard to foretell
+    // no branch: unpredictable
     const bool end_together =
         (upper.end_event == lower.end_event) & (upper.end_event != StripChart::kNone);
     const bool begin_together =
         (upper.start_event == lower.start_event) & (upper.start_event != StripChart::kNone);
     const bool is_above_at_end = (from - turn > error) & may_be_certain;
-    // an error that is not small says nothing about itself
+    // the bound is of first order, so it is valid only if it is small
     const bool is_known = (4.0 * error < 1e-3 * turn) & may_be_certain;
     const bool never_meet = end_together | begin_together | is_above_at_end;
     static constexpr double kEnds[] = {-kNever, kNever};
@@ -203,7 +205,8 @@ void StripSweep::find_meeting(std::size_t p) {
     next_meeting_ = std::min(next_meeting_, line.meets_at);
 }
 
-// Two lines that end in this very event meet there; all others have an order.
+// Returns whether lines p and p + 1 have met before `at`. Two lines that end in the event `at` meet
+// there, which does not count.
 bool StripSweep::is_reversed(std::size_t p, const Place& at) {
     const Line& upper = lines_[p];
     const Line& lower = lines_[p + 1];
@@ -214,8 +217,8 @@ bool StripSweep::is_reversed(std::size_t p, const Place& at) {
     return chart_.is_above(lower.piece, upper.piece, at);
 }
 
-// The first of the lines that have met those below them before `at`; 0: none has. Finds anew
-// when the others may.
+// Returns the line with the first crossing among those that have met their lower neighbour before
+// `at`; 0 if none has. Updates `next_meeting_`.
 std::size_t StripSweep::first_crossing(const Place& at, double limit) {
     constexpr double kNever = std::numeric_limits<double>::infinity();
     if (near_.size() < lines_.size()) near_.resize(2 * lines_.size());
@@ -224,7 +227,7 @@ std::size_t StripSweep::first_crossing(const Place& at, double limit) {
     std::uint32_t* const near = near_.data();
     std::size_t num_near = 0;
     double next = kNever;
-    for (std::size_t p = 1; p < last; ++p) {  // no branch: which lines are near is chance
+    for (std::size_t p = 1; p < last; ++p) {  // no branch: unpredictable
         const double meets_at = lines[p].meets_at;
         const bool is_near = meets_at <= limit;
         near[num_near] = static_cast<std::uint32_t>(p);
@@ -250,12 +253,12 @@ std::size_t StripSweep::first_crossing(const Place& at, double limit) {
     return first;
 }
 
-// Moves all lines on, exchanging neighbours in the order in which they cross on the way.
+// Moves the sweep line to `at`, exchanging neighbours in the order of their crossings.
 void StripSweep::advance(const Place& at) {
     const double limit = at.phi + at.phi_error;
     ++num_steps_;
     while (next_meeting_ <= limit) {
-        // the next crossing is always one of neighbours
+        // the next crossing is always one of two neighbours
         num_steps_ += lines_.size();
         const std::size_t first = first_crossing(at, limit);
         if (first == 0) break;
@@ -290,7 +293,7 @@ void StripSweep::cross(std::size_t p, const Place& at) {
     turn_at_crossing(p, point);
 }
 
-// `between`: the verdict between both lines after their crossing.
+// Exchanges lines p and p + 1. `between`: the verdict between them after their crossing.
 void StripSweep::exchange_neighbours(std::size_t p, const Verdict& between, bool has_face_between) {
     Line& upper = lines_[p];
     Line& lower = lines_[p + 1];
@@ -300,11 +303,11 @@ void StripSweep::exchange_neighbours(std::size_t p, const Verdict& between, bool
     upper.below = between;
     upper.face_below = has_face_between;
     find_meeting(p - 1);
-    upper.meets_at = std::numeric_limits<double>::infinity();  // they have met
+    upper.meets_at = std::numeric_limits<double>::infinity();  // they have met already
     find_meeting(p + 1);
 }
 
-// Lines that begin in the event, from the upper to the lower.
+// Collects the lines that begin in the event, from the upper to the lower one.
 void StripSweep::collect_leaving(const StripChart::Event& event) {
     leaving_.clear();
     for (std::uint32_t j = 0; j < event.num_leaving; ++j) {
@@ -315,7 +318,7 @@ void StripSweep::collect_leaving(const StripChart::Event& event) {
     }
 }
 
-// Where a line belongs that begins at `at`.
+// Returns the index at which a line that begins at `at` is inserted.
 std::size_t StripSweep::place_of(std::uint32_t piece, const Place& at) {
     std::size_t p = 1;
     while (p < lines_.size() && chart_.is_above(lines_[p].piece, piece, at)) ++p;
@@ -331,7 +334,7 @@ void StripSweep::handle(std::uint32_t e) {
         return p;
     };
     if (!event.is_wholly_visible) {
-        // no face is near: only the verdicts have to stay right
+        // no face is near: only the verdicts are updated
         for (std::size_t p = lines_.size(); event.num_arriving > 0 && p-- > 1;) {
             if (lines_[p].end_event == e) hide(p, event.is_above_faces);
         }
@@ -361,7 +364,8 @@ void StripSweep::handle(std::uint32_t e) {
     turn_at_event(first, event.num_arriving, e);
 }
 
-// A line leaves the visible range upwards or downwards, crossing all that are on its way.
+// Removes line p, which leaves the visible range upwards or downwards, and crosses all lines on its
+// way.
 void StripSweep::hide(std::size_t p, bool upwards) {
     const Verdict toggles = chart_.toggles(lines_[p].piece);
     lines_.erase(lines_.begin() + static_cast<std::ptrdiff_t>(p));

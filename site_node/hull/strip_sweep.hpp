@@ -17,31 +17,31 @@
 
 namespace atrium::hull {
 
-/// Name of a hull vertex, by what meets in it: three strips (sorted, 20 bits each), or a ray and a
-/// strip (bit 62), or a camera's centre in one of its loops (bit 63).
+/// Name of a hull vertex, by what meets in it: three strips (sorted, 20 bits each), a ray and a
+/// strip (bit 62 set), or the centre of a camera in one of its loops (bit 63 set).
 using VertexKey = std::uint64_t;
 inline constexpr VertexKey kCentreBit = VertexKey{1} << 63;
 inline constexpr VertexKey kRayBit = VertexKey{1} << 62;
 
-/// A run of neighbouring strips of one chain: the unit of parallel work.
+/// A run of neighbouring strips of one chain, the unit of parallel work.
 struct StripRun {
     std::uint32_t first = 0;
     std::uint32_t count = 0;
 };
 
-/// The faces on one run of strips; vertex numbers are the run's own.
+/// The faces on one run of strips. Vertices are numbered within the run.
 struct RunFaces {
     struct Vertex {
         VertexKey key = 0;
-        bool is_owner = false;       // `position` is the one that all runs use for this vertex
-        bool may_be_needed = false;  // it is on a viewing edge, or on the bounds
+        bool is_owner = false;       // all runs use this `position` for the vertex
+        bool may_be_needed = false;  // on a viewing edge or on the bounds
         Eigen::Vector3d position;    // grid frame
     };
     std::vector<Vertex> vertices;
     std::vector<std::array<std::uint32_t, 3>> triangles;
     std::vector<std::pair<std::uint32_t, std::uint32_t>>
-        edges;                           // directed, face to the left seen from outside
-    std::size_t num_sides_on_lines = 0;  // sides of triangles with both ends on one line
+        edges;                           // directed; the face is on the left, seen from outside
+    std::size_t num_sides_on_lines = 0;  // triangle sides with both ends on one line
     std::uint64_t num_steps = 0;
     bool failed = false;  // not in general position
     bool unbounded = false;
@@ -56,13 +56,19 @@ struct RunFaces {
     }
 };
 
-/// Finds the faces strip by strip.
+/// Finds and triangulates the faces of a run, strip by strip.
 ///
-/// From left to right in the strip's chart it keeps the lines in order of u, with the cameras'
-/// verdict on the gap below each line; faces are where that verdict makes a face. Every decision is
-/// exact (`StripChart`), so that all strips find the same polyhedron.
+/// A vertical sweep line moves over the chart of the strip from left to right. It keeps the lines
+/// in order of u, with the verdict of the other cameras on the gap below each line. A gap is part
+/// of a face where `Cones::has_face` holds for its verdict. Every predicate is exact
+/// (`StripChart`), so all strips find the same polyhedron.
+///
+/// Reuse one object; it allocates only while it grows. Not thread-safe: one object per worker.
 class StripSweep {
 public:
+    /// Sweeps the strips of `run` and replaces `faces` by the result. `max_steps` limits
+    /// `faces.num_steps`; above the limit `faces` is incomplete. Errors: `faces.failed` (not in
+    /// general position) and `faces.unbounded`; the sweep then stops early.
     void run(const Cones& cones,
              const Pencils& pencils,
              const StripRun& run,
@@ -76,18 +82,17 @@ private:
     using Side = FaceTriangulator::Side;
     using Place = StripChart::Place;
 
-    // The strip's own rays, among the lines of a corner.
+    // The strip's own two rays, as boundary lines of a corner.
     static constexpr std::uint32_t kFromRay = kNoStrip - 2;
     static constexpr std::uint32_t kToRay = kNoStrip - 3;
 
     struct Line {
-        Verdict below;          // of other cameras, on the gap below
-        double meets_at = 0.0;  // before this phi it does not meet the line below it
-        std::uint32_t piece = StripChart::kNone;  // none: the camera's centre
+        Verdict below;                            // of the other cameras on the gap below
+        double meets_at = 0.0;                    // does not meet the line below it before this phi
+        std::uint32_t piece = StripChart::kNone;  // kNone: the camera's centre
         std::uint32_t strip = 0;
         std::uint32_t end_event = StripChart::kNone;
-        std::uint32_t edge_start =
-            0;  // vertex at which its current edge began, if it bounds a face
+        std::uint32_t edge_start = 0;  // vertex where its current edge began, if it bounds a face
         RegionId region_below = -1;
         bool face_below = false;
     };
@@ -96,7 +101,7 @@ private:
         double error = 0.0;
         std::uint32_t piece = 0;
     };
-    /// Lines that begin in one point, from the upper to the lower.
+    /// Lines that begin in one point, from the upper to the lower one.
     class FewLines {
     public:
         void clear() { size_ = 0; }
@@ -116,10 +121,10 @@ private:
         std::array<Line, 3> lines_;
         std::size_t size_ = 0;
     };
-    /// Around a point in which lines end and others begin. Sector j lies between lines j - 1 and j
-    /// of those: arriving ones from the upper to the lower, then leaving ones from the lower to the
-    /// upper. Sector 0 is above the point, sector `below()` below; that is one and the same where
-    /// no line arrives or none leaves.
+    /// The sectors around a point where lines end and others begin. Lines are numbered around the
+    /// point: arriving ones from the upper to the lower, then leaving ones from the lower to the
+    /// upper. Sector j lies between lines j - 1 and j. Sector 0 is above the point and sector
+    /// `below()` is below it; these are the same sector where no line arrives or none leaves.
     struct Turn {
         static constexpr std::size_t kMost = 6;
         std::array<Line*, kMost> lines{};
@@ -133,11 +138,11 @@ private:
         std::size_t before(std::size_t j) const { return j == 0 ? num_lines - 1 : j - 1; }
     };
 
-    /// A face in the sectors from `begin` to `end` of a turn, both included.
+    /// A face that covers the sectors from `begin` to `end` of a turn, inclusive.
     struct Sectors {
         std::size_t begin = 0;
         std::size_t end = 0;
-        bool is_above = false;  // has the sector above the point
+        bool is_above = false;  // includes the sector above the point
         bool is_below = false;
     };
 
@@ -222,20 +227,20 @@ private:
     Cones::Strip own_;
     double phi_ = 0.0;
     StripChart chart_;
-    std::vector<Line> lines_;  // by falling u; the first is the camera's centre
+    std::vector<Line> lines_;  // by falling u; the first one is the camera's centre
     FewLines leaving_;
     std::vector<Entering> entering_;
-    std::vector<std::uint32_t> near_;  // lines that may cross the next ones; only grows
+    std::vector<std::uint32_t> near_;  // lines that may cross their lower neighbours; only grows
     double next_meeting_ = 0.0;        // no two neighbours meet before this phi
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> ray_vertices_;  // strip, vertex: on a ray
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> ray_vertices_;  // (strip, vertex) on a ray
     FaceTriangulator triangulator_;
     BetterDiagonals diagonals_;
-    // of the current strip: triangles index corners, each a vertex of the run
+    // of the current strip: triangles index corners, and each corner has a vertex of the run
     std::vector<std::array<std::uint32_t, 3>> triangles_;
     std::vector<std::uint32_t> corner_vertices_;
     std::vector<Eigen::Vector2d> corners_m_;
     std::vector<Lines> corner_lines_;
-    Eigen::Vector2d from_ray_;  // the strip's rays in a frame of its plane
+    Eigen::Vector2d from_ray_;  // the strip's rays in an orthonormal frame of its plane
     Eigen::Vector2d to_ray_;
 };
 

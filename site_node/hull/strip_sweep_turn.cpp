@@ -4,8 +4,8 @@
 
 namespace atrium::hull {
 
-// Sets the verdicts below the leaving lines; false if they contradict those below the arriving
-// ones.
+// Sets the verdicts below the leaving lines. False if they contradict those below the arriving
+// lines.
 bool StripSweep::judge_leaving(std::size_t first, std::size_t num_arriving) {
     Verdict verdict = lines_[first - 1].below;
     for (Line& line : leaving_) {
@@ -22,7 +22,7 @@ bool StripSweep::has_face_around(std::size_t first, std::size_t num_arriving) co
     return has_face;
 }
 
-// What is around the point.
+// Collects the lines and sectors around the point.
 void StripSweep::gather(std::size_t first, std::size_t num_arriving, Turn& turn) {
     turn.num_arriving = num_arriving;
     turn.num_lines = num_arriving + leaving_.size();
@@ -45,8 +45,8 @@ void StripSweep::gather(std::size_t first, std::size_t num_arriving, Turn& turn)
     }
 }
 
-// A face whose boundary passes the point along one line has no vertex there: what crosses that line
-// does not matter to the hull.
+// Returns whether the boundary of `face` passes the point along one line. The face then has no
+// vertex there and continues: the lines that cross its boundary do not affect the hull.
 bool StripSweep::goes_straight(Turn& turn, const Sectors& face) {
     const std::size_t into = turn.before(face.begin);
     const std::size_t end = face.end;
@@ -56,7 +56,7 @@ bool StripSweep::goes_straight(Turn& turn, const Sectors& face) {
     Line& arriving = *turn.lines[begins_left ? into : end];
     Line& leaving = *turn.lines[begins_left ? end : into];
     leaving.edge_start = arriving.edge_start;
-    // it lies above the line or below it
+    // the face lies above the line or below it
     const RegionId region = begins_left ? turn.region_below : turn.region[0];
     for (std::size_t j = face.begin;; j = turn.after(j)) {
         turn.region[j] = region;
@@ -80,7 +80,8 @@ void StripSweep::end_edges(const Turn& turn, const Sectors& face, std::uint32_t 
     }
 }
 
-// A face that does not reach around the point from above to below.
+// Adds the corner to a face that does not include both the sector above and the sector below the
+// point.
 void StripSweep::pass_face(Turn& turn, const Sectors& face, const Corner& corner) {
     RegionId region = -1;
     if (face.is_above) {
@@ -100,7 +101,8 @@ void StripSweep::pass_face(Turn& turn, const Sectors& face, const Corner& corner
     }
 }
 
-// A face above and below the point: a gap in it begins there, or ends.
+// Adds the corner to a face that includes the sectors above and below the point: a gap inside the
+// face begins or ends there.
 void StripSweep::part_face(Turn& turn, const Corner& corner) {
     const std::size_t first_leaving = turn.num_arriving + 1;  // sector
     bool begins = turn.num_arriving < turn.num_lines;
@@ -122,7 +124,7 @@ void StripSweep::part_face(Turn& turn, const Corner& corner) {
 void StripSweep::exchange_lines(std::size_t first, std::size_t num_arriving) {
     const std::size_t num_leaving = leaving_.size();
     const auto begin = lines_.begin() + static_cast<std::ptrdiff_t>(first);
-    // those that leave one point have met
+    // lines that leave one point have met already
     for (Line& line : leaving_) line.meets_at = std::numeric_limits<double>::infinity();
     const std::size_t num_common = std::min(num_arriving, num_leaving);
     const auto rest = std::copy_n(leaving_.begin(), num_common, begin);
@@ -142,7 +144,7 @@ void StripSweep::hand_over_regions(std::size_t first, const Turn& turn) {
             j + 1 == num_leaving ? turn.region_below : turn.region[turn.num_lines - 1 - j];
     }
     exchange_lines(first, turn.num_arriving);
-    // a face may go on below lines that do not bound it
+    // a face may extend over lines that do not bound it
     for (std::size_t p = first + num_leaving;
          p < lines_.size() && lines_[p].face_below && lines_[p - 1].face_below;
          ++p) {
@@ -150,7 +152,7 @@ void StripSweep::hand_over_regions(std::size_t first, const Turn& turn) {
     }
 }
 
-// The usual turn: line p becomes a line that begins in `corner`, with a face on one side of it.
+// The usual turn: line p becomes a line that begins in `corner`, with a face on one side.
 void StripSweep::bend(std::size_t p, const Corner& corner) {
     Line& line = lines_[p];
     const std::uint32_t vertex = corner_vertices_[corner.vertex];
@@ -161,7 +163,7 @@ void StripSweep::bend(std::size_t p, const Corner& corner) {
     line.edge_start = vertex;
 }
 
-// At an event with one line before and one after it.
+// Passes an event with one line before it and one after it.
 void StripSweep::go_on(std::size_t p, std::uint32_t piece, std::uint32_t e) {
     Line& line = lines_[p];
     const Line& above = lines_[p - 1];
@@ -188,8 +190,8 @@ void StripSweep::go_on(std::size_t p, std::uint32_t piece, std::uint32_t e) {
     find_meeting(p);
 }
 
-// Replaces `num_arriving` lines from `first` on by `leaving_`, all of which meet in one point.
-// `make_vertex()` is called at most once, and returns its corner.
+// Replaces `num_arriving` lines from `first` on by `leaving_`; all of them meet in one point. Calls
+// `make_vertex()` at most once; it returns the corner of the point.
 template <typename MakeVertex>
 void StripSweep::turn(std::size_t first, std::size_t num_arriving, const MakeVertex& make_vertex) {
     if (!judge_leaving(first, num_arriving)) {
@@ -235,7 +237,7 @@ void StripSweep::turn(std::size_t first, std::size_t num_arriving, const MakeVer
 StripSweep::Corner StripSweep::crossing_corner(std::size_t p, const StripChart::Point& at) {
     const Line& upper = lines_[p];
     const Line& lower = lines_[p + 1];
-    // one silhouette's outline crosses itself
+    // outlines of one camera must not cross
     if (chart_.piece(upper.piece).view == chart_.piece(lower.piece).view) faces_->failed = true;
     const std::uint32_t vertex = triple_vertex(upper.strip, lower.strip, at);
     return make_corner(vertex, at, {upper.strip, lower.strip});
@@ -245,7 +247,7 @@ void StripSweep::turn_at_crossing(std::size_t p, const StripChart::Point& at) {
     turn(p, 2, [&] { return crossing_corner(p, at); });
 }
 
-// The usual crossing at a face: it lies in one of the four sectors.
+// The usual crossing at a face, which lies in one of the four sectors.
 void StripSweep::cross_at_one_face(std::size_t p,
                                    const StripChart::Point& at,
                                    const Verdict& between,

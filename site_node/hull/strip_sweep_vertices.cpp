@@ -8,7 +8,7 @@ namespace {
 
 constexpr VertexKey kBits = 20;
 constexpr VertexKey kMask = (VertexKey{1} << kBits) - 1;
-constexpr VertexKey kForegroundBit = VertexKey{1} << 62;  // of a camera's centre
+constexpr VertexKey kForegroundBit = VertexKey{1} << 62;  // centre in a foreground loop
 
 VertexKey triple_key(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     if (a > b) std::swap(a, b);
@@ -70,11 +70,11 @@ void StripSweep::finish_triangles() {
 bool StripSweep::are_on_one_line(std::uint32_t a, std::uint32_t b) const {
     const auto& [a0, a1] = corner_lines_[a];
     const auto& [b0, b1] = corner_lines_[b];
-    return (a0 == b0) | (a0 == b1) | (a1 == b0) | (a1 == b1);  // no branch: it is chance
+    return (a0 == b0) | (a0 == b1) | (a1 == b0) | (a1 == b1);  // no branch: unpredictable
 }
 
-// `line` bounds a face from the given side up to `vertex`. Faces lie left of their edges seen from
-// outside, which is right of them in the chart.
+// Ends the edge of `line`, which bounds a face from side `side`, at `vertex`. Seen from outside
+// faces lie left of their edges, which is right of them in the chart.
 void StripSweep::end_edge(const Line& line, std::uint32_t vertex, Side side) {
     if (side == Side::kTop) {
         faces_->edges.emplace_back(line.edge_start, vertex);
@@ -95,8 +95,8 @@ std::uint32_t StripSweep::add_vertex(VertexKey key,
     return index;
 }
 
-// Where `line` meets one of the strip's two rays; where that ends the strip before as well, it has
-// its number already.
+// Returns the vertex where `line` meets one of the strip's two rays. If the previous strip ended on
+// this ray, the vertex exists already.
 std::uint32_t StripSweep::ray_vertex(std::uint32_t ray, const Line& line) {
     if (line.piece == StripChart::kNone) return centre_vertex();
     if (line.strip == StripChart::kInfinityStrip) {
@@ -115,7 +115,7 @@ std::uint32_t StripSweep::ray_vertex(std::uint32_t ray, const Line& line) {
 }
 
 std::uint32_t StripSweep::centre_vertex() {
-    // one per loop: the cones of two loops only touch in their apex
+    // one vertex per loop: the cones of two loops touch only in their apex
     const auto seen = static_cast<std::uint32_t>(std::popcount(lines_[0].below.seen));
     const bool only_foreground = cones_->min_seen > 0 && seen + 1 == cones_->min_seen &&
                                  own_.kind != SegmentKind::kOutside &&
@@ -132,7 +132,7 @@ std::uint32_t StripSweep::triple_vertex(std::uint32_t x,
         faces_->unbounded = true;
         return 0;
     }
-    // what the bounds cut may have had viewing edges beyond them
+    // the bounds may have cut off viewing edges
     const auto is_bounds = [this](std::uint32_t strip) {
         return cones_->views[cones_->strips[strip].view].is_bounds;
     };
@@ -143,7 +143,8 @@ std::uint32_t StripSweep::triple_vertex(std::uint32_t x,
     return add_vertex(triple_key(strip_, x, y), may_be_needed, &position);
 }
 
-// A ray of another camera ends here; that camera's own sweep places it.
+// Adds the vertex where a ray of another camera pierces this strip. The sweep of that camera gives
+// it its position.
 std::uint32_t StripSweep::event_vertex(const StripChart::Event& event) {
     return add_vertex(ray_key(event.ray, strip_), true, nullptr);
 }

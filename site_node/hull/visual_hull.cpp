@@ -12,8 +12,8 @@
 namespace atrium::hull {
 namespace {
 
-// Strips per run: enough to pay for its start, few enough to keep many workers busy. Part of the
-// result's order, so it does not depend on the number of workers.
+// Strips per run: enough to amortise its start, few enough to keep many workers busy. It fixes the
+// order of the result, so it does not depend on the number of workers.
 constexpr std::uint32_t kStripsPerRun = 96;
 
 constexpr std::uint32_t kMaxAttempts = 6;  // jitter from 1e-6 to 1e-1 px
@@ -39,8 +39,8 @@ struct HullScratch::Data {
     std::vector<RunFaces> faces;     // one per run
     std::vector<StripSweep> sweeps;  // one per worker
     MeshAssembly assembly;
-    std::uint64_t steps_left = 0;            // of this computation
-    std::uint32_t num_dropped_at_first = 0;  // contours, by the first attempt
+    std::uint64_t steps_left = 0;            // for the remaining attempts
+    std::uint32_t num_dropped_at_first = 0;  // contours dropped by the first attempt
 };
 
 HullScratch::HullScratch() : data_(std::make_unique<Data>()) {}
@@ -75,10 +75,10 @@ SweepOutcome sweep_all(HullScratch::Data& data, Executor& executor) {
     plan_runs(data.cones, data.runs);
     if (data.faces.size() < data.runs.size()) data.faces.resize(data.runs.size());
     if (data.sweeps.size() < executor.num_workers()) data.sweeps.resize(executor.num_workers());
-    // the runs' shares differ: four times the mean is still a bound on the whole
+    // runs need unequal numbers of steps: four times the mean per run still bounds the total
     const std::uint64_t max_steps =
         4 * data.steps_left / std::max<std::size_t>(data.runs.size(), 1) + 100'000;
-    std::atomic<bool> is_too_complex = false;  // whatever else the others may find
+    std::atomic<bool> is_too_complex = false;  // takes precedence over all other outcomes
     const auto sweep_run = [&](std::size_t task, std::size_t worker) {
         if (is_too_complex.load(std::memory_order_relaxed)) {
             data.faces[task].clear();
@@ -99,7 +99,7 @@ SweepOutcome sweep_all(HullScratch::Data& data, Executor& executor) {
     return outcome;
 }
 
-// One jitter. kNumericFailure: worth another attempt.
+// One attempt with one jitter. kNumericFailure: the next attempt may succeed.
 HullStatus attempt(HullScratch::Data& data,
                    const HullOptions& options,
                    std::uint32_t number,
@@ -110,7 +110,7 @@ HullStatus attempt(HullScratch::Data& data,
         build_cones(data.clean, options, number, executor, data.cone, data.cones, hull);
     hull.times.silhouettes_ms += ms_since(mark);
     if (number == 0) data.num_dropped_at_first = hull.num_contours_dropped;
-    // a jitter that destroys outlines answers another question
+    // a jitter that destroys outlines would change the input
     if (hull.num_contours_dropped > data.num_dropped_at_first) return HullStatus::kNumericFailure;
     if (built != HullStatus::kOk) return built;
     const bool is_general = build_pencils(data.cones, executor, data.pencils);

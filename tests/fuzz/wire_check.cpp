@@ -2,6 +2,7 @@
 
 #include "core/bus/checks.hpp"
 #include "core/bus/limits.hpp"
+#include "core/bus/names.hpp"
 #include "core/bus/topics.hpp"
 #include "core/bus/wire.hpp"
 #include "tests/fuzz/cdr_type.hpp"
@@ -24,20 +25,33 @@ constexpr int kNumReadings = 3;
 
 /// The content of a wire struct field by field, without the bytes after the ends of names. Notes
 /// values that no message may hold.
-class Statement {
+class Statement : public bus::FieldVisitor<Statement> {
 public:
-    static constexpr bool kWithIgnored = false;
-
-    template <typename Wire>
-    static Statement of(Wire& wire) {
+    template <typename Message>
+    static Statement of(const bus::WireOf<Message>& wire) {
         Statement statement;
-        visit_parts(wire, statement);
+        Message message;
+        // the only field that a list depends on
+        if constexpr (std::is_same_v<Message, bus::SceneCommand>) bus::get(wire.kind, message.kind);
+        fields(statement, message, wire);
         return statement;
     }
 
-    template <typename... Parts>
-    void operator()(Parts&... parts) {
-        (add(parts), ...);
+    template <typename Member, typename Wire, typename Limits>
+    void field(std::string_view /*name*/, const Member&, const Wire& wire, const Limits& limits) {
+        if constexpr (std::is_same_v<Limits, bus::Text>) {
+            add_text(wire, limits);
+        } else if constexpr (!bus::kIsVector<Member>) {
+            add(wire);
+        } else {
+            append(wire._length);
+            for (std::uint32_t i = 0; i < wire._length; ++i) {
+                if constexpr (std::is_class_v<bus::ElementOf<Wire>>)
+                    fields(*this, kNoMessage<typename Member::value_type>, wire._buffer[i]);
+                else
+                    add(wire._buffer[i]);
+            }
+        }
     }
 
     std::vector<std::uint8_t> bytes;  // of everything except rotations
@@ -66,19 +80,19 @@ private:
     void add(std::uint32_t value) { append(value); }
     void add(std::uint64_t value) { append(value); }
 
-    void add(atrium_Name& name) {
+    void add_text(const atrium_Name& name, bus::Text kind) {
         const std::string_view text(name, strnlen(name, sizeof(name)));
         const auto is_bad = [](char c) {
             return std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '.' &&
                    c != '-';
         };
-        if (text.empty() || text.size() > bus::kMaxNameLength ||
+        if ((text.empty() && kind != bus::Text::kNameOrNone) || text.size() > bus::kMaxNameLength ||
             std::any_of(text.begin(), text.end(), is_bad))
             wrong = "a name";
         bytes.insert(bytes.end(), text.begin(), text.end());
         bytes.push_back(0);
     }
-    void add(atrium_ModelFile& file) {
+    void add_text(const atrium_ModelFile& file, bus::Text) {
         const std::string_view text(file, strnlen(file, sizeof(file)));
         if (text.size() == sizeof(file) || (!text.empty() && !bus::is_valid_model_file(text)))
             wrong = "a model's file";
@@ -86,31 +100,19 @@ private:
         bytes.insert(bytes.end(), text.begin(), text.end());
         bytes.push_back(0);
     }
-    void add(OptionalName& optional) {
-        if (optional.name[0] == '\0')
-            bytes.push_back(0);
-        else
-            add(optional.name);
-    }
-
-    void add(atrium_Pose& pose) {
+    void add(const atrium_Pose& pose) {
         rotations.emplace_back(pose.rotation);
         add(pose.translation);
     }
-
-    template <typename Number, std::size_t kSize>
-    void add(Number (&values)[kSize]) {
-        for (const Number value : values) add(value);
+    void add(const atrium_Latency& latency) {
+        add(latency.median_ms);
+        add(latency.p99_ms);
+        add(latency.num_samples);
     }
 
-    template <typename Wire>
-    void add(Wire& wire) {
-        if constexpr (requires { wire._buffer; }) {
-            append(wire._length);
-            for (std::uint32_t i = 0; i < wire._length; ++i) add(wire._buffer[i]);
-        } else {
-            visit_parts(wire, *this);
-        }
+    template <typename Number, std::size_t kSize>
+    void add(const Number (&values)[kSize]) {
+        for (const Number value : values) add(value);
     }
 };
 
@@ -128,8 +130,7 @@ std::string compare(const Statement& received, const Statement& accepted) {
     return "";
 }
 
-template <typename Message>
-using WireOf = typename bus::Topic<Message>::Wire;
+using bus::WireOf;
 
 /// `message` was read from `wire`.
 template <typename Message>
@@ -138,30 +139,31 @@ std::string check_accepted(WireOf<Message>& wire, const Message& message) {
     bus::WireScratch scratch;
     WireOf<Message> sent{};
     bus::to_wire(message, scratch, sent);
-    const Statement statement = Statement::of(sent);
+    const Statement statement = Statement::of<Message>(sent);
     if (!statement.wrong.empty()) return statement.wrong;
-    if (const std::string change = compare(Statement::of(wire), statement); !change.empty())
+    if (const std::string change = compare(Statement::of<Message>(wire), statement);
+        !change.empty())
         return change;
 
-    const auto back = bus::from_wire(sent);
+    const auto back = bus::from_wire<Message>(sent);
     if (!back) return "refuses what it accepted: " + back.error().message;
     if (!bus::testing::same(*back, message)) return "another message on the way back";
     bus::WireScratch other_scratch;
     WireOf<Message> sent_again{};
     bus::to_wire(*back, other_scratch, sent_again);
-    const Statement again = Statement::of(sent_again);
+    const Statement again = Statement::of<Message>(sent_again);
     const bool is_same = again.bytes == statement.bytes && again.rotations == statement.rotations;
     return is_same ? "" : "is sent in another way again";
 }
 
 template <typename Message>
 std::string check_key(const WireOf<Message>& wire, bool& was_accepted) {
-    const auto key = bus::key_from_wire(wire);
+    const auto key = bus::key_from_wire<Message>(wire);
     was_accepted = key.has_value();
     if (!key) return key.error().kind == ErrorKind::kInvalidData ? "" : "another kind of error";
     WireOf<Message> sent{};
     bus::key_to_wire(*key, sent);
-    const auto back = bus::key_from_wire(sent);
+    const auto back = bus::key_from_wire<Message>(sent);
     if (!back) return "refuses the key that it accepted";
     WireOf<Message> sent_again{};
     bus::key_to_wire(*back, sent_again);
@@ -170,7 +172,7 @@ std::string check_key(const WireOf<Message>& wire, bool& was_accepted) {
 
 template <typename Message>
 std::string check_sample(WireOf<Message>& wire, std::size_t num_payload, bool& was_accepted) {
-    const auto message = bus::from_wire(wire);
+    const auto message = bus::from_wire<Message>(wire);
     was_accepted = message.has_value();
     bool is_key = false;
     const std::string wrong = check_key<Message>(wire, is_key);
@@ -226,9 +228,10 @@ std::string check_payload(std::span<const std::uint8_t> payload, bool& was_accep
     if (!wrong.empty() || !was_accepted) return wrong;
 
     // Cyclone reuses structs that it has read into before
-    const Statement first = Statement::of(sample.wire);
+    const Statement first = Statement::of<Message>(sample.wire);
     if (!type.read(*data, &sample.wire)) return "is not read twice";
-    if (Statement::of(sample.wire).bytes != first.bytes) return "is read as another the next time";
+    if (Statement::of<Message>(sample.wire).bytes != first.bytes)
+        return "is read as another the next time";
     Received<Message> key;
     bool is_key = false;
     if (!type.read_key(*data, &key.wire)) return "a sample without a key";
@@ -241,7 +244,7 @@ std::string check_fields(std::span<const std::uint8_t> bytes, bool& was_accepted
     ByteReader reader(bytes);
     WireFiller filler(reader);
     WireOf<Message> wire{};
-    visit_parts(wire, filler);
+    fields(filler, kNoMessage<Message>, wire);
     return check_sample<Message>(wire, 0, was_accepted);
 }
 

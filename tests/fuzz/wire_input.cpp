@@ -23,7 +23,11 @@ void WireFiller::fill(double& value) {
     }
 }
 
-void WireFiller::fill(atrium_Name& name) {
+void WireFiller::fill_text(atrium_Name& name, bus::Text kind_of_text) {
+    if (kind_of_text == bus::Text::kNameOrNone && reader_.below(2) == 0) {
+        name[0] = '\0';
+        return;
+    }
     constexpr std::string_view kAllowed =
         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-a";
     static_assert(kAllowed.size() > 64);
@@ -40,7 +44,7 @@ void WireFiller::fill(atrium_Name& name) {
     if (kind == 2 && length > 0) name[reader_.byte() % length] = static_cast<char>(reader_.byte());
 }
 
-void WireFiller::fill(atrium_ModelFile& file) {
+void WireFiller::fill_text(atrium_ModelFile& file, bus::Text) {
     constexpr std::string_view kFile = "models/a.obj";
     constexpr std::string_view kParts = "a/.._m";
     const int kind = reader_.below(4);
@@ -53,11 +57,10 @@ void WireFiller::fill(atrium_ModelFile& file) {
     if (length < sizeof(file)) file[length] = '\0';
 }
 
-void WireFiller::fill(OptionalName& optional) {
-    if (reader_.below(2) == 1)
-        fill(optional.name);
-    else
-        optional.name[0] = '\0';
+void WireFiller::fill(atrium_Latency& latency) {
+    fill(latency.median_ms);
+    fill(latency.p99_ms);
+    fill(latency.num_samples);
 }
 
 void WireFiller::fill(atrium_Pose& pose) {

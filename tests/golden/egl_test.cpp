@@ -2,6 +2,7 @@
 #include "core/gl/offscreen_context.hpp"
 #include "tests/golden/golden_file.hpp"
 #include "tests/golden/golden_scenes.hpp"
+#include "tests/support/skips.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -67,7 +68,7 @@ TEST_P(EglPicture, EqualsThatOfOsmesa) {
     }
     {
         const auto context = open();
-        if (!context) GTEST_SKIP() << reason_;
+        if (!context) GTEST_SKIP() << atrium::test::skip::kNoEgl << reason_;
         limits = limits_of(*context, GetParam());
         of_egl = drawn(GetParam());
     }
@@ -86,7 +87,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes,
 
 TEST_F(Egl, ContextCanMoveToAnotherThread) {
     auto context = open();
-    if (!context) GTEST_SKIP() << reason_;
+    if (!context) GTEST_SKIP() << atrium::test::skip::kNoEgl << reason_;
     const Scene scene = all_scenes().front();
     const RenderedPicture here = drawn(scene);
     context->release();
@@ -104,7 +105,7 @@ TEST_F(Egl, ContextCanMoveToAnotherThread) {
 // Both contexts share one display.
 TEST_F(Egl, ContextOutlivesAnother) {
     auto first = open();
-    if (!first) GTEST_SKIP() << reason_;
+    if (!first) GTEST_SKIP() << atrium::test::skip::kNoEgl << reason_;
     const Scene scene = all_scenes().front();
     const RenderedPicture before = drawn(scene);
     auto second = open();

@@ -2,6 +2,7 @@
 #include "tests/golden/golden_file.hpp"
 #include "tests/golden/golden_scenes.hpp"
 #include "tests/golden/picture_difference.hpp"
+#include "tests/support/skips.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest-spi.h>
@@ -44,7 +45,7 @@ TEST_P(GoldenPicture, IsDrawnUnchanged) {
     const RenderedPicture picture = drawn(GetParam());
     if (std::getenv("ATRIUM_RENEW_GOLDEN") != nullptr) {
         renew_golden(GetParam().name, picture);
-        GTEST_SKIP() << "renewed: " << golden_file(GetParam().name);
+        GTEST_SKIP() << atrium::test::skip::kRenewed << golden_file(GetParam().name);
     }
     expect_golden(GetParam().name, picture, {});
 }

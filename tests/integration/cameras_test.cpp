@@ -1,4 +1,5 @@
 #include "tests/support/run_program.hpp"
+#include "tests/support/skips.hpp"
 
 #include <gtest/gtest.h>
 
@@ -29,7 +30,7 @@ protected:
             run(kSimulatedCameras + " --rig " + rig +
                 " --simulation.loop_s 0.1 --simulation.cache .cache/cameras_test -- true");
         if (probe.output.find("a network namespace cannot be made") != std::string::npos)
-            GTEST_SKIP() << probe.output;
+            GTEST_SKIP() << atrium::test::skip::kNoNetwork << probe.output;
         ASSERT_EQ(probe.exit_code, 0) << probe.output;
     }
 

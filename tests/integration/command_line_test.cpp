@@ -1,4 +1,5 @@
 #include "tests/support/run_program.hpp"
+#include "tests/support/skips.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -205,7 +206,7 @@ std::string cube(int size_px) {
 
 TEST_F(CommandLine, VisualHullReportsLackOfMemoryOrThreads) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    GTEST_SKIP() << "sanitizers need more address space than any limit leaves";
+    GTEST_SKIP() << atrium::test::skip::kSanitizer;
 #endif
     const std::string limit = "ulimit -v 500000; ";  // [KiB]; the libraries take 300,000
     const Outcome large = run("visual_hull " + file("large.json", cube(8192)), limit);
@@ -286,7 +287,7 @@ TEST_F(CommandLine, SimulatedCamerasReturnTheExitCodeOfTheirCommand) {
         "simulated_cameras --simulation.loop_s 0.1 --simulation.cache '' --rig " + small + " -- ";
     const Outcome seven = run(cameras + "sh -c 'cat /proc/net/dev; exit 7'");
     if (seven.output.find("a network namespace cannot be made") != std::string::npos)
-        GTEST_SKIP() << seven.output;
+        GTEST_SKIP() << atrium::test::skip::kNoNetwork << seven.output;
     EXPECT_EQ(seven.exit_code, 7) << seven.output;
     EXPECT_THAT(seven.output, AllOf(HasSubstr(" lo:"), Not(HasSubstr("eth"))));
     const Outcome none = run(cameras + "/nonexistent/program");

@@ -1,4 +1,5 @@
 #include "tests/integration/stream_over_link.hpp"
+#include "tests/support/skips.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -10,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <regex>
 #include <string>
 #include <thread>
 
@@ -20,17 +22,20 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int kOneSecond = 30;  // samples per key
+constexpr int kOneSecond = 30;               // samples per key
+constexpr std::uint64_t kFiveSeconds = 150;  // frames
 constexpr const char* kFastRepair =
     "<NackDelay>2ms</NackDelay>"
     "<HeartbeatInterval min=\"1ms\" minsched=\"2ms\" max=\"1s\">5ms</HeartbeatInterval>"
     "<MaxQueuedRexmitBytes>1MB</MaxQueuedRexmitBytes>"
     "<DefragReliableMaxSamples>256</DefragReliableMaxSamples>";
 
-// The profiles of meshes and textures with other history depths.
+// The profiles of meshes and textures with other history depths, and with samples that no delay of
+// a busy machine can let expire.
 void write_profiles(int writer_depth, int reader_depth, const std::filesystem::path& file) {
     std::ifstream stream(ATRIUM_SOURCE_DIR "/qos/profiles.xml");
     std::string all(std::istreambuf_iterator<char>(stream), {});
+    all = std::regex_replace(all, std::regex("<lifespan>.*</lifespan>"), "");
     const auto deepen = [&](const std::string& profile, const char* endpoint, int depth) {
         const std::size_t begin =
             all.find(endpoint, all.find("<qos_profile name=\"" + profile + "\">"));
@@ -51,7 +56,7 @@ class ImpairedBus : public testing::Test {
 protected:
     void SetUp() override {
         auto network = ImpairedNetwork::create(2, 7);
-        if (!network) GTEST_SKIP() << network.error().message;
+        if (!network) GTEST_SKIP() << atrium::test::skip::kNoNetwork << network.error().message;
         network_ = std::move(*network);
         settings_.network_file =
             testing::TempDir() + "impaired_bus_" + std::to_string(getpid()) + ".xml";
@@ -112,24 +117,22 @@ TEST_F(ImpairedBus, GoodLinkDeliversEachFrame) {
 TEST_F(ImpairedBus, RepairsFramesAtOnePercentLossOnAShortLink) {
     impair_both_ways({.delay = 2ms, .loss = 0.01});
     use_history(1, kOneSecond);
-    double gap_ms = 1e9;
-    for (int i = 0; i < 3 && gap_ms >= 500.0; ++i) {  // a busy machine makes gaps too
-        const auto stream = start();
-        ASSERT_TRUE(stream);
-        const StreamReport report = finish(*stream, "2 ms, 1 % lost");
-        EXPECT_GT(report.there.lost, 50u);
-        EXPECT_GT(report.retransmitted_bytes, 50u * 1000);
-        // A writer with history 1 may skip a frame: a repair can be lost as well, or be late on a
-        // busy machine. Without repair 47 % of the frames were lost.
-        EXPECT_GE(report.share_complete(), 0.9);
-        gap_ms = std::min(gap_ms, report.longest_gap_ms());
-    }
-    EXPECT_LT(gap_ms, 500.0);
+    settings_.num_frames = kFiveSeconds;
+    const auto stream = start();
+    ASSERT_TRUE(stream);
+    const StreamReport report = finish(*stream, "2 ms, 1 % lost");
+    EXPECT_GT(report.there.lost, 50u);
+    EXPECT_GT(report.retransmitted_bytes, 50u * 1000);
+    // A writer with history 1 may skip a frame: a repair can be lost as well, or be late on a busy
+    // machine. Without repair 47 % of the frames were lost.
+    EXPECT_GE(report.share_complete(), 0.9);
+    EXPECT_LT(report.longest_gap_ms(), 500.0);
 }
 
 TEST_F(ImpairedBus, HistoryAndAWriterPerCameraLoseNoFrameOnALongLink) {
     impair_both_ways({.delay = 50ms, .jitter = 10ms, .loss = 0.01});
     use_history(kOneSecond, kOneSecond);
+    settings_.num_frames = kFiveSeconds;
     settings_.mesh_bytes = 12'000;
     settings_.texture_bytes = 4'000;
     settings_.num_texture_writers = 8;
@@ -137,12 +140,13 @@ TEST_F(ImpairedBus, HistoryAndAWriterPerCameraLoseNoFrameOnALongLink) {
     ASSERT_TRUE(stream);
     const StreamReport report = finish(*stream, "50 +- 10 ms, 1 % lost, history");
     EXPECT_GT(report.there.lost, 50u);
-    EXPECT_GE(report.share_complete(), 0.98);
+    EXPECT_EQ(report.complete.size(), settings_.num_frames);
     EXPECT_LT(report.age_ms(0.5), 200.0);
 }
 
 TEST_F(ImpairedBus, NewestFrameArrivesAtOnceAfterACutOfThreeSeconds) {
     impair_both_ways({.delay = 10ms});
+    settings_.num_frames = 7 * kOneSecond;
     const auto stream = start();
     ASSERT_TRUE(stream);
     std::this_thread::sleep_for(1s);
@@ -152,7 +156,6 @@ TEST_F(ImpairedBus, NewestFrameArrivesAtOnceAfterACutOfThreeSeconds) {
     const std::int64_t restored_ns =
         std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
     const StreamReport report = finish(*stream, "cut for 3 s");
-    EXPECT_GT(report.there.entered, 0u);
     EXPECT_GT(report.longest_gap_ms(), 2500.0);
     std::int64_t first_ns = 0;
     for (const CompleteFrame& frame : report.complete) {
@@ -170,9 +173,10 @@ TEST_F(ImpairedBus, NewestFrameArrivesAtOnceAfterACutOfThreeSeconds) {
 
 TEST_F(ImpairedBus, StoppedReaderDoesNotSlowWritesDown) {
     impair_both_ways({.delay = 10ms});
+    settings_.num_frames = 8 * kOneSecond;
     const auto stream = start();
     ASSERT_TRUE(stream);
-    std::this_thread::sleep_for(2s);
+    std::this_thread::sleep_for(1s);
     stream->reader().signal(SIGSTOP);
     std::this_thread::sleep_for(5s);
     stream->reader().signal(SIGCONT);

@@ -1,5 +1,7 @@
 #include "tests/support/impaired_network.hpp"
 
+#include "tests/support/skips.hpp"
+
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -48,7 +50,7 @@ protected:
 
     void SetUp() override {
         auto network = ImpairedNetwork::create(kNumHosts, 5);
-        if (!network) GTEST_SKIP() << network.error().message;
+        if (!network) GTEST_SKIP() << atrium::test::skip::kNoNetwork << network.error().message;
         network_ = std::move(*network);
         for (int i = 0; i < kNumHosts; ++i) {
             auto socket = network_->udp_socket(i, kPort);

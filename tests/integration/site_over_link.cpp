@@ -1,6 +1,7 @@
 #include "tests/integration/site_over_link.hpp"
 
 #include "core/base/timestamp.hpp"
+#include "tests/support/comes_true.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -138,6 +139,15 @@ Moment SiteOverLink::moment() const {
     return {Timestamp::now().ns,
             network_ != nullptr ? network_->counters(0, Way::kUp).entered_bytes : 0,
             resident_bytes(site_->id())};
+}
+
+bool SiteOverLink::wait_for_frame_after(std::int64_t capture_ns) {
+    return test_support::comes_true([&] {
+        const std::vector<ShownFrame> shown = read_shown(viewer_->output());
+        return std::any_of(shown.begin(), shown.end(), [&](const ShownFrame& frame) {
+            return frame.capture_ns > capture_ns;
+        });
+    });
 }
 
 Expected<SiteReport> SiteOverLink::finish(const Moment& from, const Moment& to) {

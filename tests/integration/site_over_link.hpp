@@ -68,6 +68,9 @@ public:
     HostedProcess& site() { return *site_; }
     HostedProcess& viewer() { return *viewer_; }
     Moment moment() const;
+    /// Waits until the viewer has all parts of a frame that was captured after that time. Returns
+    /// false after a minute.
+    bool wait_for_frame_after(std::int64_t capture_ns);
     /// Ends both. The report covers the time from one moment to the other.
     Expected<SiteReport> finish(const Moment& from, const Moment& to);
 

@@ -1,4 +1,6 @@
 #include "tests/integration/site_over_link.hpp"
+#include "tests/support/comes_true.hpp"
+#include "tests/support/skips.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,6 +19,7 @@ namespace atrium::test {
 namespace {
 
 using namespace std::chrono_literals;
+using test_support::comes_true;
 
 class StreamFaults : public testing::Test {
 protected:
@@ -31,7 +34,7 @@ protected:
     /// Impairs both directions of the link.
     void start_over(const Impairment& impairment) {
         auto network = ImpairedNetwork::create(2, 11);
-        if (!network) GTEST_SKIP() << network.error().message;
+        if (!network) GTEST_SKIP() << atrium::test::skip::kNoNetwork << network.error().message;
         network_ = std::move(*network);
         for (const int host : {0, 1}) network_->set(host, Way::kUp, impairment);
         start();
@@ -43,8 +46,12 @@ protected:
         std::this_thread::sleep_for(1s);  // the measurement begins after the start
         from_ = run_->moment();
     }
+    /// Frames complete in order: once a later one is complete, no frame of the report is on its
+    /// way.
     SiteReport finish() {
-        auto report = run_->finish(from_, run_->moment());
+        const Moment to = run_->moment();
+        EXPECT_TRUE(run_->wait_for_frame_after(to.now_ns));
+        auto report = run_->finish(from_, to);
         if (!report) {
             ADD_FAILURE() << report.error().message;
             return {};
@@ -73,13 +80,10 @@ protected:
 TEST_F(StreamFaults, LosesNoFrameAtOnePercentLossOnAShortLink) {
     start_over({.delay = 2ms, .loss = 0.01});
     if (run_ == nullptr) return;
-    std::this_thread::sleep_for(6s);
-    const std::uint64_t num_lost = network_->counters(0, Way::kUp).lost;
+    const std::uint64_t before = network_->counters(0, Way::kUp).lost;
+    ASSERT_TRUE(comes_true([&] { return network_->counters(0, Way::kUp).lost > before + 20; }));
     const SiteReport report = finish();
-    EXPECT_GT(num_lost, 20U);
-    // the last frames may be on their way, or being repaired
-    EXPECT_GE(report.num_complete + 8, report.num_published);
-    EXPECT_GE(report.share(), 0.95);
+    EXPECT_EQ(report.num_complete, report.num_published);
 }
 
 // Cyclone itself loses packets on purpose, with the settings for programs of one host.
@@ -95,10 +99,9 @@ TEST_F(StreamFaults, RepairsLossesOfCycloneOnLoopback) {
         "--network", file.string(), "--bus.world", "stream-faults", "--bus.domain", "191"};
     start();
     if (run_ == nullptr) return;
-    std::this_thread::sleep_for(5s);
+    std::this_thread::sleep_for(4s);
     const SiteReport report = finish();
-    EXPECT_GE(report.num_complete + 8, report.num_published);
-    EXPECT_GE(report.share(), 0.95);
+    EXPECT_EQ(report.num_complete, report.num_published);
 }
 
 TEST_F(StreamFaults, DeliversTheNewestAndNothingOldAfterACut) {
@@ -109,15 +112,15 @@ TEST_F(StreamFaults, DeliversTheNewestAndNothingOldAfterACut) {
     std::this_thread::sleep_for(3s);
     network_->restore(1);
     const Moment restored = run_->moment();
-    std::this_thread::sleep_for(4s);
+    ASSERT_TRUE(run_->wait_for_frame_after(restored.now_ns));
     const SiteReport report = finish();
     for (const ShownFrame& frame : report.shown) {
         if (frame.complete_ns <= restored.now_ns) continue;
-        EXPECT_GT(frame.capture_ns, restored.now_ns - 1'500'000'000)
-            << "the frame waited for too long";
+        // twice the lifespan, and the site's own work
+        EXPECT_LT(frame.age_ms(), 1200.0) << "the frame waited for too long";
     }
     std::printf("back after %.0f ms\n", report.recovery_ms(restored.now_ns));
-    EXPECT_LT(report.recovery_ms(restored.now_ns), 3000.0);
+    EXPECT_LT(report.recovery_ms(restored.now_ns), 2000.0);
 }
 
 TEST_F(StreamFaults, StoppedViewerDoesNotSlowTheSite) {
@@ -129,15 +132,17 @@ TEST_F(StreamFaults, StoppedViewerDoesNotSlowTheSite) {
     std::this_thread::sleep_for(5s);
     run_->viewer().signal(SIGCONT);
     const Moment woken = run_->moment();
-    std::this_thread::sleep_for(3s);
+    ASSERT_TRUE(run_->wait_for_frame_after(woken.now_ns));
     const std::int64_t begin_ns = from_.now_ns;
     from_ = stopped;
     const SiteReport report = finish();
+    // Other programs change the rate by a third. A write that waits for the reader takes 50 ms, the
+    // nine of a frame leave a fifteenth of it.
     EXPECT_GT(report.published_per_s(stopped.now_ns, woken.now_ns),
-              0.8 * report.published_per_s(begin_ns, stopped.now_ns));
+              0.5 * report.published_per_s(begin_ns, stopped.now_ns));
     EXPECT_EQ(report.output_of_site.find("not published"), std::string::npos);
     std::printf("back after %.0f ms\n", report.recovery_ms(woken.now_ns));
-    EXPECT_LT(report.recovery_ms(woken.now_ns), 3000.0);
+    EXPECT_LT(report.recovery_ms(woken.now_ns), 2000.0);
 }
 
 TEST_F(StreamFaults, SiteSendsLessOverANarrowLink) {

@@ -1,6 +1,6 @@
 #include "core/bus/bus.hpp"
 #include "site_node/site_node.hpp"
-#include "viewer/renderer/view_camera.hpp"
+#include "viewer/renderer/drawing/view_camera.hpp"
 #include "viewer/viewer.hpp"
 #include "world_server/world_server.hpp"
 
@@ -48,12 +48,12 @@ site_node::SiteNodeConfig site_config(const std::string& name, const std::string
 
 world_server::WorldObject ball(std::uint32_t id, const Eigen::Vector3d& position_m) {
     world_server::WorldObject object;
-    object.scene.object = id;
-    object.scene.name = id == kBallOverTheHand ? "over_the_hand" : "in_the_open";
-    object.scene.shape = bus::Shape::kSphere;
-    object.scene.size_m = Eigen::Vector3d::Constant(0.2);
-    object.scene.mass_kg = 0.3;
-    object.scene.world_from_object.translation = position_m;
+    object.rigid.id = id;
+    object.name = id == kBallOverTheHand ? "over_the_hand" : "in_the_open";
+    object.rigid.shape = physics::ObjectShape::kSphere;
+    object.rigid.size_m = Eigen::Vector3d::Constant(0.2);
+    object.rigid.mass_kg = 0.3;
+    object.rigid.world_from_object.translation = position_m;
     return object;
 }
 
@@ -62,10 +62,10 @@ world_server::WorldServerConfig world_config() {
     world_server::WorldServerConfig config;
     config.bus = bus_options();
     world_server::WorldObject floor;
-    floor.scene.object = 3;
-    floor.scene.name = "floor";
-    floor.scene.shape = bus::Shape::kPlane;
-    floor.scene.size_m = {6, 6, 1};
+    floor.rigid.id = 3;
+    floor.name = "floor";
+    floor.rigid.shape = physics::ObjectShape::kPlane;
+    floor.rigid.size_m = {6, 6, 1};
     config.objects = {
         ball(kBallOverTheHand, {-0.45, -0.17, 1.9}), ball(kBallInTheOpen, {0.0, 1.5, 1.9}), floor};
     world_server::NamedPlacement alice{"alice", {}};
@@ -187,6 +187,7 @@ TEST_F(TwoSites, BothPeopleAppearAndAHandMovesABall) {
     const auto give_up = Clock::now() + kPatience;
     std::uint64_t last_reset_tick = 0;
     BallTracks tracks;
+    int num_resets = 0;
     while (tracks.hand_sideways_m < 0.1 && Clock::now() < give_up) {
         waiter->wait(std::chrono::milliseconds(500));
         states->take([&](bus::SceneState&& state) {
@@ -197,6 +198,7 @@ TEST_F(TwoSites, BothPeopleAppearAndAHandMovesABall) {
                 bus::SceneCommand reset;
                 reset.sender = "test";
                 EXPECT_TRUE(commands->write(reset));
+                ++num_resets;
                 return;
             }
             for (const bus::ObjectState& object : state.objects) {
@@ -211,6 +213,8 @@ TEST_F(TwoSites, BothPeopleAppearAndAHandMovesABall) {
         });
     }
     EXPECT_GE(tracks.hand_sideways_m, 0.1);
+    // usually the first; the push repeats every 2 s, and a busy machine shifts it against the fall
+    EXPECT_LE(num_resets, 4);
     EXPECT_LT(tracks.open_sideways_m, 0.02);  // nobody is near it: it falls straight
     EXPECT_GT(world_->status().num_contacts, 0u);
 

@@ -82,12 +82,12 @@ TEST(WorldEndurance, DeliveredWorldsStayCalmWithTwoPeople) {
 TEST(WorldEndurance, WatchReportsObjectsTooFastOrTooDeep) {
     world_server::WorldServerConfig config;
     world_server::WorldObject ball;
-    ball.scene.object = 1;
-    ball.scene.name = "ball";
-    ball.scene.shape = bus::Shape::kSphere;
-    ball.scene.size_m.setConstant(0.2);
-    ball.scene.mass_kg = 1.0;
-    ball.scene.world_from_object.translation = {0.0, 0.0, 1.0};
+    ball.rigid.id = 1;
+    ball.name = "ball";
+    ball.rigid.shape = physics::ObjectShape::kSphere;
+    ball.rigid.size_m.setConstant(0.2);
+    ball.rigid.mass_kg = 1.0;
+    ball.rigid.world_from_object.translation = {0.0, 0.0, 1.0};
     config.objects = {ball};
     const EnduranceBounds bounds{.people_mps = 1.0, .untouched_gain_j = 0.1};
     const auto broken_after = [&](const physics::RigidState& state) {
@@ -120,12 +120,12 @@ TEST(WorldEndurance, WatchBoundsJoinedObjectsAsAWhole) {
     world_server::WorldServerConfig config;
     for (const std::uint32_t id : {1U, 2U}) {
         world_server::WorldObject ball;
-        ball.scene.object = id;
-        ball.scene.name = id == 1 ? "hand" : "body";
-        ball.scene.shape = bus::Shape::kSphere;
-        ball.scene.size_m.setConstant(0.2);
-        ball.scene.mass_kg = id == 1 ? 0.1 : 10.0;
-        ball.scene.world_from_object.translation = {0.0, 0.25 * id, 1.0};
+        ball.rigid.id = id;
+        ball.name = id == 1 ? "hand" : "body";
+        ball.rigid.shape = physics::ObjectShape::kSphere;
+        ball.rigid.size_m.setConstant(0.2);
+        ball.rigid.mass_kg = id == 1 ? 0.1 : 10.0;
+        ball.rigid.world_from_object.translation = {0.0, 0.25 * id, 1.0};
         config.objects.push_back(ball);
     }
     const auto broken_with = [&](const std::vector<physics::Joint>& joints,

@@ -6,6 +6,7 @@
 #include "site_node/views/views_file.hpp"
 #include "tests/support/rig_maker.hpp"
 #include "tests/support/silhouette_maker.hpp"
+#include "tests/support/skips.hpp"
 #include "tests/support/surface_distance.hpp"
 #include "tests/support/winding_number.hpp"
 
@@ -132,7 +133,7 @@ TEST(DecimatedPerson, StaysWithinItsBound) {
 
 TEST(DecimatedPerson, OfTheSetHasASixthOfItsTrianglesAt5Mm) {
     const std::filesystem::path file = ATRIUM_SOURCE_DIR "/../shared/data/hulls/person_10k.json";
-    if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
+    if (!std::filesystem::exists(file)) GTEST_SKIP() << atrium::test::skip::kNoSharedData << file;
     const auto loaded = views::load_views_file(file);
     ASSERT_TRUE(loaded) << loaded.error().message;
     std::vector<hull::SilhouetteView> views;

@@ -1,9 +1,9 @@
+#include "tests/support/skips.hpp"
+
 #include <gtest/gtest.h>
 
 namespace {
 
-TEST(ExactIntersection, EqualsTheHull) {
-    GTEST_SKIP() << "CGAL (libcgal-dev) was not found when this was configured";
-}
+TEST(ExactIntersection, EqualsTheHull) { GTEST_SKIP() << atrium::test::skip::kNoCgal; }
 
 }  // namespace

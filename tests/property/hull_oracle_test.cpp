@@ -31,8 +31,8 @@ std::vector<ExactCone> exact_cones(const HullScratch& scratch) {
     return result;
 }
 
-// Planes that differ by jitter only, 1e-9 rad, meet where rounding to 1e-16 puts them: a few times
-// 0.1 um along their line.
+// Planes that differ by jitter only (1e-9 rad) have an ill-conditioned intersection: rounding of
+// 1e-16 moves it by a few times 0.1 um along their line.
 constexpr double kSamePlace_m = 1e-6;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -69,7 +69,8 @@ std::vector<SilhouetteView> small_scene(std::uint64_t seed) {
     return test::make_scene(options, seed);
 }
 
-// Beyond the reach of the hull. If the hull reached farther, the exact solid would be cut.
+// Returns a depth beyond every vertex of the hull, where the exact cones end. If the hull reached
+// farther, the exact solid would be cut.
 double far_m(const Cones& cones, const VisualHull& hull) {
     double depth_m = 20.0;
     for (const Cones::View& view : cones.views) {

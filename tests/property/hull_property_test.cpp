@@ -21,7 +21,7 @@ using test::Random;
 
 // Cameras anywhere on a sphere, including opposite ones, with stars as silhouettes. They have many
 // more corner cases than real silhouettes.
-std::vector<SilhouetteView> random_scene(std::uint64_t seed) {
+std::vector<SilhouetteView> unrelated_views(std::uint64_t seed) {
     Random random(seed);
     std::vector<SilhouetteView> views;
     const int num_views = between(random, 3, 9);
@@ -41,10 +41,9 @@ std::vector<SilhouetteView> random_scene(std::uint64_t seed) {
 class RandomScene : public testing::TestWithParam<int> {
 protected:
     void SetUp() override {
-        views_ = random_scene(static_cast<std::uint64_t>(GetParam()));
+        views_ = unrelated_views(static_cast<std::uint64_t>(GetParam()));
         hull_ = test::exact_hull_of(views_);
-        if (hull_.status == HullStatus::kEmptyIntersection)
-            GTEST_SKIP() << "the cones have no common point";
+        // the cones of all these seeds have a common point
         ASSERT_EQ(hull_.status, HullStatus::kOk) << to_string(hull_.status);
     }
     // A camera that all others see inside their silhouettes is a vertex with as many faces as its
@@ -137,7 +136,7 @@ TEST_P(RandomScene, MovesWithTheRig) {
     const VisualHull hull = test::exact_hull_of(moved);
     ASSERT_EQ(hull.status, HullStatus::kOk);
     EXPECT_EQ(hull.mesh.vertices.size(), hull_.mesh.vertices.size());
-    // another pose has another jitter: the surface may move by that of 1e-6 px at 4 m
+    // another pose has another jitter: the surface may move by what 1e-6 px are at 4 m
     double area_m2 = 0.0;
     for (const auto& [a, b, c] : hull_.mesh.triangles) {
         const auto& p = hull_.mesh.vertices;
@@ -148,10 +147,9 @@ TEST_P(RandomScene, MovesWithTheRig) {
 
 TEST_P(RandomScene, ShrinksWithOneMoreCamera) {
     std::vector<SilhouetteView> more = views_;
-    const auto extra = random_scene(static_cast<std::uint64_t>(GetParam()) + 1000);
+    const auto extra = unrelated_views(static_cast<std::uint64_t>(GetParam()) + 1000);
     more.push_back(extra.front());
     const VisualHull smaller = test::exact_hull_of(more);
-    if (smaller.status == HullStatus::kEmptyIntersection) return;
     ASSERT_EQ(smaller.status, HullStatus::kOk) << to_string(smaller.status);
     const double volume = geometry::volume_m3(hull_.mesh);
     EXPECT_LE(geometry::volume_m3(smaller.mesh), volume * (1.0 + 1e-8));
@@ -163,8 +161,8 @@ TEST_P(RandomScene, ShrinksWithOneMoreCamera) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomScene, testing::Range(0, 60));
 
-// Input that no camera delivers. Any status is fine, but an OK must come with a sound mesh, and the
-// result must come soon.
+// Input that no camera delivers. Any status is fine, but kOk requires a sound mesh, and the result
+// must come soon.
 class HostileScene : public testing::TestWithParam<int> {};
 
 Contour hostile_contour(Random& random) {

@@ -9,6 +9,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/rig_maker.hpp"
 #include "tests/support/silhouette_maker.hpp"
+#include "tests/support/skips.hpp"
 
 #include <draco/compression/decode.h>
 #include <draco/compression/encode.h>
@@ -272,7 +273,7 @@ TEST_F(MeshStream, EqualsDracosForHulls) {
         for (const auto& camera : test::make_ring_rig({.num_cameras = 3 + round % 4}))
             views.push_back(test::make_view(camera, test::random_stars(random, 30)));
         const hull::VisualHull hull = test::exact_hull_of(views);
-        if (hull.status != hull::HullStatus::kOk) continue;
+        ASSERT_EQ(hull.status, hull::HullStatus::kOk) << round;
         const geometry::MeshReport report = geometry::inspect(hull.mesh);
         num_handles += static_cast<int>(report.num_components) -
                        static_cast<int>(report.euler_characteristic / 2);
@@ -283,7 +284,8 @@ TEST_F(MeshStream, EqualsDracosForHulls) {
 
 TEST_F(MeshStream, EqualsDracosForHullsOfRealOutlines) {
     const std::filesystem::path folder = ATRIUM_SOURCE_DIR "/../shared/data/hulls";
-    if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here";
+    if (!std::filesystem::exists(folder))
+        GTEST_SKIP() << atrium::test::skip::kNoSharedData << folder;
     for (const char* set : {"person_1px", "person_10k", "person_24views", "torus", "spheres"}) {
         const auto loaded = views::load_views_file(folder / (std::string(set) + ".json"));
         ASSERT_TRUE(loaded) << loaded.error().message;

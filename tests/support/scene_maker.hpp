@@ -57,7 +57,7 @@ struct SceneOptions {
     bool cropped = false;   // silhouettes end at the borders of small pictures
 };
 
-/// Random options, as varied as realistic and unrealistic input: mostly 3 to 8 views with 20 to 150
+/// Random options that cover realistic and unrealistic input: mostly 3 to 8 views with 20 to 150
 /// segments, up to 16 views and 600 segments.
 SceneOptions random_scene_options(std::uint64_t seed);
 

@@ -13,18 +13,14 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
-#include <thread>
 
 namespace atrium::test_support {
 namespace {
 
 constexpr int kStartPatience_ms = 30'000;
-constexpr std::chrono::seconds kLongEnough{60};  // for waits well below 1 s
-constexpr std::chrono::milliseconds kPause{5};   // between looks: each look stops the whole display
 
 // While it lives the server serves nobody else: a found window stays.
 class Grab {
@@ -265,15 +261,6 @@ void VirtualDisplay::ask_to_close(const std::string& title) {
     event.xclient.data.l[0] =
         static_cast<long>(XInternAtom(impl_->display, "WM_DELETE_WINDOW", False));
     impl_->send(title, event);
-}
-
-bool comes_true(const std::function<bool()>& condition) {
-    const auto end = std::chrono::steady_clock::now() + kLongEnough;
-    while (!condition()) {
-        if (std::chrono::steady_clock::now() > end) return false;
-        std::this_thread::sleep_for(kPause);
-    }
-    return true;
 }
 
 }  // namespace atrium::test_support

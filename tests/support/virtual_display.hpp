@@ -3,7 +3,6 @@
 #include "core/base/expected.hpp"
 
 #include <array>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -47,8 +46,5 @@ private:
     explicit VirtualDisplay(std::unique_ptr<Impl> impl);
     std::unique_ptr<Impl> impl_;
 };
-
-/// Checks repeatedly until it is true. Returns false after a minute.
-bool comes_true(const std::function<bool()>& condition);
 
 }  // namespace atrium::test_support

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <functional>
 
 namespace atrium::demo {
 namespace {
@@ -19,7 +20,7 @@ constexpr std::size_t kTableWidth = 115;
 template <typename Status, typename Value>
 double median(const std::vector<Status>& samples, Value value) {
     std::vector<double> values;
-    for (const Status& s : samples) values.push_back(static_cast<double>(value(s)));
+    for (const Status& s : samples) values.push_back(static_cast<double>(std::invoke(value, s)));
     if (values.empty()) return 0.0;
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());
@@ -28,7 +29,9 @@ double median(const std::vector<Status>& samples, Value value) {
 
 template <typename Status, typename Value>
 auto difference(const std::vector<Status>& samples, Value value) {
-    return samples.empty() ? 0 : value(samples.back()) - value(samples.front());
+    return samples.empty()
+               ? 0
+               : std::invoke(value, samples.back()) - std::invoke(value, samples.front());
 }
 
 // Median of the medians of each second, and the 99th percentile of the worst second: an upper
@@ -36,8 +39,9 @@ auto difference(const std::vector<Status>& samples, Value value) {
 template <typename Status, typename Latency>
 ordered_json latency_json(const std::vector<Status>& samples, Latency latency) {
     double worst = 0.0;
-    for (const Status& s : samples) worst = std::max(worst, latency(s).p99_ms);
-    return {{"median", median(samples, [&](const Status& s) { return latency(s).median_ms; })},
+    for (const Status& s : samples) worst = std::max(worst, std::invoke(latency, s).p99_ms);
+    return {{"median",
+             median(samples, [&](const Status& s) { return std::invoke(latency, s).median_ms; })},
             {"p99", worst}};
 }
 
@@ -90,9 +94,15 @@ ordered_json processor_json(const std::vector<Status>& samples,
 }
 
 template <typename Status>
-ordered_json first_output_json(const std::vector<Status>& samples) {
-    if (samples.empty() || samples.back().first_output_s <= 0.0) return nullptr;
-    return samples.back().first_output_s;
+void add_process(ordered_json& out,
+                 const std::vector<Status>& samples,
+                 const char* per_thing,
+                 std::uint64_t done) {
+    const bool has_output = !samples.empty() && samples.back().first_output_s > 0.0;
+    out["resident_bytes"] = samples.empty() ? 0 : samples.back().resident_bytes;
+    out["resident_bytes_at_start"] = samples.empty() ? 0 : samples.front().resident_bytes;
+    out["processor"] = processor_json(samples, per_thing, done);
+    out["first_output_s"] = has_output ? ordered_json(samples.back().first_output_s) : nullptr;
 }
 
 // "0.81  43%": cores used, and the share of time that the longest-waiting thread waited.
@@ -175,47 +185,49 @@ std::vector<std::string> StatusBoard::table(const std::map<std::string, std::str
                                     processor,
                                     memory));
     };
-    const auto latency_text = [](const char* what, const bus::LatencySummary& latency) {
-        return fmt::format("{} {:>6.1f} {:>6.1f}", what, latency.median_ms, latency.p99_ms);
-    };
-    const auto memory_text = [](std::uint64_t bytes) {
-        return fmt::format("{:.0f}", mega(static_cast<double>(bytes)));
+    const auto program = [&](const std::string& name,
+                             const char* done,
+                             const status::Figures& figures,
+                             const std::string& bytes,
+                             const std::string& dropped) {
+        const bus::LatencySummary& latency = figures.stages.back().latency;  // since capture
+        row(name,
+            status::rate_text(figures.rate, figures.rate_unit),
+            fmt::format("{} {:>6.1f} {:>6.1f}", done, latency.median_ms, latency.p99_ms),
+            bytes,
+            dropped,
+            processor_text(figures.processor),
+            fmt::format("{:.0f}", mega(static_cast<double>(figures.resident_bytes))));
     };
     row("program", "rate", "ms since capture: median p99", "MB/s", "dropped", "cores wait", "MB");
     for (const auto& [name, history] : sites_) {
         if (history.samples.empty()) continue;
         const bus::SiteStatus& s = history.samples.back();
-        row(name,
-            fmt::format("{:.1f} metaframes/s", s.metaframes_per_s),
-            latency_text("published", s.capture_to_publish),
-            fmt::format("{:.2f}", mega(s.bytes_per_s)),
-            fmt::format("{} inc {} late {} rate {} bad",
-                        s.num_dropped_incomplete,
-                        s.num_dropped_late,
-                        s.stream.num_dropped_for_rate,
-                        s.num_failed),
-            processor_text(s.processor),
-            memory_text(s.resident_bytes));
+        program(name,
+                "published",
+                status::figures_of(s),
+                fmt::format("{:.2f}", mega(s.bytes_per_s)),
+                fmt::format("{} inc {} late {} rate {} bad",
+                            s.num_dropped_incomplete,
+                            s.num_dropped_late,
+                            s.stream.num_dropped_for_rate,
+                            s.num_failed));
     }
     if (!world_.samples.empty()) {
         const bus::WorldStatus& s = world_.samples.back();
-        row("world",
-            fmt::format("{:.1f} steps/s", s.steps_per_s),
-            latency_text("touched", s.capture_to_collision),
-            "",
-            fmt::format("{} rejected", s.num_rejected),
-            processor_text(s.processor),
-            memory_text(s.resident_bytes));
+        program("world",
+                "touched",
+                status::figures_of(s),
+                "",
+                fmt::format("{} rejected", s.num_rejected));
     }
     if (!viewer_.samples.empty()) {
         const bus::ViewerStatus& s = viewer_.samples.back();
-        row("viewer",
-            fmt::format("{:.1f} frames/s", s.frames_per_s),
-            latency_text("displayed", s.capture_to_display),
-            "",
-            fmt::format("{} skipped {} inc", s.num_pairs_skipped, s.num_incomplete),
-            processor_text(s.processor),
-            memory_text(s.resident_bytes));
+        program("viewer",
+                "displayed",
+                status::figures_of(s),
+                "",
+                fmt::format("{} skipped {} inc", s.num_pairs_skipped, s.num_incomplete));
     }
     for (const auto& [name, history] : sites_) add_bottlenecks(name, history.samples, lines);
     add_bottlenecks("world", world_.samples, lines);
@@ -236,78 +248,55 @@ std::string StatusBoard::report(const Run& run) const {
         const auto& samples = history.samples;
         using S = bus::SiteStatus;
         ordered_json site;
-        site["metaframes_per_s"] = median(samples, [](const S& s) { return s.metaframes_per_s; });
-        site["capture_to_publish_ms"] =
-            latency_json(samples, [](const S& s) { return s.capture_to_publish; });
-        site["bytes_per_s"] = median(samples, [](const S& s) { return s.bytes_per_s; });
-        site["metaframes_published"] =
-            difference(samples, [](const S& s) { return s.num_metaframes_published; });
+        site["metaframes_per_s"] = median(samples, &S::metaframes_per_s);
+        site["capture_to_publish_ms"] = latency_json(samples, &S::capture_to_publish);
+        site["bytes_per_s"] = median(samples, &S::bytes_per_s);
+        site["metaframes_published"] = difference(samples, &S::num_metaframes_published);
         site["dropped"] = difference(samples, num_dropped);
-        site["dropped_incomplete"] =
-            difference(samples, [](const S& s) { return s.num_dropped_incomplete; });
-        site["dropped_late"] = difference(samples, [](const S& s) { return s.num_dropped_late; });
+        site["dropped_incomplete"] = difference(samples, &S::num_dropped_incomplete);
+        site["dropped_late"] = difference(samples, &S::num_dropped_late);
         site["dropped_for_rate"] =
             difference(samples, [](const S& s) { return s.stream.num_dropped_for_rate; });
-        site["failed"] = difference(samples, [](const S& s) { return s.num_failed; });
+        site["failed"] = difference(samples, &S::num_failed);
         site["hulls_lacked"] = {
             {"cameras", difference(samples, [](const S& s) { return s.left_out.num_cameras; })},
             {"phantoms", difference(samples, [](const S& s) { return s.left_out.num_phantoms; })},
             {"fragments", difference(samples, [](const S& s) { return s.left_out.num_fragments; })},
         };
-        site["resident_bytes"] = samples.empty() ? 0 : samples.back().resident_bytes;
-        site["resident_bytes_at_start"] = samples.empty() ? 0 : samples.front().resident_bytes;
-        site["processor"] =
-            processor_json(samples, "run_ms_per_metaframe", difference(samples, [](const S& s) {
-                               return s.num_metaframes_published;
-                           }));
-        site["first_output_s"] = first_output_json(samples);
+        add_process(site,
+                    samples,
+                    "run_ms_per_metaframe",
+                    difference(samples, &S::num_metaframes_published));
         root["sites"][name] = std::move(site);
     }
     {
         using W = bus::WorldStatus;
         const auto& samples = world_.samples;
         ordered_json& world = root["world"];
-        world["steps_per_s"] = median(samples, [](const W& s) { return s.steps_per_s; });
-        world["steps_with_contact"] =
-            difference(samples, [](const W& s) { return s.num_contacts; });
-        world["meshes_received"] =
-            difference(samples, [](const W& s) { return s.num_meshes_received; });
-        world["rejected"] = difference(samples, [](const W& s) { return s.num_rejected; });
-        world["capture_to_collision_ms"] =
-            latency_json(samples, [](const W& s) { return s.capture_to_collision; });
-        world["resident_bytes"] = samples.empty() ? 0 : samples.back().resident_bytes;
-        world["resident_bytes_at_start"] = samples.empty() ? 0 : samples.front().resident_bytes;
-        world["processor"] =
-            processor_json(samples, "run_ms_per_mesh", difference(samples, [](const W& s) {
-                               return s.num_meshes_received;
-                           }));
-        world["first_output_s"] = first_output_json(samples);
+        world["steps_per_s"] = median(samples, &W::steps_per_s);
+        world["steps_with_contact"] = difference(samples, &W::num_contacts);
+        world["meshes_received"] = difference(samples, &W::num_meshes_received);
+        world["rejected"] = difference(samples, &W::num_rejected);
+        world["capture_to_collision_ms"] = latency_json(samples, &W::capture_to_collision);
+        add_process(
+            world, samples, "run_ms_per_mesh", difference(samples, &W::num_meshes_received));
     }
     {
         using V = bus::ViewerStatus;
         const auto& samples = viewer_.samples;
         ordered_json& viewer = root["viewer"];
-        viewer["frames_per_s"] = median(samples, [](const V& s) { return s.frames_per_s; });
+        viewer["frames_per_s"] = median(samples, &V::frames_per_s);
         // how far it reduced its quality (docs/viewer.md, Giving way)
-        viewer["max_frames_per_s"] = median(samples, [](const V& s) { return s.max_frames_per_s; });
-        viewer["scale"] = median(samples, [](const V& s) { return s.scale; });
+        viewer["max_frames_per_s"] = median(samples, &V::max_frames_per_s);
+        viewer["scale"] = median(samples, &V::scale);
         viewer["shadows"] = median(samples, [](const V& s) { return s.has_shadows ? 1.0 : 0.0; });
-        viewer["video_dropped"] =
-            difference(samples, [](const V& s) { return s.num_video_dropped; });
-        viewer["capture_to_display_ms"] =
-            latency_json(samples, [](const V& s) { return s.capture_to_display; });
-        viewer["pairs_shown"] = difference(samples, [](const V& s) { return s.num_pairs_shown; });
-        viewer["pairs_skipped"] =
-            difference(samples, [](const V& s) { return s.num_pairs_skipped; });
-        viewer["incomplete"] = difference(samples, [](const V& s) { return s.num_incomplete; });
-        viewer["rejected"] = difference(samples, [](const V& s) { return s.num_rejected; });
-        viewer["resident_bytes"] = samples.empty() ? 0 : samples.back().resident_bytes;
-        viewer["resident_bytes_at_start"] = samples.empty() ? 0 : samples.front().resident_bytes;
-        viewer["processor"] =
-            processor_json(samples, "run_ms_per_picture", difference(samples, [](const V& s) {
-                               return s.num_frames;
-                           }));
-        viewer["first_output_s"] = first_output_json(samples);
+        viewer["video_dropped"] = difference(samples, &V::num_video_dropped);
+        viewer["capture_to_display_ms"] = latency_json(samples, &V::capture_to_display);
+        viewer["pairs_shown"] = difference(samples, &V::num_pairs_shown);
+        viewer["pairs_skipped"] = difference(samples, &V::num_pairs_skipped);
+        viewer["incomplete"] = difference(samples, &V::num_incomplete);
+        viewer["rejected"] = difference(samples, &V::num_rejected);
+        add_process(viewer, samples, "run_ms_per_picture", difference(samples, &V::num_frames));
     }
     return root.dump(2) + "\n";
 }

@@ -14,13 +14,9 @@ namespace atrium::monitor {
 namespace {
 
 using bus::ProgramKind;
+using status::spaced;
 
 constexpr const char* kIndent = "  ";
-
-std::string spaced(std::string text) {
-    std::replace(text.begin(), text.end(), '_', ' ');
-    return text;
-}
 
 std::string number_text(std::optional<double> number) {
     return number ? fmt::format("{:.1f}", *number) : "-";
@@ -101,7 +97,7 @@ void add_title(const ProgramReport& program, TextLines& lines) {
 }
 
 void add_rates(const ProgramReport& program, TextLines& lines) {
-    std::vector<std::string> items{fmt::format("{:.1f} {}", program.rate, program.rate_unit)};
+    std::vector<std::string> items{status::rate_text(program.rate, program.rate_unit)};
     for (const TopicRate& topic : program.topics) {
         std::string text = fmt::format("{} {}", topic.topic, bytes_text(topic.bytes_per_s));
         if (topic.samples_per_s)

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/bus/messages.hpp"
-#include "viewer/renderer/view_camera.hpp"
+#include "viewer/renderer/drawing/view_camera.hpp"
 
 #include <Eigen/Core>
 

@@ -1,11 +1,11 @@
 #pragma once
 
+#include "viewer/config/viewer_config.hpp"
 #include "viewer/overlay/debug_view.hpp"
 #include "viewer/overlay/name_tags.hpp"
 #include "viewer/overlay/proxy_view.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
 #include "viewer/scene/people_view.hpp"
-#include "viewer/viewer_config.hpp"
 
 #include <chrono>
 #include <span>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "viewer/renderer/object/object_look.hpp"
+#include "viewer/renderer/drawing/object_look.hpp"
 
 #include <memory>
 #include <string>

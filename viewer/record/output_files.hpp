@@ -1,9 +1,9 @@
 #pragma once
 
 #include "core/app/log.hpp"
+#include "viewer/config/viewer_config.hpp"
 #include "viewer/record/video_recorder.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
-#include "viewer/viewer_config.hpp"
 
 #include <cstdint>
 #include <filesystem>

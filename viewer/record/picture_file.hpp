@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/base/expected.hpp"
-#include "viewer/renderer/scene_renderer.hpp"
+#include "viewer/renderer/rendered_picture.hpp"
 
 #include <filesystem>
 

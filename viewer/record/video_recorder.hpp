@@ -2,7 +2,7 @@
 
 #include "core/base/expected.hpp"
 #include "viewer/record/video_file.hpp"
-#include "viewer/renderer/scene_renderer.hpp"
+#include "viewer/renderer/rendered_picture.hpp"
 
 #include <atomic>
 #include <chrono>

@@ -3,7 +3,7 @@
 #include "core/base/expected.hpp"
 #include "core/gl/resources.hpp"
 #include "core/gl/shader_program.hpp"
-#include "viewer/renderer/screen_square.hpp"
+#include "viewer/renderer/drawing/screen_square.hpp"
 
 namespace atrium::renderer {
 

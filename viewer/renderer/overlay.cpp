@@ -1,11 +1,11 @@
 #include "viewer/renderer/overlay.hpp"
 
-#include "viewer/renderer/shaders.hpp"
+#include "viewer/renderer/drawing/shaders.hpp"
+#include "viewer/renderer/drawing/textures.hpp"
 
 #include <glad/gl.h>
 
 #include <algorithm>
-#include <cassert>
 #include <utility>
 
 namespace atrium::renderer {
@@ -13,42 +13,44 @@ namespace {
 
 constexpr double kNearestM = 0.1;  // distance from the eye; nearer labels would fill the picture
 
-gl::Texture upload(const TexturePicture& picture) {
-    assert(picture.rgba.size() ==
-           std::size_t{4} * static_cast<std::size_t>(picture.width * picture.height));
-    GLuint id = 0;
-    glGenTextures(1, &id);
-    gl::Texture texture(id);
-    gl::bind_texture(0, texture);
-    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    glTexImage2D(GL_TEXTURE_2D,
-                 0,
-                 GL_RGBA8,
-                 picture.width,
-                 picture.height,
-                 0,
-                 GL_RGBA,
-                 GL_UNSIGNED_BYTE,
-                 picture.rgba.data());
-    // labels appear at half size or less, so mipmaps keep them smooth
-    glGenerateMipmap(GL_TEXTURE_2D);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-    return texture;
-}
-
 double depth_of(const EyeView& eye, const Eigen::Vector3d& p_world) {
     return -(eye.view_from_world.row(2).head<3>().dot(p_world) + eye.view_from_world(2, 3));
 }
 
+constexpr const char* kLabelVertex = R"(#version 330 core
+layout(location = 0) in vec2 corner;
+uniform mat4 clip_from_view;
+uniform vec3 middle;
+uniform vec2 half_size;
+out vec2 at;
+void main() {
+    at = vec2(0.5 + 0.5 * corner.x, 0.5 - 0.5 * corner.y);
+    gl_Position = clip_from_view * vec4(middle + vec3(corner * half_size, 0.0), 1.0);
+}
+)";
+
+constexpr const char* kLabelFragment = R"(#version 330 core
+in vec2 at;
+uniform sampler2D picture;
+uniform float opacity;
+out vec4 fragment;
+void main() { fragment = opacity * texture(picture, at); }
+)";
+
+constexpr const char* kLineFragment = R"(#version 330 core
+in vec3 line_colour;
+uniform float opacity;
+out vec4 fragment;
+void main() { fragment = vec4(line_colour, opacity); }
+)";
+
 }  // namespace
 
 Expected<Overlay> Overlay::create() {
-    auto label = gl::ShaderProgram::create("label", shaders::kLabelVertex, shaders::kLabelFragment);
+    auto label = gl::ShaderProgram::create("label", kLabelVertex, kLabelFragment);
     if (!label) return tl::unexpected(label.error());
-    auto line = gl::ShaderProgram::create("line", shaders::kLineVertex, shaders::kLineFragment);
+    auto line = gl::ShaderProgram::create(
+        "line", shaders::passing_vertex("vec3", "line_colour"), kLineFragment);
     if (!line) return tl::unexpected(line.error());
     Overlay made;
     made.label_shader_ = std::move(*label);
@@ -64,8 +66,10 @@ void Overlay::set_labels(std::vector<Label> labels) {
     for (const Label& label : labels_) {
         if (used.contains(label.picture)) continue;
         const auto found = pictures_.find(label.picture);
-        used[label.picture] =
-            found != pictures_.end() ? std::move(found->second) : upload(*label.picture);
+        // labels appear at half size or less, so mipmaps keep them smooth
+        used[label.picture] = found != pictures_.end()
+                                  ? std::move(found->second)
+                                  : upload_picture(*label.picture, PictureUse::kLabel);
     }
     pictures_ = std::move(used);
 }
@@ -102,7 +106,7 @@ void Overlay::draw_lines(const EyeView& eye) const {
     if (num_lines_ == 0) return;
     constexpr float kHiddenOpacity = 0.3f;
     line_shader_.use();
-    line_shader_.set("clip_from_world", Eigen::Matrix4f(eye.clip_from_world().cast<float>()));
+    line_shader_.set("clip_from_model", Eigen::Matrix4f(eye.clip_from_world().cast<float>()));
     glBindVertexArray(line_layout_.id());
     glEnable(GL_BLEND);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);

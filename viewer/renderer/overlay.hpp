@@ -3,9 +3,9 @@
 #include "core/base/expected.hpp"
 #include "core/gl/resources.hpp"
 #include "core/gl/shader_program.hpp"
-#include "viewer/renderer/object/object_look.hpp"
-#include "viewer/renderer/screen_square.hpp"
-#include "viewer/renderer/view_camera.hpp"
+#include "viewer/renderer/drawing/object_look.hpp"
+#include "viewer/renderer/drawing/screen_square.hpp"
+#include "viewer/renderer/drawing/view_camera.hpp"
 
 #include <Eigen/Core>
 

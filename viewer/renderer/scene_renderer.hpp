@@ -2,11 +2,12 @@
 
 #include "core/base/expected.hpp"
 #include "core/geometry/rigid_transform.hpp"
-#include "viewer/renderer/object/object_look.hpp"
+#include "viewer/renderer/drawing/object_look.hpp"
+#include "viewer/renderer/drawing/view_camera.hpp"
 #include "viewer/renderer/object/soft_surface.hpp"
 #include "viewer/renderer/overlay.hpp"
 #include "viewer/renderer/person/person_model.hpp"
-#include "viewer/renderer/view_camera.hpp"
+#include "viewer/renderer/rendered_picture.hpp"
 
 #include <cstdint>
 #include <memory>
@@ -15,15 +16,6 @@
 #include <vector>
 
 namespace atrium::renderer {
-
-/// 8-bit RGBA, top row first.
-struct RenderedPicture {
-    int width = 0;
-    int height = 0;
-    std::vector<std::uint8_t> rgba;
-};
-
-enum class Antialias : std::uint8_t { kNone, kFxaa };
 
 struct RendererOptions {
     int width = 960;

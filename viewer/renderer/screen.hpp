@@ -1,6 +1,6 @@
 #pragma once
 
-#include "viewer/renderer/view_camera.hpp"
+#include "viewer/renderer/drawing/view_camera.hpp"
 
 #include <Eigen/Core>
 

@@ -2,7 +2,7 @@
 
 #include "core/bus/messages.hpp"
 #include "core/model/model_file.hpp"
-#include "viewer/renderer/object/object_look.hpp"
+#include "viewer/renderer/drawing/object_look.hpp"
 #include "viewer/scene/background_reader.hpp"
 
 #include <Eigen/Core>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/base/expected.hpp"
-#include "viewer/renderer/object/object_look.hpp"
+#include "viewer/renderer/drawing/object_look.hpp"
 #include "viewer/scene/background_reader.hpp"
 
 #include <cstdint>

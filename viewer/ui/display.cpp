@@ -47,28 +47,6 @@ image::PixelRect part_of(Stereo stereo, int eye, int width, int height) {
 
 }  // namespace
 
-void declare(DisplayConfig& config, config::OptionSet& set) {
-    set.add("display.stereo",
-            config.stereo,
-            "stereo mode; quad_buffer needs a window and a driver that supports it",
-            {"none", "side_by_side", "top_bottom", "anaglyph", "quad_buffer"});
-    set.add("display.eye_distance_m",
-            config.eye_distance_m,
-            "distance between the eyes [m]",
-            {.min = 0, .max = 1});
-    set.add("display.convergence_m",
-            config.convergence_m,
-            "distance of zero parallax [m]; 0: distance of the target",
-            {.min = 0, .max = 100});
-    set.add(
-        "display.wall", config.wall, "TOML file that describes a wall of projectors; empty: none");
-    set.add("display.tile", config.tile, "tile of the wall that this viewer draws");
-    set.add("display.delay_ms",
-            config.delay_ms,
-            "playback delay of a wall, so all tiles show the same moment [ms]",
-            {.min = 0, .max = 500});
-}
-
 Expected<Display> Display::create(const DisplayConfig& config) {
     Display display;
     display.stereo_ = kStereo.at(config.stereo);

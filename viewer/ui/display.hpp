@@ -1,9 +1,9 @@
 #pragma once
 
 #include "core/base/expected.hpp"
-#include "core/config/option_set.hpp"
+#include "viewer/config/viewer_config.hpp"
 #include "viewer/control/mouse_grab.hpp"
-#include "viewer/renderer/view_camera.hpp"
+#include "viewer/renderer/drawing/view_camera.hpp"
 #include "viewer/ui/wall.hpp"
 
 #include <Eigen/Core>
@@ -17,18 +17,6 @@
 #include <vector>
 
 namespace atrium::viewer {
-
-struct DisplayConfig {
-    std::string stereo = "none";
-    double eye_distance_m = 0.064;
-    double convergence_m = 0.0;    // 0: distance of the target
-    std::filesystem::path wall{};  // empty: a single display
-    std::string tile{};
-    double delay_ms = 120.0;
-};
-
-/// Declares every option, with its unit, on `set`.
-void declare(DisplayConfig& config, config::OptionSet& set);
 
 /// How the pictures for the two eyes are combined.
 enum class Stereo : std::uint8_t {

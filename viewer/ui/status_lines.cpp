@@ -7,8 +7,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
-#include <string_view>
 #include <utility>
 
 namespace atrium::viewer {
@@ -21,23 +19,9 @@ double seconds(StatusLines::Clock::duration duration) {
 }
 constexpr std::size_t kMaxPrograms = 128;  // 64 sites and 64 worlds
 
-// Losses worth a warning. The others are normal for sites (phantoms) or intended (metaframes
-// dropped for a narrow network).
-constexpr std::array<std::string_view, 7> kWorthAWarning{"dropped_incomplete",
-                                                         "dropped_late",
-                                                         "failed",
-                                                         "pictures_missing",
-                                                         "skipped_ticks",
-                                                         "refused_commands",
-                                                         "objects_put_back"};
-
-std::string spaced(std::string text) {
-    std::replace(text.begin(), text.end(), '_', ' ');
-    return text;
-}
-
 std::string with_p99(const status::Figures::Stage& stage) {
-    const std::string text = fmt::format("{} {:.1f}", spaced(stage.name), stage.latency.median_ms);
+    const std::string text =
+        fmt::format("{} {:.1f}", status::spaced(stage.name), stage.latency.median_ms);
     return stage.has_p99 ? fmt::format("{} (99 %: {:.1f})", text, stage.latency.p99_ms) : text;
 }
 
@@ -81,8 +65,9 @@ std::vector<HudLine> StatusLines::warnings() const {
         for (std::size_t i = 0; program.before && i < program.now.losses.size(); ++i) {
             const status::Counter& counter = program.now.losses[i];
             const std::uint64_t more = counter.total - program.before->losses[i].total;
-            if (more == 0 || std::ranges::count(kWorthAWarning, counter.what) == 0) continue;
-            lost += fmt::format("{}{} {}", lost.empty() ? "" : ", ", spaced(counter.what), more);
+            if (more == 0 || !counter.is_alarming) continue;
+            lost += fmt::format(
+                "{}{} {}", lost.empty() ? "" : ", ", status::spaced(counter.what), more);
         }
         const auto is_off = [](const auto& camera) { return !camera.status.connected; };
         const auto num_off = std::ranges::count_if(program.now.cameras, is_off);
@@ -98,7 +83,7 @@ std::vector<HudLine> StatusLines::details() const {
     std::vector<HudLine> lines;
     for (const auto& [title, program] : programs_) {
         lines.push_back(
-            {fmt::format("{}: {:.1f} {}", title, program.now.rate, program.now.rate_unit), false});
+            {title + ": " + status::rate_text(program.now.rate, program.now.rate_unit), false});
         const std::vector<std::string> items = status::processor_items(program.now.processor);
         lines.push_back({fmt::format("  cpu  {}", fmt::join(items, "  ")), false});
         std::string stages;

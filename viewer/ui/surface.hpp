@@ -2,9 +2,8 @@
 
 #include "core/base/expected.hpp"
 #include "core/bus/messages.hpp"
-#include "viewer/control/controls.hpp"
-#include "viewer/control/mouse_grab.hpp"
-#include "viewer/control/scene_editor.hpp"
+#include "viewer/config/viewer_config.hpp"
+#include "viewer/control/surface_events.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
 #include "viewer/scene/people_view.hpp"
 #include "viewer/ui/history.hpp"
@@ -18,24 +17,6 @@
 #include <vector>
 
 namespace atrium::viewer {
-
-/// Input of the user.
-struct SurfaceEvents {
-    Motion motion;
-    Pointer pointer;  // without a window nothing is pressed
-    bool close = false;
-    bool screenshot = false;
-    bool record = false;  // start or stop a video
-    bool names = false;   // show or hide the names of people
-    bool debug = false;   // show or hide the debug view
-    bool reset_view = false;
-    bool follow = false;     // follow a person, or stop following
-    std::size_t person = 0;  // person whose eyes to look through, from 1; 0: no change
-    bool reset_scene = false;
-    std::optional<NewObject> add;         // add this object before the eye
-    std::optional<std::uint32_t> remove;  // remove this object
-    bool remove_pointed = false;          // remove the object under the pointer
-};
 
 /// An object of the world as a list entry.
 struct ObjectLine {
@@ -96,6 +77,10 @@ struct SurfaceOptions {
     bool wait_for_display = true;  // vertical synchronisation of a window
     bool has_two_buffers = false;  // stereo window with one buffer per eye
 };
+
+/// Surface options of the configuration. Error kConfiguration if it needs a window and rules one
+/// out.
+Expected<SurfaceOptions> surface_options(const ViewerConfig& config);
 
 /// Opens a window. Error kUnavailable if there is no display or it lacks OpenGL 3.3. Main thread
 /// only, one window at a time.

@@ -12,7 +12,7 @@ constexpr config::Range kAmount{0.0, 1e5};
 
 const WorldObject* find(const std::vector<WorldObject>& objects, const std::string& name) {
     const auto found = std::find_if(
-        objects.begin(), objects.end(), [&](const WorldObject& o) { return o.scene.name == name; });
+        objects.begin(), objects.end(), [&](const WorldObject& o) { return o.name == name; });
     return found == objects.end() ? nullptr : &*found;
 }
 
@@ -28,10 +28,10 @@ void read_ends(config::TableReader& reader,
     if (object_a == nullptr) return reader.reject("a", "must be the name of an object");
     if (object_b == nullptr && b != "world")
         return reader.reject("b", "must be the name of an object, or world");
-    joint.a = object_a->scene.object;
-    joint.b = object_b == nullptr ? 0 : object_b->scene.object;
-    const bool b_moves = object_b != nullptr && object_b->scene.mass_kg > 0.0;
-    if (object_a->scene.mass_kg == 0.0 && !b_moves)
+    joint.a = object_a->rigid.id;
+    joint.b = object_b == nullptr ? 0 : object_b->rigid.id;
+    const bool b_moves = object_b != nullptr && object_b->rigid.mass_kg > 0.0;
+    if (object_a->rigid.mass_kg == 0.0 && !b_moves)
         reader.reject("a", "must have a mass if b has none");
 }
 

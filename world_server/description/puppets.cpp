@@ -1,7 +1,7 @@
 #include "world_server/description/puppets.hpp"
 
+#include "world_server/description/puppet.hpp"
 #include "world_server/description/shared_entries.hpp"
-#include "world_server/puppet.hpp"
 
 #include <algorithm>
 #include <string>
@@ -13,7 +13,7 @@ constexpr std::size_t kMaxPuppetName = 48;  // the part's name adds up to 15 cha
 
 bool is_taken(const std::vector<WorldObject>& objects, const std::string& name) {
     return std::any_of(objects.begin(), objects.end(), [&](const WorldObject& object) {
-        return object.scene.name == name || object.scene.name.starts_with(name + ".");
+        return object.name == name || object.name.starts_with(name + ".");
     });
 }
 

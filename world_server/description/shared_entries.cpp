@@ -1,7 +1,7 @@
 #include "world_server/description/shared_entries.hpp"
 
-#include "core/bus/checks.hpp"
 #include "core/bus/limits.hpp"
+#include "core/bus/names.hpp"
 #include "core/model/model_file.hpp"
 
 #include <fmt/format.h>

@@ -18,7 +18,7 @@ namespace atrium::world_server {
 struct WorldSoftObject {
     std::string name;
     Eigen::Vector3d colour{0.7, 0.7, 0.7};  // linear RGB, 0..1
-    std::string texture = {};               // see bus::SceneObject
+    std::string texture = {};               // a picture; empty: none
     physics::SoftObject object;
 };
 

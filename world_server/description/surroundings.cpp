@@ -25,13 +25,13 @@ void append(geometry::TriangleMesh& sum,
 // Loads the model even if it is not solid: the author of the file gets the error before the viewers
 // do.
 void read_scenery_model(config::TableReader& reader, WorldScenery& scenery) {
-    bus::Scenery& scene = scenery.scene;
-    if (!read_model_name(reader, scene.model, scene.model_scale)) return;
-    const auto model = model::load_model(reader.folder() / scene.model, scene.model_scale);
+    Look& look = scenery.look;
+    if (!read_model_name(reader, look.model, look.model_scale)) return;
+    const auto model = model::load_model(reader.folder() / look.model, look.model_scale);
     if (!model) return reader.reject("model", model.error().message);
     if (!scenery.is_solid) return;
     for (const model::ModelPart& part : *model)
-        append(scenery.mesh, part.mesh, scene.world_from_model);
+        append(scenery.mesh, part.mesh, scenery.world_from_model);
     if (scenery.mesh.triangles.size() > physics::kMaxStaticTriangles) {
         reader.reject("model",
                       fmt::format("must have at most {} triangles to be solid, has {}",
@@ -66,20 +66,20 @@ void read_scenery(config::TableReader& reader,
     std::set<std::string> names;
     for (config::TableReader& table : reader.tables("scenery")) {
         WorldScenery piece;
-        read_name(table, piece.scene.name);
-        if (!names.insert(piece.scene.name).second)
+        read_name(table, piece.name);
+        if (!names.insert(piece.name).second)
             table.reject("name", "must be unique among the scenery");
-        read_pose(table, piece.scene.world_from_model);
+        read_pose(table, piece.world_from_model);
         const Material material = read_material(table, materials);
-        piece.scene.colour = material.colour;
-        piece.scene.texture = material.texture;
+        piece.look.colour = material.colour;
+        piece.look.texture = material.texture;
         piece.friction = material.friction;
         piece.restitution = material.restitution;
         table.read("solid", piece.is_solid);
-        table.read("colour", piece.scene.colour.data(), 3, {0.0, 1.0});
+        table.read("colour", piece.look.colour.data(), 3, {0.0, 1.0});
         table.read("friction", piece.friction, {0.0, 10.0});
         table.read("restitution", piece.restitution, {0.0, 1.0});
-        read_texture(table, piece.scene.texture);
+        read_texture(table, piece.look.texture);
         read_scenery_model(table, piece);
         scenery.push_back(std::move(piece));
     }

@@ -1,33 +1,44 @@
 #pragma once
 
-#include "core/bus/messages.hpp"
+#include "core/geometry/rigid_transform.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 #include "world_server/physics/rigid/rigid_object.hpp"
 
-#include <memory>
-#include <vector>
+#include <Eigen/Core>
+
+#include <string>
 
 namespace atrium::world_server {
+
+/// Describes how viewers draw an object or scenery. Files are in the world file's folder.
+struct Look {
+    std::string model{};                                      // file; empty: none
+    double model_scale = 1.0;                                 // [m] per unit of the model
+    std::string texture{};                                    // picture; empty: none
+    Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.7);  // linear RGB in [0, 1]
+};
 
 /// An object as described in the world file. Ids are positions in the file, from 1. Parts of
 /// puppets come after all objects.
 struct WorldObject {
-    bus::SceneObject scene;
-    double rolling_friction_m = 0.0005;
-    double drag_per_s = 0.02;
-    /// Convex, compound: see physics::RigidObject. Otherwise null.
-    std::shared_ptr<const std::vector<geometry::TriangleMesh>> parts{};
+    std::string name{};
+    Look look{};
+    /// As in the file: a compound may have one part, and a plane has the size of its drawn part.
+    physics::RigidObject rigid{};
 };
 
+/// Returns the object for the physics: a compound of one part becomes convex.
 physics::RigidObject to_rigid(const WorldObject& object);
 
 /// Scenery: loaded by every viewer, optionally solid.
 struct WorldScenery {
-    bus::Scenery scene;
+    std::string name{};
+    Look look{};
+    geometry::RigidTransform world_from_model{};
     bool is_solid = false;
     double friction = 0.6;
     double restitution = 0.2;
-    geometry::TriangleMesh mesh;  // in the world [m]; empty if not solid
+    geometry::TriangleMesh mesh{};  // in the world [m]; empty if not solid
 };
 
 }  // namespace atrium::world_server

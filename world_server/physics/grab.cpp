@@ -1,6 +1,6 @@
 #include "world_server/physics/grab.hpp"
 
-#include "world_server/physics/bullet_types.hpp"
+#include "world_server/physics/rigid/bullet_types.hpp"
 #include "world_server/physics/soft/soft_body.hpp"
 
 #include <Eigen/LU>

@@ -1,18 +1,12 @@
 #include "world_server/physics/surroundings.hpp"
 
-#include "world_server/physics/bullet_types.hpp"
+#include "world_server/physics/rigid/bullet_types.hpp"
 
 #include <btBulletDynamicsCommon.h>
 
 #include <cstdint>
 
 namespace atrium::physics {
-namespace {
-
-constexpr double kWallFriction = 0.5;
-constexpr double kWallRestitution = 0.5;
-
-}  // namespace
 
 // Members are destroyed in reverse order, as Bullet requires.
 struct Surroundings::Piece {
@@ -59,7 +53,7 @@ bool Surroundings::add(const StaticMesh& still) {
     return true;
 }
 
-void Surroundings::add_walls(const geometry::Aabb& box) {
+void Surroundings::add_walls(const geometry::Aabb& box, double friction, double restitution) {
     for (int axis = 0; axis < 3; ++axis) {
         for (const double sign : {1.0, -1.0}) {
             const Eigen::Vector3d normal = sign * Eigen::Vector3d::Unit(axis);
@@ -67,7 +61,7 @@ void Surroundings::add_walls(const geometry::Aabb& box) {
             auto piece = std::make_unique<Piece>();
             piece->shape =
                 std::make_unique<btStaticPlaneShape>(to_bullet(normal), btScalar(offset));
-            place(std::move(piece), kWallFriction, kWallRestitution);
+            place(std::move(piece), friction, restitution);
         }
     }
 }

@@ -35,7 +35,7 @@ public:
     /// kMaxStaticTriangles, or a vertex that is not finite.
     bool add(const StaticMesh& mesh);
     /// Adds six planes that keep everything inside `box`.
-    void add_walls(const geometry::Aabb& box);
+    void add_walls(const geometry::Aabb& box, double friction, double restitution);
     /// All bodies; all are static.
     const std::vector<btRigidBody*>& bodies() const { return bodies_; }
 

@@ -1,41 +1,30 @@
 #include "world_server/physics/world.hpp"
 
-#include "world_server/physics/bullet_types.hpp"
+#include "world_server/physics/rigid/bullet_types.hpp"
 #include "world_server/physics/world_impl.hpp"
 
 #include <cassert>
 #include <cmath>
 
 namespace atrium::physics {
-namespace {
-
-// Overlap above which Bullet separates without adding velocity. Bullet's default of 4 cm makes an
-// object pressed by a hand pop away.
-constexpr float kPlainContactM = 0.002F;
-constexpr int kSolverIterations = 20;
-
-}  // namespace
 
 World::Impl::Impl(const WorldOptions& world_options)
     : options(world_options),
-      contacts(dispatcher,
-               {.friction = world_options.person_friction,
-                .restitution = world_options.person_restitution,
-                .escape_mps = world_options.escape_mps}),
+      contacts(dispatcher, world_options.people.contacts),
       grabs({.tick_s = world_options.tick_s}) {
     assert(options.tick_s > 0.0 && options.max_speed_mps > 0.0);
     world.setGravity(to_bullet(options.gravity));
     // without this, an object put or pressed onto a plane stands on one corner for the first ticks
     configuration.setPlaneConvexMultipointIterations(4, 4);
-    world.getSolverInfo().m_splitImpulsePenetrationThreshold = -kPlainContactM;
-    // an object clasped between two palms needs force from both
-    world.getSolverInfo().m_numIterations = kSolverIterations;
+    world.getSolverInfo().m_splitImpulsePenetrationThreshold = -options.plain_contact_m;
+    world.getSolverInfo().m_numIterations = options.solver_iterations;
     // solve friction next to each contact's normal force. (Two friction directions hold the object
     // as well, but then a cylinder that lands on its flat end tips over.)
     world.getSolverInfo().m_solverMode |= SOLVER_INTERLEAVE_CONTACT_AND_FRICTION_CONSTRAINTS;
     world.getDispatchInfo().m_deterministicOverlappingPairs = true;
     world.setInternalTickCallback(&Impl::begin_tick, this, /*isPreTick=*/true);
-    if (options.leaving == LeavePolicy::kBounce) surroundings.add_walls(box_of(options));
+    if (options.leaving == LeavePolicy::kBounce)
+        surroundings.add_walls(box_of(options), options.wall_friction, options.wall_restitution);
 }
 
 World::Impl::~Impl() {
@@ -171,7 +160,8 @@ bool World::grab(const std::string& holder,
     }
     SoftBody* soft = impl_->soft.find(id);
     if (soft == nullptr) return false;
-    const SoftHandle handle = handle_at(soft->body(), to_bullet(point_object));
+    const SoftHandle handle =
+        handle_at(soft->body(), to_bullet(point_object), impl_->options.soft.handle.hand_m);
     return !handle.nodes.empty() && impl_->grabs.hold(holder, id, handle, goal_world);
 }
 

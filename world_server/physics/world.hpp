@@ -1,55 +1,24 @@
 #pragma once
 
-#include "core/geometry/aabb.hpp"
 #include "core/geometry/rigid_transform.hpp"
+#include "world_server/physics/options/world_options.hpp"
 #include "world_server/physics/people/person_shape.hpp"
 #include "world_server/physics/rigid/joint.hpp"
 #include "world_server/physics/rigid/rigid_object.hpp"
+#include "world_server/physics/state/world_events.hpp"
+#include "world_server/physics/state/world_state.hpp"
 #include "world_server/physics/surroundings.hpp"
-#include "world_server/physics/world_state.hpp"
 
 #include <Eigen/Core>
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace atrium::physics {
-
-struct RigidState {
-    std::uint32_t id = 0;
-    geometry::RigidTransform world_from_object;
-    Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();   // [m/s] world
-    Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // [rad/s] world
-};
-
-/// Action for an object whose centre of mass leaves the world's box.
-enum class LeavePolicy : std::uint8_t {
-    kReset,   // returns to its start pose
-    kRemove,  // is removed
-    // cannot leave: the box has walls; an object that gets through one returns to its start
-    kBounce
-};
-
-struct WorldOptions {
-    double tick_s = 1.0 / 120.0;
-    Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // [m/s^2]
-    std::size_t max_objects = 256;
-    double half_extent_m = 20.0;          // half size of the world's box around the origin
-    double lowest_z_m = -1.0;             // lower end of the box
-    std::optional<geometry::Aabb> box{};  // replaces the two above
-    LeavePolicy leaving = LeavePolicy::kReset;
-    double max_speed_mps = 15.0;         // of an object
-    double max_spin_rad_s = 60.0;        // of an object
-    double max_depenetration_mps = 3.0;  // speed at which overlapping objects separate
-    double escape_mps = 1.5;             // speed at which an object inside a person is moved out
-    double person_friction = 2.0;        // see PeopleContactOptions
-    double person_restitution = 0.2;
-};
 
 /// State of a person in the physics at one moment.
 struct PersonSnapshot {
@@ -66,39 +35,6 @@ struct PersonSnapshot {
 
 struct SoftObject;
 struct SoftTopology;
-
-geometry::Aabb box_of(const WorldOptions& options);
-
-/// Correction that the world made to an object.
-enum class IncidentKind : std::uint8_t {
-    kNotFinite,  // state not finite: returned to its start
-    kRunaway,    // faster than any cause explains within one tick: returned to its start
-    kTorn,       // separated at a joint: returned to its start
-    kLeft,       // left the world's box: returned to its start
-    kRemoved     // left the world's box: removed
-};
-/// Returns a predicate for log lines, such as "left the world and was removed".
-std::string_view describe(IncidentKind kind);
-
-struct Incident {
-    std::uint32_t object = 0;
-    IncidentKind kind = IncidentKind::kLeft;
-};
-
-enum class AddResult : std::uint8_t { kAdded, kIdInUse, kWorldFull, kInvalid };
-
-/// Counts since construction.
-struct WorldCounters {
-    std::uint64_t num_ticks = 0;
-    // with at least one contact between a person and an object
-    std::uint64_t num_contact_ticks = 0;
-    std::uint64_t num_soft_contact_ticks = 0;  // of these, with a soft object
-    std::uint64_t num_strays = 0;              // objects that left the world's box
-    std::uint64_t num_not_finite = 0;          // objects with a state that was not finite
-    std::uint64_t num_runaways = 0;            // objects that became far too fast
-    std::uint64_t num_torn = 0;     // objects separated at a joint, or soft objects out of shape
-    std::uint64_t num_escapes = 0;  // objects found inside a person
-};
 
 /// Simulates rigid and soft objects, static scenery and people with Bullet.
 ///

@@ -45,12 +45,12 @@ struct World::Impl {
     btSoftRigidDynamicsWorld world{
         &dispatcher, &broadphase, &solver, &configuration, soft.solver()};
     std::map<std::uint32_t, std::unique_ptr<ObjectBody>> objects;
-    PeopleField people;
+    PeopleField people{options.people.field};
     PeopleContacts contacts;
     Grabs grabs;
     std::map<std::uint32_t, Eigen::Vector3d> centres_before;  // dynamic objects only
     Surroundings surroundings{world, kStaticGroup, kObjectGroup};
-    Joints joints{world, options.tick_s};
+    Joints joints{world, options.tick_s, options.rigid.joint};
     std::vector<Incident> found;      // in this tick; scratch
     std::set<std::uint32_t> handled;  // in this tick; scratch
     std::vector<Incident> incidents;

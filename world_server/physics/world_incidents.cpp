@@ -1,14 +1,10 @@
 // Resets or removes objects whose state is not plausible.
-#include "world_server/physics/bullet_types.hpp"
+#include "world_server/physics/rigid/bullet_types.hpp"
 #include "world_server/physics/world_impl.hpp"
 
 namespace atrium::physics {
 namespace {
 
-// No cause adds more than a few times the speed limit in one tick.
-constexpr double kRunawayFactor = 4.0;
-constexpr double kTornM = 0.25;
-constexpr double kBehindWallM = 0.5;
 constexpr std::size_t kMaxIncidents = 256;
 
 }  // namespace
@@ -17,14 +13,14 @@ constexpr std::size_t kMaxIncidents = 256;
 std::optional<IncidentKind> World::Impl::find_incident(ObjectBody& object) {
     if (!object.is_finite()) return IncidentKind::kNotFinite;
     const double speed = from_bullet(object.body().getLinearVelocity()).norm();
-    if (speed > kRunawayFactor * options.max_speed_mps) return IncidentKind::kRunaway;
+    if (speed > options.runaway_factor * options.max_speed_mps) return IncidentKind::kRunaway;
     if (object.body().isActive()) {
         object.limit_motion(centres_before[object.object().id], options);
     }
     geometry::Aabb box = box_of(options);
     if (options.leaving == LeavePolicy::kBounce) {
-        box.min.array() -= kBehindWallM;
-        box.max.array() += kBehindWallM;
+        box.min.array() -= options.behind_wall_m;
+        box.max.array() += options.behind_wall_m;
     }
     if (!box.contains(object.centre())) return IncidentKind::kLeft;
     return std::nullopt;
@@ -38,7 +34,8 @@ void World::Impl::handle_incidents() {
         if (const auto kind = find_incident(*object)) found.push_back({id, *kind});
     }
     for (const auto& joint : joints.all()) {
-        if (!(joint->gap_m() <= kTornM)) found.push_back({joint->joint().a, IncidentKind::kTorn});
+        if (!(joint->gap_m() <= options.torn_m))
+            found.push_back({joint->joint().a, IncidentKind::kTorn});
     }
     for (const Incident& incident : found) {
         // joined objects are reset together, once

@@ -1,5 +1,6 @@
 // Reads, restores and hashes the state of a world.
 #include "core/base/fnv1a.hpp"
+#include "world_server/physics/state_transfer.hpp"
 #include "world_server/physics/world_impl.hpp"
 
 #include <bit>

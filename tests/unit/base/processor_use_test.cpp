@@ -1,5 +1,7 @@
 #include "core/base/processor_use.hpp"
 
+#include "tests/support/skips.hpp"
+
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -186,7 +188,7 @@ TEST(ProcessorMeterOfThisProcess, MeasuresItsThreadsRunAndWait) {
     run_among_busy_threads([] { std::this_thread::sleep_for(milliseconds(200)); });
     const ProcessorUse use = meter.update();
     EXPECT_GT(use.run_per_s, 0.1);
-    if (!kernel_counts()) GTEST_SKIP() << "this kernel does not count waits";
+    if (!kernel_counts()) GTEST_SKIP() << atrium::test::skip::kNoWaitTimes;
     // the busy threads have ended before the meter could see them
     ProcessorMeter again;
     ProcessorUse during;

@@ -5,7 +5,6 @@
 #include "core/bus/wire.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "tests/support/decode_mesh.hpp"
-#include "tests/support/shortest_of.hpp"
 #include "tests/unit/bus/bus_support.hpp"
 
 #include <gmock/gmock.h>
@@ -27,6 +26,10 @@ using ::testing::HasSubstr;
 using testing::Listener;
 using testing::own_world;
 using testing::value;
+using Clock = std::chrono::steady_clock;
+
+// a lease of 1 s, and as much for a busy machine: the promise of qos/profiles.xml
+constexpr auto kGoneWithin = 2s;
 
 /// Another process that runs a site. The destructor kills it.
 class Peer {
@@ -61,22 +64,16 @@ TEST(BusFaults, KilledSiteIsGoneWithinTwoSeconds) {
     const auto participant = value(Participant::create(options));
     Listener<SiteDescription> descriptions(participant);
     Listener<SiteMesh> meshes(participant);
-    const auto time_until_gone = [&] {
-        descriptions.forget();
-        meshes.forget();
-        Peer peer(options, "doomed");
-        EXPECT_TRUE(descriptions.await([&] { return !descriptions.samples.empty(); }));
-        EXPECT_TRUE(meshes.await([&] { return meshes.samples.size() >= 5; }));
-        EXPECT_TRUE(descriptions.gone.empty());
+    Peer peer(options, "doomed");
+    ASSERT_TRUE(descriptions.await([&] { return !descriptions.samples.empty(); }));
+    ASSERT_TRUE(meshes.await([&] { return meshes.samples.size() >= 5; }));
+    EXPECT_TRUE(descriptions.gone.empty());
 
-        peer.kill_now();
-        const auto killed_at = std::chrono::steady_clock::now();
-        EXPECT_TRUE(descriptions.await([&] { return !descriptions.gone.empty(); }));
-        EXPECT_TRUE(meshes.await([&] { return !meshes.gone.empty(); }));
-        return std::chrono::steady_clock::now() - killed_at;
-    };
-    EXPECT_LT(atrium::test::shortest_of(3, 2s, time_until_gone), 2s);
-    ASSERT_FALSE(HasFailure());
+    peer.kill_now();
+    const auto killed_at = Clock::now();
+    ASSERT_TRUE(descriptions.await([&] { return !descriptions.gone.empty(); }));
+    ASSERT_TRUE(meshes.await([&] { return !meshes.gone.empty(); }));
+    EXPECT_LT(Clock::now() - killed_at, kGoneWithin);
     EXPECT_EQ(descriptions.gone.front().site, "doomed");
     EXPECT_EQ(meshes.gone.front().site, "doomed");
     EXPECT_EQ(descriptions.endings.front(), Ending::kLost);
@@ -96,22 +93,17 @@ TEST(BusFaults, FrozenSiteIsGoneAndReturnsByItself) {
     const Peer peer(options, "sleepy");
     ASSERT_TRUE(descriptions.await([&] { return !descriptions.samples.empty(); }));
 
-    const auto time_until_gone = [&] {
-        descriptions.forget();
-        peer.signal(SIGSTOP);
-        const auto frozen_at = std::chrono::steady_clock::now();
-        EXPECT_TRUE(descriptions.await([&] { return !descriptions.gone.empty(); }));
-        const auto time = std::chrono::steady_clock::now() - frozen_at;
+    peer.signal(SIGSTOP);
+    const auto frozen_at = Clock::now();
+    ASSERT_TRUE(descriptions.await([&] { return !descriptions.gone.empty(); }));
+    EXPECT_LT(Clock::now() - frozen_at, kGoneWithin);
 
-        // The site wrote its description only once, at its start. The reader must receive it again.
-        descriptions.forget();
-        meshes.forget();
-        peer.signal(SIGCONT);
-        EXPECT_TRUE(descriptions.await([&] { return !descriptions.samples.empty(); }));
-        EXPECT_TRUE(meshes.await([&] { return !meshes.samples.empty(); }));
-        return time;
-    };
-    EXPECT_LT(atrium::test::shortest_of(3, 2s, time_until_gone), 2s);
+    // The site wrote its description only once, at its start. The reader must receive it again.
+    descriptions.forget();
+    meshes.forget();
+    peer.signal(SIGCONT);
+    EXPECT_TRUE(descriptions.await([&] { return !descriptions.samples.empty(); }));
+    EXPECT_TRUE(meshes.await([&] { return !meshes.samples.empty(); }));
 }
 
 // More than the 10 participants that Cyclone allows by default, and more than the former limit of

@@ -3,6 +3,7 @@
 #include "site_node/capture/aravis_source.hpp"
 #include "tests/support/fake_gige_camera.hpp"
 #include "tests/support/own_network.hpp"
+#include "tests/support/skips.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -145,7 +146,7 @@ protected:
     void SetUp() override {
         if (const std::string& reason = test_support::reason_without_own_network();
             !reason.empty()) {
-            GTEST_SKIP() << reason;
+            GTEST_SKIP() << atrium::test::skip::kNoNetwork << reason;
         }
     }
 

@@ -1,4 +1,4 @@
-#include "tests/support/shortest_of.hpp"
+#include "tests/support/comes_true.hpp"
 #include "tests/unit/capture/aravis_fixture.hpp"
 
 #include <arv.h>
@@ -7,6 +7,8 @@
 
 namespace atrium::capture::test {
 namespace {
+
+using test_support::comes_true;
 
 TEST_F(AravisSourceTest, DeliversEveryFormatByteForByte) {
     const std::map<std::string, image::PixelFormat> expected{
@@ -44,23 +46,23 @@ TEST_F(AravisSourceTest, CountsDroppedPicturesWithoutFreeBuffers) {
     std::vector<CameraFrame> held;
     Player player(**source, [&](CameraFrame frame) {
         const std::lock_guard lock(mutex);
-        held.push_back(std::move(frame));
+        if (held.size() < 3) held.push_back(std::move(frame));
     });
+    const auto num_dropped = [&] { return (*source)->camera_counters()[0].num_dropped; };
     ASSERT_TRUE(player.wait_for_pictures(0, 3));  // the test now holds all of the camera's buffers
-    const std::uint64_t before = fakes_[0]->num_sent();
-    while (fakes_[0]->num_sent() < before + 10) std::this_thread::yield();
+    ASSERT_TRUE(comes_true([&] { return num_dropped() >= 10; }));
     EXPECT_EQ(player.count_of(0), 3u);
-    const std::uint64_t dropped = (*source)->camera_counters()[0].num_dropped;
-    EXPECT_GE(dropped, 8u);
-    EXPECT_LE(dropped, fakes_[0]->num_sent());
+    const std::uint64_t least = num_dropped();
     {
         const std::lock_guard lock(mutex);
-        held.clear();
+        held.pop_back();
     }
-    EXPECT_TRUE(player.wait_for_pictures(0, 1));
-    for (const auto& seen : player.seen()) EXPECT_TRUE(seen.is_exact);
-    const std::lock_guard lock(mutex);
-    held.clear();
+    ASSERT_TRUE(player.wait_for_pictures(0, 1));
+    const auto seen = player.seen();
+    const std::uint64_t num_missing = seen[3].number - seen[2].number - 1;
+    EXPECT_GE(num_missing, least);
+    EXPECT_LE(num_missing, num_dropped());
+    for (const auto& picture : seen) EXPECT_TRUE(picture.is_exact);
 }
 
 TEST_F(AravisSourceTest, RestartedCameraReturnsWhileTheOtherContinues) {
@@ -74,26 +76,22 @@ TEST_F(AravisSourceTest, RestartedCameraReturnsWhileTheOtherContinues) {
     ASSERT_TRUE(player.wait_for_pictures(0, 3));
     ASSERT_TRUE(player.wait_for_pictures(1, 3));
 
-    const auto time_until_back = [&] {
-        forget_events();
-        fakes_[1].reset();
-        EXPECT_TRUE(wait_for_event("camera 'cam1' is lost"));
-        EXPECT_FALSE((*source)->camera_counters()[1].connected);
-        EXPECT_TRUE((*source)->camera_counters()[0].connected);
-        EXPECT_TRUE(player.wait_for_pictures(0, 20));
-        // the assembler need not wait for the missing pictures
-        EXPECT_GE(player.lost().size(), 10u);
+    fakes_[1].reset();
+    ASSERT_TRUE(wait_for_event("camera 'cam1' is lost"));
+    EXPECT_FALSE((*source)->camera_counters()[1].connected);
+    EXPECT_TRUE((*source)->camera_counters()[0].connected);
+    const std::size_t lost_before = player.lost().size();
+    ASSERT_TRUE(player.wait_for_pictures(0, 20));
+    // the assembler need not wait for the missing pictures
+    EXPECT_GE(player.lost().size(), lost_before + 19);
 
-        fakes_[1] = std::make_unique<FakeGigeCamera>(fake_options(1));
-        EXPECT_TRUE(fakes_[1]->is_running());
-        const auto restarted = std::chrono::steady_clock::now();
-        EXPECT_TRUE(player.wait_for_pictures(1, 3));
-        return std::chrono::steady_clock::now() - restarted;
-    };
-    EXPECT_LT(atrium::test::shortest_of(3, seconds(2), time_until_back), seconds(2));
+    fakes_[1] = std::make_unique<FakeGigeCamera>(fake_options(1));
+    EXPECT_TRUE(fakes_[1]->is_running());
+    const auto restarted = std::chrono::steady_clock::now();
+    ASSERT_TRUE(player.wait_for_pictures(1, 3));
+    EXPECT_LT(std::chrono::steady_clock::now() - restarted, seconds(2));
     ASSERT_TRUE(wait_for_event("camera 'cam1' is back"));
-    // more than one reconnect if the busy machine misses the camera's heartbeat
-    EXPECT_GE((*source)->camera_counters()[1].num_reconnects, 1u);
+    EXPECT_EQ((*source)->camera_counters()[1].num_reconnects, 1u);
     EXPECT_EQ((*source)->camera_counters()[0].num_reconnects, 0u);
     // the other camera never waited: no gap longer than some periods
     const auto seen = player.seen();
@@ -176,7 +174,7 @@ TEST_F(AravisSourceTest, StalledConsumerGetsOnlyTheNewest) {
     ASSERT_TRUE(player.wait_for_pictures(0, 1));
     const std::uint64_t first = player.seen().back().number;
     // far more than the number of buffers; the counter includes the pictures of the stall
-    while ((*source)->camera_counters()[0].num_received < 40) std::this_thread::yield();
+    ASSERT_TRUE(comes_true([&] { return (*source)->camera_counters()[0].num_received >= 40; }));
     const std::uint64_t before = fake.num_sent();
     {
         const std::lock_guard lock(mutex);

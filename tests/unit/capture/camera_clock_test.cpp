@@ -10,7 +10,7 @@
 namespace atrium::capture {
 namespace {
 
-constexpr std::int64_t kPeriod_ns = 33'000'000;
+constexpr std::int64_t kPicturePeriod_ns = 33'000'000;
 constexpr std::int64_t kEpoch_ns = 1'800'000'000'000'000'000;
 
 TEST(CameraClock, UsesArrivalTimesWithoutADeviceClock) {
@@ -24,7 +24,7 @@ TEST(CameraClock, LateArrivalsDoNotShiftCaptureTimes) {
     CameraClock clock;
     std::vector<std::int64_t> errors_ns;
     for (int i = 0; i < 2000; ++i) {
-        const std::int64_t device_ns = 1'000'000 + i * kPeriod_ns;
+        const std::int64_t device_ns = 1'000'000 + i * kPicturePeriod_ns;
         const std::int64_t true_ns = kEpoch_ns + device_ns + device_ns / 20'000;  // 50 ppm apart
         // the delay is mostly 1 ms, and sometimes up to a period more
         const std::int64_t delay_ns =
@@ -42,13 +42,14 @@ TEST(CameraClock, LateArrivalsDoNotShiftCaptureTimes) {
 TEST(CameraClock, FollowsAClockThatWasSet) {
     CameraClock clock;
     clock.on_site_clock(5'000'000'000'000, {kEpoch_ns});
-    EXPECT_EQ(clock.on_site_clock(1'000, {kEpoch_ns + kPeriod_ns}).ns, kEpoch_ns + kPeriod_ns);
+    EXPECT_EQ(clock.on_site_clock(1'000, {kEpoch_ns + kPicturePeriod_ns}).ns,
+              kEpoch_ns + kPicturePeriod_ns);
     // it keeps that pace, although the next picture arrives late
-    const auto next =
-        clock.on_site_clock(1'000 + kPeriod_ns, {kEpoch_ns + 2 * kPeriod_ns + 9'000'000});
+    const auto next = clock.on_site_clock(1'000 + kPicturePeriod_ns,
+                                          {kEpoch_ns + 2 * kPicturePeriod_ns + 9'000'000});
     EXPECT_NEAR(static_cast<double>(next.ns - kEpoch_ns),
-                2.0 * kPeriod_ns,
-                CameraClock::kMaxDrift * (kPeriod_ns + 9'000'000));
+                2.0 * kPicturePeriod_ns,
+                CameraClock::kMaxDrift * (kPicturePeriod_ns + 9'000'000));
 }
 
 TEST(BackwardsGuard, RefusesOlderOrEqualTimes) {

@@ -15,7 +15,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::int64_t kPeriod_ns = 50'000'000;
 constexpr std::int64_t kTolerance_ns = kPeriod_ns / 4;
-const AssemblerOptions kOptions{nanoseconds(kTolerance_ns), milliseconds(100), 0};
+const AssemblerOptions kOffsetOptions{nanoseconds(kTolerance_ns), milliseconds(100), 0};
 
 // Simulated cameras. Each has a constant offset and a jitter.
 class Room {
@@ -119,7 +119,7 @@ TEST(CameraOffsets, LearnsAnyOffsetWithinTheToleranceAndNeverMixesTriggers) {
         for (double& o : offsets_tol) o = offset(random);
         constexpr double kJitter_tol = 0.14;
         Room room(offsets_tol, kJitter_tol, random());
-        MetaframeAssembler assembler(num_cameras, kOptions);
+        MetaframeAssembler assembler(num_cameras, kOffsetOptions);
         // pictures may overtake those of the next trigger
         const std::int64_t longest_way_ns = kPeriod_ns * 6 / 5;
         const double lost = round % 2 == 0 ? 0.0 : 0.03;
@@ -145,14 +145,14 @@ TEST(CameraOffsets, LearnsAnyOffsetWithinTheToleranceAndNeverMixesTriggers) {
 
 TEST(CameraOffsets, LosesNoTriggerToACameraNearTheTolerance) {
     Room room({0.0, 0.05, 0.9, -0.1, -0.9}, 0.05, 7);
-    MetaframeAssembler assembler(5, kOptions);
+    MetaframeAssembler assembler(5, kOffsetOptions);
     EXPECT_EQ(play(room, assembler, 1, 300).size(), 300u);
     EXPECT_EQ(assembler.counters().num_complete, 300u);
 }
 
 TEST(CameraOffsets, KeepsTheMiddleOfAllOffsetsAtZero) {
     Room room({0.3, 0.3, 0.3, 0.8, -0.5}, 0.1, 9);
-    MetaframeAssembler assembler(5, kOptions);
+    MetaframeAssembler assembler(5, kOffsetOptions);
     play(room, assembler, 1, 2000);
     std::vector<std::int64_t> offsets_ns;
     for (std::size_t i = 0; i < 5; ++i) offsets_ns.push_back(assembler.offsets().offset(i).count());
@@ -164,7 +164,7 @@ TEST(CameraOffsets, KeepsTheMiddleOfAllOffsetsAtZero) {
 
 TEST(CameraOffsets, RelearnsACameraThatReturnsWithAnotherOffset) {
     Room room({0.0, 0.0, 0.0, 0.95}, 0.02, 3);
-    MetaframeAssembler assembler(4, kOptions);
+    MetaframeAssembler assembler(4, kOffsetOptions);
     ASSERT_EQ(play(room, assembler, 1, 100).size(), 100u);
     room.offset_tol(3) = -0.95;
     const auto triggers = play(room, assembler, 101, 200);
@@ -177,7 +177,7 @@ TEST(CameraOffsets, RelearnsACameraThatReturnsWithAnotherOffset) {
 
 TEST(CameraOffsets, NeverLearnsOffsetsAboveTheTolerance) {
     Room room({0.0, 0.0, 0.0, 1.6}, 0.02, 3);
-    MetaframeAssembler assembler(4, kOptions);
+    MetaframeAssembler assembler(4, kOffsetOptions);
     ASSERT_EQ(play(room, assembler, 1, 100).size(), 100u);
     EXPECT_EQ(assembler.offsets().offset(3).count(), kTolerance_ns);
     // even after a wrong estimate, a true offset within the tolerance matches immediately
@@ -189,7 +189,7 @@ TEST(CameraOffsets, NeverLearnsOffsetsAboveTheTolerance) {
 
 TEST(CameraOffsets, KeepsTheCaptureTimesOfTheCameras) {
     Room room({0.0, 0.8}, 0.0, 3);
-    MetaframeAssembler assembler(2, kOptions);
+    MetaframeAssembler assembler(2, kOffsetOptions);
     ASSERT_EQ(play(room, assembler, 1, 50).size(), 50u);
     EXPECT_FALSE(assembler.add(room.picture(1, 51, 0).frame, at(51 * kPeriod_ns)));
     const auto metaframe = assembler.add(room.picture(0, 51, 0).frame, at(51 * kPeriod_ns));

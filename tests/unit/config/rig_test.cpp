@@ -1,5 +1,7 @@
 #include "core/config/rig.hpp"
 
+#include "tests/support/skips.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -88,7 +90,8 @@ TEST(LoadRig, ReportsAMissingFile) {
 
 TEST(LoadRig, ReadsTheRealRecordings) {
     const std::filesystem::path recordings = ATRIUM_SOURCE_DIR "/../shared/data/recordings";
-    if (!std::filesystem::exists(recordings)) GTEST_SKIP() << recordings << " is not there";
+    if (!std::filesystem::exists(recordings))
+        GTEST_SKIP() << atrium::test::skip::kNoSharedData << recordings;
     for (const char* name : {"ring20", "dancer", "horseman", "fourpersons_a"}) {
         const auto rig = load_rig(recordings / name);
         EXPECT_TRUE(rig) << rig.error().message;

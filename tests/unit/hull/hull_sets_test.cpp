@@ -1,6 +1,7 @@
 #include "core/geometry/triangle_mesh.hpp"
 #include "site_node/hull/visual_hull.hpp"
 #include "site_node/views/views_file.hpp"
+#include "tests/support/skips.hpp"
 #include "tools/visual_hull/coverage.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +20,7 @@ class HullSet : public testing::TestWithParam<std::string> {
 protected:
     void SetUp() override {
         if (!std::filesystem::exists(kFolder / "expected.json"))
-            GTEST_SKIP() << kFolder << " is not here";
+            GTEST_SKIP() << atrium::test::skip::kNoSharedData << kFolder;
         expected_ = nlohmann::json::parse(std::ifstream(kFolder / "expected.json")).at(GetParam());
         auto views = views::load_views_file(kFolder / (GetParam() + ".json"));
         ASSERT_TRUE(views) << views.error().message;

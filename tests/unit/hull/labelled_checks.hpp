@@ -29,7 +29,7 @@ inline Outlines prepare(const Contours& contours) {
     return outlines;
 }
 
-/// Checks the promises of `LabelledOutlines` on chains, junctions and loops.
+/// Checks the invariants of `LabelledOutlines` for chains, junctions and loops.
 inline void expect_sound(const LabelledOutlines& labelled, bool keep_unseen) {
     std::vector<int> num_in(labelled.points.size());
     std::vector<int> num_out(labelled.points.size());

@@ -21,8 +21,8 @@ using test::Point;
 constexpr double kJitter_px = 1e-6;
 constexpr double kFarFromEdges_px = 0.01;
 // a loop with less area contains no point that far from its edges
-constexpr double kMinArea_px2 = 3e-4;
-constexpr std::uint64_t kManyTests = 100'000'000;
+constexpr double kTinyArea_px2 = 3e-4;
+constexpr std::uint64_t kEnoughTests = 100'000'000;
 
 // The test's own reference, independent of the code under test.
 double turn(const Point& a, const Point& b, const Point& c) {
@@ -59,7 +59,7 @@ Outlines repaired(const Contours& contours, OutlineScratch& scratch, OutlineCoun
     Outlines outlines;
     copy_canonical(contours, 0.0, scratch, outlines, counts);
     jitter(outlines, kJitter_px, 7);
-    EXPECT_TRUE(make_simple(outlines, kMinArea_px2, kManyTests, scratch, counts));
+    EXPECT_TRUE(make_simple(outlines, kTinyArea_px2, kEnoughTests, scratch, counts));
     return outlines;
 }
 
@@ -155,7 +155,7 @@ TEST(OutlineRepair, DoesNotAllocateOnceWarm) {
         OutlineCounts counts;
         copy_canonical(contours, 0.01, scratch, outlines, counts);
         jitter(outlines, kJitter_px, 7);
-        EXPECT_TRUE(make_simple(outlines, 0.01, kManyTests, scratch, counts));
+        EXPECT_TRUE(make_simple(outlines, 0.01, kEnoughTests, scratch, counts));
     };
     for (int i = 0; i < 2; ++i) repair();  // two arrays are swapped
     const auto before = test::num_allocations();

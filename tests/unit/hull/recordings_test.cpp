@@ -1,3 +1,4 @@
+#include "tests/support/skips.hpp"
 #include "tools/visual_hull/tool.hpp"
 
 #include <gtest/gtest.h>
@@ -29,7 +30,7 @@ TEST_P(RealPeople, HaveTheVolumeAndCoverTheirSilhouettes) {
         std::filesystem::path(ATRIUM_SOURCE_DIR "/../shared/data/recordings") / expected.name;
     options.frame = expected.frame;
     if (!std::filesystem::exists(options.recording))
-        GTEST_SKIP() << options.recording << " is not here";
+        GTEST_SKIP() << atrium::test::skip::kNoSharedData << options.recording;
     const auto text = run(options);
     ASSERT_TRUE(text) << text.error().message;
     const auto report = nlohmann::json::parse(*text);

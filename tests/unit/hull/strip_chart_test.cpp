@@ -103,7 +103,7 @@ TEST_P(StripChartOfScenes, KeepsEveryEndOfAViewingEdge) {
     scene.cropped = false;
     HullScratch scratch;
     const VisualHull hull = compute_visual_hull(test::make_scene(scene, GetParam()), {}, scratch);
-    if (hull.status == HullStatus::kTooFewViews) GTEST_SKIP();
+    ASSERT_EQ(hull.status, HullStatus::kOk);
     const Cones& cones = intersected_cones(scratch);
     SerialExecutor executor;
     Pencils pencils;
@@ -135,9 +135,7 @@ TEST_P(StripChartOfScenes, KeepsEveryEndOfAViewingEdge) {
             }
         }
     }
-    if (hull.status == HullStatus::kOk) {
-        EXPECT_GT(num_ends, 0u);
-    }
+    EXPECT_GT(num_ends, 0u);
     EXPECT_GE(num_events, num_ends);
 }
 
@@ -147,15 +145,14 @@ TEST_P(StripChartOfScenes, ReadsPencilsInTheirExactOrder) {
     const test::SceneOptions scene = test::random_scene_options(GetParam());
     HullScratch scratch;
     const VisualHull hull = compute_visual_hull(test::make_scene(scene, GetParam()), {}, scratch);
-    if (hull.status == HullStatus::kTooFewViews) GTEST_SKIP();
+    ASSERT_EQ(hull.status, HullStatus::kOk);
     Cones cones = intersected_cones(scratch);
     SerialExecutor executor;
     Pencils pencils;
     Pencils exact;
-    const bool is_general = build_pencils(cones, executor, pencils);
+    ASSERT_TRUE(build_pencils(cones, executor, pencils));
     cones.only_exact = true;
-    ASSERT_EQ(build_pencils(cones, executor, exact), is_general);
-    if (!is_general) GTEST_SKIP();
+    ASSERT_TRUE(build_pencils(cones, executor, exact));
     for (std::size_t i = 0; i < cones.num_views(); ++i) {
         for (std::size_t k = 0; k < cones.num_views(); ++k) {
             if (i == k) continue;

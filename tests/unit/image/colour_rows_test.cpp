@@ -1,5 +1,7 @@
 #include "core/image/colour_rows.hpp"
 
+#include "tests/support/skips.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -35,7 +37,7 @@ Yuv packed(const std::vector<std::uint8_t>& bytes, int width, bool blue_first, R
 }
 
 TEST(ColourRows, PackedRowsAreEqualWithAllInstructionSets) {
-    if (best_row_code() == RowCode::kBaseline) GTEST_SKIP() << "this processor has no AVX2";
+    if (best_row_code() == RowCode::kBaseline) GTEST_SKIP() << atrium::test::skip::kNoAvx2;
     for (int width = 2; width < 240; width += 2) {
         const auto bytes =
             random_bytes(static_cast<std::size_t>(6 * width), static_cast<unsigned>(width));
@@ -48,7 +50,7 @@ TEST(ColourRows, PackedRowsAreEqualWithAllInstructionSets) {
 }
 
 TEST(ColourRows, MosaicRowsAreEqualWithAllInstructionSets) {
-    if (best_row_code() == RowCode::kBaseline) GTEST_SKIP() << "this processor has no AVX2";
+    if (best_row_code() == RowCode::kBaseline) GTEST_SKIP() << atrium::test::skip::kNoAvx2;
     for (int num_blocks = 1; num_blocks < 90; ++num_blocks) {
         const auto bytes = random_bytes(static_cast<std::size_t>(4 * num_blocks),
                                         static_cast<unsigned>(num_blocks));

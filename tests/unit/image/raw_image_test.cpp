@@ -12,8 +12,8 @@
 namespace atrium::image {
 namespace {
 
-constexpr int kWidth = 13;  // the last column and row belong to no block
-constexpr int kHeight = 7;
+constexpr int kOddWidth = 13;  // the last column and row belong to no block
+constexpr int kOddHeight = 7;
 constexpr std::size_t kPadding = 5;
 
 struct Rgb {
@@ -26,7 +26,7 @@ struct Rgb {
 struct Scene {
     std::vector<Rgb> blocks;
     const Rgb& at(int x, int y) const {
-        return blocks[static_cast<std::size_t>(y / 2 * ((kWidth + 1) / 2) + x / 2)];
+        return blocks[static_cast<std::size_t>(y / 2 * ((kOddWidth + 1) / 2) + x / 2)];
     }
 };
 
@@ -34,7 +34,7 @@ Scene random_scene(unsigned seed) {
     std::mt19937 random(seed);
     std::uniform_int_distribution<int> byte(0, 255);
     Scene scene;
-    for (int i = 0; i < (kWidth + 1) / 2 * ((kHeight + 1) / 2); ++i)
+    for (int i = 0; i < (kOddWidth + 1) / 2 * ((kOddHeight + 1) / 2); ++i)
         scene.blocks.push_back({byte(random), byte(random), byte(random)});
     return scene;
 }
@@ -56,10 +56,10 @@ int mosaic_sample(const Rgb& c, const std::array<char, 4>& block, int x, int y) 
 }
 
 std::vector<std::uint8_t> encode(const Scene& scene, PixelFormat format, std::size_t stride) {
-    std::vector<std::uint8_t> bytes(stride * kHeight, 0xaa);
-    for (int y = 0; y < kHeight; ++y) {
+    std::vector<std::uint8_t> bytes(stride * kOddHeight, 0xaa);
+    for (int y = 0; y < kOddHeight; ++y) {
         std::uint8_t* row = bytes.data() + static_cast<std::size_t>(y) * stride;
-        for (int x = 0; x < kWidth; ++x) {
+        for (int x = 0; x < kOddWidth; ++x) {
             const Rgb& c = scene.at(x, y);
             const auto put = [&](int at, int value) { row[at] = static_cast<std::uint8_t>(value); };
             const int chroma = x % 2 == 0 ? u_of(c) : v_of(c);
@@ -99,8 +99,8 @@ std::vector<std::uint8_t> encode(const Scene& scene, PixelFormat format, std::si
 RawImage raw_image(const std::vector<std::uint8_t>& bytes, PixelFormat format, std::size_t stride) {
     RawImage raw;
     raw.format = format;
-    raw.width = kWidth;
-    raw.height = kHeight;
+    raw.width = kOddWidth;
+    raw.height = kOddHeight;
     raw.planes[0] = {bytes.data(), stride};
     return raw;
 }
@@ -118,11 +118,11 @@ TEST(WorkingView, EveryColourFormatShowsTheSameColours) {
         YuvImage buffer;
         for (unsigned seed = 0; seed < 20; ++seed) {
             const Scene scene = random_scene(seed);
-            const std::size_t stride = row_bytes(format, kWidth) + kPadding;
+            const std::size_t stride = row_bytes(format, kOddWidth) + kPadding;
             const std::vector<std::uint8_t> bytes = encode(scene, format, stride);
             const YuvView view = working_view(raw_image(bytes, format, stride), buffer);
-            ASSERT_EQ(view.width(), kWidth - 1);
-            ASSERT_EQ(view.height(), kHeight - 1);
+            ASSERT_EQ(view.width(), kOddWidth - 1);
+            ASSERT_EQ(view.height(), kOddHeight - 1);
             ASSERT_EQ(view.mosaic, mosaic_of(format));
             const std::vector<std::uint8_t> bgr = test::bgr_from_yuv(view);
             for (int y = 0; y < view.height(); ++y) {
@@ -149,7 +149,7 @@ TEST(WorkingPicture, PartsEqualTheWhole) {
                                      PixelFormat::kBayerGB,
                                      PixelFormat::kMono8}) {
         SCOPED_TRACE(static_cast<int>(format));
-        const std::size_t stride = row_bytes(format, kWidth) + kPadding;
+        const std::size_t stride = row_bytes(format, kOddWidth) + kPadding;
         const std::vector<std::uint8_t> bytes = encode(random_scene(3), format, stride);
         const RawImage raw = raw_image(bytes, format, stride);
         YuvImage whole_buffer;
@@ -176,10 +176,11 @@ TEST(WorkingPicture, PartsEqualTheWhole) {
 
 TEST(WorkingView, MonochromeHasNoHue) {
     const Scene scene = random_scene(5);
-    const std::vector<std::uint8_t> bytes = encode(scene, PixelFormat::kMono8, kWidth);
+    const std::vector<std::uint8_t> bytes = encode(scene, PixelFormat::kMono8, kOddWidth);
     YuvImage buffer;
-    buffer.u = Plane((kWidth - 1) / 2, (kHeight - 1) / 2, 7);  // leftover of an earlier picture
-    const YuvView view = working_view(raw_image(bytes, PixelFormat::kMono8, kWidth), buffer);
+    buffer.u =
+        Plane((kOddWidth - 1) / 2, (kOddHeight - 1) / 2, 7);  // leftover of an earlier picture
+    const YuvView view = working_view(raw_image(bytes, PixelFormat::kMono8, kOddWidth), buffer);
     EXPECT_EQ(view.y.data, bytes.data());
     EXPECT_EQ(view.y.at(4, 4), luma(scene.at(4, 4)));
     for (int y = 0; y < view.u.height; ++y) {
@@ -199,8 +200,8 @@ TEST(WorkingView, UsableFormatsAreNotCopied) {
     EXPECT_EQ(view.u.data, image->u.data.data());
     EXPECT_EQ(view.v.data, image->v.data.data());
     EXPECT_EQ(image.use_count(), 1);  // the temporary has released its reference
-    const std::vector<std::uint8_t> bytes(kWidth * kHeight, 9);
-    const RawImage mosaic = raw_image(bytes, PixelFormat::kBayerGB, kWidth);
+    const std::vector<std::uint8_t> bytes(kOddWidth * kOddHeight, 9);
+    const RawImage mosaic = raw_image(bytes, PixelFormat::kBayerGB, kOddWidth);
     EXPECT_EQ(working_view(mosaic, buffer).y.data, bytes.data());
 }
 

@@ -55,6 +55,24 @@ TEST(Bounds, RemoveDropsAnEscapedObjectWithItsJointPartners) {
     EXPECT_THAT(removed, testing::UnorderedElementsAre(2U, 3U));
 }
 
+double speed_after_wall(double restitution) {
+    WorldOptions options = room(LeavePolicy::kBounce);
+    options.gravity.setZero();
+    options.wall_restitution = restitution;
+    World world(options);
+    RigidObject box = box_at(2, {0, 0, 1}, {0.1, 0.1, 0.1});
+    box.restitution = 1.0;
+    EXPECT_EQ(world.add(box), AddResult::kAdded);
+    EXPECT_TRUE(world.push(2, {2.0 * box.mass_kg, 0, 0}));
+    run(world, 1.0);
+    return state_of(world, 2).linear_velocity.x();
+}
+
+TEST(Bounds, AnOptionSetsTheBounceOfTheWalls) {
+    EXPECT_LT(speed_after_wall(0.9), -1.5);
+    EXPECT_NEAR(speed_after_wall(0.0), 0.0, 0.1);
+}
+
 TEST(Bounds, BounceKeepsEverythingInside) {
     World world(room(LeavePolicy::kBounce));
     throw_two_out(world);

@@ -1,3 +1,4 @@
+#include "ticks.hpp"
 #include "world_server/physics/world.hpp"
 
 #include <Eigen/Geometry>
@@ -8,7 +9,6 @@
 namespace atrium::physics {
 namespace {
 
-constexpr double kTickS = 1.0 / 120.0;
 const Eigen::Vector3d kCentre = Eigen::Vector3d::Zero();
 
 // A floor and a box of 20 cm on it.

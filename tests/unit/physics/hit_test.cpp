@@ -1,5 +1,6 @@
 // A hand starts at full speed into a small ball, beside a still torso in the same mesh.
 #include "meshes.hpp"
+#include "ticks.hpp"
 #include "world_server/physics/people/person_shape.hpp"
 #include "world_server/physics/rigid/body_samples.hpp"
 #include "world_server/physics/world.hpp"
@@ -17,7 +18,6 @@ using physics_test::append;
 using physics_test::make_box_mesh;
 
 constexpr double kBallRadiusM = 0.025;
-constexpr double kTickS = 1.0 / 120.0;
 constexpr int kNumDirections = 20;
 const Eigen::Vector3d kHandSizeM{0.04, 0.10, 0.18};     // the forearm continues along -z
 const Eigen::Vector3d kForearmSizeM{0.06, 0.07, 0.26};  // overlaps the hand by 1 cm

@@ -1,5 +1,6 @@
 // How people hold objects. The test sets the velocities of the surfaces instead of estimating them.
 #include "meshes.hpp"
+#include "ticks.hpp"
 #include "world_server/physics/people/people_field.hpp"
 #include "world_server/physics/people/surface_index.hpp"
 #include "world_server/physics/world.hpp"
@@ -20,9 +21,6 @@ using geometry::RigidTransform;
 using physics_test::append;
 using physics_test::make_box_mesh;
 
-constexpr double kTickS = 1.0 / 120.0;
-constexpr int kTicksPerMesh = 4;
-constexpr double kPeriodS = kTicksPerMesh * kTickS;
 constexpr std::uint32_t kThing = 2;
 
 RigidTransform at(const Eigen::Vector3d& position, double yaw_rad = 0.0) {
@@ -38,7 +36,7 @@ public:
 
     PersonShape shape(const RigidTransform& before, const RigidTransform& now) const {
         PersonShape shape;
-        shape.period_s = kPeriodS;
+        shape.period_s = kMeshPeriodS;
         auto surfels = std::make_shared<std::vector<MovingSurfel>>();
         for (const SurfaceSample& s : index_.samples()) {
             const Eigen::Vector3d p = s.position.cast<double>();
@@ -47,7 +45,7 @@ public:
             surfel.from = (before * p).cast<float>();
             surfel.normal = (now.rotation * s.normal.cast<double>()).cast<float>();
             surfel.velocity =
-                share_ * (surfel.position - surfel.from) / static_cast<float>(kPeriodS);
+                share_ * (surfel.position - surfel.from) / static_cast<float>(kMeshPeriodS);
             surfels->push_back(surfel);
         }
         shape.surfels = surfels;
@@ -77,10 +75,11 @@ protected:
         const Holder& holder,
         const std::function<RigidTransform(double)>& pose,
         const std::function<void()>& look = [] {}) {
-        const int num_meshes = static_cast<int>(std::lround(seconds / kPeriodS));
+        const int num_meshes = static_cast<int>(std::lround(seconds / kMeshPeriodS));
         for (int i = 0; i < num_meshes; ++i) {
-            world.set_person("anna",
-                             holder.shape(pose(std::max(0, i - 1) * kPeriodS), pose(i * kPeriodS)));
+            world.set_person(
+                "anna",
+                holder.shape(pose(std::max(0, i - 1) * kMeshPeriodS), pose(i * kMeshPeriodS)));
             for (int tick = 0; tick < kTicksPerMesh; ++tick) {
                 world.tick();
                 look();

@@ -39,7 +39,7 @@ protected:
     }
     double off_m() { return (stage_.rigid(kBall).world_from_object.translation - kStart).norm(); }
 
-    Stage stage_;
+    SoftStage stage_;
 };
 
 TEST_F(PutOntoAHand, ObjectStaysUntouchedWhileTheHandIsInIt) {

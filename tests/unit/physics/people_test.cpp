@@ -1,5 +1,6 @@
 // How people move objects: meshes at 30 Hz without a common topology, ticks at 120 Hz.
 #include "meshes.hpp"
+#include "ticks.hpp"
 #include "world_server/physics/people/person_shape.hpp"
 #include "world_server/physics/world.hpp"
 
@@ -15,13 +16,12 @@ namespace {
 using physics_test::make_box_mesh;
 using physics_test::make_sphere_mesh;
 
-constexpr int kTicksPerMesh = 4;
 constexpr double kMeshPeriodS = 1.0 / 30.0;
 
 // A world with a floor that receives a person's meshes at 30 Hz.
-class Stage {
+class PeopleStage {
 public:
-    Stage() { world.add({.id = 1, .shape = ObjectShape::kPlane, .size_m = {10, 10, 0}}); }
+    PeopleStage() { world.add({.id = 1, .shape = ObjectShape::kPlane, .size_m = {10, 10, 0}}); }
 
     void add_ball(const Eigen::Vector3d& position, double diameter_m = 0.1) {
         ASSERT_EQ(world.add({.id = 2,
@@ -96,15 +96,15 @@ struct Swing {
     }
 };
 
-// The fraction of seeded trials in which the slab carries or throws the object forward.
-double share_moved(double speed_mps, bool use_box, int num_trials) {
+// Number of seeded trials in which the slab carries or throws the object forward.
+int count_moved(double speed_mps, bool use_box, int num_trials) {
     int num_moved = 0;
     for (int trial = 0; trial < num_trials; ++trial) {
         std::mt19937 random(1000 + trial);
         const auto uniform = [&](double low, double high) {
             return std::uniform_real_distribution<double>(low, high)(random);
         };
-        Stage stage;
+        PeopleStage stage;
         stage.add_table(0.95);
         if (use_box) {
             stage.add_box({0, 0, 1.0}, 0.1);
@@ -128,21 +128,21 @@ double share_moved(double speed_mps, bool use_box, int num_trials) {
         if (furthest > 0.15) ++num_moved;
         EXPECT_EQ(stage.world.counters().num_not_finite, 0U);
     }
-    return static_cast<double>(num_moved) / num_trials;
+    return num_moved;
 }
 
 class SlabAtSpeed : public testing::TestWithParam<double> {};
 
 TEST_P(SlabAtSpeed, PushesABallAndNeverPassesThroughIt) {
-    EXPECT_GE(share_moved(GetParam(), false, 40), 0.95);
+    EXPECT_EQ(count_moved(GetParam(), false, 40), 40);
 }
 TEST_P(SlabAtSpeed, PushesABoxAndNeverPassesThroughIt) {
-    EXPECT_GE(share_moved(GetParam(), true, 40), 0.95);
+    EXPECT_EQ(count_moved(GetParam(), true, 40), 40);
 }
 INSTANTIATE_TEST_SUITE_P(MetresPerSecond, SlabAtSpeed, testing::Values(1.0, 2.0, 4.0));
 
 TEST(Person, GivesABallAboutTheHandsSpeed) {
-    Stage stage;
+    PeopleStage stage;
     stage.add_table(0.95);
     stage.add_ball({0, 0, 1.0});
     const Swing swing{
@@ -154,13 +154,13 @@ TEST(Person, GivesABallAboutTheHandsSpeed) {
             return make_box_mesh({0.04, 0.10, 0.18}, swing.pose(t), 3);
         },
         [&] { fastest = std::max(fastest, stage.object().linear_velocity.x()); });
-    EXPECT_GT(fastest, 1.7);
     // restitution of the two: 4 %; error of the measured speed: 8 %
+    EXPECT_GT(fastest, 2.0 * 0.92);
     EXPECT_LT(fastest, 2.0 * 1.2 * 1.1);
 }
 
 TEST(Person, WakesASleepingObject) {
-    Stage stage;
+    PeopleStage stage;
     stage.add_ball({0, 0, 0.05});
     const auto nobody = [](double) { return geometry::TriangleMesh{}; };
     stage.play(4.0, nobody);
@@ -173,7 +173,7 @@ TEST(Person, WakesASleepingObject) {
 
 TEST(Person, IsAWallWhenStill) {
     for (const double speed_mps : {1.0, 4.0, 8.0}) {
-        Stage stage;
+        PeopleStage stage;
         stage.add_ball({1.0, 0, 1.2});
         stage.world.push(2, {-0.3 * speed_mps, 0, 0});
         double nearest = 1.0;
@@ -191,11 +191,11 @@ TEST(Person, IsAWallWhenStill) {
     }
 }
 
-TEST(Person, HoldsABallOnAStillHandOrLetsItRollOff) {
+TEST(Person, HoldsABallOnAStillHand) {
     std::mt19937 random(17);
     std::uniform_real_distribution<double> offset(-0.05, 0.05);
     for (int trial = 0; trial < 8; ++trial) {
-        Stage stage;
+        PeopleStage stage;
         stage.add_ball({0.4 + offset(random), 0.17 + offset(random), 1.6});
         int ticks_inside = 0;
         int num_cuts = 8;
@@ -210,14 +210,13 @@ TEST(Person, HoldsABallOnAStillHandOrLetsItRollOff) {
                                     std::abs(p.y() - 0.17) < 0.045 && std::abs(p.z() - 1.3) < 0.045;
                 ticks_inside += inside ? 1 : 0;
             });
-        EXPECT_LE(ticks_inside, 6) << "trial " << trial;
-        const double height = stage.position().z();
-        EXPECT_TRUE(height < 0.3 || std::abs(height - 1.395) < 0.03) << height;
+        EXPECT_EQ(ticks_inside, 0) << "trial " << trial;
+        EXPECT_NEAR(stage.position().z(), 1.395, 0.01) << "trial " << trial;
     }
 }
 
 TEST(Person, CarriesABoxOnAFlatHandUpwards) {
-    Stage stage;
+    PeopleStage stage;
     stage.add_box({0, 0, 1.08}, 0.12);
     stage.play(3.0, [&](double t) {
         const double height = 1.0 + 0.2 * std::clamp(t - 1.0, 0.0, 1.5);
@@ -229,7 +228,7 @@ TEST(Person, CarriesABoxOnAFlatHandUpwards) {
 
 TEST(Person, ReleasesEnclosedObjectsWhenItAppears) {
     for (const double diameter_m : {0.06, 0.1, 0.2}) {
-        Stage stage;
+        PeopleStage stage;
         stage.add_ball({0.03, 0.01, 1.0}, diameter_m);
         const auto torso = [&](double) {
             return make_box_mesh(
@@ -249,7 +248,7 @@ TEST(Person, ReleasesEnclosedObjectsWhenItAppears) {
 }
 
 TEST(Person, SqueezingAgainstAWallDoesNotEjectAnObject) {
-    Stage stage;
+    PeopleStage stage;
     ASSERT_EQ(
         stage.world.add({.id = 4,
                          .size_m = {0.2, 2.0, 2.0},
@@ -275,7 +274,7 @@ TEST(Person, SqueezingAgainstAWallDoesNotEjectAnObject) {
 }
 
 TEST(Person, StopsWithoutMeshesAndVanishesWhenRemoved) {
-    Stage stage;
+    PeopleStage stage;
     const auto hand_at = [&](double x) {
         return make_box_mesh({0.04, 0.1, 0.18}, {Eigen::Quaterniond::Identity(), {x, 0, 1.0}}, 3);
     };
@@ -295,7 +294,7 @@ TEST(Person, StopsWithoutMeshesAndVanishesWhenRemoved) {
 }
 
 TEST(Person, DropsObjectsOnItWhenItLeaves) {
-    Stage stage;
+    PeopleStage stage;
     stage.add_box({0, 0, 1.08}, 0.12);
     const auto tray = [&](double) {
         return make_box_mesh({0.3, 0.3, 0.04}, {Eigen::Quaterniond::Identity(), {0, 0, 1.0}}, 4);
@@ -309,7 +308,7 @@ TEST(Person, DropsObjectsOnItWhenItLeaves) {
 
 TEST(Person, RepeatsBitByBit) {
     const auto play = [] {
-        Stage stage;
+        PeopleStage stage;
         stage.add_table(0.95);
         stage.add_ball({0, 0, 1.0});
         const Swing swing{.speed_mps = 3.0,

@@ -1,6 +1,7 @@
 #include "world_server/physics/people/person_shape.hpp"
 
 #include "meshes.hpp"
+#include "ticks.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +15,6 @@ namespace {
 
 using physics_test::make_box_mesh;
 
-constexpr double kPeriodS = 1.0 / 30.0;
 Timestamp frame_time(int frame) {
     return Timestamp{1'000'000'000} + std::chrono::nanoseconds(frame * 33'333'333LL);
 }
@@ -93,7 +93,7 @@ TEST(PersonShaper, MeasuresTheVelocityOfASlabAlongItsNormal) {
         PersonShaper shaper({});
         shaper.shape(slab_at({0.0, 0.0, 1.0}, 3), frame_time(0));
         const PersonShape shape =
-            shaper.shape(slab_at({speed_mps * kPeriodS, 0.0, 1.0}, 4), frame_time(1));
+            shaper.shape(slab_at({speed_mps * kMeshPeriodS, 0.0, 1.0}, 4), frame_time(1));
         ASSERT_FALSE(shape.surfels->empty());
         for (const MovingSurfel& surfel : *shape.surfels) {
             const Eigen::Vector3f& v = surfel.velocity;
@@ -112,7 +112,7 @@ TEST(PersonShaper, GivesEachPartItsOwnVelocity) {
     };
     PersonShaper shaper({});
     shaper.shape(figure(0.0), frame_time(0));
-    const PersonShape shape = shaper.shape(figure(2.0 * kPeriodS), frame_time(1));
+    const PersonShape shape = shaper.shape(figure(2.0 * kMeshPeriodS), frame_time(1));
     for (const MovingSurfel& surfel : *shape.surfels) {
         const double expected = surfel.position.y() > 0.5F ? 2.0 : 0.0;
         EXPECT_NEAR(surfel.velocity.x(), expected, 0.2);

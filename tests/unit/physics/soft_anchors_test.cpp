@@ -16,7 +16,7 @@ constexpr double kRopeKg = 0.3;
 constexpr double kBallM = 0.12;
 
 // A rope from `top`, `slant_rad` off the vertical. A ball hangs by its skin at the end.
-void add_pendulum(Stage& stage, const Eigen::Vector3d& top, double mass_kg, double slant_rad) {
+void add_pendulum(SoftStage& stage, const Eigen::Vector3d& top, double mass_kg, double slant_rad) {
     const Eigen::Quaterniond turned(
         Eigen::AngleAxisd(0.5 * std::numbers::pi - slant_rad, Eigen::Vector3d::UnitY()));
     const Eigen::Vector3d along = turned * Eigen::Vector3d::UnitX();
@@ -32,7 +32,7 @@ void add_pendulum(Stage& stage, const Eigen::Vector3d& top, double mass_kg, doub
     ASSERT_EQ(stage.world.add_soft(rope), AddResult::kAdded);
 }
 
-double fastest_within(Stage& stage, double seconds) {
+double fastest_within(SoftStage& stage, double seconds) {
     double fastest = 0.0;
     stage.run(seconds,
               [&] { fastest = std::max(fastest, stage.rigid(kWeight).linear_velocity.norm()); });
@@ -42,7 +42,7 @@ double fastest_within(Stage& stage, double seconds) {
 TEST(SoftAnchors, WeightOnARopeComesToRest) {
     for (const double mass_kg : {0.05, 0.4, 7.0}) {
         for (const Eigen::Vector2d& at : {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(0.5, 1.3)}) {
-            Stage stage;
+            SoftStage stage;
             const Eigen::Vector3d top(at.x(), at.y(), 2.16);
             add_pendulum(stage, top, mass_kg, 0.0);
             stage.run(8.0);
@@ -63,7 +63,7 @@ TEST(SoftAnchors, WeightOnARopeComesToRest) {
 TEST(SoftAnchors, PendulumGainsNoAmplitude) {
     for (const double mass_kg : {0.05, 0.4, 7.0}) {
         for (const double slant_rad : {0.2, 0.52, 1.2}) {
-            Stage stage;
+            SoftStage stage;
             const Eigen::Vector3d top(0.3, -0.2, 2.4);
             add_pendulum(stage, top, mass_kg, slant_rad);
             // of both per mass of both: the end of a rope may be fast for a moment
@@ -89,7 +89,7 @@ TEST(SoftAnchors, PendulumGainsNoAmplitude) {
 
 TEST(SoftAnchors, BarAtTheFootOfAClothComesToRest) {
     for (const double mass_kg : {0.1, 0.5, 3.0}) {
-        Stage stage;
+        SoftStage stage;
         SoftObject cloth = curtain_at({0.4, -0.3, 1.5});
         cloth.size_m = {0.6, 1.0, 0.01};
         cloth.mass_kg = 0.3;
@@ -108,7 +108,7 @@ TEST(SoftAnchors, BarAtTheFootOfAClothComesToRest) {
 
 // As if somebody pulled the weight of a swing along and lost hold of it.
 TEST(SoftAnchors, DoNotFlingAWeightOnARope) {
-    Stage stage;
+    SoftStage stage;
     add_pendulum(stage, {0, 0, 2.2}, 0.4, 0.0);
     stage.run(1.0);
     for (const double away_m : {0.6, 1.2}) {

@@ -40,7 +40,7 @@ TEST(SoftObject, IsRefusedWithAReason) {
 }
 
 TEST(SoftObject, SharesIdsAndNodeLimitWithOthers) {
-    Stage stage;
+    SoftStage stage;
     SoftObject ball = ball_at({0, 0, 1});
     ball.id = 1;
     EXPECT_EQ(stage.world.add_soft(ball), AddResult::kIdInUse);
@@ -55,7 +55,7 @@ TEST(SoftObject, SharesIdsAndNodeLimitWithOthers) {
 }
 
 TEST(SoftBall, RestsOnTheFloorAndKeepsItsVolume) {
-    Stage stage;
+    SoftStage stage;
     ASSERT_EQ(stage.world.add_soft(ball_at({0, 0, 0.5})), AddResult::kAdded);
     const double volume = stage.volume_m3();
     double worst = 0.0;
@@ -73,7 +73,7 @@ TEST(SoftBall, RestsOnTheFloorAndKeepsItsVolume) {
 }
 
 TEST(SoftBox, KeepsItsShape) {
-    Stage stage;
+    SoftStage stage;
     SoftObject box = ball_at({0, 0, 0.4});
     box.shape = SoftShape::kBox;
     box.size_m = {0.3, 0.3, 0.2};
@@ -86,7 +86,7 @@ TEST(SoftBox, KeepsItsShape) {
 }
 
 TEST(SoftModel, CanBeAnyClosedMesh) {
-    Stage stage;
+    SoftStage stage;
     SoftObject model = ball_at({0, 0, 0.4});
     model.shape = SoftShape::kModel;
     model.model = make_box_mesh({0.3, 0.2, 0.2}, {}, 4);
@@ -99,7 +99,7 @@ TEST(SoftModel, CanBeAnyClosedMesh) {
 }
 
 TEST(SoftCloth, HangsFromItsPins) {
-    Stage stage;
+    SoftStage stage;
     ASSERT_EQ(stage.world.add_soft(curtain_at({0, 0, 1.1})), AddResult::kAdded);
     const std::vector<Eigen::Vector3f> start = stage.soft().positions;
     stage.run(5.0);
@@ -116,7 +116,7 @@ TEST(SoftCloth, HangsFromItsPins) {
 }
 
 TEST(SoftRope, HangsByItsEndsAndKeepsItsLength) {
-    Stage stage;
+    SoftStage stage;
     ASSERT_EQ(stage.world.add_soft(rope_at({0, 0, 2})), AddResult::kAdded);
     const std::vector<Eigen::Vector3f> start = stage.soft().positions;
     stage.run(8.0);
@@ -129,7 +129,7 @@ TEST(SoftRope, HangsByItsEndsAndKeepsItsLength) {
 }
 
 TEST(SoftRope, CarriesATiedObject) {
-    Stage stage;
+    SoftStage stage;
     ASSERT_EQ(stage.world.add({.id = 7,
                                .size_m = {0.1, 0.1, 0.1},
                                .mass_kg = 0.3,
@@ -174,7 +174,7 @@ geometry::TriangleMesh terrain(double height_m, int num_cuts) {
 
 TEST(SoftWorld, RestsOnSolidScenery) {
     for (const int num_cuts : {1, 20}) {
-        Stage stage;
+        SoftStage stage;
         ASSERT_TRUE(stage.world.add_static({.mesh = terrain(0.5, num_cuts)}));
         ASSERT_EQ(stage.world.add_soft(ball_at({-0.4, 0.1, 1.2})), AddResult::kAdded);
         SoftObject sheet = curtain_at({0.4, 0, 0.9});
@@ -200,7 +200,7 @@ TEST(SoftWorld, StaysInsideTheWallsOfItsBounds) {
     WorldOptions options;
     options.box = geometry::Aabb{.min = {-1, -1, -1}, .max = {1, 1, 3}};
     options.leaving = LeavePolicy::kBounce;
-    Stage stage(options);
+    SoftStage stage(options);
     ASSERT_EQ(stage.world.add_soft(ball_at({0, 0, 0.3})), AddResult::kAdded);
     stage.throw_soft(kSoft, {6, 0, 1});
     double furthest_m = 0.0;
@@ -215,7 +215,7 @@ TEST(SoftWorld, StaysInsideTheWallsOfItsBounds) {
 
 TEST(SoftWorld, IsRepeatable) {
     const auto hashes = [] {
-        Stage stage;
+        SoftStage stage;
         EXPECT_EQ(stage.world.add_soft(ball_at({0.05, 0, 0.6})), AddResult::kAdded);
         SoftObject cloth = curtain_at({0.4, 0, 1.1});
         cloth.id = 51;
@@ -239,11 +239,11 @@ TEST(SoftWorld, IsRepeatable) {
 }
 
 TEST(SoftWorld, ContinuesIdenticallyFromASavedState) {
-    Stage once;
+    SoftStage once;
     ASSERT_EQ(once.world.add_soft(ball_at({0, 0, 0.6})), AddResult::kAdded);
     once.run(0.5);
     const SoftState saved = once.soft();
-    Stage again;
+    SoftStage again;
     ASSERT_EQ(again.world.add_soft(ball_at({0, 0, 0.6})), AddResult::kAdded);
     ASSERT_TRUE(again.world.restore_soft(saved));
     once.run(0.5);
@@ -261,7 +261,7 @@ TEST(SoftWorld, ContinuesIdenticallyFromASavedState) {
 
 TEST(SoftWorld, LimitsTheSpeedOfNodes) {
     for (const auto& object : {curtain_at({0, 0, 1.5}), ball_at({0, 0, 1.0}), rope_at({0, 0, 1})}) {
-        Stage stage({.max_speed_mps = 4.0});
+        SoftStage stage({.max_speed_mps = 4.0});
         ASSERT_EQ(stage.world.add_soft(object), AddResult::kAdded);
         std::mt19937 random(8);
         std::uniform_real_distribution<float> speed(-6.0F, 6.0F);
@@ -288,7 +288,7 @@ TEST(SoftWorld, SnapsBackWithoutBeingFlung) {
     for (const auto& object : {rope, curtain}) {
         for (const std::function<float(float)>& pulled :
              std::initializer_list<std::function<float(float)>>{doubled, torn}) {
-            Stage stage;
+            SoftStage stage;
             ASSERT_EQ(stage.world.add_soft(object), AddResult::kAdded);
             stage.run(2.0);
             SoftState state = stage.soft();
@@ -313,7 +313,7 @@ TEST(SoftWorld, SnapsBackWithoutBeingFlung) {
 }
 
 TEST(SoftWorld, ResetsObjectsThatLeaveIt) {
-    Stage stage;
+    SoftStage stage;
     ASSERT_EQ(stage.world.add_soft(ball_at({0, 0, 0.6})), AddResult::kAdded);
     SoftState far = stage.soft();
     for (Eigen::Vector3f& p : far.positions) p.x() += 100.0F;
@@ -324,7 +324,7 @@ TEST(SoftWorld, ResetsObjectsThatLeaveIt) {
 }
 
 TEST(SoftWorld, RemovesObjectsThatLeaveItIfItsBoundsSaySo) {
-    Stage stage({.leaving = LeavePolicy::kRemove});
+    SoftStage stage({.leaving = LeavePolicy::kRemove});
     ASSERT_EQ(stage.world.add_soft(ball_at({0, 0, 0.6})), AddResult::kAdded);
     SoftState far = stage.soft();
     for (Eigen::Vector3f& p : far.positions) p.x() += 100.0F;
@@ -340,7 +340,7 @@ TEST(SoftWorld, RemovesObjectsThatLeaveItIfItsBoundsSaySo) {
 }
 
 TEST(SoftCloth, CatchesAThrownBall) {
-    Stage stage;
+    SoftStage stage;
     SoftObject sheet = curtain_at({0, 0, 1.0});
     sheet.size_m = {1.0, 1.0, 0.01};
     sheet.spacing_m = 0.05;
@@ -364,7 +364,7 @@ TEST(SoftCloth, CatchesAThrownBall) {
 }
 
 TEST(SoftWorld, GainsNoEnergyInAMinute) {
-    Stage stage;
+    SoftStage stage;
     ASSERT_EQ(stage.world.add_soft(ball_at({0, 0, 0.8})), AddResult::kAdded);
     SoftObject cloth = curtain_at({1.0, 0, 1.1});
     cloth.id = 51;

@@ -12,7 +12,7 @@ class SoftGrab : public testing::Test {
 protected:
     Eigen::Vector3d node(std::size_t i) { return stage.soft().positions[i].cast<double>(); }
 
-    Stage stage;
+    SoftStage stage;
 };
 
 TEST_F(SoftGrab, LiftsABallByItsSkinAndReleasesIt) {

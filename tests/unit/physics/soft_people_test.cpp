@@ -25,7 +25,7 @@ TEST_P(SoftBallPushed, IsNeverPassedThrough) {
         const auto uniform = [&](double low, double high) {
             return std::uniform_real_distribution<double>(low, high)(random);
         };
-        Stage stage;
+        SoftStage stage;
         ASSERT_EQ(stage.world.add_soft(ball_at({0, 0, 0.17})), AddResult::kAdded);
         stage.run(0.5);
         const double y = uniform(-0.04, 0.04), z = uniform(0.12, 0.2);
@@ -60,7 +60,7 @@ TEST_P(SoftBallPushed, IsNeverPassedThrough) {
 INSTANTIATE_TEST_SUITE_P(Speeds, SoftBallPushed, testing::Values(0.5, 1.0, 2.0));
 
 TEST(SoftBall, SurvivesAPersonWhoAppearsInIt) {
-    Stage stage;
+    SoftStage stage;
     ASSERT_EQ(stage.world.add_soft(ball_at({0.05, 0, 1.2})), AddResult::kAdded);
     double fastest = 0.0;
     double volume = 0.0;
@@ -82,7 +82,7 @@ TEST(SoftBall, SurvivesAPersonWhoAppearsInIt) {
 }
 
 TEST(SoftBall, IsLiftedByTwoArmsFromBelow) {
-    Stage stage;
+    SoftStage stage;
     ASSERT_EQ(stage.world.add_soft(ball_at({0.0, 0, 0.9})), AddResult::kAdded);
     const auto arms = [](double t) {
         const double z = 0.66 + 0.3 * std::clamp(t - 1.0, 0.0, 1.0);
@@ -99,7 +99,7 @@ TEST(SoftBall, IsLiftedByTwoArmsFromBelow) {
 }
 
 TEST(SoftCloth, PartsForAWalkerAndFallsBack) {
-    Stage stage;
+    SoftStage stage;
     SoftObject left = curtain_at({0, -0.36, 1.1});
     left.world_from_object.rotation =
         Eigen::AngleAxisd(std::numbers::pi / 2.0, Eigen::Vector3d::UnitZ());

@@ -42,7 +42,7 @@ SoftObject stretched_sheet(double height_m) {
     return sheet;
 }
 
-geometry::TriangleMesh surface_of(Stage& stage, std::uint32_t id) {
+geometry::TriangleMesh surface_of(SoftStage& stage, std::uint32_t id) {
     geometry::TriangleMesh mesh;
     for (const Eigen::Vector3f& p : stage.soft(id).positions)
         mesh.vertices.push_back(p.cast<double>());
@@ -50,7 +50,7 @@ geometry::TriangleMesh surface_of(Stage& stage, std::uint32_t id) {
     return mesh;
 }
 
-std::size_t num_inside(Stage& stage, std::uint32_t volume, std::uint32_t other) {
+std::size_t num_inside(SoftStage& stage, std::uint32_t volume, std::uint32_t other) {
     const geometry::TriangleMesh surface = surface_of(stage, volume);
     const std::vector<Eigen::Vector3f> nodes = stage.soft(other).positions;
     return static_cast<std::size_t>(
@@ -59,7 +59,7 @@ std::size_t num_inside(Stage& stage, std::uint32_t volume, std::uint32_t other) 
         }));
 }
 
-double least_distance_m(Stage& stage, std::uint32_t id, const Eigen::Vector3d& point) {
+double least_distance_m(SoftStage& stage, std::uint32_t id, const Eigen::Vector3d& point) {
     double least_m = 1e9;
     for (const Eigen::Vector3f& p : stage.soft(id).positions)
         least_m = std::min(least_m, (p.cast<double>() - point).norm());
@@ -69,7 +69,7 @@ double least_distance_m(Stage& stage, std::uint32_t id, const Eigen::Vector3d& p
 class SoftBallThrown : public testing::TestWithParam<double> {};
 
 TEST_P(SoftBallThrown, PushesAHangingClothWithoutPassingThrough) {
-    Stage stage;
+    SoftStage stage;
     ASSERT_EQ(stage.world.add_soft(hanging_cloth()), AddResult::kAdded);
     ASSERT_EQ(stage.world.add_soft(ball_at({-0.6, 0, 1.2})), AddResult::kAdded);
     stage.throw_soft(kSoft, {GetParam(), 0, 0.5});
@@ -90,7 +90,7 @@ TEST_P(SoftBallThrown, PushesAHangingClothWithoutPassingThrough) {
 INSTANTIATE_TEST_SUITE_P(Speeds, SoftBallThrown, testing::Values(2.0, 4.0, 8.0));
 
 TEST(SoftSoftContacts, ConserveMomentum) {
-    Stage stage(weightless());
+    SoftStage stage(weightless());
     SoftObject left = ball_at({-0.3, 0, 1});
     SoftObject right = ball_at({0.3, 0.05, 1});
     right.id = 51;
@@ -113,7 +113,7 @@ TEST(SoftSoftContacts, ConserveMomentum) {
 }
 
 TEST(SoftSoftContacts, SheetCarriesASoftBall) {
-    Stage stage;
+    SoftStage stage;
     ASSERT_EQ(stage.world.add_soft(stretched_sheet(1.0)), AddResult::kAdded);
     ASSERT_EQ(stage.world.add_soft(ball_at({0.03, 0.02, 1.4})), AddResult::kAdded);
     stage.run(5.0, [&] { ASSERT_GT(stage.centre().z(), 0.5); });
@@ -123,7 +123,7 @@ TEST(SoftSoftContacts, SheetCarriesASoftBall) {
 }
 
 TEST(SoftSoftContacts, ClothDrapesOverASoftBox) {
-    Stage stage;
+    SoftStage stage;
     SoftObject box = ball_at({0, 0, 0.15});
     box.shape = SoftShape::kBox;
     box.size_m = {0.4, 0.4, 0.3};
@@ -143,7 +143,7 @@ TEST(SoftSoftContacts, ClothDrapesOverASoftBox) {
 }
 
 TEST(SoftSoftContacts, RopeLiesOnASheet) {
-    Stage stage;
+    SoftStage stage;
     SoftObject rope = rope_at({0, 0, 1.5});
     rope.size_m = {0.6, 0.02, 0.6};
     rope.pins.clear();
@@ -155,7 +155,7 @@ TEST(SoftSoftContacts, RopeLiesOnASheet) {
 }
 
 // A ball that moves into a curtain.
-void begin_contact(Stage& stage) {
+void begin_contact(SoftStage& stage) {
     ASSERT_EQ(stage.world.add_soft(hanging_cloth()), AddResult::kAdded);
     ASSERT_EQ(stage.world.add_soft(ball_at({-0.6, 0.1, 1.2})), AddResult::kAdded);
     stage.throw_soft(kSoft, {4, 0, 0.5});
@@ -163,7 +163,7 @@ void begin_contact(Stage& stage) {
 
 TEST(SoftSoftContacts, AreRepeatable) {
     const auto hashes = [] {
-        Stage stage;
+        SoftStage stage;
         begin_contact(stage);
         std::vector<std::uint64_t> all;
         stage.run(1.0, [&] { all.push_back(stage.world.state_hash()); });
@@ -173,14 +173,14 @@ TEST(SoftSoftContacts, AreRepeatable) {
 }
 
 TEST(SoftSoftContacts, ContinueFromAStateSavedDuringATouch) {
-    Stage once;
+    SoftStage once;
     begin_contact(once);
     once.run(0.15);
     ASSERT_LT(least_distance_m(once, kCloth, once.centre()), 0.19) << "they must touch";
     WorldState saved;
     once.world.get_state(saved);
     ASSERT_TRUE(once.world.set_state(saved));
-    Stage again;
+    SoftStage again;
     begin_contact(again);
     ASSERT_TRUE(again.world.set_state(saved));
     for (int i = 0; i < 60; ++i) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "meshes.hpp"
+#include "ticks.hpp"
 #include "world_server/physics/people/person_shape.hpp"
 #include "world_server/physics/soft/soft_object.hpp"
 #include "world_server/physics/world.hpp"
@@ -15,8 +16,6 @@
 /// Soft objects, and a stage on which tests let them fall, hang and be touched.
 namespace atrium::physics {
 
-inline constexpr double kTickS = 1.0 / 120.0;
-inline constexpr double kMeshPeriodS = 1.0 / 30.0;
 inline constexpr std::uint32_t kSoft = 50;
 
 inline SoftObject ball_at(const Eigen::Vector3d& position) {
@@ -54,9 +53,9 @@ inline SoftObject rope_at(const Eigen::Vector3d& position) {
 }
 
 // A world with a floor and one person, whose meshes arrive at 30 Hz.
-class Stage {
+class SoftStage {
 public:
-    explicit Stage(const WorldOptions& options = {}) : world(options) {
+    explicit SoftStage(const WorldOptions& options = {}) : world(options) {
         world.add({.id = 1, .shape = ObjectShape::kPlane, .size_m = {10, 10, 0}});
     }
 

@@ -1,4 +1,4 @@
-#include "world_server/physics/world_state.hpp"
+#include "world_server/physics/state/world_state.hpp"
 
 #include "meshes.hpp"
 #include "world_server/physics/soft/soft_object.hpp"

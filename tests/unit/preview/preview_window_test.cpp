@@ -1,6 +1,8 @@
 #include "site_node/preview/preview_window.hpp"
 
 #include "site_node/preview/preview.hpp"
+#include "tests/support/comes_true.hpp"
+#include "tests/support/skips.hpp"
 #include "tests/support/virtual_display.hpp"
 
 #include <gtest/gtest.h>
@@ -39,7 +41,7 @@ class PreviewWindowTest : public testing::Test {
 protected:
     void SetUp() override {
         auto started = VirtualDisplay::start(1280, 800);
-        if (!started) GTEST_SKIP() << started.error().message;
+        if (!started) GTEST_SKIP() << atrium::test::skip::kNoDisplay << started.error().message;
         display_ = std::move(*started);
     }
 

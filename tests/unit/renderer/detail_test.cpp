@@ -1,7 +1,7 @@
 // The renderer draws objects that are small in the picture with fewer triangles, and objects out of
 // sight not at all.
 #include "tests/unit/renderer/scene_renderer_fixture.hpp"
-#include "viewer/renderer/backdrop.hpp"
+#include "viewer/renderer/backdrop/backdrop.hpp"
 #include "viewer/renderer/person/person_drawing.hpp"
 
 #include <Eigen/Geometry>

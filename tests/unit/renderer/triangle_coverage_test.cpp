@@ -1,6 +1,6 @@
-#include "viewer/renderer/triangle_coverage.hpp"
+#include "viewer/renderer/drawing/triangle_coverage.hpp"
 
-#include "viewer/renderer/floor_cells.hpp"
+#include "viewer/renderer/backdrop/floor_cells.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>

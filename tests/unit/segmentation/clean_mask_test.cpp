@@ -1,5 +1,6 @@
 #include "site_node/segmentation/clean_mask.hpp"
 
+#include "tests/support/skips.hpp"
 #include "tests/support/whole_mask.hpp"
 
 #include <gtest/gtest.h>
@@ -74,7 +75,7 @@ TEST(CleanMask, MajorityCountsNinePixelsWithRepeatedBorders) {
 
 TEST(CleanMask, MajorityIsEqualForAllInstructionSets) {
     if (best_instruction_set() == InstructionSet::kBaseline)
-        GTEST_SKIP() << "this processor has no AVX2";
+        GTEST_SKIP() << atrium::test::skip::kNoAvx2;
     CleanScratch scratch;
     for (unsigned seed = 0; seed < 60; ++seed) {
         const int width = 1 + 3 * static_cast<int>(seed);

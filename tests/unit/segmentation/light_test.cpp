@@ -1,4 +1,5 @@
 #include "site_node/segmentation/segmentation.hpp"
+#include "tests/support/skips.hpp"
 #include "tests/unit/segmentation/test_room.hpp"
 
 namespace atrium::segmentation {
@@ -152,7 +153,7 @@ TEST(Light, NeverAbsorbsAPersonIntoTheRoom) {
 
 TEST(Light, FollowsEquallyForAllInstructionSets) {
     if (best_instruction_set() == InstructionSet::kBaseline)
-        GTEST_SKIP() << "this processor has no AVX2";
+        GTEST_SKIP() << atrium::test::skip::kNoAvx2;
     std::mt19937 random(9);
     const auto number = [&](int low, int high) {
         return std::uniform_int_distribution<int>(low, high)(random);

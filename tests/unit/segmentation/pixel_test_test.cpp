@@ -1,5 +1,6 @@
 #include "site_node/segmentation/pixel_test.hpp"
 
+#include "tests/support/skips.hpp"
 #include "tests/support/whole_mask.hpp"
 
 #include <gtest/gtest.h>
@@ -87,7 +88,7 @@ BackgroundModel any_model(int width, int height, Random& random) {
 
 TEST(PixelTest, GivesTheSameBitsForAllInstructionSets) {
     if (best_instruction_set() == InstructionSet::kBaseline)
-        GTEST_SKIP() << "this processor has no AVX2";
+        GTEST_SKIP() << atrium::test::skip::kNoAvx2;
     Random random(7);
     int num_foreground = 0;
     int num_background = 0;
@@ -116,7 +117,7 @@ TEST(PixelTest, GivesTheSameBitsForAllInstructionSets) {
 // The same, with limits that let much of a picture pass.
 TEST(PixelTest, GivesTheSameBitsWhereChromaDecides) {
     if (best_instruction_set() == InstructionSet::kBaseline)
-        GTEST_SKIP() << "this processor has no AVX2";
+        GTEST_SKIP() << atrium::test::skip::kNoAvx2;
     Random random(8);
     for (int round = 0; round < 40; ++round) {
         const int width = 2 * random.in(1, 70);
@@ -136,7 +137,7 @@ TEST(PixelTest, GivesTheSameBitsWhereChromaDecides) {
 // If the hue is near the room's, the AVX2 code does not look at its noise.
 TEST(PixelTest, GivesTheSameBitsAtTheChromaLimit) {
     if (best_instruction_set() == InstructionSet::kBaseline)
-        GTEST_SKIP() << "this processor has no AVX2";
+        GTEST_SKIP() << atrium::test::skip::kNoAvx2;
     Random random(10);
     int num_foreground = 0;
     int num_background = 0;

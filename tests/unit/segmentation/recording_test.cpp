@@ -1,4 +1,5 @@
 #include "site_node/segmentation/segmentation.hpp"
+#include "tests/support/skips.hpp"
 
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
@@ -44,7 +45,7 @@ Segmenter learned(const std::string& folder) {
 // picture, reach 0.901 (MOG2) and 0.907 (KNN).
 TEST(SegmentationRecording, AgreesWithHandDrawnMasks) {
     const std::string root = kRecordings + "fourpersons_a";
-    if (!std::filesystem::exists(root)) GTEST_SKIP() << root << " is not there";
+    if (!std::filesystem::exists(root)) GTEST_SKIP() << atrium::test::skip::kNoSharedData << root;
     double sum = 0.0;
     image::Mask mask;
     for (const char* camera : {"cam1", "cam2", "cam3", "cam4"}) {
@@ -64,7 +65,7 @@ TEST(SegmentationRecording, AgreesWithHandDrawnMasks) {
 // light, nor the person into the room.
 TEST(SegmentationRecording, PersonWhoSitsStillStays) {
     const std::string root = kRecordings + "horseman";
-    if (!std::filesystem::exists(root)) GTEST_SKIP() << root << " is not there";
+    if (!std::filesystem::exists(root)) GTEST_SKIP() << atrium::test::skip::kNoSharedData << root;
     for (const char* camera : {"cam1", "cam2", "cam4"}) {
         Segmenter segmenter = learned(root + "/" + camera);
         cv::VideoCapture video(root + "/" + camera + "/frames.avi");

@@ -4,6 +4,7 @@
 #include "simulation/model_rig.hpp"
 #include "simulation/room_renderer.hpp"
 #include "simulation/simulated_loop.hpp"
+#include "tests/support/skips.hpp"
 #include "tests/unit/simulation/rig_fixture.hpp"
 
 #include <gmock/gmock.h>
@@ -183,7 +184,7 @@ TEST_F(ModelFile, AnotherModelHasItsOwnCachedLoop) {
 class Walker : public testing::Test {
 protected:
     void SetUp() override {
-        if (!fs::exists(kWalker)) GTEST_SKIP() << kWalker << " is not here";
+        if (!fs::exists(kWalker)) GTEST_SKIP() << atrium::test::skip::kNoSharedData << kWalker;
     }
 };
 

@@ -137,8 +137,10 @@ TEST_F(SiteFromRecording, UsesMetaframesAfterACameraIsLostForGood) {
     config_.capture.min_cameras = 3;
     const auto node = run_to_the_end();
     const bus::SiteStatus status = node->status();
-    EXPECT_EQ(status.num_incomplete_used, 2u);   // the sixth, and the last one at the end
-    EXPECT_GE(status.left_out.num_cameras, 1u);  // nothing can overtake the last one
+    EXPECT_EQ(status.num_incomplete_used, 2u);  // the sixth, and the last one at the end
+    // a busy machine may drop the sixth; nothing can overtake the last one
+    EXPECT_GE(status.left_out.num_cameras + status.num_dropped_late, 2u);
+    EXPECT_GE(status.left_out.num_cameras, 1u);
     EXPECT_LE(status.left_out.num_cameras, 2u);
     EXPECT_EQ(status.num_dropped_incomplete, 3u);
     EXPECT_EQ(status.num_metaframes_captured, 5u);
@@ -153,7 +155,10 @@ TEST_F(SiteFromRecording, CountsMetaframesWithTooFewCamerasAsFailed) {
     const auto node = run_to_the_end();
     const bus::SiteStatus status = node->status();
     EXPECT_EQ(node->status().num_incomplete_used, 2u);
-    EXPECT_GE(status.num_failed, 1u);  // nothing can overtake the last one
+    // a busy machine may drop the sixth; nothing can overtake the last one
+    EXPECT_GE(status.num_failed + status.num_dropped_late, 2u);
+    EXPECT_GE(status.num_failed, 1u);
+    EXPECT_LE(status.num_failed, 2u);
     EXPECT_EQ(status.num_metaframes_published + status.num_dropped_late + status.num_failed, 5u);
 }
 
@@ -161,9 +166,8 @@ TEST_F(SiteFromRecording, CountsTheFragmentsOfAllMetaframes) {
     config_.pipeline.hull.min_component_l = 1000.0;
     const auto node = run_to_the_end();
     // one each, except for metaframes that were replaced before processing
-    EXPECT_GE(node->status().left_out.num_fragments + node->status().num_dropped_late, 5u);
-    EXPECT_GE(node->status().left_out.num_fragments, 1u);
-    EXPECT_LE(node->status().left_out.num_fragments, 5u);
+    EXPECT_EQ(node->status().left_out.num_fragments + node->status().num_dropped_late, 5u);
+    EXPECT_GE(node->status().left_out.num_fragments, 1u);  // nothing can overtake the last one
 }
 
 TEST_F(SiteFromRecording, RefusesAMinimumAboveTheNumberOfCameras) {

@@ -1,5 +1,7 @@
 #include "site_node/stream/link_estimator.hpp"
 
+#include "time_at.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,11 +9,6 @@
 
 namespace atrium::stream {
 namespace {
-
-Time at(double seconds) {
-    return Time{} +
-           std::chrono::duration_cast<Time::duration>(std::chrono::duration<double>(seconds));
-}
 
 LinkReport report(double bit_per_s, double delay_ms) {
     return {6, 0, 54, bit_per_s, delay_ms, delay_ms};

@@ -1,5 +1,7 @@
 #include "site_node/stream/rate_controller.hpp"
 
+#include "time_at.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,11 +12,6 @@ namespace atrium::stream {
 namespace {
 
 using std::chrono::milliseconds;
-
-Time at(double seconds) {
-    return Time{} +
-           std::chrono::duration_cast<Time::duration>(std::chrono::duration<double>(seconds));
-}
 
 TEST(Ladder, LowersFirstQualityThenResolutionThenRate) {
     const std::vector<Level> ladder = make_ladder(85);

@@ -12,7 +12,7 @@
 namespace atrium::test {
 namespace {
 
-constexpr double kMega = 1e6;
+constexpr double kMbit = 1e6;
 constexpr std::uint64_t kNumSeeds = 10;
 
 /// Takes processor time from a viewer.
@@ -41,7 +41,7 @@ class StarvedViewer : public testing::TestWithParam<Starvation> {
 protected:
     SimulatedLink link_of(double mbit_per_s, std::uint64_t seed) const {
         SimulatedLink link;
-        link.bit_per_s = [=](double t) { return t < 10.0 ? 1e9 : kMega * mbit_per_s; };
+        link.bit_per_s = [=](double t) { return t < 10.0 ? 1e9 : kMbit * mbit_per_s; };
         GetParam().apply(link, seed);
         return link;
     }
@@ -81,10 +81,10 @@ TEST_P(StarvedViewer, StillFindsARealLimit) {
             SimulatedSite site;
             site.seed = seed;
             const StreamRecord record = simulate(site, {link}, 60.0);
-            const double found = found_s(record, kMega * mbit);
+            const double found = found_s(record, kMbit * mbit);
             latest = std::max(latest, found);
             sum += found;
-            used = std::min(used, sent_bit_per_s(record, 20.0, 60.0) / (kMega * mbit));
+            used = std::min(used, sent_bit_per_s(record, 20.0, 60.0) / (kMbit * mbit));
         }
         std::printf("%s %g Mbit/s: found after %.2f s, at most %.1f s; used at least %.0f %%\n",
                     GetParam().name.c_str(),

@@ -1,16 +1,13 @@
 #include "site_node/stream/viewer_links.hpp"
 
+#include "time_at.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 namespace atrium::stream {
 namespace {
-
-Time at(double seconds) {
-    return Time{} +
-           std::chrono::duration_cast<Time::duration>(std::chrono::duration<double>(seconds));
-}
 
 // Two seconds. `queue_ms` of delay builds up at their end.
 void tell(ViewerLinks& links, const std::string& viewer, double bit_per_s, bool has_queue) {

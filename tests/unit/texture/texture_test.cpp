@@ -1,6 +1,7 @@
 #include "site_node/texture/texture.hpp"
 
 #include "tests/support/bounding_rect.hpp"
+#include "tests/support/skips.hpp"
 
 #include <gtest/gtest.h>
 
@@ -271,7 +272,7 @@ TEST(CropTexture, StaysAtHalfIfTooLargeForFullResolution) {
 
 TEST(CropTexture, IsEqualForAllInstructionSets) {
     if (image::best_row_code() == image::RowCode::kBaseline)
-        GTEST_SKIP() << "this processor has no AVX2";
+        GTEST_SKIP() << atrium::test::skip::kNoAvx2;
     std::mt19937 random(4);
     const auto number = [&](int low, int high) {
         return std::uniform_int_distribution<int>(low, high)(random);

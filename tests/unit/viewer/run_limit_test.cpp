@@ -1,7 +1,5 @@
 #include "viewer/run_limit.hpp"
 
-#include "viewer/empty_world_warning.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,31 +9,12 @@ namespace {
 using namespace std::chrono_literals;
 using Now = RunLimit::Now;
 
-const RunLimit::Clock::time_point kBegin{100s};
-
-TEST(EmptyWorldWarning, WarnsOnceIfNobodyCame) {
-    bus::Presence viewer;
-    viewer.kind = bus::ProgramKind::kViewer;
-    EmptyWorldWarning empty_world("atrium");
-    EXPECT_FALSE(empty_world.update({viewer}, kBegin, false));
-    EXPECT_FALSE(empty_world.update({viewer}, kBegin + EmptyWorldWarning::kPatience - 1ms, false));
-    EXPECT_TRUE(empty_world.update({viewer}, kBegin + EmptyWorldWarning::kPatience, false));
-    EXPECT_FALSE(empty_world.update({viewer}, kBegin + 60s, true)) << "once";
-
-    EmptyWorldWarning short_run("atrium");
-    EXPECT_TRUE(short_run.update({viewer}, kBegin, true));
-
-    EmptyWorldWarning in_company("atrium");
-    bus::Presence site;
-    site.kind = bus::ProgramKind::kSiteNode;
-    EXPECT_FALSE(in_company.update({viewer, site}, kBegin, false));
-    EXPECT_FALSE(in_company.update({viewer}, kBegin + 60s, true)) << "people may leave again";
-}
+const RunLimit::Clock::time_point kRunBegin{100s};
 
 TEST(RunLimit, IsOffByDefault) {
-    RunLimit limit({}, kBegin);
+    RunLimit limit({}, kRunBegin);
     for (int i = 1; i < 1000; ++i) {
-        EXPECT_EQ(limit.update(static_cast<std::uint64_t>(i), 0, kBegin + i * 20ms).value(),
+        EXPECT_EQ(limit.update(static_cast<std::uint64_t>(i), 0, kRunBegin + i * 20ms).value(),
                   Now::kGoesOn);
     }
     EXPECT_NEAR(limit.frames_per_s(), 50.0, 1e-6);
@@ -44,31 +23,31 @@ TEST(RunLimit, IsOffByDefault) {
 TEST(RunLimit, CountsPicturesFromTheStart) {
     ViewerConfig config;
     config.frames = 3;
-    RunLimit limit(config, kBegin);
-    EXPECT_EQ(limit.update(1, 0, kBegin + 1s).value(), Now::kGoesOn);
-    EXPECT_EQ(limit.update(2, 0, kBegin + 2s).value(), Now::kGoesOn);
-    EXPECT_EQ(limit.update(3, 0, kBegin + 3s).value(), Now::kOver);
+    RunLimit limit(config, kRunBegin);
+    EXPECT_EQ(limit.update(1, 0, kRunBegin + 1s).value(), Now::kGoesOn);
+    EXPECT_EQ(limit.update(2, 0, kRunBegin + 2s).value(), Now::kGoesOn);
+    EXPECT_EQ(limit.update(3, 0, kRunBegin + 3s).value(), Now::kOver);
 }
 
 TEST(RunLimit, CountsPicturesAndSecondsFromTheFirstPeople) {
     ViewerConfig config;
     config.wait_people = 2;
     config.seconds = 5.0;
-    RunLimit limit(config, kBegin);
-    EXPECT_EQ(limit.update(40, 1, kBegin + 9s).value(), Now::kGoesOn);
-    EXPECT_EQ(limit.update(50, 2, kBegin + 10s).value(), Now::kBegan);
-    EXPECT_EQ(limit.update(60, 0, kBegin + 12s).value(), Now::kGoesOn);  // they may leave again
+    RunLimit limit(config, kRunBegin);
+    EXPECT_EQ(limit.update(40, 1, kRunBegin + 9s).value(), Now::kGoesOn);
+    EXPECT_EQ(limit.update(50, 2, kRunBegin + 10s).value(), Now::kBegan);
+    EXPECT_EQ(limit.update(60, 0, kRunBegin + 12s).value(), Now::kGoesOn);  // they may leave again
     EXPECT_NEAR(limit.frames_per_s(), 5.0, 1e-9);
-    EXPECT_EQ(limit.update(99, 2, kBegin + 15s).value(), Now::kOver);
+    EXPECT_EQ(limit.update(99, 2, kRunBegin + 15s).value(), Now::kOver);
 }
 
 TEST(RunLimit, FailsIfNobodyComes) {
     ViewerConfig config;
     config.wait_people = 2;
     config.wait_timeout_s = 4.0;
-    RunLimit limit(config, kBegin);
-    EXPECT_EQ(limit.update(1, 1, kBegin + 4s).value(), Now::kGoesOn);
-    const auto late = limit.update(2, 1, kBegin + 4001ms);
+    RunLimit limit(config, kRunBegin);
+    EXPECT_EQ(limit.update(1, 1, kRunBegin + 4s).value(), Now::kGoesOn);
+    const auto late = limit.update(2, 1, kRunBegin + 4001ms);
     ASSERT_FALSE(late);
     EXPECT_EQ(late.error().kind, ErrorKind::kUnavailable);
     EXPECT_THAT(late.error().message, testing::HasSubstr("1 of 2 people came within 4 s"));

@@ -2,7 +2,7 @@
 #include "core/bus/soft_nodes.hpp"
 #include "tests/unit/viewer/test_site.hpp"
 #include "viewer/receive/proxy_inbox.hpp"
-#include "viewer/renderer/view_camera.hpp"
+#include "viewer/renderer/drawing/view_camera.hpp"
 #include "viewer/viewer.hpp"
 
 #include <gmock/gmock.h>

@@ -51,8 +51,8 @@ public:
             people_.push_back(std::move(*person));
         }
         for (std::size_t i = 0; i < config.objects.size(); ++i) {
-            const bus::SceneObject& object = config.objects[i].scene;
-            ids_[object.name] = object.object;
+            const WorldObject& object = config.objects[i];
+            ids_[object.name] = object.rigid.id;
         }
     }
 
@@ -151,8 +151,8 @@ TEST_F(DemoWorld, HasDominoesThatAliceTopples) {
     go_on(6.0);
     EXPECT_LT(play_->place("ball").z(), 1.0) << "off its shelf, down the ramp";
     for (const WorldObject& object : config_.objects) {
-        if (!object.scene.name.starts_with("domino-")) continue;
-        EXPECT_LT(play_->place(object.scene.name).z(), 0.96) << object.scene.name;
+        if (!object.name.starts_with("domino-")) continue;
+        EXPECT_LT(play_->place(object.name).z(), 0.96) << object.name;
     }
 }
 

@@ -5,6 +5,7 @@
 #include "core/bus/proxy_points.hpp"
 #include "simulation_stage.hpp"
 #include "tests/unit/physics/meshes.hpp"
+#include "world_server/scene_messages.hpp"
 
 #include <gtest/gtest.h>
 
@@ -137,15 +138,15 @@ TEST(Simulation, SendsPeopleTenTimesASecondOnRequestOnly) {
 TEST(ObjectProxy, ExistsForAModelNotForItsReplacement) {
     WorldServerConfig config = floor_and_ball();
     WorldObject rock;
-    rock.scene.object = 3;
-    rock.scene.name = "rock";
-    rock.scene.shape = bus::Shape::kConvex;
-    rock.scene.model = "rock.obj";
-    rock.scene.mass_kg = 10.0;
-    rock.scene.size_m = {0.2, 0.4, 0.6};
-    rock.scene.world_from_object.translation = {2, 0, 0.3};
-    rock.parts = std::make_shared<const std::vector<geometry::TriangleMesh>>(
-        1, physics_test::make_box_mesh(rock.scene.size_m, {}, 1));
+    rock.rigid.id = 3;
+    rock.name = "rock";
+    rock.rigid.shape = physics::ObjectShape::kConvex;
+    rock.look.model = "rock.obj";
+    rock.rigid.mass_kg = 10.0;
+    rock.rigid.size_m = {0.2, 0.4, 0.6};
+    rock.rigid.world_from_object.translation = {2, 0, 0.3};
+    rock.rigid.parts = std::make_shared<const std::vector<geometry::TriangleMesh>>(
+        1, physics_test::make_box_mesh(rock.rigid.size_m, {}, 1));
     config.objects.push_back(rock);
     Scene scene = Scene::create(config).value();
     for (const SceneChange& change : scene.all())
@@ -155,7 +156,7 @@ TEST(ObjectProxy, ExistsForAModelNotForItsReplacement) {
     command.target = 3;
     ASSERT_TRUE(scene.apply(command));
     command.kind = bus::CommandKind::kAdd;
-    command.object = config.objects[1].scene;
+    command.object = to_message(config.objects[1]);
     command.object.object = 3;
     command.object.world_from_object.translation = {2, 0, 0.3};
     ASSERT_TRUE(scene.apply(command));

@@ -1,4 +1,4 @@
-#include "world_server/puppet.hpp"
+#include "world_server/description/puppet.hpp"
 
 #include "tests/unit/physics/things.hpp"
 
@@ -14,7 +14,7 @@ using physics::World;
 Puppet add_puppet(World& world, const PuppetDescription& description) {
     Puppet puppet = make_puppet(description, 100);
     for (const WorldObject& part : puppet.parts)
-        EXPECT_EQ(world.add(to_rigid(part)), physics::AddResult::kAdded) << part.scene.name;
+        EXPECT_EQ(world.add(to_rigid(part)), physics::AddResult::kAdded) << part.name;
     for (const physics::Joint& joint : puppet.joints) EXPECT_TRUE(world.add_joint(joint));
     return puppet;
 }
@@ -23,8 +23,8 @@ Puppet add_puppet(World& world, const PuppetDescription& description) {
 double energy_j(const World& world, const Puppet& puppet) {
     double sum = 0.0;
     for (const WorldObject& part : puppet.parts) {
-        const physics::RigidState state = physics::state_of(world, part.scene.object);
-        sum += part.scene.mass_kg * (0.5 * state.linear_velocity.squaredNorm() +
+        const physics::RigidState state = physics::state_of(world, part.rigid.id);
+        sum += part.rigid.mass_kg * (0.5 * state.linear_velocity.squaredNorm() +
                                      9.81 * state.world_from_object.translation.z());
     }
     return sum;
@@ -33,8 +33,7 @@ double energy_j(const World& world, const Puppet& puppet) {
 double fastest_mps(const World& world, const Puppet& puppet) {
     double fastest = 0.0;
     for (const WorldObject& part : puppet.parts) {
-        fastest =
-            std::max(fastest, physics::state_of(world, part.scene.object).linear_velocity.norm());
+        fastest = std::max(fastest, physics::state_of(world, part.rigid.id).linear_velocity.norm());
     }
     return fastest;
 }
@@ -59,9 +58,9 @@ TEST(Puppet, HasThirteenNamedPartsAndTheJointsBetweenThem) {
     std::set<std::string> names;
     double mass_kg = 0.0;
     for (std::size_t i = 0; i < puppet.parts.size(); ++i) {
-        EXPECT_EQ(puppet.parts[i].scene.object, 7 + i);
-        names.insert(puppet.parts[i].scene.name);
-        mass_kg += puppet.parts[i].scene.mass_kg;
+        EXPECT_EQ(puppet.parts[i].rigid.id, 7 + i);
+        names.insert(puppet.parts[i].name);
+        mass_kg += puppet.parts[i].rigid.mass_kg;
     }
     EXPECT_EQ(names.size(), kNumPuppetParts);
     EXPECT_TRUE(names.contains("p.forearm_l"));
@@ -107,7 +106,7 @@ TEST_P(PuppetOfHeight, HangsByItsStringsAndRestsAfterAHit) {
     EXPECT_LT(fastest_mps(world, puppet), 0.15);
     const double height = chest().world_from_object.translation.z();
     EXPECT_GT(height, 1.0 + 0.69 * GetParam() - 0.1 * GetParam() - 0.03);
-    ASSERT_TRUE(world.push(101, Eigen::Vector3d(2.0 * puppet.parts[1].scene.mass_kg, 0, 0)));
+    ASSERT_TRUE(world.push(101, Eigen::Vector3d(2.0 * puppet.parts[1].rigid.mass_kg, 0, 0)));
     double furthest = 0.0;
     for (int i = 0; i < 60 * 120; ++i) {
         world.tick();
@@ -128,7 +127,7 @@ TEST_P(PuppetOfHeight, IsNotFlungByItsStrings) {
     const Puppet puppet = add_puppet(world, description);
     physics::run(world, 5.0);
     for (const WorldObject& part : puppet.parts) {
-        physics::RigidState state = physics::state_of(world, part.scene.object);
+        physics::RigidState state = physics::state_of(world, part.rigid.id);
         state.world_from_object.translation += Eigen::Vector3d(0.8, 0.0, 0.0);
         ASSERT_TRUE(world.set_state(state));
     }
@@ -151,11 +150,11 @@ TEST_P(PuppetOfHeight, StaysInOnePieceWhenThrownHard) {
     const Puppet puppet = add_puppet(world, description);
     // by one hand, as if somebody tore at it
     const WorldObject& forearm = puppet.parts[4];
-    ASSERT_EQ(forearm.scene.name, "p.forearm_l");
+    ASSERT_EQ(forearm.name, "p.forearm_l");
     for (int hit = 0; hit < 20; ++hit) {
         const double side = hit % 2 == 0 ? 1.0 : -1.0;
-        ASSERT_TRUE(world.push(forearm.scene.object,
-                               forearm.scene.mass_kg * Eigen::Vector3d(12.0 * side, 3.0, 6.0)));
+        ASSERT_TRUE(world.push(forearm.rigid.id,
+                               forearm.rigid.mass_kg * Eigen::Vector3d(12.0 * side, 3.0, 6.0)));
         for (int i = 0; i < 60; ++i) {
             world.tick();
             ASSERT_LT(fastest_mps(world, puppet), 16.0);

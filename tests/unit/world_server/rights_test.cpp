@@ -1,6 +1,5 @@
-#include "world_server/rights.hpp"
-
 #include "world_server/command_inbox.hpp"
+#include "world_server/command_rights.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -31,9 +30,9 @@ TEST(Rights, AllowEveryoneAllButSavingWithoutATable) {
                                    CommandKind::kGrab,
                                    CommandKind::kMove,
                                    CommandKind::kRelease})
-        EXPECT_TRUE(rights->of(kind).allows("anybody")) << to_string(kind);
-    EXPECT_FALSE(rights->of(CommandKind::kSave).allows("anybody"));
-    EXPECT_FALSE(rights->of(CommandKind::kRestore).allows("anybody"));
+        EXPECT_TRUE(right_to(*rights, kind).allows("anybody")) << to_string(kind);
+    EXPECT_FALSE(right_to(*rights, CommandKind::kSave).allows("anybody"));
+    EXPECT_FALSE(right_to(*rights, CommandKind::kRestore).allows("anybody"));
 }
 
 TEST(Rights, FollowTheFile) {
@@ -41,15 +40,16 @@ TEST(Rights, FollowTheFile) {
         "[rights]\nadd = 'nobody'\nreset = ['eve', 'bob']\nsave = ['bob']\ngrab = []\n"
         "push = 'everyone'\nmax_per_s = 10\n");
     ASSERT_TRUE(rights) << rights.error().message;
-    EXPECT_FALSE(rights->of(CommandKind::kAdd).allows("eve"));
-    EXPECT_TRUE(rights->of(CommandKind::kReset).allows("eve"));
-    EXPECT_FALSE(rights->of(CommandKind::kReset).allows("ev"));
-    EXPECT_FALSE(rights->of(CommandKind::kReset).allows("mallory"));
-    EXPECT_TRUE(rights->of(CommandKind::kSave).allows("bob"));
-    EXPECT_TRUE(rights->of(CommandKind::kRestore).allows("bob"));
-    EXPECT_FALSE(rights->of(CommandKind::kMove).allows("bob")) << "move follows grab";
-    EXPECT_TRUE(rights->of(CommandKind::kPush).allows("mallory"));
-    EXPECT_TRUE(rights->of(CommandKind::kRemove).allows("mallory")) << "remove is not in the file";
+    EXPECT_FALSE(right_to(*rights, CommandKind::kAdd).allows("eve"));
+    EXPECT_TRUE(right_to(*rights, CommandKind::kReset).allows("eve"));
+    EXPECT_FALSE(right_to(*rights, CommandKind::kReset).allows("ev"));
+    EXPECT_FALSE(right_to(*rights, CommandKind::kReset).allows("mallory"));
+    EXPECT_TRUE(right_to(*rights, CommandKind::kSave).allows("bob"));
+    EXPECT_TRUE(right_to(*rights, CommandKind::kRestore).allows("bob"));
+    EXPECT_FALSE(right_to(*rights, CommandKind::kMove).allows("bob")) << "move follows grab";
+    EXPECT_TRUE(right_to(*rights, CommandKind::kPush).allows("mallory"));
+    EXPECT_TRUE(right_to(*rights, CommandKind::kRemove).allows("mallory"))
+        << "remove is not in the file";
     EXPECT_EQ(rights->max_per_s, 10.0);
 }
 

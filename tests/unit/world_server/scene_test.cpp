@@ -1,5 +1,7 @@
 #include "world_server/scene.hpp"
 
+#include "world_server/scene_messages.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -25,10 +27,10 @@ WorldServerConfig floor_and_ball() {
     WorldServerConfig config;
     config.max_objects = 4;
     WorldObject floor;
-    floor.scene.object = 1;
-    floor.scene.name = "floor";
-    floor.scene.shape = bus::Shape::kPlane;
-    config.objects = {floor, WorldObject{.scene = ball(2)}};
+    floor.rigid.id = 1;
+    floor.name = "floor";
+    floor.rigid.shape = physics::ObjectShape::kPlane;
+    config.objects = {floor, WorldObject{.name = "ball", .rigid = to_rigid(ball(2))}};
     return config;
 }
 

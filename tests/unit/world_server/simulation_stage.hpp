@@ -12,16 +12,16 @@ namespace atrium::world_server {
 inline WorldServerConfig floor_and_ball() {
     WorldServerConfig config;
     WorldObject floor;
-    floor.scene.object = 1;
-    floor.scene.name = "floor";
-    floor.scene.shape = bus::Shape::kPlane;
+    floor.rigid.id = 1;
+    floor.name = "floor";
+    floor.rigid.shape = physics::ObjectShape::kPlane;
     WorldObject ball;
-    ball.scene.object = 2;
-    ball.scene.name = "ball";
-    ball.scene.shape = bus::Shape::kSphere;
-    ball.scene.size_m.setConstant(0.2);
-    ball.scene.mass_kg = 0.5;
-    ball.scene.world_from_object.translation = {0, 0, 0.1};
+    ball.rigid.id = 2;
+    ball.name = "ball";
+    ball.rigid.shape = physics::ObjectShape::kSphere;
+    ball.rigid.size_m.setConstant(0.2);
+    ball.rigid.mass_kg = 0.5;
+    ball.rigid.world_from_object.translation = {0, 0, 0.1};
     config.objects = {floor, ball};
     config.tick_hz = 120.0;
     return config;

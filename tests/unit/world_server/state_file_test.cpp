@@ -1,5 +1,6 @@
 #include "world_server/state_file.hpp"
 
+#include "world_server/scene_messages.hpp"
 #include "world_server/state_saver.hpp"
 
 #include <gmock/gmock.h>
@@ -211,18 +212,18 @@ WorldServerConfig floor_and_balls(const fs::path& file) {
     WorldServerConfig config;
     config.state_file = file;
     WorldObject floor;
-    floor.scene.object = 1;
-    floor.scene.name = "floor";
-    floor.scene.shape = bus::Shape::kPlane;
+    floor.rigid.id = 1;
+    floor.name = "floor";
+    floor.rigid.shape = physics::ObjectShape::kPlane;
     config.objects.push_back(floor);
     for (std::uint32_t id = 2; id < 5; ++id) {
         WorldObject ball;
-        ball.scene.object = id;
-        ball.scene.name = "ball-" + std::to_string(id);
-        ball.scene.shape = bus::Shape::kSphere;
-        ball.scene.size_m.setConstant(0.2);
-        ball.scene.mass_kg = 0.5;
-        ball.scene.world_from_object.translation = {0.5 * id, 0.0, 0.5};
+        ball.rigid.id = id;
+        ball.name = "ball-" + std::to_string(id);
+        ball.rigid.shape = physics::ObjectShape::kSphere;
+        ball.rigid.size_m.setConstant(0.2);
+        ball.rigid.mass_kg = 0.5;
+        ball.rigid.world_from_object.translation = {0.5 * id, 0.0, 0.5};
         config.objects.push_back(ball);
     }
     return config;
@@ -243,7 +244,7 @@ TEST(SavedScene, ReturnsWithAddedAndWithoutRemovedObjects) {
     ASSERT_TRUE(scene);
     ASSERT_TRUE(scene->apply(command(bus::CommandKind::kRemove, 3)));
     bus::SceneCommand add = command(bus::CommandKind::kAdd, 0);
-    add.object = config.objects[1].scene;
+    add.object = to_message(config.objects[1]);
     add.object.object = 0;
     add.object.name = "new";
     add.object.friction = 0.9;
@@ -284,7 +285,7 @@ TEST(SavedScene, OfAnotherWorldIsRefusedAndKeptAside) {
     scene->save(saved);
     StateSaver(config.state_file).save(saved);
 
-    config.objects[2].scene.size_m.setConstant(0.25);
+    config.objects[2].rigid.size_m.setConstant(0.25);
     const auto other = load_scene(config);
     ASSERT_FALSE(other);
     EXPECT_THAT(other.error().message, HasSubstr("another description"));
@@ -306,7 +307,7 @@ TEST(SavedScene, IsRefusedAsAWholeIfItNamesAMissingObject) {
     saved.state.objects.back().id = 40;
     EXPECT_FALSE(Scene::restore(config, saved));
     scene->save(saved);
-    saved.added.push_back(config.objects[1].scene);  // id 2, which the description has
+    saved.added.push_back(to_message(config.objects[1]));  // id 2, which the description has
     EXPECT_FALSE(Scene::restore(config, saved));
     std::ofstream(config.state_file) << "this is no state";
     EXPECT_THAT(load_scene(config).error().message, HasSubstr("not a state file"));

@@ -74,19 +74,19 @@ TEST_F(WorldFile, ReadsModelsMaterialsAndTextures) {
     ASSERT_TRUE(config) << config.error().message;
     ASSERT_EQ(config->objects.size(), 3U);
     const WorldObject& corner = config->objects[0];
-    EXPECT_EQ(corner.scene.shape, bus::Shape::kConvex);
-    EXPECT_EQ(corner.scene.model, "models/corner.obj");
-    EXPECT_EQ(corner.scene.model_scale, 2.0);
-    EXPECT_EQ(corner.scene.texture, "models/paint.png");
-    EXPECT_LT((corner.scene.size_m - Eigen::Vector3d::Constant(0.6)).norm(), 1e-6);
-    EXPECT_NEAR(corner.scene.mass_kg, 1800 * 0.6 * 0.6 * 0.6 / 6.0, 1e-3);
-    EXPECT_EQ(corner.scene.friction, 0.3) << "the object's own friction must win";
-    EXPECT_EQ(corner.scene.restitution, 0.05) << "restitution must come from the material";
-    EXPECT_EQ(corner.rolling_friction_m, 0.01);
-    EXPECT_EQ(corner.scene.colour, Eigen::Vector3d(0.5, 0.3, 0.2));
-    EXPECT_EQ(config->objects[1].scene.shape, bus::Shape::kCompound);
-    EXPECT_EQ(config->objects[1].parts->size(), 2U);
-    EXPECT_NEAR(config->objects[2].scene.mass_kg, 7800 * EIGEN_PI / 6.0 * 1e-3, 1e-6);
+    EXPECT_EQ(corner.rigid.shape, physics::ObjectShape::kConvex);
+    EXPECT_EQ(corner.look.model, "models/corner.obj");
+    EXPECT_EQ(corner.look.model_scale, 2.0);
+    EXPECT_EQ(corner.look.texture, "models/paint.png");
+    EXPECT_LT((corner.rigid.size_m - Eigen::Vector3d::Constant(0.6)).norm(), 1e-6);
+    EXPECT_NEAR(corner.rigid.mass_kg, 1800 * 0.6 * 0.6 * 0.6 / 6.0, 1e-3);
+    EXPECT_EQ(corner.rigid.friction, 0.3) << "the object's own friction must win";
+    EXPECT_EQ(corner.rigid.restitution, 0.05) << "restitution must come from the material";
+    EXPECT_EQ(corner.rigid.rolling_friction_m, 0.01);
+    EXPECT_EQ(corner.look.colour, Eigen::Vector3d(0.5, 0.3, 0.2));
+    EXPECT_EQ(config->objects[1].rigid.shape, physics::ObjectShape::kCompound);
+    EXPECT_EQ(config->objects[1].rigid.parts->size(), 2U);
+    EXPECT_NEAR(config->objects[2].rigid.mass_kg, 7800 * EIGEN_PI / 6.0 * 1e-3, 1e-6);
     EXPECT_TRUE(Scene::create(*config));
 }
 
@@ -105,9 +105,9 @@ TEST_F(WorldFile, ReadsJointsPuppetsBoundsAndScenery) {
         "position_m = [1, 0, 0]\n");
     ASSERT_TRUE(config) << config.error().message;
     ASSERT_EQ(config->objects.size(), 15U);
-    EXPECT_EQ(config->objects[2].scene.name, "jack.pelvis");
+    EXPECT_EQ(config->objects[2].name, "jack.pelvis");
     for (std::size_t i = 0; i < config->objects.size(); ++i)
-        EXPECT_EQ(config->objects[i].scene.object, i + 1) << "ids must have a stable order";
+        EXPECT_EQ(config->objects[i].rigid.id, i + 1) << "ids must have a stable order";
     ASSERT_EQ(config->joints.size(), 12U + 3U + 2U)
         << "joints of the puppet, of its strings, of the file";
     const physics::Joint& hinge = config->joints[15];

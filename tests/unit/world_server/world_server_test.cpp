@@ -318,7 +318,7 @@ TEST(WorldServer, KeepsTheFileOfAServerThatHoldsTheName) {
     ASSERT_TRUE(server) << server.error().message;
     std::ofstream(config.state_file) << "what the first one has saved";
     WorldServerConfig other = config;
-    other.objects[1].scene.size_m.setConstant(0.3);
+    other.objects[1].rigid.size_m.setConstant(0.3);
     const auto second = WorldServer::create(other);
     ASSERT_FALSE(second);
     EXPECT_EQ(second.error().kind, ErrorKind::kConfiguration);
@@ -359,7 +359,7 @@ TEST(WorldServer, EndsAfterItsTimeLimit) {
 
 TEST(WorldServer, NamesErrorsOfItsDescription) {
     WorldServerConfig config = test_world();
-    config.objects[1].scene.mass_kg = 1e9;
+    config.objects[1].rigid.mass_kg = 1e9;
     const auto server = WorldServer::create(config);
     ASSERT_FALSE(server);
     EXPECT_EQ(server.error().kind, ErrorKind::kConfiguration);

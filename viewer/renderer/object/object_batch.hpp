@@ -1,9 +1,9 @@
 #pragma once
 
 #include "core/gl/resources.hpp"
+#include "viewer/renderer/drawing/textures.hpp"
 #include "viewer/renderer/object/object_drawing.hpp"
 #include "viewer/renderer/object/object_shaders.hpp"
-#include "viewer/renderer/object/textures.hpp"
 
 #include <cstddef>
 #include <vector>

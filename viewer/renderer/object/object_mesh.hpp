@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/gl/resources.hpp"
-#include "viewer/renderer/object/object_look.hpp"
+#include "viewer/renderer/drawing/object_look.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,6 +1,6 @@
 #include "viewer/renderer/object/object_shaders.hpp"
 
-#include "viewer/renderer/backdrop.hpp"
+#include "viewer/renderer/backdrop/backdrop.hpp"
 
 #include <utility>
 

@@ -2,8 +2,8 @@
 
 #include "core/base/expected.hpp"
 #include "core/gl/shader_program.hpp"
-#include "viewer/renderer/shaders.hpp"
-#include "viewer/renderer/view_camera.hpp"
+#include "viewer/renderer/drawing/shaders.hpp"
+#include "viewer/renderer/drawing/view_camera.hpp"
 
 #include <array>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "viewer/renderer/object/shape_mesh.hpp"
+#include "viewer/renderer/drawing/shape_mesh.hpp"
 
 #include <Eigen/Core>
 

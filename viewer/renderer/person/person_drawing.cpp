@@ -1,7 +1,7 @@
 #include "viewer/renderer/person/person_drawing.hpp"
 
-#include "viewer/renderer/backdrop.hpp"
-#include "viewer/renderer/shaders.hpp"
+#include "viewer/renderer/backdrop/backdrop.hpp"
+#include "viewer/renderer/person/person_shader_text.hpp"
 
 #include <Eigen/LU>
 #include <glad/gl.h>

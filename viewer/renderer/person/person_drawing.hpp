@@ -3,9 +3,9 @@
 #include "core/base/expected.hpp"
 #include "core/gl/resources.hpp"
 #include "core/gl/shader_program.hpp"
+#include "viewer/renderer/drawing/triangle_coverage.hpp"
 #include "viewer/renderer/person/camera_blend.hpp"
 #include "viewer/renderer/person/person_model.hpp"
-#include "viewer/renderer/triangle_coverage.hpp"
 
 #include <array>
 #include <cstddef>

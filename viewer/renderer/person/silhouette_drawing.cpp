@@ -1,6 +1,6 @@
 #include "viewer/renderer/person/silhouette_drawing.hpp"
 
-#include "viewer/renderer/shaders.hpp"
+#include "viewer/renderer/drawing/shaders.hpp"
 
 #include <glad/gl.h>
 
@@ -14,6 +14,32 @@ namespace {
 const Eigen::Vector3f kOutlineColour(0.1f, 0.75f, 1.0f);
 // per axis: a wide lens bends by less than a pixel within one cell
 constexpr int kCellsOfALens = 12;
+
+// The outline is one screen pixel wide around the person, at any size of the person.
+constexpr const char* kSilhouetteFragment = R"(#version 330 core
+in vec2 at;
+uniform sampler2DArray pictures;
+uniform float layer;
+uniform float opacity;
+uniform vec3 outline;
+out vec4 fragment;
+const float kInside = 0.1;  // least alpha of texels inside the mask; at its edge alpha is lower
+void main() {
+    vec4 here = texture(pictures, vec3(at, layer));
+    vec2 right = dFdx(at);
+    vec2 up = dFdy(at);
+    vec2 beside = max(vec2(texture(pictures, vec3(at - right, layer)).a,
+                           texture(pictures, vec3(at - up, layer)).a),
+                      vec2(texture(pictures, vec3(at + right, layer)).a,
+                           texture(pictures, vec3(at + up, layer)).a));
+    vec4 colour = vec4(outline, 0.12);
+    if (here.a >= kInside)
+        colour = vec4(here.rgb / here.a, 0.95);
+    else if (max(beside.x, beside.y) >= kInside)
+        colour.a = 1.0;
+    fragment = vec4(colour.rgb * colour.a, colour.a) * opacity;
+}
+)";
 
 }  // namespace
 
@@ -49,7 +75,7 @@ void append_silhouette(const PersonModel::Camera& camera,
 
 Expected<SilhouetteDrawing> SilhouetteDrawing::create() {
     auto shader = gl::ShaderProgram::create(
-        "silhouette", shaders::kSilhouetteVertex, shaders::kSilhouetteFragment);
+        "silhouette", shaders::passing_vertex("vec2", "at"), kSilhouetteFragment);
     if (!shader) return tl::unexpected(shader.error());
     SilhouetteDrawing made;
     made.shader_ = std::move(*shader);
@@ -70,7 +96,7 @@ void SilhouetteDrawing::draw(const PersonDrawing& person,
                              double distance_m) {
     if (!person.pictures() || person.model().triangles.empty()) return;
     shader_.use();
-    shader_.set("clip_from_site",
+    shader_.set("clip_from_model",
                 Eigen::Matrix4f((clip_from_world * person.world_from_site()).cast<float>()));
     shader_.set("pictures", 0);
     shader_.set("outline", kOutlineColour);

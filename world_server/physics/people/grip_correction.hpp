@@ -22,6 +22,9 @@ namespace atrium::physics {
 /// slips, and after a slip the surface is remembered anew.
 class GripCorrection {
 public:
+    /// `options` must outlive this.
+    explicit GripCorrection(const GripOptions& options) : options_(options) {}
+
     /// Call once per tick while the object touches the person, before the contacts are used.
     /// `surface_turning` [rad/s] is the rotation of the surface near the object.
     void update(const ContactMotion& motion,
@@ -46,9 +49,9 @@ private:
         Eigen::Vector3f turn = Eigen::Vector3f::Zero();   // [rad]
         bool is_sure = false;
     };
-    static bool sticks(const ContactMotion& motion,
-                       std::span<const PersonContact> contacts,
-                       const Eigen::Vector3f& surface_turning);
+    bool sticks(const ContactMotion& motion,
+                std::span<const PersonContact> contacts,
+                const Eigen::Vector3f& surface_turning) const;
     /// `behind`: lag of the object that is already known.
     void remember(const ContactMotion& motion,
                   const PersonField& person,
@@ -56,6 +59,7 @@ private:
                   const Offset& behind);
     Offset find_offset(const ContactMotion& motion, const PersonField& person) const;
 
+    const GripOptions& options_;
     std::vector<Kept> kept_;
     Offset last_;
     std::size_t num_loose_ = 0;  // consecutive ticks without sticking

@@ -1,24 +1,16 @@
 #pragma once
 
+#include "world_server/physics/options/people_options.hpp"
 #include "world_server/physics/people/surface_index.hpp"
 
 #include <Eigen/Core>
 
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
 #include <span>
 
 // Shared by the source files of the motion estimator.
 namespace atrium::physics::motion {
-
-inline constexpr float kSameFacing = 0.6F;  // cosine
-inline constexpr float kSearchM = 0.05F;    // search radius around the displaced point
-inline constexpr float kExplainedM =
-    0.012F;  // a point is explained by rest if its distance along the normal is below this
-// largest difference of displacement between parts that move together
-inline constexpr float kAlikeM = 0.05F;
-inline constexpr std::size_t kTrialPoints = 24;  // points of a region on which a start is tried
 
 inline Eigen::Array3i cell_at(const Eigen::Vector3f& position, float cell_m) {
     return (position / cell_m).array().floor().cast<int>();
@@ -27,8 +19,9 @@ inline Eigen::Array3i cell_at(const Eigen::Vector3f& position, float cell_m) {
 /// Finds for each place the nearest sample with a similar normal, or SurfaceIndex::kNone.
 inline void match(const SurfaceIndex& surface,
                   std::span<const SurfaceSample> places,
+                  const MotionMatchOptions& options,
                   std::span<std::uint32_t> found) {
-    surface.nearest(places, kSearchM, kSameFacing, found);
+    surface.nearest(places, options.search_m, options.same_facing, found);
 }
 
 /// Signed distance of a place from the surface at a sample, along the sample's normal [m].
@@ -37,19 +30,19 @@ inline float distance_along_normal(const SurfaceSample& sample, const Eigen::Vec
 }
 
 /// Robust cost of a distance: 0 for a fit, towards 1 for a mismatch.
-inline float robust_cost(float distance_m) {
-    constexpr float kScaleM = 0.012F;
+inline float robust_cost(float distance_m, float scale_m) {
     const float sq = distance_m * distance_m;
-    return sq / (sq + kScaleM * kScaleM);
+    return sq / (sq + scale_m * scale_m);
 }
 
 /// True if a sample, matched at its own position, can be explained without motion.
 inline bool is_explained_by(const SurfaceIndex& surface,
                             std::uint32_t matched,
-                            const SurfaceSample& sample) {
+                            const SurfaceSample& sample,
+                            float explained_m) {
     return matched != SurfaceIndex::kNone &&
            std::abs(distance_along_normal(surface.samples()[matched], sample.position)) <
-               kExplainedM;
+               explained_m;
 }
 
 }  // namespace atrium::physics::motion

@@ -1,8 +1,8 @@
 #include "world_server/physics/people/people_contacts.hpp"
 
-#include "world_server/physics/bullet_types.hpp"
 #include "world_server/physics/people/grip_correction.hpp"
 #include "world_server/physics/rigid/body_samples.hpp"
+#include "world_server/physics/rigid/bullet_types.hpp"
 #include "world_server/physics/rigid/shape_distance.hpp"
 
 #include <btBulletDynamicsCommon.h>
@@ -13,40 +13,6 @@
 
 namespace atrium::physics {
 namespace {
-
-constexpr btScalar kAroundM = 0.002F;     // depth of a surface in an object; less is a touch
-constexpr float kContactM = 0.005F;       // gap up to which a person counts as touching an object
-constexpr float kSphereSpacingM = 0.02F;  // spacing of a sphere's samples
-constexpr std::size_t kMinSphereSamples = 26;
-constexpr std::size_t kMaxSphereSamples = 600;
-
-// Contacts act like damped springs, because a hand yields around what it holds. The damping lets an
-// overlap relax slowly. Otherwise an object on a hand would be thrown into the air whenever the
-// hull is slightly larger than the previous one. Between two palms the springs settle in the
-// middle, where contradicting velocities would fight. Per mass of the object, shared by its
-// contacts.
-constexpr float kStiffness = 6400.0F;  // [1/s^2]
-constexpr float kDamping = 600.0F;     // [1/s]
-
-// Depth reported to Bullet, below its threshold for shifting bodies. The effect of the real depth
-// is set by the contact's error reduction.
-constexpr float kReportedDepthM = 0.001F;
-
-// Closing speed of a hit. Bullet would close the gap in this tick and, depending on its width, have
-// little or no speed left for the bounce in the next. Bullet therefore gets a gap of zero.
-constexpr float kHitMps = 0.7F;
-
-// Rolling resistance on skin and cloth, as a lever in radii of the object: the slope on which a
-// ball stays. A hand yields and cups what it holds, which no hull shows.
-constexpr float kRollingLever = 1.5F;
-constexpr float kSpinningLever = 0.3F;
-constexpr std::size_t kNumRolling = 3;  // contacts per object that resist rolling
-
-// Depth, in radii, from which an object is tested for being inside a person altogether.
-constexpr float kDeepRadii = 0.6F;
-constexpr float kEscapeSearchM = 0.5F;
-// interval of that test for objects within a person's bounds
-constexpr std::uint64_t kTicksPerCheck = 8;
 
 // Carriers are in no world, but the solver and its sorting need a world index.
 constexpr int kFirstCarrierIndex = 1 << 16;
@@ -69,22 +35,23 @@ ContactMotion motion_of(const btRigidBody& body) {
     return motion;
 }
 
-ContactBody surface_of(const btCollisionShape& shape) {
+ContactBody surface_of(const btCollisionShape& shape, const BodySamplingOptions& options) {
     ContactBody body;
     btVector3 low;
     btVector3 high;
     shape.getAabb(btTransform::getIdentity(), low, high);
     body.size_m = floats_from_bullet(high - low).maxCoeff();
     if (shape.getShapeType() != SPHERE_SHAPE_PROXYTYPE) {
-        body.samples = sample_body(shape, {});
+        body.samples = sample_body(shape, options);
         return body;
     }
     body.is_sphere = true;
     body.radius_m = static_cast<const btSphereShape&>(shape).getRadius();
     const float area_m2 = 4.0F * std::numbers::pi_v<float> * body.radius_m * body.radius_m;
-    const auto num = static_cast<std::size_t>(area_m2 / (kSphereSpacingM * kSphereSpacingM));
+    const auto num =
+        static_cast<std::size_t>(area_m2 / (options.sphere_spacing_m * options.sphere_spacing_m));
     for (const Eigen::Vector3f& outwards :
-         even_directions(std::clamp(num, kMinSphereSamples, kMaxSphereSamples))) {
+         even_directions(std::clamp(num, options.min_sphere_samples, options.max_sphere_samples))) {
         body.samples.push_back({body.radius_m * outwards, outwards});
     }
     return body;
@@ -131,7 +98,7 @@ struct PeopleContacts::Surface {
 };
 
 PeopleContacts::PeopleContacts(btDispatcher& dispatcher, const PeopleContactOptions& options)
-    : dispatcher_(dispatcher), options_(options) {}
+    : dispatcher_(dispatcher), options_(options), finder_(options.search) {}
 
 PeopleContacts::~PeopleContacts() { end_tick(); }
 
@@ -139,7 +106,7 @@ void PeopleContacts::add(std::uint32_t id, btRigidBody& body) {
     auto tracked = std::make_unique<Tracked>();
     tracked->id = id;
     tracked->body = &body;
-    tracked->surface = surface_of(*body.getCollisionShape());
+    tracked->surface = surface_of(*body.getCollisionShape(), options_.sampling);
     btVector3 low;
     btVector3 high;
     body.getCollisionShape()->getAabb(btTransform::getIdentity(), low, high);
@@ -202,8 +169,8 @@ void PeopleContacts::begin_body(Tracked& tracked, const PeopleField& people, dou
         float deepest_m = 0.0F;
         for (const PersonContact& c : contacts) deepest_m = std::min(deepest_m, c.distance_m);
         const bool may_be_inside = finder_.num_near() == 0
-                                       ? (tick_ + tracked.id) % kTicksPerCheck == 0
-                                       : deepest_m < -kDeepRadii * tracked.inner_radius_m;
+                                       ? (tick_ + tracked.id) % options_.ticks_per_check == 0
+                                       : deepest_m < -options_.deep_radii * tracked.inner_radius_m;
         if (may_be_inside && is_inside(tracked, person)) {
             tracked.escaping_from = name;
             ++num_escapes_;
@@ -220,12 +187,12 @@ void PeopleContacts::begin_body(Tracked& tracked, const PeopleField& people, dou
             tracked.grips.erase(name);
             continue;
         }
-        GripCorrection& grip = tracked.grips[name];
+        GripCorrection& grip = tracked.grips.try_emplace(name, options_.grip).first->second;
         grip.update(motion, person, contacts, finder_.turning());
         Surface surface{finder_.turning() + grip.turning(), grip};
         surface.share = 1.0F / static_cast<float>(contacts.size());
         for (const PersonContact& c : contacts) {
-            surface.resists_rolling = num_resisting++ < kNumRolling;
+            surface.resists_rolling = num_resisting++ < options_.num_rolling;
             if (insert(tracked, c, surface, tick_s)) note_touch(name, tracked, c);
         }
     }
@@ -237,7 +204,7 @@ bool PeopleContacts::is_inside(const Tracked& tracked, const PersonField& person
         floats_from_bullet(tracked.body->getWorldTransform().getOrigin());
     if (!person.surfels().is_near(centre, centre)) return false;
     const PlacedSurfel* nearest =
-        person.nearest(centre, kEscapeSearchM, [](const PlacedSurfel&) { return true; });
+        person.nearest(centre, options_.escape_search_m, [](const PlacedSurfel&) { return true; });
     if (nearest == nullptr) return false;
     // most surfels at about this distance must face away from the centre
     const float within_m = 1.3F * (nearest->position - centre).norm() + 0.01F;
@@ -259,12 +226,13 @@ bool PeopleContacts::is_around(const Tracked& tracked, const PersonField& person
     tracked.body->getAabb(low, high);
     const btTransform body_from_world = tracked.body->getWorldTransform().inverse();
     const btCollisionShape& shape = *tracked.body->getCollisionShape();
+    const float around_m = options_.around_m;
     bool is_around = false;
     person.surfels().visit_box(
         floats_from_bullet(low), floats_from_bullet(high), [&](const PlacedSurfel& s) {
             if (is_around) return;
             const auto at = distance_to_shape(shape, body_from_world * to_bullet(s.position), 0);
-            is_around = at && at->distance < -kAroundM;
+            is_around = at && at->distance < -around_m;
         });
     return is_around;
 }
@@ -276,9 +244,10 @@ bool PeopleContacts::move_out(Tracked& tracked, const PeopleField& people) {
         floats_from_bullet(tracked.body->getWorldTransform().getOrigin());
     const PlacedSurfel* nearest = nullptr;
     if (person != people.people().end()) {
-        nearest = person->second.nearest(centre, kEscapeSearchM, [](const PlacedSurfel& surfel) {
-            return surfel.normal.z() > -0.5F;  // not down through the soles
-        });
+        nearest = person->second.nearest(
+            centre, options_.escape_search_m, [](const PlacedSurfel& surfel) {
+                return surfel.normal.z() > -0.5F;  // not down through the soles
+            });
     }
     if (nearest == nullptr || nearest->normal.dot(centre - nearest->position) > 0.0F) {
         tracked.escaping_from.clear();
@@ -333,8 +302,9 @@ bool PeopleContacts::insert(Tracked& tracked,
     const btVector3 on_object = to_bullet(contact.point);
     const float depth_m = -contact.distance_m;
     const float closing_mps = (contact.distance_m - contact.after_m) / static_cast<float>(tick_s);
-    const bool is_hit = closing_mps > kHitMps && contact.after_m < 0.0F;
-    const float reported_m = std::clamp(contact.distance_m, -kReportedDepthM, is_hit ? 0.0F : 1.0F);
+    const bool is_hit = closing_mps > options_.hit_mps && contact.after_m < 0.0F;
+    const float reported_m =
+        std::clamp(contact.distance_m, -options_.reported_depth_m, is_hit ? 0.0F : 1.0F);
     btManifoldPoint point(tracked.body->getWorldTransform().invXform(on_object),
                           btVector3(0, 0, 0),
                           to_bullet(contact.normal),
@@ -346,22 +316,23 @@ bool PeopleContacts::insert(Tracked& tracked,
     point.m_combinedRestitution =
         std::max(static_cast<float>(options_.restitution), 0.5F * tracked.body->getRestitution());
     if (surface.resists_rolling) {
-        point.m_combinedRollingFriction = kRollingLever * tracked.inner_radius_m;
-        point.m_combinedSpinningFriction = kSpinningLever * tracked.inner_radius_m;
+        point.m_combinedRollingFriction = options_.rolling_lever * tracked.inner_radius_m;
+        point.m_combinedSpinningFriction = options_.spinning_lever * tracked.inner_radius_m;
     }
     if (!is_hit) {
         const auto tick = static_cast<float>(tick_s);
-        const float rate = kStiffness * tick + kDamping;  // [1/s] of an implicit step
+        const float rate =
+            options_.stiffness * tick + options_.damping;  // [1/s] of an implicit step
         const float mass_kg = surface.share / tracked.body->getInvMass();
         point.m_contactPointFlags |=
             BT_CONTACT_FLAG_HAS_CONTACT_CFM | BT_CONTACT_FLAG_HAS_CONTACT_ERP;
         point.m_contactCFM = 1.0F / (mass_kg * rate);
         point.m_contactERP =
-            depth_m > 0.0F ? kStiffness / rate * depth_m * tick / -reported_m : 0.0F;
+            depth_m > 0.0F ? options_.stiffness / rate * depth_m * tick / -reported_m : 0.0F;
     }
     carrier.manifold->addManifoldPoint(point);
     // a contact that would penetrate within this tick is stopped or driven within it
-    const bool is_touch = contact.distance_m <= kContactM || contact.after_m < 0.0F;
+    const bool is_touch = contact.distance_m <= options_.contact_m || contact.after_m < 0.0F;
     is_touched_ = is_touched_ || is_touch;
     return is_touch;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "world_server/physics/options/people_options.hpp"
 #include "world_server/physics/people/people_field.hpp"
 #include "world_server/physics/people/person_contact.hpp"
 
@@ -16,14 +17,6 @@ class btPersistentManifold;
 class btRigidBody;
 
 namespace atrium::physics {
-
-struct PeopleContactOptions {
-    /// Combined friction: geometric mean of this and the object's friction.
-    double friction = 2.0;
-    /// Combined restitution: the larger of this and half of the object's restitution. Skin damps.
-    double restitution = 0.2;
-    double escape_mps = 1.5;  // [m/s] speed at which an object inside a person is moved out
-};
 
 /// Contact of an object and a person in a tick.
 struct PersonTouch {

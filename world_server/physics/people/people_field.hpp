@@ -1,5 +1,6 @@
 #pragma once
 
+#include "world_server/physics/options/people_options.hpp"
 #include "world_server/physics/people/person_shape.hpp"
 #include "world_server/physics/people/surfel_grid.hpp"
 
@@ -31,21 +32,20 @@ struct SurfaceProbe {
 
     /// True if a surface with this normal faces the object. Other surfaces are ignored: the back of
     /// a hand does not push down what lies on its palm, whatever the thickness and depth.
-    bool faces(const Eigen::Vector3f& normal) const {
-        return outwards.isZero() || normal.dot(outwards) < kFacing;
+    /// `facing`: see `PeopleFieldOptions`.
+    bool faces(const Eigen::Vector3f& normal, float facing) const {
+        return outwards.isZero() || normal.dot(outwards) < facing;
     }
     /// Octants that contain normals which face the object.
-    std::uint8_t facing_octants() const;
-
-    static constexpr float kFacing = -0.25F;  // cosine
+    std::uint8_t facing_octants(float facing) const;
 };
-
-/// Largest distance from a surface at which `query` finds it.
-inline constexpr float kFieldReachM = 0.04F;
 
 /// One person's surface at the start of a tick.
 class PersonField {
 public:
+    explicit PersonField(const PeopleFieldOptions& options = {});
+
+    const PeopleFieldOptions& options() const { return options_; }
     /// Replaces the shape. Copies no surfels.
     void set_shape(const PersonShape& shape);
     /// Places the surfels at the start of a tick of `tick_s`, with the velocities that carry them
@@ -66,7 +66,7 @@ public:
 
     /// False if `query` would find nothing. Fast.
     bool may_find(const Eigen::Vector3f& point, const SurfaceProbe& probe) const {
-        return (grid_.octants_near(point) & probe.facing_octants()) != 0;
+        return (grid_.octants_near(point) & probe.facing_octants(options_.facing)) != 0;
     }
 
     /// True in one tick per mesh, halfway between two meshes: the time to compare surfaces.
@@ -85,6 +85,7 @@ public:
     std::size_t num_surfels() const { return shape_ ? shape_->size() : 0; }
 
 private:
+    PeopleFieldOptions options_;
     std::shared_ptr<const std::vector<MovingSurfel>> shape_;
     Timestamp capture_time_;
     double period_s_ = 0.0;
@@ -119,20 +120,23 @@ const PlacedSurfel* PersonField::nearest(const Eigen::Vector3f& point,
 /// Holds the moving surfaces of all people in a world. Deterministic. Not thread-safe.
 class PeopleField {
 public:
+    explicit PeopleField(const PeopleFieldOptions& options = {}) : options_(options) {}
+
     void set_person(const std::string& name, const PersonShape& shape);
     bool remove_person(const std::string& name);  // false if the name is unknown
     void begin_tick(double tick_s);
 
     /// Finds the surface of any person that is nearest to the point, or that the point is deepest
-    /// inside. Empty if there is none within `kFieldReachM`. Ignores surfaces that the object
-    /// leaves quickly. A thin hand that has swept past the point within a tick therefore still
-    /// pushes forwards.
+    /// inside. Empty if there is none within `PeopleFieldOptions::reach_m`. Ignores surfaces that
+    /// the object leaves quickly. A thin hand that has swept past the point within a tick therefore
+    /// still pushes forwards.
     std::optional<SurfacePoint> query(const Eigen::Vector3f& p_world,
                                       const SurfaceProbe& probe) const;
 
     const std::map<std::string, PersonField>& people() const { return people_; }
 
 private:
+    PeopleFieldOptions options_;
     std::map<std::string, PersonField> people_;
 };
 

@@ -8,18 +8,7 @@
 namespace atrium::physics {
 namespace {
 
-constexpr float kTouchM = 0.004F;  // largest gap of a contact
-constexpr float kFastM = 0.015F;   // relative motion per tick above which paths are followed
 constexpr float kSlackM = 0.001F;  // of bounds, for rounding
-constexpr float kDiscM = 0.02F;    // radius of a surfel's disc
-// Cosines between a sphere's sample and the person's normal. Below the first, the sphere touches
-// the plane at the sample. Up to the second, the sample may have passed an edge.
-constexpr float kFacingPlane = -0.8F;
-constexpr float kFacingEdge = -0.3F;
-constexpr float kSameSide = 0.3F;    // cosine
-constexpr float kSameNormal = 0.9F;  // cosine
-constexpr float kTurningM = 0.01F;   // smaller extents hardly determine a rotation
-constexpr float kMinApartM = 0.012F;
 
 }  // namespace
 
@@ -43,20 +32,22 @@ std::span<const PersonContact> ContactFinder::find(const ContactBody& body,
 void ContactFinder::gather(const ContactMotion& motion, const PersonField& person, float tick_s) {
     has_fast_ = false;
     near_.clear();
+    const float fast_sq = options_.fast_m * options_.fast_m;
     const float own_mps = motion.linear_velocity.norm();
-    const float reach_m = kFieldReachM + tick_s * (own_mps + person.max_speed_mps());
+    const float reach_m = person.options().reach_m + tick_s * (own_mps + person.max_speed_mps());
     const Eigen::Vector3f reach = Eigen::Vector3f::Constant(reach_m);
     near_low_ = motion.high;
     near_high_ = motion.low;
     // speed that rotation adds at any point of the object
     const float turning_mps = motion.angular_velocity.norm() * (motion.high - motion.low).norm();
-    const Eigen::Vector3f disc = Eigen::Vector3f::Constant(kDiscM + tick_s * turning_mps + kSlackM);
+    const Eigen::Vector3f disc =
+        Eigen::Vector3f::Constant(options_.disc_m + tick_s * turning_mps + kSlackM);
     person.surfels().visit_box(motion.low - reach, motion.high + reach, [&](const PlacedSurfel& s) {
         near_.push_back(&s);
         near_low_ = near_low_.cwiseMin(s.position);
         near_high_ = near_high_.cwiseMax(s.position);
         const Eigen::Vector3f way = tick_s * (motion.linear_velocity - s.velocity);
-        if (way.squaredNorm() <= kFastM * kFastM) return;
+        if (way.squaredNorm() <= fast_sq) return;
         // the object cannot meet a surface that it leaves or that is beside its path
         if (s.normal.dot(way) > tick_s * turning_mps + kSlackM) return;
         const Eigen::Vector3f low = motion.low + way.cwiseMin(0.0F) - disc;
@@ -84,7 +75,8 @@ void ContactFinder::find_turning() {
     const auto num = static_cast<float>(near_.size());
     centre /= num;
     velocity /= num;
-    Eigen::Matrix3f inertia = num * kTurningM * kTurningM * Eigen::Matrix3f::Identity();
+    Eigen::Matrix3f inertia =
+        num * options_.turning_m * options_.turning_m * Eigen::Matrix3f::Identity();
     Eigen::Vector3f momentum = Eigen::Vector3f::Zero();
     for (const PlacedSurfel* s : near_) {
         const Eigen::Vector3f arm = s->position - centre;
@@ -101,7 +93,10 @@ const PlacedSurfel* ContactFinder::first_on_path(const Eigen::Vector3f& point,
                                                  const ContactMotion& motion,
                                                  const PersonField& person,
                                                  float tick_s) const {
-    const Eigen::Vector3f disc = Eigen::Vector3f::Constant(kDiscM + kSlackM);
+    const float disc_m = options_.disc_m;
+    const float fast_sq = options_.fast_m * options_.fast_m;
+    const float facing = person.options().facing;
+    const Eigen::Vector3f disc = Eigen::Vector3f::Constant(disc_m + kSlackM);
     const Eigen::Vector3f low = tick_s * (probe.velocity - fast_high_mps_);
     const Eigen::Vector3f high = tick_s * (probe.velocity - fast_low_mps_);
     const PlacedSurfel* first = nullptr;
@@ -112,14 +107,14 @@ const PlacedSurfel* ContactFinder::first_on_path(const Eigen::Vector3f& point,
         [&](const PlacedSurfel& s) {
             const Eigen::Vector3f offset = point - s.position;
             const float distance_m = s.normal.dot(offset);
-            if (distance_m < 0.0F || !probe.faces(s.normal)) return;
+            if (distance_m < 0.0F || !probe.faces(s.normal, facing)) return;
             const Eigen::Vector3f relative = probe.velocity - s.velocity;
             const float closing_mps = -s.normal.dot(relative);
             if (distance_m >= closing_mps * first_s) return;
             const float meeting_s = distance_m / closing_mps;
-            if ((offset + meeting_s * relative).squaredNorm() > kDiscM * kDiscM) return;
+            if ((offset + meeting_s * relative).squaredNorm() > disc_m * disc_m) return;
             const Eigen::Vector3f way = tick_s * (motion.linear_velocity - s.velocity);
-            if (way.squaredNorm() <= kFastM * kFastM) return;
+            if (way.squaredNorm() <= fast_sq) return;
             first = &s;
             first_s = meeting_s;
         });
@@ -155,8 +150,8 @@ void ContactFinder::test(const ContactBody& body,
     }
     if (body.is_sphere) {
         const float facing = contact.normal.dot(offset) / body.radius_m;
-        if (facing > kFacingEdge) return;
-        if (facing < kFacingPlane) {
+        if (facing > options_.facing_edge) return;
+        if (facing < options_.facing_plane) {
             // move the contact to the sphere's point nearest to the plane
             contact.point = centre - body.radius_m * contact.normal;
             contact.distance_m -= body.radius_m * (1.0F + facing);
@@ -170,7 +165,7 @@ void ContactFinder::test(const ContactBody& body,
         motion.linear_velocity + motion.angular_velocity.cross(contact.point - centre);
     contact.after_m =
         contact.distance_m + tick_s * contact.normal.dot(at_contact - contact.velocity);
-    if (std::min(contact.distance_m, contact.after_m) > kTouchM) return;
+    if (std::min(contact.distance_m, contact.after_m) > options_.touch_m) return;
     candidates_.push_back(contact);
 }
 
@@ -181,14 +176,14 @@ void ContactFinder::select(float size_m) {
         return a.is_at_edge != b.is_at_edge ? b.is_at_edge : a.after_m < b.after_m;
     };
     std::stable_sort(candidates_.begin(), candidates_.end(), before);
-    const float apart_m = std::max(kMinApartM, 0.2F * size_m);
+    const float apart_m = std::max(options_.min_apart_m, 0.2F * size_m);
     for (const PersonContact& c : candidates_) {
-        if (selected_.size() == kMaxContacts) return;
+        if (selected_.size() == options_.max_contacts) return;
         const bool is_new =
             std::none_of(selected_.begin(), selected_.end(), [&](const PersonContact& other) {
-                if (c.is_at_edge) return c.normal.dot(other.normal) > kSameSide;
+                if (c.is_at_edge) return c.normal.dot(other.normal) > options_.same_side;
                 return (c.point - other.point).squaredNorm() < apart_m * apart_m &&
-                       c.normal.dot(other.normal) > kSameNormal;
+                       c.normal.dot(other.normal) > options_.same_normal;
             });
         if (is_new) selected_.push_back(c);
     }

@@ -42,12 +42,12 @@ struct ContactMotion {
     Eigen::Vector3f high;
 };
 
-inline constexpr std::size_t kMaxContacts = 12;  // per object and person
-
 /// Finds contacts between objects and people. Reuses its memory. Not thread-safe.
 class ContactFinder {
 public:
-    /// Returns at most `kMaxContacts` contacts, those first that would be deepest after the tick.
+    explicit ContactFinder(const ContactSearchOptions& options) : options_(options) {}
+
+    /// Returns at most `max_contacts` contacts, those first that would be deepest after the tick.
     /// Valid until the next call.
     std::span<const PersonContact> find(const ContactBody& body,
                                         const ContactMotion& motion,
@@ -74,6 +74,7 @@ private:
                                       float tick_s) const;
     void select(float size_m);
 
+    ContactSearchOptions options_;
     Eigen::Vector3f turning_ = Eigen::Vector3f::Zero();
     std::vector<const PlacedSurfel*> near_;
     Eigen::Vector3f near_low_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "world_server/physics/options/people_options.hpp"
 #include "world_server/physics/people/float4.hpp"
 #include "world_server/physics/people/surface_index.hpp"
 
@@ -14,12 +15,6 @@
 #include <vector>
 
 namespace atrium::physics {
-
-struct MotionOptions {
-    double region_m = 0.14;         // lattice spacing; each cell moves as one region
-    std::size_t max_points = 2000;  // matched points per mesh
-    double max_step_m = 0.5;        // largest displacement between two meshes
-};
 
 /// Estimates how each part of a surface has moved between two meshes without common vertices.
 ///
@@ -103,7 +98,7 @@ private:
     struct Octant {  // eighth part of a lattice cell
         std::uint16_t num = 0;
         std::uint16_t num_unexplained = 0;
-        bool moves() const;
+        bool moves(float moving_share) const;
     };
     using Matrix6 = Eigen::Matrix<float, 6, 6>;
     using Vector6 = Eigen::Matrix<float, 6, 1>;

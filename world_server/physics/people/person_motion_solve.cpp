@@ -13,27 +13,7 @@ namespace atrium::physics {
 namespace {
 
 using motion::distance_along_normal;
-using motion::kTrialPoints;
 using motion::robust_cost;
-
-constexpr int kRounds = 3;         // of matching and solving
-constexpr int kSweeps = 30;        // Gauss-Seidel sweeps, at most
-constexpr float kLeast = 0.05F;    // weight of a point that fits badly; it still pulls a little
-constexpr float kDamping = 0.02F;  // pull towards the start, in points per point
-constexpr float kHold = 0.002F;  // like kDamping in the joint solution, where neighbours stabilise
-constexpr float kPull = 0.05F;   // towards the previous motion, in points per point
-constexpr float kCoupling = 0.1F;  // in points per pair of adjacent points
-// at this difference, couplings and the pull have lost a good part
-constexpr float kLetGoM = 0.02F;
-constexpr float kTurnM = 0.07F;     // a region's radius: converts rotations to displacements
-constexpr float kTurnAlike = 1.0F;  // weight of a coupling on the rotations themselves
-constexpr float kMaxTurn = 0.5F;    // [rad]
-// between a region's predicted place and a region of the next mesh
-constexpr float kSamePlaceM = 0.1F;
-// A region that moves by less than kSettledM does not notify its neighbours; below kSameMatchesM it
-// keeps its matches. Rotations count at the region's radius.
-constexpr float kSettledM = 3e-5F;
-constexpr float kSameMatchesM = 3e-4F;
 
 Float4 to_float4(const Eigen::Vector3f& v) { return Float4{v.x(), v.y(), v.z(), 0.0F}; }
 Eigen::Vector3f to_vector(Float4 v) { return {v[0], v[1], v[2]}; }
@@ -63,12 +43,12 @@ Eigen::Matrix<float, 6, 6> inverse_of_symmetric(const Eigen::Matrix<float, 6, 6>
     return inverse;
 }
 
-// Squared change of a region's state [m^2].
+// Squared change of a region's state [m^2]. Rotations count at the radius `turn_m`.
 template <typename Twist>
-float moved_sq(const Twist& a, const Twist& b) {
+float moved_sq(const Twist& a, const Twist& b, float turn_m) {
     const Float4 way = a.displacement - b.displacement;
     const Float4 turn = a.turn - b.turn;
-    return sum(way * way + kTurnM * kTurnM * turn * turn);
+    return sum(way * way + turn_m * turn_m * turn * turn);
 }
 
 bool is_finite(Float4 v) { return bits_of(v - v == 0.0F) == 0xFU; }
@@ -78,6 +58,8 @@ bool is_finite(Float4 v) { return bits_of(v - v == 0.0F) == 0xFU; }
 MotionEstimator::Normals MotionEstimator::correspond(const Region& region,
                                                      const Eigen::Vector3f& displacement,
                                                      std::size_t max_points) {
+    const float least = options_.solve.least;
+    const float scale_m = options_.match.scale_m;
     Normals sum;
     const std::size_t stride = 1 + (region.num - 1) / max_points;
     places_.clear();
@@ -93,8 +75,8 @@ MotionEstimator::Normals MotionEstimator::correspond(const Region& region,
         }
         const SurfaceSample& found = before_->samples()[matched_[i]];
         const float distance_m = distance_along_normal(found, places_[i].position);
-        const float cost = robust_cost(distance_m);
-        const float weight = 1.0F - cost + kLeast;
+        const float cost = robust_cost(distance_m, scale_m);
+        const float weight = 1.0F - cost + least;
         sum.cost += cost;
         sum.lhs += weight * found.normal * found.normal.transpose();
         sum.rhs += weight * distance_m * found.normal;
@@ -108,9 +90,9 @@ Eigen::Vector3f MotionEstimator::refine(const Region& region,
                                         Eigen::Vector3f displacement,
                                         int rounds) {
     for (int round = 0; round < rounds; ++round) {
-        Normals sum = correspond(region, displacement, kTrialPoints);
+        Normals sum = correspond(region, displacement, options_.start.trial_points);
         if (sum.weight <= 0.0F) break;
-        sum.lhs.diagonal().array() += kDamping * sum.weight;
+        sum.lhs.diagonal().array() += options_.solve.damping * sum.weight;
         displacement += sum.lhs.llt().solve(sum.rhs);
     }
     return displacement;
@@ -128,7 +110,7 @@ void MotionEstimator::predict() {
         }
     }
     for (Region& region : regions_) {
-        Float4 least_sq = all4(kSamePlaceM * kSamePlaceM);
+        Float4 least_sq = all4(options_.solve.same_place_m * options_.solve.same_place_m);
         Int4 group = {-1, -1, -1, -1};
         for (std::size_t i = 0; i < num_groups; ++i) {
             const Float4 dx = load4(headed_[0].data() + i * kFloat4Size) - region.centre.x();
@@ -153,6 +135,8 @@ void MotionEstimator::predict() {
 // Builds the equations of the region's points and previous motion. The state is the whole
 // displacement (3) and rotation (3), not a step.
 void MotionEstimator::linearise(const Region& region, Equations& equations) {
+    const MotionSolveOptions& solve = options_.solve;
+    const float scale_m = options_.match.scale_m;
     // columns of the left side; each is followed by its entry of the right side
     std::array<std::array<Float4, 2>, 6> columns{};
     float weights = 0.0F;
@@ -173,7 +157,7 @@ void MotionEstimator::linearise(const Region& region, Equations& equations) {
         const Eigen::Vector3f& normal = before_->samples()[found].normal;
         const float distance_m =
             distance_along_normal(before_->samples()[found], places_[i].position);
-        const float weight = 1.0F - robust_cost(distance_m) + kLeast;
+        const float weight = 1.0F - robust_cost(distance_m, scale_m) + solve.least;
         const Eigen::Vector3f lever = arm.cross(normal);
         const std::array<float, 6> row{
             normal.x(), normal.y(), normal.z(), lever.x(), lever.y(), lever.z()};
@@ -195,15 +179,15 @@ void MotionEstimator::linearise(const Region& region, Equations& equations) {
                 columns[column][row / kFloat4Size][row % kFloat4Size];
         rhs[at] = columns[column][1][2];
     }
-    lhs.diagonal().head<3>().array() += kHold * (weights + 1.0F);
-    lhs.diagonal().tail<3>().array() += kHold * (weights + 1.0F) * kTurnM * kTurnM;
+    lhs.diagonal().head<3>().array() += solve.hold * (weights + 1.0F);
+    lhs.diagonal().tail<3>().array() += solve.hold * (weights + 1.0F) * solve.turn_m * solve.turn_m;
     Vector6 state;
     state << to_vector(equations.state.displacement), to_vector(equations.state.turn);
     rhs += lhs * state;
     if (region.predicted) {
         const float off_sq = (*region.predicted - region.displacement).squaredNorm();
-        const float pull =
-            kPull * static_cast<float>(region.num) / (1.0F + off_sq / (kLetGoM * kLetGoM));
+        const float pull = solve.pull * static_cast<float>(region.num) /
+                           (1.0F + off_sq / (solve.let_go_m * solve.let_go_m));
         lhs.diagonal().head<3>().array() += pull;
         rhs.head<3>() += pull * *region.predicted;
     }
@@ -214,6 +198,7 @@ void MotionEstimator::linearise(const Region& region, Equations& equations) {
 // Adds the couplings. Each one sums what both sides expect of the other if they were one rigid
 // piece.
 void MotionEstimator::couple(std::size_t index) {
+    const MotionSolveOptions& solve = options_.solve;
     const Region& region = regions_[index];
     Equations& equations = equations_[index];
     const Twist& own = equations.state;
@@ -229,8 +214,8 @@ void MotionEstimator::couple(std::size_t index) {
         const Float4 by_own = apart - cross4(own.turn, arm);
         const Float4 by_other = apart - cross4(other.turn, arm);
         const float apart_sq = 0.5F * sum(by_own * by_own + by_other * by_other);
-        const float unlike = 1.0F + apart_sq / (kLetGoM * kLetGoM);
-        const float weight = kCoupling * neighbour.num_pairs / (unlike * unlike);
+        const float unlike = 1.0F + apart_sq / (solve.let_go_m * solve.let_go_m);
+        const float weight = solve.coupling * neighbour.num_pairs / (unlike * unlike);
         const Float4 weighted = weight * arm;
         couplings_[region.first_neighbour + n] = {all4(weight), weighted, yzx(weighted)};
         weights += weight;
@@ -238,14 +223,14 @@ void MotionEstimator::couple(std::size_t index) {
         for (std::size_t row = 0; row < 3; ++row) products[row] += weighted[row] * arm;
     }
     // with C the matrix of the cross product with an arm, each adds
-    // [2 I, -C; C, -C^2 + kTurnAlike kTurnM^2 I], where -C^2 = |arm|^2 I - arm arm^T
+    // [2 I, -C; C, -C^2 + turn_alike turn_m^2 I], where -C^2 = |arm|^2 I - arm arm^T
     Matrix6 lhs = equations.own_lhs;
     const Eigen::Matrix3f cross = cross_matrix(to_vector(arms));
     lhs.topRightCorner<3, 3>() -= cross;
     lhs.bottomLeftCorner<3, 3>() += cross;
     lhs.diagonal().head<3>().array() += 2.0F * weights;
-    lhs.diagonal().tail<3>().array() +=
-        products[0][0] + products[1][1] + products[2][2] + kTurnAlike * kTurnM * kTurnM * weights;
+    lhs.diagonal().tail<3>().array() += products[0][0] + products[1][1] + products[2][2] +
+                                        solve.turn_alike * solve.turn_m * solve.turn_m * weights;
     for (std::size_t row = 0; row < 3; ++row)
         lhs.block<1, 3>(static_cast<Eigen::Index>(3 + row), 3) -= to_vector(products[row]);
     const Matrix6 inverse = inverse_of_symmetric(lhs);
@@ -257,6 +242,7 @@ void MotionEstimator::couple(std::size_t index) {
 
 // One Gauss-Seidel step of one region. Returns true if its neighbours must update.
 bool MotionEstimator::relax(std::size_t index) {
+    const MotionSolveOptions& solve = options_.solve;
     const Region& region = regions_[index];
     Equations& own = equations_[index];
     Float4 displacements{};
@@ -276,8 +262,8 @@ bool MotionEstimator::relax(std::size_t index) {
             c.weighted_arm * yzx(theirs.displacement) - c.weighted_arm_yzx * theirs.displacement;
     }
     const Float4 upper = own.own_rhs.displacement + 2.0F * displacements - yzx(turn_by_arm);
-    const Float4 lower =
-        own.own_rhs.turn + yzx(arm_by_displacement) + kTurnAlike * kTurnM * kTurnM * turns;
+    const Float4 lower = own.own_rhs.turn + yzx(arm_by_displacement) +
+                         solve.turn_alike * solve.turn_m * solve.turn_m * turns;
     Twist state;
     for (std::size_t i = 0; i < 3; ++i) {
         state.displacement +=
@@ -286,13 +272,14 @@ bool MotionEstimator::relax(std::size_t index) {
     }
     if (!is_finite(state.displacement) || !is_finite(state.turn)) return false;
     own.state = state;
-    if (moved_sq(state, own.seen_by_neighbours) <= kSettledM * kSettledM) return false;
+    if (moved_sq(state, own.seen_by_neighbours, solve.turn_m) <= solve.settled_m * solve.settled_m)
+        return false;
     own.seen_by_neighbours = state;
     return true;
 }
 
 void MotionEstimator::sweep() {
-    for (int i = 0; i < kSweeps; ++i) {
+    for (int i = 0; i < options_.solve.max_sweeps; ++i) {
         bool is_settled = true;
         for (std::size_t r = 0; r < regions_.size(); ++r) {
             if (!std::exchange(equations_[r].is_due, false) || !relax(r)) continue;
@@ -305,6 +292,7 @@ void MotionEstimator::sweep() {
 }
 
 void MotionEstimator::solve_together() {
+    const MotionSolveOptions& solve = options_.solve;
     equations_.assign(regions_.size(), {});
     couplings_.resize(neighbours_.size());
     const auto max_step_m = static_cast<float>(options_.max_step_m);
@@ -312,7 +300,7 @@ void MotionEstimator::solve_together() {
         equations_[i].state = {to_float4(regions_[i].displacement), to_float4(regions_[i].turn)};
         equations_[i].seen_by_neighbours = equations_[i].state;
     }
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < solve.num_rounds; ++round) {
         for (std::size_t i = 0; i < regions_.size(); ++i)
             if (equations_[i].is_stale) linearise(regions_[i], equations_[i]);
         for (std::size_t i = 0; i < regions_.size(); ++i) {
@@ -331,10 +319,11 @@ void MotionEstimator::solve_together() {
             Equations& own = equations_[i];
             Region& region = regions_[i];
             region.displacement = shortened(to_vector(own.state.displacement), max_step_m);
-            region.turn = shortened(to_vector(own.state.turn), kMaxTurn);
+            region.turn = shortened(to_vector(own.state.turn), solve.max_turn);
             own.state = {to_float4(region.displacement), to_float4(region.turn)};
             own.seen_by_neighbours = own.state;
-            own.is_stale = moved_sq(own.state, own.linearised_at) > kSameMatchesM * kSameMatchesM;
+            own.is_stale = moved_sq(own.state, own.linearised_at, solve.turn_m) >
+                           solve.same_matches_m * solve.same_matches_m;
         }
     }
 }

@@ -10,31 +10,13 @@ namespace {
 
 using motion::cell_at;
 using motion::is_explained_by;
-using motion::kAlikeM;
-using motion::kSameFacing;
-using motion::kTrialPoints;
 
-constexpr float kSlidesM = 0.004F;   // smaller predictions are not worth a start
-constexpr float kNoWorse = 0.05F;    // cost by which the previous motion may fit worse than rest
-constexpr float kHardCost = 0.08F;   // above this, a region is not explained
-constexpr float kAgreement = 0.15F;  // cost of disagreeing with all neighbours
-constexpr float kFewPoints = 15.0F;
-// Cost of a motion that differs by kSurpriseM from the expected one; the same again for each
-// further kFurtherM.
-constexpr float kSurprise = 0.13F;
-constexpr float kSurpriseM = 0.1F;
-constexpr float kFurtherM = 0.2F;
-// a place further than this from its prediction is a different one
-constexpr float kPreviousM = 0.15F;
-constexpr float kBinM = 0.04F;  // bin size of the votes
-constexpr std::size_t kMaxVoters = 200;
-
-float surprise(float off_m, std::size_t num_points) {
-    const float full = std::min(1.0F, off_m / kSurpriseM);
+float surprise(float off_m, std::size_t num_points, const MotionStartOptions& options) {
+    const float full = std::min(1.0F, off_m / options.surprise_m);
     const float leap = std::clamp(2.0F * full - 1.0F, 0.0F, 1.0F);
-    const float further = std::max(0.0F, off_m - kSurpriseM) / kFurtherM;
-    return kSurprise * (full + further) *
-           (1.0F + leap * kFewPoints / static_cast<float>(num_points));
+    const float further = std::max(0.0F, off_m - options.surprise_m) / options.further_m;
+    return options.surprise * (full + further) *
+           (1.0F + leap * options.few_points / static_cast<float>(num_points));
 }
 
 }  // namespace
@@ -42,7 +24,7 @@ float surprise(float off_m, std::size_t num_points) {
 void MotionEstimator::start_from_rest(Region& region) {
     if (region.moves) {
         region.displacement = refine(region, Eigen::Vector3f::Zero(), 3);
-        region.cost = correspond(region, region.displacement, kTrialPoints).cost;
+        region.cost = correspond(region, region.displacement, options_.start.trial_points).cost;
     } else {
         const auto first = points_.begin() + region.first;
         const auto num_unexplained = std::count_if(
@@ -57,26 +39,30 @@ void MotionEstimator::start_from_before() {
     for (Region& region : regions_) {
         if (!region.moves) {
             // rest also explains a palm that slides along itself
-            if (!region.predicted || region.predicted->norm() < kSlidesM) continue;
-            const float cost = correspond(region, *region.predicted, kTrialPoints).cost;
-            const float at_rest = correspond(region, region.displacement, kTrialPoints).cost;
-            if (cost <= at_rest + kNoWorse) region.displacement = *region.predicted;
+            if (!region.predicted || region.predicted->norm() < options_.start.slides_m) continue;
+            const float cost =
+                correspond(region, *region.predicted, options_.start.trial_points).cost;
+            const float at_rest =
+                correspond(region, region.displacement, options_.start.trial_points).cost;
+            if (cost <= at_rest + options_.start.no_worse) region.displacement = *region.predicted;
             continue;
         }
         for (const Moved& moved : previous_) {
             if (region.num_starts == kMaxPrevious) break;
             const Eigen::Vector3f headed = moved.centre + moved.displacement;
-            if ((headed - region.centre).squaredNorm() > kPreviousM * kPreviousM) continue;
+            if ((headed - region.centre).squaredNorm() >
+                options_.start.previous_m * options_.start.previous_m)
+                continue;
             const auto end = region.starts.begin() + static_cast<std::ptrdiff_t>(region.num_starts);
             const bool is_known =
                 std::any_of(region.starts.begin(), end, [&](const Eigen::Vector3f& start) {
-                    return (start - moved.displacement).norm() < 0.5F * kAlikeM;
+                    return (start - moved.displacement).norm() < 0.5F * options_.alike_m;
                 });
             if (!is_known) region.starts[region.num_starts++] = moved.displacement;
         }
         region.num_expected = region.num_starts;
         choose_start(region, 0);
-        region.is_hard = region.cost > kHardCost;
+        region.is_hard = region.cost > options_.start.hard_cost;
     }
 }
 
@@ -109,12 +95,14 @@ void MotionEstimator::vote(std::span<const std::uint32_t> group) {
         for (std::size_t i = 0; i < samples.size(); i += stride) places_.push_back(samples[i]);
         match_places(*now_);
         for (std::size_t n = 0; n < places_.size(); ++n) {
-            if (!is_explained_by(*now_, matched_[n], places_[n]))
+            if (!is_explained_by(*now_, matched_[n], places_[n], options_.match.explained_m))
                 vanished_.push_back(static_cast<std::uint32_t>(n * stride));
         }
     }
     const auto max_step_m = static_cast<float>(options_.max_step_m);
-    const int half = static_cast<int>(std::ceil(max_step_m / kBinM));
+    const float bin_m = options_.start.bin_m;
+    const float same_facing = options_.match.same_facing;
+    const int half = static_cast<int>(std::ceil(max_step_m / bin_m));
     const int side = 2 * half + 2;
     votes_.assign(static_cast<std::size_t>(side) * side * side, 0);
     const auto index = [&](int x, int y, int z) {
@@ -122,8 +110,8 @@ void MotionEstimator::vote(std::span<const std::uint32_t> group) {
     };
     std::size_t num_points = 0;
     for (const std::uint32_t r : group) num_points += regions_[r].num;
-    const std::size_t stride = 1 + num_points / kMaxVoters;
-    const std::size_t vanished_stride = 1 + vanished_.size() / (2 * kMaxVoters);
+    const std::size_t stride = 1 + num_points / options_.start.max_voters;
+    const std::size_t vanished_stride = 1 + vanished_.size() / (2 * options_.start.max_voters);
     std::size_t count = 0;
     Eigen::Array3i low = Eigen::Array3i::Constant(side);  // range of bins with votes
     Eigen::Array3i high = Eigen::Array3i::Constant(-1);
@@ -135,11 +123,11 @@ void MotionEstimator::vote(std::span<const std::uint32_t> group) {
             for (std::size_t v = 0; v < vanished_.size(); v += vanished_stride) {
                 const SurfaceSample& from = before_->samples()[vanished_[v]];
                 const Eigen::Vector3f step = sample.position - from.position;
-                if (from.normal.dot(sample.normal) < kSameFacing ||
+                if (from.normal.dot(sample.normal) < same_facing ||
                     step.squaredNorm() > max_step_m * max_step_m) {
                     continue;
                 }
-                const Eigen::Array3i bin = cell_at(step, kBinM) + half;
+                const Eigen::Array3i bin = cell_at(step, bin_m) + half;
                 ++votes_[index(bin.x(), bin.y(), bin.z())];
                 low = low.min(bin);
                 high = high.max(bin);
@@ -170,7 +158,7 @@ void MotionEstimator::vote(std::span<const std::uint32_t> group) {
             }
         }
         if (best == 0) return;
-        const Eigen::Vector3f start = ((best_bin - half + 1).cast<float>() * kBinM).matrix();
+        const Eigen::Vector3f start = ((best_bin - half + 1).cast<float>() * bin_m).matrix();
         for (const std::uint32_t r : group) regions_[r].starts[regions_[r].num_starts++] = start;
         for (int i = 0; i < 8; ++i) {
             votes_[index(
@@ -187,7 +175,7 @@ void MotionEstimator::choose_start(Region& region, std::size_t first) {
     for (std::size_t i = first; i < region.num_starts; ++i) {
         Eigen::Vector3f& start = region.starts[i];
         start = refine(region, start, 3);
-        const float cost = correspond(region, start, kTrialPoints).cost;
+        const float cost = correspond(region, start, options_.start.trial_points).cost;
         float surprise_m = 0.0F;
         if (i >= region.num_expected) {
             surprise_m = (start - region.from_rest).norm();
@@ -195,7 +183,7 @@ void MotionEstimator::choose_start(Region& region, std::size_t first) {
                 surprise_m = std::min(surprise_m, (start - region.starts[j]).norm());
             }
         }
-        const float total = cost + surprise(surprise_m, region.num);
+        const float total = cost + surprise(surprise_m, region.num, options_.start);
         if (total >= least) continue;
         least = total;
         region.cost = cost;
@@ -212,11 +200,12 @@ void MotionEstimator::choose_with_neighbours() {
         float weights = 0.0F;
         for (const Neighbour& n : neighbours_of(region)) {
             const float difference = (regions_[n.region].displacement - displacement).norm();
-            sum += n.nearness * std::min(1.0F, difference / (2.0F * kAlikeM));
+            sum += n.nearness * std::min(1.0F, difference / (2.0F * options_.alike_m));
             weights += n.nearness;
         }
         if (weights <= 0.0F) return 0.0F;
-        return kAgreement * (1.0F + kFewPoints / static_cast<float>(region.num)) * sum / weights;
+        return options_.start.agreement *
+               (1.0F + options_.start.few_points / static_cast<float>(region.num)) * sum / weights;
     };
     for (int sweep = 0; sweep < 3; ++sweep) {
         bool has_changed = false;
@@ -224,10 +213,10 @@ void MotionEstimator::choose_with_neighbours() {
             float best = region.cost + disagreement(region, region.displacement);
             for (const Neighbour& n : neighbours_of(region)) {
                 const Eigen::Vector3f& theirs = regions_[n.region].displacement;
-                if ((theirs - region.displacement).norm() < kAlikeM) continue;
+                if ((theirs - region.displacement).norm() < options_.alike_m) continue;
                 const float disagreeing = disagreement(region, theirs);
                 if (disagreeing >= best) continue;
-                const float cost = correspond(region, theirs, kTrialPoints).cost;
+                const float cost = correspond(region, theirs, options_.start.trial_points).cost;
                 if (cost + disagreeing >= best) continue;
                 best = cost + disagreeing;
                 region.cost = cost;

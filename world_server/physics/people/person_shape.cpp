@@ -8,14 +8,6 @@
 #include <utility>
 
 namespace atrium::physics {
-namespace {
-
-constexpr float kSameFacing = 0.5F;  // cosine: normals at most 60 degrees apart
-constexpr float kSearchM = 0.05F;    // around the place given by the motion
-constexpr float kMaxOffM = 0.03F;    // largest correction of a surfel onto the previous surface
-
-}  // namespace
-
 PersonShaper::PersonShaper(const PersonShapeOptions& options)
     : options_(options), motion_(options.motion) {
     assert(options.max_speed_mps > 0.0 && options.rest_speed_mps > 0.0);
@@ -53,18 +45,20 @@ std::vector<MovingSurfel> PersonShaper::moving_surfels(const SurfaceIndex& surfa
 
 // Moves start points along the normal onto the previous surface: no gap and no jump between meshes.
 void PersonShaper::put_onto_previous(std::span<MovingSurfel> surfels) const {
+    const float max_off_m = options_.max_off_m;
     std::array<SurfaceSample, 64> places;
     std::array<std::uint32_t, places.size()> found;
     for (std::size_t first = 0; first < surfels.size(); first += places.size()) {
         const std::size_t num = std::min(places.size(), surfels.size() - first);
         const std::span<MovingSurfel> some = surfels.subspan(first, num);
         for (std::size_t i = 0; i < num; ++i) places[i] = {some[i].from, some[i].normal};
-        previous_.nearest({places.data(), num}, kSearchM, kSameFacing, {found.data(), num});
+        previous_.nearest(
+            {places.data(), num}, options_.search_m, options_.same_facing, {found.data(), num});
         for (std::size_t i = 0; i < num; ++i) {
             if (found[i] == SurfaceIndex::kNone) continue;
             const SurfaceSample& before = previous_.samples()[found[i]];
             const float off_m = before.normal.dot(some[i].from - before.position);
-            some[i].from -= std::clamp(off_m, -kMaxOffM, kMaxOffM) * before.normal;
+            some[i].from -= std::clamp(off_m, -max_off_m, max_off_m) * before.normal;
         }
     }
 }

@@ -2,6 +2,7 @@
 
 #include "core/base/timestamp.hpp"
 #include "core/geometry/triangle_mesh.hpp"
+#include "world_server/physics/options/people_options.hpp"
 #include "world_server/physics/people/moving_surfel.hpp"
 #include "world_server/physics/people/person_motion.hpp"
 #include "world_server/physics/people/surface_index.hpp"
@@ -13,14 +14,6 @@
 #include <vector>
 
 namespace atrium::physics {
-
-struct PersonShapeOptions {
-    SamplingOptions sampling{};
-    MotionOptions motion{};
-    double max_speed_mps = 10.0;   // limit; faster surfaces are slowed to this
-    double rest_speed_mps = 0.06;  // slower motion counts as flicker of the outline
-    double max_period_s = 0.15;    // longer gaps: the next mesh is treated as a new person
-};
 
 /// The surface of one mesh of a person, as samples that move.
 struct PersonShape {

@@ -13,7 +13,6 @@
 namespace atrium::physics {
 namespace {
 
-constexpr double kMinCellM = 0.04;  // about two sample spacings: a handful of samples per cell
 constexpr int kMaxCells = 1 << 18;  // very large meshes get larger cells, not more
 
 // Spreads the samples over one large triangle: the R2 low-discrepancy sequence, folded into it.
@@ -41,9 +40,9 @@ void SurfaceIndex::assign(const geometry::TriangleMesh& mesh, const SamplingOpti
     samples_.clear();
     take_samples(mesh, options);
     if (samples_.empty()) return;
-    sort_into_cells();
+    sort_into_cells(options.min_cell_m);
     fill_columns();
-    smooth_normals();
+    smooth_normals(options.smooth_m);
     bundle();
 }
 
@@ -95,9 +94,9 @@ Int4 SurfaceIndex::cell_at(const Eigen::Vector3f& p) const {
     return __builtin_convertvector(min4(max4(at, all4(0.0F)), last_cell_), Int4);
 }
 
-void SurfaceIndex::sort_into_cells() {
+void SurfaceIndex::sort_into_cells(double min_cell_m) {
     const Eigen::Vector3d size = bounds_.size();
-    double cell_m = kMinCellM;
+    double cell_m = min_cell_m;
     const auto dims_for = [&](double m) -> Eigen::Array3d {
         return (size.array() / m).floor() + 1.0;
     };

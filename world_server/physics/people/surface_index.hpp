@@ -2,6 +2,7 @@
 
 #include "core/geometry/aabb.hpp"
 #include "core/geometry/triangle_mesh.hpp"
+#include "world_server/physics/options/people_options.hpp"
 #include "world_server/physics/people/float4.hpp"
 
 #include <Eigen/Core>
@@ -19,11 +20,6 @@ namespace atrium::physics {
 struct SurfaceSample {
     Eigen::Vector3f position;
     Eigen::Vector3f normal;
-};
-
-struct SamplingOptions {
-    double spacing_m = 0.02;         // one sample per square of this side length
-    std::size_t max_samples = 6000;  // per mesh; larger surfaces are sampled more sparsely
 };
 
 /// Samples a mesh evenly and finds the nearest samples of places. Immutable after `assign`; then
@@ -61,9 +57,9 @@ private:
 
     bool uses_avx2() const;
     void take_samples(const geometry::TriangleMesh& mesh, const SamplingOptions& options);
-    void sort_into_cells();
+    void sort_into_cells(double min_cell_m);
     void fill_columns();
-    void smooth_normals();
+    void smooth_normals(float radius_m);
     void bundle();
     std::size_t cell_index(int x, int y, int z) const {
         return static_cast<std::size_t>((z * dims_.y() + y) * dims_.x() + x);

@@ -13,8 +13,6 @@
 namespace atrium::physics {
 namespace {
 
-constexpr float kSmoothM = 0.03F;  // radius around a sample over which its normal is averaged
-
 // For each mask of eight lanes: source lanes that move the set lanes to the front.
 struct ClosedUp {
     ClosedUp() {
@@ -34,6 +32,7 @@ struct SurfaceIndex::Smoothing {
     // Collects in around_ the samples that may be near those of [begin, end), which are all in one
     // cell.
     ATRIUM_INLINE static std::size_t gather_around(SurfaceIndex& self,
+                                                   float radius_m,
                                                    std::uint32_t begin,
                                                    std::uint32_t end) {
         Eigen::Array3f low = self.samples_[begin].position.array();
@@ -42,8 +41,8 @@ struct SurfaceIndex::Smoothing {
             low = low.min(self.samples_[i].position.array());
             high = high.max(self.samples_[i].position.array());
         }
-        low -= kSmoothM;
-        high += kSmoothM;
+        low -= radius_m;
+        high += radius_m;
         const auto from = pointers(std::as_const(self.columns_));
         const auto to = pointers(self.around_);
         const Int4 first = self.cell_at(low.matrix());
@@ -81,8 +80,8 @@ struct SurfaceIndex::Smoothing {
         return num;
     }
 
-    ATRIUM_INLINE static void smooth_normals(SurfaceIndex& self) {
-        constexpr float kReachSq = kSmoothM * kSmoothM;
+    ATRIUM_INLINE static void smooth_normals(SurfaceIndex& self, float radius_m) {
+        const float per_sq = 1.0F / (radius_m * radius_m);
         const auto num_samples = static_cast<std::uint32_t>(self.samples_.size());
         for (std::vector<float>& column : self.around_)
             column.resize(num_samples + 2 * kFloat8Size);
@@ -92,7 +91,7 @@ struct SurfaceIndex::Smoothing {
             const Int4 cell = self.cell_at(self.samples_[begin].position);
             const std::uint32_t end =
                 self.cell_begin_[self.cell_index(cell[0], cell[1], cell[2]) + 1];
-            const std::size_t num = gather_around(self, begin, end);
+            const std::size_t num = gather_around(self, radius_m, begin, end);
             for (std::uint32_t i = begin; i < end; ++i) {
                 const Eigen::Vector3f& at = self.samples_[i].position;
                 // columns_ keeps the original normals
@@ -104,7 +103,7 @@ struct SurfaceIndex::Smoothing {
                     dx -= at.x();
                     dy -= at.y();
                     dz -= at.z();
-                    const Float8 weight = 1.0F - (dx * dx + dy * dy + dz * dz) * (1.0F / kReachSq);
+                    const Float8 weight = 1.0F - (dx * dx + dy * dy + dz * dz) * per_sq;
                     const Float8 cosine = nx * normal.x() + ny * normal.y() + nz * normal.z();
                     const Float8 counted = reinterpret_cast<Float8>(
                         (weight > 0.0F) & (cosine > 0.0F) & reinterpret_cast<Int8>(weight));
@@ -120,20 +119,22 @@ struct SurfaceIndex::Smoothing {
     }
 
 #ifdef ATRIUM_AVX2
-    ATRIUM_AVX2 static void smooth_normals_avx2(SurfaceIndex& self) { smooth_normals(self); }
+    ATRIUM_AVX2 static void smooth_normals_avx2(SurfaceIndex& self, float radius_m) {
+        smooth_normals(self, radius_m);
+    }
 #endif
 };
 
 // A facet of a hull is a few pixels of one outline and tilts with their noise. Where a surface
 // slides along itself, these tilts would look like motion.
-void SurfaceIndex::smooth_normals() {
+void SurfaceIndex::smooth_normals(float radius_m) {
 #ifdef ATRIUM_AVX2
     if (uses_avx2()) {
-        Smoothing::smooth_normals_avx2(*this);
+        Smoothing::smooth_normals_avx2(*this, radius_m);
         return fill_columns();
     }
 #endif
-    Smoothing::smooth_normals(*this);
+    Smoothing::smooth_normals(*this, radius_m);
     fill_columns();
 }
 

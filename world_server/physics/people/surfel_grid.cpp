@@ -8,7 +8,6 @@
 namespace atrium::physics {
 namespace {
 
-constexpr float kCellM = 0.04F;    // about two surfel spacings: a handful per cell
 constexpr float kMaxCells = 3e5F;  // widely spread surfels get larger cells, not more
 
 // Surfels are read and written four floats at a time. The fourth belongs to the next member.
@@ -52,8 +51,7 @@ void SurfelGrid::place(std::span<const MovingSurfel> surfels, float share_to_go)
     high_ = {high[0], high[1], high[2]};
 }
 
-void SurfelGrid::fit_cells() {
-    float cell_m = kCellM;
+void SurfelGrid::fit_cells(float cell_m) {
     const Eigen::Array3f size = (high_ - low_).array();
     while (((size / cell_m).floor() + 1.0F).prod() > kMaxCells) cell_m *= 1.5F;
     inverse_cell_ = 1.0F / cell_m;
@@ -62,11 +60,12 @@ void SurfelGrid::fit_cells() {
 
 void SurfelGrid::assign(std::span<const MovingSurfel> surfels,
                         float share_to_go,
-                        float share_of_velocity) {
+                        float share_of_velocity,
+                        float cell_m) {
     surfels_.resize(surfels.size());
     if (surfels.empty()) return;
     place(surfels, share_to_go);
-    fit_cells();
+    fit_cells(cell_m);
 
     const auto num_cells = static_cast<std::size_t>(dims_.prod());
     octants_near_.assign(num_cells, 0);
@@ -109,7 +108,6 @@ void SurfelGrid::assign(std::span<const MovingSurfel> surfels,
 
 // Spreads octants by one cell in each direction, axis by axis.
 void SurfelGrid::spread_octants() {
-    static_assert(kOctantReachM <= kCellM);
     const std::size_t num = octants_near_.size();
     spreading_.resize(num);
     for (const int axis_step : {1, dims_.x(), dims_.x() * dims_.y()}) {

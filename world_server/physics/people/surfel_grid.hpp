@@ -25,8 +25,12 @@ struct PlacedSurfel {
 class SurfelGrid {
 public:
     /// Places the surfels with `share_to_go` of their motion remaining and scales their velocities
-    /// by `share_of_velocity`. All values must be finite.
-    void assign(std::span<const MovingSurfel> surfels, float share_to_go, float share_of_velocity);
+    /// by `share_of_velocity`. All values must be finite. Widely spread surfels get cells larger
+    /// than `cell_m`.
+    void assign(std::span<const MovingSurfel> surfels,
+                float share_to_go,
+                float share_of_velocity,
+                float cell_m);
 
     bool empty() const { return surfels_.empty(); }
     std::span<const PlacedSurfel> surfels() const { return surfels_; }  // ordered by cell
@@ -37,8 +41,8 @@ public:
                (low.array() <= high_.array()).all();
     }
 
-    /// Returns the octants of the normals of all surfels within `kOctantReachM` of a point, and
-    /// perhaps of some surfels further away.
+    /// Returns the octants of the normals of all surfels within a cell size of a point, and perhaps
+    /// of some surfels further away.
     std::uint8_t octants_near(const Eigen::Vector3f& p) const {
         if (empty()) return 0;
         const Eigen::Array3i cell = cell_of(p);
@@ -46,7 +50,6 @@ public:
         const Eigen::Array3i within = cell.max(0).min(dims_ - 1);
         return octants_near_[cell_index(within.x(), within.y(), within.z())];
     }
-    static constexpr float kOctantReachM = 0.04F;
 
     /// Calls `visit(surfel)` for all surfels in the cells that the box touches. Some of them lie
     /// outside the box.
@@ -113,7 +116,7 @@ private:
         return static_cast<std::size_t>((z * dims_.y() + y) * dims_.x() + x);
     }
     void place(std::span<const MovingSurfel> surfels, float share_to_go);
-    void fit_cells();
+    void fit_cells(float cell_m);
     void spread_octants();
 
     std::vector<PlacedSurfel> surfels_;

@@ -1,6 +1,6 @@
 #include "world_server/physics/rigid/body_samples.hpp"
 
-#include "world_server/physics/bullet_types.hpp"
+#include "world_server/physics/rigid/bullet_types.hpp"
 
 #include <btBulletCollisionCommon.h>
 
@@ -12,14 +12,12 @@
 namespace atrium::physics {
 namespace {
 
-constexpr float kInsetM = 0.0005F;     // rays exactly along an edge would miss the shape
-constexpr float kFacing = 0.5F;        // cosine; steeper surfaces are sampled from another side
-constexpr std::size_t kNumTips = 42;   // directions in which extreme points are added
-constexpr float kSamePointM = 0.004F;  // a tip closer than this to a sample adds nothing
+constexpr float kInsetM = 0.0005F;  // rays exactly along an edge would miss the shape
 
 // Casts rays at a shape and records the hit points with their normals.
 struct Caster {
-    explicit Caster(const btCollisionShape& collision_shape) : shape(collision_shape) {
+    Caster(const btCollisionShape& collision_shape, float least_facing)
+        : shape(collision_shape), min_facing(least_facing) {
         object.setCollisionShape(const_cast<btCollisionShape*>(&shape));
         object.setWorldTransform(btTransform::getIdentity());
     }
@@ -33,11 +31,12 @@ struct Caster {
                                         result);
         if (!result.hasHit()) return;
         const btVector3 back = (from - to).normalized();
-        if (result.m_hitNormalWorld.dot(back) < kFacing) return;
+        if (result.m_hitNormalWorld.dot(back) < min_facing) return;
         samples.push_back({floats_from_bullet(result.m_hitPointWorld),
                            floats_from_bullet(result.m_hitNormalWorld).normalized()});
     }
     const btCollisionShape& shape;
+    float min_facing;
     btCollisionObject object;
 };
 
@@ -45,8 +44,9 @@ void cast_lattice(const btCollisionShape& shape,
                   const Eigen::Vector3f& low,
                   const Eigen::Vector3f& high,
                   double spacing_m,
+                  float min_facing,
                   std::vector<BodySample>& samples) {
-    Caster caster(shape);
+    Caster caster(shape, min_facing);
     const Eigen::Vector3f size = high - low;
     const auto num_along = [&](int axis) {
         return 1 + static_cast<int>(std::ceil((size[axis] - 2.0F * kInsetM) / spacing_m));
@@ -75,9 +75,10 @@ void cast_lattice(const btCollisionShape& shape,
 void add_tip(const Eigen::Vector3f& tip,
              const Eigen::Vector3f& direction,
              const std::vector<BodySample>& samples,
+             float same_point_m,
              std::vector<BodySample>& tips) {
     const auto is_there = [&](const BodySample& other) {
-        return (other.point - tip).squaredNorm() < kSamePointM * kSamePointM;
+        return (other.point - tip).squaredNorm() < same_point_m * same_point_m;
     };
     if (std::any_of(samples.begin(), samples.end(), is_there)) return;
     const auto known = std::find_if(tips.begin(), tips.end(), is_there);
@@ -91,21 +92,26 @@ void add_tip(const Eigen::Vector3f& tip,
 void add_tips(const btCollisionShape& shape,
               const btTransform& place,
               const std::vector<BodySample>& samples,
+              const BodySamplingOptions& options,
               std::vector<BodySample>& tips) {
     if (shape.isCompound()) {
         const auto& compound = static_cast<const btCompoundShape&>(shape);
         for (int i = 0; i < compound.getNumChildShapes(); ++i) {
             const btTransform child = place * compound.getChildTransform(i);
-            add_tips(*compound.getChildShape(i), child, samples, tips);
+            add_tips(*compound.getChildShape(i), child, samples, options, tips);
         }
         return;
     }
     if (!shape.isConvex()) return;
     const auto& convex = static_cast<const btConvexShape&>(shape);
-    for (const Eigen::Vector3f& direction : even_directions(kNumTips)) {
+    for (const Eigen::Vector3f& direction : even_directions(options.num_tips)) {
         const btVector3 tip = place * convex.localGetSupportingVertex(to_bullet(direction));
         const btVector3 outwards = place.getBasis() * to_bullet(direction);
-        add_tip(floats_from_bullet(tip), floats_from_bullet(outwards), samples, tips);
+        add_tip(floats_from_bullet(tip),
+                floats_from_bullet(outwards),
+                samples,
+                options.same_point_m,
+                tips);
     }
 }
 
@@ -135,9 +141,14 @@ std::vector<BodySample> sample_body(const btCollisionShape& shape,
     const double spacing_m =
         std::max(options.spacing_m, std::sqrt(box_m2 / static_cast<double>(options.max_samples)));
     std::vector<BodySample> samples;
-    cast_lattice(shape, floats_from_bullet(low), floats_from_bullet(high), spacing_m, samples);
+    cast_lattice(shape,
+                 floats_from_bullet(low),
+                 floats_from_bullet(high),
+                 spacing_m,
+                 options.min_facing,
+                 samples);
     std::vector<BodySample> tips;
-    add_tips(shape, btTransform::getIdentity(), samples, tips);
+    add_tips(shape, btTransform::getIdentity(), samples, options, tips);
     for (BodySample& tip : tips) {
         tip.outwards.normalize();
         samples.push_back(tip);

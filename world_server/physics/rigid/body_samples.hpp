@@ -1,5 +1,7 @@
 #pragma once
 
+#include "world_server/physics/options/rigid_options.hpp"
+
 #include <Eigen/Core>
 
 #include <cstddef>
@@ -14,11 +16,6 @@ struct BodySample {
     Eigen::Vector3f point;
     // unit length: the normal; at a tip the mean of the normals around it
     Eigen::Vector3f outwards;
-};
-
-struct BodySamplingOptions {
-    double spacing_m = 0.025;
-    std::size_t max_samples = 3000;  // larger surfaces are sampled more sparsely
 };
 
 /// Samples the surface of a convex or compound shape. Casts a lattice of rays from six sides and

@@ -1,7 +1,7 @@
 #include "world_server/physics/rigid/collision_shape.hpp"
 
 #include "core/geometry/aabb.hpp"
-#include "world_server/physics/bullet_types.hpp"
+#include "world_server/physics/rigid/bullet_types.hpp"
 #include "world_server/physics/rigid/convex_hull.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -14,11 +14,6 @@
 
 namespace atrium::physics {
 namespace {
-
-// Bullet adds its margin around a hull and rounds the edges by it. The hull is shrunk by the same
-// amount.
-constexpr double kMarginM = 0.004;
-constexpr double kMarginPerRadius = 0.2;
 
 std::unique_ptr<btCollisionShape> make_simple(const RigidObject& object) {
     const btVector3 size = to_bullet(object.size_m);
@@ -48,10 +43,12 @@ double inner_radius(const geometry::TriangleMesh& part) {
 
 // Makes one hull in the body frame.
 std::unique_ptr<btConvexHullShape> make_hull(const geometry::TriangleMesh& part,
-                                             const geometry::RigidTransform& body_from_object) {
+                                             const geometry::RigidTransform& body_from_object,
+                                             const HullOptions& options) {
     std::vector<Eigen::Vector3d> points;
     for (const Eigen::Vector3d& v : part.vertices) points.push_back(body_from_object * v);
-    const double margin = std::min(kMarginM, kMarginPerRadius * inner_radius(part));
+    const double margin =
+        std::min(options.margin_m, options.margin_per_radius * inner_radius(part));
     btConvexHullComputer computer;
     // shrinks by at most a quarter of the inner radius: a thin wedge stays a wedge
     const btScalar shrunk_by = computer.compute(points.front().data(),
@@ -90,10 +87,10 @@ Eigen::Quaterniond principal_axes(const Eigen::Matrix3d& inertia, Eigen::Vector3
 
 }  // namespace
 
-CollisionShape::CollisionShape(const RigidObject& object) {
+CollisionShape::CollisionShape(const RigidObject& object, const HullOptions& options) {
     assert(!find_problem(object));
     if (object.shape == ObjectShape::kConvex || object.shape == ObjectShape::kCompound) {
-        make_parts(object);
+        make_parts(object, options);
         return;
     }
     shape_ = make_simple(object);
@@ -107,7 +104,7 @@ CollisionShape::CollisionShape(const RigidObject& object) {
 
 CollisionShape::~CollisionShape() = default;
 
-void CollisionShape::make_parts(const RigidObject& object) {
+void CollisionShape::make_parts(const RigidObject& object, const HullOptions& options) {
     const MassProperties mass = mass_properties(*object.parts);
     Eigen::Vector3d moments;
     object_from_body_.rotation = principal_axes(mass.inertia, moments);
@@ -118,13 +115,13 @@ void CollisionShape::make_parts(const RigidObject& object) {
     for (const geometry::TriangleMesh& part : *object.parts)
         inner_radius_m_ = std::min(inner_radius_m_, inner_radius(part));
     if (object.parts->size() == 1) {
-        shape_ = make_hull(object.parts->front(), body_from_object);
+        shape_ = make_hull(object.parts->front(), body_from_object, options);
         return;
     }
     auto compound = std::make_unique<btCompoundShape>(
         /*enableDynamicAabbTree=*/true, static_cast<int>(object.parts->size()));
     for (const geometry::TriangleMesh& part : *object.parts) {
-        parts_.push_back(make_hull(part, body_from_object));
+        parts_.push_back(make_hull(part, body_from_object, options));
         compound->addChildShape(btTransform::getIdentity(), parts_.back().get());
     }
     shape_ = std::move(compound);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/geometry/rigid_transform.hpp"
+#include "world_server/physics/options/rigid_options.hpp"
 #include "world_server/physics/rigid/rigid_object.hpp"
 
 #include <Eigen/Core>
@@ -17,7 +18,7 @@ namespace atrium::physics {
 class CollisionShape {
 public:
     /// `find_problem(object)` must be empty.
-    explicit CollisionShape(const RigidObject& object);
+    explicit CollisionShape(const RigidObject& object, const HullOptions& options = {});
     ~CollisionShape();
     CollisionShape(const CollisionShape&) = delete;
     CollisionShape& operator=(const CollisionShape&) = delete;
@@ -32,7 +33,7 @@ public:
     double inner_radius_m() const { return inner_radius_m_; }
 
 private:
-    void make_parts(const RigidObject& object);
+    void make_parts(const RigidObject& object, const HullOptions& options);
     std::vector<std::unique_ptr<btCollisionShape>> parts_;  // parts of a compound; empty otherwise
     std::unique_ptr<btCollisionShape> shape_;
     geometry::RigidTransform object_from_body_;

@@ -1,6 +1,6 @@
 #include "world_server/physics/rigid/joint.hpp"
 
-#include "world_server/physics/bullet_types.hpp"
+#include "world_server/physics/rigid/bullet_types.hpp"
 #include "world_server/physics/rigid/object_body.hpp"
 
 #include <btBulletDynamicsCommon.h>
@@ -14,8 +14,6 @@ namespace atrium::physics {
 namespace {
 
 constexpr double kMaxCoordinateM = 1000.0;
-// Solver iterations for joints: a chain of a dozen bodies needs more than contacts do, at low cost.
-constexpr int kNumIterations = 40;
 
 // A constraint without rows. Springs act by impulses before the step; this only tells Bullet which
 // objects sleep and wake together.
@@ -235,7 +233,6 @@ JointBody::JointBody(const Joint& joint, ObjectBody& a, ObjectBody* b, double ti
     anchor_in_b_ = b_from_world * (is_spring ? joint.anchor_b_m : joint.anchor_m);
     axis_in_b_ = b_from_world.rotation * joint.axis.normalized();
     constraint_ = make_constraint(joint, a, b, tick_s);
-    constraint_->setOverrideNumSolverIterations(kNumIterations);
 }
 
 JointBody::~JointBody() = default;

@@ -7,12 +7,6 @@
 #include <set>
 
 namespace atrium::physics {
-namespace {
-
-constexpr btScalar kSleepMps = btScalar(0.2);
-constexpr btScalar kSleepRadPerS = btScalar(3);
-
-}  // namespace
 
 Joints::~Joints() {
     for (const auto& joint : joints_) world_.removeConstraint(&joint->constraint());
@@ -20,15 +14,15 @@ Joints::~Joints() {
 
 void Joints::add(const Joint& joint, ObjectBody& a, ObjectBody* b) {
     joints_.push_back(std::make_unique<JointBody>(joint, a, b, tick_s_));
-    world_.addConstraint(&joints_.back()->constraint(),
+    btTypedConstraint& constraint = joints_.back()->constraint();
+    constraint.setOverrideNumSolverIterations(options_.num_iterations);
+    world_.addConstraint(&constraint,
                          /*disableCollisionsBetweenLinkedBodies=*/!joint.collides);
     for (ObjectBody* object : {&a, b}) {
         if (object == nullptr) continue;
         // continuous collision stops a fast body in mid-tick, which would tear the joint
         object->body().setCcdMotionThreshold(0);
-        // a heap of jointed bodies on the floor twitches: a puppet's foot now and then turns at 2
-        // rad/s, which would keep everything awake
-        object->body().setSleepingThresholds(kSleepMps, kSleepRadPerS);
+        object->body().setSleepingThresholds(options_.sleep_mps, options_.sleep_rad_s);
     }
 }
 

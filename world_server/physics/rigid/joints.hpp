@@ -1,5 +1,6 @@
 #pragma once
 
+#include "world_server/physics/options/rigid_options.hpp"
 #include "world_server/physics/rigid/joint.hpp"
 
 #include <cstdint>
@@ -14,7 +15,8 @@ namespace atrium::physics {
 class Joints {
 public:
     /// `world` and the objects must outlive this.
-    Joints(btDynamicsWorld& world, double tick_s) : world_(world), tick_s_(tick_s) {}
+    Joints(btDynamicsWorld& world, double tick_s, const JointOptions& options)
+        : world_(world), tick_s_(tick_s), options_(options) {}
     ~Joints();
     Joints(const Joints&) = delete;
     Joints& operator=(const Joints&) = delete;
@@ -33,6 +35,7 @@ public:
 private:
     btDynamicsWorld& world_;
     double tick_s_;
+    JointOptions options_;
     std::vector<std::unique_ptr<JointBody>> joints_;  // in the order of `add`
 };
 

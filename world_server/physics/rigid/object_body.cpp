@@ -1,6 +1,6 @@
 #include "world_server/physics/rigid/object_body.hpp"
 
-#include "world_server/physics/bullet_types.hpp"
+#include "world_server/physics/rigid/bullet_types.hpp"
 
 #include <btBulletDynamicsCommon.h>
 
@@ -9,7 +9,7 @@
 namespace atrium::physics {
 
 ObjectBody::ObjectBody(const RigidObject& object, const WorldOptions& options)
-    : object_(object), shape_(object) {
+    : object_(object), shape_(object, options.rigid.hull) {
     btRigidBody::btRigidBodyConstructionInfo info(
         btScalar(object.mass_kg), nullptr, &shape_.shape(), to_bullet(shape_.inertia()));
     info.m_startWorldTransform = start();

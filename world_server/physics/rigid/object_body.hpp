@@ -1,8 +1,10 @@
 #pragma once
 
 #include "core/geometry/rigid_transform.hpp"
+#include "world_server/physics/options/world_options.hpp"
 #include "world_server/physics/rigid/collision_shape.hpp"
-#include "world_server/physics/world.hpp"
+#include "world_server/physics/rigid/rigid_object.hpp"
+#include "world_server/physics/state/world_state.hpp"
 
 #include <memory>
 

@@ -5,8 +5,6 @@
 namespace atrium::physics {
 namespace {
 
-constexpr btScalar kFromInside = btScalar(0.1);  // cosine
-
 void include(const btVector3& p, Box& box) {
     box.low.setMin(p);
     box.high.setMax(p);
@@ -64,7 +62,7 @@ std::optional<FaceContact> find_contact(const SampleMotion& place,
     }
     // a contact needs opposed normals: skin on skin, or skin on cloth
     if (outward != nullptr &&
-        (face.is_skin ? facing < -kFromInside : std::abs(facing) < kFromInside))
+        (face.is_skin ? facing < -limits.from_inside : std::abs(facing) < limits.from_inside))
         return std::nullopt;
     if (distance < -limits.depth_m) return std::nullopt;
 

@@ -33,9 +33,10 @@ struct FaceContact {
 
 struct ContactLimits {
     btScalar tick_s = 0;
-    btScalar gap_m = 0;     // a smaller distance is a contact
-    btScalar margin_m = 0;  // added to gap_m: contacts up to here are reported
-    btScalar depth_m = 0;   // a point further behind a face is not in contact with it
+    btScalar gap_m = 0;        // a smaller distance is a contact
+    btScalar margin_m = 0;     // added to gap_m: contacts up to here are reported
+    btScalar depth_m = 0;      // a point further behind a face is not in contact with it
+    btScalar from_inside = 0;  // cosine; see SoftContactOptions
 };
 
 /// Tests whether a point reaches a face in the coming tick or is behind it. Empty if not.

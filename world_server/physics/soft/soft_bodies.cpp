@@ -1,6 +1,6 @@
 #include "world_server/physics/soft/soft_bodies.hpp"
 
-#include "world_server/physics/bullet_types.hpp"
+#include "world_server/physics/rigid/bullet_types.hpp"
 
 #include <BulletSoftBody/btSoftBody.h>
 #include <BulletSoftBody/btSoftBodySolvers.h>
@@ -10,12 +10,6 @@
 #include <cmath>
 
 namespace atrium::physics {
-namespace {
-
-constexpr double kSubstepS = 1.0 / 480.0;
-constexpr int kMaxSubsteps = 16;
-
-}  // namespace
 
 // Adapts `SoftBodies` to Bullet's solver interface. Predicts nothing before the rigid bodies move:
 // a soft body makes its whole step after them.
@@ -106,14 +100,15 @@ void SoftBodies::step() {
         surfaces_.push_back(body->surface());
     }
     contacts_.find(surfaces_, btScalar(options_.tick_s));
-    const int num_substeps =
-        std::clamp(static_cast<int>(std::lround(options_.tick_s / kSubstepS)), 1, kMaxSubsteps);
+    const SoftOptions& soft = options_.soft;
+    const int num_substeps = std::clamp(
+        static_cast<int>(std::lround(options_.tick_s / soft.substep_s)), 1, soft.max_substeps);
     const btScalar substep_s = btScalar(options_.tick_s) / btScalar(num_substeps);
     for (int i = 1; i <= num_substeps; ++i) {
         const SoftSubstep substep{substep_s, substep_s * btScalar(num_substeps - i)};
         for (auto& [id, body] : bodies_) body->begin_substep(substep);
         contacts_.begin_substep();
-        for (int iteration = 0; iteration < kSoftIterations; ++iteration) {
+        for (int iteration = 0; iteration < soft.num_iterations; ++iteration) {
             for (auto& [id, body] : bodies_) body->solve(substep, iteration);
             contacts_.solve(substep.left_s);
         }

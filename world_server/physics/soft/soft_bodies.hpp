@@ -1,9 +1,10 @@
 #pragma once
 
+#include "world_server/physics/options/world_options.hpp"
 #include "world_server/physics/soft/soft_body.hpp"
 #include "world_server/physics/soft/soft_object.hpp"
 #include "world_server/physics/soft/soft_soft_contacts.hpp"
-#include "world_server/physics/world.hpp"
+#include "world_server/physics/state/world_events.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -67,7 +68,7 @@ private:
     std::unique_ptr<Solver> solver_;
     std::map<std::uint32_t, std::unique_ptr<SoftBody>> bodies_;
     SoftSurroundings surroundings_;
-    SoftSoftContacts contacts_;
+    SoftSoftContacts contacts_{options_.soft.contacts};
     AnchoredBodies anchored_;
     std::vector<std::uint32_t> left_;    // scratch
     std::vector<SoftSurface> surfaces_;  // scratch

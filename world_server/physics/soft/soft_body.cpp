@@ -1,6 +1,6 @@
 #include "world_server/physics/soft/soft_body.hpp"
 
-#include "world_server/physics/bullet_types.hpp"
+#include "world_server/physics/rigid/bullet_types.hpp"
 
 #include <BulletSoftBody/btSoftBody.h>
 
@@ -10,24 +10,6 @@
 
 namespace atrium::physics {
 namespace {
-
-// solver rounds per iteration for a rope: few links, possibly a heavy load
-constexpr int kRopeRounds = 6;
-constexpr btScalar kLooseStretch = 1.6F;  // relative length at which a link slips out of hands
-// A link stretched beyond this snaps back, at no more than kSnapMps: cloth and rope hardly stretch
-// and lose the stored energy.
-constexpr btScalar kTautStretch = 1.2F;
-constexpr btScalar kSnapMps = 4;
-constexpr std::uint8_t kSnapTicks = 12;  // duration of the snap
-constexpr btScalar kOpen = 0.5F;  // square of the relative length below which a link is folded
-constexpr btScalar kFoldStiffness = 0.3F;
-constexpr btScalar kTornExtents = 2.5F;  // relative size above which the state is not plausible
-// Nodes further apart than about two fingers let fingers through. Then face centres are samples
-// too.
-constexpr double kFingersM = 0.025;
-constexpr btScalar kLinkDampingHz = 15;  // damping of motion along a link
-constexpr btScalar kCalmMps = 0.02F;     // below this mean speed, an object comes to rest
-constexpr btScalar kCalmDampingHz = 4;
 
 bool has_volume(const SoftObject& object) {
     return object.shape != SoftShape::kCloth && object.shape != SoftShape::kRope;
@@ -49,14 +31,15 @@ btVector3 slowed(const btVector3& velocity, btScalar most) {
 SoftBody::SoftBody(const SoftObject& object, btSoftBodyWorldInfo& info, const WorldOptions& options)
     : object_(object), options_(options), mesh_(make_soft_mesh(object)) {
     assert(!find_problem(object));
-    contact_options_.tick_s = btScalar(options.tick_s);
-    contact_options_.friction = btScalar(object.friction);
-    contact_options_.person_friction = btScalar(options.person_friction);
-    contact_options_.thickness_m = btScalar(0.005);
+    contact_setup_.options = options.soft.contacts;
+    contact_setup_.tick_s = btScalar(options.tick_s);
+    contact_setup_.friction = btScalar(object.friction);
+    contact_setup_.person_friction = btScalar(options.people.contacts.friction);
+    contact_setup_.thickness_m = btScalar(0.005);
     if (object.shape == SoftShape::kCloth) {
-        contact_options_.thickness_m = btScalar(std::max(0.005, object.size_m.z() / 2.0));
+        contact_setup_.thickness_m = btScalar(std::max(0.005, object.size_m.z() / 2.0));
     } else if (object.shape == SoftShape::kRope) {
-        contact_options_.thickness_m = btScalar(object.size_m.y() / 2.0);
+        contact_setup_.thickness_m = btScalar(object.size_m.y() / 2.0);
     }
     make_body(info);
     make_samples();
@@ -75,7 +58,7 @@ void SoftBody::make_body(btSoftBodyWorldInfo& info) {
     const int num_nodes = static_cast<int>(start_.size());
     body_ = std::make_unique<btSoftBody>(&info, num_nodes, start_.data(), masses.data());
     body_->m_cfg.collisions = 0;
-    body_->getCollisionShape()->setMargin(contact_options_.thickness_m);
+    body_->getCollisionShape()->setMargin(contact_setup_.thickness_m);
 
     btSoftBody::Material& along = *body_->m_materials[0];
     btSoftBody::Material& across = *body_->appendMaterial();
@@ -104,7 +87,7 @@ void SoftBody::make_body(btSoftBodyWorldInfo& info) {
     find_bounds();
     if (has_volume(object_)) {
         const auto match_share = btScalar(between(0.006, 0.12, object_.stiffness));
-        volume_.emplace(*body_, mesh_.topology, match_share);
+        volume_.emplace(*body_, mesh_.topology, match_share, options_.soft.volume);
     }
 }
 
@@ -115,7 +98,7 @@ void SoftBody::make_samples() {
         const btSoftBody::Link& link = body_->m_links[i];
         if (!mesh_.links[static_cast<std::size_t>(i)].bends) longest = std::max(longest, link.m_rl);
     }
-    if (longest <= btScalar(kFingersM)) return;
+    if (longest <= options_.soft.fingers_m) return;
     for (const auto& t : mesh_.topology.triangles) {
         const btScalar third = btScalar(1) / 3;
         samples_.push_back({{t[0], t[1], t[2]}, {third, third, third}});
@@ -150,9 +133,11 @@ void SoftBody::begin_tick(const SoftSurroundings& surroundings, AnchoredBodies& 
         volume_->begin_tick();
         depenetration_.clear();
         const bool meets =
-            people != nullptr &&
-            depenetration_.find(
-                *body_, volume_->inner_radius_m(), btScalar(options_.escape_mps), *people);
+            people != nullptr && depenetration_.find(*body_,
+                                                     volume_->inner_radius_m(),
+                                                     btScalar(options_.people.contacts.escape_mps),
+                                                     options_.soft.depenetration,
+                                                     *people);
         if (!meets) people = nullptr;
     }
     SoftSkin skin{.samples = samples_, .loose = loose_};
@@ -164,7 +149,7 @@ void SoftBody::begin_tick(const SoftSurroundings& surroundings, AnchoredBodies& 
     loose_bodies_.clear();
     for (btRigidBody* body : surroundings.bodies)
         if (!anchors_.is_attached_to(*body)) loose_bodies_.push_back(body);
-    contacts_.find(*body_, skin, people, loose_bodies_, contact_options_);
+    contacts_.find(*body_, skin, people, loose_bodies_, contact_setup_);
     anchors_.begin_tick(anchored);
     motors_.begin_tick(*body_);
 }
@@ -180,8 +165,8 @@ SoftSurface SoftBody::surface() {
         surface.outward = volume_->outward();
         surface.depth_m = volume_->inner_radius_m();
     }
-    surface.thickness_m = contact_options_.thickness_m;
-    surface.friction = contact_options_.friction;
+    surface.thickness_m = contact_setup_.thickness_m;
+    surface.friction = contact_setup_.friction;
     return surface;
 }
 
@@ -194,41 +179,44 @@ void SoftBody::begin_substep(const SoftSubstep& substep) {
 }
 
 void SoftBody::solve(const SoftSubstep& substep, int iteration) {
-    const int num_rounds = object_.shape == SoftShape::kRope ? kRopeRounds : 1;
+    const int num_rounds = object_.shape == SoftShape::kRope ? options_.soft.links.rope_rounds : 1;
     for (int round = 0; round < num_rounds; ++round) {
         btSoftBody::PSolve_Links(body_.get(), 1, 0);
         if (volume_ && iteration == 0) volume_->keep_volume();
         anchors_.solve(*body_, substep.substep_s, substep.left_s);
-        motors_.solve(*body_, substep.substep_s, contact_options_.tick_s - substep.left_s);
-        contacts_.solve(*body_, substep.substep_s, substep.left_s, contact_options_);
+        motors_.solve(*body_, substep.substep_s, contact_setup_.tick_s - substep.left_s);
+        contacts_.solve(*body_, substep.substep_s, substep.left_s, contact_setup_);
     }
 }
 
 void SoftBody::end_substep(const SoftSubstep& substep) {
     const btScalar max_speed = btScalar(options_.max_speed_mps);
+    const btScalar snap_mps = options_.soft.links.snap_mps;
     for (int i = 0; i < body_->m_nodes.size(); ++i) {
         btSoftBody::Node& node = body_->m_nodes[i];
         const bool is_taut = taut_[static_cast<std::size_t>(i)] != 0;
-        const btScalar most = is_taut ? std::max(kSnapMps, node.m_v.length()) : max_speed;
+        const btScalar most = is_taut ? std::max(snap_mps, node.m_v.length()) : max_speed;
         node.m_v = slowed((node.m_x - node.m_q) / substep.substep_s, std::min(most, max_speed));
     }
-    contacts_.end_substep(*body_, substep.substep_s, contact_options_);
+    contacts_.end_substep(*body_, substep.substep_s, contact_setup_);
     anchors_.end_substep(substep.substep_s);
 }
 
 void SoftBody::end_tick() {
-    volume_ ? volume_->damp_inside(contact_options_.tick_s) : damp_links(contact_options_.tick_s);
-    if (volume_) motors_.damp_swing(*body_, contact_options_.tick_s);
+    volume_ ? volume_->damp_inside(contact_setup_.tick_s) : damp_links(contact_setup_.tick_s);
+    if (volume_)
+        motors_.damp_swing(*body_, contact_setup_.tick_s, options_.soft.handle.swing_damping_hz);
     motors_.end_tick();
-    calm_down(contact_options_.tick_s);
-    anchors_.limit(taut_, kSnapMps);
+    calm_down(contact_setup_.tick_s);
+    anchors_.limit(taut_, options_.soft.links.snap_mps);
     // each end of a link can have gained the other's speed
     limit_speeds();
     const btScalar extent = (body_->m_bounds[1] - body_->m_bounds[0]).length();
-    num_torn_ticks_ = extent > kTornExtents * rest_extent_ ? num_torn_ticks_ + 1 : 0;
+    num_torn_ticks_ = extent > options_.soft.torn_extents * rest_extent_ ? num_torn_ticks_ + 1 : 0;
 }
 
 void SoftBody::find_stretched() {
+    const SoftLinkOptions links = options_.soft.links;
     std::fill(loose_.begin(), loose_.end(), std::uint8_t{0});
     for (std::uint8_t& ticks : taut_) ticks -= ticks > 0 ? 1 : 0;
     if (volume_) return;
@@ -236,39 +224,41 @@ void SoftBody::find_stretched() {
         const btSoftBody::Link& link = body_->m_links[i];
         if (mesh_.links[static_cast<std::size_t>(i)].bends) continue;
         const btScalar length = (link.m_n[0]->m_x - link.m_n[1]->m_x).length();
-        if (length < kTautStretch * link.m_rl) continue;
+        if (length < links.taut_stretch * link.m_rl) continue;
         for (const std::uint32_t node : mesh_.links[static_cast<std::size_t>(i)].nodes) {
-            taut_[node] = kSnapTicks;
-            if (length >= kLooseStretch * link.m_rl) loose_[node] = 1;
+            taut_[node] = links.snap_ticks;
+            if (length >= links.loose_stretch * link.m_rl) loose_[node] = 1;
         }
     }
     // when one link slips out of hands, the whole object snaps back
     const auto is_loose = [](std::uint8_t node) { return node != 0; };
     if (std::any_of(loose_.begin(), loose_.end(), is_loose))
-        std::fill(taut_.begin(), taut_.end(), kSnapTicks);
+        std::fill(taut_.begin(), taut_.end(), links.snap_ticks);
 }
 
 // Only the bending links open a fold as sharp as the node spacing, and they would never manage it.
 // They become stiffer the shorter they are.
 void SoftBody::resist_folds() {
+    const btScalar open_sq = options_.soft.links.open;
+    const btScalar fold_stiffness = options_.soft.links.fold_stiffness;
     for (std::size_t i = first_bend_; i < mesh_.links.size(); ++i) {
         btSoftBody::Link& link = body_->m_links[static_cast<int>(i)];
         const btScalar length_sq = (link.m_n[0]->m_x - link.m_n[1]->m_x).length2();
         const btScalar open = length_sq / link.m_c1;  // square of the relative length
-        const btScalar fold = std::clamp((kOpen - open) / kOpen, btScalar(0), btScalar(1));
+        const btScalar fold = std::clamp((open_sq - open) / open_sq, btScalar(0), btScalar(1));
         const btScalar least = link.m_material->m_kLST;
-        const btScalar stiffness = least + std::max(btScalar(0), kFoldStiffness - least) * fold;
+        const btScalar stiffness = least + std::max(btScalar(0), fold_stiffness - least) * fold;
         link.m_c0 = (link.m_n[0]->m_im + link.m_n[1]->m_im) / stiffness;
     }
 }
 
 // Bounds of the path through the coming tick, including the contact distance.
 void SoftBody::find_bounds() {
-    const btScalar reach = contact_options_.thickness_m + contact_options_.margin_m;
+    const btScalar reach = contact_setup_.thickness_m + contact_setup_.options.margin_m;
     btVector3 low = start_[0], high = start_[0];
     for (int i = 0; i < body_->m_nodes.size(); ++i) {
         const btSoftBody::Node& node = body_->m_nodes[i];
-        const btVector3 end = node.m_x + node.m_v * contact_options_.tick_s;
+        const btVector3 end = node.m_x + node.m_v * contact_setup_.tick_s;
         if (i == 0) low = high = node.m_x;
         low.setMin(node.m_x);
         low.setMin(end);
@@ -297,7 +287,7 @@ void SoftBody::move_freely(btScalar substep_s) {
 
 // Damps relative motion of link ends along the link.
 void SoftBody::damp_links(btScalar seconds) {
-    const btScalar lost = 1 - std::exp(-kLinkDampingHz * seconds);
+    const btScalar lost = 1 - std::exp(-options_.soft.links.damping_hz * seconds);
     for (int i = 0; i < body_->m_links.size(); ++i) {
         btSoftBody::Node& a = *body_->m_links[i].m_n[0];
         btSoftBody::Node& b = *body_->m_links[i].m_n[1];
@@ -319,8 +309,9 @@ void SoftBody::calm_down(btScalar seconds) {
         mass += 1 / node.m_im;
         energy += node.m_v.length2() / node.m_im;
     }
-    if (energy > kCalmMps * kCalmMps * mass) return;
-    const btScalar kept = std::exp(-kCalmDampingHz * seconds);
+    const btScalar calm_mps = options_.soft.calm_mps;
+    if (energy > calm_mps * calm_mps * mass) return;
+    const btScalar kept = std::exp(-options_.soft.calm_damping_hz * seconds);
     for (int i = 0; i < body_->m_nodes.size(); ++i) body_->m_nodes[i].m_v *= kept;
 }
 

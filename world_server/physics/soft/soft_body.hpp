@@ -1,5 +1,6 @@
 #pragma once
 
+#include "world_server/physics/options/world_options.hpp"
 #include "world_server/physics/soft/soft_anchors.hpp"
 #include "world_server/physics/soft/soft_contacts.hpp"
 #include "world_server/physics/soft/soft_depenetration.hpp"
@@ -8,7 +9,7 @@
 #include "world_server/physics/soft/soft_object.hpp"
 #include "world_server/physics/soft/soft_soft_contacts.hpp"
 #include "world_server/physics/soft/soft_volume.hpp"
-#include "world_server/physics/world.hpp"
+#include "world_server/physics/state/world_state.hpp"
 
 #include <Eigen/Core>
 #include <LinearMath/btVector3.h>
@@ -31,9 +32,6 @@ struct SoftSubstep {
     btScalar substep_s = 0;  // length
     btScalar left_s = 0;     // from the end of the substep to the end of the tick
 };
-
-/// Solver iterations per substep.
-inline constexpr int kSoftIterations = 2;
 
 /// One soft object of the world.
 ///
@@ -71,7 +69,7 @@ public:
     }
 
     // Order of calls in a tick, after the tick of the rigid bodies: begin_tick; for each substep
-    // begin_substep, kSoftIterations times solve, end_substep; then end_tick.
+    // begin_substep, solve in each iteration, end_substep; then end_tick.
     void begin_tick(const SoftSurroundings& surroundings, AnchoredBodies& anchored);
     void begin_substep(const SoftSubstep& substep);
     void solve(const SoftSubstep& substep, int iteration);
@@ -110,7 +108,7 @@ private:
     SoftObject object_;
     WorldOptions options_;
     SoftMesh mesh_;
-    SoftContactOptions contact_options_;
+    SoftContactSetup contact_setup_;
     std::unique_ptr<btSoftBody> body_;
     std::optional<SoftVolume> volume_;  // empty for cloth and rope
     std::vector<btVector3> start_;      // one per node

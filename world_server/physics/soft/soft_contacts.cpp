@@ -15,11 +15,6 @@
 namespace atrium::physics {
 namespace {
 
-// Step along the path of a sample that moves further than this against a surface in a tick.
-constexpr btScalar kStepM = btScalar(0.01);
-constexpr int kMaxSteps = 24;
-constexpr btScalar kFromInside = btScalar(0.1);  // cosine
-
 bool is_any_loose(const SoftSample& sample, std::span<const std::uint8_t> loose) {
     return (loose[sample.nodes[0]] | loose[sample.nodes[1]] | loose[sample.nodes[2]]) != 0;
 }
@@ -39,9 +34,12 @@ std::optional<btVector3> outward_at(const SoftSample& sample, std::span<const bt
     return out;
 }
 
-bool is_from_inside(const SoftContact& contact, const SoftSample& sample, const SoftSkin& skin) {
+bool is_from_inside(const SoftContact& contact,
+                    const SoftSample& sample,
+                    const SoftSkin& skin,
+                    btScalar from_inside) {
     const auto out = outward_at(sample, skin.outward);
-    return out && contact.normal.dot(*out) > kFromInside;
+    return out && contact.normal.dot(*out) > from_inside;
 }
 
 // Velocity of the surface, including impulses on the body since the contact was found.
@@ -53,26 +51,27 @@ btVector3 velocity_of(const SoftContact& c) {
 // it. If there is none, uses the end of the path.
 std::optional<SoftContact> find_contact_on_path(const btRigidBody& body,
                                                 const SampleMotion& sample,
-                                                const SoftContactOptions& options) {
-    const btScalar thickness_m = options.thickness_m;
+                                                const SoftContactSetup& setup) {
+    const btScalar thickness_m = setup.thickness_m;
     const btTransform& pose = body.getWorldTransform();
     const btVector3 arm = sample.position - pose.getOrigin();
     const btVector3 velocity = body.getVelocityInLocalPoint(arm);
-    const btVector3 way = (sample.velocity - velocity) * options.tick_s;
+    const btVector3 way = (sample.velocity - velocity) * setup.tick_s;
     // relative to the body's pose, which is that at the end of the tick
-    const btVector3 start = sample.position + velocity * options.tick_s;
+    const btVector3 start = sample.position + velocity * setup.tick_s;
     const btScalar length = way.length();
-    const btScalar reach = thickness_m + options.margin_m;
+    const btScalar reach = thickness_m + setup.options.margin_m;
     std::optional<ShapePoint> found;
     btVector3 at;
+    const btScalar step_m = setup.options.step_m;
     btScalar walked = 0;
-    for (int step = 0; step < kMaxSteps; ++step) {
+    for (int step = 0; step < setup.options.max_steps; ++step) {
         at = start + (length > 0 ? way * (walked / length) : btVector3(0, 0, 0));
         found = distance_to_shape(
             *body.getCollisionShape(), pose.invXform(at), reach + length - walked);
         if (!found) return std::nullopt;
         if (found->distance <= thickness_m || walked >= length) break;
-        walked = std::min(length, walked + std::max(found->distance - thickness_m, kStepM));
+        walked = std::min(length, walked + std::max(found->distance - thickness_m, step_m));
     }
     if (found->distance > reach) return std::nullopt;
     SoftContact contact;
@@ -85,7 +84,7 @@ std::optional<SoftContact> find_contact_on_path(const btRigidBody& body,
 
 std::optional<SoftContact> find_person_contact(const PeopleField& people,
                                                const SampleMotion& sample,
-                                               const SoftContactOptions& options) {
+                                               const SoftContactSetup& setup) {
     const btVector3& x = sample.position;
     const btVector3& v = sample.velocity;
     const auto found = people.query({x.x(), x.y(), x.z()}, {.velocity = {v.x(), v.y(), v.z()}});
@@ -93,12 +92,12 @@ std::optional<SoftContact> find_person_contact(const PeopleField& people,
     SoftContact contact;
     contact.normal = btVector3(found->normal.x(), found->normal.y(), found->normal.z());
     contact.velocity = btVector3(found->velocity.x(), found->velocity.y(), found->velocity.z());
-    const btScalar gap = found->distance_m - options.thickness_m;
-    const btScalar closing = contact.normal.dot(contact.velocity - v) * options.tick_s;
-    if (gap - std::max(closing, btScalar(0)) > options.margin_m) return std::nullopt;
-    contact.point = x - contact.normal * gap + contact.velocity * options.tick_s;
+    const btScalar gap = found->distance_m - setup.thickness_m;
+    const btScalar closing = contact.normal.dot(contact.velocity - v) * setup.tick_s;
+    if (gap - std::max(closing, btScalar(0)) > setup.options.margin_m) return std::nullopt;
+    contact.point = x - contact.normal * gap + contact.velocity * setup.tick_s;
     contact.depth = std::max(btScalar(0), -gap);
-    contact.friction = std::sqrt(options.friction * options.person_friction);
+    contact.friction = std::sqrt(setup.friction * setup.person_friction);
     return contact;
 }
 
@@ -123,10 +122,11 @@ private:
 // Keeps the nearest contact for each face direction, three at most.
 class NearestPerNormal {
 public:
+    explicit NearestPerNormal(btScalar same_normal) : same_normal_(same_normal) {}
     void add(const FaceContact& face_contact) {
         FaceContact* const end = kept_.data() + num_kept_;
         FaceContact* const same = std::find_if(kept_.data(), end, [&](const FaceContact& kept) {
-            return kept.normal.dot(face_contact.normal) > kSameNormal;
+            return kept.normal.dot(face_contact.normal) > same_normal_;
         });
         if (same != end) {
             if (face_contact.way < same->way) *same = face_contact;
@@ -137,7 +137,7 @@ public:
     std::span<const FaceContact> all() const { return {kept_.data(), num_kept_}; }
 
 private:
-    static constexpr btScalar kSameNormal = btScalar(0.9);  // cosine
+    btScalar same_normal_;  // cosine
     std::array<FaceContact, 3> kept_{};
     std::size_t num_kept_ = 0;
 };
@@ -148,7 +148,7 @@ void SoftContacts::find(btSoftBody& soft,
                         const SoftSkin& skin,
                         const PeopleField* people,
                         const std::vector<btRigidBody*>& bodies,
-                        const SoftContactOptions& options) {
+                        const SoftContactSetup& setup) {
     contacts_.clear();
     num_person_contacts_ = 0;
     ways_.clear();
@@ -157,8 +157,9 @@ void SoftContacts::find(btSoftBody& soft,
         for (std::size_t i = 0; i < skin.samples.size(); ++i) {
             const SoftSample& sample = skin.samples[i];
             if (!(ways_[i].inverse_mass > 0) || is_any_loose(sample, skin.loose)) continue;
-            const auto contact = find_person_contact(*people, ways_[i], options);
-            if (!contact || is_from_inside(*contact, sample, skin)) continue;
+            const auto contact = find_person_contact(*people, ways_[i], setup);
+            if (!contact || is_from_inside(*contact, sample, skin, setup.options.from_inside))
+                continue;
             contacts_.push_back(*contact);
             contacts_.back().sample = sample;
             ++num_person_contacts_;
@@ -166,9 +167,9 @@ void SoftContacts::find(btSoftBody& soft,
     }
     for (btRigidBody* body : bodies) {
         if (body->getCollisionShape()->getShapeType() == TRIANGLE_MESH_SHAPE_PROXYTYPE)
-            find_with_mesh(soft, *body, skin, options);
+            find_with_mesh(soft, *body, skin, setup);
         else
-            find_with(soft, *body, skin, options);
+            find_with(soft, *body, skin, setup);
     }
 }
 
@@ -176,27 +177,27 @@ void SoftContacts::find(btSoftBody& soft,
 void SoftContacts::find_with(const btSoftBody& soft,
                              btRigidBody& body,
                              const SoftSkin& skin,
-                             const SoftContactOptions& options) {
+                             const SoftContactSetup& setup) {
     btVector3 low, high;
     body.getAabb(low, high);
-    const btScalar reach = options.thickness_m + options.margin_m;
+    const btScalar reach = setup.thickness_m + setup.options.margin_m;
     const btVector3 travel =
-        body.getLinearVelocity().absolute() * options.tick_s + btVector3(reach, reach, reach);
+        body.getLinearVelocity().absolute() * setup.tick_s + btVector3(reach, reach, reach);
     low -= travel;
     high += travel;
     if (!TestAabbAgainstAabb2(low, high, soft.m_bounds[0], soft.m_bounds[1])) return;
     for (std::size_t i = 0; i < skin.samples.size(); ++i) {
         if (!(ways_[i].inverse_mass > 0)) continue;
         const btVector3& start = ways_[i].position;
-        const btVector3 end = start + ways_[i].velocity * options.tick_s;
+        const btVector3 end = start + ways_[i].velocity * setup.tick_s;
         btVector3 way_low = start, way_high = start;
         way_low.setMin(end);
         way_high.setMax(end);
         if (!TestAabbAgainstAabb2(low, high, way_low, way_high)) continue;
-        auto contact = find_contact_on_path(body, ways_[i], options);
+        auto contact = find_contact_on_path(body, ways_[i], setup);
         if (!contact) continue;
         contact->sample = skin.samples[i];
-        contact->friction = std::sqrt(options.friction * body.getFriction());
+        contact->friction = std::sqrt(setup.friction * body.getFriction());
         if (body.getInvMass() > 0) {
             contact->body = &body;
             contact->arm = contact->point - body.getCenterOfMassPosition();
@@ -211,8 +212,12 @@ void SoftContacts::find_with(const btSoftBody& soft,
 void SoftContacts::find_with_mesh(const btSoftBody& soft,
                                   const btRigidBody& body,
                                   const SoftSkin& skin,
-                                  const SoftContactOptions& options) {
-    const ContactLimits limits{options.tick_s, options.thickness_m, options.margin_m, skin.depth_m};
+                                  const SoftContactSetup& setup) {
+    const ContactLimits limits{setup.tick_s,
+                               setup.thickness_m,
+                               setup.options.margin_m,
+                               skin.depth_m,
+                               setup.options.from_inside};
     const auto& mesh = static_cast<const btBvhTriangleMeshShape&>(*body.getCollisionShape());
     FaceCollector taker(body.getWorldTransform(), limits, faces_);
     const btTransform mesh_from_world = body.getWorldTransform().inverse();
@@ -226,7 +231,7 @@ void SoftContacts::find_with_mesh(const btSoftBody& soft,
         if (!(ways_[i].inverse_mass > 0)) continue;
         const auto outward = outward_at(skin.samples[i], skin.outward);
         const btVector3* out = outward ? &*outward : nullptr;
-        NearestPerNormal nearest;
+        NearestPerNormal nearest(setup.options.same_normal);
         const Box box = swept_bounds(ways_[i], out, limits);
         faces_.visit_box(box, [&](const MovingFace& face) {
             if (const auto face_contact = find_contact(ways_[i], face, out, limits))
@@ -236,11 +241,11 @@ void SoftContacts::find_with_mesh(const btSoftBody& soft,
             SoftContact contact;
             contact.sample = skin.samples[i];
             contact.normal = face_contact.normal;
-            const btScalar gap = face_contact.distance - options.thickness_m;
+            const btScalar gap = face_contact.distance - setup.thickness_m;
             contact.point = ways_[i].position - face_contact.normal * gap;
             contact.velocity.setZero();
             contact.depth = std::max(btScalar(0), -gap);
-            contact.friction = std::sqrt(options.friction * body.getFriction());
+            contact.friction = std::sqrt(setup.friction * body.getFriction());
             contacts_.push_back(contact);
         }
     }
@@ -256,8 +261,8 @@ void SoftContacts::begin_substep() {
 void SoftContacts::solve(btSoftBody& soft,
                          btScalar substep_s,
                          btScalar left_s,
-                         const SoftContactOptions& options) {
-    const btScalar done_s = options.tick_s - left_s;
+                         const SoftContactSetup& setup) {
+    const btScalar done_s = setup.tick_s - left_s;
     for (SoftContact& c : contacts_) {
         btVector3 x(0, 0, 0), q(0, 0, 0);
         btScalar own_inverse_mass = 0;
@@ -268,7 +273,8 @@ void SoftContacts::solve(btSoftBody& soft,
             q += w * node.m_q;
             own_inverse_mass += w * w * node.m_im;
         }
-        const btScalar allowed = -std::max(btScalar(0), c.depth - options.recovery_mps * done_s);
+        const btScalar allowed =
+            -std::max(btScalar(0), c.depth - setup.options.recovery_mps * done_s);
         const btVector3 velocity = velocity_of(c);
         const btScalar height = c.normal.dot(x - c.point + c.velocity * left_s) - c.shift -
                                 c.normal.dot(velocity - c.velocity) * substep_s;
@@ -296,7 +302,7 @@ void SoftContacts::solve(btSoftBody& soft,
 
 void SoftContacts::end_substep(btSoftBody& soft,
                                btScalar substep_s,
-                               const SoftContactOptions& options) {
+                               const SoftContactSetup& setup) {
     for (SoftContact& c : contacts_) {
         const btVector3 velocity = velocity_of(c);
         c.shift += c.normal.dot(velocity - c.velocity) * substep_s;
@@ -307,7 +313,7 @@ void SoftContacts::end_substep(btSoftBody& soft,
             if (c.sample.weights[i] <= 0) continue;
             btSoftBody::Node& node = soft.m_nodes[static_cast<int>(c.sample.nodes[i])];
             const btScalar out = c.normal.dot(node.m_v - velocity);
-            if (out > 0) node.m_v -= c.normal * std::min(out, options.recovery_mps);
+            if (out > 0) node.m_v -= c.normal * std::min(out, setup.options.recovery_mps);
         }
     }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "world_server/physics/options/soft_options.hpp"
 #include "world_server/physics/soft/moving_faces.hpp"
 #include "world_server/physics/soft/soft_sample.hpp"
 
@@ -34,13 +35,13 @@ struct SoftContact {
     btVector3 friction_correction;   // [kg m] sum of friction corrections in this substep
 };
 
-struct SoftContactOptions {
+/// Of the contacts of one soft body.
+struct SoftContactSetup {
+    SoftContactOptions options{};
     btScalar tick_s = 0;
     btScalar thickness_m = 0;  // thickness of the soft body on each side of its nodes
     btScalar friction = 0;     // of the soft body; pairs use the geometric mean
     btScalar person_friction = 0;
-    btScalar margin_m = btScalar(0.004);    // contacts are kept up to this gap
-    btScalar recovery_mps = btScalar(0.6);  // speed at which penetrations are resolved
 };
 
 /// The surface of a soft body for contact detection.
@@ -71,7 +72,7 @@ public:
               const SoftSkin& skin,
               const PeopleField* people,
               const std::vector<btRigidBody*>& bodies,
-              const SoftContactOptions& options);
+              const SoftContactSetup& setup);
     // For each equal substep of the tick: begin_substep, solve any number of times, end_substep.
     void begin_substep();
     /// Moves the nodes out of penetrated surfaces. `left_s`: from the end of this substep to the
@@ -79,10 +80,10 @@ public:
     void solve(btSoftBody& soft,
                btScalar substep_s,
                btScalar left_s,
-               const SoftContactOptions& options);
+               const SoftContactSetup& setup);
     /// Call when the velocities of the substep are known. Removes the speed that resolving a
     /// penetration has added.
-    void end_substep(btSoftBody& soft, btScalar substep_s, const SoftContactOptions& options);
+    void end_substep(btSoftBody& soft, btScalar substep_s, const SoftContactSetup& setup);
 
     std::size_t num_person_contacts() const { return num_person_contacts_; }
 
@@ -90,11 +91,11 @@ private:
     void find_with(const btSoftBody& soft,
                    btRigidBody& body,
                    const SoftSkin& skin,
-                   const SoftContactOptions& options);
+                   const SoftContactSetup& setup);
     void find_with_mesh(const btSoftBody& soft,
                         const btRigidBody& body,
                         const SoftSkin& skin,
-                        const SoftContactOptions& options);
+                        const SoftContactSetup& setup);
 
     std::vector<SoftContact> contacts_;
     std::vector<SampleMotion> ways_;  // one per sample

@@ -1,7 +1,7 @@
 #include "world_server/physics/soft/soft_depenetration.hpp"
 
-#include "world_server/physics/bullet_types.hpp"
 #include "world_server/physics/people/people_field.hpp"
+#include "world_server/physics/rigid/bullet_types.hpp"
 #include "world_server/physics/soft/soft_sample.hpp"
 
 #include <BulletSoftBody/btSoftBody.h>
@@ -9,16 +9,6 @@
 #include <cmath>
 
 namespace atrium::physics {
-namespace {
-
-// A surface of a person that is closer to the centre of a volume than this, in radii, pushes all of
-// it.
-constexpr float kKeepOffRadii = 0.7F;
-constexpr btScalar kKeepOffMps = 0.5F;
-constexpr float kLeavingMps = 0.5F;  // a surface that recedes faster does not push
-constexpr float kBuriedSearchM = 0.5F;
-
-}  // namespace
 
 // A surface near the centre of a volume drives the whole volume. If the centre is inside a person,
 // the person surrounds the volume and no contact leads out. The volume then moves to the nearest
@@ -26,6 +16,7 @@ constexpr float kBuriedSearchM = 0.5F;
 bool SoftDepenetration::find(const btSoftBody& soft,
                              btScalar inner_radius_m,
                              btScalar escape_mps,
+                             const SoftDepenetrationOptions& options,
                              const PeopleField& people) {
     pushes_.clear();
     const Eigen::Vector3f at = centre_of(soft).cast<float>();
@@ -33,7 +24,8 @@ bool SoftDepenetration::find(const btSoftBody& soft,
     for (int i = 0; i < soft.m_nodes.size(); ++i) sum += soft.m_nodes[i].m_v;
     sum /= btScalar(soft.m_nodes.size());
     const Eigen::Vector3f velocity(sum.x(), sum.y(), sum.z());
-    const float reach = kKeepOffRadii * inner_radius_m;
+    const float leaving_mps = options.leaving_mps;
+    const float reach = options.keep_off_radii * inner_radius_m;
     const Eigen::Vector3f around = Eigen::Vector3f::Constant(reach);
     for (const auto& [name, person] : people.people()) {
         const PlacedSurfel* nearest = nullptr;
@@ -41,18 +33,21 @@ bool SoftDepenetration::find(const btSoftBody& soft,
         person.surfels().visit_box(at - around, at + around, [&](const PlacedSurfel& s) {
             const float distance_sq = (at - s.position).squaredNorm();
             if (distance_sq >= nearest_sq) return;
-            if (s.normal.dot(velocity - s.velocity) > kLeavingMps) return;
+            if (s.normal.dot(velocity - s.velocity) > leaving_mps) return;
             nearest_sq = distance_sq;
             nearest = &s;
         });
         if (nearest != nullptr && nearest->normal.dot(at - nearest->position) >= 0.0F) {
             const btVector3 out(nearest->normal.x(), nearest->normal.y(), nearest->normal.z());
             const btScalar near = 1 - std::sqrt(nearest_sq) / reach;
-            pushes_.push_back({out, nearest->normal.dot(nearest->velocity) + kKeepOffMps * near});
+            pushes_.push_back(
+                {out, nearest->normal.dot(nearest->velocity) + options.keep_off_mps * near});
             continue;
         }
-        const PlacedSurfel* side = person.nearest(
-            at, kBuriedSearchM, [](const PlacedSurfel& s) { return s.normal.z() > -0.5F; });
+        const PlacedSurfel* side =
+            person.nearest(at, options.buried_search_m, [](const PlacedSurfel& s) {
+                return s.normal.z() > -0.5F;
+            });
         if (side == nullptr || side->normal.dot(at - side->position) > 0.0F) continue;
         pushes_.push_back({to_bullet(side->normal), escape_mps});
         return false;

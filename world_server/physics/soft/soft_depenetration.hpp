@@ -1,5 +1,7 @@
 #pragma once
 
+#include "world_server/physics/options/soft_options.hpp"
+
 #include <LinearMath/btVector3.h>
 
 #include <vector>
@@ -20,6 +22,7 @@ public:
     bool find(const btSoftBody& soft,
               btScalar inner_radius_m,
               btScalar escape_mps,
+              const SoftDepenetrationOptions& options,
               const PeopleField& people);
     void clear() { pushes_.clear(); }
     /// Raises the velocity of every free node to at least the speeds found.

@@ -7,16 +7,13 @@
 namespace atrium::physics {
 namespace {
 
-constexpr btScalar kHandM = btScalar(0.06);  // nodes within this distance of the point are held
-constexpr btScalar kSwingDampingHz = 4;
-
 const btSoftBody::Node& node_at(const btSoftBody& soft, std::uint32_t i) {
     return soft.m_nodes[static_cast<int>(i)];
 }
 
 }  // namespace
 
-SoftHandle handle_at(const btSoftBody& soft, const btVector3& point) {
+SoftHandle handle_at(const btSoftBody& soft, const btVector3& point, btScalar hand_m) {
     SoftHandle handle;
     btScalar sum = 0;
     int nearest = -1;
@@ -29,7 +26,7 @@ SoftHandle handle_at(const btSoftBody& soft, const btVector3& point) {
             nearest = i;
             nearest_sq = distance_sq;
         }
-        const btScalar weight = 1 - distance_sq / (kHandM * kHandM);
+        const btScalar weight = 1 - distance_sq / (hand_m * hand_m);
         if (weight <= 0) continue;
         handle.nodes.push_back(static_cast<std::uint32_t>(i));
         handle.weights.push_back(weight);
@@ -88,8 +85,8 @@ void SoftMotors::solve(btSoftBody& soft, btScalar substep_s, btScalar done_s) {
     }
 }
 
-void SoftMotors::damp_swing(btSoftBody& soft, btScalar tick_s) const {
-    const btScalar lost = 1 - std::exp(-kSwingDampingHz * tick_s);
+void SoftMotors::damp_swing(btSoftBody& soft, btScalar tick_s, btScalar damping_hz) const {
+    const btScalar lost = 1 - std::exp(-damping_hz * tick_s);
     for (const Motor& motor : motors_) {
         btVector3 velocity(0, 0, 0);
         for (std::size_t i = 0; i < motor.handle.nodes.size(); ++i)

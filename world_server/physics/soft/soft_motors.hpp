@@ -16,9 +16,9 @@ struct SoftHandle {
     btVector3 offset{0, 0, 0};      // [m] from the weighted mean of the nodes to the held point
 };
 
-/// Creates a handle at a point [m, world]: all free nodes within a hand's reach, or else the
+/// Creates a handle at a point [m, world]: all free nodes within `hand_m` of it, or else the
 /// nearest free node. Empty if no node is free.
-SoftHandle handle_at(const btSoftBody& soft, const btVector3& point);
+SoftHandle handle_at(const btSoftBody& soft, const btVector3& point, btScalar hand_m);
 /// Returns the held point [m, world].
 btVector3 place_of(const btSoftBody& soft, const SoftHandle& handle);
 
@@ -36,7 +36,7 @@ public:
     void solve(btSoftBody& soft, btScalar substep_s, btScalar done_s);
     /// Call after the last substep. Damps motion relative to the handle: what hangs from it comes
     /// to rest.
-    void damp_swing(btSoftBody& soft, btScalar tick_s) const;
+    void damp_swing(btSoftBody& soft, btScalar tick_s, btScalar damping_hz) const;
     void end_tick() { motors_.clear(); }
 
 private:

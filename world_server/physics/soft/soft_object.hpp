@@ -2,7 +2,7 @@
 
 #include "core/geometry/rigid_transform.hpp"
 #include "core/geometry/triangle_mesh.hpp"
-#include "world_server/physics/world.hpp"
+#include "world_server/physics/rigid/rigid_object.hpp"
 
 #include <Eigen/Core>
 

@@ -1,6 +1,6 @@
 #include "world_server/physics/soft/soft_sample.hpp"
 
-#include "world_server/physics/bullet_types.hpp"
+#include "world_server/physics/rigid/bullet_types.hpp"
 
 #include <BulletSoftBody/btSoftBody.h>
 

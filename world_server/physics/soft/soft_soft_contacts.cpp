@@ -8,9 +8,6 @@
 namespace atrium::physics {
 namespace {
 
-constexpr btScalar kMarginM = btScalar(0.004);    // contacts are kept up to this gap
-constexpr btScalar kRecoveryMps = btScalar(0.6);  // speed at which penetrations are resolved
-
 MovingFace face_of(const btSoftBody& soft, const std::array<std::uint32_t, 3>& triangle) {
     MovingFace face;
     face.velocity.setZero();
@@ -74,7 +71,8 @@ void SoftSoftContacts::find_with(const SoftSurface& sampled,
     ContactLimits limits;
     limits.tick_s = tick_s;
     limits.gap_m = sampled.thickness_m + faced.thickness_m;
-    limits.margin_m = kMarginM;
+    limits.margin_m = options_.margin_m;
+    limits.from_inside = options_.from_inside;
     // a cloth or rope counts as behind a face only if the face belongs to a volume that can hold it
     limits.depth_m = faced.outward.empty() ? sampled.depth_m : faced.depth_m;
 
@@ -130,10 +128,11 @@ void SoftSoftContacts::begin_substep() {
 
 void SoftSoftContacts::solve(btScalar left_s) {
     const btScalar done_s = tick_s_ - left_s;
+    const btScalar recovery_mps = options_.recovery_mps;
     for (Contact& c : contacts_) {
         const Place a = place_of(*c.body[0], c.place[0]), b = place_of(*c.body[1], c.place[1]);
         const btScalar both = c.inverse_mass[0] + c.inverse_mass[1];
-        const btScalar allowed = -std::max(btScalar(0), c.depth_m - kRecoveryMps * done_s);
+        const btScalar allowed = -std::max(btScalar(0), c.depth_m - recovery_mps * done_s);
         const btScalar height = c.normal.dot(a.now - b.now) - c.gap_m;
         btVector3 impulse(0, 0, 0);
         if (height < allowed) {
@@ -162,8 +161,8 @@ void SoftSoftContacts::end_substep() {
         const btScalar out = c.normal.dot(motion_of(*c.body[0], c.place[0]).velocity -
                                           motion_of(*c.body[1], c.place[1]).velocity);
         if (!(out > 0)) continue;
-        const btVector3 impulse_ns =
-            c.normal * (std::min(out, kRecoveryMps) / (c.inverse_mass[0] + c.inverse_mass[1]));
+        const btVector3 impulse_ns = c.normal * (std::min(out, options_.recovery_mps) /
+                                                 (c.inverse_mass[0] + c.inverse_mass[1]));
         push(*c.body[0], c.place[0], -impulse_ns);
         push(*c.body[1], c.place[1], impulse_ns);
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "world_server/physics/options/soft_options.hpp"
 #include "world_server/physics/soft/moving_faces.hpp"
 #include "world_server/physics/soft/soft_object.hpp"
 #include "world_server/physics/soft/soft_sample.hpp"
@@ -31,6 +32,8 @@ struct SoftSurface {
 /// each other. Self-contacts are not detected.
 class SoftSoftContacts {
 public:
+    explicit SoftSoftContacts(const SoftContactOptions& options) : options_(options) {}
+
     /// Detects contacts. The order of `surfaces` must be the same in every tick. The data they
     /// point to must exist until the end of the tick.
     void find(std::span<const SoftSurface> surfaces, btScalar tick_s);
@@ -60,6 +63,7 @@ private:
 
     void find_with(const SoftSurface& sampled, const SoftSurface& faced, btScalar tick_s);
 
+    SoftContactOptions options_;
     std::vector<Contact> contacts_;
     FaceIndex faces_;  // scratch
     btScalar tick_s_ = 0;

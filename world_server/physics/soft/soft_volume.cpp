@@ -8,20 +8,15 @@
 namespace atrium::physics {
 namespace {
 
-constexpr btScalar kInnerDampingHz = 4;     // damping of motion relative to the whole
-constexpr btScalar kMaxVolumeStep = 0.02F;  // largest relative volume correction per substep
-// Shape matching gets stronger when a node is further from its place in the rest shape: distance at
-// which this begins and its range, both in radii, and the largest share of the way per substep.
-constexpr btScalar kDentStart = 0.15F;
-constexpr btScalar kDentRange = 0.35F;
-constexpr btScalar kDentShare = 0.15F;
-
 btScalar limited(btScalar v, btScalar limit) { return std::clamp(v, -limit, limit); }
 
 }  // namespace
 
-SoftVolume::SoftVolume(btSoftBody& body, const SoftTopology& topology, btScalar match_share)
-    : body_(body), topology_(topology), match_share_(match_share) {
+SoftVolume::SoftVolume(btSoftBody& body,
+                       const SoftTopology& topology,
+                       btScalar match_share,
+                       const SoftVolumeOptions& options)
+    : body_(body), topology_(topology), match_share_(match_share), options_(options) {
     body_.setPose(/*bvolume=*/false, /*bframe=*/true);
     gradients_.assign(static_cast<std::size_t>(body_.m_nodes.size()), btVector3(0, 0, 0));
     rest_volume_ = find_gradients() / 6;
@@ -49,15 +44,18 @@ void SoftVolume::begin_tick() {
 void SoftVolume::match_shape() {
     body_.updatePose();
     const btSoftBody::Pose& pose = body_.m_pose;
+    const SoftVolumeOptions options = options_;
     btVector3 moved(0, 0, 0);  // [kg m]
     btScalar mass = 0;
     for (int i = 0; i < body_.m_nodes.size(); ++i) {
         btSoftBody::Node& node = body_.m_nodes[i];
         if (!(node.m_im > 0)) continue;
         const btVector3 way = pose.m_com + pose.m_rot * pose.m_pos[i] - node.m_x;
-        const btScalar out = (way.length() / inner_radius_ - kDentStart) / kDentRange;
+        const btScalar out =
+            (way.length() / inner_radius_ - options.dent_start) / options.dent_range;
         const btScalar over = std::clamp(out, btScalar(0), btScalar(1));
-        const btVector3 step = way * (match_share_ + (kDentShare - match_share_) * over * over);
+        const btVector3 step =
+            way * (match_share_ + (options.dent_share - match_share_) * over * over);
         node.m_x += step;
         moved += step / node.m_im;
         mass += 1 / node.m_im;
@@ -96,7 +94,8 @@ void SoftVolume::keep_volume() {
         weight += body_.m_nodes[i].m_im * gradients_[static_cast<std::size_t>(i)].length2();
     }
     if (!(weight > 0)) return;
-    const btScalar missing = limited(6 * rest_volume_ - volume, 6 * kMaxVolumeStep * rest_volume_);
+    const btScalar missing =
+        limited(6 * rest_volume_ - volume, 6 * options_.max_volume_step * rest_volume_);
     const btScalar push = missing / weight;
     for (int i = 0; i < body_.m_nodes.size(); ++i) {
         btSoftBody::Node& node = body_.m_nodes[i];
@@ -128,7 +127,7 @@ void SoftVolume::damp_inside(btScalar seconds) {
     }
     if (!(inertia.determinant() > 0)) return;
     const btVector3 turn = inertia.inverse() * spin;
-    const btScalar lost = 1 - std::exp(-kInnerDampingHz * seconds);
+    const btScalar lost = 1 - std::exp(-options_.inner_damping_hz * seconds);
     for (int i = 0; i < body_.m_nodes.size(); ++i) {
         btSoftBody::Node& node = body_.m_nodes[i];
         node.m_v += lost * (velocity + turn.cross(node.m_x - centre) - node.m_v);

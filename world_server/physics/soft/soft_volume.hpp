@@ -1,5 +1,6 @@
 #pragma once
 
+#include "world_server/physics/options/soft_options.hpp"
 #include "world_server/physics/soft/soft_object.hpp"
 
 #include <LinearMath/btVector3.h>
@@ -17,7 +18,10 @@ public:
     /// `body` must be at rest with valid bounds; it and `topology` must outlive this.
     /// `match_share`: share of the way to its place in the rest shape that a node moves per
     /// substep.
-    SoftVolume(btSoftBody& body, const SoftTopology& topology, btScalar match_share);
+    SoftVolume(btSoftBody& body,
+               const SoftTopology& topology,
+               btScalar match_share,
+               const SoftVolumeOptions& options);
 
     /// Finds the rotation of the body.
     void begin_tick();
@@ -38,6 +42,7 @@ private:
     btSoftBody& body_;
     const SoftTopology& topology_;
     btScalar match_share_;
+    SoftVolumeOptions options_;
     std::vector<btVector3> gradients_;     // per node: gradient of the volume
     std::vector<btVector3> rest_outward_;  // per node: unit normals of the rest shape
     std::vector<btVector3> outward_;

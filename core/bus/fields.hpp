@@ -1,0 +1,351 @@
+#pragma once
+
+#include "core/bus/field_visitor.hpp"
+
+#include <concepts>
+#include <type_traits>
+
+/// Lists the fields of each message, in the order of idl/. These lists drive `to_wire`,
+/// `from_wire`, `check` and `payload_bytes`. Private to core/bus and its tests.
+///
+/// `m` is a message of messages.hpp and `w` its wire struct. The visitor `v` gets
+///     v(m.count, w.count)             an integer without limits
+///     v(name, m.field, w.field, limits)
+///     v.key(name, m.key, w.key, limits)
+///     v.part(m.part, w.part)          a struct with a list here
+///     v.rule(name, holds, why)        a condition on several fields
+/// The name is that of error messages. Visitors go through a list in its order: `limits` may depend
+/// on the fields before it.
+namespace atrium::bus {
+
+template <typename T, typename Message>
+concept Of = std::same_as<std::remove_const_t<T>, Message>;
+
+// Parts of messages.
+
+void fields(auto& v, Of<geometry::CalibratedCamera> auto& m, auto& w) {
+    v("SiteDescription.cameras.name", m.name, w.name, Text::kName);
+    const Range side{1, kMaxImageSide_px};
+    v("SiteDescription.cameras.width", m.intrinsics.width, w.width, side);
+    v("SiteDescription.cameras.height", m.intrinsics.height, w.height, side);
+    v("SiteDescription.cameras.fx", m.intrinsics.fx, w.fx, Positive{kMaxIntrinsic});
+    v("SiteDescription.cameras.fy", m.intrinsics.fy, w.fy, Positive{kMaxIntrinsic});
+    const Range intrinsic = within(kMaxIntrinsic);
+    v("SiteDescription.cameras.cx cy skew", m.intrinsics.cx, w.cx, intrinsic);
+    v("SiteDescription.cameras.cx cy skew", m.intrinsics.cy, w.cy, intrinsic);
+    v("SiteDescription.cameras.cx cy skew", m.intrinsics.skew, w.skew, intrinsic);
+    v("SiteDescription.cameras.distortion", m.intrinsics.distortion, w.distortion, intrinsic);
+    v("SiteDescription.cameras.camera_from_site", m.camera_from_site, w.camera_from_site);
+}
+
+void fields(auto& v, Of<ObjectState> auto& m, auto& w) {
+    const Range speed = within(kMaxSpeed);
+    v(m.object, w.object);
+    v("SceneState.objects.world_from_object", m.world_from_object, w.world_from_object);
+    v("SceneState.objects.linear_velocity", m.linear_velocity, w.linear_velocity, speed);
+    v("SceneState.objects.angular_velocity", m.angular_velocity, w.angular_velocity, speed);
+}
+
+void fields(auto& v, Of<ProxyPoint> auto& m, auto& w) {
+    v("PersonProxy.points.place", m.place, w.place);
+    v("PersonProxy.points.velocity_mmps", m.velocity_mmps, w.velocity_mmps);
+    v("PersonProxy.points.normal", m.normal, w.normal);
+}
+
+void fields(auto& v, Of<Touch> auto& m, auto& w) {
+    const Range place = within(kMaxCoordinate_m);
+    v(m.object, w.object);
+    v("PersonProxy.touches.point_world", m.point_world, w.point_world, place);
+}
+
+void fields(auto& v, Of<LeftOutTotals> auto& m, auto& w) {
+    v(m.num_cameras, w.num_cameras);
+    v(m.num_phantoms, w.num_phantoms);
+    v(m.num_fragments, w.num_fragments);
+    v("SiteStatus.left_out.dropped_l", m.dropped_l, w.dropped_l, kStatistic);
+    v(m.num_contours_dropped, w.num_contours_dropped);
+    v(m.num_contours_repaired, w.num_contours_repaired);
+    v(m.num_regions_failed, w.num_regions_failed);
+}
+
+void fields(auto& v, Of<CameraStatus> auto& m, auto& w) {
+    const RangeOrNone age{kStatistic, -1.0};
+    v("SiteStatus.cameras.name", m.name, w.name, Text::kName);
+    v("SiteStatus.cameras.connected", m.connected, w.connected);
+    v(m.num_received, w.num_received);
+    v(m.num_incomplete, w.num_incomplete);
+    v(m.num_resent, w.num_resent);
+    v(m.num_late, w.num_late);
+    v(m.num_dropped, w.num_dropped);
+    v(m.num_backwards, w.num_backwards);
+    v(m.num_reconnects, w.num_reconnects);
+    v("SiteStatus.cameras.offset_ms", m.offset_ms, w.offset_ms, within(kMaxStatistic));
+    v("SiteStatus.cameras.last_picture_age_ms", m.last_picture_age_ms, w.last_picture_age_ms, age);
+}
+
+void fields(auto& v, Of<StreamState> auto& m, auto& w) {
+    v("SiteStatus.stream.jpeg_quality", m.jpeg_quality, w.jpeg_quality, Range{1, 100});
+    v("SiteStatus.stream.colour_divisor", m.colour_divisor, w.colour_divisor, Range{1, 2});
+    v("SiteStatus.stream.send_every", m.send_every, w.send_every, Range{1, kMaxSendEvery});
+    v("SiteStatus.stream.cap_bit_per_s", m.cap_bit_per_s, w.cap_bit_per_s, kStatistic);
+    v("SiteStatus.stream.cap_set_by", m.cap_set_by, w.cap_set_by, Text::kNameOrNone);
+    v(m.num_dropped_for_rate, w.num_dropped_for_rate);
+}
+
+void fields(auto& v, Of<StageTimes> auto& m, auto& w) {
+    v("SiteStatus.stages", m.silhouettes_ms, w.silhouettes_ms, kStatistic);
+    v("SiteStatus.stages", m.hull_ms, w.hull_ms, kStatistic);
+    v("SiteStatus.stages", m.coding_ms, w.coding_ms, kStatistic);
+    v("SiteStatus.stages", m.publishing_ms, w.publishing_ms, kStatistic);
+}
+
+void fields(auto& v, Of<ProcessorUse> auto& m, auto& w) {
+    v(m.run_ns, w.run_ns);
+    v(m.waited_ns, w.waited_ns);
+    v("processor: seconds per second", m.run_per_s, w.run_per_s, kStatistic);
+    v("processor: seconds per second", m.waited_per_s, w.waited_per_s, kStatistic);
+    v("processor: seconds per second", m.longest_wait_per_s, w.longest_wait_per_s, kStatistic);
+    v("processor.is_waiting_known", m.is_waiting_known, w.is_waiting_known);
+    v("processor.nice", m.nice, w.nice, Range{-20, 19});
+}
+
+// site.idl
+
+void fields(auto& v, Of<SiteDescription> auto& m, auto& w) {
+    const Range place = within(kMaxCoordinate_m);
+    v.key("SiteDescription.site", m.site, w.site, Text::kName);
+    v("SiteDescription.cameras", m.cameras, w.cameras, AtMost{kMaxCamerasPerSite});
+    v.rule("SiteDescription.bounds_site", !m.bounds_site.empty(), "is empty");
+    v("SiteDescription.bounds_site", m.bounds_site.min, w.bounds_min, place);
+    v("SiteDescription.bounds_site", m.bounds_site.max, w.bounds_max, place);
+}
+
+void fields(auto& v, Of<SiteMesh> auto& m, auto& w) {
+    v.key("SiteMesh.site", m.site, w.site, Text::kName);
+    v(m.frame_id, w.frame_id);
+    v("SiteMesh.capture_time", m.capture_time, w.capture_time_ns);
+    v("SiteMesh.textured_cameras", m.textured_cameras, w.textured_cameras, CameraSet{});
+    v("SiteMesh.draco", m.draco, w.draco, AtMost{kMaxCodedBytes});
+}
+
+void fields(auto& v, Of<CameraTexture> auto& m, auto& w) {
+    v.key("CameraTexture.site", m.site, w.site, Text::kName);
+    v.key("CameraTexture.camera", m.camera, w.camera, Range{0, kMaxCamerasPerSite - 1});
+    v(m.frame_id, w.frame_id);
+    v("CameraTexture.capture_time", m.capture_time, w.capture_time_ns);
+    auto& crop = m.crop_px;
+    v("CameraTexture.crop_px.x", crop.x, w.crop_x, Range{0, kMaxImageSide_px});
+    v("CameraTexture.crop_px.y", crop.y, w.crop_y, Range{0, kMaxImageSide_px});
+    // In double: the sum of two hostile integers may not fit.
+    const Range width{1, kMaxImageSide_px - double{1} * crop.x};
+    const Range height{1, kMaxImageSide_px - double{1} * crop.y};
+    v("CameraTexture.crop_px.width", crop.width, w.crop_width, width);
+    v("CameraTexture.crop_px.height", crop.height, w.crop_height, height);
+    v("CameraTexture.colour", m.colour, w.colour, AtMost{kMaxCodedBytes});
+    v("CameraTexture.mask", m.mask, w.mask, AtMost{kMaxCodedBytes});
+}
+
+// world.idl
+
+void fields(auto& v, Of<SitePlacement> auto& m, auto& w) {
+    v.key("SitePlacement.site", m.site, w.site, Text::kName);
+    v("SitePlacement.world_from_site", m.world_from_site, w.world_from_site);
+}
+
+void fields(auto& v, Of<SceneObject> auto& m, auto& w) {
+    v.key("SceneObject.object", m.object, w.object);
+    v("SceneObject.name", m.name, w.name, Text::kName);
+    v("SceneObject.shape", m.shape, w.shape, Last{Shape::kSoft});
+    v("SceneObject.size_m", m.size_m, w.size_m, Sizes{m.shape});
+    v("SceneObject.mass_kg", m.mass_kg, w.mass_kg, Range{0, kMaxMass_kg});
+    v("SceneObject.friction", m.friction, w.friction, Range{0, kMaxFriction});
+    v("SceneObject.restitution", m.restitution, w.restitution, Range{0, 1});
+    v("SceneObject.colour", m.colour, w.colour, Range{0, 1});
+    v("SceneObject.model", m.model, w.model, Text::kModelFileOrNone);
+    const bool is_model = m.shape == Shape::kConvex || m.shape == Shape::kCompound;
+    v.rule(
+        "SceneObject.model", !is_model || !m.model.empty(), "a convex or compound shape needs one");
+    v("SceneObject.model_scale", m.model_scale, w.model_scale, Positive{kMaxModelScale});
+    v("SceneObject.texture", m.texture, w.texture, Text::kModelFileOrNone);
+    v("SceneObject.world_from_object", m.world_from_object, w.world_from_object);
+}
+
+void fields(auto& v, Of<SoftBody> auto& m, auto& w) {
+    v.key("SoftBody.object", m.object, w.object);
+    v("SoftBody.num_nodes", m.num_nodes, w.num_nodes, AtMost{kMaxSoftNodes});
+    v("SoftBody.thickness_m", m.thickness_m, w.thickness_m, Range{0, kMaxThickness_m});
+    const Indices of_triangles{kMaxSoftTriangles, m.num_nodes};
+    const Indices of_segments{kMaxSoftSegments, m.num_nodes};
+    v("SoftBody.triangles", m.triangles, w.triangles, of_triangles);
+    v("SoftBody.segments", m.segments, w.segments, of_segments);
+}
+
+void fields(auto& v, Of<SoftBodyState> auto& m, auto& w) {
+    v.key("SoftBodyState.object", m.object, w.object);
+    v(m.tick, w.tick);
+    v("SoftBodyState.time", m.time, w.time_ns);
+    v("SoftBodyState.origin_m", m.origin_m, w.origin_m, within(kMaxCoordinate_m));
+    v("SoftBodyState.step_m", m.step_m, w.step_m, Positive{kMaxSoftStep_m});
+    v("SoftBodyState.nodes", m.nodes, w.nodes, AtMost{kMaxSoftNodes});
+}
+
+void fields(auto& v, Of<Scenery> auto& m, auto& w) {
+    v.key("Scenery.name", m.name, w.name, Text::kName);
+    v("Scenery.model", m.model, w.model, Text::kModelFile);
+    v("Scenery.model_scale", m.model_scale, w.model_scale, Positive{kMaxModelScale});
+    v("Scenery.texture", m.texture, w.texture, Text::kModelFileOrNone);
+    v("Scenery.colour", m.colour, w.colour, Range{0, 1});
+    v("Scenery.world_from_model", m.world_from_model, w.world_from_model);
+}
+
+void fields(auto& v, Of<SceneState> auto& m, auto& w) {
+    v.key("SceneState.world", m.world, w.world, Text::kName);
+    v(m.tick, w.tick);
+    v("SceneState.time", m.time, w.time_ns);
+    v("SceneState.objects", m.objects, w.objects, AtMost{kMaxObjects});
+}
+
+void fields(auto& v, Of<SceneCommand> auto& m, auto& w) {
+    const Range place = within(kMaxCoordinate_m);
+    v.key("SceneCommand.sender", m.sender, w.sender, Text::kName);
+    v("SceneCommand.kind", m.kind, w.kind, Last{CommandKind::kRestore});
+    v(m.target, w.target);
+    v("SceneCommand.impulse_ns", m.impulse_ns, w.impulse_ns, within(kMaxMass_kg));
+    v("SceneCommand.point_object", m.point_object, w.point_object, place);
+    v("SceneCommand.goal_world", m.goal_world, w.goal_world, place);
+    if (m.kind == CommandKind::kAdd || v.kWithUnused) v.part(m.object, w.object);
+}
+
+// proxy.idl
+
+void fields(auto& v, Of<PersonProxy> auto& m, auto& w) {
+    v.key("PersonProxy.site", m.site, w.site, Text::kName);
+    v("PersonProxy.capture_time", m.capture_time, w.capture_time_ns);
+    v(m.num_surfels, w.num_surfels);
+    v("PersonProxy.origin_m", m.origin_m, w.origin_m, within(kMaxCoordinate_m));
+    v("PersonProxy.step_m", m.step_m, w.step_m, Positive{kMaxProxyStep_m});
+    v("PersonProxy.points", m.points, w.points, AtMost{kMaxProxyPoints});
+    v("PersonProxy.touches", m.touches, w.touches, AtMost{kMaxTouches});
+}
+
+void fields(auto& v, Of<ObjectProxy> auto& m, auto& w) {
+    v.key("ObjectProxy.object", m.object, w.object);
+    v("ObjectProxy.origin_m", m.origin_m, w.origin_m, within(kMaxCoordinate_m));
+    v("ObjectProxy.step_m", m.step_m, w.step_m, Positive{kMaxProxyStep_m});
+    v("ObjectProxy.vertices", m.vertices, w.vertices, AtMost{kMaxProxyVertices});
+    v("ObjectProxy.edges", m.edges, w.edges, Indices{kMaxProxyEdges, m.vertices.size()});
+}
+
+// status.idl
+
+void fields(auto& v, Of<SiteStatus> auto& m, auto& w) {
+    v.key("SiteStatus.site", m.site, w.site, Text::kName);
+    v("SiteStatus.time", m.time, w.time_ns);
+    v(m.num_metaframes_captured, w.num_metaframes_captured);
+    v(m.num_metaframes_published, w.num_metaframes_published);
+    v(m.num_incomplete_used, w.num_incomplete_used);
+    v(m.num_dropped_incomplete, w.num_dropped_incomplete);
+    v(m.num_dropped_late, w.num_dropped_late);
+    v(m.num_failed, w.num_failed);
+    v.part(m.left_out, w.left_out);
+    v(m.num_bytes_published, w.num_bytes_published);
+    v("SiteStatus.metaframes_per_s", m.metaframes_per_s, w.metaframes_per_s, kStatistic);
+    v("SiteStatus.bytes_per_s", m.bytes_per_s, w.bytes_per_s, kStatistic);
+    v("SiteStatus.capture_to_publish", m.capture_to_publish, w.capture_to_publish);
+    v(m.resident_bytes, w.resident_bytes);
+    v("SiteStatus.cameras", m.cameras, w.cameras, AtMost{kMaxCamerasPerSite});
+    v.part(m.stream, w.stream);
+    v.part(m.stages, w.stages);
+    v("SiteStatus.mesh_bytes_per_s", m.mesh_bytes_per_s, w.mesh_bytes_per_s, kStatistic);
+    v("SiteStatus.texture_bytes_per_s", m.texture_bytes_per_s, w.texture_bytes_per_s, kStatistic);
+    v.part(m.processor, w.processor);
+    v("first_output_s", m.first_output_s, w.first_output_s, kStatistic);
+}
+
+void fields(auto& v, Of<WorldStatus> auto& m, auto& w) {
+    v.key("WorldStatus.world", m.world, w.world, Text::kName);
+    v("WorldStatus.time", m.time, w.time_ns);
+    v(m.num_steps, w.num_steps);
+    v(m.num_meshes_received, w.num_meshes_received);
+    v(m.num_rejected, w.num_rejected);
+    v(m.num_sites, w.num_sites);
+    v(m.num_contacts, w.num_contacts);
+    v("WorldStatus.steps_per_s", m.steps_per_s, w.steps_per_s, kStatistic);
+    v("WorldStatus.capture_to_collision", m.capture_to_collision, w.capture_to_collision);
+    v(m.resident_bytes, w.resident_bytes);
+    v(m.num_objects, w.num_objects);
+    v(m.num_resets, w.num_resets);
+    v(m.last_reset, w.last_reset);
+    v(m.num_skipped_ticks, w.num_skipped_ticks);
+    v(m.num_refused, w.num_refused);
+    v(m.num_grabs, w.num_grabs);
+    v(m.num_saves, w.num_saves);
+    v(m.num_bytes_published, w.num_bytes_published);
+    v("WorldStatus.bytes_per_s", m.bytes_per_s, w.bytes_per_s, kStatistic);
+    v("WorldStatus.step", m.step, w.step);
+    v("WorldStatus.prepare", m.prepare, w.prepare);
+    v(m.num_meshes_dropped, w.num_meshes_dropped);
+    v(m.state_tick, w.state_tick);
+    v(m.state_hash, w.state_hash);
+    v.part(m.processor, w.processor);
+    v("first_output_s", m.first_output_s, w.first_output_s, kStatistic);
+}
+
+void fields(auto& v, Of<ViewerStatus> auto& m, auto& w) {
+    v.key("ViewerStatus.viewer", m.viewer, w.viewer, Text::kName);
+    v("ViewerStatus.time", m.time, w.time_ns);
+    v(m.num_frames, w.num_frames);
+    v(m.num_pairs_shown, w.num_pairs_shown);
+    v(m.num_pairs_skipped, w.num_pairs_skipped);
+    v(m.num_incomplete, w.num_incomplete);
+    v(m.num_rejected, w.num_rejected);
+    v("ViewerStatus.frames_per_s", m.frames_per_s, w.frames_per_s, kStatistic);
+    v("ViewerStatus.capture_to_display", m.capture_to_display, w.capture_to_display);
+    v(m.resident_bytes, w.resident_bytes);
+    v.part(m.processor, w.processor);
+    v("first_output_s", m.first_output_s, w.first_output_s, kStatistic);
+    v("ViewerStatus.max_frames_per_s", m.max_frames_per_s, w.max_frames_per_s, kStatistic);
+    v("ViewerStatus.scale", m.scale, w.scale, Range{0, 1});
+    v("ViewerStatus.has_shadows", m.has_shadows, w.has_shadows);
+    v(m.num_video_dropped, w.num_video_dropped);
+}
+
+// feedback.idl
+
+void fields(auto& v, Of<StreamFeedback> auto& m, auto& w) {
+    const Range delay = within(kMaxStatistic);
+    v.key("StreamFeedback.viewer", m.viewer, w.viewer, Text::kName);
+    v.key("StreamFeedback.site", m.site, w.site, Text::kName);
+    v("StreamFeedback.time", m.time, w.time_ns);
+    v(m.newest_frame_id, w.newest_frame_id);
+    v(m.num_complete, w.num_complete);
+    v(m.num_incomplete, w.num_incomplete);
+    v(m.num_late, w.num_late);
+    v(m.num_samples, w.num_samples);
+    v("StreamFeedback.payload_bytes_per_s",
+      m.payload_bytes_per_s,
+      w.payload_bytes_per_s,
+      kStatistic);
+    v("StreamFeedback.delay_ms", m.min_delay_ms, w.min_delay_ms, delay);
+    v("StreamFeedback.delay_ms", m.sure_delay_ms, w.sure_delay_ms, delay);
+    v("StreamFeedback.delay_ms", m.median_delay_ms, w.median_delay_ms, delay);
+    v("StreamFeedback.longest_wait_ms", m.longest_wait_ms, w.longest_wait_ms, kStatistic);
+}
+
+// presence.idl
+
+void fields(auto& v, Of<Presence> auto& m, auto& w) {
+    v.key("Presence.kind", m.kind, w.kind, Last{ProgramKind::kOther});
+    v.key("Presence.name", m.name, w.member, Text::kName);
+    v.key("Presence.instance", m.instance, w.instance);
+    v("Presence.is_holder", m.is_holder, w.is_holder);
+    v(m.num_written, w.num_written);
+    v("Presence.host", m.host, w.host, Text::kName);
+    v(m.pid, w.pid);
+    v("Presence.version", m.version, w.version, Text::kName);
+    v("Presence.start_time", m.start_time, w.start_time_ns);
+    v("Presence.is_clock_synchronised", m.is_clock_synchronised, w.is_clock_synchronised);
+    v("Presence.clock_max_error", m.clock_max_error, w.clock_max_error_ns);
+}
+
+}  // namespace atrium::bus

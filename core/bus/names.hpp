@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string_view>
+
+/// Checks names that appear in messages and in world files.
+namespace atrium::bus {
+
+/// True for 1..63 characters of [A-Za-z0-9_.-].
+bool is_valid_name(std::string_view name);
+
+/// True for a relative path of 1..127 characters of [A-Za-z0-9_.-/] without a component that is
+/// empty or begins with a dot. The path cannot leave the folder that it is appended to.
+bool is_valid_model_file(std::string_view file);
+
+}  // namespace atrium::bus

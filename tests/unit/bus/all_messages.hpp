@@ -1,0 +1,28 @@
+#pragma once
+
+#include "core/bus/messages.hpp"
+
+#include <gtest/gtest.h>
+
+namespace atrium::bus::testing {
+
+/// The messages of all topics, for typed tests.
+using AllMessages = ::testing::Types<SiteDescription,
+                                     SiteMesh,
+                                     CameraTexture,
+                                     SitePlacement,
+                                     SceneObject,
+                                     SoftBody,
+                                     SoftBodyState,
+                                     Scenery,
+                                     SceneState,
+                                     PersonProxy,
+                                     ObjectProxy,
+                                     SceneCommand,
+                                     SiteStatus,
+                                     WorldStatus,
+                                     ViewerStatus,
+                                     StreamFeedback,
+                                     Presence>;
+
+}  // namespace atrium::bus::testing

@@ -1,0 +1,7 @@
+#include <gtest/gtest.h>
+
+namespace {
+
+TEST(Skip, FailsWithoutAListedReason) { GTEST_SKIP() << "the machine was too busy"; }
+
+}  // namespace

@@ -1,0 +1,134 @@
+#include "viewer/ui/status_lines.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace atrium::viewer {
+namespace {
+
+using std::chrono::seconds;
+
+const StatusLines::Clock::time_point kFirstLine{std::chrono::hours(1)};
+
+bus::SiteStatus site_status(std::uint64_t num_late) {
+    bus::SiteStatus status;
+    status.time = Timestamp{std::int64_t{1'000'000'000} * std::int64_t(100 + num_late)};
+    status.metaframes_per_s = 12.96;
+    status.num_dropped_late = num_late;
+    status.left_out.num_phantoms = 10 * num_late;
+    status.stages = {7.61, 21.5, 7.9, 0.2};
+    status.capture_to_publish = {47.6, 126.1, 512};
+    return status;
+}
+
+std::vector<std::string> texts(const std::vector<HudLine>& lines) {
+    std::vector<std::string> texts;
+    for (const HudLine& line : lines) texts.push_back(line.text);
+    return texts;
+}
+
+TEST(StatusLines, ShowTheTimeOfEachStage) {
+    StatusLines lines;
+    lines.add("alice", site_status(0), kFirstLine);
+    bus::WorldStatus world;
+    world.steps_per_s = 119.0;
+    world.step = {0.8, 2.1, 512};
+    world.capture_to_collision = {68.1, 143.1, 512};
+    world.processor = {.run_per_s = 0.62,
+                       .waited_per_s = 0.12,
+                       .longest_wait_per_s = 0.08,
+                       .is_waiting_known = true,
+                       .nice = 3};
+    lines.add("lab", world, kFirstLine);
+    EXPECT_THAT(texts(lines.details()),
+                testing::ElementsAre("site alice: 13.0 metaframes/s",
+                                     "  cpu  0.00 cores  waited ?  nice 0",
+                                     "  ms  silhouettes 7.6  hull 21.5  coding 7.9  publishing 0.2",
+                                     "  ms  capture to publish 47.6 (99 %: 126.1)",
+                                     "world lab: 119.0 steps/s",
+                                     "  cpu  0.62 cores  waited 8 % (all threads 12 %)  nice 3",
+                                     "  ms  step 0.8 (99 %: 2.1)",
+                                     "  ms  capture to collision 68.1 (99 %: 143.1)"));
+    EXPECT_TRUE(lines.warnings().empty());
+}
+
+TEST(StatusLines, WarnWhileTheWorldIsGone) {
+    StatusLines lines;
+    lines.forget_silent(kFirstLine);
+    EXPECT_TRUE(lines.warnings().empty()) << "no world was there before";
+    lines.add("lab", bus::WorldStatus(), kFirstLine);
+    lines.forget_silent(kFirstLine);
+    EXPECT_TRUE(lines.warnings().empty());
+    lines.forget_silent(kFirstLine + seconds(6));
+    lines.forget_silent(kFirstLine + seconds(9));
+    EXPECT_THAT(texts(lines.warnings()), testing::ElementsAre("no world server for 9 s"));
+    lines.add("lab", bus::WorldStatus(), kFirstLine + seconds(10));
+    lines.forget_silent(kFirstLine + seconds(10));
+    EXPECT_TRUE(lines.warnings().empty());
+}
+
+TEST(StatusLines, WarnOfLossesSinceThePreviousReport) {
+    StatusLines lines;
+    lines.add("alice", site_status(100), kFirstLine);
+    EXPECT_TRUE(lines.warnings().empty()) << "losses before the first report must not warn";
+    lines.add("alice", site_status(103), kFirstLine + seconds(1));
+    const auto warnings = lines.warnings();
+    ASSERT_EQ(warnings.size(), 1U);
+    EXPECT_TRUE(warnings[0].is_warning);
+    EXPECT_EQ(warnings[0].text, "site alice: dropped late 3") << "phantoms are the site's affair";
+    lines.add("alice", site_status(103), kFirstLine + seconds(2));
+    EXPECT_TRUE(lines.warnings().empty());
+    lines.add("alice", site_status(2), kFirstLine + seconds(3));
+    EXPECT_TRUE(lines.warnings().empty()) << "a restart must not warn";
+    bus::SiteStatus status = site_status(2);
+    status.cameras.resize(3);
+    status.cameras[1].connected = true;
+    lines.add("bob", status, kFirstLine);
+    EXPECT_THAT(texts(lines.warnings()), testing::ElementsAre("site bob: 2 cameras off"));
+}
+
+TEST(StatusLines, DistinguishASlowMachineFromASlowNetwork) {
+    StatusLines lines;
+    bus::SiteStatus site;
+    site.processor.is_waiting_known = true;
+    lines.add("alice", site, kFirstLine);
+    site.num_metaframes_captured = 30;
+    site.stream.num_dropped_for_rate = 15;
+    site.stream.cap_set_by = "wall";
+    site.stream.cap_bit_per_s = 4.2e6;
+    lines.add("alice", site, kFirstLine + seconds(1));
+    bus::ViewerStatus own;
+    own.processor.is_waiting_known = true;
+    own.processor.longest_wait_per_s = 0.5;
+    lines.add_own(own, kFirstLine + seconds(1));
+    EXPECT_THAT(
+        texts(lines.warnings()),
+        testing::ElementsAre(
+            "site alice: network too slow to wall: 15 of 30 metaframes left out for 4.2 Mbit/s",
+            "this viewer: machine too slow: waited 50 % of the time for a core"));
+}
+
+TEST(StatusLines, ShowTheWorldServerAndItsRefusals) {
+    StatusLines lines;
+    EXPECT_FALSE(lines.has_world());
+    lines.add("alice", site_status(0), kFirstLine);
+    EXPECT_FALSE(lines.has_world());
+    bus::WorldStatus world;
+    world.num_refused = 5;
+    lines.add("lab", world, kFirstLine);
+    lines.add("alice", site_status(0), kFirstLine + seconds(3));
+    EXPECT_TRUE(lines.has_world());
+    EXPECT_EQ(lines.num_refused(), 5U);
+    lines.forget_silent(kFirstLine + seconds(5));
+    EXPECT_FALSE(lines.has_world());
+    EXPECT_EQ(texts(lines.details()).size(), 4U) << "the site must still be shown";
+}
+
+TEST(StatusLines, AreBounded) {
+    StatusLines lines;
+    for (int i = 0; i < 1000; ++i) lines.add("s" + std::to_string(i), site_status(0), kFirstLine);
+    EXPECT_LE(lines.details().size(), 4U * 128U);
+}
+
+}  // namespace
+}  // namespace atrium::viewer

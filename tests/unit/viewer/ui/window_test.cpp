@@ -1,0 +1,220 @@
+#include "tests/support/comes_true.hpp"
+#include "tests/support/skips.hpp"
+#include "tests/support/virtual_display.hpp"
+#include "viewer/renderer/scene_renderer.hpp"
+#include "viewer/ui/surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+
+// Shows the viewer's window on a private display and reads the display's pixels.
+namespace atrium::viewer {
+namespace {
+
+using test_support::comes_true;
+using test_support::VirtualDisplay;
+using Colour = VirtualDisplay::Colour;
+using Size = VirtualDisplay::Size;
+
+constexpr const char* kTitle = "Atrium";
+
+class ViewerWindow : public testing::Test {
+protected:
+    void SetUp() override {
+        auto started = VirtualDisplay::start(1280, 800);
+        if (!started) GTEST_SKIP() << atrium::test::skip::kNoDisplay << started.error().message;
+        display_ = std::move(*started);
+        open();
+    }
+
+    void open() {
+        auto window = open_window({.width = 640, .height = 360, .wait_for_display = false});
+        ASSERT_TRUE(window) << window.error().message;
+        window_ = std::move(*window);
+        auto renderer = renderer::SceneRenderer::create({.width = 640, .height = 360});
+        ASSERT_TRUE(renderer) << renderer.error().message;
+        renderer_.emplace(std::move(*renderer));
+    }
+    void close() {
+        renderer_.reset();  // its context is destroyed with the window
+        window_.reset();
+    }
+    void TearDown() override { close(); }
+
+    // Draws and shows a picture as the viewer does.
+    SurfaceEvents draw() {
+        const SurfaceEvents events = window_->poll();
+        const auto size = window_->size();
+        if (size != Size{renderer_->width(), renderer_->height()}) {
+            EXPECT_TRUE(renderer_->resize(size[0], size[1]));
+        }
+        renderer_->draw(renderer::ViewCamera{});
+        window_->show(*renderer_, figures_);
+        return events;
+    }
+
+    // The effects of a click at this place. It holds the button until the viewer has seen it, then
+    // releases it.
+    SurfaceEvents click(int x, int y) {
+        display_->point_at(kTitle, x, y);
+        for (int i = 0; i < 3; ++i) draw();
+        SurfaceEvents all;
+        const auto take = [&] {
+            const SurfaceEvents events = draw();
+            all.pointer.is_down |= events.pointer.is_down;
+            all.reset_scene |= events.reset_scene;
+            if (events.add) all.add = events.add;
+            if (events.remove) all.remove = events.remove;
+        };
+        for (const bool is_down : {true, false}) {
+            display_->hold_button(kTitle, is_down);
+            for (int i = 0; i < 3; ++i) take();
+        }
+        return all;
+    }
+
+    // A pixel of the drawn picture, without the overlay.
+    Colour drawn_at(int x, int y) const {
+        renderer::RenderedPicture picture;
+        renderer_->read_pixels(picture);
+        const auto at = 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) +
+                             static_cast<std::size_t>(x));
+        return {picture.rgba[at], picture.rgba[at + 1], picture.rgba[at + 2]};
+    }
+
+    std::unique_ptr<VirtualDisplay> display_;
+    std::unique_ptr<Surface> window_;
+    HudContent figures_;
+    std::optional<renderer::SceneRenderer> renderer_;
+};
+
+// Points at the right edge, where no figures are drawn: sky above, floor below.
+TEST_F(ViewerWindow, ShowsThePictureAndFollowsResizes) {
+    for (const Size& size : {Size{640, 360}, Size{1000, 700}}) {
+        display_->resize(kTitle, size);
+        EXPECT_TRUE(comes_true([&] {
+            draw();
+            if (window_->size() != size) return false;
+            const int right = size[0] - 10;
+            const Colour above = drawn_at(right, 10);
+            const Colour below = drawn_at(right, size[1] - 10);
+            return above != below && display_->colour_in(kTitle, right, 10) == above &&
+                   display_->colour_in(kTitle, right, size[1] - 10) == below;
+        })) << size[0];
+    }
+}
+
+TEST_F(ViewerWindow, EscapeAndTheFrameCloseIt) {
+    EXPECT_FALSE(draw().close);
+    display_->press_escape(kTitle);
+    EXPECT_TRUE(comes_true([&] { return draw().close; }));
+    close();
+    EXPECT_TRUE(comes_true([&] { return !display_->size_of(kTitle); }));
+    open();
+    EXPECT_FALSE(draw().close);
+    display_->ask_to_close(kTitle);
+    EXPECT_TRUE(comes_true([&] { return draw().close; }));
+}
+
+TEST_F(ViewerWindow, ReportsItsKeys) {
+    const auto gives = [&](const std::string& key, auto&& has) {
+        display_->press(kTitle, key);
+        return comes_true([&] { return has(draw()); });
+    };
+    EXPECT_TRUE(gives("F12", [](const SurfaceEvents& e) { return e.screenshot; }));
+    EXPECT_TRUE(gives("F9", [](const SurfaceEvents& e) { return e.record; }));
+    EXPECT_TRUE(gives("r", [](const SurfaceEvents& e) { return e.reset_scene; }));
+    EXPECT_TRUE(gives("n", [](const SurfaceEvents& e) { return e.names; }));
+    EXPECT_TRUE(gives("b", [](const SurfaceEvents& e) { return e.debug; }));
+    EXPECT_TRUE(gives("Delete", [](const SurfaceEvents& e) { return e.remove_pointed; }));
+    EXPECT_TRUE(gives("v", [](const SurfaceEvents& e) { return e.reset_view; }));
+    EXPECT_TRUE(gives("f", [](const SurfaceEvents& e) { return e.follow; }));
+    EXPECT_TRUE(gives("2", [](const SurfaceEvents& e) { return e.person == 2; }));
+    EXPECT_TRUE(gives("g", [](const SurfaceEvents& e) { return e.motion.walk; }));
+    EXPECT_TRUE(gives("g", [](const SurfaceEvents& e) { return !e.motion.walk; }));
+}
+
+// The list of all keys is in the middle of the picture.
+TEST_F(ViewerWindow, ListsItsKeysOnRequest) {
+    const auto shows_list = [&] {
+        draw();
+        const auto [width, height] = window_->size();
+        int num_different = 0;
+        for (int x = width / 2 - 100; x < width / 2 + 100; x += 4) {
+            const auto shown = display_->colour_in(kTitle, x, height / 2);
+            num_different += shown && *shown != drawn_at(x, height / 2) ? 1 : 0;
+        }
+        return num_different > 40;
+    };
+    EXPECT_FALSE(shows_list());
+    display_->press(kTitle, "question");
+    EXPECT_TRUE(comes_true(shows_list));
+    display_->press(kTitle, "question");
+    EXPECT_TRUE(comes_true([&] { return !shows_list(); }));
+}
+
+// The menu is at the right, 290 pixels wide. The test finds its entries by clicking.
+TEST_F(ViewerWindow, MenuTakesTheMouseAndTheKeys) {
+    display_->resize(kTitle, {640, 520});
+    ASSERT_TRUE(comes_true([&] {
+        draw();
+        return window_->size() == Size{640, 520};
+    }));
+    const int x = 640 - 10 - 290 + 150;
+    EXPECT_TRUE(click(x, 120).pointer.is_down) << "a click beside the menu must reach the world";
+    display_->press(kTitle, "m");
+    for (int i = 0; i < 20; ++i) draw();
+    figures_.objects = {{7, "ball (7)"}, {8, "box (8)"}};
+    std::optional<int> reset_at;
+    std::optional<int> name_at;
+    std::optional<NewObject> added;
+    for (int y = 20; y < 340; y += 7) {
+        const SurfaceEvents events = click(x, y);
+        EXPECT_FALSE(events.pointer.is_down) << y;
+        EXPECT_FALSE(events.remove) << "no object is selected yet";
+        if (events.reset_scene && !reset_at) reset_at = y;
+        if (events.add) {
+            added = events.add;
+            break;
+        }
+        display_->press(kTitle, "n");
+        bool is_taken = true;
+        for (int i = 0; i < 5; ++i) is_taken &= !draw().names;
+        if (is_taken && !name_at) {
+            name_at = y;
+            for (const char* key : {"b", "question", "4"}) display_->press(kTitle, key);
+            for (int i = 0; i < 5; ++i) EXPECT_FALSE(draw().debug);
+        }
+    }
+    EXPECT_TRUE(reset_at);
+    EXPECT_TRUE(name_at);
+    ASSERT_TRUE(added);
+    EXPECT_LE(added->shape, bus::Shape::kCapsule) << "the clicks must have hit a shape button";
+    EXPECT_GT(added->size_m.minCoeff(), 0.0);
+    EXPECT_EQ(added->name.substr(0, 3), "nb4") << "names must have no question marks";
+    std::optional<std::uint32_t> removed;
+    for (int y = 220; y < 420 && !removed; y += 9) removed = click(x, y).remove;
+    ASSERT_TRUE(removed);
+    EXPECT_TRUE(*removed == 7 || *removed == 8);
+    display_->press_escape(kTitle);
+    for (int i = 0; i < 20; ++i) EXPECT_FALSE(draw().close) << "Escape must close only the menu";
+    EXPECT_TRUE(click(x, 120).pointer.is_down) << "it is closed";
+}
+
+TEST_F(ViewerWindow, TogglesFullScreen) {
+    const Size before = window_->size();
+    display_->press(kTitle, "F11");
+    EXPECT_TRUE(comes_true([&] {
+        draw();
+        return window_->size() == Size{1280, 800};
+    }));
+    display_->press(kTitle, "F11");
+    EXPECT_TRUE(comes_true([&] {
+        draw();
+        return window_->size() == before;
+    }));
+}
+
+}  // namespace
+}  // namespace atrium::viewer

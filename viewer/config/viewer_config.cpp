@@ -1,0 +1,182 @@
+#include "viewer/config/viewer_config.hpp"
+
+#include "core/bus/bus_options.hpp"
+#include "core/presence/membership.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <sstream>
+
+namespace atrium::viewer {
+
+namespace {
+
+void declare(ViewConfig& view, config::OptionSet& set) {
+    set.add("view.name", view.name, "name in status and commands; empty: a unique name");
+    set.add("view.width", view.width, "width of the picture [px]", {.min = 16, .max = 8192});
+    set.add("view.height", view.height, "height of the picture [px]", {.min = 16, .max = 8192});
+    set.add("view.max_fps",
+            view.max_fps,
+            "pictures per second [Hz]; 0: 30 without a window, else the display's rate",
+            {.min = 0, .max = 1000});
+    set.add("view.position_m", view.position_m, "position of the eye in the world, \"x,y,z\" [m]");
+    set.add("view.target_m", view.target_m, "point that the eye looks at, \"x,y,z\" [m]");
+    set.add(
+        "view.fov_deg", view.fov_deg, "vertical opening angle [degrees]", {.min = 5, .max = 150});
+    set.add("view.antialias",
+            view.antialias,
+            "anti-aliasing; fxaa costs about 12 ms of one core per picture in software",
+            {"none", "fxaa"});
+    set.add("view.names",
+            view.names,
+            "names over the heads of people; auto: only in a window",
+            {"auto", "on", "off"});
+    set.add("view.context",
+            view.context,
+            "GL context; auto: a window, else a GPU through EGL, else OSMesa in software; egl and "
+            "osmesa: without a window",
+            {"auto", "window", "egl", "osmesa"});
+    set.add("view.debug",
+            view.debug,
+            "debug view: wireframe, cameras, silhouettes, collision shapes (B in a window)",
+            {"off", "on"});
+    set.add("view.adapt",
+            view.adapt,
+            "what a slow machine reduces; auto: drawing rate, then resolution, then shadows; off: "
+            "nothing, pictures come late and unevenly",
+            {"auto", "off"});
+    set.add(
+        "view.scale",
+        view.scale,
+        "maximum resolution of the scene, as a share of the picture's; scaled up to the picture",
+        {.min = 0.1, .max = 1});
+    set.add("view.shadows", view.shadows, "shadows; view.adapt may switch them off", {"on", "off"});
+}
+
+void declare(DisplayConfig& display, config::OptionSet& set) {
+    set.add("display.stereo",
+            display.stereo,
+            "stereo mode; quad_buffer needs a window and a driver that supports it",
+            {"none", "side_by_side", "top_bottom", "anaglyph", "quad_buffer"});
+    set.add("display.eye_distance_m",
+            display.eye_distance_m,
+            "distance between the eyes [m]",
+            {.min = 0, .max = 1});
+    set.add("display.convergence_m",
+            display.convergence_m,
+            "distance of zero parallax [m]; 0: distance of the target",
+            {.min = 0, .max = 100});
+    set.add(
+        "display.wall", display.wall, "TOML file that describes a wall of projectors; empty: none");
+    set.add("display.tile", display.tile, "tile of the wall that this viewer draws");
+    set.add("display.delay_ms",
+            display.delay_ms,
+            "playback delay of a wall, so all tiles show the same moment [ms]",
+            {.min = 0, .max = 500});
+}
+
+}  // namespace
+
+void declare(ViewerConfig& config, config::OptionSet& set) {
+    bus::declare(config.bus, set);
+    app::declare(config.process, set);
+    declare(config.view, set);
+    declare(config.display, set);
+    set.add("headless", config.headless, "draw without a window even if there is a display");
+    set.add("frames", config.frames, "stop after this many pictures; 0: no limit");
+    set.add(
+        "seconds", config.seconds, "stop after this time [s]; 0: no limit", {.min = 0, .max = 1e9});
+    set.add("wait_people",
+            config.wait_people,
+            "start to count `frames` and `seconds` when this many people are shown");
+    set.add("wait_timeout_s",
+            config.wait_timeout_s,
+            "fail if they are not shown after this time [s]",
+            {.min = 0, .max = 1e9});
+    set.add("output", config.output, "PNG file for the last picture; empty: none");
+    set.add("screenshot_dir", config.screenshot_dir, "folder for screenshots (F12 or P)");
+    set.add("viewer.models", config.models, "local folder of the models that worlds name");
+    set.add("video.file", config.video.file, "video to write: .avi, .mp4 or .mkv; empty: none");
+    set.add("video.fps",
+            config.video.fps,
+            "pictures per second of the video [Hz]",
+            {.min = 0.1, .max = 120});
+    set.add("video.width",
+            config.video.width,
+            "width of the video [px]; 0: from the view, or from its height",
+            {.min = 0, .max = 8192});
+    set.add("video.height",
+            config.video.height,
+            "height of the video [px]; 0: from the view, or from its width",
+            {.min = 0, .max = 8192});
+}
+
+Expected<void> check_file_names(const ViewerConfig& config) {
+    const std::filesystem::path& output = config.output;
+    if (!output.empty() && output.extension() != ".png") {
+        return make_error(ErrorKind::kConfiguration,
+                          "output: must end in .png, got '" + output.string() + "'");
+    }
+    const std::filesystem::path& video = config.video.file;
+    const std::string format = video.extension().string();
+    if (!video.empty() && format != ".avi" && format != ".mkv" && format != ".mp4") {
+        return make_error(
+            ErrorKind::kConfiguration,
+            "video.file: must end in .avi, .mkv or .mp4, got '" + video.string() + "'");
+    }
+    return {};
+}
+
+std::pair<int, int> video_size(const VideoConfig& video, std::pair<int, int> picture) {
+    const double width = picture.first;
+    const double height = picture.second;
+    const double scale = video.width > 0    ? video.width / width
+                         : video.height > 0 ? video.height / height
+                                            : 1.0;
+    const auto even = [](double size) {
+        return std::max(2, static_cast<int>(std::lround(size)) / 2 * 2);
+    };
+    return {even(video.width > 0 ? video.width : scale * width),
+            even(video.height > 0 ? video.height : scale * height)};
+}
+
+Expected<Eigen::Vector3d> parse_point(const std::string& key, const std::string& text) {
+    std::istringstream in(text);
+    Eigen::Vector3d p = Eigen::Vector3d::Zero();
+    char comma1 = 0;
+    char comma2 = 0;
+    in >> p.x() >> comma1 >> p.y() >> comma2 >> p.z();
+    const bool is_read = static_cast<bool>(in) && comma1 == ',' && comma2 == ',' && p.allFinite();
+    if (!is_read || !(in >> std::ws).eof()) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            key + ": expected three numbers \"x,y,z\" in metres, got \"" + text + "\"");
+    }
+    return p;
+}
+
+Expected<renderer::ViewCamera> make_view_camera(const ViewConfig& config) {
+    const auto position = parse_point("view.position_m", config.position_m);
+    if (!position) return tl::unexpected(position.error());
+    const auto target = parse_point("view.target_m", config.target_m);
+    if (!target) return tl::unexpected(target.error());
+    if ((*position - *target).norm() < 1e-3) {
+        return make_error(ErrorKind::kConfiguration,
+                          "view.target_m: must differ from view.position_m");
+    }
+    return renderer::ViewCamera{
+        .position_m = *position, .target_m = *target, .fov_deg = config.fov_deg};
+}
+
+std::string make_unique_name() {
+    static std::atomic<int> num_named{0};
+    const std::string end = fmt::format("-{}-{}", getpid(), ++num_named);
+    const std::string host = presence::host_name();
+    return "viewer-" + host.substr(0, 63 - std::min<std::size_t>(63, 7 + end.size())) + end;
+}
+
+}  // namespace atrium::viewer

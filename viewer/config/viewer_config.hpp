@@ -1,0 +1,85 @@
+#pragma once
+
+#include "core/app/process.hpp"
+#include "core/base/expected.hpp"
+#include "core/bus/bus.hpp"
+#include "core/config/option_set.hpp"
+#include "viewer/renderer/drawing/view_camera.hpp"
+#include "viewer/renderer/scene_renderer.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <utility>
+
+namespace atrium::viewer {
+
+struct ViewConfig {
+    /// In ViewerStatus and SceneCommand; empty: viewer-<host>-<process id>-<number>.
+    std::string name;
+    int width = 960;
+    int height = 540;
+    double max_fps = 0.0;  // 0: 30 without a window, else the display's rate
+    std::string position_m = "2.6,-3.6,1.9";
+    std::string target_m = "0,0,0.95";
+    double fov_deg = 38.0;
+    std::string antialias = "none";
+    std::string names = "auto";    // auto: only in a window
+    std::string context = "auto";  // window, egl, osmesa: only that one
+    std::string debug = "off";     // on: starts with the debug view
+    std::string adapt = "auto";    // off: never reduces the quality
+    double scale = 1.0;            // maximum share of the picture's width and height
+    std::string shadows = "on";
+};
+
+struct DisplayConfig {
+    std::string stereo = "none";
+    double eye_distance_m = 0.064;
+    double convergence_m = 0.0;    // 0: distance of the target
+    std::filesystem::path wall{};  // empty: a single display
+    std::string tile{};
+    double delay_ms = 120.0;
+};
+
+struct VideoConfig {
+    std::filesystem::path file;  // empty: none
+    double fps = 10.0;
+    int width = 0;   // 0: as the view
+    int height = 0;  // if only one is 0, it follows from the view's aspect ratio
+};
+
+struct ViewerConfig {
+    bus::BusOptions bus;
+    app::ProcessOptions process{.nice = 2};  // capture, sites and world have priority
+    ViewConfig view;
+    DisplayConfig display;
+    VideoConfig video;
+    bool headless = false;
+    std::uint64_t frames = 0;  // 0: until stopped
+    double seconds = 0.0;      // 0: until stopped
+    std::uint64_t wait_people = 0;
+    double wait_timeout_s = 30.0;
+    std::filesystem::path output;  // file of the last picture; empty: none
+    std::filesystem::path screenshot_dir = ".";
+    std::filesystem::path models = "deploy/worlds";  // folder of the worlds' models
+};
+
+/// Declares every option, with its unit, on `set`.
+void declare(ViewerConfig& config, config::OptionSet& set);
+
+/// Checks the extensions of the output files. Error kConfiguration if one does not match a format.
+Expected<void> check_file_names(const ViewerConfig& config);
+
+/// Size of the video for pictures of that size [px]. Even, as the formats require.
+std::pair<int, int> video_size(const VideoConfig& video, std::pair<int, int> picture);
+
+/// Parses "x,y,z". Error kConfiguration names `key`.
+Expected<Eigen::Vector3d> parse_point(const std::string& key, const std::string& text);
+
+/// Viewpoint of the configuration. Error kConfiguration if it is invalid.
+Expected<renderer::ViewCamera> make_view_camera(const ViewConfig& config);
+
+/// Returns a name that is unique across hosts, processes and the viewers of this process.
+std::string make_unique_name();
+
+}  // namespace atrium::viewer

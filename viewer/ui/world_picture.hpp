@@ -1,0 +1,56 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "viewer/config/viewer_config.hpp"
+#include "viewer/overlay/annotations.hpp"
+#include "viewer/pacing/drawing_times.hpp"
+#include "viewer/receive/session.hpp"
+#include "viewer/renderer/scene_renderer.hpp"
+#include "viewer/scene/people_view.hpp"
+#include "viewer/scene/scene_view.hpp"
+#include "viewer/ui/display.hpp"
+#include "viewer/ui/surface.hpp"
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace atrium::viewer {
+
+/// Draws the people and objects of a session, with annotations, for a display. Drawing thread only.
+struct WorldPicture {
+    using Clock = std::chrono::steady_clock;
+
+    WorldPicture(const ViewerConfig& config, Display of)
+        : display(std::move(of)), scene(config.models, display.delay()) {}
+
+    /// Opens the surface and creates the renderer.
+    Expected<void> open(const ViewerConfig& config, const SurfaceOptions& options);
+    /// Destroys renderer and surface, and drops what they showed.
+    void close();
+
+    /// Takes people and objects from the session, as they are to be shown at `now`.
+    void update(Session& session, Clock::time_point now, DrawingTimes& times);
+    /// Draws what `update` took. `inside`: person through whose eyes the camera looks; empty:
+    /// nobody. `now`: as for `update`.
+    void draw(Session& session,
+              const renderer::ViewCamera& camera,
+              const std::string& inside,
+              Clock::time_point now,
+              DrawingTimes& times);
+    /// Adopts the size of the surface.
+    Expected<void> resize();
+
+    Display display;
+    std::unique_ptr<Surface> surface;
+    std::optional<renderer::SceneRenderer> renderer;  // destroyed before its context, `surface`
+    std::optional<Annotations> annotations;
+    SceneView scene;
+    PeopleView people;
+    std::vector<renderer::EyeView> eyes;  // eyes of the last picture
+};
+
+}  // namespace atrium::viewer

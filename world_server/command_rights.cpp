@@ -1,0 +1,57 @@
+#include "world_server/command_rights.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace atrium::world_server {
+namespace {
+
+// Bounds the memory: senders can come and go with any name.
+constexpr std::size_t kMaxSenders = 1024;
+
+}  // namespace
+
+const Right& right_to(const Rights& rights, bus::CommandKind kind) {
+    switch (kind) {
+        case bus::CommandKind::kAdd:
+            return rights.add;
+        case bus::CommandKind::kRemove:
+            return rights.remove;
+        case bus::CommandKind::kReset:
+            return rights.reset;
+        case bus::CommandKind::kPush:
+            return rights.push;
+        case bus::CommandKind::kGrab:
+        case bus::CommandKind::kMove:
+        case bus::CommandKind::kRelease:
+            return rights.grab;
+        case bus::CommandKind::kSave:
+        case bus::CommandKind::kRestore:
+            break;
+    }
+    return rights.save;
+}
+
+const char* to_string(bus::CommandKind kind) {
+    constexpr std::array kNames{
+        "add", "remove", "reset", "push", "grab", "move", "release", "save", "restore"};
+    return kNames[static_cast<std::size_t>(kind)];
+}
+
+bool CommandRates::admit(const std::string& sender, Clock::time_point now) {
+    const double burst = std::max(1.0, 0.5 * max_per_s_);
+    auto found = budgets_.find(sender);
+    if (found == budgets_.end()) {
+        if (budgets_.size() >= kMaxSenders) return false;
+        found = budgets_.emplace(sender, Budget{burst, now}).first;
+    }
+    Budget& budget = found->second;
+    const double seconds = std::chrono::duration<double>(now - budget.counted).count();
+    budget.commands = std::min(burst, budget.commands + max_per_s_ * std::max(0.0, seconds));
+    budget.counted = now;
+    if (budget.commands < 1.0) return false;
+    budget.commands -= 1.0;
+    return true;
+}
+
+}  // namespace atrium::world_server

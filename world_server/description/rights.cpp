@@ -1,0 +1,47 @@
+#include "world_server/description/rights.hpp"
+
+#include "core/bus/names.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace atrium::world_server {
+namespace {
+
+void read_right(config::TableReader& reader, const std::string& key, Right& right) {
+    if (!reader.has(key)) return;
+    if (!reader.has_array(key)) {
+        std::string who;
+        reader.read(key, who, {"everyone", "nobody"});
+        right = {who == "everyone", {}};
+        return;
+    }
+    right.everyone = false;
+    reader.read(key, right.names);
+    for (const std::string& name : right.names) {
+        if (!bus::is_valid_name(name)) {
+            reader.reject(key, "must be \"everyone\", \"nobody\" or a list of senders' names");
+        }
+    }
+}
+
+}  // namespace
+
+bool Right::allows(const std::string& sender) const {
+    return everyone || std::find(names.begin(), names.end(), sender) != names.end();
+}
+
+void read_rights(config::TableReader& reader, Rights& rights) {
+    config::TableReader table = reader.table("rights");
+    for (const auto& [key, right] : {std::pair<const char*, Right*>{"add", &rights.add},
+                                     {"remove", &rights.remove},
+                                     {"reset", &rights.reset},
+                                     {"push", &rights.push},
+                                     {"grab", &rights.grab},
+                                     {"save", &rights.save}}) {
+        read_right(table, key, *right);
+    }
+    table.read("max_per_s", rights.max_per_s, {1.0, 10'000.0});
+}
+
+}  // namespace atrium::world_server

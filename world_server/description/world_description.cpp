@@ -1,0 +1,35 @@
+#include "world_server/description/world_description.hpp"
+
+#include "world_server/description/joints.hpp"
+#include "world_server/description/material.hpp"
+#include "world_server/description/objects.hpp"
+#include "world_server/description/puppets.hpp"
+#include "world_server/description/surroundings.hpp"
+
+#include <optional>
+
+namespace atrium::world_server {
+
+void read_world(config::TableReader& reader, WorldDescription& description) {
+    reader.read("world.gravity", description.world.gravity.data(), 3, {-100.0, 100.0});
+    read_bounds(reader, description.world);
+    const Materials materials = read_materials(reader);
+    read_objects(reader, materials, description.objects);
+    read_puppets(reader, materials, description.objects, description.joints);
+    description.soft =
+        read_soft_objects(reader,
+                          materials,
+                          static_cast<std::uint32_t>(description.objects.size() + 1),
+                          [&](const std::string& name) -> std::optional<std::uint32_t> {
+                              for (const WorldObject& object : description.objects) {
+                                  if (object.name == name) return object.rigid.id;
+                              }
+                              return std::nullopt;
+                          });
+    read_joints(reader, description.objects, description.joints);
+    read_scenery(reader, materials, description.scenery);
+    read_placements(reader, description.placements);
+    read_rights(reader, description.rights);
+}
+
+}  // namespace atrium::world_server

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "core/config/table_reader.hpp"
+#include "world_server/description/rights.hpp"
+#include "world_server/description/site_placements.hpp"
+#include "world_server/description/soft_objects.hpp"
+#include "world_server/description/world_object.hpp"
+#include "world_server/physics/rigid/joint.hpp"
+#include "world_server/physics/world.hpp"
+
+#include <vector>
+
+namespace atrium::world_server {
+
+/// The contents of a world file, without the plain options of the server.
+struct WorldDescription {
+    physics::WorldOptions world;         // the file gives gravity and bounds
+    std::vector<WorldObject> objects;    // ids from 1; parts of puppets last
+    std::vector<WorldSoftObject> soft;   // ids continue after `objects`
+    std::vector<physics::Joint> joints;  // refer to `objects` by id
+    std::vector<WorldScenery> scenery;
+    std::vector<NamedPlacement> placements;
+    Rights rights;
+};
+
+/// Reads the settings that exist only in a world file: gravity, bounds, materials, objects,
+/// puppets, soft objects, joints, scenery, sites and rights. Call after the plain options are read.
+/// Problems go to `reader`.
+void read_world(config::TableReader& reader, WorldDescription& description);
+
+}  // namespace atrium::world_server

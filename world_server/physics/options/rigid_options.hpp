@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+
+// Tuned constants of the physics of rigid objects.
+namespace atrium::physics {
+
+/// Of the points on a body's surface that are tested for contacts with people.
+struct BodySamplingOptions {
+    double spacing_m = 0.025;
+    std::size_t max_samples = 3000;  // larger surfaces are sampled more sparsely
+    float min_facing = 0.5F;         // cosine; steeper surfaces are sampled from another side
+    std::size_t num_tips = 42;       // directions in which extreme points are added
+    float same_point_m = 0.004F;     // a tip closer than this to a sample adds nothing
+    float sphere_spacing_m = 0.02F;
+    std::size_t min_sphere_samples = 26;
+    std::size_t max_sphere_samples = 600;
+};
+
+/// Bullet adds its margin around a hull and rounds the edges by it. The hull is shrunk by the same
+/// amount. The margin is the smaller of both.
+struct HullOptions {
+    double margin_m = 0.004;
+    double margin_per_radius = 0.2;  // of the inner radius
+};
+
+struct JointOptions {
+    int num_iterations = 40;  // a chain of a dozen bodies needs more than contacts do, at low cost
+    // A heap of jointed bodies on the floor twitches: a puppet's foot now and then turns at
+    // 2 rad/s, which would keep everything awake.
+    float sleep_mps = 0.2F;
+    float sleep_rad_s = 3.0F;
+};
+
+/// Of the rigid objects in a `World`.
+struct RigidOptions {
+    HullOptions hull{};
+    JointOptions joint{};
+};
+
+}  // namespace atrium::physics
