@@ -3,6 +3,7 @@
 #include "core/base/expected.hpp"
 #include "core/bus/checks.hpp"
 #include "core/bus/fields.hpp"
+#include "core/bus/names.hpp"
 #include "core/bus/topics.hpp"
 #include "core/bus/wire_values.hpp"
 
