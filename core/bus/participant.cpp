@@ -1,6 +1,6 @@
 #include "core/bus/participant.hpp"
 
-#include "core/bus/checks.hpp"
+#include "core/bus/names.hpp"
 #include "core/bus/network_settings.hpp"
 #include "core/bus/topics.hpp"
 

@@ -1,6 +1,6 @@
 #include "viewer/control/scene_editor.hpp"
 
-#include "core/bus/checks.hpp"
+#include "core/bus/names.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #include "viewer/scene/model_library.hpp"
 
 #include "core/app/log.hpp"
-#include "core/bus/checks.hpp"
+#include "core/bus/names.hpp"
 #include "core/model/model_file.hpp"
 
 #include <Eigen/Geometry>

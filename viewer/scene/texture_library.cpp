@@ -1,7 +1,7 @@
 #include "viewer/scene/texture_library.hpp"
 
 #include "core/app/log.hpp"
-#include "core/bus/checks.hpp"
+#include "core/bus/names.hpp"
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
