@@ -220,9 +220,9 @@ void SiteNode::capture_metaframes(std::stop_token stop) {
     options.tolerance = nanoseconds(static_cast<std::int64_t>(tolerance_ms * 1e6));
     options.deadline = nanoseconds(static_cast<std::int64_t>(config_.capture.deadline_ms * 1e6));
     options.min_cameras = static_cast<std::size_t>(config_.capture.min_cameras);
-    capture::MetaframeAssembler assembler(source_->rig().cameras.size(), options);
     std::uint64_t num_stray = 0;
-    const auto take = [&](std::optional<capture::Metaframe> metaframe) {
+    const auto take = [&](std::optional<capture::Metaframe> metaframe,
+                          const capture::MetaframeAssembler& assembler) {
         if (assembler.counters().num_stray > num_stray) {
             num_stray = assembler.counters().num_stray;
             complaints_.warn(fmt::format("pictures that fit no metaframe num={}", num_stray));
@@ -232,10 +232,10 @@ void SiteNode::capture_metaframes(std::stop_token stop) {
         offsets_.update(assembler.offsets(), options.tolerance);
         if (metaframe) hand_over(std::move(*metaframe));
     };
-    const auto result = source_->run(stop, [&](capture::CameraFrame frame) {
-        take(assembler.add(std::move(frame), std::chrono::steady_clock::now()));
-    });
-    if (!stop.stop_requested()) take(assembler.finish());
+    capture::TimedAssembler assembler(source_->rig().cameras.size(), options, take);
+    const auto result =
+        source_->run(stop, [&](capture::CameraFrame frame) { assembler.add(std::move(frame)); });
+    if (!stop.stop_requested()) assembler.finish();
     if (source_->is_live()) app::log::info("camera offsets in ms {}", offsets_.line());
     run_control_->finish(result);
 }

@@ -10,7 +10,7 @@
 #include "core/bus/bus.hpp"
 #include "core/presence/membership.hpp"
 #include "site_node/camera_status.hpp"
-#include "site_node/capture/metaframe_assembler.hpp"
+#include "site_node/capture/timed_assembler.hpp"
 #include "site_node/config.hpp"
 #include "site_node/preview/preview.hpp"
 #include "site_node/run_control.hpp"

@@ -133,6 +133,15 @@ std::optional<Metaframe> MetaframeAssembler::expire(std::chrono::steady_clock::t
     return take_ready();
 }
 
+std::optional<std::chrono::steady_clock::time_point> MetaframeAssembler::next_expiry() const {
+    std::optional<std::chrono::steady_clock::time_point> next;
+    for (const Pending& pending : pending_) {
+        const auto expiry = pending.first_arrival + options_.deadline + std::chrono::nanoseconds(1);
+        next = std::min(next.value_or(expiry), expiry);
+    }
+    return next;
+}
+
 std::optional<Metaframe> MetaframeAssembler::finish() {
     retire_all([](const Pending&) { return true; });
     return take_ready();

@@ -42,6 +42,9 @@ public:
     /// Like `add`, but only checks the deadlines.
     std::optional<Metaframe> expire(std::chrono::steady_clock::time_point now);
 
+    /// Returns the earliest time at which `expire` ends a metaframe; empty if none is pending.
+    std::optional<std::chrono::steady_clock::time_point> next_expiry() const;
+
     /// Ends the input: every pending metaframe counts as past its deadline.
     std::optional<Metaframe> finish();
 

@@ -142,6 +142,21 @@ TEST(MetaframeAssembler, ContinuesWithoutALostCameraAndTakesItBack) {
     EXPECT_EQ(ids.size(), 27u);
 }
 
+TEST(MetaframeAssembler, TellsWhenTheNextMetaframeExpires) {
+    MetaframeAssembler assembler(3, kTwoAreEnough);
+    EXPECT_FALSE(assembler.next_expiry());
+    EXPECT_FALSE(assembler.add(frame(0, 2 * kPeriodNs), at(10)));
+    EXPECT_FALSE(assembler.add(frame(2, 2 * kPeriodNs), at(12)));
+    EXPECT_FALSE(assembler.add(frame(0, kPeriodNs), at(20)));  // older, but came later
+    const auto expiry = assembler.next_expiry();
+    ASSERT_TRUE(expiry);
+    EXPECT_FALSE(assembler.expire(*expiry - std::chrono::nanoseconds(1)));
+    EXPECT_EQ(assembler.counters().num_incomplete, 0u);
+    EXPECT_EQ(*expiry, at(110) + std::chrono::nanoseconds(1));
+    EXPECT_TRUE(assembler.expire(*expiry));
+    EXPECT_FALSE(assembler.next_expiry());
+}
+
 TEST(MetaframeAssembler, ReturnsOnlyTheNewestOfSeveralPastDeadline) {
     MetaframeAssembler assembler(3, kTwoAreEnough);
     for (int trigger = 1; trigger <= 3; ++trigger) {
