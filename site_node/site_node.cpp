@@ -356,24 +356,29 @@ void SiteNode::publish_frames(std::stop_token stop) {
     }
 }
 
-// Writes the mesh last: with its arrival a viewer's pair is complete.
-Expected<std::size_t> SiteNode::publish(const SiteFrame& frame) {
-    bus::SiteMesh mesh{config_.name, frame.frame_id, frame.capture_time, {}, frame.draco};
+// Writes the mesh last: with its arrival a viewer's pair is complete. Lends the coded bytes to the
+// messages without a copy; afterwards `frame` has them again and keeps its memory.
+Expected<std::size_t> SiteNode::publish(SiteFrame& frame) {
+    bus::SiteMesh mesh{config_.name, frame.frame_id, frame.capture_time, {}, {}};
     const auto begin = std::chrono::steady_clock::now();
     std::size_t num_bytes = 0;
-    for (const CodedCamera& camera : frame.cameras) {
-        const auto written = writers_.textures[camera.camera].write({config_.name,
-                                                                     camera.camera,
-                                                                     frame.frame_id,
-                                                                     frame.capture_time,
-                                                                     camera.crop_px,
-                                                                     camera.texture.colour,
-                                                                     camera.texture.mask});
+    for (CodedCamera& camera : frame.cameras) {
+        bus::CameraTexture texture{config_.name,
+                                   camera.camera,
+                                   frame.frame_id,
+                                   frame.capture_time,
+                                   camera.crop_px,
+                                   std::move(camera.texture.colour),
+                                   std::move(camera.texture.mask)};
+        const auto written = writers_.textures[camera.camera].write(texture);
+        camera.texture = {std::move(texture.colour), std::move(texture.mask)};
         if (!written) return written;
         num_bytes += *written;
         mesh.textured_cameras.push_back(camera.camera);
     }
+    mesh.draco.swap(frame.draco);
     const auto written = writers_.mesh.write(mesh);
+    mesh.draco.swap(frame.draco);
     if (!written) return written;
     stage_times_.published(*written, num_bytes, std::chrono::steady_clock::now() - begin);
     return num_bytes + *written;

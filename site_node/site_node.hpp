@@ -82,7 +82,7 @@ private:
     void show_preview(const Pipeline::Silhouettes& silhouettes);
     void publish_frames(std::stop_token stop);
     void report_status(std::stop_token stop);
-    Expected<std::size_t> publish(const SiteFrame& frame);
+    Expected<std::size_t> publish(SiteFrame& frame);
 
     SiteNodeConfig config_;
     std::unique_ptr<capture::FrameSource> source_;
