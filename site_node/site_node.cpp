@@ -50,7 +50,7 @@ Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
                         rig.cameras.size(),
                         config.capture.min_cameras));
     }
-    if (auto fits = check_areas(config, rig); !fits) return fits;
+    if (auto fits = check_areas(config.pipeline, rig); !fits) return fits;
     const double period_quarter_ms = 250.0 / rate_hz(config, rig);
     if (config.capture.tolerance_ms > period_quarter_ms) {
         return make_error(
