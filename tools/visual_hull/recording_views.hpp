@@ -23,6 +23,6 @@ Expected<std::vector<views::NamedView>> load_recording_views(
     const std::filesystem::path& folder,
     std::size_t frame,
     const std::vector<std::string>& without,
-    const site_node::SilhouetteStageOptions& options);
+    const site_node::SilhouetteStageOptions& options = {});
 
 }  // namespace atrium::hull_tool
