@@ -87,7 +87,7 @@ site_node::SiteNodeConfig site_config(const std::filesystem::path& folder) {
     site_node::declare(config, options);
     read_options("site_node", options, kSite, [&](config::TableReader& reader) {
         site_node::read_hull(reader, config);
-        site_node::read_segmentation(reader, config);
+        site_node::read_segmentation(reader, config.pipeline);
         site_node::read_cameras(reader, config.capture.cameras);
     });
     site_node::resolve(config);

@@ -14,7 +14,6 @@ namespace atrium::site_node {
 namespace {
 
 constexpr config::Range kPosition{-1e4, 1e4};  // [m], as in rigs
-constexpr config::Range kPixel{-1e5, 1e5};
 
 // A box of this many metres holds at least a hand.
 constexpr double kMinExtent_m = 0.01;
@@ -33,69 +32,8 @@ geometry::Aabb read_bounds(config::TableReader& owner) {
     return box;
 }
 
-void declare_segmentation(SiteNodeConfig& config, config::OptionSet& set) {
-    segmentation::SegmentationOptions& segmentation = config.pipeline.segmentation;
-    set.add("segmentation.max_chroma_distance",
-            segmentation.max_chroma_distance,
-            "Mahalanobis distance up to which chroma counts as background [sigma]",
-            {0.5, 50});
-    set.add("segmentation.min_chroma_sigma",
-            segmentation.min_chroma_sigma,
-            "noise floor of background chroma, added to the learned deviation [grey levels]",
-            {1, 20});
-    set.add("segmentation.darkest_shadow",
-            segmentation.darkest_shadow,
-            "smallest fraction of its luma that a surface keeps in shadow",
-            {0.05, 1});
-    set.add("segmentation.darkest_coloured_shadow",
-            segmentation.darkest_coloured_shadow,
-            "like darkest_shadow, where the hue distinguishes a shadow from a dark object",
-            {0.05, 1});
-    set.add("segmentation.max_highlight",
-            segmentation.max_highlight,
-            "largest fraction by which a surface may brighten",
-            {0, 1});
-    set.add("segmentation.max_luma_distance",
-            segmentation.max_luma_distance,
-            "luma difference that counts as noise [sigma]",
-            {0.5, 50});
-    set.add("segmentation.min_luma_sigma",
-            segmentation.min_luma_sigma,
-            "lower limit of the luma deviation [grey levels]",
-            {0.1, 50});
-    set.add("segmentation.dark_luma",
-            segmentation.dark_luma,
-            "luma below which chroma is ignored [grey levels]",
-            {0, 255});
-    set.add("segmentation.max_gain_change",
-            segmentation.max_gain_change,
-            "flickering light: largest fraction by which picture brightness is compensated; 0: off",
-            {0, 0.45});
-    set.add(
-        "segmentation.drift_frames",
-        segmentation.drift_frames,
-        "drifting light: time constant with which the background model follows [pictures]; 0: off",
-        {0, 1e6});
-    set.add("segmentation.max_drift",
-            segmentation.max_drift,
-            "largest drift that the background model follows [grey levels of luma]",
-            {0, 255});
-    set.add("segmentation.min_area_px",
-            segmentation.min_area_px,
-            "specks smaller than this are removed [px]",
-            {0, 1e6});
-    set.add("segmentation.max_hole_px",
-            segmentation.max_hole_px,
-            "holes smaller than this are filled [px]",
-            {0, 1e6});
-    set.add("segmentation.background_folder",
-            config.pipeline.background.folder,
-            "folder for the results of --learn-background; empty: learn at every start");
-    set.add("segmentation.background_frames",
-            config.pipeline.background.num_frames,
-            "pictures of the empty room to learn from, per camera; 0: all of a recording or "
-            "simulated room, 60 from live cameras",
-            {0, 60000});
+// Modes that replace a normal run.
+void declare_modes(SiteNodeConfig& config, config::OptionSet& set) {
     set.add("learn-background",
             config.learn_background,
             "learn the empty room, write it to segmentation.background_folder, and exit");
@@ -124,21 +62,6 @@ void declare_stream(SiteNodeConfig& config, config::OptionSet& set) {
         "adapt to the links of the viewers: lower quality, then resolution, then rate; auto: on, "
         "except on loopback",
         {"auto", "on", "off"});
-}
-
-CameraAreas read_areas(config::TableReader& table) {
-    CameraAreas camera;
-    table.require("name");
-    table.read("name", camera.name);
-    for (const auto& [key, polygons] :
-         {std::pair{"include", &camera.areas.include}, {"exclude", &camera.areas.exclude}}) {
-        if (!table.has(key)) continue;
-        segmentation::AreaPolygon polygon;
-        table.read(key, polygon, kPixel);
-        if (polygon.size() < 3) table.reject(key, "must have at least 3 corners [x, y]");
-        polygons->push_back(std::move(polygon));
-    }
-    return camera;
 }
 
 RegionOptions read_region(config::TableReader& table) {
@@ -228,17 +151,8 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
 
     simulation::declare(config.simulation, set);
 
-    declare_segmentation(config, set);
-
-    silhouette::SilhouetteOptions& silhouette = config.pipeline.silhouette;
-    set.add("silhouette.tolerance_px",
-            silhouette.tolerance_px,
-            "width of the blurred segments [px]",
-            {0.25, 20});
-    set.add("silhouette.min_area_px",
-            silhouette.min_area_px,
-            "blobs and holes smaller than this are ignored [px]",
-            {0, 1e6});
+    declare(static_cast<SilhouetteStageOptions&>(config.pipeline), set);
+    declare_modes(config, set);
 
     HullStageOptions& hull = config.pipeline.hull;
     set.add("hull.min_views",
@@ -302,12 +216,6 @@ void read_hull(config::TableReader& reader, SiteNodeConfig& config) {
     }
 }
 
-void read_segmentation(config::TableReader& reader, SiteNodeConfig& config) {
-    config::TableReader table = reader.table("segmentation");
-    for (config::TableReader& camera : table.tables("camera"))
-        config.pipeline.areas.push_back(read_areas(camera));
-}
-
 void resolve(SiteNodeConfig& config) {
     if (config.texture_resolution == "full")
         config.pipeline.texture.resolution = texture::Resolution::kFull;
@@ -316,19 +224,6 @@ void resolve(SiteNodeConfig& config) {
     if (config.recording.empty()) return;
     config.capture.source = "recording";
     config.capture.recording = config.recording;
-}
-
-Expected<void> check_areas(const SiteNodeConfig& config, const config::Rig& rig) {
-    for (const CameraAreas& camera : config.pipeline.areas) {
-        const bool known = std::any_of(rig.cameras.begin(), rig.cameras.end(), [&](const auto& c) {
-            return c.name == camera.name;
-        });
-        if (known) continue;
-        return make_error(
-            ErrorKind::kConfiguration,
-            fmt::format("segmentation.camera: the rig has no camera '{}'", camera.name));
-    }
-    return {};
 }
 
 Expected<void> check(const SiteNodeConfig& config) {

@@ -55,15 +55,8 @@ void declare(SiteNodeConfig& config, config::OptionSet& set);
 /// Reads the bounds and lists of `[hull]`, which are not options. `reader` collects the errors.
 void read_hull(config::TableReader& reader, SiteNodeConfig& config);
 
-/// Reads the areas of `[[segmentation.camera]]`, which are not options. `reader` collects the
-/// errors.
-void read_segmentation(config::TableReader& reader, SiteNodeConfig& config);
-
 /// Applies shorthand options and derives `stream.adapt` and the texture resolution.
 void resolve(SiteNodeConfig& config);
-
-/// Checks that every area names a camera of this rig.
-Expected<void> check_areas(const SiteNodeConfig& config, const config::Rig& rig);
 
 /// Checks rules that span several options.
 Expected<void> check(const SiteNodeConfig& config);

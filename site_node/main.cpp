@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
     const app::Start start =
         app::start(info, options, argc, argv, [&](config::TableReader& reader) {
             site_node::read_hull(reader, config);
-            site_node::read_segmentation(reader, config);
+            site_node::read_segmentation(reader, config.pipeline);
             site_node::read_cameras(reader, config.capture.cameras);
         });
     if (!start.go_on) return start.exit_code;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <optional>
 
 namespace atrium::site_node {
 namespace {
@@ -25,11 +26,7 @@ bool is_empty_room(hull::HullStatus status) {
 // State that one camera keeps between metaframes. One per camera allows parallel work.
 struct Pipeline::CameraStage {
     // of the first stage
-    segmentation::Segmenter segmenter;
-    silhouette::SilhouetteScratch silhouette;
-    std::vector<silhouette::SilhouettePolygon> polygons;
-    std::vector<std::vector<Eigen::Vector2d>> spare_contours;
-    bool is_excluded = false;  // has no background
+    std::optional<SilhouetteStage> silhouettes;  // empty: excluded, has no background
     // of the second stage
     texture::TextureScratch texture;
     codec::TextureCrop crop;
@@ -37,18 +34,8 @@ struct Pipeline::CameraStage {
 };
 
 // Data of one camera in one metaframe.
-struct Pipeline::Silhouettes::Camera {
-    image::YuvImage picture_buffer;  // for pictures that need conversion to the working form
-    image::YuvView picture;
-    image::SparseMask mask;
-    std::vector<std::vector<Eigen::Vector2d>> contours;  // undistorted [px]
-    image::PixelRect subject;                   // bounds of all contours, delivered picture
-    std::vector<silhouette::Outline> outlines;  // delivered picture
-    std::vector<std::uint8_t> dropped;          // per outline
-    silhouette::SilhouetteCounts counts;
+struct Pipeline::Silhouettes::Camera : PictureSilhouette {
     bool sees_somebody = false;
-    double segmentation_ms = 0.0;
-    double polygons_ms = 0.0;
     double texture_ms = 0.0;
     Expected<void> result;
 
@@ -95,19 +82,18 @@ Expected<Pipeline> Pipeline::create(capture::FrameSource& source,
     auto hull = HullStage::create(cameras, options.hull, options.silhouette.tolerance_px);
     if (!hull) return tl::unexpected(hull.error());
     Pipeline pipeline(cameras, options, std::move(*hull));
-    if (source.has_silhouettes()) return pipeline;
-    auto rooms = load_or_learn_backgrounds(source, options.background, options.segmentation, stop);
-    for (std::size_t i = 0; i < pipeline.cameras_.size(); ++i) {
-        auto& room = rooms[i];
-        if (!room && room.error().kind == ErrorKind::kUnavailable && !stop.stop_requested()) {
-            pipeline.stages_[i]->is_excluded = true;
+    if (source.has_silhouettes()) {
+        for (std::size_t i = 0; i < cameras.size(); ++i)
+            pipeline.stages_[i]->silhouettes.emplace(cameras[i], options);
+        return pipeline;
+    }
+    auto stages = make_silhouette_stages(source, all_cameras(source), options, stop);
+    for (std::size_t i = 0; i < stages.size(); ++i) {
+        auto& stage = stages[i];
+        if (!stage && stage.error().kind == ErrorKind::kUnavailable && !stop.stop_requested())
             continue;
-        }
-        if (!room) return tl::unexpected(room.error());
-        pipeline.stages_[i]->segmenter =
-            segmentation::Segmenter(std::move(*room),
-                                    options.segmentation,
-                                    areas_of(options.areas, pipeline.cameras_[i].name));
+        if (!stage) return tl::unexpected(stage.error());
+        pipeline.stages_[i]->silhouettes = std::move(*stage);
     }
     return pipeline;
 }
@@ -115,43 +101,9 @@ Expected<Pipeline> Pipeline::create(capture::FrameSource& source,
 std::vector<std::string> Pipeline::cameras_without_background() const {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < stages_.size(); ++i) {
-        if (stages_[i]->is_excluded) names.push_back(cameras_[i].name);
+        if (!stages_[i]->silhouettes) names.push_back(cameras_[i].name);
     }
     return names;
-}
-
-Expected<void> Pipeline::find_silhouette(const capture::CameraFrame& frame,
-                                         const GiveWay& give_way,
-                                         Silhouettes::Camera& out) {
-    CameraStage& stage = *stages_[frame.camera];
-    const auto begin = Clock::now();
-    image::WorkingPicture picture(frame.image, out.picture_buffer);
-    out.picture = picture.view();
-    if (frame.silhouette != nullptr) {
-        picture.make_all();
-        out.mask.mask = *frame.silhouette;
-        out.mask.forget();
-    } else {
-        if (auto segmented = stage.segmenter.segment(picture, out.mask, give_way); !segmented)
-            return segmented;
-    }
-    give_way();
-    const auto segmented_at = Clock::now();
-    out.counts = silhouette::extract_silhouette(out.mask.mask,
-                                                cameras_[frame.camera].intrinsics,
-                                                options_.silhouette,
-                                                stage.silhouette,
-                                                stage.polygons,
-                                                out.mask.rows);
-    resize_keeping(out.contours, stage.polygons.size(), stage.spare_contours);
-    for (std::size_t p = 0; p < stage.polygons.size(); ++p)
-        out.contours[p] = stage.polygons[p].vertices_px;
-    out.subject = silhouette::bounding_rect(stage.silhouette.contours);
-    out.outlines.swap(stage.silhouette.outlines);
-    out.dropped.swap(stage.silhouette.dropped);
-    out.segmentation_ms = milliseconds_between(begin, segmented_at);
-    out.polygons_ms = milliseconds_between(segmented_at, Clock::now());
-    return {};
 }
 
 Expected<void> Pipeline::find_silhouettes(const capture::Metaframe& metaframe,
@@ -166,9 +118,10 @@ Expected<void> Pipeline::find_silhouettes(const capture::Metaframe& metaframe,
         const capture::CameraFrame& frame = out.metaframe_.frames[i];
         Silhouettes::Camera& camera = *out.cameras_[i];
         camera.begin();
-        if (frame.image.empty() || stages_[i]->is_excluded) return;
+        auto& stage = stages_[i]->silhouettes;
+        if (frame.image.empty() || !stage) return;
         out.delivered_[i] = 1;
-        camera.result = find_silhouette(frame, {&executor, worker}, camera);
+        camera.result = stage->find(frame, {&executor, worker}, camera);
     };
     executor.parallel_for(cameras_.size(), work_on_camera);
     out.milliseconds_ = milliseconds_between(begin, Clock::now());

@@ -5,12 +5,10 @@
 #include "core/codec/mesh_codec.hpp"
 #include "core/codec/texture_codec.hpp"
 #include "core/geometry/triangle_mesh.hpp"
-#include "site_node/backgrounds.hpp"
 #include "site_node/capture/frame_source.hpp"
 #include "site_node/hull/visual_hull.hpp"
 #include "site_node/hull_stage.hpp"
-#include "site_node/segmentation/segmentation.hpp"
-#include "site_node/silhouette/silhouette.hpp"
+#include "site_node/silhouette_stage/silhouette_stage.hpp"
 #include "site_node/texture/texture.hpp"
 
 #include <memory>
@@ -20,11 +18,7 @@
 
 namespace atrium::site_node {
 
-struct PipelineOptions {
-    segmentation::SegmentationOptions segmentation;
-    BackgroundOptions background;
-    std::vector<CameraAreas> areas;
-    silhouette::SilhouetteOptions silhouette;
+struct PipelineOptions : SilhouetteStageOptions {
     HullStageOptions hull;
     /// With position_bits 0, codec::position_bits_for chooses them.
     codec::MeshCodecOptions mesh{.position_bits = 0};
@@ -149,9 +143,6 @@ private:
     Pipeline(std::vector<geometry::CalibratedCamera> cameras,
              const PipelineOptions& options,
              HullStage hull);
-    Expected<void> find_silhouette(const capture::CameraFrame& frame,
-                                   const GiveWay& give_way,
-                                   Silhouettes::Camera& out);
     Expected<void> encode_texture(Silhouettes& silhouettes,
                                   const ColourCoding& coding,
                                   std::size_t camera,

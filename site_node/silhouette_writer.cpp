@@ -1,20 +1,17 @@
 #include "site_node/silhouette_writer.hpp"
 
 #include "core/app/log.hpp"
-#include "core/image/raw_image.hpp"
-#include "site_node/backgrounds.hpp"
 #include "site_node/capture/mask_file.hpp"
 #include "site_node/capture/recording_source.hpp"
-#include "site_node/segmentation/segmentation.hpp"
-#include "site_node/silhouette/silhouette.hpp"
+#include "site_node/silhouette_stage/silhouette_stage.hpp"
 #include "site_node/views/views_file.hpp"
 
 #include <fmt/format.h>
 
 #include <chrono>
 #include <filesystem>
-#include <memory>
 #include <system_error>
+#include <utility>
 
 namespace atrium::site_node {
 namespace {
@@ -41,49 +38,35 @@ Expected<void> prepare_folder(const fs::path& folder, bool overwrite) {
 // Segments the pictures of one camera and writes them to files.
 class CameraWriter {
 public:
-    CameraWriter(const geometry::CalibratedCamera& camera,
-                 segmentation::Segmenter segmenter,
-                 const silhouette::SilhouetteOptions& options,
-                 fs::path folder)
-        : camera_(camera),
-          segmenter_(std::move(segmenter)),
-          options_(options),
-          folder_(std::move(folder)) {}
+    CameraWriter(const geometry::CalibratedCamera& camera, SilhouetteStage stage, fs::path folder)
+        : camera_(camera), stage_(std::move(stage)), folder_(std::move(folder)) {}
 
     /// The view has no contours if the camera sees nobody.
-    Expected<views::NamedView> write(const capture::CameraFrame& frame, std::size_t number) {
-        const image::YuvView picture = image::working_view(frame.image, buffer_);
-        if (auto done = segmenter_.segment(picture, mask_); !done)
+    Expected<views::NamedView> write(capture::CameraFrame frame, std::size_t number) {
+        frame.silhouette = nullptr;
+        if (auto done = stage_.find(frame, {}, found_); !done) return tl::unexpected(done.error());
+        const fs::path file = capture::numbered_png(folder_, number);
+        if (auto done = capture::write_mask(found_.mask.mask, file); !done)
             return tl::unexpected(done.error());
-        if (auto done = capture::write_mask(mask_, capture::numbered_png(folder_, number)); !done)
-            return tl::unexpected(done.error());
-        silhouette::extract_silhouette(mask_, camera_.intrinsics, options_, scratch_, polygons_);
-        views::NamedView view{camera_.name, {camera_.intrinsics, camera_.camera_from_site, {}, {}}};
-        for (const auto& polygon : polygons_) view.view.contours.push_back(polygon.vertices_px);
-        return view;
+        return views::NamedView{
+            camera_.name, {camera_.intrinsics, camera_.camera_from_site, found_.contours, {}}};
     }
 
 private:
     geometry::CalibratedCamera camera_;
-    segmentation::Segmenter segmenter_;
-    silhouette::SilhouetteOptions options_;
+    SilhouetteStage stage_;
     fs::path folder_;
-    image::YuvImage buffer_;
-    image::Mask mask_;
-    silhouette::SilhouetteScratch scratch_;
-    std::vector<silhouette::SilhouettePolygon> polygons_;
+    PictureSilhouette found_;
 };
 
-Expected<std::vector<std::unique_ptr<CameraWriter>>> make_writers(capture::FrameSource& source,
-                                                                  const SiteNodeConfig& config,
-                                                                  const std::stop_token& stop) {
-    const PipelineOptions& options = config.pipeline;
-    std::vector<std::unique_ptr<CameraWriter>> writers;
-    auto rooms = load_or_learn_backgrounds(source, options.background, options.segmentation, stop);
-    for (std::size_t i = 0; i < source.rig().cameras.size(); ++i) {
+Expected<std::vector<CameraWriter>> make_writers(capture::FrameSource& source,
+                                                 const SiteNodeConfig& config,
+                                                 const std::stop_token& stop) {
+    std::vector<CameraWriter> writers;
+    auto stages = make_silhouette_stages(source, all_cameras(source), config.pipeline, stop);
+    for (std::size_t i = 0; i < stages.size(); ++i) {
         const geometry::CalibratedCamera& camera = source.rig().cameras[i];
-        auto& room = rooms[i];
-        if (!room) return tl::unexpected(room.error());
+        if (!stages[i]) return tl::unexpected(stages[i].error());
         const fs::path folder = config.write_silhouettes / camera.name / "silhouettes";
         std::error_code problem;
         fs::create_directories(folder, problem);
@@ -92,12 +75,7 @@ Expected<std::vector<std::unique_ptr<CameraWriter>>> make_writers(capture::Frame
                 ErrorKind::kUnavailable,
                 fmt::format("{}: cannot create: {}", folder.string(), problem.message()));
         }
-        writers.push_back(std::make_unique<CameraWriter>(
-            camera,
-            segmentation::Segmenter(
-                std::move(*room), options.segmentation, areas_of(options.areas, camera.name)),
-            options.silhouette,
-            folder));
+        writers.emplace_back(camera, std::move(*stages[i]), folder);
     }
     return writers;
 }
@@ -105,13 +83,13 @@ Expected<std::vector<std::unique_ptr<CameraWriter>>> make_writers(capture::Frame
 // Skips cameras without a picture.
 Expected<std::size_t> write_metaframe(capture::RecordingSource& source,
                                       std::size_t index,
-                                      std::vector<std::unique_ptr<CameraWriter>>& writers,
+                                      std::vector<CameraWriter>& writers,
                                       const fs::path& views_folder) {
     std::vector<views::NamedView> views;
     for (std::size_t i = 0; i < writers.size(); ++i) {
-        const auto frame = source.read_picture(i, index);
+        auto frame = source.read_picture(i, index);
         if (!frame) continue;
-        auto view = writers[i]->write(*frame, index);
+        auto view = writers[i].write(std::move(*frame), index);
         if (!view) return tl::unexpected(view.error());
         views.push_back(std::move(*view));
     }
@@ -131,7 +109,7 @@ Expected<void> write_silhouettes(const SiteNodeConfig& config, std::stop_token s
     }
     auto source = capture::RecordingSource::open({config.capture.recording, 0.0, false});
     if (!source) return tl::unexpected(source.error());
-    if (auto fits = check_areas(config, (*source)->rig()); !fits) return fits;
+    if (auto fits = check_areas(config.pipeline, (*source)->rig()); !fits) return fits;
     const fs::path& folder = config.write_silhouettes;
     if (auto ready = prepare_folder(folder, config.overwrite); !ready) return ready;
     auto writers = make_writers(**source, config, stop);

@@ -50,7 +50,7 @@ Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
                         rig.cameras.size(),
                         config.capture.min_cameras));
     }
-    if (auto fits = check_areas(config, rig); !fits) return fits;
+    if (auto fits = check_areas(config.pipeline, rig); !fits) return fits;
     const double period_quarter_ms = 250.0 / rate_hz(config, rig);
     if (config.capture.tolerance_ms > period_quarter_ms) {
         return make_error(
@@ -220,9 +220,9 @@ void SiteNode::capture_metaframes(std::stop_token stop) {
     options.tolerance = nanoseconds(static_cast<std::int64_t>(tolerance_ms * 1e6));
     options.deadline = nanoseconds(static_cast<std::int64_t>(config_.capture.deadline_ms * 1e6));
     options.min_cameras = static_cast<std::size_t>(config_.capture.min_cameras);
-    capture::MetaframeAssembler assembler(source_->rig().cameras.size(), options);
     std::uint64_t num_stray = 0;
-    const auto take = [&](std::optional<capture::Metaframe> metaframe) {
+    const auto take = [&](std::optional<capture::Metaframe> metaframe,
+                          const capture::MetaframeAssembler& assembler) {
         if (assembler.counters().num_stray > num_stray) {
             num_stray = assembler.counters().num_stray;
             complaints_.warn(fmt::format("pictures that fit no metaframe num={}", num_stray));
@@ -232,10 +232,10 @@ void SiteNode::capture_metaframes(std::stop_token stop) {
         offsets_.update(assembler.offsets(), options.tolerance);
         if (metaframe) hand_over(std::move(*metaframe));
     };
-    const auto result = source_->run(stop, [&](capture::CameraFrame frame) {
-        take(assembler.add(std::move(frame), std::chrono::steady_clock::now()));
-    });
-    if (!stop.stop_requested()) take(assembler.finish());
+    capture::TimedAssembler assembler(source_->rig().cameras.size(), options, take);
+    const auto result =
+        source_->run(stop, [&](capture::CameraFrame frame) { assembler.add(std::move(frame)); });
+    if (!stop.stop_requested()) assembler.finish();
     if (source_->is_live()) app::log::info("camera offsets in ms {}", offsets_.line());
     run_control_->finish(result);
 }
@@ -356,24 +356,29 @@ void SiteNode::publish_frames(std::stop_token stop) {
     }
 }
 
-// Writes the mesh last: with its arrival a viewer's pair is complete.
-Expected<std::size_t> SiteNode::publish(const SiteFrame& frame) {
-    bus::SiteMesh mesh{config_.name, frame.frame_id, frame.capture_time, {}, frame.draco};
+// Writes the mesh last: with its arrival a viewer's pair is complete. Lends the coded bytes to the
+// messages without a copy; afterwards `frame` has them again and keeps its memory.
+Expected<std::size_t> SiteNode::publish(SiteFrame& frame) {
+    bus::SiteMesh mesh{config_.name, frame.frame_id, frame.capture_time, {}, {}};
     const auto begin = std::chrono::steady_clock::now();
     std::size_t num_bytes = 0;
-    for (const CodedCamera& camera : frame.cameras) {
-        const auto written = writers_.textures[camera.camera].write({config_.name,
-                                                                     camera.camera,
-                                                                     frame.frame_id,
-                                                                     frame.capture_time,
-                                                                     camera.crop_px,
-                                                                     camera.texture.colour,
-                                                                     camera.texture.mask});
+    for (CodedCamera& camera : frame.cameras) {
+        bus::CameraTexture texture{config_.name,
+                                   camera.camera,
+                                   frame.frame_id,
+                                   frame.capture_time,
+                                   camera.crop_px,
+                                   std::move(camera.texture.colour),
+                                   std::move(camera.texture.mask)};
+        const auto written = writers_.textures[camera.camera].write(texture);
+        camera.texture = {std::move(texture.colour), std::move(texture.mask)};
         if (!written) return written;
         num_bytes += *written;
         mesh.textured_cameras.push_back(camera.camera);
     }
+    mesh.draco.swap(frame.draco);
     const auto written = writers_.mesh.write(mesh);
+    mesh.draco.swap(frame.draco);
     if (!written) return written;
     stage_times_.published(*written, num_bytes, std::chrono::steady_clock::now() - begin);
     return num_bytes + *written;

@@ -10,7 +10,7 @@
 #include "core/bus/bus.hpp"
 #include "core/presence/membership.hpp"
 #include "site_node/camera_status.hpp"
-#include "site_node/capture/metaframe_assembler.hpp"
+#include "site_node/capture/timed_assembler.hpp"
 #include "site_node/config.hpp"
 #include "site_node/preview/preview.hpp"
 #include "site_node/run_control.hpp"
@@ -82,7 +82,7 @@ private:
     void show_preview(const Pipeline::Silhouettes& silhouettes);
     void publish_frames(std::stop_token stop);
     void report_status(std::stop_token stop);
-    Expected<std::size_t> publish(const SiteFrame& frame);
+    Expected<std::size_t> publish(SiteFrame& frame);
 
     SiteNodeConfig config_;
     std::unique_ptr<capture::FrameSource> source_;

@@ -128,6 +128,20 @@ std::optional<Metaframe> MetaframeAssembler::add(CameraFrame frame,
     return take_ready();
 }
 
+std::optional<Metaframe> MetaframeAssembler::expire(std::chrono::steady_clock::time_point now) {
+    retire_all([&](const Pending& p) { return now - p.first_arrival > options_.deadline; });
+    return take_ready();
+}
+
+std::optional<std::chrono::steady_clock::time_point> MetaframeAssembler::next_expiry() const {
+    std::optional<std::chrono::steady_clock::time_point> next;
+    for (const Pending& pending : pending_) {
+        const auto expiry = pending.first_arrival + options_.deadline + std::chrono::nanoseconds(1);
+        next = std::min(next.value_or(expiry), expiry);
+    }
+    return next;
+}
+
 std::optional<Metaframe> MetaframeAssembler::finish() {
     retire_all([](const Pending&) { return true; });
     return take_ready();

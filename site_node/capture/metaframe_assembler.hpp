@@ -39,6 +39,12 @@ public:
     /// metaframes: newest wins. `arrival` drives the deadlines and must not decrease.
     std::optional<Metaframe> add(CameraFrame frame, std::chrono::steady_clock::time_point arrival);
 
+    /// Like `add`, but only checks the deadlines.
+    std::optional<Metaframe> expire(std::chrono::steady_clock::time_point now);
+
+    /// Returns the earliest time at which `expire` ends a metaframe; empty if none is pending.
+    std::optional<std::chrono::steady_clock::time_point> next_expiry() const;
+
     /// Ends the input: every pending metaframe counts as past its deadline.
     std::optional<Metaframe> finish();
 

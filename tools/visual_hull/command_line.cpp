@@ -123,6 +123,10 @@ Start parse_command_line(int argc, char** argv, ToolOptions& options) {
         ->check(CLI::Range(0, 1'000'000'000))
         ->capture_default_str()
         ->needs(recording);
+    app.add_option("--config",
+                   options.config,
+                   "site file: its [segmentation] and [silhouette] apply to the recording")
+        ->needs(recording);
     app.add_option("-o,--output", options.output, "write the mesh: .ply, .obj, .gltf or .glb")
         ->check(CLI::Validator(
             [](std::string& text) { return text.empty() ? "must not be empty" : ""; }, ""));

@@ -1,3 +1,4 @@
+#include "core/app/log.hpp"
 #include "core/app/program.hpp"
 #include "tools/visual_hull/tool.hpp"
 
@@ -8,6 +9,8 @@ int main(int argc, char** argv) {
     hull_tool::ToolOptions options;
     const hull_tool::Start start = hull_tool::parse_command_line(argc, argv, options);
     if (!start.go_on) return start.exit_code;
+    app::log::set_program("visual_hull");
+    app::log::set_level(app::log::Level::kWarn);
     const Expected<std::string> report = hull_tool::run(options);
     if (!report) {
         std::fprintf(stderr, "visual_hull: error: %s\n", report.error().message.c_str());

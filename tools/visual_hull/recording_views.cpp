@@ -1,8 +1,7 @@
 #include "tools/visual_hull/recording_views.hpp"
 
 #include "site_node/capture/recording_source.hpp"
-#include "site_node/segmentation/segmentation.hpp"
-#include "site_node/silhouette/silhouette.hpp"
+#include "site_node/silhouette_stage/silhouette_stage.hpp"
 
 #include <string>
 #include <utility>
@@ -10,70 +9,65 @@
 namespace atrium::hull_tool {
 namespace {
 
-Expected<image::Mask> segment_by_background(capture::RecordingSource& source,
-                                            const capture::CameraFrame& frame) {
-    const segmentation::SegmentationOptions options;
-    segmentation::BackgroundLearner learner;
-    Expected<void> added;
-    const auto learn = [&](std::size_t, const image::YuvView& picture) {
-        added = learner.add(picture);
-        return added.has_value();
-    };
-    for (const auto& shown : source.show_background({frame.camera}, learn, {})) {
-        if (!shown) return tl::unexpected(shown.error());
-    }
-    if (!added) return tl::unexpected(added.error());
-    Expected<segmentation::BackgroundStatistics> room = learner.finish();
-    if (!room) return tl::unexpected(room.error());
-    segmentation::Segmenter segmenter(std::move(*room), options);
-    image::Mask mask;
-    image::YuvImage buffer;
-    const image::YuvView picture = image::working_view(frame.image, buffer);
-    if (auto done = segmenter.segment(picture, mask); !done) return tl::unexpected(done.error());
-    return mask;
+using site_node::SilhouetteStage;
+using site_node::SilhouetteStageOptions;
+
+Expected<SilhouetteStage> make_stage(capture::RecordingSource& source,
+                                     const capture::CameraFrame& picture,
+                                     const SilhouetteStageOptions& options) {
+    if (picture.silhouette != nullptr)
+        return SilhouetteStage(source.rig().cameras[picture.camera], options);
+    auto stages = site_node::make_silhouette_stages(source, {picture.camera}, options, {});
+    return std::move(stages.front());
 }
 
 }  // namespace
 
+Expected<SilhouetteStageOptions> read_silhouette_options(const std::filesystem::path& file) {
+    SilhouetteStageOptions options;
+    if (file.empty()) return options;
+    auto reader = config::TableReader::load(file);
+    if (!reader) return tl::unexpected(reader.error());
+    config::OptionSet set;
+    site_node::declare(options, set);
+    set.read_file(*reader);
+    site_node::read_segmentation(*reader, options);
+    for (const char* table : {"segmentation", "silhouette"}) {
+        if (auto read = reader->table(table).finish(); !read) return tl::unexpected(read.error());
+    }
+    return options;
+}
+
 Expected<std::vector<views::NamedView>> load_recording_views(
     const std::filesystem::path& folder,
     std::size_t frame,
-    const std::vector<std::string>& without) {
-    capture::RecordingOptions options;
-    options.folder = folder;
-    auto source = capture::RecordingSource::open(options);
+    const std::vector<std::string>& without,
+    const SilhouetteStageOptions& options) {
+    capture::RecordingOptions recording;
+    recording.folder = folder;
+    auto source = capture::RecordingSource::open(recording);
     if (!source) return tl::unexpected(source.error());
+    if (auto fits = site_node::check_areas(options, (*source)->rig()); !fits)
+        return tl::unexpected(fits.error());
     const auto metaframe = (*source)->read_frame(frame, without);
     if (!metaframe) return tl::unexpected(metaframe.error());
 
-    const silhouette::SilhouetteOptions silhouette_options;
-    silhouette::SilhouetteScratch scratch;
-    std::vector<silhouette::SilhouettePolygon> polygons;
+    site_node::PictureSilhouette found;
     std::vector<views::NamedView> views;
     for (const capture::CameraFrame& picture : metaframe->frames) {
         const geometry::CalibratedCamera& camera = (*source)->rig().cameras[picture.camera];
-        if (picture.image.empty()) {
-            views.push_back({camera.name, {camera.intrinsics, camera.camera_from_site, {}, {}}});
-            continue;
-        }
-        const auto name_camera = [&](const Error& error) {
+        views.push_back({camera.name, {camera.intrinsics, camera.camera_from_site, {}, {}}});
+        if (picture.image.empty()) continue;
+        const auto segmented =
+            make_stage(**source, picture, options).and_then([&](SilhouetteStage&& stage) {
+                return stage.find(picture, {}, found);
+            });
+        if (!segmented) {
             return make_error(
-                error.kind, folder.string() + ": camera \"" + camera.name + "\": " + error.message);
-        };
-        image::Mask learned;
-        if (picture.silhouette == nullptr) {
-            Expected<image::Mask> segmented = segment_by_background(**source, picture);
-            if (!segmented) return name_camera(segmented.error());
-            learned = std::move(*segmented);
+                segmented.error().kind,
+                folder.string() + ": camera \"" + camera.name + "\": " + segmented.error().message);
         }
-        const image::Mask& mask = picture.silhouette != nullptr ? *picture.silhouette : learned;
-        silhouette::extract_silhouette(
-            mask, camera.intrinsics, silhouette_options, scratch, polygons);
-        views::NamedView view{camera.name, {camera.intrinsics, camera.camera_from_site, {}, {}}};
-        for (silhouette::SilhouettePolygon& polygon : polygons) {
-            view.view.contours.push_back(std::move(polygon.vertices_px));
-        }
-        views.push_back(std::move(view));
+        views.back().view.contours = found.contours;
     }
     return views;
 }

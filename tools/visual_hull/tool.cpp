@@ -30,10 +30,9 @@ std::string name_of_input(const ToolOptions& options) {
     return options.recording.string() + ", frame " + std::to_string(options.frame);
 }
 
-// Gives each view a field: that of silhouettes from a recording.
-Expected<void> add_fields(std::vector<views::NamedView>& views) {
-    const double inset_px =
-        silhouette::field_inset_px(silhouette::SilhouetteOptions{}.tolerance_px);
+// Gives each view a field: that of silhouettes with this tolerance.
+Expected<void> add_fields(double tolerance_px, std::vector<views::NamedView>& views) {
+    const double inset_px = silhouette::field_inset_px(tolerance_px);
     for (views::NamedView& view : views) {
         auto field = silhouette::picture_field(view.view.intrinsics, inset_px);
         if (!field || !hull::is_usable_field(*field)) {
@@ -66,11 +65,14 @@ Expected<void> remove_views(const std::vector<std::string>& names,
 
 // Loads the views to intersect.
 Expected<std::vector<views::NamedView>> load_views(const ToolOptions& options) {
-    auto views =
-        options.recording.empty()
-            ? views::load_views_file(options.views_file)
-            : load_recording_views(
-                  options.recording, static_cast<std::size_t>(options.frame), options.without);
+    const auto silhouettes = read_silhouette_options(options.config);
+    if (!silhouettes) return tl::unexpected(silhouettes.error());
+    auto views = options.recording.empty()
+                     ? views::load_views_file(options.views_file)
+                     : load_recording_views(options.recording,
+                                            static_cast<std::size_t>(options.frame),
+                                            options.without,
+                                            *silhouettes);
     if (!views) return views;
     if (auto done = remove_views(options.without, *views); !done)
         return tl::unexpected(done.error());
@@ -81,7 +83,8 @@ Expected<std::vector<views::NamedView>> load_views(const ToolOptions& options) {
                               std::to_string(options.min_views));
     }
     if (options.partial) {
-        if (auto added = add_fields(*views); !added) return tl::unexpected(added.error());
+        if (auto added = add_fields(silhouettes->silhouette.tolerance_px, *views); !added)
+            return tl::unexpected(added.error());
     }
     if (auto within = check_limits(*views, options.bounds.has_value()); !within) {
         return make_error(within.error().kind,

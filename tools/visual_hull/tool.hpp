@@ -15,6 +15,7 @@ struct ToolOptions {
     std::filesystem::path views_file;  // this or `recording`
     std::filesystem::path recording;   // a folder
     int frame = 0;
+    std::filesystem::path config;  // site file with the options of the silhouettes; empty: defaults
     std::filesystem::path output;  // empty: no mesh file
     int threads = 1;
     int repeat = 1;

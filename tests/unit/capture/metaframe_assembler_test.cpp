@@ -26,14 +26,6 @@ CameraFrame frame(std::size_t camera, std::int64_t time_ns) {
 
 Clock::time_point at(int ms) { return Clock::time_point{} + milliseconds(ms); }
 
-// Passes the time: a lost picture of no camera changes nothing else.
-std::optional<Metaframe> expire(MetaframeAssembler& assembler,
-                                std::chrono::steady_clock::time_point now) {
-    CameraFrame lost;
-    lost.camera = 99;
-    return assembler.add(std::move(lost), now);
-}
-
 TEST(MetaframeAssembler, CompletesWhenTheLastCameraArrives) {
     MetaframeAssembler assembler(3, kOptions);
     EXPECT_FALSE(assembler.add(frame(2, 1000), at(0)));
@@ -62,9 +54,9 @@ TEST(MetaframeAssembler, MatchesByTimeNotByArrival) {
 TEST(MetaframeAssembler, DropsAndCountsIncompleteMetaframesAtTheirDeadline) {
     MetaframeAssembler assembler(2, kOptions);
     EXPECT_FALSE(assembler.add(frame(0, kPeriodNs), at(0)));
-    expire(assembler, at(99));
+    assembler.expire(at(99));
     EXPECT_EQ(assembler.counters().num_incomplete, 0u);
-    expire(assembler, at(101));
+    assembler.expire(at(101));
     EXPECT_EQ(assembler.counters().num_incomplete, 1u);
     EXPECT_FALSE(assembler.add(frame(1, kPeriodNs),
                                // too late: it opens a metaframe that will lack the other camera
@@ -104,8 +96,8 @@ TEST(MetaframeAssembler, ReturnsMetaframesWithEnoughCamerasAtTheirDeadline) {
     MetaframeAssembler assembler(3, kTwoAreEnough);
     EXPECT_FALSE(assembler.add(frame(2, kPeriodNs + 7), at(0)));
     EXPECT_FALSE(assembler.add(frame(0, kPeriodNs + 5), at(1)));
-    EXPECT_FALSE(expire(assembler, at(100)));
-    const auto metaframe = expire(assembler, at(101));
+    EXPECT_FALSE(assembler.expire(at(100)));
+    const auto metaframe = assembler.expire(at(101));
     ASSERT_TRUE(metaframe);
     ASSERT_EQ(metaframe->frames.size(), 3u);
     for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(metaframe->frames[i].camera, i);
@@ -122,7 +114,7 @@ TEST(MetaframeAssembler, ReturnsMetaframesWithEnoughCamerasAtTheirDeadline) {
 TEST(MetaframeAssembler, DropsMetaframesWithTooFewCamerasAtTheirDeadline) {
     MetaframeAssembler assembler(3, kTwoAreEnough);
     EXPECT_FALSE(assembler.add(frame(1, kPeriodNs), at(0)));
-    EXPECT_FALSE(expire(assembler, at(101)));
+    EXPECT_FALSE(assembler.expire(at(101)));
     EXPECT_EQ(assembler.counters().num_incomplete, 1u);
     EXPECT_EQ(assembler.counters().num_incomplete_used, 0u);
 }
@@ -148,6 +140,21 @@ TEST(MetaframeAssembler, ContinuesWithoutALostCameraAndTakesItBack) {
     EXPECT_EQ(assembler.counters().num_complete, 15u);
     EXPECT_EQ(std::count(has_camera1.begin(), has_camera1.end(), true), 15);
     EXPECT_EQ(ids.size(), 27u);
+}
+
+TEST(MetaframeAssembler, TellsWhenTheNextMetaframeExpires) {
+    MetaframeAssembler assembler(3, kTwoAreEnough);
+    EXPECT_FALSE(assembler.next_expiry());
+    EXPECT_FALSE(assembler.add(frame(0, 2 * kPeriodNs), at(10)));
+    EXPECT_FALSE(assembler.add(frame(2, 2 * kPeriodNs), at(12)));
+    EXPECT_FALSE(assembler.add(frame(0, kPeriodNs), at(20)));  // older, but came later
+    const auto expiry = assembler.next_expiry();
+    ASSERT_TRUE(expiry);
+    EXPECT_FALSE(assembler.expire(*expiry - std::chrono::nanoseconds(1)));
+    EXPECT_EQ(assembler.counters().num_incomplete, 0u);
+    EXPECT_EQ(*expiry, at(110) + std::chrono::nanoseconds(1));
+    EXPECT_TRUE(assembler.expire(*expiry));
+    EXPECT_FALSE(assembler.next_expiry());
 }
 
 TEST(MetaframeAssembler, ReturnsOnlyTheNewestOfSeveralPastDeadline) {

@@ -22,7 +22,7 @@ Expected<SiteNodeConfig> parse(const std::string& text) {
     if (!reader) return tl::unexpected(reader.error());
     set.read_file(*reader);
     read_hull(*reader, config);
-    read_segmentation(*reader, config);
+    read_segmentation(*reader, config.pipeline);
     read_cameras(*reader, config.capture.cameras);
     if (const auto read = reader->finish(); !read) return tl::unexpected(read.error());
     if (const auto valid = check(config); !valid) return tl::unexpected(valid.error());

@@ -1,9 +1,11 @@
 #include "site_node/silhouette_writer.hpp"
 
 #include "site_node/capture/mask_file.hpp"
+#include "site_node/capture/recording_source.hpp"
 #include "site_node/segmentation/background_file.hpp"
 #include "site_node/site_node.hpp"
 #include "site_node/views/views_file.hpp"
+#include "tools/visual_hull/recording_views.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -100,6 +102,46 @@ TEST_F(SilhouetteWriter, WritesMasksAndPolygonsOfEveryPicture) {
             EXPECT_LE(p.x(), 30.0 + 20 * i);
         }
     }
+}
+
+// visual_hull reads the same options from a site file, and the site computes with them.
+TEST_F(SilhouetteWriter, GivesTheContoursOfTheSiteAndOfVisualHull) {
+    const fs::path site_file = folder_ / "site.toml";
+    std::ofstream(site_file) << "[site]\nname = \"lab\"\n[silhouette]\ntolerance_px = 3\n"
+                             << "[segmentation]\nmin_chroma_sigma = 4\n"
+                             << "[[segmentation.camera]]\nname = \"a\"\n"
+                             << "include = [[0, 0], [20, 5], [25, 60], [0, 64]]\n";
+    const auto options = hull_tool::read_silhouette_options(site_file);
+    ASSERT_TRUE(options) << options.error().message;
+    EXPECT_EQ(options->silhouette.tolerance_px, 3.0);
+    static_cast<SilhouetteStageOptions&>(config_.pipeline) = *options;
+    ASSERT_TRUE(write_silhouettes(config_, {}));
+    const auto written = views::load_views_file(folder_ / "out/views/000000.json");
+    ASSERT_TRUE(written) << written.error().message;
+    const auto loaded = hull_tool::load_recording_views(config_.recording, 0, {}, *options);
+    ASSERT_TRUE(loaded) << loaded.error().message;
+
+    auto source = capture::RecordingSource::open({config_.recording, 0.0, false});
+    ASSERT_TRUE(source) << source.error().message;
+    auto pipeline = Pipeline::create(**source, config_.pipeline, {});
+    ASSERT_TRUE(pipeline) << pipeline.error().message;
+    SerialExecutor executor;
+    Pipeline::Silhouettes silhouettes;
+    ASSERT_TRUE(pipeline->find_silhouettes(*(*source)->read_frame(0), executor, silhouettes));
+    for (std::size_t camera = 0; camera < 2; ++camera) {
+        const auto& contours = (*loaded)[camera].view.contours;
+        ASSERT_EQ(contours.size(), 1u);
+        EXPECT_EQ((*written)[camera].view.contours, contours);
+        EXPECT_EQ(silhouettes.delivered_outlines(camera), contours);  // the lens does not distort
+    }
+}
+
+TEST_F(SilhouetteWriter, VisualHullRefusesUnknownKeysOfTheSilhouettes) {
+    const fs::path site_file = folder_ / "site.toml";
+    std::ofstream(site_file) << "[silhouette]\ntolerance = 3\n";
+    const auto options = hull_tool::read_silhouette_options(site_file);
+    ASSERT_FALSE(options);
+    EXPECT_THAT(options.error().message, HasSubstr("tolerance"));
 }
 
 TEST_F(SilhouetteWriter, OverwritesFilesOnlyOnRequest) {

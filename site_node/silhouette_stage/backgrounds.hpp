@@ -2,21 +2,13 @@
 
 #include "core/base/expected.hpp"
 #include "site_node/capture/frame_source.hpp"
-#include "site_node/segmentation/areas.hpp"
 #include "site_node/segmentation/background_model.hpp"
 
 #include <filesystem>
 #include <stop_token>
-#include <string>
 #include <vector>
 
 namespace atrium::site_node {
-
-/// Areas in the pictures of one camera in which segmentation looks for people.
-struct CameraAreas {
-    std::string name;  // the camera's
-    segmentation::SegmentationAreas areas;
-};
 
 /// Source of the background model: a folder with models learned before, or the pictures themselves.
 struct BackgroundOptions {
@@ -27,11 +19,12 @@ struct BackgroundOptions {
     static constexpr int kNumLiveFrames = 60;
 };
 
-/// Returns the background of each camera of `source`: loaded from `options.folder`, or learned now
-/// if it is not there. Live cameras learn in parallel. Errors name the camera. Once `stop` is
-/// requested, every camera not yet learned has error kUnavailable.
+/// Returns the background of each of `cameras`: loaded from `options.folder`, or learned now if it
+/// is not there. Live cameras learn in parallel. Errors name the camera. Once `stop` is requested,
+/// every camera not yet learned has error kUnavailable.
 std::vector<Expected<segmentation::BackgroundStatistics>> load_or_learn_backgrounds(
     capture::FrameSource& source,
+    const std::vector<std::size_t>& cameras,
     const BackgroundOptions& options,
     const segmentation::SegmentationOptions& segmentation,
     std::stop_token stop);
@@ -43,10 +36,5 @@ Expected<void> learn_backgrounds(capture::FrameSource& source,
                                  const BackgroundOptions& options,
                                  const segmentation::SegmentationOptions& segmentation,
                                  std::stop_token stop);
-
-/// Returns the areas of camera `name`, merged over all its entries; without an entry the whole
-/// picture counts.
-segmentation::SegmentationAreas areas_of(const std::vector<CameraAreas>& areas,
-                                         const std::string& name);
 
 }  // namespace atrium::site_node

@@ -1,4 +1,4 @@
-#include "site_node/backgrounds.hpp"
+#include "site_node/silhouette_stage/backgrounds.hpp"
 
 #include "core/app/log.hpp"
 #include "site_node/segmentation/background_file.hpp"
@@ -221,25 +221,24 @@ Expected<BackgroundStatistics> load(const std::filesystem::path& folder,
 
 std::vector<Expected<BackgroundStatistics>> load_or_learn_backgrounds(
     capture::FrameSource& source,
+    const std::vector<std::size_t>& cameras,
     const BackgroundOptions& options,
     const segmentation::SegmentationOptions& segmentation,
     std::stop_token stop) {
-    const auto& cameras = source.rig().cameras;
+    if (options.folder.empty()) return learn(source, cameras, options, segmentation, stop);
     std::vector<Expected<BackgroundStatistics>> rooms(cameras.size());
-    std::vector<std::size_t> unknown;
+    std::vector<std::size_t> unknown;  // entries of `cameras`
+    std::vector<std::size_t> unknown_cameras;
     for (std::size_t i = 0; i < cameras.size(); ++i) {
-        if (options.folder.empty()) {
-            unknown.push_back(i);
-            continue;
-        }
-        rooms[i] = load(options.folder, cameras[i]);
+        rooms[i] = load(options.folder, source.rig().cameras[cameras[i]]);
         if (rooms[i] || rooms[i].error().kind != ErrorKind::kNotFound) continue;
         app::log::warn("nothing learned yet reason=\"{}\"; learning for this run only",
                        rooms[i].error().message);
         unknown.push_back(i);
+        unknown_cameras.push_back(cameras[i]);
     }
     if (unknown.empty()) return rooms;
-    auto learned = learn(source, unknown, options, segmentation, stop);
+    auto learned = learn(source, unknown_cameras, options, segmentation, stop);
     for (std::size_t i = 0; i < unknown.size(); ++i) rooms[unknown[i]] = std::move(learned[i]);
     return rooms;
 }
@@ -273,19 +272,6 @@ Expected<void> learn_backgrounds(capture::FrameSource& source,
     }
     if (result) app::log::info("kept the empty room folder={}", options.folder.string());
     return result;
-}
-
-segmentation::SegmentationAreas areas_of(const std::vector<CameraAreas>& areas,
-                                         const std::string& name) {
-    segmentation::SegmentationAreas sum;
-    for (const CameraAreas& camera : areas) {
-        if (camera.name != name) continue;
-        sum.include.insert(
-            sum.include.end(), camera.areas.include.begin(), camera.areas.include.end());
-        sum.exclude.insert(
-            sum.exclude.end(), camera.areas.exclude.begin(), camera.areas.exclude.end());
-    }
-    return sum;
 }
 
 }  // namespace atrium::site_node

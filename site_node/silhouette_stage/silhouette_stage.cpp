@@ -1,0 +1,77 @@
+#include "site_node/silhouette_stage/silhouette_stage.hpp"
+
+#include "core/base/resize_keeping.hpp"
+#include "core/image/raw_image.hpp"
+
+#include <chrono>
+#include <numeric>
+#include <utility>
+
+namespace atrium::site_node {
+
+SilhouetteStage::SilhouetteStage(const geometry::CalibratedCamera& camera,
+                                 const SilhouetteStageOptions& options,
+                                 segmentation::Segmenter segmenter)
+    : intrinsics_(camera.intrinsics),
+      options_(options.silhouette),
+      segmenter_(std::move(segmenter)) {}
+
+Expected<void> SilhouetteStage::find(const capture::CameraFrame& frame,
+                                     const GiveWay& give_way,
+                                     PictureSilhouette& out) {
+    using Clock = std::chrono::steady_clock;
+    using Milliseconds = std::chrono::duration<double, std::milli>;
+    const auto begin = Clock::now();
+    image::WorkingPicture picture(frame.image, out.picture_buffer);
+    out.picture = picture.view();
+    if (frame.silhouette != nullptr) {
+        picture.make_all();
+        out.mask.mask = *frame.silhouette;
+        out.mask.forget();
+    } else {
+        if (auto segmented = segmenter_.segment(picture, out.mask, give_way); !segmented)
+            return segmented;
+    }
+    give_way();
+    const auto segmented_at = Clock::now();
+    out.counts = silhouette::extract_silhouette(
+        out.mask.mask, intrinsics_, options_, scratch_, polygons_, out.mask.rows);
+    resize_keeping(out.contours, polygons_.size(), spare_contours_);
+    for (std::size_t p = 0; p < polygons_.size(); ++p) out.contours[p] = polygons_[p].vertices_px;
+    out.subject = silhouette::bounding_rect(scratch_.contours);
+    out.outlines.swap(scratch_.outlines);
+    out.dropped.swap(scratch_.dropped);
+    out.segmentation_ms = Milliseconds(segmented_at - begin).count();
+    out.polygons_ms = Milliseconds(Clock::now() - segmented_at).count();
+    return {};
+}
+
+std::vector<Expected<SilhouetteStage>> make_silhouette_stages(
+    capture::FrameSource& source,
+    const std::vector<std::size_t>& cameras,
+    const SilhouetteStageOptions& options,
+    std::stop_token stop) {
+    auto rooms =
+        load_or_learn_backgrounds(source, cameras, options.background, options.segmentation, stop);
+    std::vector<Expected<SilhouetteStage>> stages;
+    stages.reserve(cameras.size());
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+        const geometry::CalibratedCamera& camera = source.rig().cameras[cameras[i]];
+        stages.push_back(rooms[i].map([&](segmentation::BackgroundStatistics& room) {
+            return SilhouetteStage(
+                camera,
+                options,
+                segmentation::Segmenter(
+                    std::move(room), options.segmentation, areas_of(options.areas, camera.name)));
+        }));
+    }
+    return stages;
+}
+
+std::vector<std::size_t> all_cameras(const capture::FrameSource& source) {
+    std::vector<std::size_t> all(source.rig().cameras.size());
+    std::iota(all.begin(), all.end(), 0);
+    return all;
+}
+
+}  // namespace atrium::site_node

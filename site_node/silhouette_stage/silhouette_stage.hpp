@@ -1,0 +1,71 @@
+#pragma once
+
+#include "core/base/executor.hpp"
+#include "core/base/expected.hpp"
+#include "core/geometry/pinhole_camera.hpp"
+#include "core/image/image.hpp"
+#include "core/image/sparse_mask.hpp"
+#include "site_node/capture/frame_source.hpp"
+#include "site_node/segmentation/segmentation.hpp"
+#include "site_node/silhouette/silhouette.hpp"
+#include "site_node/silhouette_stage/silhouette_stage_options.hpp"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <stop_token>
+#include <vector>
+
+namespace atrium::site_node {
+
+/// The silhouette in one picture. Reusable: keeps its memory.
+struct PictureSilhouette {
+    image::YuvImage picture_buffer;  // for pictures that need conversion to the working form
+    image::YuvView picture;          // working form; valid as long as the frame
+    image::SparseMask mask;
+    std::vector<std::vector<Eigen::Vector2d>> contours;  // undistorted [px]
+    image::PixelRect subject;                   // bounds of all contours, delivered picture
+    std::vector<silhouette::Outline> outlines;  // delivered picture
+    std::vector<std::uint8_t> dropped;          // per outline
+    silhouette::SilhouetteCounts counts;
+    double segmentation_ms = 0.0;
+    double polygons_ms = 0.0;
+};
+
+/// Finds the silhouettes in successive pictures of one camera: picture, mask, contours. Not
+/// thread-safe; cameras are independent.
+class SilhouetteStage {
+public:
+    /// Without `segmenter` it finds people only in frames that carry a silhouette.
+    SilhouetteStage(const geometry::CalibratedCamera& camera,
+                    const SilhouetteStageOptions& options,
+                    segmentation::Segmenter segmenter = {});
+
+    /// Uses the frame's silhouette if it carries one, else segments its picture. Pictures must come
+    /// in time order. Gives way after each 16 rows. Allocates only while `out` and scratch memory
+    /// grow.
+    Expected<void> find(const capture::CameraFrame& frame,
+                        const GiveWay& give_way,
+                        PictureSilhouette& out);
+
+private:
+    geometry::PinholeCamera intrinsics_;
+    silhouette::SilhouetteOptions options_;
+    segmentation::Segmenter segmenter_;
+    silhouette::SilhouetteScratch scratch_;
+    std::vector<silhouette::SilhouettePolygon> polygons_;
+    std::vector<std::vector<Eigen::Vector2d>> spare_contours_;
+};
+
+/// Makes the stage of each of `cameras`, with its loaded or learned background. Errors as in
+/// load_or_learn_backgrounds.
+std::vector<Expected<SilhouetteStage>> make_silhouette_stages(
+    capture::FrameSource& source,
+    const std::vector<std::size_t>& cameras,
+    const SilhouetteStageOptions& options,
+    std::stop_token stop);
+
+/// Returns the indices of all cameras of `source`.
+std::vector<std::size_t> all_cameras(const capture::FrameSource& source);
+
+}  // namespace atrium::site_node
