@@ -7,8 +7,8 @@
 #include <string>
 
 // Eight GigE Vision cameras of one megapixel at 20 Hz, over the real protocol in a private network,
-// through Aravis into hulls. Checks every metaframe, also while cameras fail. bench/site/cameras_60s.sh
-// does the same for a minute.
+// through Aravis into hulls. Checks every metaframe, also while cameras fail.
+// bench/site/cameras_60s.sh does the same for a minute.
 namespace atrium {
 namespace {
 

@@ -9,7 +9,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-CameraFrame frame(std::size_t camera, std::int64_t time_ns) {
+CameraFrame picture_at(std::size_t camera, std::int64_t time_ns) {
     static const auto picture = std::make_shared<const image::YuvImage>(
         image::YuvImage{image::Plane(2, 2), image::Plane(1, 1), image::Plane(1, 1)});
     CameraFrame f;
@@ -26,8 +26,8 @@ TEST(TimedAssembler, EndsAMetaframeAtItsDeadlineWithoutAnotherPicture) {
                              [&](std::optional<Metaframe> metaframe, const MetaframeAssembler&) {
                                  if (metaframe) ended.set_value(std::move(*metaframe));
                              });
-    assembler.add(frame(0, 1000));
-    assembler.add(frame(2, 1000));
+    assembler.add(picture_at(0, 1000));
+    assembler.add(picture_at(2, 1000));
     const Metaframe metaframe = ended.get_future().get();
     EXPECT_TRUE(metaframe.frames[1].image.empty());
 }
@@ -41,7 +41,7 @@ TEST(TimedAssembler, DropsAMetaframeWithTooFewCamerasAtItsDeadline) {
             EXPECT_FALSE(metaframe);
             if (source.counters().num_incomplete == 1) dropped.set_value();
         });
-    assembler.add(frame(0, 1000));
+    assembler.add(picture_at(0, 1000));
     dropped.get_future().get();
 }
 
@@ -54,7 +54,7 @@ TEST(TimedAssembler, EndsAtOnceWhileAMetaframeIsPending) {
             [&](std::optional<Metaframe> metaframe, const MetaframeAssembler&) {
                 if (metaframe) is_called_with_metaframe = true;
             });
-        assembler.add(frame(0, 1000));
+        assembler.add(picture_at(0, 1000));
     }
     EXPECT_FALSE(is_called_with_metaframe);
 }

@@ -9,13 +9,13 @@
 namespace atrium::image {
 namespace {
 
-constexpr int kWidth = 150;
-constexpr int kHeight = 4;
+constexpr int kBlockedWidth = 150;
+constexpr int kBlockedHeight = 4;
 
 Plane random_plane(unsigned seed) {
     std::mt19937 random(seed);
     std::uniform_int_distribution<int> byte(0, 255);
-    Plane plane(kWidth, kHeight);
+    Plane plane(kBlockedWidth, kBlockedHeight);
     for (std::uint8_t& value : plane.data) value = static_cast<std::uint8_t>(byte(random));
     return plane;
 }
@@ -43,7 +43,7 @@ TEST(BlockLuma, MatchesTheBlocksColourWithAllInstructionSets) {
         YuvView picture;
         picture.y = plane;
         picture.mosaic = mosaic;
-        for (int num_blocks = 0; num_blocks <= kWidth / 2 - 2; ++num_blocks) {
+        for (int num_blocks = 0; num_blocks <= kBlockedWidth / 2 - 2; ++num_blocks) {
             const BlockRow blocks{4, 2, num_blocks};
             const auto size = static_cast<std::size_t>(num_blocks);
             std::vector<std::uint8_t> baseline(size + 1, 7);

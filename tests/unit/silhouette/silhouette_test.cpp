@@ -1,6 +1,6 @@
 #include "site_node/silhouette/silhouette.hpp"
 
-#include "tests/unit/silhouette/allocation_count.hpp"
+#include "tests/support/allocation_counter.hpp"
 #include "tests/unit/silhouette/test_masks.hpp"
 
 #include <gmock/gmock.h>
@@ -251,9 +251,9 @@ TEST(Silhouette, WarmScratchGivesTheSameResultAndDoesNotAllocate) {
     std::vector<SilhouettePolygon> out;
     extract_silhouette(mask, camera, {}, scratch, out);
     const std::vector<SilhouettePolygon> first = out;
-    const long before = test::num_allocations();
+    const std::uint64_t before = atrium::test::num_allocations();
     extract_silhouette(mask, camera, {}, scratch, out);
-    EXPECT_EQ(test::num_allocations() - before, 0);
+    EXPECT_EQ(atrium::test::num_allocations(), before);
     ASSERT_EQ(first.size(), out.size());
     for (std::size_t p = 0; p < out.size(); ++p)
         EXPECT_EQ(first[p].vertices_px, out[p].vertices_px);
