@@ -1,5 +1,5 @@
 #include "bench/scale/coded_stream.hpp"
-#include "bench/scenes/viewer_guests.hpp"
+#include "bench/scale/viewer_guests.hpp"
 #include "core/app/log.hpp"
 #include "core/app/program.hpp"
 #include "core/bus/bus_options.hpp"

@@ -4,7 +4,7 @@
 #include "core/bus/bus.hpp"
 #include "tests/support/hosted_process.hpp"
 #include "tests/support/mesh_site.hpp"
-#include "tests/unit/physics/meshes.hpp"
+#include "tests/support/physics_meshes.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #include "tests/support/act_motion.hpp"
 #include "tests/support/acts.hpp"
-#include "tests/unit/physics/meshes.hpp"
+#include "tests/support/physics_meshes.hpp"
 
 namespace atrium::test {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "meshes.hpp"
+#include "tests/support/physics_meshes.hpp"
 #include "ticks.hpp"
 #include "world_server/physics/people/person_shape.hpp"
 #include "world_server/physics/soft/soft_object.hpp"

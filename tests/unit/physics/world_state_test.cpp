@@ -1,6 +1,6 @@
 #include "world_server/physics/state/world_state.hpp"
 
-#include "meshes.hpp"
+#include "tests/support/physics_meshes.hpp"
 #include "world_server/physics/soft/soft_object.hpp"
 #include "world_server/physics/world.hpp"
 

@@ -1,4 +1,4 @@
-#include "bench/scenes/viewer_guests.hpp"
+#include "bench/scale/viewer_guests.hpp"
 
 #include "core/codec/mesh_codec.hpp"
 #include "tests/support/decode_mesh.hpp"

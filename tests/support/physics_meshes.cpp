@@ -1,4 +1,4 @@
-#include "meshes.hpp"
+#include "tests/support/physics_meshes.hpp"
 
 #include <array>
 #include <cmath>
