@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-// A few trials of bench/world/world_trials: people carry, hold, hand over and hit. Their hulls come from
-// the cameras of a simulated room.
+// A few trials of bench/world/world_trials: people carry, hold, hand over and hit. Their hulls come
+// from the cameras of a simulated room.
 namespace atrium::test {
 namespace {
 
