@@ -5,6 +5,7 @@
 #include "core/bus/names.hpp"
 #include "core/bus/soft_nodes.hpp"
 #include "core/bus/topics.hpp"
+#include "tests/unit/bus/all_messages.hpp"
 #include "tests/unit/bus/random_messages.hpp"
 #include "tests/unit/bus/wire_damage.hpp"
 
@@ -33,24 +34,7 @@ using ::testing::StartsWith;
 
 template <typename Message>
 class EveryMessage : public ::testing::Test {};
-using Messages = ::testing::Types<SiteDescription,
-                                  SiteMesh,
-                                  CameraTexture,
-                                  SitePlacement,
-                                  SceneObject,
-                                  SoftBody,
-                                  SoftBodyState,
-                                  Scenery,
-                                  SceneState,
-                                  PersonProxy,
-                                  ObjectProxy,
-                                  SceneCommand,
-                                  SiteStatus,
-                                  WorldStatus,
-                                  ViewerStatus,
-                                  StreamFeedback,
-                                  Presence>;
-TYPED_TEST_SUITE(EveryMessage, Messages);
+TYPED_TEST_SUITE(EveryMessage, testing::AllMessages);
 
 TYPED_TEST(EveryMessage, SurvivesTheWireUnchanged) {
     Random random(7);
