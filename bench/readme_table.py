@@ -96,21 +96,21 @@ def demo_table(kept):
         ("metaframes dropped, of both sites", f"{dropped:.0f} of {offered:.0f}"),
         ("capture to publish: median; 99th percentile of the worst second",
          " and ".join(latency(site[name]["capture_to_publish_ms"]) for name in sites)),
-        ("capture to collision: likewise", latency(world["capture_to_collision_ms"])),
-        ("capture to display: likewise", latency(viewer["capture_to_display_ms"])),
+        ("capture to collision: median; 99th percentile of the worst second", latency(world["capture_to_collision_ms"])),
+        ("capture to display: median; 99th percentile of the worst second", latency(viewer["capture_to_display_ms"])),
         ("viewer pictures/s; physics steps/s", f"{viewer['frames_per_s']:.1f}; {world['steps_per_s']:.0f}"),
         *gave_way_rows(viewer),
         ("bytes/s of each site, mesh and textures", each(sites, lambda name: f"{site[name]['bytes_per_s'] / 1e6:.2f}") + " MB/s"),
         ("processor time per metaframe: a site, world server, viewer",
          f"{each(sites, lambda name: number(programs[name]['processor_ms_per_metaframe']))}, "
          f"{number(programs['world']['processor_ms_per_metaframe'])}, {number(programs['viewer']['processor_ms_per_metaframe'])} ms"),
-        ("waiting for a processor per metaframe: likewise",
+        ("waiting for a processor per metaframe: a site, world server, viewer",
          f"{each(sites, lambda name: number(programs[name]['waiting_ms_per_metaframe']))}, "
          f"{number(programs['world']['waiting_ms_per_metaframe'])}, {number(programs['viewer']['waiting_ms_per_metaframe'])} ms"),
-        ("share of one core: likewise",
+        ("share of one core: a site, world server, viewer",
          f"{each(sites, lambda name: format(programs[name]['core_share'], '.0%'))}, "
          f"{programs['world']['core_share']:.0%}, {programs['viewer']['core_share']:.0%}"),
-        ("memory: likewise; of that, mapped files",
+        ("memory: a site, world server, viewer; of that, mapped files",
          ", ".join(f"{programs[name]['memory_mb']['resident']:.0f}" for name in everybody) + "; "
          + ", ".join(f"{programs[name]['memory_mb']['of_files']:.0f}" for name in everybody) + " MB"),
         start_row(sites, figures),

@@ -135,29 +135,24 @@ Expected<TableReader> TableReader::parse(const std::string& toml_text, const std
 
 std::filesystem::path TableReader::folder() const { return document_->folder; }
 
-// Splits off the first part of a dotted key; it is empty for a key without dots.
-static std::pair<std::string, std::string> split_first(const std::string& key) {
-    const auto dot = key.find('.');
-    return dot == std::string::npos ? std::pair{std::string(), key}
-                                    : std::pair{key.substr(0, dot), key.substr(dot + 1)};
+TableReader TableReader::holder(const std::string& key) const {
+    const auto dot = key.rfind('.');
+    return dot == std::string::npos ? *this : TableReader(*this).table(key.substr(0, dot));
 }
 
+static std::string last_part(const std::string& key) { return key.substr(key.rfind('.') + 1); }
+
 bool TableReader::has(const std::string& key) const {
-    const auto [head, rest] = split_first(key);
-    if (!head.empty()) return TableReader(*this).table(head).has(rest);
-    return node_->find(key) != nullptr;
+    return holder(key).node_->find(last_part(key)) != nullptr;
 }
 
 bool TableReader::has_array(const std::string& key) const {
-    const auto [head, rest] = split_first(key);
-    if (!head.empty()) return TableReader(*this).table(head).has_array(rest);
-    const toml::value* found = node_->find(key);
+    const toml::value* found = holder(key).node_->find(last_part(key));
     return found != nullptr && found->is_array();
 }
 
 TableReader TableReader::table(const std::string& key) {
-    const auto [head, rest] = split_first(key);
-    if (!head.empty()) return table(head).table(rest);
+    if (key.find('.') != std::string::npos) return holder(key).table(last_part(key));
     auto& child = node_->children[key];
     if (!child) {
         child = std::make_shared<Node>();
@@ -175,8 +170,7 @@ TableReader TableReader::table(const std::string& key) {
 }
 
 std::vector<TableReader> TableReader::tables(const std::string& key) {
-    const auto [head, rest] = split_first(key);
-    if (!head.empty()) return table(head).tables(rest);
+    if (key.find('.') != std::string::npos) return holder(key).tables(last_part(key));
     auto& nodes = node_->arrays[key];
     const toml::value* value = node_->find(key);
     if (value != nullptr && nodes.empty()) {
@@ -204,8 +198,7 @@ std::vector<TableReader> TableReader::tables(const std::string& key) {
 }
 
 std::string TableReader::where(const std::string& key) const {
-    const auto [head, rest] = split_first(key);
-    if (!head.empty()) return TableReader(*this).table(head).where(rest);
+    if (key.find('.') != std::string::npos) return holder(key).where(last_part(key));
     if (const toml::value* value = node_->find(key)) return location(document_->name, *value);
     const bool is_root = node_->path.empty();
     return node_->table == nullptr || is_root ? document_->name
@@ -213,9 +206,7 @@ std::string TableReader::where(const std::string& key) const {
 }
 
 void TableReader::reject(const std::string& key, const std::string& what_is_allowed) {
-    const auto [head, rest] = split_first(key);
-    if (!head.empty()) return table(head).reject(rest, what_is_allowed);
-    const toml::value* value = node_->find(key);
+    const toml::value* value = holder(key).node_->find(last_part(key));
     document_->report(where(key),
                       node_->path + key,
                       value != nullptr ? fmt::format("{}, got {}", what_is_allowed, shown(*value))
@@ -223,26 +214,20 @@ void TableReader::reject(const std::string& key, const std::string& what_is_allo
 }
 
 void TableReader::require(const std::string& key) {
-    const auto [head, rest] = split_first(key);
-    if (!head.empty()) return table(head).require(rest);
     if (has(key)) return;
-    if (!document_->first_problem) document_->missing = {node_, key};
+    if (!document_->first_problem) document_->missing = {holder(key).node_, last_part(key)};
     reject(key, "is missing");
 }
 
 void TableReader::read(const std::string& key, bool& value) {
-    const auto [head, rest] = split_first(key);
-    if (!head.empty()) return table(head).read(rest, value);
-    const toml::value* found = node_->find(key);
+    const toml::value* found = holder(key).node_->find(last_part(key));
     if (found == nullptr) return;
     if (!found->is_boolean()) return reject(key, "must be true or false");
     value = found->as_boolean();
 }
 
 void TableReader::read(const std::string& key, std::int64_t& value, Range allowed) {
-    const auto [head, rest] = split_first(key);
-    if (!head.empty()) return table(head).read(rest, value, allowed);
-    const toml::value* found = node_->find(key);
+    const toml::value* found = holder(key).node_->find(last_part(key));
     if (found == nullptr) return;
     if (!found->is_integer() || !within(static_cast<double>(found->as_integer()), allowed)) {
         return reject(key, "must be an integer" + describe(allowed));
@@ -274,9 +259,7 @@ void TableReader::read(const std::string& key, std::uint64_t& value, Range allow
 }
 
 void TableReader::read(const std::string& key, double& value, Range allowed) {
-    const auto [head, rest] = split_first(key);
-    if (!head.empty()) return table(head).read(rest, value, allowed);
-    const toml::value* found = node_->find(key);
+    const toml::value* found = holder(key).node_->find(last_part(key));
     if (found == nullptr) return;
     const auto number = as_number(*found);
     if (!number || !within(*number, allowed))
@@ -287,9 +270,7 @@ void TableReader::read(const std::string& key, double& value, Range allowed) {
 void TableReader::read(const std::string& key,
                        std::string& value,
                        const std::vector<std::string>& choices) {
-    const auto [head, rest] = split_first(key);
-    if (!head.empty()) return table(head).read(rest, value, choices);
-    const toml::value* found = node_->find(key);
+    const toml::value* found = holder(key).node_->find(last_part(key));
     if (found == nullptr) return;
     if (!found->is_string()) return reject(key, "must be a string");
     const std::string text = found->as_string();
@@ -311,9 +292,7 @@ void TableReader::read(const std::string& key, std::filesystem::path& value) {
 }
 
 void TableReader::read(const std::string& key, double* values, std::size_t count, Range allowed) {
-    const auto [head, rest] = split_first(key);
-    if (!head.empty()) return table(head).read(rest, values, count, allowed);
-    const toml::value* found = node_->find(key);
+    const toml::value* found = holder(key).node_->find(last_part(key));
     if (found == nullptr) return;
     const std::string rule =
         fmt::format("must be an array of {} numbers{}", count, describe(allowed));
@@ -328,9 +307,7 @@ void TableReader::read(const std::string& key, double* values, std::size_t count
 void TableReader::read(const std::string& key,
                        std::vector<std::array<double, 2>>& points,
                        Range allowed) {
-    const auto [head, rest] = split_first(key);
-    if (!head.empty()) return table(head).read(rest, points, allowed);
-    const toml::value* found = node_->find(key);
+    const toml::value* found = holder(key).node_->find(last_part(key));
     if (found == nullptr) return;
     const std::string rule = fmt::format("must be an array of [x, y]{}", describe(allowed));
     if (!found->is_array()) return reject(key, rule);
@@ -346,9 +323,7 @@ void TableReader::read(const std::string& key,
 }
 
 void TableReader::read(const std::string& key, std::vector<std::string>& values) {
-    const auto [head, rest] = split_first(key);
-    if (!head.empty()) return table(head).read(rest, values);
-    const toml::value* found = node_->find(key);
+    const toml::value* found = holder(key).node_->find(last_part(key));
     if (found == nullptr) return;
     const bool all_strings =
         found->is_array() && std::all_of(found->as_array().begin(),

@@ -80,6 +80,8 @@ private:
     struct Document;
     struct Node;
     std::optional<Error> misspelling() const;
+    /// The table that holds the last part of a dotted key.
+    TableReader holder(const std::string& key) const;
     TableReader(std::shared_ptr<Document> document, std::shared_ptr<Node> node);
     std::shared_ptr<Document> document_;
     std::shared_ptr<Node> node_;

@@ -108,7 +108,7 @@ Figures figures_of(const bus::WorldStatus& status) {
 }
 
 Figures figures_of(const bus::ViewerStatus& status) {
-    Figures figures = process_figures(status, "frames/s", status.frames_per_s);
+    Figures figures = process_figures(status, "pictures/s", status.frames_per_s);
     figures.work = {{"frames", status.num_frames}, {"pairs_shown", status.num_pairs_shown}};
     figures.losses = {{"pairs_skipped", status.num_pairs_skipped},
                       {"incomplete_pairs", status.num_incomplete},
@@ -116,7 +116,7 @@ Figures figures_of(const bus::ViewerStatus& status) {
     figures.stages = {{"capture_to_display", status.capture_to_display, true, /*elsewhere=*/true}};
     if (status.max_frames_per_s > 0.0) {
         figures.notes.push_back({"quality",
-                                 fmt::format("{:.0f} frames/s at most, scale {:.2g}, {} shadows",
+                                 fmt::format("{:.0f} pictures/s at most, scale {:.2g}, {} shadows",
                                              status.max_frames_per_s,
                                              status.scale,
                                              status.has_shadows ? "with" : "no")});
