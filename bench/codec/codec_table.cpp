@@ -6,8 +6,8 @@
 #include "bench/value_of.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "site_node/texture/texture.hpp"
-#include "tests/support/decode_mesh.hpp"
-#include "tests/support/texture_error.hpp"
+#include "tests/support/pictures/texture_error.hpp"
+#include "tests/support/shapes/decode_mesh.hpp"
 
 #include <fmt/format.h>
 

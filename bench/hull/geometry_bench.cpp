@@ -1,7 +1,7 @@
 #include "bench/hull/hull_scenes.hpp"
 #include "core/geometry/closed_mesh.hpp"
 #include "core/geometry/decimate.hpp"
-#include "tests/support/surface_distance.hpp"
+#include "tests/support/shapes/surface_distance.hpp"
 
 #include <benchmark/benchmark.h>
 

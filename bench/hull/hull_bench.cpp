@@ -1,8 +1,8 @@
 #include "core/base/thread_pool.hpp"
 #include "site_node/hull/visual_hull.hpp"
 #include "site_node/views/views_file.hpp"
-#include "tests/support/rig_maker.hpp"
-#include "tests/support/silhouette_maker.hpp"
+#include "tests/support/shapes/rig_maker.hpp"
+#include "tests/support/shapes/silhouette_maker.hpp"
 
 #include <benchmark/benchmark.h>
 

@@ -4,7 +4,7 @@
 #include "site_node/hull/pencils.hpp"
 #include "site_node/hull/rounding.hpp"
 #include "site_node/hull/strip_chart.hpp"
-#include "tests/support/scene_maker.hpp"
+#include "tests/support/shapes/scene_maker.hpp"
 
 #include <algorithm>
 #include <array>

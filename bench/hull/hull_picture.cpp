@@ -5,7 +5,7 @@
 #include "core/gl/shader_program.hpp"
 #include "simulation/room_renderer.hpp"
 #include "site_node/silhouette/silhouette.hpp"
-#include "tests/support/rig_maker.hpp"
+#include "tests/support/shapes/rig_maker.hpp"
 #include "tools/visual_hull/recording_views.hpp"
 #include "viewer/renderer/drawing/view_camera.hpp"
 

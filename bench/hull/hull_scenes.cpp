@@ -1,9 +1,9 @@
 #include "bench/hull/hull_scenes.hpp"
 
 #include "site_node/views/views_file.hpp"
-#include "tests/support/rig_maker.hpp"
-#include "tests/support/scene_maker.hpp"
-#include "tests/support/union_outline.hpp"
+#include "tests/support/shapes/rig_maker.hpp"
+#include "tests/support/shapes/scene_maker.hpp"
+#include "tests/support/shapes/union_outline.hpp"
 
 #include <algorithm>
 #include <random>

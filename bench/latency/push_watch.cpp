@@ -1,8 +1,8 @@
 #include "bench/latency/push_watch.hpp"
 
 #include "core/codec/mesh_codec.hpp"
-#include "tests/support/decode_mesh.hpp"
-#include "tests/support/surface_distance.hpp"
+#include "tests/support/shapes/decode_mesh.hpp"
+#include "tests/support/shapes/surface_distance.hpp"
 
 #include <chrono>
 #include <cmath>

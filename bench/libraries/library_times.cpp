@@ -7,8 +7,8 @@
 #include "core/codec/mesh_codec.hpp"
 #include "core/image/raw_image.hpp"
 #include "site_node/silhouette/contours.hpp"
+#include "tests/support/shapes/whole_mask.hpp"
 #include "tests/support/virtual_display.hpp"
-#include "tests/support/whole_mask.hpp"
 #include "tests/unit/silhouette/test_masks.hpp"
 
 #include <dlfcn.h>

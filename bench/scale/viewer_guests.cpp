@@ -1,7 +1,7 @@
 #include "bench/scale/viewer_guests.hpp"
 
 #include "core/codec/mesh_codec.hpp"
-#include "tests/support/decode_mesh.hpp"
+#include "tests/support/shapes/decode_mesh.hpp"
 
 #include <fmt/format.h>
 

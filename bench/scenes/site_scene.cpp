@@ -2,7 +2,7 @@
 
 #include "simulation/sensor_noise.hpp"
 #include "simulation/simulated_loop.hpp"
-#include "tests/support/bgr_from_yuv.hpp"
+#include "tests/support/pictures/bgr_from_yuv.hpp"
 
 #include <cstdint>
 

@@ -7,9 +7,9 @@
 #include "site_node/segmentation/segmentation.hpp"
 #include "site_node/silhouette/silhouette.hpp"
 #include "site_node/texture/texture.hpp"
-#include "tests/support/bgr_from_yuv.hpp"
-#include "tests/support/bounding_rect.hpp"
-#include "tests/support/whole_mask.hpp"
+#include "tests/support/pictures/bgr_from_yuv.hpp"
+#include "tests/support/shapes/bounding_rect.hpp"
+#include "tests/support/shapes/whole_mask.hpp"
 #include "tests/unit/silhouette/test_masks.hpp"
 
 #include <benchmark/benchmark.h>

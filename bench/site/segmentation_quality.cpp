@@ -7,7 +7,7 @@
 #include "bench/value_of.hpp"
 #include "core/image/raw_image.hpp"
 #include "site_node/segmentation/segmentation.hpp"
-#include "tests/support/whole_mask.hpp"
+#include "tests/support/shapes/whole_mask.hpp"
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/video/background_segm.hpp>

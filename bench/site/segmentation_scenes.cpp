@@ -2,7 +2,7 @@
 
 #include "core/config/rig.hpp"
 #include "simulation/room_renderer.hpp"
-#include "tests/support/bgr_from_yuv.hpp"
+#include "tests/support/pictures/bgr_from_yuv.hpp"
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>

@@ -1,8 +1,8 @@
 #include "bench/scale/own_host.hpp"
 #include "bench/usage.hpp"
 #include "core/base/timestamp.hpp"
-#include "tests/support/hosted_process.hpp"
-#include "tests/support/impaired_network.hpp"
+#include "tests/support/network/hosted_process.hpp"
+#include "tests/support/network/impaired_network.hpp"
 
 #include <fmt/format.h>
 

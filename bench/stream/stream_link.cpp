@@ -1,6 +1,6 @@
 // A run over a simulated link that becomes narrow and wide again, as numbers for stream_figures.sh.
 #include "bench/usage.hpp"
-#include "tests/support/simulated_stream.hpp"
+#include "tests/support/network/simulated_stream.hpp"
 
 #include <cstdio>
 

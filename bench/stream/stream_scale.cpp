@@ -1,7 +1,7 @@
 #include "bench/scale/own_host.hpp"
 #include "bench/usage.hpp"
 #include "core/base/timestamp.hpp"
-#include "tests/support/hosted_process.hpp"
+#include "tests/support/network/hosted_process.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "tests/support/filmed_person.hpp"
-#include "tests/support/person_photographer.hpp"
+#include "tests/support/pictures/filmed_person.hpp"
+#include "tests/support/pictures/person_photographer.hpp"
 #include "viewer/renderer/person/person_model.hpp"
 
 #include <filesystem>

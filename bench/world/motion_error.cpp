@@ -2,12 +2,13 @@
 // a rig. Writes rows of comma-separated values, one per act, over all surfels within 15 cm of the
 // held object or the hitting hand.
 #include "bench/value_of.hpp"
+#include "bench/world/trial_acts.hpp"
 #include "bench/world/trial_options.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "core/config/rig.hpp"
-#include "tests/support/acts.hpp"
-#include "tests/support/decode_mesh.hpp"
-#include "tests/support/hull_film.hpp"
+#include "tests/support/shapes/decode_mesh.hpp"
+#include "tests/support/world/acts.hpp"
+#include "tests/support/world/hull_film.hpp"
 #include "world_server/physics/people/person_shape.hpp"
 
 #include <fmt/format.h>
@@ -15,8 +16,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <functional>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -163,27 +162,10 @@ int run(int argc, char** argv) {
               argc,
               argv);
     if (!started.go_on) return started.exit_code;
-    using MakeAct = std::function<test::Act(std::uint64_t)>;
-    const std::map<std::string, MakeAct> acts{
-        {"palm", [](std::uint64_t seed) { return test::carry_on_palm(seed).act; }},
-        {"tray", [](std::uint64_t seed) { return test::carry_on_tray(seed).act; }},
-        {"clasp", [](std::uint64_t seed) { return test::clasp_move_turn(seed).act; }},
-        {"giver", [](std::uint64_t seed) { return test::hand_over(seed).giver; }},
-        {"taker", [](std::uint64_t seed) { return test::hand_over(seed).taker; }},
-        {"throw", [](std::uint64_t seed) { return test::throw_forwards(seed).act; }},
-        {"strike2",
-         [](std::uint64_t seed) {
-             return test::strike({0.0, 0.0, 1.1}, {1.0, 0.3, 0.1}, 2.0, seed).act;
-         }},
-        {"strike8",
-         [](std::uint64_t seed) {
-             return test::strike({0.0, 0.0, 1.1}, {1.0, 0.3, 0.1}, 8.0, seed).act;
-         }},
-    };
     test::FilmOptions filming;
     filming.cameras = value_of(config::load_rig(options.rig)).cameras;
     fmt::print("act,surfels,median_mps,p90_mps,p99_mps,over_0.3_percent,over_1_percent,along,ms\n");
-    for (const auto& [name, make] : acts) {
+    for (const auto& [name, make] : trial_acts()) {
         if (!options.wants(name)) continue;
         Errors together;
         for (std::uint64_t i = 0; i < options.num_trials; ++i) {

@@ -1,6 +1,6 @@
 // Cost of a person in the world server: one mesh (sample it, measure its motion) and one tick among
 // objects. Single-threaded. The mesh is a closed figure of spheres and boxes.
-#include "tests/support/physics_meshes.hpp"
+#include "tests/support/world/physics_meshes.hpp"
 #include "world_server/physics/people/person_shape.hpp"
 #include "world_server/physics/world.hpp"
 

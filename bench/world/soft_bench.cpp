@@ -1,6 +1,6 @@
 // Cost of soft objects: one tick of the curtain, the soft ball and both, alone and with a person
 // who walks through. Single-threaded.
-#include "tests/support/physics_meshes.hpp"
+#include "tests/support/world/physics_meshes.hpp"
 #include "world_server/physics/people/person_shape.hpp"
 #include "world_server/physics/soft/soft_object.hpp"
 #include "world_server/physics/world.hpp"

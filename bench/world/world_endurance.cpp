@@ -1,14 +1,15 @@
 // Two people move about among the objects of every world of deploy/worlds for minutes. Checks all
-// bounds of tests/support/endurance.hpp after every step. Writes comma-separated values, a row per
-// world. Exits with 1 if a bound was broken. world_endurance.sh keeps the values. Once a minute all
-// objects are reset, which keeps them in the way. Usage: world_endurance [MINUTES [WORLD ...]]
+// bounds of tests/support/world/endurance.hpp after every step. Writes comma-separated values, a
+// row per world. Exits with 1 if a bound was broken. world_endurance.sh keeps the values. Once a
+// minute all objects are reset, which keeps them in the way. Usage: world_endurance [MINUTES [WORLD
+// ...]]
 #include "bench/usage.hpp"
 #include "core/base/thread_pool.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "core/config/rig.hpp"
-#include "tests/support/decode_mesh.hpp"
-#include "tests/support/endurance.hpp"
-#include "tests/support/hull_film.hpp"
+#include "tests/support/shapes/decode_mesh.hpp"
+#include "tests/support/world/endurance.hpp"
+#include "tests/support/world/hull_film.hpp"
 #include "world_server/config.hpp"
 
 #include <fmt/format.h>

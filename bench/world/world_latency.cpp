@@ -2,9 +2,9 @@
 #include "bench/scale/own_host.hpp"
 #include "bench/usage.hpp"
 #include "core/bus/bus.hpp"
-#include "tests/support/hosted_process.hpp"
-#include "tests/support/mesh_site.hpp"
-#include "tests/support/physics_meshes.hpp"
+#include "tests/support/network/hosted_process.hpp"
+#include "tests/support/network/mesh_site.hpp"
+#include "tests/support/world/physics_meshes.hpp"
 
 #include <fmt/format.h>
 

@@ -4,19 +4,17 @@
 // --tool=callgrind).
 #include "bench/thread_time.hpp"
 #include "bench/value_of.hpp"
+#include "bench/world/trial_acts.hpp"
 #include "bench/world/trial_options.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "core/config/rig.hpp"
-#include "tests/support/acts.hpp"
-#include "tests/support/decode_mesh.hpp"
-#include "tests/support/hull_film.hpp"
+#include "tests/support/shapes/decode_mesh.hpp"
+#include "tests/support/world/hull_film.hpp"
 #include "world_server/physics/people/person_shape.hpp"
 
 #include <fmt/format.h>
 
 #include <cstring>
-#include <functional>
-#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -78,18 +76,12 @@ int run(int argc, char** argv) {
               argc,
               argv);
     if (!started.go_on) return started.exit_code;
-    using MakeAct = std::function<test::Act(std::uint64_t)>;
-    const std::map<std::string, MakeAct> acts{
-        {"clasp", [](std::uint64_t seed) { return test::clasp_move_turn(seed).act; }},
-        {"throw", [](std::uint64_t seed) { return test::throw_forwards(seed).act; }},
-        {"tray", [](std::uint64_t seed) { return test::carry_on_tray(seed).act; }},
-    };
     test::FilmOptions filming;
     filming.cameras = value_of(config::load_rig(options.rig)).cameras;
     fmt::print("act,meshes,triangles,surfels,decode_ms,shape_ms,median_ms,p99_ms,velocity_hash\n");
-    for (const auto& [name, make] : acts) {
+    for (const std::string name : {"clasp", "throw", "tray"}) {
         if (!options.wants(name)) continue;
-        const test::Act act = make(options.first);
+        const test::Act act = trial_acts().at(name)(options.first);
         filming.seed = options.first + 1;
         filming.first_s = 0.001 * static_cast<double>(options.first * 7 % 33);
         measure(name,

@@ -3,7 +3,7 @@
 // soft ball (and more of both), and a puppet on strings. The people are figures of spheres and
 // boxes who walk and reach among them, with meshes at 30 Hz.
 #include "bench/thread_time.hpp"
-#include "tests/support/physics_meshes.hpp"
+#include "tests/support/world/physics_meshes.hpp"
 #include "world_server/config.hpp"
 #include "world_server/description/puppet.hpp"
 #include "world_server/physics/people/person_shape.hpp"

@@ -1,6 +1,6 @@
 // Trials of acts with objects of a world, with hulls from the cameras of a simulated room. Writes
 // rows of comma-separated values, one per trial. world_trials.sh keeps them and makes the table.
-#include "tests/support/world_trials.hpp"
+#include "tests/support/world/world_trials.hpp"
 
 #include "bench/value_of.hpp"
 #include "bench/world/trial_options.hpp"

@@ -64,7 +64,7 @@ void compute_region_hulls(std::span<const SilhouetteView* const> views,
             hull.status = HullStatus::kInvalidInput;
             return;
         }
-        if (scratch.views.size() < region.min_views) {
+        if (scratch.views.size() < region.min_delivered) {
             clear(scratch.part);
             scratch.part.status = HullStatus::kTooFewViews;
         } else {

@@ -19,7 +19,7 @@ struct Region {
     std::string name;
     geometry::Aabb bounds;             // site frame [m]; regions should not overlap
     std::vector<std::uint32_t> views;  // indices of its cameras; empty: all
-    std::uint32_t min_views = 1;       // least number of its cameras for a hull
+    std::uint32_t min_delivered = 1;   // of its cameras, for a hull
 };
 
 struct RegionScratch {
@@ -33,8 +33,8 @@ struct RegionScratch {
 ///
 /// `views[i]` may be null: the camera has delivered nothing, and the others are used.
 /// `options.bounds` is replaced by the bounds of each region. A region that fails beside successful
-/// ones is left out and counted in `num_regions_failed`; so is a region with fewer than `min_views`
-/// cameras present (kTooFewViews).
+/// ones is left out and counted in `num_regions_failed`; so is a region with fewer than
+/// `min_delivered` cameras present (kTooFewViews).
 ///
 /// Status: kOk if any region has a hull; otherwise the last failure of a region; otherwise
 /// kEmptyIntersection. kInvalidInput if a region names a view that does not exist.

@@ -5,7 +5,7 @@
 #include "core/codec/mask_codec.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "core/codec/texture_codec.hpp"
-#include "tests/support/decode_mesh.hpp"
+#include "tests/support/shapes/decode_mesh.hpp"
 
 #include <algorithm>
 

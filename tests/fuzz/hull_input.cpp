@@ -1,7 +1,7 @@
 #include "tests/fuzz/hull_input.hpp"
 
 #include "tests/fuzz/byte_reader.hpp"
-#include "tests/support/rig_maker.hpp"
+#include "tests/support/shapes/rig_maker.hpp"
 
 #include <Eigen/Geometry>
 

@@ -1,4 +1,5 @@
 #include "tests/support/run_program.hpp"
+#include "tests/support/sanitized.hpp"
 #include "tests/support/skips.hpp"
 
 #include <gmock/gmock.h>
@@ -205,9 +206,7 @@ std::string cube(int size_px) {
 }
 
 TEST_F(CommandLine, VisualHullReportsLackOfMemoryOrThreads) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    GTEST_SKIP() << atrium::test::skip::kSanitizer;
-#endif
+    if (atrium::test::kSanitized) GTEST_SKIP() << atrium::test::skip::kSanitizer;
     const std::string limit = "ulimit -v 500000; ";  // [KiB]; the libraries take 300,000
     const Outcome large = run("visual_hull " + file("large.json", cube(8192)), limit);
     EXPECT_EQ(large.exit_code, 1);

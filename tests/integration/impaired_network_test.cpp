@@ -1,4 +1,4 @@
-#include "tests/support/impaired_network.hpp"
+#include "tests/support/network/impaired_network.hpp"
 
 #include "tests/support/skips.hpp"
 

@@ -1,5 +1,5 @@
 #include "core/bus/bus.hpp"
-#include "tests/support/hosted_process.hpp"
+#include "tests/support/network/hosted_process.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

@@ -1,5 +1,5 @@
 #include "core/bus/bus.hpp"
-#include "tests/support/hosted_process.hpp"
+#include "tests/support/network/hosted_process.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-#include "tests/support/mesh_site.hpp"
-#include "tests/support/physics_meshes.hpp"
+#include "tests/support/network/mesh_site.hpp"
+#include "tests/support/world/physics_meshes.hpp"
 #include "viewer/receive/session.hpp"
 #include "viewer/scene/scene_timeline.hpp"
 #include "world_server/world_server.hpp"

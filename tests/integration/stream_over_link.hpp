@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tests/support/impaired_network.hpp"
+#include "tests/support/network/impaired_network.hpp"
 
 #include <chrono>
 #include <cstddef>

@@ -1,5 +1,5 @@
-#include "tests/support/endurance.hpp"
-#include "tests/support/load_world.hpp"
+#include "tests/support/world/endurance.hpp"
+#include "tests/support/world/load_world.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tests/support/world_trials.hpp"
+#include "tests/support/world/world_trials.hpp"
 
 #include "core/config/rig.hpp"
 

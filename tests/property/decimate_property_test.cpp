@@ -4,11 +4,11 @@
 #include "site_node/hull/visual_hull.hpp"
 #include "site_node/silhouette/silhouette.hpp"
 #include "site_node/views/views_file.hpp"
-#include "tests/support/rig_maker.hpp"
-#include "tests/support/silhouette_maker.hpp"
+#include "tests/support/shapes/rig_maker.hpp"
+#include "tests/support/shapes/silhouette_maker.hpp"
+#include "tests/support/shapes/surface_distance.hpp"
+#include "tests/support/shapes/winding_number.hpp"
 #include "tests/support/skips.hpp"
-#include "tests/support/surface_distance.hpp"
-#include "tests/support/winding_number.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 #include "site_node/hull/visual_hull.hpp"
-#include "tests/support/rig_maker.hpp"
-#include "tests/support/silhouette_maker.hpp"
+#include "tests/support/shapes/rig_maker.hpp"
+#include "tests/support/shapes/silhouette_maker.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,9 @@
 #include "site_node/hull/cones.hpp"
 #include "site_node/hull/visual_hull.hpp"
-#include "tests/support/exact_intersection.hpp"
 #include "tests/support/random.hpp"
-#include "tests/support/scene_maker.hpp"
+#include "tests/support/sanitized.hpp"
+#include "tests/support/shapes/exact_intersection.hpp"
+#include "tests/support/shapes/scene_maker.hpp"
 
 #include <gtest/gtest.h>
 
@@ -35,11 +36,7 @@ std::vector<ExactCone> exact_cones(const HullScratch& scratch) {
 // 1e-16 moves it by a few times 0.1 um along their line.
 constexpr double kSamePlace_m = 1e-6;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::uint64_t kNumScenes = 15;
-#else
-constexpr std::uint64_t kNumScenes = 60;
-#endif
+constexpr std::uint64_t kNumScenes = test::kSanitized ? 15 : 60;
 
 std::vector<SilhouetteView> scene_of_stars(std::uint64_t seed) {
     Random random(seed);

@@ -1,9 +1,9 @@
 #include "site_node/hull/visual_hull.hpp"
-#include "tests/support/hull_checks.hpp"
 #include "tests/support/random.hpp"
-#include "tests/support/rig_maker.hpp"
-#include "tests/support/silhouette_maker.hpp"
-#include "tests/support/winding_number.hpp"
+#include "tests/support/shapes/hull_checks.hpp"
+#include "tests/support/shapes/rig_maker.hpp"
+#include "tests/support/shapes/silhouette_maker.hpp"
+#include "tests/support/shapes/winding_number.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>

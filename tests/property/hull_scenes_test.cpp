@@ -1,6 +1,7 @@
 #include "core/base/thread_pool.hpp"
 #include "site_node/hull/visual_hull.hpp"
-#include "tests/support/scene_maker.hpp"
+#include "tests/support/sanitized.hpp"
+#include "tests/support/shapes/scene_maker.hpp"
 #include "tools/visual_hull/coverage.hpp"
 
 #include <Eigen/Geometry>
@@ -21,11 +22,7 @@ namespace {
 using test::Contour;
 using test::SceneOptions;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::uint64_t kStride = 4;  // sanitizers are ten times slower
-#else
-constexpr std::uint64_t kStride = 1;
-#endif
+constexpr std::uint64_t kStride = test::kSanitized ? 4 : 1;
 constexpr std::uint64_t kNumBlocks = 25;
 constexpr std::uint64_t kScenesPerBlock = 100;
 // One scene of this many is checked for everything, the others for soundness only. Coprime to

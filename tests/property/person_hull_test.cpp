@@ -4,7 +4,7 @@
 #include "site_node/hull/visual_hull.hpp"
 #include "site_node/segmentation/segmentation.hpp"
 #include "site_node/silhouette/silhouette.hpp"
-#include "tests/support/winding_number.hpp"
+#include "tests/support/shapes/winding_number.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include "core/bus/topics.hpp"
 #include "core/bus/wire.hpp"
 #include "core/codec/mesh_codec.hpp"
-#include "tests/support/decode_mesh.hpp"
+#include "tests/support/shapes/decode_mesh.hpp"
 #include "tests/unit/bus/bus_support.hpp"
 
 #include <gmock/gmock.h>

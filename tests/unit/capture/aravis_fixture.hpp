@@ -2,7 +2,7 @@
 
 #include "site_node/capture/aravis_source.hpp"
 #include "tests/support/fake_gige_camera.hpp"
-#include "tests/support/own_network.hpp"
+#include "tests/support/network/own_network.hpp"
 #include "tests/support/skips.hpp"
 
 #include <gmock/gmock.h>

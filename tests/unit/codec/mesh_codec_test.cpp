@@ -1,7 +1,7 @@
 #include "core/codec/mesh_codec.hpp"
 
-#include "tests/support/closed_meshes.hpp"
-#include "tests/support/decode_mesh.hpp"
+#include "tests/support/shapes/closed_meshes.hpp"
+#include "tests/support/shapes/decode_mesh.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

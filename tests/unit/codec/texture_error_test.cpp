@@ -1,4 +1,4 @@
-#include "tests/support/texture_error.hpp"
+#include "tests/support/pictures/texture_error.hpp"
 
 #include <gtest/gtest.h>
 

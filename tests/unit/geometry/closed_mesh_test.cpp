@@ -1,7 +1,7 @@
 #include "core/geometry/closed_mesh.hpp"
 
-#include "tests/support/closed_meshes.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/shapes/closed_meshes.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

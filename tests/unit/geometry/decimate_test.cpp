@@ -2,7 +2,7 @@
 
 #include "core/geometry/collapse_map.hpp"
 #include "tests/support/allocation_counter.hpp"
-#include "tests/support/surface_distance.hpp"
+#include "tests/support/shapes/surface_distance.hpp"
 
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>

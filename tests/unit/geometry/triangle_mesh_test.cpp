@@ -1,6 +1,6 @@
 #include "core/geometry/triangle_mesh.hpp"
 
-#include "tests/support/winding_number.hpp"
+#include "tests/support/shapes/winding_number.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #include "site_node/hull/field_of_view.hpp"
 
 #include "tests/support/allocation_counter.hpp"
-#include "tests/support/silhouette_maker.hpp"
+#include "tests/support/shapes/silhouette_maker.hpp"
 #include "tests/unit/hull/labelled_checks.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tests/support/polygons.hpp"
+#include "tests/support/shapes/polygons.hpp"
 
 #include <Eigen/Core>
 

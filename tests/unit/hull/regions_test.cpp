@@ -1,9 +1,9 @@
 #include "site_node/hull/regions.hpp"
 
 #include "tests/support/allocation_counter.hpp"
-#include "tests/support/hull_checks.hpp"
-#include "tests/support/rig_maker.hpp"
-#include "tests/support/silhouette_maker.hpp"
+#include "tests/support/shapes/hull_checks.hpp"
+#include "tests/support/shapes/rig_maker.hpp"
+#include "tests/support/shapes/silhouette_maker.hpp"
 
 #include <gtest/gtest.h>
 
@@ -189,7 +189,7 @@ TEST_F(Regions, WithTooFewCamerasAreSkippedAndCounted) {
     regions_[0].views = {1, 3, 5};
     pointers_[3] = nullptr;
     for (const std::uint32_t num_missing : {0u, 1u}) {
-        regions_[0].min_views = 2 + num_missing;
+        regions_[0].min_delivered = 2 + num_missing;
         const VisualHull hull = compute(regions_);
         ASSERT_EQ(hull.status, HullStatus::kOk);
         EXPECT_EQ(hull.num_regions_failed, num_missing);
@@ -201,9 +201,9 @@ TEST_F(Regions, WithTooFewCamerasAreSkippedAndCounted) {
     }
     EXPECT_EQ(compute({regions_[0]}).status, HullStatus::kTooFewViews);
     EXPECT_TRUE(compute({regions_[0]}).mesh.empty());
-    regions_[1].min_views = 8;  // all eight cameras, one of which is missing
+    regions_[1].min_delivered = 8;  // all eight cameras, one of which is missing
     EXPECT_EQ(compute({regions_[1]}).status, HullStatus::kTooFewViews);
-    regions_[1].min_views = 7;
+    regions_[1].min_delivered = 7;
     EXPECT_EQ(compute({regions_[1]}).status, HullStatus::kOk);
 }
 

@@ -3,7 +3,7 @@
 #include "core/base/executor.hpp"
 #include "site_node/hull/outlines.hpp"
 #include "site_node/hull/visual_hull.hpp"
-#include "tests/support/scene_maker.hpp"
+#include "tests/support/shapes/scene_maker.hpp"
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>

@@ -1,11 +1,10 @@
 #include "site_node/hull/visual_hull.hpp"
 
-#include "core/base/thread_pool.hpp"
 #include "tests/support/allocation_counter.hpp"
-#include "tests/support/hull_checks.hpp"
-#include "tests/support/rig_maker.hpp"
-#include "tests/support/silhouette_maker.hpp"
-#include "tests/support/winding_number.hpp"
+#include "tests/support/shapes/hull_checks.hpp"
+#include "tests/support/shapes/rig_maker.hpp"
+#include "tests/support/shapes/silhouette_maker.hpp"
+#include "tests/support/shapes/winding_number.hpp"
 #include "tests/unit/hull/hull_of_a_sphere.hpp"
 
 #include <gtest/gtest.h>
@@ -203,17 +202,6 @@ TEST_F(DrilledBody, HandlesSeveralHolesAndIslands) {
                             geometry::volume_m3(with_third({island}).mesh) -
                             geometry::volume_m3(with_third({other_hole}).mesh);
     EXPECT_NEAR(report.volume_m3, expected, 1e-8 * expected);
-}
-
-TEST_F(HullOfASphere, HasTheSameBitsForAnyNumberOfWorkers) {
-    ThreadPool pool(4);
-    VisualHull parallel;
-    const VisualHull serial = compute_visual_hull(views_, {}, scratch_);
-    for (int round = 0; round < 20; ++round) {
-        compute_visual_hull(views_, {}, scratch_, pool, parallel);
-        ASSERT_EQ(serial.mesh.vertices, parallel.mesh.vertices);
-        ASSERT_EQ(serial.mesh.triangles, parallel.mesh.triangles);
-    }
 }
 
 TEST_F(HullOfASphere, AllocatesNothingOnceWarm) {

@@ -1,6 +1,6 @@
 #include "core/image/raw_image.hpp"
 
-#include "tests/support/bgr_from_yuv.hpp"
+#include "tests/support/pictures/bgr_from_yuv.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // A hand starts at full speed into a small ball, beside a still torso in the same mesh.
-#include "tests/support/physics_meshes.hpp"
+#include "tests/support/world/physics_meshes.hpp"
 #include "ticks.hpp"
 #include "world_server/physics/people/person_shape.hpp"
 #include "world_server/physics/rigid/body_samples.hpp"

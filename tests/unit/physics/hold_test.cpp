@@ -1,6 +1,6 @@
 // People carry, clasp and throw objects. The hands have the noise and the changing triangulation of
 // visual hulls.
-#include "tests/support/physics_meshes.hpp"
+#include "tests/support/world/physics_meshes.hpp"
 #include "ticks.hpp"
 #include "world_server/physics/people/person_shape.hpp"
 #include "world_server/physics/world.hpp"

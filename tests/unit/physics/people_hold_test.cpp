@@ -1,5 +1,5 @@
 // How people hold objects. The test sets the velocities of the surfaces instead of estimating them.
-#include "tests/support/physics_meshes.hpp"
+#include "tests/support/world/physics_meshes.hpp"
 #include "ticks.hpp"
 #include "world_server/physics/people/people_field.hpp"
 #include "world_server/physics/people/surface_index.hpp"

@@ -1,5 +1,5 @@
 // How people move objects: meshes at 30 Hz without a common topology, ticks at 120 Hz.
-#include "tests/support/physics_meshes.hpp"
+#include "tests/support/world/physics_meshes.hpp"
 #include "ticks.hpp"
 #include "world_server/physics/people/person_shape.hpp"
 #include "world_server/physics/world.hpp"

@@ -1,6 +1,6 @@
 #include "world_server/physics/people/person_shape.hpp"
 
-#include "tests/support/physics_meshes.hpp"
+#include "tests/support/world/physics_meshes.hpp"
 #include "ticks.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // Soft objects that touch each other.
 #include "soft_stage.hpp"
-#include "tests/support/winding_number.hpp"
+#include "tests/support/shapes/winding_number.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 #include "world_server/physics/state/world_state.hpp"
 
-#include "tests/support/physics_meshes.hpp"
+#include "tests/support/sanitized.hpp"
+#include "tests/support/world/physics_meshes.hpp"
 #include "world_server/physics/soft/soft_object.hpp"
 #include "world_server/physics/world.hpp"
 
@@ -9,6 +10,7 @@
 
 #include <limits>
 #include <random>
+#include <vector>
 
 namespace atrium::physics {
 namespace {
@@ -132,7 +134,8 @@ TEST(RecordedInput, GivesTheSameHashTwice) {
 }
 
 TEST(RecordedInput, GivesTheSameHashFromARestoredState) {
-    for (const int save_at : {1, 60, 150, 300}) {
+    const auto save_ticks = test::kSanitized ? std::vector{60, 300} : std::vector{1, 60, 150, 300};
+    for (const int save_at : save_ticks) {
         World world{{}};
         add_things(world);
         add_soft_things(world);

@@ -1,7 +1,7 @@
 #include "site_node/segmentation/clean_mask.hpp"
 
+#include "tests/support/shapes/whole_mask.hpp"
 #include "tests/support/skips.hpp"
-#include "tests/support/whole_mask.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include "site_node/segmentation/segmentation.hpp"
 
-#include "tests/support/whole_mask.hpp"
+#include "tests/support/shapes/whole_mask.hpp"
 #include "tests/unit/segmentation/test_room.hpp"
 
 #include <gmock/gmock.h>

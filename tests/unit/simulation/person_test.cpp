@@ -1,12 +1,14 @@
 #include "simulation/person.hpp"
 
 #include "core/geometry/triangle_mesh.hpp"
+#include "tests/support/sanitized.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
+#include <vector>
 
 namespace atrium::simulation {
 namespace {
@@ -44,9 +46,11 @@ INSTANTIATE_TEST_SUITE_P(Motions,
                          [](const auto& tested) { return tested.param; });
 
 TEST_P(EveryLook, IsOneClosedManifoldSolidInEveryMotion) {
+    const auto times_s =
+        test::kSanitized ? std::vector{0.0, 1.5} : std::vector{0.0, 0.4, 1.1, 1.5, 2.3, 2.9};
     for (const std::string& motion : motion_names()) {
         const Person person = make_person(room(GetParam(), motion));
-        for (const double time_s : {0.0, 0.4, 1.1, 1.5, 2.3, 2.9}) {
+        for (const double time_s : times_s) {
             const geometry::MeshReport report = geometry::inspect(person.mesh(time_s));
             const std::string where = motion + " at " + std::to_string(time_s) + " s";
             EXPECT_TRUE(report.closed) << where;

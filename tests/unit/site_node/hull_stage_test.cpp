@@ -1,8 +1,8 @@
 #include "site_node/hull_stage.hpp"
 
 #include "tests/support/allocation_counter.hpp"
-#include "tests/support/rig_maker.hpp"
-#include "tests/support/silhouette_maker.hpp"
+#include "tests/support/shapes/rig_maker.hpp"
+#include "tests/support/shapes/silhouette_maker.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 #include "core/codec/mesh_codec.hpp"
 #include "site_node/pipeline.hpp"
 #include "tests/support/allocation_counter.hpp"
-#include "tests/support/rig_maker.hpp"
+#include "tests/support/shapes/rig_maker.hpp"
 #include "tests/unit/site_node/capsule_room.hpp"
 
 #include <gtest/gtest.h>

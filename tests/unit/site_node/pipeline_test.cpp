@@ -1,8 +1,8 @@
 #include "site_node/pipeline.hpp"
 
 #include "core/base/thread_pool.hpp"
-#include "tests/support/rig_maker.hpp"
-#include "tests/support/winding_number.hpp"
+#include "tests/support/shapes/rig_maker.hpp"
+#include "tests/support/shapes/winding_number.hpp"
 #include "tests/unit/site_node/capsule_room.hpp"
 
 #include <gmock/gmock.h>

@@ -1,7 +1,7 @@
 // The whole site in this process, from a recording on disk to the real bus.
 #include "site_node/site_node.hpp"
 
-#include "tests/support/rig_maker.hpp"
+#include "tests/support/shapes/rig_maker.hpp"
 #include "tests/unit/site_node/capsule_room.hpp"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // The whole of site_node/stream with the viewer's counters, on simulated networks.
-#include "tests/support/simulated_stream.hpp"
+#include "tests/support/network/simulated_stream.hpp"
 
 #include <gtest/gtest.h>
 

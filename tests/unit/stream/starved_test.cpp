@@ -1,6 +1,6 @@
 // A lack of processor time is not a narrow network. Starved viewers and sites, over links with and
 // without a limit.
-#include "tests/support/simulated_stream.hpp"
+#include "tests/support/network/simulated_stream.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tests/support/acts.hpp"
+#include "tests/support/world/acts.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tests/support/impaired_line.hpp"
+#include "tests/support/network/impaired_line.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include "site_node/texture/texture.hpp"
 
-#include "tests/support/bounding_rect.hpp"
+#include "tests/support/shapes/bounding_rect.hpp"
 #include "tests/support/skips.hpp"
 
 #include <gtest/gtest.h>

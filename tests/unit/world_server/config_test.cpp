@@ -1,6 +1,6 @@
 #include "world_server/config.hpp"
 
-#include "tests/support/load_world.hpp"
+#include "tests/support/world/load_world.hpp"
 #include "world_server/scene.hpp"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
 // The demo's worlds with the demo's people, without cameras or network.
 #include "simulation/person.hpp"
-#include "tests/support/load_world.hpp"
+#include "tests/support/world/load_world.hpp"
 #include "tools/demo/demo.hpp"
 #include "world_server/config.hpp"
 #include "world_server/physics/people/person_shape.hpp"

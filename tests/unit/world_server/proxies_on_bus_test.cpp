@@ -3,7 +3,7 @@
 #include "core/bus/proxy_points.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "simulation_stage.hpp"
-#include "tests/support/physics_meshes.hpp"
+#include "tests/support/world/physics_meshes.hpp"
 #include "world_server/world_server.hpp"
 
 #include <gtest/gtest.h>

@@ -4,7 +4,7 @@
 #include "core/bus/limits.hpp"
 #include "core/bus/proxy_points.hpp"
 #include "simulation_stage.hpp"
-#include "tests/support/physics_meshes.hpp"
+#include "tests/support/world/physics_meshes.hpp"
 #include "world_server/scene_messages.hpp"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // A separate executable, because it replaces operator new.
 #include "simulation_stage.hpp"
 #include "tests/support/allocation_counter.hpp"
-#include "tests/support/physics_meshes.hpp"
+#include "tests/support/world/physics_meshes.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #include "world_server/simulation.hpp"
 
 #include "simulation_stage.hpp"
-#include "tests/support/physics_meshes.hpp"
+#include "tests/support/world/physics_meshes.hpp"
 
 #include <gtest/gtest.h>
 

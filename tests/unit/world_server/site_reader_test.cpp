@@ -1,7 +1,7 @@
 #include "world_server/site_reader.hpp"
 
 #include "core/codec/mesh_codec.hpp"
-#include "tests/support/physics_meshes.hpp"
+#include "tests/support/world/physics_meshes.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

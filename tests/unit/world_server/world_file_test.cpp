@@ -1,4 +1,4 @@
-#include "tests/support/load_world.hpp"
+#include "tests/support/world/load_world.hpp"
 #include "world_server/config.hpp"
 #include "world_server/scene.hpp"
 

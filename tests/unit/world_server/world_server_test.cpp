@@ -4,7 +4,7 @@
 #include "core/bus/bus.hpp"
 #include "core/codec/mesh_codec.hpp"
 #include "simulation_stage.hpp"
-#include "tests/support/physics_meshes.hpp"
+#include "tests/support/world/physics_meshes.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

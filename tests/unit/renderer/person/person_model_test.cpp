@@ -1,5 +1,6 @@
 #include "viewer/renderer/person/person_model.hpp"
 
+#include "tests/support/sanitized.hpp"
 #include "tests/unit/renderer/synthetic_person.hpp"
 #include "viewer/renderer/person/camera_blend.hpp"
 
@@ -103,7 +104,7 @@ private:
 };
 
 TEST(PersonModel, StaysFiniteForAbsurdCamerasAndMeshes) {
-    for (unsigned seed = 0; seed < 400; ++seed) {
+    for (unsigned seed = 0; seed < (test::kSanitized ? 60 : 400); ++seed) {
         AbsurdPeople people(seed);
         const PersonModel model = people.model();
         for (const auto& camera : model.cameras) {

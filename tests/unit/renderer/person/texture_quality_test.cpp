@@ -1,10 +1,10 @@
 // Compares drawn people with the pictures of cameras, at a small size. bench/viewer/texture_quality
 // measures the same at full size.
 #include "core/config/rig.hpp"
-#include "tests/support/camera_orbit.hpp"
-#include "tests/support/filmed_person.hpp"
-#include "tests/support/person_photographer.hpp"
-#include "tests/support/picture_error.hpp"
+#include "tests/support/pictures/camera_orbit.hpp"
+#include "tests/support/pictures/filmed_person.hpp"
+#include "tests/support/pictures/person_photographer.hpp"
+#include "tests/support/pictures/picture_error.hpp"
 #include "tests/support/skips.hpp"
 
 #include <gtest/gtest.h>

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "tests/support/world/acts.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+
+namespace atrium::bench {
+
+/// Makes an act of a seed.
+using MakeAct = std::function<test::Act(std::uint64_t)>;
+
+/// The acts that benchmarks of a person's motion film, by name.
+const std::map<std::string, MakeAct>& trial_acts();
+
+}  // namespace atrium::bench
