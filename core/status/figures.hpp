@@ -17,7 +17,8 @@ struct Counter {
 
 /// The contents of a status as named counters, stages and notes, the same for each kind of program.
 /// The monitor and the viewer show these: a new counter is one line in figures.cpp. The monitor
-/// shows `losses` as text, and all in its JSON. The demo chooses its counters from here by name.
+/// shows `losses` as text, and all in its JSON. The demo's table and report take a choice of their
+/// own.
 struct Figures {
     struct Stage {
         std::string name;
