@@ -9,10 +9,10 @@
 
 namespace atrium::bench {
 
-/// Makes an act of a seed.
+/// Makes an act from a seed.
 using MakeAct = std::function<test::Act(std::uint64_t)>;
 
-/// The acts that benchmarks of a person's motion film, by name.
+/// The acts with which benchmarks measure the motion of a person, by name.
 const std::map<std::string, MakeAct>& trial_acts();
 
 }  // namespace atrium::bench

@@ -25,7 +25,8 @@ namespace atrium {
 /// Values of one key are handled in the order of their `put`, one at a time. A newer value replaces
 /// a waiting one of its key. Keys are served in the order in which they began to wait, thus a busy
 /// key cannot starve another. Threads are started on demand, up to the limit: one key uses one
-/// thread at any rate of values. Thread-safe, handlers included, except `stop` and the destructor.
+/// thread at any rate of values. Thread-safe except `stop` and the destructor; handlers may call
+/// `put`.
 template <typename Value>
 class KeyedWorkers {
 public:

@@ -59,10 +59,10 @@ private:
     // The tasks of one `parallel_for`.
     struct Round {
         const Body* body = nullptr;             // valid while the round runs
-        std::atomic<std::size_t> num_tasks{0};  // this and the next: read without the lock, a hint
-        std::atomic<std::size_t> next_task{0};
-        std::size_t num_inside = 0;  // threads that may run its tasks
-        std::exception_ptr failure;  // first exception of a task
+        std::atomic<std::size_t> num_tasks{0};  // also read without the lock, as a hint
+        std::atomic<std::size_t> next_task{0};  // likewise
+        std::size_t num_inside = 0;             // threads that may run its tasks
+        std::exception_ptr failure;             // first exception of a task
         std::condition_variable changed;
 
         bool has_task() const {

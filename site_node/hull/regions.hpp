@@ -19,7 +19,7 @@ struct Region {
     std::string name;
     geometry::Aabb bounds;             // site frame [m]; regions should not overlap
     std::vector<std::uint32_t> views;  // indices of its cameras; empty: all
-    std::uint32_t min_delivered = 1;   // of its cameras, for a hull
+    std::uint32_t min_delivered = 1;   // with fewer views delivered it has no hull
 };
 
 struct RegionScratch {

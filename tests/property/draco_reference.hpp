@@ -21,7 +21,7 @@ Bytes draco_bytes(const geometry::TriangleMesh& mesh, const codec::MeshCodecOpti
 /// The mesh that Draco's decoder makes of a stream.
 Triangles triangles_of(const Bytes& bytes);
 
-/// The triangles of `mesh` on the grid that its stream must use, in doubles and then as floats.
+/// The triangles of `mesh` rounded to the grid of its stream, computed in floats.
 Triangles quantised(const geometry::TriangleMesh& mesh, int position_bits);
 
 }  // namespace atrium::test

@@ -32,10 +32,10 @@ bool is_name(const std::string& word) {
 }
 
 tl::unexpected<Error> unknown_command(const std::string& name, const fs::path& folder) {
-    std::string message = fmt::format("no command '{}'", name);
+    std::string message = fmt::format("no command '{}';", name);
     for (const Command& command : installed_commands(folder)) {
         if (!config::may_be_misspelling(name, command.name)) continue;
-        message += fmt::format("; did you mean '{}'?", command.name);
+        message += fmt::format(" did you mean '{}'?", command.name);
         break;
     }
     return make_error(ErrorKind::kConfiguration, message + " `atrium help` lists all commands");

@@ -21,9 +21,9 @@ struct PictureQuality {
 /// Takes the cost of each picture and reduces, in this order: drawing rate, resolution, shadows. A
 /// level is too expensive if the drawing thread is busy for most of the period, or if people wait
 /// long to be decoded; the quality then drops within half a second. The quality rises by one level
-/// once the next level would have had room for some seconds. If a higher level turns out too
-/// expensive, the next attempt comes after twice that time, which prevents oscillation. Has no
-/// clock: the caller passes all times. Not thread-safe.
+/// once the better level would have had room for some seconds. If the better level turns out too
+/// expensive, the wait before the next attempt doubles, which prevents oscillation. Has no clock:
+/// the caller passes all times. Not thread-safe.
 class AdaptiveQuality {
 public:
     using Clock = std::chrono::steady_clock;

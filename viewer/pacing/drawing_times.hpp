@@ -20,9 +20,9 @@ public:
     /// Adds the time of a whole picture without the wait for its due time.
     void add_picture(Duration duration);
     /// Adds the latencies of a person who is new in a picture: complete pair to decoded person,
-    /// decoded person to begin of the picture, complete pair to display.
+    /// decoded person to start of the picture, complete pair to display.
     void add_way(Duration decoding, Duration waiting, Duration to_display);
-    /// Drops the maxima of the pictures that do not count.
+    /// Forgets the maxima of the pictures before the counted run.
     void begin_pictures() { longest_ = longest_preparation_ = {}; }
     /// Returns the fields "taking_in_ms=..." and so on for the log.
     std::string text() const;

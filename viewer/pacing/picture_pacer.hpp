@@ -43,7 +43,7 @@ private:
     };
 
     void forget_old(Clock::time_point now);
-    /// Offset from one period after `begin` at which the next picture has people wait least.
+    /// Offset from one period after `begin` at which people wait least for the next picture.
     Clock::duration shift(Clock::time_point begin) const;
     bool is_everybody_ready() const;
 
@@ -55,7 +55,7 @@ private:
     Clock::duration saved_{0};      // total lateness, which early pictures may use up
     std::deque<Arrival> arrivals_;  // of the last second, oldest first
     std::map<std::string, std::size_t> num_recent_;     // arrivals per site
-    std::map<std::string, Clock::time_point> waiting_;  // ready since the begin of the last picture
+    std::map<std::string, Clock::time_point> waiting_;  // ready since the start of the last picture
 };
 
 }  // namespace atrium::viewer

@@ -25,7 +25,7 @@ public:
     template <typename Replaced>
     void add(const std::string& site, PersonUpdate update, const Replaced& replaced);
     /// Takes the updates to show from `instant` on, one per site at most. An update without a
-    /// person is due at once.
+    /// person is due as soon as those before it are.
     template <typename Replaced>
     std::vector<Item> take(Timestamp instant, const Replaced& replaced);
     void clear() { waiting_.clear(); }

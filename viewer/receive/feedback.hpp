@@ -14,12 +14,13 @@
 
 namespace atrium::viewer {
 
-/// Measures how the streams of the sites arrive, so the sites can adapt to it. The owner reports
+/// Measures how the streams of the sites arrive, so the sites can adapt to them. The owner reports
 /// arrivals and the time. Not thread-safe.
 ///
 /// A sample that waits in a viewer short of processor time is no queue in the network. So the
-/// feedback has, beside the measured delay, a lower bound: a frame whose first sample is taken now
-/// reached this host after the last moment at which nothing waited here.
+/// feedback has, beside the measured delay, a lower bound: a frame taken now arrived after the
+/// readers were last empty, so its delay is at least that moment minus the time at which it was
+/// written.
 class Feedback {
 public:
     static constexpr std::chrono::milliseconds kPeriod{200};

@@ -23,7 +23,8 @@ struct WorldSoftObject {
 };
 
 /// Reads all `[[soft]]` tables. Ids start at `first_id`, in file order. `id_of` finds rigid objects
-/// by name, for `tied_to`. Ignores texture and bounce of materials. Problems go to `reader`.
+/// by name, for `tied_to`. Ignores texture, restitution and rolling
+/// friction of materials. Problems go to `reader`.
 std::vector<WorldSoftObject> read_soft_objects(
     config::TableReader& reader,
     const Materials& materials,

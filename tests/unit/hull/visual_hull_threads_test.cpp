@@ -1,6 +1,5 @@
-#include "site_node/hull/visual_hull.hpp"
-
 #include "core/base/thread_pool.hpp"
+#include "site_node/hull/visual_hull.hpp"
 #include "tests/unit/hull/hull_of_a_sphere.hpp"
 
 #include <gtest/gtest.h>

@@ -5,7 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
-// Tuned constants of the physics of people.
+// Tuned constants of the physics of people. Rest: no motion. A motion explains a point that it puts
+// onto the other mesh. A leap: a start far from every expected motion.
 namespace atrium::physics {
 
 /// Of `SurfaceIndex`.
@@ -16,7 +17,7 @@ struct SamplingOptions {
     float smooth_m = 0.03F;          // radius around a sample over which its normal is averaged
 };
 
-/// Of matching a place with the surface before.
+/// Of matching a place with the previous surface.
 struct MotionMatchOptions {
     float same_facing = 0.6F;    // cosine
     float search_m = 0.05F;      // search radius around the displaced point
@@ -31,9 +32,10 @@ struct MotionStartOptions {
     float no_worse = 0.05F;         // cost by which the previous motion may fit worse than rest
     float hard_cost = 0.08F;        // above this, a region is not explained
     float agreement = 0.15F;        // cost of disagreeing with all neighbours
-    float few_points = 15.0F;       // with this many, a leap and disagreement cost twice as much
+    // A region of this many points pays twice what a large one pays for a leap or disagreement.
+    float few_points = 15.0F;
     // Cost of a motion that differs by surprise_m from the expected one; the same again for each
-    // further further_m.
+    // additional further_m.
     float surprise = 0.13F;
     float surprise_m = 0.1F;
     float further_m = 0.2F;
@@ -119,7 +121,8 @@ struct ContactSearchOptions {
     // touches the plane at the sample. Up to the second, the sample may have passed an edge.
     float facing_plane = -0.8F;
     float facing_edge = -0.3F;
-    float same_side = 0.3F;         // cosine: a contact on this side of an edge contact replaces it
+    float same_side = 0.3F;         // cosine: a contact whose normal is closer than this to an edge
+                                    // contact's replaces it
     float same_normal = 0.9F;       // cosine: near contacts count once
     float min_apart_m = 0.012F;     // of contacts with the same normal
     float turning_m = 0.01F;        // smaller extents hardly determine a rotation

@@ -18,7 +18,7 @@ struct BodySamplingOptions {
 };
 
 /// Bullet adds its margin around a hull and rounds the edges by it. The hull is shrunk by the same
-/// amount. The margin is the smaller of both.
+/// amount: the smaller of `margin_m` and `margin_per_radius` times the inner radius.
 struct HullOptions {
     double margin_m = 0.004;
     double margin_per_radius = 0.2;  // of the inner radius

@@ -21,8 +21,8 @@ enum class LeavePolicy : std::uint8_t {
     kBounce
 };
 
-/// Options and tuned constants of a world. Those of people, rigid and soft objects are beside their
-/// code.
+/// Options and tuned constants of a world. Those of people, rigid and soft objects are in
+/// the headers beside this one.
 struct WorldOptions {
     double tick_s = 1.0 / 120.0;
     Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // [m/s^2]
