@@ -28,23 +28,14 @@ set(ATRIUM_TEST_PCH_HEADERS <gtest/gtest.h> <gmock/gmock.h>)
 # For what runs at the start or a few times a second (COLD), and for the sources of tests: compiles in two thirds of the time.
 set(ATRIUM_COLD_OPTIMISATION $<$<CONFIG:RelWithDebInfo>:-O1> $<$<CONFIG:Sanitize>:-Og>)
 
-# The sources of tests are not what is tested: without UBSan they compile in two thirds of the time. ASan and TSan need them.
-if(ATRIUM_SANITIZE MATCHES undefined)
-    set(ATRIUM_TEST_SANITIZE -fno-sanitize=undefined)
-endif()
-
 # Compiling the sources of a library or a test together, eight at a time, makes a build from nothing faster and a rebuild after one
 # change slower: turn it off while you work on one library. Sources include what they use, and their file-local names differ within
 # a target, so both ways build.
 option(ATRIUM_UNITY "Compile the sources of each library and each test together" ON)
 
-# After _atrium_options, which sets -fsanitize.
 function(_atrium_kind_options target kind)
     if(NOT kind STREQUAL code)
         target_compile_options(${target} PRIVATE ${ATRIUM_COLD_OPTIMISATION})
-    endif()
-    if(kind STREQUAL test)
-        target_compile_options(${target} PRIVATE ${ATRIUM_TEST_SANITIZE})
     endif()
 endfunction()
 
