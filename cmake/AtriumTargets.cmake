@@ -14,7 +14,7 @@ endif()
 
 # All targets get the flags that some libraries ask for: a precompiled header serves only sources with its own flags.
 add_compile_options(-pthread)
-# GCC collects its own garbage less often: a tenth of the time, for half a gigabyte more per compiler.
+# GCC collects its own garbage less often: it is faster, and each compiler may take half a gigabyte more.
 add_compile_options($<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=524288>)
 
 # Precompile the headers that nearly every source includes: they are a large part of a clean build. Sources still include what they
@@ -25,7 +25,7 @@ set(ATRIUM_PCH_HEADERS <algorithm> <array> <chrono> <cmath> <condition_variable>
     <memory> <mutex> <optional> <random> <set> <span> <string> <thread> <vector> <Eigen/Core> <Eigen/Geometry>
     <fmt/format.h> <tl/expected.hpp>)
 set(ATRIUM_TEST_PCH_HEADERS <gtest/gtest.h> <gmock/gmock.h>)
-# For what runs at the start or a few times a second (COLD), and for the sources of tests: compiles in two thirds of the time.
+# For what runs at the start or a few times a second (COLD), and for the sources of tests: they compile faster.
 set(ATRIUM_COLD_OPTIMISATION $<$<CONFIG:RelWithDebInfo>:-O1> $<$<CONFIG:Sanitize>:-Og>)
 
 # Compiling the sources of a library or a test together, eight at a time, makes a build from nothing faster and a rebuild after one
@@ -78,7 +78,8 @@ function(_atrium_options target)
     endif()
 endfunction()
 
-# atrium_library(name [COLD] SOURCES a.cpp ... PUBLIC lib ... PRIVATE lib ...); COLD: no part of it runs for each picture.
+# atrium_library(name [COLD] SOURCES a.cpp ... PUBLIC lib ... PRIVATE lib ...); COLD: compiled for a quick build, because its
+# speed does not matter to the pictures of a site or a viewer.
 function(atrium_library name)
     cmake_parse_arguments(ARG "COLD" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
     add_library(${name} STATIC ${ARG_SOURCES})
