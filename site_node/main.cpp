@@ -12,9 +12,9 @@ int main(int argc, char** argv) {
     const app::ProgramInfo info{"site_node",
                                 "Captures one room of a shared world, computes the visual hull of "
                                 "the people in it, and publishes it.",
-                                "Examples:\n  site_node --config deploy/sites/alice.toml\n"
+                                "  site_node --config deploy/sites/alice.toml\n"
                                 "  site_node --site.name lab --capture.source recording "
-                                "--capture.recording DIR --capture.loop true\n"
+                                "--capture.recording DIR --capture.loop\n"
                                 "  site_node --list-cameras\n"
                                 "  site_node --recording DIR --learn-background "
                                 "--segmentation.background_folder BACKGROUNDS\n"

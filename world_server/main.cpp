@@ -16,8 +16,8 @@ int main(int argc, char** argv) {
             "Simulates one physical world with the people of all sites and publishes the state of "
             "its objects.",
         .examples =
-            "world_server --config deploy/worlds/demo.toml\n"
-            "world_server --config deploy/worlds/playroom.toml --network lan"};
+            "  world_server --config deploy/worlds/demo.toml\n"
+            "  world_server --config deploy/worlds/playroom.toml --network lan"};
     const app::Start start =
         app::start(info, options, argc, argv, [&](config::TableReader& reader) {
             world_server::read_world(reader, config);

@@ -17,6 +17,7 @@
 #include <cstdlib>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -32,12 +33,17 @@ constexpr int kExitFailed = 1;
 constexpr int kExitConfiguration = 2;
 constexpr int kExitMissing = 3;
 
+// Adds the options that the file sets to `set_keys`.
 Expected<void> read_file(const std::filesystem::path& file,
                          const config::OptionSet& options,
-                         const ReadMore& read_more) {
+                         const ReadMore& read_more,
+                         std::set<std::string>& set_keys) {
     auto reader = config::TableReader::load(file);
     if (!reader) return tl::unexpected(reader.error());
     options.read_file(*reader);
+    for (const auto& entry : options.entries()) {
+        if (reader->has(entry.key)) set_keys.insert(entry.key);
+    }
     if (read_more) read_more(*reader);
     return reader->finish();
 }
@@ -47,25 +53,78 @@ Start end_with_error(const std::string& program, const Error& error) {
     return {false, exit_code(error)};
 }
 
+// The end of --help: examples and exit codes.
+std::string footer(const ProgramInfo& info) {
+    std::string text;
+    if (!info.examples.empty()) text += "Examples:\n" + info.examples;
+    if (!text.empty() && !text.ends_with('\n')) text += '\n';
+    return text + "Exit codes: " +
+           (info.exit_codes.empty() ? std::string() : info.exit_codes + "; otherwise ") +
+           "0 done, 1 failed while running, 2 wrong command line or\nconfiguration, "
+           "3 something that the program needs is missing\n";
+}
+
 std::string in_one_line(std::string lines) {
     if (!lines.empty()) lines.pop_back();  // the last line's end
     std::replace(lines.begin(), lines.end(), '\n', ';');
     return lines;
 }
 
-// Error text for unknown arguments, with a suggestion if the first resembles an option.
+std::vector<std::string> option_names(const CLI::App& cli) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : cli.get_options()) {
+        const auto& long_names = option->get_lnames();
+        names.insert(names.end(), long_names.begin(), long_names.end());
+    }
+    return names;
+}
+
+// Error text for unknown arguments, with a suggestion for the first.
 std::string say_unknown(const CLI::App& cli) {
     const std::vector<std::string> unknown = cli.remaining();
     std::string text = fmt::format("unexpected: {}", fmt::join(unknown, " "));
-    if (unknown.empty() || !unknown.front().starts_with("--")) return text;
-    const std::string written = unknown.front().substr(2, unknown.front().find('=') - 2);
-    for (const CLI::Option* option : cli.get_options()) {
-        for (const std::string& name : option->get_lnames()) {
-            if (config::may_be_misspelling(written, name))
-                return text + fmt::format("; did you mean --{}?", name);
-        }
+    if (unknown.empty()) return text;
+    const std::string& first = unknown.front();
+    const auto begin = first.find_first_not_of('-');
+    if (begin == 0) {
+        return text + (first.ends_with(".toml")
+                           ? fmt::format("; a file is given as --config {}", first)
+                           : "; every value follows the name of its option, as in --name VALUE");
     }
-    return text;
+    if (begin == std::string::npos) return text;
+    const std::string written = first.substr(begin, first.find('=') - begin);
+    const std::string hint =
+        config::ask_which(config::names_meant_by(written, option_names(cli)), "--");
+    return hint.empty() ? text : text + "; " + hint;
+}
+
+// '-' and '_' count as equal in the names of options: writes them as the program declares them.
+std::vector<std::string> with_declared_names(const CLI::App& cli, int argc, char** argv) {
+    const auto plain = [](std::string name) {
+        std::replace(name.begin(), name.end(), '-', '_');
+        return name;
+    };
+    std::map<std::string, std::string> declared;  // by the name with '_'
+    for (const std::string& name : option_names(cli)) declared.emplace(plain(name), name);
+    std::vector<std::string> words(argv + 1, argv + argc);
+    for (std::string& word : words) {
+        if (!word.starts_with("--")) continue;
+        const std::size_t length = std::min(word.find('='), word.size()) - 2;
+        const auto found = declared.find(plain(word.substr(2, length)));
+        if (found != declared.end()) word.replace(2, length, found->second);
+    }
+    return words;
+}
+
+// What CLI11 found wrong, in our words.
+std::string say_wrong(const CLI::App& cli, const CLI::ParseError& wrong) {
+    if (dynamic_cast<const CLI::ExtrasError*>(&wrong) != nullptr) return say_unknown(cli);
+    const std::string what = wrong.what();
+    if (dynamic_cast<const CLI::ArgumentMismatch*>(&wrong) != nullptr) {
+        const std::string option = what.substr(0, what.find_first_of(": "));
+        return option + ": needs one value, and may be given once";
+    }
+    return what;
 }
 
 sigset_t stop_signals() {
@@ -100,7 +159,7 @@ Start start(const ProgramInfo& info,
             const ReadMore& read_more) {
     CLI::App cli(info.summary, info.name);
     cli.set_version_flag("--version", fmt::format("{} {} (Atrium)", info.name, ATRIUM_VERSION));
-    cli.footer(info.examples);
+    cli.footer(footer(info));
     std::filesystem::path config_file;
     cli.add_option(
            "--config", config_file, "TOML file; its keys are the options below without the dashes")
@@ -124,17 +183,15 @@ Start start(const ProgramInfo& info,
         if (!entry.implicit_value.empty()) option->expected(0, 1);
     }
     try {
-        cli.parse(argc, argv);
+        std::vector<std::string> words = with_declared_names(cli, argc, argv);
+        std::reverse(words.begin(), words.end());  // as CLI11 wants them
+        cli.parse(std::move(words));
     } catch (const CLI::Success& asked) {
         return {false, cli.exit(asked)};
-    } catch (const CLI::ExtrasError&) {
-        return end_with_error(
-            info.name,
-            {ErrorKind::kConfiguration, say_unknown(cli) + "; --help lists the options"});
     } catch (const CLI::ParseError& wrong) {
         return end_with_error(
             info.name,
-            {ErrorKind::kConfiguration, fmt::format("{}; --help lists the options", wrong.what())});
+            {ErrorKind::kConfiguration, say_wrong(cli, wrong) + "; --help lists the options"});
     }
     log::set_program(info.name);
     if (!log::set_level(log_level)) {
@@ -144,13 +201,15 @@ Start start(const ProgramInfo& info,
              fmt::format("--log-level: must be one of debug, info, warn, error, got '{}'",
                          log_level)});
     }
+    std::set<std::string> set_keys;
     if (!config_file.empty()) {
-        if (auto read = read_file(config_file, options, read_more); !read)
+        if (auto read = read_file(config_file, options, read_more, set_keys); !read)
             return end_with_error(info.name, read.error());
     }
     for (const auto& [key, text] : given) {
         if (auto set = options.set(key, text, "--" + key); !set)
             return end_with_error(info.name, set.error());
+        set_keys.insert(key);
     }
     // debug only: several thousand characters would hide a following error
     log::debug("effective options=\"{}\"", in_one_line(options.effective()));
@@ -159,7 +218,7 @@ Start start(const ProgramInfo& info,
                fmt::format("started version={} config={} options=\"{}\"",
                            ATRIUM_VERSION,
                            config_file.string(),
-                           in_one_line(options.changed())));
+                           in_one_line(options.changed(set_keys))));
     return {true, 0};
 }
 

@@ -23,10 +23,11 @@ std::string version();
 struct ProgramInfo {
     std::string name;
     std::string summary;   // one or two sentences for --help
-    std::string examples;  // shown at the end of --help
+    std::string examples;  // shown at the end of --help: command lines, each indented by two spaces
     /// Called after the options are read. True if the program only prints something and ends: its
     /// start line is then logged at level debug only. Empty: false.
     std::function<bool()> only_prints = {};
+    std::string exit_codes = {};  // where they differ from the common ones, for --help
 };
 
 /// Reads the parts of a configuration file that are not plain options, such as tables of objects.

@@ -1,11 +1,11 @@
 #include "core/bus/network_file.hpp"
 
+#include "core/base/text_file.hpp"
+
 #include <fmt/format.h>
 #include <pugixml.hpp>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -47,14 +47,6 @@ private:
 };
 
 }  // namespace
-
-Expected<std::string> read_text_file(const std::filesystem::path& file) {
-    std::error_code ignored;
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream || std::filesystem::is_directory(file, ignored))
-        return make_error(ErrorKind::kNotFound, fmt::format("{}: cannot be read", file.string()));
-    return std::string(std::istreambuf_iterator<char>(stream), {});
-}
 
 Expected<std::string> parse_network_file(std::string_view xml, const std::string& source) {
     pugi::xml_document document;

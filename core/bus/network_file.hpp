@@ -8,9 +8,6 @@
 
 namespace atrium::bus {
 
-/// Reads the whole file. Fails with kNotFound if it cannot be read.
-Expected<std::string> read_text_file(const std::filesystem::path& file);
-
 /// Checks that the text is XML with the root <CycloneDDS>, and returns it without comments and
 /// declaration, as Cyclone expects it. Each element keeps its line number for Cyclone's errors.
 /// Cyclone checks the contents itself. `source` names the text in errors (kConfiguration).

@@ -178,10 +178,10 @@ std::string OptionSet::effective() const {
     return text;
 }
 
-std::string OptionSet::changed() const {
+std::string OptionSet::changed(const std::set<std::string>& given) const {
     std::string text;
     const auto add = [&](const std::string& key, const std::string& now, const std::string& was) {
-        if (now != was) text += fmt::format("{} = {}\n", key, now);
+        if (now != was || given.contains(key)) text += fmt::format("{} = {}\n", key, now);
     };
     for (std::size_t i = 0; i < entries_.size(); ++i)
         add(entries_[i].key, current_[i](), entries_[i].default_value);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -79,8 +80,9 @@ public:
     const std::vector<Entry>& entries() const { return entries_; }
     /// Returns the effective configuration: a line `key = value` per option and per `show`.
     std::string effective() const;
-    /// Returns only those lines of `effective()` whose value is not the default.
-    std::string changed() const;
+    /// Returns only those lines of `effective()` whose value is not the default or whose key is in
+    /// `given`.
+    std::string changed(const std::set<std::string>& given = {}) const;
 
 private:
     template <typename T, typename... Limits>

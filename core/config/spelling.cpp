@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
+#include <optional>
 #include <utility>
-#include <vector>
 
 namespace atrium::config {
 namespace {
@@ -24,10 +24,62 @@ std::size_t num_edits(std::string_view a, std::string_view b) {
     return row.back();
 }
 
+std::string_view last_part(std::string_view key) {
+    return key.substr(key.rfind('.') + 1);  // npos + 1 is 0
+}
+
+std::string with_underscores(std::string_view name) {
+    std::string text(name);
+    std::replace(text.begin(), text.end(), '-', '_');
+    return text;
+}
+
+// Distance of two words, or nothing if the one is no misspelling of the other.
+std::optional<std::size_t> distance(std::string_view written, std::string_view meant) {
+    constexpr std::size_t kShortestStem = 3;
+    const bool lacks_unit = written.size() >= kShortestStem && meant.size() > written.size() &&
+                            meant.starts_with(written) && meant[written.size()] == '_';
+    if (lacks_unit) return 1;
+    if (!may_be_misspelling(written, meant)) return std::nullopt;
+    return num_edits(written, meant);
+}
+
+// Lower is better: first whole keys, then their last parts in another table.
+std::optional<std::size_t> rank(std::string_view written, std::string_view meant) {
+    constexpr std::size_t kOtherTable = 10;
+    if (const auto whole = distance(written, meant)) return whole;
+    const auto parts = distance(last_part(written), last_part(meant));
+    return parts ? std::optional(*parts + kOtherTable) : std::nullopt;
+}
+
 }  // namespace
 
 bool may_be_misspelling(std::string_view written, std::string_view meant) {
     return num_edits(written, meant) <= std::min<std::size_t>(2, meant.size() / 2);
+}
+
+std::vector<std::string> names_meant_by(std::string_view written,
+                                        const std::vector<std::string>& names) {
+    constexpr std::size_t kMaxNames = 3;
+    const std::string plain = with_underscores(written);
+    std::optional<std::size_t> best;
+    std::vector<std::string> meant;
+    for (const std::string& name : names) {
+        const auto found = rank(plain, with_underscores(name));
+        if (!found || (best && *found > *best)) continue;
+        if (!best || *found < *best) meant.clear();
+        best = found;
+        const bool is_new = std::find(meant.begin(), meant.end(), name) == meant.end();
+        if (is_new && meant.size() < kMaxNames) meant.push_back(name);
+    }
+    return meant;
+}
+
+std::string ask_which(const std::vector<std::string>& names, std::string_view before) {
+    std::string text;
+    for (const std::string& name : names)
+        text.append(text.empty() ? "did you mean " : " or ").append(before).append(name);
+    return text.empty() ? text : text + "?";
 }
 
 }  // namespace atrium::config

@@ -1,5 +1,6 @@
 #include "core/config/table_reader.hpp"
 
+#include "core/base/text_file.hpp"
 #include "core/config/spelling.hpp"
 #include "core/config/toml_nesting.hpp"
 
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <optional>
@@ -91,17 +91,9 @@ TableReader::TableReader(std::shared_ptr<Document> document, std::shared_ptr<Nod
     : document_(std::move(document)), node_(std::move(node)) {}
 
 Expected<TableReader> TableReader::load(const std::filesystem::path& file) {
-    std::error_code failure;
-    if (std::filesystem::is_directory(file, failure)) {
-        return make_error(ErrorKind::kNotFound,
-                          fmt::format("{}: is a folder, must be a TOML file", file.string()));
-    }
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream)
-        return make_error(ErrorKind::kNotFound, fmt::format("{}: cannot be opened", file.string()));
-    std::ostringstream text;
-    text << stream.rdbuf();
-    auto reader = parse(text.str(), file.string());
+    const auto text = read_text_file(file);
+    if (!text) return tl::unexpected(text.error());
+    auto reader = parse(*text, file.string());
     if (reader) reader->document_->folder = file.parent_path();
     return reader;
 }
@@ -350,36 +342,47 @@ std::optional<Error> TableReader::misspelling() const {
     return std::nullopt;
 }
 
+// Adds the keys that the program knows in this table and below.
+void TableReader::add_known_keys(const Node& node, std::vector<std::string>& keys) {
+    for (const std::string& key : node.asked) keys.push_back(node.path + key);
+    for (const auto& [key, child] : node.children) add_known_keys(*child, keys);
+}
+
+// Finds the first unknown key. Recurses only over the tables that the program opened.
+std::optional<Error> TableReader::unknown_key(const Node& node) const {
+    if (node.table == nullptr) return std::nullopt;
+    for (const auto& [key, value] : node.table->as_table()) {
+        if (node.asked.contains(key)) continue;
+        std::vector<std::string> known;
+        add_known_keys(node, known);  // first: the nearest of equally similar keys
+        add_known_keys(*node_, known);
+        std::string hint = ask_which(names_meant_by(node.path + key, known));
+        if (!hint.empty()) hint += ' ';
+        return Error{ErrorKind::kConfiguration,
+                     fmt::format("{}: {}{}: unknown key; {}known here: {}",
+                                 location(document_->name, value),
+                                 node.path,
+                                 key,
+                                 hint,
+                                 fmt::join(node.asked, ", "))};
+    }
+    for (const auto& [key, child] : node.children) {
+        if (auto error = unknown_key(*child)) return error;
+    }
+    for (const auto& [key, nodes] : node.arrays) {
+        for (const auto& child : nodes) {
+            if (auto error = unknown_key(*child)) return error;
+        }
+    }
+    return std::nullopt;
+}
+
 Expected<void> TableReader::finish() const {
     if (const auto& problem = document_->first_problem) {
         const auto misspelt = misspelling();
         return tl::unexpected(misspelt ? *misspelt : *problem);
     }
-    // recurses only over the tables that the program opened
-    const std::function<std::optional<Error>(const Node&)> first_unknown =
-        [&](const Node& node) -> std::optional<Error> {
-        if (node.table == nullptr) return std::nullopt;
-        for (const auto& [key, value] : node.table->as_table()) {
-            if (node.asked.count(key) == 0) {
-                return Error{ErrorKind::kConfiguration,
-                             fmt::format("{}: {}{}: unknown key; known here: {}",
-                                         location(document_->name, value),
-                                         node.path,
-                                         key,
-                                         fmt::join(node.asked, ", "))};
-            }
-        }
-        for (const auto& [key, child] : node.children) {
-            if (auto error = first_unknown(*child)) return error;
-        }
-        for (const auto& [key, nodes] : node.arrays) {
-            for (const auto& child : nodes) {
-                if (auto error = first_unknown(*child)) return error;
-            }
-        }
-        return std::nullopt;
-    };
-    if (auto error = first_unknown(*node_)) return tl::unexpected(*error);
+    if (auto error = unknown_key(*node_)) return tl::unexpected(*error);
     return {};
 }
 

@@ -80,6 +80,8 @@ private:
     struct Document;
     struct Node;
     std::optional<Error> misspelling() const;
+    static void add_known_keys(const Node& node, std::vector<std::string>& keys);
+    std::optional<Error> unknown_key(const Node& node) const;
     /// The table that holds the last part of a dotted key.
     TableReader holder(const std::string& key) const;
     TableReader(std::shared_ptr<Document> document, std::shared_ptr<Node> node);

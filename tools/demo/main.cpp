@@ -9,7 +9,8 @@ int main(int argc, char** argv) {
     const app::ProgramInfo info{"demo",
                                 "Runs two simulated rooms, a world server and a viewer on this "
                                 "host and shows a table of their status once a second.",
-                                "Example: demo --seconds 60"};
+                                "  demo --seconds 60\n"
+                                "  demo --config deploy/demos/ballpit.toml\n"};
     if (const app::Start start = app::start(info, options, argc, argv); !start.go_on)
         return start.exit_code;
     const app::StopOnSignal stop;

@@ -16,8 +16,9 @@ int main(int argc, char** argv) {
             "  monitor\n"
             "  monitor --bus.world atrium --network lan --site alice\n"
             "  monitor --json --seconds 60 > world.jsonl\n"
-            "  monitor --once --wait 5      exit code 3 if the world is empty\n",
-        .only_prints = [] { return true; }};
+            "  monitor --once --wait 5\n",
+        .only_prints = [] { return true; },
+        .exit_codes = "3 if --once finds no program in the world"};
     const app::Start start = app::start(info, options, argc, argv);
     if (!start.go_on) return start.exit_code;
     const auto done = monitor::run_monitor(config, stop.token());

@@ -21,9 +21,11 @@ int main(int argc, char** argv) {
         "simulated_cameras",
         "Serves a simulated room, or a recording, as GigE Vision cameras in a private network, and "
         "runs a command there:\nsimulated_cameras [OPTIONS] -- COMMAND [ARGUMENTS]",
-        "Examples:\n  simulated_cameras --rig deploy/rigs/full_body.toml --list\n"
+        "  simulated_cameras --rig deploy/rigs/full_body.toml --list\n"
         "  simulated_cameras --rig deploy/rigs/full_body.toml --lose cam3=1 -- "
-        "build/bin/site_node --config deploy/sites/simulated_cameras.toml"};
+        "build/bin/site_node --config deploy/sites/simulated_cameras.toml",
+        {},
+        "that of COMMAND once it runs"};
     const app::Start start = app::start(info, options, static_cast<int>(separator - argv), argv);
     if (!start.go_on) return start.exit_code;
     auto plan = simulated_cameras::make_plan(config, command);

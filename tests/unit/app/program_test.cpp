@@ -97,6 +97,7 @@ TEST_F(ProgramStart, HelpListsEveryOptionWithUnitRangeAndDefault) {
     EXPECT_EQ(start.exit_code, 0);
     EXPECT_THAT(output_, HasSubstr("--rate_hz (number in [1, 240]; default 30)"));
     EXPECT_THAT(output_, HasSubstr("pictures per second [Hz]"));
+    EXPECT_THAT(output_, HasSubstr("Exit codes: 0 done, 1 failed while running, 2 "));
 }
 
 TEST_F(ProgramStart, ErrorsExitWithTheRightCode) {
@@ -116,6 +117,32 @@ TEST_F(ProgramStart, UnknownOptionIsNamedWithASuggestion) {
     EXPECT_THAT(errors_, AllOf(HasSubstr("--elephant"), Not(HasSubstr("did you mean"))));
     EXPECT_EQ(start_with({"file.toml"}).exit_code, 2);
     EXPECT_THAT(errors_, HasSubstr("unexpected: file.toml;"));
+}
+
+TEST_F(ProgramStart, NamesWithDashesAndUnderscoresAreTheSame) {
+    EXPECT_TRUE(start_with({"--rate-hz", "50", "--log_level=error"}).go_on);
+    EXPECT_EQ(options_.rate_hz, 50.0);
+    EXPECT_TRUE(start_with({"--rate-hz=60"}).go_on);
+    EXPECT_EQ(options_.rate_hz, 60.0);
+    // values keep theirs
+    EXPECT_TRUE(start_with({"--name", "rate-hz"}).go_on);
+    EXPECT_EQ(options_.name, "rate-hz");
+}
+
+TEST_F(ProgramStart, LooseAndMissingValuesAreExplained) {
+    EXPECT_EQ(start_with({"file.toml"}).exit_code, 2);
+    EXPECT_THAT(errors_, HasSubstr("a file is given as --config file.toml"));
+    EXPECT_EQ(start_with({"--rate_hz"}).exit_code, 2);
+    EXPECT_THAT(errors_, HasSubstr("--rate_hz: needs one value"));
+    EXPECT_EQ(start_with({"--rate_hz", "1", "--rate_hz", "2"}).exit_code, 2);
+    EXPECT_THAT(errors_, HasSubstr("may be given once"));
+    EXPECT_EQ(start_with({"-config", "x"}).exit_code, 2);
+    EXPECT_THAT(errors_, HasSubstr("did you mean --config?"));
+}
+
+TEST_F(ProgramStart, LogsGivenValuesThatEqualTheirDefaults) {
+    EXPECT_TRUE(start_with({"--name", "site", "--config", file("rate_hz = 30\n")}).go_on);
+    EXPECT_THAT(errors_, AllOf(HasSubstr("name = site"), HasSubstr("rate_hz = 30")));
 }
 
 TEST_F(ProgramStart, ProgramCanReadMoreKeysOfItsFile) {

@@ -1,0 +1,53 @@
+#include "core/config/spelling.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace atrium::config {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+const std::vector<std::string> kKeys{"view.width",
+                                     "video.width",
+                                     "view.height",
+                                     "simulation.motion",
+                                     "capture.rate_hz",
+                                     "bus.world",
+                                     "startup-seconds"};
+
+TEST(Spelling, FindsTheNameThatIsMeant) {
+    EXPECT_THAT(names_meant_by("simulation.moton", kKeys), ElementsAre("simulation.motion"));
+    EXPECT_THAT(names_meant_by("simulaton.motion", kKeys), ElementsAre("simulation.motion"));
+    EXPECT_THAT(names_meant_by("elephant", kKeys), IsEmpty());
+}
+
+TEST(Spelling, FindsNamesWithoutTheirTableOrInAnother) {
+    EXPECT_THAT(names_meant_by("widht", kKeys), ElementsAre("view.width", "video.width"));
+    EXPECT_THAT(names_meant_by("site.motion", kKeys), ElementsAre("simulation.motion"));
+    // a name in the same table goes first
+    EXPECT_THAT(names_meant_by("view.widht", kKeys), ElementsAre("view.width"));
+}
+
+TEST(Spelling, FindsNamesWithoutTheirUnit) {
+    EXPECT_THAT(names_meant_by("capture.rate", kKeys), ElementsAre("capture.rate_hz"));
+    EXPECT_THAT(names_meant_by("rate", kKeys), ElementsAre("capture.rate_hz"));
+}
+
+TEST(Spelling, TakesDashesForUnderscores) {
+    EXPECT_THAT(names_meant_by("startup_seconds", kKeys), ElementsAre("startup-seconds"));
+    EXPECT_THAT(names_meant_by("capture.rate-hz", kKeys), ElementsAre("capture.rate_hz"));
+}
+
+TEST(Spelling, AsksWhichNameIsMeant) {
+    EXPECT_EQ(ask_which({}), "");
+    EXPECT_EQ(ask_which({"a"}), "did you mean a?");
+    EXPECT_EQ(ask_which({"a", "b"}, "--"), "did you mean --a or --b?");
+}
+
+}  // namespace
+}  // namespace atrium::config
