@@ -33,6 +33,27 @@ constexpr int kExitFailed = 1;
 constexpr int kExitConfiguration = 2;
 constexpr int kExitMissing = 3;
 
+// The program and option for files with these tables; nothing if they tell nothing.
+std::string use_of(config::TableReader& file) {
+    if (file.has_array("camera")) return "site_node --capture.rig";
+    if (file.has_array("tile")) return "viewer --display.wall";
+    if (file.has("motions") || file.has("sites")) return "demo --config";
+    if (file.has_array("site") || file.has_array("object") || file.has("physics"))
+        return "world_server --config";
+    if (file.has("capture") || file.has("site")) return "site_node --config";
+    return file.has("view") ? "viewer --config" : "";
+}
+
+// Extends an error in a file that is meant for another option or program.
+Error with_right_use(Error error, const std::filesystem::path& file, const std::string& program) {
+    auto reader = config::TableReader::load(file);
+    if (!reader) return error;  // not even TOML
+    const std::string use = use_of(*reader);
+    if (!use.empty() && use != program + " --config")
+        error.message += fmt::format("; this looks like a file for {} {}", use, file.string());
+    return error;
+}
+
 // Adds the options that the file sets to `set_keys`.
 Expected<void> read_file(const std::filesystem::path& file,
                          const config::OptionSet& options,
@@ -189,9 +210,11 @@ Start start(const ProgramInfo& info,
     } catch (const CLI::Success& asked) {
         return {false, cli.exit(asked)};
     } catch (const CLI::ParseError& wrong) {
+        const std::string what = say_wrong(cli, wrong);
         return end_with_error(
             info.name,
-            {ErrorKind::kConfiguration, say_wrong(cli, wrong) + "; --help lists the options"});
+            {ErrorKind::kConfiguration,
+             fmt::format("{}{} --help lists the options", what, what.ends_with('?') ? "" : ";")});
     }
     log::set_program(info.name);
     if (!log::set_level(log_level)) {
@@ -201,10 +224,14 @@ Start start(const ProgramInfo& info,
              fmt::format("--log-level: must be one of debug, info, warn, error, got '{}'",
                          log_level)});
     }
+    if (cli.count("--config") > 0 && config_file.empty()) {
+        return end_with_error(info.name,
+                              {ErrorKind::kConfiguration, "--config: needs the path of a file"});
+    }
     std::set<std::string> set_keys;
     if (!config_file.empty()) {
         if (auto read = read_file(config_file, options, read_more, set_keys); !read)
-            return end_with_error(info.name, read.error());
+            return end_with_error(info.name, with_right_use(read.error(), config_file, info.name));
     }
     for (const auto& [key, text] : given) {
         if (auto set = options.set(key, text, "--" + key); !set)

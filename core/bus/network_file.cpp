@@ -48,16 +48,24 @@ private:
 
 }  // namespace
 
+tl::unexpected<Error> malformed_xml(std::string_view xml,
+                                    const std::string& source,
+                                    std::string_view what,
+                                    std::ptrdiff_t offset) {
+    const auto place = static_cast<std::size_t>(std::max<std::ptrdiff_t>(offset, 0));
+    return make_error(
+        ErrorKind::kConfiguration,
+        fmt::format("{}:{}: not valid XML, perhaps cut off or damaged: {}; compare it with the "
+                    "files in qos/",
+                    source,
+                    num_line_ends(xml.substr(0, place)) + 1,
+                    what));
+}
+
 Expected<std::string> parse_network_file(std::string_view xml, const std::string& source) {
     pugi::xml_document document;
     const pugi::xml_parse_result result = document.load_buffer(xml.data(), xml.size());
-    if (!result) {
-        return make_error(ErrorKind::kConfiguration,
-                          fmt::format("{}: {} at byte {}",
-                                      source,
-                                      result.description(),
-                                      static_cast<long>(result.offset)));
-    }
+    if (!result) return malformed_xml(xml, source, result.description(), result.offset);
     pugi::xml_node root = document.document_element();
     if (std::string_view(root.name()) != "CycloneDDS") {
         return make_error(

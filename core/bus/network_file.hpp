@@ -2,11 +2,18 @@
 
 #include "core/base/expected.hpp"
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
 
 namespace atrium::bus {
+
+/// Error for text that is not XML: what is wrong at which line. `offset` in bytes.
+tl::unexpected<Error> malformed_xml(std::string_view xml,
+                                    const std::string& source,
+                                    std::string_view what,
+                                    std::ptrdiff_t offset);
 
 /// Checks that the text is XML with the root <CycloneDDS>, and returns it without comments and
 /// declaration, as Cyclone expects it. Each element keeps its line number for Cyclone's errors.

@@ -1,5 +1,6 @@
 #include "core/bus/qos_profiles.hpp"
 
+#include "core/base/text_file.hpp"
 #include "core/bus/builtin_files.hpp"
 #include "core/bus/network_file.hpp"
 
@@ -258,13 +259,7 @@ private:
 Expected<QosProfiles> parse_qos_profiles(std::string_view xml, const std::string& source) {
     pugi::xml_document document;
     const pugi::xml_parse_result result = document.load_buffer(xml.data(), xml.size());
-    if (!result) {
-        return make_error(ErrorKind::kConfiguration,
-                          fmt::format("{}: {} at byte {}",
-                                      source,
-                                      result.description(),
-                                      static_cast<long>(result.offset)));
-    }
+    if (!result) return malformed_xml(xml, source, result.description(), result.offset);
     auto profiles = ProfileParser(source).parse(document.document_element());
     if (!profiles) return profiles;
     if (auto fits = check_compatible(*profiles, source); !fits) return tl::unexpected(fits.error());

@@ -2,10 +2,9 @@
 
 #include "core/base/text_file.hpp"
 #include "core/config/spelling.hpp"
-#include "core/config/toml_nesting.hpp"
+#include "core/config/toml_text.hpp"
 
 #include <fmt/format.h>
-#include <toml.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -99,27 +98,11 @@ Expected<TableReader> TableReader::load(const std::filesystem::path& file) {
 }
 
 Expected<TableReader> TableReader::parse(const std::string& toml_text, const std::string& name) {
-    if (const std::size_t line = line_nested_too_deeply(toml_text); line != 0) {
-        return make_error(
-            ErrorKind::kConfiguration,
-            fmt::format("{}:{}: more than {} levels deep", name, line, kMaxTomlNesting));
-    }
+    auto root = parse_toml(toml_text, name);
+    if (!root) return tl::unexpected(root.error());
     auto document = std::make_shared<Document>();
     document->name = name;
-    try {
-        std::istringstream stream(toml_text);
-        document->root = toml::parse(stream, name);
-    } catch (const toml::exception& e) {
-        // the library's text has several lines that show the place; keep only the first
-        std::string what = e.what();
-        what = what.substr(0, what.find('\n'));
-        return make_error(
-            ErrorKind::kConfiguration,
-            fmt::format("{}:{}: not valid TOML: {}", name, e.location().line(), what));
-    } catch (const std::exception& e) {
-        return make_error(ErrorKind::kConfiguration,
-                          fmt::format("{}: not valid TOML: {}", name, e.what()));
-    }
+    document->root = std::move(*root);
     auto node = std::make_shared<Node>();
     node->table = &document->root;
     return TableReader(std::move(document), std::move(node));
@@ -153,8 +136,9 @@ TableReader TableReader::table(const std::string& key) {
             if (value->is_table()) {
                 child->table = value;
             } else {
-                document_->report(
-                    location(document_->name, *value), node_->path + key, "must be a table");
+                document_->report(location(document_->name, *value),
+                                  node_->path + key,
+                                  "must be a table, written [" + node_->path + key + "]");
             }
         }
     }
@@ -264,7 +248,7 @@ void TableReader::read(const std::string& key,
                        const std::vector<std::string>& choices) {
     const toml::value* found = holder(key).node_->find(last_part(key));
     if (found == nullptr) return;
-    if (!found->is_string()) return reject(key, "must be a string");
+    if (!found->is_string()) return reject(key, "must be a string in double quotes");
     const std::string text = found->as_string();
     if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end()) {
         return reject(key, fmt::format("must be one of {}", fmt::join(choices, ", ")));
@@ -321,7 +305,7 @@ void TableReader::read(const std::string& key, std::vector<std::string>& values)
         found->is_array() && std::all_of(found->as_array().begin(),
                                          found->as_array().end(),
                                          [](const auto& v) { return v.is_string(); });
-    if (!all_strings) return reject(key, "must be an array of strings");
+    if (!all_strings) return reject(key, "must be an array of strings in double quotes");
     values.clear();
     for (const toml::value& v : found->as_array()) values.push_back(v.as_string());
 }

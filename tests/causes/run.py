@@ -97,7 +97,7 @@ def run_in(case, folder, bin_folder, data):
     os.mkdir(home)
     environment = {key: value for key, value in os.environ.items()
                    if key not in ("DISPLAY", "WAYLAND_DISPLAY", "CYCLONEDDS_URI") and not key.startswith("XDG_")}
-    environment.update(SOURCE=table.ROOT, BIN=bin_folder, DATA=data, HOME=home, LC_ALL="C.UTF-8")
+    environment.update(SOURCE=table.ROOT, BIN=bin_folder, DATA=data, HOME=home, XDG_CACHE_HOME=home, LC_ALL="C.UTF-8")
     output = ""
     if case.prepare:
         code, output = run_shell(case.prepare, folder, environment, "-euc")

@@ -140,6 +140,15 @@ TEST_F(ProgramStart, LooseAndMissingValuesAreExplained) {
     EXPECT_THAT(errors_, HasSubstr("did you mean --config?"));
 }
 
+TEST_F(ProgramStart, NamesTheProgramOfAFileForAnother) {
+    EXPECT_EQ(start_with({"--config", file("[capture]\nsource = \"cameras\"\n")}).exit_code, 2);
+    EXPECT_THAT(errors_, HasSubstr("this looks like a file for site_node --config "));
+    EXPECT_EQ(start_with({"--config", file("[[tile]]\nname = \"left\"\n")}).exit_code, 2);
+    EXPECT_THAT(errors_, HasSubstr("this looks like a file for viewer --display.wall "));
+    EXPECT_EQ(start_with({"--config", file("raet_hz = 3\n")}).exit_code, 2);
+    EXPECT_THAT(errors_, Not(HasSubstr("this looks like")));
+}
+
 TEST_F(ProgramStart, LogsGivenValuesThatEqualTheirDefaults) {
     EXPECT_TRUE(start_with({"--name", "site", "--config", file("rate_hz = 30\n")}).go_on);
     EXPECT_THAT(errors_, AllOf(HasSubstr("name = site"), HasSubstr("rate_hz = 30")));

@@ -148,5 +148,19 @@ TEST(TableReader, ReportsMissingFilesFoldersAndBrokenToml) {
     EXPECT_THAT(broken.error().message, HasSubstr("room.toml:2"));
 }
 
+TEST(TableReader, ShowsALineThatIsNotTomlAndSaysHowToWriteIt) {
+    const auto error_of = [](const std::string& text) {
+        const auto reader = TableReader::parse(text, "room.toml");
+        return reader ? std::string() : reader.error().message;
+    };
+    EXPECT_THAT(error_of("[hull]\nthreads = two\n"),
+                AllOf(HasSubstr("room.toml:2"), HasSubstr("'threads = two'"), HasSubstr("quotes")));
+    EXPECT_THAT(error_of("[hull\nthreads = 2\n"),
+                AllOf(HasSubstr("room.toml:1"), HasSubstr("a table is written [name]")));
+    EXPECT_THAT(error_of("threads: 2\n"), HasSubstr("a value is written key = value"));
+    EXPECT_THAT(error_of(std::string("\xFF\xFE[\0h\0", 6)), HasSubstr("not a text file in UTF-8"));
+    EXPECT_LT(error_of("threads = \"" + std::string(1000, 'x')).size(), 300u);
+}
+
 }  // namespace
 }  // namespace atrium::config

@@ -1,0 +1,89 @@
+#include "core/config/toml_text.hpp"
+
+#include "core/config/toml_nesting.hpp"
+
+#include <fmt/format.h>
+
+#include <sstream>
+#include <string_view>
+
+namespace atrium::config {
+namespace {
+
+// True for text with characters that no text editor writes: UTF-16, pictures, programs.
+bool is_binary(std::string_view text) {
+    return text.find('\0') != std::string_view::npos || text.starts_with("\xFF\xFE") ||
+           text.starts_with("\xFE\xFF");
+}
+
+// The line of that number, from 1, without spaces around it and at most 60 characters long.
+std::string line_of(std::string_view text, std::size_t number) {
+    constexpr std::size_t kMaxLength = 60;
+    for (; number > 1; --number) {
+        const auto end = text.find('\n');
+        if (end == std::string_view::npos) return {};
+        text.remove_prefix(end + 1);
+    }
+    text = text.substr(0, text.find_first_of("\r\n"));
+    text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size()));
+    std::string line;
+    for (const char c : text.substr(0, kMaxLength))
+        line += static_cast<unsigned char>(c) < ' ' ? '?' : c;
+    return line;
+}
+
+// What is probably wrong with the line.
+std::string_view hint(std::string_view line) {
+    const auto equals = line.find('=');
+    if (line.starts_with('[')) return "a table is written [name], several of them [[name]]";
+    if (equals == std::string_view::npos) return "a value is written key = value";
+    return "text needs double quotes, a number a decimal point, and a switch is true or false";
+}
+
+// The library's text without its own name and its picture of the place.
+std::string what_of(const std::exception& failure) {
+    std::string what = failure.what();
+    what = what.substr(0, what.find('\n'));
+    for (const std::string_view mark : {"[error] ", "toml::"}) {
+        if (!what.starts_with(mark)) continue;
+        what = what.substr(mark.size());
+        if (mark == "toml::") what = what.substr(std::min(what.find(": ") + 2, what.size()));
+    }
+    while (what.ends_with('.')) what.pop_back();
+    return what;
+}
+
+}  // namespace
+
+Expected<toml::value> parse_toml(const std::string& text, const std::string& name) {
+    if (is_binary(text)) {
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("{}: is not a text file in UTF-8; is it the right file? An "
+                                      "editor may have saved it as UTF-16",
+                                      name));
+    }
+    if (const std::size_t line = line_nested_too_deeply(text); line != 0) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("{}:{}: more than {} levels deep", name, line, kMaxTomlNesting));
+    }
+    try {
+        std::istringstream stream(text);
+        return toml::parse(stream, name);
+    } catch (const toml::exception& failure) {
+        const std::size_t number = failure.location().line();
+        const std::string line = line_of(text, number);
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("{}:{}: not valid TOML: {}, in '{}'; {}",
+                                      name,
+                                      number,
+                                      what_of(failure),
+                                      line,
+                                      hint(line)));
+    } catch (const std::exception& failure) {
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("{}: not valid TOML: {}", name, failure.what()));
+    }
+}
+
+}  // namespace atrium::config
