@@ -43,8 +43,7 @@ struct Viewer::Impl {
           picture(config, std::move(display)),
           control(camera, config.view.name, picture.display.is_tile()),
           output_files(config),
-          statistics(config.view.name),
-          membership(config.bus.world) {}
+          statistics(config.view.name) {}
 
     ViewerConfig config;
     SurfaceOptions surface_options;

@@ -46,6 +46,14 @@ public:
     /// Thread-safe.
     std::vector<std::string> take_mismatches() const;
 
+    /// Returns what DDS itself logged in this process since the last call: each kind of message
+    /// once, and then at most once a minute. Call it about once a second. Thread-safe.
+    std::vector<std::string> take_dds_log() const;
+
+    /// Returns where this program is, for the log: "world=atrium domain=0 network=lan", and other
+    /// worlds of which `take_mismatches` saw programs: "other_worlds=studio,lab". Thread-safe.
+    std::string place() const;
+
     struct Impl;
     const std::shared_ptr<Impl>& impl() const { return impl_; }
 

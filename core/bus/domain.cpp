@@ -1,5 +1,6 @@
 #include "core/bus/domain.hpp"
 
+#include "core/bus/dds_log.hpp"
 #include "core/bus/entity.hpp"
 
 #include <map>
@@ -8,34 +9,6 @@
 namespace atrium::bus {
 
 namespace {
-
-/// Captures Cyclone's log while it creates a domain. Only the log has the reason of a failure.
-class CapturedLog {
-public:
-    CapturedLog() { dds_set_log_sink(&CapturedLog::append, this); }
-    CapturedLog(const CapturedLog&) = delete;
-    CapturedLog& operator=(const CapturedLog&) = delete;
-    ~CapturedLog() { dds_set_log_sink(nullptr, nullptr); }
-
-    std::string text() const {
-        const std::lock_guard lock(mutex_);
-        return text_;
-    }
-
-private:
-    static void append(void* self, const dds_log_data_t* data) {
-        auto& log = *static_cast<CapturedLog*>(self);
-        const std::lock_guard lock(log.mutex_);
-        std::string_view line(data->message, data->size);
-        if (const auto end = line.find_last_not_of(" \n"); end != std::string_view::npos)
-            line = line.substr(0, end + 1);
-        if (!log.text_.empty()) log.text_ += "; ";
-        log.text_ += line;
-    }
-
-    mutable std::mutex mutex_;
-    std::string text_;
-};
 
 /// The open domains with their settings. Global, because Cyclone's table of domains is global to
 /// the process; that table does not hold the settings.
@@ -106,9 +79,11 @@ Expected<Domain> Domain::open(std::uint32_t id,
         ++found->second.num_shares;
         return Domain(id);
     }
-    const CapturedLog log;
+    DdsLog::of_process().begin_capture();
     const dds_entity_t handle = dds_create_domain(id, network_xml.c_str());
-    if (handle < 0) return describe_failure(id, handle, source, log.text());
+    const std::string messages = DdsLog::of_process().end_capture();
+    if (handle < 0) return describe_failure(id, handle, source, messages);
+    if (!messages.empty()) DdsLog::of_process().add(messages);
     all.domains.emplace(id, Registry::OpenDomain{Entity(handle), network_xml, 1});
     return Domain(id);
 }

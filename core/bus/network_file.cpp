@@ -68,9 +68,13 @@ Expected<std::string> parse_network_file(std::string_view xml, const std::string
     if (!result) return malformed_xml(xml, source, result.description(), result.offset);
     pugi::xml_node root = document.document_element();
     if (std::string_view(root.name()) != "CycloneDDS") {
+        const bool has_profiles = std::string_view(root.name()) == "dds";
         return make_error(
             ErrorKind::kConfiguration,
-            fmt::format("{}: the root is <{}>, must be <CycloneDDS>", source, root.name()));
+            fmt::format("{}: the root is <{}>, must be <CycloneDDS>{}",
+                        source,
+                        root.name(),
+                        has_profiles ? "; QoS profiles are given with --bus.profiles_file" : ""));
     }
     LineKeeper(xml).keep_lines(root);
     std::ostringstream text;

@@ -55,16 +55,20 @@ NetworkReport report_network(const NetworkSettings& settings) {
                         kBytesAtOnce >> 11U,
                         kRemedyBytes));
     }
-    if (settings.kind == "loopback" && settings.has_remote_peers) {
-        report.warnings.emplace_back(
-            "bus.peers names other hosts, but bus.network = loopback reaches only this one; use "
-            "--network lan, wifi or wan");
+    if (!settings.unreachable_peers.empty()) {
+        report.warnings.push_back(
+            fmt::format("bus.peers: bus.network = loopback reaches only this one host and ignores "
+                        "{}; use --network lan, wifi or wan",
+                        fmt::join(settings.unreachable_peers, ", ")));
     }
     const bool stays_here = settings.card.empty() || settings.address.rfind("127.", 0) == 0;
-    if (settings.kind != "loopback" && stays_here && settings.has_remote_peers) {
-        report.warnings.emplace_back(
-            "no active network card reaches other hosts; bring one up and name it with "
-            "--interface");
+    const bool is_builtin =
+        settings.kind == "lan" || settings.kind == "wifi" || settings.kind == "wan";
+    if (stays_here && (is_builtin || (settings.kind != "loopback" && settings.has_remote_peers))) {
+        report.warnings.push_back(
+            fmt::format("bus.network = {}: no active network card reaches other hosts; bring one "
+                        "up and name it with --interface, or use --network loopback",
+                        settings.kind));
     }
     if (settings.kind == "wan" && !settings.has_remote_peers) {
         report.warnings.emplace_back(

@@ -54,7 +54,8 @@ Expected<std::string> resolve(const std::string& host) {
     return std::string(::inet_ntop(AF_INET, &address.sin_addr, text, sizeof text));
 }
 
-Expected<NetworkCard> find_card(const std::string& name) {
+/// Finds a card that is up; `source` names the key or file that asks for it.
+Expected<NetworkCard> find_card(const std::string& name, const std::string& source) {
     std::string there;
     for (const NetworkCard& card : network_cards()) {
         if (card.name == name && card.is_up) return card;
@@ -62,9 +63,10 @@ Expected<NetworkCard> find_card(const std::string& name) {
     }
     return make_error(
         ErrorKind::kConfiguration,
-        fmt::format("bus.interface: '{}' is missing, down or without an IPv4 address; available:{}",
+        fmt::format("{}: '{}' is missing, down or without an IPv4 address; available:{}",
+                    source,
                     name,
-                    there));
+                    there.empty() ? " none, `ip link set lo up` brings up at least lo" : there));
 }
 
 /// The card of the default route; without one, the first card that is up and not loopback.
@@ -102,13 +104,30 @@ public:
     }
 
     std::string named_card() const {
+        const std::string name = card_name();
+        if (!name.empty()) return name;
         const pugi::xml_node general = domain_.child("General");
         const pugi::xml_node card = general.child("Interfaces").child("NetworkInterface");
-        for (const char* attribute : {"name", "address"}) {
-            if (card.attribute(attribute)) return card.attribute(attribute).value();
-        }
+        if (card.attribute("address")) return card.attribute("address").value();
         return general.child("NetworkInterfaceAddress").text().get();
     }
+
+    /// The name of the card, if the settings have its name and not its address.
+    std::string card_name() const {
+        return domain_.child("General")
+            .child("Interfaces")
+            .child("NetworkInterface")
+            .attribute("name")
+            .value();
+    }
+
+    /// False if the settings are for another domain: Cyclone would ignore them.
+    bool is_for(std::uint32_t domain) const {
+        const std::string_view id = domain_.attribute("Id").value();
+        return id.empty() || id == "any" || id == std::to_string(domain);
+    }
+
+    std::string id() const { return domain_.attribute("Id").value(); }
 
     void set_card(const std::string& name) {
         pugi::xml_node general = child(domain_, "General");
@@ -183,10 +202,19 @@ Expected<void> enter_card(const BusOptions& options,
                           NetworkSettings& settings) {
     settings.card = domain.named_card();
     if (!options.interface.empty()) {
-        const auto card = find_card(options.interface);
+        const auto card = find_card(options.interface, "bus.interface");
         if (!card) return tl::unexpected(card.error());
+        if (options.network == "loopback" && !card->is_loopback) {
+            return make_error(ErrorKind::kConfiguration,
+                              fmt::format("bus.interface: bus.network = loopback uses no network "
+                                          "card; add --network lan to use {}",
+                                          card->name));
+        }
         settings.card = card->name;
         domain.set_card(card->name);
+    } else if (!domain.card_name().empty()) {
+        const auto card = find_card(domain.card_name(), settings.source);
+        if (!card) return tl::unexpected(card.error());
     } else if (settings.card.empty() && is_builtin) {
         if (const auto card = usual_card()) {
             settings.card = card->name;
@@ -209,8 +237,13 @@ Expected<void> enter_peers(const BusOptions& options,
     for (const std::string& host : split(options.peers)) {
         const auto address = resolve(host);
         if (!address) return tl::unexpected(address.error());
-        settings.has_remote_peers |= !is_this_host(*address);
-        domain.add_peer(*address);
+        const bool is_remote = !is_this_host(*address);
+        settings.has_remote_peers |= is_remote;
+        if (is_remote && options.network == "loopback") {
+            settings.unreachable_peers.push_back(host);
+        } else {
+            domain.add_peer(*address);
+        }
     }
     // without multicast, programs of this host are found only as peers
     if (is_builtin && !settings.multicast && !settings.address.empty())
@@ -252,6 +285,16 @@ Expected<NetworkSettings> load_network_settings(const BusOptions& options) {
                                 : load_network_file(options.network);
     if (!xml) return tl::unexpected(xml.error());
     DomainElement domain(*xml);
+    if (!domain.is_for(options.domain)) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("{}: <Domain Id=\"{}\"> does not apply to domain {}: write Id=\"any\", or "
+                        "--bus.domain {}",
+                        settings.source,
+                        domain.id(),
+                        options.domain,
+                        domain.id()));
+    }
     settings.multicast = domain.uses_multicast();
     settings.receive_buffer_bytes = domain.receive_buffer_bytes();
     if (auto entered = enter_card(options, is_builtin, domain, settings); !entered)

@@ -26,7 +26,8 @@ struct NetworkSettings {
     bool multicast = false;          // discovery uses multicast
     std::vector<std::string> peers;  // IPv4 addresses; those of the file unchanged
     bool has_remote_peers = false;   // the option bus.peers names another host
-    std::size_t receive_buffer_bytes = 0;  // requested size
+    std::vector<std::string> unreachable_peers;  // left out: loopback cannot reach these hosts
+    std::size_t receive_buffer_bytes = 0;        // requested size
 };
 
 /// Lists the cards of this host that have an IPv4 address.

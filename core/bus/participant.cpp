@@ -1,8 +1,11 @@
 #include "core/bus/participant.hpp"
 
+#include "core/bus/dds_log.hpp"
 #include "core/bus/names.hpp"
 #include "core/bus/network_settings.hpp"
 #include "core/bus/topics.hpp"
+
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -110,19 +113,32 @@ Expected<Participant> Participant::create(const BusOptions& options) {
     if (!subscriber) return tl::unexpected(subscriber.error());
     auto peers = PeerWatch::create(participant->get(), options.world);
     if (!peers) return tl::unexpected(peers.error());
-    return Participant(std::shared_ptr<Impl>(new Impl{std::move(*domain),
-                                                      std::move(*profiles),
-                                                      report_network(*network),
-                                                      std::move(*participant),
-                                                      std::move(*publisher),
-                                                      std::move(*subscriber),
-                                                      std::move(*peers)}));
+    return Participant(std::shared_ptr<Impl>(new Impl{
+        std::move(*domain),
+        std::move(*profiles),
+        report_network(*network),
+        fmt::format(
+            "world={} domain={} network={}", options.world, options.domain, options.network),
+        std::move(*participant),
+        std::move(*publisher),
+        std::move(*subscriber),
+        std::move(*peers)}));
 }
 
 const NetworkReport& Participant::network() const { return impl_->network; }
 
 std::vector<std::string> Participant::take_mismatches() const {
     return impl_->peers.take_mismatches();
+}
+
+std::vector<std::string> Participant::take_dds_log() const {
+    return DdsLog::of_process().take(DdsLog::Clock::now());
+}
+
+std::string Participant::place() const {
+    const std::vector<std::string> others = impl_->peers.other_worlds();
+    if (others.empty()) return impl_->place;
+    return fmt::format("{} other_worlds={}", impl_->place, fmt::join(others, ","));
 }
 
 }  // namespace atrium::bus

@@ -1,5 +1,7 @@
 #include "core/bus/peer_watch.hpp"
 
+#include "core/bus/names.hpp"
+
 #include <fnmatch.h>
 
 #include <algorithm>
@@ -20,6 +22,7 @@ constexpr std::chrono::seconds kMatchTimeout{2};
 // Limits on data from untrusted senders.
 constexpr std::size_t kMaxRemembered = 4096;
 constexpr std::size_t kMaxLinesPerCall = 8;
+constexpr std::size_t kMaxOtherWorlds = 8;
 
 std::chrono::nanoseconds from_dds(dds_duration_t duration) {
     return duration == DDS_INFINITY ? kForever : std::chrono::nanoseconds(duration);
@@ -41,17 +44,17 @@ EndpointQos get_qos(const dds_qos_t* qos) {
     return out;
 }
 
-bool is_in_world(const dds_qos_t* qos, const std::string& world) {
+std::vector<std::string> worlds_of(const dds_qos_t* qos) {
     std::uint32_t num = 0;
     char** names = nullptr;
-    if (!dds_qget_partition(qos, &num, &names)) return false;
-    bool found = false;
+    std::vector<std::string> worlds;
+    if (!dds_qget_partition(qos, &num, &names)) return worlds;
     for (std::uint32_t i = 0; i < num; ++i) {
-        found |= ::fnmatch(names[i], world.c_str(), 0) == 0;
+        worlds.emplace_back(names[i]);
         dds_free(names[i]);
     }
     dds_free(names);
-    return found;
+    return worlds;
 }
 
 bool has_our_type_name(const dds_builtintopic_endpoint_t& theirs, dds_entity_t our_topic) {
@@ -110,6 +113,7 @@ struct PeerWatch::State {
     std::list<WatchedEndpoint> endpoints;
     bool endpoints_changed = false;
     std::set<std::string> reported;
+    std::set<std::string> other_worlds;
     std::map<std::pair<dds_entity_t, dds_instance_handle_t>, std::chrono::steady_clock::time_point>
         waiting;              // compatible pairs that are not matched yet, and since when
     bool look_again = false;  // compare all endpoints again, because of `waiting`
@@ -119,6 +123,7 @@ struct PeerWatch::State {
                  dds_instance_handle_t handle,
                  bool theirs_write,
                  std::vector<std::string>& lines);
+    void remember_other_worlds(const std::vector<std::string>& worlds);
     bool is_overdue(const WatchedEndpoint& ours, dds_instance_handle_t theirs);
     std::string name_of(const dds_guid_t& participant);
 };
@@ -177,6 +182,11 @@ std::vector<std::string> PeerWatch::take_mismatches() {
     return lines;
 }
 
+std::vector<std::string> PeerWatch::other_worlds() const {
+    const std::lock_guard lock(state_->mutex);
+    return {state_->other_worlds.begin(), state_->other_worlds.end()};
+}
+
 // Reads only new samples, or all of them if an endpoint of this process was added or a pair is
 // waiting.
 void PeerWatch::State::look(const Entity& builtin,
@@ -197,7 +207,13 @@ void PeerWatch::State::compare(const dds_builtintopic_endpoint_t& theirs,
                                std::vector<std::string>& lines) {
     for (const WatchedEndpoint& ours : endpoints) {
         if (ours.is_reader != theirs_write || ours.topic_name != theirs.topic_name) continue;
-        if (!is_in_world(theirs.qos, world)) return;
+        const std::vector<std::string> worlds = worlds_of(theirs.qos);
+        if (std::ranges::none_of(worlds, [this](const std::string& pattern) {
+                return ::fnmatch(pattern.c_str(), world.c_str(), 0) == 0;
+            })) {
+            remember_other_worlds(worlds);
+            return;
+        }
         std::string why;
         const EndpointQos qos = get_qos(theirs.qos);
         const auto policy =
@@ -221,6 +237,12 @@ void PeerWatch::State::compare(const dds_builtintopic_endpoint_t& theirs,
                                     name_of(theirs.participant_key),
                                     ours.topic_name,
                                     why));
+    }
+}
+
+void PeerWatch::State::remember_other_worlds(const std::vector<std::string>& worlds) {
+    for (const std::string& name : worlds) {
+        if (other_worlds.size() < kMaxOtherWorlds && is_valid_name(name)) other_worlds.insert(name);
     }
 }
 

@@ -49,6 +49,9 @@ public:
     /// reported once; at most 8 per call.
     std::vector<std::string> take_mismatches();
 
+    /// Returns the names of other worlds in this domain, of those found by `take_mismatches`.
+    std::vector<std::string> other_worlds() const;
+
 private:
     std::shared_ptr<State> state_;
 };

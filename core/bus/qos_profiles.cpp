@@ -27,7 +27,8 @@ public:
 
     Expected<QosProfiles> parse(const pugi::xml_node& root) {
         allow_attributes(root, {"xmlns", "xmlns:xsi", "xsi:schemaLocation"});
-        if (std::string_view(root.name()) != "dds") fail(root, "the root must be <dds>");
+        if (std::string_view(root.name()) != "dds")
+            fail(root, "is the root, must be <dds>; a network file is given with --network");
         for_children(root, {{"qos_library", [&](auto& node) { read_library(node); }}});
         if (!fault_.empty()) return make_error(ErrorKind::kConfiguration, fault_);
         return profiles_;

@@ -24,7 +24,7 @@ std::size_t num_edits(std::string_view a, std::string_view b) {
     return row.back();
 }
 
-std::string_view last_part(std::string_view key) {
+std::string_view after_last_dot(std::string_view key) {
     return key.substr(key.rfind('.') + 1);  // npos + 1 is 0
 }
 
@@ -48,7 +48,7 @@ std::optional<std::size_t> distance(std::string_view written, std::string_view m
 std::optional<std::size_t> rank(std::string_view written, std::string_view meant) {
     constexpr std::size_t kOtherTable = 10;
     if (const auto whole = distance(written, meant)) return whole;
-    const auto parts = distance(last_part(written), last_part(meant));
+    const auto parts = distance(after_last_dot(written), after_last_dot(meant));
     return parts ? std::optional(*parts + kOtherTable) : std::nullopt;
 }
 

@@ -1,6 +1,7 @@
 #include "core/presence/membership.hpp"
 
 #include "core/bus/limits.hpp"
+#include "core/presence/clock_watch.hpp"
 #include "core/presence/name_claim.hpp"
 
 #include <fmt/format.h>
@@ -26,6 +27,7 @@ using Clock = NameClaim::Clock;
 constexpr std::chrono::milliseconds kLook{1000};    // period of the search for incompatible peers
 constexpr std::chrono::milliseconds kJoinStep{20};  // longest wait while the name is claimed
 constexpr std::chrono::seconds kRefresh{10};        // period of Presence: it has the clock's state
+constexpr std::chrono::seconds kAlone{5};           // time for others to be found
 constexpr std::size_t kMaxPresent = 4096;           // limit on data from untrusted senders
 
 using Key = std::tuple<bus::ProgramKind, std::string, std::uint64_t>;
@@ -68,12 +70,14 @@ struct Membership::Impl {
     Expected<void> claim(std::stop_token stop);
     void serve(std::stop_token stop);
     void take();
+    void say_if_alone();
     Expected<void> announce();
 
     Participant participant;
     MembershipEvents events;
     Presence own;
     NameClaim name{own, Clock::now()};
+    ClockWatch clocks;
     std::optional<bus::Writer<Presence>> writer;
     std::optional<bus::Reader<Presence>> reader;
     std::optional<bus::Waiter> waiter;
@@ -121,15 +125,20 @@ Expected<void> Membership::Impl::announce() {
 
 void Membership::Impl::take() {
     const Clock::time_point now = Clock::now();
-    reader->take(
-        [&](Presence&& presence) {
+    const Timestamp arrived = Timestamp::now();
+    reader->take_written(
+        [&](Presence&& presence, Timestamp written) {
             if (presence.instance == own.instance) return;
+            if (presence.host != own.host) {
+                const auto line = clocks.see(presence.host, presence.instance, written, arrived);
+                if (line) events.warn(*line);
+            }
             name.see(presence, now);
             const std::lock_guard lock(mutex);
             if (others.size() < kMaxPresent || others.contains(key_of(presence)))
                 others.insert_or_assign(key_of(presence), std::move(presence));
         },
-        [&](const Presence& presence) {
+        [&](const Presence& presence, bus::Ending /*how*/) {
             name.gone(presence);
             const std::lock_guard lock(mutex);
             others.erase(key_of(presence));
@@ -169,9 +178,26 @@ Expected<void> Membership::Impl::claim(std::stop_token stop) {
     return make_error(ErrorKind::kUnavailable, "stopped while claiming the name");
 }
 
+// A viewer says so itself: it needs a world server or a site.
+void Membership::Impl::say_if_alone() {
+    {
+        const std::lock_guard lock(mutex);
+        if (!others.empty() || own.kind == bus::ProgramKind::kViewer) return;
+    }
+    const std::string place = participant.place();
+    const bool has_neighbours = place.find("other_worlds=") != std::string::npos;
+    const std::string line = fmt::format(
+        "alone {} no other program of this world yet; world, domain and network must be the same "
+        "in all programs",
+        place);
+    has_neighbours ? events.warn(line) : events.info(line);
+}
+
 void Membership::Impl::serve(std::stop_token stop) {
     const std::stop_callback wake(stop, [this] { waiter->wake(); });
-    Clock::time_point next_look = Clock::now();
+    const Clock::time_point begin = Clock::now();
+    bool has_looked_around = false;
+    Clock::time_point next_look = begin;
     Clock::time_point next_refresh = Clock::now() + kRefresh;
     bool is_lost = false;
     while (!stop.stop_requested()) {
@@ -191,6 +217,11 @@ void Membership::Impl::serve(std::stop_token stop) {
         if (now < next_look) continue;
         next_look = now + kLook;
         for (const std::string& line : participant.take_mismatches()) events.warn(line);
+        for (const std::string& line : participant.take_dds_log()) events.warn(line);
+        if (!has_looked_around && now - begin >= kAlone) {
+            has_looked_around = true;
+            say_if_alone();
+        }
     }
 }
 
@@ -222,5 +253,7 @@ std::vector<Presence> Membership::present() const {
     for (const auto& [key, presence] : impl_->others) list.push_back(presence);
     return list;
 }
+
+std::string Membership::place() const { return impl_->participant.place(); }
 
 }  // namespace atrium::presence

@@ -43,6 +43,8 @@ public:
 
     /// Returns the programs present, this process first. Thread-safe.
     std::vector<bus::Presence> present() const;
+    /// Returns bus::Participant::place. Thread-safe.
+    std::string place() const;
 
 private:
     struct Impl;

@@ -65,6 +65,8 @@ bool Monitor::listen(Clock::time_point until, std::stop_token stop) {
     }
     for (const std::string& line : inbox_.participant().take_mismatches())
         model_.notice(line, Clock::now());
+    for (const std::string& line : inbox_.participant().take_dds_log())
+        model_.notice(line, Clock::now());
     return !stop.stop_requested();
 }
 

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace atrium::viewer {
@@ -18,11 +17,12 @@ public:
     using Clock = std::chrono::steady_clock;
     static constexpr std::chrono::seconds kPatience{3};
 
-    explicit EmptyWorldWarning(std::string world) : world_(std::move(world)) {}
-
     /// Checks the programs `present` at `now`. `is_over`: the run ends, so nobody else can come.
-    /// Returns whether it warned.
-    bool update(const std::vector<bus::Presence>& present, Clock::time_point now, bool is_over) {
+    /// `place` says where this viewer is (bus::Participant::place). Returns whether it warned.
+    bool update(const std::vector<bus::Presence>& present,
+                const std::string& place,
+                Clock::time_point now,
+                bool is_over) {
         begin_ = std::min(begin_, now);
         is_known_ = is_known_ || std::ranges::any_of(present, [](const bus::Presence& member) {
                         return member.kind == bus::ProgramKind::kWorldServer ||
@@ -31,13 +31,14 @@ public:
         if (is_known_ || (!is_over && now - begin_ < kPatience)) return false;
         is_known_ = true;
         app::log::warn(
-            "nobody_there world={} no world server and no site yet; check the name of the world",
-            world_);
+            "nobody_there {} no world server and no site yet; world, domain and network must be "
+            "the "
+            "same in all programs",
+            place);
         return true;
     }
 
 private:
-    std::string world_;
     Clock::time_point begin_ = Clock::time_point::max();
     bool is_known_ = false;  // somebody is there, or the warning was given
 };

@@ -17,8 +17,6 @@ namespace atrium::viewer {
 /// Claims the viewer's name in a world and warns if nobody else is there.
 class WorldMembership {
 public:
-    explicit WorldMembership(std::string world) : empty_world_(std::move(world)) {}
-
     /// Joins as `viewer`, which takes most of a second. Errors: see presence::join_world.
     Expected<void> join(const bus::Participant& participant,
                         const std::string& viewer,
@@ -27,7 +25,7 @@ public:
     Expected<void> check_name() const;
     /// Updates the warning. `is_over`: the run ends.
     void warn_if_alone(std::chrono::steady_clock::time_point now, bool is_over) {
-        empty_world_.update(membership_->present(), now, is_over);
+        empty_world_.update(membership_->present(), membership_->place(), now, is_over);
     }
 
 private:

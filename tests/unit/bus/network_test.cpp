@@ -83,6 +83,13 @@ TEST(Network, NamesAnUnknownPeerInterfaceOrFile) {
     EXPECT_THAT(error_of(options).message, HasSubstr("/nowhere/wifi.xml"));
 }
 
+TEST(Network, LeavesOutPeersThatLoopbackCannotReach) {
+    const NetworkSettings settings = load("loopback", "192.0.2.10,127.0.0.1");
+    EXPECT_THAT(settings.peers, Not(Contains("192.0.2.10")));
+    EXPECT_THAT(report_network(settings).warnings,
+                Contains(AllOf(HasSubstr("192.0.2.10"), HasSubstr("--network lan"))));
+}
+
 TEST(Network, IsReportedInOneLineWithItsProblems) {
     NetworkSettings settings = load("wan", "192.0.2.10", "lo");
     settings.receive_buffer_bytes = 4096;

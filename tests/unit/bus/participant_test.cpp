@@ -85,8 +85,17 @@ TEST(Participant, NamesAMissingInterface) {
         "<CycloneDDS><Domain Id='any'><General><Interfaces><NetworkInterface name='atrium9'/>"
         "</Interfaces></General></Domain></CycloneDDS>");
     options.network = file.path().string();
-    EXPECT_EQ(error_of(options).kind, ErrorKind::kUnavailable);
-    EXPECT_THAT(error_of(options).message, HasSubstr("atrium9"));
+    EXPECT_EQ(error_of(options).kind, ErrorKind::kConfiguration);
+    EXPECT_THAT(error_of(options).message, AllOf(HasSubstr("atrium9"), HasSubstr("available: ")));
+}
+
+TEST(Participant, RefusesSettingsForAnotherDomain) {
+    BusOptions options = own_world("other-domain", 104);
+    const TemporaryFile file("<CycloneDDS><Domain Id='3'><General/></Domain></CycloneDDS>");
+    options.network = file.path().string();
+    EXPECT_EQ(error_of(options).kind, ErrorKind::kConfiguration);
+    EXPECT_THAT(error_of(options).message,
+                AllOf(HasSubstr("Id=\"3\""), HasSubstr("domain 104"), HasSubstr("--bus.domain 3")));
 }
 
 /// Occupies a UDP port.
