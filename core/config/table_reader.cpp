@@ -25,11 +25,11 @@ struct TableReader::Document {
     std::optional<Error> first_problem;
     std::pair<std::shared_ptr<Node>, std::string> missing;  // the key, if it is a missing one
 
-    void report(const std::string& where, const std::string& key, const std::string& problem) {
-        if (!first_problem) {
-            first_problem =
-                Error{ErrorKind::kConfiguration, fmt::format("{}: {}: {}", where, key, problem)};
-        }
+    void report(const std::string& where,
+                const std::string& key,
+                const std::string& problem,
+                ErrorKind kind = ErrorKind::kConfiguration) {
+        if (!first_problem) first_problem = Error{kind, where + ": " + key + ": " + problem};
     }
 };
 
@@ -181,12 +181,22 @@ std::string TableReader::where(const std::string& key) const {
                                               : location(document_->name, *node_->table);
 }
 
-void TableReader::reject(const std::string& key, const std::string& what_is_allowed) {
+void TableReader::report(const std::string& key, const std::string& problem, ErrorKind kind) {
     const toml::value* value = holder(key).node_->find(last_part(key));
-    document_->report(where(key),
-                      node_->path + key,
-                      value != nullptr ? fmt::format("{}, got {}", what_is_allowed, shown(*value))
-                                       : what_is_allowed);
+    document_->report(
+        where(key),
+        node_->path + key,
+        value != nullptr ? fmt::format("{}, got {}", problem, shown(*value)) : problem,
+        kind);
+}
+
+void TableReader::reject(const std::string& key, const std::string& what_is_allowed) {
+    report(key, what_is_allowed, ErrorKind::kConfiguration);
+}
+
+void TableReader::reject(const std::string& key, const Error& error) {
+    const bool is_missing = error.kind == ErrorKind::kNotFound;
+    report(key, error.message, is_missing ? ErrorKind::kNotFound : ErrorKind::kConfiguration);
 }
 
 void TableReader::require(const std::string& key) {

@@ -69,6 +69,9 @@ public:
 
     /// Reports an error that the caller found in the value at `key`.
     void reject(const std::string& key, const std::string& what_is_allowed);
+    /// Reports why the file that `key` names cannot be used: kNotFound if it is missing, else
+    /// kConfiguration.
+    void reject(const std::string& key, const Error& error);
 
     /// Returns the first error; without one, an error for the first unknown key in this table or
     /// below.
@@ -79,6 +82,7 @@ public:
 private:
     struct Document;
     struct Node;
+    void report(const std::string& key, const std::string& problem, ErrorKind kind);
     std::optional<Error> misspelling() const;
     static void add_known_keys(const Node& node, std::vector<std::string>& keys);
     std::optional<Error> unknown_key(const Node& node) const;

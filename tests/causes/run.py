@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs every row of the table of causes (tests/causes/*.toml) and compares exit code and message. Each command runs in an empty folder
-of its own. The workers, one per core, each have a private network, so that nothing outside hears or disturbs them, and no privilege:
-files without permission are closed to them even if root runs the test.
+of its own. There are two workers per core, because rows also wait. Each worker has a private network, so that nothing outside hears or
+disturbs it, and no privilege: files without permission are closed to it even if root runs the test.
 
     tests/causes/run.py                       all rows
     tests/causes/run.py ID... FILE.toml...    these rows, with their output
@@ -176,7 +176,7 @@ def main():
     parser.add_argument("rows", nargs="*", help="ids of rows or names of files; none: all")
     parser.add_argument("--bin", default=os.path.join(table.ROOT, "build", "bin"), help="folder of the programs (default: %(default)s)")
     parser.add_argument("--data", default=os.path.join(os.path.dirname(table.ROOT), "shared", "data"), help="folder of shared data (default: %(default)s)")
-    parser.add_argument("--workers", type=int, default=len(os.sched_getaffinity(0)), help="rows at a time (default: %(default)s)")
+    parser.add_argument("--workers", type=int, default=2 * len(os.sched_getaffinity(0)), help="rows at a time (default: %(default)s)")
     given = parser.parse_args()
     if not os.path.isfile(os.path.join(given.bin, "site_node")):
         parser.error(f"{given.bin} holds no site_node; build first, or give --bin")

@@ -193,7 +193,7 @@ TEST(MonitorRun, JsonReportListsThePrograms) {
 TEST(MonitorRun, EmptyWorldExitsWithThree) {
     const Outcome outcome = run_monitor("--json --once --wait 0.5", "empty-world");
     EXPECT_EQ(outcome.exit_code, 3);
-    EXPECT_THAT(outcome.output, HasSubstr("nobody is in the world 'empty-world'"));
+    EXPECT_THAT(outcome.output, HasSubstr("nobody is there: world=empty-world"));
     ASSERT_THAT(objects_in(outcome.output), SizeIs(1));
     EXPECT_EQ(objects_in(outcome.output)[0]["num_here"], 0);
 }

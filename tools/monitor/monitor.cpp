@@ -96,10 +96,9 @@ Expected<void> Monitor::run(std::stop_token stop) {
         if (auto shown = screen_.show(lines(report)); !shown) return shown;
         if (config_.once && report.num_here() == 0) {
             return make_error(ErrorKind::kNotFound,
-                              fmt::format("nobody is in the world '{}' (domain {}, network {})",
-                                          config_.bus.world,
-                                          config_.bus.domain,
-                                          config_.bus.network));
+                              fmt::format("nobody is there: {}; world, domain and network must be "
+                                          "the same in all programs",
+                                          inbox_.participant().place()));
         }
         if (config_.once) return {};
         if (!go_on || Clock::now() >= end) {

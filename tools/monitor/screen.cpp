@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -18,7 +19,8 @@ Expected<void> put(const std::string& text) {
         std::fflush(stdout) == 0) {
         return {};
     }
-    return make_error(ErrorKind::kUnavailable, "cannot write to standard output");
+    return make_error(ErrorKind::kUnavailable,
+                      std::string("cannot write to standard output: ") + std::strerror(errno));
 }
 
 constexpr char kLeaveInPlace[] = "\033[0m\033[?25h\033[?1049l";

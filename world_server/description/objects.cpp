@@ -49,9 +49,9 @@ void read_model(config::TableReader& reader, WorldObject& object, KnownParts& kn
     std::shared_ptr<const Parts>& parts = known[{look.model, look.model_scale, rigid.shape}];
     if (!parts) {
         const auto model = model::load_model(reader.folder() / look.model, look.model_scale);
-        if (!model) return reader.reject("model", model.error().message);
+        if (!model) return reader.reject("model", model.error());
         auto made = make_parts(*model, rigid.shape);
-        if (!made) return reader.reject("model", made.error().message);
+        if (!made) return reader.reject("model", made.error());
         parts = std::make_shared<const Parts>(std::move(*made));
     }
     rigid.parts = parts;

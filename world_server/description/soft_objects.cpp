@@ -47,7 +47,7 @@ void read_model(config::TableReader& table, SoftObject& object) {
     double scale = 1.0;
     if (!read_model_name(table, file, scale)) return;
     const auto parts = model::load_model(table.folder() / file, scale);
-    if (!parts) return table.reject("model", parts.error().message);
+    if (!parts) return table.reject("model", parts.error());
     geometry::TriangleMesh mesh = weld(*parts);
     if (mesh.vertices.size() > physics::kMaxSoftNodes) {
         return table.reject("model",
