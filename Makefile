@@ -33,7 +33,8 @@ bench-demo: programs
 	bench/bench_demo.py --build $(BUILD) --seconds $(SECONDS) --runs $(RUNS) --patience $(PATIENCE)
 
 # instructions per metaframe of each program beside those kept in bench/instructions.json; fails beyond +15 %
-instructions: programs
+instructions:
+	TARGETS="programs metaframe_work" deploy/build.sh $(BUILD)
 	bench/instructions.sh $(BUILD)
 
 format:

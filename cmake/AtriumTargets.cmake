@@ -93,17 +93,20 @@ function(atrium_library name)
     endif()
 endfunction()
 
-# atrium_program(name SOURCES main.cpp ... LINK lib ...); the target `programs` builds all programs.
+# The target that builds the programs of a folder; tests and benchmarks have targets of their own.
+set(ATRIUM_PROGRAMS programs)
+
+# atrium_program(name SOURCES main.cpp ... LINK lib ...); the target ${ATRIUM_PROGRAMS} builds it.
 function(atrium_program name)
     cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
     add_executable(${name} ${ARG_SOURCES})
     target_link_libraries(${name} PRIVATE ${ARG_LINK})
     _atrium_options(${name})
     _atrium_pch(${name} code)
-    if(NOT TARGET programs)
-        add_custom_target(programs)
+    if(NOT TARGET ${ATRIUM_PROGRAMS})
+        add_custom_target(${ATRIUM_PROGRAMS})
     endif()
-    add_dependencies(programs ${name})
+    add_dependencies(${ATRIUM_PROGRAMS} ${name})
 endfunction()
 
 # atrium_test(name LABELS unit ... SOURCES a_test.cpp ... LINK lib ... [TIMEOUT seconds])
