@@ -21,7 +21,8 @@ double suggested_hz(double done_hz) {
 std::string overload_advice(const Overload& overload, atrium::status::Cause cause) {
     using atrium::status::Cause;
     // without any output yet there is nothing to judge
-    if (cause == Cause::kStoodStill || cause == Cause::kNetwork || !overload.largest_work) return {};
+    if (cause == Cause::kStoodStill || cause == Cause::kNetwork || !overload.largest_work)
+        return {};
     std::string text =
         fmt::format("{:.3g}/s asked, {:.3g} done", overload.asked_hz, overload.done_hz);
     text += fmt::format(": {} takes {:.0f} % of the work",

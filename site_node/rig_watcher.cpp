@@ -6,10 +6,13 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <optional>
+
 namespace atrium::site_node {
 namespace {
 
 constexpr auto kLookPeriod = std::chrono::seconds(1);
+constexpr auto kLastDiagnosis = std::chrono::seconds(3);
 constexpr int kLowestPriority = 19;  // of nice(2); on Linux per thread
 
 }  // namespace
@@ -36,7 +39,14 @@ void RigWatcher::run(std::stop_token stop) {
 }
 
 void RigWatcher::judge(const rig_check::Look& look, const std::stop_token& stop) {
-    const auto lines = watch_.look(look, Clock::now(), [&stop] { return !stop.stop_requested(); });
+    // at the end of a short run this may be the only look: it gets some time
+    std::optional<Clock::time_point> limit;
+    const auto goes_on = [&] {
+        if (!stop.stop_requested()) return true;
+        if (!limit) limit = Clock::now() + kLastDiagnosis;
+        return Clock::now() < *limit;
+    };
+    const auto lines = watch_.look(look, Clock::now(), goes_on);
     for (const std::string& line : lines) app::log::warn("{}", line);
 }
 

@@ -27,8 +27,8 @@ public:
 
     /// Ends the thread, judges the last look, and logs the summary. Later calls do nothing.
     void finish();
-    /// The newest finding; empty without any. Call `finish` before.
-    const std::string& newest_finding() const { return watch_.newest_finding(); }
+    /// The reason of the last finding that was logged; empty without any. Call `finish` before.
+    const std::string& last_reason() const { return watch_.last_reason(); }
 
 private:
     void run(std::stop_token stop);

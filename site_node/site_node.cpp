@@ -73,12 +73,21 @@ Expected<void> SiteNode::run(std::stop_token stop) {
 // A site that published nothing of the pictures that came failed, unless the user ended it at once.
 Expected<void> SiteNode::explain_no_output(const bus::SiteStatus& total, bool was_stopped) {
     const std::uint64_t num_lost = total.num_failed + total.num_dropped_incomplete;
-    if (total.num_metaframes_published > 0 || num_lost == 0) return {};
-    if (was_stopped && num_lost < kManyLost) return {};
+    const std::uint64_t num_published = total.num_metaframes_published;
+    const std::string& found = rig_watcher_.last_reason();
+    if (num_with_people_ > 0 || num_published + num_lost == 0) return {};
+    if (was_stopped && num_published + num_lost < kManyLost) return {};
+    if (num_published > 0) {
+        if (found.empty()) return {};  // an empty room
+        return make_error(ErrorKind::kInvalidData,
+                          fmt::format("no person was published, though cameras saw some: all {} "
+                                      "meshes are empty: {}",
+                                      num_published,
+                                      found));
+    }
     const std::lock_guard lock(losses_mutex_);
     std::string reason = last_failure_;
-    if (const std::string& found = rig_watcher_.newest_finding(); !found.empty())
-        reason = fmt::format("{}{}{}", found, reason.empty() ? "" : "; ", reason);
+    if (!found.empty()) reason = fmt::format("{}{}{}", found, reason.empty() ? "" : "; ", reason);
     return make_error(
         ErrorKind::kInvalidData,
         fmt::format("nothing was published: of all metaframes {} failed and {} were incomplete{}",
@@ -229,6 +238,7 @@ void SiteNode::publish_frames(std::stop_token stop) {
         num_bytes_ += *num_bytes;
         if (num_published_ == 0) first_output_s_ = app::seconds_since_start();
         ++num_published_;
+        if (!(*frame)->draco.empty()) ++num_with_people_;
         {
             const std::lock_guard lock(latency_mutex_);
             capture_to_publish_.add(Timestamp::now() - (*frame)->capture_time);

@@ -110,6 +110,7 @@ private:
     std::atomic<std::uint64_t> num_incomplete_used_{0};
     std::atomic<std::uint64_t> num_failed_{0};
     std::atomic<std::uint64_t> num_published_{0};
+    std::atomic<std::uint64_t> num_with_people_{0};  // published with a hull
     std::atomic<std::uint64_t> num_bytes_{0};
     OffsetBoard offsets_;
     RigWatcher rig_watcher_;

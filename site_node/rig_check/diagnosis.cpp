@@ -16,6 +16,8 @@ namespace {
 constexpr double kResidualShare = 0.4;
 constexpr double kGoodShare = 0.8;
 constexpr std::size_t kMinRays = 60;
+constexpr std::size_t kRaysOfAll = 640;
+constexpr std::size_t kFewestRays = 24;
 // Of more cameras only those that contradict most are exchanged in pairs.
 constexpr std::size_t kMaxExchanged = 9;
 constexpr std::array<double, 6> kScales{0.5, 2.0 / 3.0, 0.75, 4.0 / 3.0, 1.5, 2.0};
@@ -33,6 +35,9 @@ public:
             names_.push_back(view.name);
             views_.push_back(view.view);
         }
+        // the time of a measurement grows with the square of the number of cameras
+        const std::size_t most = kRaysOfAll / std::max<std::size_t>(views_.size(), 1);
+        options_.rays_per_camera = std::min(options_.rays_per_camera, std::max(most, kFewestRays));
         as_is_ = measure_agreement(views_, options_);
         // the causes below move the site, so its bounds say nothing
         free_options_ = options_;
@@ -45,8 +50,8 @@ public:
         if (views_.size() < 2 || as_is_.num_rays() < kMinRays || share_ >= kPoorShare)
             return std::nullopt;
         try_misreadings();
-        try_exchanges();
         try_scales();
+        if (!best_) try_exchanges();
         if (best_) return best_;
         if (auto out = out_of_view()) return out;
         if (auto one = one_camera()) return one;

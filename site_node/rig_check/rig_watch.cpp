@@ -17,18 +17,23 @@ constexpr std::size_t kRecent = 10;  // looks that judge coverage and bounds
 // well.
 constexpr std::size_t kFewVotes = 3;
 constexpr std::size_t kManyVotes = 10;
-constexpr std::chrono::seconds kDiagnosisPeriod{5};
+// A diagnosis takes much longer than a look: the first ones come with each poor look, then few.
+constexpr std::size_t kQuickDiagnoses = 10;
+constexpr std::chrono::seconds kDiagnosisPeriod{30};
 constexpr double kCutShare = 0.05;
 constexpr double kSeldomCut = 0.02;  // a look with less is not one that the bounds cut
 
 }  // namespace
 
-void RigWatch::vote(const std::string& key, std::size_t needed, std::string line) {
+void RigWatch::vote(const std::string& key,
+                    std::size_t needed,
+                    const std::string& event,
+                    const std::string& reason) {
     Finding& finding = findings_[key];
     finding.needed = needed;
-    finding.line = std::move(line);
+    finding.line = fmt::format("{} reason=\"{}\"", event, reason);
     ++finding.votes;
-    newest_ = finding.line;
+    finding.reason = reason;
 }
 
 std::vector<std::string> RigWatch::look(const Look& look,
@@ -54,6 +59,7 @@ std::vector<std::string> RigWatch::look(const Look& look,
         finding.reported = now;
         finding.votes = 0;  // it must hold again before it is repeated
         lines.push_back(finding.line);
+        last_reason_ = finding.reason;
     }
     return lines;
 }
@@ -75,14 +81,14 @@ void RigWatch::judge_blind_cameras(const Look& look, const Agreement& agreement)
         if (camera.looks_with_somebody > 0) continue;
         vote("blind " + view.name,
              kManyVotes,
-             fmt::format("camera_sees_nobody camera={} looks={} others={} explained={:.2f} "
-                         "reason=\"{} has not seen anybody yet while {} cameras do, and what one "
-                         "camera does not see is not in the hull: check its cover, its empty room "
-                         "(learn it again) and where it looks, or leave it out\"",
+             fmt::format("camera_sees_nobody camera={} looks={} others={} explained={:.2f}",
                          view.name,
                          camera.looks_only_others,
                          seeing.size(),
-                         agreement.share(),
+                         agreement.share()),
+             fmt::format("{} has not seen anybody yet while {} cameras do, and what one camera "
+                         "does not see is not in the hull: check its cover, its empty room (learn "
+                         "it again) and where it looks, or leave it out",
                          view.name,
                          seeing.size()));
     }
@@ -95,8 +101,10 @@ void RigWatch::judge_agreement(const Look& look,
     recent_shares_.push_back(agreement.share());
     if (recent_shares_.size() > kRecent) recent_shares_.pop_front();
     if (agreement.share() >= kPoorShare) return;
-    if (last_diagnosis_ && now - *last_diagnosis_ < kDiagnosisPeriod) return;
+    const bool is_soon = last_diagnosis_ && now - *last_diagnosis_ < kDiagnosisPeriod;
+    if (is_soon && num_diagnoses_ >= kQuickDiagnoses) return;
     last_diagnosis_ = now;
+    ++num_diagnoses_;
     const auto diagnosis = diagnose(look.views, options_, go_on);
     if (!diagnosis) return;
     const double mean = std::accumulate(recent_shares_.begin(), recent_shares_.end(), 0.0) /
@@ -112,12 +120,12 @@ void RigWatch::judge_agreement(const Look& look,
                                        : fmt::format("{}", static_cast<int>(diagnosis->cause));
     vote(key,
          kFewVotes,
-         fmt::format("cameras_contradict explained={:.2f} worst={}:{:.2f}{} reason=\"{}\"",
+         fmt::format("cameras_contradict explained={:.2f} worst={}:{:.2f}{}",
                      mean,
                      look.views[worst].name,
                      agreement.cameras[worst].share(),
-                     is_certain ? fmt::format(" explained_then={:.2f}", diagnosis->share_if) : "",
-                     diagnosis->text));
+                     is_certain ? fmt::format(" explained_then={:.2f}", diagnosis->share_if) : ""),
+         diagnosis->text);
 }
 
 void RigWatch::judge_bounds(const Look& look, const Agreement& agreement) {
@@ -146,24 +154,24 @@ void RigWatch::judge_bounds(const Look& look, const Agreement& agreement) {
     const bool is_above = face % 2 == 1;
     const auto axis = static_cast<int>(face / 2);
     const double limit_m = is_above ? options_.bounds->max[axis] : options_.bounds->min[axis];
-    vote(
-        "bounds",
-        kFewVotes,
-        fmt::format("bounds_cut_people share={:.2f} camera={} camera_share={:.2f} "
-                    "reason=\"the bounds cut people at {} = {:.2f} m, where the bounds end at "
-                    "{:.2f} m: enlarge hull.bounds, or [bounds] of the rig\"",
-                    share,
-                    look.views[most].name,
-                    static_cast<double>(agreement.cameras[most].cut) /
-                        static_cast<double>(std::max<std::size_t>(agreement.cameras[most].rays, 1)),
-                    "xyz"[axis],
-                    agreement.farthest_cut_m[face],
-                    limit_m));
+    const CameraAgreement& camera = agreement.cameras[most];
+    vote("bounds",
+         kFewVotes,
+         fmt::format("bounds_cut_people share={:.2f} camera={} camera_share={:.2f}",
+                     share,
+                     look.views[most].name,
+                     static_cast<double>(camera.cut) /
+                         static_cast<double>(std::max<std::size_t>(camera.rays, 1))),
+         fmt::format("the bounds cut people at {} = {:.2f} m, where the bounds end at {:.2f} m: "
+                     "enlarge hull.bounds, or [bounds] of the rig",
+                     "xyz"[axis],
+                     agreement.farthest_cut_m[face],
+                     limit_m));
 }
 
 void RigWatch::judge_size(const Look& look, const Agreement& agreement) {
     if (const auto wrong = check_size(look.hull_extent, look.hull_volume_m3, agreement.share())) {
-        vote("size", kFewVotes, fmt::format("hull_size_implausible reason=\"{}\"", *wrong));
+        vote("size", kFewVotes, "hull_size_implausible", *wrong);
     }
     const bool all_see = std::all_of(look.views.begin(), look.views.end(), [](const auto& view) {
         return !view.view.contours.empty();
@@ -175,19 +183,20 @@ void RigWatch::judge_size(const Look& look, const Agreement& agreement) {
         return;
     vote("empty",
          kFewVotes,
-         fmt::format("hull_empty explained={:.2f} reason=\"the hull is empty although the "
-                     "silhouettes fit: nobody is inside the bounds, or all is smaller than "
-                     "hull.min_component_l because the translations of the rig are in another "
-                     "unit\"",
-                     agreement.share()));
+         fmt::format("hull_empty explained={:.2f}", agreement.share()),
+         "the hull is empty although the silhouettes fit: nobody is inside the bounds, or all is "
+         "smaller than hull.min_component_l because the translations of the rig are in another "
+         "unit");
 }
 
 std::vector<std::string> RigWatch::finish() {
     std::vector<std::string> lines;
     for (const auto& [key, finding] : findings_) {
         // in a short run most looks must have said it
-        if (!finding.reported && 2 * finding.votes > std::min<std::size_t>(num_looks_, kFewVotes))
-            lines.push_back(finding.line);
+        if (finding.reported || 2 * finding.votes <= std::min<std::size_t>(num_looks_, kFewVotes))
+            continue;
+        lines.push_back(finding.line);
+        last_reason_ = finding.reason;
     }
     return lines;
 }

@@ -43,8 +43,8 @@ public:
     /// "silhouettes looks=12 explained=0.96 worst=cam3:0.91"; empty if nobody was seen.
     std::string summary() const;
 
-    /// The newest finding, reported or not; empty if there is none.
-    const std::string& newest_finding() const { return newest_; }
+    /// The reason of the last line that `look` or `finish` returned; empty without any.
+    const std::string& last_reason() const { return last_reason_; }
 
 private:
     struct Camera {
@@ -55,6 +55,7 @@ private:
     };
     struct Finding {
         std::string line;
+        std::string reason;
         std::size_t votes = 0;
         std::size_t needed = 1;
         std::optional<Clock::time_point> reported;
@@ -65,7 +66,10 @@ private:
         std::size_t cut = 0;
     };
 
-    void vote(const std::string& key, std::size_t needed, std::string line);
+    void vote(const std::string& key,
+              std::size_t needed,
+              const std::string& event,
+              const std::string& reason);
     void judge_blind_cameras(const Look& look, const Agreement& agreement);
     void judge_agreement(const Look& look,
                          const Agreement& agreement,
@@ -79,9 +83,10 @@ private:
     std::map<std::string, Finding> findings_;
     std::size_t num_looks_ = 0;  // with somebody
     std::optional<Clock::time_point> last_diagnosis_;
+    std::size_t num_diagnoses_ = 0;
     std::deque<double> recent_shares_;
     std::deque<Cut> recent_cuts_;
-    std::string newest_;
+    std::string last_reason_;
 };
 
 }  // namespace atrium::rig_check
