@@ -7,7 +7,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <set>
+#include <thread>
 #include <utility>
 
 namespace atrium::site_node {
@@ -17,6 +19,8 @@ constexpr config::Range kPosition{-1e4, 1e4};  // [m], as in rigs
 
 // A box of this many metres holds at least a hand.
 constexpr double kMinExtent_m = 0.01;
+
+constexpr int kMaxThreads = 64;
 
 geometry::Aabb read_bounds(config::TableReader& owner) {
     config::TableReader table = owner.table("bounds");
@@ -86,9 +90,43 @@ std::string text_of(const geometry::Aabb& box) {
                        box.max.z());
 }
 
-// Shows the values that read_hull reads.
+// "X0,Y0,Z0,X1,Y1,Z1"
+bool parse_bounds(const std::string& text, std::optional<geometry::Aabb>& bounds) {
+    auto reader = config::TableReader::parse("value = [" + text + "]", "");
+    std::array<double, 6> v{};
+    if (!reader) return false;
+    reader->read("value", v.data(), v.size(), kPosition);
+    const geometry::Aabb box{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
+    if (!reader->finish() || !(box.size().array() >= kMinExtent_m).all()) return false;
+    bounds = box;
+    return true;
+}
+
+void declare_hull(HullStageOptions& hull, config::OptionSet& set) {
+    set.add_own(
+        "hull.bounds",
+        "X0,Y0,Z0,X1,Y1,Z1",
+        "the hull is cut at this box: lowest and highest corner, site frame [m]; else at "
+        "[bounds] of the rig, if it has them",
+        [&hull](const std::string& text) { return parse_bounds(text, hull.bounds); },
+        [&hull] { return hull.bounds ? text_of(*hull.bounds) : "none"; });
+    set.add("hull.min_views",
+            hull.min_views,
+            "a point seen by fewer cameras is not in the hull; 0: off",
+            {0, 64});
+    set.add("hull.min_component_l",
+            hull.min_component_l,
+            "components smaller than this are dropped, unless phantoms are kept [l]",
+            {0, 1000});
+    set.add("hull.keep_phantoms", hull.keep_phantoms, "keep components that no silhouette needs");
+    set.add("hull.partial_views",
+            hull.partial_views,
+            "true: people may extend beyond the pictures, and space outside them is unknown; needs "
+            "bounds");
+}
+
+// Shows the values that only read_hull reads.
 void show_hull(const HullStageOptions& hull, config::OptionSet& set) {
-    set.show("hull.bounds", [&hull] { return hull.bounds ? text_of(*hull.bounds) : "none"; });
     set.show("hull.whole_cameras",
              [&hull] { return fmt::format("[{}]", fmt::join(hull.whole_cameras, ", ")); });
     set.show("hull.region", [&hull] {
@@ -108,7 +146,10 @@ void show_hull(const HullStageOptions& hull, config::OptionSet& set) {
 
 void declare(SiteNodeConfig& config, config::OptionSet& set) {
     set.add("site.name", config.name, "name of this site in its world; A-Z a-z 0-9 _ . - only");
-    set.add("site.threads", config.threads, "worker threads for segmentation and hull", {1, 64});
+    set.add("site.threads",
+            config.threads,
+            "worker threads for segmentation and hull; 0: all cores but one",
+            {0, kMaxThreads});
     set.add("site.seconds",
             config.seconds,
             "how long to run [s]; 0: until Ctrl-C or the end of a recording",
@@ -154,20 +195,7 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
     declare(static_cast<SilhouetteStageOptions&>(config.pipeline), set);
     declare_modes(config, set);
 
-    HullStageOptions& hull = config.pipeline.hull;
-    set.add("hull.min_views",
-            hull.min_views,
-            "a point seen by fewer cameras is not in the hull; 0: off",
-            {0, 64});
-    set.add("hull.min_component_l",
-            hull.min_component_l,
-            "components smaller than this are dropped, unless phantoms are kept [l]",
-            {0, 1000});
-    set.add("hull.keep_phantoms", hull.keep_phantoms, "keep components that no silhouette needs");
-    set.add("hull.partial_views",
-            hull.partial_views,
-            "true: people may extend beyond the pictures, and space outside them is unknown; needs "
-            "bounds");
+    declare_hull(config.pipeline.hull, set);
     set.add("codec.position_bits",
             config.pipeline.mesh.position_bits,
             "bits of a vertex coordinate on the wire, 8 to 20; 0: as precise as the cameras see",
@@ -216,7 +244,22 @@ void read_hull(config::TableReader& reader, SiteNodeConfig& config) {
     }
 }
 
+void read_places(config::TableReader& reader, SiteNodeConfig& config) {
+    config::TableReader table = reader.table("capture");
+    const auto keep_place = [&](const char* key, const std::filesystem::path& path) {
+        if (table.has(key))
+            config.capture.places[fmt::format("capture.{} {}", key, path.string())] =
+                table.where(key);
+    };
+    keep_place("rig", config.capture.rig);
+    keep_place("recording", config.capture.recording);
+}
+
 void resolve(SiteNodeConfig& config) {
+    if (config.threads == 0) {
+        const auto cores = static_cast<int>(std::thread::hardware_concurrency());
+        config.threads = std::clamp(cores - 1, 1, kMaxThreads);
+    }
     if (config.texture_resolution == "full")
         config.pipeline.texture.resolution = texture::Resolution::kFull;
     config.stream.adapt = config.stream_adapt == "on" ||

@@ -10,6 +10,7 @@
 #include "site_node/stream/viewer_links.hpp"
 
 #include <filesystem>
+#include <map>
 #include <string>
 
 namespace atrium::site_node {
@@ -24,11 +25,14 @@ struct CaptureConfig {
     double deadline_ms = 100.0;        // how long a metaframe may stay incomplete
     int min_cameras = 0;  // needed at the deadline to use an incomplete metaframe; 0: all
     CameraConfig cameras;
+    /// Place in the file of the path of rig or recording, for errors: "capture.rig PATH" ->
+    /// "site.toml:7". With the path, because the command line may override it.
+    std::map<std::string, std::string> places;
 };
 
 struct SiteNodeConfig {
     std::string name = "site";
-    int threads = 1;
+    int threads = 0;                // 0: all cores but one
     double seconds = 0.0;           // 0: until Ctrl-C or the end of the recording
     std::filesystem::path preview;  // preview::Preview's target; empty: none
     bool list_cameras = false;      // print the cameras and exit
@@ -55,7 +59,11 @@ void declare(SiteNodeConfig& config, config::OptionSet& set);
 /// Reads the bounds and lists of `[hull]`, which are not options. `reader` collects the errors.
 void read_hull(config::TableReader& reader, SiteNodeConfig& config);
 
-/// Applies shorthand options and derives `stream.adapt` and the texture resolution.
+/// Remembers where the file names its rig and its recording.
+void read_places(config::TableReader& reader, SiteNodeConfig& config);
+
+/// Applies shorthand options and derives `stream.adapt`, the texture resolution and the number of
+/// threads.
 void resolve(SiteNodeConfig& config);
 
 /// Checks rules that span several options.

@@ -1,6 +1,8 @@
 #include "site_node/hull_stage.hpp"
 
+#include "core/config/rig.hpp"
 #include "site_node/hull/field_of_view.hpp"
+#include "site_node/hull/input_limits.hpp"
 #include "site_node/silhouette/picture_field.hpp"
 
 #include <fmt/format.h>
@@ -12,7 +14,8 @@ namespace atrium::site_node {
 namespace {
 
 constexpr std::uint32_t kFewestViews = 2;  // the cone of one camera is unbounded
-constexpr std::size_t kViewsOfBounds = 2;
+static_assert(config::kMinFocal_px == hull::kMinFocal_px &&
+              config::kMaxFocal_px == hull::kMaxFocal_px);  // what rigs allow, the hull computes
 
 // `value`: current value of an option that the command line may have changed.
 tl::unexpected<Error> wrong(const HullStageOptions& options,
@@ -42,7 +45,7 @@ Expected<std::uint32_t> find_camera(std::span<const geometry::CalibratedCamera> 
 
 Expected<void> check_count(std::size_t num_cameras, const HullStageOptions& options) {
     const bool bounded = options.bounds || !options.regions.empty();
-    const std::size_t most = hull::kMaxViews - (bounded ? kViewsOfBounds : 0);
+    const std::size_t most = hull::kMaxViews - (bounded ? hull::kViewsOfBounds : 0);
     if (num_cameras > most) {
         return wrong(
             options,
@@ -73,12 +76,6 @@ Expected<void> check(const HullStageOptions& options) {
                      "cannot be combined with [[hull.region]], which has its own bounds; remove "
                      "one of them");
     }
-    if (options.partial_views && !options.bounds && options.regions.empty()) {
-        return wrong(options,
-                     "hull.partial_views",
-                     "needs hull.bounds or [[hull.region]] to limit the space that no camera sees",
-                     "true");
-    }
     if (!options.partial_views && !options.whole_cameras.empty()) {
         return wrong(options, "hull.whole_cameras", "is used only with hull.partial_views = true");
     }
@@ -100,6 +97,14 @@ Expected<HullStage> HullStage::create(std::span<const geometry::CalibratedCamera
                                       const HullStageOptions& options,
                                       double tolerance_px) {
     if (auto checked = check(options); !checked) return tl::unexpected(checked.error());
+    if (options.partial_views && !options.bounds && options.regions.empty()) {
+        return wrong(options,
+                     "hull.partial_views",
+                     "needs hull.bounds, because no camera limits the space outside the pictures: "
+                     "write [hull] bounds = { min = [x, y, z], max = [x, y, z] } into the site "
+                     "file, [bounds] into the rig, or --hull.bounds X0,Y0,Z0,X1,Y1,Z1",
+                     "true");
+    }
     if (auto counted = check_count(cameras.size(), options); !counted)
         return tl::unexpected(counted.error());
     HullStage stage;

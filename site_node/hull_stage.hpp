@@ -34,7 +34,7 @@ struct HullStageOptions {
     bool keep_phantoms = false;
     double min_component_l = 0.005;  // [l]
     /// False: nobody is outside a picture, and its border cuts the hull. True: space outside the
-    /// pictures is unknown; needs bounds.
+    /// pictures is unknown; needs bounds, here or in the rig.
     bool partial_views = false;
     std::vector<std::string>
         whole_cameras;                   // with partial_views: names of cameras that see everybody
@@ -61,6 +61,9 @@ public:
     static Expected<HullStage> create(std::span<const geometry::CalibratedCamera> cameras,
                                       const HullStageOptions& options,
                                       double tolerance_px);
+
+    /// All cameras in the order of the rig, with the contours of the last metaframe of each.
+    std::span<const hull::SilhouetteView> views() const { return views_; }
 
     /// Contours of one camera [undistorted px], to be filled in place. Threads may fill different
     /// cameras at the same time.

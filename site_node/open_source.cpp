@@ -5,6 +5,9 @@
 #include "site_node/capture/recording_source.hpp"
 #include "site_node/simulated_room/open_room.hpp"
 
+#include <set>
+#include <string>
+
 namespace atrium::site_node {
 namespace {
 
@@ -17,8 +20,16 @@ Expected<config::Rig> load_rig(const CaptureConfig& capture) {
 }
 
 Source open_recording(const SiteNodeConfig& config) {
+    constexpr std::size_t kMostReasons = 20;
     auto source = capture::RecordingSource::open(
-        {config.capture.recording, config.capture.rate_hz, config.capture.loop});
+        {config.capture.recording,
+         config.capture.rate_hz,
+         config.capture.loop,
+         [told = std::set<std::string>()](const std::string& reason) mutable {
+             // a looping recording meets each picture again
+             if (told.size() < kMostReasons && told.insert(reason).second)
+                 app::log::warn("picture_left_out reason=\"{}\"", reason);
+         }});
     if (!source) return tl::unexpected(source.error());
     return std::unique_ptr<capture::FrameSource>(std::move(*source));
 }

@@ -8,6 +8,7 @@
 #include "site_node/capture/frame_source.hpp"
 #include "site_node/hull/visual_hull.hpp"
 #include "site_node/hull_stage.hpp"
+#include "site_node/rig_check/rig_watch.hpp"
 #include "site_node/silhouette_stage/silhouette_stage.hpp"
 #include "site_node/texture/texture.hpp"
 
@@ -132,6 +133,9 @@ public:
                            const ColourCoding& coding,
                            Executor& executor,
                            SiteFrame& frame);
+
+    /// Copies what a check of the rig needs of a metaframe: after `compute`, before the next.
+    rig_check::Look look(const Silhouettes& silhouettes, const hull::VisualHull& hull) const;
 
     /// Runs both stages, with the colour coding of the options. Must not overlap with either stage.
     Expected<void> process(const capture::Metaframe& metaframe,

@@ -4,6 +4,7 @@
 #include "site_node/capture/mask_file.hpp"
 #include "site_node/capture/recording_source.hpp"
 #include "site_node/silhouette_stage/silhouette_stage.hpp"
+#include "site_node/start_check.hpp"
 #include "site_node/views/views_file.hpp"
 
 #include <fmt/format.h>
@@ -107,6 +108,8 @@ Expected<void> write_silhouettes(const SiteNodeConfig& config, std::stop_token s
         return make_error(ErrorKind::kConfiguration,
                           "--write-silhouettes: needs a recording; add --recording DIR");
     }
+    if (auto found = check_places(config); !found) return found;
+    if (const auto rig = load_checked_rig(config); !rig) return tl::unexpected(rig.error());
     auto source = capture::RecordingSource::open({config.capture.recording, 0.0, false});
     if (!source) return tl::unexpected(source.error());
     if (auto fits = check_areas(config.pipeline, (*source)->rig()); !fits) return fits;

@@ -2,15 +2,12 @@
 
 #include "core/app/process.hpp"
 #include "core/app/program.hpp"
-#include "core/presence/join_world.hpp"
 #include "core/status/bottleneck.hpp"
 #include "site_node/metaframe_losses.hpp"
-#include "site_node/open_source.hpp"
 
 #include <fmt/format.h>
 #include <pthread.h>
 
-#include <optional>
 #include <thread>
 
 namespace atrium::site_node {
@@ -18,59 +15,8 @@ namespace {
 
 using std::chrono::nanoseconds;
 
-template <typename Message>
-Expected<void> open(bus::Participant& participant, std::optional<bus::Writer<Message>>& writer) {
-    auto made = bus::Writer<Message>::create(participant);
-    if (!made) return tl::unexpected(made.error());
-    writer = std::move(*made);
-    return {};
-}
-
-Expected<std::vector<bus::Writer<bus::CameraTexture>>> open_textures(
-    const bus::Participant& participant, std::size_t num_cameras) {
-    std::vector<bus::Writer<bus::CameraTexture>> writers;
-    while (writers.size() < num_cameras) {
-        auto writer = bus::Writer<bus::CameraTexture>::create(participant);
-        if (!writer) return tl::unexpected(writer.error());
-        writers.push_back(std::move(*writer));
-    }
-    return writers;
-}
-
-double rate_hz(const SiteNodeConfig& config, const config::Rig& rig) {
-    return config.capture.rate_hz > 0.0 ? config.capture.rate_hz : rig.rate_hz;
-}
-
-// Checks the configuration against this rig and warns about suspicious settings.
-Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
-    if (config.capture.min_cameras > static_cast<int>(rig.cameras.size())) {
-        return make_error(
-            ErrorKind::kConfiguration,
-            fmt::format("capture.min_cameras: must not exceed the number of cameras, {}, got {}",
-                        rig.cameras.size(),
-                        config.capture.min_cameras));
-    }
-    if (auto fits = check_areas(config.pipeline, rig); !fits) return fits;
-    const double period_quarter_ms = 250.0 / rate_hz(config, rig);
-    if (config.capture.tolerance_ms > period_quarter_ms) {
-        return make_error(
-            ErrorKind::kConfiguration,
-            fmt::format("capture.tolerance_ms: must be at most a quarter of the period, {:.1f} ms, "
-                        "got {}",
-                        period_quarter_ms,
-                        config.capture.tolerance_ms));
-    }
-    const HullStageOptions& hull = config.pipeline.hull;
-    for (const std::string& pair : overlapping_regions(hull.regions)) {
-        app::log::warn("hull.region: {} overlap; people there appear twice in the mesh", pair);
-    }
-    if (hull.partial_views && hull.min_views == 0) {
-        app::log::warn(
-            "hull.partial_views without hull.min_views: space that no camera sees counts as "
-            "occupied");
-    }
-    return {};
-}
+// So many lost metaframes are no hiccup of the start: one second of most rooms.
+constexpr std::uint64_t kManyLost = 30;
 
 std::jthread named_thread(const char* name, std::function<void(std::stop_token)> body) {
     std::jthread thread(std::move(body));
@@ -79,96 +25,6 @@ std::jthread named_thread(const char* name, std::function<void(std::stop_token)>
 }
 
 }  // namespace
-
-Expected<std::unique_ptr<capture::FrameSource>> open_frame_source(const SiteNodeConfig& config,
-                                                                  std::stop_token stop) {
-    if (auto checked = check(config); !checked) return tl::unexpected(checked.error());
-    return open_source(config, stop);
-}
-
-Expected<void> learn_background(const SiteNodeConfig& config, std::stop_token stop) {
-    auto source = open_frame_source(config, stop);
-    if (!source) return tl::unexpected(source.error());
-    return learn_backgrounds(
-        **source, config.pipeline.background, config.pipeline.segmentation, stop);
-}
-
-Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& config,
-                                                     std::stop_token stop) {
-    if (auto checked = check(config); !checked) return tl::unexpected(checked.error());
-    // before the slow opening and learning of the room: reports a network or name problem at once
-    auto participant = bus::Participant::create(config.bus);
-    if (!participant) return tl::unexpected(participant.error());
-    const auto run_control = std::make_shared<RunControl>();
-    auto member = presence::join_world(
-        *participant,
-        bus::ProgramKind::kSiteNode,
-        config.name,
-        [run_control](const Error& lost) { run_control->lose_name(lost); },
-        stop);
-    if (!member) return tl::unexpected(member.error());
-
-    auto source = open_source(config, stop);
-    if (!source) return tl::unexpected(source.error());
-    app::log::info("source opened kind={} cameras={} rate_hz={}",
-                   config.capture.source,
-                   (*source)->rig().cameras.size(),
-                   (*source)->rig().rate_hz);
-    if (auto fits = check(config, (*source)->rig()); !fits) return tl::unexpected(fits.error());
-    auto pipeline = Pipeline::create(**source, config.pipeline, stop);
-    if (!pipeline) return tl::unexpected(pipeline.error());
-    for (const std::string& name : pipeline->cameras_without_background()) {
-        app::log::warn("camera '{}' is excluded: it did not show the empty room at the start",
-                       name);
-    }
-
-    std::optional<bus::Writer<bus::SiteDescription>> description;
-    std::optional<bus::Writer<bus::SiteMesh>> mesh;
-    std::optional<bus::Writer<bus::SiteStatus>> status;
-    auto textures = open_textures(*participant, (*source)->rig().cameras.size());
-    if (!textures) return tl::unexpected(textures.error());
-    auto feedback = bus::Reader<bus::StreamFeedback>::create(*participant);
-    if (!feedback) return tl::unexpected(feedback.error());
-    for (const auto& opened :
-         {open(*participant, description), open(*participant, mesh), open(*participant, status)}) {
-        if (!opened) return tl::unexpected(opened.error());
-    }
-    Writers writers{
-        std::move(*description), std::move(*mesh), std::move(*textures), std::move(*status)};
-    return std::unique_ptr<SiteNode>(new SiteNode(config,
-                                                  std::move(*source),
-                                                  std::move(*pipeline),
-                                                  std::move(writers),
-                                                  std::move(*feedback),
-                                                  run_control,
-                                                  std::move(*member)));
-}
-
-SiteNode::SiteNode(const SiteNodeConfig& config,
-                   std::unique_ptr<capture::FrameSource> source,
-                   Pipeline pipeline,
-                   Writers writers,
-                   bus::Reader<bus::StreamFeedback> feedback,
-                   std::shared_ptr<RunControl> run_control,
-                   std::unique_ptr<presence::Membership> membership)
-    : config_(config),
-      source_(std::move(source)),
-      pipeline_(std::move(pipeline)),
-      writers_(std::move(writers)),
-      stream_(config_.stream,
-              config_.pipeline.jpeg_quality,
-              rate_hz(config_, source_->rig()),
-              config_.name,
-              std::move(feedback)),
-      pool_(static_cast<std::size_t>(config.threads)),
-      offsets_(source_->rig(), source_->is_live()),
-      run_control_(std::move(run_control)),
-      membership_(std::move(membership)) {
-    if (config_.preview.empty()) return;
-    std::vector<std::string> names;
-    for (const auto& camera : source_->rig().cameras) names.push_back(camera.name);
-    preview_ = std::make_unique<preview::Preview>(config_.preview, std::move(names));
-}
 
 Expected<void> SiteNode::run(std::stop_token stop) {
     if (auto begun = run_control_->begin(); !begun) return begun;
@@ -209,13 +65,43 @@ Expected<void> SiteNode::run(std::stop_token stop) {
         if (source_->is_live() || has_faults(counters))
             app::log::info("camera {}", to_line(counters));
     }
-    return run_control_->result();
+    rig_watcher_.finish();
+    if (auto done = run_control_->result(); !done) return done;
+    return explain_no_output(total, stop.stop_requested());
+}
+
+// A site that published nothing of the pictures that came failed, unless the user ended it at once.
+Expected<void> SiteNode::explain_no_output(const bus::SiteStatus& total, bool was_stopped) {
+    const std::uint64_t num_lost = total.num_failed + total.num_dropped_incomplete;
+    const std::uint64_t num_published = total.num_metaframes_published;
+    const std::string& found = rig_watcher_.last_reason();
+    if (num_with_people_ > 0 || num_published + num_lost == 0) return {};
+    if (was_stopped && num_published + num_lost < kManyLost) return {};
+    if (num_published > 0) {
+        if (found.empty()) return {};  // an empty room
+        return make_error(ErrorKind::kInvalidData,
+                          fmt::format("no person was published, though cameras saw some: all {} "
+                                      "meshes are empty: {}",
+                                      num_published,
+                                      found));
+    }
+    const std::lock_guard lock(losses_mutex_);
+    std::string reason = last_failure_;
+    if (!found.empty()) reason = fmt::format("{}{}{}", found, reason.empty() ? "" : "; ", reason);
+    return make_error(
+        ErrorKind::kInvalidData,
+        fmt::format("nothing was published: of all metaframes {} failed and {} were incomplete{}",
+                    total.num_failed,
+                    total.num_dropped_incomplete,
+                    reason.empty() ? "; the counts of the cameras above say which pictures are "
+                                     "missing"
+                                   : ": " + reason));
 }
 
 void SiteNode::capture_metaframes(std::stop_token stop) {
     const double tolerance_ms = config_.capture.tolerance_ms > 0.0
                                     ? config_.capture.tolerance_ms
-                                    : 250.0 / rate_hz(config_, source_->rig());
+                                    : 250.0 / metaframe_rate_hz(config_, source_->rig());
     capture::AssemblerOptions options;
     options.tolerance = nanoseconds(static_cast<std::int64_t>(tolerance_ms * 1e6));
     options.deadline = nanoseconds(static_cast<std::int64_t>(config_.capture.deadline_ms * 1e6));
@@ -289,6 +175,8 @@ void SiteNode::compute_frames(std::stop_token stop) {
 void SiteNode::count_failure(std::uint64_t frame_id, const Error& error) {
     ++num_failed_;
     complaints_.warn(fmt::format("metaframe failed id={} reason=\"{}\"", frame_id, error.message));
+    const std::lock_guard lock(losses_mutex_);
+    last_failure_ = error.message;
 }
 
 void SiteNode::compute_frame(Ready& ready) {
@@ -296,11 +184,13 @@ void SiteNode::compute_frame(Ready& ready) {
     if (frame == nullptr) frame = std::make_unique<SiteFrame>();
     const StreamAdapter::Choice& choice = ready.choice;
     const ColourCoding coding{choice.level.jpeg_quality, choice.level.colour_divisor};
-    if (auto done = pipeline_.compute(*ready.silhouettes, coding, pool_, *frame); !done)
-        return count_failure(ready.silhouettes->metaframe().frame_id, done.error());
+    const auto done = pipeline_.compute(*ready.silhouettes, coding, pool_, *frame);
+    if (rig_watcher_.wants_look(std::chrono::steady_clock::now()))
+        rig_watcher_.put(pipeline_.look(*ready.silhouettes, frame->hull));
+    if (!done) return count_failure(ready.silhouettes->metaframe().frame_id, done.error());
     stream_.coded(choice, *frame, std::chrono::steady_clock::now());
     count_losses(*frame);
-    stage_times_.computed(frame->milliseconds);
+    stage_times_.computed(*frame);
     show_preview(*ready.silhouettes);
     app::log::debug(
         "metaframe id={} triangles={} silhouettes_ms={:.2f} hull_ms={:.2f} encode_ms={:.2f} "
@@ -348,6 +238,7 @@ void SiteNode::publish_frames(std::stop_token stop) {
         num_bytes_ += *num_bytes;
         if (num_published_ == 0) first_output_s_ = app::seconds_since_start();
         ++num_published_;
+        if (!(*frame)->draco.empty()) ++num_with_people_;
         {
             const std::lock_guard lock(latency_mutex_);
             capture_to_publish_.add(Timestamp::now() - (*frame)->capture_time);

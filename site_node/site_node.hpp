@@ -13,6 +13,7 @@
 #include "site_node/capture/timed_assembler.hpp"
 #include "site_node/config.hpp"
 #include "site_node/preview/preview.hpp"
+#include "site_node/rig_watcher.hpp"
 #include "site_node/run_control.hpp"
 #include "site_node/stage_times.hpp"
 #include "site_node/stream_adapter.hpp"
@@ -24,6 +25,9 @@
 #include <vector>
 
 namespace atrium::site_node {
+
+/// Metaframes per second that the configuration or else the rig asks for.
+double metaframe_rate_hz(const SiteNodeConfig& config, const config::Rig& rig);
 
 /// Checks the configuration and opens the frame source. A simulated room may take minutes.
 Expected<std::unique_ptr<capture::FrameSource>> open_frame_source(const SiteNodeConfig& config,
@@ -37,10 +41,11 @@ Expected<void> learn_background(const SiteNodeConfig& config, std::stop_token st
 /// rendering of a simulated room, background, bus); `run` owns the threads.
 class SiteNode {
 public:
-    static Expected<std::unique_ptr<SiteNode>> create(const SiteNodeConfig& config,
+    static Expected<std::unique_ptr<SiteNode>> create(const SiteNodeConfig& asked,
                                                       std::stop_token stop);
 
-    /// Runs until the stop, the end of the source or `site.seconds`. One caller at a time.
+    /// Runs until the stop, the end of the source or `site.seconds`. One caller at a time. Error
+    /// kInvalidData with the likely cause if pictures came, but nothing could be published.
     Expected<void> run(std::stop_token stop);
 
     /// Thread-safe.
@@ -79,6 +84,7 @@ private:
     void compute_frame(Ready& ready);
     void count_failure(std::uint64_t frame_id, const Error& error);
     void count_losses(const SiteFrame& frame);
+    Expected<void> explain_no_output(const bus::SiteStatus& total, bool was_stopped);
     void show_preview(const Pipeline::Silhouettes& silhouettes);
     void publish_frames(std::stop_token stop);
     void report_status(std::stop_token stop);
@@ -104,10 +110,13 @@ private:
     std::atomic<std::uint64_t> num_incomplete_used_{0};
     std::atomic<std::uint64_t> num_failed_{0};
     std::atomic<std::uint64_t> num_published_{0};
+    std::atomic<std::uint64_t> num_with_people_{0};  // published with a hull
     std::atomic<std::uint64_t> num_bytes_{0};
     OffsetBoard offsets_;
+    RigWatcher rig_watcher_;
     mutable std::mutex losses_mutex_;
     bus::LeftOutTotals losses_;
+    std::string last_failure_;  // why the newest failed metaframe failed
     mutable std::mutex latency_mutex_;
     LatencyWindow capture_to_publish_;
     StageTimes stage_times_;

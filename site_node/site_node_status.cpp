@@ -1,12 +1,15 @@
 #include "core/app/program.hpp"
 #include "core/status/bottleneck.hpp"
 #include "site_node/metaframe_losses.hpp"
+#include "site_node/overload_advice.hpp"
 #include "site_node/site_node.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
+#include <thread>
 
 // Status of a site, published once a second.
 namespace atrium::site_node {
@@ -22,7 +25,18 @@ void SiteNode::report_status(std::stop_token stop) {
     std::condition_variable_any wake;
     const auto begin = Clock::now();
     bus::SiteStatus former;
-    atrium::status::OverloadLog overload(bus::ProgramKind::kSiteNode);
+    const double asked_hz = metaframe_rate_hz(config_, source_->rig());
+    std::optional<StageTimes::Work> largest_work;
+    atrium::status::OverloadLog overload(
+        bus::ProgramKind::kSiteNode, [&](atrium::status::Cause cause) {
+            return overload_advice({asked_hz,
+                                    metaframes_per_s_,
+                                    former.processor.run_per_s,
+                                    config_.threads,
+                                    static_cast<int>(std::thread::hardware_concurrency()),
+                                    largest_work},
+                                   cause);
+        });
     std::vector<capture::CameraCounters> former_cameras = source_->camera_counters();
     for (int second = 1; !stop.stop_requested(); ++second) {
         auto until = begin + std::chrono::seconds(second);
@@ -47,6 +61,7 @@ void SiteNode::report_status(std::stop_token stop) {
         if (const std::string line = losses_line(former, now); !line.empty())
             app::log::debug("this second {}", line);
         former = now;
+        largest_work = stage_times_.largest_work();
         if (const auto line = overload.look(atrium::status::figures_of(now), Clock::now()))
             app::log::warn("{}", *line);
         const auto cameras = source_->camera_counters();

@@ -1,7 +1,14 @@
 #include "site_node/stage_times.hpp"
 
+#include <algorithm>
+#include <numeric>
+
 namespace atrium::site_node {
 namespace {
+
+constexpr std::size_t kNumStages = 5;
+constexpr std::array<const char*, kNumStages> kStageNames{
+    "segmentation", "polygons", "the hull", "the coding of meshes", "the coding of textures"};
 
 std::chrono::nanoseconds from_ms(double ms) {
     return std::chrono::nanoseconds(static_cast<std::int64_t>(ms * 1e6));
@@ -9,11 +16,27 @@ std::chrono::nanoseconds from_ms(double ms) {
 
 }  // namespace
 
-void StageTimes::computed(const SiteFrame::Milliseconds& milliseconds) {
+void StageTimes::computed(const SiteFrame& frame) {
+    const SiteFrame::Milliseconds& milliseconds = frame.milliseconds;
+    const SiteFrame::WorkMilliseconds& work = frame.work_milliseconds;
     const std::lock_guard lock(mutex_);
+    const std::array<double, kNumStages> spent{
+        work.segmentation, work.polygons, milliseconds.hull, work.mesh, work.textures};
+    for (std::size_t i = 0; i < kNumStages; ++i) work_ms_[i] += spent[i];
     silhouettes_.add(from_ms(milliseconds.silhouettes));
     hull_.add(from_ms(milliseconds.hull));
     coding_.add(from_ms(milliseconds.encode));
+}
+
+std::optional<StageTimes::Work> StageTimes::largest_work() {
+    const std::lock_guard lock(mutex_);
+    const double sum = std::accumulate(work_ms_.begin(), work_ms_.end(), 0.0);
+    const auto largest = std::max_element(work_ms_.begin(), work_ms_.end());
+    if (!(sum > 0.0)) return std::nullopt;
+    const Work work{kStageNames[static_cast<std::size_t>(largest - work_ms_.begin())],
+                    *largest / sum};
+    work_ms_ = {};
+    return work;
 }
 
 void StageTimes::published(std::size_t mesh_bytes,

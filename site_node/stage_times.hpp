@@ -4,21 +4,32 @@
 #include "core/bus/messages.hpp"
 #include "site_node/pipeline.hpp"
 
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <mutex>
+#include <optional>
+#include <string>
 
 namespace atrium::site_node {
 
 /// Collects stage durations and byte counts of a site for its status. Thread-safe.
 class StageTimes {
 public:
-    void computed(const SiteFrame::Milliseconds& milliseconds);
+    void computed(const SiteFrame& frame);
     /// Records the payload sizes of one metaframe and how long it took to publish.
     void published(std::size_t mesh_bytes,
                    std::size_t texture_bytes,
                    std::chrono::nanoseconds duration);
+
+    /// Work of the pool per stage since the previous call, for advice about overload.
+    struct Work {
+        std::string name;
+        double share = 0.0;  // of the work of all stages
+    };
+    /// The stage with the most work; nullopt without any.
+    std::optional<Work> largest_work();
 
     /// Computes byte rates since the previous call.
     void update_rates(std::chrono::steady_clock::time_point now);
@@ -26,6 +37,7 @@ public:
 
 private:
     mutable std::mutex mutex_;
+    std::array<double, 5> work_ms_{};  // since the last largest_work
     LatencyWindow silhouettes_;
     LatencyWindow hull_;
     LatencyWindow coding_;

@@ -145,6 +145,26 @@ void OptionSet::add_word_or_path(const std::string& key,
     };
 }
 
+void OptionSet::add_own(const std::string& key,
+                        const std::string& type_name,
+                        const std::string& help,
+                        std::function<bool(const std::string&)> parse,
+                        std::function<std::string()> current) {
+    Entry entry;
+    entry.key = key;
+    entry.help = help;
+    entry.type_name = type_name;
+    entry.default_value = current();
+    entry.read = [](TableReader&) {};
+    entry.parse = [type_name, parse = std::move(parse)](const std::string& text) -> Expected<void> {
+        if (parse(text)) return {};
+        return make_error(ErrorKind::kConfiguration,
+                          fmt::format("must be {}, got '{}'", type_name, text));
+    };
+    entries_.push_back(std::move(entry));
+    current_.push_back(std::move(current));
+}
+
 void OptionSet::add_alias(const std::string& name) { entries_.back().alias = name; }
 
 void OptionSet::show(const std::string& key, std::function<std::string()> current) {

@@ -51,6 +51,13 @@ public:
                           std::string& target,
                           const std::string& help,
                           const std::vector<std::string>& words);
+    /// Adds an option with a form of its own on the command line. The set does not read its key
+    /// from the file: the program does. `parse` returns false for text that is not of `type_name`.
+    void add_own(const std::string& key,
+                 const std::string& type_name,
+                 const std::string& help,
+                 std::function<bool(const std::string&)> parse,
+                 std::function<std::string()> current);
     /// Makes `--name` an alias of the last added option on the command line.
     void add_alias(const std::string& name);
 

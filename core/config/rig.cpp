@@ -16,6 +16,39 @@ namespace {
 constexpr double kMaxRotationError =
     1e-3;  // largest |R^T R - 1|: calibration files have 4 to 12 digits
 constexpr std::size_t kMaxCameras = 64;
+constexpr double kFarthest_m = 1e4;
+constexpr double kMinExtent_m = 0.01;  // of the bounds
+constexpr Range kFocal_px{kMinFocal_px, kMaxFocal_px};
+
+struct Unit {
+    const char* name;
+    double metres;
+};
+constexpr std::array<Unit, 5> kUnits{
+    {{"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}, {"ft", 0.3048}}};
+
+double read_unit(TableReader& reader) {
+    std::string name = kUnits.front().name;
+    std::vector<std::string> names;
+    for (const Unit& unit : kUnits) names.emplace_back(unit.name);
+    reader.read("units", name, names);
+    const auto found =
+        std::ranges::find_if(kUnits, [&](const Unit& unit) { return unit.name == name; });
+    return found == kUnits.end() ? 1.0 : found->metres;
+}
+
+// Reads three lengths in the unit of the file.
+void read_lengths(TableReader& table, const char* key, double unit_m, Eigen::Vector3d& value_m) {
+    Eigen::Vector3d number = value_m / unit_m;
+    table.read(key, number.data(), 3);
+    value_m = number * unit_m;
+    if (value_m.cwiseAbs().maxCoeff() <= kFarthest_m) return;
+    table.reject(key,
+                 fmt::format("must be within {} m, got {:g} m; if the numbers are millimetres, "
+                             "write units = \"mm\" at the top of the file",
+                             kFarthest_m,
+                             value_m.cwiseAbs().maxCoeff()));
+}
 
 // The rotation nearest to `m`; nullopt if `m` is not a right-handed rotation within
 // kMaxRotationError.
@@ -28,7 +61,7 @@ std::optional<Eigen::Quaterniond> nearest_rotation(const Eigen::Matrix3d& m) {
         .normalized();
 }
 
-geometry::CalibratedCamera read_camera(TableReader& table) {
+geometry::CalibratedCamera read_camera(TableReader& table, double unit_m) {
     geometry::CalibratedCamera camera;
     for (const char* key :
          {"name", "width", "height", "fx", "fy", "cx", "cy", "rotation", "translation"}) {
@@ -40,8 +73,8 @@ geometry::CalibratedCamera read_camera(TableReader& table) {
     geometry::PinholeCamera& k = camera.intrinsics;
     table.read("width", k.width, {16, 8192});
     table.read("height", k.height, {16, 8192});
-    table.read("fx", k.fx, {1e-3, 1e6});
-    table.read("fy", k.fy, {1e-3, 1e6});
+    table.read("fx", k.fx, kFocal_px);
+    table.read("fy", k.fy, kFocal_px);
     table.read("cx", k.cx, {-1e6, 1e6});
     table.read("cy", k.cy, {-1e6, 1e6});
     table.read("skew", k.skew, {-1e4, 1e4});
@@ -61,7 +94,7 @@ geometry::CalibratedCamera read_camera(TableReader& table) {
                         kMaxRotationError,
                         matrix.determinant()));
     }
-    table.read("translation", camera.camera_from_site.translation.data(), 3, {-1e4, 1e4});
+    read_lengths(table, "translation", unit_m, camera.camera_from_site.translation);
     return camera;
 }
 
@@ -99,12 +132,11 @@ Expected<Rig> load_rig(const std::filesystem::path& path) {
     if (!reader) return tl::unexpected(reader.error());
 
     Rig rig;
-    std::string units = "m";
-    reader->read("units", units, {"m"});
+    rig.unit_m = read_unit(*reader);
     reader->read("rate_hz", rig.rate_hz, {0.1, 1000});
     reader->require("camera");
     for (TableReader& table : reader->tables("camera")) {
-        geometry::CalibratedCamera camera = read_camera(table);
+        geometry::CalibratedCamera camera = read_camera(table, rig.unit_m);
         const bool taken =
             std::any_of(rig.cameras.begin(), rig.cameras.end(), [&](const auto& other) {
                 return other.name == camera.name;
@@ -121,11 +153,14 @@ Expected<Rig> load_rig(const std::filesystem::path& path) {
         TableReader bounds = reader->table("bounds");
         bounds.require("min");
         bounds.require("max");
-        bounds.read("min", rig.bounds_site.min.data(), 3, {-1e4, 1e4});
-        bounds.read("max", rig.bounds_site.max.data(), 3, {-1e4, 1e4});
-        if (!((rig.bounds_site.max - rig.bounds_site.min).array() > 0.0).all()) {
-            bounds.reject("max", "must be larger than min in x, y and z");
+        rig.bounds_site = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Ones()};
+        read_lengths(bounds, "min", rig.unit_m, rig.bounds_site.min);
+        read_lengths(bounds, "max", rig.unit_m, rig.bounds_site.max);
+        if (!(rig.bounds_site.size().array() >= kMinExtent_m).all()) {
+            bounds.reject(
+                "max", fmt::format("must be larger than min by {} m in x, y and z", kMinExtent_m));
         }
+        rig.has_bounds = true;
     } else if (rig.cameras.size() >= 2) {
         rig.bounds_site = default_bounds(rig.cameras);
     }

@@ -165,12 +165,15 @@ std::optional<std::string> OverloadLog::look(Figures now, Clock::time_point time
     if (found.empty() || found.front().cause == Cause::kNetwork) return std::nullopt;
     if (last_line_ && time - *last_line_ < kPeriod) return std::nullopt;
     last_line_ = time;
+    const Cause cause = found.front().cause;
+    std::string what_to_do = own_advice_ ? own_advice_(cause) : "";
+    if (what_to_do.empty()) what_to_do = advice(cause, kind_);
     return fmt::format("{} reason=\"{}\" cores={:.2f} waited_per_s={} advice=\"{}\"",
-                       name_of(found.front().cause),
+                       name_of(cause),
                        found.front().text,
                        use.run_per_s,
                        use.is_waiting_known ? fmt::format("{:.2f}", use.waited_per_s) : "unknown",
-                       advice(found.front().cause, kind_));
+                       what_to_do);
 }
 
 }  // namespace atrium::status

@@ -3,6 +3,7 @@
 #include "core/status/figures.hpp"
 
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -61,13 +62,16 @@ public:
     using Clock = std::chrono::steady_clock;
     static constexpr std::chrono::seconds kPeriod{5};
 
-    explicit OverloadLog(bus::ProgramKind kind) : kind_(kind) {}
+    /// `own_advice` replaces `advice` where it has an answer.
+    explicit OverloadLog(bus::ProgramKind kind, std::function<std::string(Cause)> own_advice = {})
+        : kind_(kind), own_advice_(std::move(own_advice)) {}
 
     /// Returns the line to log, if any. Call it after each report of the program.
     std::optional<std::string> look(Figures now, Clock::time_point time);
 
 private:
     bus::ProgramKind kind_;
+    std::function<std::string(Cause)> own_advice_;
     std::optional<Figures> before_;
     std::optional<Clock::time_point> last_line_;
 };

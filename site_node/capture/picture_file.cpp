@@ -6,8 +6,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <fstream>
 #include <map>
 #include <optional>
+#include <string_view>
+#include <system_error>
 
 namespace atrium::capture {
 namespace {
@@ -28,6 +32,35 @@ std::optional<std::size_t> sequence_number(const fs::path& file) {
         std::all_of(stem.begin(), stem.end(), [](char c) { return c >= '0' && c <= '9'; });
     if (!is_picture || !is_number) return std::nullopt;
     return static_cast<std::size_t>(std::stoul(stem));
+}
+
+// What is wrong with a file that is no picture.
+std::string why_unreadable(const fs::path& file) {
+    std::error_code failure;
+    const auto bytes = fs::file_size(file, failure);
+    if (!failure && bytes == 0) return "cannot read as a picture: the file is empty";
+    if (!std::ifstream(file, std::ios::binary)) {
+        const std::error_code reason(errno, std::generic_category());
+        return "cannot read as a picture: " + reason.message();
+    }
+    return "cannot read as a picture: the file is truncated or damaged, or no PNG or JPEG";
+}
+
+// The size in the header of a PNG file, which is quicker than decoding it.
+std::optional<PictureSize> size_in_png(const fs::path& file) {
+    std::array<char, 24> head{};
+    std::ifstream stream(file, std::ios::binary);
+    const std::string_view signature("\x89PNG\r\n\x1a\n", 8);
+    if (!stream.read(head.data(), head.size()) ||
+        std::string_view(head.data(), signature.size()) != signature)
+        return std::nullopt;
+    const auto number = [&](std::size_t at) {
+        std::uint32_t value = 0;
+        for (std::size_t i = at; i < at + 4; ++i)
+            value = value << 8 | static_cast<unsigned char>(head[i]);
+        return static_cast<int>(std::min<std::uint32_t>(value, 1U << 30));
+    };
+    return PictureSize{number(16), number(20)};
 }
 
 }  // namespace
@@ -52,6 +85,13 @@ struct PictureFile::Impl {
             if (!video.grab()) break;
         }
         if (next_in_video != index || !video.read(decoded) || decoded.empty()) {
+            if (index == 0) {
+                return make_error(
+                    ErrorKind::kInvalidData,
+                    fmt::format("{}: cannot decode its first picture: the file is damaged or "
+                                "empty, or of a codec that OpenCV cannot read here; convert it",
+                                path.string()));
+            }
             return make_error(ErrorKind::kNotFound,
                               fmt::format("{}: has no frame {}", path.string(), index));
         }
@@ -67,8 +107,9 @@ struct PictureFile::Impl {
         }
         decoded = cv::imread(it->second.string(), mode);
         if (decoded.empty()) {
-            return make_error(ErrorKind::kInvalidData,
-                              fmt::format("{}: cannot read as a picture", it->second.string()));
+            return make_error(
+                ErrorKind::kInvalidData,
+                fmt::format("{}: {}", it->second.string(), why_unreadable(it->second)));
         }
         return {};
     }
@@ -134,6 +175,18 @@ Expected<PictureFile> PictureFile::find(const fs::path& folder, const std::strin
 const fs::path& PictureFile::path() const { return impl_->path; }
 bool PictureFile::is_video() const { return impl_->is_video; }
 std::size_t PictureFile::num_pictures() const { return impl_->num_pictures; }
+
+std::optional<PictureSize> PictureFile::size() {
+    if (impl_->is_video) {
+        const PictureSize size{static_cast<int>(impl_->video.get(cv::CAP_PROP_FRAME_WIDTH)),
+                               static_cast<int>(impl_->video.get(cv::CAP_PROP_FRAME_HEIGHT))};
+        return size.width > 0 && size.height > 0 ? std::optional(size) : std::nullopt;
+    }
+    const auto& [index, file] = *impl_->images.begin();
+    if (const auto size = size_in_png(file)) return size;
+    if (!impl_->read(index, cv::IMREAD_COLOR)) return std::nullopt;
+    return PictureSize{impl_->decoded.cols, impl_->decoded.rows};
+}
 
 Expected<void> PictureFile::read(std::size_t index, image::YuvImage& out) {
     if (auto read = impl_->read(index, cv::IMREAD_COLOR); !read) return read;

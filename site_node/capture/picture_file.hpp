@@ -6,10 +6,16 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace atrium::capture {
+
+struct PictureSize {
+    int width = 0;
+    int height = 0;
+};
 
 /// Reads pictures in every form that a recording may use: one image, a numbered sequence, a video.
 class PictureFile {
@@ -27,6 +33,9 @@ public:
     bool is_video() const;
     /// Highest number + 1 of a sequence; for a video the number in its header.
     std::size_t num_pictures() const;
+
+    /// Size of the first picture, as its file says; nullopt if it cannot be read.
+    std::optional<PictureSize> size();
 
     /// Errors: kNotFound if this number is missing, kInvalidData if it cannot be decoded.
     Expected<void> read(std::size_t index, image::YuvImage& out);

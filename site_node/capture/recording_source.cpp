@@ -27,6 +27,28 @@ std::optional<std::int64_t> parse_integer(std::string_view text) {
     return value;
 }
 
+// Pictures lose an odd last row or column.
+bool fits(const PictureSize& size, const geometry::PinholeCamera& expected) {
+    return (size.width & ~1) == (expected.width & ~1) &&
+           (size.height & ~1) == (expected.height & ~1);
+}
+
+tl::unexpected<Error> wrong_size(const fs::path& file,
+                                 const std::string& what_has,
+                                 const PictureSize& size,
+                                 const geometry::PinholeCamera& expected) {
+    return make_error(ErrorKind::kInvalidData,
+                      fmt::format("{}: {} {}x{} px, but rig.toml says {}x{}: correct width and "
+                                  "height, and scale fx, fy, cx and cy if the calibration is of "
+                                  "the other size",
+                                  file.string(),
+                                  what_has,
+                                  size.width,
+                                  size.height,
+                                  expected.width,
+                                  expected.height));
+}
+
 }  // namespace
 
 // Pictures of one camera, and optional masks beside them.
@@ -39,6 +61,8 @@ public:
         auto pictures = PictureFile::find(folder, "frames");
         if (!pictures) return tl::unexpected(pictures.error());
         track->pictures_ = std::move(*pictures);
+        if (const auto size = track->pictures_.size(); size && !fits(*size, expected))
+            return wrong_size(track->pictures_.path(), "the pictures have", *size, expected);
         if (fs::is_directory(folder / "silhouettes")) {
             auto masks = PictureFile::find(folder, "silhouettes");
             if (!masks) return tl::unexpected(masks.error());
@@ -54,17 +78,10 @@ public:
         CameraFrame frame;
         auto picture = std::make_shared<image::YuvImage>();
         if (auto read = pictures_.read(index, *picture); !read) return tl::unexpected(read.error());
-        if (picture->width() != (expected_.width & ~1) ||
-            picture->height() != (expected_.height & ~1)) {
-            return make_error(ErrorKind::kInvalidData,
-                              fmt::format("{}: frame {} has {}x{} px, but rig.toml says {}x{}",
-                                          pictures_.path().string(),
-                                          index,
-                                          picture->width(),
-                                          picture->height(),
-                                          expected_.width,
-                                          expected_.height));
-        }
+        const PictureSize size{picture->width(), picture->height()};
+        if (!fits(size, expected_))
+            return wrong_size(
+                pictures_.path(), fmt::format("frame {} has", index), size, expected_);
         if (masks_) {
             auto mask = std::make_shared<image::Mask>();
             if (auto read = masks_->read_mask(index, *mask); !read)
@@ -177,6 +194,13 @@ Expected<void> RecordingSource::show_background_of(std::size_t camera,
             if (i > 0 && pictures->is_video()) break;
             return tl::unexpected(read.error());
         }
+        const PictureSize size{picture.width(), picture.height()};
+        if (const auto& expected = rig_.cameras[camera].intrinsics; !fits(size, expected)) {
+            return wrong_size(pictures->path(),
+                              fmt::format("picture {} of the empty room has", i),
+                              size,
+                              expected);
+        }
         if (!sink(camera, picture)) break;
     }
     return {};
@@ -185,7 +209,13 @@ Expected<void> RecordingSource::show_background_of(std::size_t camera,
 std::optional<CameraFrame> RecordingSource::next_frame(std::size_t camera, std::size_t index) {
     if (!decoded_.empty() && decoded_[index][camera]) return decoded_[index][camera];
     auto frame = tracks_[camera]->read(index);
-    if (!frame) return std::nullopt;
+    if (!frame) {
+        if (options_.report_unreadable) {
+            options_.report_unreadable(
+                fmt::format("camera '{}': {}", rig_.cameras[camera].name, frame.error().message));
+        }
+        return std::nullopt;
+    }
     frame->camera = camera;
     if (!decoded_.empty()) decoded_[index][camera] = *frame;
     return std::move(*frame);

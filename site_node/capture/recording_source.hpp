@@ -3,6 +3,7 @@
 #include "site_node/capture/frame_source.hpp"
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,13 +15,15 @@ struct RecordingOptions {
     std::filesystem::path folder;
     double rate_hz = 0.0;  // 0: as recorded (times.csv, else rate_hz of rig.toml)
     bool loop = false;     // restart after the last frame
+    /// Receives the reason for each picture that is left out: its file, number and what is wrong.
+    std::function<void(const std::string&)> report_unreadable = {};
 };
 
 /// Plays a recording of image sequences or video files in real time (docs/conventions.md,
 /// "Recordings").
 ///
 /// A missing or unreadable picture leaves its metaframe incomplete; it is not an error of the
-/// source.
+/// source. Pictures of another size than the rig says are one, when it is opened.
 class RecordingSource final : public FrameSource {
 public:
     static Expected<std::unique_ptr<RecordingSource>> open(const RecordingOptions& options);

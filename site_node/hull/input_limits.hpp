@@ -9,7 +9,7 @@ namespace atrium::hull {
 
 inline constexpr std::size_t kViewsOfBounds = 2;  // HullOptions::bounds counts as this many views
 inline constexpr double kMinFocal_px = 1e-3;      // keeps rays far from the range of doubles,
-inline constexpr double kMaxFocal_px = 1e7;       // and the grid of the rays finer than 1e-3 px
+inline constexpr double kMaxFocal_px = 1e6;       // and the grid of the rays finer than 1e-3 px
 /// Limit on (points of all contours and fields) * (number of views): each ray is stored once per
 /// other view, 250 MB in all.
 inline constexpr std::size_t kMaxPointsTimesViews = 4'000'000;

@@ -11,7 +11,9 @@ int main(int argc, char** argv) {
     if (!start.go_on) return start.exit_code;
     app::log::set_program("visual_hull");
     app::log::set_level(app::log::Level::kWarn);
-    const Expected<std::string> report = hull_tool::run(options);
+    const Expected<std::string> report = hull_tool::run(options, [](const std::string& text) {
+        std::fprintf(stderr, "visual_hull: warning: %s\n", text.c_str());
+    });
     if (!report) {
         std::fprintf(stderr, "visual_hull: error: %s\n", report.error().message.c_str());
         return app::exit_code(report.error());

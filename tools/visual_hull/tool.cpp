@@ -1,14 +1,17 @@
 #include "tools/visual_hull/tool.hpp"
 
+#include "core/base/disk_space.hpp"
 #include "core/base/thread_pool.hpp"
 #include "core/geometry/decimate.hpp"
 #include "core/geometry/mesh_file.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 #include "site_node/hull/field_of_view.hpp"
+#include "site_node/hull/input_limits.hpp"
 #include "site_node/silhouette/picture_field.hpp"
 #include "site_node/silhouette/silhouette.hpp"
 #include "site_node/views/views_file.hpp"
 #include "tools/visual_hull/coverage.hpp"
+#include "tools/visual_hull/judgement.hpp"
 #include "tools/visual_hull/limits.hpp"
 #include "tools/visual_hull/recording_views.hpp"
 
@@ -24,6 +27,8 @@
 
 namespace atrium::hull_tool {
 namespace {
+
+constexpr std::uint64_t kLeastSpace = 1U << 20;  // a person's mesh is smaller
 
 std::string name_of_input(const ToolOptions& options) {
     if (options.recording.empty()) return options.views_file.string();
@@ -140,6 +145,7 @@ nlohmann::ordered_json report_views(const std::vector<views::NamedView>& views,
 
 nlohmann::ordered_json report(const std::vector<views::NamedView>& views,
                               const ToolOptions& options,
+                              const std::vector<std::string>& warnings,
                               const Measured& measured) {
     const hull::VisualHull& hull = measured.hull;
     const geometry::MeshReport mesh = geometry::inspect(hull.mesh);
@@ -163,6 +169,12 @@ nlohmann::ordered_json report(const std::vector<views::NamedView>& views,
         out["distance_bound_mm"] = 1e3 * measured.distance_bound_m;
     }
     if (!options.without.empty()) out["views_left_out"] = options.without;
+    if (options.bounds) {
+        const geometry::Aabb& box = *options.bounds;
+        out["bounds"] = {
+            box.min.x(), box.min.y(), box.min.z(), box.max.x(), box.max.y(), box.max.z()};
+    }
+    if (!warnings.empty()) out["warnings"] = warnings;
     out["views"] = report_views(views, hull.mesh);
     const hull::StageTimes& times = measured.fastest;
     nlohmann::ordered_json& ms = out["milliseconds"];
@@ -205,6 +217,10 @@ Expected<void> try_output(const std::filesystem::path& path) {
     const bool is_other = !is_new && !std::filesystem::is_regular_file(status) &&
                           !std::filesystem::is_directory(status);
     if (path.empty() || is_other) return {};  // opening a pipe would be visible to its reader
+    if (auto space =
+            check_writable(std::filesystem::absolute(path).parent_path(), kLeastSpace, "--output");
+        !space && !std::filesystem::is_directory(status))
+        return space;
     const bool writable = std::ofstream(path, std::ios::binary | std::ios::app).is_open();
     if (!writable)
         return make_error(ErrorKind::kUnavailable, path.string() + ": cannot be written");
@@ -212,7 +228,11 @@ Expected<void> try_output(const std::filesystem::path& path) {
     return {};
 }
 
-std::string advice(hull::HullStatus status, const std::vector<views::NamedView>& views) {
+std::string advice(hull::HullStatus status,
+                   const std::vector<views::NamedView>& views,
+                   const std::vector<std::string>& warnings) {
+    const bool may_be_the_rig = status == hull::HullStatus::kUnbounded;
+    if (may_be_the_rig && !warnings.empty()) return "; " + warnings.back();
     if (status == hull::HullStatus::kTooFewViews)
         return "; the hull needs at least two cameras at different places";
     if (status == hull::HullStatus::kUnbounded) return "; add --bounds to close it";
@@ -220,7 +240,19 @@ std::string advice(hull::HullStatus status, const std::vector<views::NamedView>&
     return "";
 }
 
-Expected<std::string> run_unguarded(const ToolOptions& options) {
+// Takes the bounds of the recording's rig unless the command line has its own, and judges the rig.
+Expected<void> apply_rig(ToolOptions& options, std::vector<std::string>& warnings) {
+    if (options.recording.empty()) return {};
+    const auto rig = load_checked_rig(options.recording, warnings);
+    if (!rig) return tl::unexpected(rig.error());
+    const bool fits = rig->cameras.size() + hull::kViewsOfBounds <= hull::kMaxViews;
+    if (!options.bounds && !options.no_bounds && rig->has_bounds && fits)
+        options.bounds = rig->bounds_site;
+    return {};
+}
+
+Expected<std::string> run_unguarded(ToolOptions options,
+                                    const std::function<void(const std::string&)>& warn) {
     if (!options.output.empty() && !geometry::is_mesh_path(options.output)) {
         return make_error(
             ErrorKind::kConfiguration,
@@ -228,16 +260,35 @@ Expected<std::string> run_unguarded(const ToolOptions& options) {
     }
     if (auto writable = try_output(options.output); !writable)
         return tl::unexpected(writable.error());
+    std::vector<std::string> warnings;
+    // a missing folder has a better error of its own below
+    if (std::filesystem::is_directory(options.recording)) {
+        if (auto applied = apply_rig(options, warnings); !applied)
+            return tl::unexpected(applied.error());
+    }
+    if (options.partial && !options.bounds) {
+        return make_error(ErrorKind::kConfiguration,
+                          "--partial: needs --bounds, or [bounds] in the rig of the recording, "
+                          "because no camera limits the space outside the pictures");
+    }
     const auto views = load_views(options);
     if (!views) return tl::unexpected(views.error());
+    if (options.recording.empty()) warnings = judge_cameras(*views);
     Measured measured = compute(*views, options);
     const hull::HullStatus status = measured.hull.status;
+    if (status != hull::HullStatus::kInvalidInput && status != hull::HullStatus::kTooComplex) {
+        for (std::string& text : judge_hull(*views, measured.hull, options.bounds, options.partial))
+            warnings.push_back(std::move(text));
+    }
+    for (const std::string& text : warnings) {
+        if (warn) warn(text);
+    }
     if (status != hull::HullStatus::kOk && status != hull::HullStatus::kEmptyIntersection) {
         const bool is_input =
             status == hull::HullStatus::kTooFewViews || status == hull::HullStatus::kInvalidInput;
         return make_error(is_input ? ErrorKind::kConfiguration : ErrorKind::kInvalidData,
                           name_of_input(options) + ": no hull: " + hull::to_string(status) +
-                              advice(status, *views));
+                              advice(status, *views, warnings));
     }
     if (options.decimate_mm > 0.0) {
         if (auto done = decimate(measured, options); !done) return tl::unexpected(done.error());
@@ -246,14 +297,15 @@ Expected<std::string> run_unguarded(const ToolOptions& options) {
         const auto& mesh = measured.decimated ? *measured.decimated : measured.hull.mesh;
         if (auto written = write(mesh, options); !written) return tl::unexpected(written.error());
     }
-    return report(*views, options, measured).dump(2);
+    return report(*views, options, warnings, measured).dump(2);
 }
 
 }  // namespace
 
-Expected<std::string> run(const ToolOptions& options) {
+Expected<std::string> run(const ToolOptions& options,
+                          const std::function<void(const std::string&)>& warn) {
     try {
-        return run_unguarded(options);
+        return run_unguarded(options, warn);
     } catch (const std::bad_alloc&) {
         return make_error(ErrorKind::kInternal, name_of_input(options) + ": not enough memory");
     } catch (const std::system_error& error) {

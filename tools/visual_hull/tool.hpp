@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,9 +20,10 @@ struct ToolOptions {
     std::filesystem::path output;  // empty: no mesh file
     int threads = 1;
     int repeat = 1;
-    std::vector<std::string> without;  // names of views to ignore
-    std::optional<geometry::Aabb> bounds;
-    bool partial = false;  // space outside the pictures is unknown; needs bounds
+    std::vector<std::string> without;      // names of views to ignore
+    std::optional<geometry::Aabb> bounds;  // empty: those of the rig of a recording, if it has any
+    bool no_bounds = false;                // not even those
+    bool partial = false;                  // space outside the pictures is unknown; needs bounds
     std::uint32_t min_views = 0;
     double min_litres = 0.005;
     bool keep_phantoms = false;
@@ -41,6 +43,8 @@ Start parse_command_line(int argc, char** argv, ToolOptions& options);
 
 /// Computes the hull, writes the mesh and returns the report, one JSON object. Errors kInternal if
 /// memory or threads are missing.
-Expected<std::string> run(const ToolOptions& options);
+/// `warn` receives judgements about the input, one line each; they are in the report as well.
+Expected<std::string> run(const ToolOptions& options,
+                          const std::function<void(const std::string&)>& warn = {});
 
 }  // namespace atrium::hull_tool

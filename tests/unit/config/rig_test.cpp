@@ -51,6 +51,26 @@ TEST(LoadRig, ReadsCamerasRateAndBounds) {
     EXPECT_LT((rig->cameras[0].centre_site() - Eigen::Vector3d(3, 0, 1)).norm(), 1e-9);
 }
 
+TEST(LoadRig, ConvertsItsUnitsToMetres) {
+    const auto metres = load(camera("a") + camera("b"));
+    ASSERT_TRUE(metres) << metres.error().message;
+    EXPECT_FALSE(metres->has_bounds);
+    const auto in_mm = [](std::string text) {
+        return replaced(std::move(text), "[0, 1, 3]", "[0, 1000, 3000]");
+    };
+    const auto rig = load("units = \"mm\"\n" + in_mm(camera("a")) + in_mm(camera("b")) +
+                          "[bounds]\nmin = [-1000, -1000, 0]\nmax = [1000, 1000, 2000]\n");
+    ASSERT_TRUE(rig) << rig.error().message;
+    EXPECT_EQ(rig->unit_m, 0.001);
+    EXPECT_TRUE(rig->has_bounds);
+    EXPECT_LT((rig->bounds_site.max - Eigen::Vector3d(1, 1, 2)).norm(), 1e-12);
+    EXPECT_LT((rig->cameras[0].centre_site() - metres->cameras[0].centre_site()).norm(), 1e-12);
+    const auto too_far = load(camera("a") + replaced(camera("b"), "[0, 1, 3]", "[0, 1, 30000]"));
+    ASSERT_FALSE(too_far);
+    EXPECT_THAT(too_far.error().message,
+                AllOf(HasSubstr("camera[1].translation"), HasSubstr("units = \"mm\"")));
+}
+
 TEST(LoadRig, NamesTheCameraWithASingularMatrix) {
     const auto rig = load(camera("good") + replaced(camera("bad"),
                                                     "[0, 1, 0, 0, 0, -1, -1, 0, 0]",
@@ -78,7 +98,7 @@ TEST(LoadRig, RefusesImpossibleCameras) {
         EXPECT_FALSE(load(camera("b") + replaced(good, from, to))) << to;
     }
     EXPECT_FALSE(load(camera("only_one")));
-    EXPECT_FALSE(load("units = \"mm\"\n" + camera("a") + camera("b")));
+    EXPECT_FALSE(load("units = \"km\"\n" + camera("a") + camera("b")));
 }
 
 TEST(LoadRig, ReportsAMissingFile) {

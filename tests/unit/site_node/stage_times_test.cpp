@@ -1,5 +1,7 @@
 #include "site_node/stage_times.hpp"
 
+#include "site_node/overload_advice.hpp"
+
 #include <gtest/gtest.h>
 
 namespace atrium::site_node {
@@ -15,7 +17,11 @@ TEST(StageTimes, AreMediansAndBytesPerSecondOfEachTopic) {
     const std::chrono::steady_clock::time_point begin{100s};
     times.update_rates(begin);
     for (const double ms : {1.0, 2.0, 30.0}) {
-        times.computed({.silhouettes = ms, .hull = 10 * ms, .encode = 100 * ms, .total = 111 * ms});
+        SiteFrame frame;
+        frame.milliseconds = {
+            .silhouettes = ms, .hull = 10 * ms, .encode = 100 * ms, .total = 111 * ms};
+        frame.work_milliseconds.segmentation = 30 * ms;
+        times.computed(frame);
         times.published(500, 7000, 3ms);
     }
     times.update_rates(begin + 2s);
@@ -26,6 +32,37 @@ TEST(StageTimes, AreMediansAndBytesPerSecondOfEachTopic) {
     times.update_rates(begin + 3s);
     times.put_into(status);
     EXPECT_EQ(status.mesh_bytes_per_s, 0.0) << "the rate must be zero if nothing was sent since";
+}
+
+TEST(StageTimes, NameTheStageWithMostWork) {
+    StageTimes times;
+    EXPECT_FALSE(times.largest_work());
+    SiteFrame frame;
+    frame.milliseconds.hull = 10.0;
+    frame.work_milliseconds = {.segmentation = 30.0, .polygons = 2.0, .mesh = 5.0, .textures = 3.0};
+    times.computed(frame);
+    const auto work = times.largest_work();
+    ASSERT_TRUE(work);
+    EXPECT_EQ(work->name, "segmentation");
+    EXPECT_DOUBLE_EQ(work->share, 0.6);
+    EXPECT_FALSE(times.largest_work()) << "of the time since the last call only";
+}
+
+TEST(OverloadAdvice, NamesStageThreadsAndRate) {
+    using atrium::status::Cause;
+    Overload overload{60.0, 11.4, 1.02, 1, 8, StageTimes::Work{"segmentation", 0.7}};
+    EXPECT_EQ(overload_advice(overload, Cause::kWork),
+              "60/s asked, 11.4 done: segmentation takes 70 % of the work; raise site.threads to 7 "
+              "(1.0 of 8 cores are used), or set capture.rate_hz = 10");
+    EXPECT_EQ(overload_advice(overload, Cause::kMachine),
+              "60/s asked, 11.4 done: segmentation takes 70 % of the work; run fewer programs on "
+              "this host, or set capture.rate_hz = 10");
+    overload.threads = 8;
+    overload.done_hz = 0.9;
+    EXPECT_EQ(overload_advice(overload, Cause::kWork),
+              "60/s asked, 0.9 done: segmentation takes 70 % of the work; use fewer or smaller "
+              "pictures, or set capture.rate_hz = 0.8");
+    EXPECT_EQ(overload_advice(overload, Cause::kStoodStill), "");
 }
 
 }  // namespace

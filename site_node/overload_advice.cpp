@@ -1,0 +1,45 @@
+#include "site_node/overload_advice.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace atrium::site_node {
+namespace {
+
+constexpr double kReserve = 0.95;  // a rate that the site can just do would lose metaframes again
+
+// A rate that the site can do, rounded down to a number that people write.
+double suggested_hz(double done_hz) {
+    const double rate = kReserve * done_hz;
+    return rate >= 2.0 ? std::floor(rate) : std::max(0.1, std::floor(10.0 * rate) / 10.0);
+}
+
+}  // namespace
+
+std::string overload_advice(const Overload& overload, atrium::status::Cause cause) {
+    using atrium::status::Cause;
+    // without any output yet there is nothing to judge
+    if (cause == Cause::kStoodStill || cause == Cause::kNetwork || !overload.largest_work)
+        return {};
+    std::string text =
+        fmt::format("{:.3g}/s asked, {:.3g} done", overload.asked_hz, overload.done_hz);
+    text += fmt::format(": {} takes {:.0f} % of the work",
+                        overload.largest_work->name,
+                        100.0 * overload.largest_work->share);
+    const bool has_free_cores = cause != Cause::kMachine && overload.threads < overload.num_cores;
+    if (has_free_cores) {
+        text += fmt::format("; raise site.threads to {} ({:.1f} of {} cores are used), or",
+                            std::max(overload.threads + 1, overload.num_cores - 1),
+                            overload.cores_used,
+                            overload.num_cores);
+    } else if (cause == Cause::kMachine) {
+        text += "; run fewer programs on this host, or";
+    } else {
+        text += "; use fewer or smaller pictures, or";
+    }
+    return text + fmt::format(" set capture.rate_hz = {:g}", suggested_hz(overload.done_hz));
+}
+
+}  // namespace atrium::site_node

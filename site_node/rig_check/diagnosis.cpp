@@ -1,0 +1,262 @@
+#include "site_node/rig_check/diagnosis.hpp"
+
+#include "site_node/rig_check/rig_geometry.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace atrium::rig_check {
+namespace {
+
+// A cause is believed if what remains unexplained shrinks to this share, and little remains.
+constexpr double kResidualShare = 0.4;
+constexpr double kGoodShare = 0.8;
+constexpr std::size_t kMinRays = 60;
+constexpr std::size_t kRaysOfAll = 640;
+constexpr std::size_t kFewestRays = 24;
+// Of more cameras only those that contradict most are exchanged in pairs.
+constexpr std::size_t kMaxExchanged = 9;
+constexpr std::array<double, 6> kScales{0.5, 2.0 / 3.0, 0.75, 4.0 / 3.0, 1.5, 2.0};
+
+using Views = std::vector<hull::SilhouetteView>;
+
+class Trial {
+public:
+    Trial(std::span<const views::NamedView> views,
+          const AgreementOptions& options,
+          const std::function<bool()>& go_on)
+        : options_(options), go_on_(go_on) {
+        for (const views::NamedView& view : views) {
+            if (view.view.contours.empty()) continue;  // it abstains anyhow
+            names_.push_back(view.name);
+            views_.push_back(view.view);
+        }
+        // the time of a measurement grows with the square of the number of cameras
+        const std::size_t most = kRaysOfAll / std::max<std::size_t>(views_.size(), 1);
+        options_.rays_per_camera = std::min(options_.rays_per_camera, std::max(most, kFewestRays));
+        as_is_ = measure_agreement(views_, options_);
+        // the causes below move the site, so its bounds say nothing
+        free_options_ = options_;
+        free_options_.bounds.reset();
+        if (!options_.knows_outside && views_.size() > 3) free_options_.min_seen = 2;
+        share_ = as_is_.share();
+    }
+
+    std::optional<Diagnosis> find() {
+        if (views_.size() < 2 || as_is_.num_rays() < kMinRays || share_ >= kPoorShare)
+            return std::nullopt;
+        try_misreadings();
+        try_scales();
+        if (!best_) try_exchanges();
+        if (best_) return best_;
+        if (auto out = out_of_view()) return out;
+        if (auto one = one_camera()) return one;
+        return unknown();
+    }
+
+private:
+    bool goes_on() const { return !go_on_ || go_on_(); }
+
+    // True if this share, of silhouettes that fit as_is_ before, convinces.
+    bool convinces(double share) const {
+        return share >= kGoodShare && 1.0 - share <= kResidualShare * (1.0 - share_);
+    }
+
+    void offer(Cause cause, double share, std::string text, std::vector<std::string> cameras = {}) {
+        if (!convinces(share) || (best_ && best_->share_if >= share)) return;
+        best_ = Diagnosis{cause, std::move(text), share_, share, std::move(cameras)};
+    }
+
+    double share_of(const Views& views) const {
+        const Agreement agreement = measure_agreement(views, free_options_);
+        return agreement.num_rays() < kMinRays ? 0.0 : agreement.share();
+    }
+
+    void try_misreadings() {
+        for (const Misreading misreading : kMisreadings) {
+            if (!goes_on()) return;
+            Views views = views_;
+            for (auto& view : views)
+                view.camera_from_site = corrected(view.camera_from_site, misreading);
+            offer(misreading == Misreading::kInverted ? Cause::kInverted : Cause::kAxes,
+                  share_of(views),
+                  explain(misreading));
+        }
+    }
+
+    // Cameras, those first that contradict the others most.
+    std::vector<std::size_t> suspects() const {
+        std::vector<std::size_t> order(views_.size());
+        for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+        const auto blame = [&](std::size_t i) {
+            const CameraAgreement& camera = as_is_.cameras[i];
+            return static_cast<double>(camera.contradicted + camera.out_of_view) +
+                   100.0 * (1.0 - camera.share());
+        };
+        std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+            return blame(a) > blame(b);
+        });
+        if (order.size() > kMaxExchanged) order.resize(kMaxExchanged);
+        return order;
+    }
+
+    // Cameras keep their names and intrinsics; silhouettes go with the pictures.
+    static void exchange(hull::SilhouetteView& a, hull::SilhouetteView& b) {
+        std::swap(a.contours, b.contours);
+    }
+
+    // The best pair, then a second one: three cameras in a circle, or two pairs.
+    void try_exchanges() {
+        const std::vector<std::size_t> order = suspects();
+        Views current = views_;
+        std::vector<std::pair<std::size_t, std::size_t>> pairs;
+        double reached = share_;
+        for (int round = 0; round < 2; ++round) {
+            std::optional<std::pair<std::size_t, std::size_t>> best;
+            double best_share = reached;
+            for (std::size_t i = 0; i < order.size(); ++i) {
+                for (std::size_t k = i + 1; k < order.size() && goes_on(); ++k) {
+                    exchange(current[order[i]], current[order[k]]);
+                    if (const double share = share_of(current); share > best_share) {
+                        best_share = share;
+                        best = std::minmax(order[i], order[k]);
+                    }
+                    exchange(current[order[i]], current[order[k]]);
+                }
+            }
+            if (!best) return;
+            exchange(current[best->first], current[best->second]);
+            pairs.push_back(*best);
+            // a second exchange must do as much as the first
+            const bool convinces_more = 1.0 - best_share <= kResidualShare * (1.0 - reached);
+            if (convinces(best_share) && (round == 0 || convinces_more))
+                return offer(Cause::kSwapped, best_share, text_of(pairs), names_of(pairs));
+            reached = best_share;
+        }
+    }
+
+    std::vector<std::string> names_of(
+        const std::vector<std::pair<std::size_t, std::size_t>>& pairs) const {
+        std::vector<std::string> names;
+        for (const auto& [a, b] : pairs) {
+            names.push_back(names_[a]);
+            names.push_back(names_[b]);
+        }
+        return names;
+    }
+
+    std::string text_of(const std::vector<std::pair<std::size_t, std::size_t>>& pairs) const {
+        std::string text;
+        for (const auto& [a, b] : pairs)
+            text += fmt::format("{}{} and {}", text.empty() ? "" : ", ", names_[a], names_[b]);
+        return fmt::format(
+            "{} look swapped: exchange their pictures (folders, serial numbers, "
+            "cables), or their entries in the rig",
+            text);
+    }
+
+    void try_scales() {
+        for (const double scale : kScales) {
+            for (const bool is_size : {false, true}) {
+                if (!goes_on()) return;
+                Views views = views_;
+                for (auto& view : views) {
+                    geometry::PinholeCamera& k = view.intrinsics;
+                    k.fx *= scale;
+                    k.fy *= scale;
+                    if (!is_size) continue;
+                    k.cx = (k.cx + 0.5) * scale - 0.5;
+                    k.cy = (k.cy + 0.5) * scale - 0.5;
+                }
+                offer(Cause::kFocal,
+                      share_of(views),
+                      is_size ? fmt::format("the rig looks calibrated at another picture size: "
+                                            "multiply fx, fy, cx and cy by {:.3g}",
+                                            scale)
+                              : fmt::format("the focal lengths look wrong: multiply fx and fy by "
+                                            "{:.3g}, or calibrate again",
+                                            scale));
+            }
+        }
+    }
+
+    std::optional<Diagnosis> out_of_view() const {
+        std::size_t all = 0;
+        std::size_t out = 0;
+        std::size_t most = 0;
+        for (std::size_t i = 0; i < views_.size(); ++i) {
+            const CameraAgreement& camera = as_is_.cameras[i];
+            all += camera.contradicted + camera.out_of_view;
+            out += camera.out_of_view;
+            if (camera.out_of_view > as_is_.cameras[most].out_of_view) most = i;
+        }
+        if (2 * out <= all || out == 0) return std::nullopt;
+        return Diagnosis{
+            Cause::kOutOfView,
+            fmt::format("people reach out of the picture of {}, which cuts them there: keep them "
+                        "in all pictures, turn the camera, or set hull.partial_views = true",
+                        names_[most]),
+            share_,
+            share_,
+            {names_[most]}};
+    }
+
+    std::optional<Diagnosis> one_camera() const {
+        if (views_.size() < 4) return std::nullopt;
+        double best_share = 0.0;
+        std::size_t best = 0;
+        for (std::size_t i = 0; i < views_.size() && goes_on(); ++i) {
+            Views views = views_;
+            views.erase(views.begin() + static_cast<std::ptrdiff_t>(i));
+            const double share = share_of(views);
+            if (share > best_share) {
+                best_share = share;
+                best = i;
+            }
+        }
+        if (!convinces(best_share)) return std::nullopt;
+        return Diagnosis{
+            Cause::kOneCamera,
+            fmt::format("{} contradicts all others: it was moved since the calibration, "
+                        "its entry in the rig is wrong, or its silhouettes are; look "
+                        "at them with --preview",
+                        names_[best]),
+            share_,
+            best_share,
+            {names_[best]}};
+    }
+
+    Diagnosis unknown() const {
+        const std::size_t worst = as_is_.worst();
+        return {Cause::kUnknown,
+                fmt::format("the cameras contradict each other, {} most: look at the silhouettes "
+                            "with --preview; if they are right, calibrate again",
+                            names_[worst]),
+                share_,
+                share_,
+                {names_[worst]}};
+    }
+
+    AgreementOptions options_;
+    AgreementOptions free_options_;
+    const std::function<bool()>& go_on_;
+    std::vector<std::string> names_;
+    Views views_;
+    Agreement as_is_;
+    double share_ = 1.0;
+    std::optional<Diagnosis> best_;
+};
+
+}  // namespace
+
+std::optional<Diagnosis> diagnose(std::span<const views::NamedView> views,
+                                  const AgreementOptions& options,
+                                  const std::function<bool()>& go_on) {
+    return Trial(views, options, go_on).find();
+}
+
+}  // namespace atrium::rig_check

@@ -1,0 +1,47 @@
+#pragma once
+
+#include "site_node/rig_check/agreement.hpp"
+#include "site_node/views/named_view.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace atrium::rig_check {
+
+enum class Cause : std::uint8_t {
+    kInverted,   // site_from_camera was written
+    kAxes,       // another axis convention
+    kSwapped,    // the pictures or the extrinsics of cameras are exchanged
+    kFocal,      // focal lengths or picture sizes are scaled
+    kOneCamera,  // one camera contradicts all others
+    kOutOfView,  // people reach out of pictures
+    kUnknown,
+};
+
+struct Diagnosis {
+    Cause cause = Cause::kUnknown;
+    std::string text;                  // likely cause and cure
+    double share = 0.0;                // of the silhouettes that is explained
+    double share_if = 0.0;             // the same if the cause is true
+    std::vector<std::string> cameras;  // that are concerned; empty: all
+};
+
+/// Below this share of explained silhouettes a rig is worth a diagnosis. Real rigs with real
+/// silhouettes reach 0.95, and 0.85 with things in a picture that the others do not see.
+inline constexpr double kPoorShare = 0.8;
+
+/// Finds why silhouettes of one instant do not fit together: tries what people get wrong (inverted
+/// extrinsics, OpenGL's axes, exchanged cameras, scaled intrinsics, one camera that moved), and
+/// names what explains the silhouettes so much better that chance is out of the question. nullopt
+/// if the silhouettes fit. Silhouettes of one instant may mislead: trust what several instants say.
+///
+/// Takes one measurement per hypothesis, 28 pairs for 8 cameras, about 0.1 s. `go_on` may stop it.
+std::optional<Diagnosis> diagnose(std::span<const views::NamedView> views,
+                                  const AgreementOptions& options,
+                                  const std::function<bool()>& go_on = {});
+
+}  // namespace atrium::rig_check

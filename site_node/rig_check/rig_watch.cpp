@@ -1,0 +1,230 @@
+#include "site_node/rig_check/rig_watch.hpp"
+
+#include "site_node/rig_check/diagnosis.hpp"
+#include "site_node/rig_check/hull_size.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace atrium::rig_check {
+namespace {
+
+constexpr std::size_t kRecent = 10;  // looks that judge coverage and bounds
+// Looks that a finding needs: what pictures alone prove, and what a moving person may cause as
+// well.
+constexpr std::size_t kFewVotes = 3;
+constexpr std::size_t kManyVotes = 10;
+// A diagnosis takes much longer than a look: the first ones come with each poor look, then few.
+constexpr std::size_t kQuickDiagnoses = 10;
+constexpr std::chrono::seconds kDiagnosisPeriod{30};
+constexpr double kCutShare = 0.05;
+constexpr double kSeldomCut = 0.02;  // a look with less is not one that the bounds cut
+
+}  // namespace
+
+void RigWatch::vote(const std::string& key,
+                    std::size_t needed,
+                    const std::string& event,
+                    const std::string& reason) {
+    Finding& finding = findings_[key];
+    finding.needed = needed;
+    finding.line = fmt::format("{} reason=\"{}\"", event, reason);
+    ++finding.votes;
+    finding.reason = reason;
+}
+
+std::vector<std::string> RigWatch::look(const Look& look,
+                                        Clock::time_point now,
+                                        const std::function<bool()>& go_on) {
+    const Agreement agreement = measure_agreement(look.views, options_);
+    for (std::size_t i = 0; i < look.views.size(); ++i) {
+        Camera& camera = cameras_[look.views[i].name];
+        camera.rays += agreement.cameras[i].rays;
+        camera.explained += agreement.cameras[i].explained;
+    }
+    judge_blind_cameras(look, agreement);
+    if (agreement.num_rays() > 0) {
+        ++num_looks_;
+        judge_agreement(look, agreement, now, go_on);
+        judge_bounds(look, agreement);
+        judge_size(look, agreement);
+    }
+    std::vector<std::string> lines;
+    for (auto& [key, finding] : findings_) {
+        if (finding.votes < finding.needed) continue;
+        if (finding.reported && now - *finding.reported < kRepeat) continue;
+        finding.reported = now;
+        finding.votes = 0;  // it must hold again before it is repeated
+        lines.push_back(finding.line);
+        last_reason_ = finding.reason;
+    }
+    return lines;
+}
+
+// A camera without any silhouette cuts everything away, and the site publishes empty meshes.
+void RigWatch::judge_blind_cameras(const Look& look, const Agreement& agreement) {
+    std::vector<std::string> seeing;
+    for (const views::NamedView& view : look.views) {
+        if (!view.view.contours.empty()) seeing.push_back(view.name);
+    }
+    if (seeing.size() < 2 || !options_.knows_outside) return;
+    for (const views::NamedView& view : look.views) {
+        Camera& camera = cameras_[view.name];
+        if (!view.view.contours.empty()) {
+            ++camera.looks_with_somebody;
+            continue;
+        }
+        ++camera.looks_only_others;
+        if (camera.looks_with_somebody > 0) continue;
+        vote("blind " + view.name,
+             kManyVotes,
+             fmt::format("camera_sees_nobody camera={} looks={} others={} explained={:.2f}",
+                         view.name,
+                         camera.looks_only_others,
+                         seeing.size(),
+                         agreement.share()),
+             fmt::format("{} has not seen anybody yet while {} cameras do, and what one camera "
+                         "does not see is not in the hull: check its cover, its empty room (learn "
+                         "it again) and where it looks, or leave it out",
+                         view.name,
+                         seeing.size()));
+    }
+}
+
+void RigWatch::judge_agreement(const Look& look,
+                               const Agreement& agreement,
+                               Clock::time_point now,
+                               const std::function<bool()>& go_on) {
+    recent_shares_.push_back(agreement.share());
+    if (recent_shares_.size() > kRecent) recent_shares_.pop_front();
+    if (agreement.share() >= kPoorShare) return;
+    const bool is_soon = last_diagnosis_ && now - *last_diagnosis_ < kDiagnosisPeriod;
+    if (is_soon && num_diagnoses_ >= kQuickDiagnoses) return;
+    last_diagnosis_ = now;
+    ++num_diagnoses_;
+    const auto diagnosis = diagnose(look.views, options_, go_on);
+    if (!diagnosis) return;
+    const double mean = std::accumulate(recent_shares_.begin(), recent_shares_.end(), 0.0) /
+                        static_cast<double>(recent_shares_.size());
+    if (mean >= kPoorShare) return;  // a single bad look
+    const std::size_t worst = agreement.worst();
+    const bool is_certain =
+        diagnosis->cause != Cause::kOutOfView && diagnosis->cause != Cause::kUnknown;
+    // uncertain causes share a key: the worst camera may change from look to look
+    const std::string key = is_certain ? fmt::format("{} {}",
+                                                     static_cast<int>(diagnosis->cause),
+                                                     fmt::join(diagnosis->cameras, " "))
+                                       : fmt::format("{}", static_cast<int>(diagnosis->cause));
+    vote(key,
+         kFewVotes,
+         fmt::format("cameras_contradict explained={:.2f} worst={}:{:.2f}{}",
+                     mean,
+                     look.views[worst].name,
+                     agreement.cameras[worst].share(),
+                     is_certain ? fmt::format(" explained_then={:.2f}", diagnosis->share_if) : ""),
+         diagnosis->text);
+}
+
+void RigWatch::judge_bounds(const Look& look, const Agreement& agreement) {
+    if (!options_.bounds) return;
+    std::size_t cut = 0;
+    std::size_t most = 0;
+    for (std::size_t i = 0; i < agreement.cameras.size(); ++i) {
+        cut += agreement.cameras[i].cut;
+        if (agreement.cameras[i].cut > agreement.cameras[most].cut) most = i;
+    }
+    recent_cuts_.push_back({agreement.num_rays(), cut});
+    if (recent_cuts_.size() > kRecent) recent_cuts_.pop_front();
+    Cut sum;
+    std::size_t looks = 0;
+    for (const Cut& one : recent_cuts_) {
+        sum.rays += one.rays;
+        sum.cut += one.cut;
+        looks += static_cast<double>(one.cut) > kSeldomCut * static_cast<double>(one.rays) ? 1 : 0;
+    }
+    const double share = static_cast<double>(sum.cut) / static_cast<double>(sum.rays);
+    if (share < kCutShare || 2 * looks <= recent_cuts_.size()) return;
+    const auto face = static_cast<std::size_t>(
+        std::max_element(agreement.cut_by_face.begin(), agreement.cut_by_face.end()) -
+        agreement.cut_by_face.begin());
+    if (agreement.cut_by_face[face] == 0) return;
+    const bool is_above = face % 2 == 1;
+    const auto axis = static_cast<int>(face / 2);
+    const double limit_m = is_above ? options_.bounds->max[axis] : options_.bounds->min[axis];
+    const CameraAgreement& camera = agreement.cameras[most];
+    vote("bounds",
+         kFewVotes,
+         fmt::format("bounds_cut_people share={:.2f} camera={} camera_share={:.2f}",
+                     share,
+                     look.views[most].name,
+                     static_cast<double>(camera.cut) /
+                         static_cast<double>(std::max<std::size_t>(camera.rays, 1))),
+         fmt::format("the bounds cut people at {} = {:.2f} m, where the bounds end at {:.2f} m: "
+                     "enlarge hull.bounds, or [bounds] of the rig",
+                     "xyz"[axis],
+                     agreement.farthest_cut_m[face],
+                     limit_m));
+}
+
+void RigWatch::judge_size(const Look& look, const Agreement& agreement) {
+    if (const auto wrong = check_size(look.hull_extent, look.hull_volume_m3, agreement.share())) {
+        vote("size", kFewVotes, "hull_size_implausible", *wrong);
+    }
+    const bool all_see = std::all_of(look.views.begin(), look.views.end(), [](const auto& view) {
+        return !view.view.contours.empty();
+    });
+    std::size_t cut = 0;
+    for (const CameraAgreement& camera : agreement.cameras) cut += camera.cut;
+    if (!look.hull_extent.empty() || !all_see || look.views.size() < 3 || cut > 0 ||
+        agreement.share() < kPoorShare)
+        return;
+    vote("empty",
+         kFewVotes,
+         fmt::format("hull_empty explained={:.2f}", agreement.share()),
+         "the hull is empty although the silhouettes fit: nobody is inside the bounds, or all is "
+         "smaller than hull.min_component_l because the translations of the rig are in another "
+         "unit");
+}
+
+std::vector<std::string> RigWatch::finish() {
+    std::vector<std::string> lines;
+    for (const auto& [key, finding] : findings_) {
+        // in a short run most looks must have said it
+        if (finding.reported || 2 * finding.votes <= std::min<std::size_t>(num_looks_, kFewVotes))
+            continue;
+        lines.push_back(finding.line);
+        last_reason_ = finding.reason;
+    }
+    return lines;
+}
+
+std::string RigWatch::summary() const {
+    std::size_t rays = 0;
+    std::size_t explained = 0;
+    double worst_share = 2.0;
+    std::string worst;
+    std::string blind;
+    for (const auto& [name, camera] : cameras_) {
+        rays += camera.rays;
+        explained += camera.explained;
+        if (camera.looks_with_somebody == 0 && camera.looks_only_others > 0)
+            blind += (blind.empty() ? "" : " ") + name;
+        const double share =
+            static_cast<double>(camera.explained) / static_cast<double>(camera.rays);
+        if (camera.rays == 0 || share >= worst_share) continue;
+        worst_share = share;
+        worst = name;
+    }
+    if (rays == 0) return {};
+    return fmt::format("silhouettes looks={} explained={:.2f} worst={}:{:.2f}{}",
+                       num_looks_,
+                       static_cast<double>(explained) / static_cast<double>(rays),
+                       worst,
+                       worst_share,
+                       blind.empty() ? "" : fmt::format(" without_anybody=\"{}\"", blind));
+}
+
+}  // namespace atrium::rig_check

@@ -1,0 +1,92 @@
+#pragma once
+
+#include "core/geometry/aabb.hpp"
+#include "site_node/rig_check/agreement.hpp"
+#include "site_node/views/named_view.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace atrium::rig_check {
+
+/// One metaframe: the silhouettes of all cameras that delivered, and the hull's size.
+struct Look {
+    std::vector<views::NamedView> views;
+    geometry::Aabb hull_extent;  // empty: no hull, or an empty one
+    double hull_volume_m3 = 0.0;
+};
+
+/// Judges the rig of a running site from one metaframe about once a second. A finding needs several
+/// looks, so a person who walks through a door causes none, and is repeated rarely. Makes no
+/// threads; not thread-safe.
+class RigWatch {
+public:
+    using Clock = std::chrono::steady_clock;
+    static constexpr std::chrono::minutes kRepeat{10};
+
+    explicit RigWatch(AgreementOptions options) : options_(options) {}
+
+    /// Returns the lines to log as warnings. `go_on`: false ends a long diagnosis.
+    std::vector<std::string> look(const Look& look,
+                                  Clock::time_point now,
+                                  const std::function<bool()>& go_on = {});
+
+    /// Returns the lines for the end of a run: findings with too few looks to report them before.
+    std::vector<std::string> finish();
+
+    /// "silhouettes looks=12 explained=0.96 worst=cam3:0.91"; empty if nobody was seen.
+    std::string summary() const;
+
+    /// The reason of the last line that `look` or `finish` returned; empty without any.
+    const std::string& last_reason() const { return last_reason_; }
+
+private:
+    struct Camera {
+        std::size_t rays = 0;
+        std::size_t explained = 0;
+        std::size_t looks_with_somebody = 0;
+        std::size_t looks_only_others = 0;  // while others saw somebody
+    };
+    struct Finding {
+        std::string line;
+        std::string reason;
+        std::size_t votes = 0;
+        std::size_t needed = 1;
+        std::optional<Clock::time_point> reported;
+    };
+    // The share of rays of one look that the bounds cut.
+    struct Cut {
+        std::size_t rays = 0;
+        std::size_t cut = 0;
+    };
+
+    void vote(const std::string& key,
+              std::size_t needed,
+              const std::string& event,
+              const std::string& reason);
+    void judge_blind_cameras(const Look& look, const Agreement& agreement);
+    void judge_agreement(const Look& look,
+                         const Agreement& agreement,
+                         Clock::time_point now,
+                         const std::function<bool()>& go_on);
+    void judge_bounds(const Look& look, const Agreement& agreement);
+    void judge_size(const Look& look, const Agreement& agreement);
+
+    AgreementOptions options_;
+    std::map<std::string, Camera> cameras_;
+    std::map<std::string, Finding> findings_;
+    std::size_t num_looks_ = 0;  // with somebody
+    std::optional<Clock::time_point> last_diagnosis_;
+    std::size_t num_diagnoses_ = 0;
+    std::deque<double> recent_shares_;
+    std::deque<Cut> recent_cuts_;
+    std::string last_reason_;
+};
+
+}  // namespace atrium::rig_check

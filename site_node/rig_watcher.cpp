@@ -1,0 +1,62 @@
+#include "site_node/rig_watcher.hpp"
+
+#include "core/app/log.hpp"
+
+#include <pthread.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <optional>
+
+namespace atrium::site_node {
+namespace {
+
+constexpr auto kLookPeriod = std::chrono::seconds(1);
+constexpr auto kLastDiagnosis = std::chrono::seconds(3);
+constexpr int kLowestPriority = 19;  // of nice(2); on Linux per thread
+
+}  // namespace
+
+RigWatcher::RigWatcher(rig_check::AgreementOptions options)
+    : watch_(options), thread_([this](std::stop_token stop) { run(stop); }) {
+    pthread_setname_np(thread_.native_handle(), "rig check");
+}
+
+RigWatcher::~RigWatcher() {
+    thread_.request_stop();
+    if (thread_.joinable()) thread_.join();
+}
+
+bool RigWatcher::wants_look(Clock::time_point now) {
+    if (now < due_) return false;
+    due_ = now + kLookPeriod;
+    return true;
+}
+
+void RigWatcher::run(std::stop_token stop) {
+    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kLowestPriority);
+    while (const auto look = slot_.take(stop)) judge(*look, stop);
+}
+
+void RigWatcher::judge(const rig_check::Look& look, const std::stop_token& stop) {
+    // at the end of a short run this may be the only look: it gets some time
+    std::optional<Clock::time_point> limit;
+    const auto goes_on = [&] {
+        if (!stop.stop_requested()) return true;
+        if (!limit) limit = Clock::now() + kLastDiagnosis;
+        return Clock::now() < *limit;
+    };
+    const auto lines = watch_.look(look, Clock::now(), goes_on);
+    for (const std::string& line : lines) app::log::warn("{}", line);
+}
+
+void RigWatcher::finish() {
+    if (!thread_.joinable()) return;
+    thread_.request_stop();
+    thread_.join();
+    if (const auto last = slot_.try_take()) judge(*last, {});
+    for (const std::string& line : watch_.finish()) app::log::warn("{}", line);
+    if (const std::string line = watch_.summary(); !line.empty()) app::log::info("{}", line);
+}
+
+}  // namespace atrium::site_node

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "core/base/latest_slot.hpp"
+#include "site_node/rig_check/rig_watch.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace atrium::site_node {
+
+/// Judges the rig of a running site in a thread of the lowest priority, and logs what it finds.
+/// Costs the stages of the pipeline one copy of a metaframe's contours and mesh per second.
+class RigWatcher {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    explicit RigWatcher(rig_check::AgreementOptions options);
+    ~RigWatcher();
+
+    /// True about once a second. One caller.
+    bool wants_look(Clock::time_point now);
+    /// Hands over what it wants; newest wins.
+    void put(rig_check::Look look) { slot_.put(std::move(look)); }
+
+    /// Ends the thread, judges the last look, and logs the summary. Later calls do nothing.
+    void finish();
+    /// The reason of the last finding that was logged; empty without any. Call `finish` before.
+    const std::string& last_reason() const { return watch_.last_reason(); }
+
+private:
+    void run(std::stop_token stop);
+    void judge(const rig_check::Look& look, const std::stop_token& stop);
+
+    rig_check::RigWatch watch_;  // of the thread, and after its end of `finish`
+    LatestSlot<rig_check::Look> slot_;
+    Clock::time_point due_{};
+    std::jthread thread_;  // last: uses the members above
+};
+
+}  // namespace atrium::site_node

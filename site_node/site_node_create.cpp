@@ -1,0 +1,179 @@
+#include "core/presence/join_world.hpp"
+#include "site_node/open_source.hpp"
+#include "site_node/site_node.hpp"
+#include "site_node/start_check.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+// Start of a site: everything that can fail.
+namespace atrium::site_node {
+namespace {
+
+template <typename Message>
+Expected<void> open(bus::Participant& participant, std::optional<bus::Writer<Message>>& writer) {
+    auto made = bus::Writer<Message>::create(participant);
+    if (!made) return tl::unexpected(made.error());
+    writer = std::move(*made);
+    return {};
+}
+
+Expected<std::vector<bus::Writer<bus::CameraTexture>>> open_textures(
+    const bus::Participant& participant, std::size_t num_cameras) {
+    std::vector<bus::Writer<bus::CameraTexture>> writers;
+    while (writers.size() < num_cameras) {
+        auto writer = bus::Writer<bus::CameraTexture>::create(participant);
+        if (!writer) return tl::unexpected(writer.error());
+        writers.push_back(std::move(*writer));
+    }
+    return writers;
+}
+
+// Checks the configuration against this rig and warns about suspicious settings.
+Expected<void> check(const SiteNodeConfig& config, const config::Rig& rig) {
+    if (config.capture.min_cameras > static_cast<int>(rig.cameras.size())) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("capture.min_cameras: must not exceed the number of cameras, {}, got {}",
+                        rig.cameras.size(),
+                        config.capture.min_cameras));
+    }
+    if (auto fits = check_areas(config.pipeline, rig); !fits) return fits;
+    const double period_quarter_ms = 250.0 / metaframe_rate_hz(config, rig);
+    if (config.capture.tolerance_ms > period_quarter_ms) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("capture.tolerance_ms: must be at most a quarter of the period, {:.1f} ms, "
+                        "got {}",
+                        period_quarter_ms,
+                        config.capture.tolerance_ms));
+    }
+    const HullStageOptions& hull = config.pipeline.hull;
+    for (const std::string& pair : overlapping_regions(hull.regions)) {
+        app::log::warn("hull.region: {} overlap; people there appear twice in the mesh", pair);
+    }
+    if (hull.partial_views && hull.min_views == 0) {
+        app::log::warn(
+            "hull.partial_views without hull.min_views: space that no camera sees counts as "
+            "occupied");
+    }
+    return {};
+}
+
+rig_check::AgreementOptions agreement_options(const HullStageOptions& hull) {
+    rig_check::AgreementOptions options;
+    options.knows_outside = !hull.partial_views && hull.regions.empty();
+    options.bounds = hull.bounds;
+    return options;
+}
+
+}  // namespace
+
+double metaframe_rate_hz(const SiteNodeConfig& config, const config::Rig& rig) {
+    return config.capture.rate_hz > 0.0 ? config.capture.rate_hz : rig.rate_hz;
+}
+
+Expected<std::unique_ptr<capture::FrameSource>> open_frame_source(const SiteNodeConfig& config,
+                                                                  std::stop_token stop) {
+    if (auto checked = check(config); !checked) return tl::unexpected(checked.error());
+    if (auto found = check_places(config); !found) return tl::unexpected(found.error());
+    const auto rig = load_checked_rig(config);
+    if (!rig) return tl::unexpected(rig.error());
+    return open_source(config, stop);
+}
+
+Expected<void> learn_background(const SiteNodeConfig& config, std::stop_token stop) {
+    auto source = open_frame_source(config, stop);
+    if (!source) return tl::unexpected(source.error());
+    return learn_backgrounds(
+        **source, config.pipeline.background, config.pipeline.segmentation, stop);
+}
+
+Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& asked,
+                                                     std::stop_token stop) {
+    if (auto checked = check(asked); !checked) return tl::unexpected(checked.error());
+    if (auto found = check_places(asked); !found) return tl::unexpected(found.error());
+    const auto rig = load_checked_rig(asked);
+    if (!rig) return tl::unexpected(rig.error());
+    SiteNodeConfig config = asked;
+    take_bounds(*rig, config.pipeline.hull);
+    if (auto fits = check(config, *rig); !fits) return tl::unexpected(fits.error());
+    const auto hull = HullStage::create(
+        rig->cameras, config.pipeline.hull, config.pipeline.silhouette.tolerance_px);
+    if (!hull) return tl::unexpected(hull.error());
+    // before the slow opening and learning of the room: reports a network or name problem at once
+    auto participant = bus::Participant::create(config.bus);
+    if (!participant) return tl::unexpected(participant.error());
+    const auto run_control = std::make_shared<RunControl>();
+    auto member = presence::join_world(
+        *participant,
+        bus::ProgramKind::kSiteNode,
+        config.name,
+        [run_control](const Error& lost) { run_control->lose_name(lost); },
+        stop);
+    if (!member) return tl::unexpected(member.error());
+
+    auto source = open_source(config, stop);
+    if (!source) return tl::unexpected(source.error());
+    app::log::info("source opened kind={} cameras={} rate_hz={}",
+                   config.capture.source,
+                   (*source)->rig().cameras.size(),
+                   (*source)->rig().rate_hz);
+    auto pipeline = Pipeline::create(**source, config.pipeline, stop);
+    if (!pipeline) return tl::unexpected(pipeline.error());
+    for (const std::string& name : pipeline->cameras_without_background()) {
+        app::log::warn("camera '{}' is excluded: it did not show the empty room at the start",
+                       name);
+    }
+
+    std::optional<bus::Writer<bus::SiteDescription>> description;
+    std::optional<bus::Writer<bus::SiteMesh>> mesh;
+    std::optional<bus::Writer<bus::SiteStatus>> status;
+    auto textures = open_textures(*participant, (*source)->rig().cameras.size());
+    if (!textures) return tl::unexpected(textures.error());
+    auto feedback = bus::Reader<bus::StreamFeedback>::create(*participant);
+    if (!feedback) return tl::unexpected(feedback.error());
+    for (const auto& opened :
+         {open(*participant, description), open(*participant, mesh), open(*participant, status)}) {
+        if (!opened) return tl::unexpected(opened.error());
+    }
+    Writers writers{
+        std::move(*description), std::move(*mesh), std::move(*textures), std::move(*status)};
+    return std::unique_ptr<SiteNode>(new SiteNode(config,
+                                                  std::move(*source),
+                                                  std::move(*pipeline),
+                                                  std::move(writers),
+                                                  std::move(*feedback),
+                                                  run_control,
+                                                  std::move(*member)));
+}
+
+SiteNode::SiteNode(const SiteNodeConfig& config,
+                   std::unique_ptr<capture::FrameSource> source,
+                   Pipeline pipeline,
+                   Writers writers,
+                   bus::Reader<bus::StreamFeedback> feedback,
+                   std::shared_ptr<RunControl> run_control,
+                   std::unique_ptr<presence::Membership> membership)
+    : config_(config),
+      source_(std::move(source)),
+      pipeline_(std::move(pipeline)),
+      writers_(std::move(writers)),
+      stream_(config_.stream,
+              config_.pipeline.jpeg_quality,
+              metaframe_rate_hz(config_, source_->rig()),
+              config_.name,
+              std::move(feedback)),
+      pool_(static_cast<std::size_t>(config.threads)),
+      offsets_(source_->rig(), source_->is_live()),
+      rig_watcher_(agreement_options(config_.pipeline.hull)),
+      run_control_(std::move(run_control)),
+      membership_(std::move(membership)) {
+    if (config_.preview.empty()) return;
+    std::vector<std::string> names;
+    for (const auto& camera : source_->rig().cameras) names.push_back(camera.name);
+    preview_ = std::make_unique<preview::Preview>(config_.preview, std::move(names));
+}
+
+}  // namespace atrium::site_node

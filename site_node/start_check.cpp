@@ -1,0 +1,101 @@
+#include "site_node/start_check.hpp"
+
+#include "core/app/log.hpp"
+#include "core/base/disk_space.hpp"
+#include "site_node/hull/input_limits.hpp"
+#include "site_node/rig_check/rig_geometry.hpp"
+
+#include <fmt/format.h>
+
+namespace atrium::site_node {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What a run writes at least; a start with less free space would end in the middle.
+constexpr std::uint64_t kBackgroundBytes = 32U << 20;
+constexpr std::uint64_t kSilhouetteBytes = 64U << 20;
+constexpr std::uint64_t kPreviewBytes = 8U << 20;
+
+// "site.toml:7: capture.rig", if the path is that of the file.
+std::string place_of(const CaptureConfig& capture, const char* key, const fs::path& path) {
+    const auto found = capture.places.find(fmt::format("{} {}", key, path.string()));
+    return found == capture.places.end() ? std::string("--") + key
+                                         : fmt::format("{}: {}", found->second, key);
+}
+
+Expected<void> check_exists(const CaptureConfig& capture, const char* key, const fs::path& path) {
+    std::error_code failure;
+    if (fs::exists(path, failure)) return {};
+    const bool is_from_file = capture.places.contains(fmt::format("{} {}", key, path.string()));
+    return make_error(
+        ErrorKind::kNotFound,
+        fmt::format("{}: '{}' does not exist{}",
+                    place_of(capture, key, path),
+                    path.lexically_normal().string(),
+                    is_from_file ? "; a path in a file is relative to the file: after copying it, "
+                                   "correct the path or copy what it names"
+                                 : ""));
+}
+
+}  // namespace
+
+Expected<void> check_places(const SiteNodeConfig& config) {
+    const CaptureConfig& capture = config.capture;
+    if (capture.source == "recording") {
+        // its own error is better if it is no folder
+        if (auto found = check_exists(capture, "capture.recording", capture.recording); !found)
+            return found;
+    } else if (auto found = check_exists(capture, "capture.rig", capture.rig); !found) {
+        return found;
+    }
+    if (config.learn_background && !config.pipeline.background.folder.empty()) {
+        if (auto fits = check_writable(config.pipeline.background.folder,
+                                       kBackgroundBytes,
+                                       "segmentation.background_folder");
+            !fits)
+            return fits;
+    }
+    if (!config.write_silhouettes.empty()) {
+        if (auto fits =
+                check_writable(config.write_silhouettes, kSilhouetteBytes, "--write-silhouettes");
+            !fits)
+            return fits;
+    }
+    if (config.preview.has_extension())
+        return check_writable(
+            fs::absolute(config.preview).parent_path(), kPreviewBytes, "--preview");
+    return {};
+}
+
+Expected<config::Rig> load_checked_rig(const SiteNodeConfig& config) {
+    const bool is_recording = config.capture.source == "recording";
+    auto rig = config::load_rig(is_recording ? config.capture.recording : config.capture.rig);
+    if (!rig) return rig;
+    const fs::path file = is_recording ? config.capture.recording / "rig.toml" : config.capture.rig;
+    for (const rig_check::Finding& finding : rig_check::check_rig(rig->cameras, rig->unit_m)) {
+        if (finding.is_error) {
+            return make_error(ErrorKind::kConfiguration,
+                              fmt::format("{}: {}", file.string(), finding.text));
+        }
+        app::log::warn("rig_looks_wrong file={} reason=\"{}\"", file.string(), finding.text);
+    }
+    if (config.capture.rate_hz > 0.0) rig->rate_hz = config.capture.rate_hz;
+    return rig;
+}
+
+void take_bounds(const config::Rig& rig, HullStageOptions& hull) {
+    if (hull.bounds || !hull.regions.empty() || !rig.has_bounds) return;
+    if (rig.cameras.size() + hull::kViewsOfBounds > hull::kMaxViews) {
+        app::log::warn(
+            "the bounds of the rig do not cut the hull: with more than {} cameras nothing can",
+            hull::kMaxViews - hull::kViewsOfBounds);
+        return;
+    }
+    hull.bounds = rig.bounds_site;
+    app::log::info("hull bounds from=rig min=\"{}\" max=\"{}\"",
+                   fmt::join(rig.bounds_site.min, ","),
+                   fmt::join(rig.bounds_site.max, ","));
+}
+
+}  // namespace atrium::site_node

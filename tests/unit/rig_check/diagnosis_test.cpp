@@ -1,0 +1,119 @@
+#include "site_node/rig_check/diagnosis.hpp"
+
+#include "site_node/rig_check/rig_geometry.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/shapes/scene_maker.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+// Seeded scenes of people: each mistake is found, and no good rig is blamed.
+namespace atrium::rig_check {
+namespace {
+
+using test::Random;
+using test::SceneOptions;
+
+std::vector<views::NamedView> named(const std::vector<hull::SilhouetteView>& views) {
+    std::vector<views::NamedView> result;
+    for (const hull::SilhouetteView& view : views)
+        result.push_back({"cam" + std::to_string(result.size()), view});
+    return result;
+}
+
+// People in front of cameras around them, with the noise of real silhouettes.
+std::vector<views::NamedView> good_scene(std::uint64_t seed, int num_views) {
+    SceneOptions options;
+    options.rig = seed % 3 == 0 ? test::RigKind::kAnywhere : test::RigKind::kRing;
+    options.num_views = num_views;
+    options.noise_px = 1.0;
+    options.shift_px = 1.5;
+    return named(test::make_scene(options, seed));
+}
+
+constexpr std::uint64_t kNumSeeds = 20;
+
+int num_views_of(std::uint64_t seed) { return 4 + static_cast<int>(seed % 7); }
+
+TEST(Diagnosis, BlamesNoGoodRig) {
+    for (std::uint64_t seed = 1; seed <= 2 * kNumSeeds; ++seed) {
+        const auto views = good_scene(seed, num_views_of(seed));
+        const auto diagnosis = diagnose(views, {});
+        EXPECT_FALSE(diagnosis) << seed << ": " << diagnosis->text << " " << diagnosis->share;
+    }
+}
+
+// How often `spoil` is diagnosed as `cause`, as another certain cause, or not at all.
+struct Score {
+    int right = 0;
+    int wrong = 0;
+    int silent = 0;
+};
+template <typename Spoil>
+Score score_of(Cause cause, const Spoil& spoil) {
+    Score score;
+    for (std::uint64_t seed = 1; seed <= kNumSeeds; ++seed) {
+        Random random(seed);
+        auto views = good_scene(seed, num_views_of(seed));
+        spoil(random, views);
+        const auto diagnosis = diagnose(views, {});
+        const bool is_right = diagnosis && diagnosis->cause == cause;
+        const bool is_certain = diagnosis && diagnosis->cause != Cause::kUnknown &&
+                                diagnosis->cause != Cause::kOutOfView;
+        ++(is_right ? score.right : is_certain ? score.wrong : score.silent);
+    }
+    return score;
+}
+
+TEST(Diagnosis, FindsInvertedExtrinsics) {
+    const Score score = score_of(Cause::kInverted, [](Random&, auto& views) {
+        for (auto& view : views) view.view.camera_from_site = view.view.camera_from_site.inverse();
+    });
+    EXPECT_GE(score.right, 18);
+    EXPECT_EQ(score.wrong, 0);
+}
+
+TEST(Diagnosis, FindsTheAxesOfOpenGl) {
+    const Score score = score_of(Cause::kAxes, [](Random&, auto& views) {
+        for (auto& view : views)
+            view.view.camera_from_site = corrected(view.view.camera_from_site, Misreading::kOpenGl);
+    });
+    EXPECT_GE(score.right, 18);
+    EXPECT_EQ(score.wrong, 0);
+}
+
+TEST(Diagnosis, FindsTwoSwappedCameras) {
+    int named_right = 0;
+    const Score score = score_of(Cause::kSwapped, [&](Random& random, auto& views) {
+        const auto last = static_cast<int>(views.size()) - 1;
+        const auto a = static_cast<std::size_t>(test::between(random, 0, last));
+        const auto b =
+            (a + static_cast<std::size_t>(test::between(random, 1, last))) % views.size();
+        std::swap(views[a].view.contours, views[b].view.contours);
+        const auto diagnosis = diagnose(views, {});
+        if (diagnosis && diagnosis->cameras.size() == 2) {
+            named_right += std::is_permutation(diagnosis->cameras.begin(),
+                                               diagnosis->cameras.end(),
+                                               std::vector{views[a].name, views[b].name}.begin());
+        }
+    });
+    EXPECT_GE(score.right, 17);
+    EXPECT_LE(score.wrong, 1);
+    EXPECT_GE(named_right, 17);
+}
+
+TEST(Diagnosis, FindsTheOneCameraThatMoved) {
+    const Score score = score_of(Cause::kOneCamera, [](Random& random, auto& views) {
+        auto& moved = views[static_cast<std::size_t>(
+                                test::between(random, 0, static_cast<int>(views.size()) - 1))]
+                          .view.camera_from_site;
+        moved.translation += 0.6 * test::random_direction(random);
+    });
+    EXPECT_GE(score.right, 12);
+    EXPECT_LE(score.wrong, 3);
+}
+
+}  // namespace
+}  // namespace atrium::rig_check

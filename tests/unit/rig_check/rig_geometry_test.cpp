@@ -1,0 +1,128 @@
+#include "site_node/rig_check/rig_geometry.hpp"
+
+#include "tests/support/random.hpp"
+#include "tests/support/shapes/rig_maker.hpp"
+#include "tests/support/shapes/scene_maker.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace atrium::rig_check {
+namespace {
+
+using testing::HasSubstr;
+
+std::vector<geometry::CalibratedCamera> scaled(std::vector<geometry::CalibratedCamera> cameras,
+                                               double factor) {
+    for (auto& camera : cameras) camera.camera_from_site.translation *= factor;
+    return cameras;
+}
+
+std::string text_of(const std::vector<Finding>& findings) {
+    std::string text;
+    for (const Finding& finding : findings)
+        text += (finding.is_error ? "error " : "") + finding.text;
+    return text;
+}
+
+TEST(RigGeometry, FindsNothingInGoodRigs) {
+    for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+        test::Random random(seed);
+        const test::Bodies bodies = test::make_bodies(test::BodyKind::kPeople, random);
+        const auto kind = seed % 2 == 0 ? test::RigKind::kRing : test::RigKind::kAnywhere;
+        const auto cameras =
+            test::make_scene_rig(kind, 2 + static_cast<int>(seed % 10), bodies, random);
+        EXPECT_EQ(text_of(check_rig(cameras)), "") << seed;
+    }
+    EXPECT_EQ(text_of(check_rig(test::make_ring_rig({.radius_m = 12.0}))), "");
+}
+
+TEST(RigGeometry, FindsNothingInCamerasAtOneWall) {
+    for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+        test::Random random(seed);
+        auto cameras = test::make_ring_rig({.num_cameras = 2 + static_cast<int>(seed % 5)});
+        for (auto& camera : cameras) {
+            const Eigen::Vector3d centre(
+                test::between(random, -2.0, 2.0), -4.0, test::between(random, 0.5, 2.5));
+            camera.camera_from_site =
+                test::look_at(centre, Eigen::Vector3d(0, 0, 1) + test::random_in_cube(random, 0.5));
+        }
+        if (seed % 2 == 0) {  // in the frame of the first camera
+            const auto site_from_camera = cameras.front().camera_from_site.inverse();
+            for (auto& camera : cameras)
+                camera.camera_from_site = camera.camera_from_site * site_from_camera;
+        }
+        EXPECT_EQ(text_of(check_rig(cameras)), "") << seed;
+    }
+}
+
+TEST(RigGeometry, NamesTheUnitOfTheTranslations) {
+    const auto rig = test::make_ring_rig({});
+    const auto error_of = [&](double factor, double unit_m = 1.0) {
+        const auto findings = check_rig(scaled(rig, factor), unit_m);
+        return findings.empty() || !findings.front().is_error ? "" : findings.front().text;
+    };
+    EXPECT_THAT(error_of(1000.0), HasSubstr("look like millimetres; write units = \"mm\""));
+    EXPECT_THAT(error_of(100.0), HasSubstr("look like centimetres or inches"));
+    EXPECT_THAT(error_of(1.0 / 0.0254), HasSubstr("inches"));
+    // the other way round
+    EXPECT_THAT(error_of(0.001, 0.001), HasSubstr("units = \"m\" if they are"));
+    EXPECT_THAT(error_of(0.0), HasSubstr("all translations say the same place"));
+    EXPECT_EQ(error_of(1.0), "");
+    EXPECT_EQ(error_of(0.02), "");
+    EXPECT_EQ(error_of(10.0), "");
+}
+
+TEST(RigGeometry, FindsInvertedExtrinsicsOfARing) {
+    auto rig = test::make_ring_rig({});
+    for (auto& camera : rig) camera.camera_from_site = camera.camera_from_site.inverse();
+    EXPECT_THAT(text_of(check_rig(rig)), HasSubstr("site_from_camera (inverted)"));
+}
+
+TEST(RigGeometry, RefusesCamerasThatLookAway) {
+    auto rig = test::make_ring_rig({});
+    for (auto& camera : rig)
+        camera.camera_from_site = corrected(camera.camera_from_site, Misreading::kOpenGl);
+    EXPECT_THAT(text_of(check_rig(rig)), HasSubstr("error no point is seen by two cameras"));
+    EXPECT_THAT(text_of(check_rig(rig)), HasSubstr("OpenGL"));
+}
+
+TEST(RigGeometry, NamesTheUpDirection) {
+    auto rig = test::make_ring_rig({});
+    const geometry::RigidTransform ours_from_y_up{
+        Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * 3.141592653589793, Eigen::Vector3d::UnitX())),
+        Eigen::Vector3d::Zero()};
+    for (auto& camera : rig) camera.camera_from_site = camera.camera_from_site * ours_from_y_up;
+    EXPECT_THAT(text_of(check_rig(rig)), HasSubstr("upright along +Y"));
+}
+
+TEST(RigGeometry, NamesIntrinsicsOfAnotherUnitOrPictureSize) {
+    auto rig = test::make_ring_rig({});
+    rig[1].intrinsics.fx = rig[1].intrinsics.fy = 8.0;
+    EXPECT_THAT(text_of(check_rig(rig)), HasSubstr("look like millimetres"));
+    rig = test::make_ring_rig({});
+    rig[3].intrinsics.cx = rig[3].intrinsics.cy = 959.5;
+    EXPECT_THAT(text_of(check_rig(rig)), HasSubstr("another picture size"));
+    rig = test::make_ring_rig({});
+    rig[3].intrinsics.fy *= 1.5;
+    EXPECT_THAT(text_of(check_rig(rig)), HasSubstr("differ by more than 30 %"));
+}
+
+TEST(RigGeometry, CorrectionsUndoTheMistake) {
+    test::Random random(7);
+    for (const Misreading misreading : kMisreadings) {
+        const geometry::RigidTransform truth{
+            Eigen::Quaterniond(Eigen::AngleAxisd(1.1, test::random_direction(random))),
+            test::random_in_cube(random, 3.0)};
+        // a file with site_from_camera of a camera that looks along -Z: inverse, then flip
+        const geometry::RigidTransform flip{Eigen::Quaterniond(0, 1, 0, 0), {0, 0, 0}};
+        const geometry::RigidTransform written =
+            misreading == Misreading::kInverted ? truth.inverse()
+            : misreading == Misreading::kOpenGl ? flip * truth
+                                                : (flip * truth).inverse();
+        EXPECT_TRUE(corrected(written, misreading).matrix().isApprox(truth.matrix(), 1e-9));
+    }
+}
+
+}  // namespace
+}  // namespace atrium::rig_check

@@ -1,0 +1,119 @@
+#include "site_node/rig_check/rig_watch.hpp"
+
+#include "tests/support/shapes/rig_maker.hpp"
+#include "tests/support/shapes/scene_maker.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace atrium::rig_check {
+namespace {
+
+using std::chrono::seconds;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+// A person of 1.7 m before eight cameras, in another pose at every look.
+Look person(std::uint64_t seed) {
+    Look look;
+    test::SceneOptions options;
+    options.num_views = 6;
+    for (const hull::SilhouetteView& view : test::make_scene(options, 1 + seed % 5))
+        look.views.push_back({"cam" + std::to_string(look.views.size()), view});
+    look.hull_extent = {{-0.3, -0.3, 0.0}, {0.3, 0.3, 1.7}};
+    look.hull_volume_m3 = 0.07;
+    return look;
+}
+
+struct WatchRun {
+    RigWatch watch{AgreementOptions{}};
+    RigWatch::Clock::time_point now{};
+    std::vector<std::string> lines;
+
+    void look(const Look& seen) {
+        for (std::string& line : watch.look(seen, now)) lines.push_back(std::move(line));
+        now += seconds(1);
+    }
+};
+
+TEST(RigWatch, IsSilentAboutAGoodSite) {
+    WatchRun run;
+    for (std::uint64_t i = 0; i < 30; ++i) run.look(person(i));
+    EXPECT_THAT(run.lines, IsEmpty());
+    EXPECT_THAT(run.watch.finish(), IsEmpty());
+    EXPECT_THAT(run.watch.summary(), HasSubstr("silhouettes looks=30 explained=0.99"));
+}
+
+TEST(RigWatch, IsSilentAboutAnEmptyRoom) {
+    WatchRun run;
+    Look empty = person(0);
+    for (auto& view : empty.views) view.view.contours.clear();
+    empty.hull_extent = {};
+    for (int i = 0; i < 30; ++i) run.look(empty);
+    EXPECT_THAT(run.lines, IsEmpty());
+    EXPECT_EQ(run.watch.summary(), "");
+}
+
+TEST(RigWatch, NamesSwappedCamerasOnceAndAgainAfterTenMinutes) {
+    WatchRun run;
+    const auto swapped = [&](std::uint64_t seed) {
+        Look look = person(seed);
+        std::swap(look.views[1].view.contours, look.views[2].view.contours);
+        return look;
+    };
+    for (std::uint64_t i = 0; i < 60; ++i) run.look(swapped(i));
+    ASSERT_EQ(run.lines.size(), 1u);
+    EXPECT_THAT(run.lines.front(), HasSubstr("cam1 and cam2 look swapped"));
+    run.now += RigWatch::kRepeat;
+    for (std::uint64_t i = 0; i < 30; ++i) run.look(swapped(i));
+    EXPECT_EQ(run.lines.size(), 2u);
+}
+
+TEST(RigWatch, NamesACameraThatNeverSeesAnybody) {
+    WatchRun run;
+    for (std::uint64_t i = 0; i < 30; ++i) {
+        Look look = person(i);
+        look.views[3].view.contours.clear();
+        look.hull_extent = {};
+        run.look(look);
+    }
+    EXPECT_THAT(run.lines, ElementsAre(HasSubstr("camera_sees_nobody camera=cam3")));
+    EXPECT_THAT(run.watch.summary(), HasSubstr("without_anybody=\"cam3\""));
+}
+
+TEST(RigWatch, FindsAHullOfAnotherUnit) {
+    for (const double factor : {1000.0, 100.0, 1.0 / 0.3048}) {
+        WatchRun run;
+        for (std::uint64_t i = 0; i < 5; ++i) {
+            Look look = person(i);
+            look.hull_extent.min *= factor;
+            look.hull_extent.max *= factor;
+            look.hull_volume_m3 *= factor * factor * factor;
+            run.look(look);
+        }
+        EXPECT_THAT(run.lines, ElementsAre(HasSubstr("hull_size_implausible"))) << factor;
+    }
+}
+
+TEST(RigWatch, TellsOfBoundsThatCutPeople) {
+    WatchRun run;
+    AgreementOptions options;
+    options.bounds = geometry::Aabb{{-2.0, -2.0, 0.25}, {2.0, 2.0, 2.4}};
+    run.watch = RigWatch(options);
+    for (std::uint64_t i = 0; i < 30; ++i) run.look(person(i));
+    EXPECT_THAT(run.lines, ElementsAre(HasSubstr("bounds_cut_people")));
+    EXPECT_THAT(run.lines.front(), HasSubstr("where the bounds end at 0.25 m"));
+}
+
+TEST(RigWatch, ReportsAtTheEndOfAShortRun) {
+    WatchRun run;
+    Look look = person(0);
+    std::swap(look.views[0].view.contours, look.views[3].view.contours);
+    run.look(look);
+    EXPECT_THAT(run.lines, IsEmpty());
+    EXPECT_THAT(run.watch.finish(), ElementsAre(HasSubstr("look swapped")));
+}
+
+}  // namespace
+}  // namespace atrium::rig_check
