@@ -1,6 +1,6 @@
 // How well a site learns its room from pictures with people in it: one row of comma-separated
-// values per scene and way to get the room. `occupied_room_quality RECORDINGS RIG [FOLDER]` also
-// writes the learned rooms and masks into FOLDER.
+// values per scene and way to get the room. `occupied_room_quality RECORDINGS RIG [FOLDER
+// [SCENE]]` also writes the learned rooms and masks into FOLDER.
 
 #include "bench/site/occupied_scenes.hpp"
 #include "bench/value_of.hpp"
@@ -177,18 +177,19 @@ void compare(const OccupiedScene& scene, const std::string& folder) {
 int main(int argc, char** argv) {
     using namespace atrium::bench;
     if (argc < 3) {
-        std::fprintf(stderr, "usage: occupied_room_quality RECORDINGS RIG [FOLDER]\n");
+        std::fprintf(stderr, "usage: occupied_room_quality RECORDINGS RIG [FOLDER [SCENE]]\n");
         return 2;
     }
     const std::string folder = argc > 3 ? argv[3] : "";
     std::puts("scene,method,iou,hull_l,true_hull_l,never_empty,learning_s");
+    const std::string only = argc > 4 ? argv[4] : "";
     for (const OccupiedPlay& play : {OccupiedPlay{.name = "moves"},
                                      {.name = "stands60", .still = 0.6},
                                      {.name = "sways60", .still = 0.6, .sways = true},
                                      {.name = "stands60_4", .still = 0.6, .num_cameras = 4},
                                      {.name = "stands80", .still = 0.8}})
-        compare(simulated_scene(argv[2], play), folder);
+        if (only.empty() || only == play.name) compare(simulated_scene(argv[2], play), folder);
     const std::string horseman = std::string(argv[1]) + "/horseman";
-    if (std::filesystem::exists(horseman)) compare(recorded_scene(horseman, 60), folder);
+    if (std::filesystem::exists(horseman) && (only.empty() || only == "horseman")) compare(recorded_scene(horseman, 60), folder);
     return 0;
 }

@@ -158,6 +158,13 @@ Expected<void> RecordingSource::load_times() {
     return {};
 }
 
+bool RecordingSource::has_empty_room(std::size_t camera) const {
+    const auto found =
+        PictureFile::find(options_.folder / rig_.cameras[camera].name, "background");
+    // a damaged file is an error of show_background, not a missing one
+    return found || found.error().kind != ErrorKind::kNotFound;
+}
+
 std::vector<Expected<void>> RecordingSource::show_background(
     const std::vector<std::size_t>& cameras, const BackgroundSink& sink, std::stop_token stop) {
     return one_after_another(

@@ -36,14 +36,15 @@ public:
     std::vector<CameraCounters> camera_counters() const override { return counters_.counters(); }
 
     /// Number of frames of the camera with the most frames; for a video the number in its header.
-    std::size_t num_frames() const { return num_frames_; }
+    std::size_t num_frames() const override { return num_frames_; }
+
+    bool has_empty_room(std::size_t camera) const override;
 
     /// Reads frame `index` of every camera except those in `without`, for tools. The error names
     /// the first camera that lacks it.
     Expected<Metaframe> read_frame(std::size_t index, const std::vector<std::string>& without = {});
 
-    /// Reads picture `index` of one camera, for tools. An error if it is missing or unreadable.
-    Expected<CameraFrame> read_picture(std::size_t camera, std::size_t index);
+    Expected<CameraFrame> read_picture(std::size_t camera, std::size_t index) override;
 
 private:
     class Track;  // the pictures of one camera

@@ -92,6 +92,19 @@ image::Mask judge_components(const image::YuvView& picture,
     return states;
 }
 
+PartLabels label_parts(std::span<const std::uint8_t> blocks, int columns, int rows) {
+    PartLabels parts;
+    std::vector<std::int32_t> queue;
+    parts.num = label_parts(
+        columns,
+        rows,
+        [&](std::int32_t block) { return blocks[static_cast<std::size_t>(block)] != 0; },
+        parts.label,
+        queue,
+        [](std::int32_t, std::int32_t) {});
+    return parts;
+}
+
 image::PixelRect largest_part(std::span<const std::uint8_t> blocks, int columns, int rows) {
     std::vector<std::int32_t> labels;
     std::vector<std::int32_t> queue;

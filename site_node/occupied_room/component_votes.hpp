@@ -35,6 +35,13 @@ image::Mask judge_components(const image::YuvView& picture,
                              const image::Mask& mask,
                              ComponentScratch& scratch);
 
+/// 4-connected parts of the blocks with a value other than 0.
+struct PartLabels {
+    std::int32_t num = 0;
+    std::vector<std::int32_t> label;  // per block; -1: no part
+};
+PartLabels label_parts(std::span<const std::uint8_t> blocks, int columns, int rows);
+
 /// Bounds in pixels of the largest 4-connected part of the blocks with a value other than 0.
 image::PixelRect largest_part(std::span<const std::uint8_t> blocks, int columns, int rows);
 

@@ -2,6 +2,7 @@
 
 #include "site_node/occupied_room/component_votes.hpp"
 #include "site_node/occupied_room/contested_parts.hpp"
+#include "site_node/occupied_room/never_empty.hpp"
 #include "site_node/occupied_room/space_carver.hpp"
 #include "site_node/segmentation/block_clusters.hpp"
 #include "site_node/segmentation/segmentation.hpp"
@@ -48,7 +49,15 @@ public:
         unknown_.resize(clusters_.num_blocks());
         for (std::size_t b = 0; b < unknown_.size(); ++b) unknown_[b] = chosen_[b] == kNone ? 1 : 0;
         counts_.resize(clusters_.num_blocks());
-        find_restless();
+    }
+
+    /// Gives up places that somebody never left; see find_never_empty.
+    void find_sitters(const SpaceCarver& carver, std::size_t camera) {
+        never_empty_ = find_never_empty(clusters_,
+                                        chosen_,
+                                        make_room(),
+                                        carver.reachable(camera, clusters_.columns, clusters_.rows));
+        for (std::size_t b = 0; b < unknown_.size(); ++b) unknown_[b] |= never_empty_[b];
     }
 
     bool has_enough() const { return pictures_.size() >= kMinOccupiedPictures; }
@@ -102,15 +111,12 @@ public:
             choose(counts_[b], b);
             counts_[b] = {};
         }
-        fill_enclosed();
     }
 
     LearnedRoom finish();
 
 private:
-    void find_restless();
     void choose(const Counts& counts, std::size_t block);
-    void fill_enclosed();
     BackgroundStatistics make_room() const {
         BackgroundStatistics room = statistics_of(pictures_, clusters_, chosen_);
         fill_unknown(unknown_, room);
@@ -123,18 +129,15 @@ private:
     BlockClusters clusters_;
     std::vector<std::uint8_t> chosen_;    // cluster per block
     std::vector<std::uint8_t> unknown_;   // per block: never seen empty
-    std::vector<std::uint8_t> restless_;  // per block: has no lasting look
+    std::vector<std::uint8_t> never_empty_;  // per block: somebody never left it
     std::vector<Counts> counts_;
     BackgroundStatistics room_;
     std::vector<image::Mask> states_;  // BlockState per picture and block
     ComponentScratch scratch_;
 };
 
-void Camera::find_restless() {}
-
-void Camera::fill_enclosed() {}
-
 void Camera::choose(const Counts& counts, std::size_t block) {
+    if (never_empty_[block] != 0) return;
     const auto num = static_cast<double>(pictures_.size());
     const auto most = [](const auto& values) {
         return static_cast<std::uint8_t>(std::max_element(values.begin(), values.end()) -
@@ -162,7 +165,9 @@ void Camera::choose(const Counts& counts, std::size_t block) {
         unknown_[block] = 0;
         return;
     }
-    unknown_[block] = 1;
+    // other cameras often see too much, so their word alone does not make a lasting look a person
+    const std::uint8_t hidden = most(counts.hidden);
+    unknown_[block] = hidden == chosen_[block] && counts.hidden[hidden] >= 0.5 * num ? 0 : 1;
 }
 
 LearnedRoom Camera::finish() {
@@ -197,6 +202,8 @@ std::vector<Expected<LearnedRoom>> learn_occupied_room(
         if (stop.stop_requested()) break;
     }
     SpaceCarver carver(seen.cameras, seen.bounds_site);
+    for (std::size_t c = 0; c < cameras.size() && !stop.stop_requested(); ++c)
+        if (cameras[c].has_enough()) cameras[c].find_sitters(carver, c);
     for (int round = 0; round < kRounds && !stop.stop_requested(); ++round) {
         std::vector<std::vector<image::Mask>> people(
             num_instants, std::vector<image::Mask>(cameras.size()));

@@ -64,6 +64,13 @@ void SpaceCarver::mark(std::size_t camera, std::size_t cell, image::Mask& mask) 
         std::fill(mask.row(y) + left, mask.row(y) + right, std::uint8_t{255});
 }
 
+image::Mask SpaceCarver::reachable(std::size_t camera, int columns, int rows) const {
+    image::Mask mask(columns, rows);
+    for (std::size_t cell = 0; cell < num_cells_; ++cell)
+        if (views_[camera].block[cell] >= 0) mark(camera, cell, mask);
+    return mask;
+}
+
 void SpaceCarver::carve(std::span<const image::Mask> masks,
                         std::vector<image::Mask>& hidden_by_others) {
     hidden_by_others.resize(masks.size());

@@ -26,7 +26,8 @@ public:
     /// covers with a person. Draws cells a little too large, which covers their shadows, too.
     void carve(std::span<const image::Mask> masks, std::vector<image::Mask>& hidden_by_others);
 
-    double cell_m() const { return cell_m_; }
+    /// Blocks onto which any cell projects: where people can be.
+    image::Mask reachable(std::size_t camera, int columns, int rows) const;
 
 private:
     // Where the centre of each cell projects.

@@ -249,6 +249,24 @@ void fill_level(std::vector<Look>& level, int columns, int rows) {
     fill_from(coarse, columns, rows, level);
 }
 
+// At an edge, compression and a trembling camera change values more than noise does.
+Tolerance tolerance_at(std::span<const image::YuvView> pictures,
+                       int column,
+                       int row,
+                       const Tolerance& plain) {
+    int least = 255;
+    int most = 0;
+    const image::PlaneView& luma = pictures[pictures.size() / 2].y;
+    for (int y = std::max(2 * row - 1, 0); y < std::min(2 * row + 3, luma.height); ++y) {
+        for (int x = std::max(2 * column - 1, 0); x < std::min(2 * column + 3, luma.width); ++x) {
+            least = std::min<int>(least, luma.at(x, y));
+            most = std::max<int>(most, luma.at(x, y));
+        }
+    }
+    constexpr int kShare = 5;  // of the contrast nearby
+    return {plain.luma + (most - least) / kShare, plain.chroma + (most - least) / (2 * kShare)};
+}
+
 }  // namespace
 
 BlockValue block_value(const image::YuvView& picture, int column, int row) {
@@ -271,13 +289,13 @@ BlockClusters find_clusters(std::span<const image::YuvView> pictures) {
         std::max(kMinLumaStep, static_cast<int>(std::lround(kSameLook * found.luma_noise))),
         std::max(kMinChromaStep, static_cast<int>(std::lround(kSameLook / 2 * found.luma_noise)))};
     found.labels.assign(pictures.size(), std::vector<std::uint8_t>(found.num_blocks()));
-    BlockSorter sorter(tolerance);
     std::vector<BlockValue> values(pictures.size());
     std::vector<std::uint8_t> labels(pictures.size());
     for (int row = 0; row < found.rows; ++row) {
         for (int column = 0; column < found.columns; ++column) {
             for (std::size_t i = 0; i < pictures.size(); ++i)
                 values[i] = block_value(pictures[i], column, row);
+            BlockSorter sorter(tolerance_at(pictures, column, row, tolerance));
             sorter.sort(values, labels);
             const auto block = static_cast<std::size_t>(row * found.columns + column);
             for (std::size_t i = 0; i < pictures.size(); ++i) found.labels[i][block] = labels[i];
