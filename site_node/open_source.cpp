@@ -17,8 +17,12 @@ Expected<config::Rig> load_rig(const CaptureConfig& capture) {
 }
 
 Source open_recording(const SiteNodeConfig& config) {
-    auto source = capture::RecordingSource::open(
-        {config.capture.recording, config.capture.rate_hz, config.capture.loop});
+    auto source =
+        capture::RecordingSource::open({.folder = config.capture.recording,
+                                        .rate_hz = config.capture.rate_hz,
+                                        .loop = config.capture.loop,
+                                        .every = static_cast<std::size_t>(config.capture.every),
+                                        .as_fast_as_possible = config.capture.as_fast_as_possible});
     if (!source) return tl::unexpected(source.error());
     return std::unique_ptr<capture::FrameSource>(std::move(*source));
 }

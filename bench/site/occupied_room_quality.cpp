@@ -96,8 +96,7 @@ double hull_litres(const OccupiedScene& scene, const Masks& masks) {
             SilhouetteStage silhouettes(scene.cameras[c], {});
             site_node::PictureSilhouette found;
             capture::CameraFrame frame;
-            frame.image =
-                image::RawImage(std::make_shared<image::YuvImage>(scene.pictures[c][i]));
+            frame.image = image::RawImage(std::make_shared<image::YuvImage>(scene.pictures[c][i]));
             frame.silhouette = std::make_shared<image::Mask>(masks[c][i]);
             require(silhouettes.find(frame, {}, found));
             stage.contours(c) = found.contours;
@@ -124,11 +123,9 @@ void write_pictures(const std::filesystem::path& folder,
         const std::string stem = scene.name + "_" + method + "_" + scene.cameras[c].name;
         cv::imwrite((folder / (stem + "_room.png")).string(), room);
         const image::Mask& mask = masks[c][masks[c].size() / 2];
-        cv::imwrite((folder / (stem + "_mask.png")).string(),
-                    cv::Mat(mask.height,
-                            mask.width,
-                            CV_8U,
-                            const_cast<std::uint8_t*>(mask.data.data())));
+        cv::imwrite(
+            (folder / (stem + "_mask.png")).string(),
+            cv::Mat(mask.height, mask.width, CV_8U, const_cast<std::uint8_t*>(mask.data.data())));
     }
 }
 
@@ -154,8 +151,10 @@ void compare(const OccupiedScene& scene, const std::string& folder) {
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     const Masks masks_empty = segment(scene, empty);
     const Masks& truth = scene.truth.empty() ? masks_empty : scene.truth;
-    for (const auto& [method, rooms] :
-         {std::pair{"learned", &learned}, {"empty", &empty}, {"mean", &mean}, {"median", &median}}) {
+    for (const auto& [method, rooms] : {std::pair{"learned", &learned},
+                                        {"empty", &empty},
+                                        {"mean", &mean},
+                                        {"median", &median}}) {
         if (std::getenv("QUICK") && method != std::string("learned")) continue;
         const Masks masks = segment(scene, *rooms);
         std::printf("%s,%s,%.4f,%.1f,%.1f,%.4f,%.1f\n",
@@ -190,6 +189,7 @@ int main(int argc, char** argv) {
                                      {.name = "stands80", .still = 0.8}})
         if (only.empty() || only == play.name) compare(simulated_scene(argv[2], play), folder);
     const std::string horseman = std::string(argv[1]) + "/horseman";
-    if (std::filesystem::exists(horseman) && (only.empty() || only == "horseman")) compare(recorded_scene(horseman, 60), folder);
+    if (std::filesystem::exists(horseman) && (only.empty() || only == "horseman"))
+        compare(recorded_scene(horseman, 60), folder);
     return 0;
 }

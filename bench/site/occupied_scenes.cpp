@@ -18,8 +18,7 @@ image::YuvImage copy_of(const image::YuvView& view) {
                          {view.v.width, view.v.height}};
     for (const auto& [from, to] :
          {std::pair{&view.y, &copy.y}, {&view.u, &copy.u}, {&view.v, &copy.v}}) {
-        for (int y = 0; y < from->height; ++y)
-            std::copy_n(from->row(y), from->width, to->row(y));
+        for (int y = 0; y < from->height; ++y) std::copy_n(from->row(y), from->width, to->row(y));
     }
     return copy;
 }
@@ -43,13 +42,13 @@ OccupiedScene recorded_scene(const std::string& folder, std::size_t num_instants
     scene.empty.resize(scene.cameras.size());
     std::vector<std::size_t> all;
     for (std::size_t camera = 0; camera < scene.cameras.size(); ++camera) all.push_back(camera);
-    for (const auto& shown : source->show_background(
-             all,
-             [&](std::size_t camera, const image::YuvView& picture) {
-                 scene.empty[camera].push_back(copy_of(picture));
-                 return true;
-             },
-             {}))
+    for (const auto& shown :
+         source->show_background(all,
+                                 [&](std::size_t camera, const image::YuvView&picture) {
+                                     scene.empty[camera].push_back(copy_of(picture));
+                                     return true;
+                                 },
+                                 {}))
         require(shown);
     image::YuvImage buffer;
     for (const std::size_t camera : all) {
@@ -73,8 +72,8 @@ OccupiedScene simulated_scene(const std::string& rig_file, const OccupiedPlay& p
     scene.pictures.resize(play.num_cameras);
     scene.truth.resize(play.num_cameras);
     scene.empty.resize(play.num_cameras);
-    const auto num_still = static_cast<std::size_t>(
-        std::lround(play.still * static_cast<double>(play.num_instants)));
+    const auto num_still =
+        static_cast<std::size_t>(std::lround(play.still * static_cast<double>(play.num_instants)));
     constexpr std::size_t kInstantsPerPlace = 2;
     std::size_t instant = 0;
     for (std::size_t where = 0; instant < play.num_instants; ++where) {
@@ -102,11 +101,8 @@ OccupiedScene simulated_scene(const std::string& rig_file, const OccupiedPlay& p
         for (std::size_t camera = 0; camera < play.num_cameras && where == 0; ++camera) {
             for (std::uint32_t shot = 0; shot < 16; ++shot) {
                 scene.empty[camera].emplace_back();
-                renderer.render(0.0,
-                                camera,
-                                simulation::Scene::kEmptyRoom,
-                                shot,
-                                scene.empty[camera].back());
+                renderer.render(
+                    0.0, camera, simulation::Scene::kEmptyRoom, shot, scene.empty[camera].back());
             }
         }
     }

@@ -38,6 +38,9 @@ public:
     /// last ones may be missing.
     virtual std::size_t num_frames() const { return 0; }
 
+    /// Of these, the number that `run` has passed. Thread-safe.
+    virtual std::size_t num_passed() const { return 0; }
+
     /// Reads picture `index` of one camera. An error if it is missing or unreadable.
     virtual Expected<CameraFrame> read_picture(std::size_t camera, std::size_t index);
 

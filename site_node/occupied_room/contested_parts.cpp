@@ -110,7 +110,7 @@ private:
 // room is the root's first or second.
 struct Part {
     std::vector<std::uint32_t> blocks;
-    std::array<double, 2> num{};  // pictures that show the look of either hypothesis
+    std::array<double, 2> num{};   // pictures that show the look of either hypothesis
     std::size_t num_with_two = 0;  // blocks with a second look
     bool is_decided = false;
     std::uint8_t room = 0;

@@ -1,10 +1,10 @@
 #include "site_node/occupied_room/learn_occupied_room.hpp"
 
-#include "site_node/occupied_room/component_votes.hpp"
 #include "site_node/occupied_room/contested_parts.hpp"
 #include "site_node/occupied_room/never_empty.hpp"
 #include "site_node/occupied_room/space_carver.hpp"
 #include "site_node/segmentation/block_clusters.hpp"
+#include "site_node/segmentation/component_votes.hpp"
 #include "site_node/segmentation/segmentation.hpp"
 
 #include <algorithm>
@@ -17,6 +17,7 @@ namespace {
 
 using segmentation::BackgroundStatistics;
 using segmentation::BlockClusters;
+using segmentation::BlockState;
 
 constexpr int kRounds = 4;
 constexpr std::size_t kMaxClusters = BlockClusters::kMaxClusters;
@@ -53,10 +54,11 @@ public:
 
     /// Gives up places that somebody never left; see find_never_empty.
     void find_sitters(const SpaceCarver& carver, std::size_t camera) {
-        never_empty_ = find_never_empty(clusters_,
-                                        chosen_,
-                                        make_room(),
-                                        carver.reachable(camera, clusters_.columns, clusters_.rows));
+        never_empty_ =
+            find_never_empty(clusters_,
+                             chosen_,
+                             make_room(),
+                             carver.reachable(camera, clusters_.columns, clusters_.rows));
         for (std::size_t b = 0; b < unknown_.size(); ++b) unknown_[b] |= never_empty_[b];
     }
 
@@ -72,7 +74,7 @@ public:
         for (std::size_t i = 0; i < pictures_.size(); ++i) {
             // cannot fail: the room comes from pictures of this size
             if (!segmenter.segment(pictures_[i], mask)) continue;
-            states_[i] = judge_components(pictures_[i], room_, mask, scratch_);
+            states_[i] = segmentation::judge_components(pictures_[i], room_, mask, scratch_);
             image::Mask& out = people[instants_[i]][camera];
             out = image::Mask(states_[i].width, states_[i].height);
             for (std::size_t b = 0; b < out.data.size(); ++b) {
@@ -127,13 +129,13 @@ private:
     std::vector<image::YuvView> pictures_;
     std::vector<std::size_t> instants_;  // of the pictures
     BlockClusters clusters_;
-    std::vector<std::uint8_t> chosen_;    // cluster per block
-    std::vector<std::uint8_t> unknown_;   // per block: never seen empty
+    std::vector<std::uint8_t> chosen_;       // cluster per block
+    std::vector<std::uint8_t> unknown_;      // per block: never seen empty
     std::vector<std::uint8_t> never_empty_;  // per block: somebody never left it
     std::vector<Counts> counts_;
     BackgroundStatistics room_;
     std::vector<image::Mask> states_;  // BlockState per picture and block
-    ComponentScratch scratch_;
+    segmentation::ComponentScratch scratch_;
 };
 
 void Camera::choose(const Counts& counts, std::size_t block) {
@@ -183,7 +185,8 @@ LearnedRoom Camera::finish() {
                                                   static_cast<std::uint8_t>(BlockState::kPerson)));
     }
     learned.covered = covered / static_cast<double>(states_.size() * unknown_.size());
-    learned.never_empty_px = largest_part(unknown_, clusters_.columns, clusters_.rows);
+    learned.never_empty_px =
+        segmentation::largest_part(unknown_, clusters_.columns, clusters_.rows);
     return learned;
 }
 
@@ -205,8 +208,8 @@ std::vector<Expected<LearnedRoom>> learn_occupied_room(
     for (std::size_t c = 0; c < cameras.size() && !stop.stop_requested(); ++c)
         if (cameras[c].has_enough()) cameras[c].find_sitters(carver, c);
     for (int round = 0; round < kRounds && !stop.stop_requested(); ++round) {
-        std::vector<std::vector<image::Mask>> people(
-            num_instants, std::vector<image::Mask>(cameras.size()));
+        std::vector<std::vector<image::Mask>> people(num_instants,
+                                                     std::vector<image::Mask>(cameras.size()));
         for (std::size_t c = 0; c < cameras.size() && !stop.stop_requested(); ++c)
             if (cameras[c].has_enough()) cameras[c].segment(people, c);
         std::vector<image::Mask> hidden;
@@ -224,12 +227,12 @@ std::vector<Expected<LearnedRoom>> learn_occupied_room(
         if (stop.stop_requested()) {
             learned.push_back(make_error(ErrorKind::kUnavailable, "stopped while learning"));
         } else if (!cameras[c].has_enough()) {
-            learned.push_back(make_error(
-                ErrorKind::kInvalidData,
-                "only " + std::to_string(cameras[c].num_pictures()) +
-                    " pictures, but a room with people in it needs at least " +
-                    std::to_string(kMinOccupiedPictures) +
-                    ": record for longer, or record the empty room (background.*)"));
+            learned.push_back(
+                make_error(ErrorKind::kInvalidData,
+                           "only " + std::to_string(cameras[c].num_pictures()) +
+                               " pictures, but a room with people in it needs at least " +
+                               std::to_string(kMinOccupiedPictures) +
+                               ": record for longer, or record the empty room (background.*)"));
         } else {
             learned.push_back(cameras[c].finish());
         }

@@ -1,6 +1,6 @@
 #include "site_node/occupied_room/never_empty.hpp"
 
-#include "site_node/occupied_room/component_votes.hpp"
+#include "site_node/segmentation/component_votes.hpp"
 #include "site_node/segmentation/outline_votes.hpp"
 
 #include <algorithm>
@@ -40,8 +40,7 @@ Blocks spread(const Blocks& blocks, const Grid& grid, int radius, std::uint8_t v
     return both;
 }
 
-Blocks restless(const segmentation::BlockClusters& clusters,
-                std::span<const std::uint8_t> chosen) {
+Blocks restless(const segmentation::BlockClusters& clusters, std::span<const std::uint8_t> chosen) {
     constexpr double kLasting = 0.65;  // share of the pictures
     std::vector<std::uint32_t> num(clusters.num_blocks(), 0);
     for (const auto& labels : clusters.labels) {
@@ -104,7 +103,8 @@ std::vector<std::uint8_t> find_never_empty(const segmentation::BlockClusters& cl
     blocks = spread(blocks, grid, radius, 1);
     fill_holes(blocks, grid);
     blocks = spread(blocks, grid, radius, 0);
-    const PartLabels parts = label_parts(blocks, grid.columns, grid.rows);
+    const segmentation::PartLabels parts =
+        segmentation::label_parts(blocks, grid.columns, grid.rows);
     std::vector<PartOutline> outlines(static_cast<std::size_t>(parts.num));
     constexpr int kOut = 2;       // blocks
     constexpr int kMinEdge = 20;  // grey levels

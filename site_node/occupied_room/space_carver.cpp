@@ -80,8 +80,7 @@ void SpaceCarver::carve(std::span<const image::Mask> masks,
     for (std::size_t cell = 0; cell < num_cells_; ++cell) {
         std::uint64_t sees = 0;
         std::uint64_t misses = 0;  // the camera sees the room there, and nobody
-        for (std::size_t camera = 0; camera < masks.size() && std::popcount(misses) < 2;
-             ++camera) {
+        for (std::size_t camera = 0; camera < masks.size() && std::popcount(misses) < 2; ++camera) {
             const std::int32_t block = views_[camera].block[cell];
             if (block < 0 || masks[camera].data.empty()) continue;
             const std::uint64_t bit = std::uint64_t{1} << camera;

@@ -80,10 +80,8 @@ private:
         if (best != BlockClusters::kNoCluster) return add(value, clusters_[best]);
         if (clusters_.size() == kMaxCollected) {
             // makes room for a look that may become frequent later
-            const auto rarest =
-                std::min_element(clusters_.begin(), clusters_.end(), [](auto& a, auto& b) {
-                    return a.num < b.num;
-                });
+            const auto rarest = std::min_element(
+                clusters_.begin(), clusters_.end(), [](auto& a, auto& b) { return a.num < b.num; });
             clusters_.erase(rarest);
         }
         clusters_.emplace_back();
@@ -91,16 +89,14 @@ private:
     }
 
     void keep_most_frequent() {
-        std::stable_sort(clusters_.begin(), clusters_.end(), [](auto& a, auto& b) {
-            return a.num > b.num;
-        });
+        std::stable_sort(
+            clusters_.begin(), clusters_.end(), [](auto& a, auto& b) { return a.num > b.num; });
         if (clusters_.size() > BlockClusters::kMaxClusters)
             clusters_.resize(BlockClusters::kMaxClusters);
     }
 
-    static void rename_by_count(
-        const std::array<std::int32_t, BlockClusters::kMaxClusters>& counts,
-        std::span<std::uint8_t> labels) {
+    static void rename_by_count(const std::array<std::int32_t, BlockClusters::kMaxClusters>& counts,
+                                std::span<std::uint8_t> labels) {
         std::array<std::uint8_t, BlockClusters::kMaxClusters> order{};
         std::iota(order.begin(), order.end(), std::uint8_t{0});
         std::stable_sort(
@@ -125,7 +121,8 @@ double estimate_noise(std::span<const image::YuvView> pictures) {
             double sum = 0.0;
             for (std::size_t i = 1; i < pictures.size(); ++i)
                 sum += std::abs(pictures[i].y.at(x, y) - pictures[i - 1].y.at(x, y));
-            means.push_back(sum / static_cast<double>(std::max<std::size_t>(pictures.size(), 2) - 1));
+            means.push_back(sum /
+                            static_cast<double>(std::max<std::size_t>(pictures.size(), 2) - 1));
         }
     }
     const auto calm = means.begin() + static_cast<std::ptrdiff_t>(means.size() / 4);
@@ -272,12 +269,8 @@ Tolerance tolerance_at(std::span<const image::YuvView> pictures,
 BlockValue block_value(const image::YuvView& picture, int column, int row) {
     const std::uint8_t* const top = picture.y.row(2 * row) + 2 * column;
     const std::uint8_t* const bottom = picture.y.row(2 * row + 1) + 2 * column;
-    return {top[0],
-            top[1],
-            bottom[0],
-            bottom[1],
-            picture.u.at(column, row),
-            picture.v.at(column, row)};
+    return {
+        top[0], top[1], bottom[0], bottom[1], picture.u.at(column, row), picture.v.at(column, row)};
 }
 
 BlockClusters find_clusters(std::span<const image::YuvView> pictures) {

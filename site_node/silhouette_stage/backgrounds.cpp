@@ -177,8 +177,7 @@ std::vector<Expected<BackgroundStatistics>> learn(
     const std::stop_token& stop) {
     std::vector<std::size_t> with_people;
     for (const std::size_t camera : cameras) {
-        if (options.from == "people" ||
-            (options.from == "auto" && !source.has_empty_room(camera)))
+        if (options.from == "people" || (options.from == "auto" && !source.has_empty_room(camera)))
             with_people.push_back(camera);
     }
     if (with_people.empty()) return learn_empty(source, cameras, options, segmentation, stop);
@@ -193,8 +192,9 @@ std::vector<Expected<BackgroundStatistics>> learn(
     auto next_with_people = learned.begin();
     auto next_other = others.begin();
     for (const std::size_t camera : cameras) {
-        const bool is_other = next_other != others.end() &&
-                              empty[static_cast<std::size_t>(next_other - others.begin())] == camera;
+        const bool is_other =
+            next_other != others.end() &&
+            empty[static_cast<std::size_t>(next_other - others.begin())] == camera;
         rooms.push_back(std::move(*(is_other ? next_other++ : next_with_people++)));
     }
     return rooms;

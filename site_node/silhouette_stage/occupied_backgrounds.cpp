@@ -1,6 +1,7 @@
 #include "site_node/silhouette_stage/occupied_backgrounds.hpp"
 
 #include "core/app/log.hpp"
+#include "core/app/progress.hpp"
 #include "site_node/capture/timed_assembler.hpp"
 #include "site_node/occupied_room/learn_occupied_room.hpp"
 #include "site_node/segmentation/background_quality.hpp"
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <optional>
 
 namespace atrium::site_node {
 namespace {
@@ -68,10 +70,7 @@ private:
             for (std::size_t i = 0; i < num && !stop.stop_requested(); ++i) {
                 auto frame = source_.read_picture(camera, i * source_.num_frames() / num);
                 if (frame) kept_[camera][i] = keep(*frame);
-                log_progress(fmt::format("{} picture={} of={}",
-                                         source_.rig().cameras[camera].name,
-                                         i + 1,
-                                         num));
+                log_progress(camera * num + i + 1, kept_.size() * num);
             }
         }
     }
@@ -83,8 +82,8 @@ private:
             std::chrono::nanoseconds(static_cast<std::int64_t>(0.25e9 / rate_hz));
         assembling.deadline = std::chrono::milliseconds(100);
         assembling.min_cameras = 2;
-        const auto gap = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
-            options_.watch_s / static_cast<double>(num_wanted_)));
+        const auto gap = std::chrono::duration_cast<Clock::duration>(
+            std::chrono::duration<double>(options_.watch_s / static_cast<double>(num_wanted_)));
         std::stop_source enough;
         const std::stop_callback pass_on(stop, [&] { enough.request_stop(); });
         auto due = Clock::now();
@@ -96,25 +95,24 @@ private:
             for (const capture::CameraFrame& frame : metaframe->frames)
                 kept_[frame.camera].push_back(frame.image.empty() ? nullptr : keep(frame));
             if (++num >= num_wanted_) enough.request_stop();
-            log_progress(fmt::format("picture={} of={}", num, num_wanted_));
+            log_progress(num, num_wanted_);
         };
         capture::TimedAssembler assembler(kept_.size(), assembling, take);
-        return source_.run(enough.get_token(), [&](capture::CameraFrame frame) {
-            assembler.add(std::move(frame));
-        });
+        return source_.run(enough.get_token(),
+                           [&](capture::CameraFrame frame) { assembler.add(std::move(frame)); });
     }
 
-    void log_progress(const std::string& state) {
-        if (Clock::now() - last_log_ < std::chrono::seconds(1)) return;
-        last_log_ = Clock::now();
-        app::log::info("reading the room with people in it {}", state);
+    void log_progress(std::size_t done, std::size_t total) {
+        if (!progress_) progress_.emplace("picture", total);
+        if (const auto line = progress_->update(done))
+            app::log::info("reading the room with people in it: {}", *line);
     }
 
     capture::FrameSource& source_;
     const BackgroundOptions& options_;
     std::size_t num_wanted_ = 0;
     Kept kept_;
-    Clock::time_point last_log_ = Clock::now();
+    std::optional<app::Progress> progress_;
 };
 
 occupied_room::OccupiedRoom seen_room(const config::Rig& rig, const Kept& kept) {
@@ -191,7 +189,8 @@ std::vector<Expected<BackgroundStatistics>> learn_with_people(
         } else if (!rooms[camera]) {
             results.push_back(make_error(
                 rooms[camera].error().kind,
-                fmt::format("camera '{}': no background: {}", name, rooms[camera].error().message)));
+                fmt::format(
+                    "camera '{}': no background: {}", name, rooms[camera].error().message)));
         } else {
             report(name, *rooms[camera], segmentation);
             results.emplace_back(rooms[camera]->room);

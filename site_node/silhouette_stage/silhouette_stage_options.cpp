@@ -85,12 +85,13 @@ void declare(SilhouetteStageOptions& options, config::OptionSet& set) {
     set.add("segmentation.background_folder",
             options.background.folder,
             "folder for the results of --learn-background; empty: learn at every start");
-    set.add("segmentation.background_from",
-            options.background.from,
-            "pictures to learn the empty room from: of the \"empty\" room, or of the room with "
-            "\"people\" in it; auto: of the empty room, or of a recording without background.* with "
-            "people",
-            {"auto", "empty", "people"});
+    set.add(
+        "segmentation.background_from",
+        options.background.from,
+        "pictures to learn the empty room from: of the \"empty\" room, or of the room with "
+        "\"people\" in it; auto: of the empty room, or of a recording without background.* with "
+        "people",
+        {"auto", "empty", "people"});
     set.add("segmentation.background_frames",
             options.background.num_frames,
             "pictures to learn from, per camera; 0: of the empty room all that a recording or "

@@ -1,13 +1,11 @@
-#include "site_node/occupied_room/component_votes.hpp"
+#include "site_node/segmentation/component_votes.hpp"
 
 #include "site_node/segmentation/outline_votes.hpp"
 
 #include <algorithm>
 
-namespace atrium::occupied_room {
+namespace atrium::segmentation {
 namespace {
-
-using segmentation::OutlineVote;
 
 // Labels the 4-connected parts of the cells with `is_set`; calls `visit(cell)` for each cell of the
 // part. Returns the number of parts.
@@ -43,34 +41,52 @@ std::int32_t label_parts(int width,
     return num_parts;
 }
 
-bool is_ghost(const ComponentScratch::Votes& votes) {
+bool is_ghost(const ComponentVotes& votes) {
     constexpr int kFewest = 12;
     return votes.room >= kFewest && 2 * votes.room > 3 * votes.picture;
 }
 
 }  // namespace
 
-image::Mask judge_components(const image::YuvView& picture,
-                             const segmentation::BackgroundStatistics& room,
-                             const image::Mask& mask,
-                             ComponentScratch& scratch) {
-    const std::int32_t num_parts = label_parts(
+void count_votes(const image::YuvView& picture,
+                 const BackgroundStatistics& room,
+                 const image::Mask& mask,
+                 ComponentScratch& scratch) {
+    scratch.components.clear();
+    label_parts(
         mask.width,
         mask.height,
         [&](std::int32_t pixel) { return mask.data[static_cast<std::size_t>(pixel)] != 0; },
-        scratch.labels,
+        scratch.label,
         scratch.queue,
-        [](std::int32_t, std::int32_t) {});
-    scratch.votes.assign(static_cast<std::size_t>(num_parts), {});
-    const auto label_at = [&](int x, int y) {
-        return scratch.labels[static_cast<std::size_t>(y) * static_cast<std::size_t>(mask.width) +
-                              static_cast<std::size_t>(x)];
-    };
-    segmentation::visit_outline(picture, room, mask, [&](int x, int y, OutlineVote vote) {
-        ComponentScratch::Votes& votes = scratch.votes[static_cast<std::size_t>(label_at(x, y))];
+        [&](std::int32_t pixel, std::int32_t part) {
+            if (static_cast<std::size_t>(part) == scratch.components.size())
+                scratch.components.emplace_back();
+            ComponentVotes& component = scratch.components.back();
+            ++component.size;
+            component.sum_x += pixel % mask.width;
+            component.sum_y += pixel / mask.width;
+        });
+    visit_outline(picture, room, mask, [&](int x, int y, OutlineVote vote) {
+        const std::int32_t label =
+            scratch.label[static_cast<std::size_t>(y) * static_cast<std::size_t>(mask.width) +
+                          static_cast<std::size_t>(x)];
+        ComponentVotes& votes = scratch.components[static_cast<std::size_t>(label)];
         votes.picture += vote == OutlineVote::kPicture ? 1 : 0;
         votes.room += vote == OutlineVote::kRoom ? 1 : 0;
     });
+}
+
+image::Mask judge_components(const image::YuvView& picture,
+                             const BackgroundStatistics& room,
+                             const image::Mask& mask,
+                             ComponentScratch& scratch) {
+    count_votes(picture, room, mask, scratch);
+    const auto label_at = [&](int x, int y) {
+        return static_cast<std::size_t>(
+            scratch.label[static_cast<std::size_t>(y) * static_cast<std::size_t>(mask.width) +
+                          static_cast<std::size_t>(x)]);
+    };
     image::Mask states(mask.width / 2, mask.height / 2);
     for (int row = 0; row < states.height; ++row) {
         for (int column = 0; column < states.width; ++column) {
@@ -79,8 +95,7 @@ image::Mask judge_components(const image::YuvView& picture,
             for (const int y : {2 * row, 2 * row + 1}) {
                 for (const int x : {2 * column, 2 * column + 1}) {
                     if (mask.at(x, y) == 0) continue;
-                    const auto label = static_cast<std::size_t>(label_at(x, y));
-                    ++(is_ghost(scratch.votes[label]) ? num_ghost : num_person);
+                    ++(is_ghost(scratch.components[label_at(x, y)]) ? num_ghost : num_person);
                 }
             }
             const BlockState state = num_person + num_ghost < 2 ? BlockState::kRoom
@@ -92,13 +107,13 @@ image::Mask judge_components(const image::YuvView& picture,
     return states;
 }
 
-PartLabels label_parts(std::span<const std::uint8_t> blocks, int columns, int rows) {
+PartLabels label_parts(std::span<const std::uint8_t> cells, int columns, int rows) {
     PartLabels parts;
     std::vector<std::int32_t> queue;
     parts.num = label_parts(
         columns,
         rows,
-        [&](std::int32_t block) { return blocks[static_cast<std::size_t>(block)] != 0; },
+        [&](std::int32_t cell) { return cells[static_cast<std::size_t>(cell)] != 0; },
         parts.label,
         queue,
         [](std::int32_t, std::int32_t) {});
@@ -138,4 +153,4 @@ image::PixelRect largest_part(std::span<const std::uint8_t> blocks, int columns,
             2 * (largest->bottom - largest->top + 1)};
 }
 
-}  // namespace atrium::occupied_room
+}  // namespace atrium::segmentation
