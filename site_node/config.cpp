@@ -44,6 +44,12 @@ void declare_modes(SiteNodeConfig& config, config::OptionSet& set) {
     set.add(
         "recording", config.recording, "shorthand for capture.source = recording with this folder");
     set.add(
+        "rate",
+        config.rate_hz,
+        "shorthand for capture.rate_hz [Hz]; of a recording 0: each metaframe as soon as the one "
+        "before is done, none is dropped; -1: as capture.rate_hz says",
+        {SiteNodeConfig::kAsConfigured, 1000});
+    set.add(
         "write-silhouettes",
         config.write_silhouettes,
         "segment each metaframe of the recording once, write masks and polygons here, and exit");
@@ -174,6 +180,7 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
             "metaframes per second [Hz]; 0: as recorded, or as in the rig",
             {0, 1000});
     set.add("capture.loop", capture.loop, "restart a recording at its end");
+    set.add("every", capture.every, "recording: use each Nth instant only", {1, 1e6});
     set.add("capture.tolerance_ms",
             capture.tolerance_ms,
             "largest time between a trigger and its pictures [ms]; 0: a quarter of the period",
@@ -264,6 +271,8 @@ void resolve(SiteNodeConfig& config) {
         config.pipeline.texture.resolution = texture::Resolution::kFull;
     config.stream.adapt = config.stream_adapt == "on" ||
                           (config.stream_adapt == "auto" && config.bus.network != "loopback");
+    if (config.rate_hz > 0.0) config.capture.rate_hz = config.rate_hz;
+    config.capture.as_fast_as_possible = config.rate_hz == 0.0;
     if (config.recording.empty()) return;
     config.capture.source = "recording";
     config.capture.recording = config.recording;
@@ -286,6 +295,12 @@ Expected<void> check(const SiteNodeConfig& config) {
         return wrong(
             "capture.recording: must be set for capture.source = \"recording\": the folder of the "
             "recording");
+    }
+    if (config.capture.source != "recording") {
+        if (config.capture.every > 1)
+            return wrong("--every: needs a recording; add --recording DIR");
+        if (config.capture.as_fast_as_possible)
+            return wrong("--rate 0: needs a recording; add --recording DIR");
     }
     if (config.capture.source == "cameras") {
         if (config.capture.rig.empty())

@@ -21,6 +21,8 @@ struct CaptureConfig {
     std::filesystem::path recording;   // recording: its folder
     double rate_hz = 0.0;              // 0: as recorded, or the rig's rate
     bool loop = false;                 // recording: start again at its end
+    int every = 1;                     // recording: each Nth instant
+    bool as_fast_as_possible = false;  // recording: the next metaframe when the last one is done
     double tolerance_ms = 0.0;         // between a trigger and its pictures; 0: a quarter period
     double deadline_ms = 100.0;        // how long a metaframe may stay incomplete
     int min_cameras = 0;  // needed at the deadline to use an incomplete metaframe; 0: all
@@ -51,6 +53,8 @@ struct SiteNodeConfig {
     std::filesystem::path write_silhouettes;  // segment a recording into this folder, exit
     bool overwrite = false;                   // write_silhouettes may use a non-empty folder
     std::filesystem::path recording;          // shorthand: source "recording" with this folder
+    double rate_hz = kAsConfigured;           // shorthand: capture.rate_hz; 0: as fast as possible
+    static constexpr double kAsConfigured = -1.0;
 };
 
 /// Declares every option with its default; `config` must outlive `set`.

@@ -22,10 +22,12 @@ Expected<config::Rig> load_rig(const CaptureConfig& capture) {
 Source open_recording(const SiteNodeConfig& config) {
     constexpr std::size_t kMostReasons = 20;
     auto source = capture::RecordingSource::open(
-        {config.capture.recording,
-         config.capture.rate_hz,
-         config.capture.loop,
-         [told = std::set<std::string>()](const std::string& reason) mutable {
+        {.folder = config.capture.recording,
+         .rate_hz = config.capture.rate_hz,
+         .loop = config.capture.loop,
+         .every = static_cast<std::size_t>(config.capture.every),
+         .as_fast_as_possible = config.capture.as_fast_as_possible,
+         .report_unreadable = [told = std::set<std::string>()](const std::string& reason) mutable {
              // a looping recording meets each picture again
              if (told.size() < kMostReasons && told.insert(reason).second)
                  app::log::warn("picture_left_out reason=\"{}\"", reason);

@@ -1,6 +1,7 @@
 #include "site_node/silhouette_writer.hpp"
 
 #include "core/app/log.hpp"
+#include "core/app/progress.hpp"
 #include "site_node/capture/mask_file.hpp"
 #include "site_node/capture/recording_source.hpp"
 #include "site_node/silhouette_stage/silhouette_stage.hpp"
@@ -9,7 +10,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -18,7 +18,6 @@ namespace atrium::site_node {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
 Expected<void> prepare_folder(const fs::path& folder, bool overwrite) {
     std::error_code problem;
@@ -126,16 +125,16 @@ Expected<void> write_silhouettes(const SiteNodeConfig& config, std::stop_token s
     std::size_t num_metaframes = 0;
     std::size_t num_pictures = 0;
     std::size_t num_missing = 0;
-    auto last_log = Clock::now();
-    for (std::size_t i = 0; i < (*source)->num_frames() && !stop.stop_requested(); ++i) {
+    const auto every = static_cast<std::size_t>(config.capture.every);
+    app::Progress progress("frame", (*source)->num_frames());
+    for (std::size_t i = 0; i < (*source)->num_frames() && !stop.stop_requested(); i += every) {
         const auto written = write_metaframe(**source, i, *writers, views_folder);
         if (!written) return tl::unexpected(written.error());
         num_metaframes += *written > 0 ? 1 : 0;
         num_pictures += *written;
         num_missing += writers->size() - *written;
-        if (Clock::now() - last_log < std::chrono::seconds(1)) continue;
-        last_log = Clock::now();
-        app::log::info("writing silhouettes metaframe={} of={}", i + 1, (*source)->num_frames());
+        if (const auto line = progress.update(i + 1))
+            app::log::info("writing silhouettes {}", *line);
     }
     app::log::info("wrote silhouettes folder={} metaframes={} pictures={}",
                    folder.string(),

@@ -136,8 +136,9 @@ void SiteNode::hand_over(capture::Metaframe metaframe) {
                                      metaframe.frame_id,
                                      missing.substr(1)));
     }
-    ++num_captured_;
+    const std::uint64_t num_captured = ++num_captured_;
     metaframes_.offer(std::move(metaframe));
+    if (config_.capture.as_fast_as_possible) lock_step_.wait(num_captured, run_control_->token());
 }
 
 void SiteNode::find_silhouettes(std::stop_token stop) {
@@ -147,6 +148,8 @@ void SiteNode::find_silhouettes(std::stop_token stop) {
         begun->dropped.reset();
         if (const auto choice = stream_.offer(std::chrono::steady_clock::now()))
             find_silhouettes_of(begun->value, *choice, std::move(memory));
+        else
+            lock_step_.finish();
     }
 }
 
@@ -174,6 +177,7 @@ void SiteNode::compute_frames(std::stop_token stop) {
 
 void SiteNode::count_failure(std::uint64_t frame_id, const Error& error) {
     ++num_failed_;
+    lock_step_.finish();
     complaints_.warn(fmt::format("metaframe failed id={} reason=\"{}\"", frame_id, error.message));
     const std::lock_guard lock(losses_mutex_);
     last_failure_ = error.message;
@@ -226,6 +230,7 @@ void SiteNode::show_preview(const Pipeline::Silhouettes& silhouettes) {
 void SiteNode::publish_frames(std::stop_token stop) {
     while (auto frame = site_frames_.take(stop)) {
         const auto num_bytes = publish(**frame);
+        lock_step_.finish();
         if (!num_bytes) {
             ++num_failed_;
             complaints_.warn(fmt::format("not published id={} reason=\"{}\"",

@@ -12,6 +12,7 @@
 #include "site_node/camera_status.hpp"
 #include "site_node/capture/timed_assembler.hpp"
 #include "site_node/config.hpp"
+#include "site_node/lock_step.hpp"
 #include "site_node/preview/preview.hpp"
 #include "site_node/rig_watcher.hpp"
 #include "site_node/run_control.hpp"
@@ -100,6 +101,7 @@ private:
 
     // newest wins: a late metaframe is useless
     TwoStageOrder<capture::Metaframe, Ready> metaframes_;
+    LockStep lock_step_;  // for a recording that is played as fast as possible
     LatestSlot<std::unique_ptr<Pipeline::Silhouettes>> spare_silhouettes_;
     LatestSlot<std::unique_ptr<SiteFrame>>
         site_frames_;  // newest wins: a slow link costs frames, not latency

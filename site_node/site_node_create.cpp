@@ -71,6 +71,8 @@ rig_check::AgreementOptions agreement_options(const HullStageOptions& hull) {
 }  // namespace
 
 double metaframe_rate_hz(const SiteNodeConfig& config, const config::Rig& rig) {
+    constexpr double kMostHz = 400.0;  // RecordingOptions::as_fast_as_possible
+    if (config.capture.as_fast_as_possible) return kMostHz;
     return config.capture.rate_hz > 0.0 ? config.capture.rate_hz : rig.rate_hz;
 }
 

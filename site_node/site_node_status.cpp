@@ -1,4 +1,5 @@
 #include "core/app/program.hpp"
+#include "core/app/progress.hpp"
 #include "core/status/bottleneck.hpp"
 #include "site_node/metaframe_losses.hpp"
 #include "site_node/overload_advice.hpp"
@@ -38,6 +39,8 @@ void SiteNode::report_status(std::stop_token stop) {
                                    cause);
         });
     std::vector<capture::CameraCounters> former_cameras = source_->camera_counters();
+    app::Progress progress("frame", source_->num_frames(), std::chrono::seconds(10));
+    const bool has_end = source_->num_frames() > 0 && !config_.capture.loop;
     for (int second = 1; !stop.stop_requested(); ++second) {
         auto until = begin + std::chrono::seconds(second);
         const bool limited = config_.seconds > 0.0;
@@ -69,6 +72,9 @@ void SiteNode::report_status(std::stop_token stop) {
             app::log::debug("this second camera {}", to_line(since(former_cameras[i], cameras[i])));
         }
         former_cameras = cameras;
+        if (!has_end) continue;
+        if (const auto line = progress.update(source_->num_passed()))
+            app::log::info("playing {}", *line);
     }
 }
 

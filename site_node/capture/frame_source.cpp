@@ -1,6 +1,12 @@
 #include "site_node/capture/frame_source.hpp"
 
+#include <string>
+
 namespace atrium::capture {
+
+Expected<CameraFrame> FrameSource::read_picture(std::size_t /*camera*/, std::size_t index) {
+    return make_error(ErrorKind::kNotFound, "there is no picture " + std::to_string(index));
+}
 
 std::vector<Expected<void>> one_after_another(
     const std::vector<std::size_t>& cameras,

@@ -31,6 +31,19 @@ public:
     /// True if the pictures show a real room at this moment, without end.
     virtual bool is_live() const { return false; }
 
+    /// False if there are no pictures of the empty room of this camera.
+    virtual bool has_empty_room(std::size_t /*camera*/) const { return true; }
+
+    /// Number of instants that `read_picture` can read, in any order; 0: only `run` shows them. The
+    /// last ones may be missing.
+    virtual std::size_t num_frames() const { return 0; }
+
+    /// Of these, the number that `run` has passed. Thread-safe.
+    virtual std::size_t num_passed() const { return 0; }
+
+    /// Reads picture `index` of one camera. An error if it is missing or unreadable.
+    virtual Expected<CameraFrame> read_picture(std::size_t camera, std::size_t index);
+
     /// Shows pictures of the empty room of `cameras`, which must be distinct: live cameras in
     /// parallel, others one after the other. Ends when the sink has enough of all, when no picture
     /// is left, or at once with a stop. Returns one result per entry of `cameras`: kNotFound

@@ -40,7 +40,12 @@ public:
     /// Errors: kNotFound if this number is missing, kInvalidData if it cannot be decoded.
     Expected<void> read(std::size_t index, image::YuvImage& out);
 
-    /// Like `read`, for 8-bit masks: values above 127 are foreground.
+    /// Lowest number of a sequence; 0 for a video.
+    std::size_t first_picture() const;
+
+    /// Like `read`, for masks of 1, 8 or 16 bits, grey, coloured, with a palette or with alpha.
+    /// Foreground is brighter than half of the brightest value possible; with alpha that varies,
+    /// less than half transparent. Values may also be 0 and 1.
     Expected<void> read_mask(std::size_t index, image::Mask& out);
 
 private:

@@ -17,6 +17,10 @@ namespace fs = std::filesystem;
 // Looping recordings up to this size stay decoded.
 constexpr std::size_t kMaxDecodedBytes = std::size_t{1} << 30;
 constexpr std::size_t kMaxFrames = 10'000'000;
+// Between metaframes, in periods: longer breaks of a recording are shortened.
+constexpr int kLongestGap = 10;
+// As fast as possible: keeps the times of metaframes apart.
+constexpr std::chrono::nanoseconds kLeastGap = std::chrono::microseconds(2500);
 
 std::optional<std::int64_t> parse_integer(std::string_view text) {
     while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
@@ -67,6 +71,12 @@ public:
             auto masks = PictureFile::find(folder, "silhouettes");
             if (!masks) return tl::unexpected(masks.error());
             track->masks_ = std::move(*masks);
+            image::Mask mask;
+            const std::size_t first = track->masks_->first_picture();
+            if (auto read = track->masks_->read_mask(first, mask); !read)
+                return tl::unexpected(read.error());
+            if (auto fits = track->check_mask(mask, first); !fits)
+                return tl::unexpected(fits.error());
         }
         return track;
     }
@@ -86,12 +96,7 @@ public:
             auto mask = std::make_shared<image::Mask>();
             if (auto read = masks_->read_mask(index, *mask); !read)
                 return tl::unexpected(read.error());
-            if (mask->width != picture->width() || mask->height != picture->height()) {
-                return make_error(ErrorKind::kInvalidData,
-                                  fmt::format("{}: silhouette {} differs in size from its picture",
-                                              masks_->path().string(),
-                                              index));
-            }
+            if (auto fits = check_mask(*mask, index); !fits) return tl::unexpected(fits.error());
             frame.silhouette = std::move(mask);
         }
         frame.image = image::RawImage(std::move(picture));
@@ -99,6 +104,25 @@ public:
     }
 
 private:
+    Expected<void> check_mask(const image::Mask& mask, std::size_t index) const {
+        if (mask.width == (expected_.width & ~1) && mask.height == (expected_.height & ~1))
+            return {};
+        return make_error(
+            ErrorKind::kInvalidData,
+            fmt::format("{}: mask {} has {}x{} px, but the pictures of this camera have {}x{} "
+                        "(rig.toml): scale the masks without smoothing, for example with "
+                        "mogrify -filter point -resize '{}x{}!' {}/*.png",
+                        masks_->path().string(),
+                        index,
+                        mask.width,
+                        mask.height,
+                        expected_.width,
+                        expected_.height,
+                        expected_.width,
+                        expected_.height,
+                        masks_->path().string()));
+    }
+
     geometry::PinholeCamera expected_;
     PictureFile pictures_;
     std::optional<PictureFile> masks_;
@@ -175,6 +199,12 @@ Expected<void> RecordingSource::load_times() {
     return {};
 }
 
+bool RecordingSource::has_empty_room(std::size_t camera) const {
+    const auto found = PictureFile::find(options_.folder / rig_.cameras[camera].name, "background");
+    // a damaged file is an error of show_background, not a missing one
+    return found || found.error().kind != ErrorKind::kNotFound;
+}
+
 std::vector<Expected<void>> RecordingSource::show_background(
     const std::vector<std::size_t>& cameras, const BackgroundSink& sink, std::stop_token stop) {
     return one_after_another(
@@ -223,7 +253,10 @@ std::optional<CameraFrame> RecordingSource::next_frame(std::size_t camera, std::
 
 Expected<void> RecordingSource::run(std::stop_token stop, const Sink& sink) {
     const double rate_hz = options_.rate_hz > 0.0 ? options_.rate_hz : rig_.rate_hz;
-    const std::chrono::nanoseconds period(static_cast<std::int64_t>(1e9 / rate_hz));
+    // without another rate, every Nth instant keeps its time
+    const std::size_t step = options_.rate_hz > 0.0 ? 1 : options_.every;
+    const std::chrono::nanoseconds period(
+        static_cast<std::int64_t>(1e9 / rate_hz * static_cast<double>(step)));
     std::size_t bytes_per_frame = 0;
     for (const auto& camera : rig_.cameras) {
         bytes_per_frame +=
@@ -238,11 +271,12 @@ Expected<void> RecordingSource::run(std::stop_token stop, const Sink& sink) {
                                std::size_t camera) -> std::optional<std::int64_t> {
         return recorded_times ? times_ns_[index][camera] : std::nullopt;
     };
-    Pace pace(period);
+    Pace pace(options_.as_fast_as_possible ? kLeastGap : period);
     do {
         std::optional<std::int64_t> former_ns;
         std::size_t num_read = 0;
-        for (std::size_t index = 0; index < num_frames_; ++index) {
+        for (std::size_t index = 0; index < num_frames_; index += options_.every) {
+            next_index_ = index + options_.every;
             std::vector<CameraFrame> frames;
             for (std::size_t camera = 0; camera < tracks_.size() && !stop.stop_requested();
                  ++camera) {
@@ -262,7 +296,10 @@ Expected<void> RecordingSource::run(std::stop_token stop, const Sink& sink) {
                 first_ns && former_ns ? std::chrono::nanoseconds(*first_ns - *former_ns) : period;
             former_ns = first_ns;
             if (!pace.wait(stop,
-                           std::clamp(since_former, std::chrono::nanoseconds(0), 10 * period)))
+                           options_.as_fast_as_possible ? kLeastGap
+                                                        : std::clamp(since_former,
+                                                                     std::chrono::nanoseconds(0),
+                                                                     kLongestGap * period)))
                 return {};
             const Timestamp now = pace.due_time();
             for (CameraFrame& frame : frames) {

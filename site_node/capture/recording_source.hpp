@@ -2,6 +2,8 @@
 
 #include "site_node/capture/frame_source.hpp"
 
+#include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -13,8 +15,11 @@ namespace atrium::capture {
 
 struct RecordingOptions {
     std::filesystem::path folder;
-    double rate_hz = 0.0;  // 0: as recorded (times.csv, else rate_hz of rig.toml)
-    bool loop = false;     // restart after the last frame
+    double rate_hz = 0.0;   // 0: as recorded (times.csv, else rate_hz of rig.toml)
+    bool loop = false;      // restart after the last frame
+    std::size_t every = 1;  // plays each Nth instant; at the recorded rate, N periods apart
+    /// Does not keep a pace: the sink blocks until it wants the next instant. At most 400 a second.
+    bool as_fast_as_possible = false;
     /// Receives the reason for each picture that is left out: its file, number and what is wrong.
     std::function<void(const std::string&)> report_unreadable = {};
 };
@@ -39,14 +44,18 @@ public:
     std::vector<CameraCounters> camera_counters() const override { return counters_.counters(); }
 
     /// Number of frames of the camera with the most frames; for a video the number in its header.
-    std::size_t num_frames() const { return num_frames_; }
+    std::size_t num_frames() const override { return num_frames_; }
+
+    bool has_empty_room(std::size_t camera) const override;
+
+    /// Instants of the recording that `run` has passed in this round. Thread-safe.
+    std::size_t num_passed() const override { return std::min(next_index_.load(), num_frames_); }
 
     /// Reads frame `index` of every camera except those in `without`, for tools. The error names
     /// the first camera that lacks it.
     Expected<Metaframe> read_frame(std::size_t index, const std::vector<std::string>& without = {});
 
-    /// Reads picture `index` of one camera, for tools. An error if it is missing or unreadable.
-    Expected<CameraFrame> read_picture(std::size_t camera, std::size_t index);
+    Expected<CameraFrame> read_picture(std::size_t camera, std::size_t index) override;
 
 private:
     class Track;  // the pictures of one camera
@@ -62,6 +71,7 @@ private:
     DeliveryCounters counters_;
     bool has_silhouettes_ = false;
     std::size_t num_frames_ = 0;
+    std::atomic<std::size_t> next_index_{0};
     std::vector<std::unique_ptr<Track>> tracks_;
     std::vector<std::vector<std::optional<std::int64_t>>>
         times_ns_;  // [frame][camera]; empty without times.csv

@@ -4,6 +4,8 @@
 #include "site_node/segmentation/background_file.hpp"
 #include "site_node/segmentation/background_quality.hpp"
 #include "site_node/segmentation/segmentation.hpp"
+#include "site_node/silhouette_stage/kept_picture.hpp"
+#include "site_node/silhouette_stage/occupied_backgrounds.hpp"
 
 #include <fmt/format.h>
 
@@ -19,31 +21,6 @@ using segmentation::BackgroundStatistics;
 
 // Number of last empty pictures that are segmented to check the model.
 constexpr std::size_t kNumChecked = 4;
-
-// Copy of a picture that outlives the callback.
-struct KeptPicture {
-    image::YuvImage planes;
-    image::Mosaic mosaic = image::Mosaic::kNone;
-
-    void keep(const image::YuvView& view) {
-        mosaic = view.mosaic;
-        copy(view.y, planes.y);
-        copy(view.u, planes.u);
-        copy(view.v, planes.v);
-    }
-    image::YuvView view() const {
-        image::YuvView result(planes);
-        result.mosaic = mosaic;
-        return result;
-    }
-
-private:
-    static void copy(const image::PlaneView& from, image::Plane& to) {
-        if (to.width != from.width || to.height != from.height)
-            to = image::Plane(from.width, from.height);
-        for (int y = 0; y < from.height; ++y) std::copy_n(from.row(y), from.width, to.row(y));
-    }
-};
 
 // Learns one camera and keeps its last pictures.
 class CameraLearner {
@@ -175,7 +152,7 @@ private:
 };
 
 // Live cameras learn in parallel, others one after the other to hold only one model in memory.
-std::vector<Expected<BackgroundStatistics>> learn(
+std::vector<Expected<BackgroundStatistics>> learn_empty(
     capture::FrameSource& source,
     const std::vector<std::size_t>& cameras,
     const BackgroundOptions& options,
@@ -186,6 +163,39 @@ std::vector<Expected<BackgroundStatistics>> learn(
     for (const std::size_t camera : cameras) {
         auto room = RoomLearner(source, {camera}, options, segmentation).learn(stop);
         rooms.push_back(std::move(room.front()));
+    }
+    return rooms;
+}
+
+// Learns from pictures of the empty room or of the room with people in it, as the options and the
+// source say.
+std::vector<Expected<BackgroundStatistics>> learn(
+    capture::FrameSource& source,
+    const std::vector<std::size_t>& cameras,
+    const BackgroundOptions& options,
+    const segmentation::SegmentationOptions& segmentation,
+    const std::stop_token& stop) {
+    std::vector<std::size_t> with_people;
+    for (const std::size_t camera : cameras) {
+        if (options.from == "people" || (options.from == "auto" && !source.has_empty_room(camera)))
+            with_people.push_back(camera);
+    }
+    if (with_people.empty()) return learn_empty(source, cameras, options, segmentation, stop);
+    auto learned = learn_with_people(source, with_people, options, segmentation, stop);
+    std::vector<std::size_t> empty;
+    for (const std::size_t camera : cameras) {
+        if (std::find(with_people.begin(), with_people.end(), camera) == with_people.end())
+            empty.push_back(camera);
+    }
+    auto others = learn_empty(source, empty, options, segmentation, stop);
+    std::vector<Expected<BackgroundStatistics>> rooms;
+    auto next_with_people = learned.begin();
+    auto next_other = others.begin();
+    for (const std::size_t camera : cameras) {
+        const bool is_other =
+            next_other != others.end() &&
+            empty[static_cast<std::size_t>(next_other - others.begin())] == camera;
+        rooms.push_back(std::move(*(is_other ? next_other++ : next_with_people++)));
     }
     return rooms;
 }

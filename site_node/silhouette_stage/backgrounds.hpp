@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <stop_token>
+#include <string>
 #include <vector>
 
 namespace atrium::site_node {
@@ -13,10 +14,17 @@ namespace atrium::site_node {
 /// Source of the background model: a folder with models learned before, or the pictures themselves.
 struct BackgroundOptions {
     std::filesystem::path folder;  // of the kept models; empty: learn at every start
-    /// Pictures to learn from. 0: every picture that a recording or simulated room shows;
-    /// kNumLiveFrames for live cameras.
+    /// "empty": pictures of the empty room; "people": the room with people in it; "auto": of the
+    /// empty room if the source has any of this camera, else with people.
+    std::string from = "auto";
+    /// Pictures to learn from. 0, of the empty room: every picture that a recording or simulated
+    /// room shows; kNumLiveFrames for live cameras. 0, with people: kNumWithPeople.
     int num_frames = 0;
+    /// With people: how long live cameras and simulated rooms are watched. A recording is read as a
+    /// whole.
+    double watch_s = 60.0;
     static constexpr int kNumLiveFrames = 60;
+    static constexpr int kNumWithPeople = 100;
 };
 
 /// Returns the background of each of `cameras`: loaded from `options.folder`, or learned now if it

@@ -1,5 +1,6 @@
 #include "site_node/silhouette_stage/silhouette_stage.hpp"
 
+#include "core/app/log.hpp"
 #include "core/base/resize_keeping.hpp"
 #include "core/image/raw_image.hpp"
 
@@ -14,6 +15,7 @@ SilhouetteStage::SilhouetteStage(const geometry::CalibratedCamera& camera,
                                  segmentation::Segmenter segmenter)
     : intrinsics_(camera.intrinsics),
       options_(options.silhouette),
+      name_(camera.name),
       segmenter_(std::move(segmenter)) {}
 
 Expected<void> SilhouetteStage::find(const capture::CameraFrame& frame,
@@ -31,6 +33,7 @@ Expected<void> SilhouetteStage::find(const capture::CameraFrame& frame,
     } else {
         if (auto segmented = segmenter_.segment(picture, out.mask, give_way); !segmented)
             return segmented;
+        if (watch_.is_due()) watch_room(out);
     }
     give_way();
     const auto segmented_at = Clock::now();
@@ -44,6 +47,18 @@ Expected<void> SilhouetteStage::find(const capture::CameraFrame& frame,
     out.segmentation_ms = Milliseconds(segmented_at - begin).count();
     out.polygons_ms = Milliseconds(Clock::now() - segmented_at).count();
     return {};
+}
+
+void SilhouetteStage::watch_room(const PictureSilhouette& found) {
+    const auto ghost = watch_.look(found.picture, segmenter_.model().room, found.mask.mask);
+    if (!ghost) return;
+    app::log::warn(
+        "camera '{}': the background seems to contain a person, or a thing that has gone, at "
+        "({}, {}): learn it again with an empty room, or with --learn-background "
+        "--segmentation.background_from people (docs/backgrounds.md)",
+        name_,
+        ghost->x,
+        ghost->y);
 }
 
 std::vector<Expected<SilhouetteStage>> make_silhouette_stages(

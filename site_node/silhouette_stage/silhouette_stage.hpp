@@ -6,6 +6,7 @@
 #include "core/image/image.hpp"
 #include "core/image/sparse_mask.hpp"
 #include "site_node/capture/frame_source.hpp"
+#include "site_node/segmentation/room_watch.hpp"
 #include "site_node/segmentation/segmentation.hpp"
 #include "site_node/silhouette/silhouette.hpp"
 #include "site_node/silhouette_stage/silhouette_stage_options.hpp"
@@ -14,6 +15,7 @@
 
 #include <cstdint>
 #include <stop_token>
+#include <string>
 #include <vector>
 
 namespace atrium::site_node {
@@ -42,16 +44,21 @@ public:
                     segmentation::Segmenter segmenter = {});
 
     /// Uses the frame's silhouette if it carries one, else segments its picture. Pictures must come
-    /// in time order. Gives way after each 16 rows. Allocates only while `out` and scratch memory
-    /// grow.
+    /// in time order. Some of them serve to check the learned room (RoomWatch): if it seems to
+    /// contain a person, this logs a warning, once. Gives way after each 16 rows. Allocates only
+    /// while `out` and scratch memory grow.
     Expected<void> find(const capture::CameraFrame& frame,
                         const GiveWay& give_way,
                         PictureSilhouette& out);
 
 private:
+    void watch_room(const PictureSilhouette& found);
+
     geometry::PinholeCamera intrinsics_;
     silhouette::SilhouetteOptions options_;
+    std::string name_;
     segmentation::Segmenter segmenter_;
+    segmentation::RoomWatch watch_;
     silhouette::SilhouetteScratch scratch_;
     std::vector<silhouette::SilhouettePolygon> polygons_;
     std::vector<std::vector<Eigen::Vector2d>> spare_contours_;

@@ -85,11 +85,22 @@ void declare(SilhouetteStageOptions& options, config::OptionSet& set) {
     set.add("segmentation.background_folder",
             options.background.folder,
             "folder for the results of --learn-background; empty: learn at every start");
+    set.add(
+        "segmentation.background_from",
+        options.background.from,
+        "pictures to learn the empty room from: of the \"empty\" room, or of the room with "
+        "\"people\" in it; auto: of the empty room, or of a recording without background.* with "
+        "people",
+        {"auto", "empty", "people"});
     set.add("segmentation.background_frames",
             options.background.num_frames,
-            "pictures of the empty room to learn from, per camera; 0: all of a recording or "
-            "simulated room, 60 from live cameras",
+            "pictures to learn from, per camera; 0: of the empty room all that a recording or "
+            "simulated room has and 60 from live cameras; with people 100 over the whole recording",
             {0, 60000});
+    set.add("segmentation.background_watch_s",
+            options.background.watch_s,
+            "with people: how long live cameras or a simulated room are watched [s]",
+            {1, 3600});
 
     silhouette::SilhouetteOptions& silhouette = options.silhouette;
     set.add("silhouette.tolerance_px",

@@ -1,0 +1,54 @@
+#pragma once
+
+#include "core/image/image.hpp"
+#include "site_node/segmentation/background_model.hpp"
+#include "site_node/segmentation/component_votes.hpp"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace atrium::segmentation {
+
+/// Watches whether the learned room contains a person: somebody who stood there while it was
+/// learned leaves a ghost, foreground that stays at its place and whose outline has its edge in the
+/// learned room instead of the picture. Somebody who never leaves goes unnoticed.
+///
+/// Looks at few pictures, some at the start and then rarely: it costs about as much as segmenting a
+/// picture. Not thread-safe.
+class RoomWatch {
+public:
+    struct Ghost {
+        int x = 0;  // centre [px]
+        int y = 0;
+    };
+
+    /// Counts a picture; true if it should be shown to `look`.
+    bool is_due();
+
+    /// Looks at a segmented picture. Returns a ghost as soon as it is sure of one, once.
+    std::optional<Ghost> look(const image::YuvView& picture,
+                              const BackgroundStatistics& room,
+                              const image::Mask& mask);
+
+    /// Pictures between the first looks, and between later ones.
+    static constexpr std::uint32_t kFirstGap = 24;
+    static constexpr std::uint32_t kLaterGap = 900;
+    static constexpr int kFirstLooks = 10;
+    /// Looks with a ghost at one place to be sure, of the last kFirstLooks.
+    static constexpr int kSure = 6;
+
+private:
+    // The picture is divided into kGrid x kGrid places. Bit i: a ghost i looks ago.
+    static constexpr int kGrid = 12;
+
+    std::uint32_t num_pictures_ = 0;
+    std::uint32_t next_ = kFirstGap;
+    int num_looks_ = 0;
+    bool is_done_ = false;
+    std::array<std::uint16_t, kGrid * kGrid> history_{};
+    ComponentScratch scratch_;
+};
+
+}  // namespace atrium::segmentation
