@@ -205,7 +205,9 @@ void EditShapes::Silhouette::append(const geometry::RigidTransform& world_from_o
     }
 }
 
-void EditShapes::append_readout(const EditView& edit, std::vector<renderer::Label>& labels) {
+void EditShapes::append_readout(const EditView& edit,
+                                const renderer::EyeView& eye,
+                                std::vector<renderer::Label>& labels) {
     if (edit.readout.empty()) return;
     if (drawn_readout_ != edit.readout) {
         drawn_readout_ = edit.readout;
@@ -213,7 +215,10 @@ void EditShapes::append_readout(const EditView& edit, std::vector<renderer::Labe
     }
     renderer::Label label;
     label.picture = readout_;
-    label.at_world = edit.handles.world_from_object.translation;
+    // above the handles
+    label.at_world = edit.handles.world_from_object.translation +
+                     edit.handles.metres(EditHandles::kRadius, eye) *
+                         eye.view_from_world.row(1).head<3>().transpose();
     label.height = 0.045;
     labels.push_back(label);
 }
@@ -254,7 +259,7 @@ void EditShapes::append(const EditView& edit,
     silhouette_->append(pose, brush);
     if (soft_nodes != nullptr) return;
     append_handles(edit, eye, brush);
-    append_readout(edit, labels);
+    append_readout(edit, eye, labels);
 }
 
 }  // namespace atrium::viewer

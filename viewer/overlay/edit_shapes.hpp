@@ -27,7 +27,9 @@ public:
                 std::vector<renderer::Label>& labels);
 
 private:
-    void append_readout(const EditView& edit, std::vector<renderer::Label>& labels);
+    void append_readout(const EditView& edit,
+                        const renderer::EyeView& eye,
+                        std::vector<renderer::Label>& labels);
 
     std::string drawn_readout_;
     std::shared_ptr<const renderer::TexturePicture> readout_;
