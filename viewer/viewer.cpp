@@ -8,6 +8,7 @@
 #include "viewer/receive/world_membership.hpp"
 #include "viewer/record/output_files.hpp"
 #include "viewer/run_limit.hpp"
+#include "viewer/scene/model_folder.hpp"
 #include "viewer/ui/display.hpp"
 #include "viewer/ui/surface.hpp"
 #include "viewer/ui/viewer_statistics.hpp"
@@ -42,6 +43,7 @@ struct Viewer::Impl {
           session(std::move(of)),
           picture(config, std::move(display)),
           control(camera, config.view.name, picture.display.is_tile()),
+          models(config.models),
           output_files(config),
           statistics(config.view.name) {}
 
@@ -51,6 +53,8 @@ struct Viewer::Impl {
     WorldPicture picture;
     std::optional<DrawingControl> drawing;  // from `open` to `close`
     UserControl control;
+    Pointer pointer;  // in the picture of one eye
+    ModelFolder models;
     OutputFiles output_files;
     ViewerStatistics statistics;
     std::optional<RunLimit> limit;
@@ -67,6 +71,9 @@ struct Viewer::Impl {
     void send(const UserControl::Commands& commands);
     void notify_user(const std::string& notice);  // shows it on screen and logs it
     void draw(Clock::time_point begin);
+    UserControl::Shown shown() const;
+    void take_edit_news(Clock::time_point now);
+    void send_edits();
     void fill_hud(Clock::time_point now);
     Expected<void> adapt_quality(Clock::duration busy, Clock::time_point ended);
     void update_status(Clock::time_point now);
@@ -104,14 +111,42 @@ void Viewer::Impl::send(const UserControl::Commands& commands) {
     }
 }
 
+UserControl::Shown Viewer::Impl::shown() const {
+    using Pickable = SceneView::Pickable;
+    const renderer::SceneRenderer& renderer = *picture.renderer;
+    renderer::EyeView eye =
+        picture.display.eyes(control.camera(), renderer.width(), renderer.height()).front();
+    eye.part_px = {0, 0, pointer.width_px, pointer.height_px};  // in the units of the pointer
+    return {pointer,
+            [this](const Ray& ray) { return picture.scene.pick(ray); },
+            picture.people.places(renderer),
+            picture.scene.objects(),
+            [this](const Ray& ray) { return picture.scene.pick(ray, Pickable::kAllButPlanes); },
+            picture.scene.states(),
+            eye};
+}
+
+void Viewer::Impl::take_edit_news(Clock::time_point now) {
+    for (const std::string& text : control.take(session->edits().take(), now)) notify_user(text);
+}
+
+void Viewer::Impl::send_edits() {
+    for (const bus::SceneEdit& edit : control.take_edits()) {
+        if (const auto sent = session->edits().send(edit); !sent)
+            command_failures.warn("edit_failed " + sent.error().message);
+    }
+}
+
 Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
     renderer::SceneRenderer& renderer = *picture.renderer;
     const Clock::time_point now = Clock::now();
-    const UserControl::Shown shown{picture.display.over_one_eye(events.pointer),
-                                   [this](const Ray& ray) { return picture.scene.pick(ray); },
-                                   picture.people.places(renderer),
-                                   picture.scene.objects()};
+    pointer = picture.display.over_one_eye(events.pointer);
+    take_edit_news(now);
+    const UserControl::Shown shown = this->shown();
     send(control.move(events, shown, now));
+    if (events.scan_models) models.scan();
+    models.measure(events.measure_model);
+    hud.measured_model = events.measure_model;
     if (events.screenshot) {
         if (auto drawn = drawing->draw_at_best(picture.eyes); !drawn) return drawn;
         notify_user(output_files.screenshot(renderer));
@@ -122,6 +157,7 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
     if (events.record) notify_user(output_files.toggle_video(renderer));
     const auto eyes = picture.display.eyes(control.camera(), renderer.width(), renderer.height());
     send(control.edit(events, shown, eyes.front(), now));
+    send_edits();
     for (const auto& outcome : control.outcomes(shown.objects, statistics.servers(), now))
         notify_user(outcome.text);
     return picture.resize();
@@ -133,6 +169,11 @@ void Viewer::Impl::fill_hud(Clock::time_point now) {
         for (const auto& [id, object] : picture.scene.objects())
             hud.objects.push_back({id, fmt::format("{} ({})", object.name, id)});
     }
+    models.update();
+    hud.models = models.list();
+    hud.models_folder = config.models.string();
+    const ModelSize* measured = models.size_of(hud.measured_model);
+    hud.model_size = measured == nullptr ? std::nullopt : std::optional(*measured);
     hud.num_objects = picture.renderer->num_objects();
     hud.recording_s = output_files.video_s();
     hud.num_video_dropped = output_files.num_dropped();
@@ -144,6 +185,8 @@ void Viewer::Impl::draw(Clock::time_point begin) {
     const Clock::time_point now = Clock::now();
     picture.update(*session, now, statistics.times());
     drawing->began(begin);
+    hud.edit = control.edit_view(shown());
+    picture.annotations->set_edit(hud.edit);
     picture.draw(*session, control.camera(), control.inside(), now, statistics.times());
     fill_hud(now);
     picture.surface->show(*picture.renderer, hud);

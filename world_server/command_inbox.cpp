@@ -27,6 +27,30 @@ std::optional<std::string> CommandInbox::put(bus::SceneCommand&& command,
     return std::nullopt;
 }
 
+std::optional<std::string> CommandInbox::admit(const bus::SceneEdit& edit,
+                                               CommandRates::Clock::time_point now) {
+    const std::lock_guard lock(mutex_);
+    if (!rates_.admit(edit.sender, now))
+        return fmt::format("more than {:g} commands a second", rights_.max_per_s);
+    if (right_to(rights_, edit.kind).allows(edit.sender)) return std::nullopt;
+    const bool is_of_files =
+        edit.kind == bus::EditKind::kSaveWorld || edit.kind == bus::EditKind::kLoadWorld;
+    return fmt::format("{}: not allowed to {} by [rights] {} of the world file",
+                       to_string(edit.kind),
+                       edit.sender,
+                       is_of_files                           ? "save"
+                       : edit.kind == bus::EditKind::kAdd    ? "add"
+                       : edit.kind == bus::EditKind::kRemove ? "remove"
+                                                             : "edit");
+}
+
+bool CommandInbox::put_prepared(PreparedEdit edit) {
+    const std::lock_guard lock(mutex_);
+    if (content_.edits.size() >= kMaxCommands) return false;
+    content_.edits.push_back(std::move(edit));
+    return true;
+}
+
 void CommandInbox::leave(const std::string& sender) {
     const std::lock_guard lock(mutex_);
     rates_.forget(sender);

@@ -32,6 +32,30 @@ const Right& right_to(const Rights& rights, bus::CommandKind kind) {
     return rights.save;
 }
 
+const Right& right_to(const Rights& rights, bus::EditKind kind) {
+    switch (kind) {
+        case bus::EditKind::kAdd:
+            return rights.add;
+        case bus::EditKind::kRemove:
+            return rights.remove;
+        case bus::EditKind::kChange:
+        case bus::EditKind::kPlace:
+        case bus::EditKind::kHold:
+        case bus::EditKind::kLetGo:
+            return rights.edit;
+        case bus::EditKind::kSaveWorld:
+        case bus::EditKind::kLoadWorld:
+            break;
+    }
+    return rights.save;
+}
+
+const char* to_string(bus::EditKind kind) {
+    constexpr std::array kNames{
+        "add", "change", "place", "remove", "hold", "let go", "save world", "load world"};
+    return kNames[static_cast<std::size_t>(kind)];
+}
+
 const char* to_string(bus::CommandKind kind) {
     constexpr std::array kNames{
         "add", "remove", "reset", "push", "grab", "move", "release", "save", "restore"};

@@ -10,10 +10,13 @@
 
 namespace atrium::world_server {
 
-/// Returns the right that a command needs.
+/// Returns the right that a command or an edit needs.
 const Right& right_to(const Rights& rights, bus::CommandKind kind);
 
+const Right& right_to(const Rights& rights, bus::EditKind kind);
+
 const char* to_string(bus::CommandKind kind);
+const char* to_string(bus::EditKind kind);
 
 /// Limits the commands per second of each sender, with bursts of half of that number. Not
 /// thread-safe.

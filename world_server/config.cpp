@@ -20,6 +20,11 @@ void declare(WorldServerConfig& config, config::OptionSet& set) {
             config.save_every_s,
             "time between saves [s]; 0: only at the end and on command",
             {0, 86400});
+    set.add("world.saved_folder",
+            config.saved_folder,
+            "folder of worlds that viewers with the right `save` save and load; created if needed; "
+            "empty: none");
+    set.add("world.max_saved", config.max_saved, "maximum number of saved worlds", {1, 256});
     set.add("world.max_sites",
             config.max_sites,
             "maximum number of sites; further ones are refused",

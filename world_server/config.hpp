@@ -22,8 +22,11 @@ struct WorldServerConfig : WorldDescription {
     int max_objects = 256;
     int max_sites = 16;
     physics::PersonShapeOptions person;
-    std::filesystem::path state_file;  // empty: no saving, no restoring
-    double save_every_s = 30.0;        // 0: only at the end and on command
+    std::filesystem::path state_file;    // empty: no saving, no restoring
+    double save_every_s = 30.0;          // 0: only at the end and on command
+    std::filesystem::path saved_folder;  // of saved worlds; empty: none
+    int max_saved = 64;
+    std::string loaded{};  // saved world that the description is from; empty: the world file
 };
 
 /// Declares every plain option; `config` must outlive `set`.

@@ -21,6 +21,7 @@ Expected<Endpoints> Endpoints::create(const bus::BusOptions& options) {
     auto descriptions = bus::Reader<bus::SiteDescription>::create(*participant);
     auto meshes = bus::Reader<bus::SiteMesh>::create(*participant);
     auto commands = bus::Reader<bus::SceneCommand>::create(*participant);
+    auto edits = bus::Reader<bus::SceneEdit>::create(*participant);
     auto objects = bus::Writer<bus::SceneObject>::create(*participant);
     auto soft_bodies = bus::Writer<bus::SoftBody>::create(*participant);
     auto scenery = bus::Writer<bus::Scenery>::create(*participant);
@@ -29,11 +30,14 @@ Expected<Endpoints> Endpoints::create(const bus::BusOptions& options) {
     auto placements = bus::Writer<bus::SitePlacement>::create(*participant);
     auto person_proxies = bus::Writer<bus::PersonProxy>::create(*participant);
     auto object_proxies = bus::Writer<bus::ObjectProxy>::create(*participant);
+    auto edit_results = bus::Writer<bus::EditResult>::create(*participant);
+    auto saved_worlds = bus::Writer<bus::SavedWorlds>::create(*participant);
     auto statuses = bus::Writer<bus::WorldStatus>::create(*participant);
     auto waiter = bus::Waiter::create(*participant);
     const Error* error = first_error(descriptions,
                                      meshes,
                                      commands,
+                                     edits,
                                      objects,
                                      soft_bodies,
                                      scenery,
@@ -42,16 +46,20 @@ Expected<Endpoints> Endpoints::create(const bus::BusOptions& options) {
                                      placements,
                                      person_proxies,
                                      object_proxies,
+                                     edit_results,
+                                     saved_worlds,
                                      statuses,
                                      waiter);
     if (error != nullptr) return tl::unexpected(*error);
     waiter->add(*descriptions);
     waiter->add(*meshes);
     waiter->add(*commands);
+    waiter->add(*edits);
     return Endpoints{std::move(*participant),
                      std::move(*descriptions),
                      std::move(*meshes),
                      std::move(*commands),
+                     std::move(*edits),
                      std::move(*objects),
                      std::move(*soft_bodies),
                      std::move(*scenery),
@@ -60,6 +68,8 @@ Expected<Endpoints> Endpoints::create(const bus::BusOptions& options) {
                      std::move(*placements),
                      std::move(*person_proxies),
                      std::move(*object_proxies),
+                     std::move(*edit_results),
+                     std::move(*saved_worlds),
                      std::move(*statuses),
                      std::move(*waiter)};
 }

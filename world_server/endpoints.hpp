@@ -11,6 +11,7 @@ struct Endpoints {
     bus::Reader<bus::SiteDescription> descriptions;
     bus::Reader<bus::SiteMesh> meshes;
     bus::Reader<bus::SceneCommand> commands;
+    bus::Reader<bus::SceneEdit> edits;
     bus::Writer<bus::SceneObject> objects;
     bus::Writer<bus::SoftBody> soft_bodies;
     bus::Writer<bus::Scenery> scenery;
@@ -19,6 +20,8 @@ struct Endpoints {
     bus::Writer<bus::SitePlacement> placements;
     bus::Writer<bus::PersonProxy> person_proxies;
     bus::Writer<bus::ObjectProxy> object_proxies;
+    bus::Writer<bus::EditResult> edit_results;
+    bus::Writer<bus::SavedWorlds> saved_worlds;
     bus::Writer<bus::WorldStatus> statuses;
     bus::Waiter waiter;
 

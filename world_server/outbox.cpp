@@ -1,5 +1,6 @@
 #include "world_server/outbox.hpp"
 
+#include <iterator>
 #include <utility>
 
 namespace atrium::world_server {
@@ -26,6 +27,34 @@ void Outbox::put(const bus::Scenery& scenery) {
     {
         const std::lock_guard lock(mutex_);
         scenery_.push_back(scenery);
+    }
+    changed_.notify_one();
+}
+
+void Outbox::replace(const std::vector<bus::Scenery>& gone,
+                     const std::vector<bus::Scenery>& scenery) {
+    {
+        const std::lock_guard lock(mutex_);
+        gone_scenery_.insert(gone_scenery_.end(), gone.begin(), gone.end());
+        scenery_ = scenery;
+    }
+    changed_.notify_one();
+}
+
+void Outbox::put(bus::EditResult result) {
+    constexpr std::size_t kMaxResults = 256;
+    {
+        const std::lock_guard lock(mutex_);
+        if (results_.size() >= kMaxResults) results_.pop_front();
+        results_.push_back(std::move(result));
+    }
+    changed_.notify_one();
+}
+
+void Outbox::put(bus::SavedWorlds saved_worlds) {
+    {
+        const std::lock_guard lock(mutex_);
+        saved_worlds_ = std::move(saved_worlds);
     }
     changed_.notify_one();
 }
@@ -58,6 +87,11 @@ void Outbox::take(Content& content,
     content.has_people = std::exchange(has_people_, false);
     if (content.has_people) std::swap(content.people, people_);
     content.scenery = std::exchange(scenery_, {});
+    content.gone_scenery = std::exchange(gone_scenery_, {});
+    content.saved_worlds = std::exchange(saved_worlds_, std::nullopt);
+    content.results.assign(std::make_move_iterator(results_.begin()),
+                           std::make_move_iterator(results_.end()));
+    results_.clear();
     for (auto& [id, change] : changes_) content.changes.push_back(std::move(change));
     for (auto& [site, placement] : placements_) content.placements.push_back(std::move(placement));
     changes_.clear();

@@ -5,8 +5,10 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <deque>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -30,6 +32,9 @@ public:
         std::vector<SceneChange> changes;
         std::vector<bus::SitePlacement> placements;
         std::vector<bus::Scenery> scenery;
+        std::vector<bus::Scenery> gone_scenery;  // disposed before `scenery` is written
+        std::vector<bus::EditResult> results;
+        std::optional<bus::SavedWorlds> saved_worlds;
         bool has_state = false;
         MovedState state;  // left over from an earlier call if `has_state` is false
         bool has_people = false;
@@ -41,6 +46,11 @@ public:
     /// Like the above, for all people in the world.
     void put(std::vector<physics::PersonSnapshot>& people);
     void put(const bus::Scenery& scenery);
+    /// Replaces all scenery.
+    void replace(const std::vector<bus::Scenery>& gone, const std::vector<bus::Scenery>& scenery);
+    /// At most 256 results wait; a further one replaces the oldest.
+    void put(bus::EditResult result);
+    void put(bus::SavedWorlds saved_worlds);
     void put(const SceneChange& change);
     void put(const bus::SitePlacement& placement);
 
@@ -52,7 +62,7 @@ public:
 private:
     bool has_content() const {
         return has_state_ || has_people_ || !changes_.empty() || !placements_.empty() ||
-               !scenery_.empty();
+               !scenery_.empty() || !gone_scenery_.empty() || !results_.empty() || saved_worlds_;
     }
 
     std::mutex mutex_;
@@ -62,6 +72,9 @@ private:
     bool has_people_ = false;
     std::vector<physics::PersonSnapshot> people_;
     std::vector<bus::Scenery> scenery_;
+    std::vector<bus::Scenery> gone_scenery_;
+    std::deque<bus::EditResult> results_;
+    std::optional<bus::SavedWorlds> saved_worlds_;
     std::map<std::uint32_t, SceneChange> changes_;
     std::map<std::string, bus::SitePlacement> placements_;
 };

@@ -66,7 +66,10 @@ void Publisher::send(std::span<const physics::PersonSnapshot> people) {
 void Publisher::send(const Outbox::Content& content) {
     for (const SceneChange& change : content.changes) send(change);
     for (const auto& placement : content.placements) write(endpoints_.placements, placement);
+    for (const auto& gone : content.gone_scenery) dispose(endpoints_.scenery, gone);
     for (const auto& scenery : content.scenery) write(endpoints_.scenery, scenery);
+    for (const auto& result : content.results) write(endpoints_.edit_results, result);
+    if (content.saved_worlds) write(endpoints_.saved_worlds, *content.saved_worlds);
     if (content.has_people && has_proxy_readers()) send(content.people);
     if (!content.has_state) return;
     write(endpoints_.states, content.state.rigid);

@@ -63,6 +63,8 @@ Expected<Scene> Scene::create(const WorldServerConfig& config) {
     for (const WorldSoftObject& soft : config.soft) {
         if (const auto added = scene.add_soft(soft); !added) return tl::unexpected(added.error());
     }
+    scene.world_description_ = std::make_shared<const WorldDescription>(config);
+    scene.loaded_ = config.loaded;
     scene.num_described_ = static_cast<std::uint32_t>(config.objects.size() + config.soft.size());
     scene.description_ = scene.hash_description();
     return scene;
@@ -111,8 +113,13 @@ void Scene::save(SavedWorld& saved) {
     saved.description = description_;
     saved.next_id = next_id_;
     saved.added.clear();
+    saved.edited.clear();
+    saved.loaded = loaded_;
     for (const auto& [id, object] : objects_) {
-        if (id > num_described_) saved.added.push_back(object);
+        if (id > num_described_)
+            saved.added.push_back(object);
+        else if (edited_.contains(id))
+            saved.edited.push_back(object);
     }
     world_->get_state(saved.state);
     [[maybe_unused]] const bool is_kept = world_->set_state(saved.state);
@@ -137,7 +144,20 @@ Expected<Scene> Scene::restore(const WorldServerConfig& config, const SavedWorld
         if (object.object <= scene->num_described_) {
             return refuse("world state: an added object has the id of a described one");
         }
-        if (const auto added = scene->add(object); !added) return tl::unexpected(added.error());
+        ModelParts parts;
+        if (!object.model.empty()) {
+            auto loaded = load_model_parts(config.models_folder / object.model,
+                                           object.model_scale,
+                                           static_cast<physics::ObjectShape>(object.shape));
+            if (!loaded) return tl::unexpected(loaded.error());
+            parts = std::move(*loaded);
+        }
+        if (const auto added = scene->put(object, parts); !added)
+            return tl::unexpected(added.error());
+    }
+    for (const bus::SceneObject& object : saved.edited) {
+        if (auto edited = scene->restore_edited(object); !edited)
+            return tl::unexpected(edited.error());
     }
     scene->next_id_ = std::max(scene->next_id_, saved.next_id);
     if (!scene->world_->set_state(saved.state)) {
@@ -168,91 +188,6 @@ Expected<std::vector<SceneChange>> Scene::apply(const bus::SceneCommand& command
     return refuse("unknown kind of command");
 }
 
-Expected<std::vector<SceneChange>> Scene::add(const bus::SceneObject& object) {
-    if (const auto valid = bus::check(object); !valid) return tl::unexpected(valid.error());
-    if (object.shape > bus::Shape::kPlane) {
-        return refuse("add: must be a box, sphere, cylinder, capsule or plane");
-    }
-    bus::SceneObject added = object;
-    if (object.object == 0) {
-        while (objects_.contains(next_id_)) ++next_id_;
-        added.object = next_id_++;
-    }
-    if (const auto problem = physics::find_problem(to_rigid(added))) {
-        return refuse(fmt::format("add: {} {}", problem->field, problem->allowed));
-    }
-    if (!box_of(options_).contains(object.world_from_object.translation)) {
-        return refuse("add: the position is outside the world");
-    }
-    switch (world_->add(to_rigid(added))) {
-        case physics::AddResult::kAdded:
-            objects_[added.object] = added;
-            return std::vector<SceneChange>{{added, false}};
-        case physics::AddResult::kIdInUse:
-            return refuse(fmt::format("add: object {} already exists", added.object));
-        case physics::AddResult::kWorldFull:
-            return refuse(
-                fmt::format("add: the world is full, it has {} objects", options_.max_objects));
-        case physics::AddResult::kInvalid:
-            break;
-    }
-    return refuse("add: the object is not valid");
-}
-
-Expected<std::vector<SceneChange>> Scene::remove(std::uint32_t id) {
-    const auto found = objects_.find(id);
-    if (found == objects_.end()) return refuse(fmt::format("remove: there is no object {}", id));
-    if (id <= num_described_ && found->second.mass_kg == 0.0) {
-        return refuse(fmt::format("remove: object {} is a fixed part of the world", id));
-    }
-    const SceneChange change{found->second, true};
-    world_->remove(id);
-    objects_.erase(found);
-    return std::vector<SceneChange>{change};
-}
-
-Expected<std::vector<SceneChange>> Scene::push(const bus::SceneCommand& command) {
-    const auto found = objects_.find(command.target);
-    if (found == objects_.end() || found->second.mass_kg == 0.0) {
-        return refuse(fmt::format("push: object {} does not exist or is static", command.target));
-    }
-    const double limit_ns = found->second.mass_kg * options_.max_speed_mps;
-    if (!(command.impulse_ns.norm() <= limit_ns)) {
-        return refuse(fmt::format(
-            "push: must be at most {:.3g} N s for object {}", limit_ns, command.target));
-    }
-    world_->push(command.target, command.impulse_ns);
-    return std::vector<SceneChange>{};
-}
-
-Expected<std::vector<SceneChange>> Scene::hold(const bus::SceneCommand& command) {
-    const std::uint32_t target = command.target;
-    if (command.kind == bus::CommandKind::kRelease) {
-        // releasing a released or removed object is not an error
-        world_->release(command.sender, target);
-    } else if (command.kind == bus::CommandKind::kMove) {
-        if (!world_->move_grab(command.sender, target, command.goal_world)) {
-            return refuse(fmt::format("move: the sender does not hold object {}", target));
-        }
-    } else if (!world_->grab(command.sender, target, command.point_object, command.goal_world)) {
-        return refuse(fmt::format(
-            "grab: object {} does not exist or is static, or too many objects are held", target));
-    }
-    return std::vector<SceneChange>{};
-}
-
-std::vector<SceneChange> Scene::take_removed(std::vector<physics::Incident>& incidents) {
-    world_->take_incidents(incidents);
-    std::vector<SceneChange> changes;
-    for (const physics::Incident& incident : incidents) {
-        const auto found = objects_.find(incident.object);
-        if (incident.kind != physics::IncidentKind::kRemoved || found == objects_.end()) continue;
-        changes.push_back({.object = found->second, .is_gone = true});
-        objects_.erase(found);
-    }
-    return changes;
-}
-
 std::string Scene::name_of(std::uint32_t id) const {
     const auto found = objects_.find(id);
     return found == objects_.end() ? std::string() : found->second.name;
@@ -276,7 +211,7 @@ std::vector<SceneChange> Scene::all() const {
 SceneChange Scene::described(const bus::SceneObject& object) const {
     SceneChange change{.object = object};
     const auto parts = parts_.find(object.object);
-    // an added object without parts may reuse the id of a removed one
+    // a simple object may reuse the id of a removed one
     const bool is_model =
         object.shape == bus::Shape::kConvex || object.shape == bus::Shape::kCompound;
     if (is_model && parts != parts_.end())

@@ -1,6 +1,7 @@
 #include "world_server/simulation.hpp"
 
 #include "world_server/pace.hpp"
+#include "world_server/scene_messages.hpp"
 
 #include <fmt/format.h>
 
@@ -30,6 +31,8 @@ Simulation::Simulation(const WorldServerConfig& config,
       commands_(config.rights),
       saver_(config.state_file) {
     for (const SceneChange& change : scene_.all()) outbox_.put(change);
+    for (const WorldScenery& scenery : scene_.description().scenery)
+        outbox_.put(to_message(scenery));
 }
 
 void Simulation::refuse(const bus::SceneCommand& command, const std::string& why) {
@@ -59,6 +62,7 @@ void Simulation::apply(const bus::SceneCommand& command) {
 void Simulation::apply_commands() {
     const CommandInbox::Content waiting = commands_.take_all();
     for (const bus::SceneCommand& command : waiting.commands) apply(command);
+    for (const PreparedEdit& prepared : waiting.edits) apply(prepared);
     for (const std::string& sender : waiting.left) scene_.forget_sender(sender);
 }
 
@@ -75,13 +79,65 @@ void Simulation::restore() {
     auto restored = load_scene(config_);
     if (!restored) return app::log::error("restore_failed {}", restored.error().message);
     if (!*restored) return app::log::warn("restore_failed nothing was saved yet");
+    replace_scene(std::move(**restored));
+    app::log::info("state_restored tick={}", scene_.world().counters().num_ticks);
+}
+
+void Simulation::replace_scene(Scene scene) {
+    const auto scenery_of = [](const Scene& of) {
+        std::vector<bus::Scenery> messages;
+        for (const WorldScenery& scenery : of.description().scenery)
+            messages.push_back(to_message(scenery));
+        return messages;
+    };
     for (SceneChange& change : scene_.all()) {
         change.is_gone = true;
         outbox_.put(change);
     }
-    scene_ = std::move(**restored);
+    outbox_.replace(scenery_of(scene_), scenery_of(scene));
+    scene_ = std::move(scene);
     for (const SceneChange& change : scene_.all()) outbox_.put(change);
-    app::log::info("state_restored tick={}", scene_.world().counters().num_ticks);
+}
+
+void Simulation::refuse(const bus::SceneEdit& edit, const std::string& why) {
+    {
+        const std::lock_guard lock(status_mutex_);
+        ++figures_.num_refused;
+    }
+    reject_("edit of " + edit.sender + ": " + why);
+    outbox_.put(result_of(edit, false, why));
+}
+
+void Simulation::save_world(const bus::SceneEdit& edit) {
+    const SavedWorldsFolder& folder = edit_worker_.folder();
+    std::string text;
+    if (folder.is_on()) text = world_text(config_, scene_, folder.folder());
+    // without a folder the worker refuses it
+    if (!edit_worker_.save(edit, std::move(text))) refuse(edit, "too many worlds to save at once");
+}
+
+void Simulation::load_world(const PreparedEdit& prepared) {
+    auto scene = Scene::create(*prepared.world);
+    if (!scene) return refuse(prepared.edit, scene.error().message);
+    replace_scene(std::move(*scene));
+    app::log::info("world_loaded name={} by={}", prepared.edit.world_file, prepared.edit.sender);
+    outbox_.put(result_of(prepared.edit, true, {}));
+}
+
+void Simulation::apply(const PreparedEdit& prepared) {
+    const bus::SceneEdit& edit = prepared.edit;
+    if (edit.kind == bus::EditKind::kSaveWorld) return save_world(edit);
+    if (edit.kind == bus::EditKind::kLoadWorld) return load_world(prepared);
+    const auto outcome = scene_.edit(edit, prepared.parts);
+    if (!outcome) return refuse(edit, outcome.error().message);
+    for (const SceneChange& change : outcome->changes) outbox_.put(change);
+    if (edit.kind == bus::EditKind::kHold) return;
+    bus::EditResult result = result_of(edit, true, outcome->text);
+    result.object = outcome->object;
+    result.revision = outcome->revision;
+    outbox_.put(result);
+    commands_log_.info(
+        fmt::format("{} object={} by={}", to_string(edit.kind), outcome->object, edit.sender));
 }
 
 void Simulation::apply_people() {

@@ -5,6 +5,7 @@
 #include "core/bus/messages.hpp"
 #include "world_server/command_inbox.hpp"
 #include "world_server/config.hpp"
+#include "world_server/edit_worker.hpp"
 #include "world_server/outbox.hpp"
 #include "world_server/people_inbox.hpp"
 #include "world_server/scene.hpp"
@@ -37,6 +38,7 @@ public:
     CommandInbox& commands() { return commands_; }
     Outbox& outbox() { return outbox_; }
     StateSaver& saver() { return saver_; }
+    EditWorker& edit_worker() { return edit_worker_; }
 
     /// Enables person proxies: the collision shapes of people go to the outbox ten times a second.
     /// Thread-safe.
@@ -56,6 +58,11 @@ private:
     void apply_commands();
     void apply(const bus::SceneCommand& command);
     void refuse(const bus::SceneCommand& command, const std::string& why);
+    void apply(const PreparedEdit& prepared);
+    void refuse(const bus::SceneEdit& edit, const std::string& why);
+    void save_world(const bus::SceneEdit& edit);
+    void load_world(const PreparedEdit& prepared);
+    void replace_scene(Scene scene);
     void apply_people();
     void save();
     void restore();
@@ -72,6 +79,7 @@ private:
     CommandInbox commands_;
     Outbox outbox_;
     StateSaver saver_;
+    EditWorker edit_worker_{config_, commands_, outbox_};
     bool was_touched_ = false;    // a person touched an object in the last tick
     double send_credit_ = 0.0;    // states due but not yet sent
     double save_credit_s_ = 0.0;  // simulated time since the last save

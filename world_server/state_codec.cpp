@@ -1,6 +1,7 @@
 #include "core/base/fnv1a.hpp"
 #include "core/bus/checks.hpp"
 #include "core/bus/limits.hpp"
+#include "core/bus/names.hpp"
 #include "world_server/state_file.hpp"
 
 #include <fmt/format.h>
@@ -12,12 +13,14 @@
 
 // Header of 28 bytes: magic (8), version (4), length of the rest (8), FNV-1a hash of the rest (8).
 // The rest: description, tick, next id, then three lists, each preceded by its length: objects,
-// soft objects, added objects. All numbers are little endian, IEEE 754.
+// soft objects, added objects. Since version 2 also edited objects and the name of the loaded
+// world. All numbers are little endian, IEEE 754.
 namespace atrium::world_server {
 namespace {
 
 constexpr std::string_view kMagic = "ATRIUMWS";
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kOldVersion = 1;  // without edited objects and the loaded world
 constexpr std::size_t kHeaderBytes = 28;
 constexpr std::size_t kMaxObjects = bus::kMaxObjects;
 
@@ -202,9 +205,13 @@ Expected<void> check(const SavedWorld& world) {
             return wrong(fmt::format("soft object {}: a number is out of range", motion.id));
         }
     }
-    for (const auto& object : world.added) {
-        if (const auto valid = bus::check(object); !valid) return wrong(valid.error().message);
+    for (const auto* objects : {&world.added, &world.edited}) {
+        for (const auto& object : *objects) {
+            if (const auto valid = bus::check(object); !valid) return wrong(valid.error().message);
+        }
     }
+    if (!world.loaded.empty() && !bus::is_valid_name(world.loaded))
+        return wrong("the name of its world is not valid");
     return {};
 }
 
@@ -222,6 +229,8 @@ std::vector<std::uint8_t> encode(const SavedWorld& world) {
     put_list(world.state.objects);
     put_list(world.state.soft);
     put_list(world.added);
+    put_list(world.edited);
+    body.text(world.loaded);
 
     ByteWriter out;
     out.bytes.assign(kMagic.begin(), kMagic.end());
@@ -239,7 +248,7 @@ Expected<SavedWorld> decode(std::span<const std::uint8_t> bytes) {
     }
     ByteReader header(bytes.subspan(kMagic.size(), kHeaderBytes - kMagic.size()));
     const auto version = header.integer<std::uint32_t>();
-    if (version != kVersion) {
+    if (version != kVersion && version != kOldVersion) {
         return wrong(fmt::format("has version {}, this program supports {}", version, kVersion));
     }
     const auto size = header.integer<std::uint64_t>();
@@ -265,6 +274,12 @@ Expected<SavedWorld> decode(std::span<const std::uint8_t> bytes) {
     for (std::size_t n = in.count(kMaxObjects, kAddedBytes); n > 0 && in.is_good(); --n) {
         world.added.push_back(get_object(in));
     }
+    const bool has_edited = version != kOldVersion;
+    for (std::size_t n = has_edited ? in.count(kMaxObjects, kAddedBytes) : 0; n > 0 && in.is_good();
+         --n) {
+        world.edited.push_back(get_object(in));
+    }
+    if (has_edited) world.loaded = in.text(bus::kMaxNameLength);
     if (!in.is_at_end()) return wrong("its parts do not match its length");
     if (const auto valid = check(world); !valid) return tl::unexpected(valid.error());
     return world;

@@ -12,12 +12,14 @@
 
 namespace atrium::world_server {
 
-/// State of a whole world in the state file: motion and objects added by commands. A described
+/// State of a whole world in the state file: motion, and objects added or edited. A described
 /// object without an entry has been removed.
 struct SavedWorld {
     std::uint64_t description = 0;        // hash of the world description that the state belongs to
     std::uint32_t next_id = 0;            // for the next object added without an id
     std::vector<bus::SceneObject> added;  // added by commands, in full
+    std::vector<bus::SceneObject> edited;  // described objects that were edited, in full
+    std::string loaded;                    // saved world that the description is from; empty: none
     physics::WorldState state;
 };
 

@@ -1,6 +1,7 @@
 #include "world_server/state_saver.hpp"
 
 #include "core/app/log.hpp"
+#include "world_server/saved_worlds.hpp"
 
 #include <utility>
 
@@ -26,6 +27,18 @@ Expected<void> StateSaver::save(const SavedWorld& world) {
     return {};
 }
 
+namespace {
+
+// The description that a state belongs to: the world file's, or that of a saved world.
+Expected<WorldServerConfig> description_of(const SavedWorld& saved,
+                                           const WorldServerConfig& config) {
+    if (saved.loaded.empty()) return config;
+    const SavedWorldsFolder folder(config.saved_folder, static_cast<std::size_t>(config.max_saved));
+    return folder.load(saved.loaded, config);
+}
+
+}  // namespace
+
 Expected<std::optional<Scene>> load_scene(const WorldServerConfig& config) {
     const auto refuse = [&](const Error& why) -> Expected<std::optional<Scene>> {
         const auto aside = put_aside(config.state_file);
@@ -38,7 +51,9 @@ Expected<std::optional<Scene>> load_scene(const WorldServerConfig& config) {
     if (!bytes) return refuse(bytes.error());
     const auto saved = decode(*bytes);
     if (!saved) return refuse(saved.error());
-    auto scene = Scene::restore(config, *saved);
+    const auto described = description_of(*saved, config);
+    if (!described) return refuse(described.error());
+    auto scene = Scene::restore(*described, *saved);
     if (!scene) return refuse(scene.error());
     return std::optional<Scene>(std::move(*scene));
 }

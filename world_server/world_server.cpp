@@ -48,6 +48,7 @@ struct WorldServer::Impl {
     void take_descriptions();
     void take_meshes();
     void take_commands();
+    void take_edits();
     bool arrive(const std::string& site);
     void leave(const std::string& site);
     void count_rejected(const bus::TakeReport& report);
@@ -101,7 +102,6 @@ WorldServer::Impl::Impl(const WorldServerConfig& server_config,
                   [this](const std::string& why) { reject(why); }),
       loss(std::move(server_loss)),
       membership(std::move(server_membership)) {
-    for (const WorldScenery& scenery : config.scenery) simulation.outbox().put(to_message(scenery));
     for (const NamedPlacement& placement : config.placements) {
         simulation.outbox().put(bus::SitePlacement{placement.site, placement.world_from_site});
     }
@@ -197,6 +197,24 @@ void WorldServer::Impl::take_commands() {
         [&](const bus::SceneCommand& gone) { simulation.commands().leave(gone.sender); }));
 }
 
+void WorldServer::Impl::take_edits() {
+    const Clock::time_point now = Clock::now();
+    count_rejected(endpoints.edits.take(
+        [&](bus::SceneEdit&& edit) {
+            auto why = simulation.commands().admit(edit, now);
+            const bool has_room =
+                why ||
+                (needs_files(edit) ? simulation.edit_worker().prepare(edit)
+                                   : simulation.commands().put_prepared({edit, nullptr, nullptr}));
+            if (!has_room) why = "too many edits at once";
+            if (!why) return;
+            ++num_refused;
+            reject("edit of " + edit.sender + ": " + *why);
+            simulation.outbox().put(result_of(edit, false, *why));
+        },
+        [&](const bus::SceneEdit& gone) { simulation.commands().leave(gone.sender); }));
+}
+
 void WorldServer::Impl::receive(std::stop_token stop) {
     const std::stop_callback wake(stop, [this] { endpoints.waiter.wake(); });
     while (!stop.stop_requested()) {
@@ -204,6 +222,7 @@ void WorldServer::Impl::receive(std::stop_token stop) {
         take_descriptions();
         take_meshes();
         take_commands();
+        take_edits();
     }
 }
 
@@ -268,6 +287,8 @@ WorldServer::~WorldServer() = default;
 Expected<std::unique_ptr<WorldServer>> WorldServer::create(const WorldServerConfig& config,
                                                            std::stop_token stop) {
     if (const auto valid = check(config); !valid) return tl::unexpected(valid.error());
+    const SavedWorldsFolder folder(config.saved_folder, static_cast<std::size_t>(config.max_saved));
+    if (const auto open = folder.open(); !open) return tl::unexpected(open.error());
     auto described = Scene::create(config);
     if (!described) return tl::unexpected(described.error());
     auto endpoints = Endpoints::create(config.bus);
@@ -300,6 +321,8 @@ Expected<void> WorldServer::run(std::stop_token stop) {
         std::jthread publisher([this](std::stop_token own) { impl_->publish(std::move(own)); });
         std::jthread saver(
             [this](std::stop_token own) { impl_->simulation.saver().run(std::move(own)); });
+        std::jthread editor(
+            [this](std::stop_token own) { impl_->simulation.edit_worker().run(std::move(own)); });
         impl_->simulation.run(impl_->loss->end.get_token());
     }  // the threads are stopped and joined here
     impl_->preparation.stop();

@@ -97,6 +97,13 @@ private:
     void check(std::string_view name, const std::string& text, Text kind) {
         const bool may_be_empty = kind == Text::kNameOrNone || kind == Text::kModelFileOrNone;
         if (text.empty() && may_be_empty) return;
+        if (kind == Text::kLine) {
+            const bool is_printable = std::all_of(
+                text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
+            if (!is_printable || text.size() > kMaxTextLength)
+                fail(name, "must be at most 255 printable ASCII characters");
+            return;
+        }
         if (kind == Text::kName || kind == Text::kNameOrNone) {
             if (!is_valid_name(text)) fail(name, "must have 1 to 63 characters of [A-Za-z0-9_.-]");
         } else if (!is_valid_model_file(text)) {
@@ -166,6 +173,9 @@ template Expected<void> check(const SceneState&);
 template Expected<void> check(const PersonProxy&);
 template Expected<void> check(const ObjectProxy&);
 template Expected<void> check(const SceneCommand&);
+template Expected<void> check(const SceneEdit&);
+template Expected<void> check(const EditResult&);
+template Expected<void> check(const SavedWorlds&);
 template Expected<void> check(const SiteStatus&);
 template Expected<void> check(const WorldStatus&);
 template Expected<void> check(const ViewerStatus&);

@@ -54,7 +54,8 @@ struct Last {
 };
 template <typename Enumerator>
 Last(Enumerator) -> Last<Enumerator>;  // clang 14 does not deduce it
-enum class Text { kName, kNameOrNone, kModelFile, kModelFileOrNone };
+/// kLine: printable ASCII, may be empty.
+enum class Text { kName, kNameOrNone, kModelFile, kModelFileOrNone, kLine };
 
 /// Forwards the entries of a list to `field`. A visitor defines it as
 /// `field(name, member, wire, limits)`, and hides what it treats in another way.

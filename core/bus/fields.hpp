@@ -58,6 +58,12 @@ void fields(auto& v, Of<Touch> auto& m, auto& w) {
     v("PersonProxy.touches.point_world", m.point_world, w.point_world, place);
 }
 
+void fields(auto& v, Of<SavedWorld> auto& m, auto& w) {
+    v("SavedWorlds.worlds.name", m.name, w.name, Text::kName);
+    v("SavedWorlds.worlds.time", m.time, w.time_ns);
+    v(m.num_objects, w.num_objects);
+}
+
 void fields(auto& v, Of<LeftOutTotals> auto& m, auto& w) {
     v(m.num_cameras, w.num_cameras);
     v(m.num_phantoms, w.num_phantoms);
@@ -214,6 +220,34 @@ void fields(auto& v, Of<SceneCommand> auto& m, auto& w) {
     v("SceneCommand.point_object", m.point_object, w.point_object, place);
     v("SceneCommand.goal_world", m.goal_world, w.goal_world, place);
     if (m.kind == CommandKind::kAdd || v.kWithUnused) v.part(m.object, w.object);
+}
+
+// editing.idl
+
+void fields(auto& v, Of<SceneEdit> auto& m, auto& w) {
+    v.key("SceneEdit.sender", m.sender, w.sender, Text::kName);
+    v("SceneEdit.kind", m.kind, w.kind, Last{EditKind::kLoadWorld});
+    v(m.number, w.number);
+    v(m.target, w.target);
+    v(m.revision, w.revision);
+    v("SceneEdit.world_file", m.world_file, w.world_file, Text::kNameOrNone);
+    v("SceneEdit.world_from_object", m.world_from_object, w.world_from_object);
+    if (has_object(m.kind) || v.kWithUnused) v.part(m.object, w.object);
+}
+
+void fields(auto& v, Of<EditResult> auto& m, auto& w) {
+    v.key("EditResult.sender", m.sender, w.sender, Text::kName);
+    v(m.number, w.number);
+    v("EditResult.is_done", m.is_done, w.is_done);
+    v(m.object, w.object);
+    v(m.revision, w.revision);
+    v("EditResult.text", m.text, w.text, Text::kLine);
+}
+
+void fields(auto& v, Of<SavedWorlds> auto& m, auto& w) {
+    v.key("SavedWorlds.world", m.world, w.world, Text::kName);
+    v("SavedWorlds.is_on", m.is_on, w.is_on);
+    v("SavedWorlds.worlds", m.worlds, w.worlds, AtMost{kMaxSavedWorlds});
 }
 
 // proxy.idl

@@ -222,6 +222,59 @@ struct SceneCommand {
     SceneObject object;
 };
 
+enum class EditKind : std::uint8_t {
+    kAdd,        // add `object`
+    kChange,     // give the target the properties of `object`
+    kPlace,      // put the target at a pose, which also becomes its start, and let go of it
+    kRemove,     // remove the target
+    kHold,       // hold the target and carry it towards a pose; keeps the hold alive
+    kLetGo,      // let go of the target
+    kSaveWorld,  // write the world to the server's folder of saved worlds
+    kLoadWorld   // replace the world by a saved one
+};
+
+/// True if an edit of that kind uses `SceneEdit::object`.
+constexpr bool has_object(EditKind kind) { return kind <= EditKind::kPlace; }
+
+/// An edit of the world. On demand, reliable. The server replies with an EditResult.
+struct SceneEdit {
+    static constexpr std::uint32_t kAnyRevision = 0xffffffff;
+
+    std::string sender;
+    EditKind kind = EditKind::kAdd;
+    std::uint32_t number = 0;  // chosen by the sender; EditResult repeats it
+    std::uint32_t target = 0;
+    /// kChange, kPlace, kRemove: refused if the target has another revision.
+    std::uint32_t revision = kAnyRevision;
+    std::string world_file;  // kSaveWorld, kLoadWorld: name without folder and ending
+    geometry::RigidTransform world_from_object;  // kPlace, kHold: pose of the target
+    SceneObject object;  // kAdd: complete; kChange: new properties; kPlace: start pose
+};
+
+/// The outcome of a SceneEdit. For each edit, except for holds that are not refused.
+struct EditResult {
+    std::string sender;  // of the edit
+    std::uint32_t number = 0;
+    bool is_done = false;        // false: refused, nothing has changed
+    std::uint32_t object = 0;    // target; of kAdd the new id
+    std::uint32_t revision = 0;  // of that object after the edit
+    std::string text;            // reason of a refusal, at most 255 printable ASCII characters
+};
+
+/// A world in the server's folder of saved worlds.
+struct SavedWorld {
+    std::string name;
+    Timestamp time;  // when it was saved
+    std::uint32_t num_objects = 0;
+};
+
+/// The worlds that a server can load. Transient local, on change.
+struct SavedWorlds {
+    std::string world;
+    bool is_on = false;  // the server has a folder of saved worlds
+    std::vector<SavedWorld> worlds;
+};
+
 struct LatencySummary {
     double median_ms = 0.0;
     double p99_ms = 0.0;

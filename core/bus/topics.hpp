@@ -2,6 +2,7 @@
 
 #include "core/bus/messages.hpp"
 
+#include <editing.h>
 #include <feedback.h>
 #include <presence.h>
 #include <proxy.h>
@@ -83,6 +84,18 @@ struct Topic<ObjectProxy> : WireTopic<atrium_ObjectProxy, atrium_ObjectProxy_des
 template <>
 struct Topic<SceneCommand> : WireTopic<atrium_SceneCommand, atrium_SceneCommand_desc, kCommand> {
     static constexpr const char* kName = "SceneCommand";
+};
+template <>
+struct Topic<SceneEdit> : WireTopic<atrium_SceneEdit, atrium_SceneEdit_desc, kCommand> {
+    static constexpr const char* kName = "SceneEdit";
+};
+template <>
+struct Topic<EditResult> : WireTopic<atrium_EditResult, atrium_EditResult_desc, kTexture> {
+    static constexpr const char* kName = "EditResult";
+};
+template <>
+struct Topic<SavedWorlds> : WireTopic<atrium_SavedWorlds, atrium_SavedWorlds_desc, kDescription> {
+    static constexpr const char* kName = "SavedWorlds";
 };
 template <>
 struct Topic<SiteStatus> : WireTopic<atrium_SiteStatus, atrium_SiteStatus_desc, kStatus> {

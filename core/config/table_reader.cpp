@@ -110,6 +110,8 @@ Expected<TableReader> TableReader::parse(const std::string& toml_text, const std
 
 std::filesystem::path TableReader::folder() const { return document_->folder; }
 
+void TableReader::set_folder(const std::filesystem::path& folder) { document_->folder = folder; }
+
 TableReader TableReader::holder(const std::string& key) const {
     const auto dot = key.rfind('.');
     return dot == std::string::npos ? *this : TableReader(*this).table(key.substr(0, dot));

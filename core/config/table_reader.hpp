@@ -77,7 +77,10 @@ public:
     /// below.
     Expected<void> finish() const;
 
+    /// Folder of the file, or the one set last. Relative paths start there.
     std::filesystem::path folder() const;
+    /// For all readers of this file.
+    void set_folder(const std::filesystem::path& folder);
 
 private:
     struct Document;

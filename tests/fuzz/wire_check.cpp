@@ -31,8 +31,9 @@ public:
     static Statement of(const bus::WireOf<Message>& wire) {
         Statement statement;
         Message message;
-        // the only field that a list depends on
+        // the only fields that a list depends on
         if constexpr (std::is_same_v<Message, bus::SceneCommand>) bus::get(wire.kind, message.kind);
+        if constexpr (std::is_same_v<Message, bus::SceneEdit>) bus::get(wire.kind, message.kind);
         fields(statement, message, wire);
         return statement;
     }
@@ -97,6 +98,14 @@ private:
         if (text.size() == sizeof(file) || (!text.empty() && !bus::is_valid_model_file(text)))
             wrong = "a model's file";
         if (("/" + std::string(text)).find("/.") != std::string::npos) wrong = "a way out";
+        bytes.insert(bytes.end(), text.begin(), text.end());
+        bytes.push_back(0);
+    }
+    void add_text(const char (&line)[bus::kMaxTextLength + 1], bus::Text) {
+        const std::string_view text(line, strnlen(line, sizeof(line)));
+        if (text.size() == sizeof(line) ||
+            std::any_of(text.begin(), text.end(), [](char c) { return c < 0x20 || c >= 0x7f; }))
+            wrong = "a text";
         bytes.insert(bytes.end(), text.begin(), text.end());
         bytes.push_back(0);
     }
@@ -312,6 +321,9 @@ constexpr auto kChecks = checks_of<bus::SiteDescription,
                                    bus::PersonProxy,
                                    bus::ObjectProxy,
                                    bus::SceneCommand,
+                                   bus::SceneEdit,
+                                   bus::EditResult,
+                                   bus::SavedWorlds,
                                    bus::SiteStatus,
                                    bus::WorldStatus,
                                    bus::ViewerStatus,

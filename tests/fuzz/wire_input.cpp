@@ -57,6 +57,14 @@ void WireFiller::fill_text(atrium_ModelFile& file, bus::Text) {
     if (length < sizeof(file)) file[length] = '\0';
 }
 
+void WireFiller::fill_text(char (&line)[bus::kMaxTextLength + 1], bus::Text) {
+    const bool is_printable = reader_.below(2) == 0;
+    const auto length = static_cast<std::size_t>(reader_.byte()) + reader_.below(2);
+    for (std::size_t i = 0; i < length; ++i)
+        line[i] = static_cast<char>(is_printable ? ' ' + reader_.byte() % 95 : reader_.byte());
+    if (length < sizeof(line)) line[length] = '\0';
+}
+
 void WireFiller::fill(atrium_Latency& latency) {
     fill(latency.median_ms);
     fill(latency.p99_ms);

@@ -38,6 +38,7 @@ private:
     void fill(double& value);
     void fill_text(atrium_Name& name, bus::Text kind);
     void fill_text(atrium_ModelFile& file, bus::Text kind);
+    void fill_text(char (&line)[bus::kMaxTextLength + 1], bus::Text kind);
     void fill(atrium_Pose& pose);
     void fill(atrium_Latency& latency);
     void fill(std::uint8_t& value) { value = reader_.byte() ^ 1U; }

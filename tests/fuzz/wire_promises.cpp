@@ -120,6 +120,23 @@ std::string broken_promise(const bus::SceneCommand& message) {
     return message.kind == bus::CommandKind::kAdd ? broken_promise(message.object) : "";
 }
 
+std::string broken_promise(const bus::SceneEdit& message) {
+    if (message.kind > bus::EditKind::kLoadWorld) return "a kind of edit";
+    if (message.world_file.find('/') != std::string::npos) return "a folder in a file's name";
+    return bus::has_object(message.kind) ? broken_promise(message.object) : "";
+}
+
+std::string broken_promise(const bus::EditResult& message) {
+    const bool is_printable = std::all_of(message.text.begin(), message.text.end(), [](char c) {
+        return c >= 0x20 && c < 0x7f;
+    });
+    return unless(is_printable && message.text.size() <= bus::kMaxTextLength, "a text");
+}
+
+std::string broken_promise(const bus::SavedWorlds& message) {
+    return unless(message.worlds.size() <= bus::kMaxSavedWorlds, "too many worlds");
+}
+
 std::string broken_promise(const bus::SiteStatus& message) {
     if (message.cameras.size() > bus::kMaxCamerasPerSite) return "too many cameras";
     for (const bus::CameraStatus& camera : message.cameras) {

@@ -225,6 +225,26 @@ private:
         numbers(w.goal_world);
         fill(w.object);
     }
+    void fill(atrium_SceneEdit& w) {
+        name(w.sender);
+        w.kind = static_cast<std::uint8_t>(chance(80) ? below(8) : random_());
+        w.number = below(50);
+        w.target = below(50);
+        w.revision = chance(50) ? 0xffffffffU : below(3);
+        name(w.world_file);
+        pose(w.world_from_object);
+        fill(w.object);
+    }
+    void fill(atrium_EditResult& w) {
+        raw(w);
+        name(w.sender);
+    }
+    void fill(atrium_SavedWorlds& w) {
+        raw(w);
+        name(w.world);
+        auto* worlds = elements(w.worlds, below(6));
+        for (std::uint32_t i = 0; i < w.worlds._length; ++i) name(worlds[i].name);
+    }
     void fill(atrium_SiteStatus& w) {
         raw(w);
         name(w.site);
@@ -337,6 +357,9 @@ TEST(HostilePeer, GarbageOnEveryTopicIsCountedAndHarmless) {
     RawWriter<bus::ObjectProxy> object_proxies;
     RawWriter<bus::SceneState> states;
     RawWriter<bus::SceneCommand> commands;
+    RawWriter<bus::SceneEdit> edits;
+    RawWriter<bus::EditResult> edit_results;
+    RawWriter<bus::SavedWorlds> saved_worlds;
     RawWriter<bus::SiteStatus> site_statuses;
     RawWriter<bus::WorldStatus> world_statuses;
     RawWriter<bus::ViewerStatus> viewer_statuses;
@@ -367,6 +390,9 @@ TEST(HostilePeer, GarbageOnEveryTopicIsCountedAndHarmless) {
         object_proxies.write_any(garbage);
         states.write_any(garbage);
         commands.write_any(garbage);
+        edits.write_any(garbage);
+        edit_results.write_any(garbage);
+        saved_worlds.write_any(garbage);
         site_statuses.write_any(garbage);
         world_statuses.write_any(garbage);
         viewer_statuses.write_any(garbage);

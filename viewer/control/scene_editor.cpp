@@ -77,6 +77,20 @@ bus::SceneObject make_object(const NewObject& wanted, const renderer::EyeView& e
     return object;
 }
 
+bus::SceneObject make_object(const NewModel& wanted, const renderer::EyeView& eye) {
+    const std::size_t begin = wanted.file.find_last_of('/') + 1;  // 0 if there is no folder
+    const std::size_t end = wanted.file.find('.', begin);
+    bus::SceneObject object;
+    object.shape = wanted.is_compound ? bus::Shape::kCompound : bus::Shape::kConvex;
+    object.name = valid_name(wanted.file.substr(begin, end - begin), object.shape);
+    object.model = wanted.file;
+    object.model_scale = wanted.scale;
+    object.size_m = (wanted.scale * wanted.size_m).cwiseMax(kMinSizeM);
+    object.mass_kg = std::clamp(wanted.mass_kg, 0.0, 1000.0);
+    object.world_from_object.translation = place_before(eye, object.size_m);
+    return object;
+}
+
 bus::SceneCommand SceneEditor::command(bus::CommandKind kind) const {
     bus::SceneCommand command;
     command.sender = sender_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/bus/messages.hpp"
+#include "viewer/control/edit_events.hpp"
 #include "viewer/renderer/drawing/view_camera.hpp"
 
 #include <Eigen/Core>
@@ -27,6 +28,9 @@ struct NewObject {
 /// Builds an object that bus and physics accept. Places it before the eye and above the floor
 /// (z=0), far enough that it stays visible when it falls, but at most 6 m away.
 bus::SceneObject make_object(const NewObject& wanted, const renderer::EyeView& eye);
+
+/// Builds an object of a model. It is placed like others.
+bus::SceneObject make_object(const NewModel& wanted, const renderer::EyeView& eye);
 
 /// Builds the commands that add and remove objects, and detects whether they took effect. The
 /// server does not reply, so the editor watches the objects of the world.

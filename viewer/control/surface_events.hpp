@@ -1,12 +1,14 @@
 #pragma once
 
 #include "viewer/control/controls.hpp"
+#include "viewer/control/edit_events.hpp"
 #include "viewer/control/mouse_grab.hpp"
 #include "viewer/control/scene_editor.hpp"
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 
 namespace atrium::viewer {
 
@@ -25,7 +27,10 @@ struct SurfaceEvents {
     bool reset_scene = false;
     std::optional<NewObject> add;         // add this object before the eye
     std::optional<std::uint32_t> remove;  // remove this object
-    bool remove_pointed = false;          // remove the object under the pointer
+    bool remove_pointed = false;          // remove the selected object, or that under the pointer
+    EditEvents edit;
+    bool scan_models = false;   // read the list of models
+    std::string measure_model;  // read the size of this model; empty: none
 };
 
 }  // namespace atrium::viewer

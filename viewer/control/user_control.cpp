@@ -1,13 +1,44 @@
 #include "viewer/control/user_control.hpp"
 
+#include <iterator>
+#include <utility>
+
 namespace atrium::viewer {
+
+namespace {
+
+void add_to(WorldEditing::Edits& all, WorldEditing::Edits more) {
+    std::move(more.begin(), more.end(), std::back_inserter(all));
+}
+
+}  // namespace
+
+WorldEditing::Shown UserControl::edit_shown(const Shown& shown) {
+    return {shown.pointer, shown.eye, shown.pick_all, shown.objects, shown.states};
+}
+
+void UserControl::remove(std::uint32_t object,
+                         const Shown& shown,
+                         Clock::time_point now,
+                         Commands& out) {
+    if (editing_.is_supported())
+        add_to(edits_, editing_.remove(object, edit_shown(shown), now));
+    else
+        out.push_back(editor_.remove(object, shown.objects, now));
+}
 
 UserControl::Commands UserControl::move(const SurfaceEvents& events,
                                         const Shown& shown,
                                         Clock::time_point now) {
     if (is_fixed_) return {};
-    Commands commands = mouse_.update(shown.pointer, camera_, shown.pick, now);
+    add_to(edits_, editing_.update(events.edit, edit_shown(shown), now));
+    Pointer pointer = shown.pointer;
     Motion motion = events.motion;
+    if (editing_.has_pointer()) {
+        pointer.is_down = false;
+        motion.turn_px.setZero();
+    }
+    Commands commands = mouse_.update(pointer, camera_, shown.pick, now);
     if (mouse_.is_holding()) motion.turn_px.setZero();  // the drag moves the object
     if (events.follow) follow_.toggle_follow(camera_, shown.people);
     if (events.person > 0) follow_.toggle_first_person(events.person, shown.people);
@@ -30,12 +61,22 @@ UserControl::Commands UserControl::edit(const SurfaceEvents& events,
                                         Clock::time_point now) {
     Commands commands;
     if (events.reset_scene) commands.push_back(editor_.reset());
-    if (events.add)
-        commands.push_back(editor_.add(make_object(*events.add, eye), shown.objects, now));
-    if (events.remove) commands.push_back(editor_.remove(*events.remove, shown.objects, now));
+    if (events.add) {
+        const bus::SceneObject object = make_object(*events.add, eye);
+        if (editing_.is_supported())
+            add_to(edits_, editing_.add(object, now));
+        else
+            commands.push_back(editor_.add(object, shown.objects, now));
+    }
+    // an older world server does not react, which the history reports
+    if (events.edit.add_model)
+        add_to(edits_, editing_.add(make_object(*events.edit.add_model, eye), now));
+    if (events.remove) remove(*events.remove, shown, now, commands);
     if (events.remove_pointed && !is_fixed_) {
-        if (const auto hit = shown.pick(ray_through(camera_, shown.pointer)))
-            commands.push_back(editor_.remove(hit->object, shown.objects, now));
+        const auto hit = shown.pick(ray_through(camera_, shown.pointer));
+        const std::uint32_t pointed = hit ? hit->object : 0;
+        const std::uint32_t object = editing_.selected() != 0 ? editing_.selected() : pointed;
+        if (object != 0) remove(object, shown, now, commands);
     }
     return commands;
 }

@@ -5,10 +5,12 @@
 #include "viewer/control/mouse_grab.hpp"
 #include "viewer/control/scene_editor.hpp"
 #include "viewer/control/surface_events.hpp"
+#include "viewer/control/world_editing.hpp"
 #include "viewer/renderer/drawing/view_camera.hpp"
 
 #include <chrono>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace atrium::viewer {
@@ -22,7 +24,12 @@ public:
 
     /// `sender` is in all commands. `is_fixed`: ignores motion and pointer, as on a tile of a wall.
     UserControl(const renderer::ViewCamera& start, const std::string& sender, bool is_fixed)
-        : start_(start), camera_(start), is_fixed_(is_fixed), mouse_(sender), editor_(sender) {}
+        : start_(start),
+          camera_(start),
+          is_fixed_(is_fixed),
+          mouse_(sender),
+          editor_(sender),
+          editing_(sender) {}
 
     const renderer::ViewCamera& camera() const { return camera_; }
     /// Person through whose eyes the user looks. Empty: nobody.
@@ -34,6 +41,9 @@ public:
         MouseGrab::Pick pick;
         FollowCamera::Places people;
         const SceneEditor::Objects& objects;
+        MouseGrab::Pick pick_all;  // fixed objects too
+        const std::vector<bus::ObjectState>& states;
+        renderer::EyeView eye;  // the eye whose picture is under the pointer
     };
     /// Moves the viewpoint, or the object that the mouse holds.
     Commands move(const SurfaceEvents& events, const Shown& shown, Clock::time_point now);
@@ -42,6 +52,13 @@ public:
                   const Shown& shown,
                   const renderer::EyeView& eye,
                   Clock::time_point now);
+    /// Takes the edits for the world server since the last call.
+    WorldEditing::Edits take_edits() { return std::exchange(edits_, {}); }
+    /// Takes news about edits; returns what the user should read.
+    std::vector<std::string> take(EditNews news, Clock::time_point now) {
+        return editing_.take(std::move(news), now);
+    }
+    EditView edit_view(const Shown& shown) const { return editing_.view(edit_shown(shown)); }
     /// Outcomes of the edits, see SceneEditor.
     std::vector<SceneEditor::Outcome> outcomes(const SceneEditor::Objects& objects,
                                                const SceneEditor::Servers& servers,
@@ -54,7 +71,12 @@ private:
     renderer::ViewCamera camera_;
     bool is_fixed_;
     MouseGrab mouse_;
+    static WorldEditing::Shown edit_shown(const Shown& shown);
+    void remove(std::uint32_t object, const Shown& shown, Clock::time_point now, Commands& out);
+
     SceneEditor editor_;
+    WorldEditing editing_;
+    WorldEditing::Edits edits_;
     FollowCamera follow_;
 };
 

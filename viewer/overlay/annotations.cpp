@@ -12,6 +12,21 @@ void Annotations::take(ProxyInbox& proxies, Clock::time_point now) {
     if (!is_debug_) proxies_.clear();
 }
 
+// The first eye decides on widths and directions; another is only centimetres away.
+void Annotations::append_edit(const SceneView& scene,
+                              std::span<const renderer::EyeView> eyes,
+                              std::vector<renderer::Label>& labels) {
+    if (eyes.empty()) return;
+    const std::vector<Eigen::Vector3f>* soft = nullptr;
+    std::shared_ptr<const renderer::ShapeMesh> mesh;
+    if (edit_.selected) {
+        const auto nodes = scene.nodes().find(edit_.selected->object);
+        if (nodes != scene.nodes().end()) soft = &nodes->second;
+        mesh = scene.mesh_of(*edit_.selected);
+    }
+    edit_shapes_.append(edit_, mesh, soft, eyes.front(), triangles_, labels);
+}
+
 void Annotations::update(const SceneView& scene,
                          const PeopleView& people,
                          const std::string& inside,
@@ -30,6 +45,9 @@ void Annotations::update(const SceneView& scene,
         debug_.append(scene, people, proxies_, renderer, lines_, labels);
     else
         debug_.clear();
+    triangles_.clear();
+    append_edit(scene, eyes, labels);
+    renderer.overlay().set_triangles(triangles_);
     renderer.overlay().set_wireframe(is_debug_);
     renderer.overlay().set_silhouettes(is_debug_ ? DebugView::kFrustumM : 0.0);
     renderer.overlay().set_lines(lines_);

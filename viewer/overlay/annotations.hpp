@@ -2,6 +2,7 @@
 
 #include "viewer/config/viewer_config.hpp"
 #include "viewer/overlay/debug_view.hpp"
+#include "viewer/overlay/edit_shapes.hpp"
 #include "viewer/overlay/name_tags.hpp"
 #include "viewer/overlay/proxy_view.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
@@ -30,6 +31,9 @@ public:
     /// Subscribes to proxies while the debug view is on, and takes those that arrived.
     void take(ProxyInbox& proxies, Clock::time_point now);
 
+    /// What the next picture shows of the editing.
+    void set_edit(EditView edit) { edit_ = std::move(edit); }
+
     /// `inside` names the person through whose eyes the viewer looks. Empty: nobody.
     void update(const SceneView& scene,
                 const PeopleView& people,
@@ -45,6 +49,12 @@ private:
     DebugView debug_;
     ProxyView proxies_;
     std::vector<renderer::Line> lines_;
+    void append_edit(const SceneView& scene,
+                     std::span<const renderer::EyeView> eyes,
+                     std::vector<renderer::Label>& labels);
+    EditView edit_;
+    EditShapes edit_shapes_;
+    std::vector<renderer::Triangle> triangles_;
 };
 
 }  // namespace atrium::viewer

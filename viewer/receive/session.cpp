@@ -35,11 +35,13 @@ Session::Session(Readers readers,
                  bus::Writer<bus::ViewerStatus> status,
                  bus::Writer<bus::SceneCommand> commands,
                  bus::Writer<bus::StreamFeedback> feedback_writer,
+                 EditLink edits,
                  std::string viewer)
     : readers_(std::move(readers)),
       status_(std::move(status)),
       commands_(std::move(commands)),
       feedback_writer_(std::move(feedback_writer)),
+      edits_(std::move(edits)),
       viewer_(std::move(viewer)) {}
 
 Expected<std::unique_ptr<Session>> Session::create(const bus::BusOptions& options,
@@ -79,6 +81,8 @@ Expected<std::unique_ptr<Session>> Session::create(const bus::BusOptions& option
         assign(bus::Writer<bus::SceneCommand>::create(*participant), commands, error) &&
         assign(bus::Writer<bus::StreamFeedback>::create(*participant), feedback, error);
     if (!all_created) return tl::unexpected(error);
+    auto edits = EditLink::create(*participant, *waiter, viewer);
+    if (!edits) return tl::unexpected(edits.error());
     waiter->add(*descriptions);
     waiter->add(*placements);
     waiter->add(*meshes);
@@ -106,6 +110,7 @@ Expected<std::unique_ptr<Session>> Session::create(const bus::BusOptions& option
                                                 std::move(*status),
                                                 std::move(*commands),
                                                 std::move(*feedback),
+                                                std::move(*edits),
                                                 viewer));
 }
 
@@ -133,6 +138,7 @@ void Session::receive(std::stop_token stop) {
             take_soft_objects();
             receive_statuses();
             note(proxies_.receive(readers_.participant));
+            note(edits_.receive());
             num_incomplete_ = pairing_.num_incomplete();
         }
         write_feedback();

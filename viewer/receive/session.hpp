@@ -5,6 +5,7 @@
 #include "core/base/keyed_workers.hpp"
 #include "core/bus/bus.hpp"
 #include "viewer/receive/decoded_people.hpp"
+#include "viewer/receive/edit_link.hpp"
 #include "viewer/receive/feedback.hpp"
 #include "viewer/receive/pairing.hpp"
 #include "viewer/receive/person_decoder.hpp"
@@ -98,6 +99,9 @@ public:
         return commands_.write(command);
     }
 
+    /// Edits of the world and their results.
+    EditLink& edits() { return edits_; }
+
     const bus::Participant& participant() const { return readers_.participant; }
     /// Deadlines of the QoS profile that a site or the world missed.
     std::uint64_t num_deadlines_missed() const {
@@ -139,6 +143,7 @@ private:
             bus::Writer<bus::ViewerStatus> status,
             bus::Writer<bus::SceneCommand> commands,
             bus::Writer<bus::StreamFeedback> feedback_writer,
+            EditLink edits,
             std::string viewer);
     void take_sites();
     void take_objects();
@@ -159,6 +164,7 @@ private:
     bus::Writer<bus::ViewerStatus> status_;
     bus::Writer<bus::SceneCommand> commands_;
     bus::Writer<bus::StreamFeedback> feedback_writer_;
+    EditLink edits_;
     std::string viewer_;
     std::function<void(const FramePair&)> on_complete_;
     Pairing pairing_;

@@ -57,6 +57,8 @@ Expected<Overlay> Overlay::create() {
     made.line_shader_ = std::move(*line);
     made.line_layout_ = gl::make_vertex_array();
     made.line_ends_ = gl::make_buffer();
+    made.triangle_layout_ = gl::make_vertex_array();
+    made.triangle_corners_ = gl::make_buffer();
     return made;
 }
 
@@ -82,6 +84,28 @@ void Overlay::set_lines(std::span<const Line> lines) {
     gl::float_attribute(0, 3, sizeof(Line::End), 0);
     gl::float_attribute(1, 3, sizeof(Line::End), sizeof(Eigen::Vector3f));
     glBindVertexArray(0);
+}
+
+void Overlay::set_triangles(std::span<const Triangle> triangles) {
+    num_triangles_ = triangles.size();
+    if (triangles.empty()) return;
+    static_assert(sizeof(Triangle) == 3 * sizeof(Line::End));
+    glBindVertexArray(triangle_layout_.id());
+    gl::upload(triangle_corners_, GL_ARRAY_BUFFER, triangles, GL_STREAM_DRAW);
+    gl::float_attribute(0, 3, sizeof(Line::End), 0);
+    gl::float_attribute(1, 3, sizeof(Line::End), sizeof(Eigen::Vector3f));
+    glBindVertexArray(0);
+}
+
+void Overlay::draw_triangles(const EyeView& eye) const {
+    if (num_triangles_ == 0) return;
+    glDisable(GL_DEPTH_TEST);
+    line_shader_.use();
+    line_shader_.set("clip_from_model", Eigen::Matrix4f(eye.clip_from_world().cast<float>()));
+    line_shader_.set("opacity", 1.0f);
+    glBindVertexArray(triangle_layout_.id());
+    glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(3 * num_triangles_));
+    glEnable(GL_DEPTH_TEST);
 }
 
 void Overlay::draw_label(const Label& label, const EyeView& eye) const {

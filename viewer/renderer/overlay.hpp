@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include <array>
 #include <map>
 #include <memory>
 #include <span>
@@ -35,6 +36,11 @@ struct Line {
     End to;
 };
 
+/// A filled triangle in the world, in front of everything.
+struct Triangle {
+    std::array<Line::End, 3> corners;
+};
+
 /// Draws over the scene, into each eye's part of the picture and in each eye's colours. So it works
 /// on every display, and in screenshots and videos.
 class Overlay {
@@ -47,6 +53,9 @@ public:
     /// Replaces all lines.
     void set_lines(std::span<const Line> lines);
 
+    /// Replaces all triangles.
+    void set_triangles(std::span<const Triangle> triangles);
+
     /// Whether people and objects are drawn as wireframe.
     bool is_wireframe() const { return is_wireframe_; }
     void set_wireframe(bool is_wireframe) { is_wireframe_ = is_wireframe; }
@@ -58,6 +67,9 @@ public:
     /// Draws the lines, tested against the depths of the scene. The caller has set the eye's
     /// viewport and colour mask.
     void draw_lines(const EyeView& eye) const;
+    /// Draws the triangles over everything, in their order, without depths. The caller has set the
+    /// eye's viewport and colour mask.
+    void draw_triangles(const EyeView& eye) const;
     /// Draws the labels over everything, without depths. The caller has set the eye's viewport and
     /// colour mask.
     void draw_labels(const EyeView& eye) const;
@@ -74,6 +86,9 @@ private:
     gl::VertexArray line_layout_;
     gl::Buffer line_ends_;
     std::size_t num_lines_ = 0;
+    gl::VertexArray triangle_layout_;
+    gl::Buffer triangle_corners_;
+    std::size_t num_triangles_ = 0;
     bool is_wireframe_ = false;
     double silhouettes_m_ = 0.0;
 };

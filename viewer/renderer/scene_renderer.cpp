@@ -276,6 +276,7 @@ void SceneRenderer::draw(std::span<const EyeView> eyes) {
     target.finish();
     for (const EyeView& eye : eyes) {
         PictureTarget::begin_eye(eye, target.picture());
+        impl.overlay->draw_triangles(eye);
         impl.overlay->draw_labels(eye);
     }
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);

@@ -78,6 +78,12 @@ const ModelLibrary::Model& ModelLibrary::model(const std::string& file, double s
     return kNone;
 }
 
+std::shared_ptr<const renderer::ShapeMesh> ModelLibrary::loaded(const std::string& file,
+                                                                double scale) const {
+    const auto known = models_.find({file, scale});
+    return known == models_.end() ? nullptr : known->second.whole;
+}
+
 std::set<std::string> ModelLibrary::take() {
     std::set<std::string> files;
     for (auto& [key, loaded] : reader_.take()) {

@@ -27,6 +27,8 @@ public:
     renderer::ObjectLook look_of(const bus::SceneObject& object, renderer::ShapeKind shape);
     /// Looks of scenery: one per part of the model, in the model's colours, or a box of 1 m.
     std::vector<renderer::ObjectLook> look_of(const bus::Scenery& scenery);
+    /// The whole model, if it is loaded; else null.
+    std::shared_ptr<const renderer::ShapeMesh> loaded(const std::string& file, double scale) const;
     /// Returns the files loaded since the last call; looks that use them have changed. Never
     /// blocks.
     std::set<std::string> take();

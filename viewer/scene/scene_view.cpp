@@ -161,7 +161,12 @@ void SceneView::update(SceneChanges changes,
     }
 }
 
-std::optional<Hit> SceneView::pick(const Ray& ray) const {
+std::shared_ptr<const renderer::ShapeMesh> SceneView::mesh_of(
+    const bus::SceneObject& object) const {
+    return models_.loaded(object.model, object.model_scale);
+}
+
+std::optional<Hit> SceneView::pick(const Ray& ray, Pickable which) const {
     std::optional<Hit> nearest;
     const auto consider = [&](const std::optional<Hit>& candidate) {
         if (candidate && (!nearest || candidate->distance_m < nearest->distance_m))
@@ -169,7 +174,11 @@ std::optional<Hit> SceneView::pick(const Ray& ray) const {
     };
     for (const bus::ObjectState& state : states_) {
         const auto object = objects_.find(state.object);
-        if (object == objects_.end() || object->second.mass_kg == 0.0) continue;
+        if (object == objects_.end()) continue;
+        const bool is_pickable = which == Pickable::kMovable
+                                     ? object->second.mass_kg > 0.0
+                                     : object->second.shape != bus::Shape::kPlane;
+        if (!is_pickable) continue;
         consider(hit(ray, object->second, state.world_from_object));
     }
     for (const auto& [id, body] : soft_bodies_) {

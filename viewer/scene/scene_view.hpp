@@ -30,8 +30,11 @@ public:
                 SceneTimeline::Clock::time_point now,
                 const std::optional<Timestamp>& instant,
                 renderer::SceneRenderer& renderer);
-    /// Nearest movable object on a ray, as shown now.
-    std::optional<Hit> pick(const Ray& ray) const;
+    enum class Pickable : std::uint8_t { kMovable, kAllButPlanes };
+    /// Nearest object on a ray, as shown now.
+    std::optional<Hit> pick(const Ray& ray, Pickable which = Pickable::kMovable) const;
+    /// Surface of an object with a model in its frame. Null: none, or not loaded yet.
+    std::shared_ptr<const renderer::ShapeMesh> mesh_of(const bus::SceneObject& object) const;
     /// All objects, soft ones included.
     const std::map<std::uint32_t, bus::SceneObject>& objects() const { return objects_; }
     /// Poses of the rigid objects, as shown now.

@@ -74,8 +74,14 @@ void draw_hud(const HudContent& content, bool has_details) {
 }
 
 void draw_keys() {
-    constexpr std::array<std::pair<const char*, const char*>, 20> kKeys{{
+    constexpr std::array<std::pair<const char*, const char*>, 25> kKeys{{
         {"drag left, on an object", "pull it; release to throw it"},
+        {"click an object", "select it; its panel edits it"},
+        {"drag an arrow or a ring", "move or rotate the selected object; with Ctrl in steps"},
+        {"Tab, L", "arrows or rings; axes of the world or of the object"},
+        {"X, Y, Z while dragging", "only along or about this axis"},
+        {"Ctrl-Z, Ctrl-Shift-Z", "undo, redo"},
+        {"Esc", "end the drag, close the menu, select nothing, close"},
         {"drag left elsewhere", "orbit around the target"},
         {"shift and drag left", "look around"},
         {"drag right, wheel", "pan, zoom"},
@@ -85,8 +91,8 @@ void draw_keys() {
         {"F", "follow the nearest person, or stop following"},
         {"V", "return to the first viewpoint"},
         {"N", "show or hide the names of people"},
-        {"M", "menu: add and remove objects"},
-        {"Delete", "remove the object under the mouse"},
+        {"M", "menu: add objects and models, save and load worlds"},
+        {"Delete", "remove the selected object, else the one under the mouse"},
         {"B", "debug view: wireframe, silhouettes, collision shapes"},
         {"R", "reset all objects"},
         {"F11", "full screen on or off"},
@@ -94,7 +100,6 @@ void draw_keys() {
         {"F9", "start or stop a video"},
         {"T", "show or hide stage times of sites and worlds"},
         {"H", "show or hide the statistics"},
-        {"Esc", "close"},
     }};
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos({0.5f * size.x, 0.5f * size.y}, 0, {0.5f, 0.5f});

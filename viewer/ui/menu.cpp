@@ -1,5 +1,7 @@
 #include "viewer/ui/menu.hpp"
 
+#include "viewer/ui/fields.hpp"
+
 #include <imgui.h>
 
 #include <algorithm>
@@ -21,19 +23,6 @@ constexpr float kWidth = 290.0f;
 constexpr float kListHeight = 120.0f;
 constexpr float kMinSizeM = 0.03f;
 constexpr float kMaxSizeM = 2.0f;
-
-double linear_of(float encoded) {
-    const double v = static_cast<double>(std::clamp(encoded, 0.0f, 1.0f));
-    return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
-}
-
-// Filters the characters that names on the bus may have.
-int allowed_in_names(ImGuiInputTextCallbackData* data) {
-    const ImWchar c = data->EventChar;
-    const bool is_allowed = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-                            (c >= '0' && c <= '9') || c == '_' || c == '.' || c == '-';
-    return is_allowed ? 0 : 1;
-}
 
 void size_slider(const char* title, float& value_m) {
     ImGui::SliderFloat(
@@ -81,6 +70,7 @@ void Menu::draw_new_object(SurfaceEvents& events) {
 
 void Menu::draw_object_list(const HudContent& content, SurfaceEvents& events) {
     const auto& objects = content.objects;
+    chosen_ = content.edit.selected ? content.edit.selected->object : 0;
     ImGui::Text("%zu objects", objects.size());
     const ObjectLine* chosen = nullptr;
     if (ImGui::BeginListBox("##things", {-1.0f, kListHeight})) {
@@ -91,7 +81,7 @@ void Menu::draw_object_list(const HudContent& content, SurfaceEvents& events) {
             for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
                 const ObjectLine& line = objects[static_cast<std::size_t>(i)];
                 if (ImGui::Selectable(line.text.c_str(), line.object == chosen_))
-                    chosen_ = line.object;
+                    events.edit.select = line.object;
             }
         }
         clipper.End();
@@ -105,10 +95,9 @@ void Menu::draw_object_list(const HudContent& content, SurfaceEvents& events) {
         (chosen == nullptr ? "remove the selected object" : "remove " + chosen->text) + "###remove";
     if (ImGui::Button(title.c_str(), {-1.0f, 0.0f}) && chosen != nullptr) {
         events.remove = chosen_;
-        chosen_ = 0;
     }
     ImGui::EndDisabled();
-    ImGui::TextUnformatted("Delete: remove the object under the mouse");
+    ImGui::TextUnformatted("Delete: remove the selected object, else the one under the mouse");
 }
 
 void Menu::draw(const HudContent& content, SurfaceEvents& events) {
@@ -129,6 +118,7 @@ void Menu::draw(const HudContent& content, SurfaceEvents& events) {
     draw_new_object(events);
     ImGui::Separator();
     draw_object_list(content, events);
+    worlds_.draw(content, events);
     if (!content.notice.empty()) ImGui::TextWrapped("%s", content.notice.c_str());
     ImGui::TextUnformatted("M: close the menu");
     ImGui::PopItemWidth();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "viewer/ui/edit_panel.hpp"
 #include "viewer/ui/surface.hpp"
 
 #include <array>
@@ -23,6 +24,7 @@ private:
     float mass_kg_ = 0.5f;
     std::array<float, 3> colour_{0.85f, 0.35f, 0.15f};  // sRGB
     std::array<char, 64> name_{};
+    WorldPanel worlds_;
     std::uint32_t chosen_ = 0;  // selected object; 0: none
 };
 

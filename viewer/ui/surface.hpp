@@ -4,7 +4,9 @@
 #include "core/bus/messages.hpp"
 #include "viewer/config/viewer_config.hpp"
 #include "viewer/control/surface_events.hpp"
+#include "viewer/control/world_editing.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
+#include "viewer/scene/model_folder.hpp"
 #include "viewer/scene/people_view.hpp"
 #include "viewer/ui/history.hpp"
 
@@ -36,7 +38,12 @@ struct HudContent {
     std::vector<HudLine> warnings;  // from the status reports of sites and worlds
     std::vector<HudLine> details;   // stage times from the status reports
     std::size_t num_objects = 0;
-    std::vector<ObjectLine> objects;      // ordered by number
+    std::vector<ObjectLine> objects;  // ordered by number
+    EditView edit;
+    ModelFolder::List models;  // null: not read yet
+    std::string models_folder;
+    std::string measured_model;           // file of `model_size`
+    std::optional<ModelSize> model_size;  // none: not measured yet
     std::optional<double> recording_s;    // length of the running video
     std::uint64_t num_video_dropped = 0;  // pictures missing in videos
     std::string quality;                  // reduced quality on a slow machine; empty: full quality

@@ -1,4 +1,5 @@
 #include "core/gl/entry_points.hpp"
+#include "viewer/ui/edit_panel.hpp"
 #include "viewer/ui/hud.hpp"
 #include "viewer/ui/menu.hpp"
 #include "viewer/ui/surface.hpp"
@@ -95,6 +96,9 @@ public:
         ImGui::NewFrame();
         if (is_hud_shown_) draw_hud(content, has_details_);
         if (is_menu_shown_) menu_.draw(content, events_);
+        is_dragging_ = content.edit.is_dragging;
+        has_selection_ = content.edit.selected.has_value();
+        edit_panel_.draw(content, events_);
         if (are_keys_shown_) draw_keys();
         ImGui::Render();
         ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
@@ -108,6 +112,7 @@ public:
 private:
     void pressed(int key) {
         if (ImGui::GetIO().WantTextInput) return;  // the user types a name
+        if (pressed_for_editing(key)) return;
         if (key == GLFW_KEY_F12 || key == GLFW_KEY_P) events_.screenshot = true;
         if (key == GLFW_KEY_R) events_.reset_scene = true;
         if (key == GLFW_KEY_V) events_.reset_view = true;
@@ -125,12 +130,30 @@ private:
         if (key == GLFW_KEY_DELETE) events_.remove_pointed = !ImGui::GetIO().WantCaptureMouse;
         if (key == GLFW_KEY_ESCAPE) close_what_is_open();
     }
+    // Returns true if the key is one of the editing. Letters are those of the keyboard's layout.
+    bool pressed_for_editing(int key) {
+        const char* name = glfwGetKeyName(key, 0);
+        const char letter = name == nullptr ? '\0' : name[0];
+        const bool has_control = is_down(GLFW_KEY_LEFT_CONTROL) || is_down(GLFW_KEY_RIGHT_CONTROL);
+        const bool has_shift = is_down(GLFW_KEY_LEFT_SHIFT) || is_down(GLFW_KEY_RIGHT_SHIFT);
+        EditEvents& edit = events_.edit;
+        if (has_control && letter == 'z') (has_shift ? edit.redo : edit.undo) = true;
+        if (has_control && letter == 'y') edit.redo = true;
+        if (has_control && (letter == 'z' || letter == 'y')) return true;
+        if (key == GLFW_KEY_TAB) edit.next_handles = true;
+        if (letter == 'l') edit.local_axes = true;
+        if (is_dragging_ && letter >= 'x' && letter <= 'z') edit.axis = letter - 'x';
+        return key == GLFW_KEY_TAB;
+    }
     // by character: the key of '?' differs between keyboards
     void typed(unsigned character) {
         if (character == '?' && !ImGui::GetIO().WantTextInput) are_keys_shown_ = !are_keys_shown_;
     }
     void close_what_is_open() {
-        if (!std::exchange(is_menu_shown_, false)) glfwSetWindowShouldClose(window_, GLFW_TRUE);
+        if (is_dragging_ || (has_selection_ && !is_menu_shown_))
+            events_.edit.cancel = true;
+        else if (!std::exchange(is_menu_shown_, false))
+            glfwSetWindowShouldClose(window_, GLFW_TRUE);
     }
     void toggle_full_screen() {
         if (glfwGetWindowMonitor(window_) != nullptr) {
@@ -170,6 +193,7 @@ private:
         const double now_s = glfwGetTime();
         events_.motion.seconds = now_s - std::exchange(last_time_s_, now_s);
         events_.motion.walk = walks_;
+        events_.edit.snaps = is_down(GLFW_KEY_LEFT_CONTROL) || is_down(GLFW_KEY_RIGHT_CONTROL);
         if (ImGui::GetIO().WantTextInput) return;
         const auto axis = [this](int plus, int minus) {
             return static_cast<double>(is_down(plus)) - static_cast<double>(is_down(minus));
@@ -186,6 +210,9 @@ private:
     bool is_menu_shown_ = false;
     bool has_details_ = false;
     Menu menu_;
+    EditPanel edit_panel_;
+    bool is_dragging_ = false;    // a handle, in the last picture
+    bool has_selection_ = false;  // in the last picture
     bool walks_ = false;
     std::array<int, 4> windowed_{};  // position and size before full screen
     SurfaceEvents events_;

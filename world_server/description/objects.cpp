@@ -1,10 +1,7 @@
 #include "world_server/description/objects.hpp"
 
-#include "core/model/model_file.hpp"
+#include "world_server/description/model_parts.hpp"
 #include "world_server/description/shared_entries.hpp"
-#include "world_server/physics/rigid/convex_hull.hpp"
-
-#include <fmt/format.h>
 
 #include <map>
 #include <set>
@@ -15,44 +12,18 @@ namespace atrium::world_server {
 namespace {
 
 using physics::ObjectShape;
-using Parts = std::vector<geometry::TriangleMesh>;
-
 // Hulls of the models in a world file: ten equal chairs share one set.
-using KnownParts =
-    std::map<std::tuple<std::string, double, ObjectShape>, std::shared_ptr<const Parts>>;
-
-void append(std::vector<Eigen::Vector3d>& points, const geometry::TriangleMesh& mesh) {
-    points.insert(points.end(), mesh.vertices.begin(), mesh.vertices.end());
-}
-
-// Creates the hulls. Convex: one hull around everything; compound: one hull per part of the file.
-Expected<Parts> make_parts(const std::vector<model::ModelPart>& model, ObjectShape shape) {
-    Parts parts;
-    std::vector<Eigen::Vector3d> points;
-    for (const model::ModelPart& part : model) {
-        if (shape == ObjectShape::kCompound) points.clear();
-        append(points, part.mesh);
-        if (shape == ObjectShape::kConvex && &part != &model.back()) continue;
-        parts.push_back(physics::convex_hull(points, physics::kMaxHullVertices));
-        if (parts.back().empty()) {
-            return make_error(ErrorKind::kInvalidData,
-                              fmt::format("part '{}' has no volume", part.name));
-        }
-    }
-    return parts;
-}
+using KnownParts = std::map<std::tuple<std::string, double, ObjectShape>, ModelParts>;
 
 void read_model(config::TableReader& reader, WorldObject& object, KnownParts& known) {
     Look& look = object.look;
     physics::RigidObject& rigid = object.rigid;
     if (!read_model_name(reader, look.model, look.model_scale)) return;
-    std::shared_ptr<const Parts>& parts = known[{look.model, look.model_scale, rigid.shape}];
+    ModelParts& parts = known[{look.model, look.model_scale, rigid.shape}];
     if (!parts) {
-        const auto model = model::load_model(reader.folder() / look.model, look.model_scale);
-        if (!model) return reader.reject("model", model.error());
-        auto made = make_parts(*model, rigid.shape);
-        if (!made) return reader.reject("model", made.error());
-        parts = std::make_shared<const Parts>(std::move(*made));
+        auto loaded = load_model_parts(reader.folder() / look.model, look.model_scale, rigid.shape);
+        if (!loaded) return reader.reject("model", loaded.error());
+        parts = std::move(*loaded);
     }
     rigid.parts = parts;
     rigid.size_m = physics::extents_of(*parts);
@@ -124,6 +95,7 @@ WorldObject read_object(config::TableReader& reader,
     reader.read("friction", rigid.friction, {0.0, 10.0});
     reader.read("restitution", rigid.restitution, {0.0, 1.0});
     reader.read("rolling_friction_m", rigid.rolling_friction_m, {0.0, 1.0});
+    reader.read("drag_per_s", rigid.drag_per_s, {0.0, 100.0});
 
     if (has_model && !rigid.parts) return object;  // already rejected
     if (const auto problem = physics::find_problem(to_rigid(object))) {

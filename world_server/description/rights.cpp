@@ -38,6 +38,7 @@ void read_rights(config::TableReader& reader, Rights& rights) {
                                      {"reset", &rights.reset},
                                      {"push", &rights.push},
                                      {"grab", &rights.grab},
+                                     {"edit", &rights.edit},
                                      {"save", &rights.save}}) {
         read_right(table, key, *right);
     }

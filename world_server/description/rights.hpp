@@ -23,7 +23,8 @@ struct Rights {
     Right reset;
     Right push;
     Right grab;                                  // includes moving and releasing held objects
-    Right save{.everyone = false, .names = {}};  // includes restoring
+    Right edit;                                  // changing and placing objects
+    Right save{.everyone = false, .names = {}};  // includes restoring, saved worlds
     double max_per_s = 200.0;                    // commands per sender; a dragging mouse sends 60
 };
 

@@ -42,11 +42,10 @@ geometry::TriangleMesh weld(const std::vector<model::ModelPart>& parts) {
     return welded;
 }
 
-void read_model(config::TableReader& table, SoftObject& object) {
-    std::string file;
-    double scale = 1.0;
-    if (!read_model_name(table, file, scale)) return;
-    const auto parts = model::load_model(table.folder() / file, scale);
+void read_model(config::TableReader& table, WorldSoftObject& soft) {
+    const std::string& file = soft.model;
+    if (!read_model_name(table, soft.model, soft.model_scale)) return;
+    const auto parts = model::load_model(table.folder() / file, soft.model_scale);
     if (!parts) return table.reject("model", parts.error());
     geometry::TriangleMesh mesh = weld(*parts);
     if (mesh.vertices.size() > physics::kMaxSoftNodes) {
@@ -56,7 +55,7 @@ void read_model(config::TableReader& table, SoftObject& object) {
                                         file,
                                         mesh.vertices.size()));
     }
-    object.model = std::move(mesh);
+    soft.object.model = std::move(mesh);
 }
 
 void read_length(config::TableReader& table, const std::string& key, double& value) {
@@ -64,7 +63,8 @@ void read_length(config::TableReader& table, const std::string& key, double& val
     table.read(key, value, kSizeRange);
 }
 
-void read_size(config::TableReader& table, SoftObject& object, const std::string& shape) {
+void read_size(config::TableReader& table, WorldSoftObject& soft, const std::string& shape) {
+    SoftObject& object = soft.object;
     Eigen::Vector3d& size = object.size_m;
     if (shape == "cloth") {
         object.shape = SoftShape::kCloth;
@@ -85,7 +85,7 @@ void read_size(config::TableReader& table, SoftObject& object, const std::string
         size.setConstant(diameter_m);
     } else if (shape == "model") {
         object.shape = SoftShape::kModel;
-        read_model(table, object);
+        read_model(table, soft);
     } else {
         object.shape = SoftShape::kBox;
         table.require("size_m");
@@ -131,7 +131,7 @@ WorldSoftObject read_soft_object(
     std::string shape;
     table.require("shape");
     table.read("shape", shape, {"cloth", "rope", "ball", "box", "model"});
-    read_size(table, object, shape);
+    read_size(table, soft, shape);
     if (object.shape != SoftShape::kModel) table.read("spacing_m", object.spacing_m, kSizeRange);
     const bool has_model = object.shape == SoftShape::kModel;
     if (has_model && object.model.empty()) return soft;  // already rejected

@@ -19,6 +19,8 @@ struct WorldSoftObject {
     std::string name;
     Eigen::Vector3d colour{0.7, 0.7, 0.7};  // linear RGB, 0..1
     std::string texture = {};               // a picture; empty: none
+    std::string model = {};                 // file of a model; empty: none
+    double model_scale = 1.0;               // [m] per unit of the model
     physics::SoftObject object;
 };
 

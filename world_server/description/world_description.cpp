@@ -11,6 +11,10 @@
 namespace atrium::world_server {
 
 void read_world(config::TableReader& reader, WorldDescription& description) {
+    std::filesystem::path models = reader.folder().empty() ? "." : reader.folder();
+    reader.read("world.models", models);
+    reader.set_folder(models);
+    description.models_folder = models;
     reader.read("world.gravity", description.world.gravity.data(), 3, {-100.0, 100.0});
     read_bounds(reader, description.world);
     const Materials materials = read_materials(reader);

@@ -8,6 +8,7 @@
 #include "world_server/physics/rigid/joint.hpp"
 #include "world_server/physics/world.hpp"
 
+#include <filesystem>
 #include <vector>
 
 namespace atrium::world_server {
@@ -20,11 +21,12 @@ struct WorldDescription {
     std::vector<physics::Joint> joints;  // refer to `objects` by id
     std::vector<WorldScenery> scenery;
     std::vector<NamedPlacement> placements;
+    std::filesystem::path models_folder;  // of the files that the description names; empty: none
     Rights rights;
 };
 
-/// Reads the settings that exist only in a world file: gravity, bounds, materials, objects,
-/// puppets, soft objects, joints, scenery, sites and rights. Call after the plain options are read.
+/// Reads the settings that exist only in a world file: folder of models, gravity, bounds,
+/// materials, objects, puppets, soft objects, joints, scenery, sites and rights. Call after the plain options are read.
 /// Problems go to `reader`.
 void read_world(config::TableReader& reader, WorldDescription& description);
 

@@ -11,7 +11,8 @@ namespace atrium::physics {
 World::Impl::Impl(const WorldOptions& world_options)
     : options(world_options),
       contacts(dispatcher, world_options.people.contacts),
-      grabs({.tick_s = world_options.tick_s}) {
+      grabs({.tick_s = world_options.tick_s}),
+      holds({.tick_s = world_options.tick_s}) {
     assert(options.tick_s > 0.0 && options.max_speed_mps > 0.0);
     world.setGravity(to_bullet(options.gravity));
     // without this, an object put or pressed onto a plane stands on one corner for the first ticks
@@ -43,6 +44,7 @@ void World::Impl::begin_tick(btDynamicsWorld* world, btScalar tick_s) {
         return {object == nullptr ? nullptr : &object->body(), self.soft.find(id)};
     };
     self.grabs.begin_tick(find_held, self.options.gravity);
+    self.begin_holds();
     self.people.begin_tick(tick_s);
     self.contacts.begin_tick(self.people, tick_s);
     std::vector<btRigidBody*>& around = self.soft.begin_tick(self.people);
@@ -52,8 +54,8 @@ void World::Impl::begin_tick(btDynamicsWorld* world, btScalar tick_s) {
 }
 
 ObjectBody* World::Impl::find_moving(std::uint32_t id) {
-    const auto object = objects.find(id);
-    return object == objects.end() || !object->second->moves() ? nullptr : object->second.get();
+    ObjectBody* object = find(id);
+    return object == nullptr || !object->moves() ? nullptr : object;
 }
 
 World::World(const WorldOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -98,10 +100,8 @@ bool World::Impl::remove(std::uint32_t id) {
         return false;
     }
     grabs.forget(id);
-    // wake objects that may have rested on it
-    for (auto& [other, object] : objects) {
-        if (object->moves()) object->body().activate();
-    }
+    holds.forget(id);
+    wake_all();  // some may have rested on it
     return true;
 }
 
@@ -175,7 +175,10 @@ bool World::release(const std::string& holder, std::uint32_t id) {
     return impl_->grabs.release(holder, id);
 }
 
-void World::release_all(const std::string& holder) { impl_->grabs.release_all(holder); }
+void World::release_all(const std::string& holder) {
+    impl_->grabs.release_all(holder);
+    impl_->holds.let_go_all(holder);
+}
 
 std::size_t World::num_grabs() const { return impl_->grabs.size(); }
 
@@ -186,9 +189,7 @@ void World::set_person(const std::string& name, const PersonShape& shape) {
 void World::remove_person(const std::string& name) {
     if (!impl_->people.remove_person(name)) return;
     impl_->contacts.forget_person(name);
-    for (auto& [id, object] : impl_->objects) {
-        if (object->moves()) object->body().activate();  // objects that lay on the person fall
-    }
+    impl_->wake_all();  // objects that lay on the person fall
 }
 
 void World::tick() {
@@ -197,6 +198,7 @@ void World::tick() {
         impl_->centres_before[id] = object->centre();
     }
     impl_->world.stepSimulation(static_cast<btScalar>(impl_->options.tick_s), /*maxSubSteps=*/0);
+    impl_->end_holds();
     const auto record = [&](const Incident& incident) { impl_->record(incident); };
     for (const std::uint32_t id : impl_->soft.end_tick(impl_->counters, record)) impl_->remove(id);
     impl_->contacts.end_tick();

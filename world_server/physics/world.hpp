@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/geometry/rigid_transform.hpp"
+#include "world_server/physics/hold.hpp"
 #include "world_server/physics/options/world_options.hpp"
 #include "world_server/physics/people/person_shape.hpp"
 #include "world_server/physics/rigid/joint.hpp"
@@ -14,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -86,8 +88,28 @@ public:
     /// False if the holder does not hold the object.
     bool move_grab(const std::string& holder, std::uint32_t id, const Eigen::Vector3d& goal_world);
     bool release(const std::string& holder, std::uint32_t id);
+    /// Also lets go of held objects.
     void release_all(const std::string& holder);
     std::size_t num_grabs() const;
+
+    /// Carries an object towards a pose (hold.hpp). The goal must be finite.
+    HoldResult hold(const std::string& holder,
+                    std::uint32_t id,
+                    const geometry::RigidTransform& goal);
+    bool let_go(const std::string& holder, std::uint32_t id);
+    std::string holder_of(std::uint32_t id) const;  // empty: nobody holds it
+    /// Puts a rigid object at a pose, at rest; fixed objects too. False if the id is unknown.
+    bool place(std::uint32_t id, const geometry::RigidTransform& pose);
+    /// Sets the pose to which `reset` returns an object. False if the id is unknown.
+    bool set_start(std::uint32_t id, const geometry::RigidTransform& pose);
+    /// Gives the rigid object of that id other size, mass, friction and restitution. Keeps pose,
+    /// velocity and hold; an object that becomes fixed stops. False if the id is unknown, the
+    /// object is not valid, or it is joined and its size changes or it becomes fixed or movable.
+    bool change(const RigidObject& object);
+    /// True if joints or soft objects are attached to it.
+    bool is_joined(std::uint32_t id) const;
+    const RigidObject* object(std::uint32_t id) const;  // null: no such rigid object
+    std::optional<geometry::RigidTransform> pose_of(std::uint32_t id) const;
 
     void get_state(WorldState& state) const;
     /// Continues from `state`. Equal states and equal later calls give equal states, whatever

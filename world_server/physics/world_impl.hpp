@@ -1,6 +1,7 @@
 #pragma once
 
 #include "world_server/physics/grab.hpp"
+#include "world_server/physics/hold.hpp"
 #include "world_server/physics/people/people_contacts.hpp"
 #include "world_server/physics/people/people_field.hpp"
 #include "world_server/physics/rigid/joints.hpp"
@@ -24,12 +25,16 @@ namespace atrium::physics {
 /// Collision groups of the Bullet world, one bit each.
 enum CollisionGroup : int { kStaticGroup = 1, kObjectGroup = 2 };
 
-/// Parts of a world, shared by world.cpp, world_incidents.cpp and world_snapshot.cpp.
+/// Parts of a world, shared by world.cpp and the files world_*.cpp.
 struct World::Impl {
     explicit Impl(const WorldOptions& world_options);
     ~Impl();
     static void begin_tick(btDynamicsWorld* world, btScalar tick_s);
+    ObjectBody* find(std::uint32_t id);  // null: no such rigid object
     ObjectBody* find_moving(std::uint32_t id);
+    void wake_all();
+    void begin_holds();
+    void end_holds();
     std::optional<IncidentKind> find_incident(ObjectBody& object);
     void handle_incidents();
     void act_on(const Incident& incident);
@@ -48,6 +53,7 @@ struct World::Impl {
     PeopleField people{options.people.field};
     PeopleContacts contacts;
     Grabs grabs;
+    Holds holds;
     std::map<std::uint32_t, Eigen::Vector3d> centres_before;  // dynamic objects only
     Surroundings surroundings{world, kStaticGroup, kObjectGroup};
     Joints joints{world, options.tick_s, options.rigid.joint};

@@ -96,6 +96,11 @@ private:
         text.clear();
         const bool may_be_empty = kind == Text::kNameOrNone || kind == Text::kModelFileOrNone;
         if (may_be_empty && below(2) == 0) return;
+        if (kind == Text::kLine) {
+            text.resize(below(kMaxTextLength + 1));
+            for (char& c : text) c = static_cast<char>(' ' + below('~' - ' ' + 1));
+            return;
+        }
         text.resize(1 + below(kMaxNameLength));
         for (char& c : text) c = kLetters[below(kLetters.size())];
         if (kind == Text::kName || kind == Text::kNameOrNone) return;

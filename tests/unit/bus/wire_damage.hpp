@@ -107,6 +107,12 @@ private:
     }
     template <std::size_t N>
     void damage(char (&text)[N], Text kind) {
+        if (kind == Text::kLine) {
+            for (const char* bad : {"a\nb", "\x7f", "\xc3\xa4"})
+                may([&] { spoil_text(text, bad); });
+            may([&] { std::memset(text, 'a', N); });  // no terminator
+            return;
+        }
         const bool is_name = kind == Text::kName || kind == Text::kNameOrNone;
         if (kind == Text::kName || kind == Text::kModelFile) may([&] { spoil_text(text, ""); });
         for (const char* bad : {"a b", "a\nb", "\xff", "*", is_name ? "a/b" : "/a", "../a"})

@@ -9,7 +9,7 @@
 namespace atrium::physics {
 
 ObjectBody::ObjectBody(const RigidObject& object, const WorldOptions& options)
-    : object_(object), shape_(object, options.rigid.hull) {
+    : object_(object), shape_(object, options.rigid.hull), inertia_(shape_.inertia()) {
     btRigidBody::btRigidBodyConstructionInfo info(
         btScalar(object.mass_kg), nullptr, &shape_.shape(), to_bullet(shape_.inertia()));
     info.m_startWorldTransform = start();
@@ -58,6 +58,21 @@ void ObjectBody::set_state(const RigidState& state) {
     move_to(to_bullet(world_from_body),
             to_bullet((state.linear_velocity - state.angular_velocity.cross(from_centre)).eval()),
             to_bullet(state.angular_velocity));
+}
+
+void ObjectBody::set_material(double mass_kg, double friction, double restitution) {
+    assert((mass_kg > 0.0) == moves());
+    if (moves()) {
+        const double ratio = mass_kg / object_.mass_kg;
+        inertia_ *= ratio;
+        body_->setMassProps(btScalar(mass_kg), to_bullet(inertia_));
+        body_->updateInertiaTensor();
+    }
+    body_->setFriction(btScalar(friction));
+    body_->setRestitution(btScalar(restitution));
+    object_.mass_kg = mass_kg;
+    object_.friction = friction;
+    object_.restitution = restitution;
 }
 
 Eigen::Vector3d ObjectBody::centre() const {

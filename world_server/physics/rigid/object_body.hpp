@@ -36,6 +36,10 @@ public:
     RigidState state() const;
     /// Sets pose and velocities and wakes the object. Ignores `state.id`.
     void set_state(const RigidState& state);
+    /// Sets the pose to which `reset_to_start` returns.
+    void set_start(const geometry::RigidTransform& pose) { object_.world_from_object = pose; }
+    /// Sets mass and surface. A fixed object stays fixed, a movable one movable.
+    void set_material(double mass_kg, double friction, double restitution);
     /// Returns the object to its start pose, at rest and awake.
     void reset_to_start();
     bool is_finite() const;
@@ -50,6 +54,7 @@ private:
 
     RigidObject object_;
     CollisionShape shape_;
+    Eigen::Vector3d inertia_;  // principal moments [kg m^2]
     std::unique_ptr<btRigidBody> body_;
 };
 

@@ -66,6 +66,11 @@ protected:
             all.reset_scene |= events.reset_scene;
             if (events.add) all.add = events.add;
             if (events.remove) all.remove = events.remove;
+            // the viewer selects it
+            if (events.edit.select) {
+                figures_.edit.selected.emplace();
+                figures_.edit.selected->object = *events.edit.select;
+            }
         };
         for (const bool is_down : {true, false}) {
             display_->hold_button(kTitle, is_down);
@@ -131,6 +136,8 @@ TEST_F(ViewerWindow, ReportsItsKeys) {
     EXPECT_TRUE(gives("v", [](const SurfaceEvents& e) { return e.reset_view; }));
     EXPECT_TRUE(gives("f", [](const SurfaceEvents& e) { return e.follow; }));
     EXPECT_TRUE(gives("2", [](const SurfaceEvents& e) { return e.person == 2; }));
+    EXPECT_TRUE(gives("Tab", [](const SurfaceEvents& e) { return e.edit.next_handles; }));
+    EXPECT_TRUE(gives("l", [](const SurfaceEvents& e) { return e.edit.local_axes; }));
     EXPECT_TRUE(gives("g", [](const SurfaceEvents& e) { return e.motion.walk; }));
     EXPECT_TRUE(gives("g", [](const SurfaceEvents& e) { return !e.motion.walk; }));
 }
@@ -200,6 +207,45 @@ TEST_F(ViewerWindow, MenuTakesTheMouseAndTheKeys) {
     display_->press_escape(kTitle);
     for (int i = 0; i < 20; ++i) EXPECT_FALSE(draw().close) << "Escape must close only the menu";
     EXPECT_TRUE(click(x, 120).pointer.is_down) << "it is closed";
+}
+
+TEST_F(ViewerWindow, PanelOfTheSelectedObjectChangesItOnceAndEscapeDeselects) {
+    figures_.edit.is_supported = true;
+    figures_.edit.selected.emplace();
+    figures_.edit.selected->object = 7;
+    figures_.edit.selected->name = "box";
+    figures_.edit.selected->mass_kg = 2.5;
+    figures_.edit.selected->size_m = {0.3, 0.2, 0.1};
+    for (int i = 0; i < 20; ++i) EXPECT_FALSE(draw().edit.change) << "nothing was changed";
+    // the column of the check box, from above
+    const auto fixed_by_click = [&](int y) {
+        display_->point_at(kTitle, 354, y);
+        std::optional<bus::SceneObject> changed;
+        int num_changes = 0;
+        for (const bool is_down : {true, false}) {
+            for (int i = 0; i < 3; ++i) draw();
+            display_->hold_button(kTitle, is_down);
+            for (int i = 0; i < 5; ++i) {
+                const SurfaceEvents events = draw();
+                num_changes += events.edit.change ? 1 : 0;
+                if (events.edit.change) changed = events.edit.change;
+            }
+        }
+        EXPECT_LE(num_changes, 1);
+        return changed;
+    };
+    std::optional<bus::SceneObject> changed;
+    for (int y = 90; y < 340 && !changed; y += 8) changed = fixed_by_click(y);
+    ASSERT_TRUE(changed);
+    EXPECT_EQ(changed->object, 7U);
+    EXPECT_EQ(changed->mass_kg, 0.0);
+    EXPECT_EQ(changed->size_m, Eigen::Vector3d(0.3, 0.2, 0.1)) << "bit for bit";
+    display_->press_escape(kTitle);
+    EXPECT_TRUE(comes_true([&] {
+        const SurfaceEvents events = draw();
+        EXPECT_FALSE(events.close);
+        return events.edit.cancel;
+    }));
 }
 
 TEST_F(ViewerWindow, TogglesFullScreen) {

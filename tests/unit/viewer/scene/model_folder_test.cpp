@@ -1,0 +1,51 @@
+#include "viewer/scene/model_folder.hpp"
+
+#include "tests/support/comes_true.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+
+namespace atrium::viewer {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(ModelFolder, ListsModelsOfAllFoldersAndMeasuresThem) {
+    const fs::path root = fs::temp_directory_path() / ("atrium-models-" + std::to_string(getpid()));
+    fs::create_directories(root / "models/deep");
+    fs::create_directories(root / ".hidden");
+    const auto put = [&](const char* name, const char* text) {
+        std::ofstream(root / name) << text;
+    };
+    put("models/tetra.obj",
+        "v 0 0 0\nv 2 0 0\nv 0 0.5 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    put("models/deep/broken.obj", "v 0 0 0\nf 1 2 900\n");
+    put("models/paint.png", "a picture");
+    put("models/a name.obj", "");
+    put(".hidden/secret.obj", "");
+    ModelFolder folder(root);
+    EXPECT_EQ(folder.list(), nullptr);
+    folder.scan();
+    ASSERT_TRUE(test_support::comes_true([&] {
+        folder.update();
+        return folder.list() != nullptr;
+    }));
+    ASSERT_EQ(folder.list()->size(), 2U) << "only names that the bus allows";
+    EXPECT_EQ(folder.list()->at(0).file, "models/deep/broken.obj");
+    EXPECT_EQ(folder.list()->at(1).file, "models/tetra.obj");
+    for (const ModelEntry& entry : *folder.list()) folder.measure(entry.file);
+    ASSERT_TRUE(test_support::comes_true([&] {
+        folder.update();
+        return folder.size_of("models/tetra.obj") && folder.size_of("models/deep/broken.obj");
+    }));
+    EXPECT_TRUE(folder.size_of("models/tetra.obj")->size_m.isApprox(Eigen::Vector3d(2, 0.5, 1)));
+    EXPECT_EQ(folder.size_of("models/tetra.obj")->num_triangles, 4U);
+    EXPECT_THAT(folder.size_of("models/deep/broken.obj")->error, testing::HasSubstr("broken.obj"));
+    fs::remove_all(root);
+}
+
+}  // namespace
+}  // namespace atrium::viewer

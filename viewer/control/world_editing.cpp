@@ -1,0 +1,206 @@
+#include "viewer/control/world_editing.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace atrium::viewer {
+namespace {
+
+constexpr double kClickPx = 4.0;  // a press that moves further is a drag
+constexpr std::chrono::milliseconds kHoldPeriod{15};
+constexpr std::chrono::milliseconds kHoldSignOfLife{500};
+
+bool is_same(const geometry::RigidTransform& a, const geometry::RigidTransform& b) {
+    return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs();
+}
+
+}  // namespace
+
+std::optional<EditHistory::Object> WorldEditing::object_of(std::uint32_t id,
+                                                           const Shown& shown) const {
+    const auto found = shown.objects.find(id);
+    if (id == 0 || found == shown.objects.end()) return std::nullopt;
+    EditHistory::Object object{found->second, found->second.world_from_object};
+    for (const bus::ObjectState& state : shown.states) {
+        if (state.object == id) object.pose = state.world_from_object;
+    }
+    return object;
+}
+
+EditHandles WorldEditing::handles_of(const EditHistory::Object& object) const {
+    EditHandles handles;
+    handles.mode = mode_;
+    handles.is_local = is_local_;
+    handles.world_from_object = drag_ ? goal_ : object.pose;
+    return handles;
+}
+
+WorldEditing::Edits WorldEditing::update(const EditEvents& events,
+                                         const Shown& shown,
+                                         Clock::time_point now) {
+    Edits out;
+    if (!events.is_enabled) {
+        if (drag_) cancel(out);
+        selected_ = 0;
+        return out;
+    }
+    if (const std::uint32_t added = history_.take_added(); added != 0) selected_ = added;
+    if (selected_ != 0 && !shown.objects.contains(selected_) && !drag_) hovered_.reset();
+    take_keys(events, shown, now, out);
+    const bool is_pressed = shown.pointer.is_down && !was_down_;
+    if (!shown.pointer.is_down && !was_down_) owns_press_ = false;
+    const bool is_released = !shown.pointer.is_down && was_down_;
+    was_down_ = shown.pointer.is_down;
+    if (is_pressed) press(shown, now);
+    if ((shown.pointer.at_px - pressed_px_).norm() > kClickPx) is_click_ = false;
+    if (drag_)
+        drag(events, shown, now, out);
+    else if (is_released && std::exchange(is_click_, false))
+        select_by_click(shown);
+    const auto object = object_of(selected_, shown);
+    if (!drag_ && !shown.pointer.is_down) {
+        hovered_ = object && object->object.shape != bus::Shape::kSoft
+                       ? handles_of(*object).pick(shown.pointer, shown.eye)
+                       : std::nullopt;
+    }
+    if (auto wanted = history_.next(now, texts_)) out.push_back(std::move(*wanted));
+    return out;
+}
+
+void WorldEditing::take_keys(const EditEvents& events,
+                             const Shown& shown,
+                             Clock::time_point now,
+                             Edits& out) {
+    if (events.select) selected_ = *events.select;
+    if (events.next_handles && !drag_)
+        mode_ = mode_ == HandleMode::kMove ? HandleMode::kRotate : HandleMode::kMove;
+    if (events.local_axes && !drag_) is_local_ = !is_local_;
+    if (events.axis && drag_) drag_->constrain(*events.axis, shown.pointer, shown.eye);
+    if (events.undo && !drag_) history_.want_undo();
+    if (events.redo && !drag_) history_.want_redo();
+    if (events.cancel) {
+        if (drag_)
+            cancel(out);
+        else
+            selected_ = 0;
+    }
+    if (events.change) {
+        if (const auto before = object_of(events.change->object, shown))
+            out.push_back(history_.change(*before, *events.change, now));
+    }
+    if (!events.save_world.empty()) out.push_back(history_.save_world(events.save_world, now));
+    if (!events.load_world.empty()) out.push_back(history_.load_world(events.load_world, now));
+}
+
+void WorldEditing::press(const Shown& shown, Clock::time_point now) {
+    is_click_ = true;
+    pressed_px_ = shown.pointer.at_px;
+    const auto object = object_of(selected_, shown);
+    if (!object || object->object.shape == bus::Shape::kSoft) return;
+    const EditHandles handles = handles_of(*object);
+    const auto handle = handles.pick(shown.pointer, shown.eye);
+    if (!handle) return;
+    if (!is_supported()) {
+        texts_.emplace_back("the world server does not know edits: it cannot be moved by handles");
+        return;
+    }
+    is_click_ = false;
+    owns_press_ = true;
+    dragged_ = *object;
+    goal_ = sent_ = object->pose;
+    drag_.emplace(handles, *handle, shown.pointer, shown.eye);
+    hovered_ = handle;
+    sent_at_ = now - kHoldSignOfLife;
+}
+
+void WorldEditing::drag(const EditEvents& events,
+                        const Shown& shown,
+                        Clock::time_point now,
+                        Edits& out) {
+    if (!shown.objects.contains(dragged_.object.object)) {
+        drag_.reset();
+        texts_.push_back(dragged_.object.name + " was removed meanwhile");
+        return;
+    }
+    if (!shown.pointer.is_down) {
+        const bool has_moved = !is_same(goal_, dragged_.pose);
+        drag_.reset();
+        if (has_moved)
+            out.push_back(history_.place(dragged_, goal_, now));
+        else
+            out.push_back(history_.edit(bus::EditKind::kLetGo, dragged_.object.object));
+        return;
+    }
+    goal_ = drag_->update(shown.pointer, shown.eye, events.snaps);
+    hovered_ = drag_->handle();
+    const bool is_news = !is_same(goal_, sent_) && now - sent_at_ >= kHoldPeriod;
+    if (!is_news && now - sent_at_ < kHoldSignOfLife) return;
+    bus::SceneEdit hold = history_.edit(bus::EditKind::kHold, dragged_.object.object);
+    hold.world_from_object = goal_;
+    out.push_back(std::move(hold));
+    sent_ = goal_;
+    sent_at_ = now;
+}
+
+// Puts the object back to where the drag began. Its start stays as it was.
+void WorldEditing::cancel(Edits& out) {
+    const std::uint32_t id = dragged_.object.object;
+    bus::SceneEdit back = history_.edit(bus::EditKind::kPlace, id);
+    back.object = dragged_.object;
+    back.world_from_object = dragged_.pose;
+    out.push_back(std::move(back));
+    drag_.reset();
+    is_click_ = false;
+}
+
+void WorldEditing::select_by_click(const Shown& shown) {
+    const auto hit = shown.pick(ray_of(shown.pointer.at_px, shown.eye));
+    selected_ = hit ? hit->object : 0;
+}
+
+WorldEditing::Edits WorldEditing::add(const bus::SceneObject& object, Clock::time_point now) {
+    return {history_.add(object, now)};
+}
+
+WorldEditing::Edits WorldEditing::remove(std::uint32_t object,
+                                         const Shown& shown,
+                                         Clock::time_point now) {
+    const auto removed = object_of(object, shown);
+    if (!removed) return {};
+    if (selected_ == object) selected_ = 0;
+    return {history_.remove(*removed, now)};
+}
+
+std::vector<std::string> WorldEditing::take(EditNews news, Clock::time_point now) {
+    if (news.is_server_gone) worlds_.reset();
+    if (news.saved_worlds) worlds_ = std::move(news.saved_worlds);
+    // a hold that the server refused: the drag is over
+    const bool was_hold_refused =
+        drag_ && std::any_of(news.results.begin(), news.results.end(), [](const auto& result) {
+            return !result.is_done;
+        });
+    std::vector<std::string> texts = history_.take(news.results, is_supported(), now);
+    if (was_hold_refused) drag_.reset();
+    texts.insert(texts.end(), texts_.begin(), texts_.end());
+    texts_.clear();
+    return texts;
+}
+
+EditView WorldEditing::view(const Shown& shown) const {
+    EditView view;
+    view.is_supported = is_supported();
+    view.worlds = worlds_;
+    if (const auto* step = history_.undo_step()) view.undo = step->name;
+    if (const auto* step = history_.redo_step()) view.redo = step->name;
+    const auto object = object_of(selected_, shown);
+    if (!object) return view;
+    view.selected = object->object;
+    view.pose = object->pose;
+    view.handles = handles_of(*object);
+    view.active = hovered_;
+    view.is_dragging = drag_.has_value();
+    if (drag_) view.readout = drag_->readout();
+    return view;
+}
+
+}  // namespace atrium::viewer

@@ -1,0 +1,93 @@
+#pragma once
+
+#include "viewer/control/edit_events.hpp"
+#include "viewer/control/edit_handles.hpp"
+#include "viewer/control/edit_history.hpp"
+#include "viewer/control/scene_editor.hpp"
+#include "viewer/receive/edit_link.hpp"
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace atrium::viewer {
+
+/// What the picture and the panels show of the editing.
+struct EditView {
+    bool is_supported = false;  // the world server knows edits
+    std::optional<bus::SceneObject> selected;
+    geometry::RigidTransform pose{};  // of the selected object, as shown
+    EditHandles handles{};
+    std::optional<Handle> active;  // dragged, else under the pointer
+    bool is_dragging = false;
+    std::string readout;  // while dragging
+    std::string undo;     // name of the object of the next undo; empty: none
+    std::string redo;
+    std::optional<bus::SavedWorlds> worlds;
+};
+
+/// Selects objects, drags their handles and builds the edits for the world server. Has no clock
+/// and no bus. Drawing thread only.
+class WorldEditing {
+public:
+    using Clock = std::chrono::steady_clock;
+    using Edits = EditHistory::Edits;
+    using Objects = SceneEditor::Objects;
+
+    explicit WorldEditing(const std::string& sender) : history_(sender) {}
+
+    /// The world in the last picture.
+    struct Shown {
+        Pointer pointer;  // in the picture of `eye`
+        renderer::EyeView eye;
+        std::function<std::optional<Hit>(const Ray&)> pick;  // fixed objects too
+        const Objects& objects;
+        const std::vector<bus::ObjectState>& states;
+    };
+    /// Handles pointer and keys. Returns edits to send.
+    Edits update(const EditEvents& events, const Shown& shown, Clock::time_point now);
+    /// True from a press on a handle to the release of the button: it moves neither viewpoint nor
+    /// objects.
+    bool has_pointer() const { return owns_press_; }
+
+    Edits add(const bus::SceneObject& object, Clock::time_point now);
+    /// The pose is where the object is shown.
+    Edits remove(std::uint32_t object, const Shown& shown, Clock::time_point now);
+
+    /// Takes news of the server; returns what the user should read.
+    std::vector<std::string> take(EditNews news, Clock::time_point now);
+    bool is_supported() const { return worlds_.has_value(); }
+    std::uint32_t selected() const { return selected_; }
+    EditView view(const Shown& shown) const;
+
+private:
+    std::optional<EditHistory::Object> object_of(std::uint32_t id, const Shown& shown) const;
+    EditHandles handles_of(const EditHistory::Object& object) const;
+    void take_keys(const EditEvents& events, const Shown& shown, Clock::time_point now, Edits& out);
+    void select_by_click(const Shown& shown);
+    void press(const Shown& shown, Clock::time_point now);
+    void drag(const EditEvents& events, const Shown& shown, Clock::time_point now, Edits& out);
+    void cancel(Edits& out);
+
+    EditHistory history_;
+    std::optional<bus::SavedWorlds> worlds_;
+    std::uint32_t selected_ = 0;
+    HandleMode mode_ = HandleMode::kMove;
+    bool is_local_ = false;
+    std::optional<Handle> hovered_;
+    std::optional<HandleDrag> drag_;
+    EditHistory::Object dragged_;  // when the drag began
+    geometry::RigidTransform goal_{};
+    geometry::RigidTransform sent_{};
+    Clock::time_point sent_at_;
+    bool was_down_ = false;
+    bool owns_press_ = false;  // the button was pressed on a handle
+    bool is_click_ = false;    // pressed, and not moved since
+    Eigen::Vector2d pressed_px_ = Eigen::Vector2d::Zero();
+    std::vector<std::string> texts_;
+};
+
+}  // namespace atrium::viewer

@@ -1,0 +1,88 @@
+#include "viewer/scene/model_folder.hpp"
+
+#include "core/bus/names.hpp"
+#include "core/geometry/aabb.hpp"
+#include "core/model/model_file.hpp"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+namespace atrium::viewer {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::size_t kMaxFiles = 2000;  // in the list
+constexpr std::size_t kMaxLooked = 50'000;
+constexpr int kMaxDepth = 6;
+
+}  // namespace
+
+ModelFolder::ModelFolder(const fs::path& folder)
+    : reader_([folder](const std::string& file) -> Expected<Read> {
+          if (file.empty()) return Read{list_of(folder), {}};
+          return Read{{}, measure_file(folder / file)};
+      }) {}
+
+std::vector<ModelEntry> ModelFolder::list_of(const fs::path& folder) {
+    std::vector<ModelEntry> list;
+    std::error_code failure;
+    fs::recursive_directory_iterator entry(
+        folder, fs::directory_options::skip_permission_denied, failure);
+    std::size_t num_looked = 0;
+    for (; !failure && entry != fs::end(entry) && list.size() < kMaxFiles &&
+           ++num_looked < kMaxLooked;
+         entry.increment(failure)) {
+        if (entry.depth() >= kMaxDepth) entry.disable_recursion_pending();
+        std::error_code ignored;
+        if (!entry->is_regular_file(ignored) || !model::is_model_name(entry->path())) continue;
+        const std::string file = entry->path().lexically_relative(folder).generic_string();
+        if (bus::is_valid_model_file(file)) list.push_back({file, entry->file_size(ignored)});
+    }
+    std::sort(
+        list.begin(), list.end(), [](const auto& a, const auto& b) { return a.file < b.file; });
+    return list;
+}
+
+ModelSize ModelFolder::measure_file(const fs::path& file) {
+    ModelSize size;
+    const auto parts = model::load_model(file);
+    if (!parts) {
+        size.error = parts.error().message;
+        return size;
+    }
+    geometry::Aabb bounds;
+    for (const model::ModelPart& part : *parts) {
+        size.num_triangles += part.mesh.triangles.size();
+        for (const Eigen::Vector3d& vertex : part.mesh.vertices) bounds.add(vertex);
+    }
+    size.num_parts = parts->size();
+    size.size_m = bounds.size();
+    return size;
+}
+
+void ModelFolder::scan() {
+    reader_.forget();
+    reader_.want({});
+}
+
+void ModelFolder::measure(const std::string& file) {
+    if (!file.empty() && !sizes_.contains(file)) reader_.want(file);
+}
+
+void ModelFolder::update() {
+    for (auto& [file, read] : reader_.take()) {
+        if (!read) continue;
+        if (file.empty())
+            list_ = std::make_shared<const std::vector<ModelEntry>>(std::move(read->list));
+        else
+            sizes_[file] = std::move(read->size);
+    }
+}
+
+const ModelSize* ModelFolder::size_of(const std::string& file) const {
+    const auto found = sizes_.find(file);
+    return found == sizes_.end() ? nullptr : &found->second;
+}
+
+}  // namespace atrium::viewer

@@ -1,0 +1,57 @@
+#pragma once
+
+#include "viewer/scene/background_reader.hpp"
+
+#include <Eigen/Core>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace atrium::viewer {
+
+struct ModelEntry {
+    std::string file;  // relative to the folder
+    std::uintmax_t bytes = 0;
+};
+struct ModelSize {
+    Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // extents along x, y, z
+    std::size_t num_triangles = 0;
+    std::size_t num_parts = 0;
+    std::string error;  // why the file cannot be read; empty: it can
+};
+
+/// Lists the models of a folder and measures them, on a background thread. Drawing thread only.
+class ModelFolder {
+public:
+    using List = std::shared_ptr<const std::vector<ModelEntry>>;
+
+    explicit ModelFolder(const std::filesystem::path& folder);
+    /// Requests the list anew.
+    void scan();
+    /// Requests the size of a model of the list, once.
+    void measure(const std::string& file);
+    /// Takes what was read since the last call.
+    void update();
+    const List& list() const { return list_; }  // by name; null: not read yet
+    /// Null: not measured yet.
+    const ModelSize* size_of(const std::string& file) const;
+
+private:
+    struct Read {
+        std::vector<ModelEntry> list;
+        ModelSize size;
+    };
+    static std::vector<ModelEntry> list_of(const std::filesystem::path& folder);
+    static ModelSize measure_file(const std::filesystem::path& file);
+
+    List list_;
+    std::map<std::string, ModelSize> sizes_;
+    BackgroundReader<std::string, Read> reader_;  // by file; empty: the list
+};
+
+}  // namespace atrium::viewer

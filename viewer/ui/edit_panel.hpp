@@ -1,0 +1,58 @@
+#pragma once
+
+#include "viewer/ui/surface.hpp"
+
+#include <array>
+#include <string>
+
+namespace atrium::viewer {
+
+/// The panel of the selected object: name, size, mass, surface and colour. Sizes follow ImGui's
+/// font. Call `draw` between ImGui's NewFrame and Render.
+class EditPanel {
+public:
+    /// Shows nothing if no object is selected. Writes the user's changes to `events`, each when the
+    /// user has let go of its field.
+    void draw(const HudContent& content, SurfaceEvents& events);
+
+private:
+    void load(const bus::SceneObject& object);
+    bus::SceneObject form() const;
+    void draw_fields(const bus::SceneObject& object);
+    void draw_place(const HudContent& content, SurfaceEvents& events);
+
+    bus::SceneObject seen_;   // as the world had it when the fields were filled
+    bus::SceneObject asked_;  // last change that was requested
+    double asked_at_s_ = -1e9;
+    std::array<char, 64> name_{};
+    std::array<float, 3> size_m_{};
+    float mass_kg_ = 0.0f;
+    float movable_mass_kg_ = 1.0f;  // mass that a fixed object gets when it becomes movable
+    bool is_fixed_ = false;
+    float friction_ = 0.0f;
+    float restitution_ = 0.0f;
+    std::array<float, 3> colour_{};  // sRGB
+};
+
+/// Lists of the models that can be added and of the saved worlds, for the menu.
+class WorldPanel {
+public:
+    void draw(const HudContent& content, SurfaceEvents& events);
+
+private:
+    void draw_models(const HudContent& content, SurfaceEvents& events);
+    void draw_worlds(const HudContent& content, SurfaceEvents& events);
+
+    bool was_models_open_ = false;
+    std::array<char, 64> filter_{};
+    std::string model_;  // selected; empty: none
+    float scale_ = 1.0f;
+    float mass_kg_ = 1.0f;
+    bool is_fixed_ = false;
+    bool is_compound_ = false;
+    std::array<char, 64> world_name_{};
+    std::string world_;       // selected; empty: none
+    bool asks_load_ = false;  // waits for a second press
+};
+
+}  // namespace atrium::viewer

@@ -1,0 +1,136 @@
+#include "viewer/ui/edit_panel.hpp"
+#include "viewer/ui/fields.hpp"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cctype>
+#include <ctime>
+#include <string>
+
+namespace atrium::viewer {
+namespace {
+
+constexpr float kListLines = 6.0f;
+
+std::string lower(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) {
+        return static_cast<char>(std::tolower(c));
+    });
+    return text;
+}
+
+std::string time_text(Timestamp time) {
+    const std::time_t seconds = time.ns / 1'000'000'000;
+    std::tm parts{};
+    if (localtime_r(&seconds, &parts) == nullptr) return {};
+    std::array<char, 32> text{};
+    std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M", &parts);
+    return text.data();
+}
+
+bool begin_list(const char* name) {
+    return ImGui::BeginListBox(name, {-1.0f, kListLines * ImGui::GetTextLineHeightWithSpacing()});
+}
+
+void draw_size(const ModelSize* size, double scale) {
+    if (size == nullptr) return ImGui::TextUnformatted("reading the model ...");
+    if (!size->error.empty()) return ImGui::TextWrapped("%s", size->error.c_str());
+    const Eigen::Vector3d scaled = scale * size->size_m;
+    ImGui::Text("%.2f x %.2f x %.2f m, %zu triangles, %zu parts",
+                scaled.x(),
+                scaled.y(),
+                scaled.z(),
+                size->num_triangles,
+                size->num_parts);
+}
+
+}  // namespace
+
+void WorldPanel::draw_models(const HudContent& content, SurfaceEvents& events) {
+    if (!was_models_open_) events.scan_models = true;
+    ImGui::InputText("search", filter_.data(), filter_.size());
+    const std::string filter = lower(filter_.data());
+    if (begin_list("##models")) {
+        if (content.models == nullptr)
+            ImGui::TextUnformatted("reading the folder ...");
+        else if (content.models->empty())
+            ImGui::TextWrapped("no models in %s", content.models_folder.c_str());
+        for (const ModelEntry& entry :
+             content.models ? *content.models : std::vector<ModelEntry>{}) {
+            if (lower(entry.file).find(filter) == std::string::npos) continue;
+            if (ImGui::Selectable(entry.file.c_str(), entry.file == model_)) model_ = entry.file;
+        }
+        ImGui::EndListBox();
+    }
+    events.measure_model = model_;
+    if (model_.empty()) return;
+    const bool is_measured = content.model_size && content.measured_model == model_;
+    draw_size(is_measured ? &*content.model_size : nullptr, static_cast<double>(scale_));
+    ImGui::SliderFloat("scale", &scale_, 0.01f, 100.0f, "%.3f", ImGuiSliderFlags_Logarithmic);
+    scale_ = std::clamp(scale_, 0.0001f, 10000.0f);
+    ImGui::SliderFloat(
+        "mass##model", &mass_kg_, 0.05f, 50.0f, "%.2f kg", ImGuiSliderFlags_Logarithmic);
+    ImGui::Checkbox("fixed##model", &is_fixed_);
+    ImGui::SameLine();
+    ImGui::Checkbox("hull of each part", &is_compound_);
+    ImGui::BeginDisabled(!is_measured || !content.model_size->error.empty());
+    if (ImGui::Button("add this model before the eye", {-1.0f, 0.0f}) && is_measured) {
+        NewModel wanted;
+        wanted.file = model_;
+        wanted.scale = static_cast<double>(scale_);
+        wanted.is_compound = is_compound_;
+        wanted.mass_kg = is_fixed_ ? 0.0 : static_cast<double>(mass_kg_);
+        wanted.size_m = content.model_size->size_m;
+        events.edit.add_model = wanted;
+    }
+    ImGui::EndDisabled();
+}
+
+void WorldPanel::draw_worlds(const HudContent& content, SurfaceEvents& events) {
+    const auto& worlds = content.edit.worlds;
+    if (!worlds) return ImGui::TextWrapped("No world server that knows saved worlds is running.");
+    if (!worlds->is_on)
+        return ImGui::TextWrapped(
+            "The world server has no folder of saved worlds (its option world.saved_folder).");
+    if (begin_list("##worlds")) {
+        for (const bus::SavedWorld& world : worlds->worlds) {
+            const std::string line = world.name + "   " + std::to_string(world.num_objects) +
+                                     " objects, " + time_text(world.time);
+            if (!ImGui::Selectable(line.c_str(), world.name == world_)) continue;
+            world_ = world.name;
+            asks_load_ = false;
+            std::snprintf(world_name_.data(), world_name_.size(), "%s", world_.c_str());
+        }
+        ImGui::EndListBox();
+    }
+    ImGui::BeginDisabled(world_.empty());
+    // loading replaces what everybody sees
+    const char* title = asks_load_ ? "really replace the world for everybody" : "load this world";
+    if (ImGui::Button((std::string(title) + "###load").c_str(), {-1.0f, 0.0f})) {
+        if (asks_load_) events.edit.load_world = world_;
+        asks_load_ = !asks_load_;
+    }
+    ImGui::EndDisabled();
+    ImGui::InputText("name##world",
+                     world_name_.data(),
+                     world_name_.size(),
+                     ImGuiInputTextFlags_CallbackCharFilter,
+                     &allowed_in_names);
+    ImGui::BeginDisabled(world_name_[0] == '\0');
+    const bool is_known = std::any_of(worlds->worlds.begin(),
+                                      worlds->worlds.end(),
+                                      [&](const auto& w) { return w.name == world_name_.data(); });
+    if (ImGui::Button(is_known ? "save over it###save" : "save the world###save", {-1.0f, 0.0f}))
+        events.edit.save_world = world_name_.data();
+    ImGui::EndDisabled();
+}
+
+void WorldPanel::draw(const HudContent& content, SurfaceEvents& events) {
+    const bool is_open = ImGui::CollapsingHeader("models");
+    if (is_open) draw_models(content, events);
+    was_models_open_ = is_open;
+    if (ImGui::CollapsingHeader("saved worlds")) draw_worlds(content, events);
+}
+
+}  // namespace atrium::viewer

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/geometry/triangle_mesh.hpp"
+#include "world_server/physics/rigid/rigid_object.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+namespace atrium::world_server {
+
+using ModelParts = std::shared_ptr<const std::vector<geometry::TriangleMesh>>;
+
+/// Reads a model and creates its hulls: one around everything for a convex shape, one per part of
+/// the file for a compound. Errors name the file or the part.
+Expected<ModelParts> load_model_parts(const std::filesystem::path& file,
+                                      double scale,
+                                      physics::ObjectShape shape);
+
+}  // namespace atrium::world_server
