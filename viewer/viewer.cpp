@@ -2,13 +2,16 @@
 
 #include "core/app/log.hpp"
 #include "core/base/statistics.hpp"
+#include "viewer/control/site_selection.hpp"
 #include "viewer/control/user_control.hpp"
+#include "viewer/control/viewpoint_control.hpp"
 #include "viewer/pacing/drawing_control.hpp"
 #include "viewer/receive/session.hpp"
 #include "viewer/receive/world_membership.hpp"
 #include "viewer/record/output_files.hpp"
 #include "viewer/run_limit.hpp"
 #include "viewer/ui/display.hpp"
+#include "viewer/ui/site_lines.hpp"
 #include "viewer/ui/surface.hpp"
 #include "viewer/ui/viewer_statistics.hpp"
 #include "viewer/ui/world_picture.hpp"
@@ -42,9 +45,14 @@ struct Viewer::Impl {
           session(std::move(of)),
           picture(config, std::move(display)),
           control(camera, config.view.name, picture.display.is_tile()),
+          viewpoints(ViewpointBook(config.viewpoints, config.viewpoint_file, config.bus.world)),
           output_files(config),
           statistics(config.view.name),
-          membership(config.bus.world) {}
+          membership(config.bus.world) {
+        hud.world = config.bus.world;
+        hud.has_other_worlds = config.has_other_worlds;
+        list_viewpoints();
+    }
 
     ViewerConfig config;
     SurfaceOptions surface_options;
@@ -52,6 +60,11 @@ struct Viewer::Impl {
     WorldPicture picture;
     std::optional<DrawingControl> drawing;  // from `open` to `close`
     UserControl control;
+    ViewpointControl viewpoints;
+    SiteSelection sites;
+    std::unique_ptr<Surface> given_surface;   // until `open`
+    std::unique_ptr<Surface> closed_surface;  // from `close` on, if the user wants another world
+    bool wants_other_world = false;
     OutputFiles output_files;
     ViewerStatistics statistics;
     std::optional<RunLimit> limit;
@@ -68,13 +81,16 @@ struct Viewer::Impl {
     void send(const UserControl::Commands& commands);
     void notify_user(const std::string& notice);  // shows it on screen and logs it
     void draw(Clock::time_point begin);
+    void select(const SurfaceEvents& events, Clock::time_point now);
+    void list_viewpoints();
     void fill_hud(Clock::time_point now);
     Expected<void> adapt_quality(Clock::duration busy, Clock::time_point ended);
     void update_status(Clock::time_point now);
 };
 
 Expected<void> Viewer::Impl::open() {
-    if (auto opened = picture.open(config, surface_options); !opened) return opened;
+    if (auto opened = picture.open(config, surface_options, std::move(given_surface)); !opened)
+        return opened;
     drawing.emplace(config.view,
                     picture.surface->display_hz(),
                     picture.display.is_tile(),
@@ -88,7 +104,8 @@ Expected<void> Viewer::Impl::open() {
 Expected<void> Viewer::Impl::close() {
     auto closed = output_files.close();
     drawing.reset();
-    picture.close();
+    auto surface = picture.close();
+    if (wants_other_world) closed_surface = std::move(surface);
     return closed;
 }
 
@@ -113,6 +130,7 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
                                    picture.people.places(renderer),
                                    picture.scene.objects()};
     send(control.move(events, shown, now));
+    select(events, now);
     if (events.screenshot) {
         if (auto drawn = drawing->draw_at_best(picture.eyes); !drawn) return drawn;
         notify_user(output_files.screenshot(renderer));
@@ -128,7 +146,27 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
     return picture.resize();
 }
 
+// What the user wants to see, and from where.
+void Viewer::Impl::select(const SurfaceEvents& events, Clock::time_point now) {
+    if (!events.hide_site.empty()) sites.toggle(events.hide_site);
+    if (!events.solo_site.empty()) sites.toggle_solo(events.solo_site);
+    if (!events.viewpoint) return;
+    notify_user(viewpoints.handle(*events.viewpoint, control, now));
+    list_viewpoints();
+}
+
+void Viewer::Impl::list_viewpoints() {
+    hud.viewpoints.clear();
+    const ViewpointBook& book = viewpoints.book();
+    for (int number = 1; number <= ViewpointBook::kNum; ++number) {
+        if (const auto& viewpoint = book.at(number))
+            hud.viewpoints.push_back({number, viewpoint->name, book.is_own(number)});
+    }
+}
+
 void Viewer::Impl::fill_hud(Clock::time_point now) {
+    statistics.watch_world(now, *session, hud);
+    mark_selected(sites, hud.sites);
     if (std::exchange(listed_revision, picture.scene.revision()) != picture.scene.revision()) {
         hud.objects.clear();
         for (const auto& [id, object] : picture.scene.objects())
@@ -143,6 +181,7 @@ void Viewer::Impl::fill_hud(Clock::time_point now) {
 
 void Viewer::Impl::draw(Clock::time_point begin) {
     const Clock::time_point now = Clock::now();
+    picture.people.show_only(sites, control.inside());
     picture.update(*session, now, statistics.times());
     drawing->began(begin);
     picture.draw(*session, control.camera(), control.inside(), now, statistics.times());
@@ -161,7 +200,8 @@ Expected<void> Viewer::Impl::adapt_quality(Clock::duration busy, Clock::time_poi
 
 void Viewer::Impl::update_status(Clock::time_point now) {
     hud.num_video_dropped = output_files.num_dropped();
-    statistics.update(now, *session, picture.people, drawing->quality(), hud);
+    statistics.update(
+        now, *session, picture.people, picture.scene.site_names(), drawing->quality(), hud);
 }
 
 Expected<void> Viewer::Impl::loop(std::stop_token stop) {
@@ -171,7 +211,8 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
     while (drawing->wait(stop)) {
         const Clock::time_point picture_begin = Clock::now();
         const SurfaceEvents events = picture.surface->poll();
-        if (events.close) break;
+        wants_other_world = events.other_world && config.has_other_worlds;
+        if (events.close || wants_other_world) break;
         if (auto named = membership.check_name(); !named) return named;
         if (auto done = react(events); !done) return done;
         draw(picture_begin);
@@ -204,7 +245,8 @@ Viewer::~Viewer() = default;
 
 Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config,
                                                  std::stop_token stop,
-                                                 SurfaceIs surface_is) {
+                                                 SurfaceIs surface_is,
+                                                 std::unique_ptr<Surface> given) {
     if (auto named = check_file_names(config); !named) return tl::unexpected(named.error());
     const auto camera = make_view_camera(config.view);
     if (!camera) return tl::unexpected(camera.error());
@@ -218,6 +260,7 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config,
     if (!session) return tl::unexpected(session.error());
     auto impl = std::make_unique<Impl>(
         std::move(named_config), *surface, *camera, std::move(*display), std::move(*session));
+    impl->given_surface = std::move(given);
     Expected<void> joined;
     Expected<void> opened;
     {
@@ -264,6 +307,8 @@ Expected<void> Viewer::run(std::stop_token stop) {
     const auto closed = impl_->close();
     return !result ? result : !written ? written : closed;
 }
+
+std::unique_ptr<Surface> Viewer::take_surface() { return std::move(impl_->closed_surface); }
 
 bus::ViewerStatus Viewer::status() const { return impl_->statistics.status(); }
 

@@ -1,23 +1,28 @@
 #include "viewer/ui/hud.hpp"
 
+#include "viewer/ui/curve.hpp"
+#include "viewer/ui/keys.hpp"
+#include "viewer/ui/panel_style.hpp"
+#include "viewer/ui/ui_scale.hpp"
+
+#include <fmt/format.h>
 #include <imgui.h>
 
 #include <algorithm>
-#include <array>
-#include <utility>
+#include <string>
 
 namespace atrium::viewer {
 namespace {
 
-constexpr int kFlags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
-                       ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoSavedSettings;
-const ImVec4 kWarning{1.0f, 0.75f, 0.3f, 1.0f};
-const ImVec2 kCurve{240.0f, 44.0f};
+constexpr double kHistory_s = 30.0;
+// The short panel stays this small, so it does not cover people.
+constexpr double kLineWidth_px = 330.0;  // at scale 1; longer lines are wrapped
+constexpr std::size_t kMostWarnings = 2;
 
-template <std::size_t Size>
-void draw_curve(const char* title, const std::array<float, Size>& values, float least_top) {
-    const float top = std::max(least_top, 1.1f * *std::max_element(values.begin(), values.end()));
-    ImGui::PlotLines("", values.data(), static_cast<int>(Size), 0, title, 0.0f, top, kCurve);
+void draw_warning(const std::string& text) {
+    ImGui::PushStyleColor(ImGuiCol_Text, kWarningColour);
+    ImGui::TextUnformatted(text.c_str());
+    ImGui::PopStyleColor();
 }
 
 void draw_losses(const HudContent& content) {
@@ -28,27 +33,33 @@ void draw_losses(const HudContent& content) {
                 static_cast<unsigned long long>(content.num_rejected));
 }
 
-// Limits the number of lines, so they do not cover the picture.
-void draw_lines(const std::vector<HudLine>& lines) {
-    constexpr std::size_t kMostLines = 16;
-    for (std::size_t i = 0; i < std::min(lines.size(), kMostLines); ++i) {
-        if (lines[i].is_warning)
-            ImGui::TextColored(kWarning, "%s", lines[i].text.c_str());
-        else
-            ImGui::TextUnformatted(lines[i].text.c_str());
-    }
-    if (lines.size() > kMostLines) ImGui::Text("... and %zu more", lines.size() - kMostLines);
+void draw_sites(const HudContent& content) {
+    const auto num_people =
+        std::ranges::count_if(content.sites, [](const SiteLine& line) { return line.number > 0; });
+    if (num_people == 0) ImGui::TextUnformatted("nobody is here");
+    const auto num_hidden =
+        std::ranges::count_if(content.sites, [](const SiteLine& line) { return !line.is_shown; });
+    if (num_hidden > 0) draw_warning(fmt::format("{} sites hidden (L)", num_hidden));
+    for (const SiteLine& line : content.sites)
+        if (line.number > 0 && line.is_warning) draw_warning(line.name + ": " + line.state);
 }
 
-}  // namespace
+void draw_warnings(const HudContent& content, std::size_t most) {
+    for (std::size_t i = 0; i < std::min(content.warnings.size(), most); ++i)
+        draw_warning(content.warnings[i].text);
+    if (content.warnings.size() > most)
+        draw_warning(fmt::format("... and {} more (T)", content.warnings.size() - most));
+}
 
-void draw_hud(const HudContent& content, bool has_details) {
-    ImGui::SetNextWindowPos({10.0f, 10.0f});
-    ImGui::SetNextWindowBgAlpha(0.6f);
-    ImGui::Begin("figures", nullptr, kFlags);
-    ImGui::Text("%.0f pictures/s", content.frames_per_s);
-    if (!content.quality.empty())
-        ImGui::TextColored(kWarning, "machine too slow: %s", content.quality.c_str());
+void draw_messages(const HudContent& content) {
+    if (content.recording_s)
+        draw_warning(fmt::format("recording, {:.1f} s   F9: stop", *content.recording_s));
+    if (content.num_video_dropped > 0)
+        draw_warning(fmt::format("pictures missing in videos: {}", content.num_video_dropped));
+    if (!content.notice.empty()) ImGui::TextUnformatted(content.notice.c_str());
+}
+
+void draw_details(const HudContent& content) {
     if (content.capture_to_display.num_samples > 0) {
         ImGui::Text("capture to display %.0f ms (99 %%: %.0f ms)",
                     content.capture_to_display.median_ms,
@@ -56,56 +67,52 @@ void draw_hud(const HudContent& content, bool has_details) {
     }
     ImGui::Text("%.2f MB/s   %zu objects", 1e-6 * content.bytes_per_s, content.num_objects);
     draw_losses(content);
-    draw_lines(content.sites);
-    if (content.sites.empty()) ImGui::TextUnformatted("nobody is here");
-    draw_lines(content.warnings);
-    if (has_details) draw_lines(content.details);
-    draw_curve("capture to display, ms, 30 s", content.latency_ms, 50.0f);
-    draw_curve("pictures/s, 30 s", content.pictures_per_s, 60.0f);
-    if (content.recording_s)
-        ImGui::TextColored(kWarning, "recording, %.1f s   F9: stop", *content.recording_s);
-    if (content.num_video_dropped > 0)
-        ImGui::TextColored(kWarning,
-                           "pictures missing in videos: %llu",
-                           static_cast<unsigned long long>(content.num_video_dropped));
-    if (!content.notice.empty()) ImGui::TextUnformatted(content.notice.c_str());
-    ImGui::TextUnformatted("?: keys   M: menu   T: times   H: hide");
+    draw_curve("capture to display", "ms", content.latency_ms, 50.0f, kHistory_s);
+    draw_curve("drawing", "pictures/s", content.pictures_per_s, 20.0f, kHistory_s);
+    for (const SiteLine& line : content.sites)
+        ImGui::TextUnformatted(
+            fmt::format("{}: {} meshes  {}", line.name, line.rate, line.state).c_str());
+    for (const HudLine& line : content.details) ImGui::TextUnformatted(line.text.c_str());
+}
+
+}  // namespace
+
+void draw_hud(const HudContent& content, bool has_details) {
+    begin_panel("figures", Corner::kUpperLeft, 0.6, has_details);
+    ImGui::PushTextWrapPos(has_details ? -1.0f : ui_px(kLineWidth_px));
+    std::string summary = content.world.empty() ? "" : content.world + "   ";
+    summary += fmt::format("{:.0f} pictures/s", content.frames_per_s);
+    if (content.capture_to_display.num_samples > 0)
+        summary += fmt::format("   {:.0f} ms old", content.capture_to_display.median_ms);
+    ImGui::TextUnformatted(summary.c_str());
+    if (!content.quality.empty()) draw_warning("machine too slow: " + content.quality);
+    draw_sites(content);
+    draw_warnings(content, has_details ? content.warnings.size() : kMostWarnings);
+    if (has_details) draw_details(content);
+    draw_messages(content);
+    ImGui::TextColored(kHintColour, "F1, ?: keys   T: %s   H: hide", has_details ? "less" : "more");
+    ImGui::PopTextWrapPos();
     ImGui::End();
 }
 
 void draw_keys() {
-    constexpr std::array<std::pair<const char*, const char*>, 20> kKeys{{
-        {"drag left, on an object", "pull it; release to throw it"},
-        {"drag left elsewhere", "orbit around the target"},
-        {"shift and drag left", "look around"},
-        {"drag right, wheel", "pan, zoom"},
-        {"W A S D, Q E", "fly; down, up"},
-        {"G", "walk on the floor, or fly"},
-        {"1 ... 9", "look through the eyes of that person; again: leave"},
-        {"F", "follow the nearest person, or stop following"},
-        {"V", "return to the first viewpoint"},
-        {"N", "show or hide the names of people"},
-        {"M", "menu: add and remove objects"},
-        {"Delete", "remove the object under the mouse"},
-        {"B", "debug view: wireframe, silhouettes, collision shapes"},
-        {"R", "reset all objects"},
-        {"F11", "full screen on or off"},
-        {"F12, P", "screenshot"},
-        {"F9", "start or stop a video"},
-        {"T", "show or hide stage times of sites and worlds"},
-        {"H", "show or hide the statistics"},
-        {"Esc", "close"},
-    }};
-    const ImVec2 size = ImGui::GetIO().DisplaySize;
-    ImGui::SetNextWindowPos({0.5f * size.x, 0.5f * size.y}, 0, {0.5f, 0.5f});
-    ImGui::SetNextWindowBgAlpha(0.85f);
-    ImGui::Begin("keys", nullptr, kFlags);
-    if (ImGui::BeginTable("keys", 2)) {
-        for (const auto& [key, what] : kKeys) {
-            ImGui::TableNextColumn();
-            ImGui::TextUnformatted(key);
-            ImGui::TableNextColumn();
-            ImGui::TextUnformatted(what);
+    begin_panel("keys", Corner::kMiddle, 0.95);
+    // two columns beside each other, so that the list fits a low window
+    const auto bindings = key_bindings();
+    const std::size_t num_rows = (bindings.size() + 1) / 2;
+    if (ImGui::BeginTable("keys", 4, ImGuiTableFlags_SizingFixedFit)) {
+        for (std::size_t row = 0; row < num_rows; ++row) {
+            for (const std::size_t i : {row, row + num_rows}) {
+                for (int column = 0; column < 2; ++column) {
+                    ImGui::TableNextColumn();
+                    if (i >= bindings.size()) continue;
+                    const std::string_view text =
+                        column == 0 ? bindings[i].shown : bindings[i].what;
+                    if (column == 0) ImGui::PushStyleColor(ImGuiCol_Text, kWarningColour);
+                    ImGui::TextUnformatted(text.data(), text.data() + text.size());
+                    if (column == 0) ImGui::PopStyleColor();
+                }
+            }
         }
         ImGui::EndTable();
     }

@@ -1,7 +1,11 @@
 #include "core/gl/entry_points.hpp"
 #include "viewer/ui/hud.hpp"
+#include "viewer/ui/keys.hpp"
 #include "viewer/ui/menu.hpp"
+#include "viewer/ui/site_panel.hpp"
 #include "viewer/ui/surface.hpp"
+#include "viewer/ui/ui_scale.hpp"
+#include "viewer/ui/viewpoint_panel.hpp"
 
 #include <glad/gl.h>
 // after the loader, instead of GLFW's own GL header
@@ -29,11 +33,14 @@ std::string last_glfw_error() {
 class Window : public Surface {
 public:
     Window(GLFWwindow* window, const SurfaceOptions& options)
-        : window_(window), has_two_buffers_(options.has_two_buffers) {
+        : window_(window),
+          has_two_buffers_(options.has_two_buffers),
+          wanted_ui_scale_(options.ui_scale) {
         glfwSetWindowUserPointer(window_, this);
-        glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int) {
-            if (action == GLFW_PRESS)
-                static_cast<Window*>(glfwGetWindowUserPointer(w))->pressed(key);
+        glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int modifiers) {
+            if (action != GLFW_PRESS) return;
+            if (const auto found = find_key(key, modifiers))
+                static_cast<Window*>(glfwGetWindowUserPointer(w))->pressed(*found);
         });
         glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned character) {
             static_cast<Window*>(glfwGetWindowUserPointer(w))->typed(character);
@@ -90,47 +97,163 @@ public:
         else
             renderer.present();
         // even if nothing is laid out: ImGui needs it to know that mouse and keys are not for it
+        lay_out([&] {
+            if (is_hud_shown_) draw_hud(content, has_details_);
+            if (is_menu_shown_) menu_.draw(content, events_);
+            if (are_sites_shown_) sites_.draw(content, events_);
+            if (are_views_shown_) views_.draw(content, events_);
+            if (are_keys_shown_) draw_keys();
+        });
+        swap();
+    }
+    void show_layout(const std::function<void()>& layout) override {
+        const auto [width, height] = size();
+        glBindFramebuffer(GL_FRAMEBUFFER, 0);
+        glViewport(0, 0, width, height);
+        glClearColor(0.16f, 0.18f, 0.21f, 1.0f);
+        glClear(GL_COLOR_BUFFER_BIT);
+        lay_out(layout);
+        swap();
+    }
+    double content_scale() const override {
+        float x = 1.0f;
+        float y = 1.0f;
+        glfwGetWindowContentScale(window_, &x, &y);
+        return static_cast<double>(std::max(x, y));
+    }
+    std::chrono::steady_clock::duration waited_for_display() const override { return waited_; }
+
+private:
+    void lay_out(const std::function<void()>& layout) {
+        sizes_.set_scale(ui_scale_of(wanted_ui_scale_, size()[1], content_scale()));
         ImGui_ImplOpenGL3_NewFrame();
         ImGui_ImplGlfw_NewFrame();
         ImGui::NewFrame();
-        if (is_hud_shown_) draw_hud(content, has_details_);
-        if (is_menu_shown_) menu_.draw(content, events_);
-        if (are_keys_shown_) draw_keys();
+        layout();
         ImGui::Render();
         ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+    }
+    void swap() {
         glFinish();  // separates drawing from waiting for the display
         const auto finished = std::chrono::steady_clock::now();
         glfwSwapBuffers(window_);
         waited_ = std::chrono::steady_clock::now() - finished;
     }
-    std::chrono::steady_clock::duration waited_for_display() const override { return waited_; }
-
-private:
-    void pressed(int key) {
+    void pressed(const PressedKey& key) {
         if (ImGui::GetIO().WantTextInput) return;  // the user types a name
-        if (key == GLFW_KEY_F12 || key == GLFW_KEY_P) events_.screenshot = true;
-        if (key == GLFW_KEY_R) events_.reset_scene = true;
-        if (key == GLFW_KEY_V) events_.reset_view = true;
-        if (key == GLFW_KEY_F9) events_.record = true;
-        if (key == GLFW_KEY_F) events_.follow = true;
-        if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9)
-            events_.person = static_cast<std::size_t>(key - GLFW_KEY_0);
-        if (key == GLFW_KEY_N) events_.names = true;
-        if (key == GLFW_KEY_B) events_.debug = true;
-        if (key == GLFW_KEY_T) has_details_ = !has_details_;
-        if (key == GLFW_KEY_G) walks_ = !walks_;
-        if (key == GLFW_KEY_F11) toggle_full_screen();
-        if (key == GLFW_KEY_H) is_hud_shown_ = !is_hud_shown_;
-        if (key == GLFW_KEY_M) is_menu_shown_ = !is_menu_shown_;
-        if (key == GLFW_KEY_DELETE) events_.remove_pointed = !ImGui::GetIO().WantCaptureMouse;
-        if (key == GLFW_KEY_ESCAPE) close_what_is_open();
+        if (!change_view(key)) change_panels(key);
+    }
+    // Keys for the viewer. Returns false for the others.
+    bool change_view(const PressedKey& key) {
+        using Kind = ViewpointEvent::Kind;
+        const auto go = [&](Kind kind) {
+            events_.viewpoint = ViewpointEvent{kind, key.number, ""};
+        };
+        switch (key.action) {
+            case Action::kScreenshot:
+                events_.screenshot = true;
+                return true;
+            case Action::kReset:
+                events_.reset_scene = true;
+                return true;
+            case Action::kStartView:
+                events_.reset_view = true;
+                return true;
+            case Action::kVideo:
+                events_.record = true;
+                return true;
+            case Action::kFollow:
+                events_.follow = true;
+                return true;
+            case Action::kEyes:
+                events_.person = static_cast<std::size_t>(key.number);
+                return true;
+            case Action::kStoreView:
+                go(Kind::kKeep);
+                return true;
+            case Action::kGoToView:
+                go(Kind::kGo);
+                return true;
+            case Action::kPreviousView:
+                go(Kind::kGoPrevious);
+                return true;
+            case Action::kNextView:
+                go(Kind::kGoNext);
+                return true;
+            case Action::kNames:
+                events_.names = true;
+                return true;
+            case Action::kDebug:
+                events_.debug = true;
+                return true;
+            case Action::kWalk:
+                walks_ = !walks_;
+                return true;
+            case Action::kOtherWorld:
+                events_.other_world = true;
+                return true;
+            case Action::kRemovePointed:
+                events_.remove_pointed = !ImGui::GetIO().WantCaptureMouse;
+                return true;
+            case Action::kMove:
+                return true;  // polled, see read_keys
+            default:
+                return false;
+        }
+    }
+    void change_panels(const PressedKey& key) {
+        const auto toggle = [](bool& is_shown) { is_shown = !is_shown; };
+        switch (key.action) {
+            case Action::kDetails:
+                toggle(has_details_);
+                break;
+            case Action::kPanel:
+                toggle(is_hud_shown_);
+                break;
+            case Action::kMenu:
+                toggle(is_menu_shown_);
+                break;
+            case Action::kKeys:
+                toggle(are_keys_shown_);
+                break;
+            case Action::kSites:
+                toggle(are_sites_shown_);
+                break;
+            case Action::kViews:
+                toggle(are_views_shown_);
+                break;
+            case Action::kPreviousSite:
+                sites_.choose(-1);
+                break;
+            case Action::kNextSite:
+                sites_.choose(1);
+                break;
+            // only what the user sees chosen
+            case Action::kHideSite:
+                if (are_sites_shown_) events_.hide_site = sites_.chosen();
+                break;
+            case Action::kSoloSite:
+                if (are_sites_shown_) events_.solo_site = sites_.chosen();
+                break;
+            case Action::kFullScreen:
+                toggle_full_screen();
+                break;
+            case Action::kClose:
+                close_what_is_open();
+                break;
+            default:
+                break;
+        }
     }
     // by character: the key of '?' differs between keyboards
     void typed(unsigned character) {
         if (character == '?' && !ImGui::GetIO().WantTextInput) are_keys_shown_ = !are_keys_shown_;
     }
     void close_what_is_open() {
-        if (!std::exchange(is_menu_shown_, false)) glfwSetWindowShouldClose(window_, GLFW_TRUE);
+        for (bool* is_shown :
+             {&are_keys_shown_, &is_menu_shown_, &are_views_shown_, &are_sites_shown_})
+            if (std::exchange(*is_shown, false)) return;
+        glfwSetWindowShouldClose(window_, GLFW_TRUE);
     }
     void toggle_full_screen() {
         if (glfwGetWindowMonitor(window_) != nullptr) {
@@ -171,6 +294,7 @@ private:
         events_.motion.seconds = now_s - std::exchange(last_time_s_, now_s);
         events_.motion.walk = walks_;
         if (ImGui::GetIO().WantTextInput) return;
+        if (is_down(GLFW_KEY_LEFT_CONTROL) || is_down(GLFW_KEY_RIGHT_CONTROL)) return;
         const auto axis = [this](int plus, int minus) {
             return static_cast<double>(is_down(plus)) - static_cast<double>(is_down(minus));
         };
@@ -181,11 +305,17 @@ private:
 
     GLFWwindow* window_;
     bool has_two_buffers_;
+    double wanted_ui_scale_;
+    UiSizes sizes_;
     bool is_hud_shown_ = true;
     bool are_keys_shown_ = false;
     bool is_menu_shown_ = false;
+    bool are_sites_shown_ = false;
+    bool are_views_shown_ = false;
     bool has_details_ = false;
     Menu menu_;
+    SitePanel sites_;
+    ViewpointPanel views_;
     bool walks_ = false;
     std::array<int, 4> windowed_{};  // position and size before full screen
     SurfaceEvents events_;
