@@ -310,6 +310,10 @@ Expected<void> Viewer::run(std::stop_token stop) {
 
 std::unique_ptr<Surface> Viewer::take_surface() { return std::move(impl_->closed_surface); }
 
+bool Viewer::has_window() const {
+    return impl_->picture.surface && impl_->picture.surface->is_window();
+}
+
 bus::ViewerStatus Viewer::status() const { return impl_->statistics.status(); }
 
 }  // namespace atrium::viewer

@@ -33,6 +33,8 @@ public:
     /// After `run`: the surface, if the user asked for another world; else null.
     std::unique_ptr<Surface> take_surface();
 
+    /// Before `run` with kOpenedNow: whether there is a window.
+    bool has_window() const;
     /// Current status. Any thread.
     bus::ViewerStatus status() const;
 

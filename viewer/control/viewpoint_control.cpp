@@ -5,7 +5,7 @@
 namespace atrium::viewer {
 namespace {
 
-using Kind = ViewpointEvent::Kind;
+using ViewpointAsk = ViewpointEvent::Kind;
 
 constexpr const char* kNoViewpoint = "no viewpoint yet; Ctrl+1 keeps this one";
 
@@ -21,17 +21,18 @@ std::string ViewpointControl::handle(const ViewpointEvent& event,
                                      UserControl& control,
                                      std::chrono::steady_clock::time_point now) {
     int number = event.number;
-    if (event.kind == Kind::kGoNext) number = book_.next(last_, 1);
-    if (event.kind == Kind::kGoPrevious) number = book_.next(last_, -1);
+    if (event.kind == ViewpointAsk::kGoNext) number = book_.next(last_, 1);
+    if (event.kind == ViewpointAsk::kGoPrevious) number = book_.next(last_, -1);
     if (number < 1 || number > ViewpointBook::kNum) return kNoViewpoint;
-    if (event.kind == Kind::kKeep) {
+    if (event.kind == ViewpointAsk::kKeep) {
         last_ = number;
         return keep(number, {"", control.camera()});
     }
     if (!book_.at(number))
         return fmt::format("no viewpoint {}; Ctrl+{} keeps this one", number, number);
-    if (event.kind == Kind::kRename) return keep(number, {event.name, book_.at(number)->camera});
-    if (event.kind == Kind::kForget) {
+    if (event.kind == ViewpointAsk::kRename)
+        return keep(number, {event.name, book_.at(number)->camera});
+    if (event.kind == ViewpointAsk::kForget) {
         const auto saved = book_.forget(number);
         return saved ? fmt::format("viewpoint {} deleted", number) : saved.error().message;
     }

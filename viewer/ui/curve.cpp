@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 
 namespace atrium::viewer {
@@ -14,6 +15,8 @@ namespace {
 
 constexpr double kCurveWidth_px = 240.0;  // at scale 1
 constexpr double kCurveHeight_px = 48.0;
+
+constexpr std::ptrdiff_t kLongestGap = 4;  // values that may be missing within a line
 
 const ImU32 kGroundColour = IM_COL32(255, 255, 255, 18);
 const ImU32 kGridColour = IM_COL32(255, 255, 255, 60);
@@ -45,8 +48,10 @@ void draw_curve(const char* title,
     if (values.size() < 2) return;
     const float top =
         top_of_scale(std::max(least_top, *std::max_element(values.begin(), values.end())));
-    if (values.back() > 0.0f)
-        ImGui::Text("%s: %.0f %s", title, static_cast<double>(values.back()), unit);
+    const auto newest =
+        std::find_if(values.rbegin(), values.rend(), [](float value) { return value > 0.0f; });
+    if (newest != values.rend() && newest - values.rbegin() <= kLongestGap)
+        ImGui::Text("%s: %.0f %s", title, static_cast<double>(*newest), unit);
     else
         ImGui::Text("%s: none", title);
     const std::string top_text = fmt::format("{:.0f} {}", top, unit);
@@ -69,9 +74,12 @@ void draw_curve(const char* title,
         const float up = std::clamp(values[i] / top, 0.0f, 1.0f);
         return ImVec2{low.x + along * (high.x - low.x), high.y - up * (high.y - low.y)};
     };
-    for (std::size_t i = 1; i < values.size(); ++i) {
-        if (values[i - 1] > 0.0f && values[i] > 0.0f)
-            list.AddLine(point(i - 1), point(i), kCurveColour, ui_px(1.5));
+    std::optional<std::size_t> before;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (values[i] <= 0.0f) continue;
+        if (before && static_cast<std::ptrdiff_t>(i - *before) <= kLongestGap)
+            list.AddLine(point(*before), point(i), kCurveColour, ui_px(1.5));
+        before = i;
     }
     const std::string ago = fmt::format("{:.0f} s ago", seconds);
     list.AddText({low.x, high.y + 0.2f * line}, kScaleColour, ago.c_str());

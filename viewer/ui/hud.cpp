@@ -17,6 +17,8 @@ namespace {
 constexpr double kHistory_s = 30.0;
 // The short panel stays this small, so it does not cover people.
 constexpr double kLineWidth_px = 330.0;  // at scale 1; longer lines are wrapped
+constexpr double kTwoListsFrom_px = 1050.0;
+constexpr double kDetailWidth_px = 460.0;
 constexpr std::size_t kMostWarnings = 2;
 
 void draw_warning(const std::string& text) {
@@ -44,9 +46,13 @@ void draw_sites(const HudContent& content) {
         if (line.number > 0 && line.is_warning) draw_warning(line.name + ": " + line.state);
 }
 
-void draw_warnings(const HudContent& content, std::size_t most) {
-    for (std::size_t i = 0; i < std::min(content.warnings.size(), most); ++i)
-        draw_warning(content.warnings[i].text);
+// The short panel shows the first of them without their details.
+void draw_warnings(const HudContent& content, bool has_details) {
+    const std::size_t most = has_details ? content.warnings.size() : kMostWarnings;
+    for (std::size_t i = 0; i < std::min(content.warnings.size(), most); ++i) {
+        const std::string& text = content.warnings[i].text;
+        draw_warning(has_details ? text : text.substr(0, text.find(';')));
+    }
     if (content.warnings.size() > most)
         draw_warning(fmt::format("... and {} more (T)", content.warnings.size() - most));
 }
@@ -79,7 +85,7 @@ void draw_details(const HudContent& content) {
 
 void draw_hud(const HudContent& content, bool has_details) {
     begin_panel("figures", Corner::kUpperLeft, 0.6, has_details);
-    ImGui::PushTextWrapPos(has_details ? -1.0f : ui_px(kLineWidth_px));
+    ImGui::PushTextWrapPos(ui_px(has_details ? kDetailWidth_px : kLineWidth_px));
     std::string summary = content.world.empty() ? "" : content.world + "   ";
     summary += fmt::format("{:.0f} pictures/s", content.frames_per_s);
     if (content.capture_to_display.num_samples > 0)
@@ -87,7 +93,7 @@ void draw_hud(const HudContent& content, bool has_details) {
     ImGui::TextUnformatted(summary.c_str());
     if (!content.quality.empty()) draw_warning("machine too slow: " + content.quality);
     draw_sites(content);
-    draw_warnings(content, has_details ? content.warnings.size() : kMostWarnings);
+    draw_warnings(content, has_details);
     if (has_details) draw_details(content);
     draw_messages(content);
     ImGui::TextColored(kHintColour, "F1, ?: keys   T: %s   H: hide", has_details ? "less" : "more");
@@ -97,12 +103,14 @@ void draw_hud(const HudContent& content, bool has_details) {
 
 void draw_keys() {
     begin_panel("keys", Corner::kMiddle, 0.95);
-    // two columns beside each other, so that the list fits a low window
+    // two lists beside each other where there is room, so that a low window shows all
+    const std::size_t num_lists = ImGui::GetIO().DisplaySize.x >= ui_px(kTwoListsFrom_px) ? 2 : 1;
     const auto bindings = key_bindings();
-    const std::size_t num_rows = (bindings.size() + 1) / 2;
-    if (ImGui::BeginTable("keys", 4, ImGuiTableFlags_SizingFixedFit)) {
+    const std::size_t num_rows = (bindings.size() + num_lists - 1) / num_lists;
+    if (ImGui::BeginTable(
+            "keys", 2 * static_cast<int>(num_lists), ImGuiTableFlags_SizingFixedFit)) {
         for (std::size_t row = 0; row < num_rows; ++row) {
-            for (const std::size_t i : {row, row + num_rows}) {
+            for (std::size_t i = row; i < num_lists * num_rows; i += num_rows) {
                 for (int column = 0; column < 2; ++column) {
                     ImGui::TableNextColumn();
                     if (i >= bindings.size()) continue;

@@ -14,9 +14,14 @@ void begin_panel(const char* name, Corner corner, double share, bool takes_input
     const float margin = ui_px(kPanelMargin_px);
     ImVec2 at{margin, margin};
     ImVec2 pivot{0.0f, 0.0f};
-    if (corner == Corner::kLowerLeft || corner == Corner::kLowerRight) {
+    if (corner == Corner::kLowerLeft || corner == Corner::kLowerMiddle ||
+        corner == Corner::kLowerRight) {
         at.y = size.y - margin;
         pivot.y = 1.0f;
+    }
+    if (corner == Corner::kLowerMiddle) {
+        at.x = 0.5f * size.x;
+        pivot.x = 0.5f;
     }
     if (corner == Corner::kLowerRight) {
         at.x = size.x - margin;
@@ -33,7 +38,7 @@ void begin_panel(const char* name, Corner corner, double share, bool takes_input
     int flags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
                 ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
                 ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
-                ImGuiWindowFlags_NoFocusOnAppearing;
+                ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_HorizontalScrollbar;
     if (!takes_input) flags |= ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoScrollbar;
     ImGui::Begin(name, nullptr, flags);
 }

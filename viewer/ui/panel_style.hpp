@@ -9,7 +9,7 @@ namespace atrium::viewer {
 inline const ImVec4 kHintColour{0.75f, 0.77f, 0.8f, 1.0f};
 inline const ImVec4 kWarningColour{1.0f, 0.75f, 0.3f, 1.0f};
 
-enum class Corner : std::uint8_t { kUpperLeft, kLowerLeft, kLowerRight, kMiddle };
+enum class Corner : std::uint8_t { kUpperLeft, kLowerLeft, kLowerMiddle, kLowerRight, kMiddle };
 
 /// Begins a panel as large as its content, in a corner of the picture, at most `share` of the
 /// picture's width; scrolls beyond its height. `takes_input`: false: the mouse goes through it to

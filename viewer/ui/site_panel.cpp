@@ -1,6 +1,5 @@
 #include "viewer/ui/site_panel.hpp"
 
-#include "viewer/ui/panel_style.hpp"
 #include "viewer/ui/ui_scale.hpp"
 
 #include <fmt/format.h>
@@ -48,9 +47,9 @@ void SitePanel::move_choice(const std::vector<SiteLine>& sites) {
     chosen_ = sites[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(at, 0, last))].name;
 }
 
-void SitePanel::draw(const HudContent& content, SurfaceEvents& events) {
+void SitePanel::draw(const HudContent& content, Corner corner, SurfaceEvents& events) {
     move_choice(content.sites);
-    begin_panel("sites", Corner::kLowerLeft, 0.6);
+    begin_panel("sites", corner, 0.6);
     ImGui::Text("%zu sites", content.sites.size());
     if (ImGui::BeginTable("sites", 5, ImGuiTableFlags_SizingFixedFit)) {
         for (const char* title : {"show", "solo", "site", "meshes", "state"})

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "viewer/ui/panel_style.hpp"
 #include "viewer/ui/surface.hpp"
 
 #include <string>
@@ -10,7 +11,7 @@ namespace atrium::viewer {
 class SitePanel {
 public:
     /// Lays out the list and writes the user's choices to `events`. Inside an ImGui frame.
-    void draw(const HudContent& content, SurfaceEvents& events);
+    void draw(const HudContent& content, Corner corner, SurfaceEvents& events);
 
     /// Chooses the next site, or the previous one.
     void choose(int step) { wanted_step_ += step; }

@@ -66,7 +66,8 @@ std::vector<HudLine> StatusLines::warnings() const {
     if (without_world_ > Clock::duration::zero()) {
         const double silent_s = seconds(without_world_);
         lines.push_back(
-            {fmt::format("no world server for {:.0f} s: objects stand still", silent_s), true});
+            {fmt::format("no world server for {:.0f} s: objects stand still or are gone", silent_s),
+             true});
     }
     for (const auto& [title, program] : programs_) {
         std::string lost;

@@ -11,7 +11,7 @@
 namespace atrium::viewer {
 namespace {
 
-using Kind = ViewpointEvent::Kind;
+using ViewpointAsk = ViewpointEvent::Kind;
 constexpr int kMaxNumber = 9;
 
 }  // namespace
@@ -20,18 +20,18 @@ void ViewpointPanel::draw_line(const ViewpointLine& line, SurfaceEvents& events)
     ImGui::PushID(line.number);
     ImGui::TableNextColumn();
     if (ImGui::Button(fmt::format("{}", line.number).c_str()))
-        events.viewpoint = ViewpointEvent{Kind::kGo, line.number, ""};
+        events.viewpoint = ViewpointEvent{ViewpointAsk::kGo, line.number, ""};
     ImGui::TableNextColumn();
     if (renamed_ == line.number) {
         ImGui::SetNextItemWidth(ui_px(180.0));
         const bool is_done = ImGui::InputText(
             "##name", name_.data(), name_.size(), ImGuiInputTextFlags_EnterReturnsTrue);
         if (is_done && name_[0] != '\0') {
-            events.viewpoint = ViewpointEvent{Kind::kRename, line.number, name_.data()};
+            events.viewpoint = ViewpointEvent{ViewpointAsk::kRename, line.number, name_.data()};
             renamed_ = 0;
         }
     } else if (ImGui::Selectable(line.name.c_str(), false, 0, {ui_px(180.0), 0.0f})) {
-        events.viewpoint = ViewpointEvent{Kind::kGo, line.number, ""};
+        events.viewpoint = ViewpointEvent{ViewpointAsk::kGo, line.number, ""};
     }
     ImGui::TableNextColumn();
     if (ImGui::SmallButton("rename")) {
@@ -42,7 +42,7 @@ void ViewpointPanel::draw_line(const ViewpointLine& line, SurfaceEvents& events)
     ImGui::TableNextColumn();
     if (line.is_own) {
         if (ImGui::SmallButton("delete"))
-            events.viewpoint = ViewpointEvent{Kind::kForget, line.number, ""};
+            events.viewpoint = ViewpointEvent{ViewpointAsk::kForget, line.number, ""};
     } else {
         ImGui::TextDisabled("of the file");
     }
@@ -62,7 +62,7 @@ void ViewpointPanel::draw(const HudContent& content, SurfaceEvents& events) {
     ImGui::BeginDisabled(free_number > kMaxNumber);
     if (ImGui::Button(
             fmt::format("keep this viewpoint as {}", std::min(free_number, kMaxNumber)).c_str()))
-        events.viewpoint = ViewpointEvent{Kind::kKeep, free_number, ""};
+        events.viewpoint = ViewpointEvent{ViewpointAsk::kKeep, free_number, ""};
     ImGui::EndDisabled();
     ImGui::TextColored(kHintColour, "%s", "Ctrl+1 ... 9: keep   Shift+1 ... 9: go   K: close");
     ImGui::End();

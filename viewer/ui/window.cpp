@@ -92,6 +92,7 @@ public:
     }
 
     void show(const renderer::SceneRenderer& renderer, const HudContent& content) override {
+        is_layout_only_ = false;
         if (has_two_buffers_)
             renderer.present_halves();
         else
@@ -100,13 +101,19 @@ public:
         lay_out([&] {
             if (is_hud_shown_) draw_hud(content, has_details_);
             if (is_menu_shown_) menu_.draw(content, events_);
-            if (are_sites_shown_) sites_.draw(content, events_);
+            if (are_sites_shown_) {
+                // beside the long panel
+                const bool has_long_panel = is_hud_shown_ && has_details_;
+                sites_.draw(
+                    content, has_long_panel ? Corner::kLowerMiddle : Corner::kLowerLeft, events_);
+            }
             if (are_views_shown_) views_.draw(content, events_);
             if (are_keys_shown_) draw_keys();
         });
         swap();
     }
     void show_layout(const std::function<void()>& layout) override {
+        is_layout_only_ = true;
         const auto [width, height] = size();
         glBindFramebuffer(GL_FRAMEBUFFER, 0);
         glViewport(0, 0, width, height);
@@ -141,6 +148,10 @@ private:
     }
     void pressed(const PressedKey& key) {
         if (ImGui::GetIO().WantTextInput) return;  // the user types a name
+        if (is_layout_only_) {
+            if (key.action == Action::kFullScreen) toggle_full_screen();
+            return;
+        }
         if (!change_view(key)) change_panels(key);
     }
     // Keys for the viewer. Returns false for the others.
@@ -247,7 +258,8 @@ private:
     }
     // by character: the key of '?' differs between keyboards
     void typed(unsigned character) {
-        if (character == '?' && !ImGui::GetIO().WantTextInput) are_keys_shown_ = !are_keys_shown_;
+        if (character == '?' && !is_layout_only_ && !ImGui::GetIO().WantTextInput)
+            are_keys_shown_ = !are_keys_shown_;
     }
     void close_what_is_open() {
         for (bool* is_shown :
@@ -307,6 +319,7 @@ private:
     bool has_two_buffers_;
     double wanted_ui_scale_;
     UiSizes sizes_;
+    bool is_layout_only_ = false;  // the last picture was of `show_layout`
     bool is_hud_shown_ = true;
     bool are_keys_shown_ = false;
     bool is_menu_shown_ = false;

@@ -14,7 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 using renderer::Line;
 
-const Eigen::Vector3f kColour(1, 0, 0);
+const Eigen::Vector3f kProxyColour(1, 0, 0);
 const ProxyView::Clock::time_point kNow{};
 
 bus::SceneObject object_of(bus::Shape shape, const Eigen::Vector3d& size_m) {
@@ -30,7 +30,7 @@ std::vector<Eigen::Vector3d> ends_of(const bus::SceneObject& object) {
     world_from_object.translate(Eigen::Vector3d(1, 2, 3));
     world_from_object.rotate(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 1, 0).normalized()));
     std::vector<Line> lines;
-    append_shape(object, world_from_object.matrix(), kColour, lines);
+    append_shape(object, world_from_object.matrix(), kProxyColour, lines);
     std::vector<Eigen::Vector3d> ends;
     for (const Line& line : lines) {
         for (const Line::End& end : {line.from, line.to})
@@ -189,13 +189,13 @@ TEST(ProxyView, DrawsThePartsOfAModelInTheObjectsFrame) {
     world_from_object.translate(Eigen::Vector3d(0, 0, 2));
     world_from_object.rotate(Eigen::AngleAxisd(EIGEN_PI / 2, Eigen::Vector3d::UnitZ()));
     std::vector<Line> lines;
-    EXPECT_FALSE(view.append_edges(6, world_from_object.matrix(), kColour, lines));
+    EXPECT_FALSE(view.append_edges(6, world_from_object.matrix(), kProxyColour, lines));
     EXPECT_TRUE(lines.empty());
-    EXPECT_TRUE(view.append_edges(5, world_from_object.matrix(), kColour, lines));
+    EXPECT_TRUE(view.append_edges(5, world_from_object.matrix(), kProxyColour, lines));
     ASSERT_EQ(lines.size(), 2U);
     EXPECT_TRUE(is_line(lines[0], {0, -0.1F, 2}, {0, 0.1F, 2}));
     EXPECT_TRUE(is_line(lines[1], {-0.3F, -0.1F, 2}, {0, -0.1F, 2}));
-    EXPECT_EQ(lines[0].from.colour, kColour);
+    EXPECT_EQ(lines[0].from.colour, kProxyColour);
 }
 
 TEST(ColourOfSpeed, RunsFromBlueOverGreenAndYellowToRed) {

@@ -67,7 +67,7 @@ TEST(StatusLines, WarnWhileTheWorldIsGone) {
     EXPECT_FALSE(lines.has_world());
     EXPECT_FALSE(lines.watch_world(kFirstLine + seconds(10), kFirstLine + seconds(1)));
     EXPECT_THAT(texts(lines.warnings()),
-                testing::ElementsAre("no world server for 9 s: objects stand still"));
+                testing::ElementsAre("no world server for 9 s: objects stand still or are gone"));
     EXPECT_TRUE(lines.watch_world(kFirstLine + seconds(11), kFirstLine + seconds(11)));
     EXPECT_TRUE(lines.warnings().empty());
     EXPECT_TRUE(lines.has_world());
@@ -122,10 +122,12 @@ TEST(StatusLines, ShowTheWorldServerAndItsRefusals) {
     bus::WorldStatus world;
     world.num_refused = 5;
     lines.add("lab", world, kFirstLine);
+    lines.watch_world(kFirstLine, kFirstLine);
     lines.add("alice", site_status(0), kFirstLine + seconds(3));
     EXPECT_TRUE(lines.has_world());
     EXPECT_EQ(lines.num_refused(), 5U);
     lines.forget_silent(kFirstLine + seconds(5));
+    lines.watch_world(kFirstLine + seconds(5));
     EXPECT_FALSE(lines.has_world());
     EXPECT_EQ(texts(lines.details()).size(), 4U) << "the site must still be shown";
 }
