@@ -84,6 +84,10 @@ private:
             choose_world(*surface_, config_.bus, recent_, std::exchange(notice_, ""), stop_);
         if (!world) return 0;
         config_.bus = *world;
+        app::log::info("world_chosen world={} domain={} network={}",
+                       world->world,
+                       world->domain,
+                       world->network);
         return std::nullopt;
     }
 

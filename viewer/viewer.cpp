@@ -212,6 +212,8 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
         const Clock::time_point picture_begin = Clock::now();
         const SurfaceEvents events = picture.surface->poll();
         wants_other_world = events.other_world && config.has_other_worlds;
+        if (events.other_world && !wants_other_world)
+            notify_user("this run shows one world: it has an end, or writes a picture or video");
         if (events.close || wants_other_world) break;
         if (auto named = membership.check_name(); !named) return named;
         if (auto done = react(events); !done) return done;

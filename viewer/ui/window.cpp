@@ -341,9 +341,14 @@ private:
 
 Expected<std::unique_ptr<Surface>> open_window(const SurfaceOptions& options) {
     if (std::getenv("DISPLAY") == nullptr)
-        return make_error(ErrorKind::kUnavailable, "window: DISPLAY is not set");
-    if (glfwInit() == GLFW_FALSE)
-        return make_error(ErrorKind::kUnavailable, "window: " + last_glfw_error());
+        return make_error(ErrorKind::kUnavailable,
+                          "window: DISPLAY is not set; start the viewer on a desktop or through "
+                          "ssh -X, or use --headless");
+    if (glfwInit() == GLFW_FALSE) {
+        return make_error(ErrorKind::kUnavailable,
+                          "window: " + last_glfw_error() +
+                              "; check DISPLAY, and that this user may open it (XAUTHORITY)");
+    }
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
