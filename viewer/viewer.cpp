@@ -2,7 +2,9 @@
 
 #include "core/app/log.hpp"
 #include "core/base/statistics.hpp"
+#include "viewer/control/site_selection.hpp"
 #include "viewer/control/user_control.hpp"
+#include "viewer/control/viewpoint_control.hpp"
 #include "viewer/pacing/drawing_control.hpp"
 #include "viewer/receive/session.hpp"
 #include "viewer/receive/world_membership.hpp"
@@ -10,6 +12,7 @@
 #include "viewer/run_limit.hpp"
 #include "viewer/scene/model_folder.hpp"
 #include "viewer/ui/display.hpp"
+#include "viewer/ui/site_lines.hpp"
 #include "viewer/ui/surface.hpp"
 #include "viewer/ui/viewer_statistics.hpp"
 #include "viewer/ui/world_picture.hpp"
@@ -43,9 +46,15 @@ struct Viewer::Impl {
           session(std::move(of)),
           picture(config, std::move(display)),
           control(camera, config.view.name, picture.display.is_tile()),
+          viewpoints(ViewpointBook(config.viewpoints, config.viewpoint_file, config.bus.world)),
           models(config.models),
           output_files(config),
-          statistics(config.view.name) {}
+          statistics(config.view.name),
+          membership(config.bus.world) {
+        hud.world = config.bus.world;
+        hud.has_other_worlds = config.has_other_worlds;
+        list_viewpoints();
+    }
 
     ViewerConfig config;
     SurfaceOptions surface_options;
@@ -55,6 +64,11 @@ struct Viewer::Impl {
     UserControl control;
     Pointer pointer;  // in the picture of one eye
     ModelFolder models;
+    ViewpointControl viewpoints;
+    SiteSelection sites;
+    std::unique_ptr<Surface> given_surface;   // until `open`
+    std::unique_ptr<Surface> closed_surface;  // from `close` on, if the user wants another world
+    bool wants_other_world = false;
     OutputFiles output_files;
     ViewerStatistics statistics;
     std::optional<RunLimit> limit;
@@ -74,13 +88,16 @@ struct Viewer::Impl {
     UserControl::Shown shown() const;
     void take_edit_news(Clock::time_point now);
     void send_edits();
+    void select(const SurfaceEvents& events, Clock::time_point now);
+    void list_viewpoints();
     void fill_hud(Clock::time_point now);
     Expected<void> adapt_quality(Clock::duration busy, Clock::time_point ended);
     void update_status(Clock::time_point now);
 };
 
 Expected<void> Viewer::Impl::open() {
-    if (auto opened = picture.open(config, surface_options); !opened) return opened;
+    if (auto opened = picture.open(config, surface_options, std::move(given_surface)); !opened)
+        return opened;
     drawing.emplace(config.view,
                     picture.surface->display_hz(),
                     picture.display.is_tile(),
@@ -94,7 +111,8 @@ Expected<void> Viewer::Impl::open() {
 Expected<void> Viewer::Impl::close() {
     auto closed = output_files.close();
     drawing.reset();
-    picture.close();
+    auto surface = picture.close();
+    if (wants_other_world) closed_surface = std::move(surface);
     return closed;
 }
 
@@ -144,6 +162,7 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
     take_edit_news(now);
     const UserControl::Shown shown = this->shown();
     send(control.move(events, shown, now));
+    select(events, now);
     if (events.scan_models) models.scan();
     models.measure(events.measure_model);
     hud.measured_model = events.measure_model;
@@ -163,7 +182,27 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
     return picture.resize();
 }
 
+// What the user wants to see, and from where.
+void Viewer::Impl::select(const SurfaceEvents& events, Clock::time_point now) {
+    if (!events.hide_site.empty()) sites.toggle(events.hide_site);
+    if (!events.solo_site.empty()) sites.toggle_solo(events.solo_site);
+    if (!events.viewpoint) return;
+    notify_user(viewpoints.handle(*events.viewpoint, control, now));
+    list_viewpoints();
+}
+
+void Viewer::Impl::list_viewpoints() {
+    hud.viewpoints.clear();
+    const ViewpointBook& book = viewpoints.book();
+    for (int number = 1; number <= ViewpointBook::kNum; ++number) {
+        if (const auto& viewpoint = book.at(number))
+            hud.viewpoints.push_back({number, viewpoint->name, book.is_own(number)});
+    }
+}
+
 void Viewer::Impl::fill_hud(Clock::time_point now) {
+    statistics.watch_world(now, *session, hud);
+    mark_selected(sites, hud.sites);
     if (std::exchange(listed_revision, picture.scene.revision()) != picture.scene.revision()) {
         hud.objects.clear();
         for (const auto& [id, object] : picture.scene.objects())
@@ -183,6 +222,7 @@ void Viewer::Impl::fill_hud(Clock::time_point now) {
 
 void Viewer::Impl::draw(Clock::time_point begin) {
     const Clock::time_point now = Clock::now();
+    picture.people.show_only(sites, control.inside());
     picture.update(*session, now, statistics.times());
     drawing->began(begin);
     hud.edit = control.edit_view(shown());
@@ -203,7 +243,8 @@ Expected<void> Viewer::Impl::adapt_quality(Clock::duration busy, Clock::time_poi
 
 void Viewer::Impl::update_status(Clock::time_point now) {
     hud.num_video_dropped = output_files.num_dropped();
-    statistics.update(now, *session, picture.people, drawing->quality(), hud);
+    statistics.update(
+        now, *session, picture.people, picture.scene.site_names(), drawing->quality(), hud);
 }
 
 Expected<void> Viewer::Impl::loop(std::stop_token stop) {
@@ -213,7 +254,10 @@ Expected<void> Viewer::Impl::loop(std::stop_token stop) {
     while (drawing->wait(stop)) {
         const Clock::time_point picture_begin = Clock::now();
         const SurfaceEvents events = picture.surface->poll();
-        if (events.close) break;
+        wants_other_world = events.other_world && config.has_other_worlds;
+        if (events.other_world && !wants_other_world)
+            notify_user("this run shows one world: it has an end, or writes a picture or video");
+        if (events.close || wants_other_world) break;
         if (auto named = membership.check_name(); !named) return named;
         if (auto done = react(events); !done) return done;
         draw(picture_begin);
@@ -246,7 +290,8 @@ Viewer::~Viewer() = default;
 
 Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config,
                                                  std::stop_token stop,
-                                                 SurfaceIs surface_is) {
+                                                 SurfaceIs surface_is,
+                                                 std::unique_ptr<Surface> given) {
     if (auto named = check_file_names(config); !named) return tl::unexpected(named.error());
     const auto camera = make_view_camera(config.view);
     if (!camera) return tl::unexpected(camera.error());
@@ -260,6 +305,7 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(const ViewerConfig& config,
     if (!session) return tl::unexpected(session.error());
     auto impl = std::make_unique<Impl>(
         std::move(named_config), *surface, *camera, std::move(*display), std::move(*session));
+    impl->given_surface = std::move(given);
     Expected<void> joined;
     Expected<void> opened;
     {
@@ -305,6 +351,12 @@ Expected<void> Viewer::run(std::stop_token stop) {
     if (written) written = impl_->output_files.write_output(*impl_->picture.renderer);
     const auto closed = impl_->close();
     return !result ? result : !written ? written : closed;
+}
+
+std::unique_ptr<Surface> Viewer::take_surface() { return std::move(impl_->closed_surface); }
+
+bool Viewer::has_window() const {
+    return impl_->picture.surface && impl_->picture.surface->is_window();
 }
 
 bus::ViewerStatus Viewer::status() const { return impl_->statistics.status(); }

@@ -3,6 +3,7 @@
 #include "core/base/expected.hpp"
 #include "core/bus/messages.hpp"
 #include "viewer/config/viewer_config.hpp"
+#include "viewer/ui/surface.hpp"
 
 #include <memory>
 #include <stop_token>
@@ -16,10 +17,12 @@ public:
     /// time, but then `create`, `run` and the destructor must be called on the same thread.
     enum class SurfaceIs { kOpenedNow, kOpenedByRun };
 
-    /// Checks the configuration and joins the world.
+    /// Checks the configuration and joins the world. Uses `surface`, if given, instead of one of
+    /// its own.
     static Expected<std::unique_ptr<Viewer>> create(const ViewerConfig& config,
                                                     std::stop_token stop = {},
-                                                    SurfaceIs surface_is = SurfaceIs::kOpenedByRun);
+                                                    SurfaceIs surface_is = SurfaceIs::kOpenedByRun,
+                                                    std::unique_ptr<Surface> surface = nullptr);
     ~Viewer();
 
     /// Shows the world until `stop`, until `frames` or `seconds` are over, or until the window is
@@ -27,6 +30,11 @@ public:
     /// window: the main thread) and starts the others, see docs/architecture.md.
     Expected<void> run(std::stop_token stop);
 
+    /// After `run`: the surface, if the user asked for another world; else null.
+    std::unique_ptr<Surface> take_surface();
+
+    /// Before `run` with kOpenedNow: whether there is a window.
+    bool has_window() const;
     /// Current status. Any thread.
     bus::ViewerStatus status() const;
 

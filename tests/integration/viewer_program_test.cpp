@@ -1,4 +1,5 @@
 #include "core/bus/bus.hpp"
+#include "core/presence/membership.hpp"
 #include "tests/support/comes_true.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/skips.hpp"
@@ -48,13 +49,20 @@ protected:
         display_ = std::move(*started);
         fs::create_directories(folder_);
         put_a_red_box();
-        program_ = std::async(std::launch::async, [command = command_line()] {
-            return test_support::run_program(command, 200);
+        prepare();
+        program_ = std::async(std::launch::async, [this] {
+            const std::string state =
+                "export XDG_STATE_HOME=" + (folder_ / "state").string() + "; ";
+            return test_support::run_program(command_line(), 200, state);
         });
         ASSERT_TRUE(comes_true([&] {
-            const auto colour = display_->colour_in(kTitle, kBoxAt.x, kBoxAt.y);
-            return colour && (*colour)[0] > 2 * (*colour)[1];
+            join();
+            return shows_the_box();
         })) << log();
+    }
+    bool shows_the_box() {
+        const auto colour = display_->colour_in(kTitle, kBoxAt.x, kBoxAt.y);
+        return colour && (*colour)[0] > 2 * (*colour)[1];
     }
     void TearDown() override {
         if (program_.valid()) {
@@ -85,13 +93,18 @@ protected:
     }
     std::string command_line() const {
         std::ostringstream command;
-        command << ATRIUM_BIN_DIR "/viewer --bus.world viewer-program-test --bus.domain " << kDomain
+        command << ATRIUM_BIN_DIR "/viewer " << world_option() << " --bus.domain " << kDomain
                 << " --view.width " << kSize.width << " --view.height " << kSize.height
                 << " --view.position_m 3,0,1 --view.target_m 0,0,1 --video.fps " << kVideoHz
                 << " --view.adapt off"  // a busy machine must not change the picture
                 << " --screenshot_dir " << folder_.string() << " > " << log_file().string();
         return command.str();
     }
+    virtual std::string world_option() const { return "--bus.world viewer-program-test"; }
+    /// Called before the viewer is started.
+    virtual void prepare() {}
+    /// Called while the viewer does not show the world yet.
+    virtual void join() {}
     fs::path log_file() const { return folder_ / "log"; }
     std::string log() const {
         std::ostringstream text;
@@ -244,6 +257,53 @@ TEST_F(ViewerProgram, RecordsVideosBetweenKeysAndUntilClosed) {
     const Video ended_by_closing = read_video(second);
     expect_the_scene(ended_by_closing.last);
     EXPECT_GT(ended_by_closing.num_frames, 1);
+}
+
+// Without a world, the user chooses one.
+class ViewerStart : public ViewerProgram {
+protected:
+    std::string world_option() const override { return ""; }
+    void prepare() override {
+        const auto ignore = [](const std::string&) {};
+        auto member = presence::Membership::join(*participant_,
+                                                 {bus::ProgramKind::kWorldServer, "boxes", "1"},
+                                                 {ignore, ignore, [](const Error&) {}});
+        ASSERT_TRUE(member) << member.error().message;
+        member_ = std::move(*member);
+    }
+    // chooses the only world, as soon as it is heard
+    void join() override { display_->press(kTitle, "Return"); }
+
+    std::unique_ptr<presence::Membership> member_;
+};
+
+TEST_F(ViewerStart, JoinsTheChosenWorldAndComesBackForAnother) {
+    const VirtualDisplay::Size size{kSize.width, kSize.height};
+    EXPECT_EQ(display_->size_of(kTitle), size);
+    display_->press(kTitle, "BackSpace");
+    EXPECT_TRUE(comes_true([&] { return !shows_the_box(); })) << log();
+    EXPECT_EQ(display_->size_of(kTitle), size) << "the window stays";
+    // the world is gone, but remembered
+    member_.reset();
+    EXPECT_TRUE(comes_true([&] {
+        join();
+        return shows_the_box();
+    })) << log();
+    const Outcome outcome = close();
+    EXPECT_EQ(outcome.exit_code, 0) << log();
+    EXPECT_THAT(log(), HasSubstr("world_chosen world=viewer-program-test"));
+    EXPECT_TRUE(fs::exists(folder_ / "state/atrium/recent_worlds.toml"));
+}
+
+TEST_F(ViewerStart, PrintsTheWorldsWithoutADisplay) {
+    const std::string viewer = ATRIUM_BIN_DIR "/viewer --bus.domain " + std::to_string(kDomain);
+    const Outcome heard = test_support::run_program(viewer, 60, "unset DISPLAY; ");
+    EXPECT_EQ(heard.exit_code, 0) << heard.output;
+    EXPECT_THAT(heard.output, HasSubstr("viewer-program-test"));
+    EXPECT_THAT(heard.output, HasSubstr("world server on "));
+    EXPECT_THAT(heard.output,
+                HasSubstr("viewer --bus.world viewer-program-test --bus.domain " +
+                          std::to_string(kDomain)));
 }
 
 // The requested context draws, or the program names what is missing.

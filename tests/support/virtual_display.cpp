@@ -219,7 +219,7 @@ void VirtualDisplay::resize(const std::string& title, const Size& size) {
                       static_cast<unsigned>(size[1]));
 }
 
-void VirtualDisplay::press(const std::string& title, const std::string& key) {
+void VirtualDisplay::press(const std::string& title, const std::string& key, bool with_control) {
     const KeySym symbol = XStringToKeysym(key.c_str());
     XEvent event{};
     event.xkey.type = KeyPress;
@@ -229,7 +229,7 @@ void VirtualDisplay::press(const std::string& title, const std::string& key) {
     const KeyCode code = XKeysymToKeycode(impl_->display, symbol);
     event.xkey.keycode = code;
     const bool is_shifted = XkbKeycodeToKeysym(impl_->display, code, 0, 0) != symbol;
-    event.xkey.state = is_shifted ? ShiftMask : 0;
+    event.xkey.state = (is_shifted ? ShiftMask : 0U) | (with_control ? ControlMask : 0U);
     impl_->send(title, event);
     // a held key sends no second press
     event.xkey.type = KeyRelease;

@@ -32,7 +32,10 @@ public:
     /// Also moves the window to the screen's upper left corner.
     void resize(const std::string& title, const Size& size);
     /// Presses a key by the X name of its symbol: "Escape", "F9", "h", "question".
-    void press(const std::string& title, const std::string& key);
+    void press(const std::string& title, const std::string& key) { press(title, key, false); }
+    void press_with_control(const std::string& title, const std::string& key) {
+        press(title, key, true);
+    }
     /// Moves the mouse there, from the window's upper left corner.
     void point_at(const std::string& title, int x, int y);
     /// Presses the left button at the mouse, or releases it.
@@ -42,6 +45,8 @@ public:
     void ask_to_close(const std::string& title);
 
 private:
+    void press(const std::string& title, const std::string& key, bool with_control);
+
     struct Impl;
     explicit VirtualDisplay(std::unique_ptr<Impl> impl);
     std::unique_ptr<Impl> impl_;

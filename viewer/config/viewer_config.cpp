@@ -55,6 +55,11 @@ void declare(ViewConfig& view, config::OptionSet& set) {
         "maximum resolution of the scene, as a share of the picture's; scaled up to the picture",
         {.min = 0.1, .max = 1});
     set.add("view.shadows", view.shadows, "shadows; view.adapt may switch them off", {"on", "off"});
+    set.add(
+        "view.ui_scale",
+        view.ui_scale,
+        "size of panels and names, 1: for 1280x720; 0: from the picture's height and the display",
+        {.min = 0, .max = 8});
 }
 
 void declare(DisplayConfig& display, config::OptionSet& set) {

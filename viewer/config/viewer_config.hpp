@@ -4,6 +4,7 @@
 #include "core/base/expected.hpp"
 #include "core/bus/bus.hpp"
 #include "core/config/option_set.hpp"
+#include "viewer/config/viewpoints.hpp"
 #include "viewer/renderer/drawing/view_camera.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
 
@@ -11,6 +12,7 @@
 #include <filesystem>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace atrium::viewer {
 
@@ -30,6 +32,7 @@ struct ViewConfig {
     std::string adapt = "auto";    // off: never reduces the quality
     double scale = 1.0;            // maximum share of the picture's width and height
     std::string shadows = "on";
+    double ui_scale = 0.0;  // of panels and names; 0: automatic
 };
 
 struct DisplayConfig {
@@ -62,6 +65,9 @@ struct ViewerConfig {
     std::filesystem::path output;  // file of the last picture; empty: none
     std::filesystem::path screenshot_dir = ".";
     std::filesystem::path models = "deploy/worlds";  // folder of the worlds' models
+    std::vector<Viewpoint> viewpoints;               // numbered from 1; only a file can set them
+    bool has_other_worlds = false;         // the user may leave the world for the list of worlds
+    std::filesystem::path viewpoint_file;  // of the user; empty: kept until the end
 };
 
 /// Declares every option, with its unit, on `set`.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <utility>
 
 namespace atrium::viewer {
 namespace {
@@ -37,7 +38,7 @@ PersonPlace place_of(std::span<const Eigen::Vector3f> vertices) {
 
 void FollowCamera::toggle_follow(const renderer::ViewCamera& camera, const Places& places) {
     const bool was_following = !name_.empty() && !is_inside_;
-    leave();
+    drop();
     at_.reset();
     if (was_following) return;
     is_inside_ = false;
@@ -52,13 +53,19 @@ void FollowCamera::toggle_follow(const renderer::ViewCamera& camera, const Place
 
 void FollowCamera::toggle_first_person(std::size_t number, const Places& places) {
     const std::string before = is_first_person() ? name_ : "";
-    leave();
+    drop();
     at_.reset();
     if (number < 1 || number > places.size()) return;
     const auto chosen = std::next(places.begin(), static_cast<std::ptrdiff_t>(number - 1));
     if (chosen->first == before) return;
     name_ = chosen->first;
     is_inside_ = true;
+    returns_ = false;  // into other eyes
+}
+
+void FollowCamera::drop() {
+    returns_ = is_first_person() && before_.has_value();
+    name_.clear();
 }
 
 renderer::ViewCamera FollowCamera::update(renderer::ViewCamera camera,
@@ -66,6 +73,7 @@ renderer::ViewCamera FollowCamera::update(renderer::ViewCamera camera,
                                           Clock::time_point now) {
     const double passed_s = std::chrono::duration<double>(now - time_).count();
     time_ = now;
+    if (std::exchange(returns_, false)) camera = *std::exchange(before_, std::nullopt);
     if (name_.empty()) return camera;
     const auto found = places.find(name_);
     if (found == places.end()) {
@@ -74,6 +82,7 @@ renderer::ViewCamera FollowCamera::update(renderer::ViewCamera camera,
     }
     const Eigen::Vector3d wanted = is_inside_ ? found->second.eyes : found->second.middle;
     if (!at_ && is_inside_) {
+        if (!before_) before_ = camera;
         // look horizontally, in the camera's former direction
         Eigen::Vector3d ahead = camera.target_m - camera.position_m;
         ahead.z() = 0.0;

@@ -35,9 +35,15 @@ public:
     /// Follows the person nearest to the camera's target, or stops following.
     void toggle_follow(const renderer::ViewCamera& camera, const Places& places);
     /// Looks through the eyes of person `number`, counted from 1 in the order of the names. The
-    /// same number again, or a number without a person, leaves the person.
+    /// same number again, or a number without a person, leaves the person: the next `update`
+    /// returns to the viewpoint before the first person was entered.
     void toggle_first_person(std::size_t number, const Places& places);
-    void leave() { name_.clear(); }
+    /// Leaves the person. The camera stays where it is.
+    void leave() {
+        name_.clear();
+        before_.reset();
+        returns_ = false;
+    }
 
     bool is_first_person() const { return !name_.empty() && is_inside_; }
     const std::string& name() const { return name_; }  // empty: nobody
@@ -48,9 +54,13 @@ public:
                                 Clock::time_point now);
 
 private:
+    void drop();
+
     std::string name_;
     bool is_inside_ = false;
-    std::optional<Eigen::Vector3d> at_;  // smoothed position that the camera follows
+    std::optional<renderer::ViewCamera> before_;  // the camera outside, while in the eyes
+    bool returns_ = false;                        // the next update returns to `before_`
+    std::optional<Eigen::Vector3d> at_;           // smoothed position that the camera follows
     Clock::time_point time_;
 };
 

@@ -12,6 +12,14 @@
 
 namespace atrium::viewer {
 
+/// What to do with a numbered viewpoint.
+struct ViewpointEvent {
+    enum class Kind : std::uint8_t { kKeep, kGo, kGoNext, kGoPrevious, kRename, kForget };
+    Kind kind = Kind::kGo;
+    int number = 0;    // from 1; without meaning for the next and the previous one
+    std::string name;  // kRename
+};
+
 /// Input of the user.
 struct SurfaceEvents {
     Motion motion;
@@ -24,6 +32,10 @@ struct SurfaceEvents {
     bool reset_view = false;
     bool follow = false;     // follow a person, or stop following
     std::size_t person = 0;  // person whose eyes to look through, from 1; 0: no change
+    std::optional<ViewpointEvent> viewpoint;
+    std::string hide_site;     // hide this site, or show it again; empty: none
+    std::string solo_site;     // show only this site, or all again; empty: none
+    bool other_world = false;  // leave the world for the list of worlds
     bool reset_scene = false;
     std::optional<NewObject> add;         // add this object before the eye
     std::optional<std::uint32_t> remove;  // remove this object

@@ -4,6 +4,20 @@
 #include <utility>
 
 namespace atrium::viewer {
+namespace {
+
+bool moves(const Motion& motion) {
+    return !motion.turn_px.isZero() || !motion.pan_px.isZero() || !motion.fly.isZero() ||
+           motion.zoom_steps != 0.0 || motion.walk;
+}
+
+}  // namespace
+
+void UserControl::fly_to(const renderer::ViewCamera& camera, Clock::time_point now) {
+    if (is_fixed_) return;
+    follow_.leave();
+    flight_.start(camera_, camera, now);
+}
 
 namespace {
 
@@ -43,6 +57,7 @@ UserControl::Commands UserControl::move(const SurfaceEvents& events,
     if (events.follow) follow_.toggle_follow(camera_, shown.people);
     if (events.person > 0) follow_.toggle_first_person(events.person, shown.people);
     if (events.reset_view) follow_.leave();
+    if (events.follow || events.person > 0 || events.reset_view || moves(motion)) flight_.stop();
     if (follow_.is_first_person()) {
         motion.look_around = true;
         motion.walk = false;
@@ -51,6 +66,7 @@ UserControl::Commands UserControl::move(const SurfaceEvents& events,
         motion.zoom_steps = 0.0;
     }
     camera_ = events.reset_view ? start_ : apply(motion, camera_);
+    camera_ = flight_.update(camera_, now);
     camera_ = follow_.update(camera_, shown.people, now);
     return commands;
 }

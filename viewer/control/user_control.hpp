@@ -5,6 +5,7 @@
 #include "viewer/control/mouse_grab.hpp"
 #include "viewer/control/scene_editor.hpp"
 #include "viewer/control/surface_events.hpp"
+#include "viewer/control/view_flight.hpp"
 #include "viewer/control/world_editing.hpp"
 #include "viewer/renderer/drawing/view_camera.hpp"
 
@@ -34,6 +35,9 @@ public:
     const renderer::ViewCamera& camera() const { return camera_; }
     /// Person through whose eyes the user looks. Empty: nobody.
     std::string inside() const { return follow_.is_first_person() ? follow_.name() : ""; }
+
+    /// Moves the viewpoint smoothly to `camera`. Mouse and keys end the flight.
+    void fly_to(const renderer::ViewCamera& camera, Clock::time_point now);
 
     /// The world in the last picture.
     struct Shown {
@@ -78,6 +82,7 @@ private:
     WorldEditing editing_;
     WorldEditing::Edits edits_;
     FollowCamera follow_;
+    ViewFlight flight_;
 };
 
 }  // namespace atrium::viewer

@@ -1,5 +1,10 @@
 #include "viewer/overlay/annotations.hpp"
 
+#include "viewer/overlay/label_layout.hpp"
+#include "viewer/overlay/label_scale.hpp"
+#include "viewer/overlay/text_picture.hpp"
+
+#include <cstddef>
 #include <map>
 #include <utility>
 #include <vector>
@@ -34,17 +39,24 @@ void Annotations::update(const SceneView& scene,
                          Clock::time_point now,
                          renderer::SceneRenderer& renderer) {
     std::vector<renderer::Label> labels;
+    const int picture_px = eyes.empty() ? 0 : eyes.front().part_px.height;
+    const double scale = label_scale_of(ui_scale_, picture_px);
+    const double name_height = scale * NameTags::kHeight;
+    names_.set_size(name_height, text_height_px(name_height, picture_px));
+    debug_.set_names(scale, picture_px);
     if (has_names_ && !eyes.empty()) {
         std::map<std::string, NameTags::Person> heads;
         for (const auto& [name, place] : people.places(renderer))
             heads[name] = {place.top, people.opacity(name, now)};
         labels = names_.update(heads, inside, eyes.front().eye_world(), now);
     }
+    const std::size_t num_names = labels.size();
     lines_.clear();
     if (is_debug_)
         debug_.append(scene, people, proxies_, renderer, lines_, labels);
     else
         debug_.clear();
+    if (!eyes.empty()) separate_labels(labels, num_names, eyes.front());
     triangles_.clear();
     append_edit(scene, eyes, labels);
     renderer.overlay().set_triangles(triangles_);

@@ -21,7 +21,8 @@ public:
     using Clock = std::chrono::steady_clock;
 
     Annotations(const ViewConfig& view, bool is_window)
-        : has_names_(view.names == "on" || (view.names == "auto" && is_window)),
+        : ui_scale_(view.ui_scale),
+          has_names_(view.names == "on" || (view.names == "auto" && is_window)),
           is_debug_(view.debug == "on") {}
 
     void toggle_names() { has_names_ = !has_names_; }
@@ -43,6 +44,7 @@ public:
                 renderer::SceneRenderer& renderer);
 
 private:
+    double ui_scale_;
     bool has_names_;
     NameTags names_;
     bool is_debug_;

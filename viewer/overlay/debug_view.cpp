@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include <array>
+#include <utility>
 
 namespace atrium::viewer {
 namespace {
@@ -86,6 +87,12 @@ void append_frustum(const geometry::CalibratedCamera& camera,
     }
 }
 
+void DebugView::set_names(double scale, int picture_px) {
+    name_height_ = scale * kNameHeight;
+    const int text_px = text_height_px(name_height_, picture_px);
+    if (std::exchange(name_px_, text_px) != text_px) names_.clear();
+}
+
 void DebugView::append_site(const bus::SiteDescription& site,
                             const Eigen::Matrix4d& world_from_site,
                             std::vector<Line>& lines,
@@ -99,13 +106,13 @@ void DebugView::append_site(const bus::SiteDescription& site,
         auto found = names_.find(name);
         if (found == names_.end()) {
             if (names_.size() >= kMaxNames || ++num_new_names_ > kMaxNewNames) continue;
-            found = names_.emplace(name, draw_text(name)).first;
+            found = names_.emplace(name, draw_text(name, name_px_)).first;
         }
         if (labels.size() >= kMaxNames) continue;
         labels.push_back(
             {.picture = found->second,
              .at_world = (world_from_site * camera.centre_site().homogeneous()).head<3>(),
-             .height = kNameHeight,
+             .height = name_height_,
              .opacity = 0.9});
     }
 }
@@ -120,6 +127,7 @@ void DebugView::append(const SceneView& scene,
     for (const auto& [name, site] : scene.sites())
         append_site(*site, renderer.world_from_site(name), lines, labels);
     for (const auto& [name, place] : people.places(renderer)) {
+        if (!people.is_drawn(name)) continue;
         Eigen::Matrix4d world_from_box = renderer.world_from_site(name);
         world_from_box.topRightCorner<3, 1>() = place.middle;
         append_box(world_from_box, place.size, kPersonColour, lines);

@@ -36,6 +36,8 @@ public:
                 const renderer::SceneRenderer& renderer,
                 std::vector<renderer::Line>& lines,
                 std::vector<renderer::Label>& labels);
+    /// Scale of the camera names, and the height of the pictures that they appear in.
+    void set_names(double scale, int picture_px);
     /// Drops the rendered camera names.
     void clear() { names_.clear(); }
 
@@ -47,6 +49,8 @@ private:
 
     std::map<std::string, std::shared_ptr<const renderer::TexturePicture>> names_;
     int num_new_names_ = 0;  // rendered for this picture
+    double name_height_ = 0.0;
+    int name_px_ = 0;
 };
 
 }  // namespace atrium::viewer

@@ -1,7 +1,5 @@
 #include "viewer/overlay/name_tags.hpp"
 
-#include "viewer/overlay/text_picture.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +8,6 @@ namespace {
 
 constexpr int kMaxNewTags = 4;  // per picture: rendering a text takes some tenths of a millisecond
 constexpr double kAboveHeadM = 0.06;
-constexpr double kHeight = 0.05;  // share of the picture's height; letters have half of it
 constexpr double kSoftS = 0.1;
 constexpr double kJumpM = 0.5;  // a head that is farther away jumped
 constexpr double kFadesFromM = 8.0;
@@ -33,10 +30,16 @@ std::vector<renderer::Label> NameTags::update(const std::map<std::string, Person
     std::vector<renderer::Label> labels;
     int num_new = 0;
     for (const auto& [name, person] : people) {
-        if (!tags_.contains(name) && ++num_new > kMaxNewTags) continue;
+        const auto known = tags_.find(name);
+        const bool is_drawn = known != tags_.end() && known->second.text_px == text_px_;
+        const bool has_room = is_drawn || ++num_new <= kMaxNewTags;
+        if (known == tags_.end() && !has_room) continue;
         const auto [found, is_new] = tags_.try_emplace(name);
         Tag& tag = found->second;
-        if (is_new) tag.picture = draw_text(name);
+        if (!is_drawn && has_room) {
+            tag.picture = draw_text(name, text_px_);
+            tag.text_px = text_px_;
+        }
         if (is_new || (person.top_world - tag.top_world).norm() > kJumpM)
             tag.top_world = person.top_world;
         tag.top_world += share * (person.top_world - tag.top_world);
@@ -44,7 +47,7 @@ std::vector<renderer::Label> NameTags::update(const std::map<std::string, Person
         if (name == hidden || seen <= 0.0) continue;
         labels.push_back({.picture = tag.picture,
                           .at_world = tag.top_world + kAboveHeadM * Eigen::Vector3d::UnitZ(),
-                          .height = kHeight,
+                          .height = height_,
                           .opacity = seen});
     }
     return labels;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "viewer/overlay/text_picture.hpp"
 #include "viewer/renderer/overlay.hpp"
 
 #include <Eigen/Core>
@@ -29,12 +30,21 @@ public:
                                         const std::string& hidden,
                                         const Eigen::Vector3d& eye_world,
                                         Clock::time_point now);
+    /// Size of the names: share of the picture's height, and height of their pictures.
+    void set_size(double share, int text_px) {
+        height_ = share;
+        text_px_ = text_px;
+    }
+    static constexpr double kHeight = 0.05;  // letters have half of it
 
 private:
     struct Tag {
+        int text_px = 0;
         std::shared_ptr<const renderer::TexturePicture> picture;
         Eigen::Vector3d top_world;
     };
+    double height_ = kHeight;
+    int text_px_ = kTextHeight_px;
     std::map<std::string, Tag> tags_;
     Clock::time_point time_;
 };

@@ -219,6 +219,7 @@ void Session::take_objects() {
         const std::lock_guard lock(scene_mutex_);
         if (scene_.states.size() >= kMaxWaitingStates) scene_.states.erase(scene_.states.begin());
         scene_.states.emplace_back(std::move(state), now);
+        world_heard_ns_ = std::chrono::nanoseconds(now.time_since_epoch()).count();
     }));
 }
 
@@ -234,6 +235,8 @@ void Session::receive_statuses() {
     }));
     note(readers_.world_statuses.take([&](bus::WorldStatus&& status) {
         const std::string world = status.world;
+        const auto now = std::chrono::steady_clock::now();
+        world_heard_ns_ = std::chrono::nanoseconds(now.time_since_epoch()).count();
         keep(statuses_.worlds, world, std::move(status));
     }));
 }

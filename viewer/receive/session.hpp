@@ -84,6 +84,12 @@ public:
     }
     SceneChanges take_scene();
     StatusReports take_statuses();
+    /// Time of the last state or status of a world server. Empty: none yet.
+    std::optional<std::chrono::steady_clock::time_point> world_heard() const {
+        const std::int64_t ns = world_heard_ns_;
+        if (ns == 0) return std::nullopt;
+        return std::chrono::steady_clock::time_point(std::chrono::nanoseconds(ns));
+    }
     /// Physics proxies of people and models, received on demand.
     ProxyInbox& proxies() { return proxies_; }
     /// Returns a model that is no longer shown; the decoder reuses its memory.
@@ -185,6 +191,7 @@ private:
     SceneChanges scene_;
     StatusReports statuses_;  // also guarded by scene_mutex_
     app::log::OncePerSecond rejections_;
+    std::atomic<std::int64_t> world_heard_ns_ = 0;  // steady clock; 0: never
     std::atomic<std::uint64_t> num_pairs_skipped_ = 0;
     std::atomic<std::uint64_t> num_incomplete_ = 0;
     std::atomic<std::uint64_t> num_rejected_ = 0;

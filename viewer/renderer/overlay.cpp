@@ -6,6 +6,8 @@
 #include <glad/gl.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <utility>
 
 namespace atrium::renderer {
@@ -15,6 +17,28 @@ constexpr double kNearestM = 0.1;  // distance from the eye; nearer labels would
 
 double depth_of(const EyeView& eye, const Eigen::Vector3d& p_world) {
     return -(eye.view_from_world.row(2).head<3>().dot(p_world) + eye.view_from_world(2, 3));
+}
+
+// Whether the label's picture has the size that it gets in the eye's picture.
+bool is_drawn_pixel_by_pixel(const Label& label, const EyeView& eye) {
+    return std::lround(label.height * eye.part_px.height) == label.picture->height;
+}
+
+// Moves the middle of a label by less than a pixel, so that its pixels are those of the eye's
+// picture. A filter between them would blur the letters.
+void snap_to_pixels(const Label& label,
+                    const EyeView& eye,
+                    double depth_m,
+                    Eigen::Vector3d& middle) {
+    const std::array<int, 2> size_px{eye.part_px.width, eye.part_px.height};
+    const std::array<int, 2> label_px{label.picture->width, label.picture->height};
+    for (const int axis : {0, 1}) {
+        const auto i = static_cast<std::size_t>(axis);
+        const double ndc = eye.clip_from_view.row(axis).head<3>().dot(middle) / depth_m;
+        const double low_px = 0.5 * (ndc + 1.0) * size_px[i] - 0.5 * label_px[i];
+        const double px_m = 2.0 * depth_m / (size_px[i] * eye.clip_from_view(axis, axis));
+        middle[axis] += (std::round(low_px) - low_px) * px_m;
+    }
 }
 
 constexpr const char* kLabelVertex = R"(#version 330 core
@@ -68,7 +92,7 @@ void Overlay::set_labels(std::vector<Label> labels) {
     for (const Label& label : labels_) {
         if (used.contains(label.picture)) continue;
         const auto found = pictures_.find(label.picture);
-        // labels appear at half size or less, so mipmaps keep them smooth
+        // labels may appear at half size or less: mipmaps keep them smooth
         used[label.picture] = found != pictures_.end()
                                   ? std::move(found->second)
                                   : upload_picture(*label.picture, PictureUse::kLabel);
@@ -115,7 +139,8 @@ void Overlay::draw_label(const Label& label, const EyeView& eye) const {
     const double half_height_m = label.height * depth_m / eye.clip_from_view(1, 1);
     const double aspect = static_cast<double>(label.picture->width) / label.picture->height;
     Eigen::Vector3d middle = (eye.view_from_world * label.at_world.homogeneous()).head<3>();
-    middle.y() += half_height_m;
+    middle.y() += (1.0 + 2.0 * label.raised) * half_height_m;
+    if (is_drawn_pixel_by_pixel(label, eye)) snap_to_pixels(label, eye, depth_m, middle);
     label_shader_.set("clip_from_view", Eigen::Matrix4f(eye.clip_from_view.cast<float>()));
     label_shader_.set("middle", Eigen::Vector3f(middle.cast<float>()));
     label_shader_.set("half_size",

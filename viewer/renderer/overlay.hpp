@@ -24,6 +24,7 @@ struct Label {
     Eigen::Vector3d at_world = Eigen::Vector3d::Zero();  // centre of its lower edge
     double height = 0.04;                                // share of the eye's picture height
     double opacity = 1.0;
+    double raised = 0.0;  // moved up in the picture, in heights of the label
 };
 
 /// A straight line in the world, one pixel wide. Fainter where the scene hides it.

@@ -87,7 +87,7 @@ void SceneRenderer::Impl::draw_eye(const EyeView& eye,
     backdrop->draw_shadows(view, floors);
     // after everything that is visible through them
     for (auto& [site, person] : people) {
-        if (!person.is_solid()) draw_faded(person, eye);
+        if (!person.is_solid() && person.opacity() > 0.0) draw_faded(person, eye);
     }
     silhouettes->draw(people, view.clip_from_world, overlay->silhouettes_m());
     overlay->draw_lines(eye);

@@ -2,8 +2,6 @@
 
 #include "core/app/log.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <utility>
 
@@ -72,8 +70,7 @@ void PeopleView::update(Session& session,
         for (auto& [site, update] : due_.take(*instant, skip))
             show(site, std::move(update), session, now, renderer);
     }
-    for (const auto& [site, shown] : shown_)
-        renderer.set_person_opacity(site, opacity_after(now - shown.since));
+    for (const auto& [site, shown] : shown_) renderer.set_person_opacity(site, opacity(site, now));
 }
 
 FollowCamera::Places PeopleView::places(const renderer::SceneRenderer& renderer) const {
@@ -88,18 +85,14 @@ FollowCamera::Places PeopleView::places(const renderer::SceneRenderer& renderer)
     return places;
 }
 
-std::vector<HudLine> PeopleView::lines(Clock::time_point now) {
-    std::vector<HudLine> lines;
+std::map<std::string, PeopleView::Stream> PeopleView::streams(Clock::time_point now) {
+    std::map<std::string, Stream> streams;
     for (auto& [site, shown] : shown_) {
-        const double per_s = shown.rate.update(shown.num_pairs, now);
-        if (now - shown.since > kStalled) {
-            const double silent_s = seconds(now - shown.since);
-            lines.push_back({fmt::format("{}: nothing new for {:.1f} s", site, silent_s), true});
-        } else {
-            lines.push_back({fmt::format("{}: {:.0f} new/s", site, per_s), false});
-        }
+        Stream& stream = streams[site];
+        stream.per_s = shown.rate.update(shown.num_pairs, now);
+        if (now - shown.since > kStalled) stream.silent_s = seconds(now - shown.since);
     }
-    return lines;
+    return streams;
 }
 
 void PeopleView::clear() {

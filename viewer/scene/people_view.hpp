@@ -2,6 +2,7 @@
 
 #include "core/base/statistics.hpp"
 #include "viewer/control/follow_camera.hpp"
+#include "viewer/control/site_selection.hpp"
 #include "viewer/receive/delayed_people.hpp"
 #include "viewer/receive/session.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
@@ -36,6 +37,12 @@ public:
                 const std::optional<Timestamp>& instant,
                 Clock::time_point now,
                 renderer::SceneRenderer& renderer);
+    /// Draws only the people that `sites` shows, without `inside`, through whose eyes the camera
+    /// looks (empty: nobody). Takes effect with the next `update`.
+    void show_only(const SiteSelection& sites, const std::string& inside) {
+        selected_ = sites;
+        inside_ = inside;
+    }
     /// Drops everything; call it when the renderer is destroyed.
     void clear();
 
@@ -51,12 +58,21 @@ public:
     const std::vector<JustShown>& just_shown() const { return just_shown_; }
     /// Positions in the world.
     FollowCamera::Places places(const renderer::SceneRenderer& renderer) const;
-    /// Opacity of a person who is shown, in [0, 1].
+    /// Whether the user wants to see the site's person.
+    bool is_drawn(const std::string& site) const {
+        return site != inside_ && selected_.shows(site);
+    }
+    /// Opacity of a person of this session, in [0, 1]. 0: not drawn.
     double opacity(const std::string& site, Clock::time_point now) const {
+        if (!is_drawn(site)) return 0.0;
         return opacity_after(now - shown_.at(site).since);
     }
-    /// One line per person. Rates count from the last call.
-    std::vector<HudLine> lines(Clock::time_point now);
+    /// A person's stream.
+    struct Stream {
+        double per_s = 0.0;     // new meshes, since the last call
+        double silent_s = 0.0;  // time without a new one; 0 while they come
+    };
+    std::map<std::string, Stream> streams(Clock::time_point now);
 
 private:
     void show(const std::string& site,
@@ -66,6 +82,8 @@ private:
               renderer::SceneRenderer& renderer);
 
     DelayedPeople due_;
+    SiteSelection selected_;
+    std::string inside_;
     struct Shown {
         Clock::time_point since;  // last update
         std::uint64_t num_pairs = 0;

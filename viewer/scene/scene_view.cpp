@@ -188,6 +188,12 @@ std::optional<Hit> SceneView::pick(const Ray& ray, Pickable which) const {
     return nearest;
 }
 
+std::set<std::string> SceneView::site_names() const {
+    std::set<std::string> names;
+    for (const auto& [name, site] : sites_) names.insert(name);
+    return names;
+}
+
 void SceneView::clear() {
     timeline_.clear();
     soft_timeline_.clear();

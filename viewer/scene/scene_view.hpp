@@ -12,6 +12,8 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
+#include <string>
 #include <vector>
 
 namespace atrium::viewer {
@@ -44,6 +46,7 @@ public:
     /// All sites that have published a description, with or without a person.
     using Sites = std::map<std::string, std::shared_ptr<const bus::SiteDescription>>;
     const Sites& sites() const { return sites_; }
+    std::set<std::string> site_names() const;
     /// Increases with every change of `objects`.
     std::uint64_t revision() const { return revision_; }
     /// Drops everything; call it when the renderer is destroyed.

@@ -25,6 +25,8 @@ public:
     std::array<int, 2> size() const override { return size_; }
     SurfaceEvents poll() override { return {}; }
     void show(const renderer::SceneRenderer&, const HudContent&) override { glFinish(); }
+    void show_layout(const std::function<void()>&) override {}
+    double content_scale() const override { return 1.0; }
     std::chrono::steady_clock::duration waited_for_display() const override { return {}; }
 
 private:

@@ -1,23 +1,30 @@
 #include "viewer/ui/hud.hpp"
 
+#include "viewer/ui/curve.hpp"
+#include "viewer/ui/keys.hpp"
+#include "viewer/ui/panel_style.hpp"
+#include "viewer/ui/ui_scale.hpp"
+
+#include <fmt/format.h>
 #include <imgui.h>
 
 #include <algorithm>
-#include <array>
-#include <utility>
+#include <string>
 
 namespace atrium::viewer {
 namespace {
 
-constexpr int kFlags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
-                       ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoSavedSettings;
-const ImVec4 kWarning{1.0f, 0.75f, 0.3f, 1.0f};
-const ImVec2 kCurve{240.0f, 44.0f};
+constexpr double kHistory_s = 30.0;
+// The short panel stays this small, so it does not cover people.
+constexpr double kLineWidth_px = 330.0;  // at scale 1; longer lines are wrapped
+constexpr double kTwoListsFrom_px = 1050.0;
+constexpr double kDetailWidth_px = 460.0;
+constexpr std::size_t kMostWarnings = 2;
 
-template <std::size_t Size>
-void draw_curve(const char* title, const std::array<float, Size>& values, float least_top) {
-    const float top = std::max(least_top, 1.1f * *std::max_element(values.begin(), values.end()));
-    ImGui::PlotLines("", values.data(), static_cast<int>(Size), 0, title, 0.0f, top, kCurve);
+void draw_warning(const std::string& text) {
+    ImGui::PushStyleColor(ImGuiCol_Text, kWarningColour);
+    ImGui::TextUnformatted(text.c_str());
+    ImGui::PopStyleColor();
 }
 
 void draw_losses(const HudContent& content) {
@@ -28,27 +35,37 @@ void draw_losses(const HudContent& content) {
                 static_cast<unsigned long long>(content.num_rejected));
 }
 
-// Limits the number of lines, so they do not cover the picture.
-void draw_lines(const std::vector<HudLine>& lines) {
-    constexpr std::size_t kMostLines = 16;
-    for (std::size_t i = 0; i < std::min(lines.size(), kMostLines); ++i) {
-        if (lines[i].is_warning)
-            ImGui::TextColored(kWarning, "%s", lines[i].text.c_str());
-        else
-            ImGui::TextUnformatted(lines[i].text.c_str());
-    }
-    if (lines.size() > kMostLines) ImGui::Text("... and %zu more", lines.size() - kMostLines);
+void draw_sites(const HudContent& content) {
+    const auto num_people =
+        std::ranges::count_if(content.sites, [](const SiteLine& line) { return line.number > 0; });
+    if (num_people == 0) ImGui::TextUnformatted("nobody is here");
+    const auto num_hidden =
+        std::ranges::count_if(content.sites, [](const SiteLine& line) { return !line.is_shown; });
+    if (num_hidden > 0) draw_warning(fmt::format("{} sites hidden (L)", num_hidden));
+    for (const SiteLine& line : content.sites)
+        if (line.number > 0 && line.is_warning) draw_warning(line.name + ": " + line.state);
 }
 
-}  // namespace
+// The short panel shows the first of them without their details.
+void draw_warnings(const HudContent& content, bool has_details) {
+    const std::size_t most = has_details ? content.warnings.size() : kMostWarnings;
+    for (std::size_t i = 0; i < std::min(content.warnings.size(), most); ++i) {
+        const std::string& text = content.warnings[i].text;
+        draw_warning(has_details ? text : text.substr(0, text.find(';')));
+    }
+    if (content.warnings.size() > most)
+        draw_warning(fmt::format("... and {} more (T)", content.warnings.size() - most));
+}
 
-void draw_hud(const HudContent& content, bool has_details) {
-    ImGui::SetNextWindowPos({10.0f, 10.0f});
-    ImGui::SetNextWindowBgAlpha(0.6f);
-    ImGui::Begin("figures", nullptr, kFlags);
-    ImGui::Text("%.0f pictures/s", content.frames_per_s);
-    if (!content.quality.empty())
-        ImGui::TextColored(kWarning, "machine too slow: %s", content.quality.c_str());
+void draw_messages(const HudContent& content) {
+    if (content.recording_s)
+        draw_warning(fmt::format("recording, {:.1f} s   F9: stop", *content.recording_s));
+    if (content.num_video_dropped > 0)
+        draw_warning(fmt::format("pictures missing in videos: {}", content.num_video_dropped));
+    if (!content.notice.empty()) ImGui::TextUnformatted(content.notice.c_str());
+}
+
+void draw_details(const HudContent& content) {
     if (content.capture_to_display.num_samples > 0) {
         ImGui::Text("capture to display %.0f ms (99 %%: %.0f ms)",
                     content.capture_to_display.median_ms,
@@ -56,61 +73,54 @@ void draw_hud(const HudContent& content, bool has_details) {
     }
     ImGui::Text("%.2f MB/s   %zu objects", 1e-6 * content.bytes_per_s, content.num_objects);
     draw_losses(content);
-    draw_lines(content.sites);
-    if (content.sites.empty()) ImGui::TextUnformatted("nobody is here");
-    draw_lines(content.warnings);
-    if (has_details) draw_lines(content.details);
-    draw_curve("capture to display, ms, 30 s", content.latency_ms, 50.0f);
-    draw_curve("pictures/s, 30 s", content.pictures_per_s, 60.0f);
-    if (content.recording_s)
-        ImGui::TextColored(kWarning, "recording, %.1f s   F9: stop", *content.recording_s);
-    if (content.num_video_dropped > 0)
-        ImGui::TextColored(kWarning,
-                           "pictures missing in videos: %llu",
-                           static_cast<unsigned long long>(content.num_video_dropped));
-    if (!content.notice.empty()) ImGui::TextUnformatted(content.notice.c_str());
-    ImGui::TextUnformatted("?: keys   M: menu   T: times   H: hide");
+    draw_curve("capture to display", "ms", content.latency_ms, 50.0f, kHistory_s);
+    draw_curve("drawing", "pictures/s", content.pictures_per_s, 20.0f, kHistory_s);
+    for (const SiteLine& line : content.sites)
+        ImGui::TextUnformatted(
+            fmt::format("{}: {} meshes  {}", line.name, line.rate, line.state).c_str());
+    for (const HudLine& line : content.details) ImGui::TextUnformatted(line.text.c_str());
+}
+
+}  // namespace
+
+void draw_hud(const HudContent& content, bool has_details) {
+    begin_panel("figures", Corner::kUpperLeft, 0.6, has_details);
+    ImGui::PushTextWrapPos(ui_px(has_details ? kDetailWidth_px : kLineWidth_px));
+    std::string summary = content.world.empty() ? "" : content.world + "   ";
+    summary += fmt::format("{:.0f} pictures/s", content.frames_per_s);
+    if (content.capture_to_display.num_samples > 0)
+        summary += fmt::format("   {:.0f} ms old", content.capture_to_display.median_ms);
+    ImGui::TextUnformatted(summary.c_str());
+    if (!content.quality.empty()) draw_warning("machine too slow: " + content.quality);
+    draw_sites(content);
+    draw_warnings(content, has_details);
+    if (has_details) draw_details(content);
+    draw_messages(content);
+    ImGui::TextColored(kHintColour, "F1, ?: keys   T: %s   H: hide", has_details ? "less" : "more");
+    ImGui::PopTextWrapPos();
     ImGui::End();
 }
 
 void draw_keys() {
-    constexpr std::array<std::pair<const char*, const char*>, 25> kKeys{{
-        {"drag left, on an object", "pull it; release to throw it"},
-        {"click an object", "select it; its panel edits it"},
-        {"drag an arrow or a ring", "move or rotate the selected object; with Ctrl in steps"},
-        {"Tab, L", "arrows or rings; axes of the world or of the object"},
-        {"X, Y, Z while dragging", "only along or about this axis"},
-        {"Ctrl-Z, Ctrl-Shift-Z", "undo, redo"},
-        {"Esc", "end the drag, close the menu, select nothing, close"},
-        {"drag left elsewhere", "orbit around the target"},
-        {"shift and drag left", "look around"},
-        {"drag right, wheel", "pan, zoom"},
-        {"W A S D, Q E", "fly; down, up"},
-        {"G", "walk on the floor, or fly"},
-        {"1 ... 9", "look through the eyes of that person; again: leave"},
-        {"F", "follow the nearest person, or stop following"},
-        {"V", "return to the first viewpoint"},
-        {"N", "show or hide the names of people"},
-        {"M", "menu: add objects and models, save and load worlds"},
-        {"Delete", "remove the selected object, else the one under the mouse"},
-        {"B", "debug view: wireframe, silhouettes, collision shapes"},
-        {"R", "reset all objects"},
-        {"F11", "full screen on or off"},
-        {"F12, P", "screenshot"},
-        {"F9", "start or stop a video"},
-        {"T", "show or hide stage times of sites and worlds"},
-        {"H", "show or hide the statistics"},
-    }};
-    const ImVec2 size = ImGui::GetIO().DisplaySize;
-    ImGui::SetNextWindowPos({0.5f * size.x, 0.5f * size.y}, 0, {0.5f, 0.5f});
-    ImGui::SetNextWindowBgAlpha(0.85f);
-    ImGui::Begin("keys", nullptr, kFlags);
-    if (ImGui::BeginTable("keys", 2)) {
-        for (const auto& [key, what] : kKeys) {
-            ImGui::TableNextColumn();
-            ImGui::TextUnformatted(key);
-            ImGui::TableNextColumn();
-            ImGui::TextUnformatted(what);
+    begin_panel("keys", Corner::kMiddle, 0.95);
+    // two lists beside each other where there is room, so that a low window shows all
+    const std::size_t num_lists = ImGui::GetIO().DisplaySize.x >= ui_px(kTwoListsFrom_px) ? 2 : 1;
+    const auto bindings = key_bindings();
+    const std::size_t num_rows = (bindings.size() + num_lists - 1) / num_lists;
+    if (ImGui::BeginTable(
+            "keys", 2 * static_cast<int>(num_lists), ImGuiTableFlags_SizingFixedFit)) {
+        for (std::size_t row = 0; row < num_rows; ++row) {
+            for (std::size_t i = row; i < num_lists * num_rows; i += num_rows) {
+                for (int column = 0; column < 2; ++column) {
+                    ImGui::TableNextColumn();
+                    if (i >= bindings.size()) continue;
+                    const std::string_view text =
+                        column == 0 ? bindings[i].shown : bindings[i].what;
+                    if (column == 0) ImGui::PushStyleColor(ImGuiCol_Text, kWarningColour);
+                    ImGui::TextUnformatted(text.data(), text.data() + text.size());
+                    if (column == 0) ImGui::PopStyleColor();
+                }
+            }
         }
         ImGui::EndTable();
     }

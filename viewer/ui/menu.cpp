@@ -1,6 +1,7 @@
 #include "viewer/ui/menu.hpp"
 
 #include "viewer/ui/fields.hpp"
+#include "viewer/ui/ui_scale.hpp"
 
 #include <imgui.h>
 
@@ -19,8 +20,8 @@ constexpr std::array<ShapeChoice, 4> kShapes{{{"ball", bus::Shape::kSphere},
                                               {"box", bus::Shape::kBox},
                                               {"cylinder", bus::Shape::kCylinder},
                                               {"capsule", bus::Shape::kCapsule}}};
-constexpr float kWidth = 290.0f;
-constexpr float kListHeight = 120.0f;
+constexpr double kWidth_px = 290.0;  // at scale 1
+constexpr double kListHeight_px = 120.0;
 constexpr float kMinSizeM = 0.03f;
 constexpr float kMaxSizeM = 2.0f;
 
@@ -73,7 +74,7 @@ void Menu::draw_object_list(const HudContent& content, SurfaceEvents& events) {
     chosen_ = content.edit.selected ? content.edit.selected->object : 0;
     ImGui::Text("%zu objects", objects.size());
     const ObjectLine* chosen = nullptr;
-    if (ImGui::BeginListBox("##things", {-1.0f, kListHeight})) {
+    if (ImGui::BeginListBox("##things", {-1.0f, ui_px(kListHeight_px)})) {
         // lay out only the visible ones of thousands
         ImGuiListClipper clipper;
         clipper.Begin(static_cast<int>(objects.size()));
@@ -102,17 +103,19 @@ void Menu::draw_object_list(const HudContent& content, SurfaceEvents& events) {
 
 void Menu::draw(const HudContent& content, SurfaceEvents& events) {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
-    ImGui::SetNextWindowPos({size.x - 10.0f, 10.0f}, ImGuiCond_Always, {1.0f, 0.0f});
+    const float width = ui_px(kWidth_px);
+    const float margin = ui_px(10.0);
+    ImGui::SetNextWindowPos({size.x - margin, margin}, ImGuiCond_Always, {1.0f, 0.0f});
     // as high as needed; scrolls in a low window
-    ImGui::SetNextWindowSize({kWidth, 0.0f});
-    ImGui::SetNextWindowSizeConstraints({kWidth, 0.0f}, {kWidth, size.y - 20.0f});
+    ImGui::SetNextWindowSize({width, 0.0f});
+    ImGui::SetNextWindowSizeConstraints({width, 0.0f}, {width, size.y - 2.0f * margin});
     ImGui::SetNextWindowBgAlpha(0.85f);
     ImGui::Begin("menu",
                  nullptr,
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
                      ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoSavedSettings);
-    ImGui::PushItemWidth(-80.0f);
+    ImGui::PushItemWidth(-ui_px(80.0));
     if (ImGui::Button("reset all objects", {-1.0f, 0.0f})) events.reset_scene = true;
     ImGui::Separator();
     draw_new_object(events);

@@ -13,6 +13,8 @@ namespace atrium::viewer {
 namespace {
 
 constexpr std::chrono::seconds kForgotten{4};
+// A world server sends at least one state and one status a second.
+constexpr std::chrono::milliseconds kWorldLost{1500};
 
 double seconds(StatusLines::Clock::duration duration) {
     return std::chrono::duration<double>(duration).count();
@@ -44,21 +46,28 @@ void StatusLines::add(const std::string& title, status::Figures figures, Clock::
 
 void StatusLines::forget_silent(Clock::time_point now) {
     std::erase_if(programs_, [&](const auto& item) { return now - item.second.at > kForgotten; });
-    if (has_world()) {
-        if (without_world_ > Clock::duration::zero())
-            app::log::info("world_back after_s={:.1f}", seconds(without_world_));
-        without_world_ = {};
-    } else if (last_world_) {
-        if (without_world_ == Clock::duration::zero()) app::log::warn("world_gone");
-        without_world_ = now - *last_world_;
-    }
+}
+
+bool StatusLines::watch_world(Clock::time_point now,
+                              const std::optional<Clock::time_point>& heard) {
+    if (heard && (!last_world_ || *heard > *last_world_)) last_world_ = heard;
+    if (!last_world_) return false;
+    const bool was_gone = without_world_ > Clock::duration::zero();
+    const Clock::duration silence = now - *last_world_;
+    const bool is_gone = silence > kWorldLost;
+    if (was_gone && !is_gone) app::log::info("world_back after_s={:.1f}", seconds(without_world_));
+    if (!was_gone && is_gone) app::log::warn("world_gone silent_s={:.1f}", seconds(silence));
+    without_world_ = is_gone ? silence : Clock::duration::zero();
+    return was_gone != is_gone;
 }
 
 std::vector<HudLine> StatusLines::warnings() const {
     std::vector<HudLine> lines;
     if (without_world_ > Clock::duration::zero()) {
         const double silent_s = seconds(without_world_);
-        lines.push_back({fmt::format("no world server for {:.0f} s", silent_s), true});
+        lines.push_back(
+            {fmt::format("no world server for {:.0f} s: objects stand still or are gone", silent_s),
+             true});
     }
     for (const auto& [title, program] : programs_) {
         std::string lost;
@@ -102,9 +111,10 @@ std::vector<HudLine> StatusLines::details() const {
     return lines;
 }
 
-bool StatusLines::has_world() const {
-    return std::ranges::any_of(programs_,
-                               [](const auto& item) { return item.first.starts_with("world "); });
+std::optional<double> StatusLines::rate_of_site(const std::string& site) const {
+    const auto found = programs_.find("site " + site);
+    if (found == programs_.end()) return std::nullopt;
+    return found->second.now.rate;
 }
 
 std::uint64_t StatusLines::num_refused() const {

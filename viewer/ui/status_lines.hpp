@@ -23,23 +23,27 @@ public:
     }
     void add(const std::string& name, const bus::WorldStatus& status, Clock::time_point now) {
         add("world " + name, status::figures_of(status), now);
-        last_world_ = now;
     }
     /// Adds the viewer's own status.
     void add_own(const bus::ViewerStatus& status, Clock::time_point now) {
         add("this viewer", status::figures_of(status), now);
     }
-    /// Call after all `add`. Forgets silent programs. Logs when the last world goes silent and when
-    /// one is back.
+    /// Call after all `add`. Forgets silent programs.
     void forget_silent(Clock::time_point now);
+    /// `heard`: when a world server was last heard, by any of its topics. Logs when the last world
+    /// goes silent and when one is back. Returns whether that changed. Cheap: call it for each
+    /// picture.
+    bool watch_world(Clock::time_point now, const std::optional<Clock::time_point>& heard = {});
 
     /// One line for each program that lost something between its last two reports, one per
     /// bottleneck, and one while no world reports.
     std::vector<HudLine> warnings() const;
     /// Rate and stage times of each program.
     std::vector<HudLine> details() const;
-    /// Whether a world server reports.
-    bool has_world() const;
+    /// Whether a world server is heard.
+    bool has_world() const { return last_world_ && without_world_ == Clock::duration::zero(); }
+    /// Metaframes per second that the site reports. Empty: no report.
+    std::optional<double> rate_of_site(const std::string& site) const;
     /// Commands of any sender that worlds have refused so far.
     std::uint64_t num_refused() const;
 
@@ -52,7 +56,7 @@ private:
     void add(const std::string& title, status::Figures figures, Clock::time_point now);
 
     std::map<std::string, Program> programs_;      // key: kind and name
-    std::optional<Clock::time_point> last_world_;  // last report of any world
+    std::optional<Clock::time_point> last_world_;  // any world was heard
     Clock::duration without_world_{};              // 0 while there is a world, and before the first
 };
 

@@ -17,7 +17,8 @@ Expected<SurfaceOptions> surface_options(const ViewerConfig& config) {
                                  .context = kContexts.at(config.view.context),
                                  .is_headless = config.headless,
                                  .wait_for_display = config.view.max_fps == 0.0,
-                                 .has_two_buffers = config.display.stereo == "quad_buffer"};
+                                 .has_two_buffers = config.display.stereo == "quad_buffer",
+                                 .ui_scale = config.view.ui_scale};
     if (options.context == ContextKind::kWindow && options.is_headless) {
         return make_error(ErrorKind::kConfiguration,
                           "view.context: \"window\" contradicts headless");

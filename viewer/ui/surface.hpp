@@ -13,6 +13,7 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -26,6 +27,24 @@ struct ObjectLine {
     std::string text;
 };
 
+/// A site as a list entry.
+struct SiteLine {
+    std::string name;
+    std::size_t number = 0;  // of its person, for the keys 1 to 9; 0: nobody is there
+    std::string rate;        // of meshes shown and of metaframes that the site publishes
+    std::string state;
+    bool is_warning = false;  // the state needs attention
+    bool is_shown = true;
+    bool is_solo = false;
+};
+
+/// A numbered viewpoint as a list entry.
+struct ViewpointLine {
+    int number = 0;
+    std::string name;
+    bool is_own = false;  // the user's, not of the viewer file
+};
+
 /// Statistics and messages shown beside the picture.
 struct HudContent {
     double frames_per_s = 0.0;
@@ -34,7 +53,10 @@ struct HudContent {
     std::uint64_t num_skipped = 0;     // pairs replaced by a newer one, or too late
     std::uint64_t num_incomplete = 0;  // pairs with lost samples
     std::uint64_t num_rejected = 0;
-    std::vector<HudLine> sites;
+    std::string world;
+    std::vector<SiteLine> sites;  // by name
+    std::vector<ViewpointLine> viewpoints;
+    bool has_other_worlds = false;  // the user may go back to the list of worlds
     std::vector<HudLine> warnings;  // from the status reports of sites and worlds
     std::vector<HudLine> details;   // stage times from the status reports
     std::size_t num_objects = 0;
@@ -64,6 +86,10 @@ public:
     virtual SurfaceEvents poll() = 0;
     /// Shows the picture. Returns when drawing has finished.
     virtual void show(const renderer::SceneRenderer& renderer, const HudContent& content) = 0;
+    /// Shows only what `layout` lays out with ImGui. Does nothing without a window.
+    virtual void show_layout(const std::function<void()>& layout) = 0;
+    /// Content scale of the display: 2 where its settings ask for letters of twice the size.
+    virtual double content_scale() const = 0;
     /// Time that the last `show` waited for the display after drawing had finished.
     virtual std::chrono::steady_clock::duration waited_for_display() const = 0;
 };
@@ -83,6 +109,7 @@ struct SurfaceOptions {
     bool is_headless = false;      // no window even if there is a display
     bool wait_for_display = true;  // vertical synchronisation of a window
     bool has_two_buffers = false;  // stereo window with one buffer per eye
+    double ui_scale = 0.0;         // of panels, see ui_scale_of; 0: automatic
 };
 
 /// Surface options of the configuration. Error kConfiguration if it needs a window and rules one

@@ -4,6 +4,7 @@
 #include "core/app/process.hpp"
 #include "core/app/program.hpp"
 #include "core/status/figures.hpp"
+#include "viewer/ui/site_lines.hpp"
 
 namespace atrium::viewer {
 
@@ -24,12 +25,12 @@ void ViewerStatistics::add_picture(const std::vector<PeopleView::JustShown>& peo
 void ViewerStatistics::update(Clock::time_point now,
                               Session& session,
                               PeopleView& people,
+                              const std::set<std::string>& described,
                               const PictureQuality& quality,
                               HudContent& hud) {
     const Quantiles quantiles = latency_.quantiles();
     hud.capture_to_display = {quantiles.median_ms, quantiles.p99_ms, quantiles.num_samples};
     hud.frames_per_s = rate_.update(num_pictures_, now);
-    hud.sites = people.lines(now);
     hud.bytes_per_s = byte_rate_.update(session.num_bytes(), now);
     hud.num_skipped = session.num_pairs_skipped();
     hud.num_incomplete = session.num_incomplete();
@@ -58,6 +59,8 @@ void ViewerStatistics::update(Clock::time_point now,
     for (const auto& [world, report] : came.worlds) reports_.add(world, report, now);
     reports_.add_own(next, now);
     reports_.forget_silent(now);
+    watch_world(now, session, hud);
+    hud.sites = site_lines(people.streams(now), described, reports_);
     hud.warnings = reports_.warnings();
     hud.details = reports_.details();
     if (const auto line = overload_.look(status::figures_of(next), now))

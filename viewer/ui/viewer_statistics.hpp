@@ -15,6 +15,7 @@
 #include <chrono>
 #include <cstdint>
 #include <mutex>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,12 +37,17 @@ public:
     DrawingTimes& times() { return times_; }
 
     /// Brings status, status reports of others and the figures of `hud` up to date. Logs an
-    /// overload. Takes `hud.num_video_dropped`.
+    /// overload. Takes `hud.num_video_dropped`. `described`: sites with a description.
     void update(Clock::time_point now,
                 Session& session,
                 PeopleView& people,
+                const std::set<std::string>& described,
                 const PictureQuality& quality,
                 HudContent& hud);
+    /// Warns in `hud` at once when the world server is lost, or back. Call it for each picture.
+    void watch_world(Clock::time_point now, const Session& session, HudContent& hud) {
+        if (reports_.watch_world(now, session.world_heard())) hud.warnings = reports_.warnings();
+    }
     /// Status at the last `update`. Any thread.
     bus::ViewerStatus status() const;
     /// Answers of the world servers, for SceneEditor.

@@ -1,8 +1,13 @@
 #include "core/gl/entry_points.hpp"
 #include "viewer/ui/edit_panel.hpp"
+#include "viewer/ui/full_screen.hpp"
 #include "viewer/ui/hud.hpp"
+#include "viewer/ui/keys.hpp"
 #include "viewer/ui/menu.hpp"
+#include "viewer/ui/site_panel.hpp"
 #include "viewer/ui/surface.hpp"
+#include "viewer/ui/ui_scale.hpp"
+#include "viewer/ui/viewpoint_panel.hpp"
 
 #include <glad/gl.h>
 // after the loader, instead of GLFW's own GL header
@@ -30,11 +35,17 @@ std::string last_glfw_error() {
 class Window : public Surface {
 public:
     Window(GLFWwindow* window, const SurfaceOptions& options)
-        : window_(window), has_two_buffers_(options.has_two_buffers) {
+        : window_(window),
+          has_two_buffers_(options.has_two_buffers),
+          wanted_ui_scale_(options.ui_scale) {
         glfwSetWindowUserPointer(window_, this);
-        glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int) {
-            if (action == GLFW_PRESS)
-                static_cast<Window*>(glfwGetWindowUserPointer(w))->pressed(key);
+        glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int modifiers) {
+            if (action != GLFW_PRESS) return;
+            auto& self = *static_cast<Window*>(glfwGetWindowUserPointer(w));
+            const bool is_letter_meant = self.is_dragging_ || (modifiers & GLFW_MOD_CONTROL) != 0;
+            if (is_letter_meant) key = key_of_letter(key);
+            if (const auto found = find_key(key, modifiers, self.is_dragging_))
+                self.pressed(*found);
         });
         glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned character) {
             static_cast<Window*>(glfwGetWindowUserPointer(w))->typed(character);
@@ -86,87 +97,190 @@ public:
     }
 
     void show(const renderer::SceneRenderer& renderer, const HudContent& content) override {
+        is_layout_only_ = false;
+        is_dragging_ = content.edit.is_dragging;
+        has_selection_ = content.edit.selected.has_value();
         if (has_two_buffers_)
             renderer.present_halves();
         else
             renderer.present();
         // even if nothing is laid out: ImGui needs it to know that mouse and keys are not for it
+        lay_out([&] {
+            if (is_hud_shown_) draw_hud(content, has_details_);
+            if (is_menu_shown_) menu_.draw(content, events_);
+            edit_panel_.draw(content, events_);
+            if (are_sites_shown_) {
+                // beside the long panel
+                const bool has_long_panel = is_hud_shown_ && has_details_;
+                sites_.draw(
+                    content, has_long_panel ? Corner::kLowerMiddle : Corner::kLowerLeft, events_);
+            }
+            if (are_views_shown_) views_.draw(content, events_);
+            if (are_keys_shown_) draw_keys();
+        });
+        swap();
+    }
+    void show_layout(const std::function<void()>& layout) override {
+        is_layout_only_ = true;
+        const auto [width, height] = size();
+        glBindFramebuffer(GL_FRAMEBUFFER, 0);
+        glViewport(0, 0, width, height);
+        glClearColor(0.16f, 0.18f, 0.21f, 1.0f);
+        glClear(GL_COLOR_BUFFER_BIT);
+        lay_out(layout);
+        swap();
+    }
+    double content_scale() const override {
+        float x = 1.0f;
+        float y = 1.0f;
+        glfwGetWindowContentScale(window_, &x, &y);
+        return static_cast<double>(std::max(x, y));
+    }
+    std::chrono::steady_clock::duration waited_for_display() const override { return waited_; }
+
+private:
+    void lay_out(const std::function<void()>& layout) {
+        sizes_.set_scale(ui_scale_of(wanted_ui_scale_, size()[1], content_scale()));
         ImGui_ImplOpenGL3_NewFrame();
         ImGui_ImplGlfw_NewFrame();
         ImGui::NewFrame();
-        if (is_hud_shown_) draw_hud(content, has_details_);
-        if (is_menu_shown_) menu_.draw(content, events_);
-        is_dragging_ = content.edit.is_dragging;
-        has_selection_ = content.edit.selected.has_value();
-        edit_panel_.draw(content, events_);
-        if (are_keys_shown_) draw_keys();
+        layout();
         ImGui::Render();
         ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+    }
+    void swap() {
         glFinish();  // separates drawing from waiting for the display
         const auto finished = std::chrono::steady_clock::now();
         glfwSwapBuffers(window_);
         waited_ = std::chrono::steady_clock::now() - finished;
     }
-    std::chrono::steady_clock::duration waited_for_display() const override { return waited_; }
-
-private:
-    void pressed(int key) {
+    void pressed(const PressedKey& key) {
         if (ImGui::GetIO().WantTextInput) return;  // the user types a name
-        if (pressed_for_editing(key)) return;
-        if (key == GLFW_KEY_F12 || key == GLFW_KEY_P) events_.screenshot = true;
-        if (key == GLFW_KEY_R) events_.reset_scene = true;
-        if (key == GLFW_KEY_V) events_.reset_view = true;
-        if (key == GLFW_KEY_F9) events_.record = true;
-        if (key == GLFW_KEY_F) events_.follow = true;
-        if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9)
-            events_.person = static_cast<std::size_t>(key - GLFW_KEY_0);
-        if (key == GLFW_KEY_N) events_.names = true;
-        if (key == GLFW_KEY_B) events_.debug = true;
-        if (key == GLFW_KEY_T) has_details_ = !has_details_;
-        if (key == GLFW_KEY_G) walks_ = !walks_;
-        if (key == GLFW_KEY_F11) toggle_full_screen();
-        if (key == GLFW_KEY_H) is_hud_shown_ = !is_hud_shown_;
-        if (key == GLFW_KEY_M) is_menu_shown_ = !is_menu_shown_;
-        if (key == GLFW_KEY_DELETE) events_.remove_pointed = !ImGui::GetIO().WantCaptureMouse;
-        if (key == GLFW_KEY_ESCAPE) close_what_is_open();
+        if (is_layout_only_) {
+            if (key.action == Action::kFullScreen) full_screen_.toggle(window_);
+            return;
+        }
+        if (!change_view(key) && !change_selected(key, events_.edit)) change_panels(key);
     }
-    // Returns true if the key is one of the editing. Letters are those of the keyboard's layout.
-    bool pressed_for_editing(int key) {
-        const char* name = glfwGetKeyName(key, 0);
-        const char letter = name == nullptr ? '\0' : name[0];
-        const bool has_control = is_down(GLFW_KEY_LEFT_CONTROL) || is_down(GLFW_KEY_RIGHT_CONTROL);
-        const bool has_shift = is_down(GLFW_KEY_LEFT_SHIFT) || is_down(GLFW_KEY_RIGHT_SHIFT);
-        EditEvents& edit = events_.edit;
-        if (has_control && letter == 'z') (has_shift ? edit.redo : edit.undo) = true;
-        if (has_control && letter == 'y') edit.redo = true;
-        if (has_control && (letter == 'z' || letter == 'y')) return true;
-        if (key == GLFW_KEY_TAB) edit.next_handles = true;
-        if (letter == 'l') edit.local_axes = true;
-        if (is_dragging_ && letter >= 'x' && letter <= 'z') edit.axis = letter - 'x';
-        return key == GLFW_KEY_TAB;
+    // Keys for the viewer. Returns false for the others.
+    bool change_view(const PressedKey& key) {
+        using Kind = ViewpointEvent::Kind;
+        const auto go = [&](Kind kind) {
+            events_.viewpoint = ViewpointEvent{kind, key.number, ""};
+        };
+        switch (key.action) {
+            case Action::kScreenshot:
+                events_.screenshot = true;
+                return true;
+            case Action::kReset:
+                events_.reset_scene = true;
+                return true;
+            case Action::kStartView:
+                events_.reset_view = true;
+                return true;
+            case Action::kVideo:
+                events_.record = true;
+                return true;
+            case Action::kFollow:
+                events_.follow = true;
+                return true;
+            case Action::kEyes:
+                events_.person = static_cast<std::size_t>(key.number);
+                return true;
+            case Action::kStoreView:
+                go(Kind::kKeep);
+                return true;
+            case Action::kGoToView:
+                go(Kind::kGo);
+                return true;
+            case Action::kPreviousView:
+                go(Kind::kGoPrevious);
+                return true;
+            case Action::kNextView:
+                go(Kind::kGoNext);
+                return true;
+            case Action::kNames:
+                events_.names = true;
+                return true;
+            case Action::kDebug:
+                events_.debug = true;
+                return true;
+            case Action::kWalk:
+                walks_ = !walks_;
+                return true;
+            case Action::kOtherWorld:
+                events_.other_world = true;
+                return true;
+            case Action::kRemovePointed:
+                events_.remove_pointed = !ImGui::GetIO().WantCaptureMouse;
+                return true;
+            case Action::kMove:
+                return true;  // polled, see read_keys
+            default:
+                return false;
+        }
+    }
+    void change_panels(const PressedKey& key) {
+        const auto toggle = [](bool& is_shown) { is_shown = !is_shown; };
+        switch (key.action) {
+            case Action::kDetails:
+                toggle(has_details_);
+                break;
+            case Action::kPanel:
+                toggle(is_hud_shown_);
+                break;
+            case Action::kMenu:
+                toggle(is_menu_shown_);
+                break;
+            case Action::kKeys:
+                toggle(are_keys_shown_);
+                break;
+            case Action::kSites:
+                toggle(are_sites_shown_);
+                break;
+            case Action::kViews:
+                toggle(are_views_shown_);
+                break;
+            case Action::kPreviousSite:
+                sites_.choose(-1);
+                break;
+            case Action::kNextSite:
+                sites_.choose(1);
+                break;
+            // only what the user sees chosen
+            case Action::kHideSite:
+                if (are_sites_shown_) events_.hide_site = sites_.chosen();
+                break;
+            case Action::kSoloSite:
+                if (are_sites_shown_) events_.solo_site = sites_.chosen();
+                break;
+            case Action::kFullScreen:
+                full_screen_.toggle(window_);
+                break;
+            case Action::kClose:
+                close_what_is_open();
+                break;
+            default:
+                break;
+        }
     }
     // by character: the key of '?' differs between keyboards
     void typed(unsigned character) {
-        if (character == '?' && !ImGui::GetIO().WantTextInput) are_keys_shown_ = !are_keys_shown_;
+        if (character == '?' && !is_layout_only_ && !ImGui::GetIO().WantTextInput)
+            are_keys_shown_ = !are_keys_shown_;
     }
     void close_what_is_open() {
-        if (is_dragging_ || (has_selection_ && !is_menu_shown_))
+        if (is_dragging_) {
             events_.edit.cancel = true;
-        else if (!std::exchange(is_menu_shown_, false))
-            glfwSetWindowShouldClose(window_, GLFW_TRUE);
-    }
-    void toggle_full_screen() {
-        if (glfwGetWindowMonitor(window_) != nullptr) {
-            glfwSetWindowMonitor(
-                window_, nullptr, windowed_[0], windowed_[1], windowed_[2], windowed_[3], 0);
             return;
         }
-        GLFWmonitor* monitor = glfwGetPrimaryMonitor();
-        const GLFWvidmode* mode = monitor == nullptr ? nullptr : glfwGetVideoMode(monitor);
-        if (mode == nullptr) return;
-        glfwGetWindowPos(window_, &windowed_[0], &windowed_[1]);
-        glfwGetWindowSize(window_, &windowed_[2], &windowed_[3]);
-        glfwSetWindowMonitor(window_, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
+        for (bool* is_shown :
+             {&are_keys_shown_, &is_menu_shown_, &are_views_shown_, &are_sites_shown_})
+            if (std::exchange(*is_shown, false)) return;
+        if (has_selection_)
+            events_.edit.cancel = true;
+        else
+            glfwSetWindowShouldClose(window_, GLFW_TRUE);
     }
     bool is_down(int key) const { return glfwGetKey(window_, key) == GLFW_PRESS; }
 
@@ -195,6 +309,7 @@ private:
         events_.motion.walk = walks_;
         events_.edit.snaps = is_down(GLFW_KEY_LEFT_CONTROL) || is_down(GLFW_KEY_RIGHT_CONTROL);
         if (ImGui::GetIO().WantTextInput) return;
+        if (is_down(GLFW_KEY_LEFT_CONTROL) || is_down(GLFW_KEY_RIGHT_CONTROL)) return;
         const auto axis = [this](int plus, int minus) {
             return static_cast<double>(is_down(plus)) - static_cast<double>(is_down(minus));
         };
@@ -205,16 +320,23 @@ private:
 
     GLFWwindow* window_;
     bool has_two_buffers_;
+    double wanted_ui_scale_;
+    UiSizes sizes_;
+    bool is_layout_only_ = false;  // the last picture was of `show_layout`
     bool is_hud_shown_ = true;
     bool are_keys_shown_ = false;
     bool is_menu_shown_ = false;
+    bool are_sites_shown_ = false;
+    bool are_views_shown_ = false;
     bool has_details_ = false;
     Menu menu_;
     EditPanel edit_panel_;
     bool is_dragging_ = false;    // a handle, in the last picture
     bool has_selection_ = false;  // in the last picture
+    SitePanel sites_;
+    ViewpointPanel views_;
     bool walks_ = false;
-    std::array<int, 4> windowed_{};  // position and size before full screen
+    FullScreen full_screen_;
     SurfaceEvents events_;
     Eigen::Vector2d last_cursor_ = Eigen::Vector2d::Zero();
     double last_time_s_ = 0.0;
@@ -225,9 +347,14 @@ private:
 
 Expected<std::unique_ptr<Surface>> open_window(const SurfaceOptions& options) {
     if (std::getenv("DISPLAY") == nullptr)
-        return make_error(ErrorKind::kUnavailable, "window: DISPLAY is not set");
-    if (glfwInit() == GLFW_FALSE)
-        return make_error(ErrorKind::kUnavailable, "window: " + last_glfw_error());
+        return make_error(ErrorKind::kUnavailable,
+                          "window: DISPLAY is not set; start the viewer on a desktop or through "
+                          "ssh -X, or use --headless");
+    if (glfwInit() == GLFW_FALSE) {
+        return make_error(ErrorKind::kUnavailable,
+                          "window: " + last_glfw_error() +
+                              "; check DISPLAY, and that this user may open it (XAUTHORITY)");
+    }
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);

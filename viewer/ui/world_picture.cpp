@@ -19,10 +19,15 @@ void set_decoder_eyes(Session& session,
 
 }  // namespace
 
-Expected<void> WorldPicture::open(const ViewerConfig& config, const SurfaceOptions& options) {
-    auto opened = open_surface(options);
-    if (!opened) return tl::unexpected(opened.error());
-    surface = std::move(*opened);
+Expected<void> WorldPicture::open(const ViewerConfig& config,
+                                  const SurfaceOptions& options,
+                                  std::unique_ptr<Surface> of) {
+    surface = std::move(of);
+    if (!surface) {
+        auto opened = open_surface(options);
+        if (!opened) return tl::unexpected(opened.error());
+        surface = std::move(*opened);
+    }
     const auto [width, height] = display.picture_size(surface->size());
     auto created = renderer::SceneRenderer::create({.width = width,
                                                     .height = height,
@@ -44,11 +49,11 @@ Expected<void> WorldPicture::open(const ViewerConfig& config, const SurfaceOptio
     return {};
 }
 
-void WorldPicture::close() {
+std::unique_ptr<Surface> WorldPicture::close() {
     renderer.reset();
-    surface.reset();
     people.clear();
     scene.clear();
+    return std::move(surface);
 }
 
 void WorldPicture::update(Session& session, Clock::time_point now, DrawingTimes& times) {

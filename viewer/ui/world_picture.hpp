@@ -27,10 +27,12 @@ struct WorldPicture {
     WorldPicture(const ViewerConfig& config, Display of)
         : display(std::move(of)), scene(config.models, display.delay()) {}
 
-    /// Opens the surface and creates the renderer.
-    Expected<void> open(const ViewerConfig& config, const SurfaceOptions& options);
-    /// Destroys renderer and surface, and drops what they showed.
-    void close();
+    /// Opens the surface, if `of` is null, and creates the renderer.
+    Expected<void> open(const ViewerConfig& config,
+                        const SurfaceOptions& options,
+                        std::unique_ptr<Surface> of);
+    /// Destroys the renderer and drops what it showed. Returns the surface.
+    std::unique_ptr<Surface> close();
 
     /// Takes people and objects from the session, as they are to be shown at `now`.
     void update(Session& session, Clock::time_point now, DrawingTimes& times);

@@ -53,18 +53,24 @@ TEST(StatusLines, ShowTheTimeOfEachStage) {
 }
 
 TEST(StatusLines, WarnWhileTheWorldIsGone) {
+    using std::chrono::milliseconds;
     StatusLines lines;
-    lines.forget_silent(kFirstLine);
+    EXPECT_FALSE(lines.watch_world(kFirstLine));
     EXPECT_TRUE(lines.warnings().empty()) << "no world was there before";
-    lines.add("lab", bus::WorldStatus(), kFirstLine);
-    lines.forget_silent(kFirstLine);
+    EXPECT_FALSE(lines.has_world());
+    EXPECT_FALSE(lines.watch_world(kFirstLine, kFirstLine));
+    EXPECT_TRUE(lines.has_world());
+    EXPECT_FALSE(lines.watch_world(kFirstLine + milliseconds(1600), kFirstLine + seconds(1)));
+    EXPECT_TRUE(lines.has_world());
+    EXPECT_FALSE(lines.watch_world(kFirstLine + milliseconds(2500), kFirstLine + seconds(1)));
+    EXPECT_TRUE(lines.watch_world(kFirstLine + milliseconds(2510), kFirstLine + seconds(1)));
+    EXPECT_FALSE(lines.has_world());
+    EXPECT_FALSE(lines.watch_world(kFirstLine + seconds(10), kFirstLine + seconds(1)));
+    EXPECT_THAT(texts(lines.warnings()),
+                testing::ElementsAre("no world server for 9 s: objects stand still or are gone"));
+    EXPECT_TRUE(lines.watch_world(kFirstLine + seconds(11), kFirstLine + seconds(11)));
     EXPECT_TRUE(lines.warnings().empty());
-    lines.forget_silent(kFirstLine + seconds(6));
-    lines.forget_silent(kFirstLine + seconds(9));
-    EXPECT_THAT(texts(lines.warnings()), testing::ElementsAre("no world server for 9 s"));
-    lines.add("lab", bus::WorldStatus(), kFirstLine + seconds(10));
-    lines.forget_silent(kFirstLine + seconds(10));
-    EXPECT_TRUE(lines.warnings().empty());
+    EXPECT_TRUE(lines.has_world());
 }
 
 TEST(StatusLines, WarnOfLossesSinceThePreviousReport) {
@@ -116,10 +122,12 @@ TEST(StatusLines, ShowTheWorldServerAndItsRefusals) {
     bus::WorldStatus world;
     world.num_refused = 5;
     lines.add("lab", world, kFirstLine);
+    lines.watch_world(kFirstLine, kFirstLine);
     lines.add("alice", site_status(0), kFirstLine + seconds(3));
     EXPECT_TRUE(lines.has_world());
     EXPECT_EQ(lines.num_refused(), 5U);
     lines.forget_silent(kFirstLine + seconds(5));
+    lines.watch_world(kFirstLine + seconds(5));
     EXPECT_FALSE(lines.has_world());
     EXPECT_EQ(texts(lines.details()).size(), 4U) << "the site must still be shown";
 }

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include <optional>
+#include <set>
+#include <string>
 
 // Shows the viewer's window on a private display and reads the display's pixels.
 namespace atrium::viewer {
@@ -140,6 +142,61 @@ TEST_F(ViewerWindow, ReportsItsKeys) {
     EXPECT_TRUE(gives("l", [](const SurfaceEvents& e) { return e.edit.local_axes; }));
     EXPECT_TRUE(gives("g", [](const SurfaceEvents& e) { return e.motion.walk; }));
     EXPECT_TRUE(gives("g", [](const SurfaceEvents& e) { return !e.motion.walk; }));
+    EXPECT_TRUE(gives("BackSpace", [](const SurfaceEvents& e) { return e.other_world; }));
+    using Ask = ViewpointEvent::Kind;
+    const auto asks = [](const SurfaceEvents& e, Ask kind) {
+        return e.viewpoint && e.viewpoint->kind == kind;
+    };
+    EXPECT_TRUE(gives("Next", [&](const SurfaceEvents& e) { return asks(e, Ask::kGoNext); }));
+    EXPECT_TRUE(gives("Prior", [&](const SurfaceEvents& e) { return asks(e, Ask::kGoPrevious); }));
+    EXPECT_TRUE(gives("exclam", [&](const SurfaceEvents& e) {
+        return asks(e, Ask::kGo) && e.viewpoint->number == 1;
+    })) << "Shift+1";
+    display_->press_with_control(kTitle, "3");
+    EXPECT_TRUE(comes_true([&] {
+        const SurfaceEvents e = draw();
+        return asks(e, Ask::kKeep) && e.viewpoint->number == 3;
+    }));
+}
+
+// The list is at the lower left. The test finds its boxes by clicking.
+TEST_F(ViewerWindow, HidesSitesFromTheirListByMouseAndKeys) {
+    figures_.sites = {{"alice", 1, "15/s", "live"}, {"bob", 2, "15/s", "live"}};
+    const auto after = [&](const char* key) {
+        display_->press(kTitle, key);
+        SurfaceEvents all;
+        for (int i = 0; i < 20; ++i) {
+            const SurfaceEvents events = draw();
+            if (!events.hide_site.empty()) all.hide_site = events.hide_site;
+            if (!events.solo_site.empty()) all.solo_site = events.solo_site;
+        }
+        return all;
+    };
+    EXPECT_EQ(after("x").hide_site, "") << "the user must see what is chosen";
+    after("l");
+    EXPECT_EQ(after("x").hide_site, "alice");
+    EXPECT_EQ(after("o").solo_site, "alice");
+    after("Down");
+    after("Down");
+    EXPECT_EQ(after("x").hide_site, "bob");
+    after("Up");
+    EXPECT_EQ(after("o").solo_site, "alice");
+    std::set<std::string> clicked;
+    for (int y = 340; y > 220 && clicked.size() < 2; y -= 9) {
+        display_->point_at(kTitle, 28, y);
+        for (int i = 0; i < 3; ++i) draw();
+        for (const bool is_down : {true, false}) {
+            display_->hold_button(kTitle, is_down);
+            for (int i = 0; i < 3; ++i) {
+                const SurfaceEvents events = draw();
+                if (!events.hide_site.empty()) clicked.insert(events.hide_site);
+                EXPECT_FALSE(events.pointer.is_down) << "the list takes the mouse";
+            }
+        }
+    }
+    EXPECT_EQ(clicked, (std::set<std::string>{"alice", "bob"}));
+    display_->press_escape(kTitle);
+    for (int i = 0; i < 20; ++i) EXPECT_FALSE(draw().close) << "Escape closes the list first";
 }
 
 // The list of all keys is in the middle of the picture.

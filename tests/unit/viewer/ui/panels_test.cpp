@@ -1,0 +1,172 @@
+#include "viewer/start/start_screen.hpp"
+#include "viewer/ui/curve.hpp"
+#include "viewer/ui/keys.hpp"
+#include "viewer/ui/site_lines.hpp"
+#include "viewer/ui/ui_scale.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+
+// What the panels show, without a window.
+namespace atrium::viewer {
+namespace {
+
+std::string text_of_file(const std::string& file) {
+    std::ostringstream text;
+    text << std::ifstream(ATRIUM_SOURCE_DIR "/" + file).rdbuf();
+    return text.str();
+}
+
+TEST(Keys, BindEveryActionOnceAndNoKeyTwice) {
+    std::set<Action> actions;
+    std::map<std::tuple<int, bool, bool, bool>, std::string_view> keys;
+    for (const KeyBinding& binding : key_bindings()) {
+        EXPECT_FALSE(binding.what.empty());
+        const bool is_new = actions.insert(binding.action).second;
+        const bool may_repeat = binding.action == Action::kMouse || binding.action == Action::kRedo;
+        EXPECT_TRUE(is_new || may_repeat) << binding.shown;
+        EXPECT_EQ(binding.keys[0] == 0, binding.action == Action::kMouse) << binding.shown;
+        for (const int key : binding.keys) {
+            if (key == 0) continue;
+            const auto [at, is_free] = keys.emplace(
+                std::tuple(key, binding.with_control, binding.with_shift, binding.while_dragging),
+                binding.shown);
+            EXPECT_TRUE(is_free) << binding.shown << " has a key of " << at->second;
+            const int modifiers = (binding.with_control ? 2 : 0) | (binding.with_shift ? 1 : 0);
+            const auto found = find_key(key, modifiers, binding.while_dragging);
+            ASSERT_TRUE(found) << binding.shown;
+            EXPECT_EQ(found->action, binding.action);
+        }
+    }
+    // kMouse is the last action
+    EXPECT_EQ(actions.size(), static_cast<std::size_t>(Action::kMouse) + 1);
+}
+
+TEST(Keys, ModifiersChooseTheBinding) {
+    constexpr int kOne = '1';
+    EXPECT_EQ(find_key(kOne, 0)->action, Action::kEyes);
+    EXPECT_EQ(find_key(kOne, 1)->action, Action::kGoToView);
+    EXPECT_EQ(find_key(kOne + 4, 2)->action, Action::kStoreView);
+    EXPECT_EQ(find_key(kOne + 4, 2)->number, 5);
+    EXPECT_EQ(find_key('R', 1)->action, Action::kReset) << "Shift does not matter for letters";
+    EXPECT_FALSE(find_key('R', 2)) << "Ctrl+R is not R";
+    EXPECT_EQ(find_key('X', 0)->action, Action::kHideSite);
+    EXPECT_EQ(find_key('X', 0, true)->action, Action::kAxis);
+    EXPECT_EQ(find_key('Z', 2)->action, Action::kUndo);
+    EXPECT_EQ(find_key('Z', 3)->action, Action::kRedo);
+    EXPECT_EQ(find_key('Z', 2, true)->number, 3) << "Ctrl means steps while dragging";
+    EXPECT_FALSE(find_key(0, 0));
+    EXPECT_FALSE(find_key(-1, 0));
+}
+
+// The list of keys is made from the bindings. The window may not bind more.
+TEST(Keys, TheWindowBindsOnlyWhatTheListShows) {
+    const std::string bindings = text_of_file("viewer/ui/keys.cpp");
+    const std::regex key("GLFW_KEY_[A-Z0-9_]+");
+    const std::set<std::string> modifiers{"GLFW_KEY_LEFT_SHIFT",
+                                          "GLFW_KEY_RIGHT_SHIFT",
+                                          "GLFW_KEY_LEFT_CONTROL",
+                                          "GLFW_KEY_RIGHT_CONTROL"};
+    const std::string window = text_of_file("viewer/ui/window.cpp");
+    ASSERT_FALSE(window.empty());
+    for (std::sregex_iterator at(window.begin(), window.end(), key), end; at != end; ++at) {
+        if (modifiers.contains(at->str())) continue;
+        EXPECT_TRUE(std::regex_search(bindings, std::regex(at->str() + "\\b"))) << at->str();
+    }
+}
+
+TEST(Keys, TheManualListsThemAll) {
+    const std::string manual = text_of_file("docs/viewer_window.md");
+    for (const KeyBinding& binding : key_bindings())
+        EXPECT_THAT(manual, testing::HasSubstr("| " + std::string(binding.shown) + " |"));
+}
+
+TEST(UiScale, GrowsWithThePictureAndTheDisplay) {
+    EXPECT_EQ(ui_scale_of(0.0, 360, 1.0), 1.0) << "smaller letters cannot be read";
+    EXPECT_EQ(ui_scale_of(0.0, 720, 1.0), 1.0);
+    EXPECT_EQ(ui_scale_of(0.0, 1080, 1.0), 1.5);
+    EXPECT_EQ(ui_scale_of(0.0, 2160, 1.0), 3.0);
+    EXPECT_EQ(ui_scale_of(0.0, 720, 2.0), 2.0);
+    EXPECT_EQ(ui_scale_of(0.0, 2160, 2.0), 3.0);
+    EXPECT_EQ(ui_scale_of(1.25, 2160, 2.0), 1.25) << "as the user asks";
+}
+
+TEST(Curve, HasAScaleOfRoundNumbers) {
+    EXPECT_EQ(top_of_scale(50.0f), 50.0f);
+    EXPECT_EQ(top_of_scale(50.1f), 100.0f);
+    EXPECT_EQ(top_of_scale(163.0f), 200.0f);
+    EXPECT_EQ(top_of_scale(0.3f), 0.5f);
+    EXPECT_EQ(top_of_scale(0.0f), 1.0f);
+    EXPECT_EQ(top_of_scale(std::numeric_limits<float>::infinity()), 1.0f);
+    for (float value = 0.01f; value < 1e6f; value *= 1.37f) {
+        EXPECT_GE(top_of_scale(value), value);
+        EXPECT_LE(top_of_scale(value), 2.6f * value) << "the curve must not be flat";
+    }
+}
+
+TEST(SiteLines, ShowRatesAndStates) {
+    StatusLines reports;
+    bus::SiteStatus status;
+    status.metaframes_per_s = 30.0;
+    const StatusLines::Clock::time_point now{std::chrono::hours(1)};
+    reports.add("alice", status, now);
+    reports.add("carol", status, now);
+    std::vector<SiteLine> lines = site_lines(
+        {{"alice", {15.0, 0.0}}, {"bob", {0.0, 1.3}}}, {"alice", "bob", "carol", "dave"}, reports);
+    ASSERT_EQ(lines.size(), 4U);
+    EXPECT_EQ(lines[0].rate + ", " + lines[0].state, "15 of 30/s, live");
+    EXPECT_EQ(lines[1].rate + ", " + lines[1].state, "0/s, nothing new for 1.3 s");
+    EXPECT_EQ(lines[2].rate + ", " + lines[2].state, "30/s, nobody there");
+    EXPECT_EQ(lines[3].rate + ", " + lines[3].state, "-, no report");
+    EXPECT_EQ(lines[1].number, 2U) << "its person is seen with key 2";
+    EXPECT_EQ(lines[2].number, 0U);
+    EXPECT_FALSE(lines[0].is_warning || lines[2].is_warning);
+    EXPECT_TRUE(lines[1].is_warning && lines[3].is_warning);
+    SiteSelection selection;
+    selection.toggle("bob");
+    mark_selected(selection, lines);
+    EXPECT_TRUE(lines[0].is_shown && !lines[1].is_shown);
+    selection.toggle_solo("alice");
+    mark_selected(selection, lines);
+    EXPECT_TRUE(lines[0].is_solo && lines[0].is_shown && !lines[2].is_shown);
+}
+
+TEST(SiteLines, AreBounded) {
+    std::set<std::string> names;
+    for (int i = 0; i < 1000; ++i) names.insert("site-" + std::to_string(i));
+    EXPECT_EQ(site_lines({}, names, StatusLines()).size(), 64U);
+}
+
+TEST(StartScreen, ListsTheHeardWorldsAndThenTheRememberedOnes) {
+    bus::BusOptions options;
+    options.domain = 3;
+    presence::HeardWorld lab;
+    lab.name = "lab";
+    lab.servers = {"ada"};
+    lab.sites = {"alice", "bob"};
+    bus::BusOptions known = options;
+    known.world = "lab";
+    bus::BusOptions silent = options;
+    silent.world = "garden";
+    bus::BusOptions elsewhere = silent;
+    elsewhere.network = "lan";
+    const auto entries = world_entries(options, {lab}, {known, silent, elsewhere});
+    ASSERT_EQ(entries.size(), 3U);
+    EXPECT_EQ(entries[0].options.world, "lab");
+    EXPECT_EQ(entries[0].options.domain, 3U);
+    EXPECT_TRUE(entries[0].is_heard);
+    EXPECT_EQ(entries[0].text, "world server on ada, 2 sites: alice, bob");
+    EXPECT_EQ(entries[1].text, "joined before; not heard now");
+    EXPECT_EQ(entries[2].text, "joined before; network lan, domain 3");
+    EXPECT_FALSE(entries[1].is_heard || entries[2].is_heard);
+}
+
+}  // namespace
+}  // namespace atrium::viewer

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "viewer/renderer/overlay.hpp"
+
+#include <cstddef>
+#include <vector>
+
+namespace atrium::viewer {
+
+/// Moves labels up until none covers another in the eye's picture. The first `num_kept` keep their
+/// order of precedence and stay even where there is no room; of the others, the nearest come first,
+/// and those without room are removed.
+void separate_labels(std::vector<renderer::Label>& labels,
+                     std::size_t num_kept,
+                     const renderer::EyeView& eye);
+
+}  // namespace atrium::viewer

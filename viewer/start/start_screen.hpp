@@ -1,0 +1,62 @@
+#pragma once
+
+#include "core/bus/bus.hpp"
+#include "core/presence/heard_worlds.hpp"
+#include "viewer/start/recent_worlds.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace atrium::viewer {
+
+/// A world that the user can join.
+struct WorldEntry {
+    bus::BusOptions options;
+    std::string text;       // who is in it
+    bool is_heard = false;  // else only remembered
+};
+
+/// The worlds heard with `options`, and then those of `recent` that are not among them.
+std::vector<WorldEntry> world_entries(const bus::BusOptions& options,
+                                      const std::vector<presence::HeardWorld>& heard,
+                                      const std::vector<bus::BusOptions>& recent);
+
+/// The start screen: lists worlds, and lets the user choose one and the network to listen on. Knows
+/// no bus and no window.
+class StartScreen {
+public:
+    /// `notice`: message for the user, for example why a world could not be joined.
+    StartScreen(bus::BusOptions options, std::string notice);
+
+    /// Lays out the screen. Inside an ImGui frame.
+    void draw(const std::vector<WorldEntry>& worlds);
+
+    /// The network to listen on. `world` is without meaning.
+    const bus::BusOptions& options() const { return options_; }
+    /// Shows why the network cannot be listened on; empty: it can.
+    void set_failure(const std::string& failure) { failure_ = failure; }
+    const std::optional<bus::BusOptions>& joined() const { return joined_; }
+    bool is_left() const { return is_left_; }
+
+private:
+    void choose_by_key(const std::vector<WorldEntry>& worlds);
+    void draw_list(const std::vector<WorldEntry>& worlds);
+    void draw_network();
+    void draw_other();
+
+    bus::BusOptions options_;
+    std::string notice_;
+    std::string failure_;
+    std::string chosen_;  // name of a world in the list
+    std::array<char, 64> other_{};
+    std::array<char, 256> peers_{};
+    int domain_ = 0;
+    std::optional<bus::BusOptions> joined_;
+    bool is_left_ = false;
+};
+
+}  // namespace atrium::viewer

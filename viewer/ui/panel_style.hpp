@@ -1,0 +1,19 @@
+#pragma once
+
+#include <imgui.h>
+
+#include <cstdint>
+
+namespace atrium::viewer {
+
+inline const ImVec4 kHintColour{0.75f, 0.77f, 0.8f, 1.0f};
+inline const ImVec4 kWarningColour{1.0f, 0.75f, 0.3f, 1.0f};
+
+enum class Corner : std::uint8_t { kUpperLeft, kLowerLeft, kLowerMiddle, kLowerRight, kMiddle };
+
+/// Begins a panel as large as its content, in a corner of the picture, at most `share` of the
+/// picture's width; scrolls beyond its height. `takes_input`: false: the mouse goes through it to
+/// the world. End it with ImGui::End.
+void begin_panel(const char* name, Corner corner, double share, bool takes_input = true);
+
+}  // namespace atrium::viewer

@@ -1,0 +1,69 @@
+#include "viewer/ui/ui_scale.hpp"
+
+#include "core/app/log.hpp"
+#include "viewer/overlay/label_scale.hpp"
+
+#include <imgui.h>
+#include <imgui_impl_opengl3.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+
+namespace atrium::viewer {
+namespace {
+
+constexpr double kScaleStep = 0.25;
+constexpr double kMaxUiScale = 8.0;
+constexpr double kLetter_px = 16.0;         // size of the font at scale 1
+constexpr double kBuiltInLetter_px = 13.0;  // ImGui's own font is made for this size
+// Debian's fonts-dejavu-core, and the place of other distributions
+constexpr std::array<const char*, 3> kFonts{"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+                                            "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
+                                            "/usr/share/fonts/TTF/DejaVuSans.ttf"};
+
+const char* font_file() {
+    for (const char* file : kFonts) {
+        std::error_code failure;
+        if (std::filesystem::is_regular_file(file, failure)) return file;
+    }
+    return nullptr;
+}
+
+}  // namespace
+
+double ui_scale_of(double wanted, int height_px, double content_scale) {
+    if (wanted > 0.0) return std::min(wanted, kMaxUiScale);
+    const double scale = std::max({1.0, content_scale, height_px / kReferenceHeight_px});
+    return std::min(kMaxUiScale, std::floor(scale / kScaleStep) * kScaleStep);
+}
+
+void UiSizes::set_scale(double scale) {
+    if (scale_ == scale) return;
+    const bool is_first = !scale_;
+    scale_ = scale;
+    ImGui::GetStyle() = ImGuiStyle();
+    ImGui::GetStyle().ScaleAllSizes(static_cast<float>(scale));
+    ImFontAtlas& fonts = *ImGui::GetIO().Fonts;
+    fonts.Clear();
+    const char* file = font_file();
+    const auto size_px = static_cast<float>(std::round(kLetter_px * scale));
+    if (file == nullptr || fonts.AddFontFromFileTTF(file, size_px) == nullptr) {
+        // without fractions of its pixels, which would blur it
+        ImFontConfig built_in;
+        built_in.SizePixels =
+            static_cast<float>(kBuiltInLetter_px * std::max(1.0, std::floor(scale)));
+        fonts.AddFontDefault(&built_in);
+        if (is_first)
+            app::log::info("font_built_in reason=\"no DejaVuSans.ttf; install fonts-dejavu-core\"");
+    }
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_CreateFontsTexture();
+}
+
+float ui_px(double at_scale_1_px) {
+    return static_cast<float>(at_scale_1_px / kLetter_px) * ImGui::GetFontSize();
+}
+
+}  // namespace atrium::viewer

@@ -1,0 +1,71 @@
+#include "viewer/ui/viewpoint_panel.hpp"
+
+#include "viewer/ui/panel_style.hpp"
+#include "viewer/ui/ui_scale.hpp"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+
+namespace atrium::viewer {
+namespace {
+
+using ViewpointAsk = ViewpointEvent::Kind;
+constexpr int kMaxNumber = 9;
+
+}  // namespace
+
+void ViewpointPanel::draw_line(const ViewpointLine& line, SurfaceEvents& events) {
+    ImGui::PushID(line.number);
+    ImGui::TableNextColumn();
+    if (ImGui::Button(fmt::format("{}", line.number).c_str()))
+        events.viewpoint = ViewpointEvent{ViewpointAsk::kGo, line.number, ""};
+    ImGui::TableNextColumn();
+    if (renamed_ == line.number) {
+        ImGui::SetNextItemWidth(ui_px(180.0));
+        const bool is_done = ImGui::InputText(
+            "##name", name_.data(), name_.size(), ImGuiInputTextFlags_EnterReturnsTrue);
+        if (is_done && name_[0] != '\0') {
+            events.viewpoint = ViewpointEvent{ViewpointAsk::kRename, line.number, name_.data()};
+            renamed_ = 0;
+        }
+    } else if (ImGui::Selectable(line.name.c_str(), false, 0, {ui_px(180.0), 0.0f})) {
+        events.viewpoint = ViewpointEvent{ViewpointAsk::kGo, line.number, ""};
+    }
+    ImGui::TableNextColumn();
+    if (ImGui::SmallButton("rename")) {
+        renamed_ = renamed_ == line.number ? 0 : line.number;
+        name_.fill('\0');
+        std::copy_n(line.name.begin(), std::min(line.name.size(), name_.size() - 1), name_.begin());
+    }
+    ImGui::TableNextColumn();
+    if (line.is_own) {
+        if (ImGui::SmallButton("delete"))
+            events.viewpoint = ViewpointEvent{ViewpointAsk::kForget, line.number, ""};
+    } else {
+        ImGui::TextDisabled("of the file");
+    }
+    ImGui::PopID();
+}
+
+void ViewpointPanel::draw(const HudContent& content, SurfaceEvents& events) {
+    begin_panel("viewpoints", Corner::kLowerRight, 0.6);
+    ImGui::Text("%zu viewpoints", content.viewpoints.size());
+    if (ImGui::BeginTable("viewpoints", 4, ImGuiTableFlags_SizingFixedFit)) {
+        for (const ViewpointLine& line : content.viewpoints) draw_line(line, events);
+        ImGui::EndTable();
+    }
+    int free_number = 1;
+    for (const ViewpointLine& line : content.viewpoints)
+        free_number += line.number == free_number ? 1 : 0;
+    ImGui::BeginDisabled(free_number > kMaxNumber);
+    if (ImGui::Button(
+            fmt::format("keep this viewpoint as {}", std::min(free_number, kMaxNumber)).c_str()))
+        events.viewpoint = ViewpointEvent{ViewpointAsk::kKeep, free_number, ""};
+    ImGui::EndDisabled();
+    ImGui::TextColored(kHintColour, "%s", "Ctrl+1 ... 9: keep   Shift+1 ... 9: go   K: close");
+    ImGui::End();
+}
+
+}  // namespace atrium::viewer
