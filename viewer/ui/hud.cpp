@@ -64,9 +64,10 @@ void draw_hud(const HudContent& content, bool has_details) {
     draw_curve("pictures/s, 30 s", content.pictures_per_s, 60.0f);
     if (content.recording_s)
         ImGui::TextColored(kWarning, "recording, %.1f s   F9: stop", *content.recording_s);
+    if (!content.live.empty()) ImGui::TextColored(kWarning, "%s", content.live.c_str());
     if (content.num_video_dropped > 0)
         ImGui::TextColored(kWarning,
-                           "pictures missing in videos: %llu",
+                           "pictures missing in videos and streams: %llu",
                            static_cast<unsigned long long>(content.num_video_dropped));
     if (!content.notice.empty()) ImGui::TextUnformatted(content.notice.c_str());
     ImGui::TextUnformatted("?: keys   M: menu   T: times   H: hide");
@@ -74,7 +75,7 @@ void draw_hud(const HudContent& content, bool has_details) {
 }
 
 void draw_keys() {
-    constexpr std::array<std::pair<const char*, const char*>, 20> kKeys{{
+    constexpr std::array<std::pair<const char*, const char*>, 21> kKeys{{
         {"drag left, on an object", "pull it; release to throw it"},
         {"drag left elsewhere", "orbit around the target"},
         {"shift and drag left", "look around"},
@@ -92,6 +93,7 @@ void draw_keys() {
         {"F11", "full screen on or off"},
         {"F12, P", "screenshot"},
         {"F9", "start or stop a video"},
+        {"F10", "start or stop the stream and the virtual camera"},
         {"T", "show or hide stage times of sites and worlds"},
         {"H", "show or hide the statistics"},
         {"Esc", "close"},

@@ -112,6 +112,7 @@ private:
         if (key == GLFW_KEY_R) events_.reset_scene = true;
         if (key == GLFW_KEY_V) events_.reset_view = true;
         if (key == GLFW_KEY_F9) events_.record = true;
+        if (key == GLFW_KEY_F10) events_.stream = true;
         if (key == GLFW_KEY_F) events_.follow = true;
         if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9)
             events_.person = static_cast<std::size_t>(key - GLFW_KEY_0);
