@@ -1,6 +1,7 @@
 #include "simulation/loop_cache.hpp"
 
 #include "simulation/mapped_file.hpp"
+#include "simulation/model_pictures.hpp"
 
 #include <unistd.h>
 
@@ -59,11 +60,26 @@ private:
     std::array<std::uint64_t, 4> lanes_ = {1, 2, 3, 4};
 };
 
-// Returns the content of a file; empty if it cannot be read, which the renderer reports. Files that
-// it refers to, such as textures, are ignored.
+// Returns the content of a file; empty if it cannot be read, which the renderer reports.
 std::string bytes_of(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
     return std::string(std::istreambuf_iterator<char>(stream), {});
+}
+
+// Identifies the model: its bytes and those of its motion, and which pictures and materials are
+// beside it, with size and time. A texture that is added later thus renders the room again.
+void add_model(const RoomOptions& options, Hash& hash) {
+    hash.add(options.model.filename().string());
+    hash.add(bytes_of(options.model));
+    hash.add(options.motion_file.empty() ? std::string() : bytes_of(options.motion_file));
+    for (const fs::path& file : companion_files(options.model)) {
+        std::error_code failure;
+        hash.add(file.filename().string());
+        hash.add_word(fs::file_size(file, failure));
+        hash.add_word(static_cast<std::uint64_t>(
+            fs::last_write_time(file, failure).time_since_epoch().count()));
+    }
+    for (const double v : {options.model_height_m, options.model_turn_rad}) hash.add(v);
 }
 
 std::uint64_t key_of(std::span<const geometry::CalibratedCamera> cameras,
@@ -72,11 +88,7 @@ std::uint64_t key_of(std::span<const geometry::CalibratedCamera> cameras,
     hash.add(std::string(kMagic.data(), kMagic.size()));
     hash.add(options.look);
     hash.add(options.motion);
-    if (!options.model.empty()) {
-        hash.add(options.model.filename().string());
-        hash.add(bytes_of(options.model));
-        for (const double v : {options.model_height_m, options.model_turn_rad}) hash.add(v);
-    }
+    if (!options.model.empty()) add_model(options, hash);
     for (const double v : {options.loop_s, options.rate_hz, options.noise_lsb, options.heading_rad})
         hash.add(v);
     for (const double v : options.position_m) hash.add(v);

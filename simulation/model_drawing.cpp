@@ -30,7 +30,7 @@ ModelDrawing::ModelDrawing(const ModelSurface& surface) : parts_(surface.parts) 
     static_attribute(colours_, 4, surface.colours, GL_STATIC_DRAW);
     gl::upload(indices_, GL_ELEMENT_ARRAY_BUFFER, std::span(surface.triangles), GL_STATIC_DRAW);
     const gl::TextureOptions options{
-        .format = gl::PixelFormat::kRgb8, .linear = true, .repeat = true};
+        .format = gl::PixelFormat::kRgba8, .linear = true, .repeat = true};
     for (const ModelTexture& texture : surface.textures) {
         textures_.push_back(gl::make_texture(texture.width, texture.height, options));
         gl::upload_pixels(textures_.back(),
@@ -39,7 +39,7 @@ ModelDrawing::ModelDrawing(const ModelSurface& surface) : parts_(surface.parts) 
                           0,
                           texture.width,
                           texture.height,
-                          texture.rgb.data());
+                          texture.rgba.data());
     }
 }
 
@@ -57,6 +57,7 @@ void ModelDrawing::draw(const gl::ShaderProgram& program) const {
     program.set("surface", 0);
     for (const ModelPart& part : parts_) {
         program.set("has_surface", part.texture >= 0 ? 1 : 0);
+        program.set("is_cut_out", part.is_cut_out ? 1 : 0);
         if (part.texture >= 0)
             gl::bind_texture(0, textures_[static_cast<std::size_t>(part.texture)]);
         glDrawElements(

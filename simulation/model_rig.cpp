@@ -53,11 +53,25 @@ void pose_nodes(const ModelRig& rig, double time_s, std::vector<Eigen::Affine3f>
     }
 }
 
+void rest_nodes(const ModelRig& rig, std::vector<Eigen::Affine3f>& out) {
+    out.resize(rig.nodes.size());
+    for (std::size_t i = 0; i < rig.nodes.size(); ++i) {
+        const ModelNode& node = rig.nodes[i];
+        out[i] = node.parent < 0
+                     ? node.parent_from_node
+                     : out[static_cast<std::size_t>(node.parent)] * node.parent_from_node;
+    }
+}
+
 void pose_rig(const ModelRig& rig,
               double time_s,
               std::vector<Eigen::Affine3f>& scratch,
               PosedSkin& out) {
     pose_nodes(rig, time_s, scratch);
+    pose_skin(rig, scratch, out);
+}
+
+void pose_skin(const ModelRig& rig, std::vector<Eigen::Affine3f>& scratch, PosedSkin& out) {
     const std::size_t num_nodes = rig.nodes.size();
     scratch.resize(num_nodes + rig.bones.size());  // nodes, then scene_from_mesh of the bones
     for (std::size_t i = 0; i < rig.bones.size(); ++i)

@@ -46,6 +46,8 @@ Expected<void> check(const RoomOptions& options) {
     }
     if (!(options.model_height_m >= 0.0 && options.model_height_m <= 10.0))
         return bad_option("model_height_m", "must be 0 to 10 m");
+    if (!options.motion_file.empty() && options.model.empty())
+        return bad_option("motion_file", "needs simulation.model, the model that it moves");
     if (!std::isfinite(options.model_turn_rad))
         return bad_option("model_turn_rad", "must be a finite angle");
     if (!std::isfinite(options.heading_rad))

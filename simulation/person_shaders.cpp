@@ -53,6 +53,7 @@ in vec2 texture_place;
 in vec3 own_colour;
 uniform sampler2D surface;
 uniform int has_surface;
+uniform int is_cut_out;
 uniform vec3 lamp;
 uniform float ambient;
 uniform float diffuse;
@@ -60,7 +61,9 @@ out vec4 fragment;
 void main() {
     vec3 n = normalize(normal);
     float lit = ambient * (0.88 + 0.12 * n.z) + diffuse * max(0.0, dot(n, normalize(lamp - at_site)));
-    vec3 colour = has_surface == 1 ? own_colour * texture(surface, texture_place).rgb : own_colour;
+    vec4 painted = has_surface == 1 ? texture(surface, texture_place) : vec4(1.0);
+    if (is_cut_out == 1 && painted.a < 0.5) discard;
+    vec3 colour = own_colour * painted.rgb;
     fragment = vec4(clamp(colour * (0.10 + lit), 0.0, 1.0), 1.0);
 }
 )";

@@ -14,9 +14,13 @@ void declare(RoomConfig& room, config::OptionSet& set) {
             room.model,
             "file of a rigged, animated model that replaces the person, in any format that Assimp "
             "reads; its first animation is repeated");
+    set.add("simulation.motion_file",
+            room.motion_file,
+            "file with an animation for the model (BVH, FBX, glTF, ...); its bones are matched by "
+            "name; empty: that of the model's file");
     set.add("simulation.model_height_m",
             room.model_height_m,
-            "height of the model at the start of its animation [m]; 0: as in its file, or 1.75 if "
+            "height of the model when it stands [m]; 0: as in its file, in another unit or 1.75 if "
             "that is not 0.5 to 2.5",
             {0, 10});
     set.add("simulation.model_turn_deg",
@@ -48,6 +52,7 @@ RoomOptions room_options(const RoomConfig& config, double rate_hz) {
     room.look = config.look;
     room.motion = config.motion;
     room.model = config.model;
+    room.motion_file = config.motion_file;
     room.model_height_m = config.model_height_m;
     room.model_turn_rad = config.model_turn_deg * kRadians;
     room.loop_s = config.loop_s;

@@ -173,6 +173,7 @@ Expected<void> Viewer::Impl::react(const SurfaceEvents& events) {
     }
     if (events.debug) picture.annotations->toggle_debug();
     if (events.names) picture.annotations->toggle_names();
+    if (events.stream) notify_user(output_files.toggle_stream(renderer));
     if (events.record) notify_user(output_files.toggle_video(renderer));
     const auto eyes = picture.display.eyes(control.camera(), renderer.width(), renderer.height());
     send(control.edit(events, shown, eyes.front(), now));
@@ -216,6 +217,7 @@ void Viewer::Impl::fill_hud(Clock::time_point now) {
     hud.num_objects = picture.renderer->num_objects();
     hud.recording_s = output_files.video_s();
     hud.num_video_dropped = output_files.num_dropped();
+    hud.live = output_files.live();
     hud.quality = drawing->reduced_quality();
     if (now > notice_until) hud.notice.clear();
 }

@@ -1,6 +1,7 @@
 #include "site_node/simulated_room/open_room.hpp"
 
 #include "core/app/log.hpp"
+#include "simulation/model.hpp"
 #include "site_node/simulated_room/simulated_source.hpp"
 
 namespace atrium::simulated_room {
@@ -9,6 +10,14 @@ Expected<std::unique_ptr<capture::FrameSource>> open_room(const config::Rig& rig
                                                           const simulation::RoomConfig& config,
                                                           std::stop_token stop) {
     const simulation::RoomOptions room = simulation::room_options(config, rig.rate_hz);
+    if (!room.model.empty()) {
+        // here, not while rendering: a loop from the cache has the same faults
+        const auto model = simulation::examine_model(room);
+        if (!model) return tl::unexpected(model.error());
+        app::log::info("model file={} {}", room.model.string(), simulation::describe(*model));
+        for (const std::string& warning : model->warnings)
+            app::log::warn("model file={} {}", room.model.string(), warning);
+    }
     int last_percent = -1;
     const auto report = [&](std::size_t done, std::size_t total) {
         const int percent = total == 0 ? 100 : static_cast<int>(done * 100 / total);

@@ -2,6 +2,7 @@
 
 #include "core/app/log.hpp"
 #include "core/app/private_network.hpp"
+#include "simulation/model.hpp"
 #include "tools/simulated_cameras/camera_server.hpp"
 #include "tools/simulated_cameras/command.hpp"
 #include "tools/simulated_cameras/sensor.hpp"
@@ -45,6 +46,14 @@ Expected<ShownPictures> load_pictures(const Plan& plan, std::stop_token stop) {
     if (!plan.config.recording.empty())
         return show_recording(plan.config.recording, plan.format, stop);
     const simulation::RoomConfig& room = plan.config.simulation;
+    if (!room.model.empty()) {
+        const auto model =
+            simulation::examine_model(simulation::room_options(room, plan.rig.rate_hz));
+        if (!model) return tl::unexpected(model.error());
+        app::log::info("model file={} {}", room.model.string(), simulation::describe(*model));
+        for (const std::string& warning : model->warnings)
+            app::log::warn("model file={} {}", room.model.string(), warning);
+    }
     std::size_t last_step = 0;
     const auto report = [&](std::size_t done, std::size_t total) {
         const std::size_t step = done * 20 / total;

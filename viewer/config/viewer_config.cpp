@@ -2,6 +2,7 @@
 
 #include "core/bus/bus_options.hpp"
 #include "core/presence/membership.hpp"
+#include "viewer/config/stream_address.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -108,7 +109,7 @@ void declare(ViewerConfig& config, config::OptionSet& set) {
     set.add("video.file", config.video.file, "video to write: .avi, .mp4 or .mkv; empty: none");
     set.add("video.fps",
             config.video.fps,
-            "pictures per second of the video [Hz]",
+            "pictures per second of the video, stream and virtual camera [Hz]",
             {.min = 0.1, .max = 120});
     set.add("video.width",
             config.video.width,
@@ -118,6 +119,18 @@ void declare(ViewerConfig& config, config::OptionSet& set) {
             config.video.height,
             "height of the video [px]; 0: from the view, or from its width",
             {.min = 0, .max = 8192});
+    set.add("video.stream",
+            config.video.stream,
+            "address of a receiver such as OBS: srt://host:port?mode=caller|listener, "
+            "tcp://host:port, udp://host:port, rtmp://host/app/key; empty: none");
+    set.add("video.stream_kbps",
+            config.video.stream_kbps,
+            "bit rate of the stream [kbit/s]; 0: by its size and rate",
+            {.min = 0, .max = 200'000});
+    set.add(
+        "video.virtual_camera",
+        config.video.virtual_camera,
+        "device of v4l2loopback (/dev/videoN) that other programs see as a camera; empty: none");
 }
 
 Expected<void> check_file_names(const ViewerConfig& config) {
@@ -132,6 +145,10 @@ Expected<void> check_file_names(const ViewerConfig& config) {
         return make_error(
             ErrorKind::kConfiguration,
             "video.file: must end in .avi, .mkv or .mp4, got '" + video.string() + "'");
+    }
+    if (!config.video.stream.empty()) {
+        if (const auto target = parse_stream(config.video.stream); !target)
+            return tl::unexpected(target.error());
     }
     return {};
 }

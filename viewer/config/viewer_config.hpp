@@ -47,8 +47,11 @@ struct DisplayConfig {
 struct VideoConfig {
     std::filesystem::path file;  // empty: none
     double fps = 10.0;
-    int width = 0;   // 0: as the view
-    int height = 0;  // if only one is 0, it follows from the view's aspect ratio
+    int width = 0;        // 0: as the view
+    int height = 0;       // if only one is 0, it follows from the view's aspect ratio
+    std::string stream;   // address of a receiver; empty: none
+    int stream_kbps = 0;  // 0: by size and rate
+    std::filesystem::path virtual_camera;  // V4L2 output device; empty: none
 };
 
 struct ViewerConfig {
@@ -73,7 +76,8 @@ struct ViewerConfig {
 /// Declares every option, with its unit, on `set`.
 void declare(ViewerConfig& config, config::OptionSet& set);
 
-/// Checks the extensions of the output files. Error kConfiguration if one does not match a format.
+/// Checks the extensions of the output files and the address of the stream. Error kConfiguration if
+/// one does not match a format.
 Expected<void> check_file_names(const ViewerConfig& config);
 
 /// Size of the video for pictures of that size [px]. Even, as the formats require.

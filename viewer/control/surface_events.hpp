@@ -27,6 +27,7 @@ struct SurfaceEvents {
     bool close = false;
     bool screenshot = false;
     bool record = false;  // start or stop a video
+    bool stream = false;  // start or stop the stream
     bool names = false;   // show or hide the names of people
     bool debug = false;   // show or hide the debug view
     bool reset_view = false;

@@ -30,12 +30,18 @@ Expected<void> OutputFiles::open(const renderer::SceneRenderer& renderer) {
     if (!config_.output.empty()) {
         if (auto ready = prepare_file(config_.output); !ready) return ready;
     }
+    if (auto opened = live_.open(renderer); !opened) return opened;
     if (config_.video.file.empty()) return {};
     is_asked_for_ = true;
     return begin_video(config_.video.file, renderer);
 }
 
 Expected<void> OutputFiles::close() {
+    live_.close();
+    return close_video();
+}
+
+Expected<void> OutputFiles::close_video() {
     if (!video_) return {};
     const auto finished = video_->finish();
     const double length_s = *video_s();
@@ -52,6 +58,7 @@ Expected<void> OutputFiles::close() {
 }
 
 void OutputFiles::add(const renderer::SceneRenderer& renderer, bool counts) {
+    live_.add(renderer);
     const auto now = VideoRecorder::Clock::now();
     if (!video_ || (is_asked_for_ && !counts)) return;
     const std::uint64_t num_dropped = video_->num_dropped();
@@ -72,7 +79,7 @@ std::optional<double> OutputFiles::video_s() const {
 
 std::string OutputFiles::toggle_video(const renderer::SceneRenderer& renderer) {
     if (video_) {
-        const auto closed = close();
+        const auto closed = close_video();
         return closed ? "video in " + video_file_.string() : closed.error().message;
     }
     const auto begun = begin_video(next_file(".avi"), renderer);

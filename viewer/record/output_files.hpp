@@ -2,6 +2,7 @@
 
 #include "core/app/log.hpp"
 #include "viewer/config/viewer_config.hpp"
+#include "viewer/record/live_outputs.hpp"
 #include "viewer/record/video_recorder.hpp"
 #include "viewer/renderer/scene_renderer.hpp"
 
@@ -17,11 +18,12 @@ namespace atrium::viewer {
 /// must be current.
 class OutputFiles {
 public:
-    explicit OutputFiles(const ViewerConfig& config) : config_(config) {}
+    explicit OutputFiles(const ViewerConfig& config) : config_(config), live_(config) {}
 
-    /// Opens the files that the configuration names. Error kUnavailable if one cannot be written.
+    /// Opens the files, stream and virtual camera that the configuration names. Error kUnavailable
+    /// if one cannot be written.
     Expected<void> open(const renderer::SceneRenderer& renderer);
-    /// Finishes the video. Error kUnavailable if the video is incomplete.
+    /// Finishes the video and ends the stream. Error kUnavailable if the video is incomplete.
     Expected<void> close();
 
     /// Offers the picture just drawn to the running video. The video of the configuration takes it
@@ -31,11 +33,16 @@ public:
     std::optional<double> video_s() const;
     /// Pictures that the encoder was too slow for. The videos repeat the picture before instead.
     std::uint64_t num_dropped() const {
-        return num_dropped_before_ + (video_ ? video_->num_dropped() : 0);
+        return num_dropped_before_ + (video_ ? video_->num_dropped() : 0) + live_.num_dropped();
     }
+    /// Stream and virtual camera, for the panel; empty: none runs.
+    std::string live() const { return live_.description(); }
 
     // Handle key presses. Return a message for the user.
     std::string toggle_video(const renderer::SceneRenderer& renderer);
+    std::string toggle_stream(const renderer::SceneRenderer& renderer) {
+        return live_.toggle(renderer);
+    }
     std::string screenshot(const renderer::SceneRenderer& renderer);
 
     /// Writes the current picture to the file that the configuration names, if it names one.
@@ -46,7 +53,10 @@ private:
                                const renderer::SceneRenderer& renderer);
     std::filesystem::path next_file(const std::string& extension);
 
+    Expected<void> close_video();
+
     const ViewerConfig& config_;
+    LiveOutputs live_;
     std::unique_ptr<VideoRecorder> video_;
     std::filesystem::path video_file_;
     bool is_asked_for_ = false;             // the configuration asked for this video

@@ -24,6 +24,7 @@ cv::Mat rgba_of(const renderer::RenderedPicture& picture) {
 
 // Leaves room to finish the video: one picture and the index of all pictures.
 bool is_nearly_full(const std::filesystem::path& file) {
+    if (file.empty()) return false;  // a stream
     constexpr std::uintmax_t kLeast = 8'000'000;
     std::error_code failure;
     const auto space = std::filesystem::space(file, failure);
@@ -66,7 +67,7 @@ Expected<void> VideoRecorder::finish() {
     if (!ended) return ended;
     // OpenCV reports no write errors for .mp4, so try to read the file; without a backend it would
     // try cameras too
-    if (num_written_ > 0 && !cv::VideoCapture(file, cv::CAP_FFMPEG).grab())
+    if (num_written_ > 0 && !file.empty() && !cv::VideoCapture(file, cv::CAP_FFMPEG).grab())
         return make_error(ErrorKind::kUnavailable, "video " + file + " cannot be read back");
     return {};
 }
@@ -76,9 +77,14 @@ Expected<std::unique_ptr<VideoRecorder>> VideoRecorder::create(const VideoFormat
     if (const auto ready = prepare_file(format.file); !ready) return tl::unexpected(ready.error());
     auto file = create_video_file(format);
     if (!file) return tl::unexpected(file.error());
+    return start(format, std::move(*file));
+}
+
+std::unique_ptr<VideoRecorder> VideoRecorder::start(const VideoFormat& format,
+                                                    std::unique_ptr<VideoFile> target) {
     auto impl = std::make_unique<Impl>();
     impl->format = format;
-    impl->file = std::move(*file);
+    impl->file = std::move(target);
     return std::unique_ptr<VideoRecorder>(new VideoRecorder(std::move(impl)));
 }
 

@@ -32,7 +32,11 @@ public:
     using Clock = std::chrono::steady_clock;
     static constexpr std::size_t kMostWaiting = 4;
 
+    /// Records into `format.file`.
     static Expected<std::unique_ptr<VideoRecorder>> create(const VideoFormat& format);
+    /// Records into `target`, which is no file; only size and rate of `format` count.
+    static std::unique_ptr<VideoRecorder> start(const VideoFormat& format,
+                                                std::unique_ptr<VideoFile> target);
     ~VideoRecorder();
 
     /// Finishes the file with all pictures offered. Call it once, as the last call. Error

@@ -60,8 +60,10 @@ void draw_warnings(const HudContent& content, bool has_details) {
 void draw_messages(const HudContent& content) {
     if (content.recording_s)
         draw_warning(fmt::format("recording, {:.1f} s   F9: stop", *content.recording_s));
+    if (!content.live.empty()) draw_warning(content.live);
     if (content.num_video_dropped > 0)
-        draw_warning(fmt::format("pictures missing in videos: {}", content.num_video_dropped));
+        draw_warning(
+            fmt::format("pictures missing in videos and streams: {}", content.num_video_dropped));
     if (!content.notice.empty()) ImGui::TextUnformatted(content.notice.c_str());
 }
 

@@ -130,6 +130,12 @@ constexpr std::array kBindings{
     KeyBinding{
         Action::kScreenshot, "F12, P", "screenshot", false, false, {GLFW_KEY_F12, GLFW_KEY_P}},
     KeyBinding{Action::kVideo, "F9", "start or stop a video", false, false, {GLFW_KEY_F9}},
+    KeyBinding{Action::kStream,
+               "F10",
+               "start or stop the stream and the virtual camera",
+               false,
+               false,
+               {GLFW_KEY_F10}},
     KeyBinding{
         Action::kDetails, "T", "show or hide graphs and stage times", false, false, {GLFW_KEY_T}},
     KeyBinding{Action::kPanel, "H", "show or hide the panel", false, false, {GLFW_KEY_H}},

@@ -40,6 +40,7 @@ enum class Action : std::uint8_t {
     kFullScreen,
     kScreenshot,
     kVideo,
+    kStream,
     kDetails,
     kPanel,
     kKeys,

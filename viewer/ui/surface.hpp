@@ -67,7 +67,8 @@ struct HudContent {
     std::string measured_model;           // file of `model_size`
     std::optional<ModelSize> model_size;  // none: not measured yet
     std::optional<double> recording_s;    // length of the running video
-    std::uint64_t num_video_dropped = 0;  // pictures missing in videos
+    std::uint64_t num_video_dropped = 0;  // pictures missing in videos and streams
+    std::string live;                     // stream and virtual camera; empty: none
     std::string quality;                  // reduced quality on a slow machine; empty: full quality
     std::string notice;                   // message about the last event; empty: none
     std::array<float, History::kLength - 1> latency_ms{};  // last 30 s, see History

@@ -181,6 +181,9 @@ private:
             case Action::kVideo:
                 events_.record = true;
                 return true;
+            case Action::kStream:
+                events_.stream = true;
+                return true;
             case Action::kFollow:
                 events_.follow = true;
                 return true;

@@ -127,7 +127,10 @@ TEST_F(ModelFile, HasTheConfiguredHeightOrThatOfAPerson) {
         return box_of(skin).size().z();
     };
     RoomOptions options = options_of(column(180.0, "1 0 0"));  // a model in centimetres
-    EXPECT_NEAR(height_of(options), 1.75, 1e-4);
+    EXPECT_NEAR(height_of(options), 1.80, 1e-4);
+    EXPECT_NEAR(height_of(options_of(column(20.0, "1 0 0"))), 0.508, 1e-4);  // inches
+    EXPECT_NEAR(height_of(options_of(column(5.0, "1 0 0"))), 1.75, 1e-4);    // no unit fits
+    options = options_of(column(180.0, "1 0 0"));
     options.model_height_m = 0.9;
     EXPECT_NEAR(height_of(options), 0.9, 1e-4);
 }
