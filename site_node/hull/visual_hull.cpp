@@ -2,6 +2,7 @@
 
 #include "site_node/hull/cones.hpp"
 #include "site_node/hull/mesh_assembly.hpp"
+#include "site_node/hull/needed_components.hpp"
 #include "site_node/hull/pencils.hpp"
 #include "site_node/hull/strip_sweep.hpp"
 
@@ -39,6 +40,7 @@ struct HullScratch::Data {
     std::vector<RunFaces> faces;     // one per run
     std::vector<StripSweep> sweeps;  // one per worker
     MeshAssembly assembly;
+    NeededComponents needed;
     std::uint64_t steps_left = 0;            // for the remaining attempts
     std::uint32_t num_dropped_at_first = 0;  // contours dropped by the first attempt
 };
@@ -123,6 +125,7 @@ HullStatus attempt(HullScratch::Data& data,
     if (outcome.unbounded) return HullStatus::kUnbounded;
     const std::span<const RunFaces> faces(data.faces.data(), data.runs.size());
     const bool is_sound = data.assembly.assemble(data.cones, faces, options, executor, hull);
+    if (is_sound && !options.keep_phantoms) data.needed.keep_only(data.clean.views, executor, hull);
     hull.times.assembly_ms += ms_since(mark);
     if (!is_sound) return HullStatus::kNumericFailure;
     return hull.mesh.empty() ? HullStatus::kEmptyIntersection : HullStatus::kOk;

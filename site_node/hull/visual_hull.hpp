@@ -39,8 +39,8 @@ struct HullOptions {
     /// Minimum number of cameras that must see each point of the hull. A camera with a field sees
     /// the inside of its field; a camera without one sees the inside of its contours.
     std::uint32_t min_views = 0;
-    /// Keeps components without any viewing edge (phantoms). They are part of the exact
-    /// intersection, but no silhouette needs them.
+    /// Keeps components that no silhouette needs (phantoms): those without any viewing edge, and
+    /// those whose silhouettes other components explain. They are part of the exact intersection.
     bool keep_phantoms = false;
     /// Drops components smaller than this, unless phantoms are kept. 5 ml is less than a hand.
     double min_component_volume_m3 = 5e-6;
@@ -85,7 +85,7 @@ struct VisualHull {
     geometry::TriangleMesh mesh;
     // Counts of components: 0 if no attempt was completed.
     std::uint32_t num_components = 0;         // kept
-    std::uint32_t num_phantoms_dropped = 0;   // without a viewing edge
+    std::uint32_t num_phantoms_dropped = 0;   // no silhouette needs them
     std::uint32_t num_fragments_dropped = 0;  // others below min_component_volume_m3
     double volume_dropped_m3 = 0.0;           // volume of phantoms and fragments
     std::uint32_t num_contours_dropped = 0;   // too small, or still crossing after all repairs

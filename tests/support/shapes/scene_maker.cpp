@@ -288,10 +288,10 @@ SceneOptions random_scene_options(std::uint64_t seed) {
     return options;
 }
 
-std::vector<hull::SilhouetteView> make_scene(const SceneOptions& options, std::uint64_t seed) {
-    Random random(seed);
-    const Bodies bodies = make_bodies(options.bodies, random);
-    auto rig = make_scene_rig(options.rig, options.num_views, bodies, random);
+std::vector<hull::SilhouetteView> views_of(const Bodies& bodies,
+                                           std::vector<geometry::CalibratedCamera> rig,
+                                           const SceneOptions& options,
+                                           Random& random) {
     std::vector<hull::SilhouetteView> views;
     for (geometry::CalibratedCamera& camera : rig) {
         if (options.cropped) crop(camera.intrinsics, random);
@@ -306,6 +306,13 @@ std::vector<hull::SilhouetteView> make_scene(const SceneOptions& options, std::u
         views.push_back(make_view(camera, std::move(contours)));
     }
     return views;
+}
+
+std::vector<hull::SilhouetteView> make_scene(const SceneOptions& options, std::uint64_t seed) {
+    Random random(seed);
+    const Bodies bodies = make_bodies(options.bodies, random);
+    auto rig = make_scene_rig(options.rig, options.num_views, bodies, random);
+    return views_of(bodies, std::move(rig), options, random);
 }
 
 std::string describe(const SceneOptions& options, std::uint64_t seed) {

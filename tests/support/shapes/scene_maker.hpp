@@ -61,6 +61,13 @@ struct SceneOptions {
 /// segments, up to 16 views and 600 segments.
 SceneOptions random_scene_options(std::uint64_t seed);
 
+/// Silhouettes of `bodies` in all views of `rig`; uses the segments, errors and `cropped` of
+/// `options`.
+std::vector<hull::SilhouetteView> views_of(const Bodies& bodies,
+                                           std::vector<geometry::CalibratedCamera> rig,
+                                           const SceneOptions& options,
+                                           std::mt19937_64& random);
+
 /// Silhouettes of one set of bodies in all views of a rig, repeatable from `seed`. Without noise
 /// and shift they are consistent: the hull contains the bodies, up to the outlines' resolution.
 std::vector<hull::SilhouetteView> make_scene(const SceneOptions& options, std::uint64_t seed);
