@@ -78,7 +78,7 @@ void draw_keys() {
         {"drag left, on an object", "pull it; release to throw it"},
         {"click an object", "select it; its panel edits it"},
         {"drag an arrow or a ring", "move or rotate the selected object; with Ctrl in steps"},
-        {"Tab, L", "arrows or rings; axes of the world or of the object"},
+        {"J, C", "arrows or rings; axes of the world or of the object"},
         {"X, Y, Z while dragging", "only along or about this axis"},
         {"Ctrl-Z, Ctrl-Shift-Z", "undo, redo"},
         {"Esc", "end the drag, close the menu, select nothing, close"},

@@ -140,10 +140,11 @@ private:
         if (has_control && letter == 'z') (has_shift ? edit.redo : edit.undo) = true;
         if (has_control && letter == 'y') edit.redo = true;
         if (has_control && (letter == 'z' || letter == 'y')) return true;
-        if (key == GLFW_KEY_TAB) edit.next_handles = true;
-        if (letter == 'l') edit.local_axes = true;
-        if (is_dragging_ && letter >= 'x' && letter <= 'z') edit.axis = letter - 'x';
-        return key == GLFW_KEY_TAB;
+        if (letter == 'j') edit.next_handles = true;
+        if (letter == 'c') edit.local_axes = true;
+        const bool is_axis = is_dragging_ && letter >= 'x' && letter <= 'z';
+        if (is_axis) edit.axis = letter - 'x';
+        return is_axis;
     }
     // by character: the key of '?' differs between keyboards
     void typed(unsigned character) {
