@@ -173,7 +173,8 @@ WorldEditing::Edits WorldEditing::remove(std::uint32_t object,
 
 std::vector<std::string> WorldEditing::take(EditNews news, Clock::time_point now) {
     if (news.is_server_gone) worlds_.reset();
-    if (news.saved_worlds) worlds_ = std::move(news.saved_worlds);
+    if (news.saved_worlds)
+        worlds_ = std::make_shared<const bus::SavedWorlds>(std::move(*news.saved_worlds));
     // a hold that the server refused: the drag is over
     const bool was_hold_refused =
         drag_ && std::any_of(news.results.begin(), news.results.end(), [](const auto& result) {

@@ -8,7 +8,7 @@
 
 #include <chrono>
 #include <functional>
-#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,7 +26,7 @@ struct EditView {
     std::string readout;  // while dragging
     std::string undo;     // name of the object of the next undo; empty: none
     std::string redo;
-    std::optional<bus::SavedWorlds> worlds;
+    std::shared_ptr<const bus::SavedWorlds> worlds;  // null: no server has sent a list
 };
 
 /// Selects objects, drags their handles and builds the edits for the world server. Has no clock
@@ -59,7 +59,7 @@ public:
 
     /// Takes news of the server; returns what the user should read.
     std::vector<std::string> take(EditNews news, Clock::time_point now);
-    bool is_supported() const { return worlds_.has_value(); }
+    bool is_supported() const { return worlds_ != nullptr; }
     std::uint32_t selected() const { return selected_; }
     EditView view(const Shown& shown) const;
 
@@ -73,7 +73,7 @@ private:
     void cancel(Edits& out);
 
     EditHistory history_;
-    std::optional<bus::SavedWorlds> worlds_;
+    std::shared_ptr<const bus::SavedWorlds> worlds_;
     std::uint32_t selected_ = 0;
     HandleMode mode_ = HandleMode::kMove;
     bool is_local_ = false;

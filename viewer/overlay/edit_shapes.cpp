@@ -173,6 +173,9 @@ void EditShapes::Silhouette::build(const renderer::ShapeMesh& of) {
         const auto at = [&](int k) -> const Eigen::Vector3f& {
             return of.corners[t[static_cast<std::size_t>(k % 3)]].position_object;
         };
+        // at a pole, triangles without an area meet
+        const auto place = [&](std::size_t k) { return place_of[t[k]]; };
+        if (place(0) == place(1) || place(1) == place(2) || place(2) == place(0)) continue;
         const Eigen::Vector3f normal = (at(1) - at(0)).cross(at(2) - at(0));
         if (!(normal.norm() > 0.0f)) continue;
         for (int k = 0; k < 3; ++k) {

@@ -100,9 +100,9 @@ void EditPanel::draw_place(const HudContent& content, SurfaceEvents& events) {
         ImGui::TextWrapped("A soft object can be pulled and removed.");
     } else {
         const bool moves = edit.handles.mode == HandleMode::kMove;
-        if (ImGui::Button(moves ? "Tab: rotate" : "Tab: move")) events.edit.next_handles = true;
+        if (ImGui::Button(moves ? "J: rotate" : "J: move")) events.edit.next_handles = true;
         ImGui::SameLine();
-        if (ImGui::Button(edit.handles.is_local ? "L: world axes" : "L: its own axes"))
+        if (ImGui::Button(edit.handles.is_local ? "C: world axes" : "C: its own axes"))
             events.edit.local_axes = true;
     }
     if (ImGui::Button("remove")) events.remove = edit.selected->object;
@@ -132,8 +132,7 @@ void EditPanel::draw(const HudContent& content, SurfaceEvents& events) {
     }
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     const float font = ImGui::GetFontSize();
-    ImGui::SetNextWindowPos(
-        {display.x - 0.8f * font, display.y - 0.8f * font}, ImGuiCond_Always, {1.0f, 1.0f});
+    ImGui::SetNextWindowPos({0.8f * font, display.y - 0.8f * font}, ImGuiCond_Always, {0.0f, 1.0f});
     ImGui::SetNextWindowSize({23.0f * font, 0.0f});
     ImGui::SetNextWindowBgAlpha(0.85f);
     ImGui::Begin("edit",

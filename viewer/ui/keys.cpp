@@ -85,11 +85,11 @@ constexpr std::array kBindings{
     KeyBinding{
         Action::kSoloSite, "O", "only the chosen site, or all again", false, false, {GLFW_KEY_O}},
     KeyBinding{Action::kHandles,
-               "Tab",
+               "J",
                "arrows or rings at the selected object",
                false,
                false,
-               {GLFW_KEY_TAB}},
+               {GLFW_KEY_J}},
     KeyBinding{Action::kLocalAxes,
                "C",
                "axes of the world, or of the selected object",

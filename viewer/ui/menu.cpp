@@ -98,7 +98,7 @@ void Menu::draw_object_list(const HudContent& content, SurfaceEvents& events) {
         events.remove = chosen_;
     }
     ImGui::EndDisabled();
-    ImGui::TextUnformatted("Delete: remove the selected object, else the one under the mouse");
+    ImGui::TextWrapped("Delete: remove the selected object, else the one under the mouse");
 }
 
 void Menu::draw(const HudContent& content, SurfaceEvents& events) {

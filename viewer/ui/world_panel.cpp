@@ -37,12 +37,12 @@ void draw_size(const ModelSize* size, double scale) {
     if (size == nullptr) return ImGui::TextUnformatted("reading the model ...");
     if (!size->error.empty()) return ImGui::TextWrapped("%s", size->error.c_str());
     const Eigen::Vector3d scaled = scale * size->size_m;
-    ImGui::Text("%.2f x %.2f x %.2f m, %zu triangles, %zu parts",
-                scaled.x(),
-                scaled.y(),
-                scaled.z(),
-                size->num_triangles,
-                size->num_parts);
+    ImGui::TextWrapped("%.2f x %.2f x %.2f m, %zu triangles, %zu parts",
+                       scaled.x(),
+                       scaled.y(),
+                       scaled.z(),
+                       size->num_triangles,
+                       size->num_parts);
 }
 
 }  // namespace

@@ -138,8 +138,8 @@ TEST_F(ViewerWindow, ReportsItsKeys) {
     EXPECT_TRUE(gives("v", [](const SurfaceEvents& e) { return e.reset_view; }));
     EXPECT_TRUE(gives("f", [](const SurfaceEvents& e) { return e.follow; }));
     EXPECT_TRUE(gives("2", [](const SurfaceEvents& e) { return e.person == 2; }));
-    EXPECT_TRUE(gives("Tab", [](const SurfaceEvents& e) { return e.edit.next_handles; }));
-    EXPECT_TRUE(gives("l", [](const SurfaceEvents& e) { return e.edit.local_axes; }));
+    EXPECT_TRUE(gives("j", [](const SurfaceEvents& e) { return e.edit.next_handles; }));
+    EXPECT_TRUE(gives("c", [](const SurfaceEvents& e) { return e.edit.local_axes; }));
     EXPECT_TRUE(gives("g", [](const SurfaceEvents& e) { return e.motion.walk; }));
     EXPECT_TRUE(gives("g", [](const SurfaceEvents& e) { return !e.motion.walk; }));
     EXPECT_TRUE(gives("BackSpace", [](const SurfaceEvents& e) { return e.other_world; }));
@@ -276,7 +276,7 @@ TEST_F(ViewerWindow, PanelOfTheSelectedObjectChangesItOnceAndEscapeDeselects) {
     for (int i = 0; i < 20; ++i) EXPECT_FALSE(draw().edit.change) << "nothing was changed";
     // the column of the check box, from above
     const auto fixed_by_click = [&](int y) {
-        display_->point_at(kTitle, 354, y);
+        display_->point_at(kTitle, 24, y);
         std::optional<bus::SceneObject> changed;
         int num_changes = 0;
         for (const bool is_down : {true, false}) {
