@@ -31,7 +31,8 @@ public:
         if (is_known_ || (!is_over && now - begin_ < kPatience)) return false;
         is_known_ = true;
         app::log::warn(
-            "nobody_there world={} no world server and no site yet; check the name of the world",
+            "nobody_there world={} no world server and no site yet; check the name of the world; "
+            "`viewer` without one lists those that it hears",
             world_);
         return true;
     }

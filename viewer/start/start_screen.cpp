@@ -58,6 +58,12 @@ std::vector<WorldEntry> world_entries(const bus::BusOptions& options,
     return entries;
 }
 
+void draw_joining(const std::string& world) {
+    begin_panel("joining", Corner::kMiddle, 0.96, false);
+    ImGui::Text("joining %s ...", world.c_str());
+    ImGui::End();
+}
+
 StartScreen::StartScreen(bus::BusOptions options, std::string notice)
     : options_(std::move(options)),
       notice_(std::move(notice)),

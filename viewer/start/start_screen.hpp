@@ -25,6 +25,9 @@ std::vector<WorldEntry> world_entries(const bus::BusOptions& options,
                                       const std::vector<presence::HeardWorld>& heard,
                                       const std::vector<bus::BusOptions>& recent);
 
+/// Lays out a message while a world is joined. Inside an ImGui frame.
+void draw_joining(const std::string& world);
+
 /// The start screen: lists worlds, and lets the user choose one and the network to listen on. Knows
 /// no bus and no window.
 class StartScreen {

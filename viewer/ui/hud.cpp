@@ -38,7 +38,9 @@ void draw_losses(const HudContent& content) {
 void draw_sites(const HudContent& content) {
     const auto num_people =
         std::ranges::count_if(content.sites, [](const SiteLine& line) { return line.number > 0; });
-    if (num_people == 0) ImGui::TextUnformatted("nobody is here");
+    if (num_people == 0)
+        ImGui::Text("nobody is here%s",
+                    content.has_other_worlds ? "   Backspace: other worlds" : "");
     const auto num_hidden =
         std::ranges::count_if(content.sites, [](const SiteLine& line) { return !line.is_shown; });
     if (num_hidden > 0) draw_warning(fmt::format("{} sites hidden (L)", num_hidden));
