@@ -54,7 +54,8 @@ private:
     bus::BusOptions options_;
     std::string notice_;
     std::string failure_;
-    std::string chosen_;  // name of a world in the list
+    std::string chosen_;       // a world of the list
+    bool has_chosen_ = false;  // the user did; else the first one is chosen
     std::array<char, 64> other_{};
     std::array<char, 256> peers_{};
     int domain_ = 0;
