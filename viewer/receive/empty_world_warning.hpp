@@ -33,7 +33,7 @@ public:
         app::log::warn(
             "nobody_there {} no world server and no site yet; world, domain and network must be "
             "the "
-            "same in all programs",
+            "same in all programs; `viewer` without a world lists those that it hears",
             place);
         return true;
     }

@@ -76,7 +76,11 @@ std::optional<bus::BusOptions> choose_world(Surface& surface,
         const auto entries =
             world_entries(screen.options(), ear.worlds(Clock::now()), recent.list());
         surface.show_layout([&] { screen.draw(entries); });
-        if (screen.joined()) return screen.joined();
+        if (const auto& joined = screen.joined()) {
+            // joining takes most of a second, in which the window draws nothing
+            surface.show_layout([&] { draw_joining(joined->world); });
+            return joined;
+        }
         pause(stop, kPicturePeriod);
     }
     return std::nullopt;

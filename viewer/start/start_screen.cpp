@@ -58,6 +58,12 @@ std::vector<WorldEntry> world_entries(const bus::BusOptions& options,
     return entries;
 }
 
+void draw_joining(const std::string& world) {
+    begin_panel("joining", Corner::kMiddle, 0.96, false);
+    ImGui::Text("joining %s ...", world.c_str());
+    ImGui::End();
+}
+
 StartScreen::StartScreen(bus::BusOptions options, std::string notice)
     : options_(std::move(options)),
       notice_(std::move(notice)),
@@ -73,9 +79,11 @@ void StartScreen::choose_by_key(const std::vector<WorldEntry>& worlds) {
     const auto found = std::ranges::find_if(
         worlds, [&](const WorldEntry& world) { return id_of(world.options) == chosen_; });
     const auto last = static_cast<std::ptrdiff_t>(worlds.size()) - 1;
-    std::ptrdiff_t at = found == worlds.end() ? 0 : found - worlds.begin();
-    if (is_pressed(ImGuiKey_DownArrow)) ++at;
-    if (is_pressed(ImGuiKey_UpArrow)) --at;
+    std::ptrdiff_t at = found == worlds.end() || !has_chosen_ ? 0 : found - worlds.begin();
+    const int step =
+        (is_pressed(ImGuiKey_DownArrow) ? 1 : 0) - (is_pressed(ImGuiKey_UpArrow) ? 1 : 0);
+    at += step;
+    has_chosen_ |= step != 0;
     const WorldEntry& world =
         worlds[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(at, 0, last))];
     chosen_ = id_of(world.options);
@@ -103,6 +111,7 @@ void StartScreen::draw_list(const std::vector<WorldEntry>& worlds) {
             if (ImGui::Selectable(
                     title.c_str(), id == chosen_, ImGuiSelectableFlags_AllowDoubleClick)) {
                 chosen_ = id;
+                has_chosen_ = true;
                 if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) joined_ = world.options;
             }
             ImGui::SameLine(ui_px(kNameWidth_px));

@@ -25,6 +25,9 @@ std::vector<WorldEntry> world_entries(const bus::BusOptions& options,
                                       const std::vector<presence::HeardWorld>& heard,
                                       const std::vector<bus::BusOptions>& recent);
 
+/// Lays out a message while a world is joined. Inside an ImGui frame.
+void draw_joining(const std::string& world);
+
 /// The start screen: lists worlds, and lets the user choose one and the network to listen on. Knows
 /// no bus and no window.
 class StartScreen {
@@ -51,7 +54,8 @@ private:
     bus::BusOptions options_;
     std::string notice_;
     std::string failure_;
-    std::string chosen_;  // name of a world in the list
+    std::string chosen_;       // a world of the list
+    bool has_chosen_ = false;  // the user did; else the first one is chosen
     std::array<char, 64> other_{};
     std::array<char, 256> peers_{};
     int domain_ = 0;

@@ -38,7 +38,9 @@ void draw_losses(const HudContent& content) {
 void draw_sites(const HudContent& content) {
     const auto num_people =
         std::ranges::count_if(content.sites, [](const SiteLine& line) { return line.number > 0; });
-    if (num_people == 0) ImGui::TextUnformatted("nobody is here");
+    if (num_people == 0)
+        ImGui::Text("nobody is here%s",
+                    content.has_other_worlds ? "   Backspace: other worlds" : "");
     const auto num_hidden =
         std::ranges::count_if(content.sites, [](const SiteLine& line) { return !line.is_shown; });
     if (num_hidden > 0) draw_warning(fmt::format("{} sites hidden (L)", num_hidden));
@@ -46,15 +48,22 @@ void draw_sites(const HudContent& content) {
         if (line.number > 0 && line.is_warning) draw_warning(line.name + ": " + line.state);
 }
 
-// The short panel shows the first of them without their details.
+// The short panel shows the first of them without their details, and not that this viewer is slow:
+// its reduced quality says so.
 void draw_warnings(const HudContent& content, bool has_details) {
-    const std::size_t most = has_details ? content.warnings.size() : kMostWarnings;
-    for (std::size_t i = 0; i < std::min(content.warnings.size(), most); ++i) {
-        const std::string& text = content.warnings[i].text;
-        draw_warning(has_details ? text : text.substr(0, text.find(';')));
+    std::size_t num = 0;
+    std::size_t num_left = 0;
+    for (const HudLine& line : content.warnings) {
+        const bool is_said =
+            !content.quality.empty() && line.text.starts_with("this viewer: machine too slow");
+        if (has_details)
+            draw_warning(line.text);
+        else if (!is_said && num++ < kMostWarnings)
+            draw_warning(line.text.substr(0, line.text.find(';')));
+        else if (!is_said)
+            ++num_left;
     }
-    if (content.warnings.size() > most)
-        draw_warning(fmt::format("... and {} more (T)", content.warnings.size() - most));
+    if (num_left > 0) draw_warning(fmt::format("... and {} more (T)", num_left));
 }
 
 void draw_messages(const HudContent& content) {

@@ -18,5 +18,18 @@ TEST(PeopleView, FadesOnlySilentPeople) {
         << "a person must stay visible while the site exists";
 }
 
+TEST(PeopleView, DrawsWhomTheUserWantsToSeeButNotTheOwnBody) {
+    PeopleView people;
+    EXPECT_TRUE(people.is_drawn("alice"));
+    SiteSelection sites;
+    sites.toggle("bob");
+    people.show_only(sites, "alice");
+    EXPECT_FALSE(people.is_drawn("alice")) << "the camera is in the head";
+    EXPECT_FALSE(people.is_drawn("bob")) << "hidden";
+    EXPECT_TRUE(people.is_drawn("carol"));
+    people.show_only(sites, "");
+    EXPECT_TRUE(people.is_drawn("alice"));
+}
+
 }  // namespace
 }  // namespace atrium::viewer
