@@ -14,6 +14,7 @@ namespace {
 
 // A cause is believed if what remains unexplained shrinks to this share, and little remains.
 constexpr double kResidualShare = 0.4;
+constexpr double kStrictResidualShare = 0.3;  // of silhouettes that fit not too badly as they are
 constexpr double kGoodShare = 0.8;
 constexpr std::size_t kMinRays = 60;
 constexpr std::size_t kRaysOfAll = 640;
@@ -47,12 +48,12 @@ public:
     }
 
     std::optional<Diagnosis> find() {
-        if (views_.size() < 2 || as_is_.num_rays() < kMinRays || share_ >= kPoorShare)
+        if (views_.size() < 2 || as_is_.num_rays() < kMinRays || share_ >= kFineShare)
             return std::nullopt;
         try_misreadings();
         try_scales();
         if (!best_) try_exchanges();
-        if (best_) return best_;
+        if (best_ || share_ >= kPoorShare) return best_;
         if (auto out = out_of_view()) return out;
         if (auto one = one_camera()) return one;
         return unknown();
@@ -63,7 +64,8 @@ private:
 
     // True if this share, of silhouettes that fit as_is_ before, convinces.
     bool convinces(double share) const {
-        return share >= kGoodShare && 1.0 - share <= kResidualShare * (1.0 - share_);
+        const double residual = share_ < kPoorShare ? kResidualShare : kStrictResidualShare;
+        return share >= kGoodShare && 1.0 - share <= residual * (1.0 - share_);
     }
 
     void offer(Cause cause, double share, std::string text, std::vector<std::string> cameras = {}) {

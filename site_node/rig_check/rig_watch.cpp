@@ -20,6 +20,7 @@ constexpr std::size_t kManyVotes = 10;
 // A diagnosis takes much longer than a look: the first ones come with each poor look, then few.
 constexpr std::size_t kQuickDiagnoses = 10;
 constexpr std::chrono::seconds kDiagnosisPeriod{30};
+constexpr const char* kAllDropped = "all_dropped";  // may be meant
 constexpr double kCutShare = 0.05;
 constexpr double kSeldomCut = 0.02;  // a look with less is not one that the bounds cut
 
@@ -52,6 +53,7 @@ std::vector<std::string> RigWatch::look(const Look& look,
         judge_bounds(look, agreement);
         judge_size(look, agreement);
     }
+    judge_outside(look, agreement);
     std::vector<std::string> lines;
     for (auto& [key, finding] : findings_) {
         if (finding.votes < finding.needed) continue;
@@ -59,7 +61,7 @@ std::vector<std::string> RigWatch::look(const Look& look,
         finding.reported = now;
         finding.votes = 0;  // it must hold again before it is repeated
         lines.push_back(finding.line);
-        last_reason_ = finding.reason;
+        if (key != kAllDropped) last_reason_ = finding.reason;
     }
     return lines;
 }
@@ -94,13 +96,29 @@ void RigWatch::judge_blind_cameras(const Look& look, const Agreement& agreement)
     }
 }
 
+// Bounds beside the people, for example in another frame, empty the hull as well.
+void RigWatch::judge_outside(const Look& look, const Agreement& agreement) {
+    const auto num_seeing = std::ranges::count_if(
+        look.views, [](const auto& view) { return !view.view.contours.empty(); });
+    if (!options_.bounds || num_looks_ > 0 || num_seeing < 2 || agreement.num_rays() > 0) return;
+    const geometry::Aabb& box = *options_.bounds;
+    vote("outside",
+         kManyVotes,
+         fmt::format("silhouettes_outside_bounds cameras={}", num_seeing),
+         fmt::format("{} cameras see people, but none inside the bounds, {:.2f} to {:.2f} m: move "
+                     "or enlarge hull.bounds, or [bounds] of the rig",
+                     num_seeing,
+                     fmt::join(box.min, ","),
+                     fmt::join(box.max, ",")));
+}
+
 void RigWatch::judge_agreement(const Look& look,
                                const Agreement& agreement,
                                Clock::time_point now,
                                const std::function<bool()>& go_on) {
     recent_shares_.push_back(agreement.share());
     if (recent_shares_.size() > kRecent) recent_shares_.pop_front();
-    if (agreement.share() >= kPoorShare) return;
+    if (agreement.share() >= kFineShare) return;
     const bool is_soon = last_diagnosis_ && now - *last_diagnosis_ < kDiagnosisPeriod;
     if (is_soon && num_diagnoses_ >= kQuickDiagnoses) return;
     last_diagnosis_ = now;
@@ -109,10 +127,10 @@ void RigWatch::judge_agreement(const Look& look,
     if (!diagnosis) return;
     const double mean = std::accumulate(recent_shares_.begin(), recent_shares_.end(), 0.0) /
                         static_cast<double>(recent_shares_.size());
-    if (mean >= kPoorShare) return;  // a single bad look
     const std::size_t worst = agreement.worst();
     const bool is_certain =
         diagnosis->cause != Cause::kOutOfView && diagnosis->cause != Cause::kUnknown;
+    if (!is_certain && mean >= kPoorShare) return;  // a single bad look
     // uncertain causes share a key: the worst camera may change from look to look
     const std::string key = is_certain ? fmt::format("{} {}",
                                                      static_cast<int>(diagnosis->cause),
@@ -181,7 +199,7 @@ void RigWatch::judge_size(const Look& look, const Agreement& agreement) {
     if (!look.hull_extent.empty() || !all_see || look.views.size() < 3 || cut > 0 ||
         agreement.share() < kPoorShare)
         return;
-    vote("empty",
+    vote(kAllDropped,
          kFewVotes,
          fmt::format("hull_empty explained={:.2f}", agreement.share()),
          "the hull is empty although the silhouettes fit: nobody is inside the bounds, or all is "
@@ -196,7 +214,7 @@ std::vector<std::string> RigWatch::finish() {
         if (finding.reported || 2 * finding.votes <= std::min<std::size_t>(num_looks_, kFewVotes))
             continue;
         lines.push_back(finding.line);
-        last_reason_ = finding.reason;
+        if (key != kAllDropped) last_reason_ = finding.reason;
     }
     return lines;
 }

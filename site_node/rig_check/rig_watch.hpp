@@ -43,7 +43,8 @@ public:
     /// "silhouettes looks=12 explained=0.96 worst=cam3:0.91"; empty if nobody was seen.
     std::string summary() const;
 
-    /// The reason of the last line that `look` or `finish` returned; empty without any.
+    /// The reason of the last line that `look` or `finish` returned, if it may explain a hull that is
+    /// always empty; empty without any.
     const std::string& last_reason() const { return last_reason_; }
 
 private:
@@ -71,6 +72,7 @@ private:
               const std::string& event,
               const std::string& reason);
     void judge_blind_cameras(const Look& look, const Agreement& agreement);
+    void judge_outside(const Look& look, const Agreement& agreement);
     void judge_agreement(const Look& look,
                          const Agreement& agreement,
                          Clock::time_point now,
