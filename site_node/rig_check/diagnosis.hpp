@@ -18,7 +18,6 @@ enum class Cause : std::uint8_t {
     kSwapped,    // the pictures or the extrinsics of cameras are exchanged
     kFocal,      // focal lengths or picture sizes are scaled
     kOneCamera,  // one camera contradicts all others
-    kOutOfView,  // people reach out of pictures
     kUnknown,
 };
 

@@ -45,6 +45,7 @@ std::vector<std::string> RigWatch::look(const Look& look,
         Camera& camera = cameras_[look.views[i].name];
         camera.rays += agreement.cameras[i].rays;
         camera.explained += agreement.cameras[i].explained;
+        camera.silent += agreement.cameras[i].cut + agreement.cameras[i].beyond;
     }
     judge_blind_cameras(look, agreement);
     if (agreement.num_rays() > 0) {
@@ -128,8 +129,7 @@ void RigWatch::judge_agreement(const Look& look,
     const double mean = std::accumulate(recent_shares_.begin(), recent_shares_.end(), 0.0) /
                         static_cast<double>(recent_shares_.size());
     const std::size_t worst = agreement.worst();
-    const bool is_certain =
-        diagnosis->cause != Cause::kOutOfView && diagnosis->cause != Cause::kUnknown;
+    const bool is_certain = diagnosis->cause != Cause::kUnknown;
     if (!is_certain && mean >= kPoorShare) return;  // a single bad look
     // uncertain causes share a key: the worst camera may change from look to look
     const std::string key = is_certain ? fmt::format("{} {}",
@@ -221,27 +221,30 @@ std::vector<std::string> RigWatch::finish() {
 
 std::string RigWatch::summary() const {
     std::size_t rays = 0;
+    std::size_t counted = 0;
     std::size_t explained = 0;
     double worst_share = 2.0;
     std::string worst;
     std::string blind;
     for (const auto& [name, camera] : cameras_) {
         rays += camera.rays;
+        counted += camera.rays - camera.silent;
         explained += camera.explained;
         if (camera.looks_with_somebody == 0 && camera.looks_only_others > 0)
             blind += (blind.empty() ? "" : " ") + name;
-        const double share =
-            static_cast<double>(camera.explained) / static_cast<double>(camera.rays);
-        if (camera.rays == 0 || share >= worst_share) continue;
+        const double share = static_cast<double>(camera.explained) /
+                             static_cast<double>(camera.rays - camera.silent);
+        if (camera.rays == camera.silent || share >= worst_share) continue;
         worst_share = share;
         worst = name;
     }
-    if (rays == 0) return {};
-    return fmt::format("silhouettes looks={} explained={:.2f} worst={}:{:.2f}{}",
+    if (counted == 0) return {};
+    return fmt::format("silhouettes looks={} explained={:.2f} worst={}:{:.2f} cut={:.2f}{}",
                        num_looks_,
-                       static_cast<double>(explained) / static_cast<double>(rays),
+                       static_cast<double>(explained) / static_cast<double>(counted),
                        worst,
                        worst_share,
+                       static_cast<double>(rays - counted) / static_cast<double>(rays),
                        blind.empty() ? "" : fmt::format(" without_anybody=\"{}\"", blind));
 }
 
