@@ -20,7 +20,8 @@ double suggested_hz(double done_hz) {
 
 std::string overload_advice(const Overload& overload, atrium::status::Cause cause) {
     using atrium::status::Cause;
-    // without any output yet there is nothing to judge
+    // without any output yet, or with all of it, there is nothing to judge
+    if (!(overload.done_hz > 0.0) || overload.done_hz > kReserve * overload.asked_hz) return {};
     if (cause == Cause::kStoodStill || cause == Cause::kNetwork || !overload.largest_work)
         return {};
     std::string text =

@@ -82,6 +82,7 @@ public:
     }
 
     std::size_t num_frames() const { return pictures_.num_pictures(); }
+    bool is_video() const { return pictures_.is_video(); }
     bool has_masks() const { return masks_.has_value(); }
 
     Expected<CameraFrame> read(std::size_t index) {
@@ -240,7 +241,10 @@ std::optional<CameraFrame> RecordingSource::next_frame(std::size_t camera, std::
     if (!decoded_.empty() && decoded_[index][camera]) return decoded_[index][camera];
     auto frame = tracks_[camera]->read(index);
     if (!frame) {
-        if (options_.report_unreadable) {
+        // a video header may announce more frames than the file has
+        const bool is_end =
+            frame.error().kind == ErrorKind::kNotFound && tracks_[camera]->is_video();
+        if (options_.report_unreadable && !is_end) {
             options_.report_unreadable(
                 fmt::format("camera '{}': {}", rig_.cameras[camera].name, frame.error().message));
         }

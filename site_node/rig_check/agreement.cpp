@@ -181,7 +181,7 @@ private:
         if (is_explained) {
             ++mine.explained;
         } else if (!outside && 2 * best.num_agreeing >= all && best.num_agreeing > 0) {
-            blame(own, best, centre, direction);
+            if (blame(own, best, centre, direction)) ++mine.beyond;
         }
     }
 
@@ -225,8 +225,9 @@ private:
         return true;
     }
 
-    // Counts the few cameras that contradict what most cameras confirm.
-    void blame(std::size_t own,
+    // Counts the few cameras that contradict what most cameras confirm. True if their pictures just
+    // do not show it.
+    bool blame(std::size_t own,
                const Candidate& best,
                const Eigen::Vector3d& centre,
                const Eigen::Vector3d& direction) {
@@ -234,11 +235,15 @@ private:
                                  ? 0.5 * (best.depths.begin + best.depths.end)
                                  : 1.5 * best.depths.begin;
         const Eigen::Vector3d p = centre + depth * direction;
+        bool is_beyond = true;
         for (const std::size_t k : voters_) {
             if (k == own || (best.agreeing >> k & 1) != 0) continue;
             CameraAgreement& camera = result_.cameras[k];
-            ++(projectors_[k].is_in_picture(p) ? camera.contradicted : camera.out_of_view);
+            const bool is_in_picture = projectors_[k].is_in_picture(p);
+            ++(is_in_picture ? camera.contradicted : camera.out_of_view);
+            is_beyond &= !is_in_picture;
         }
+        return is_beyond;
     }
 
     const AgreementOptions& options_;
@@ -259,6 +264,16 @@ std::size_t Agreement::num_rays() const {
 }
 
 double Agreement::share() const {
+    std::size_t explained = 0;
+    std::size_t counted = 0;
+    for (const CameraAgreement& camera : cameras) {
+        explained += camera.explained;
+        counted += camera.rays - camera.cut - camera.beyond;
+    }
+    return counted == 0 ? 1.0 : static_cast<double>(explained) / static_cast<double>(counted);
+}
+
+double Agreement::strict_share() const {
     std::size_t explained = 0;
     for (const CameraAgreement& camera : cameras) explained += camera.explained;
     const std::size_t all = num_rays();

@@ -29,15 +29,19 @@ struct AgreementOptions {
 /// How far one camera agrees with the others. Each ray passes through one pixel of its silhouette;
 /// the rays are spread evenly over the silhouette.
 struct CameraAgreement {
-    std::size_t rays = 0;          // 0: this camera sees nobody
-    std::size_t explained = 0;     // of these: have a point that no other camera contradicts
-    std::size_t cut = 0;           // of these: such a point exists only just outside the bounds
+    std::size_t rays = 0;       // 0: this camera sees nobody
+    std::size_t explained = 0;  // of these: have a point that no other camera contradicts
+    std::size_t cut = 0;        // of these: such a point exists only just outside the bounds
+    std::size_t beyond = 0;     // of these: most cameras agree, the pictures of the rest end before
     std::size_t contradicted = 0;  // others' rays that only this and few cameras contradict, where
                                    // the point is in this camera's picture
     std::size_t out_of_view = 0;   // the same, where the point is outside this camera's picture
 
+    /// Share of the rays that speak for or against the rig. Bounds and the borders of pictures cut
+    /// people without saying anything about it.
     double share() const {
-        return rays == 0 ? 1.0 : static_cast<double>(explained) / static_cast<double>(rays);
+        const std::size_t counted = rays - cut - beyond;
+        return counted == 0 ? 1.0 : static_cast<double>(explained) / static_cast<double>(counted);
     }
 };
 
@@ -49,8 +53,10 @@ struct Agreement {
     std::array<double, 6> farthest_cut_m{};
 
     std::size_t num_rays() const;
-    /// Share of all rays that are explained; 1 without rays.
+    /// Share of all rays that speak for or against the rig that are explained; 1 without any.
     double share() const;
+    /// Share of all rays that are explained; 1 without rays.
+    double strict_share() const;
     /// Index of the camera with the smallest share; 0 without rays.
     std::size_t worst() const;
 };

@@ -14,6 +14,7 @@ namespace {
 
 // A cause is believed if what remains unexplained shrinks to this share, and little remains.
 constexpr double kResidualShare = 0.4;
+constexpr double kStrictResidualShare = 0.3;  // of silhouettes that fit not too badly as they are
 constexpr double kGoodShare = 0.8;
 constexpr std::size_t kMinRays = 60;
 constexpr std::size_t kRaysOfAll = 640;
@@ -44,16 +45,16 @@ public:
         free_options_.bounds.reset();
         if (!options_.knows_outside && views_.size() > 3) free_options_.min_seen = 2;
         share_ = as_is_.share();
+        strict_share_ = share_of(views_);
     }
 
     std::optional<Diagnosis> find() {
-        if (views_.size() < 2 || as_is_.num_rays() < kMinRays || share_ >= kPoorShare)
+        if (views_.size() < 2 || as_is_.num_rays() < kMinRays || share_ >= kFineShare)
             return std::nullopt;
         try_misreadings();
         try_scales();
         if (!best_) try_exchanges();
-        if (best_) return best_;
-        if (auto out = out_of_view()) return out;
+        if (best_ || share_ >= kPoorShare) return best_;
         if (auto one = one_camera()) return one;
         return unknown();
     }
@@ -61,9 +62,10 @@ public:
 private:
     bool goes_on() const { return !go_on_ || go_on_(); }
 
-    // True if this share, of silhouettes that fit as_is_ before, convinces.
+    // True if this strict share convinces, compared with that of the rig as it is.
     bool convinces(double share) const {
-        return share >= kGoodShare && 1.0 - share <= kResidualShare * (1.0 - share_);
+        const double residual = share_ < kPoorShare ? kResidualShare : kStrictResidualShare;
+        return share >= kGoodShare && 1.0 - share <= residual * (1.0 - strict_share_);
     }
 
     void offer(Cause cause, double share, std::string text, std::vector<std::string> cameras = {}) {
@@ -73,7 +75,7 @@ private:
 
     double share_of(const Views& views) const {
         const Agreement agreement = measure_agreement(views, free_options_);
-        return agreement.num_rays() < kMinRays ? 0.0 : agreement.share();
+        return agreement.num_rays() < kMinRays ? 0.0 : agreement.strict_share();
     }
 
     void try_misreadings() {
@@ -114,7 +116,7 @@ private:
         const std::vector<std::size_t> order = suspects();
         Views current = views_;
         std::vector<std::pair<std::size_t, std::size_t>> pairs;
-        double reached = share_;
+        double reached = strict_share_;
         for (int round = 0; round < 2; ++round) {
             std::optional<std::pair<std::size_t, std::size_t>> best;
             double best_share = reached;
@@ -184,27 +186,6 @@ private:
         }
     }
 
-    std::optional<Diagnosis> out_of_view() const {
-        std::size_t all = 0;
-        std::size_t out = 0;
-        std::size_t most = 0;
-        for (std::size_t i = 0; i < views_.size(); ++i) {
-            const CameraAgreement& camera = as_is_.cameras[i];
-            all += camera.contradicted + camera.out_of_view;
-            out += camera.out_of_view;
-            if (camera.out_of_view > as_is_.cameras[most].out_of_view) most = i;
-        }
-        if (2 * out <= all || out == 0) return std::nullopt;
-        return Diagnosis{
-            Cause::kOutOfView,
-            fmt::format("people reach out of the picture of {}, which cuts them there: keep them "
-                        "in all pictures, turn the camera, or set hull.partial_views = true",
-                        names_[most]),
-            share_,
-            share_,
-            {names_[most]}};
-    }
-
     std::optional<Diagnosis> one_camera() const {
         if (views_.size() < 4) return std::nullopt;
         double best_share = 0.0;
@@ -248,6 +229,7 @@ private:
     Views views_;
     Agreement as_is_;
     double share_ = 1.0;
+    double strict_share_ = 1.0;  // without bounds
     std::optional<Diagnosis> best_;
 };
 

@@ -18,7 +18,6 @@ enum class Cause : std::uint8_t {
     kSwapped,    // the pictures or the extrinsics of cameras are exchanged
     kFocal,      // focal lengths or picture sizes are scaled
     kOneCamera,  // one camera contradicts all others
-    kOutOfView,  // people reach out of pictures
     kUnknown,
 };
 
@@ -33,6 +32,10 @@ struct Diagnosis {
 /// Below this share of explained silhouettes a rig is worth a diagnosis. Real rigs with real
 /// silhouettes reach 0.95, and 0.85 with things in a picture that the others do not see.
 inline constexpr double kPoorShare = 0.8;
+
+/// Above it nothing is sought. In between only what is wrong with all cameras or with pairs of them
+/// is, and more strictly: one camera may see things that the others do not.
+inline constexpr double kFineShare = 0.95;
 
 /// Finds why silhouettes of one instant do not fit together: tries what people get wrong (inverted
 /// extrinsics, OpenGL's axes, exchanged cameras, scaled intrinsics, one camera that moved), and

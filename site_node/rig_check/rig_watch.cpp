@@ -20,6 +20,7 @@ constexpr std::size_t kManyVotes = 10;
 // A diagnosis takes much longer than a look: the first ones come with each poor look, then few.
 constexpr std::size_t kQuickDiagnoses = 10;
 constexpr std::chrono::seconds kDiagnosisPeriod{30};
+constexpr const char* kAllDropped = "all_dropped";  // may be meant
 constexpr double kCutShare = 0.05;
 constexpr double kSeldomCut = 0.02;  // a look with less is not one that the bounds cut
 
@@ -44,6 +45,7 @@ std::vector<std::string> RigWatch::look(const Look& look,
         Camera& camera = cameras_[look.views[i].name];
         camera.rays += agreement.cameras[i].rays;
         camera.explained += agreement.cameras[i].explained;
+        camera.silent += agreement.cameras[i].cut + agreement.cameras[i].beyond;
     }
     judge_blind_cameras(look, agreement);
     if (agreement.num_rays() > 0) {
@@ -52,6 +54,7 @@ std::vector<std::string> RigWatch::look(const Look& look,
         judge_bounds(look, agreement);
         judge_size(look, agreement);
     }
+    judge_outside(look, agreement);
     std::vector<std::string> lines;
     for (auto& [key, finding] : findings_) {
         if (finding.votes < finding.needed) continue;
@@ -59,7 +62,7 @@ std::vector<std::string> RigWatch::look(const Look& look,
         finding.reported = now;
         finding.votes = 0;  // it must hold again before it is repeated
         lines.push_back(finding.line);
-        last_reason_ = finding.reason;
+        if (key != kAllDropped) last_reason_ = finding.reason;
     }
     return lines;
 }
@@ -94,13 +97,29 @@ void RigWatch::judge_blind_cameras(const Look& look, const Agreement& agreement)
     }
 }
 
+// Bounds beside the people, for example in another frame, empty the hull as well.
+void RigWatch::judge_outside(const Look& look, const Agreement& agreement) {
+    const auto num_seeing = std::ranges::count_if(
+        look.views, [](const auto& view) { return !view.view.contours.empty(); });
+    if (!options_.bounds || num_looks_ > 0 || num_seeing < 2 || agreement.num_rays() > 0) return;
+    const geometry::Aabb& box = *options_.bounds;
+    vote("outside",
+         kManyVotes,
+         fmt::format("silhouettes_outside_bounds cameras={}", num_seeing),
+         fmt::format("{} cameras see people, but none inside the bounds, {:.2f} to {:.2f} m: move "
+                     "or enlarge hull.bounds, or [bounds] of the rig",
+                     num_seeing,
+                     fmt::join(box.min, ","),
+                     fmt::join(box.max, ",")));
+}
+
 void RigWatch::judge_agreement(const Look& look,
                                const Agreement& agreement,
                                Clock::time_point now,
                                const std::function<bool()>& go_on) {
     recent_shares_.push_back(agreement.share());
     if (recent_shares_.size() > kRecent) recent_shares_.pop_front();
-    if (agreement.share() >= kPoorShare) return;
+    if (agreement.share() >= kFineShare) return;
     const bool is_soon = last_diagnosis_ && now - *last_diagnosis_ < kDiagnosisPeriod;
     if (is_soon && num_diagnoses_ >= kQuickDiagnoses) return;
     last_diagnosis_ = now;
@@ -109,10 +128,9 @@ void RigWatch::judge_agreement(const Look& look,
     if (!diagnosis) return;
     const double mean = std::accumulate(recent_shares_.begin(), recent_shares_.end(), 0.0) /
                         static_cast<double>(recent_shares_.size());
-    if (mean >= kPoorShare) return;  // a single bad look
     const std::size_t worst = agreement.worst();
-    const bool is_certain =
-        diagnosis->cause != Cause::kOutOfView && diagnosis->cause != Cause::kUnknown;
+    const bool is_certain = diagnosis->cause != Cause::kUnknown;
+    if (!is_certain && mean >= kPoorShare) return;  // a single bad look
     // uncertain causes share a key: the worst camera may change from look to look
     const std::string key = is_certain ? fmt::format("{} {}",
                                                      static_cast<int>(diagnosis->cause),
@@ -181,7 +199,7 @@ void RigWatch::judge_size(const Look& look, const Agreement& agreement) {
     if (!look.hull_extent.empty() || !all_see || look.views.size() < 3 || cut > 0 ||
         agreement.share() < kPoorShare)
         return;
-    vote("empty",
+    vote(kAllDropped,
          kFewVotes,
          fmt::format("hull_empty explained={:.2f}", agreement.share()),
          "the hull is empty although the silhouettes fit: nobody is inside the bounds, or all is "
@@ -196,34 +214,37 @@ std::vector<std::string> RigWatch::finish() {
         if (finding.reported || 2 * finding.votes <= std::min<std::size_t>(num_looks_, kFewVotes))
             continue;
         lines.push_back(finding.line);
-        last_reason_ = finding.reason;
+        if (key != kAllDropped) last_reason_ = finding.reason;
     }
     return lines;
 }
 
 std::string RigWatch::summary() const {
     std::size_t rays = 0;
+    std::size_t counted = 0;
     std::size_t explained = 0;
     double worst_share = 2.0;
     std::string worst;
     std::string blind;
     for (const auto& [name, camera] : cameras_) {
         rays += camera.rays;
+        counted += camera.rays - camera.silent;
         explained += camera.explained;
         if (camera.looks_with_somebody == 0 && camera.looks_only_others > 0)
             blind += (blind.empty() ? "" : " ") + name;
-        const double share =
-            static_cast<double>(camera.explained) / static_cast<double>(camera.rays);
-        if (camera.rays == 0 || share >= worst_share) continue;
+        const double share = static_cast<double>(camera.explained) /
+                             static_cast<double>(camera.rays - camera.silent);
+        if (camera.rays == camera.silent || share >= worst_share) continue;
         worst_share = share;
         worst = name;
     }
-    if (rays == 0) return {};
-    return fmt::format("silhouettes looks={} explained={:.2f} worst={}:{:.2f}{}",
+    if (counted == 0) return {};
+    return fmt::format("silhouettes looks={} explained={:.2f} worst={}:{:.2f} cut={:.2f}{}",
                        num_looks_,
-                       static_cast<double>(explained) / static_cast<double>(rays),
+                       static_cast<double>(explained) / static_cast<double>(counted),
                        worst,
                        worst_share,
+                       static_cast<double>(rays - counted) / static_cast<double>(rays),
                        blind.empty() ? "" : fmt::format(" without_anybody=\"{}\"", blind));
 }
 

@@ -40,16 +40,19 @@ public:
     /// Returns the lines for the end of a run: findings with too few looks to report them before.
     std::vector<std::string> finish();
 
-    /// "silhouettes looks=12 explained=0.96 worst=cam3:0.91"; empty if nobody was seen.
+    /// "silhouettes looks=12 explained=0.96 worst=cam3:0.91 cut=0.00"; empty if nobody was seen.
+    /// `cut`: the share of the silhouettes that bounds or the borders of pictures cut.
     std::string summary() const;
 
-    /// The reason of the last line that `look` or `finish` returned; empty without any.
+    /// The reason of the last line that `look` or `finish` returned, if it may explain a hull that
+    /// is always empty; empty without any.
     const std::string& last_reason() const { return last_reason_; }
 
 private:
     struct Camera {
         std::size_t rays = 0;
         std::size_t explained = 0;
+        std::size_t silent = 0;  // rays cut by bounds or by the borders of pictures
         std::size_t looks_with_somebody = 0;
         std::size_t looks_only_others = 0;  // while others saw somebody
     };
@@ -71,6 +74,7 @@ private:
               const std::string& event,
               const std::string& reason);
     void judge_blind_cameras(const Look& look, const Agreement& agreement);
+    void judge_outside(const Look& look, const Agreement& agreement);
     void judge_agreement(const Look& look,
                          const Agreement& agreement,
                          Clock::time_point now,

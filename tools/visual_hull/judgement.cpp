@@ -8,6 +8,11 @@
 #include <fmt/format.h>
 
 namespace atrium::hull_tool {
+namespace {
+
+constexpr std::size_t kCutPart = 20;  // bounds that cut a smaller part are meant to
+
+}  // namespace
 
 Expected<config::Rig> load_checked_rig(const std::filesystem::path& recording,
                                        std::vector<std::string>& warnings) {
@@ -45,6 +50,13 @@ std::vector<std::string> judge_hull(std::span<const views::NamedView> views,
         warnings.push_back(fmt::format("{:.0f} % of the silhouettes fit together: {}",
                                        100.0 * diagnosis->share,
                                        diagnosis->text));
+    }
+    std::size_t cut = 0;
+    for (const rig_check::CameraAgreement& camera : agreement.cameras) cut += camera.cut;
+    if (const std::size_t all = agreement.num_rays(); cut > 0 && cut * kCutPart > all) {
+        warnings.push_back(
+            fmt::format("the bounds cut away {:.0f} % of the silhouettes",
+                        100.0 * static_cast<double>(cut) / static_cast<double>(all)));
     }
     if (hull.status != hull::HullStatus::kOk) return warnings;
     if (auto wrong = rig_check::check_size(

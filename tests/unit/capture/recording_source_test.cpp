@@ -276,15 +276,40 @@ TEST_F(RecordingOnDisk, ReadsAFrameWithoutTheCameraThatLacksIt) {
 }
 
 TEST_F(RecordingOnDisk, RefusesPicturesThatDoNotMatchTheRigSize) {
-    write_sequence("a", 1);
-    write_sequence("b", 1);
-    cv::imwrite((folder_ / "b" / "frames" / numbered(0)).string(),
-                cv::Mat(20, 20, CV_8UC3, cv::Scalar(1, 2, 3)));
+    write_sequence("a", 2);
+    write_sequence("b", 2);
+    const cv::Mat small(20, 20, CV_8UC3, cv::Scalar(1, 2, 3));
+    cv::imwrite((folder_ / "b" / "frames" / numbered(1)).string(), small);
     auto source = RecordingSource::open({folder_});
-    ASSERT_TRUE(source);
-    const auto frame = (*source)->read_frame(0);
+    ASSERT_TRUE(source) << source.error().message;
+    EXPECT_TRUE((*source)->read_frame(0));
+    const auto frame = (*source)->read_frame(1);
     ASSERT_FALSE(frame);
-    EXPECT_THAT(frame.error().message, HasSubstr("20x20"));
+    EXPECT_THAT(frame.error().message, HasSubstr("frame 1 has 20x20 px, but rig.toml says 64x48"));
+    // all pictures of a camera: at once
+    cv::imwrite((folder_ / "b" / "frames" / numbered(0)).string(), small);
+    source = RecordingSource::open({folder_});
+    ASSERT_FALSE(source);
+    EXPECT_THAT(source.error().message,
+                HasSubstr("b/frames: the pictures have 20x20 px, but rig.toml says 64x48"));
+}
+
+TEST_F(RecordingOnDisk, NamesEachPictureThatItLeavesOut) {
+    write_sequence("a", 3);
+    write_sequence("b", 3);
+    const fs::path frames = folder_ / "b" / "frames";
+    fs::resize_file(frames / numbered(1), 60);
+    fs::resize_file(frames / numbered(2), 0);
+    RecordingOptions options{folder_};
+    std::vector<std::string> reasons;
+    options.report_unreadable = [&](const std::string& reason) { reasons.push_back(reason); };
+    auto source = RecordingSource::open(options);
+    ASSERT_TRUE(source);
+    EXPECT_TRUE((*source)->run(std::stop_token(), [](CameraFrame) {}));
+    ASSERT_EQ(reasons.size(), 2u);
+    EXPECT_THAT(reasons[0], HasSubstr("camera 'b': " + (frames / numbered(1)).string()));
+    EXPECT_THAT(reasons[0], HasSubstr("truncated or damaged"));
+    EXPECT_THAT(reasons[1], HasSubstr("the file is empty"));
 }
 
 TEST_F(RecordingOnDisk, FailsIfNoPictureCanBeRead) {
