@@ -166,8 +166,8 @@ void declare(SiteNodeConfig& config, config::OptionSet& set) {
     set.add("hull.keep_phantoms", hull.keep_phantoms, "keep components that no silhouette needs");
     set.add("hull.partial_views",
             hull.partial_views,
-            "true: people may extend beyond the pictures, and space outside them is unknown; needs "
-            "bounds");
+            "true: people may extend beyond the pictures, and space outside them is unknown; the "
+            "site file then needs [hull.bounds] with min and max [m]");
     set.add("codec.position_bits",
             config.pipeline.mesh.position_bits,
             "bits of a vertex coordinate on the wire, 8 to 20; 0: as precise as the cameras see",
