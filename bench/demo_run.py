@@ -185,6 +185,12 @@ def stop(demo):
             pass
 
 
+def _table_each_second(program, tree):
+    """The option for a table once a second; older demos always print one."""
+    told = subprocess.run([program, "--help"], cwd=tree, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
+    return ["--table-seconds", "1"] if "--table-seconds" in told.stdout else []
+
+
 def run(program, tree, output, seconds, options=(), say=lambda text: None):
     """Runs `program` (a demo) in `tree` and returns its figures:
 
@@ -192,7 +198,7 @@ def run(program, tree, output, seconds, options=(), say=lambda text: None):
     "seconds": length of what was measured, "others_share", "steal_share": of all cores, see machine.shares}
     """
     os.makedirs(output, exist_ok=True)
-    command = [program, "--seconds", f"{seconds:g}", "--output", output, *options]
+    command = [program, "--seconds", f"{seconds:g}", "--output", output, *_table_each_second(program, tree), *options]
     demo = subprocess.Popen(command, cwd=tree, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                             start_new_session=True, preexec_fn=_die_with_parent)
     try:

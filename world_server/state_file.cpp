@@ -1,5 +1,8 @@
 #include "world_server/state_file.hpp"
 
+#include "core/base/descriptor.hpp"
+#include "core/base/write_probe.hpp"
+
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
@@ -19,21 +22,6 @@ Error failed(const char* what, const fs::path& file, int number) {
     return {ErrorKind::kUnavailable,
             fmt::format("{}: cannot {}: {}", file.string(), what, std::strerror(number))};
 }
-
-// Owns a file descriptor.
-class Descriptor {
-public:
-    explicit Descriptor(int number) : number_(number) {}
-    ~Descriptor() {
-        if (number_ >= 0) ::close(number_);
-    }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    int get() const { return number_; }
-
-private:
-    int number_;
-};
 
 Expected<void> write_all(const Descriptor& out,
                          std::span<const std::uint8_t> bytes,
@@ -79,11 +67,7 @@ Expected<void> write_atomically(const fs::path& file, std::span<const std::uint8
 Expected<void> check_writable(const fs::path& file) {
     std::error_code ignored;
     if (fs::is_directory(file, ignored)) return tl::unexpected(failed("replace", file, EISDIR));
-    const fs::path temporary = file.string() + ".new";
-    const Descriptor out(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
-    if (out.get() < 0) return tl::unexpected(failed("create", temporary, errno));
-    ::unlink(temporary.c_str());
-    return {};
+    return probe_writing(file.string() + ".new");
 }
 
 Expected<std::vector<std::uint8_t>> read_file(const fs::path& file) {

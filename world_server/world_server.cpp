@@ -333,7 +333,9 @@ Expected<void> WorldServer::run(std::stop_token stop) {
                    atrium::status::process_fields(last.processor, last.first_output_s));
     const std::lock_guard lock(impl_->loss->mutex);
     if (impl_->loss->error) return tl::unexpected(*impl_->loss->error);
-    return saved;
+    if (!saved)
+        return make_error(ErrorKind::kInternal, "the last save failed: " + saved.error().message);
+    return {};
 }
 
 bus::WorldStatus WorldServer::status() const { return impl_->status(); }

@@ -182,8 +182,11 @@ Start start(const ProgramInfo& info,
     cli.set_version_flag("--version", fmt::format("{} {} (Atrium)", info.name, ATRIUM_VERSION));
     cli.footer(footer(info));
     std::filesystem::path config_file;
-    cli.add_option(
-           "--config", config_file, "TOML file; its keys are the options below without the dashes")
+    cli.add_option("--config",
+                   config_file,
+                   "TOML file; its keys are the options below without the dashes, and more for "
+                   "lists such as "
+                   "cameras and objects (docs/)")
         ->type_name("FILE");
     std::string log_level = "info";
     cli.add_option("--log-level", log_level, "debug, info, warn or error")

@@ -298,7 +298,9 @@ TEST_F(CommandLine, DemoRefusesZeroPeopleAndABadFolder) {
     const Outcome no_sites = run("demo --sites ''");
     EXPECT_EQ(no_sites.exit_code, 2);
     EXPECT_THAT(no_sites.output, HasSubstr("sites"));
-    const Outcome no_folder = run("demo --output /proc/x");
+    const Outcome no_folder =
+        run("demo --output /proc/x --deploy " ATRIUM_SOURCE_DIR "/deploy --world " ATRIUM_SOURCE_DIR
+            "/deploy/worlds/demo.toml --viewer " ATRIUM_SOURCE_DIR "/deploy/viewer.toml");
     EXPECT_EQ(no_folder.exit_code, 3);
     EXPECT_THAT(no_folder.output, HasSubstr("/proc/x"));
 }

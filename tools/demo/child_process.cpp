@@ -103,16 +103,13 @@ int ChildProcess::stop(std::chrono::milliseconds patience) {
     return exit_code_.value_or(0);
 }
 
-std::string ChildProcess::last_log_line() const {
+std::string ChildProcess::log_tail() const {
+    constexpr std::streamoff kTail = 65536;
     std::ifstream stream(log_file_, std::ios::binary | std::ios::ate);
     const std::streamoff size = stream.tellg();
     if (size <= 0) return {};
-    constexpr std::streamoff kTail = 2000;
     stream.seekg(std::max<std::streamoff>(0, size - kTail));
-    std::string tail(std::istreambuf_iterator<char>(stream), {});
-    while (!tail.empty() && tail.back() == '\n') tail.pop_back();
-    const auto start = tail.find_last_of('\n');
-    return start == std::string::npos ? tail : tail.substr(start + 1);
+    return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 }  // namespace atrium::demo

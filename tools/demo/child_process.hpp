@@ -33,8 +33,8 @@ public:
     /// Sends SIGTERM, then SIGKILL after `patience`. Returns the exit code.
     int stop(std::chrono::milliseconds patience);
 
-    /// Last line of the log, to show what the program does. Empty if there is none.
-    std::string last_log_line() const;
+    /// The end of the log, at most 64 kB.
+    std::string log_tail() const;
 
 private:
     ChildProcess(std::string name, std::filesystem::path log_file, pid_t pid);

@@ -3,20 +3,22 @@
 #include "core/app/process.hpp"
 #include "core/bus/bus.hpp"
 #include "tools/demo/child_process.hpp"
+#include "tools/demo/display.hpp"
+#include "tools/demo/log_lines.hpp"
+#include "tools/demo/result_folder.hpp"
+#include "tools/demo/start_checks.hpp"
 #include "tools/demo/status_board.hpp"
 
 #include <fmt/format.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
-#include <condition_variable>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <map>
-#include <mutex>
-#include <sstream>
 
 namespace atrium::demo {
 namespace {
@@ -27,14 +29,12 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kStopPatience{
     15};  // the viewer writes its picture and finishes its video
 
-std::vector<std::string> split(const std::string& list) {
-    std::vector<std::string> parts;
-    std::istringstream stream(list);
-    for (std::string part; std::getline(stream, part, ',');) {
-        if (!part.empty()) parts.push_back(part);
-    }
-    return parts;
-}
+constexpr const char* kLegend =
+    "rate: results per second. ms since capture: until published, in the physics (touched), on the "
+    "display.\n"
+    "dropped: incomplete, too late, left out for a viewer's link, failed. cores: in use. wait: "
+    "time "
+    "without a free core.";
 
 // The demo returns the exit code of the program that failed: docs/conventions.md, "Configuration".
 ErrorKind kind_of_exit(int code) {
@@ -45,28 +45,13 @@ ErrorKind kind_of_exit(int code) {
 
 std::string how_it_ended(int code) {
     if (code <= 128) return fmt::format("ended with exit code {}", code);
-    return fmt::format("was killed by signal {} ({})", code - 128, strsignal(code - 128));
+    const int number = code - 128;
+    const char* name = sigabbrev_np(number);
+    const std::string text =
+        fmt::format("ended by signal {} (SIG{})", number, name != nullptr ? name : "?");
+    if (number != SIGKILL) return text;
+    return text + ": somebody killed it, or the kernel because memory ran out (see dmesg)";
 }
-
-/// Refreshes its lines in place on a terminal; elsewhere prints them one below the other.
-class Display {
-public:
-    void show(const std::vector<std::string>& lines) {
-        if (in_place_ && num_shown_ > 0) fmt::print("\033[{}F\033[J", num_shown_);
-        // a wrapped line would take two rows and misplace the next refresh
-        winsize size{};
-        const bool known =
-            in_place_ && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1;
-        const std::size_t width = known ? size.ws_col - 1u : std::string::npos;
-        for (const std::string& line : lines) fmt::print("{}\n", line.substr(0, width));
-        std::fflush(stdout);
-        num_shown_ = lines.size();
-    }
-
-private:
-    bool in_place_ = isatty(STDOUT_FILENO) != 0;
-    std::size_t num_shown_ = 0;
-};
 
 class Demo {
 public:
@@ -74,8 +59,12 @@ public:
          StatusBoard board,
          bus::Waiter waiter,
          bus::Writer<bus::SceneCommand> commands,
+         std::vector<DemoSite> sites,
+         const ResultFolder& folder,
          std::string world)
         : config_(config),
+          sites_(std::move(sites)),
+          folder_(folder),
           board_(std::move(board)),
           waiter_(std::move(waiter)),
           commands_(std::move(commands)),
@@ -92,15 +81,20 @@ private:
                          int nice,
                          std::vector<std::string> arguments);
     Expected<void> check_children();
+    std::string describe_failure(const ChildProcess& child, const std::string& what) const;
+    std::string preparing_note(const ChildProcess& child) const;
     std::map<std::string, std::string> preparing_notes() const;
     bool sleep(std::stop_token stop, Clock::time_point until);
 
     const DemoConfig& config_;
+    std::vector<DemoSite> sites_;
+    const ResultFolder& folder_;
     StatusBoard board_;
     bus::Waiter waiter_;
     bus::Writer<bus::SceneCommand> commands_;
     std::string world_;
-    Display display_;
+    Display display_{std::chrono::ceil<Display::Clock::duration>(
+        std::chrono::duration<double>(config_.table_seconds))};
     std::vector<ChildProcess> children_;
     Clock::time_point started_ = Clock::now();
     double startup_seconds_ = 0.0;  // until everybody was on
@@ -120,7 +114,7 @@ Expected<void> Demo::start(const std::string& name,
                     std::to_string(config_.domain),
                     "--process.nice",
                     std::to_string(nice)});
-    auto child = ChildProcess::start(name, command, config_.output / (name + ".log"));
+    auto child = ChildProcess::start(name, command, folder_.running() / (name + ".log"));
     if (!child) return tl::unexpected(child.error());
     children_.push_back(std::move(*child));
     return {};
@@ -133,23 +127,20 @@ Expected<void> Demo::start_programs() {
     auto started =
         start("world", "world_server", config_.world_nice, {"--config", config_.world.string()});
     if (!started) return started;
-    const std::vector<std::string> sites = split(config_.sites);
-    const std::vector<std::string> motions = split(config_.motions);
-    for (std::size_t i = 0; i < sites.size(); ++i) {
-        const fs::path file = config_.deploy / "sites" / (sites[i] + ".toml");
-        std::vector<std::string> arguments{"--config", file.string()};
-        if (!motions.empty())
-            arguments.insert(arguments.end(), {"--simulation.motion", motions[i]});
-        if (auto site_started = start(sites[i], "site_node", config_.site_nice, arguments);
+    for (const DemoSite& site : sites_) {
+        std::vector<std::string> arguments{"--config", site.file.string()};
+        if (!site.motion.empty())
+            arguments.insert(arguments.end(), {"--simulation.motion", site.motion});
+        if (auto site_started = start(site.name, "site_node", config_.site_nice, arguments);
             !site_started)
             return site_started;
     }
     std::vector<std::string> arguments{"--config",
                                        config_.viewer.string(),
                                        "--output",
-                                       (config_.output / "view.png").string(),
+                                       (folder_.running() / "view.png").string(),
                                        "--video.file",
-                                       (config_.output / "view.avi").string()};
+                                       (folder_.running() / "view.avi").string()};
     if (!config_.camera.empty())
         arguments.insert(arguments.end(), {"--view.position_m", config_.camera});
     if (!config_.target.empty())
@@ -159,25 +150,37 @@ Expected<void> Demo::start_programs() {
     // the video begins when everybody is on; the demo itself applies the time limit
     arguments.insert(
         arguments.end(),
-        {"--wait_people", std::to_string(sites.size()), "--wait_timeout_s", "1000000000"});
+        {"--wait_people", std::to_string(sites_.size()), "--wait_timeout_s", "1000000000"});
     if (!window) arguments.push_back("--headless");
     // fails with a message if there is no display
     if (config_.window == "yes") arguments.insert(arguments.end(), {"--view.context", "window"});
     return start("viewer", "viewer", config_.viewer_nice, arguments);
 }
 
+// Adds the last error or warning of the child's log to what happened.
+std::string Demo::describe_failure(const ChildProcess& child, const std::string& what) const {
+    // the warnings of a program that was killed are not the reason
+    const bool with_warnings = what.find("signal") == std::string::npos;
+    const std::string problem = last_problem(child.log_tail(), with_warnings);
+    return fmt::format("{} {}{}; its log: {}",
+                       child.name(),
+                       what,
+                       problem.empty() ? "" : fmt::format("; it said: {}", problem),
+                       (folder_.failed() / child.log_file().filename()).string());
+}
+
 Expected<void> Demo::check_children() {
     for (ChildProcess& child : children_) {
-        if (const auto code = child.exit_code()) {
-            return make_error(kind_of_exit(*code),
-                              fmt::format("{} {}; last line of {}: {}",
-                                          child.name(),
-                                          how_it_ended(*code),
-                                          child.log_file().string(),
-                                          child.last_log_line()));
-        }
+        if (const auto code = child.exit_code())
+            return make_error(kind_of_exit(*code), describe_failure(child, how_it_ended(*code)));
     }
     return {};
+}
+
+std::string Demo::preparing_note(const ChildProcess& child) const {
+    if (const auto percent = rendering_percent(child.log_tail()))
+        return fmt::format("rendering {}'s room (first start only), {} %", child.name(), *percent);
+    return child.name() == "viewer" && board_.has_viewer() ? "waiting for people" : "starting";
 }
 
 std::map<std::string, std::string> Demo::preparing_notes() const {
@@ -186,11 +189,7 @@ std::map<std::string, std::string> Demo::preparing_notes() const {
         const bool on = child.name() == "world"    ? board_.has_world()
                         : child.name() == "viewer" ? board_.num_pairs_shown() > 0
                                                    : board_.site_publishes(child.name());
-        if (on) continue;
-        std::string line = child.last_log_line();
-        // skip "time level program "
-        for (int i = 0; i < 3; ++i) line = line.substr(std::min(line.size(), line.find(' ') + 1));
-        notes[child.name()] = "preparing: " + line.substr(0, 68);
+        if (!on) notes[child.name()] = "preparing: " + preparing_note(child);
     }
     return notes;
 }
@@ -215,11 +214,14 @@ Expected<void> Demo::wait_until_everybody_is_on(std::stop_token stop) {
         display_.show(board_.table(notes));
         if (notes.empty()) return {};
         if (std::chrono::duration<double>(Clock::now() - begin).count() > config_.startup_seconds) {
-            return make_error(ErrorKind::kUnavailable,
-                              fmt::format("not everybody is on after {} s: {}: {}",
-                                          config_.startup_seconds,
-                                          notes.begin()->first,
-                                          notes.begin()->second));
+            const auto late = std::ranges::find(
+                children_, notes.begin()->first, [](const auto& child) { return child.name(); });
+            return make_error(
+                ErrorKind::kUnavailable,
+                describe_failure(*late,
+                                 fmt::format("is not on after {} s (startup-seconds), {}",
+                                             config_.startup_seconds,
+                                             notes.begin()->second)));
         }
         sleep(stop, Clock::now() + std::chrono::seconds(1));
     }
@@ -228,6 +230,8 @@ Expected<void> Demo::wait_until_everybody_is_on(std::stop_token stop) {
 
 Expected<void> Demo::measure(std::stop_token stop) {
     board_.begin_report();
+    display_.leave();
+    fmt::print("{}\n", kLegend);
     const auto begin = Clock::now();
     startup_seconds_ = std::chrono::duration<double>(begin - started_).count();
     double next_reset_s = 0.0;
@@ -244,8 +248,11 @@ Expected<void> Demo::measure(std::stop_token stop) {
         if (auto alive = check_children(); !alive) return alive;
         const std::string length =
             config_.seconds > 0 ? fmt::format(" of {:.0f} s", config_.seconds) : " s, Ctrl-C ends";
-        display_.show(board_.table({{"time", fmt::format("{:.0f}{}", measured_seconds_, length)}}));
-        if (!go_on || (config_.seconds > 0 && measured_seconds_ >= config_.seconds)) return {};
+        const bool is_last =
+            !go_on || (config_.seconds > 0 && measured_seconds_ >= config_.seconds);
+        display_.show(board_.table({{"time", fmt::format("{:.0f}{}", measured_seconds_, length)}}),
+                      is_last);
+        if (is_last) return {};
     }
 }
 
@@ -256,27 +263,26 @@ Expected<void> Demo::stop_programs() {
         const int code = children_.back().stop(kStopPatience);
         if (code != 0 && result) {
             result = make_error(ErrorKind::kInternal,
-                                fmt::format("{} {}, see {}",
-                                            children_.back().name(),
-                                            how_it_ended(code),
-                                            children_.back().log_file().string()));
+                                describe_failure(children_.back(), how_it_ended(code)));
         }
         children_.pop_back();
     }
     if (!result || measured_seconds_ <= 0.0) return result;
-    const fs::path report = config_.output / "report.json";
-    std::ofstream(report) << board_.report({measured_seconds_, startup_seconds_});
+    std::ofstream(folder_.running() / "report.json")
+        << board_.report({measured_seconds_, startup_seconds_});
     for (const char* file : {"view.png", "view.avi", "report.json"}) {
-        const fs::path path = config_.output / file;
-        if (!fs::exists(path) || fs::file_size(path) == 0) {
+        const fs::path path = folder_.running() / file;
+        std::error_code missing;
+        if (const auto size = fs::file_size(path, missing); missing || size == 0) {
             return make_error(ErrorKind::kInternal,
-                              fmt::format("{} was not written", path.string()));
+                              fmt::format("{} was not written; is the disk full?", path.string()));
         }
     }
+    if (auto kept = folder_.keep(); !kept) return kept;
     fmt::print("picture: {}\nvideo:   {}\nfigures: {}\n",
                (config_.output / "view.png").string(),
                (config_.output / "view.avi").string(),
-               report.string());
+               (config_.output / "report.json").string());
     return {};
 }
 
@@ -289,12 +295,18 @@ void declare(DemoConfig& config, config::OptionSet& options) {
                 config.startup_seconds,
                 "time limit until everybody is on [s]",
                 {1, 1e5});
+    options.add("table-seconds",
+                config.table_seconds,
+                "time between two tables where the output is no terminal [s]",
+                {1, 1e5});
     options.add("reset-seconds",
                 config.reset_seconds,
                 "period of resetting the world's objects [s]; 0: never",
                 {0, 1e6});
     options.add("window", config.window, "open a window", {"auto", "yes", "no"});
-    options.add("output", config.output, "folder for picture, video, report and logs");
+    options.add("output",
+                config.output,
+                "folder for picture, video, report and logs of the last demo that succeeded");
     options.add("programs",
                 config.programs,
                 "folder of site_node, world_server and viewer; empty: folder of this program");
@@ -328,34 +340,10 @@ void declare(DemoConfig& config, config::OptionSet& options) {
 Expected<void> run_demo(const DemoConfig& given, std::stop_token stop) {
     DemoConfig config = given;
     if (config.programs.empty()) config.programs = app::program_folder();
-    if (split(config.sites).empty()) {
-        return make_error(ErrorKind::kConfiguration,
-                          "sites: name at least one, for example alice,bob");
-    }
-    for (const std::string& site : split(config.sites)) {
-        if (site.find('/') == std::string::npos && !site.ends_with(".toml")) continue;
-        return make_error(
-            ErrorKind::kConfiguration,
-            fmt::format("sites: give names of files in {}, such as alice, not paths; got '{}'",
-                        (config.deploy / "sites").string(),
-                        site));
-    }
-    if (const std::size_t num_motions = split(config.motions).size();
-        num_motions != 0 && num_motions != split(config.sites).size()) {
-        return make_error(ErrorKind::kConfiguration,
-                          fmt::format("motions: give one for each of the {} sites, or none; got {}",
-                                      split(config.sites).size(),
-                                      num_motions));
-    }
-    std::error_code failure;
-    fs::create_directories(config.output, failure);
-    if (!fs::is_directory(config.output)) {
-        return make_error(
-            ErrorKind::kUnavailable,
-            fmt::format("output: cannot create the folder '{}'", config.output.string()));
-    }
-    for (const char* file : {"view.png", "view.avi", "report.json"})
-        fs::remove(config.output / file, failure);
+    auto sites = check_start(config);
+    if (!sites) return tl::unexpected(sites.error());
+    const auto folder = ResultFolder::create(config.output);
+    if (!folder) return tl::unexpected(folder.error());
 
     // a unique world, so two demos on one host do not meet
     const std::string world = fmt::format("demo-{}", getpid());
@@ -372,12 +360,20 @@ Expected<void> run_demo(const DemoConfig& given, std::stop_token stop) {
     auto commands = bus::Writer<bus::SceneCommand>::create(*participant);
     if (!commands) return tl::unexpected(commands.error());
 
-    Demo demo(config, std::move(*board), std::move(*waiter), std::move(*commands), world);
+    Demo demo(config,
+              std::move(*board),
+              std::move(*waiter),
+              std::move(*commands),
+              std::move(*sites),
+              *folder,
+              world);
     Expected<void> result = demo.start_programs();
     if (result) result = demo.wait_until_everybody_is_on(stop);
     if (result && !stop.stop_requested()) result = demo.measure(stop);
     const Expected<void> stopped = demo.stop_programs();
-    return result ? stopped : result;
+    if (result) result = stopped;
+    folder->set_aside();  // does nothing after success
+    return result;
 }
 
 }  // namespace atrium::demo

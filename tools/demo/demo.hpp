@@ -15,6 +15,7 @@ struct DemoConfig {
     double startup_seconds = 300;  // time limit for rendering the rooms and showing everybody
     /// Period of resetting the world's objects, which leaves something to push; 0: never.
     double reset_seconds = 12.0;
+    double table_seconds = 10;    // between two tables where the output is no terminal
     std::string window = "auto";  // auto: if there is a display; yes; no
     std::filesystem::path output = "out/demo";
     std::filesystem::path
@@ -35,8 +36,9 @@ struct DemoConfig {
 
 void declare(DemoConfig& config, config::OptionSet& options);
 
-/// Starts the programs, shows the table, stops the programs, and leaves view.png, view.avi and
-/// report.json in `output`.
+/// Starts the programs, shows the table, stops the programs, and leaves view.png, view.avi,
+/// report.json and the logs in `output`. If it fails, `output` keeps what an earlier demo left, and
+/// `output`/failed has the files of this one.
 Expected<void> run_demo(const DemoConfig& config, std::stop_token stop);
 
 }  // namespace atrium::demo

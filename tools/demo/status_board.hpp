@@ -26,6 +26,7 @@ public:
     void begin_report();
 
     bool has_world() const { return !world_.name.empty(); }
+    bool has_viewer() const { return !viewer_.name.empty(); }
     bool site_publishes(const std::string& site) const;
     std::uint64_t num_pairs_shown() const;
 

@@ -1,5 +1,7 @@
 #include "viewer/record/picture_file.hpp"
 
+#include "core/base/write_probe.hpp"
+
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -25,15 +27,13 @@ cv::Mat bgr_of(const renderer::RenderedPicture& picture) {
 Expected<void> prepare_file(const std::filesystem::path& file) {
     std::error_code failure;
     if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), failure);
-    const bool is_there = std::filesystem::exists(file, failure);
     errno = 0;
-    if (!std::ofstream(file, std::ios::app)) {
+    if (std::filesystem::exists(file, failure) && !std::ofstream(file, std::ios::app)) {
         return make_error(
             ErrorKind::kUnavailable,
             "cannot write " + file.string() + ": " + std::generic_category().message(errno));
     }
-    if (!is_there) std::filesystem::remove(file, failure);
-    return {};
+    return probe_writing(file.string() + ".part");
 }
 
 Expected<void> write_png(const std::filesystem::path& file,

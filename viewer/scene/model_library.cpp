@@ -88,7 +88,10 @@ std::set<std::string> ModelLibrary::take() {
     std::set<std::string> files;
     for (auto& [key, loaded] : reader_.take()) {
         if (!loaded && complained_.size() < kMaxModels && complained_.insert(key.first).second)
-            app::log::warn("model_missing {}; a box replaces it", loaded.error().message);
+            app::log::warn(
+                "model_missing {}; a box replaces it; give the folder of the world's models "
+                "with --viewer.models",
+                loaded.error().message);
         models_[key] = loaded ? std::move(*loaded) : Model{};
         files.insert(key.first);
     }

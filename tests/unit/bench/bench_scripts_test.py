@@ -130,6 +130,10 @@ class Processes(unittest.TestCase):
 
 FAKE_DEMO = """#!/usr/bin/env python3
 import json, os, signal, subprocess, sys, time
+if "--help" in sys.argv:
+    print("--table-seconds")
+    sys.exit(0)
+assert sys.argv[sys.argv.index("--table-seconds") + 1] == "1"
 output = sys.argv[sys.argv.index("--output") + 1]
 behaviour = os.environ["FAKE_DEMO"]
 sleeper = os.path.join(os.path.dirname(os.path.abspath(__file__)), "world_server")

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "tools/demo/demo.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace atrium::demo {
+
+/// A site of the demo.
+struct DemoSite {
+    std::string name;  // as it announces itself: site.name of its file
+    std::filesystem::path file;
+    std::string motion;  // empty: from the file
+};
+
+/// Returns the parts of a list separated by commas, without spaces around them.
+std::vector<std::string> split_list(const std::string& list);
+
+/// Checks all that the demo needs before it starts anything: the files of sites, world and viewer,
+/// and the programs.
+Expected<std::vector<DemoSite>> check_start(const DemoConfig& config);
+
+}  // namespace atrium::demo
