@@ -1,0 +1,138 @@
+#include "site_node/capture/picture_file.hpp"
+#include "site_node/capture/recording_source.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include <algorithm>
+#include <fstream>
+
+namespace atrium::capture {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+constexpr int kMaskWidth = 64;
+constexpr int kMaskHeight = 48;
+
+// Masks and plates from elsewhere: two cameras, one instant.
+class MasksOnDisk : public testing::Test {
+protected:
+    void SetUp() override {
+        folder_ =
+            fs::path(testing::TempDir()) /
+            (std::string("masks_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+        fs::remove_all(folder_);
+        fs::create_directories(folder_);
+        std::ofstream rig(folder_ / "rig.toml");
+        rig << "units = \"m\"\nrate_hz = 500\n";
+        for (const char* name : {"a", "b"}) {
+            rig << "[[camera]]\nname = \"" << name
+                << "\"\nwidth = 64\nheight = 48\nfx = 60\nfy = 60\ncx = 31.5\n"
+                << "cy = 23.5\nrotation = [1,0,0,0,1,0,0,0,1]\ntranslation = [0,0,3]\n";
+            for (int k = 0; k < 7; ++k)
+                write(fs::path(name) / "frames" / cv::format("%06d.png", k),
+                      cv::Mat(kMaskHeight, kMaskWidth, CV_8UC3, cv::Scalar(90, 80, 10 * k)));
+        }
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+
+    void write(const fs::path& file, const cv::Mat& picture) {
+        fs::create_directories((folder_ / file).parent_path());
+        ASSERT_TRUE(cv::imwrite((folder_ / file).string(), picture));
+    }
+
+    // A mask of `type`, with `on` in the left half and `off` in the right one.
+    static cv::Mat half(int type, const cv::Scalar& on, const cv::Scalar& off) {
+        cv::Mat picture(kMaskHeight, kMaskWidth, type, off);
+        picture(cv::Rect(0, 0, kMaskWidth / 2, kMaskHeight)) = on;
+        return picture;
+    }
+
+    fs::path folder_;
+};
+
+TEST_F(MasksOnDisk, ReadsMasksOfEveryKind) {
+    const std::vector<cv::Mat> kinds{
+        half(CV_8UC1, 255, 0),
+        half(CV_8UC1, 1, 0),
+        half(CV_8UC1, 128, 127),
+        half(CV_16UC1, 65535, 0),
+        half(CV_16UC1, 255, 0),
+        half(CV_16UC1, 1, 0),
+        half(CV_8UC3, {255, 255, 255}, {0, 0, 0}),
+        half(CV_8UC4, {10, 20, 30, 255}, {200, 200, 200, 0}),  // a cut-out
+        half(CV_8UC4, {255, 255, 255, 255}, {0, 0, 0, 255}),   // opaque: the colour counts
+        half(CV_16UC4, {9, 9, 9, 65535}, {50000, 50000, 50000, 0})};
+    for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
+        write("masks/000000.png", kinds[kind]);
+        auto file = PictureFile::find(folder_, "masks");
+        ASSERT_TRUE(file);
+        image::Mask mask;
+        ASSERT_TRUE(file->read_mask(0, mask));
+        ASSERT_EQ(mask.width, kMaskWidth);
+        EXPECT_EQ(std::count(mask.row(5), mask.row(5) + kMaskWidth / 2, 255), kMaskWidth / 2)
+            << kind;
+        EXPECT_EQ(std::count(mask.row(5) + kMaskWidth / 2, mask.row(5) + kMaskWidth, 0),
+                  kMaskWidth / 2)
+            << kind;
+    }
+    const std::vector<int> one_bit{cv::IMWRITE_PNG_BILEVEL, 1};
+    ASSERT_TRUE(cv::imwrite((folder_ / "masks/000000.png").string(), kinds[0], one_bit));
+    auto file = PictureFile::find(folder_, "masks");
+    image::Mask mask;
+    ASSERT_TRUE(file->read_mask(0, mask));
+    EXPECT_EQ(std::count(mask.data.begin(), mask.data.end(), 255), kMaskWidth * kMaskHeight / 2);
+}
+
+TEST_F(MasksOnDisk, NamesTheCureForMasksOfAnotherSize) {
+    for (const char* camera : {"a", "b"})
+        write(fs::path(camera) / "silhouettes/000000.png", cv::Mat(24, 32, CV_8UC1, cv::Scalar(0)));
+    const auto source = RecordingSource::open({.folder = folder_});
+    ASSERT_FALSE(source);
+    EXPECT_THAT(source.error().message, HasSubstr("32x24 px"));
+    EXPECT_THAT(source.error().message, HasSubstr("mogrify -filter point -resize '64x48!'"));
+}
+
+TEST_F(MasksOnDisk, NamesTheCureForAPlateOfAnotherSize) {
+    write("a/background.png", cv::Mat(24, 32, CV_8UC3, cv::Scalar(1, 2, 3)));
+    auto source = RecordingSource::open({.folder = folder_});
+    ASSERT_TRUE(source);
+    EXPECT_TRUE((*source)->has_empty_room(0));
+    EXPECT_FALSE((*source)->has_empty_room(1));
+    const auto shown =
+        (*source)->show_background({0}, [](std::size_t, const auto&) { return true; }, {})[0];
+    ASSERT_FALSE(shown);
+    EXPECT_THAT(shown.error().message, HasSubstr("background.png"));
+    EXPECT_THAT(shown.error().message, HasSubstr("32x24 px"));
+    EXPECT_THAT(shown.error().message, HasSubstr("64x48"));
+}
+
+TEST_F(MasksOnDisk, PlaysEachNthInstant) {
+    auto source = RecordingSource::open({.folder = folder_, .every = 3});
+    ASSERT_TRUE(source);
+    std::vector<Timestamp> times;
+    ASSERT_TRUE((*source)->run({}, [&](CameraFrame frame) {
+        if (frame.camera == 0) times.push_back(frame.capture_time);
+    }));
+    ASSERT_EQ(times.size(), 3u);                          // 0, 3 and 6 of 7
+    EXPECT_GE((times[1] - times[0]).count(), 5'000'000);  // three periods, but for a delay
+    EXPECT_EQ((*source)->num_passed(), 7u);
+}
+
+// A sink that blocks gets every instant: nothing is skipped to catch up.
+TEST_F(MasksOnDisk, WaitsForTheSinkWhenAsFastAsPossible) {
+    auto source = RecordingSource::open({.folder = folder_, .as_fast_as_possible = true});
+    ASSERT_TRUE(source);
+    std::vector<Timestamp> times;
+    ASSERT_TRUE((*source)->run({}, [&](CameraFrame frame) {
+        if (frame.camera == 0) times.push_back(frame.capture_time);
+    }));
+    ASSERT_EQ(times.size(), 7u);
+    for (std::size_t i = 1; i < times.size(); ++i) EXPECT_LT(times[i - 1], times[i]);
+}
+
+}  // namespace
+}  // namespace atrium::capture

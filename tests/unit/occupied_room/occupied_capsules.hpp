@@ -1,0 +1,37 @@
+#pragma once
+
+#include "core/geometry/aabb.hpp"
+#include "core/geometry/pinhole_camera.hpp"
+#include "core/image/image.hpp"
+#include "site_node/segmentation/background_model.hpp"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace atrium::occupied_room::test {
+
+/// Four cameras in a patterned room with a person made of capsules.
+class CapsuleFilm {
+public:
+    CapsuleFilm();
+
+    /// A picture of `camera` with its own noise; the person stands at `floor_site` with clothes of
+    /// two colours. Writes the true mask.
+    image::YuvImage picture(std::size_t camera,
+                            const Eigen::Vector3d& floor_site,
+                            image::Mask* truth = nullptr);
+    image::YuvImage empty(std::size_t camera);
+    /// The room as learned from empty pictures.
+    segmentation::BackgroundStatistics learned_empty(std::size_t camera);
+
+    std::vector<geometry::CalibratedCamera> cameras;
+    geometry::Aabb bounds_site;
+
+private:
+    void add_noise(image::YuvImage& picture);
+    std::vector<image::YuvImage> rooms_;  // without noise
+    std::uint32_t seed_ = 1;
+};
+
+}  // namespace atrium::occupied_room::test
