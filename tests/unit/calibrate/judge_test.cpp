@@ -1,0 +1,164 @@
+#include "tests/unit/calibrate/foreign_texts.hpp"
+#include "tools/calibrate/conclude.hpp"
+#include "tools/calibrate/judge/rig_judge.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace atrium::calibrate {
+namespace {
+
+constexpr int kRigs = 50;
+
+Eigen::Matrix3d frame_with_up(const std::string& up) {
+    return upright_from(axis_vector(up)).toRotationMatrix().transpose();
+}
+
+ForeignRig foreign_of(const test::Cameras& cameras, const Reading& truth, double units_per_m) {
+    ForeignRig rig;
+    rig.format = "a test";
+    for (const auto& camera : cameras) {
+        ForeignPose pose = foreign_pose(camera.camera_from_site, truth);
+        pose.vector *= units_per_m;
+        rig.cameras.push_back({camera.name, camera.intrinsics, true, pose});
+    }
+    return rig;
+}
+
+// Heights and distances say unit, up and meaning of the poses; the turn about up is free.
+bool is_same_room(const test::Cameras& a, const test::Cameras& b) {
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        const std::size_t j = (i + 1) % a.size();
+        const Eigen::Vector3d p = a[i].centre_site();
+        const Eigen::Vector3d q = b[i].centre_site();
+        const double apart = (p - a[j].centre_site()).norm();
+        if (std::abs(p.z() - q.z()) > 1e-6) return false;
+        if (std::abs(apart - (q - b[j].centre_site()).norm()) > 1e-6) return false;
+        // the axis, too, so that no mirrored rig passes
+        const auto axis_z = [](const geometry::CalibratedCamera& camera) {
+            return (camera.camera_from_site.rotation.conjugate() * Eigen::Vector3d::UnitZ()).z();
+        };
+        if (std::abs(axis_z(a[i]) - axis_z(b[i])) > 1e-6) return false;
+    }
+    return true;
+}
+
+TEST(Judge, FindsMeaningUnitAndUpOfEveryRoom) {
+    const std::vector<std::string> ups{"+Z", "+Y", "-Y", "-Z", "+X"};
+    for (std::uint64_t seed = 0; seed < kRigs; ++seed) {
+        atrium::test::Random random(seed);
+        const auto truth = test::random_room(random, atrium::test::between(random, 4, 12));
+        const auto& up = ups[seed % ups.size()];
+        const Reading reading = kReadings[seed % kReadings.size()];
+        const double units_per_m = std::vector{1.0, 100.0, 1000.0}[seed % 3];
+        const auto foreign =
+            foreign_of(test::in_frame(truth, frame_with_up(up)), reading, units_per_m);
+        const auto result = conclude(foreign, {});
+        ASSERT_TRUE(result) << seed << ": " << result.error().message;
+        EXPECT_TRUE(is_same_room(result->rig.cameras, truth))
+            << "seed " << seed << " up " << up << " units " << units_per_m << ": "
+            << testing::PrintToString(result->told);
+    }
+}
+
+// Whatever a format documents is kept where it fits the cameras.
+TEST(Judge, KeepsTheDocumentedMeaningOfEveryRoom) {
+    for (std::uint64_t seed = 0; seed < kRigs; ++seed) {
+        atrium::test::Random random(1000 + seed);
+        const auto truth = test::random_room(random, atrium::test::between(random, 2, 12));
+        const Reading reading = kReadings[seed % kReadings.size()];
+        ForeignRig foreign = foreign_of(truth, reading, 1000.0);
+        foreign.documented = reading;
+        foreign.units = "mm";
+        foreign.up = "+Z";
+        const auto result = conclude(foreign, {});
+        ASSERT_TRUE(result) << seed << ": " << result.error().message;
+        EXPECT_TRUE(is_same_room(result->rig.cameras, truth)) << "seed " << seed;
+    }
+}
+
+// A chain of cameras has the frame of the first one: its up is between the axes.
+TEST(Judge, FindsUpAndFloorInTheFrameOfACamera) {
+    for (std::uint64_t seed = 0; seed < kRigs; ++seed) {
+        atrium::test::Random random(2000 + seed);
+        const auto truth = test::random_room(random, atrium::test::between(random, 4, 12));
+        test::Cameras chain = truth;
+        for (auto& camera : chain)
+            camera.camera_from_site = camera.camera_from_site * truth[0].camera_from_site.inverse();
+        ForeignRig foreign = foreign_of(chain, {}, 1.0);
+        foreign.has_frame = false;
+        foreign.is_sure_of_poses = true;
+        Said said;
+        said.height = Said::Height{truth[1].name, truth[1].centre_site().z()};
+        const auto result = conclude(foreign, said);
+        ASSERT_TRUE(result) << seed << ": " << result.error().message;
+        for (std::size_t i = 0; i < truth.size(); ++i) {
+            // each picture is tilted by up to 3 degrees
+            EXPECT_NEAR(result->rig.cameras[i].centre_site().z(), truth[i].centre_site().z(), 0.35)
+                << "seed " << seed;
+        }
+    }
+}
+
+// Cameras on their side, as for standing people, still tell up.
+TEST(Judge, FindsUpOfPortraitPictures) {
+    int num_right = 0;
+    for (std::uint64_t seed = 0; seed < kRigs; ++seed) {
+        atrium::test::Random random(3000 + seed);
+        auto truth = test::random_room(random, atrium::test::between(random, 5, 12));
+        const geometry::RigidTransform on_its_side{
+            Eigen::Quaterniond(Eigen::AngleAxisd(1.5708, Eigen::Vector3d::UnitZ())),
+            Eigen::Vector3d::Zero()};
+        for (auto& camera : truth) camera.camera_from_site = on_its_side * camera.camera_from_site;
+        const auto result =
+            conclude(foreign_of(test::in_frame(truth, frame_with_up("-Y")), {}, 1.0), {});
+        ASSERT_TRUE(result);
+        num_right += is_same_room(result->rig.cameras, truth) ? 1 : 0;
+        // where it errs, it must have said that it does not know
+        EXPECT_TRUE(is_same_room(result->rig.cameras, truth) || !result->unsure.empty()) << seed;
+    }
+    EXPECT_GT(num_right, kRigs / 2);
+}
+
+TEST(Judge, SaysWhatItCannotKnow) {
+    atrium::test::Random random(7);
+    const auto truth = test::random_room(random, 5);
+    // lengths in squares of a board of 3 cm
+    const auto squares = conclude(foreign_of(truth, {}, 33.3), {});
+    ASSERT_TRUE(squares);
+    EXPECT_THAT(squares->told, testing::Contains(testing::HasSubstr("lengths: cm")));
+    const auto absurd = conclude(foreign_of(truth, {}, 1e-3), {});
+    ASSERT_FALSE(absurd);
+    EXPECT_THAT(absurd.error().message, testing::HasSubstr("--distance cam1 cam2"));
+    Said said;
+    said.distance = Said::Distance{"cam1", "nobody", 2.0};
+    const auto unknown = conclude(foreign_of(truth, {}, 1.0), said);
+    ASSERT_FALSE(unknown);
+    EXPECT_THAT(unknown.error().message, testing::HasSubstr("'nobody'"));
+}
+
+TEST(Judge, TurnsEveryAxisUp) {
+    for (const char* name : {"+X", "-X", "+Y", "-Y", "+Z", "-Z", "Y"}) {
+        const Eigen::Vector3d up = axis_vector(name);
+        EXPECT_NEAR((upright_from(up) * up - Eigen::Vector3d::UnitZ()).norm(), 0.0, 1e-12) << name;
+    }
+    EXPECT_TRUE(axis_vector("up").isZero());
+    EXPECT_TRUE(axis_vector("").isZero());
+}
+
+TEST(Judge, ScalesPicturesOfTheSameShapeOnly) {
+    ForeignCamera camera;
+    camera.lens = {.width = 1920, .height = 1080, .fx = 1500, .fy = 1500, .cx = 959.5, .cy = 539.5};
+    ASSERT_TRUE(set_picture_size(camera, {960, 540}));
+    EXPECT_DOUBLE_EQ(camera.lens.fx, 750.0);
+    EXPECT_DOUBLE_EQ(camera.lens.cx, 479.5);
+    const auto turned = set_picture_size(camera, {540, 960});
+    ASSERT_FALSE(turned);
+    EXPECT_THAT(turned.error().message, testing::HasSubstr("turned"));
+    const auto cropped = set_picture_size(camera, {900, 540});
+    ASSERT_FALSE(cropped);
+    EXPECT_THAT(cropped.error().message, testing::HasSubstr("cropped"));
+}
+
+}  // namespace
+}  // namespace atrium::calibrate

@@ -1,0 +1,345 @@
+#include "tools/calibrate/conclude.hpp"
+
+#include "tools/calibrate/judge/rig_judge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace atrium::calibrate {
+namespace {
+
+using Cameras = std::vector<geometry::CalibratedCamera>;
+
+// Heights [m] above the floor of what cameras look at, if the file's floor is right.
+constexpr double kLowestAim_m = 0.1;
+constexpr double kHighestAim_m = 2.5;
+constexpr double kUsualAim_m = 1.0;
+// Above this, as a sine, the cameras contradict the direction that is up.
+constexpr double kCrooked = 0.35;
+
+tl::unexpected<Error> needs(const std::string& text) {
+    return make_error(ErrorKind::kConfiguration, text);
+}
+
+const char* option_of(const Reading& reading) {
+    switch (reading.pose) {
+        case Reading::Pose::kCameraFromSite:
+            return reading.opengl ? "--direction camera_from_site --axes opengl"
+                                  : "--direction camera_from_site --axes opencv";
+        case Reading::Pose::kSiteFromCamera:
+            return reading.opengl ? "--direction site_from_camera --axes opengl"
+                                  : "--direction site_from_camera --axes opencv";
+        case Reading::Pose::kRotationAndPosition:
+            break;
+    }
+    return reading.opengl ? "--direction position --axes opengl"
+                          : "--direction position --axes opencv";
+}
+
+// Concludes one thing after the other; each step leaves its sentences.
+class Concluder {
+public:
+    Concluder(const ForeignRig& foreign, const Said& said) : foreign_(foreign), said_(said) {
+        for (const ForeignCamera& camera : foreign.cameras) {
+            cameras_.push_back({camera.name, camera.lens, {}});
+            poses_.push_back(*camera.pose);
+        }
+    }
+
+    Expected<Conclusion> run() {
+        result_.told = foreign_.notes;
+        read_poses();
+        if (auto scaled = find_scale(); !scaled) return tl::unexpected(scaled.error());
+        if (auto up = find_up(); !up) return tl::unexpected(up.error());
+        if (auto floor = find_floor(); !floor) return tl::unexpected(floor.error());
+        result_.rig.cameras = cameras_;
+        result_.rig.rate_hz = said_.rate_hz;
+        return std::move(result_);
+    }
+
+private:
+    void read_poses();
+    Expected<void> find_scale();
+    Expected<double> said_scale() const;
+    Expected<void> find_up();
+    Expected<void> find_floor();
+    Expected<std::size_t> index_of(const std::string& name) const;
+
+    void scale(double factor) {
+        for (auto& camera : cameras_) camera.camera_from_site.translation *= factor;
+    }
+    void move(const geometry::RigidTransform& old_from_new) {
+        for (auto& camera : cameras_)
+            camera.camera_from_site = camera.camera_from_site * old_from_new;
+    }
+    void tell(std::string text) { result_.told.push_back(std::move(text)); }
+    void doubt(std::string text) { result_.unsure.push_back(std::move(text)); }
+
+    const ForeignRig& foreign_;
+    const Said& said_;
+    Cameras cameras_;
+    std::vector<ForeignPose> poses_;
+    bool is_turned_ = false;  // into a frame that is not the file's
+    Conclusion result_;
+};
+
+void Concluder::read_poses() {
+    Reading wanted = foreign_.documented;
+    wanted.pose = said_.pose.value_or(wanted.pose);
+    wanted.opengl = said_.opengl.value_or(wanted.opengl);
+    ReadingChoice choice = choose_reading(cameras_, poses_, wanted);
+    const bool is_said = said_.pose || said_.opengl;
+    if (is_said || foreign_.is_sure_of_poses) choice = {wanted, {}, true, {}};
+    for (std::size_t i = 0; i < cameras_.size(); ++i)
+        cameras_[i].camera_from_site = camera_from_site(poses_[i], choice.reading);
+    const Convergence convergence = measure_convergence(cameras_);
+    const std::string looking =
+        fmt::format("{} of {} cameras look at one place", convergence.num_looking, cameras_.size());
+    if (is_said || choice.is_documented) {
+        tell(fmt::format("poses: {}{}: {}",
+                         describe(choice.reading),
+                         is_said ? ", as you say" : ", as documented",
+                         looking));
+    } else {
+        for (std::size_t i = 0; i < cameras_.size(); ++i)
+            cameras_[i].camera_from_site = camera_from_site(poses_[i], wanted);
+        const Convergence as_documented = measure_convergence(cameras_);
+        for (std::size_t i = 0; i < cameras_.size(); ++i)
+            cameras_[i].camera_from_site = camera_from_site(poses_[i], choice.reading);
+        tell(
+            fmt::format("poses: {}: {}, {:.0f} degrees apart. Read as documented, as {}, {} would "
+                        "({} to read them so)",
+                        describe(choice.reading),
+                        looking,
+                        2.0 * std::asin(std::sqrt(std::min(1.0, convergence.spread))) * 57.2958,
+                        describe(wanted),
+                        as_documented.num_looking,
+                        option_of(wanted)));
+    }
+    if (2 * convergence.num_looking < cameras_.size() + 1) {
+        doubt(
+            fmt::format("only {}: the cameras do not look at one room, or the poses mean "
+                        "something else; check the calibration, or say --direction and --axes",
+                        looking));
+    } else if (!is_said && !choice.also_possible.empty()) {
+        doubt(
+            fmt::format("poses: {} would fit the cameras as well; if the person is broken, try {}",
+                        describe(choice.also_possible.front()),
+                        option_of(choice.also_possible.front())));
+    }
+}
+
+Expected<std::size_t> Concluder::index_of(const std::string& name) const {
+    for (std::size_t i = 0; i < cameras_.size(); ++i)
+        if (cameras_[i].name == name) return i;
+    std::string names;
+    for (const auto& camera : cameras_) names += (names.empty() ? "" : ", ") + camera.name;
+    return needs(fmt::format("no camera '{}' in the calibration; it has {}", name, names));
+}
+
+// Metres per unit from --distance.
+Expected<double> Concluder::said_scale() const {
+    const auto from = index_of(said_.distance->from);
+    if (!from) return tl::unexpected(from.error());
+    const auto to = index_of(said_.distance->to);
+    if (!to) return tl::unexpected(to.error());
+    const double apart = (cameras_[*from].centre_site() - cameras_[*to].centre_site()).norm();
+    if (!(apart > 1e-9)) return needs("--distance: the two cameras stand in one place");
+    return said_.distance->metres / apart;
+}
+
+Expected<void> Concluder::find_scale() {
+    const double distance = measure_convergence(cameras_).median_distance;
+    if (said_.distance) {
+        const auto factor = said_scale();
+        if (!factor) return tl::unexpected(factor.error());
+        scale(*factor);
+        tell(
+            fmt::format("lengths: {} to {} is {} m, so the cameras stand {:.2f} m from the place "
+                        "that they look at",
+                        said_.distance->from,
+                        said_.distance->to,
+                        said_.distance->metres,
+                        distance * *factor));
+        return {};
+    }
+    if (!foreign_.has_scale && said_.units.empty()) {
+        return needs(
+            fmt::format("{} has no scale: measure the distance between two cameras and give it in "
+                        "metres, for example --distance {} {} 2.35",
+                        foreign_.format,
+                        cameras_[0].name,
+                        cameras_[1].name));
+    }
+    UnitChoice unit{metres_of(said_.units), said_.units, ""};
+    if (said_.units.empty()) unit = choose_unit(distance, foreign_.units);
+    if (unit.metres <= 0.0) {
+        return needs(fmt::format(
+            "lengths: the cameras are {:.3g} units from the place that they look at, which is no "
+            "room in m, cm or mm; is one unit a square of the board? Measure the distance between "
+            "two cameras: --distance {} {} 2.35",
+            distance,
+            cameras_[0].name,
+            cameras_[1].name));
+    }
+    scale(unit.metres);
+    tell(
+        fmt::format("lengths: {}{}: the cameras stand {:.2f} m from the place that they look at "
+                    "(median)",
+                    unit.name,
+                    !said_.units.empty()          ? ", as you say"
+                    : unit.name == foreign_.units ? ", as documented"
+                    : foreign_.units.empty()      ? ", because that is a room"
+                                                  : ", not " + foreign_.units + " as documented",
+                    distance * unit.metres));
+    if (!unit.also_possible.empty() && said_.units.empty()) {
+        doubt(fmt::format("lengths: in {} it would be {:.2f} m; if that is right, say --units {}",
+                          unit.also_possible,
+                          distance * metres_of(unit.also_possible),
+                          unit.also_possible));
+    }
+    return {};
+}
+
+Expected<void> Concluder::find_up() {
+    const UpChoice found = choose_up(cameras_);
+    Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+    std::string why;
+    if (!said_.up.empty()) {
+        up = axis_vector(said_.up);
+        why = "up: " + said_.up + ", as you say";
+    } else if (found.is_known && !found.axis.empty() && foreign_.has_frame) {
+        up = axis_vector(found.axis);
+        why = fmt::format("up: {}{}: the pictures are level along it to {:.1f} degrees",
+                          found.axis,
+                          found.axis == foreign_.up ? ", as documented" : "",
+                          std::asin(std::min(found.tilt, 1.0)) * 57.2958);
+    } else if (found.is_known && foreign_.up.empty()) {
+        up = found.up;
+        is_turned_ = true;
+        why = fmt::format(
+            "up: no axis of the file; the direction ({:.2f}, {:.2f}, {:.2f}) along "
+            "which the pictures are level to {:.1f} degrees",
+            up.x(),
+            up.y(),
+            up.z(),
+            std::asin(std::min(found.tilt, 1.0)) * 57.2958);
+        doubt("up: taken from the pictures' horizon, good to a degree or two; --up says better");
+    } else {
+        if (!foreign_.up.empty()) up = axis_vector(foreign_.up);
+        doubt(
+            fmt::format("up: the cameras are tilted too differently to tell; +Z of the file is "
+                        "taken; if people lie, say --up +Y, -Y, ..."));
+        return {};
+    }
+    const geometry::RigidTransform site_from_file{upright_from(up), Eigen::Vector3d::Zero()};
+    move(site_from_file.inverse());
+    const Eigen::Vector3d level = site_from_file.rotation * found.up;
+    if (found.is_known && level.z() < 1.0 - kCrooked) {
+        doubt(
+            fmt::format("up: the pictures are upright along another direction, ({:.2f}, {:.2f}, "
+                        "{:.2f}) of the new frame",
+                        level.x(),
+                        level.y(),
+                        level.z()));
+    }
+    tell(why);
+    return {};
+}
+
+Expected<void> Concluder::find_floor() {
+    const Convergence convergence = measure_convergence(cameras_);
+    Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+    if (!foreign_.has_frame || is_turned_) {
+        origin = convergence.point;
+        origin.z() -= kUsualAim_m;
+        tell("origin: below the place that the cameras look at");
+    }
+    if (said_.height) {
+        const auto camera = index_of(said_.height->camera);
+        if (!camera) return tl::unexpected(camera.error());
+        origin.z() = cameras_[*camera].centre_site().z() - said_.height->metres;
+        tell(fmt::format("floor: {} hangs {} m above it, as you say",
+                         said_.height->camera,
+                         said_.height->metres));
+    }
+    move({Eigen::Quaterniond::Identity(), origin});
+    const double aim = convergence.point.z() - origin.z();
+    double lowest = 1e9;
+    for (const auto& camera : cameras_) lowest = std::min(lowest, camera.centre_site().z());
+    const bool is_plausible = aim > kLowestAim_m && aim < kHighestAim_m && lowest > -0.1;
+    if (said_.height) return {};
+    if (!foreign_.has_frame || is_turned_) {
+        doubt(
+            fmt::format("floor: unknown; {} m below what the cameras look at is assumed; measure "
+                        "the height of one camera: --camera-height {} 2.10",
+                        kUsualAim_m,
+                        cameras_[0].name));
+    } else if (!is_plausible) {
+        doubt(
+            fmt::format("floor: z = 0 of the file is {:.2f} m below what the cameras look at, and "
+                        "the lowest camera is at {:.2f} m; if that is not the floor, measure the "
+                        "height of one camera: --camera-height {} 2.10",
+                        aim,
+                        lowest,
+                        cameras_[0].name));
+    } else {
+        tell(fmt::format("floor: z = 0 of the file; the cameras look at a place {:.2f} m above it",
+                         aim));
+    }
+    return {};
+}
+
+}  // namespace
+
+Expected<void> set_picture_size(ForeignCamera& camera, const std::array<int, 2>& size) {
+    geometry::PinholeCamera& k = camera.lens;
+    const double scale_x = k.width > 0 ? static_cast<double>(size[0]) / k.width : 1.0;
+    const double scale_y = k.height > 0 ? static_cast<double>(size[1]) / k.height : 1.0;
+    if (std::abs(scale_x / scale_y - 1.0) > 0.01) {
+        return needs(fmt::format(
+            "camera '{}': calibrated at {}x{} px, but its pictures have {}x{} px, which is another "
+            "shape: {}",
+            camera.name,
+            k.width,
+            k.height,
+            size[0],
+            size[1],
+            std::abs(k.width * size[0] - k.height * size[1]) < 0.02 * k.width * size[0]
+                ? "they were turned; export them as the camera took them"
+                : "they were cropped; export whole pictures"));
+    }
+    k.fx *= scale_x;
+    k.fy *= scale_y;
+    k.skew *= scale_x;
+    k.cx = (k.cx + 0.5) * scale_x - 0.5;  // the border of the picture is at -0.5
+    k.cy = (k.cy + 0.5) * scale_y - 0.5;
+    k.width = size[0];
+    k.height = size[1];
+    return {};
+}
+
+Expected<Conclusion> conclude(const ForeignRig& foreign, const Said& said) {
+    ForeignRig sized = foreign;
+    std::string unsized;
+    for (ForeignCamera& camera : sized.cameras) {
+        if (said.size) {
+            if (auto set = set_picture_size(camera, *said.size); !set)
+                return tl::unexpected(set.error());
+        }
+        if (camera.lens.width == 0 || camera.lens.height == 0)
+            unsized += (unsized.empty() ? "" : ", ") + camera.name;
+    }
+    if (!unsized.empty()) {
+        return needs(
+            fmt::format("{} does not say the picture size of {}: give --recording with "
+                        "the pictures, or --size 1920x1080",
+                        foreign.format,
+                        unsized));
+    }
+    return Concluder(sized, said).run();
+}
+
+}  // namespace atrium::calibrate

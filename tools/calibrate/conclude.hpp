@@ -1,0 +1,50 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/config/rig.hpp"
+#include "tools/calibrate/formats/foreign_rig.hpp"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace atrium::calibrate {
+
+/// What the user knows better than the file and the cameras' geometry.
+struct Said {
+    std::string units;  // "m", "cm", "mm"; empty: find out
+    std::string up;     // "+Z", "-Y", ...; empty: find out
+    std::optional<Reading::Pose> pose;
+    std::optional<bool> opengl;
+    struct Distance {
+        std::string from;
+        std::string to;
+        double metres = 0.0;
+    };
+    std::optional<Distance> distance;  // between two cameras; replaces units
+    struct Height {
+        std::string camera;
+        double metres = 0.0;
+    };
+    std::optional<Height> height;            // of a camera above the floor
+    std::optional<std::array<int, 2>> size;  // of the pictures: width, height
+    double rate_hz = 30.0;
+};
+
+struct Conclusion {
+    config::Rig rig;
+    std::vector<std::string> told;    // sentences: what was found out, with figures
+    std::vector<std::string> unsure;  // what could not be known, with the cure
+};
+
+/// Gives cameras a picture size: to those without one, and, in the same shape, instead of another
+/// one, with scaled intrinsics. Error kConfiguration for another shape.
+Expected<void> set_picture_size(ForeignCamera& camera, const std::array<int, 2>& size);
+
+/// Turns cameras of another program into a rig in metres, +Z up: finds out what their poses mean,
+/// their unit and up, as far as `said` does not say. Errors are kConfiguration and name the option
+/// that is needed.
+Expected<Conclusion> conclude(const ForeignRig& foreign, const Said& said);
+
+}  // namespace atrium::calibrate

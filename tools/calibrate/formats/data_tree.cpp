@@ -1,0 +1,160 @@
+#include "tools/calibrate/formats/data_tree.hpp"
+
+#include "core/config/toml_nesting.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <fmt/format.h>
+#include <toml.hpp>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+namespace atrium::calibrate {
+namespace {
+
+constexpr std::size_t kMaxNumbers = 64;
+constexpr int kMaxDepth = 32;
+constexpr double kMaxRotationError = 1e-2;  // files with few digits exist
+
+tl::unexpected<Error> damaged(const std::string& name, const std::string& what) {
+    return make_error(ErrorKind::kInvalidData, fmt::format("{}: {}", name, what));
+}
+
+Tree from_toml(const toml::value& value) {
+    switch (value.type()) {
+        case toml::value_t::boolean:
+            return value.as_boolean();
+        case toml::value_t::integer:
+            return value.as_integer();
+        case toml::value_t::floating:
+            return value.as_floating();
+        case toml::value_t::string:
+            return value.as_string().str;
+        case toml::value_t::array: {
+            Tree list = Tree::array();
+            for (const toml::value& element : value.as_array()) list.push_back(from_toml(element));
+            return list;
+        }
+        case toml::value_t::table: {
+            Tree map = Tree::object();
+            for (const auto& [key, element] : value.as_table()) map[key] = from_toml(element);
+            return map;
+        }
+        default:
+            return nullptr;
+    }
+}
+
+bool append_numbers(const Tree& value, int depth, std::vector<double>& out) {
+    if (depth > kMaxDepth || out.size() > kMaxNumbers) return false;
+    if (value.is_object()) {
+        const Tree* data = find(value, {"data"});
+        return data != nullptr && append_numbers(*data, depth + 1, out);
+    }
+    if (value.is_array()) {
+        return std::ranges::all_of(
+            value, [&](const Tree& element) { return append_numbers(element, depth + 1, out); });
+    }
+    if (!value.is_number()) return false;
+    out.push_back(value.get<double>());
+    return std::isfinite(out.back()) && out.size() <= kMaxNumbers;
+}
+
+bool equal_without_case(const std::string& a, const std::string& b) {
+    return std::ranges::equal(
+        a, b, [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
+}
+
+}  // namespace
+
+Expected<std::string> read_bytes(const std::filesystem::path& file, std::size_t max_bytes) {
+    std::error_code failure;
+    if (!std::filesystem::is_regular_file(file, failure)) {
+        return make_error(ErrorKind::kNotFound,
+                          fmt::format("{}: no such file; check the path", file.string()));
+    }
+    if (std::filesystem::file_size(file, failure) > max_bytes || failure) {
+        return damaged(file.string(),
+                       fmt::format("larger than {} bytes, so it is no calibration", max_bytes));
+    }
+    std::ifstream stream(file, std::ios::binary);
+    std::ostringstream bytes;
+    if (!stream || !(bytes << stream.rdbuf()).good()) {
+        return make_error(ErrorKind::kNotFound,
+                          fmt::format("{}: cannot be read, or is empty", file.string()));
+    }
+    return std::move(bytes).str();
+}
+
+Expected<Tree> parse_toml(const std::string& text, const std::string& name) {
+    if (const std::size_t line = config::line_nested_too_deeply(text); line > 0)
+        return damaged(name, fmt::format("line {} is nested too deeply", line));
+    try {
+        std::istringstream stream(text);
+        return from_toml(toml::parse(stream, name));
+    } catch (const std::exception& failure) {
+        std::string what = failure.what();
+        return damaged(name, "not valid TOML: " + what.substr(0, what.find('\n')));
+    }
+}
+
+Expected<Tree> parse_json(const std::string& text, const std::string& name) {
+    int depth = 0;
+    int deepest = 0;
+    for (const char c : text) {
+        if (c == '[' || c == '{') deepest = std::max(deepest, ++depth);
+        if (c == ']' || c == '}') --depth;
+    }
+    if (deepest > kMaxDepth) return damaged(name, "nested too deeply");
+    try {
+        return Tree::parse(text, nullptr, true, true);
+    } catch (const std::exception& failure) {
+        return damaged(name, fmt::format("not valid JSON: {}", failure.what()));
+    }
+}
+
+std::optional<std::vector<double>> numbers(const Tree& value) {
+    std::vector<double> result;
+    if (!append_numbers(value, 0, result)) return std::nullopt;
+    return result;
+}
+
+std::optional<double> number(const Tree& value) {
+    const auto all = numbers(value);
+    if (!all || all->size() != 1) return std::nullopt;
+    return all->front();
+}
+
+const Tree* find(const Tree& map, std::initializer_list<const char*> keys) {
+    if (!map.is_object()) return nullptr;
+    for (const char* key : keys) {
+        for (const auto& [name, value] : map.items()) {
+            if (equal_without_case(name, key)) return &value;
+        }
+    }
+    return nullptr;
+}
+
+std::optional<Eigen::Matrix3d> rotation_of(const std::vector<double>& values) {
+    if (values.size() == 3) {
+        const Eigen::Vector3d v(values[0], values[1], values[2]);
+        const double angle = v.norm();
+        if (!(angle < 1e3)) return std::nullopt;
+        if (angle < 1e-12) return Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+        return Eigen::AngleAxisd(angle, v / angle).toRotationMatrix();
+    }
+    if (values.size() != 9) return std::nullopt;
+    const Eigen::Matrix3d m =
+        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data());
+    const double error = (m.transpose() * m - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+    if (!(error < kMaxRotationError) || !(m.determinant() > 0.0)) return std::nullopt;
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    return Eigen::Matrix3d(svd.matrixU() * svd.matrixV().transpose());
+}
+
+}  // namespace atrium::calibrate

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "core/geometry/pinhole_camera.hpp"
+#include "tools/calibrate/judge/reading.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace atrium::calibrate {
+
+/// One camera as another program's file describes it, except that its intrinsics already follow
+/// our conventions: pixel centres at integers, distortion k1, k2, p1, p2, k3.
+struct ForeignCamera {
+    std::string name;
+    geometry::PinholeCamera lens;  // width 0: the file does not say
+    bool has_lens = false;
+    std::optional<ForeignPose> pose;
+};
+
+/// The cameras of one or more files of another program. Lengths are in the unit of the file.
+struct ForeignRig {
+    std::string format;  // for messages, for example "Qualisys"
+    std::vector<ForeignCamera> cameras;
+    bool is_sure_of_poses = false;   // the format leaves no choice of `documented`
+    Reading documented;              // what the format's documentation says of poses
+    std::string units;               // that the format prescribes; empty: none
+    bool has_scale = true;           // false: lengths have no unit at all
+    bool has_frame = true;           // false: the origin and axes mean nothing
+    std::string up;                  // that the format prescribes, for example "+Z"; or empty
+    std::vector<std::string> notes;  // what a reader should know, as sentences
+};
+
+}  // namespace atrium::calibrate

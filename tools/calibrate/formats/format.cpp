@@ -1,0 +1,163 @@
+#include "tools/calibrate/formats/format.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+
+namespace atrium::calibrate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxCameras = 64;
+
+std::string suffix_of(const fs::path& file) {
+    std::string suffix = file.extension().string();
+    std::ranges::transform(suffix, suffix.begin(), [](unsigned char c) { return std::tolower(c); });
+    return suffix;
+}
+
+bool is_colmap(const fs::path& file) {
+    const std::string name = file.filename().string();
+    std::error_code failure;
+    return fs::is_directory(file, failure) || suffix_of(file) == ".bin" || name == "cameras.txt" ||
+           name == "images.txt";
+}
+
+// Finds the format from the first file's name and content.
+Expected<Format> guess(const fs::path& file) {
+    if (is_colmap(file)) return Format::kColmap;
+    const auto text = read_bytes(file, kMaxTextBytes);
+    if (!text) return tl::unexpected(text.error());
+    const auto has = [&](const char* word) { return text->find(word) != std::string::npos; };
+    const std::size_t first = text->find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+    const char start = first == std::string::npos ? '\0' : (*text)[first];
+    if (start == '<') {
+        if (has("<opencv_storage")) return Format::kOpenCv;
+        if (has("<calibration") && has("<intrinsic")) return Format::kQualisys;
+        if (has("<Cameras") && has("<KeyFrame")) return Format::kVicon;
+    } else if (suffix_of(file) == ".toml" || (has("matrix = ") && has("distortions = "))) {
+        return Format::kToml;
+    } else if (has("distortion_coeffs") && has("camera_model")) {
+        return Format::kKalibr;
+    } else if (start == '{' || start == '%' || suffix_of(file) == ".yml" ||
+               suffix_of(file) == ".yaml") {
+        return Format::kOpenCv;
+    }
+    return make_error(ErrorKind::kConfiguration,
+                      fmt::format("{}: not recognised as a calibration; say what it is with "
+                                  "--format: {}",
+                                  file.string(),
+                                  fmt::join(format_names(), ", ")));
+}
+
+Expected<ForeignRig> read(const Files& files, Format format) {
+    switch (format) {
+        case Format::kOpenCv:
+            return read_opencv(files);
+        case Format::kQualisys:
+            return read_qualisys(files);
+        case Format::kVicon:
+            return read_vicon(files);
+        case Format::kColmap:
+            return read_colmap(files);
+        case Format::kToml:
+            return read_toml_cameras(files);
+        case Format::kKalibr:
+            break;
+    }
+    return read_kalibr(files);
+}
+
+// Names become folders and keys: A-Z a-z 0-9 _ . - of at most 63 characters.
+void make_names_valid(ForeignRig& rig) {
+    for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+        const std::string original = rig.cameras[i].name;
+        std::string name = original.substr(0, 60);
+        for (char& c : name)
+            if (!config::is_valid_name(std::string(1, c))) c = '_';
+        if (name.empty() || name == "." || name == "..") name = fmt::format("cam{}", i);
+        const auto is_taken = [&](const std::string& wanted) {
+            return std::any_of(rig.cameras.begin(),
+                               rig.cameras.begin() + static_cast<std::ptrdiff_t>(i),
+                               [&](const ForeignCamera& other) { return other.name == wanted; });
+        };
+        std::string free = name;
+        for (int k = 2; is_taken(free); ++k) free = fmt::format("{}_{}", name.substr(0, 56), k);
+        if (free != original)
+            rig.notes.push_back(fmt::format("camera '{}' is called '{}' here", original, free));
+        rig.cameras[i].name = free;
+    }
+}
+
+tl::unexpected<Error> incomplete(const ForeignRig& rig, const std::string& where) {
+    std::vector<std::string> no_lens;
+    std::vector<std::string> no_pose;
+    for (const ForeignCamera& camera : rig.cameras) {
+        if (!camera.has_lens) no_lens.push_back(camera.name);
+        if (!camera.pose) no_pose.push_back(camera.name);
+    }
+    std::string text = fmt::format("{}: {}:", where, rig.format);
+    if (!no_lens.empty()) text += fmt::format(" no camera matrix of {};", fmt::join(no_lens, ", "));
+    if (!no_pose.empty())
+        text += fmt::format(" no rotation and translation of {};", fmt::join(no_pose, ", "));
+    return make_error(ErrorKind::kConfiguration,
+                      text +
+                          " give all files of the calibration, the intrinsics and the "
+                          "extrinsics of each camera");
+}
+
+}  // namespace
+
+const std::vector<std::string>& format_names() {
+    static const std::vector<std::string> names{
+        "opencv", "qualisys", "vicon", "colmap", "caliscope", "pose2sim", "anipose", "kalibr"};
+    return names;
+}
+
+std::optional<Format> format_of(const std::string& name) {
+    if (name == "opencv") return Format::kOpenCv;
+    if (name == "qualisys") return Format::kQualisys;
+    if (name == "vicon") return Format::kVicon;
+    if (name == "colmap") return Format::kColmap;
+    if (name == "kalibr") return Format::kKalibr;
+    if (name == "caliscope" || name == "pose2sim" || name == "anipose") return Format::kToml;
+    return std::nullopt;
+}
+
+Expected<ForeignRig> read_foreign(const Files& files, const std::string& format) {
+    std::optional<Format> known = format_of(format);
+    if (!known) {
+        const auto guessed = guess(files.front());
+        if (!guessed) return tl::unexpected(guessed.error());
+        known = *guessed;
+    }
+    auto rig = read(files, *known);
+    if (!rig) return rig;
+    const std::string where = files.front().string();
+    if (rig->cameras.size() < 2 || rig->cameras.size() > kMaxCameras) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("{}: {} cameras found as {}; a rig has 2 to {}: give the files of all "
+                        "cameras, or another --format",
+                        where,
+                        rig->cameras.size(),
+                        rig->format,
+                        kMaxCameras));
+    }
+    const bool is_complete = std::ranges::all_of(rig->cameras, [](const ForeignCamera& camera) {
+        return camera.has_lens && camera.pose.has_value();
+    });
+    if (!is_complete) return incomplete(*rig, where);
+    for (const ForeignCamera& camera : rig->cameras) {
+        if (camera.pose->vector.cwiseAbs().maxCoeff() <= 1e9) continue;
+        return make_error(ErrorKind::kInvalidData,
+                          fmt::format("{}: camera '{}' is absurdly far away", where, camera.name));
+    }
+    make_names_valid(*rig);
+    return rig;
+}
+
+}  // namespace atrium::calibrate

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+#include "core/config/rig.hpp"
+#include "tools/calibrate/formats/data_tree.hpp"
+#include "tools/calibrate/formats/foreign_rig.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+/// Calibration files of other programs. Facts about each format, and what it cannot hold:
+/// docs/calibrate.md. All bytes are treated as hostile.
+namespace atrium::calibrate {
+
+using Files = std::vector<std::filesystem::path>;
+
+enum class Format : std::uint8_t { kOpenCv, kQualisys, kVicon, kColmap, kToml, kKalibr };
+
+/// Names for --format: "opencv", "qualisys", "vicon", "colmap", "kalibr", and "caliscope",
+/// "pose2sim", "anipose", which are one format.
+const std::vector<std::string>& format_names();
+std::optional<Format> format_of(const std::string& name);
+
+/// Reads all files as one rig, of the format with this name; "auto" finds it from the content.
+/// Several files may each hold some cameras, or some values of each camera.
+Expected<ForeignRig> read_foreign(const Files& files, const std::string& format);
+
+Expected<ForeignRig> read_opencv(const Files& files);
+Expected<ForeignRig> read_qualisys(const Files& files);
+Expected<ForeignRig> read_vicon(const Files& files);
+/// `files`: the folder of a model, or its cameras and images files, as text or binary.
+Expected<ForeignRig> read_colmap(const Files& files);
+Expected<ForeignRig> read_toml_cameras(const Files& files);
+Expected<ForeignRig> read_kalibr(const Files& files);
+
+/// Writes a rig as a file (COLMAP: a folder) of this format. Returns sentences on what the format
+/// cannot hold and was lost.
+Expected<std::vector<std::string>> write_foreign(const config::Rig& rig,
+                                                 Format format,
+                                                 const std::filesystem::path& output);
+
+}  // namespace atrium::calibrate

@@ -1,0 +1,154 @@
+// Qualisys Track Manager's calibration XML (also named .qca.txt). Intrinsics are in 1/64 px of the
+// sensor, whose first pixel spans 0 to 63; distortion is OpenCV's; a camera has its position [mm]
+// and the rotation, row by row, into axes of OpenGL. Theia writes the same elements in pixels and
+// with camera_from_site, which the judgement of the poses finds out.
+#include "tools/calibrate/formats/format.hpp"
+#include "tools/calibrate/formats/lens.hpp"
+#include "tools/calibrate/formats/xml_numbers.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace atrium::calibrate {
+namespace {
+
+constexpr double kUnitsPerPixel = 64.0;
+
+tl::unexpected<Error> wrong(const std::string& where,
+                            const ForeignCamera& camera,
+                            const std::string& what) {
+    return make_error(ErrorKind::kInvalidData,
+                      fmt::format("{}: camera '{}': {}", where, camera.name, what));
+}
+
+// The part of the sensor that the video shows [px]: left, top, width, height.
+struct Window {
+    double left = 0.0;
+    double top = 0.0;
+    double width = 0.0;
+    double height = 0.0;
+};
+
+// Sensor units per pixel: 64 in files of Qualisys, 1 in those in pixels.
+double units_per_pixel(const pugi::xml_node& intrinsic) {
+    const double last = attribute_number(intrinsic, "sensorMaxU").value_or(0.0);
+    return last < 10'000.0 && last > 0.0 ? 1.0 : kUnitsPerPixel;
+}
+
+std::optional<Window> window_of(const pugi::xml_node& node, const pugi::xml_node& intrinsic) {
+    const pugi::xml_node fov = node.child("fov_video");
+    const auto left = attribute_number(fov, "left");
+    const auto top = attribute_number(fov, "top");
+    const auto right = attribute_number(fov, "right");
+    const auto bottom = attribute_number(fov, "bottom");
+    if (left && top && right && bottom)
+        return Window{*left, *top, *right - *left + 1.0, *bottom - *top + 1.0};
+    // without a window: the whole sensor
+    const auto last_u = attribute_number(intrinsic, "sensorMaxU");
+    const auto last_v = attribute_number(intrinsic, "sensorMaxV");
+    if (!last_u || !last_v) return std::nullopt;
+    const double units = units_per_pixel(intrinsic);
+    return Window{0.0, 0.0, (*last_u + 1.0) / units, (*last_v + 1.0) / units};
+}
+
+Expected<void> read_intrinsic(const pugi::xml_node& node,
+                              const std::string& where,
+                              ForeignCamera& camera,
+                              std::vector<std::string>& notes) {
+    const pugi::xml_node intrinsic = node.child("intrinsic");
+    LensNumbers lens;
+    for (const char* name :
+         {"focalLengthU", "skew", "centerPointU", "focalLengthV", "centerPointV"}) {
+        const auto value = attribute_number(intrinsic, name);
+        if (!value && std::string(name) != "skew")
+            return wrong(where, camera, fmt::format("<intrinsic> lacks a number {}", name));
+        lens.matrix.push_back(value.value_or(0.0));
+    }
+    for (const char* name : {"radialDistortion1",
+                             "radialDistortion2",
+                             "tangentalDistortion1",
+                             "tangentalDistortion2",
+                             "radialDistortion3"})
+        lens.distortion.push_back(attribute_number(intrinsic, name).value_or(0.0));
+    const auto window = window_of(node, intrinsic);
+    if (!window) return wrong(where, camera, "neither <fov_video> nor sensorMaxU and sensorMaxV");
+    const double units = units_per_pixel(intrinsic);
+    const std::vector<double> m = lens.matrix;
+    // unit 0 is the first of a pixel's units, and the pixel's centre between them all
+    const double centre = 0.5 * (units - 1.0);
+    lens.matrix = {m[0] / units,
+                   m[1] / units,
+                   (m[2] - centre) / units - window->left,
+                   0.0,
+                   m[3] / units,
+                   (m[4] - centre) / units - window->top,
+                   0.0,
+                   0.0,
+                   1.0};
+    lens.size = {window->width, window->height};
+    return set_lens(camera, lens, where, notes);
+}
+
+Expected<ForeignCamera> qualisys_camera(const pugi::xml_node& node,
+                                        const std::string& where,
+                                        std::vector<std::string>& notes) {
+    ForeignCamera camera;
+    camera.name = node.attribute("serial").value();
+    if (auto read = read_intrinsic(node, where, camera, notes); !read)
+        return tl::unexpected(read.error());
+    const pugi::xml_node transform = node.child("transform");
+    std::vector<double> values;
+    for (const char* name :
+         {"r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33", "x", "y", "z"}) {
+        const auto value = attribute_number(transform, name);
+        if (!value) return wrong(where, camera, fmt::format("<transform> lacks a number {}", name));
+        values.push_back(*value);
+    }
+    const auto rotation = rotation_of({values.begin(), values.begin() + 9});
+    if (!rotation)
+        return wrong(
+            where, camera, "r11 to r33 are no right-handed rotation; calibrate in QTM again");
+    camera.pose = ForeignPose{*rotation, {values[9], values[10], values[11]}};
+    return camera;
+}
+
+}  // namespace
+
+Expected<ForeignRig> read_qualisys(const Files& files) {
+    ForeignRig rig;
+    rig.format = "Qualisys";
+    rig.documented = {Reading::Pose::kRotationAndPosition, true};
+    rig.units = "mm";
+    rig.up = "+Z";
+    std::size_t num_markers = 0;
+    for (const auto& file : files) {
+        pugi::xml_document document;
+        if (auto loaded = load_xml(file, document); !loaded) return tl::unexpected(loaded.error());
+        for (const pugi::xml_node node :
+             document.child("calibration").child("cameras").children("camera")) {
+            // cameras for markers take no pictures that could be imported
+            const std::string model = node.attribute("model").value();
+            const bool is_video = model.empty() || model == "none" ||
+                                  model.find("Video") != std::string::npos ||
+                                  model.find("Hybrid") != std::string::npos;
+            const bool is_used = std::string(node.attribute("active").value()) != "0";
+            if (!is_video || !is_used) {
+                ++num_markers;
+                continue;
+            }
+            auto camera = qualisys_camera(node, file.string(), rig.notes);
+            if (!camera) return tl::unexpected(camera.error());
+            rig.cameras.push_back(std::move(*camera));
+        }
+    }
+    if (num_markers > 0) {
+        rig.notes.push_back(fmt::format(
+            "{} cameras for markers, or not active, were left out; only models with Video or "
+            "Hybrid in their name take pictures",
+            num_markers));
+    }
+    return rig;
+}
+
+}  // namespace atrium::calibrate

@@ -1,0 +1,48 @@
+#include "tools/calibrate/formats/xml_numbers.hpp"
+
+#include "tools/calibrate/formats/data_tree.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+namespace atrium::calibrate {
+
+Expected<void> load_xml(const std::filesystem::path& file, pugi::xml_document& document) {
+    const auto text = read_bytes(file, kMaxTextBytes);
+    if (!text) return tl::unexpected(text.error());
+    const pugi::xml_parse_result result = document.load_buffer(text->data(), text->size());
+    if (result) return {};
+    return make_error(ErrorKind::kInvalidData,
+                      fmt::format("{}: not valid XML at byte {}: {}; the file may be cut off",
+                                  file.string(),
+                                  result.offset,
+                                  result.description()));
+}
+
+std::optional<std::vector<double>> attribute_numbers(const pugi::xml_node& node,
+                                                     const char* name,
+                                                     std::size_t count) {
+    std::string_view text = node.attribute(name).value();
+    std::vector<double> values;
+    while (values.size() < count) {
+        while (!text.empty() && (text.front() == ' ' || text.front() == '\t' ||
+                                 text.front() == '\n' || text.front() == '+'))
+            text.remove_prefix(1);
+        double value = 0.0;
+        const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+        if (failure != std::errc{} || !std::isfinite(value)) return std::nullopt;
+        values.push_back(value);
+        text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+    }
+    return values;
+}
+
+std::optional<double> attribute_number(const pugi::xml_node& node, const char* name) {
+    const auto values = attribute_numbers(node, name, 1);
+    return values ? std::optional(values->front()) : std::nullopt;
+}
+
+}  // namespace atrium::calibrate

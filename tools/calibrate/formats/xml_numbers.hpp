@@ -1,0 +1,24 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+
+#include <pugixml.hpp>
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace atrium::calibrate {
+
+/// Parses a file of at most 16 MiB. pugixml neither follows references nor recurses.
+Expected<void> load_xml(const std::filesystem::path& file, pugi::xml_document& document);
+
+/// The `count` finite numbers, separated by spaces, of an attribute. nullopt if there are others.
+std::optional<std::vector<double>> attribute_numbers(const pugi::xml_node& node,
+                                                     const char* name,
+                                                     std::size_t count);
+std::optional<double> attribute_number(const pugi::xml_node& node, const char* name);
+
+}  // namespace atrium::calibrate

@@ -1,0 +1,160 @@
+#include "tools/calibrate/import.hpp"
+
+#include "site_node/capture/recording_source.hpp"
+#include "tools/calibrate/recording/make_recording.hpp"
+#include "tools/calibrate/rig_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace atrium::calibrate {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> names_of(const ForeignRig& rig) {
+    std::vector<std::string> names;
+    for (const ForeignCamera& camera : rig.cameras) names.push_back(camera.name);
+    return names;
+}
+
+std::vector<std::string> comments(const ForeignRig& foreign,
+                                  const ImportOptions& options,
+                                  const Conclusion& conclusion) {
+    std::string files;
+    for (const auto& file : options.files) files += (files.empty() ? "" : ", ") + file.string();
+    std::vector<std::string> lines{
+        fmt::format("Imported from {} ({}) by `calibrate import`.", files, foreign.format)};
+    lines.insert(lines.end(), conclusion.told.begin(), conclusion.told.end());
+    for (const std::string& doubt : conclusion.unsure) lines.push_back("unsure: " + doubt);
+    return lines;
+}
+
+void append(std::vector<std::string>& to, const std::vector<std::string>& from) {
+    to.insert(to.end(), from.begin(), from.end());
+}
+
+// The size of pictures that exist decides; a calibration of another size is wrong or to be scaled.
+Expected<void> compare_sizes(ForeignRig& rig, const Material& material, const Said& said) {
+    for (ForeignCamera& camera : rig.cameras) {
+        const Look& look = material.looks.at(camera.name);
+        const bool is_unknown = camera.lens.width == 0 || camera.lens.height == 0;
+        const bool is_same = camera.lens.width == look.width && camera.lens.height == look.height;
+        if (is_same) continue;
+        if (is_unknown || said.size) {
+            if (said.size && *said.size != std::array{look.width, look.height}) {
+                return make_error(ErrorKind::kConfiguration,
+                                  fmt::format("--size says {}x{}, but the pictures of camera '{}' "
+                                              "have {}x{} px",
+                                              (*said.size)[0],
+                                              (*said.size)[1],
+                                              camera.name,
+                                              look.width,
+                                              look.height));
+            }
+            if (auto set = set_picture_size(camera, {look.width, look.height}); !set) return set;
+            continue;
+        }
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("camera '{}': calibrated at {}x{} px, but its pictures have {}x{} px; if "
+                        "they show the whole picture, scaled, say --size {}x{}",
+                        camera.name,
+                        camera.lens.width,
+                        camera.lens.height,
+                        look.width,
+                        look.height,
+                        look.width,
+                        look.height));
+    }
+    return {};
+}
+
+// Reads the recording as a site will.
+Expected<void> prove(const fs::path& folder) {
+    const auto source = capture::RecordingSource::open({.folder = folder});
+    if (!source) return tl::unexpected(source.error());
+    const auto frame = (*source)->read_frame(0);
+    if (!frame) return tl::unexpected(frame.error());
+    return {};
+}
+
+Expected<Material> gather_for(ForeignRig& rig, const ImportOptions& options) {
+    auto material = gather(names_of(rig), options.recording, options.background);
+    if (!material) return material;
+    std::erase_if(rig.cameras, [&](const ForeignCamera& camera) {
+        return !material->frames.contains(camera.name);
+    });
+    if (auto compared = compare_sizes(rig, *material, options.said); !compared)
+        return tl::unexpected(compared.error());
+    return material;
+}
+
+Expected<ImportReport> import_recording(ForeignRig& foreign, const ImportOptions& options) {
+    std::error_code failure;
+    if (fs::equivalent(options.output, options.recording, failure)) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("{}: the new recording needs a folder of its own, not that of "
+                        "the pictures; give another -o",
+                        options.output.string()));
+    }
+    const auto material = gather_for(foreign, options);
+    if (!material) return tl::unexpected(material.error());
+    Said said = options.said;
+    said.size.reset();  // done, camera by camera
+    if (!options.has_rate && material->rate_hz > 0.0) said.rate_hz = material->rate_hz;
+    auto conclusion = conclude(foreign, said);
+    if (!conclusion) return tl::unexpected(conclusion.error());
+    const fs::path rig_file = options.output / "rig.toml";
+    if (fs::exists(rig_file, failure) && !options.force) {
+        return make_error(
+            ErrorKind::kConfiguration,
+            fmt::format("{}: exists already; give another -o, or --force", rig_file.string()));
+    }
+    fs::remove(rig_file, failure);
+    if (auto made = make_recording(*material, options.output, {options.copy, options.force}); !made)
+        return tl::unexpected(made.error());
+    const std::string text = rig_text(conclusion->rig, comments(foreign, options, *conclusion));
+    if (auto written = write_text(rig_file, text, options.force); !written)
+        return tl::unexpected(written.error());
+    if (auto proven = prove(options.output); !proven) return tl::unexpected(proven.error());
+    ImportReport report{material->told, material->unsure, ""};
+    append(report.told, conclusion->told);
+    append(report.unsure, conclusion->unsure);
+    if (!options.has_rate) {
+        report.told.push_back(fmt::format(
+            "rate: {:.4g} Hz{}",
+            conclusion->rig.rate_hz,
+            material->rate_hz > 0.0 ? ", as in the videos" : ", assumed; --rate says better"));
+    }
+    report.next = fmt::format(
+        "site_node --site.name lab --capture.source recording --capture.recording {} "
+        "--capture.loop",
+        options.output.string());
+    return report;
+}
+
+}  // namespace
+
+Expected<ImportReport> import(const ImportOptions& options) {
+    auto foreign = read_foreign(options.files, options.format);
+    if (!foreign) return tl::unexpected(foreign.error());
+    if (!options.recording.empty()) return import_recording(*foreign, options);
+    const auto conclusion = conclude(*foreign, options.said);
+    if (!conclusion) return tl::unexpected(conclusion.error());
+    const std::string text = rig_text(conclusion->rig, comments(*foreign, options, *conclusion));
+    if (auto written = write_text(options.output, text, options.force); !written)
+        return tl::unexpected(written.error());
+    const auto checked = config::load_rig(options.output);
+    if (!checked) return tl::unexpected(checked.error());
+    return ImportReport{
+        conclusion->told,
+        conclusion->unsure,
+        fmt::format("site_node --site.name lab --capture.source simulated --capture.rig {}   (a "
+                    "simulated person, as your cameras would see it; with pictures: --recording)",
+                    options.output.string())};
+}
+
+}  // namespace atrium::calibrate

@@ -1,0 +1,167 @@
+#include "tools/calibrate/import.hpp"
+#include "tools/calibrate/judge/rig_judge.hpp"
+#include "tools/calibrate/subcommands.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <charconv>
+#include <cstdio>
+
+namespace atrium::calibrate {
+namespace {
+
+std::optional<double> parse_number(const std::string& text, double low, double high) {
+    double value = 0.0;
+    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool is_good =
+        failure == std::errc{} && end == text.data() + text.size() && value >= low && value <= high;
+    return is_good ? std::optional(value) : std::nullopt;
+}
+
+void add_distance(CLI::App& command, Said& said) {
+    command
+        .add_option_function<std::vector<std::string>>(
+            "--distance",
+            [&said](const std::vector<std::string>& words) {
+                const auto metres = parse_number(words[2], 0.01, 1000.0);
+                if (!metres)
+                    throw CLI::ValidationError(
+                        "--distance",
+                        "must be two cameras and 0.01 to 1000 metres, got " + words[2]);
+                said.distance = Said::Distance{words[0], words[1], *metres};
+            },
+            "measured distance of two cameras in metres; gives the scale")
+        ->expected(3)
+        ->type_name("CAMERA CAMERA METRES");
+    command
+        .add_option_function<std::vector<std::string>>(
+            "--camera-height",
+            [&said](const std::vector<std::string>& words) {
+                const auto metres = parse_number(words[1], -10.0, 100.0);
+                if (!metres)
+                    throw CLI::ValidationError(
+                        "--camera-height",
+                        "must be a camera and -10 to 100 metres, got " + words[1]);
+                said.height = Said::Height{words[0], *metres};
+            },
+            "measured height of a camera above the floor in metres; gives the floor")
+        ->expected(2)
+        ->type_name("CAMERA METRES");
+}
+
+void add_frame_options(CLI::App& command, Said& said) {
+    command.add_option("--units", said.units, "unit of the file's lengths; default: found out")
+        ->check(CLI::IsMember({"m", "cm", "mm"}));
+    command
+        .add_option_function<std::string>(
+            "--direction",
+            [&said](const std::string& word) {
+                said.pose = word == "camera_from_site"   ? Reading::Pose::kCameraFromSite
+                            : word == "site_from_camera" ? Reading::Pose::kSiteFromCamera
+                                                         : Reading::Pose::kRotationAndPosition;
+            },
+            "meaning of rotation and translation; position: a rotation camera_from_site, with the "
+            "camera's position; default: found out")
+        ->check(CLI::IsMember({"camera_from_site", "site_from_camera", "position"}));
+    command
+        .add_option_function<std::string>(
+            "--axes",
+            [&said](const std::string& word) { said.opengl = word == "opengl"; },
+            "cameras look along +Z with +Y down (opencv) or along -Z with +Y up (opengl); default: "
+            "found out")
+        ->check(CLI::IsMember({"opencv", "opengl"}));
+    command.add_option("--up", said.up, "axis of the file that points up; default: found out")
+        ->type_name("+X|-X|+Y|-Y|+Z|-Z")
+        ->check(CLI::Validator(
+            [](std::string& word) {
+                return axis_vector(word).isZero() ? "must be +X, -X, +Y, -Y, +Z or -Z, got " + word
+                                                  : std::string();
+            },
+            ""));
+    add_distance(command, said);
+}
+
+void add_picture_options(CLI::App& command, ImportOptions& options) {
+    Said& said = options.said;
+    command
+        .add_option_function<std::string>(
+            "--size",
+            [&said](const std::string& text) {
+                const std::size_t x = text.find('x');
+                const auto width = parse_number(text.substr(0, x), 16, 8192);
+                const auto height =
+                    parse_number(x == std::string::npos ? "" : text.substr(x + 1), 16, 8192);
+                if (!width || !height)
+                    throw CLI::ValidationError("--size",
+                                               "must be WIDTHxHEIGHT, 16 to 8192 px, got " + text);
+                said.size = {static_cast<int>(*width), static_cast<int>(*height)};
+            },
+            "size of the pictures in pixels, if the file says none or they were scaled")
+        ->type_name("WIDTHxHEIGHT");
+    command
+        .add_option_function<double>(
+            "--rate",
+            [&options](const double& rate_hz) {
+                options.said.rate_hz = rate_hz;
+                options.has_rate = true;
+            },
+            "pictures per second; default: of the videos, else 30")
+        ->check(CLI::Range(0.1, 1000.0));
+    auto* recording = command.add_option(
+        "--recording",
+        options.recording,
+        "folder with videos or pictures of these cameras: makes a recording of them; -o is then "
+        "its folder");
+    command
+        .add_option("--background",
+                    options.background,
+                    "folder with videos or pictures of the empty room; default: those below "
+                    "--recording with background, empty or bg in their names")
+        ->needs(recording);
+    command.add_flag("--copy", options.copy, "copy the pictures instead of linking them")
+        ->needs(recording);
+}
+
+Expected<void> run_import(const ImportOptions& options) {
+    const auto report = import(options);
+    if (!report) return tl::unexpected(report.error());
+    for (const std::string& line : report->told) fmt::print("{}\n", line);
+    for (const std::string& line : report->unsure) fmt::print("unsure: {}\n", line);
+    fmt::print("wrote {}\nnext: {}\n", options.output.string(), report->next);
+    return {};
+}
+
+constexpr const char* kImportExamples =
+    "Examples:\n"
+    "  calibrate import Calibration.qca.txt -o lab.toml\n"
+    "  calibrate import intri.yml extri.yml --recording take3 -o recordings/take3\n"
+    "  calibrate import colmap/sparse/0 --distance cam1 cam2 2.35 -o lab.toml\n"
+    "Exit codes: 0 done, 1 a damaged file, 2 wrong command line or calibration, 3 a file is "
+    "missing "
+    "or cannot be written.";
+
+}  // namespace
+
+void add_import(CLI::App& app, Action& action) {
+    auto options = std::make_shared<ImportOptions>();
+    CLI::App* command = app.add_subcommand(
+        "import", "makes a rig.toml, or a recording, from the calibration of another program");
+    command->footer(kImportExamples);
+    command
+        ->add_option("files", options->files, "calibration files, or the folder of a COLMAP model")
+        ->required()
+        ->type_name("FILE");
+    command->add_option("-o,--output", options->output, "the rig.toml to write")->required();
+    std::vector<std::string> formats = format_names();
+    formats.insert(formats.begin(), "auto");
+    command->add_option("--format", options->format, "program that wrote the files")
+        ->check(CLI::IsMember(formats))
+        ->capture_default_str();
+    add_frame_options(*command, options->said);
+    add_picture_options(*command, *options);
+    command->add_flag("--force", options->force, "replace what -o names");
+    command->callback([options, &action] { action = [options] { return run_import(*options); }; });
+}
+
+}  // namespace atrium::calibrate

@@ -1,0 +1,54 @@
+#include "tools/calibrate/judge/reading.hpp"
+
+namespace atrium::calibrate {
+namespace {
+
+// Half a turn around X takes the axes of OpenGL into ours, and back.
+geometry::RigidTransform half_turn() {
+    return {Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), Eigen::Vector3d::Zero()};
+}
+
+}  // namespace
+
+geometry::RigidTransform camera_from_site(const ForeignPose& pose, const Reading& reading) {
+    const Eigen::Quaterniond rotation = Eigen::Quaterniond(pose.rotation).normalized();
+    geometry::RigidTransform result{rotation, pose.vector};
+    if (reading.pose == Reading::Pose::kSiteFromCamera) result = result.inverse();
+    if (reading.pose == Reading::Pose::kRotationAndPosition)
+        result.translation = -(rotation * pose.vector);
+    return reading.opengl ? half_turn() * result : result;
+}
+
+ForeignPose foreign_pose(const geometry::RigidTransform& camera_from_site, const Reading& reading) {
+    const geometry::RigidTransform ours =
+        reading.opengl ? half_turn() * camera_from_site : camera_from_site;
+    const geometry::RigidTransform inverse = ours.inverse();
+    switch (reading.pose) {
+        case Reading::Pose::kCameraFromSite:
+            break;
+        case Reading::Pose::kSiteFromCamera:
+            return {inverse.rotation.toRotationMatrix(), inverse.translation};
+        case Reading::Pose::kRotationAndPosition:
+            return {ours.rotation.toRotationMatrix(), inverse.translation};
+    }
+    return {ours.rotation.toRotationMatrix(), ours.translation};
+}
+
+std::string describe(const Reading& reading) {
+    std::string text;
+    switch (reading.pose) {
+        case Reading::Pose::kCameraFromSite:
+            text = "camera_from_site (p_camera = R p_site + t)";
+            break;
+        case Reading::Pose::kSiteFromCamera:
+            text = "site_from_camera (p_site = R p_camera + t)";
+            break;
+        case Reading::Pose::kRotationAndPosition:
+            text = "a rotation camera_from_site with the camera's position";
+            break;
+    }
+    return text + (reading.opengl ? ", with the axes of OpenGL (-Z ahead, +Y up)"
+                                  : ", with the axes of OpenCV (+Z ahead, +Y down)");
+}
+
+}  // namespace atrium::calibrate

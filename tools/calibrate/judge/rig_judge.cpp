@@ -1,0 +1,230 @@
+#include "tools/calibrate/judge/rig_judge.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace atrium::calibrate {
+namespace {
+
+using Cameras = std::span<const geometry::CalibratedCamera>;
+
+// A camera looks at a point within this angle of its axis: half of a wide view.
+constexpr double kLooksWithin_rad = 0.7;
+// Another reading must be better than the documented one by this much to win, and is said to be
+// possible too if it is not worse than this.
+constexpr double kClearlyBetter = 0.3;
+constexpr double kAboutAsGood = 0.12;
+// Distances [m] from a camera to what it looks at, in rooms; and the usual one.
+constexpr double kNearest_m = 0.3;
+constexpr double kFarthest_m = 40.0;
+constexpr double kUsual_m = 3.0;
+// Pictures are level if the mean sine of their tilt is below this.
+constexpr double kLevel = 0.15;
+// An axis of the frame is up if it is so near, as a cosine, and the pictures are about as level.
+constexpr double kOnAnAxis = 0.966;
+constexpr double kAsLevel = 0.03;
+constexpr double kClearlyMoreLevel = 0.02;
+constexpr double kUprightAlike = 0.8;  // length of the mean of unit vectors
+
+Eigen::Vector3d axis_site(const geometry::CalibratedCamera& camera, int axis) {
+    return camera.camera_from_site.rotation.conjugate() * Eigen::Vector3d::Unit(axis);
+}
+
+// Mean sine of the angles between a horizontal side of the pictures and the floor. The side is X,
+// or Y for portrait pictures.
+double tilt_about(Cameras cameras, const Eigen::Vector3d& up, int side) {
+    double sum = 0.0;
+    for (const auto& camera : cameras) sum += std::abs(axis_site(camera, side).dot(up));
+    return sum / static_cast<double>(cameras.size());
+}
+
+struct Perpendicular {
+    Eigen::Vector3d direction;  // most perpendicular to the sides of all pictures
+    bool is_unique = false;     // false: the sides are nearly parallel, so many directions are
+};
+Perpendicular perpendicular_to(Cameras cameras, int side) {
+    constexpr double kSmallest = 0.03;  // mean square of a sine: sides 20 degrees apart
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    for (const auto& camera : cameras) {
+        const Eigen::Vector3d a = axis_site(camera, side);
+        sum += a * a.transpose() / static_cast<double>(cameras.size());
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(sum);
+    return {solver.eigenvectors().col(0), solver.eigenvalues()[1] > kSmallest};
+}
+
+// Upright pictures have -Y up, and cameras look down rather than up.
+Eigen::Vector3d with_sign(Cameras cameras, const Eigen::Vector3d& up) {
+    double votes = 0.0;
+    for (const auto& camera : cameras)
+        votes -= 4.0 * axis_site(camera, 1).dot(up) + axis_site(camera, 2).dot(up);
+    return votes < 0.0 ? Eigen::Vector3d(-up) : up;
+}
+
+Eigen::Vector3d nearest_to_axes(Cameras cameras) {
+    Eigen::Matrix3d a = Eigen::Matrix3d::Identity() * 1e-9;
+    Eigen::Vector3d b = Eigen::Vector3d::Zero();
+    for (const auto& camera : cameras) {
+        const Eigen::Vector3d axis = axis_site(camera, 2);
+        const Eigen::Matrix3d off_axis = Eigen::Matrix3d::Identity() - axis * axis.transpose();
+        a += off_axis;
+        b += off_axis * camera.centre_site();
+    }
+    return a.inverse() * b;
+}
+
+double median(std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+}  // namespace
+
+Convergence measure_convergence(Cameras cameras) {
+    Convergence result;
+    if (cameras.empty()) return result;
+    result.point = nearest_to_axes(cameras);
+    Eigen::Matrix3d directions = Eigen::Matrix3d::Zero();
+    std::vector<double> distances;
+    for (const auto& camera : cameras) {
+        const Eigen::Vector3d axis = axis_site(camera, 2);
+        const Eigen::Vector3d to_point = result.point - camera.centre_site();
+        distances.push_back(to_point.norm());
+        directions += axis * axis.transpose() / static_cast<double>(cameras.size());
+        if (axis.dot(to_point) > std::cos(kLooksWithin_rad) * to_point.norm()) ++result.num_looking;
+    }
+    result.median_distance = median(distances);
+    const double along =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(directions).eigenvalues()[2];
+    result.spread = std::max(0.0, 1.0 - along);
+    result.tilt = choose_up(cameras).tilt;
+    // a place far nearer to some cameras than to others is no room
+    const double nearest = *std::ranges::min_element(distances);
+    const bool is_even = nearest > 0.1 * result.median_distance && result.median_distance > 0.0;
+    result.score = (is_even ? 1.0 : 0.5) * static_cast<double>(result.num_looking) /
+                       static_cast<double>(cameras.size()) +
+                   0.8 * std::min(1.0, result.spread / 0.2) -
+                   0.6 * std::min(1.0, result.tilt / 0.2);
+    return result;
+}
+
+ReadingChoice choose_reading(Cameras cameras,
+                             std::span<const ForeignPose> poses,
+                             const Reading& documented) {
+    std::vector<geometry::CalibratedCamera> read(cameras.begin(), cameras.end());
+    std::vector<Convergence> tried;
+    for (const Reading& reading : kReadings) {
+        for (std::size_t i = 0; i < read.size(); ++i)
+            read[i].camera_from_site = camera_from_site(poses[i], reading);
+        tried.push_back(measure_convergence(read));
+    }
+    const auto index_of = [](const Reading& reading) {
+        return static_cast<std::size_t>(std::ranges::find(kReadings, reading) - kReadings.begin());
+    };
+    const std::size_t as_written = index_of(documented);
+    std::size_t best = as_written;
+    for (std::size_t i = 0; i < kReadings.size(); ++i) {
+        // the documented reading has an advantage; the others have none over each other
+        const double needed = best == as_written ? kClearlyBetter : 0.0;
+        if (tried[i].score > tried[best].score + needed && tried[i].num_looking > 1) best = i;
+    }
+    ReadingChoice choice{kReadings[best], tried[best], best == as_written, {}};
+    for (std::size_t i = 0; i < kReadings.size(); ++i) {
+        if (i != best && tried[i].score > tried[best].score - kAboutAsGood)
+            choice.also_possible.push_back(kReadings[i]);
+    }
+    return choice;
+}
+
+double metres_of(const std::string& unit) {
+    if (unit == "m") return 1.0;
+    if (unit == "cm") return 0.01;
+    if (unit == "mm") return 0.001;
+    return 0.0;
+}
+
+UnitChoice choose_unit(double median_distance, const std::string& prescribed) {
+    // millimetres come before centimetres, which few programs write
+    const auto strangeness = [&](const std::string& unit) {
+        return std::abs(std::log(median_distance * metres_of(unit) / kUsual_m)) +
+               (unit == "cm" ? 0.5 : 0.0);
+    };
+    const auto fits = [&](const std::string& unit) {
+        const double distance_m = median_distance * metres_of(unit);
+        return distance_m >= kNearest_m && distance_m <= kFarthest_m;
+    };
+    UnitChoice choice;
+    std::array<std::string, 3> units{"m", "mm", "cm"};
+    std::ranges::sort(units, {}, strangeness);
+    for (const std::string& unit : units) {
+        if (fits(unit) && choice.name.empty()) choice.name = unit;
+    }
+    if (!prescribed.empty() && fits(prescribed)) choice.name = prescribed;
+    choice.metres = metres_of(choice.name);
+    for (const std::string& unit : units) {
+        if (unit != choice.name && fits(unit) && choice.also_possible.empty() &&
+            prescribed != choice.name)
+            choice.also_possible = unit;
+    }
+    return choice;
+}
+
+UpChoice choose_up(Cameras cameras) {
+    UpChoice choice;
+    if (cameras.empty()) return choice;
+    // as if all pictures looked at the horizon
+    int side = 0;
+    choice.up = Eigen::Vector3d::Zero();
+    for (const auto& camera : cameras) choice.up -= axis_site(camera, 1);
+    const double agreement = choice.up.norm() / static_cast<double>(cameras.size());
+    choice.up =
+        agreement > 1e-3 ? choice.up.normalized() : Eigen::Vector3d(Eigen::Vector3d::UnitZ());
+    choice.tilt = tilt_about(cameras, choice.up, side);
+    choice.is_known = choice.tilt < kLevel && agreement > kUprightAlike && cameras.size() > 2;
+    for (const int candidate : {0, 1}) {
+        const Perpendicular found = perpendicular_to(cameras, candidate);
+        const double tilt = tilt_about(cameras, found.direction, candidate);
+        // portrait pictures are rare: they must be clearly more level
+        const double needed = candidate == 1 && choice.is_known ? kClearlyMoreLevel : 0.0;
+        const bool is_better = candidate == 0 || !choice.is_known || tilt < choice.tilt - needed;
+        if (!found.is_unique || tilt > kLevel || !is_better) continue;
+        side = candidate;
+        choice.tilt = tilt;
+        choice.up = with_sign(cameras, found.direction);
+        choice.is_known = cameras.size() > 2;
+    }
+    int axis = 0;
+    const double cosine = choice.up.cwiseAbs().maxCoeff(&axis);
+    const Eigen::Vector3d nearest =
+        (choice.up[axis] > 0.0 ? 1.0 : -1.0) * Eigen::Vector3d::Unit(axis);
+    if (cosine > kOnAnAxis && tilt_about(cameras, nearest, side) < choice.tilt + kAsLevel)
+        choice.axis = {choice.up[axis] > 0.0 ? '+' : '-', "XYZ"[axis]};
+    return choice;
+}
+
+Eigen::Vector3d axis_vector(const std::string& name) {
+    const std::string letters = name.size() == 1 ? "+" + name : name;
+    const std::size_t axis = letters.size() == 2 ? std::string("XYZxyz").find(letters[1]) : 6;
+    if (axis >= 6 || (letters[0] != '+' && letters[0] != '-')) return Eigen::Vector3d::Zero();
+    return (letters[0] == '+' ? 1.0 : -1.0) * Eigen::Vector3d::Unit(static_cast<int>(axis % 3));
+}
+
+Eigen::Quaterniond upright_from(const Eigen::Vector3d& up) {
+    // perpendicular to up: the old X, or -Z for a frame with X up
+    const Eigen::Vector3d start = std::abs(up.x()) < 0.9
+                                      ? Eigen::Vector3d(Eigen::Vector3d::UnitX())
+                                      : Eigen::Vector3d(-Eigen::Vector3d::UnitZ());
+    const Eigen::Vector3d x = (start - start.dot(up) * up).normalized();
+    Eigen::Matrix3d rows;
+    rows.row(0) = x;
+    rows.row(1) = up.cross(x);
+    rows.row(2) = up;
+    return Eigen::Quaterniond(rows).normalized();
+}
+
+}  // namespace atrium::calibrate

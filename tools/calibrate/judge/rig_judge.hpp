@@ -1,0 +1,66 @@
+#pragma once
+
+#include "core/geometry/pinhole_camera.hpp"
+#include "tools/calibrate/judge/reading.hpp"
+
+#include <Eigen/Core>
+
+#include <span>
+#include <string>
+#include <vector>
+
+/// Judges a rig by its geometry alone, without pictures: cameras of a room look at one place in
+/// front of them, from some metres, and are level. Pure functions.
+namespace atrium::calibrate {
+
+/// How well cameras fit into a room. All lengths are in the unit of the cameras.
+struct Convergence {
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();  // nearest to all optical axes
+    std::size_t num_looking = 0;   // cameras that have the point before them, near their axis
+    double spread = 0.0;           // 0: all axes are parallel, 0.5: cameras all around
+    double tilt = 0.0;             // mean deviation from level pictures, as a sine
+    double median_distance = 0.0;  // from the cameras to the point
+    double score = 0.0;            // larger is better
+};
+Convergence measure_convergence(std::span<const geometry::CalibratedCamera> cameras);
+
+struct ReadingChoice {
+    Reading reading;
+    Convergence convergence;             // as read
+    bool is_documented = true;           // false: the cameras prove another reading
+    std::vector<Reading> also_possible;  // fit about as well as `reading`
+};
+/// Finds the reading in which the cameras look at one place: `documented`, unless another one is
+/// clearly better. `cameras` give the lenses, `poses` belong to them.
+ReadingChoice choose_reading(std::span<const geometry::CalibratedCamera> cameras,
+                             std::span<const ForeignPose> poses,
+                             const Reading& documented);
+
+struct UnitChoice {
+    double metres = 0.0;        // of one unit; 0: no unit makes the cameras fit into a room
+    std::string name;           // "mm"
+    std::string also_possible;  // another unit that would fit, or empty
+};
+/// Finds the unit in which cameras at `median_distance` from what they look at fit into a room.
+/// `prescribed` ("m", "cm", "mm") wins if it fits; empty: none.
+UnitChoice choose_unit(double median_distance, const std::string& prescribed);
+
+/// Metres of "m", "cm" or "mm"; 0 for anything else.
+double metres_of(const std::string& unit);
+
+struct UpChoice {
+    Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  // unit vector in the frame of the cameras
+    double tilt = 0.0;      // mean deviation of the pictures from level, as a sine
+    bool is_known = false;  // false: the cameras are tilted too differently
+    std::string axis;       // the axis of the frame that is as good as `up`, for example "+Y"
+};
+/// Finds the direction along which the cameras are upright, or on their side.
+UpChoice choose_up(std::span<const geometry::CalibratedCamera> cameras);
+
+/// Unit vector of "+X", "-X", ... "-Z" (or "X"); the zero vector for anything else.
+Eigen::Vector3d axis_vector(const std::string& name);
+
+/// The rotation that takes `up` to +Z. Keeps X where it can.
+Eigen::Quaterniond upright_from(const Eigen::Vector3d& up);
+
+}  // namespace atrium::calibrate

@@ -1,0 +1,28 @@
+#include "core/app/log.hpp"
+#include "core/app/program.hpp"
+#include "tools/calibrate/subcommands.hpp"
+
+#include <cstdio>
+
+int main(int argc, char** argv) {
+    using namespace atrium;
+    CLI::App app{"Makes and converts calibrations of cameras (docs/calibrate.md).", "calibrate"};
+    app.set_version_flag("--version", "calibrate " + app::version());
+    app.require_subcommand(1);
+    calibrate::Action action;
+    calibrate::add_import(app, action);
+    calibrate::add_export(app, action);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        constexpr int kExitUsage = 2;
+        return app.exit(error) == 0 ? 0 : kExitUsage;
+    }
+    app::log::set_program("calibrate");
+    app::log::set_level(app::log::Level::kWarn);
+    if (const auto done = action(); !done) {
+        std::fprintf(stderr, "calibrate: error: %s\n", done.error().message.c_str());
+        return app::exit_code(done.error());
+    }
+    return 0;
+}

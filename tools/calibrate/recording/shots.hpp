@@ -1,0 +1,53 @@
+#pragma once
+
+#include "core/base/expected.hpp"
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// Pictures as other programs lay them out in folders, and a recording made of them.
+namespace atrium::calibrate {
+
+/// The pictures of one camera: a video, or files with numbers.
+struct Shots {
+    std::filesystem::path path;  // the video, or the folder of the pictures
+    bool is_video = false;
+    std::map<std::size_t, std::filesystem::path> pictures;  // by number; empty for a video
+    /// Path below the searched folder without the numbers: what names the camera.
+    std::string label;
+    bool is_alone = false;  // one picture out of a folder that may also be a sequence
+    bool is_background = false;
+};
+
+/// Finds everything below `folder` that may be the pictures of a camera, four folders deep.
+/// Errors: kNotFound without such a folder, kInvalidData for more than 200,000 files.
+Expected<std::vector<Shots>> find_shots(const std::filesystem::path& folder);
+
+/// How surely a label is that of a camera: 0 not at all, 50 the same number, 100 the same name.
+/// `others` are all labels: what they have in common says nothing.
+int likeness(const std::string& camera,
+             const std::string& label,
+             const std::vector<std::string>& others);
+
+struct Matches {
+    std::map<std::string, Shots> by_camera;
+    std::vector<std::string> missing;  // cameras without pictures
+};
+/// Finds the pictures of each camera. Error kConfiguration, with the names, if a camera fits two or
+/// two cameras fit one.
+Expected<Matches> match_shots(const std::vector<std::string>& cameras,
+                              const std::vector<Shots>& shots);
+
+struct Look {
+    int width = 0;
+    int height = 0;
+    double rate_hz = 0.0;        // of a video; 0: unknown
+    std::size_t num_frames = 0;  // a video's may be wrong
+};
+/// Opens the first picture. Error kInvalidData if it cannot be decoded.
+Expected<Look> look_at(const Shots& shots);
+
+}  // namespace atrium::calibrate
