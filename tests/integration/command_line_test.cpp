@@ -220,7 +220,7 @@ TEST_F(CommandLine, VisualHullReportsLackOfMemoryOrThreads) {
 
 TEST_F(CommandLine, VisualHullHasAnExitCodeForEachOutcome) {
     const std::string help = run("visual_hull --help").output;
-    for (const char* code : {"0 done", "1 no hull", "2 wrong", "3 a file"})
+    for (const char* code : {"0 done", "1 no hull", "2 wrong", "3 something is missing"})
         EXPECT_THAT(help, HasSubstr(code));
     const std::string views = file("views.json", cube(640));
     const Outcome done = run("visual_hull " + views + " --min-litres 9000");
