@@ -262,11 +262,12 @@ void read_places(config::TableReader& reader, SiteNodeConfig& config) {
     keep_place("recording", config.capture.recording);
 }
 
+int default_threads() {
+    return std::clamp(static_cast<int>(std::thread::hardware_concurrency()) - 1, 1, kMaxThreads);
+}
+
 void resolve(SiteNodeConfig& config) {
-    if (config.threads == 0) {
-        const auto cores = static_cast<int>(std::thread::hardware_concurrency());
-        config.threads = std::clamp(cores - 1, 1, kMaxThreads);
-    }
+    if (config.threads == 0) config.threads = default_threads();
     if (config.texture_resolution == "full")
         config.pipeline.texture.resolution = texture::Resolution::kFull;
     config.stream.adapt = config.stream_adapt == "on" ||

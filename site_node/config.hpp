@@ -66,6 +66,9 @@ void read_hull(config::TableReader& reader, SiteNodeConfig& config);
 /// Remembers where the file names its rig and its recording.
 void read_places(config::TableReader& reader, SiteNodeConfig& config);
 
+/// The number of threads that `threads = 0` stands for: all cores but one, at least one.
+int default_threads();
+
 /// Applies shorthand options and derives `stream.adapt`, the texture resolution and the number of
 /// threads.
 void resolve(SiteNodeConfig& config);

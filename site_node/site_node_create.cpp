@@ -99,6 +99,7 @@ Expected<std::unique_ptr<SiteNode>> SiteNode::create(const SiteNodeConfig& asked
     const auto rig = load_checked_rig(asked);
     if (!rig) return tl::unexpected(rig.error());
     SiteNodeConfig config = asked;
+    if (config.threads == 0) config.threads = default_threads();
     take_bounds(*rig, config.pipeline.hull);
     if (auto fits = check(config, *rig); !fits) return tl::unexpected(fits.error());
     const auto hull = HullStage::create(

@@ -17,8 +17,8 @@ constexpr double kResidualShare = 0.4;
 constexpr double kStrictResidualShare = 0.3;  // of silhouettes that fit not too badly as they are
 constexpr double kGoodShare = 0.8;
 constexpr std::size_t kMinRays = 60;
-constexpr std::size_t kRaysOfAll = 640;
-constexpr std::size_t kFewestRays = 24;
+constexpr std::size_t kRaysPerRig = 640;
+constexpr std::size_t kLeastRays = 24;
 // Of more cameras only those that contradict most are exchanged in pairs.
 constexpr std::size_t kMaxExchanged = 9;
 constexpr std::array<double, 6> kScales{0.5, 2.0 / 3.0, 0.75, 4.0 / 3.0, 1.5, 2.0};
@@ -37,8 +37,8 @@ public:
             views_.push_back(view.view);
         }
         // the time of a measurement grows with the square of the number of cameras
-        const std::size_t most = kRaysOfAll / std::max<std::size_t>(views_.size(), 1);
-        options_.rays_per_camera = std::min(options_.rays_per_camera, std::max(most, kFewestRays));
+        const std::size_t most = kRaysPerRig / std::max<std::size_t>(views_.size(), 1);
+        options_.rays_per_camera = std::min(options_.rays_per_camera, std::max(most, kLeastRays));
         as_is_ = measure_agreement(views_, options_);
         // the causes below move the site, so its bounds say nothing
         free_options_ = options_;

@@ -42,7 +42,9 @@ inline constexpr double kFineShare = 0.95;
 /// names what explains the silhouettes so much better that chance is out of the question. nullopt
 /// if the silhouettes fit. Silhouettes of one instant may mislead: trust what several instants say.
 ///
-/// Takes one measurement per hypothesis, 28 pairs for 8 cameras, about 0.1 s. `go_on` may stop it.
+/// Takes one measurement per hypothesis: some tenths of a second for 8 cameras, up to two seconds
+/// for
+/// 24. `go_on` may stop it.
 std::optional<Diagnosis> diagnose(std::span<const views::NamedView> views,
                                   const AgreementOptions& options,
                                   const std::function<bool()>& go_on = {});

@@ -13,6 +13,8 @@ namespace atrium::rig_check {
 namespace {
 
 constexpr std::size_t kRecent = 10;  // looks that judge coverage and bounds
+constexpr std::size_t kRaysOfAll = 640;
+constexpr std::size_t kFewestRays = 24;
 // Looks that a finding needs: what pictures alone prove, and what a moving person may cause as
 // well.
 constexpr std::size_t kFewVotes = 3;
@@ -40,7 +42,13 @@ void RigWatch::vote(const std::string& key,
 std::vector<std::string> RigWatch::look(const Look& look,
                                         Clock::time_point now,
                                         const std::function<bool()>& go_on) {
-    const Agreement agreement = measure_agreement(look.views, options_);
+    // the time of a look grows with the square of the number of cameras: many share the rays of
+    // eight
+    AgreementOptions options = options_;
+    options.rays_per_camera =
+        std::min(options.rays_per_camera,
+                 std::max(kFewestRays, kRaysOfAll / std::max<std::size_t>(look.views.size(), 1)));
+    const Agreement agreement = measure_agreement(look.views, options);
     for (std::size_t i = 0; i < look.views.size(); ++i) {
         Camera& camera = cameras_[look.views[i].name];
         camera.rays += agreement.cameras[i].rays;

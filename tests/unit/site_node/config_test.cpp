@@ -1,5 +1,7 @@
 #include "site_node/config.hpp"
 
+#include "site_node/start_check.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -134,6 +136,45 @@ TEST(SiteConfig, ReadsRegions) {
     EXPECT_TRUE(overlapping_regions(regions).empty());  // they touch
 }
 
+TEST(SiteConfig, TakesBoundsFromTheCommandLine) {
+    SiteNodeConfig config;
+    config::OptionSet set;
+    declare(config, set);
+    ASSERT_TRUE(set.set("hull.bounds", "-1,-2,0, 1,2,2.5", "--hull.bounds"));
+    ASSERT_TRUE(config.pipeline.hull.bounds);
+    EXPECT_EQ(config.pipeline.hull.bounds->min, Eigen::Vector3d(-1, -2, 0));
+    EXPECT_EQ(config.pipeline.hull.bounds->max, Eigen::Vector3d(1, 2, 2.5));
+    for (const char* wrong : {"", "1,2,3", "0,0,0,1,1,0", "0,0,0,1,1,x", "0,0,0,1,1,1e5", "1;2"}) {
+        const auto result = set.set("hull.bounds", wrong, "--hull.bounds");
+        ASSERT_FALSE(result) << wrong;
+        EXPECT_THAT(result.error().message, HasSubstr("--hull.bounds: must be X0,Y0,Z0,X1,Y1,Z1"));
+    }
+    EXPECT_EQ(config.pipeline.hull.bounds->max.x(), 1.0) << "a wrong value must change nothing";
+}
+
+TEST(SiteConfig, TakesBoundsFromTheRigOnlyWithoutItsOwn) {
+    config::Rig rig;
+    rig.bounds_site = geometry::Aabb{{-1, -1, 0}, {1, 1, 2}};
+    HullStageOptions hull;
+    take_bounds(rig, hull);
+    EXPECT_FALSE(hull.bounds) << "made up for the debug view only";
+    rig.has_bounds = true;
+    take_bounds(rig, hull);
+    ASSERT_TRUE(hull.bounds);
+    EXPECT_EQ(hull.bounds->max.z(), 2.0);
+    hull.bounds->max.z() = 1.0;
+    take_bounds(rig, hull);
+    EXPECT_EQ(hull.bounds->max.z(), 1.0);
+    HullStageOptions with_regions;
+    with_regions.regions.resize(1);
+    take_bounds(rig, with_regions);
+    EXPECT_FALSE(with_regions.bounds);
+    rig.cameras.resize(63);
+    HullStageOptions many;
+    take_bounds(rig, many);
+    EXPECT_FALSE(many.bounds) << "bounds take two of 64 views";
+}
+
 TEST(SiteConfig, ErrorsNameFileLineKeyAndWhatIsAllowed) {
     const std::string box = "bounds = { min = [0, 0, 0], max = [1, 1, 1] }\n";
     const std::string region = "[[hull.region]]\nname = \"a\"\n";
@@ -183,8 +224,7 @@ TEST(SiteConfig, ListsFileOnlySettingsToo) {
     hull.bounds = geometry::Aabb{{-1, -2, 0}, {1, 2, 2.5}};
     hull.whole_cameras = {"top", "side"};
     hull.regions = {{"stage", *hull.bounds, {"a", "b"}}, {"stairs", *hull.bounds, {}}};
-    EXPECT_THAT(set.effective(),
-                HasSubstr("hull.bounds = [-1, -2, 0] to [1, 2, 2.5]\n"));
+    EXPECT_THAT(set.effective(), HasSubstr("hull.bounds = [-1, -2, 0] to [1, 2, 2.5]\n"));
     EXPECT_THAT(set.effective(),
                 HasSubstr("hull.whole_cameras = [top, side]\n"
                           "hull.region = stage [-1, -2, 0] to [1, 2, 2.5] cameras [a, b], "
