@@ -1,6 +1,5 @@
-#include "core/config/toml_text_internal.hpp"
-
 #include "core/config/toml_nesting.hpp"
+#include "core/config/toml_text_internal.hpp"
 
 #include <fmt/format.h>
 
