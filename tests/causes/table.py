@@ -56,7 +56,7 @@ def _mistakes(row):
         yield "id: must be words of a-z and 0-9, joined by _"
     if isinstance(row.get("program"), str) and not _is_program(row["program"]):
         yield f"program: must be one of {', '.join(PROGRAMS)}, or another folder of tools/"
-    for key in ("cause", "cure", "by_hand"):
+    for key in ("cause", "cure"):
         text = row.get(key)
         if isinstance(text, str) and text and not _is_sentence(text):
             yield f"{key}: must be sentences in one line that end with a full stop"
