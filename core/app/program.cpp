@@ -79,10 +79,10 @@ std::string footer(const ProgramInfo& info) {
     std::string text;
     if (!info.examples.empty()) text += "Examples:\n" + info.examples;
     if (!text.empty() && !text.ends_with('\n')) text += '\n';
-    return text + "Exit codes: " +
-           (info.exit_codes.empty() ? std::string() : info.exit_codes + "; otherwise ") +
-           "0 done, 1 failed while running, 2 wrong command line or\nconfiguration, "
-           "3 something that the program needs is missing\n";
+    text +=
+        "Exit codes: 0 done, 1 failed while running, 2 wrong command line or configuration,\n"
+        "3 something that the program needs is missing";
+    return text + (info.exit_codes.empty() ? "\n" : "; here: " + info.exit_codes + "\n");
 }
 
 std::string in_one_line(std::string lines) {

@@ -2,7 +2,7 @@
 
 #include "core/base/text_file.hpp"
 #include "core/config/spelling.hpp"
-#include "core/config/toml_text.hpp"
+#include "core/config/toml_text_internal.hpp"
 
 #include <fmt/format.h>
 
@@ -72,6 +72,11 @@ std::string shown(const toml::value& value) {
     std::string line = text.str().substr(0, 60);
     std::replace(line.begin(), line.end(), '\n', ' ');
     return line;
+}
+
+bool has_tables(const toml::value& value) {
+    return value.is_table() ||
+           (value.is_array() && !value.as_array().empty() && value.as_array().front().is_table());
 }
 
 std::optional<double> as_number(const toml::value& value) {
@@ -185,11 +190,11 @@ std::string TableReader::where(const std::string& key) const {
 
 void TableReader::report(const std::string& key, const std::string& problem, ErrorKind kind) {
     const toml::value* value = holder(key).node_->find(last_part(key));
-    document_->report(
-        where(key),
-        node_->path + key,
-        value != nullptr ? fmt::format("{}, got {}", problem, shown(*value)) : problem,
-        kind);
+    const bool is_shown = value != nullptr && !has_tables(*value);
+    document_->report(where(key),
+                      node_->path + key,
+                      is_shown ? problem + ", got " + shown(*value) : problem,
+                      kind);
 }
 
 void TableReader::reject(const std::string& key, const std::string& what_is_allowed) {

@@ -1,9 +1,9 @@
-#include "core/config/toml_text.hpp"
-
 #include "core/config/toml_nesting.hpp"
+#include "core/config/toml_text_internal.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <sstream>
 #include <string_view>
 

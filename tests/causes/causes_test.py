@@ -4,6 +4,7 @@
 import os
 import sys
 import tempfile
+import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -56,6 +57,14 @@ class Table(unittest.TestCase):
         self.refused("area.toml", text="[[case]\n")
 
 
+def is_running(pid):
+    try:
+        with open(f"/proc/{pid}/stat", encoding="ascii") as stat:
+            return stat.read().split()[2] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+
+
 class Run(unittest.TestCase):
     def wrong(self, **changes):
         case, = read(ROW | {key: repr(value) if isinstance(value, str) else str(value) for key, value in changes.items()})
@@ -84,11 +93,10 @@ class Run(unittest.TestCase):
         _, wrong, output, _ = run.run_case((case, "/bin", "/nonexistent"))
         self.assertEqual(wrong, [])
         pid = output.split()[-1]
-        try:
-            with open(f"/proc/{pid}/stat", encoding="ascii") as stat:
-                self.assertEqual(stat.read().split()[2], "Z")
-        except FileNotFoundError:
-            pass  # it has ended and is gone
+        deadline = time.monotonic() + 20  # the kernel ends it when it gets to run
+        while is_running(pid) and time.monotonic() < deadline:
+            time.sleep(0.01)
+        self.assertFalse(is_running(pid))
 
     def test_ends_what_does_not_end_by_itself(self):
         run.LIMIT_S = 0.2

@@ -47,10 +47,9 @@ def entry(case):
 
 def page(cases):
     lines = HEAD.splitlines()
-    for program in table.PROGRAMS:
+    found = {case.program for case in cases}
+    for program in [name for name in table.PROGRAMS if name in found] + sorted(found - set(table.PROGRAMS)):
         of_program = [case for case in cases if case.program == program]
-        if not of_program:
-            continue
         lines += ["", f"## {program}"]
         for area in sorted({case.area for case in of_program}):
             lines += ["", f"### {title(area)}", ""]

@@ -9,7 +9,7 @@ import tomllib
 FOLDER = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(FOLDER))
 
-# in the order of the page
+# in the order of the page; other programs of tools/ follow
 PROGRAMS = ("every program", "site_node", "world_server", "viewer", "visual_hull", "demo", "monitor", "simulated_cameras", "atrium", "build")
 KEYS = {"id": str, "program": str, "cause": str, "cure": str, "prepare": str, "command": str, "exit": int, "message": (str, list),
         "needs_data": bool, "by_hand": str}
@@ -35,7 +35,11 @@ class TableError(Exception):
 
 
 def _is_sentence(text):
-    return bool(re.fullmatch(r"[A-Z0-9`\"'\[-].*[.!?]", text)) and "\n" not in text
+    return bool(re.fullmatch(r"\S.*[.!?]", text)) and "\n" not in text
+
+
+def _is_program(name):
+    return name in PROGRAMS or (re.fullmatch(r"[a-z_]+", name) and os.path.isdir(os.path.join(ROOT, "tools", name)))
 
 
 def _mistakes(row):
@@ -50,12 +54,12 @@ def _mistakes(row):
             yield f"{key} is missing"
     if isinstance(row.get("id"), str) and not re.fullmatch(r"[a-z][a-z0-9_]*", row["id"]):
         yield "id: must be words of a-z and 0-9, joined by _"
-    if isinstance(row.get("program"), str) and row["program"] not in PROGRAMS:
-        yield f"program: must be one of {', '.join(PROGRAMS)}"
-    for key in ("cause", "cure", "by_hand"):
+    if isinstance(row.get("program"), str) and not _is_program(row["program"]):
+        yield f"program: must be one of {', '.join(PROGRAMS)}, or another folder of tools/"
+    for key in ("cause", "cure"):
         text = row.get(key)
         if isinstance(text, str) and text and not _is_sentence(text):
-            yield f"{key}: must be sentences in one line, from a capital letter to a full stop"
+            yield f"{key}: must be sentences in one line that end with a full stop"
         if isinstance(text, str) and len(text) > 300:
             yield f"{key}: longer than 300 characters"
     messages = row.get("message")

@@ -87,7 +87,8 @@ std::string help(std::span<const Command> installed) {
         "  -h,--help   Print this help message and exit\n"
         "  --version   Display program version information and exit\n"
         "\nsite_node, world_server and viewer are programs of their own; each explains itself with "
-        "--help.\n";
+        "--help.\n"
+        "Exit codes: those of the tool; 2 no such tool or option, 3 the tool is not installed\n";
     return text;
 }
 
