@@ -51,6 +51,15 @@ void Outbox::put(bus::EditResult result) {
     changed_.notify_one();
 }
 
+void Outbox::leave(const std::string& sender) {
+    constexpr std::size_t kMaxLeft = 1024;  // as many as the bus keeps
+    {
+        const std::lock_guard lock(mutex_);
+        if (left_.size() < kMaxLeft) left_.push_back(sender);
+    }
+    changed_.notify_one();
+}
+
 void Outbox::put(bus::SavedWorlds saved_worlds) {
     {
         const std::lock_guard lock(mutex_);
@@ -92,6 +101,7 @@ void Outbox::take(Content& content,
     content.results.assign(std::make_move_iterator(results_.begin()),
                            std::make_move_iterator(results_.end()));
     results_.clear();
+    content.left = std::exchange(left_, {});
     for (auto& [id, change] : changes_) content.changes.push_back(std::move(change));
     for (auto& [site, placement] : placements_) content.placements.push_back(std::move(placement));
     changes_.clear();

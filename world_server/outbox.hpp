@@ -34,6 +34,7 @@ public:
         std::vector<bus::Scenery> scenery;
         std::vector<bus::Scenery> gone_scenery;  // disposed before `scenery` is written
         std::vector<bus::EditResult> results;
+        std::vector<std::string> left;  // senders whose results are disposed after `results`
         std::optional<bus::SavedWorlds> saved_worlds;
         bool has_state = false;
         MovedState state;  // left over from an earlier call if `has_state` is false
@@ -50,6 +51,8 @@ public:
     void replace(const std::vector<bus::Scenery>& gone, const std::vector<bus::Scenery>& scenery);
     /// At most 256 results wait; a further one replaces the oldest.
     void put(bus::EditResult result);
+    /// A sender has left: nobody waits for its results.
+    void leave(const std::string& sender);
     void put(bus::SavedWorlds saved_worlds);
     void put(const SceneChange& change);
     void put(const bus::SitePlacement& placement);
@@ -62,7 +65,8 @@ public:
 private:
     bool has_content() const {
         return has_state_ || has_people_ || !changes_.empty() || !placements_.empty() ||
-               !scenery_.empty() || !gone_scenery_.empty() || !results_.empty() || saved_worlds_;
+               !scenery_.empty() || !gone_scenery_.empty() || !results_.empty() || !left_.empty() ||
+               saved_worlds_;
     }
 
     std::mutex mutex_;
@@ -74,6 +78,7 @@ private:
     std::vector<bus::Scenery> scenery_;
     std::vector<bus::Scenery> gone_scenery_;
     std::deque<bus::EditResult> results_;
+    std::vector<std::string> left_;
     std::optional<bus::SavedWorlds> saved_worlds_;
     std::map<std::uint32_t, SceneChange> changes_;
     std::map<std::string, bus::SitePlacement> placements_;

@@ -68,7 +68,15 @@ void Publisher::send(const Outbox::Content& content) {
     for (const auto& placement : content.placements) write(endpoints_.placements, placement);
     for (const auto& gone : content.gone_scenery) dispose(endpoints_.scenery, gone);
     for (const auto& scenery : content.scenery) write(endpoints_.scenery, scenery);
-    for (const auto& result : content.results) write(endpoints_.edit_results, result);
+    for (const auto& result : content.results) {
+        answered_.insert(result.sender);
+        write(endpoints_.edit_results, result);
+    }
+    for (const std::string& sender : content.left) {
+        bus::EditResult key;
+        key.sender = sender;
+        if (answered_.erase(sender) > 0) dispose(endpoints_.edit_results, key);
+    }
     if (content.saved_worlds) write(endpoints_.saved_worlds, *content.saved_worlds);
     if (content.has_people && has_proxy_readers()) send(content.people);
     if (!content.has_state) return;

@@ -42,8 +42,9 @@ private:
     void note(const Expected<std::size_t>& written);
 
     Endpoints& endpoints_;
-    std::set<std::string> proxied_;  // sites with a published person proxy
-    bus::PersonProxy proxy_;         // scratch, like places_
+    std::set<std::string> proxied_;   // sites with a published person proxy
+    std::set<std::string> answered_;  // senders with an edit result
+    bus::PersonProxy proxy_;          // scratch, like places_
     std::vector<Eigen::Vector3f> places_;
     app::log::OncePerSecond log_;
     std::atomic<std::uint64_t> num_bytes_{0};

@@ -212,7 +212,10 @@ void WorldServer::Impl::take_edits() {
             reject("edit of " + edit.sender + ": " + *why);
             simulation.outbox().put(result_of(edit, false, *why));
         },
-        [&](const bus::SceneEdit& gone) { simulation.commands().leave(gone.sender); }));
+        [&](const bus::SceneEdit& gone) {
+            simulation.commands().leave(gone.sender);
+            simulation.outbox().leave(gone.sender);
+        }));
 }
 
 void WorldServer::Impl::receive(std::stop_token stop) {

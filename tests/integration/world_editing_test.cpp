@@ -335,6 +335,35 @@ TEST_F(WorldEditing, ChangesReachLateJoinersAndUndoRespectsOthers) {
     EXPECT_TRUE(alice.has_said("mass_kg"));
 }
 
+TEST_F(WorldEditing, EscapeEndsADragWithoutATraceAndEarlierEditsCanStillBeUndone) {
+    Editor alice("alice");
+    ASSERT_TRUE(is_ready(alice));
+    alice.ask([&](auto& edit) {
+        edit.change = alice.objects().at(kEditBox);
+        edit.change->mass_kg = 4.0;
+    });
+    ASSERT_TRUE(alice.has_said("box was changed"));
+    alice.click({0.0, 0.0, 0.15});
+    const Eigen::Vector3d before = alice.place_of(kEditBox);
+    const Eigen::Vector3d grip = alice.arrow(2);
+    alice.drag(grip, grip + Eigen::Vector3d(0, 0, 0.4));
+    ASSERT_TRUE(alice.until([&] { return alice.place_of(kEditBox).z() > 0.4; }));
+    alice.ask([](auto& edit) { edit.cancel = true; });
+    EXPECT_FALSE(alice.edit().is_dragging);
+    ASSERT_TRUE(alice.until([&] { return (alice.place_of(kEditBox) - before).norm() < 0.005; }));
+    alice.hold_button(false);
+    alice.step();
+    EXPECT_TRUE(alice.edit().selected) << "Escape ended only the drag";
+    alice.ask([](auto& edit) { edit.undo = true; });
+    EXPECT_TRUE(alice.until([&] { return alice.objects().at(kEditBox).mass_kg == 2.0; }));
+    // out of the world: refused, and the drag is over
+    const Eigen::Vector3d far = alice.arrow(0);
+    alice.drag(far, far - Eigen::Vector3d(30, 0, 0));
+    EXPECT_TRUE(alice.has_said("the place is outside the world"));
+    EXPECT_FALSE(alice.edit().is_dragging);
+    alice.hold_button(false);
+}
+
 TEST_F(WorldEditing, RemovedObjectsComeBackUnderTheirNumber) {
     Editor alice("alice");
     ASSERT_TRUE(is_ready(alice));

@@ -46,6 +46,8 @@ WorldEditing::Edits WorldEditing::update(const EditEvents& events,
     }
     if (const std::uint32_t added = history_.take_added(); added != 0) selected_ = added;
     if (selected_ != 0 && !shown.objects.contains(selected_) && !drag_) hovered_.reset();
+    if (std::exchange(lets_go_, false))
+        out.push_back(history_.edit(bus::EditKind::kLetGo, dragged_.object.object));
     take_keys(events, shown, now, out);
     const bool is_pressed = shown.pointer.is_down && !was_down_;
     if (!shown.pointer.is_down && !was_down_) owns_press_ = false;
@@ -175,13 +177,16 @@ std::vector<std::string> WorldEditing::take(EditNews news, Clock::time_point now
     if (news.is_server_gone) worlds_.reset();
     if (news.saved_worlds)
         worlds_ = std::make_shared<const bus::SavedWorlds>(std::move(*news.saved_worlds));
-    // a hold that the server refused: the drag is over
+    // the server refused the hold
     const bool was_hold_refused =
-        drag_ && std::any_of(news.results.begin(), news.results.end(), [](const auto& result) {
-            return !result.is_done;
+        drag_ && std::any_of(news.results.begin(), news.results.end(), [&](const auto& result) {
+            return !result.is_done && result.object == dragged_.object.object;
         });
     std::vector<std::string> texts = history_.take(news.results, is_supported(), now);
-    if (was_hold_refused) drag_.reset();
+    if (was_hold_refused) {
+        drag_.reset();
+        lets_go_ = true;
+    }
     texts.insert(texts.end(), texts_.begin(), texts_.end());
     texts_.clear();
     return texts;

@@ -84,6 +84,7 @@ private:
     geometry::RigidTransform sent_{};
     Clock::time_point sent_at_;
     bool was_down_ = false;
+    bool lets_go_ = false;     // the drag has ended without a place
     bool owns_press_ = false;  // the button was pressed on a handle
     bool is_click_ = false;    // pressed, and not moved since
     Eigen::Vector2d pressed_px_ = Eigen::Vector2d::Zero();
