@@ -246,6 +246,14 @@ Expected<void> Concluder::find_up() {
                         level.z()));
     }
     tell(why);
+    if (said_.up.empty() && foreign_.up.empty() && found.other_up) {
+        int axis = 0;
+        found.other_up->cwiseAbs().maxCoeff(&axis);
+        doubt(
+            fmt::format("up: if the cameras lie on their side, up is about {0}{1}: say --up {0}{1}",
+                        (*found.other_up)[axis] > 0.0 ? '+' : '-',
+                        "XYZ"[axis]));
+    }
     return {};
 }
 

@@ -1,8 +1,8 @@
 #include "tools/calibrate/import.hpp"
 
 #include "site_node/capture/recording_source.hpp"
+#include "tools/calibrate/formats/rig_file.hpp"
 #include "tools/calibrate/recording/make_recording.hpp"
-#include "tools/calibrate/rig_file.hpp"
 
 #include <fmt/format.h>
 

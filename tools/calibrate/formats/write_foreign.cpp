@@ -1,5 +1,5 @@
 #include "tools/calibrate/formats/format.hpp"
-#include "tools/calibrate/rig_file.hpp"
+#include "tools/calibrate/formats/rig_file.hpp"
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>

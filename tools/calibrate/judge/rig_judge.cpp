@@ -27,7 +27,6 @@ constexpr double kLevel = 0.15;
 // An axis of the frame is up if it is so near, as a cosine, and the pictures are about as level.
 constexpr double kOnAnAxis = 0.966;
 constexpr double kAsLevel = 0.03;
-constexpr double kClearlyMoreLevel = 0.02;
 constexpr double kUprightAlike = 0.8;  // length of the mean of unit vectors
 
 Eigen::Vector3d axis_site(const geometry::CalibratedCamera& camera, int axis) {
@@ -189,13 +188,16 @@ UpChoice choose_up(Cameras cameras) {
     for (const int candidate : {0, 1}) {
         const Perpendicular found = perpendicular_to(cameras, candidate);
         const double tilt = tilt_about(cameras, found.direction, candidate);
-        // portrait pictures are rare: they must be clearly more level
-        const double needed = candidate == 1 && choice.is_known ? kClearlyMoreLevel : 0.0;
-        const bool is_better = candidate == 0 || !choice.is_known || tilt < choice.tilt - needed;
-        if (!found.is_unique || tilt > kLevel || !is_better) continue;
+        if (!found.is_unique || tilt > kLevel) continue;
+        const Eigen::Vector3d up = with_sign(cameras, found.direction);
+        if (candidate == 1 && side == 0 && choice.is_known) {
+            // pictures on their side are rare
+            if (up.dot(choice.up) < kOnAnAxis) choice.other_up = up;
+            continue;
+        }
         side = candidate;
         choice.tilt = tilt;
-        choice.up = with_sign(cameras, found.direction);
+        choice.up = up;
         choice.is_known = cameras.size() > 2;
     }
     int axis = 0;

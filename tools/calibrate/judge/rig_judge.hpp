@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -50,7 +51,9 @@ double metres_of(const std::string& unit);
 
 struct UpChoice {
     Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  // unit vector in the frame of the cameras
-    double tilt = 0.0;      // mean deviation of the pictures from level, as a sine
+    double tilt = 0.0;  // mean deviation of the pictures from level, as a sine
+    /// Up if the pictures lie on their side, where that is possible as well.
+    std::optional<Eigen::Vector3d> other_up;
     bool is_known = false;  // false: the cameras are tilted too differently
     std::string axis;       // the axis of the frame that is as good as `up`, for example "+Y"
 };

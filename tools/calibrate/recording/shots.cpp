@@ -14,6 +14,7 @@ namespace fs = std::filesystem;
 
 constexpr int kMaxFolders = 4;
 constexpr std::size_t kMaxFiles = 200'000;
+constexpr int kByName = 70;            // likeness of names, not only of numbers
 constexpr std::size_t kMaxAlone = 64;  // a folder with one picture per camera has no more
 constexpr std::array kVideos{
     ".avi", ".mp4", ".mkv", ".mov", ".m4v", ".webm", ".mpg", ".mpeg", ".wmv"};
@@ -238,8 +239,10 @@ Expected<Matches> match_shots(const std::vector<std::string>& cameras,
         int best = 0;
         std::vector<const Shots*> fitting;
         for (const Shots& one : shots) {
-            // 2 * likeness: a whole folder goes before one picture of it
-            const int points = 2 * likeness(camera, one.label, labels) - (one.is_alone ? 1 : 0);
+            const int like = likeness(camera, one.label, labels);
+            // the number of one picture is that of a frame; and a whole folder goes before it
+            if (one.is_alone && like < kByName) continue;
+            const int points = 2 * like - (one.is_alone ? 1 : 0);
             if (points < 2 || points < best) continue;
             if (points > best) fitting.clear();
             best = points;

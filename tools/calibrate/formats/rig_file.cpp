@@ -1,4 +1,4 @@
-#include "tools/calibrate/rig_file.hpp"
+#include "tools/calibrate/formats/rig_file.hpp"
 
 #include <fmt/format.h>
 
