@@ -1,5 +1,6 @@
 #include "viewer/renderer/person/person_model.hpp"
 
+#include "viewer/renderer/person/fallback_colours.hpp"
 #include "viewer/renderer/person/inverse_depth.hpp"
 #include "viewer/renderer/person/person_rows.hpp"
 
@@ -26,9 +27,7 @@ struct PersonModelScratch::Parts {
     InverseDepthPicture depth;
     Seen seen;
     std::vector<std::vector<std::int32_t>> texels;  // per camera and vertex: index in its layer
-    std::vector<Eigen::Vector4f> colour_sums;       // per vertex
-    std::vector<std::uint8_t> is_coloured;
-    std::vector<std::uint32_t> partly_coloured;  // triangles
+    FallbackScratch fallback;
 };
 
 PersonModelScratch::PersonModelScratch() : parts(std::make_unique<Parts>()) {}
@@ -286,66 +285,6 @@ void judge_vertices(const CameraStage& stage,
     judge_seen(seeing, seen, camera.quality, image::best_row_code());
 }
 
-// Computes the fallback colours: the mean of what the cameras see, or else the colour of the
-// nearest vertices along the surface.
-void colour_vertices(PersonModel& model, PersonModelScratch::Parts& scratch) {
-    constexpr float kLeastQuality = 0.02f;
-    scratch.colour_sums.assign(model.vertices_site.size(), Eigen::Vector4f::Zero());
-    for (std::size_t c = 0; c < model.cameras.size(); ++c) {
-        const float* quality = model.cameras[c].quality.data();
-        const std::int32_t* texels = scratch.texels[c].data();
-        const std::uint8_t* layer = model.layers.data() + c * layer_bytes(model);
-        for (std::size_t v = 0; v < scratch.colour_sums.size(); ++v) {
-            if (quality[v] <= kLeastQuality) continue;
-            const std::uint8_t* rgba = layer + 4 * std::ptrdiff_t{texels[v]};
-            const Eigen::Vector4i colour(rgba[0], rgba[1], rgba[2], rgba[3]);
-            scratch.colour_sums[v] += quality[v] * colour.cast<float>();
-        }
-    }
-    Eigen::Vector3f mean = Eigen::Vector3f::Zero();
-    std::size_t num_coloured = 0;
-    model.fallback.assign(model.vertices_site.size(), Eigen::Vector3f::Zero());
-    scratch.is_coloured.assign(model.vertices_site.size(), 0);
-    for (std::size_t v = 0; v < model.vertices_site.size(); ++v) {
-        const Eigen::Vector4f& sum = scratch.colour_sums[v];
-        if (sum.w() <= 1.0f) continue;
-        model.fallback[v] = sum.head<3>() / sum.w();
-        scratch.is_coloured[v] = 1;
-        mean += model.fallback[v];
-        ++num_coloured;
-    }
-    mean = num_coloured > 0 ? Eigen::Vector3f(mean / static_cast<float>(num_coloured))
-                            : Eigen::Vector3f::Constant(0.5f);
-
-    constexpr int kMaxSteps = 24;  // edges; vertices farther away get the mean colour
-    const auto has_bare_corner = [&](std::uint32_t t) {
-        const auto& [a, b, c] = model.triangles[t];
-        return (scratch.is_coloured[a] & scratch.is_coloured[b] & scratch.is_coloured[c]) == 0;
-    };
-    scratch.partly_coloured.clear();
-    for (std::uint32_t t = 0; t < model.triangles.size(); ++t)
-        if (has_bare_corner(t)) scratch.partly_coloured.push_back(t);
-    for (int step = 0; step < kMaxSteps && num_coloured < model.fallback.size(); ++step) {
-        const std::size_t before = num_coloured;
-        for (const std::uint32_t t : scratch.partly_coloured) {
-            const auto& triangle = model.triangles[t];
-            for (int i = 0; i < 3; ++i) {
-                const std::uint32_t from = triangle[static_cast<std::size_t>(i)];
-                const std::uint32_t to = triangle[static_cast<std::size_t>((i + 1) % 3)];
-                if (scratch.is_coloured[from] == 0 || scratch.is_coloured[to] != 0) continue;
-                model.fallback[to] = model.fallback[from];
-                scratch.is_coloured[to] = 1;
-                ++num_coloured;
-            }
-        }
-        if (num_coloured == before) break;
-        std::erase_if(scratch.partly_coloured,
-                      [&](std::uint32_t t) { return !has_bare_corner(t); });
-    }
-    for (std::size_t v = 0; v < model.fallback.size(); ++v)
-        if (scratch.is_coloured[v] == 0) model.fallback[v] = mean;
-}
-
 }  // namespace
 
 void build_person_model(const geometry::TriangleMesh& mesh_site,
@@ -393,7 +332,7 @@ void build_person_model(const geometry::TriangleMesh& mesh_site,
         ++index;
     }
     compensate_gains(options.gain_compensation, all_scratch.gain_compensation, out);
-    colour_vertices(out, scratch);
+    find_fallback_colours(scratch.texels, scratch.fallback, out);
 }
 
 }  // namespace atrium::renderer
