@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 // Converts Assimp's scene to a rig and a surface.
 namespace atrium::simulation {
@@ -35,6 +36,7 @@ public:
         }
         parts_.surface.textures = look_.take_textures();
         parts_.warnings = look_.warnings();
+        parts_.rig.num_skin_bones = skin_nodes_.size();
         take_animation(scene_, parts_.rig);
         return std::move(parts_);
     }
@@ -108,6 +110,7 @@ private:
             const auto carrier = by_name_.find(bone.mName.C_Str());
             if (carrier == by_name_.end())
                 return invalid(fmt::format("bone '{}' is not a node", bone.mName.C_Str()));
+            skin_nodes_.insert(carrier->second);  // several meshes may share a bone
             const auto index = static_cast<std::uint32_t>(rig.bones.size());
             rig.bones.push_back({carrier->second, to_eigen(bone.mOffsetMatrix), node});
             for (unsigned w = 0; w < bone.mNumWeights; ++w) {
@@ -116,7 +119,6 @@ private:
                     of_vertex[weight.mVertexId].push_back({index, weight.mWeight});
             }
         }
-        rig.num_skin_bones += mesh.mNumBones;
         const auto rigid = static_cast<std::uint32_t>(rig.bones.size());
         rig.bones.push_back(
             {node, Eigen::Affine3f::Identity(), node});  // for vertices without bones
@@ -136,6 +138,7 @@ private:
     ModelLook look_;
     ModelParts parts_;
     std::map<std::string, std::size_t> by_name_;
+    std::set<std::size_t> skin_nodes_;
     std::vector<std::pair<std::size_t, unsigned>> meshes_;  // node, mesh
 };
 

@@ -15,16 +15,16 @@ namespace atrium::simulation {
 
 /// Options of a simulated room and its person.
 struct RoomOptions {
-    std::string look = "ada";           // one of `look_names()`
-    std::string motion = "wave";        // one of `motion_names()`; "table_hands" brings a table
-    std::filesystem::path model;        // if not empty: replaces the person and its motion
-    std::filesystem::path motion_file;  // if not empty: moves the model
-    double model_height_m = 0.0;        // scales the model to this height; 0: as in its file
-    double model_turn_rad = 0.0;        // about the vertical, positive turns left
-    double loop_s = 3.0;                // the motion repeats after this time
-    double rate_hz = 30.0;              // pictures per second of every camera
-    double noise_lsb = 2.0;             // standard deviation of the noise of each colour channel
-    std::uint64_t seed = 1;             // of the noise
+    std::string look = "ada";             // one of `look_names()`
+    std::string motion = "wave";          // one of `motion_names()`; "table_hands" brings a table
+    std::filesystem::path model;          // if not empty: replaces the person and its motion
+    std::filesystem::path motion_file{};  // if not empty: moves the model
+    double model_height_m = 0.0;          // scales the model to this height; 0: as in its file
+    double model_turn_rad = 0.0;          // about the vertical, positive turns left
+    double loop_s = 3.0;                  // the motion repeats after this time
+    double rate_hz = 30.0;                // pictures per second of every camera
+    double noise_lsb = 2.0;               // standard deviation of the noise of each colour channel
+    std::uint64_t seed = 1;               // of the noise
     Eigen::Vector3d position_m{0.0, 0.0, 0.0};  // of the person or the table's centre, site frame
     double heading_rad = 0.0;                   // 0 faces +Y, positive turns left
     int num_empty_frames = 16;                  // pictures of the empty room per camera

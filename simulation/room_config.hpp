@@ -13,7 +13,7 @@ struct RoomConfig {
     std::string look = "ada";
     std::string motion = "walk";
     std::filesystem::path model;
-    std::filesystem::path motion_file;
+    std::filesystem::path motion_file{};
     double model_height_m = 0.0;
     double model_turn_deg = 0.0;
     double loop_s = 3.0;

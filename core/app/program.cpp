@@ -17,6 +17,7 @@
 #include <cstdlib>
 #include <map>
 #include <optional>
+#include <regex>
 #include <set>
 #include <string>
 #include <thread>
@@ -85,7 +86,12 @@ std::string footer(const ProgramInfo& info) {
     return text + (info.exit_codes.empty() ? "\n" : "; here: " + info.exit_codes + "\n");
 }
 
+// For the log. Hides what may be secret in addresses: their options, and the key of rtmp.
 std::string in_one_line(std::string lines) {
+    static const std::regex kOptions("(://[^\n?]*)[?][^\n]*");
+    static const std::regex kKey("(rtmps?://[^\n]*/)[^\n]*");
+    lines = std::regex_replace(lines, kOptions, "$1?...");
+    lines = std::regex_replace(lines, kKey, "$1...");
     if (!lines.empty()) lines.pop_back();  // the last line's end
     std::replace(lines.begin(), lines.end(), '\n', ';');
     return lines;

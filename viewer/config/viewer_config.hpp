@@ -47,11 +47,11 @@ struct DisplayConfig {
 struct VideoConfig {
     std::filesystem::path file;  // empty: none
     double fps = 10.0;
-    int width = 0;        // 0: as the view
-    int height = 0;       // if only one is 0, it follows from the view's aspect ratio
-    std::string stream;   // address of a receiver; empty: none
-    int stream_kbps = 0;  // 0: by size and rate
-    std::filesystem::path virtual_camera;  // V4L2 output device; empty: none
+    int width = 0;         // 0: as the view
+    int height = 0;        // if only one is 0, it follows from the view's aspect ratio
+    std::string stream{};  // address of a receiver; empty: none
+    int stream_kbps = 0;   // 0: by size and rate
+    std::filesystem::path virtual_camera{};  // V4L2 output device; empty: none
 };
 
 struct ViewerConfig {

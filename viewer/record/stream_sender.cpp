@@ -6,6 +6,7 @@
 #include <pthread.h>
 
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <optional>
 
@@ -185,7 +186,9 @@ void StreamSender::run(std::stop_token stop) {
             is_connected_ = false;
             drop_all();
         } else if (!stop.stop_requested()) {
-            report(code == AVERROR_EXIT ? "no answer" : text_of(code));
+            // srt reports EIO for everything
+            const bool is_silent = code == AVERROR_EXIT || code == AVERROR(EIO);
+            report(is_silent ? "no answer" : text_of(code));
         }
         std::unique_lock lock(mutex_);
         offered_.wait_until(lock, stop, begin + kRetry, [] { return false; });
@@ -205,7 +208,9 @@ void StreamSender::send(Connection& connection, std::stop_token stop) {
         if (code < 0) {
             ++num_dropped_;
             if (!stop.stop_requested())
-                report(code == AVERROR_EXIT ? "the receiver takes no pictures" : text_of(code));
+                report(code == AVERROR_EXIT   ? "the receiver takes no pictures"
+                       : code == AVERROR(EIO) ? "the receiver is gone"
+                                              : text_of(code));
             return;
         }
         ++num_sent_;

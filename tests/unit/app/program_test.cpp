@@ -66,6 +66,16 @@ TEST_F(ProgramStart, LogsItsSettingsUnlessItOnlyPrints) {
     EXPECT_EQ(output_ + errors_, "");
 }
 
+TEST_F(ProgramStart, HidesOptionsAndKeysOfAddresses) {
+    start_with({"--name", "srt://studio:9000?mode=caller&passphrase=geheim", "--rate_hz", "7"});
+    EXPECT_THAT(errors_, HasSubstr("name = srt://studio:9000?...\""));
+    EXPECT_THAT(errors_, HasSubstr("rate_hz = 7"));
+    EXPECT_THAT(errors_, testing::Not(HasSubstr("geheim")));
+    start_with({"--name", "rtmp://live.example.org/app/geheim"});
+    EXPECT_THAT(errors_, HasSubstr("name = rtmp://live.example.org/app/...\""));
+    EXPECT_THAT(errors_, testing::Not(HasSubstr("geheim")));
+}
+
 TEST_F(ProgramStart, CommandLineOverridesTheFile) {
     const std::string config = file("rate_hz = 10\nname = \"file\"\n");
     EXPECT_TRUE(start_with({"--name", "line", "--config", config}).go_on);

@@ -71,6 +71,16 @@ private:
                             : fmt::format("C: \"OP\",{},{}, \"{}\"\n", child, parent, property);
     }
 
+    // Of the node that carries the mesh: 3ds Max leaves the axes and units of its scene there.
+    Eigen::Affine3d mesh_from_file() const {
+        Eigen::Affine3d file_from_mesh = Eigen::Affine3d::Identity();
+        if (options_.is_mesh_turned) {
+            file_from_mesh =
+                Eigen::AngleAxisd(-0.5 * std::numbers::pi, Vector3d::UnitX()) * Eigen::Scaling(2.5);
+        }
+        return file_from_mesh.inverse();
+    }
+
     void settings() {
         const int up = options_.is_z_up ? 2 : 1;
         out_ << "; FBX 7.4.0 project file\nFBXHeaderExtension:  {\nFBXHeaderVersion: "
@@ -92,8 +102,8 @@ private:
         std::vector<double> positions, normals, places;
         std::vector<int> indices;
         for (std::size_t v = 0; v < body_.positions.size(); ++v) {
-            const Vector3d p = in_file(body_.positions[v]);
-            const Vector3d n = turned(body_.normals[v]);
+            const Vector3d p = mesh_from_file() * in_file(body_.positions[v]);
+            const Vector3d n = (mesh_from_file().linear() * turned(body_.normals[v])).normalized();
             positions.insert(positions.end(), p.begin(), p.end());
             normals.insert(normals.end(), n.begin(), n.end());
             places.push_back(body_.texture_places[v].x());
@@ -122,7 +132,8 @@ private:
                const std::string& name,
                const char* kind,
                const Vector3d& at,
-               const Vector3d& turn) {
+               const Vector3d& turn,
+               double scale = 1.0) {
         out_ << fmt::format(
                     "Model: {}, \"Model::{}\", \"{}\" {{\nProperties70:  {{\n", id, name, kind)
              << fmt::format("P: \"RotationActive\", \"bool\", \"\", \"\",1\n")
@@ -130,6 +141,10 @@ private:
                             turn.x(),
                             turn.y(),
                             turn.z())
+             << fmt::format("P: \"Lcl Scaling\", \"Lcl Scaling\", \"\", \"A\",{},{},{}\n",
+                            scale,
+                            scale,
+                            scale)
              << fmt::format(
                     "P: \"Lcl Translation\", \"Lcl Translation\", \"\", \"A\",{},{},{}\n}}\n}}\n",
                     at.x(),
@@ -138,7 +153,13 @@ private:
     }
 
     void models() {
-        model(kBody, "body", "Mesh", Vector3d::Zero(), Vector3d::Zero());
+        const bool is_turned = options_.is_mesh_turned;
+        model(kBody,
+              "body",
+              "Mesh",
+              Vector3d::Zero(),
+              {is_turned ? -90.0 : 0.0, 0.0, 0.0},
+              is_turned ? 2.5 : 1.0);
         connect(kBody, 0);
         for (std::size_t i = 0; i < joints_.size(); ++i) {
             const int id = kBones + static_cast<int>(i);
@@ -174,7 +195,7 @@ private:
             Eigen::Matrix4d link = Eigen::Matrix4d::Identity();
             link.topLeftCorner<3, 3>() = file_from_bone_[i];
             link.topRightCorner<3, 1>() = in_file(joints_[i].at);
-            const Eigen::Matrix4d inverse = link.inverse();
+            const Eigen::Matrix4d inverse = link.inverse() * mesh_from_file().inverse().matrix();
             const auto numbers = [](const Eigen::Matrix4d& m) {
                 return std::vector<double>(m.data(), m.data() + 16);  // by columns
             };

@@ -130,6 +130,7 @@ TEST_F(MadeModel, StandsAndMovesInEveryFormatUnitAndAxis) {
             PersonOptions person = biped();
             person.names = names;
             person.is_z_up = is_z_up;
+            person.is_mesh_turned = names == Names::kBiped;
             made::write_fbx(folder_ / "person.fbx", person);
             const auto model = Model::load(room("person.fbx"));
             ASSERT_TRUE(model) << model.error().message;

@@ -18,6 +18,7 @@ struct PersonOptions {
     double units_per_m = 1.0;
     double fbx_unit_scale = 100.0;  // centimetres per unit, as FBX states it
     bool is_z_up = false;           // coordinates of the file; FBX states it
+    bool is_mesh_turned = false;    // FBX: the mesh has a node with its own rotation and scale
     bool has_skin = true;
     bool has_animation = true;  // the left arm is raised by 90 degrees in a second
     bool arms_hang = false;     // rests in an A pose, else in a T pose
