@@ -42,7 +42,6 @@ public:
 
     /// The view has no contours if the camera sees nobody.
     Expected<views::NamedView> write(capture::CameraFrame frame, std::size_t number) {
-        frame.silhouette = nullptr;
         if (auto done = stage_.find(frame, {}, found_); !done) return tl::unexpected(done.error());
         const fs::path file = capture::numbered_png(folder_, number);
         if (auto done = capture::write_mask(found_.mask.mask, file); !done)
@@ -106,7 +105,8 @@ Expected<void> write_silhouettes(const SiteNodeConfig& config, std::stop_token s
         return make_error(ErrorKind::kConfiguration,
                           "--write-silhouettes: needs a recording; add --recording DIR");
     }
-    auto source = capture::RecordingSource::open({config.capture.recording, 0.0, false});
+    auto source = capture::RecordingSource::open(
+        {.folder = config.capture.recording, .ignore_silhouettes = true});
     if (!source) return tl::unexpected(source.error());
     if (auto fits = check_areas(config.pipeline, (*source)->rig()); !fits) return fits;
     const fs::path& folder = config.write_silhouettes;

@@ -37,13 +37,14 @@ std::optional<std::int64_t> parse_integer(std::string_view text) {
 class RecordingSource::Track {
 public:
     static Expected<std::unique_ptr<Track>> open(const fs::path& folder,
-                                                 const geometry::PinholeCamera& expected) {
+                                                 const geometry::PinholeCamera& expected,
+                                                 bool ignore_masks) {
         auto track = std::make_unique<Track>();
         track->expected_ = expected;
         auto pictures = PictureFile::find(folder, "frames");
         if (!pictures) return tl::unexpected(pictures.error());
         track->pictures_ = std::move(*pictures);
-        if (fs::is_directory(folder / "silhouettes")) {
+        if (!ignore_masks && fs::is_directory(folder / "silhouettes")) {
             auto masks = PictureFile::find(folder, "silhouettes");
             if (!masks) return tl::unexpected(masks.error());
             track->masks_ = std::move(*masks);
@@ -126,7 +127,8 @@ Expected<std::unique_ptr<RecordingSource>> RecordingSource::open(const Recording
     source->options_ = options;
     std::size_t num_with_masks = 0;
     for (const auto& camera : source->rig_.cameras) {
-        auto track = Track::open(options.folder / camera.name, camera.intrinsics);
+        auto track = Track::open(
+            options.folder / camera.name, camera.intrinsics, options.ignore_silhouettes);
         if (!track) return tl::unexpected(track.error());
         source->num_frames_ = std::max(source->num_frames_, (*track)->num_frames());
         num_with_masks += (*track)->has_masks() ? 1 : 0;

@@ -19,6 +19,7 @@ struct RecordingOptions {
     std::size_t every = 1;  // plays each Nth instant; at the recorded rate, N periods apart
     /// Does not keep a pace: the sink blocks until it wants the next instant. At most 400 a second.
     bool as_fast_as_possible = false;
+    bool ignore_silhouettes = false;  // neither read nor checked
 };
 
 /// Plays a recording of image sequences or video files in real time (docs/conventions.md,
