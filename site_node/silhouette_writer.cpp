@@ -43,7 +43,6 @@ public:
 
     /// The view has no contours if the camera sees nobody.
     Expected<views::NamedView> write(capture::CameraFrame frame, std::size_t number) {
-        frame.silhouette = nullptr;
         if (auto done = stage_.find(frame, {}, found_); !done) return tl::unexpected(done.error());
         const fs::path file = capture::numbered_png(folder_, number);
         if (auto done = capture::write_mask(found_.mask.mask, file); !done)
@@ -109,7 +108,8 @@ Expected<void> write_silhouettes(const SiteNodeConfig& config, std::stop_token s
     }
     if (auto found = check_places(config); !found) return found;
     if (const auto rig = load_checked_rig(config); !rig) return tl::unexpected(rig.error());
-    auto source = capture::RecordingSource::open({config.capture.recording, 0.0, false});
+    auto source = capture::RecordingSource::open(
+        {.folder = config.capture.recording, .ignore_silhouettes = true});
     if (!source) return tl::unexpected(source.error());
     if (auto fits = check_areas(config.pipeline, (*source)->rig()); !fits) return fits;
     const fs::path& folder = config.write_silhouettes;

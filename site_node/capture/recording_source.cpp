@@ -59,7 +59,8 @@ tl::unexpected<Error> wrong_size(const fs::path& file,
 class RecordingSource::Track {
 public:
     static Expected<std::unique_ptr<Track>> open(const fs::path& folder,
-                                                 const geometry::PinholeCamera& expected) {
+                                                 const geometry::PinholeCamera& expected,
+                                                 bool ignore_masks) {
         auto track = std::make_unique<Track>();
         track->expected_ = expected;
         auto pictures = PictureFile::find(folder, "frames");
@@ -67,7 +68,7 @@ public:
         track->pictures_ = std::move(*pictures);
         if (const auto size = track->pictures_.size(); size && !fits(*size, expected))
             return wrong_size(track->pictures_.path(), "the pictures have", *size, expected);
-        if (fs::is_directory(folder / "silhouettes")) {
+        if (!ignore_masks && fs::is_directory(folder / "silhouettes")) {
             auto masks = PictureFile::find(folder, "silhouettes");
             if (!masks) return tl::unexpected(masks.error());
             track->masks_ = std::move(*masks);
@@ -144,7 +145,8 @@ Expected<std::unique_ptr<RecordingSource>> RecordingSource::open(const Recording
     source->options_ = options;
     std::size_t num_with_masks = 0;
     for (const auto& camera : source->rig_.cameras) {
-        auto track = Track::open(options.folder / camera.name, camera.intrinsics);
+        auto track = Track::open(
+            options.folder / camera.name, camera.intrinsics, options.ignore_silhouettes);
         if (!track) return tl::unexpected(track.error());
         source->num_frames_ = std::max(source->num_frames_, (*track)->num_frames());
         num_with_masks += (*track)->has_masks() ? 1 : 0;

@@ -20,6 +20,7 @@ struct RecordingOptions {
     std::size_t every = 1;  // plays each Nth instant; at the recorded rate, N periods apart
     /// Does not keep a pace: the sink blocks until it wants the next instant. At most 400 a second.
     bool as_fast_as_possible = false;
+    bool ignore_silhouettes = false;  // neither read nor checked
     /// Receives the reason for each picture that is left out: its file, number and what is wrong.
     std::function<void(const std::string&)> report_unreadable = {};
 };

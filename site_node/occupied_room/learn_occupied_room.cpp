@@ -228,7 +228,7 @@ std::vector<Expected<LearnedRoom>> learn_occupied_room(
             learned.push_back(make_error(ErrorKind::kUnavailable, "stopped while learning"));
         } else if (!cameras[c].has_enough()) {
             learned.push_back(
-                make_error(ErrorKind::kInvalidData,
+                make_error(ErrorKind::kNotFound,
                            "only " + std::to_string(cameras[c].num_pictures()) +
                                " pictures, but a room with people in it needs at least " +
                                std::to_string(kMinOccupiedPictures) +

@@ -50,7 +50,7 @@ constexpr std::size_t kMinOccupiedPictures = 8;
 /// - Where the other cameras agree that a person hides a block, its look does not count.
 /// - A block that shows no lasting look, and what such blocks enclose, was never seen empty.
 ///
-/// Results are in the order of the cameras; error kInvalidData for a camera with too few pictures.
+/// Results are in the order of the cameras; error kNotFound for a camera with too few pictures.
 /// Calls `progress(rounds done, rounds in total)`. Ends early with kUnavailable on a stop. Needs a
 /// few bytes per pixel, camera and instant.
 std::vector<Expected<LearnedRoom>> learn_occupied_room(

@@ -24,6 +24,9 @@ public:
         int y = 0;
     };
 
+    /// `delay` puts off the first look, so that cameras look at different instants.
+    explicit RoomWatch(std::uint32_t delay = 0) : next_(kFirstGap + delay) {}
+
     /// Counts a picture; true if it should be shown to `look`.
     bool is_due();
 
@@ -44,7 +47,7 @@ private:
     static constexpr int kGrid = 12;
 
     std::uint32_t num_pictures_ = 0;
-    std::uint32_t next_ = kFirstGap;
+    std::uint32_t next_;
     int num_looks_ = 0;
     bool is_done_ = false;
     std::array<std::uint16_t, kGrid * kGrid> history_{};

@@ -21,7 +21,7 @@ using segmentation::BackgroundStatistics;
 using Clock = std::chrono::steady_clock;
 
 // Pictures in memory at most; larger rigs learn from fewer instants.
-constexpr std::size_t kMaxBytes = std::size_t{1} << 30;
+constexpr std::size_t kMaxBytes = std::size_t{768} << 20;
 
 // [camera][instant]; null: no picture.
 using Kept = std::vector<std::vector<std::unique_ptr<KeptPicture>>>;

@@ -5,6 +5,7 @@
 #include "core/image/raw_image.hpp"
 
 #include <chrono>
+#include <functional>
 #include <numeric>
 #include <utility>
 
@@ -16,7 +17,9 @@ SilhouetteStage::SilhouetteStage(const geometry::CalibratedCamera& camera,
     : intrinsics_(camera.intrinsics),
       options_(options.silhouette),
       name_(camera.name),
-      segmenter_(std::move(segmenter)) {}
+      segmenter_(std::move(segmenter)),
+      watch_(static_cast<std::uint32_t>(std::hash<std::string>{}(camera.name) %
+                                        segmentation::RoomWatch::kFirstGap)) {}
 
 Expected<void> SilhouetteStage::find(const capture::CameraFrame& frame,
                                      const GiveWay& give_way,

@@ -12,13 +12,20 @@ namespace {
 using site_node::SilhouetteStage;
 using site_node::SilhouetteStageOptions;
 
-Expected<SilhouetteStage> make_stage(capture::RecordingSource& source,
-                                     const capture::CameraFrame& picture,
-                                     const SilhouetteStageOptions& options) {
-    if (picture.silhouette != nullptr)
-        return SilhouetteStage(source.rig().cameras[picture.camera], options);
-    auto stages = site_node::make_silhouette_stages(source, {picture.camera}, options, {});
-    return std::move(stages.front());
+// A stage for each picture that exists, in their order. All rooms are learned at once, because
+// without an empty room each camera needs the pictures of the others.
+std::vector<Expected<SilhouetteStage>> make_stages(capture::RecordingSource& source,
+                                                   const capture::Metaframe& metaframe,
+                                                   const SilhouetteStageOptions& options) {
+    std::vector<std::size_t> cameras;
+    std::vector<Expected<SilhouetteStage>> stages;
+    for (const capture::CameraFrame& picture : metaframe.frames) {
+        if (picture.image.empty()) continue;
+        cameras.push_back(picture.camera);
+        stages.emplace_back(SilhouetteStage(source.rig().cameras[picture.camera], options));
+    }
+    if (source.has_silhouettes()) return stages;
+    return site_node::make_silhouette_stages(source, cameras, options, {});
 }
 
 }  // namespace
@@ -54,14 +61,15 @@ Expected<std::vector<views::NamedView>> load_recording_views(
 
     site_node::PictureSilhouette found;
     std::vector<views::NamedView> views;
+    auto stages = make_stages(**source, *metaframe, options);
+    auto stage = stages.begin();
     for (const capture::CameraFrame& picture : metaframe->frames) {
         const geometry::CalibratedCamera& camera = (*source)->rig().cameras[picture.camera];
         views.push_back({camera.name, {camera.intrinsics, camera.camera_from_site, {}, {}}});
         if (picture.image.empty()) continue;
-        const auto segmented =
-            make_stage(**source, picture, options).and_then([&](SilhouetteStage&& stage) {
-                return stage.find(picture, {}, found);
-            });
+        const Expected<void> segmented =
+            *stage ? (*stage)->find(picture, {}, found) : tl::unexpected(stage->error());
+        ++stage;
         if (!segmented) {
             return make_error(
                 segmented.error().kind,

@@ -92,6 +92,7 @@ TEST_F(MasksOnDisk, NamesTheCureForMasksOfAnotherSize) {
         write(fs::path(camera) / "silhouettes/000000.png", cv::Mat(24, 32, CV_8UC1, cv::Scalar(0)));
     const auto source = RecordingSource::open({.folder = folder_});
     ASSERT_FALSE(source);
+    EXPECT_TRUE(RecordingSource::open({.folder = folder_, .ignore_silhouettes = true}));
     EXPECT_THAT(source.error().message, HasSubstr("32x24 px"));
     EXPECT_THAT(source.error().message, HasSubstr("mogrify -filter point -resize '64x48!'"));
 }

@@ -125,7 +125,7 @@ TEST(OccupiedRoom, NamesACameraWithTooFewPictures) {
     const auto learned = learn_occupied_room(seen, {}, [](int, int) {}, {});
     EXPECT_TRUE(learned[0]);
     ASSERT_FALSE(learned[1]);
-    EXPECT_EQ(learned[1].error().kind, ErrorKind::kInvalidData);
+    EXPECT_EQ(learned[1].error().kind, ErrorKind::kNotFound);
     EXPECT_THAT(learned[1].error().message, HasSubstr("only 5 pictures"));
 }
 
