@@ -113,6 +113,30 @@ protected:
     std::jthread thread_;
 };
 
+TEST_F(ViewerRun, WarnsWithinTwoSecondsThatTheWorldServerIsLost) {
+    testing::internal::CaptureStderr();
+    start();
+    {
+        auto states = writer<bus::SceneState>();
+        bus::SceneState state;
+        state.world = "lost";
+        ASSERT_TRUE(eventually([&] {
+            state.time = Timestamp::now();
+            EXPECT_TRUE(states.write(state));
+            return states.num_readers() > 0 && viewer_->status().num_frames > 30;
+        }));
+    }
+    // the writer has left, as after a kill or a cut
+    const auto lost = std::chrono::steady_clock::now();
+    EXPECT_TRUE(eventually([&] { return std::chrono::steady_clock::now() - lost > 2500ms; }));
+    finish();
+    const std::string log = testing::internal::GetCapturedStderr();
+    const std::string event = "world_gone silent_s=";
+    const auto at = log.find(event);
+    ASSERT_NE(at, std::string::npos) << log;
+    EXPECT_LT(std::stod(log.substr(at + event.size())), 2.0) << log;
+}
+
 TEST_F(ViewerRun, ShowsAPersonAndForgetsItWithItsSite) {
     start();
     {

@@ -99,10 +99,11 @@ TEST_F(UserFiles, SurviveDamageAndKeepTheDamagedFile) {
                       "position_m = [0, 0, 1]\ntarget_m = [0, 0, 1]\n"),
           std::string("viewpoint = 3\n")}) {
         write(text);
-        testing::internal::CaptureStdout();
+        testing::internal::CaptureStderr();
         ViewpointBook lab = book();
-        const std::string log = testing::internal::GetCapturedStdout();
+        const std::string log = testing::internal::GetCapturedStderr();
         EXPECT_FALSE(lab.at(1)) << text;
+        EXPECT_THAT(log, HasSubstr("viewpoints_unreadable")) << text;
         EXPECT_TRUE(lab.keep(2, {"new", view_})) << text;
         EXPECT_EQ(book().at(2)->name, "new") << text;
         EXPECT_EQ(read(file_.string() + ".damaged"), text) << "the user's file must not be lost";
