@@ -201,10 +201,9 @@ void HullStage::compute(std::span<const std::uint8_t> delivered,
     }
     if (regions_.empty()) {
         hull::compute_visual_hull(pointers_, options_, hull_scratch_, executor, hull);
-    } else {
-        hull::compute_region_hulls(pointers_, regions_, options_, region_scratch_, executor, hull);
+        return;
     }
-    if (!options_.keep_phantoms) weak_components_.drop(pointers_, hull);
+    hull::compute_region_hulls(pointers_, regions_, options_, region_scratch_, executor, hull);
 }
 
 }  // namespace atrium::site_node

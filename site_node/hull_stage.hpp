@@ -6,7 +6,6 @@
 #include "core/geometry/pinhole_camera.hpp"
 #include "site_node/hull/regions.hpp"
 #include "site_node/hull/visual_hull.hpp"
-#include "site_node/weak_components.hpp"
 
 #include <Eigen/Core>
 
@@ -94,7 +93,6 @@ private:
     std::vector<const hull::SilhouetteView*> pointers_;
     hull::HullScratch hull_scratch_;
     hull::RegionScratch region_scratch_;
-    WeakComponents weak_components_;
 };
 
 }  // namespace atrium::site_node
