@@ -64,6 +64,7 @@ private:
     Expected<void> find_scale();
     Expected<double> said_scale() const;
     Expected<void> find_up();
+    void doubt_up(const UpChoice& found);
     Expected<void> find_floor();
     Expected<std::size_t> index_of(const std::string& name) const;
 
@@ -203,6 +204,20 @@ Expected<void> Concluder::find_scale() {
     return {};
 }
 
+// The frame of the file stays, for +Z is up in every format that prescribes it.
+void Concluder::doubt_up(const UpChoice& found) {
+    const std::string why =
+        found.is_known ? fmt::format("the pictures are level along ({:.2f}, {:.2f}, {:.2f})",
+                                     found.up.x(),
+                                     found.up.y(),
+                                     found.up.z())
+                       : "the cameras are tilted too differently to tell";
+    doubt(
+        fmt::format("up: {}; +Z of the file is taken; if people lie or stand on their heads, say "
+                    "--up +Y, -Y, ...",
+                    why));
+}
+
 Expected<void> Concluder::find_up() {
     const UpChoice found = choose_up(cameras_);
     Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
@@ -220,7 +235,7 @@ Expected<void> Concluder::find_up() {
         up = found.up;
         is_turned_ = true;
         why = fmt::format(
-            "up: no axis of the file; the direction ({:.2f}, {:.2f}, {:.2f}) along "
+            "up: the direction ({:.2f}, {:.2f}, {:.2f}) of the file, along "
             "which the pictures are level to {:.1f} degrees",
             up.x(),
             up.y(),
@@ -228,10 +243,7 @@ Expected<void> Concluder::find_up() {
             std::asin(std::min(found.tilt, 1.0)) * 57.2958);
         doubt("up: taken from the pictures' horizon, good to a degree or two; --up says better");
     } else {
-        if (!foreign_.up.empty()) up = axis_vector(foreign_.up);
-        doubt(
-            fmt::format("up: the cameras are tilted too differently to tell; +Z of the file is "
-                        "taken; if people lie, say --up +Y, -Y, ..."));
+        doubt_up(found);
         return {};
     }
     const geometry::RigidTransform site_from_file{upright_from(up), Eigen::Vector3d::Zero()};
